@@ -1,1 +1,5 @@
-//! .
+//! Triangle meshes and what conformal geometry computes on them.
+
+mod mesh;
+
+pub use mesh::*;
