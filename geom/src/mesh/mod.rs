@@ -10,6 +10,7 @@ mod triangulation;
 mod walk;
 
 pub use build::MeshError;
+pub(crate) use build::for_each_edge;
 pub use graph::VisitedVertices;
 pub use id::{Data, EdgeData, EdgeId, FaceData, FaceId, HalfedgeData, HalfedgeId, Id, VertexData, VertexId};
 pub use triangulation::Triangulation;
