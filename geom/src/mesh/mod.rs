@@ -11,7 +11,9 @@ mod walk;
 
 pub use build::MeshError;
 pub use graph::VisitedVertices;
-pub use id::{Data, EdgeData, EdgeId, FaceData, FaceId, HalfedgeData, HalfedgeId, Id, VertexData, VertexId};
+pub use id::{
+    Data, EdgeData, EdgeId, FaceData, FaceId, HalfedgeData, HalfedgeId, Id, VertexData, VertexId, WedgeData, WedgeId,
+};
 pub use triangulation::Triangulation;
 
 use std::ops::Deref;
