@@ -16,6 +16,7 @@ mod unwrap;
 pub use angles::{Angles, AnglesError, ConeCurvatures, cone_curvatures, least_cones};
 pub use error::Error;
 pub use factor::ConformalFactor;
+pub use fit::{Fit, FitError, Held, Quadratic, fit};
 pub use hierarchy::{Candidate, ConeHierarchy, Method};
 pub use layout::Layout;
 pub use mend::MendError;
