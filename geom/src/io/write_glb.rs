@@ -14,7 +14,7 @@ use super::wedge::Wedges;
 use crate::model::Model;
 use crate::triangulate::Triangles;
 
-/// Writes a model's triangles as `.glb`, with a texture coordinate for each corner and a PNG as the texture if given.
+/// Writes a model's triangles as `.glb`, with a texture coordinate for each corner and with these a PNG as the texture.
 ///
 /// # Errors
 /// When texture coordinates or triangles do not fit the model, when it is larger than 4 GB, or when writing fails.
@@ -42,6 +42,7 @@ pub fn write_glb(
         let flipped = texture_points.flat_map(|[u, v]| [u as f32, (1.0 - v) as f32]);
         binary.push(Some(ARRAY_BUFFER), flipped.flat_map(f32::to_le_bytes));
     }
+    let texture = texture.filter(|_| uv.is_some());
     if let Some(texture) = texture {
         binary.push(None, texture.iter().copied());
     }
@@ -58,8 +59,11 @@ pub fn write_glb(
     write_chunks(json.text(&binary).into_bytes(), binary.bytes, &mut out)
 }
 
+/// Names that glTF has for kinds of buffers and numbers.
 const ARRAY_BUFFER: u32 = 34962;
 const ELEMENT_ARRAY_BUFFER: u32 = 34963;
+const U32: u32 = 5125;
+const F32: u32 = 5126;
 
 /// How local f32 coordinates lie in the model's space.
 struct Frame {
@@ -131,43 +135,42 @@ struct Json {
 
 impl Json {
     fn text(&self, binary: &Binary) -> String {
-        let Self { points, indices, low, high, frame: Frame { centre, scale }, .. } = self;
+        let Self { points, indices, frame: Frame { centre, scale }, .. } = self;
+        let (low, high) = (self.low.map(f64::from), self.high.map(f64::from));
         let (attribute, accessor) = if self.has_uv {
             (
                 r#","TEXCOORD_0":2"#,
-                format!(r#",{{"bufferView":2,"componentType":5126,"count":{points},"type":"VEC2"}}"#),
+                format!(r#",{{"bufferView":2,"componentType":{F32},"count":{points},"type":"VEC2"}}"#),
             )
         } else {
             ("", String::new())
         };
         let (colour, images) = self.texture();
-        let views = binary.views.join(",");
-        let size = binary.bytes.len();
-        format!(r#"{{"asset":{{"version":"2.0","generator":"cones"}},"scene":0,"scenes":[{{"nodes":[0]}}],"#,)
-            + &format!(r#""nodes":[{{"mesh":0,"translation":{centre:?},"scale":[{scale:?},{scale:?},{scale:?}]}}],"#)
-            + &format!(
-                r#""meshes":[{{"primitives":[{{"attributes":{{"POSITION":0{attribute}}},"indices":1,"material":0}}]}}],"#
-            )
-            + &format!(
-                r#""materials":[{{"doubleSided":true,"pbrMetallicRoughness":{{{colour}"metallicFactor":0,"roughnessFactor":0.8}}}}],{images}"#
-            )
-            + &format!(
-                r#""accessors":[{{"bufferView":0,"componentType":5126,"count":{points},"type":"VEC3","min":{low:?},"max":{high:?}}},"#
-            )
-            + &format!(r#"{{"bufferView":1,"componentType":5125,"count":{indices},"type":"SCALAR"}}{accessor}],"#)
-            + &format!(r#""bufferViews":[{views}],"buffers":[{{"byteLength":{size}}}]}}"#)
+        [
+            r#"{"asset":{"version":"2.0","generator":"cones"},"scene":0,"scenes":[{"nodes":[0]}],"#.to_owned(),
+            format!(r#""nodes":[{{"mesh":0,"translation":{centre:?},"scale":[{scale:?},{scale:?},{scale:?}]}}],"#),
+            format!(r#""meshes":[{{"primitives":[{{"attributes":{{"POSITION":0{attribute}}},"#),
+            r#""indices":1,"material":0}]}],"materials":[{"doubleSided":true,"#.to_owned(),
+            format!(r#""pbrMetallicRoughness":{{{colour}"metallicFactor":0,"roughnessFactor":0.8}}}}],{images}"#),
+            format!(r#""accessors":[{{"bufferView":0,"componentType":{F32},"count":{points},"#),
+            format!(r#""type":"VEC3","min":{low:?},"max":{high:?}}},"#),
+            format!(r#"{{"bufferView":1,"componentType":{U32},"count":{indices},"type":"SCALAR"}}{accessor}],"#),
+            format!(r#""bufferViews":[{}],"#, binary.views.join(",")),
+            format!(r#""buffers":[{{"byteLength":{}}}]}}"#, binary.bytes.len()),
+        ]
+        .concat()
     }
 
     /// The material's colour, and the texture behind it.
-    fn texture(&self) -> (&'static str, String) {
+    fn texture(&self) -> (&'static str, &'static str) {
         if !self.has_texture {
-            return ("", String::new());
+            return ("", "");
         }
-        let view = if self.has_uv { 3 } else { 2 };
-        let images = format!(
-            r#""textures":[{{"source":0,"sampler":0}}],"samplers":[{{"wrapS":10497,"wrapT":10497,"magFilter":9729,"minFilter":9987}}],"images":[{{"bufferView":{view},"mimeType":"image/png"}}],"#
+        let images = concat!(
+            r#""textures":[{"source":0,"sampler":0}],"images":[{"bufferView":3,"mimeType":"image/png"}],"#,
+            r#""samplers":[{"wrapS":10497,"wrapT":10497,"magFilter":9729,"minFilter":9987}],"#
         );
-        (if self.has_uv { r#""baseColorTexture":{"index":0},"# } else { "" }, images)
+        (r#""baseColorTexture":{"index":0},"#, images)
     }
 }
 
