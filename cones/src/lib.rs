@@ -10,6 +10,7 @@ mod mend;
 mod operators;
 mod scaling;
 mod seams;
+mod untangle;
 mod unwrap;
 
 pub use angles::{Angles, AnglesError, ConeCurvatures, cone_curvatures, least_cones};
