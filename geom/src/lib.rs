@@ -4,6 +4,7 @@ mod cholesky;
 mod curvature;
 mod cut;
 mod delaunay;
+pub mod distortion;
 pub mod io;
 mod laplacian;
 mod mesh;
