@@ -6,6 +6,7 @@ mod factor;
 mod fit;
 mod hierarchy;
 mod layout;
+mod lbfgs;
 mod mend;
 mod operators;
 mod scaling;
