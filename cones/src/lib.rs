@@ -25,4 +25,5 @@ pub use operators::Operators;
 pub use scaling::{Scaling, ScalingError, scale};
 pub use seams::{Chain, SeamError, Seams};
 pub use topo::Kind;
+pub use untangle::{Corner, Patch, PatchError, PatchTriangle, Untangled};
 pub use unwrap::{Atlas, Cone, ConeChoice, Extraction, Options, Stage, Topology, extract, unwrap};
