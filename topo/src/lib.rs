@@ -1,8 +1,12 @@
 //! 0-dimensional persistence of a scalar field on any graph.
 
+mod basins;
+mod boruvka;
+mod descent;
 mod domain;
 mod filtration;
 mod hierarchy;
+mod merges;
 mod persistence;
 mod scalar;
 mod sweep;
@@ -11,7 +15,7 @@ mod union_find;
 pub use domain::Domain;
 pub use filtration::{Direction, Falling, FieldError, Filtration, Kind, NanPolicy, Rising};
 pub use hierarchy::{Extremum, Hierarchy};
+#[doc(hidden)]
+pub use merges::Merges;
 pub use persistence::{Options, Pair, Pairs, Persistence, persistence, sublevel, superlevel};
 pub use scalar::Scalar;
-#[doc(hidden)]
-pub use sweep::Merges;
