@@ -28,6 +28,18 @@ pub(crate) struct Scan {
     pub(crate) forks: Vec<Fork>,
 }
 
+impl Scan {
+    /// Joins the findings of consecutive ranges.
+    pub(crate) fn concat(scans: Vec<Self>) -> Self {
+        let join = |mut all: Self, scan: Self| {
+            all.extrema.extend(scan.extrema);
+            all.forks.extend(scan.forks);
+            all
+        };
+        scans.into_iter().reduce(join).unwrap_or_default()
+    }
+}
+
 /// A vertex with two earlier neighbours that may belong to different basins.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Fork {

@@ -5,15 +5,19 @@ mod boruvka;
 mod descent;
 mod domain;
 mod filtration;
+mod grid;
 mod hierarchy;
 mod merges;
+mod parallel;
 mod persistence;
 mod scalar;
+mod stencil;
 mod sweep;
 mod union_find;
 
 pub use domain::Domain;
 pub use filtration::{Direction, Falling, FieldError, Filtration, Kind, NanPolicy, Rising};
+pub use grid::{Connectivity, Grid};
 pub use hierarchy::{Extremum, Hierarchy};
 #[doc(hidden)]
 pub use merges::Merges;
