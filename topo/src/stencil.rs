@@ -83,26 +83,26 @@ impl Stencil {
 
     /// The part of a set that hangs together with one of its bits.
     pub(crate) fn part(&self, set: u32, bit: u32) -> u32 {
-        let mut reached = 0;
-        let mut fresh = 1u32 << bit;
-        while fresh != 0 {
-            reached |= fresh;
-            let mut next = 0;
-            while fresh != 0 {
-                next |= self.adjacent[fresh.trailing_zeros() as usize];
-                fresh &= fresh - 1;
-            }
-            fresh = next & set & !reached;
+        let mut reached = 1u32 << bit;
+        let mut spread = 0;
+        // Mostly the set is one part, and found to be so after very few of its bits.
+        while reached != set && reached != spread {
+            let fresh = (reached & !spread).trailing_zeros();
+            spread |= 1 << fresh;
+            reached |= self.adjacent[fresh as usize] & set;
         }
         reached
     }
 }
 
-/// All offsets but zero in -1..=1 along the last `dimensions` axes, by rising index.
+/// All offsets but zero in -1..=1 along the last `dimensions` axes, first those along one axis, which have most
+/// neighbours among the others.
 fn cube(dimensions: usize) -> Vec<Offset> {
     let span = |axis: usize| if axis + dimensions >= 3 { -1..=1i8 } else { 0..=0 };
     let offsets = span(0).flat_map(|z| span(1).flat_map(move |y| span(2).map(move |x| [z, y, x])));
-    offsets.filter(|&offset| offset != [0; 3]).collect()
+    let mut offsets: Vec<Offset> = offsets.filter(|&offset| offset != [0; 3]).collect();
+    offsets.sort_by_key(|&offset| steps(offset));
+    offsets
 }
 
 fn is_edge(connectivity: Connectivity, offset: Offset) -> bool {

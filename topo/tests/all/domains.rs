@@ -1,10 +1,8 @@
 //! The domains of this crate: their fast ways against the plain sweep, their neighbours against each other.
 
-mod common;
-
-use common::field;
+use crate::inputs::field;
 use proptest::prelude::*;
-use topo::{Connectivity, Domain, Grid, NanPolicy, Options, Scalar};
+use topo::{Adjacency, Connectivity, Domain, Grid, NanPolicy, Options, Path, Scalar, Triangulation};
 
 fn connectivity() -> impl Strategy<Value = Connectivity> {
     prop_oneof![Just(Connectivity::Axis), Just(Connectivity::Full), Just(Connectivity::Freudenthal)]
@@ -27,7 +25,47 @@ fn grid<const D: usize>(max: usize) -> impl Strategy<Value = (Grid<D>, Vec<f64>)
     })
 }
 
+/// Triangles at random: sheets that meet, repeated and degenerate triangles; or a torus in random orientation.
+fn triangles() -> impl Strategy<Value = (usize, Vec<[u32; 3]>)> {
+    let soup = (3..30u32).prop_flat_map(|n| {
+        let triangle = [0..n, 0..n, 0..n];
+        (Just(n as usize), proptest::collection::vec(triangle, 0..60))
+    });
+    let torus = (3..9u32, 3..9u32, any::<u64>()).prop_map(|(rows, columns, flips)| {
+        let at = move |y: u32, x: u32| y % rows * columns + x % columns;
+        let squares = (0..rows).flat_map(|y| (0..columns).map(move |x| (y, x)));
+        let halves = squares.flat_map(|(y, x)| {
+            let [a, b, c, d] = [at(y, x), at(y, x + 1), at(y + 1, x + 1), at(y + 1, x)];
+            [[a, b, c], [a, c, d]]
+        });
+        let flip = |(i, [a, b, c]): (usize, [u32; 3])| if flips >> (i % 64) & 1 == 0 { [a, b, c] } else { [b, a, c] };
+        ((rows * columns) as usize, halves.enumerate().map(flip).collect())
+    });
+    prop_oneof![soup, torus]
+}
+
 proptest! {
+    #[test]
+    fn triangles_are_paired_as_by_the_sweep_and_as_their_edges(
+        ((count, triangles), field) in triangles().prop_flat_map(|mesh| { let count = mesh.0; (Just(mesh), field(count)) })
+    ) {
+        let mesh = Triangulation::new(count, &triangles).expect("corners exist");
+        assert_fast_equals_plain(&mesh, &field);
+        let edges: Vec<_> = triangles.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]).map(|edge| edge.map(|v| v as usize)).collect();
+        let graph = Adjacency::from_edges(count, &edges).expect("ends exist");
+        prop_assert_eq!(topo::persistence(&mesh, &field), topo::persistence(&graph, &field));
+    }
+
+    #[test]
+    fn a_path_is_paired_as_by_the_sweep(mut field in (0..200usize).prop_flat_map(field), masked in proptest::collection::vec(any::<prop::sample::Index>(), 0..5)) {
+        let path = Path::new(field.len());
+        assert_fast_equals_plain(&path, &field);
+        if !field.is_empty() {
+            masked.iter().for_each(|index| field[index.index((&path).vertex_count())] = f64::NAN);
+            assert_fast_equals_plain(&path, &field);
+        }
+    }
+
     #[test]
     fn a_line_is_paired_as_by_the_sweep((grid, field) in grid::<1>(200)) {
         assert_fast_equals_plain(&grid, &field);

@@ -1,12 +1,11 @@
-//! What several test binaries share: random inputs that hurt, and an independent way to the pairs.
-#![allow(dead_code, reason = "each test binary uses a part")]
+//! Random inputs that hurt, and an independent way to the pairs.
 
 use petgraph::graph::UnGraph;
 use proptest::prelude::*;
 use std::cmp::Ordering;
 
 /// Undirected graphs with loops and repeated edges, connected or not.
-pub fn graph(max_vertices: usize) -> impl Strategy<Value = UnGraph<(), ()>> {
+pub(crate) fn graph(max_vertices: usize) -> impl Strategy<Value = UnGraph<(), ()>> {
     (1..=max_vertices).prop_flat_map(|count| {
         let edge = (0..count as u32, 0..count as u32);
         proptest::collection::vec(edge, 0..3 * count).prop_map(move |edges| {
@@ -20,7 +19,7 @@ pub fn graph(max_vertices: usize) -> impl Strategy<Value = UnGraph<(), ()>> {
 }
 
 /// Values that are equal, an ulp apart, infinite, or zeros of both signs as often as they are ordinary.
-pub fn value() -> impl Strategy<Value = f64> {
+pub(crate) fn value() -> impl Strategy<Value = f64> {
     prop_oneof![
         4 => -1.0..1.0f64,
         4 => (-3..=3i32).prop_map(f64::from),
@@ -32,13 +31,13 @@ pub fn value() -> impl Strategy<Value = f64> {
 }
 
 /// One value for each of `count` vertices.
-pub fn field(count: usize) -> impl Strategy<Value = Vec<f64>> {
+pub(crate) fn field(count: usize) -> impl Strategy<Value = Vec<f64>> {
     proptest::collection::vec(value(), count)
 }
 
 /// The (extremum, saddle) pairs of the sublevel filtration by reducing the boundary matrix of vertices and edges over
 /// two elements, column by column from left to right (Edelsbrunner, Letscher & Zomorodian 2002), sorted by extremum.
-pub fn matrix_reduction(graph: &UnGraph<(), ()>, field: &[f64]) -> Vec<(usize, Option<usize>)> {
+pub(crate) fn matrix_reduction(graph: &UnGraph<(), ()>, field: &[f64]) -> Vec<(usize, Option<usize>)> {
     let mut order: Vec<usize> = (0..field.len()).collect();
     let compare = |&a: &usize, &b: &usize| field[a].partial_cmp(&field[b]).unwrap_or(Ordering::Equal).then(a.cmp(&b));
     order.sort_by(compare);

@@ -1,8 +1,6 @@
 //! Laws of the pairing on random graphs and fields, with ties on purpose.
 
-mod common;
-
-use common::{field, graph, matrix_reduction};
+use crate::inputs::{field, graph, matrix_reduction};
 use petgraph::graph::UnGraph;
 use proptest::prelude::*;
 use topo::{Options, Pair, Pairs};

@@ -1,0 +1,5 @@
+//! What holds of persistence on any domain, on random input and on measured fields.
+
+mod domains;
+mod inputs;
+mod laws;
