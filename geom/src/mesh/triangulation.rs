@@ -41,19 +41,19 @@ impl Triangulation {
     }
 
     /// All vertices.
-    pub fn vertices(&self) -> impl ExactSizeIterator<Item = VertexId> + Clone + use<> {
+    pub fn vertices(&self) -> impl DoubleEndedIterator<Item = VertexId> + ExactSizeIterator + Clone + use<> {
         (0..self.vertex_count).map(VertexId::new)
     }
     /// All edges.
-    pub fn edges(&self) -> impl ExactSizeIterator<Item = EdgeId> + Clone + use<> {
+    pub fn edges(&self) -> impl DoubleEndedIterator<Item = EdgeId> + ExactSizeIterator + Clone + use<> {
         (0..self.edge_count()).map(EdgeId::new)
     }
     /// All triangles.
-    pub fn faces(&self) -> impl ExactSizeIterator<Item = FaceId> + Clone + use<> {
+    pub fn faces(&self) -> impl DoubleEndedIterator<Item = FaceId> + ExactSizeIterator + Clone + use<> {
         (0..self.face_count()).map(FaceId::new)
     }
     /// All halfedges.
-    pub fn halfedges(&self) -> impl ExactSizeIterator<Item = HalfedgeId> + Clone + use<> {
+    pub fn halfedges(&self) -> impl DoubleEndedIterator<Item = HalfedgeId> + ExactSizeIterator + Clone + use<> {
         (0..self.halfedge_count()).map(HalfedgeId::new)
     }
 
@@ -65,7 +65,7 @@ impl Triangulation {
     /// The previous halfedge round its triangle.
     #[inline]
     pub fn prev(&self, h: HalfedgeId) -> HalfedgeId {
-        HalfedgeId(if h.0 % 3 == 0 { h.0 + 2 } else { h.0 - 1 })
+        HalfedgeId(if h.0.is_multiple_of(3) { h.0 + 2 } else { h.0 - 1 })
     }
     /// The halfedge on the other side of the edge; none on the boundary.
     #[inline]

@@ -1,0 +1,233 @@
+//! The order in which vertices enter, and its exact reverse.
+//!
+//! The *sublevel* filtration lets vertices enter by rising (value, index); the *superlevel* filtration is the same order
+//! read backwards, so that a tie is broken alike in both: `superlevel(f)` equals `sublevel(-f)` with indices reversed.
+//! Everything below is written once, against [`Filtration::precedes`], and never asks which of the two it is.
+
+use crate::Scalar;
+use core::cmp::Ordering;
+use core::fmt;
+use core::marker::PhantomData;
+
+/// Why a field cannot be worked on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum FieldError {
+    /// The field has not one value for every vertex.
+    Length {
+        /// Number of values in the field.
+        values: usize,
+        /// Number of vertices of the domain.
+        vertices: usize,
+    },
+    /// A value is NaN and the policy is [`NanPolicy::Refuse`].
+    NotANumber {
+        /// Index of the first such vertex.
+        vertex: usize,
+    },
+    /// The domain has more vertices than can be numbered, which are 2³¹ - 1.
+    TooLarge {
+        /// Number of vertices of the domain.
+        vertices: usize,
+    },
+}
+
+impl fmt::Display for FieldError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Length { values, vertices } => {
+                write!(f, "the field has {values} values for {vertices} vertices; it needs one for each")
+            }
+            Self::NotANumber { vertex } => {
+                write!(f, "the value of vertex {vertex} is NaN; replace it, or mask such vertices out of the domain")
+            }
+            Self::TooLarge { vertices } => {
+                write!(f, "the domain has {vertices} vertices, more than {MAX_VERTICES}; coarsen or split it")
+            }
+        }
+    }
+}
+
+impl core::error::Error for FieldError {}
+
+/// Vertices are `u32`s whose top bit marks finished labels.
+const MAX_VERTICES: usize = (1 << 31) - 1;
+
+/// What to do with vertices whose value is NaN.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum NanPolicy {
+    /// Fail with [`FieldError::NotANumber`].
+    #[default]
+    Refuse,
+    /// Leave such vertices and their edges out of the domain. This is also how to restrict a field to a part of it.
+    Mask,
+}
+
+/// Which extrema a filtration pairs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Kind {
+    /// Of sublevel sets.
+    Minimum,
+    /// Of superlevel sets.
+    Maximum,
+}
+
+/// One of the two ways through the order of the vertices: [`Rising`] or [`Falling`].
+pub trait Direction: Copy + fmt::Debug + Send + Sync + 'static {
+    /// The extrema at which components of this direction are born.
+    const KIND: Kind;
+
+    /// Whether a vertex of value `a` enters before one of value `b` and *higher* index. False if one is NaN.
+    fn precedes_higher_index<S: Scalar>(a: S, b: S) -> bool;
+
+    /// Whether a vertex of value `a` enters before one of value `b` and *lower* index. False if one is NaN.
+    fn precedes_lower_index<S: Scalar>(a: S, b: S) -> bool;
+}
+
+/// Sublevel sets: low values first.
+#[derive(Debug, Clone, Copy)]
+pub struct Rising;
+
+/// Superlevel sets: high values first.
+#[derive(Debug, Clone, Copy)]
+pub struct Falling;
+
+impl Direction for Rising {
+    const KIND: Kind = Kind::Minimum;
+
+    fn precedes_higher_index<S: Scalar>(a: S, b: S) -> bool {
+        a <= b
+    }
+
+    fn precedes_lower_index<S: Scalar>(a: S, b: S) -> bool {
+        a < b
+    }
+}
+
+impl Direction for Falling {
+    const KIND: Kind = Kind::Maximum;
+
+    fn precedes_higher_index<S: Scalar>(a: S, b: S) -> bool {
+        a > b
+    }
+
+    fn precedes_lower_index<S: Scalar>(a: S, b: S) -> bool {
+        a >= b
+    }
+}
+
+/// A field together with a direction: the total order in which its vertices enter.
+///
+/// Vertices whose value is NaN never enter; nothing precedes them and they precede nothing.
+#[derive(Debug, Clone, Copy)]
+pub struct Filtration<'a, S, D> {
+    field: &'a [S],
+    direction: PhantomData<D>,
+}
+
+impl<'a, S: Scalar, D: Direction> Filtration<'a, S, D> {
+    /// Checks a field for a domain of `vertices` vertices.
+    pub(crate) fn new(field: &'a [S], vertices: usize, nan: NanPolicy) -> Result<Self, FieldError> {
+        if field.len() != vertices {
+            return Err(FieldError::Length { values: field.len(), vertices });
+        }
+        if vertices > MAX_VERTICES {
+            return Err(FieldError::TooLarge { vertices });
+        }
+        if nan == NanPolicy::Refuse
+            && let Some(vertex) = first_nan(field)
+        {
+            return Err(FieldError::NotANumber { vertex });
+        }
+        Ok(Self { field, direction: PhantomData })
+    }
+
+    /// The field itself, by vertex index.
+    pub fn field(&self) -> &'a [S] {
+        self.field
+    }
+
+    /// The value of a vertex.
+    pub fn value(&self, vertex: u32) -> S {
+        self.field[vertex as usize]
+    }
+
+    /// Whether `u` enters before `v`. False for `u == v` and if either never enters.
+    pub fn precedes(&self, u: u32, v: u32) -> bool {
+        let (a, b) = (self.value(u), self.value(v));
+        if u < v { D::precedes_higher_index(a, b) } else { u > v && D::precedes_lower_index(a, b) }
+    }
+
+    /// The order of two vertices that enter.
+    pub(crate) fn compare(&self, u: u32, v: u32) -> Ordering {
+        match u == v {
+            true => Ordering::Equal,
+            false if self.precedes(u, v) => Ordering::Less,
+            false => Ordering::Greater,
+        }
+    }
+
+    /// Whether the vertex enters at all: its value is a number.
+    pub fn contains(&self, vertex: u32) -> bool {
+        !self.value(vertex).is_nan()
+    }
+
+    /// All vertices that enter, in the order in which they do. O(n log n).
+    pub(crate) fn order(&self) -> Vec<u32> {
+        let keyed = self.field.iter().zip(0..).filter_map(|(value, vertex)| Some((value.key()?, vertex)));
+        let mut keyed: Vec<(S::Key, u32)> = keyed.collect();
+        keyed.sort_unstable();
+        if D::KIND == Kind::Maximum {
+            keyed.reverse();
+        }
+        keyed.into_iter().map(|(_, vertex)| vertex).collect()
+    }
+}
+
+/// Index of the first NaN. Blocks are tested whole, which compiles to vector instructions.
+fn first_nan<S: Scalar>(field: &[S]) -> Option<usize> {
+    const BLOCK: usize = 64;
+    let blocks = field.chunks(BLOCK);
+    let block = blocks.clone().position(|block| block.iter().fold(false, |found, value| found | value.is_nan()))?;
+    field[block * BLOCK..].iter().position(|value| value.is_nan()).map(|offset| block * BLOCK + offset)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn order<D: Direction>(field: &[f64]) -> Vec<u32> {
+        Filtration::<f64, D>::new(field, field.len(), NanPolicy::Mask).expect("fits").order()
+    }
+
+    #[test]
+    fn superlevel_is_sublevel_backwards() {
+        let field = [1.0, 0.0, 1.0, -0.0, f64::NAN, f64::INFINITY];
+        let rising = order::<Rising>(&field);
+        let falling: Vec<u32> = order::<Falling>(&field).into_iter().rev().collect();
+        assert_eq!(rising, [1, 3, 0, 2, 5]);
+        assert_eq!(rising, falling);
+    }
+
+    #[test]
+    fn precedes_agrees_with_the_order() {
+        let field = [1.0, 0.0, 1.0, -0.0, f64::INFINITY, f64::INFINITY, f64::NEG_INFINITY];
+        let filtration = Filtration::<f64, Falling>::new(&field, field.len(), NanPolicy::Refuse).expect("fits");
+        let order = filtration.order();
+        for (i, &u) in order.iter().enumerate() {
+            for (j, &v) in order.iter().enumerate() {
+                assert_eq!(filtration.precedes(u, v), i < j);
+            }
+        }
+    }
+
+    #[test]
+    fn a_wrong_field_is_named() {
+        let short = Filtration::<f64, Rising>::new(&[0.0], 2, NanPolicy::Refuse).expect_err("too short");
+        assert_eq!(short, FieldError::Length { values: 1, vertices: 2 });
+        let mut field = [0.0; 200];
+        field[131] = f64::NAN;
+        let nan = Filtration::<f64, Rising>::new(&field, 200, NanPolicy::Refuse).expect_err("NaN");
+        assert_eq!(nan, FieldError::NotANumber { vertex: 131 });
+    }
+}
