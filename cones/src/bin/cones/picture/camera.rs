@@ -57,6 +57,11 @@ impl Camera {
         self.focal * place[2]
     }
 
+    /// The size of a pixel in space at distance one.
+    pub(crate) fn pixel(&self) -> f64 {
+        1.0 / self.focal
+    }
+
     /// A direction in the camera's frame: right, up, towards the eye.
     pub(crate) fn turn(&self, d: Vector) -> Vector {
         [dot(d, self.right), dot(d, self.up), dot(d, self.towards)]

@@ -82,6 +82,28 @@ impl Canvas {
         }, |n| shade(n));
     }
 
+    /// Width and height in pixels.
+    pub(crate) fn size(&self) -> (usize, usize) {
+        (self.width, self.height)
+    }
+
+    /// The nearness at the middle of a pixel; 0 where only paper is seen.
+    pub(crate) fn nearness_at(&self, x: usize, y: usize) -> f64 {
+        let middle = SAMPLES / 2;
+        f64::from(self.nearness[(y * SAMPLES + middle) * self.width * SAMPLES + x * SAMPLES + middle])
+    }
+
+    /// Multiplies each pixel's light by a factor; paper stays as it is.
+    pub(crate) fn dim(&mut self, factor: &[f32]) {
+        let row = self.width * SAMPLES;
+        for (i, (sample, &nearness)) in self.colour.iter_mut().zip(&self.nearness).enumerate() {
+            let dimmed = factor[i / row / SAMPLES * self.width + i % row / SAMPLES].sqrt();
+            if nearness > 0.0 {
+                *sample = sample.map(|s| (f32::from(s) * dimmed).round() as u8);
+            }
+        }
+    }
+
     /// The picture: samples averaged pixel by pixel.
     pub(crate) fn develop(self) -> Picture {
         let row = self.width * SAMPLES;

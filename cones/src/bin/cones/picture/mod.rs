@@ -7,6 +7,7 @@ mod canvas;
 mod chart;
 mod checker;
 mod colour;
+mod hollows;
 mod layout;
 mod light;
 mod model;

@@ -3,10 +3,15 @@
 use super::camera::Camera;
 use super::canvas::{Canvas, Picture, Place};
 use super::chart::Chart;
-use super::colour::{self, Colour, INK, INSIDE, MAXIMUM, MINIMUM, PAPER};
-use super::light::lit;
+use super::checker;
+use super::colour::{Colour, INK, INSIDE, MAXIMUM, MINIMUM, PAPER, mix};
+use super::hollows;
+use super::light::Light;
 use super::space::{Vector, cross, dot, minus, plus, unit};
 
+/// Degrees to the right of the front, and the height above the horizon for each length away.
+const TURN: f64 = 32.0;
+const RISE: f64 = 0.42;
 const WIDTH: usize = 1280;
 const HEIGHT: usize = 1024;
 /// Seams' width in pixels.
@@ -18,35 +23,45 @@ const SMOOTH: f64 = 0.77;
 /// Seams are drawn this share nearer than they are, so that the surface they lie on does not hide them.
 const LIFT: f64 = 2e-3;
 
-/// Draws the model seen from the side that shows most of it.
+/// Draws the model seen three quarters from the front and from above.
 pub(crate) fn draw(chart: &Chart) -> Picture {
     let camera = view(chart);
     let mut canvas = Canvas::new(WIDTH, HEIGHT, PAPER);
     let places: Vec<Place> = chart.points.iter().map(|&p| camera.place(p)).collect();
     draw_surface(&mut canvas, chart, &camera, &places);
     draw_seams(&mut canvas, chart, &places);
+    hollows::darken(&mut canvas, camera.pixel());
     draw_cones(&mut canvas, chart, &camera, &places);
     canvas.develop()
 }
 
 fn draw_surface(canvas: &mut Canvas, chart: &Chart, camera: &Camera, places: &[Place]) {
     let normals = corner_normals(chart);
-    for (f, t) in chart.triangles.iter().enumerate() {
-        let corners = t.map(|v| chart.points[v as usize]);
-        let turned = normals[f].map(|n| camera.turn(n));
-        let sights = corners.map(|p| camera.sight(p));
-        let outside = dot(camera.turn(face_normal(chart, t)), sights[0]) >= 0.0;
+    for f in front_to_back(chart, places) {
+        let t = chart.triangles[f];
+        let sights = t.map(|v| camera.sight(chart.points[v as usize]));
+        let outside = dot(camera.turn(face_normal(chart, &t)), sights[0]) >= 0.0;
+        let light: [Light; 3] = std::array::from_fn(|k| {
+            let normal = camera.turn(normals[f][k]);
+            Light::on(facing(normal, sights[k], outside), sights[k])
+        });
         canvas.triangle(t.map(|v| places[v as usize]), |w| {
-            let uv = [0, 1].map(|i| (0..3).map(|k| w[k] * chart.uv[f][k][i]).sum());
-            let colour = super::checker::colour(uv);
-            let colour = if outside { colour } else { colour::mix(colour, INSIDE, 0.6) };
-            let sight = unit(blend(&sights, w));
-            lit(colour, facing(unit(blend(&turned, w)), sight, outside), sight)
+            let colour = checker::colour([0, 1].map(|i| (0..3).map(|k| w[k] * chart.uv[f][k][i]).sum()));
+            let colour = if outside { colour } else { mix(colour, INSIDE, 0.6) };
+            Light::blend(&light, w).apply(colour)
         });
     }
 }
 
-/// The normal on the eye's side of the surface; interpolated normals that lean away are bent back to the rim.
+/// The triangles, nearest first: then little is painted that is hidden later.
+fn front_to_back(chart: &Chart, places: &[Place]) -> Vec<usize> {
+    let nearness = |f: usize| chart.triangles[f].map(|v| places[v as usize][2]).into_iter().fold(0.0, f64::max);
+    let mut order: Vec<usize> = (0..chart.triangles.len()).collect();
+    order.sort_by_cached_key(|&f| std::cmp::Reverse((nearness(f) * 1e6) as i64));
+    order
+}
+
+/// The normal on the eye's side of the surface; one that leans away, as interpolated ones do, is bent back to the rim.
 fn facing(normal: Vector, sight: Vector, outside: bool) -> Vector {
     let normal = if outside { normal } else { normal.map(|x| -x) };
     let towards = dot(normal, sight);
@@ -67,19 +82,17 @@ fn draw_cones(canvas: &mut Canvas, chart: &Chart, camera: &Camera, places: &[Pla
     for cone in &chart.cones {
         let place = places[cone.vertex as usize];
         let colour: Colour = if cone.positive { MINIMUM } else { MAXIMUM };
-        canvas.ball(place, CONE, camera.scale(place), |n| lit(colour, n, [0.0, 0.0, 1.0]));
+        canvas.ball(place, CONE, camera.scale(place), |n| Light::on(n, [0.0, 0.0, 1.0]).apply(colour));
     }
 }
 
-/// Three quarters from above, from the one of four corners that shows the largest silhouette; the front wins near ties.
+/// To the right of the front and from above.
 fn view(chart: &Chart) -> Camera {
     let used: Vec<Vector> = chart.triangles.iter().flatten().map(|&v| chart.points[v as usize]).collect();
     let (up, front, side) = axes(&used);
-    let from = |angle: f64, height: f64| {
-        let (sin, cos) = angle.to_radians().sin_cos();
-        plus(plus(front.map(|x| x * cos), sin, side), height, up)
-    };
-    Camera::framing(&used, from(32.0, 0.42), up, WIDTH, HEIGHT)
+    let (sin, cos) = TURN.to_radians().sin_cos();
+    let from = plus(plus(front.map(|x| x * cos), sin, side), RISE, up);
+    Camera::framing(&used, from, up, WIDTH, HEIGHT)
 }
 
 /// Up, front and right of a model: y is up and z in front as in most files, except in a landscape, wide in x and y.
@@ -133,8 +146,4 @@ fn faces_round(chart: &Chart) -> (Vec<u32>, Vec<u32>) {
 fn face_normal(chart: &Chart, t: &[u32; 3]) -> Vector {
     let [a, b, c] = t.map(|v| chart.points[v as usize]);
     cross(minus(b, a), minus(c, a))
-}
-
-fn blend(corners: &[Vector; 3], w: [f64; 3]) -> Vector {
-    std::array::from_fn(|i| w[0] * corners[0][i] + w[1] * corners[1][i] + w[2] * corners[2][i])
 }
