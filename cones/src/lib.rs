@@ -1,1 +1,5 @@
-//! .
+//! Cone-based conformal unwrapping.
+
+mod seams;
+
+pub use seams::{Chain, SeamError, Seams};

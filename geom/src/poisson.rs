@@ -61,6 +61,17 @@ impl Poisson {
         Ok(Self { cholesky, unknown, vertex_count, closed: fixed.is_empty() })
     }
 
+    /// Factors a matrix that is positive definite as it is, such as M + tL; with [`solve`](Self::solve) alone.
+    ///
+    /// # Errors
+    /// If it is not positive definite, or memory does not suffice.
+    pub fn definite(matrix: &CsMat<f64>) -> Result<Self, PoissonError> {
+        let vertex_count = matrix.rows();
+        let unknown: Vec<VertexId> = (0..vertex_count).map(VertexId::new).collect();
+        let cholesky = Cholesky::new(restrict(matrix, &unknown))?;
+        Ok(Self { cholesky, unknown, vertex_count, closed: false })
+    }
+
     /// Factors another Laplacian of the same surface, with the same vertices fixed; what can be kept is.
     ///
     /// # Errors

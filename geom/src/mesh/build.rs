@@ -74,6 +74,13 @@ impl Mesh {
         }
         let tail: Vec<VertexId> = faces.iter().flatten().map(|&v| VertexId(v)).collect();
         let twin = match_twins(vertex_count, &tail)?;
+        Self::from_twins(vertex_count, tail, twin)
+    }
+
+    /// A mesh from its gluing: for each halfedge (three a triangle, counter-clockwise) the vertex where it starts and its
+    /// twin, `u32::MAX` on the boundary. Unlike [`Mesh::new`] it can hold triangles that are *not* glued along an edge
+    /// whose two ends they share.
+    pub(crate) fn from_twins(vertex_count: usize, tail: Vec<VertexId>, twin: Vec<u32>) -> Result<Self, MeshError> {
         let mut edge = vec![EdgeId(u32::MAX); tail.len()];
         let mut edge_halfedge = Vec::with_capacity(tail.len() / 2 + 1);
         for h in 0..tail.len() {
@@ -91,6 +98,23 @@ impl Mesh {
 
 /// For each halfedge the one that runs the other way between the same vertices, `u32::MAX` where there is none.
 fn match_twins(vertex_count: usize, tail: &[VertexId]) -> Result<Vec<u32>, MeshError> {
+    let mut twin = vec![u32::MAX; tail.len()];
+    let mut error = None;
+    for_each_edge(vertex_count, tail, |ends, sides| match *sides {
+        [_] => {}
+        [h, g] if tail[h as usize] != tail[g as usize] => {
+            twin[h as usize] = g;
+            twin[g as usize] = h;
+        }
+        [h, g] => error = error.take().or(Some(MeshError::Misoriented { ends, faces: [FaceId(h / 3), FaceId(g / 3)] })),
+        _ => error = error.take().or(Some(MeshError::NonManifoldEdge { ends })),
+    });
+    error.map_or(Ok(twin), Err)
+}
+
+/// Visits each pair of vertices that halfedges (three a triangle, given by where they start) run between, with these
+/// halfedges in ascending order. Edges come by their lower end, then by the upper one.
+pub(crate) fn for_each_edge(vertex_count: usize, tail: &[VertexId], mut visit: impl FnMut([VertexId; 2], &[u32])) {
     let head = |h: usize| tail[if h % 3 == 2 { h - 2 } else { h + 1 }];
     let lower_end = |h: usize| tail[h].min(head(h)).index();
     // Halfedges bucketed by the lower end of their edge, each bucket sorted by the upper end.
@@ -108,22 +132,14 @@ fn match_twins(vertex_count: usize, tail: &[VertexId]) -> Result<Vec<u32>, MeshE
         bucket[*at as usize] = (tail[h].max(head(h)), h as u32);
         *at += 1;
     }
-    let mut twin = vec![u32::MAX; tail.len()];
+    let mut sides = Vec::new();
     for v in 0..vertex_count {
         let star = &mut bucket[start[v] as usize..start[v + 1] as usize];
         star.sort_unstable();
         for edge in star.chunk_by(|a, b| a.0 == b.0) {
-            let ends = [VertexId::new(v), edge[0].0];
-            match *edge {
-                [_] => {}
-                [(_, h), (_, g)] if tail[h as usize] != tail[g as usize] => {
-                    twin[h as usize] = g;
-                    twin[g as usize] = h;
-                }
-                [(_, h), (_, g)] => return Err(MeshError::Misoriented { ends, faces: [FaceId(h / 3), FaceId(g / 3)] }),
-                _ => return Err(MeshError::NonManifoldEdge { ends }),
-            }
+            sides.clear();
+            sides.extend(edge.iter().map(|&(_, h)| h));
+            visit([VertexId::new(v), edge[0].0], &sides);
         }
     }
-    Ok(twin)
 }

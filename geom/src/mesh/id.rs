@@ -66,6 +66,10 @@ id!(
     /// its tail.
     HalfedgeId, HalfedgeData, "halfedge", "h"
 );
+id!(
+    /// A vertex of a mesh that was opened along edges: the corners at one vertex between two cuts.
+    WedgeId, WedgeData, "wedge", "w"
+);
 
 /// An array with a value for each element that an id type names. It is a slice with typed indexing.
 #[derive(Clone, PartialEq)]

@@ -10,8 +10,11 @@ mod triangulation;
 mod walk;
 
 pub use build::MeshError;
+pub(crate) use build::for_each_edge;
 pub use graph::VisitedVertices;
-pub use id::{Data, EdgeData, EdgeId, FaceData, FaceId, HalfedgeData, HalfedgeId, Id, VertexData, VertexId};
+pub use id::{
+    Data, EdgeData, EdgeId, FaceData, FaceId, HalfedgeData, HalfedgeId, Id, VertexData, VertexId, WedgeData, WedgeId,
+};
 pub use triangulation::Triangulation;
 
 use std::ops::Deref;

@@ -1,0 +1,224 @@
+//! The curvature of each cone, given where the cones are.
+//!
+//! *Harmonic* curvatures are those of the conformal factor pinned to 0 at all cones, as in [BCGB08] and the paper.
+//! *Optimal* ones make the L2 norm of the log scale factor least, under bounds that keep the cones buildable: the linear
+//! log scale factor is u = p + Σ q_c g_c, with p the flattening of everything and g_c Green's function of cone c, so that
+//! |u|² is a quadratic function of the curvatures q (a small dense program, [`fit`](crate::fit)).
+//!
+//! A cone's angle is θ = 2π - k. Bounds: k at most 1.5π (less than 2π is needed, and near it the metric degenerates); k at
+//! least -2π, and not so low that the cone's triangles in the input could not span θ: θ ≤ ¾π a triangle.
+
+use std::f64::consts::PI;
+
+use geom::{Mesh, VertexData, VertexId};
+use thiserror::Error;
+
+use crate::fit::{self, Quadratic};
+use crate::operators::Operators;
+
+/// How cones get their curvatures.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Angles {
+    /// Those of the log scale factor that is 0 at all cones, as the paper has it.
+    Harmonic,
+    /// Those that make the L2 norm of the log scale factor least.
+    #[default]
+    Optimal,
+}
+
+/// Curvatures for cones, or why there are none.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum AnglesError {
+    /// The bounds admit no curvatures with the right sum.
+    #[error("{cones} cones cannot take the total curvature of {total:.4}; at least {least} are needed")]
+    TooFew {
+        /// How many cones were given.
+        cones: usize,
+        /// What they should sum to.
+        total: f64,
+        /// How many it takes, by count; vertices of low degree may ask for more.
+        least: usize,
+    },
+}
+
+/// Cone curvatures with what is known of them.
+#[derive(Clone, Debug)]
+pub struct ConeCurvatures {
+    /// The curvature of each cone, in radians; on a closed surface they sum to 2πχ exactly.
+    pub curvature: Vec<f64>,
+    /// The log scale factor that linear theory predicts, centred.
+    pub predicted: VertexData<f64>,
+    /// Harmonic curvatures were asked for, but these cones' were out of bounds, so that optimal ones were taken instead.
+    pub out_of_bounds: Vec<VertexId>,
+}
+
+/// The least and greatest curvature of each cone.
+#[derive(Clone, Debug)]
+pub(crate) struct Bounds {
+    pub(crate) low: Vec<f64>,
+    pub(crate) high: Vec<f64>,
+}
+
+impl Bounds {
+    /// The bounds of `cones` on a surface whose layout will use the triangles of `input`.
+    pub(crate) fn new(operators: &Operators, input: &Mesh, cones: &[VertexId]) -> Self {
+        let count = cones.len().max(1) as f64;
+        let total = if operators.is_bordered() { 0.0 } else { operators.total_curvature() };
+        let high = (1.5 * PI).max(1.02 * total / count);
+        let low = -(2.0 * PI).max(2.5 * (-total).max(0.0) / count);
+        let by_degree = |&v| low.max(2.0 * PI - 0.75 * PI * usable_degree(input, cones, v) as f64).min(high);
+        Self { low: cones.iter().map(by_degree).collect(), high: vec![high; cones.len()] }
+    }
+}
+
+/// The triangles at a vertex that can open up. A flat neighbour of degree 3 makes three triangles one.
+fn usable_degree(input: &Mesh, cones: &[VertexId], v: VertexId) -> usize {
+    let stuck = |w: &&VertexId| input.face_degree(**w) == 3 && !input.is_boundary_vertex(**w) && !cones.contains(w);
+    let degree = input.face_degree(v);
+    degree.saturating_sub(input.neighbors(v).iter().filter(stuck).count()).max(1)
+}
+
+/// The least number of cones of a closed surface, from the total curvature alone; 0 with a boundary. A sphere needs
+/// three, each below 2π; a torus none; beyond, one.
+pub fn least_cones(operators: &Operators) -> usize {
+    match operators.mesh.euler_characteristic() {
+        _ if operators.is_bordered() => 0,
+        2 => 3,
+        0 => 0,
+        _ => 1,
+    }
+}
+
+/// The curvatures of the given cones, in their order. `input` is the triangulation that will be laid out. Costs one block
+/// of solves.
+///
+/// # Errors
+/// If the bounds cannot be met with so few cones.
+pub fn cone_curvatures(
+    operators: &Operators,
+    input: &Mesh,
+    cones: &[VertexId],
+    angles: Angles,
+) -> Result<ConeCurvatures, AnglesError> {
+    let flattening = operators.poisson.solve(&operators.flattening_source());
+    let green = operators.green(cones);
+    let bounds = Bounds::new(operators, input, cones);
+    let mut out_of_bounds = Vec::new();
+    if angles == Angles::Harmonic {
+        if let Some(curvature) = harmonic(operators, cones, &flattening, &green) {
+            let outside = |k: f64| !(k < 2.0 * PI - 0.02);
+            out_of_bounds = cones
+                .iter()
+                .zip(&curvature)
+                .zip(&bounds.low)
+                .filter(|((_, k), low)| outside(**k) || **k < low.min(-2.0 * PI))
+                .map(|((v, _), _)| *v)
+                .collect();
+            if out_of_bounds.is_empty() {
+                let mut predicted = combine(&flattening, &green, &curvature);
+                operators.subtract_mean(&mut predicted);
+                return Ok(ConeCurvatures { curvature, predicted, out_of_bounds });
+            }
+        } else {
+            out_of_bounds = cones.to_vec();
+        }
+    }
+    let (p, g) = centred(operators, flattening, green);
+    let curvature = optimal(operators, &p, &g, &bounds)?;
+    let predicted = combine(&p, &g, &curvature);
+    Ok(ConeCurvatures { curvature, predicted, out_of_bounds })
+}
+
+/// The log scale factor that is 0 at all the cones (centred if there are none), with curvature nowhere else.
+pub(crate) fn pinned_factor(operators: &Operators, cones: &[VertexId], green: &[VertexData<f64>]) -> VertexData<f64> {
+    let mut flattening = operators.poisson.solve(&operators.flattening_source());
+    match harmonic(operators, cones, &flattening, green) {
+        Some(curvature) if !cones.is_empty() => {
+            let mut u = combine(&flattening, green, &curvature);
+            if !operators.is_bordered() {
+                let at_cones = u[cones[0]];
+                u.iter_mut().for_each(|u| *u -= at_cones);
+            }
+            u
+        }
+        _ => {
+            operators.centre(&mut flattening);
+            flattening
+        }
+    }
+}
+
+fn centred(
+    operators: &Operators,
+    mut flattening: VertexData<f64>,
+    mut green: Vec<VertexData<f64>>,
+) -> (VertexData<f64>, Vec<VertexData<f64>>) {
+    operators.centre(&mut flattening);
+    green.iter_mut().for_each(|g| operators.centre(g));
+    (flattening, green)
+}
+
+/// p + Σ q g.
+fn combine(p: &VertexData<f64>, green: &[VertexData<f64>], curvature: &[f64]) -> VertexData<f64> {
+    let mut u = p.clone();
+    for (g, q) in green.iter().zip(curvature) {
+        u.iter_mut().zip(g.iter()).for_each(|(u, g)| *u += q * g);
+    }
+    u
+}
+
+/// The curvatures least in |p + Σ q g|², on a closed surface with sum 2πχ.
+fn optimal(
+    operators: &Operators,
+    p: &VertexData<f64>,
+    green: &[VertexData<f64>],
+    bounds: &Bounds,
+) -> Result<Vec<f64>, AnglesError> {
+    let n = green.len();
+    let mut quadratic = vec![0.0; n * n];
+    for i in 0..n {
+        for j in 0..=i {
+            let product = operators.inner(&green[i], &green[j]);
+            quadratic[i * n + j] = product;
+            quadratic[j * n + i] = product;
+        }
+    }
+    let linear: Vec<f64> = green.iter().map(|g| operators.inner(g, p)).collect();
+    let total = (!operators.is_bordered()).then(|| operators.total_curvature());
+    let energy = Quadratic { constant: operators.inner(p, p), linear: &linear, matrix: &quadratic };
+    fit::minimise(&energy, &bounds.low, &bounds.high, total).map_err(|_| AnglesError::TooFew {
+        cones: n,
+        total: operators.total_curvature(),
+        least: least_cones(operators).max(n + 1),
+    })
+}
+
+/// The curvatures for which u is 0 at all cones: G q = -p there, on a closed surface up to a constant and with sum 2πχ.
+fn harmonic(
+    operators: &Operators,
+    cones: &[VertexId],
+    flattening: &VertexData<f64>,
+    green: &[VertexData<f64>],
+) -> Option<Vec<f64>> {
+    let n = cones.len();
+    let closed = !operators.is_bordered();
+    let size = n + usize::from(closed);
+    let mut matrix = vec![0.0; size * size];
+    let mut right = vec![0.0; size];
+    for (i, &v) in cones.iter().enumerate() {
+        for (j, g) in green.iter().enumerate() {
+            matrix[i * size + j] = g[v];
+        }
+        right[i] = -flattening[v];
+        if closed {
+            matrix[i * size + n] = 1.0;
+            matrix[n * size + i] = 1.0;
+        }
+    }
+    if closed {
+        right[n] = operators.total_curvature();
+    }
+    let mut curvature = fit::solve_dense(matrix, right)?;
+    curvature.truncate(n);
+    Some(curvature)
+}
