@@ -92,8 +92,11 @@ pub(crate) struct Measure {
 #[derive(Args, Debug)]
 pub(crate) struct Shape {
     /// Which shape
-    #[arg(value_name = "NAME", value_parser = clap::builder::PossibleValuesParser::new(geom::shapes::NAMES))]
+    #[arg(value_name = "NAME", value_parser = shape_name, long_help = shape_help())]
     pub(crate) name: String,
+    /// About how many vertices
+    #[arg(long, value_name = "N", default_value_t = 10_000, value_parser = vertex_count)]
+    pub(crate) vertices: usize,
     /// Where to write it: .obj
     #[arg(short, long, value_name = "OUT")]
     pub(crate) output: PathBuf,
@@ -130,6 +133,9 @@ pub(crate) struct Choice {
     /// Diffuse the curvature before cones are looked for: steadier on noisy scans
     #[arg(long)]
     smooth: bool,
+    /// Merge vertices that are at exactly the same place, as those along a seam of another unwrapping are
+    #[arg(long)]
+    weld: bool,
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
@@ -175,7 +181,7 @@ impl Choice {
             AnglesName::Optimal => Angles::Optimal,
             AnglesName::Harmonic => Angles::Harmonic,
         };
-        Ok(Options { cones, method, angles, smooth: self.smooth })
+        Ok(Options { cones, method, angles, smooth: self.smooth, weld: self.weld })
     }
 }
 
@@ -193,6 +199,21 @@ pub(crate) fn angles_name(angles: Angles) -> &'static str {
         Angles::Optimal => "optimal",
         Angles::Harmonic => "harmonic",
     }
+}
+
+fn shape_name(text: &str) -> Result<String, String> {
+    // A shape of few vertices is made in no time, and tells whether the name is known.
+    let known = geom::shapes::by_name(text, 1).is_some();
+    if known { Ok(text.to_owned()) } else { Err(format!("known are {}", geom::shapes::NAMES.join(", "))) }
+}
+
+fn shape_help() -> String {
+    format!("Which shape: {}, or torus-G of genus G", geom::shapes::NAMES.join(", "))
+}
+
+fn vertex_count(text: &str) -> Result<usize, String> {
+    let most = geom::shapes::MAX_VERTICES;
+    text.parse().ok().filter(|n| (1..=most).contains(n)).ok_or_else(|| format!("not a number from 1 to {most}"))
 }
 
 fn non_negative(text: &str) -> Result<f64, String> {

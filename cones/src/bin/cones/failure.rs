@@ -1,7 +1,7 @@
 //! Why the command could not do it: each a sentence with what to do.
 
 use std::io;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use thiserror::Error;
 
 #[derive(Debug, Error)]
@@ -28,8 +28,10 @@ pub(crate) enum Failure {
     Extension { path: PathBuf, wanted: String },
     #[error("{} holds other files than a demo's: name a new folder", .0.display())]
     NotADemo(PathBuf),
-    #[error("{} cannot be written", path.display())]
-    Write { path: PathBuf, source: io::Error },
+    #[error(transparent)]
+    Write(#[from] geom::io::WriteError),
+    #[error("the folder {} cannot be made", path.display())]
+    MakeFolder { path: PathBuf, source: io::Error },
     #[error("{} cannot be read", path.display())]
     ReadCones { path: PathBuf, source: io::Error },
     #[error("{}, line {line}: {text:?} is not a cone: write a vertex's index from 0, then its curvature or nothing", path.display())]
@@ -41,10 +43,6 @@ pub(crate) enum Failure {
 }
 
 impl Failure {
-    pub(crate) fn write(path: &Path) -> impl FnOnce(io::Error) -> Self {
-        move |source| Self::Write { path: path.to_owned(), source }
-    }
-
     /// Whether the reader of standard output left, as `head` does: no fault of anyone's.
     pub(crate) fn is_closed_pipe(&self) -> bool {
         matches!(self, Self::Stdout(error) if error.kind() == io::ErrorKind::BrokenPipe)

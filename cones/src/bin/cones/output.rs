@@ -1,12 +1,15 @@
 //! What the command writes: files, whole or not at all, and standard output.
 //!
-//! Every file is written under another name and renamed. An interrupt that comes meanwhile waits until that file is
-//! done, then ends the command with exit code 130; at any other moment it ends it at once.
+//! Every file is written under another name and renamed. An interrupt that comes meanwhile waits for that file, then
+//! ends the command with exit code 130; at any other moment it ends it at once.
 
 use crate::failure::Failure;
+use crate::picture::Picture;
+use geom::io::WriteError;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Mutex, PoisonError, TryLockError};
+use std::time::Duration;
 
 /// Held while a file is being written.
 static WRITING: Mutex<()> = Mutex::new(());
@@ -14,19 +17,41 @@ static WRITING: Mutex<()> = Mutex::new(());
 /// The exit code after an interrupt, 128 + SIGINT as shells give it.
 const INTERRUPTED: i32 = 130;
 
+/// An interrupt waits so many times so long for a file: it may be a pipe that nobody reads.
+const PATIENCE: u32 = 100;
+const BREATH: Duration = Duration::from_millis(50);
+
 /// From here on an interrupt leaves no half file behind.
 pub(crate) fn end_cleanly_on_interrupt() {
     // Without a handler the command still ends, only less tidily: nothing to tell the user.
     let _ = ctrlc::set_handler(|| {
-        let _idle = WRITING.lock().unwrap_or_else(PoisonError::into_inner);
+        for _ in 0..PATIENCE {
+            match WRITING.try_lock() {
+                Err(TryLockError::WouldBlock) => std::thread::sleep(BREATH),
+                _idle => std::process::exit(INTERRUPTED),
+            }
+        }
         std::process::exit(INTERRUPTED);
     });
 }
 
 /// Writes a file, whole or not at all.
-pub(crate) fn write(path: &Path, content: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<(), Failure> {
+pub(crate) fn write(
+    path: &Path,
+    content: impl FnOnce(&mut dyn Write) -> Result<(), WriteError>,
+) -> Result<(), Failure> {
     let _busy = WRITING.lock().unwrap_or_else(PoisonError::into_inner);
-    geom::io::write_atomically(path, content).map_err(Failure::write(path))
+    Ok(geom::io::write_atomically(path, content)?)
+}
+
+/// Writes a text file.
+pub(crate) fn write_text(path: &Path, text: &str) -> Result<(), Failure> {
+    write(path, |out| Ok(out.write_all(text.as_bytes())?))
+}
+
+/// Writes a picture.
+pub(crate) fn write_png(path: &Path, picture: &Picture) -> Result<(), Failure> {
+    write(path, |out| Ok(picture.write_png(out)?))
 }
 
 /// Writes text to standard output.

@@ -15,7 +15,7 @@ mod space;
 mod svg;
 
 pub(crate) use canvas::Picture;
-pub(crate) use chart::{Chart, Mark};
+pub(crate) use chart::{Chart, Mark, extent};
 pub(crate) use checker::texture;
 pub(crate) use layout::draw as draw_layout;
 pub(crate) use model::draw as draw_model;
@@ -24,6 +24,13 @@ pub(crate) use svg::draw as draw_layout_svg;
 use std::io::{self, Write};
 
 impl Picture {
+    /// The picture as a PNG file's bytes.
+    pub(crate) fn png(&self) -> io::Result<Vec<u8>> {
+        let mut bytes = Vec::new();
+        self.write_png(&mut bytes)?;
+        Ok(bytes)
+    }
+
     /// Writes the picture as PNG.
     pub(crate) fn write_png(&self, out: impl Write) -> io::Result<()> {
         let (width, height) = (u32::try_from(self.width), u32::try_from(self.height));
