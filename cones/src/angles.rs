@@ -52,6 +52,15 @@ pub struct ConeCurvatures {
     pub out_of_bounds: Vec<VertexId>,
 }
 
+impl ConeCurvatures {
+    /// Curvatures that somebody gives.
+    pub fn given(operators: &Operators, cones: &[VertexId], curvature: Vec<f64>) -> Self {
+        let flattening = operators.poisson.solve(&operators.flattening_source());
+        let (p, green) = centred(operators, flattening, operators.green(cones));
+        Self { predicted: combine(&p, &green, &curvature), curvature, out_of_bounds: Vec::new() }
+    }
+}
+
 /// The least and greatest curvature of each cone.
 #[derive(Clone, Debug)]
 pub(crate) struct Bounds {

@@ -150,7 +150,9 @@ fn positions(input: &Mesh, is_cut: &EdgeData<bool>, cut: &CutMesh, vector: &Half
     // The tree's edges by their ends, in rows.
     let mut start = vec![0usize; cut.wedge_count() + 1];
     for &h in &tree {
-        ends(h).map(|w| start[w.index() + 1] += 1);
+        for w in ends(h) {
+            start[w.index() + 1] += 1;
+        }
     }
     for w in 0..cut.wedge_count() {
         start[w + 1] += start[w];

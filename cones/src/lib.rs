@@ -1,5 +1,25 @@
 //! Cone-based conformal unwrapping.
 
+mod angles;
+mod error;
+mod factor;
+mod fit;
+mod hierarchy;
+mod layout;
+mod mend;
+mod operators;
+mod scaling;
 mod seams;
+mod unwrap;
 
+pub use angles::{Angles, AnglesError, ConeCurvatures, cone_curvatures, least_cones};
+pub use error::Error;
+pub use factor::ConformalFactor;
+pub use hierarchy::{Candidate, ConeHierarchy, Method};
+pub use layout::Layout;
+pub use mend::MendError;
+pub use operators::Operators;
+pub use scaling::{Scaling, ScalingError, scale};
 pub use seams::{Chain, SeamError, Seams};
+pub use topo::Kind;
+pub use unwrap::{Atlas, Cone, ConeChoice, Extraction, Options, Stage, Topology, extract, unwrap};
