@@ -41,7 +41,7 @@ fn read_counts(lines: &mut Lines) -> Result<(u64, u64), Fault> {
     let Some(rest) = after_keyword(first) else {
         return counts(words);
     };
-    if first.contains(&b'4') || first.contains(&b'n') {
+    if first[..first.len() - rest.len()].iter().any(|letter| b"4n".contains(letter)) {
         return Err(words.unexpected(first, "a surface in three dimensions (OFF, COFF, NOFF, STOFF)"));
     }
     if !rest.is_empty() {

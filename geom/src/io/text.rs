@@ -32,6 +32,11 @@ impl<'a> Lines<'a> {
         Self { text, at, number, joined: false }
     }
 
+    /// Where the next line starts.
+    pub(super) fn position(&self) -> usize {
+        self.at
+    }
+
     /// The number of the last line given.
     pub(super) fn number(&self) -> u64 {
         self.number
