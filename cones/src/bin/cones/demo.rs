@@ -23,11 +23,11 @@ struct Exhibit {
 
 const EXHIBITS: [Exhibit; 6] = [
     Exhibit { shape: "hare", vertices: 12_000, cones: 16 },
-    Exhibit { shape: "part", vertices: 10_000, cones: 16 },
+    Exhibit { shape: "part", vertices: 1_000, cones: 16 },
     Exhibit { shape: "torus-3", vertices: 10_000, cones: 16 },
     Exhibit { shape: "terrain", vertices: 10_000, cones: 8 },
     Exhibit { shape: "capsule", vertices: 5_000, cones: 4 },
-    Exhibit { shape: "saddle-cone", vertices: 5_000, cones: 1 },
+    Exhibit { shape: "sphere", vertices: 5_000, cones: 6 },
 ];
 
 /// The texture that the written shapes refer to.
@@ -40,7 +40,7 @@ pub(crate) fn run(args: &Demo) -> Result<(), Failure> {
     // The page first: it marks the folder as a demo's, should the rest be interrupted.
     output::write_text(&folder.join(page::NAME), &page::text(&EXHIBITS.map(|e| e.shape)))?;
     output::write_text(&folder.join(MATERIAL.library), MATERIAL_TEXT)?;
-    output::write_png(&folder.join("checker.png"), &picture::texture())?;
+    output::write_png(&folder.join("checker.png"), &picture::Checker::texture())?;
     let reports = EXHIBITS.iter().map(|exhibit| show(exhibit, folder)).collect::<Result<Vec<_>, _>>()?;
     if args.json {
         return output::print_json(&reports);

@@ -53,7 +53,7 @@ fn write_surface(job: &Job, path: &Path, triangulate: bool) -> Result<(), Failur
     let uv = Some(job.uv.as_slice());
     match output::extension(path, &["obj", "ply", "glb"])? {
         "ply" => output::write(path, |out| write_ply(&job.model, uv, asked, out)),
-        "glb" => output::write(path, |out| write_glb(&job.model, uv, &triangles, Some(&picture::texture().png()?), out)),
+        "glb" => output::write(path, |out| write_glb(&job.model, uv, &triangles, Some(&picture::Checker::texture().png()?), out)),
         _ => {
             let content = ObjContent { uv, triangles: asked, material: None };
             output::write(path, |out| write_obj(&job.model, &content, out))

@@ -4,7 +4,8 @@
 //! linear on the screen under perspective; flat drawings use 1 everywhere. Every pixel is [`SAMPLES`]² samples, averaged
 //! in linear light when the canvas is [developed](Canvas::develop).
 
-use super::colour::{self, Colour};
+use super::colour::{Colour, Encoder};
+use std::ops::Range;
 
 /// Samples along a pixel's side. Four look no better on a checkerboard and cost nearly twice the memory.
 const SAMPLES: usize = 3;
@@ -87,10 +88,11 @@ impl Canvas {
         (self.width, self.height)
     }
 
-    /// The nearness at the middle of a pixel; 0 where only paper is seen.
-    pub(crate) fn nearness_at(&self, x: usize, y: usize) -> f64 {
+    /// The nearness at the middle of each pixel; 0 where only paper is seen.
+    pub(crate) fn nearness(&self) -> Vec<f32> {
         let middle = SAMPLES / 2;
-        f64::from(self.nearness[(y * SAMPLES + middle) * self.width * SAMPLES + x * SAMPLES + middle])
+        let rows = self.nearness.chunks_exact(self.width * SAMPLES).skip(middle).step_by(SAMPLES);
+        rows.flat_map(|row| row.iter().skip(middle).step_by(SAMPLES)).copied().collect()
     }
 
     /// Multiplies each pixel's light by a factor; paper stays as it is.
@@ -99,16 +101,18 @@ impl Canvas {
         for (i, (sample, &nearness)) in self.colour.iter_mut().zip(&self.nearness).enumerate() {
             let dimmed = factor[i / row / SAMPLES * self.width + i % row / SAMPLES].sqrt();
             if nearness > 0.0 {
-                *sample = sample.map(|s| (f32::from(s) * dimmed).round() as u8);
+                *sample = sample.map(|s| (f32::from(s) * dimmed + 0.5) as u8);
             }
         }
     }
 
-    /// The picture: samples averaged pixel by pixel.
-    pub(crate) fn develop(self) -> Picture {
-        let row = self.width * SAMPLES;
-        let mut pixels = Vec::with_capacity(self.width * self.height);
-        for y in 0..self.height {
+    /// The picture: samples averaged pixel by pixel, and empty rows above and below cut off but for a margin.
+    pub(crate) fn develop(self, margin: usize) -> Picture {
+        let (row, share) = (self.width * SAMPLES, 1.0 / (SAMPLES * SAMPLES) as f64);
+        let encoder = Encoder::new();
+        let rows = self.painted_rows(margin);
+        let mut pixels = Vec::with_capacity(self.width * rows.len());
+        for y in rows.clone() {
             for x in 0..self.width {
                 let mut sum = [0.0; 3];
                 for j in 0..SAMPLES {
@@ -118,10 +122,22 @@ impl Canvas {
                         sum = std::array::from_fn(|i| sum[i] + light[i]);
                     }
                 }
-                pixels.push(colour::encode(sum.map(|s| s / (SAMPLES * SAMPLES) as f64)));
+                pixels.push(encoder.encode(sum.map(|s| s * share)));
             }
         }
-        Picture { width: self.width, height: self.height, pixels }
+        Picture { width: self.width, height: rows.len(), pixels }
+    }
+
+    /// The rows from the first to the last that is painted on, with a margin; all where none is.
+    fn painted_rows(&self, margin: usize) -> Range<usize> {
+        let row = self.width * SAMPLES * SAMPLES;
+        let painted = |y: &usize| self.nearness[y * row..(y + 1) * row].iter().any(|&n| n > 0.0);
+        let first = (0..self.height).find(painted);
+        let last = (0..self.height).rev().find(painted);
+        match (first, last) {
+            (Some(first), Some(last)) => first.saturating_sub(margin)..(last + 1 + margin).min(self.height),
+            _ => 0..self.height,
+        }
     }
 
     /// Visits the samples of a rectangle: where `hit` answers with a nearness not behind what is there, `shade` is asked.
@@ -160,7 +176,7 @@ fn bounds(places: &[Place]) -> ([f64; 2], [f64; 2]) {
 }
 
 fn pack(colour: Colour) -> [u8; 3] {
-    colour.map(|x| (255.0 * x.clamp(0.0, 1.0).sqrt()).round() as u8)
+    colour.map(|x| (255.0 * x.clamp(0.0, 1.0).sqrt() + 0.5) as u8)
 }
 
 fn unpack(sample: [u8; 3]) -> Colour {
@@ -178,7 +194,7 @@ mod tests {
     fn a_triangle_covers_its_share_of_the_pixels() {
         let mut canvas = Canvas::new(100, 100, [0.0; 3]);
         canvas.triangle([[0.0, 0.0, 1.0], [100.0, 0.0, 1.0], [0.0, 100.0, 1.0]], |_| [1.0; 3]);
-        let light: usize = canvas.develop().pixels.iter().filter(|p| p[0] > 127).count();
+        let light: usize = canvas.develop(20).pixels.iter().filter(|p| p[0] > 127).count();
         assert!((4900..=5100).contains(&light), "{light}");
     }
 
@@ -190,7 +206,7 @@ mod tests {
             for z in order {
                 canvas.triangle(sheet(z), |_| if z > 1.5 { [1.0, 0.0, 0.0] } else { [0.0, 1.0, 0.0] });
             }
-            assert_eq!(canvas.develop().pixels[0], [255, 0, 0]);
+            assert_eq!(canvas.develop(20).pixels[0], [255, 0, 0]);
         }
     }
 
@@ -200,6 +216,6 @@ mod tests {
         canvas.line([-50.0, -50.0, 1.0], [-20.0, 80.0, 1.0], 3.0, [1.0; 3]);
         canvas.ball([100.0, 5.0, 1.0], 1.0, 4.0, |_| [1.0; 3]);
         canvas.triangle([[f64::NAN, 0.0, 1.0], [4.0, 4.0, 1.0], [0.0, 9.0, 1.0]], |_| [1.0; 3]);
-        assert!(canvas.develop().pixels.iter().all(|&p| p == [0; 3]));
+        assert!(canvas.develop(20).pixels.iter().all(|&p| p == [0; 3]));
     }
 }

@@ -1,5 +1,6 @@
 //! What the pictures are drawn of: a surface, its texture coordinates, its seams and its cones.
 
+use super::checker::Checker;
 use super::space::{Vector, minus};
 use std::collections::HashMap;
 
@@ -38,10 +39,20 @@ impl Chart {
         Self { points, triangles, uv, seams, cones }
     }
 
+    /// The signed area of a triangle in the layout.
+    fn area(&self, triangle: usize) -> f64 {
+        let [a, b, c] = self.uv[triangle];
+        0.5 * ((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]))
+    }
+
     /// Whether a triangle is laid out upside down.
     pub(crate) fn is_flipped(&self, triangle: usize) -> bool {
-        let [a, b, c] = self.uv[triangle];
-        (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]) < 0.0
+        self.area(triangle) < 0.0
+    }
+
+    /// The checkerboard that it is drawn with.
+    pub(crate) fn checker(&self) -> Checker {
+        Checker::for_area((0..self.uv.len()).map(|t| self.area(t).abs()).sum())
     }
 
     /// The outline of the layout as closed loops: where the surface ends or is cut. Pinched points are passed as they come.

@@ -35,6 +35,23 @@ pub(crate) fn encode(colour: Colour) -> [u8; 3] {
     })
 }
 
+/// [`encode`] by a table, for the many pixels of a picture.
+#[derive(Debug)]
+pub(crate) struct Encoder(Vec<u8>);
+
+impl Encoder {
+    /// Finer than the curve is steep, so that no value is off by more than one.
+    const STEPS: f64 = 4096.0;
+
+    pub(crate) fn new() -> Self {
+        Self((0..=Self::STEPS as usize).map(|i| encode([i as f64 / Self::STEPS; 3])[0]).collect())
+    }
+
+    pub(crate) fn encode(&self, colour: Colour) -> [u8; 3] {
+        colour.map(|x| self.0[(x.clamp(0.0, 1.0) * Self::STEPS + 0.5) as usize])
+    }
+}
+
 /// `#rrggbb`, for SVG.
 pub(crate) fn hex(colour: Colour) -> String {
     let [r, g, b] = encode(colour);

@@ -2,7 +2,6 @@
 
 use super::canvas::{Canvas, Picture, Place};
 use super::chart::{Chart, Mark};
-use super::checker;
 use super::colour::{Colour, FLIPPED, INK, MAXIMUM, MINIMUM, PAPER, mix};
 use std::collections::BTreeMap;
 
@@ -16,12 +15,13 @@ const CONE: f64 = 15.0;
 pub(crate) fn draw(chart: &Chart) -> Picture {
     let (width, height) = size(chart);
     let mut canvas = Canvas::new(width as usize, height as usize, PAPER);
+    let checker = chart.checker();
     let place = |uv: [f64; 2]| to_page(uv, height);
     for (f, corners) in chart.uv.iter().enumerate() {
         let flipped = chart.is_flipped(f);
         canvas.triangle(corners.map(place), |w| {
             let uv = [0, 1].map(|i| (0..3).map(|k| w[k] * corners[k][i]).sum());
-            if flipped { FLIPPED } else { checker::colour(uv) }
+            if flipped { FLIPPED } else { checker.colour(uv) }
         });
     }
     for outline in chart.outline() {
@@ -33,7 +33,7 @@ pub(crate) fn draw(chart: &Chart) -> Picture {
         canvas.line(place(uv), place(uv), CONE + 2.0 * OUTLINE, PAPER);
         canvas.line(place(uv), place(uv), CONE, colour_of(&cone));
     }
-    canvas.develop()
+    canvas.develop(MARGIN as usize)
 }
 
 /// The page's size in pixels.

@@ -16,7 +16,7 @@ mod svg;
 
 pub(crate) use canvas::Picture;
 pub(crate) use chart::{Chart, Mark, extent};
-pub(crate) use checker::texture;
+pub(crate) use checker::Checker;
 pub(crate) use layout::draw as draw_layout;
 pub(crate) use model::draw as draw_model;
 pub(crate) use svg::draw as draw_layout_svg;

@@ -3,7 +3,6 @@
 use super::camera::Camera;
 use super::canvas::{Canvas, Picture, Place};
 use super::chart::Chart;
-use super::checker;
 use super::colour::{Colour, INK, INSIDE, MAXIMUM, MINIMUM, PAPER, mix};
 use super::hollows;
 use super::light::Light;
@@ -14,10 +13,12 @@ const TURN: f64 = 32.0;
 const RISE: f64 = 0.42;
 const WIDTH: usize = 1280;
 const HEIGHT: usize = 1024;
+/// Empty rows left above and below a wide model.
+const MARGIN: usize = 40;
 /// Seams' width in pixels.
 const SEAM: f64 = 3.6;
 /// Cones' radius, of a model of unit size.
-const CONE: f64 = 0.0135;
+const CONE: f64 = 0.0125;
 /// Two faces that meet at more than this angle's cosine are shaded as one smooth surface.
 const SMOOTH: f64 = 0.77;
 /// Seams are drawn this share nearer than they are, so that the surface they lie on does not hide them.
@@ -32,11 +33,12 @@ pub(crate) fn draw(chart: &Chart) -> Picture {
     draw_seams(&mut canvas, chart, &places);
     hollows::darken(&mut canvas, camera.pixel());
     draw_cones(&mut canvas, chart, &camera, &places);
-    canvas.develop()
+    canvas.develop(MARGIN)
 }
 
 fn draw_surface(canvas: &mut Canvas, chart: &Chart, camera: &Camera, places: &[Place]) {
     let normals = corner_normals(chart);
+    let checker = chart.checker();
     for f in front_to_back(chart, places) {
         let t = chart.triangles[f];
         let sights = t.map(|v| camera.sight(chart.points[v as usize]));
@@ -46,7 +48,7 @@ fn draw_surface(canvas: &mut Canvas, chart: &Chart, camera: &Camera, places: &[P
             Light::on(facing(normal, sights[k], outside), sights[k])
         });
         canvas.triangle(t.map(|v| places[v as usize]), |w| {
-            let colour = checker::colour([0, 1].map(|i| (0..3).map(|k| w[k] * chart.uv[f][k][i]).sum()));
+            let colour = checker.colour([0, 1].map(|i| (0..3).map(|k| w[k] * chart.uv[f][k][i]).sum()));
             let colour = if outside { colour } else { mix(colour, INSIDE, 0.6) };
             Light::blend(&light, w).apply(colour)
         });

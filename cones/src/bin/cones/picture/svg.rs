@@ -1,7 +1,6 @@
 //! The layout as SVG: a few shapes, whatever the number of triangles.
 
 use super::chart::Chart;
-use super::checker::SQUARES;
 use super::colour::{CHECKER, INK, hex};
 use super::layout::{colour_of, cone_copies, size, to_page};
 use std::fmt::Write;
@@ -24,7 +23,7 @@ pub(crate) fn draw(chart: &Chart) -> String {
     let mut svg = format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" width=\"{width}\" height=\"{height}\">\n{}\
          <path d=\"{outline}\" fill=\"url(#checker)\"/>\n",
-        pattern(height)
+        pattern(chart, height)
     );
     if chart.triangles.len() <= FINE {
         let sides: String = chart.uv.iter().map(|corners| path(corners)).collect();
@@ -47,9 +46,9 @@ pub(crate) fn draw(chart: &Chart) -> String {
 }
 
 /// Two by two squares, repeated.
-fn pattern(height: f64) -> String {
+fn pattern(chart: &Chart, height: f64) -> String {
     let [x, y, _] = to_page([0.0, 0.0], height);
-    let side = to_page([1.0 / SQUARES, 0.0], height)[0] - x;
+    let side = to_page([1.0 / f64::from(chart.checker().squares), 0.0], height)[0] - x;
     let [light, dark] = CHECKER.map(hex);
     let tile = 2.0 * side;
     format!(
