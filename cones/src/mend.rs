@@ -22,7 +22,7 @@ use thiserror::Error;
 
 use crate::layout::Layout;
 use crate::scaling::Scaling;
-use crate::untangle::{Corner, Patch, Triangle, untangle};
+use crate::untangle::{Corner, Patch, PatchTriangle};
 
 /// A triangle's height over its longest side below which it counts as flipped, unless it is as thin in space.
 const LEAST_HEIGHT: f64 = 1e-7;
@@ -201,8 +201,13 @@ impl<'a> Mender<'a> {
     /// Moves the vertex at a halfedge's tail, given the displacement of the wedge there.
     fn displace(&mut self, at: HalfedgeId, displacement: Complex64) {
         let base = displacement * self.turn[self.layout.cut.wedge(at).index()].conj();
-        for w in self.layout.cut.wedges(self.input.tail(at)) {
-            self.layout.position[w.index()] += base * self.turn[w.index()];
+        self.displace_vertex(self.input.tail(at), base);
+    }
+
+    /// Moves a vertex, given the displacement of its first wedge.
+    fn displace_vertex(&mut self, v: VertexId, displacement: Complex64) {
+        for w in self.layout.cut.wedges(v) {
+            self.layout.position[w.index()] += displacement * self.turn[w.index()];
         }
     }
 
@@ -246,65 +251,56 @@ impl<'a> Mender<'a> {
         if faces.len() > MAX_PATCH {
             return 0;
         }
-        let Some((patch, variables)) = self.patch(faces) else { return 0 };
-        let Some(displacements) = untangle(&patch) else { return 0 };
-        let before = self.layout.position.clone();
-        for (&at, displacement) in variables.iter().zip(displacements) {
-            let [re, im] = displacement;
-            let first = self.layout.cut.wedges(self.input.tail(at)).next();
-            let base = Complex64::new(re, im);
-            debug_assert!(first.is_some());
-            for w in self.layout.cut.wedges(self.input.tail(at)) {
-                self.layout.position[w.index()] += base * self.turn[w.index()];
-            }
+        let Some((patch, moving)) = self.patch(faces) else { return 0 };
+        let untangled = patch.untangle();
+        if !untangled.succeeded {
+            return 0;
         }
-        let still_bad = faces.iter().any(|&f| self.is_flipped(f))
-            || faces.iter().flat_map(|&f| self.input.corners(f)).any(|v| self.winding(v) != 0.0);
-        if still_bad {
+        let before = self.layout.position.clone();
+        for (&v, [x, y]) in moving.iter().zip(untangled.displacements) {
+            self.displace_vertex(v, Complex64::new(x, y));
+        }
+        let corners = || faces.iter().flat_map(|&f| self.input.corners(f));
+        if faces.iter().any(|&f| self.is_flipped(f)) || corners().any(|v| self.winding(v) != 0.0) {
             self.layout.position = before;
             return 0;
         }
         faces.len()
     }
 
-    /// A patch for untangling, with the halfedges whose tails are its variables; none if nothing can move.
-    fn patch(&self, faces: &[FaceId]) -> Option<(Patch, Vec<HalfedgeId>)> {
+    /// A patch for untangling, and the vertices that its displacements move; none if nothing can move.
+    fn patch(&self, faces: &[FaceId]) -> Option<(Patch, Vec<VertexId>)> {
         let input = self.input;
         let mut degree: BTreeMap<VertexId, usize> = BTreeMap::new();
-        for &f in faces {
-            for v in input.corners(f) {
-                *degree.entry(v).or_insert(0) += 1;
-            }
+        for v in faces.iter().flat_map(|&f| input.corners(f)) {
+            *degree.entry(v).or_insert(0) += 1;
         }
-        let mut variable: BTreeMap<VertexId, u32> = BTreeMap::new();
-        let mut at = Vec::new();
-        for &h in faces.iter().flat_map(|&f| input.sides(f)).collect::<Vec<_>>().iter() {
-            let v = input.tail(h);
-            if !self.is_cone[v] && degree[&v] == input.face_degree(v) && !variable.contains_key(&v) {
-                variable.insert(v, at.len() as u32);
-                at.push(h);
-            }
-        }
-        if at.is_empty() {
+        let is_inside = |v: VertexId| !self.is_cone[v] && degree[&v] == input.face_degree(v);
+        let moving: Vec<VertexId> = degree.keys().copied().filter(|&v| is_inside(v)).collect();
+        if moving.is_empty() {
             return None;
         }
         let mut index: BTreeMap<WedgeId, u32> = BTreeMap::new();
         let mut corners = Vec::new();
         let mut triangles = Vec::new();
+        let areas = faces.iter().map(|&f| self.reference(f).area());
+        let mean_area = areas.sum::<f64>() / faces.len() as f64;
         for &f in faces {
             let of_side = |h: HalfedgeId| {
                 let w = self.layout.cut.wedge(h);
                 *index.entry(w).or_insert_with(|| {
-                    let z = self.layout.position[w.index()];
-                    let turn = self.turn[w.index()];
-                    let variable = variable.get(&input.tail(h)).copied();
-                    corners.push(Corner { position: [z.re, z.im], variable, rotation: [turn.re, turn.im] });
+                    let (z, turn) = (self.layout.position[w.index()], self.turn[w.index()]);
+                    let displacement = moving.binary_search(&input.tail(h)).ok().map(|k| k as u32);
+                    corners.push(Corner { position: [z.re, z.im], displacement, rotation: [turn.re, turn.im] });
                     corners.len() as u32 - 1
                 })
             };
-            triangles.push(Triangle { corners: input.sides(f).map(of_side), sides: self.reference(f).0 });
+            let reference = self.reference(f);
+            let weight = (reference.area() / mean_area).sqrt().max(0.01);
+            triangles.push(PatchTriangle { corners: input.sides(f).map(of_side), lengths: reference.0, weight });
         }
-        Some((Patch { corners, triangles, variable_count: at.len() }, at))
+        let patch = Patch::new(corners, triangles, moving.len()).ok()?;
+        Some((patch, moving))
     }
 }
 
