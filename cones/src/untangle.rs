@@ -41,6 +41,9 @@ const LEAST_SIGNED_AREA: f64 = 1e-3;
 /// Rounds with a new ε; what has not turned over by then mostly never does.
 const ROUNDS: usize = 40;
 
+/// Rounds in which the worst triangle does not get a twentieth better before a patch is given up.
+const PATIENCE: usize = 5;
+
 /// L-BFGS steps in a round, and in the last one.
 const STEPS: usize = 200;
 
@@ -177,11 +180,15 @@ impl Patch {
     pub fn untangle(&self) -> Untangled {
         let scaled = Scaled::new(self);
         let mut x = vec![0.0; 2 * self.displacement_count];
+        let mut best = f64::NEG_INFINITY;
+        let mut stalled = 0;
         for _ in 0..ROUNDS {
             let least = scaled.least_determinant(&x);
-            if least > 0.0 {
+            if least > 0.0 || stalled == PATIENCE {
                 break;
             }
+            stalled = if least > 0.95 * best { 0 } else { stalled + 1 };
+            best = best.max(least);
             let squared_epsilon = EPSILON_FLOOR + EPSILON_SLOPE * least.powi(2);
             x = minimise(|x| scaled.energy(x, squared_epsilon), x, STEPS);
         }
