@@ -13,7 +13,7 @@ use std::f64::consts::PI;
 use geom::{Mesh, VertexData, VertexId};
 use thiserror::Error;
 
-use crate::fit::{self, Quadratic};
+use crate::fit::{Quadratic, fit};
 use crate::operators::Operators;
 
 /// How cones get their curvatures.
@@ -61,23 +61,14 @@ impl ConeCurvatures {
     }
 }
 
-/// The least and greatest curvature of each cone.
-#[derive(Clone, Debug)]
-pub(crate) struct Bounds {
-    pub(crate) low: Vec<f64>,
-    pub(crate) high: Vec<f64>,
-}
-
-impl Bounds {
-    /// The bounds of `cones` on a surface whose layout will use the triangles of `input`.
-    pub(crate) fn new(operators: &Operators, input: &Mesh, cones: &[VertexId]) -> Self {
-        let count = cones.len().max(1) as f64;
-        let total = if operators.is_bordered() { 0.0 } else { operators.total_curvature() };
-        let high = (1.5 * PI).max(1.02 * total / count);
-        let low = -(2.0 * PI).max(2.5 * (-total).max(0.0) / count);
-        let by_degree = |&v| low.max(2.0 * PI - 0.75 * PI * usable_degree(input, cones, v) as f64).min(high);
-        Self { low: cones.iter().map(by_degree).collect(), high: vec![high; cones.len()] }
-    }
+/// The least and greatest curvature of each of the `cones` on a surface whose layout will use the triangles of `input`.
+fn bounds(operators: &Operators, input: &Mesh, cones: &[VertexId]) -> Vec<[f64; 2]> {
+    let count = cones.len().max(1) as f64;
+    let total = if operators.is_bordered() { 0.0 } else { operators.total_curvature() };
+    let high = (1.5 * PI).max(1.02 * total / count);
+    let low = -(2.0 * PI).max(2.5 * (-total).max(0.0) / count);
+    let by_degree = |&v| low.max(2.0 * PI - 0.75 * PI * usable_degree(input, cones, v) as f64).min(high);
+    cones.iter().map(|v| [by_degree(v), high]).collect()
 }
 
 /// The triangles at a vertex that can open up. A flat neighbour of degree 3 makes three triangles one.
@@ -111,7 +102,7 @@ pub fn cone_curvatures(
 ) -> Result<ConeCurvatures, AnglesError> {
     let flattening = operators.poisson.solve(&operators.flattening_source());
     let green = operators.green(cones);
-    let bounds = Bounds::new(operators, input, cones);
+    let bounds = bounds(operators, input, cones);
     let mut out_of_bounds = Vec::new();
     if angles == Angles::Harmonic {
         if let Some(curvature) = harmonic(operators, cones, &flattening, &green) {
@@ -119,8 +110,8 @@ pub fn cone_curvatures(
             out_of_bounds = cones
                 .iter()
                 .zip(&curvature)
-                .zip(&bounds.low)
-                .filter(|((_, k), low)| outside(**k) || **k < low.min(-2.0 * PI))
+                .zip(&bounds)
+                .filter(|((_, k), [low, _])| outside(**k) || **k < low.min(-2.0 * PI))
                 .map(|((v, _), _)| *v)
                 .collect();
             if out_of_bounds.is_empty() {
@@ -181,7 +172,7 @@ fn optimal(
     operators: &Operators,
     p: &VertexData<f64>,
     green: &[VertexData<f64>],
-    bounds: &Bounds,
+    bounds: &[[f64; 2]],
 ) -> Result<Vec<f64>, AnglesError> {
     let n = green.len();
     let mut quadratic = vec![0.0; n * n];
@@ -195,11 +186,12 @@ fn optimal(
     let linear: Vec<f64> = green.iter().map(|g| operators.inner(g, p)).collect();
     let total = (!operators.is_bordered()).then(|| operators.total_curvature());
     let energy = Quadratic { constant: operators.inner(p, p), linear: &linear, matrix: &quadratic };
-    fit::minimise(&energy, &bounds.low, &bounds.high, total).map_err(|_| AnglesError::TooFew {
+    let fitted = fit(&energy, bounds, total).map_err(|_| AnglesError::TooFew {
         cones: n,
         total: operators.total_curvature(),
         least: least_cones(operators).max(n + 1),
-    })
+    })?;
+    Ok(fitted.curvatures)
 }
 
 /// The curvatures for which u is 0 at all cones: G q = -p there, on a closed surface up to a constant and with sum 2πχ.
@@ -227,7 +219,36 @@ fn harmonic(
     if closed {
         right[n] = operators.total_curvature();
     }
-    let mut curvature = fit::solve_dense(matrix, right)?;
+    let mut curvature = solve_dense(matrix, right)?;
     curvature.truncate(n);
     Some(curvature)
+}
+
+/// Solves a small dense system (row-major) by Gaussian elimination with partial pivoting; none if it is singular.
+fn solve_dense(mut matrix: Vec<f64>, mut right: Vec<f64>) -> Option<Vec<f64>> {
+    let n = right.len();
+    for k in 0..n {
+        let pivot = (k..n).max_by(|&i, &j| matrix[i * n + k].abs().total_cmp(&matrix[j * n + k].abs()))?;
+        if !(matrix[pivot * n + k].abs() > 0.0) {
+            return None;
+        }
+        for j in 0..n {
+            matrix.swap(k * n + j, pivot * n + j);
+        }
+        right.swap(k, pivot);
+        for i in k + 1..n {
+            let share = matrix[i * n + k] / matrix[k * n + k];
+            for j in k..n {
+                matrix[i * n + j] -= share * matrix[k * n + j];
+            }
+            right[i] -= share * right[k];
+        }
+    }
+    for k in (0..n).rev() {
+        for j in k + 1..n {
+            right[k] -= matrix[k * n + j] * right[j];
+        }
+        right[k] /= matrix[k * n + k];
+    }
+    Some(right)
 }

@@ -139,7 +139,7 @@ impl<'a> Chosen<'a> {
 
 /// What a cone is called: by its extremum where it is one, otherwise by the sign of its curvature, since φ is low where the
 /// surface sticks out.
-pub fn kind_of(candidate: &Candidate, curvature: f64) -> Kind {
+pub(crate) fn kind_of(candidate: &Candidate, curvature: f64) -> Kind {
     match candidate.extremum {
         Some(extremum) => extremum.kind,
         None if curvature >= 0.0 => Kind::Minimum,

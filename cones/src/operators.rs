@@ -7,7 +7,8 @@
 //! inside.
 
 use geom::{
-    HalfedgeId, Mesh, MeshError, Metric, Poisson, PoissonError, VertexData, VertexId, angle_defects, delaunay, laplacian,
+    HalfedgeId, Mesh, MeshError, Metric, Poisson, PoissonError, VertexData, VertexId, angle_defects, delaunay,
+    laplacian,
 };
 use sprs::CsMat;
 
@@ -57,8 +58,17 @@ impl Operators {
             mesh.boundary_loops().iter().map(|around| around.iter().map(|&h| mesh.tail(h)).collect()).collect();
         let poisson = Poisson::new(&laplacian, &loops.concat())?;
         let bordered = !loops.is_empty();
-        let mut operators =
-            Self { mesh, metric, flips: intrinsic.flips, curvature, weight, laplacian, poisson, free: Vec::new(), bordered };
+        let mut operators = Self {
+            mesh,
+            metric,
+            flips: intrinsic.flips,
+            curvature,
+            weight,
+            laplacian,
+            poisson,
+            free: Vec::new(),
+            bordered,
+        };
         operators.add_free(VertexData::constant(operators.mesh.vertex_count(), 1.0));
         loops.sort_by_key(|around| std::cmp::Reverse(around.len()));
         for around in loops.iter().skip(1).take(FREE_LOOPS - 1) {

@@ -181,7 +181,7 @@ impl Newton<'_> {
                     let (vertex, error) = largest(&residual);
                     return self.finish(state, u, metric, steps, error, vertex);
                 }
-                    length *= 0.5;
+                length *= 0.5;
             }
         }
     }
@@ -220,9 +220,12 @@ impl Newton<'_> {
 }
 
 fn largest(residual: &VertexData<f64>) -> (VertexId, f64) {
-    residual.iter_ids().fold((VertexId(0), 0.0), |(at, most), (v, r)| {
-        if r.abs() > most || r.is_nan() { (v, r.abs()) } else { (at, most) }
-    })
+    residual.iter_ids().fold(
+        (VertexId(0), 0.0),
+        |(at, most), (v, r)| {
+            if r.abs() > most || r.is_nan() { (v, r.abs()) } else { (at, most) }
+        },
+    )
 }
 
 fn dot(x: &[f64], y: &[f64]) -> f64 {

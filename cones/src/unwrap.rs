@@ -35,13 +35,13 @@ pub struct Options {
     pub weld: bool,
 }
 
-/// Which cones to use, in each connected part of the model.
+/// Which cones to use.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub enum ConeChoice {
-    /// Eight; four where there is a boundary.
+    /// In each connected part eight; four where it has a boundary.
     #[default]
     Default,
-    /// The first so many of the hierarchy.
+    /// The first so many of the hierarchy, in all connected parts together.
     Count(usize),
     /// All extrema with a persistence above this.
     MinPersistence(f64),
@@ -184,12 +184,12 @@ pub struct Extraction {
 pub fn unwrap(model: &Model, options: &Options, on_stage: &mut dyn FnMut(Stage)) -> Result<Atlas, Error> {
     let mut run = Run::new(model, options, on_stage)?;
     let mut uv = vec![None; model.corner_count()];
-    let mut shelf = Shelf::new(&run.prepared.surfaces);
     let mut seams = Vec::new();
     let mut curvature_error = 0.0_f64;
-    for index in 0..run.prepared.surfaces.len() {
-        let analysed = run.analyse(index)?;
-        let flat = run.flatten(index, &analysed)?;
+    let analysed = run.analyse_all()?;
+    let mut shelf = Shelf::new(analysed.iter().map(|a| a.area).sum());
+    for (index, (analysed, choice)) in analysed.iter().zip(run.first_choices(&analysed)?).enumerate() {
+        let flat = run.flatten(index, analysed, choice)?;
         let surface = &run.prepared.surfaces[index];
         curvature_error = curvature_error.max(flat.scaling.error);
         let size = flat.size(surface, &analysed.operators);
@@ -224,10 +224,9 @@ pub fn unwrap(model: &Model, options: &Options, on_stage: &mut dyn FnMut(Stage))
 /// If the model has no surface, or one whose Laplacian cannot be factored.
 pub fn extract(model: &Model, options: &Options, on_stage: &mut dyn FnMut(Stage)) -> Result<Extraction, Error> {
     let mut run = Run::new(model, options, on_stage)?;
-    for index in 0..run.prepared.surfaces.len() {
-        let analysed = run.analyse(index)?;
-        let chosen = run.first_choice(index, &analysed)?;
-        let (cones, curvatures) = run.choose(index, &analysed, chosen)?;
+    let analysed = run.analyse_all()?;
+    for (index, (analysed, choice)) in analysed.iter().zip(run.first_choices(&analysed)?).enumerate() {
+        let (cones, curvatures) = run.choose(index, analysed, &choice)?;
         run.note_cones(index, &cones, &curvatures.curvature);
     }
     let Run { prepared, found, .. } = run;
@@ -263,6 +262,8 @@ struct Found {
 /// A surface with all that is needed to choose cones.
 struct Analysed {
     metric: Metric,
+    /// The area in the model's units.
+    area: f64,
     operators: Operators,
     hierarchy: ConeHierarchy,
 }
@@ -332,28 +333,36 @@ impl<'a> Run<'a> {
             }
             run.found.persistence.extend(hierarchy.extrema().iter().map(|e| e.persistence));
             run.found.persistence.sort_by(|a, b| b.total_cmp(a));
-            Ok(Analysed { metric, operators, hierarchy })
+            let surface = &run.prepared.surfaces[index];
+            let area = metric.area(&surface.mesh) / surface.scale / surface.scale;
+            Ok(Analysed { metric, area, operators, hierarchy })
         })
     }
 
-    /// The cones that the options ask for.
-    fn first_choice(&mut self, index: usize, analysed: &Analysed) -> Result<Choice, Error> {
-        let Analysed { operators, hierarchy, .. } = analysed;
-        let bordered = operators.is_bordered();
-        let (count, asked) = match &self.options.cones {
-            ConeChoice::Default => (if bordered { DEFAULT_CONES / 2 } else { DEFAULT_CONES }, false),
-            ConeChoice::Count(count) => (*count, true),
-            ConeChoice::MinPersistence(threshold) => (hierarchy.count_above(operators, *threshold), true),
-            ConeChoice::Given(given) => return self.given(index, given),
+    fn analyse_all(&mut self) -> Result<Vec<Analysed>, Error> {
+        (0..self.prepared.surfaces.len()).map(|index| self.analyse(index)).collect()
+    }
+
+    /// The cones of each surface that the options ask for.
+    fn first_choices(&mut self, analysed: &[Analysed]) -> Result<Vec<Choice>, Error> {
+        let least: Vec<usize> = analysed.iter().map(|a| least_cones(&a.operators)).collect();
+        let of_default = |a: &Analysed| if a.operators.is_bordered() { DEFAULT_CONES / 2 } else { DEFAULT_CONES };
+        let counts = match &self.options.cones {
+            ConeChoice::Default => analysed.iter().map(of_default).collect(),
+            ConeChoice::Count(total) => {
+                let needed: usize = least.iter().sum();
+                if *total < needed {
+                    self.warn(too_few(*total, needed, analysed.len()));
+                }
+                share_out(analysed, least, *total)
+            }
+            ConeChoice::MinPersistence(threshold) => {
+                let above = |a: &Analysed| a.hierarchy.count_above(&a.operators, *threshold);
+                analysed.iter().zip(least).map(|(a, least)| above(a).max(least)).collect()
+            }
+            ConeChoice::Given(given) => return (0..analysed.len()).map(|index| self.given(index, given)).collect(),
         };
-        let mut least = least_cones(operators);
-        if !bordered && operators.mesh.euler_characteristic() == 0 && count == 1 {
-            least = 2;
-        }
-        if count < least && asked {
-            self.warn(format!("{} cones asked for, but this surface needs at least {least}: taking {least}", count));
-        }
-        Ok(Choice::Count(count.max(least)))
+        Ok(counts.into_iter().map(Choice::Count).collect())
     }
 
     /// The given cones that lie on a surface.
@@ -379,11 +388,11 @@ impl<'a> Run<'a> {
         &mut self,
         index: usize,
         analysed: &Analysed,
-        choice: Choice,
+        choice: &Choice,
     ) -> Result<(Vec<Candidate>, ConeCurvatures), Error> {
         self.stage(Stage::Hierarchy, |run| match choice {
-            Choice::Count(count) => run.choose_count(index, analysed, count),
-            Choice::Given(cones, curvatures) => run.choose_given(index, analysed, cones, curvatures),
+            Choice::Count(count) => run.choose_count(index, analysed, *count),
+            Choice::Given(cones, curvatures) => run.choose_given(index, analysed, cones, curvatures.clone()),
         })
     }
 
@@ -405,7 +414,10 @@ impl<'a> Run<'a> {
                     if count > asked {
                         self.warn(format!("{asked} cones cannot take this surface's curvature: taking {count}"));
                     } else if cones.len() < asked {
-                        self.warn(format!("{asked} cones asked for, but there are only {} inner vertices", cones.len()));
+                        self.warn(format!(
+                            "{asked} cones asked for, but there are only {} inner vertices",
+                            cones.len()
+                        ));
                     }
                     return Ok((cones, curvatures));
                 }
@@ -417,14 +429,14 @@ impl<'a> Run<'a> {
         &mut self,
         index: usize,
         analysed: &Analysed,
-        cones: Vec<VertexId>,
+        cones: &[VertexId],
         curvatures: Option<Vec<f64>>,
     ) -> Result<(Vec<Candidate>, ConeCurvatures), Error> {
         let Analysed { operators, hierarchy, .. } = analysed;
         let extremum = |v: VertexId| hierarchy.extrema().iter().find(|e| e.vertex == v).copied();
         let candidates = cones.iter().map(|&vertex| Candidate { vertex, extremum: extremum(vertex) }).collect();
         let curvatures = match curvatures {
-            None => self.curvatures(index, operators, &cones)?,
+            None => self.curvatures(index, operators, cones)?,
             Some(curvature) => {
                 let sum: f64 = curvature.iter().sum();
                 let total = operators.total_curvature();
@@ -434,7 +446,7 @@ impl<'a> Run<'a> {
                 if let Some(k) = curvature.iter().find(|k| !(**k < 2.0 * std::f64::consts::PI)) {
                     return Err(Error::CurvatureTooLarge(*k));
                 }
-                ConeCurvatures::given(operators, &cones, curvature)
+                ConeCurvatures::given(operators, cones, curvature)
             }
         };
         Ok((candidates, curvatures))
@@ -461,12 +473,11 @@ impl<'a> Run<'a> {
     }
 
     /// Flattens a surface. Where a set of cones fails, more are taken.
-    fn flatten(&mut self, index: usize, analysed: &Analysed) -> Result<Flat, Error> {
-        let mut choice = self.first_choice(index, analysed)?;
+    fn flatten(&mut self, index: usize, analysed: &Analysed, mut choice: Choice) -> Result<Flat, Error> {
         let mut attempt = 1;
         loop {
             let may_grow = matches!(choice, Choice::Count(_)) && attempt < MAX_ATTEMPTS;
-            let (cones, curvatures) = self.choose(index, analysed, choice)?;
+            let (cones, curvatures) = self.choose(index, analysed, &choice)?;
             let count = cones.len();
             match self.flatten_with(index, analysed, cones, curvatures) {
                 Err(error) if may_grow => {
@@ -503,7 +514,9 @@ impl<'a> Run<'a> {
         let layout = self.stage(Stage::Layout, |run| {
             let surface = &run.prepared.surfaces[index];
             let mut layout = Layout::new(&surface.mesh, &scaling, &seams.cut);
-            mend(&surface.mesh, &analysed.metric, &scaling, &mut layout).map(|()| layout)
+            let mut is_cone = VertexData::constant(surface.mesh.vertex_count(), false);
+            vertices.iter().for_each(|&v| is_cone[v] = true);
+            mend(&surface.mesh, &analysed.metric, &scaling, &is_cone, &mut layout).map(|_| layout)
         })?;
         if scaling.mollified {
             self.warn("edges were lengthened by up to 1e-4 of their mean, because of needle triangles".to_owned());
@@ -554,6 +567,27 @@ impl<'a> Run<'a> {
     }
 }
 
+/// The cones of each surface, `total` in all: all least sets first, then one by one where area times the persistence of
+/// the next extremum is largest. Every total is a prefix.
+fn share_out(analysed: &[Analysed], least: Vec<usize>, total: usize) -> Vec<usize> {
+    let mut counts = least;
+    let gain = |a: &Analysed, count: usize| {
+        let next = a.hierarchy.extrema().get(count).map_or(0.0, |e| e.persistence);
+        a.area * next
+    };
+    for _ in counts.iter().sum()..total {
+        let gains = analysed.iter().zip(&counts).map(|(a, &count)| gain(a, count)).enumerate();
+        let Some((best, _)) = gains.max_by(|a, b| a.1.total_cmp(&b.1).then(b.0.cmp(&a.0))) else { break };
+        counts[best] += 1;
+    }
+    counts
+}
+
+fn too_few(asked: usize, needed: usize, parts: usize) -> String {
+    let subject = if parts == 1 { "this surface needs".to_owned() } else { format!("these {parts} parts need") };
+    format!("{asked} cones asked for, but {subject} at least {needed}: taking {needed}")
+}
+
 /// The lengths that seams count: those of space, but no seam runs inside a polygon.
 fn seam_lengths(surface: &Surface, metric: &Metric) -> EdgeData<f64> {
     let length = |(e, &l): (geom::EdgeId, &f64)| if surface.diagonal[e] { f64::INFINITY } else { l };
@@ -569,8 +603,7 @@ struct Shelf {
 }
 
 impl Shelf {
-    fn new(surfaces: &[Surface]) -> Self {
-        let area: f64 = surfaces.iter().map(|s| s.metric().area(&s.mesh) / s.scale / s.scale).sum();
+    fn new(area: f64) -> Self {
         Self { at: [0.0; 2], height: 0.0, width: 1.5 * area.sqrt(), gap: 0.01 * area.sqrt() }
     }
 

@@ -1,8 +1,8 @@
 //! Opening a mesh along edges.
 //!
-//! Cutting an edge takes its two triangles apart there. A vertex where k edges are cut falls into k *wedges* (k + 1 on the
-//! boundary): runs of corners between one cut and the next. So a wedge is a vertex of the opened surface, and it is
-//! what has a position in the plane once that surface is laid out.
+//! Cutting an edge takes its two triangles apart there. A vertex where k edges are cut falls into k *wedges* (k + 1 on
+//! the boundary): runs of corners between one cut and the next. So a wedge is a vertex of the opened surface, and it
+//! is what has a position in the plane once that surface is laid out.
 //!
 //! ```text
 //!        ╲   ║   ╱

@@ -12,7 +12,9 @@ mod model;
 mod path;
 mod poisson;
 mod prepare;
+pub mod shapes;
 mod triangulate;
+mod vector;
 
 pub use curvature::angle_defects;
 pub use cut::CutMesh;

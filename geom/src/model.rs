@@ -358,19 +358,61 @@ impl Skipped {
 impl fmt::Display for Skipped {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let kinds = [
-            (self.lines, "line"),
-            (self.points, "point"),
-            (self.free_form, "free-form statement"),
-            (self.unknown, "unknown statement"),
-            (self.texture_references, "missing texture coordinate"),
-            (self.surplus, "surplus item after the end"),
+            (self.lines, "line", "lines"),
+            (self.points, "point", "points"),
+            (self.free_form, "free-form statement", "free-form statements"),
+            (self.unknown, "unknown statement", "unknown statements"),
+            (self.texture_references, "missing texture coordinate", "missing texture coordinates"),
+            (self.surplus, "surplus item after the end", "surplus items after the end"),
         ];
         let mut separator = "";
-        for (count, name) in kinds.into_iter().filter(|&(count, _)| count > 0) {
-            let plural = if count == 1 || name.ends_with("end") { "" } else { "s" };
-            write!(f, "{separator}{count} {name}{plural}")?;
+        for (count, one, many) in kinds.into_iter().filter(|kind| kind.0 > 0) {
+            write!(f, "{separator}{count} {}", if count == 1 { one } else { many })?;
             separator = ", ";
         }
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const POINTS: [[f64; 3]; 4] = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+
+    #[test]
+    fn what_makes_no_model_is_refused_by_name() {
+        let refused = |points: &[[f64; 3]], faces: &[&[u32]]| Model::from_polygons(points.to_vec(), faces).unwrap_err();
+        assert_eq!(refused(&[], &[&[0, 1, 2]]), ModelError::NoVertices);
+        assert_eq!(refused(&POINTS, &[]), ModelError::NoFaces { vertices: 4 });
+        assert_eq!(refused(&POINTS, &[&[0, 1, 2], &[0, 1]]), ModelError::FewCorners { face: 1, corners: 2 });
+        assert_eq!(refused(&POINTS, &[&[0, 1, 4]]), ModelError::Index { face: 0, index: 4, vertices: 4 });
+        let mut points = POINTS;
+        for value in [f64::INFINITY, -1.1e153] {
+            points[2][1] = value;
+            assert_eq!(refused(&points, &[&[0, 1, 2]]), ModelError::Coordinate { vertex: 2, value });
+        }
+        points[2][1] = f64::NAN;
+        assert!(refused(&points, &[&[0, 1, 2]]).to_string().starts_with("vertex 2 has the coordinate NaN"));
+    }
+
+    #[test]
+    fn the_largest_coordinates_have_finite_squared_distances() {
+        assert!((3.0 * (2.0 * MAX_COORDINATE).powi(2)).is_finite());
+    }
+
+    #[test]
+    fn faces_are_rows_of_corners() {
+        let model = Model::from_polygons(POINTS.to_vec(), [&[0, 1, 2][..], &[0, 1, 2, 3]]).unwrap();
+        assert_eq!((model.vertex_count(), model.face_count(), model.corner_count()), (4, 2, 7));
+        assert_eq!((model.face(1), model.face_corners(1)), (&[0, 1, 2, 3][..], 3..7));
+        assert_eq!(model.faces().map(<[u32]>::len).collect::<Vec<_>>(), [3, 4]);
+    }
+
+    #[test]
+    fn skipped_things_are_printed_in_words() {
+        assert!(Skipped::default().is_empty());
+        let skipped = Skipped { lines: 2, points: 1, surplus: 3, ..Skipped::default() };
+        assert_eq!(skipped.to_string(), "2 lines, 1 point, 3 surplus items after the end");
     }
 }

@@ -1,10 +1,10 @@
 //! Shortest paths along edges, and spanning trees.
 //!
 //! [`ShortestPaths`] is Dijkstra's algorithm (1959) from several sources at once: what grows is a forest that divides
-//! the mesh into the sources' Voronoi regions along edges. [`minimum_spanning_tree`] and [`maximum_spanning_cotree`] are Kruskal's
-//! algorithm (1956) on the vertices and on the faces: a tree of edges, and a tree of the dual graph that crosses none
-//! of them. On a closed surface of genus g exactly 2g edges are in neither, and they carry its handles (Eppstein 2003,
-//! "Dynamic generators of topologically embedded graphs").
+//! the mesh into the sources' Voronoi regions along edges. [`minimum_spanning_tree`] and [`maximum_spanning_cotree`]
+//! are Kruskal's algorithm (1956) on the vertices and on the faces: a tree of edges, and a tree of the dual graph that
+//! crosses none of them. On a closed surface of genus g exactly 2g edges are in neither, and they carry its handles
+//! (Eppstein 2003, "Dynamic generators of topologically embedded graphs").
 //!
 //! Lengths are those of edges; a path never crosses a triangle. All ties are broken by index, so that the same input
 //! gives the same trees. A negative or missing (NaN) length counts as zero.

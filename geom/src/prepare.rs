@@ -84,7 +84,11 @@ impl RepairKind {
     pub fn is_of_faces(self) -> bool {
         matches!(
             self,
-            Self::RepeatedVertex | Self::DuplicateFace | Self::FlippedFace | Self::ZeroArea | Self::ComponentWithoutArea
+            Self::RepeatedVertex
+                | Self::DuplicateFace
+                | Self::FlippedFace
+                | Self::ZeroArea
+                | Self::ComponentWithoutArea
         )
     }
 }

@@ -12,8 +12,12 @@
 
 use crate::model::Model;
 
-/// How many pairs of corners are compared in a model before ears are clipped untested: some seconds.
-const WORK_PER_MODEL: u64 = 1 << 30;
+/// How many pairs of corners are compared in a model before ears are clipped untested: about two seconds.
+const WORK_PER_MODEL: u64 = 1 << 29;
+
+/// Twice the area, in a polygon of size 1, up to which three corners count as lying on a line: far above rounding, and
+/// below any triangle worth having.
+const FLAT: f64 = 1e-12;
 
 /// The triangles of a model's polygons.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
@@ -133,17 +137,21 @@ impl<'a> Ears<'a> {
         let previous = (0..n).map(|i| (i + n - 1) % n).collect();
         let next = (0..n).map(|i| (i + 1) % n).collect();
         let mut ears = Self { points, previous, next, reflex: Vec::new(), work };
-        ears.reflex = (0..n).filter(|&i| ears.turn(i) <= 0.0).collect();
+        ears.reflex = (0..n).filter(|&i| ears.turn(i) <= FLAT).collect();
         ears
     }
 
     fn clip(mut self, push: &mut impl FnMut([usize; 3])) {
         let mut corner = 0;
-        for _ in 3..self.points.len() {
+        for left in (3..self.points.len()).rev() {
             let ear = self.find(corner);
             push([self.previous[ear], ear, self.next[ear]]);
             let behind = self.remove(ear);
             corner = self.next[behind];
+            // Corners that are reflex no more are harmless in the list, they only take time.
+            if left % 32 == 0 && *self.work > 0 {
+                self.forget_convex();
+            }
         }
         push([self.previous[corner], corner, self.next[corner]]);
     }
@@ -155,7 +163,7 @@ impl<'a> Ears<'a> {
             if *self.work == 0 {
                 return start;
             }
-            *self.work -= 1;
+            self.spend(1);
             if self.is_ear(corner) {
                 return corner;
             }
@@ -176,19 +184,25 @@ impl<'a> Ears<'a> {
         self.previous[behind] = before;
         // The ear points to itself from now on: it is recognised as removed.
         self.next[ear] = ear;
-        let (next, points) = (&self.next, self.points);
-        if *self.work > 0 && (self.turn(before) > 0.0 || self.turn(behind) > 0.0) {
-            let turn = |i: usize| orientation(points[self.previous[i]], points[i], points[next[i]]);
-            self.reflex.retain(|&i| next[i] != i && turn(i) <= 0.0);
-        }
         behind
     }
 
+    fn forget_convex(&mut self) {
+        let mut reflex = std::mem::take(&mut self.reflex);
+        self.spend(reflex.len());
+        reflex.retain(|&i| self.next[i] != i && self.turn(i) <= FLAT);
+        self.reflex = reflex;
+    }
+
+    fn spend(&mut self, work: usize) {
+        *self.work = self.work.saturating_sub(work as u64);
+    }
+
     fn is_ear(&mut self, corner: usize) -> bool {
-        if self.turn(corner) <= 0.0 {
+        if self.turn(corner) <= FLAT {
             return false;
         }
-        *self.work = self.work.saturating_sub(self.reflex.len() as u64);
+        self.spend(self.reflex.len());
         let triangle = [self.previous[corner], corner, self.next[corner]].map(|i| self.points[i]);
         !self.reflex.iter().any(|&i| self.next[i] != i && is_inside(self.points[i], triangle))
     }
@@ -202,7 +216,7 @@ impl<'a> Ears<'a> {
 /// Whether a point is in a counter-clockwise triangle or on its rim, its corners excepted.
 fn is_inside(p: [f64; 2], [a, b, c]: [[f64; 2]; 3]) -> bool {
     let is_corner = p == a || p == b || p == c;
-    !is_corner && orientation(a, b, p) >= 0.0 && orientation(b, c, p) >= 0.0 && orientation(c, a, p) >= 0.0
+    !is_corner && [(a, b), (b, c), (c, a)].into_iter().all(|(a, b)| orientation(a, b, p) >= -FLAT)
 }
 
 fn orientation(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> f64 {
@@ -223,4 +237,127 @@ fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
 
 fn norm2(a: [f64; 3]) -> f64 {
     dot(a, a)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn polygon(points: &[[f64; 3]]) -> Model {
+        let face: Vec<u32> = (0..points.len() as u32).collect();
+        Model::from_polygons(points.to_vec(), [face]).unwrap()
+    }
+
+    fn area2(model: &Model, corners: [u32; 3]) -> [f64; 3] {
+        let [a, b, c] = corners.map(|corner| model.points()[model.corners()[corner as usize] as usize]);
+        cross(sub(b, a), sub(c, a))
+    }
+
+    /// Triangles of a planar polygon must all turn as it does, and their areas add up to its own.
+    fn assert_is_partition(model: &Model) {
+        let triangles = model.triangles();
+        let normal = newell(&unit_points(model, 0));
+        let mut sum = [0.0; 3];
+        for &corners in &triangles.corners {
+            let area = area2(model, corners);
+            assert!(dot(area, normal) > 0.0, "triangle {corners:?} is flipped in {:?}", model.points());
+            (0..3).for_each(|axis| sum[axis] += area[axis]);
+        }
+        let whole = newell(model.points());
+        assert!(norm2(sub(sum, whole)) <= 1e-18 * norm2(whole), "{sum:?} is not {whole:?}");
+        assert_eq!(triangles.len(), model.corner_count() - 2);
+    }
+
+    fn flat(points: &[[f64; 2]]) -> Vec<[f64; 3]> {
+        points.iter().map(|&[x, y]| [x, y, 0.25 * x - 2.0 * y]).collect()
+    }
+
+    #[test]
+    fn a_quad_is_cut_by_its_shorter_diagonal() {
+        let kite = [[0.0, -1.0, 0.0], [3.0, 0.0, 0.0], [0.0, 1.0, 0.0], [-3.0, 0.0, 0.0]];
+        assert_eq!(polygon(&kite).triangles().corners, [[0, 1, 2], [0, 2, 3]]);
+        let turned = [kite[1], kite[2], kite[3], kite[0]];
+        assert_eq!(polygon(&turned).triangles().corners, [[1, 2, 3], [1, 3, 0]]);
+    }
+
+    #[test]
+    fn a_concave_quad_is_cut_at_its_reflex_corner_at_any_scale() {
+        let dart = [[0.0, 0.0], [4.0, -0.1], [0.5, 0.5], [-0.1, 4.0]];
+        for scale in [1.0, 1e-160, 1e150] {
+            for shift in 0..4 {
+                let mut points = flat(&dart);
+                points.iter_mut().flatten().for_each(|x| *x *= scale);
+                points.rotate_left(shift);
+                let triangles = polygon(&points).triangles();
+                let reflex = (2 + 4 - shift as u32) % 4;
+                assert!(triangles.corners.iter().all(|corners| corners.contains(&reflex)), "{triangles:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn concave_polygons_are_cut_without_overlap() {
+        let comb: Vec<_> = (0..20).map(|i| [f64::from(i), if i % 2 == 0 { 0.0 } else { 5.0 }]).collect();
+        let comb: Vec<_> = comb.into_iter().chain([[19.0, 9.0], [0.0, 9.0]]).collect();
+        let spiral: Vec<_> = (0..60).map(|i| f64::from(i) * 0.3).collect();
+        let arm = |width: f64| move |&t: &f64| [(t + width) * t.cos(), (t + width) * t.sin()];
+        let spiral: Vec<_> = spiral.iter().map(arm(2.0)).chain(spiral.iter().rev().map(arm(1.0))).collect();
+        let with_straight_corners =
+            [[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [2.0, 2.0], [1.0, 2.0], [0.0, 2.0], [0.0, 1.0]];
+        let keyhole = [
+            [0.0, 0.0],
+            [9.0, 0.0],
+            [9.0, 9.0],
+            [0.0, 9.0],
+            [0.0, 0.0],
+            [3.0, 3.0],
+            [3.0, 6.0],
+            [6.0, 6.0],
+            [6.0, 3.0],
+            [3.0, 3.0],
+        ];
+        let reversed: Vec<_> = spiral.iter().rev().copied().collect();
+        for points in [&comb[..], &spiral, &reversed, &with_straight_corners, &keyhole] {
+            for shift in 0..points.len() {
+                let mut points = flat(points);
+                points.rotate_left(shift);
+                assert_is_partition(&polygon(&points));
+            }
+        }
+    }
+
+    #[test]
+    fn degenerate_polygons_still_make_all_their_triangles() {
+        let line: Vec<_> = (0..7).map(|i| [f64::from(i % 4), 0.0, 0.0]).collect();
+        let bow = flat(&[[0.0, 0.0], [1.0, 1.0], [1.0, 0.0], [0.0, 1.0], [2.0, 3.0]]);
+        for points in [vec![[1.0, 2.0, 3.0]; 9], line, bow, vec![[0.0; 3]; 4]] {
+            let triangles = polygon(&points).triangles();
+            assert_eq!(triangles.len(), points.len() - 2);
+            assert!(triangles.corners.iter().flatten().all(|&corner| (corner as usize) < points.len()));
+        }
+    }
+
+    #[test]
+    fn triangles_of_several_faces_name_their_faces() {
+        let points = flat(&[[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0], [0.5, 2.0]]);
+        let faces: [&[u32]; 3] = [&[0, 1, 2, 3, 4], &[2, 1, 0], &[3, 2, 1, 0]];
+        let model = Model::from_polygons(points, faces).unwrap();
+        let triangles = model.triangles();
+        assert_eq!(triangles.face_of, [0, 0, 0, 1, 2, 2]);
+        assert_eq!(triangles.corners[3], [5, 6, 7]);
+        assert_eq!(triangles.vertices(&model)[3], [2, 1, 0]);
+        for (corners, &face) in triangles.corners.iter().zip(&triangles.face_of) {
+            assert!(corners.iter().all(|&corner| model.face_corners(face as usize).contains(&(corner as usize))));
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn star_shaped_polygons_are_cut_without_overlap(radii in proptest::collection::vec(0.1_f64..3.0, 5..40)) {
+            let step = std::f64::consts::TAU / radii.len() as f64;
+            let points: Vec<_> = radii.iter().enumerate().map(|(i, r)| [r * (i as f64 * step).cos(), r * (i as f64 * step).sin()]).collect();
+            assert_is_partition(&polygon(&flat(&points)));
+        }
+    }
 }

@@ -1,7 +1,8 @@
 //! The pairs of a field: extremum and saddle, birth and death.
 
+use crate::merges::Merges;
 use crate::scalar::wider_first;
-use crate::sweep::{self, Merges};
+use crate::sweep;
 use crate::{Direction, Domain, Falling, FieldError, Filtration, Hierarchy, Kind, NanPolicy, Rising, Scalar};
 use core::cmp::Ordering;
 use core::ops::Deref;
@@ -118,8 +119,7 @@ impl<V: Copy, S: Scalar> Pairs<V, S> {
             end,
             is_finite,
         };
-        let mut ranked: Vec<_> =
-            merges.finite.iter().map(|&(extremum, saddle)| entry(extremum, saddle, true)).collect();
+        let mut ranked: Vec<_> = merges.finite.iter().map(|merge| entry(merge.extremum, merge.saddle, true)).collect();
         let zero_count = ranked.iter().filter(|pair| pair.persistence.is_zero()).count();
         if !keep_zeros {
             ranked.retain(|pair| !pair.persistence.is_zero());

@@ -131,6 +131,12 @@ impl Fault {
         Self::new(place, Problem::Unexpected { found: found.into(), expected: expected.into() })
     }
 
+    /// A face that encloses nothing.
+    pub(super) fn few_corners(place: Place, corners: usize) -> Self {
+        let plural = if corners == 1 { "" } else { "s" };
+        Self::unexpected(place, format!("a face with {corners} corner{plural}"), "at least 3")
+    }
+
     pub(super) fn in_file(self, path: &Path) -> ReadError {
         ReadError { path: path.to_owned(), place: self.place, problem: self.problem }
     }
@@ -146,4 +152,47 @@ impl From<Problem> for Fault {
     fn from(problem: Problem) -> Self {
         Self::new(Place::File, problem)
     }
+}
+
+/// Why a file could not be written.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum WriteError {
+    /// The system refuses: no such folder, no permission, disk full.
+    #[error("{path} cannot be written", path = path.display())]
+    File {
+        /// The file that was to be written.
+        path: PathBuf,
+        /// What the system says.
+        source: io::Error,
+    },
+    /// The same, where no file name is known.
+    #[error("the output cannot be written")]
+    Io(#[from] io::Error),
+    /// Texture coordinates that belong to another model.
+    #[error("there are {found} texture coordinates, but the model has {corners} corners")]
+    TextureCount {
+        /// How many there are.
+        found: usize,
+        /// How many there should be.
+        corners: usize,
+    },
+    /// A texture coordinate is infinite or NaN.
+    #[error("the texture coordinate of corner {corner} is not finite")]
+    NotFinite {
+        /// The corner.
+        corner: usize,
+    },
+    /// Triangles that belong to another model.
+    #[error("triangle {triangle} is not made of corners of its face, or its face comes before that of the last one")]
+    ForeignTriangle {
+        /// The triangle.
+        triangle: usize,
+    },
+    /// More than the format's 32-bit sizes can say.
+    #[error("the model is too large for this format: {bytes} bytes")]
+    TooLarge {
+        /// How large the file would be.
+        bytes: u64,
+    },
 }

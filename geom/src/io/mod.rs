@@ -10,6 +10,8 @@
 //! Not read: binary OFF, vertices in more than three dimensions, curves and free-form surfaces (they are counted in
 //! [`Model::skipped`]).
 
+mod atomic;
+mod cells;
 mod error;
 mod obj;
 mod off;
@@ -18,6 +20,10 @@ mod stl;
 #[cfg(test)]
 mod tests;
 mod text;
+mod wedge;
+mod write_glb;
+mod write_obj;
+mod write_ply;
 
 use std::fs;
 use std::io::{self, Read};
@@ -27,12 +33,17 @@ use flate2::read::MultiGzDecoder;
 
 use crate::model::Model;
 use error::Fault;
-pub use error::{Place, Problem, ReadError};
 use text::Lines;
 
+pub use atomic::write_atomically;
+pub use error::{Place, Problem, ReadError, WriteError};
+pub use write_glb::write_glb;
+pub use write_obj::{Material, ObjContent, write_obj};
+pub use write_ply::write_ply;
+
 /// The formats that can be read.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Format {
+#[derive(Debug, Clone, Copy)]
+enum Format {
     /// Wavefront OBJ.
     Obj,
     /// Geomview's object file format.

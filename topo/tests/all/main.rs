@@ -1,0 +1,6 @@
+//! What holds of persistence on any domain, on random input and on measured fields.
+
+mod domains;
+mod fields;
+mod inputs;
+mod laws;
