@@ -5,9 +5,8 @@ use crate::failure::Failure;
 use crate::output;
 use crate::picture::{Chart, Mark};
 use crate::progress::Progress;
-use crate::report::{Report, Times};
+use crate::report::{Quality, Report, Times};
 use cones::{Atlas, Options};
-use geom::distortion::{self, Distortion};
 use geom::{Model, Repair};
 use std::path::Path;
 use std::time::Instant;
@@ -20,7 +19,7 @@ pub(crate) struct Job {
     pub(crate) atlas: Atlas,
     /// For each corner of the model.
     pub(crate) uv: Vec<[f64; 2]>,
-    pub(crate) quality: Distortion,
+    pub(crate) quality: Quality,
 }
 
 impl Job {
@@ -37,7 +36,9 @@ impl Job {
         progress.step("measure");
         let uv = scaled(&atlas.uv, scale);
         let triangles = kept(&atlas);
-        let quality = distortion::measure(model.points(), &vertices(&model, &triangles), &corner_uv(&triangles, &uv))
+        let cones: Vec<u32> = atlas.cones.iter().map(|cone| cone.vertex).collect();
+        let (triangles, corners) = (vertices(&model, &triangles), corner_uv(&triangles, &uv));
+        let quality = Quality::measure(model.points(), &triangles, &corners, Some(&cones))
             .map_err(|source| Failure::Measure { path: path.to_owned(), source })?;
         Ok(Self { model, options, atlas, uv, quality })
     }
