@@ -32,14 +32,14 @@ impl Job {
         progress: &mut Progress,
     ) -> Result<Self, Failure> {
         let atlas = cones::unwrap(&model, &options, &mut |stage| progress.stage(stage))
-            .map_err(|source| Failure::Unwrap { path: path.to_owned(), source })?;
+            .map_err(|error| Failure::Unwrap { path: path.to_owned(), error })?;
         progress.step("measure");
         let uv = scaled(&atlas.uv, scale);
         let triangles = kept(&atlas);
         let cones: Vec<u32> = atlas.cones.iter().map(|cone| cone.vertex).collect();
         let (triangles, corners) = (vertices(&model, &triangles), corner_uv(&triangles, &uv));
         let quality = Quality::measure(model.points(), &triangles, &corners, Some(&cones))
-            .map_err(|source| Failure::Measure { path: path.to_owned(), source })?;
+            .map_err(|error| Failure::Measure { path: path.to_owned(), error })?;
         Ok(Self { model, options, atlas, uv, quality })
     }
 

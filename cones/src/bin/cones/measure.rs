@@ -53,7 +53,7 @@ fn measure(args: &Measure, model: &Model, reference: &Model) -> Result<MeasureRe
     let triangles = reference.triangles();
     let (vertices, corners) = (triangles.vertices(reference), job::corner_uv(&triangles.corners, &uv));
     let quality = Quality::measure(reference.points(), &vertices, &corners, None)
-        .map_err(|source| Failure::Measure { path: args.input.clone(), source })?;
+        .map_err(|error| Failure::Measure { path: args.input.clone(), error })?;
     Ok(MeasureReport {
         schema: SCHEMA,
         input: MeasuredInput {
