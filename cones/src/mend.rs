@@ -64,7 +64,14 @@ pub(crate) fn mend(
     let mut moved = 0;
     for rings in 0..=MAX_RINGS {
         for patch in mender.patches(&bad, rings) {
-            moved += mender.untangle(&patch);
+            moved += mender.untangle(&patch, Fans::Free);
+        }
+        bad = mender.bad(input.faces());
+        for patch in mender.patches(&bad, rings) {
+            // With the fans held first; once nothing is flipped they may relax, which cannot unwind them.
+            if mender.untangle(&patch, Fans::Held) > 0 {
+                moved += mender.untangle(&patch, Fans::Free).max(patch.len());
+            }
         }
         bad = mender.bad(input.faces());
         if bad.is_empty() {
@@ -95,6 +102,14 @@ impl Bad {
     }
 }
 
+/// Whether the neighbours of cones with spread fans may move.
+#[derive(Clone, Copy, PartialEq)]
+enum Fans {
+    Free,
+    /// Untangling is free to unwind a cone by one turn and to wind a plain vertex instead; held fans prevent that.
+    Held,
+}
+
 struct Mender<'a> {
     input: &'a Mesh,
     /// The edge lengths in space.
@@ -106,6 +121,8 @@ struct Mender<'a> {
     layout: &'a mut Layout,
     /// For each wedge the rotation that takes displacements of the vertex's first wedge to its own.
     turn: Vec<Complex64>,
+    /// The cones whose fans were spread, ascending.
+    fanned: Vec<VertexId>,
 }
 
 impl<'a> Mender<'a> {
@@ -118,7 +135,7 @@ impl<'a> Mender<'a> {
     ) -> Self {
         let angle = scaling.metric.angle_sums(&scaling.triangulation);
         let turn = wedge_turns(input, layout);
-        Self { input, metric, scaling, angle, is_cone, layout, turn }
+        Self { input, metric, scaling, angle, is_cone, layout, turn, fanned: Vec::new() }
     }
 
     fn positions(&self, f: FaceId) -> [Complex64; 3] {
@@ -166,9 +183,10 @@ impl<'a> Mender<'a> {
         let mut cones: Vec<VertexId> = touched.filter(|&v| self.is_cone[v] && self.angle[v] >= 2.0 * PI).collect();
         cones.sort_unstable();
         cones.dedup();
-        for cone in cones {
+        for &cone in &cones {
             self.spread_fan(cone);
         }
+        self.fanned = cones;
     }
 
     fn spread_fan(&mut self, cone: VertexId) {
@@ -247,11 +265,11 @@ impl<'a> Mender<'a> {
     }
 
     /// Untangles a patch; returns how many triangles it has, 0 where it was left as it was.
-    fn untangle(&mut self, faces: &[FaceId]) -> usize {
+    fn untangle(&mut self, faces: &[FaceId], fans: Fans) -> usize {
         if faces.len() > MAX_PATCH {
             return 0;
         }
-        let Some((patch, moving)) = self.patch(faces) else { return 0 };
+        let Some((patch, moving)) = self.patch(faces, fans) else { return 0 };
         let untangled = patch.untangle();
         if !untangled.succeeded {
             return 0;
@@ -269,13 +287,14 @@ impl<'a> Mender<'a> {
     }
 
     /// A patch for untangling, and the vertices that its displacements move; none if nothing can move.
-    fn patch(&self, faces: &[FaceId]) -> Option<(Patch, Vec<VertexId>)> {
+    fn patch(&self, faces: &[FaceId], fans: Fans) -> Option<(Patch, Vec<VertexId>)> {
         let input = self.input;
         let mut degree: BTreeMap<VertexId, usize> = BTreeMap::new();
         for v in faces.iter().flat_map(|&f| input.corners(f)) {
             *degree.entry(v).or_insert(0) += 1;
         }
-        let is_inside = |v: VertexId| !self.is_cone[v] && degree[&v] == input.face_degree(v);
+        let held = |v: VertexId| fans == Fans::Held && input.neighbors(v).iter().any(|w| self.fanned.contains(w));
+        let is_inside = |v: VertexId| !self.is_cone[v] && degree[&v] == input.face_degree(v) && !held(v);
         let moving: Vec<VertexId> = degree.keys().copied().filter(|&v| is_inside(v)).collect();
         if moving.is_empty() {
             return None;
