@@ -53,7 +53,11 @@ fn main() -> Result<(), Box<dyn Error>> {
     let grid = Grid::new([elevation.rows, elevation.columns], Connectivity::Full);
     let options = Options::new().nan(NanPolicy::Mask);
     let peaks = options.superlevel(&grid, &elevation.heights)?;
-    println!("{} peaks, {} of them the highest of an island; the most prominent:", peaks.len(), peaks.essential().count());
+    println!(
+        "{} peaks, {} of them the highest of an island; the most prominent:",
+        peaks.len(),
+        peaks.essential().count()
+    );
     println!("prominence  height  (row, column)   key saddle");
     for peak in peaks.iter().take(12) {
         let [row, column] = grid.position(peak.extremum);
