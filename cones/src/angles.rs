@@ -1,0 +1,335 @@
+//! The curvature of each cone, given where the cones are.
+//!
+//! *Harmonic* curvatures are those of the conformal factor pinned to 0 at all cones, as in [BCGB08] and the paper.
+//! *Optimal* ones make the L2 norm of the log scale factor least, under bounds that keep the cones buildable: the linear
+//! log scale factor is u = p + Σ q_c g_c, with p the flattening of everything and g_c Green's function of cone c, so that
+//! |u|² is a quadratic function of the curvatures q (a small dense program, [`fit`](crate::fit)).
+//!
+//! A cone's angle is θ = 2π - k. Bounds: k at most 1.5π (less than 2π is needed, and near it the metric degenerates); k at
+//! least -2π, and not so low that the cone's triangles in the input could not span θ: θ ≤ ¾π a triangle.
+
+use std::f64::consts::PI;
+
+use geom::{Mesh, VertexData, VertexId};
+use thiserror::Error;
+
+use crate::fit::{Quadratic, fit};
+use crate::operators::Operators;
+
+/// How cones get their curvatures.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Angles {
+    /// Those of the log scale factor that is 0 at all cones, as the paper has it.
+    Harmonic,
+    /// Those that make the L2 norm of the log scale factor least.
+    #[default]
+    Optimal,
+}
+
+/// Curvatures for cones, or why there are none.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum AnglesError {
+    /// The bounds admit no curvatures with the right sum.
+    #[error("{cones} cones cannot take the total curvature of {total:.4}; at least {least} are needed")]
+    TooFew {
+        /// How many cones were given.
+        cones: usize,
+        /// What they should sum to.
+        total: f64,
+        /// How many it takes, by count; vertices of low degree may ask for more.
+        least: usize,
+    },
+}
+
+/// Cone curvatures with what is known of them.
+#[derive(Clone, Debug)]
+pub struct ConeCurvatures {
+    /// The curvature of each cone, in radians; on a closed surface they sum to 2πχ exactly.
+    pub curvature: Vec<f64>,
+    /// The log scale factor that linear theory predicts, centred.
+    pub predicted: VertexData<f64>,
+    /// Harmonic curvatures were asked for, but these cones' were out of bounds, so that optimal ones were taken instead.
+    pub out_of_bounds: Vec<VertexId>,
+}
+
+impl ConeCurvatures {
+    /// Curvatures that somebody gives.
+    pub fn given(operators: &Operators, cones: &[VertexId], curvature: Vec<f64>) -> Self {
+        let flattening = operators.poisson.solve(&operators.flattening_source());
+        let (p, green) = centred(operators, flattening, operators.green(cones));
+        Self { predicted: combine(&p, &green, &curvature), curvature, out_of_bounds: Vec::new() }
+    }
+}
+
+/// The least and greatest curvature of each of the `cones` on a surface whose layout will use the triangles of `input`.
+fn bounds(operators: &Operators, input: &Mesh, cones: &[VertexId]) -> Vec<[f64; 2]> {
+    let count = cones.len().max(1) as f64;
+    let total = if operators.is_bordered() { 0.0 } else { operators.total_curvature() };
+    let high = (1.5 * PI).max(1.02 * total / count).min(1.99 * PI);
+    let low = -(2.0 * PI).max(2.5 * (-total).max(0.0) / count);
+    let by_degree = |&v| low.max(2.0 * PI - 0.75 * PI * usable_degree(input, cones, v) as f64).min(high);
+    cones.iter().map(|v| [by_degree(v), high]).collect()
+}
+
+/// The triangles at a vertex that can open up. A flat neighbour of degree 3 makes three triangles one.
+fn usable_degree(input: &Mesh, cones: &[VertexId], v: VertexId) -> usize {
+    let stuck = |w: &&VertexId| input.face_degree(**w) == 3 && !input.is_boundary_vertex(**w) && !cones.contains(w);
+    let degree = input.face_degree(v);
+    degree.saturating_sub(input.neighbors(v).iter().filter(stuck).count()).max(1)
+}
+
+/// The least number of cones of a closed surface, from the total curvature alone; 0 with a boundary. A sphere needs
+/// three, each below 2π; a torus none; beyond, one.
+pub fn least_cones(operators: &Operators) -> usize {
+    match operators.mesh.euler_characteristic() {
+        _ if operators.is_bordered() => 0,
+        2 => 3,
+        0 => 0,
+        _ => 1,
+    }
+}
+
+/// The curvatures of the given cones, in their order. `input` is the triangulation that will be laid out. Costs one block
+/// of solves.
+///
+/// # Errors
+/// If the bounds cannot be met with so few cones.
+pub fn cone_curvatures(
+    operators: &Operators,
+    input: &Mesh,
+    cones: &[VertexId],
+    angles: Angles,
+) -> Result<ConeCurvatures, AnglesError> {
+    let flattening = operators.poisson.solve(&operators.flattening_source());
+    let green = operators.green(cones);
+    let bounds = bounds(operators, input, cones);
+    let mut out_of_bounds = Vec::new();
+    if angles == Angles::Harmonic {
+        if let Some(curvature) = harmonic(operators, cones, &flattening, &green) {
+            let outside = |k: f64| !(k < 2.0 * PI - 0.02);
+            out_of_bounds = cones
+                .iter()
+                .zip(&curvature)
+                .zip(&bounds)
+                .filter(|((_, k), [low, _])| outside(**k) || **k < low.min(-2.0 * PI))
+                .map(|((v, _), _)| *v)
+                .collect();
+            if out_of_bounds.is_empty() {
+                let mut predicted = combine(&flattening, &green, &curvature);
+                operators.subtract_mean(&mut predicted);
+                return Ok(ConeCurvatures { curvature, predicted, out_of_bounds });
+            }
+        } else {
+            out_of_bounds = cones.to_vec();
+        }
+    }
+    let (p, g) = centred(operators, flattening, green);
+    let curvature = optimal(operators, &p, &g, &bounds)?;
+    let predicted = combine(&p, &g, &curvature);
+    Ok(ConeCurvatures { curvature, predicted, out_of_bounds })
+}
+
+/// The log scale factor that is 0 at all the cones (centred if there are none), with curvature nowhere else.
+pub(crate) fn pinned_factor(operators: &Operators, cones: &[VertexId], green: &[VertexData<f64>]) -> VertexData<f64> {
+    let mut flattening = operators.poisson.solve(&operators.flattening_source());
+    match harmonic(operators, cones, &flattening, green) {
+        Some(curvature) if !cones.is_empty() => {
+            let mut u = combine(&flattening, green, &curvature);
+            if !operators.is_bordered() {
+                let at_cones = u[cones[0]];
+                u.iter_mut().for_each(|u| *u -= at_cones);
+            }
+            u
+        }
+        _ => {
+            operators.centre(&mut flattening);
+            flattening
+        }
+    }
+}
+
+fn centred(
+    operators: &Operators,
+    mut flattening: VertexData<f64>,
+    mut green: Vec<VertexData<f64>>,
+) -> (VertexData<f64>, Vec<VertexData<f64>>) {
+    operators.centre(&mut flattening);
+    green.iter_mut().for_each(|g| operators.centre(g));
+    (flattening, green)
+}
+
+/// p + Σ q g.
+fn combine(p: &VertexData<f64>, green: &[VertexData<f64>], curvature: &[f64]) -> VertexData<f64> {
+    let mut u = p.clone();
+    for (g, q) in green.iter().zip(curvature) {
+        u.iter_mut().zip(g.iter()).for_each(|(u, g)| *u += q * g);
+    }
+    u
+}
+
+/// The curvatures least in |p + Σ q g|², on a closed surface with sum 2πχ.
+fn optimal(
+    operators: &Operators,
+    p: &VertexData<f64>,
+    green: &[VertexData<f64>],
+    bounds: &[[f64; 2]],
+) -> Result<Vec<f64>, AnglesError> {
+    let n = green.len();
+    let mut quadratic = vec![0.0; n * n];
+    for i in 0..n {
+        for j in 0..=i {
+            let product = operators.inner(&green[i], &green[j]);
+            quadratic[i * n + j] = product;
+            quadratic[j * n + i] = product;
+        }
+    }
+    let linear: Vec<f64> = green.iter().map(|g| operators.inner(g, p)).collect();
+    let total = (!operators.is_bordered()).then(|| operators.total_curvature());
+    let energy = Quadratic { constant: operators.inner(p, p), linear: &linear, matrix: &quadratic };
+    let fitted = fit(&energy, bounds, total).map_err(|_| AnglesError::TooFew {
+        cones: n,
+        total: operators.total_curvature(),
+        least: least_cones(operators).max(n + 1),
+    })?;
+    Ok(fitted.curvatures)
+}
+
+/// The curvatures for which u is 0 at all cones: G q = -p there, on a closed surface up to a constant and with sum 2πχ.
+fn harmonic(
+    operators: &Operators,
+    cones: &[VertexId],
+    flattening: &VertexData<f64>,
+    green: &[VertexData<f64>],
+) -> Option<Vec<f64>> {
+    let n = cones.len();
+    let closed = !operators.is_bordered();
+    let size = n + usize::from(closed);
+    let mut matrix = vec![0.0; size * size];
+    let mut right = vec![0.0; size];
+    for (i, &v) in cones.iter().enumerate() {
+        for (j, g) in green.iter().enumerate() {
+            matrix[i * size + j] = g[v];
+        }
+        right[i] = -flattening[v];
+        if closed {
+            matrix[i * size + n] = 1.0;
+            matrix[n * size + i] = 1.0;
+        }
+    }
+    if closed {
+        right[n] = operators.total_curvature();
+    }
+    let mut curvature = solve_dense(matrix, right)?;
+    curvature.truncate(n);
+    Some(curvature)
+}
+
+/// Solves a small dense system (row-major) by Gaussian elimination with partial pivoting; none if it is singular.
+fn solve_dense(mut matrix: Vec<f64>, mut right: Vec<f64>) -> Option<Vec<f64>> {
+    let n = right.len();
+    for k in 0..n {
+        let pivot = (k..n).max_by(|&i, &j| matrix[i * n + k].abs().total_cmp(&matrix[j * n + k].abs()))?;
+        if !(matrix[pivot * n + k].abs() > 0.0) {
+            return None;
+        }
+        for j in 0..n {
+            matrix.swap(k * n + j, pivot * n + j);
+        }
+        right.swap(k, pivot);
+        for i in k + 1..n {
+            let share = matrix[i * n + k] / matrix[k * n + k];
+            for j in k..n {
+                matrix[i * n + j] -= share * matrix[k * n + j];
+            }
+            right[i] -= share * right[k];
+        }
+    }
+    for k in (0..n).rev() {
+        for j in k + 1..n {
+            right[k] -= matrix[k * n + j] * right[j];
+        }
+        right[k] /= matrix[k * n + k];
+    }
+    Some(right)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use geom::{Metric, Poisson, shapes};
+
+    fn hare() -> (Mesh, Operators) {
+        let shape = shapes::hare(1500);
+        let mesh = shape.mesh();
+        let operators = Operators::new(&mesh, &Metric::from_points(&mesh, &shape.points)).unwrap();
+        (mesh, operators)
+    }
+
+    fn spread(mesh: &Mesh, count: usize) -> Vec<VertexId> {
+        let inner: Vec<VertexId> = mesh.vertices().filter(|&v| !mesh.is_boundary_vertex(v)).collect();
+        (0..count).map(|k| inner[k * inner.len() / count]).collect()
+    }
+
+    #[test]
+    fn harmonic_curvatures_are_those_of_the_solve_with_the_cones_pinned() {
+        let (mesh, operators) = hare();
+        let cones = spread(&mesh, 9);
+        let green = operators.green(&cones);
+        let flattening = operators.poisson.solve(&operators.flattening_source());
+        let curvature = harmonic(&operators, &cones, &flattening, &green).unwrap();
+        let source: Vec<f64> = operators.curvature.iter().map(|k| -k).collect();
+        let pinned = Poisson::new(&operators.laplacian, &cones).unwrap().solve(&source);
+        let u = pinned_factor(&operators, &cones, &green);
+        assert!(u.iter().zip(pinned.iter()).all(|(u, pinned)| (u - pinned).abs() < 1e-10));
+        for (&v, k) in cones.iter().zip(curvature) {
+            let row = operators.laplacian.outer_view(v.0 as usize).unwrap();
+            let change: f64 = row.iter().map(|(j, l)| l * pinned[VertexId(j as u32)]).sum();
+            assert!((operators.curvature[v] + change - k).abs() < 1e-9);
+        }
+    }
+
+    #[test]
+    fn optimal_curvatures_sum_to_the_total_keep_their_bounds_and_beat_harmonic_ones() {
+        let (mesh, operators) = hare();
+        let norm = |c: &ConeCurvatures| operators.inner(&c.predicted, &c.predicted).sqrt();
+        for count in [3, 4, 8, 20] {
+            let cones = spread(&mesh, count);
+            let optimal = cone_curvatures(&operators, &mesh, &cones, Angles::Optimal).unwrap();
+            assert!((optimal.curvature.iter().sum::<f64>() - 4.0 * PI).abs() < 1e-11);
+            for (k, [low, high]) in optimal.curvature.iter().zip(bounds(&operators, &mesh, &cones)) {
+                assert!(*k >= low - 1e-12 && *k <= high + 1e-12);
+            }
+            let harmonic = cone_curvatures(&operators, &mesh, &cones, Angles::Harmonic).unwrap();
+            let legal = harmonic.out_of_bounds.is_empty();
+            let within = harmonic.curvature.iter().zip(bounds(&operators, &mesh, &cones));
+            if legal && within.clone().all(|(k, [low, high])| *k >= low && *k <= high) {
+                assert!(norm(&optimal) <= norm(&harmonic) + 1e-12);
+            }
+        }
+    }
+
+    #[test]
+    fn too_few_cones_for_the_curvature_are_refused() {
+        let (mesh, operators) = hare();
+        let error = cone_curvatures(&operators, &mesh, &spread(&mesh, 2), Angles::Optimal).unwrap_err();
+        assert!(matches!(error, AnglesError::TooFew { cones: 2, least: 3, .. }), "{error}");
+    }
+
+    #[test]
+    fn a_developable_cone_needs_just_its_own_curvature() {
+        let shape = shapes::cone(5, 300);
+        let mesh = shape.mesh();
+        let operators = Operators::new(&mesh, &Metric::from_points(&mesh, &shape.points)).unwrap();
+        let tip = mesh.vertices().find(|&v| operators.curvature[v].abs() > 0.5 && !mesh.is_boundary_vertex(v)).unwrap();
+        let curvatures = cone_curvatures(&operators, &mesh, &[tip], Angles::Optimal).unwrap();
+        assert!((curvatures.curvature[0] - operators.curvature[tip]).abs() < 1e-9);
+        assert!(curvatures.predicted.iter().all(|u| u.abs() < 1e-9));
+    }
+
+    #[test]
+    fn a_dense_system_is_solved_with_pivoting_and_a_singular_one_is_not() {
+        let solution = solve_dense(vec![0.0, 2.0, 1.0, 1.0], vec![4.0, 3.0]).unwrap();
+        assert_eq!(solution, [1.0, 2.0]);
+        assert_eq!(solve_dense(vec![1.0, 2.0, 2.0, 4.0], vec![1.0, 1.0]), None);
+    }
+}

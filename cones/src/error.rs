@@ -1,0 +1,66 @@
+//! Which stage could not go on, and why.
+
+use geom::{PoissonError, PrepareError};
+use thiserror::Error;
+
+use crate::angles::AnglesError;
+use crate::mend::MendError;
+use crate::scaling::ScalingError;
+use crate::seams::SeamError;
+
+/// Why a model cannot be unwrapped.
+#[derive(Clone, Debug, Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// The model has no surface.
+    #[error(transparent)]
+    Prepare(#[from] PrepareError),
+    /// The Laplacian cannot be factored.
+    #[error(transparent)]
+    Poisson(#[from] PoissonError),
+    /// The cones cannot take the surface's curvature.
+    #[error(transparent)]
+    Angles(#[from] AnglesError),
+    /// The surface cannot be cut open.
+    #[error(transparent)]
+    Seams(#[from] SeamError),
+    /// No metric with these cones was found.
+    #[error(transparent)]
+    Scaling(#[from] ScalingError),
+    /// Triangles of the layout stay flipped.
+    #[error(transparent)]
+    Mend(#[from] MendError),
+    /// A given cone is no vertex of a surface.
+    #[error("cone {vertex} is not a vertex of any face (vertices are numbered from 0 to {})", count - 1)]
+    NoSuchCone {
+        /// The vertex that was given.
+        vertex: u32,
+        /// How many vertices the model has.
+        count: usize,
+    },
+    /// A cone was given twice.
+    #[error("cone {0} is given twice")]
+    RepeatedCone(u32),
+    /// A cone was given on the boundary.
+    #[error("cone {0} lies on the boundary, where no cone is needed: choose an inner vertex")]
+    ConeOnBoundary(u32),
+    /// Some cones were given curvatures and others not.
+    #[error("{known} of {given} cones are given with a curvature: give one for all of them, or for none")]
+    SomeCurvatures {
+        /// How many have a curvature.
+        known: usize,
+        /// How many cones there are.
+        given: usize,
+    },
+    /// Given curvatures break Gauss–Bonnet.
+    #[error("the given curvatures sum to {sum:.9}, but on this closed surface they must sum to 2πχ = {total:.9}")]
+    CurvatureSum {
+        /// What they sum to.
+        sum: f64,
+        /// What they should.
+        total: f64,
+    },
+    /// A given curvature leaves no angle.
+    #[error("a cone's curvature must be less than 2π, but {0} is given")]
+    CurvatureTooLarge(f64),
+}

@@ -1,0 +1,572 @@
+//! The curvatures of given cones: least squares between bounds.
+//!
+//! The squared area-weighted norm of the log scale is a quadratic function of the cones' curvatures q,
+//!
+//! ```text
+//!     E(q) = c + 2 b·q + qᵀ H q        minimised under  lo ≤ q ≤ hi  and, on a closed surface,  Σ q = 2πχ,
+//! ```
+//!
+//! with H symmetric and positive semidefinite, dense, of the cones' number. This is the primal active-set method
+//! (Nocedal & Wright 2006, "Numerical Optimization", §16.5): from a feasible point minimise over the free variables as
+//! if there were no bounds; where a bound is in the way stop there and hold that variable; at a minimum let go the held
+//! variable that pulls inwards most; done when none does.
+//!
+//! The sum is kept by eliminating one free variable, so that every step holds it whatever the condition of H. Cones
+//! close to each other make H nearly singular: its diagonal is raised by a ridge, and steps are repeated until the
+//! gradient vanishes, so that the ridge is not seen in the result. The energy never grows and the number of steps is
+//! limited, so the method always ends; what it returns is feasible in any case.
+
+use thiserror::Error;
+
+/// What is added to the matrix's diagonal, relative to its largest entry. Smaller lets rounding errors choose a
+/// direction where the matrix is singular; larger needs more steps.
+const RIDGE: f64 = 1e-10;
+
+/// How often a step to the minimum over the free variables is repeated, each time with what the ridge and rounding
+/// left of the gradient. One is enough but where the matrix is nearly singular.
+const REPEATS: usize = 10;
+
+/// A gradient counts from here on, relative to the terms it is the sum of.
+const GRADIENT_TOLERANCE: f64 = 1e-11;
+
+/// How far bounds may miss the sum, relative to their own size.
+const SUM_TOLERANCE: f64 = 1e-12;
+
+/// The function c + 2 b·q + qᵀ H q.
+#[derive(Clone, Copy, Debug)]
+pub struct Quadratic<'a> {
+    /// c
+    pub constant: f64,
+    /// b
+    pub linear: &'a [f64],
+    /// H, symmetric and positive semidefinite, row by row.
+    pub matrix: &'a [f64],
+}
+
+impl Quadratic<'_> {
+    /// The value at q.
+    pub fn value(&self, q: &[f64]) -> f64 {
+        self.half_gradient(q).iter().zip(self.linear).zip(q).fold(self.constant, |sum, ((r, b), q)| sum + (r + b) * q)
+    }
+
+    /// Half the gradient, b + H q.
+    pub fn half_gradient(&self, q: &[f64]) -> Vec<f64> {
+        (0..self.linear.len()).map(|i| self.linear[i] + dot(self.row(i), q)).collect()
+    }
+
+    fn row(&self, i: usize) -> &[f64] {
+        let n = self.linear.len();
+        &self.matrix[i * n..(i + 1) * n]
+    }
+}
+
+/// Whether a variable is held at one of its bounds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Held {
+    /// It is between its bounds.
+    Free,
+    /// It is at the lower one.
+    Lower,
+    /// It is at the upper one.
+    Upper,
+}
+
+/// The minimum of a [`Quadratic`] between bounds.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Fit {
+    /// q: what the curvatures are.
+    pub curvatures: Vec<f64>,
+    /// E(q).
+    pub energy: f64,
+    /// λ, such that b + H q + λ is zero at free variables; zero where the sum is free.
+    pub multiplier: f64,
+    /// Which variables are at a bound.
+    pub held: Vec<Held>,
+}
+
+/// Why there is nothing to fit.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum FitError {
+    /// The bounds exclude the sum.
+    #[error(
+        "the cones' curvatures must sum to {total:.4}, but their bounds allow only {least:.4} to {most:.4}: \
+         choose more cones"
+    )]
+    Infeasible {
+        /// What the sum must be.
+        total: f64,
+        /// The sum of the lower bounds.
+        least: f64,
+        /// The sum of the upper bounds.
+        most: f64,
+    },
+    /// A lower bound is above the upper one.
+    #[error("cone {index} has the lower bound {lower} above the upper bound {upper}")]
+    CrossedBounds {
+        /// The variable.
+        index: usize,
+        /// Its lower bound.
+        lower: f64,
+        /// Its upper bound.
+        upper: f64,
+    },
+    /// A coefficient, a bound or the sum is NaN or infinite, or too large to compute with.
+    #[error("the cones' energy or bounds are not finite numbers")]
+    NotFinite,
+    /// Matrix, vector and bounds do not fit each other.
+    #[error("{variables} bounds were given for an energy with {linear} linear and {matrix} quadratic coefficients")]
+    Sizes {
+        /// The number of bounds.
+        variables: usize,
+        /// The length of b.
+        linear: usize,
+        /// The number of entries of H.
+        matrix: usize,
+    },
+}
+
+/// Minimises a quadratic function between bounds `[lower, upper]`, and where `total` is given with that sum. A few
+/// Cholesky factors of the matrix: O(n³) for each variable that comes to a bound.
+///
+/// ```
+/// use cones::{Held, Quadratic, fit};
+/// // (q₀ - 3)² + (q₁ - 1)² with q₀ + q₁ = 2 and q₀ ≤ 1.5
+/// let energy = Quadratic { constant: 10.0, linear: &[-3.0, -1.0], matrix: &[1.0, 0.0, 0.0, 1.0] };
+/// let fit = fit(&energy, &[[-5.0, 1.5], [-5.0, 5.0]], Some(2.0))?;
+/// assert_eq!(fit.curvatures, [1.5, 0.5]);
+/// assert_eq!(fit.held, [Held::Upper, Held::Free]);
+/// # Ok::<(), cones::FitError>(())
+/// ```
+///
+/// # Errors
+/// If no q is between the bounds with that sum, if something is not finite, or if the sizes do not agree.
+pub fn fit(energy: &Quadratic, bounds: &[[f64; 2]], total: Option<f64>) -> Result<Fit, FitError> {
+    let mut set = ActiveSet::feasible(energy, bounds, total)?;
+    let multiplier = set.minimise();
+    let energy = energy.value(&set.q);
+    if !energy.is_finite() {
+        return Err(FitError::NotFinite);
+    }
+    Ok(Fit { curvatures: set.q, energy, multiplier, held: set.held })
+}
+
+/// A feasible point, and which of its variables are held.
+struct ActiveSet<'a> {
+    energy: &'a Quadratic<'a>,
+    bounds: &'a [[f64; 2]],
+    total: Option<f64>,
+    q: Vec<f64>,
+    held: Vec<Held>,
+}
+
+impl<'a> ActiveSet<'a> {
+    /// The point that is as far on the way from lower to upper bound in every variable.
+    fn feasible(energy: &'a Quadratic<'a>, bounds: &'a [[f64; 2]], total: Option<f64>) -> Result<Self, FitError> {
+        let n = bounds.len();
+        let (linear, matrix) = (energy.linear.len(), energy.matrix.len());
+        if linear != n || matrix != n * n {
+            return Err(FitError::Sizes { variables: n, linear, matrix });
+        }
+        let numbers = energy.linear.iter().chain(energy.matrix).chain(bounds.as_flattened()).chain(&total);
+        if !numbers.copied().all(f64::is_finite) {
+            return Err(FitError::NotFinite);
+        }
+        if let Some(index) = bounds.iter().position(|[lower, upper]| lower > upper) {
+            let [lower, upper] = bounds[index];
+            return Err(FitError::CrossedBounds { index, lower, upper });
+        }
+        let [least, most] = [0, 1].map(|side| bounds.iter().map(|bound| bound[side]).sum::<f64>());
+        let mut way = 0.5;
+        if let Some(total) = total {
+            let size = bounds.as_flattened().iter().fold(total.abs(), |size, bound| size + bound.abs());
+            if total < least - SUM_TOLERANCE * size || total > most + SUM_TOLERANCE * size {
+                return Err(FitError::Infeasible { total, least, most });
+            }
+            way = if most > least { ((total - least) / (most - least)).clamp(0.0, 1.0) } else { 0.0 };
+        }
+        let between = |&[lower, upper]: &[f64; 2]| (lower + way * (upper - lower)).clamp(lower, upper);
+        let held = bounds.iter().map(|[lower, upper]| if lower == upper { Held::Lower } else { Held::Free });
+        Ok(Self { energy, bounds, total, q: bounds.iter().map(between).collect(), held: held.collect() })
+    }
+
+    /// Steps until no variable pulls inwards; returns the sum's multiplier.
+    fn minimise(&mut self) -> f64 {
+        let mut repeats = 0;
+        // A variable comes to a bound and leaves it once or twice; what takes longer goes round in circles.
+        for _ in 0..50 + 20 * self.q.len() {
+            let gradient = self.energy.half_gradient(&self.q);
+            let multiplier = self.multiplier(&gradient);
+            let tolerance = self.tolerance(multiplier);
+            let is_minimum = self.free().iter().all(|&i| (gradient[i] + multiplier).abs() <= tolerance);
+            if !is_minimum && repeats < REPEATS {
+                let blocked = self.step(&gradient);
+                repeats = if blocked { 0 } else { repeats + 1 };
+            } else if self.release(&gradient, multiplier, tolerance) {
+                repeats = 0;
+            } else {
+                break;
+            }
+        }
+        self.multiplier(&self.energy.half_gradient(&self.q))
+    }
+
+    /// Below what a gradient is rounding.
+    fn tolerance(&self, multiplier: f64) -> f64 {
+        let size = |i: usize| {
+            let terms = self.energy.row(i).iter().zip(&self.q).map(|(h, q)| (h * q).abs());
+            self.energy.linear[i].abs() + multiplier.abs() + terms.sum::<f64>()
+        };
+        GRADIENT_TOLERANCE * (0..self.q.len()).map(size).fold(0.0, f64::max)
+    }
+
+    fn is_fixed(&self, i: usize) -> bool {
+        self.bounds[i][0] == self.bounds[i][1]
+    }
+
+    fn free(&self) -> Vec<usize> {
+        (0..self.q.len()).filter(|&i| self.held[i] == Held::Free).collect()
+    }
+
+    /// Goes to the minimum over the free variables, or to the first bound on the way; whether there was one.
+    fn step(&mut self, gradient: &[f64]) -> bool {
+        let Some(direction) = self.direction(gradient) else { return false };
+        let slope = dot(gradient, &direction);
+        let curved = (0..self.q.len()).map(|i| direction[i] * dot(self.energy.row(i), &direction)).sum::<f64>();
+        if slope >= 0.0 {
+            return false;
+        }
+        let mut length = if curved > 0.0 { -slope / curved } else { f64::INFINITY };
+        let mut blocking = None;
+        for (i, &d) in direction.iter().enumerate().filter(|&(_, &d)| d != 0.0) {
+            let side = usize::from(d > 0.0);
+            let room = ((self.bounds[i][side] - self.q[i]) / d).max(0.0);
+            if room < length {
+                (length, blocking) = (room, Some((i, side)));
+            }
+        }
+        for (i, d) in direction.iter().enumerate() {
+            self.q[i] = (self.q[i] + length * d).clamp(self.bounds[i][0], self.bounds[i][1]);
+        }
+        if let Some((i, side)) = blocking {
+            self.q[i] = self.bounds[i][side];
+            self.held[i] = [Held::Lower, Held::Upper][side];
+        }
+        self.restore_sum();
+        blocking.is_some()
+    }
+
+    /// The Newton direction of the free variables that keeps the sum; none where nothing can move.
+    fn direction(&self, gradient: &[f64]) -> Option<Vec<f64>> {
+        let mut free = self.free();
+        // With the sum given the last free variable moves against all others.
+        let last = if self.total.is_some() { Some(free.pop()?) } else { None };
+        if free.is_empty() {
+            return None;
+        }
+        let entry = |i: usize, j: usize| self.energy.row(i)[j];
+        let reduced = |i: usize, j: usize| match last {
+            Some(p) => entry(i, j) - entry(i, p) - entry(p, j) + entry(p, p),
+            None => entry(i, j),
+        };
+        let matrix = free.iter().flat_map(|&i| free.iter().map(move |&j| reduced(i, j))).collect();
+        let downhill = free.iter().map(|&i| last.map_or(0.0, |p| gradient[p]) - gradient[i]).collect();
+        let solution = Cholesky::new(free.len(), matrix).solve(downhill);
+        let mut direction = vec![0.0; self.q.len()];
+        for (&i, &d) in free.iter().zip(&solution) {
+            direction[i] = d;
+        }
+        if let Some(p) = last {
+            direction[p] = -solution.iter().sum::<f64>();
+        }
+        direction.iter().all(|d| d.is_finite()).then_some(direction)
+    }
+
+    /// Gives what rounding took from the sum to the free variable that is farthest from its bounds.
+    fn restore_sum(&mut self) {
+        let Some(total) = self.total else { return };
+        let room = |i: usize| (self.q[i] - self.bounds[i][0]).min(self.bounds[i][1] - self.q[i]);
+        if let Some(i) = self.free().into_iter().max_by(|&i, &j| room(i).total_cmp(&room(j))) {
+            let missing = total - self.q.iter().sum::<f64>();
+            self.q[i] = (self.q[i] + missing).clamp(self.bounds[i][0], self.bounds[i][1]);
+        }
+    }
+
+    /// The sum's multiplier: what makes the gradient vanish at free variables, and where there are none as good as it
+    /// gets at the held ones.
+    fn multiplier(&self, gradient: &[f64]) -> f64 {
+        let free = self.free();
+        if self.total.is_none() {
+            return 0.0;
+        }
+        if !free.is_empty() {
+            return -free.iter().map(|&i| gradient[i]).sum::<f64>() / free.len() as f64;
+        }
+        match [self.pulling_up(gradient), self.pulling_down(gradient)] {
+            [Some(i), Some(j)] => -0.5 * (gradient[i] + gradient[j]),
+            [Some(i), None] | [None, Some(i)] => -gradient[i],
+            [None, None] => 0.0,
+        }
+    }
+
+    /// The variable at its lower bound that would gain most by growing.
+    fn pulling_up(&self, gradient: &[f64]) -> Option<usize> {
+        let lower = (0..self.q.len()).filter(|&i| self.held[i] == Held::Lower && !self.is_fixed(i));
+        lower.min_by(|&i, &j| gradient[i].total_cmp(&gradient[j]))
+    }
+
+    /// The variable at its upper bound that would gain most by shrinking.
+    fn pulling_down(&self, gradient: &[f64]) -> Option<usize> {
+        let upper = (0..self.q.len()).rev().filter(|&i| self.held[i] == Held::Upper);
+        upper.max_by(|&i, &j| gradient[i].total_cmp(&gradient[j]))
+    }
+
+    /// Lets go the held variable that pulls inwards most, or a pair where nothing else is free; whether there is one.
+    fn release(&mut self, gradient: &[f64], multiplier: f64, tolerance: f64) -> bool {
+        let up = self.pulling_up(gradient).map(|i| (-gradient[i] - multiplier, i));
+        let down = self.pulling_down(gradient).map(|i| (gradient[i] + multiplier, i));
+        let mut pulling: Vec<_> = [up, down].into_iter().flatten().filter(|&(pull, _)| pull > tolerance).collect();
+        if self.total.is_none() || !self.free().is_empty() {
+            pulling.sort_by(|a, b| b.0.total_cmp(&a.0));
+            pulling.truncate(1);
+        } else if pulling.len() < 2 {
+            return false; // with the sum given, one alone cannot move
+        }
+        for &(_, i) in &pulling {
+            self.held[i] = Held::Free;
+        }
+        !pulling.is_empty()
+    }
+}
+
+/// A dense Cholesky factor of a matrix with a ridge.
+struct Cholesky {
+    n: usize,
+    /// Row by row; what is above the diagonal is not used.
+    factor: Vec<f64>,
+}
+
+impl Cholesky {
+    fn new(n: usize, mut a: Vec<f64>) -> Self {
+        let largest = (0..n).map(|i| a[i * n + i]).fold(0.0, f64::max);
+        let ridge = if largest > 0.0 { RIDGE * largest } else { 1.0 };
+        for i in 0..n {
+            a[i * n + i] += ridge;
+            for j in 0..=i {
+                let (above, row) = a.split_at(i * n);
+                let row_j = if j < i { &above[j * n..j * n + j] } else { &row[..j] };
+                let rest = row[j] - dot(&row[..j], row_j);
+                a[i * n + j] = if j == i { rest.max(ridge).sqrt() } else { rest / a[j * n + j] };
+            }
+        }
+        Self { n, factor: a }
+    }
+
+    fn solve(&self, mut x: Vec<f64>) -> Vec<f64> {
+        let (n, l) = (self.n, &self.factor);
+        for i in 0..n {
+            x[i] = (x[i] - dot(&l[i * n..i * n + i], &x[..i])) / l[i * n + i];
+        }
+        for i in (0..n).rev() {
+            x[i] /= l[i * n + i];
+            for j in 0..i {
+                x[j] -= l[i * n + j] * x[i];
+            }
+        }
+        x
+    }
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    /// A problem that has a solution, on purpose with matrices of low rank, variables that cannot move and sums at the
+    /// ends of what the bounds allow.
+    #[derive(Clone, Debug)]
+    struct Problem {
+        linear: Vec<f64>,
+        matrix: Vec<f64>,
+        bounds: Vec<[f64; 2]>,
+        total: Option<f64>,
+    }
+
+    impl Problem {
+        fn energy(&self) -> Quadratic<'_> {
+            Quadratic { constant: 1.0, linear: &self.linear, matrix: &self.matrix }
+        }
+    }
+
+    prop_compose! {
+        fn problem(most: usize)(n in 1..=most, rank in 1..=most)(
+            root in prop::collection::vec(-1.0..1.0f64, n * rank),
+            target in prop::collection::vec(-3.0..3.0f64, n),
+            bounds in prop::collection::vec((-2.0..2.0f64, prop_oneof![3 => 0.1..3.0f64, 1 => Just(0.0)]), n),
+            way in prop_oneof![4 => prop::option::of(0.0..1.0f64), 1 => Just(Some(0.0)), 1 => Just(Some(1.0))],
+        ) -> Problem {
+            let n = target.len();
+            let rows: Vec<_> = root.chunks(root.len() / n).collect();
+            let matrix: Vec<f64> = rows.iter().flat_map(|a| rows.iter().map(|b| dot(a, b))).collect();
+            // b in the range of H, as where E is a squared norm
+            let linear = (0..n).map(|i| -dot(&matrix[i * n..(i + 1) * n], &target)).collect();
+            let bounds: Vec<_> = bounds.into_iter().map(|(lower, width)| [lower, lower + width]).collect();
+            let total = way.map(|way| bounds.iter().map(|[lower, upper]| lower + way * (upper - lower)).sum());
+            Problem { linear, matrix, bounds, total }
+        }
+    }
+
+    /// The least energy over all choices of held variables, each by Gaussian elimination of its KKT system.
+    fn by_enumeration(problem: &Problem) -> f64 {
+        let n = problem.bounds.len();
+        let has_total = problem.total.is_some();
+        let mut best = f64::INFINITY;
+        for choice in 0..3usize.pow(n as u32) {
+            let digit = |i: usize| choice / 3usize.pow(i as u32) % 3;
+            let all_held = (0..n).all(|i| digit(i) < 2);
+            let mut system: Vec<Vec<f64>> = (0..n)
+                .map(|i| {
+                    let unit = (0..n).map(|j| f64::from(i == j));
+                    let row = problem.matrix[i * n..(i + 1) * n].iter().copied();
+                    match digit(i) {
+                        2 => row.chain([f64::from(has_total), -problem.linear[i]]).collect(),
+                        side => unit.chain([0.0, problem.bounds[i][side]]).collect(),
+                    }
+                })
+                .collect();
+            // With all held the sum is right or is not, and the multiplier is of no account.
+            let in_sum = f64::from(has_total && !all_held);
+            let right = if all_held { 0.0 } else { problem.total.unwrap_or(0.0) };
+            system.push([vec![in_sum; n], vec![1.0 - in_sum, right]].concat());
+            let Some(q) = eliminate(system) else { continue };
+            let inside = (0..n).all(|i| (problem.bounds[i][0] - 1e-9..=problem.bounds[i][1] + 1e-9).contains(&q[i]));
+            let sum_holds = problem.total.is_none_or(|total| (q[..n].iter().sum::<f64>() - total).abs() < 1e-9);
+            if inside && sum_holds {
+                best = best.min(problem.energy().value(&q[..n]));
+            }
+        }
+        best
+    }
+
+    fn eliminate(mut rows: Vec<Vec<f64>>) -> Option<Vec<f64>> {
+        let n = rows.len();
+        for k in 0..n {
+            let pivot = (k..n).max_by(|&i, &j| rows[i][k].abs().total_cmp(&rows[j][k].abs()))?;
+            rows.swap(k, pivot);
+            if rows[k][k].abs() < 1e-9 {
+                return None;
+            }
+            for i in (0..n).filter(|&i| i != k) {
+                let factor = rows[i][k] / rows[k][k];
+                let pivot_row = rows[k].clone();
+                rows[i].iter_mut().zip(pivot_row).for_each(|(entry, above)| *entry -= factor * above);
+            }
+        }
+        Some((0..n).map(|k| rows[k][n] / rows[k][k]).collect())
+    }
+
+    /// Asserts that a fit is feasible and that nothing pulls inwards.
+    fn check(problem: &Problem, fit: &Fit) {
+        let gradient = problem.energy().half_gradient(&fit.curvatures);
+        let scale = 1.0 + problem.linear.iter().chain(&problem.matrix).fold(0.0, |a: f64, b| a.max(b.abs()));
+        for (i, &q) in fit.curvatures.iter().enumerate() {
+            let [lower, upper] = problem.bounds[i];
+            assert!(lower <= q && q <= upper);
+            let pull = gradient[i] + fit.multiplier;
+            match fit.held[i] {
+                Held::Free => assert!(pull.abs() < 1e-8 * scale, "free {i} feels {pull}"),
+                Held::Lower => {
+                    assert!(q == lower && (pull > -1e-8 * scale || lower == upper), "lower {i} feels {pull}");
+                }
+                Held::Upper => assert!(q == upper && pull < 1e-8 * scale, "upper {i} feels {pull}"),
+            }
+        }
+        if let Some(total) = problem.total {
+            let size = fit.curvatures.iter().fold(total.abs(), |size, q| size + q.abs());
+            assert!((fit.curvatures.iter().sum::<f64>() - total).abs() <= 1e-12 * size, "the sum holds");
+        }
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(512))]
+
+        #[test]
+        fn nothing_pulls_inwards_at_the_minimum(problem in problem(24)) {
+            check(&problem, &fit(&problem.energy(), &problem.bounds, problem.total).unwrap());
+        }
+
+        #[test]
+        fn the_minimum_is_the_least_over_all_active_sets(problem in problem(5)) {
+            let fit = fit(&problem.energy(), &problem.bounds, problem.total).unwrap();
+            let expected = by_enumeration(&problem);
+            prop_assert!((fit.energy - expected).abs() < 1e-7 * (1.0 + expected.abs()), "{} is {expected}", fit.energy);
+        }
+
+        #[test]
+        fn bounds_never_lower_the_energy(problem in problem(12)) {
+            let bounded = fit(&problem.energy(), &problem.bounds, problem.total).unwrap();
+            let wide: Vec<_> = problem.bounds.iter().map(|[lower, upper]| [lower - 50.0, upper + 50.0]).collect();
+            let unbounded = fit(&problem.energy(), &wide, problem.total).unwrap();
+            prop_assert!(bounded.energy >= unbounded.energy - 1e-9 * (1.0 + unbounded.energy.abs()));
+        }
+
+        #[test]
+        fn scaling_the_energy_changes_no_curvature(problem in problem(8), exponent in -20i32..20) {
+            let scale = 4f64.powi(exponent); // which has an exact square root
+            let scaled = Problem {
+                linear: problem.linear.iter().map(|b| b * scale).collect(),
+                matrix: problem.matrix.iter().map(|h| h * scale).collect(),
+                ..problem.clone()
+            };
+            let before = fit(&problem.energy(), &problem.bounds, problem.total).unwrap();
+            let after = fit(&scaled.energy(), &problem.bounds, problem.total).unwrap();
+            prop_assert_eq!(before.curvatures, after.curvatures);
+        }
+    }
+
+    #[test]
+    fn a_hundred_cones_in_pairs_that_nearly_coincide_are_fitted() {
+        let n = 128;
+        // The Gram matrix of exp(-|x - y|) for points in close pairs.
+        let at = |i: usize| (i / 2) as f64 + 1e-7 * (i % 2) as f64;
+        let matrix: Vec<f64> = (0..n * n).map(|k| (-(at(k / n) - at(k % n)).abs()).exp()).collect();
+        let linear: Vec<f64> = (0..n).map(|i| (i as f64 * 1.7).sin()).collect();
+        let problem = Problem { linear, matrix, bounds: vec![[-0.5, 0.4]; n], total: Some(3.0) };
+        let fit = fit(&problem.energy(), &problem.bounds, problem.total).unwrap();
+        check(&problem, &fit);
+        assert!(fit.held.contains(&Held::Lower) && fit.held.contains(&Held::Upper) && fit.held.contains(&Held::Free));
+    }
+
+    #[test]
+    fn what_has_no_quadratic_part_goes_to_its_bounds() {
+        let energy = Quadratic { constant: 0.0, linear: &[1.0, -2.0, 0.5], matrix: &[0.0; 9] };
+        let fit = fit(&energy, &[[-1.0, 1.0]; 3], Some(0.0)).unwrap();
+        assert_eq!(fit.curvatures, [-1.0, 1.0, 0.0]);
+        assert_eq!(fit.multiplier, -0.5);
+    }
+
+    #[test]
+    fn no_cones_are_fitted_where_nothing_is_asked() {
+        let nothing = Quadratic { constant: 2.5, linear: &[], matrix: &[] };
+        assert_eq!(fit(&nothing, &[], None).unwrap().energy, 2.5);
+        assert_eq!(fit(&nothing, &[], Some(0.0)).unwrap().energy, 2.5);
+        let sphere = fit(&nothing, &[], Some(12.0)).unwrap_err();
+        assert_eq!(sphere, FitError::Infeasible { total: 12.0, least: 0.0, most: 0.0 });
+    }
+
+    #[test]
+    fn what_cannot_be_fitted_is_refused_by_name() {
+        let energy = Quadratic { constant: 0.0, linear: &[1.0, 1.0], matrix: &[1.0, 0.0, 0.0, 1.0] };
+        let two_cones = fit(&energy, &[[-1.0, 5.0]; 2], Some(12.0)).unwrap_err();
+        assert_eq!(two_cones, FitError::Infeasible { total: 12.0, least: -2.0, most: 10.0 });
+        let crossed = fit(&energy, &[[0.0, 1.0], [2.0, 1.0]], None).unwrap_err();
+        assert_eq!(crossed, FitError::CrossedBounds { index: 1, lower: 2.0, upper: 1.0 });
+        assert_eq!(fit(&energy, &[[0.0, f64::NAN]; 2], None).unwrap_err(), FitError::NotFinite);
+        assert_eq!(fit(&energy, &[[-1e308, 1e308]; 2], Some(3.0)).unwrap_err(), FitError::NotFinite);
+        assert!(matches!(fit(&energy, &[[0.0, 1.0]; 3], None), Err(FitError::Sizes { .. })));
+    }
+}

@@ -1,0 +1,250 @@
+//! The layout: from a flat metric to positions in the plane, on the input's own triangles.
+//!
+//! The metric comes on a flipped triangulation. Its triangles, each unfolded in a frame of its own, and the rotations that
+//! take one frame to the next across an edge make a flat connection with cones. Undoing the flips one by one, backwards,
+//! takes two triangles into one frame, replaces the diagonal by the other one (a sum of two sides), and so ends at the
+//! input's triangles with exact edge vectors; a few of them may have come out negatively oriented
+//! ([`mend`](crate::mend)). Then the surface is opened along the cut, rotations are carried over the dual tree, and
+//! positions along the tree of shortest edges, so that an error made somewhere stays as small as the region it was made in.
+//! Similarities are never chained: lengths come from the metric alone.
+
+use geom::{CutMesh, EdgeData, FaceData, FaceId, HalfedgeData, HalfedgeId, Id, Mesh, Triangulation, WedgeId, kruskal};
+use num_complex::Complex64;
+
+use crate::scaling::Scaling;
+
+/// A surface in the plane: a position for each opened vertex.
+#[derive(Clone, Debug)]
+pub struct Layout {
+    /// The surface opened along its seams.
+    pub cut: CutMesh,
+    /// The position of each opened vertex, as a complex number.
+    pub position: Vec<Complex64>,
+    /// The rotation of each seam, by halfedge: what takes directions seen from the twin's side into directions seen from
+    /// this side; 1 where there is no seam.
+    pub seam_rotation: HalfedgeData<Complex64>,
+}
+
+impl Layout {
+    /// Lays out the input's triangles, opened along the edges of the cut, which must leave one disk.
+    pub fn new(input: &Mesh, scaling: &Scaling, cut: &EdgeData<bool>) -> Self {
+        let connection = Connection::new(scaling).undo(&scaling.flips);
+        debug_assert!(connection.triangulation == *input.triangulation(), "all flips are undone");
+        let rotation = connection.face_rotations(cut);
+        let vector: HalfedgeData<Complex64> =
+            input.halfedges().map(|h| rotation[input.face(h)] * connection.vector[h]).collect();
+        let seam_rotation = input
+            .halfedges()
+            .map(|h| match input.twin(h) {
+                Some(g) if cut[input.edge(h)] => {
+                    rotation[input.face(h)] * connection.transport[h] * rotation[input.face(g)].conj()
+                }
+                _ => Complex64::ONE,
+            })
+            .collect();
+        let opened = CutMesh::open(input, cut);
+        let position = positions(input, cut, &opened, &vector);
+        Self { cut: opened, position, seam_rotation }
+    }
+
+    /// The position of a triangle's corner, named by the halfedge that starts there.
+    pub fn corner(&self, h: HalfedgeId) -> Complex64 {
+        self.position[self.cut.wedge(h).index()]
+    }
+}
+
+/// Triangles in frames of their own, and the rotations between the frames.
+struct Connection {
+    triangulation: Triangulation,
+    /// Each halfedge as a vector in its triangle's frame.
+    vector: HalfedgeData<Complex64>,
+    /// The unit complex number that takes vectors of the twin's frame into the halfedge's.
+    transport: HalfedgeData<Complex64>,
+}
+
+impl Connection {
+    fn new(scaling: &Scaling) -> Self {
+        let triangulation = scaling.triangulation.clone();
+        let vector: HalfedgeData<Complex64> = triangulation
+            .faces()
+            .flat_map(|f| scaling.metric.sides(&triangulation, f).unfold())
+            .map(|[x, y]| Complex64::new(x, y))
+            .collect();
+        let transport = triangulation
+            .halfedges()
+            .map(|h| triangulation.twin(h).map_or(Complex64::ONE, |g| unit(-vector[h] * vector[g].conj())))
+            .collect();
+        Self { triangulation, vector, transport }
+    }
+
+    fn undo(mut self, flips: &[HalfedgeId]) -> Self {
+        for &h in flips.iter().rev() {
+            self.unflip(h);
+        }
+        self
+    }
+
+    fn unflip(&mut self, h: HalfedgeId) {
+        let g = self.triangulation.twin(h).expect("a flipped edge has two sides");
+        let turn = self.transport[h];
+        for side in [self.triangulation.next(g), self.triangulation.prev(g)] {
+            self.vector[side] *= turn;
+            self.transport[side] = unit(self.transport[side] * turn);
+            if let Some(twin) = self.triangulation.twin(side) {
+                self.transport[twin] = unit(self.transport[twin] * turn.conj());
+            }
+        }
+        self.transport[h] = Complex64::ONE;
+        self.transport[g] = Complex64::ONE;
+        let moves = self.triangulation.unflip(h);
+        for data in [&mut self.vector, &mut self.transport] {
+            let old = moves.map(|(from, _)| data[from]);
+            for (&(_, to), old) in moves.iter().zip(old) {
+                data[to] = old;
+            }
+        }
+        // The two new triangles close.
+        self.vector[h] = -(self.vector[self.triangulation.next(h)] + self.vector[self.triangulation.prev(h)]);
+        self.vector[g] = -self.vector[h];
+    }
+
+    /// The rotation of each triangle's frame into the plane, carried across edges that are not cut.
+    fn face_rotations(&self, cut: &EdgeData<bool>) -> FaceData<Complex64> {
+        let mut rotation: FaceData<Option<Complex64>> = FaceData::constant(self.triangulation.face_count(), None);
+        let mut queue = std::collections::VecDeque::new();
+        for seed in self.triangulation.faces() {
+            if rotation[seed].is_some() {
+                continue;
+            }
+            rotation[seed] = Some(Complex64::ONE);
+            queue.push_back((seed, Complex64::ONE));
+            while let Some((f, turn)) = queue.pop_front() {
+                for (g, across) in self.neighbours(f, cut) {
+                    if rotation[g].is_none() {
+                        let turn = unit(turn * across);
+                        rotation[g] = Some(turn);
+                        queue.push_back((g, turn));
+                    }
+                }
+            }
+        }
+        rotation.iter().map(|turn| turn.unwrap_or(Complex64::ONE)).collect()
+    }
+
+    fn neighbours(&self, f: FaceId, cut: &EdgeData<bool>) -> impl Iterator<Item = (FaceId, Complex64)> {
+        self.triangulation.sides(f).into_iter().filter(|&h| !cut[self.triangulation.edge(h)]).filter_map(|h| {
+            let g = self.triangulation.twin(h)?;
+            Some((self.triangulation.face(g), self.transport[h]))
+        })
+    }
+}
+
+/// Positions that follow the edge vectors along a spanning tree of the opened surface, shortest edges first.
+fn positions(input: &Mesh, is_cut: &EdgeData<bool>, cut: &CutMesh, vector: &HalfedgeData<Complex64>) -> Vec<Complex64> {
+    let one_a_side = |&h: &HalfedgeId| is_cut[input.edge(h)] || input.halfedge(input.edge(h)) == h;
+    let mut edges: Vec<(f64, HalfedgeId)> =
+        input.halfedges().filter(one_a_side).map(|h| (vector[h].norm_sqr(), h)).collect();
+    edges.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    let ends = |h: HalfedgeId| [cut.wedge(h), cut.wedge(input.next(h))];
+    let tree = kruskal(cut.wedge_count(), edges.iter().map(|&(_, h)| (h, ends(h).map(|w| w.0))));
+    // The tree's edges by their ends, in rows.
+    let mut start = vec![0usize; cut.wedge_count() + 1];
+    for &h in &tree {
+        for w in ends(h) {
+            start[w.index() + 1] += 1;
+        }
+    }
+    for w in 0..cut.wedge_count() {
+        start[w + 1] += start[w];
+    }
+    let mut links = vec![(WedgeId(0), Complex64::ZERO); start[cut.wedge_count()]];
+    let mut fill = start.clone();
+    for &h in &tree {
+        let [from, to] = ends(h);
+        for (from, to, step) in [(from, to, vector[h]), (to, from, -vector[h])] {
+            links[fill[from.index()]] = (to, step);
+            fill[from.index()] += 1;
+        }
+    }
+    let mut position: Vec<Option<Complex64>> = vec![None; cut.wedge_count()];
+    let mut stack = Vec::new();
+    for root in 0..position.len() {
+        if position[root].is_none() {
+            position[root] = Some(Complex64::ZERO);
+            stack.push((root, Complex64::ZERO));
+        }
+        while let Some((w, at)) = stack.pop() {
+            for &(to, step) in &links[start[w]..start[w + 1]] {
+                let place = &mut position[to.index()];
+                if place.is_none() {
+                    *place = Some(at + step);
+                    stack.push((to.index(), at + step));
+                }
+            }
+        }
+    }
+    position.into_iter().flatten().collect()
+}
+
+/// A number of modulus 1 in the direction of `z`; 1 where `z` is 0.
+fn unit(z: Complex64) -> Complex64 {
+    let norm = z.norm();
+    if norm > 0.0 { z / norm } else { Complex64::ONE }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Operators, Seams, scale};
+    use geom::{Metric, VertexData, VertexId, shapes};
+
+    #[test]
+    fn a_developable_cone_is_laid_out_exactly() {
+        for shape in [shapes::cone(5, 400), shapes::saddle_cone(400)] {
+            let mesh = shape.mesh();
+            let metric = Metric::from_points(&mesh, &shape.points);
+            let operators = Operators::new(&mesh, &metric).unwrap();
+            let inner = |v: &VertexId| !mesh.is_boundary_vertex(*v);
+            let tip = mesh
+                .vertices()
+                .filter(inner)
+                .max_by(|a, b| operators.curvature[*a].abs().total_cmp(&operators.curvature[*b].abs()));
+            let tip = tip.expect("there are inner vertices");
+            let mut target = VertexData::constant(mesh.vertex_count(), 0.0);
+            target[tip] = operators.curvature[tip];
+            let zero = VertexData::constant(mesh.vertex_count(), 0.0);
+            let scaling = scale(&mesh, &metric, &operators, &target, &zero).unwrap();
+            let seams = Seams::new(&mesh, metric.lengths(), &[tip]).unwrap();
+            let layout = Layout::new(&mesh, &scaling, &seams.cut);
+            for h in mesh.halfedges() {
+                let length = (layout.corner(mesh.next(h)) - layout.corner(h)).norm();
+                assert!((length / metric.length(mesh.edge(h)) - 1.0).abs() < 1e-10);
+            }
+        }
+    }
+
+    #[test]
+    fn the_two_sides_of_a_seam_differ_by_its_rotation() {
+        let shape = shapes::torus(2, 800);
+        let mesh = shape.mesh();
+        let metric = Metric::from_points(&mesh, &shape.points);
+        let operators = Operators::new(&mesh, &metric).unwrap();
+        let cones = [VertexId(10), VertexId(400)];
+        let mut target = VertexData::constant(mesh.vertex_count(), 0.0);
+        cones.map(|v| target[v] = 0.5 * operators.total_curvature());
+        let zero = VertexData::constant(mesh.vertex_count(), 0.0);
+        let scaling = scale(&mesh, &metric, &operators, &target, &zero).unwrap();
+        let seams = Seams::new(&mesh, metric.lengths(), &cones).unwrap();
+        let layout = Layout::new(&mesh, &scaling, &seams.cut);
+        let extent = layout.position.iter().map(|z| z.norm()).fold(0.0, f64::max);
+        for h in mesh.halfedges() {
+            let g = mesh.twin(h).expect("it is closed");
+            let here = layout.corner(mesh.next(h)) - layout.corner(h);
+            let there = layout.corner(g) - layout.corner(mesh.next(g));
+            assert!((here - layout.seam_rotation[h] * there).norm() < 1e-10 * extent);
+            assert!((layout.seam_rotation[h] * layout.seam_rotation[g] - 1.0).norm() < 1e-12);
+            let cut = layout.cut.wedge(h) != layout.cut.wedge(mesh.next(g));
+            assert!(cut || layout.seam_rotation[h] == Complex64::ONE);
+        }
+    }
+}

@@ -1,0 +1,426 @@
+//! Mending: no triangle of the layout flipped, and no vertex wound round more often than its angle says.
+//!
+//! The flat metric is exact, but on the *input's* triangles, which are not its Delaunay triangles, a few can come out
+//! negatively oriented, nearly always at a cone of negative curvature. That no triangle is flipped is not enough: around a
+//! plain vertex all triangles may be positive with 4π between them. So a triangle is *bad* when its orientation is not
+//! positive, and a vertex when w = round((Σ signed angles - Θ) / 2π) is not 0, Θ its angle in the flat metric.
+//!
+//! What may move: one displacement a vertex. The copies of a seam vertex move by the same displacement, turned by the
+//! rotations of the seams between them, so that seams stay rigid; cones stay where they are, so that curvature stays what
+//! it is. Two tools:
+//! 1. *Fans*: round a bad cone the neighbours are turned about it, radii kept, until the angles are positive, not too
+//!    unequal, and sum to the cone's angle.
+//! 2. *Untangling* ([`untangle`](crate::untangle)) of patches round what is bad, from the triangles themselves to six
+//!    rings, with their rims fixed.
+
+use std::collections::BTreeMap;
+use std::f64::consts::PI;
+
+use geom::{FaceData, FaceId, HalfedgeId, Id, Mesh, Metric, Sides, VertexData, VertexId, WedgeId};
+use num_complex::Complex64;
+use thiserror::Error;
+
+use crate::layout::Layout;
+use crate::scaling::Scaling;
+use crate::untangle::{Corner, Patch, PatchTriangle};
+
+/// A triangle's height over its longest side below which it counts as flipped, unless it is as thin in space.
+const LEAST_HEIGHT: f64 = 1e-7;
+/// Patches grow up to this many rings.
+const MAX_RINGS: usize = 6;
+/// Patches larger than this are not tried: untangling them takes longer than flattening with other cones.
+const MAX_PATCH: usize = 20_000;
+
+/// Triangles of the layout could not be turned the right way round.
+#[derive(Clone, Debug, Error)]
+#[error("{faces} triangles of the layout stay flipped, and {vertices} vertices wound, the first at vertex {}", near[0])]
+pub struct MendError {
+    /// How many triangles are flipped.
+    pub faces: usize,
+    /// How many vertices have a wrong angle.
+    pub vertices: usize,
+    /// Vertices there (of the surface), ascending; not empty.
+    pub near: Vec<VertexId>,
+}
+
+/// Mends a layout in place; returns the number of triangles that were moved.
+///
+/// # Errors
+/// If something stays bad.
+pub(crate) fn mend(
+    input: &Mesh,
+    metric: &Metric,
+    scaling: &Scaling,
+    is_cone: &VertexData<bool>,
+    layout: &mut Layout,
+) -> Result<usize, MendError> {
+    let mut mender = Mender::new(input, metric, scaling, is_cone, layout);
+    let mut bad = mender.bad(input.faces());
+    if bad.is_empty() {
+        return Ok(0);
+    }
+    mender.spread_fans(&bad);
+    bad = mender.bad(input.faces());
+    let mut moved = 0;
+    for rings in 0..=MAX_RINGS {
+        for patch in mender.patches(&bad, rings) {
+            moved += mender.untangle(&patch, Fans::Free);
+        }
+        bad = mender.bad(input.faces());
+        for patch in mender.patches(&bad, rings) {
+            // With the fans held first; once nothing is flipped they may relax, which cannot unwind them.
+            if mender.untangle(&patch, Fans::Held) > 0 {
+                moved += mender.untangle(&patch, Fans::Free).max(patch.len());
+            }
+        }
+        bad = mender.bad(input.faces());
+        if bad.is_empty() {
+            return Ok(moved);
+        }
+    }
+    Err(bad.error(input))
+}
+
+/// What is wrong with a layout.
+#[derive(Default)]
+struct Bad {
+    faces: Vec<FaceId>,
+    vertices: Vec<VertexId>,
+}
+
+impl Bad {
+    fn is_empty(&self) -> bool {
+        self.faces.is_empty() && self.vertices.is_empty()
+    }
+
+    fn error(&self, input: &Mesh) -> MendError {
+        let mut near: Vec<VertexId> =
+            self.faces.iter().flat_map(|&f| input.corners(f)).chain(self.vertices.iter().copied()).collect();
+        near.sort_unstable();
+        near.dedup();
+        MendError { faces: self.faces.len(), vertices: self.vertices.len(), near }
+    }
+}
+
+/// Whether the neighbours of cones with spread fans may move.
+#[derive(Clone, Copy, PartialEq)]
+enum Fans {
+    Free,
+    /// Untangling is free to unwind a cone by one turn and to wind a plain vertex instead; held fans prevent that.
+    Held,
+}
+
+struct Mender<'a> {
+    input: &'a Mesh,
+    /// The edge lengths in space.
+    metric: &'a Metric,
+    scaling: &'a Scaling,
+    /// Θ, the angle of each vertex in the flat metric.
+    angle: VertexData<f64>,
+    is_cone: &'a VertexData<bool>,
+    layout: &'a mut Layout,
+    /// For each wedge the rotation that takes displacements of the vertex's first wedge to its own.
+    turn: Vec<Complex64>,
+    /// The cones whose fans were spread, ascending.
+    fanned: Vec<VertexId>,
+}
+
+impl<'a> Mender<'a> {
+    fn new(
+        input: &'a Mesh,
+        metric: &'a Metric,
+        scaling: &'a Scaling,
+        is_cone: &'a VertexData<bool>,
+        layout: &'a mut Layout,
+    ) -> Self {
+        let angle = scaling.metric.angle_sums(&scaling.triangulation);
+        let turn = wedge_turns(input, layout);
+        Self { input, metric, scaling, angle, is_cone, layout, turn, fanned: Vec::new() }
+    }
+
+    fn positions(&self, f: FaceId) -> [Complex64; 3] {
+        self.input.sides(f).map(|h| self.layout.corner(h))
+    }
+
+    /// The sides that a triangle would have if it were scaled evenly.
+    fn reference(&self, f: FaceId) -> Sides {
+        let mean = self.input.corners(f).iter().map(|&v| self.scaling.u[v]).sum::<f64>() / 3.0;
+        Sides(self.metric.sides(self.input, f).0.map(|l| l * mean.exp()))
+    }
+
+    fn is_flipped(&self, f: FaceId) -> bool {
+        let [a, b, c] = self.positions(f);
+        let longest = [b - a, c - b, a - c].iter().map(|z| z.norm_sqr()).fold(0.0, f64::max);
+        let height = cross(b - a, c - a) / longest;
+        let in_space = self.metric.sides(self.input, f);
+        let thin = 2.0 * in_space.area() / in_space.0.iter().fold(0.0_f64, |m, l| m.max(*l)).powi(2);
+        !(height > LEAST_HEIGHT.min(1e-3 * thin))
+    }
+
+    /// How much too often the triangles wind round a vertex.
+    fn winding(&self, v: VertexId) -> f64 {
+        let sum: f64 = self.input.outgoing(v).map(|h| self.signed_angle(h)).sum();
+        ((sum - self.angle[v]) / (2.0 * PI)).round()
+    }
+
+    /// The signed angle of the corner at a halfedge's tail, in (-π, π].
+    fn signed_angle(&self, h: HalfedgeId) -> f64 {
+        let at = self.layout.corner(h);
+        let next = self.layout.corner(self.input.next(h)) - at;
+        let prev = self.layout.corner(self.input.prev(h)) - at;
+        (prev * next.conj()).arg()
+    }
+
+    fn bad(&self, faces: impl Iterator<Item = FaceId>) -> Bad {
+        let mut bad = Bad { faces: faces.filter(|&f| self.is_flipped(f)).collect(), vertices: Vec::new() };
+        bad.vertices = self.input.vertices().filter(|&v| self.winding(v) != 0.0).collect();
+        bad
+    }
+
+    /// Spreads the neighbours of every cone with an angle of 2π and more at which something is bad.
+    fn spread_fans(&mut self, bad: &Bad) {
+        let touched = bad.faces.iter().flat_map(|&f| self.input.corners(f)).chain(bad.vertices.iter().copied());
+        let mut cones: Vec<VertexId> = touched.filter(|&v| self.is_cone[v] && self.angle[v] >= 2.0 * PI).collect();
+        cones.sort_unstable();
+        cones.dedup();
+        for &cone in &cones {
+            self.spread_fan(cone);
+        }
+        self.fanned = cones;
+    }
+
+    fn spread_fan(&mut self, cone: VertexId) {
+        let input = self.input;
+        let around: Vec<HalfedgeId> = input.outgoing(cone).collect();
+        let now: Vec<f64> =
+            around.iter().map(|&h| self.signed_angle(h)).map(|a| if a < 0.0 { a + 2.0 * PI } else { a }).collect();
+        let mean = self.angle[cone] / around.len() as f64;
+        let low = (0.12 * PI).min(0.3 * mean);
+        let high = (0.88 * PI).max(0.5 * (PI + mean));
+        if high * (around.len() as f64) < self.angle[cone] {
+            return;
+        }
+        let wanted = clipped_to_sum(&now, low, high, self.angle[cone]);
+        let mut turned = 0.0;
+        let mut moves = Vec::new();
+        for (k, &h) in around.iter().enumerate().skip(1) {
+            turned += wanted[k - 1] - self.signed_angle(around[k - 1]);
+            let neighbour = input.head(h);
+            if !self.is_cone[neighbour] {
+                let spoke = self.layout.corner(input.next(h)) - self.layout.corner(h);
+                moves.push((input.next(h), spoke * (Complex64::cis(turned) - 1.0)));
+            }
+        }
+        for (at, displacement) in moves {
+            self.displace(at, displacement);
+        }
+    }
+
+    /// Moves the vertex at a halfedge's tail, given the displacement of the wedge there.
+    fn displace(&mut self, at: HalfedgeId, displacement: Complex64) {
+        let base = displacement * self.turn[self.layout.cut.wedge(at).index()].conj();
+        self.displace_vertex(self.input.tail(at), base);
+    }
+
+    /// Moves a vertex, given the displacement of its first wedge.
+    fn displace_vertex(&mut self, v: VertexId, displacement: Complex64) {
+        for w in self.layout.cut.wedges(v) {
+            self.layout.position[w.index()] += displacement * self.turn[w.index()];
+        }
+    }
+
+    /// The connected pieces of the rings round what is bad.
+    fn patches(&self, bad: &Bad, rings: usize) -> Vec<Vec<FaceId>> {
+        let input = self.input;
+        let faces_at = |v: VertexId| input.outgoing(v).map(|h| input.face(h));
+        let mut inside = FaceData::constant(input.face_count(), false);
+        let mut patch: Vec<FaceId> =
+            bad.faces.iter().copied().chain(bad.vertices.iter().flat_map(|&v| faces_at(v))).collect();
+        patch.retain(|&f| !std::mem::replace(&mut inside[f], true));
+        for _ in 0..rings {
+            let vertices: Vec<VertexId> = patch.iter().flat_map(|&f| input.corners(f)).collect();
+            for v in vertices {
+                patch.extend(faces_at(v).filter(|&f| !std::mem::replace(&mut inside[f], true)));
+            }
+        }
+        patch.sort_unstable();
+        let mut pieces = Vec::new();
+        for seed in patch {
+            if !std::mem::replace(&mut inside[seed], false) {
+                continue;
+            }
+            let mut piece = vec![seed];
+            let mut at = 0;
+            while at < piece.len() {
+                let f = piece[at];
+                at += 1;
+                for v in input.corners(f) {
+                    piece.extend(faces_at(v).filter(|&g| std::mem::replace(&mut inside[g], false)));
+                }
+            }
+            piece.sort_unstable();
+            pieces.push(piece);
+        }
+        pieces
+    }
+
+    /// Untangles a patch; returns how many triangles it has, 0 where it was left as it was.
+    fn untangle(&mut self, faces: &[FaceId], fans: Fans) -> usize {
+        if faces.len() > MAX_PATCH {
+            return 0;
+        }
+        let Some((patch, moving)) = self.patch(faces, fans) else { return 0 };
+        let untangled = patch.untangle();
+        if !untangled.succeeded {
+            return 0;
+        }
+        let before = self.layout.position.clone();
+        for (&v, [x, y]) in moving.iter().zip(untangled.displacements) {
+            self.displace_vertex(v, Complex64::new(x, y));
+        }
+        let corners = || faces.iter().flat_map(|&f| self.input.corners(f));
+        if faces.iter().any(|&f| self.is_flipped(f)) || corners().any(|v| self.winding(v) != 0.0) {
+            self.layout.position = before;
+            return 0;
+        }
+        faces.len()
+    }
+
+    /// A patch for untangling, and the vertices that its displacements move; none if nothing can move.
+    fn patch(&self, faces: &[FaceId], fans: Fans) -> Option<(Patch, Vec<VertexId>)> {
+        let input = self.input;
+        let mut degree: BTreeMap<VertexId, usize> = BTreeMap::new();
+        for v in faces.iter().flat_map(|&f| input.corners(f)) {
+            *degree.entry(v).or_insert(0) += 1;
+        }
+        let held = |v: VertexId| fans == Fans::Held && input.neighbors(v).iter().any(|w| self.fanned.contains(w));
+        let is_inside = |v: VertexId| !self.is_cone[v] && degree[&v] == input.face_degree(v) && !held(v);
+        let moving: Vec<VertexId> = degree.keys().copied().filter(|&v| is_inside(v)).collect();
+        if moving.is_empty() {
+            return None;
+        }
+        let mut index: BTreeMap<WedgeId, u32> = BTreeMap::new();
+        let mut corners = Vec::new();
+        let mut triangles = Vec::new();
+        let areas = faces.iter().map(|&f| self.reference(f).area());
+        let mean_area = areas.sum::<f64>() / faces.len() as f64;
+        for &f in faces {
+            let of_side = |h: HalfedgeId| {
+                let w = self.layout.cut.wedge(h);
+                *index.entry(w).or_insert_with(|| {
+                    let (z, turn) = (self.layout.position[w.index()], self.turn[w.index()]);
+                    let displacement = moving.binary_search(&input.tail(h)).ok().map(|k| k as u32);
+                    corners.push(Corner { position: [z.re, z.im], displacement, rotation: [turn.re, turn.im] });
+                    corners.len() as u32 - 1
+                })
+            };
+            let reference = self.reference(f);
+            let weight = (reference.area() / mean_area).sqrt().max(0.01);
+            triangles.push(PatchTriangle { corners: input.sides(f).map(of_side), lengths: reference.0, weight });
+        }
+        let patch = Patch::new(corners, triangles, moving.len()).ok()?;
+        Some((patch, moving))
+    }
+}
+
+/// For each wedge the rotation from its vertex's first wedge.
+fn wedge_turns(input: &Mesh, layout: &Layout) -> Vec<Complex64> {
+    let mut turn = vec![None; layout.cut.wedge_count()];
+    for v in input.vertices() {
+        let first = layout.cut.wedges(v).next().expect("every vertex has a wedge");
+        if layout.cut.wedges(v).len() == 1 {
+            turn[first.index()] = Some(Complex64::ONE);
+            continue;
+        }
+        let around: Vec<HalfedgeId> = input.outgoing(v).collect();
+        let start = around.iter().position(|&h| layout.cut.wedge(h) == first).unwrap_or(0);
+        let mut current = Complex64::ONE;
+        for k in 0..around.len() {
+            let h = around[(start + k) % around.len()];
+            if k > 0 && layout.cut.wedge(h) != layout.cut.wedge(around[(start + k - 1) % around.len()]) {
+                current *= layout.seam_rotation[h];
+            }
+            turn[layout.cut.wedge(h).index()].get_or_insert(current);
+        }
+    }
+    turn.into_iter().map(|turn| turn.unwrap_or(Complex64::ONE)).collect()
+}
+
+/// Angles moved by a common amount and clipped, such that they sum to `sum`: found by bisection, the sum being monotone.
+fn clipped_to_sum(angles: &[f64], low: f64, high: f64, sum: f64) -> Vec<f64> {
+    let clipped = |shift: f64| angles.iter().map(|a| (a + shift).clamp(low, high)).collect::<Vec<f64>>();
+    let (mut from, mut to) = (-2.0 * PI, 2.0 * PI);
+    for _ in 0..60 {
+        let middle = 0.5 * (from + to);
+        if clipped(middle).iter().sum::<f64>() < sum {
+            from = middle;
+        } else {
+            to = middle;
+        }
+    }
+    clipped(0.5 * (from + to))
+}
+
+fn cross(a: Complex64, b: Complex64) -> f64 {
+    a.re * b.im - a.im * b.re
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Operators, Seams, scale};
+    use geom::shapes;
+
+    #[test]
+    fn folded_triangles_are_turned_over_also_across_seams() {
+        let shape = shapes::hare(1200);
+        let mesh = shape.mesh();
+        let metric = Metric::from_points(&mesh, &shape.points);
+        let operators = Operators::new(&mesh, &metric).unwrap();
+        let cones = [0, 300, 600, 900, 1100].map(VertexId);
+        let mut target = VertexData::constant(mesh.vertex_count(), 0.0);
+        let mut is_cone = VertexData::constant(mesh.vertex_count(), false);
+        for v in cones {
+            target[v] = operators.total_curvature() / cones.len() as f64;
+            is_cone[v] = true;
+        }
+        let zero = VertexData::constant(mesh.vertex_count(), 0.0);
+        let scaling = scale(&mesh, &metric, &operators, &target, &zero).unwrap();
+        let seams = Seams::new(&mesh, metric.lengths(), &cones).unwrap();
+        let mut layout = Layout::new(&mesh, &scaling, &seams.cut);
+        mend(&mesh, &metric, &scaling, &is_cone, &mut layout).unwrap();
+        // Fold plain vertices over an edge of their stars: one inside, one on a seam.
+        let plain = |wedges: usize| {
+            let layout = &layout;
+            let is_cone = &is_cone;
+            mesh.vertices().filter(move |&v| layout.cut.wedges(v).len() == wedges && !is_cone[v])
+        };
+        let inside = plain(1).nth(20).unwrap();
+        let seam = plain(2).nth(3).unwrap();
+        for v in [inside, seam] {
+            let mut folded = layout.clone();
+            let mut mender = Mender::new(&mesh, &metric, &scaling, &is_cone, &mut folded);
+            let h = mesh.outgoing(v).next().unwrap();
+            let spoke = mender.layout.corner(mesh.next(h)) - mender.layout.corner(h);
+            mender.displace(h, 1.5 * spoke);
+            assert!(!mender.bad(mesh.faces()).is_empty());
+            assert!(mend(&mesh, &metric, &scaling, &is_cone, &mut folded).unwrap() > 0);
+            let mender = Mender::new(&mesh, &metric, &scaling, &is_cone, &mut folded);
+            assert!(mender.bad(mesh.faces()).is_empty());
+            for h in mesh.halfedges() {
+                let g = mesh.twin(h).unwrap();
+                let here = mender.layout.corner(mesh.next(h)) - mender.layout.corner(h);
+                let there = mender.layout.corner(g) - mender.layout.corner(mesh.next(g));
+                let gap = (here - mender.layout.seam_rotation[h] * there).norm();
+                assert!(gap < 1e-9, "seams stay rigid: {gap}, {here}");
+            }
+        }
+    }
+
+    #[test]
+    fn clipped_angles_sum_to_what_they_should() {
+        let angles = clipped_to_sum(&[0.1, 3.0, 1.0], 0.4, 2.6, 5.0);
+        assert!((angles.iter().sum::<f64>() - 5.0).abs() < 1e-12);
+        assert!(angles.iter().all(|a| (0.4..=2.6).contains(a)));
+    }
+}

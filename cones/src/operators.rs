@@ -1,0 +1,214 @@
+//! A surface made ready to be asked about cones: its intrinsic Delaunay triangulation, curvature, areas, and the one
+//! factorization of its Laplacian.
+//!
+//! Everything that the project computes before it flattens is a back-solve on this factor. On a closed surface solutions
+//! are known up to a constant. With a boundary they are 0 there, and each boundary loop adds one free constant: the
+//! harmonic extension of its indicator function can be added to any log scale factor without changing the curvature
+//! inside.
+
+use geom::{
+    HalfedgeId, Mesh, MeshError, Metric, Poisson, PoissonError, VertexData, VertexId, angle_defects, delaunay,
+    laplacian,
+};
+use sprs::CsMat;
+
+/// So many boundary loops get a constant of their own, the longest ones; the others stay at the value of the longest.
+/// Each costs a solve and a vector.
+const FREE_LOOPS: usize = 16;
+
+/// A connected surface with its operators; see the module's head. Building costs one factorization.
+#[derive(Debug)]
+pub struct Operators {
+    /// The intrinsic Delaunay triangulation, on the input's vertices.
+    pub mesh: Mesh,
+    /// Its edge lengths.
+    pub metric: Metric,
+    /// The flips that led to it from the input's triangulation.
+    pub flips: Vec<HalfedgeId>,
+    /// The angle defect K of each vertex, in radians.
+    pub curvature: VertexData<f64>,
+    /// The lumped area of each vertex as a share of the whole: the weights sum to 1.
+    pub weight: VertexData<f64>,
+    /// The cotangent Laplacian L.
+    pub laplacian: CsMat<f64>,
+    /// L factored, restricted to the inner vertices where there is a boundary.
+    pub poisson: Poisson,
+    /// An orthonormal basis, for the inner product weighted by area, of the log scale factors that change no curvature
+    /// inside: the constants, and with several boundary loops their harmonic extensions.
+    free: Vec<VertexData<f64>>,
+    bordered: bool,
+}
+
+impl Operators {
+    /// Prepares a connected surface.
+    ///
+    /// # Errors
+    /// If the Laplacian cannot be factored.
+    pub fn new(mesh: &Mesh, metric: &Metric) -> Result<Self, PoissonError> {
+        let intrinsic = delaunay(mesh, metric);
+        let metric = intrinsic.metric;
+        let mesh = Mesh::from_triangulation(intrinsic.triangulation)
+            .unwrap_or_else(|error: MeshError| unreachable!("flips keep a manifold one: {error}"));
+        let curvature = angle_defects(&mesh, &metric);
+        let mut weight = metric.vertex_areas(&mesh);
+        let area: f64 = weight.iter().sum();
+        weight.iter_mut().for_each(|w| *w /= area);
+        let laplacian = laplacian(&mesh, &metric);
+        let mut loops: Vec<Vec<VertexId>> =
+            mesh.boundary_loops().iter().map(|around| around.iter().map(|&h| mesh.tail(h)).collect()).collect();
+        let poisson = Poisson::new(&laplacian, &loops.concat())?;
+        let bordered = !loops.is_empty();
+        let mut operators = Self {
+            mesh,
+            metric,
+            flips: intrinsic.flips,
+            curvature,
+            weight,
+            laplacian,
+            poisson,
+            free: Vec::new(),
+            bordered,
+        };
+        operators.add_free(VertexData::constant(operators.mesh.vertex_count(), 1.0));
+        loops.sort_by_key(|around| std::cmp::Reverse(around.len()));
+        for around in loops.iter().skip(1).take(FREE_LOOPS - 1) {
+            let extension = operators.harmonic_extension(around);
+            operators.add_free(extension);
+        }
+        Ok(operators)
+    }
+
+    /// Whether the surface has a boundary.
+    pub fn is_bordered(&self) -> bool {
+        self.bordered
+    }
+
+    /// 2πχ: what the curvatures of a closed surface's cones sum to.
+    pub fn total_curvature(&self) -> f64 {
+        2.0 * std::f64::consts::PI * self.mesh.euler_characteristic() as f64
+    }
+
+    /// The product ⟨x, y⟩ weighted by area.
+    pub fn inner(&self, x: &[f64], y: &[f64]) -> f64 {
+        self.weight.iter().zip(x).zip(y).map(|((w, x), y)| w * x * y).sum()
+    }
+
+    /// Adds to a log scale factor the curvature-free one that makes its L2 norm least: on a closed surface, subtracts the
+    /// mean weighted by area; with a boundary each loop gets its best constant.
+    pub fn centre(&self, x: &mut VertexData<f64>) {
+        for basis in &self.free {
+            let part = self.inner(basis, x);
+            x.iter_mut().zip(basis.iter()).for_each(|(x, b)| *x -= part * b);
+        }
+    }
+
+    /// Makes the mean, weighted by area, zero.
+    pub fn subtract_mean(&self, x: &mut VertexData<f64>) {
+        let mean: f64 = self.weight.iter().zip(x.iter()).map(|(w, x)| w * x).sum();
+        x.iter_mut().for_each(|x| *x -= mean);
+    }
+
+    /// The right-hand side whose solution is the log scale factor that takes away all curvature: on a closed surface all
+    /// but the mean, 2πχ/n at each of n vertices.
+    pub(crate) fn flattening_source(&self) -> VertexData<f64> {
+        let mean = if self.bordered { 0.0 } else { self.total_curvature() / self.mesh.vertex_count() as f64 };
+        self.curvature.iter().map(|k| mean - k).collect()
+    }
+
+    /// The log scale factors g_v that a unit of curvature at each given vertex causes (Green's functions): on a closed
+    /// surface taken away evenly from all vertices.
+    pub(crate) fn green(&self, vertices: &[VertexId]) -> Vec<VertexData<f64>> {
+        let n = self.mesh.vertex_count();
+        let elsewhere = if self.bordered { 0.0 } else { -1.0 / n as f64 };
+        let sources: Vec<VertexData<f64>> = vertices
+            .iter()
+            .map(|&v| {
+                let mut source = VertexData::constant(n, elsewhere);
+                source[v] += 1.0;
+                source
+            })
+            .collect();
+        self.poisson.solve_many(&sources)
+    }
+
+    /// The harmonic function that is 1 on one boundary loop and 0 on the others.
+    fn harmonic_extension(&self, around: &[VertexId]) -> VertexData<f64> {
+        let mut on_loop = VertexData::constant(self.mesh.vertex_count(), 0.0);
+        for &v in around {
+            on_loop[v] = 1.0;
+        }
+        let source: VertexData<f64> = self
+            .laplacian
+            .outer_iterator()
+            .map(|row| -row.iter().map(|(j, l)| l * on_loop[VertexId(j as u32)]).sum::<f64>())
+            .collect();
+        let mut extension = self.poisson.solve(&source);
+        for &v in around {
+            extension[v] = 1.0;
+        }
+        extension
+    }
+
+    fn add_free(&mut self, mut x: VertexData<f64>) {
+        // Twice is enough (Kahan, in Parlett 1980): the second pass removes what rounding left.
+        self.centre(&mut x);
+        self.centre(&mut x);
+        let norm = self.inner(&x, &x).sqrt();
+        if norm > 1e-8 {
+            x.iter_mut().for_each(|x| *x /= norm);
+            self.free.push(x);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use geom::shapes::{self, Shape};
+
+    fn operators(shape: &Shape) -> Operators {
+        let mesh = shape.mesh();
+        let metric = Metric::from_points(&mesh, &shape.points);
+        Operators::new(&mesh, &metric).unwrap()
+    }
+
+    #[test]
+    fn free_log_scale_factors_change_no_curvature_inside() {
+        let operators = operators(&shapes::cylinder(400));
+        assert_eq!(operators.free.len(), 2, "a constant for each of the two loops");
+        for basis in &operators.free {
+            for (v, row) in operators.laplacian.outer_iterator().enumerate() {
+                let change: f64 = row.iter().map(|(j, l)| l * basis[VertexId(j as u32)]).sum();
+                assert!(operators.mesh.is_boundary_vertex(VertexId(v as u32)) || change.abs() < 1e-9);
+            }
+        }
+    }
+
+    #[test]
+    fn centring_is_a_projection_that_shortens() {
+        let operators = operators(&shapes::cylinder(400));
+        let mut x: VertexData<f64> = operators.mesh.vertices().map(|v| f64::from(v.0 * 7 % 13)).collect();
+        let before = operators.inner(&x, &x);
+        operators.centre(&mut x);
+        let once = x.clone();
+        operators.centre(&mut x);
+        assert!(operators.inner(&once, &once) < before);
+        assert!(x.iter().zip(once.iter()).all(|(x, once)| (x - once).abs() < 1e-12));
+    }
+
+    #[test]
+    fn a_green_function_has_unit_curvature_at_its_vertex() {
+        for shape in [shapes::sphere(300), shapes::disk(300)] {
+            let operators = operators(&shape);
+            let v = operators.mesh.vertices().find(|&v| !operators.mesh.is_boundary_vertex(v)).unwrap();
+            let green = operators.green(&[v]).remove(0);
+            let elsewhere = if operators.is_bordered() { 0.0 } else { -1.0 / operators.mesh.vertex_count() as f64 };
+            for (i, row) in operators.laplacian.outer_iterator().enumerate() {
+                let w = VertexId(i as u32);
+                let curvature: f64 = row.iter().map(|(j, l)| l * green[VertexId(j as u32)]).sum();
+                let expected = elsewhere + f64::from(u8::from(w == v));
+                assert!(operators.mesh.is_boundary_vertex(w) || (curvature - expected).abs() < 1e-10);
+            }
+        }
+    }
+}

@@ -1,0 +1,641 @@
+//! The whole method: the stages in order, nothing else.
+
+use std::time::{Duration, Instant};
+
+use geom::{EdgeData, Id, Metric, Model, Prepared, Repair, Surface, Triangles, VertexData, VertexId, prepare};
+use topo::{Extremum, Kind};
+
+use crate::angles::{Angles, AnglesError, ConeCurvatures, cone_curvatures, least_cones};
+use crate::error::Error;
+use crate::factor::ConformalFactor;
+use crate::hierarchy::{Candidate, ConeHierarchy, Method, kind_of};
+use crate::layout::Layout;
+use crate::mend::mend;
+use crate::operators::Operators;
+use crate::scaling::{Scaling, scale};
+use crate::seams::{Chain, Seams};
+
+/// So many cones where nobody says how many; half of them where there is a boundary, which takes curvature too.
+const DEFAULT_CONES: usize = 8;
+/// A set of cones that cannot be flattened is enlarged so many times before the surface is given up.
+const MAX_ATTEMPTS: usize = 8;
+
+/// What to do.
+#[derive(Clone, Debug, Default)]
+pub struct Options {
+    /// Which cones.
+    pub cones: ConeChoice,
+    /// The order in which extrema become cones.
+    pub method: Method,
+    /// How cones get their curvatures.
+    pub angles: Angles,
+    /// Diffuse the curvature before looking for extrema, which helps on noisy scans.
+    pub smooth: bool,
+    /// Merge vertices that are at exactly the same place.
+    pub weld: bool,
+}
+
+/// Which cones to use.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub enum ConeChoice {
+    /// In each connected part eight; four where it has a boundary.
+    #[default]
+    Default,
+    /// The first so many of the hierarchy, in all connected parts together.
+    Count(usize),
+    /// All extrema with a persistence above this.
+    MinPersistence(f64),
+    /// These vertices of the model, each with its curvature if that is given too (for all or for none).
+    Given(Vec<(u32, Option<f64>)>),
+}
+
+/// The stages, in order.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Stage {
+    /// The model is made into surfaces.
+    Prepare,
+    /// Intrinsic Delaunay triangulation, Laplacian, its factorization.
+    Factor,
+    /// The conformal factor, its persistent extrema, the cones' curvatures.
+    Hierarchy,
+    /// Seams through the cones.
+    Cut,
+    /// Newton's method for the metric.
+    Scale,
+    /// Positions in the plane, mended.
+    Layout,
+}
+
+impl Stage {
+    /// All of them.
+    pub const ALL: [Self; 6] = [Self::Prepare, Self::Factor, Self::Hierarchy, Self::Cut, Self::Scale, Self::Layout];
+
+    /// Its name in reports.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Prepare => "prepare",
+            Self::Factor => "factor",
+            Self::Hierarchy => "hierarchy",
+            Self::Cut => "cut",
+            Self::Scale => "scale",
+            Self::Layout => "layout",
+        }
+    }
+}
+
+/// A cone of an unwrapped model.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cone {
+    /// The vertex of the model.
+    pub vertex: u32,
+    /// Where it is.
+    pub position: [f64; 3],
+    /// The kind of extremum it is; where it is none, what its curvature says: a minimum if positive.
+    pub kind: Kind,
+    /// The persistence of the extremum, if it is one.
+    pub persistence: Option<f64>,
+    /// Its curvature in radians: the cone's angle is 2π less this.
+    pub curvature: f64,
+}
+
+/// The topology of a model's surfaces, added up.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Topology {
+    /// Vertices, copies included.
+    pub vertices: usize,
+    /// Triangles.
+    pub faces: usize,
+    /// Connected components.
+    pub components: usize,
+    /// Boundary loops.
+    pub boundary_loops: usize,
+    /// The sum of the components' genera.
+    pub genus: usize,
+    /// V - E + F.
+    pub euler: i64,
+}
+
+impl Topology {
+    /// The topology of prepared surfaces.
+    pub fn of(surfaces: &[Surface]) -> Self {
+        surfaces.iter().map(|s| &s.mesh).fold(Self::default(), |sum, mesh| Self {
+            vertices: sum.vertices + mesh.vertex_count(),
+            faces: sum.faces + mesh.face_count(),
+            components: sum.components + 1,
+            boundary_loops: sum.boundary_loops + mesh.boundary_loops().len(),
+            genus: sum.genus + mesh.genus(),
+            euler: sum.euler + mesh.euler_characteristic(),
+        })
+    }
+}
+
+/// An unwrapped model.
+#[derive(Clone, Debug)]
+pub struct Atlas {
+    /// A position in the plane for each corner of the model. The total area is that of the surface.
+    pub uv: Vec<[f64; 2]>,
+    /// The triangles that were computed with.
+    pub triangles: Triangles,
+    /// The triangles that belong to no surface (repeated vertices, copies); their corners have their vertices' positions.
+    pub left_out: Vec<u32>,
+    /// The cones, component by component, in the order of the hierarchy.
+    pub cones: Vec<Cone>,
+    /// The seams as chains of vertices of the model.
+    pub seams: Vec<Vec<u32>>,
+    /// The conformal factor φ for each vertex of the model; NaN where it is on no surface.
+    pub factor: Vec<f64>,
+    /// The number of extrema of φ, and the persistences of all of them, descending.
+    pub persistence: Vec<f64>,
+    /// The shape of the model.
+    pub topology: Topology,
+    /// The largest curvature off the cones that the metric has, in radians.
+    pub curvature_error: f64,
+    /// The time each stage took.
+    pub times: Vec<(Stage, Duration)>,
+    /// What was mended in the model.
+    pub repairs: Vec<Repair>,
+    /// What the user should know.
+    pub warnings: Vec<String>,
+}
+
+/// The cones of a model without a flattening.
+#[derive(Clone, Debug)]
+pub struct Extraction {
+    /// The cones, component by component, in the order of the hierarchy.
+    pub cones: Vec<Cone>,
+    /// The conformal factor φ for each vertex of the model; NaN where it is on no surface.
+    pub factor: Vec<f64>,
+    /// The persistences of all extrema of φ, descending.
+    pub persistence: Vec<f64>,
+    /// The shape of the model.
+    pub topology: Topology,
+    /// The time each stage took.
+    pub times: Vec<(Stage, Duration)>,
+    /// What was mended in the model.
+    pub repairs: Vec<Repair>,
+    /// What the user should know.
+    pub warnings: Vec<String>,
+}
+
+/// Unwraps a model: cones, seams, flattening. `on_stage` hears of each stage as it begins.
+///
+/// # Errors
+/// If the model has no surface, or one that cannot be flattened.
+pub fn unwrap(model: &Model, options: &Options, on_stage: &mut dyn FnMut(Stage)) -> Result<Atlas, Error> {
+    let mut run = Run::new(model, options, on_stage)?;
+    let mut uv = vec![None; model.corner_count()];
+    let mut seams = Vec::new();
+    let mut curvature_error = 0.0_f64;
+    let analysed = run.analyse_all()?;
+    let mut shelf = Shelf::new(analysed.iter().map(|a| a.area).sum());
+    for (index, (analysed, choice)) in analysed.iter().zip(run.first_choices(&analysed)?).enumerate() {
+        let flat = run.flatten(index, analysed, choice)?;
+        let surface = &run.prepared.surfaces[index];
+        curvature_error = curvature_error.max(flat.scaling.error);
+        let size = flat.size(surface, &analysed.operators);
+        let position = shelf.place(&flat.layout, size);
+        for h in surface.mesh.halfedges() {
+            uv[surface.corner[h] as usize] = Some(position(flat.layout.corner(h)));
+        }
+        let of_model = |chain: &Chain| chain.vertices.iter().map(|&v| surface.vertex[v]).collect();
+        seams.extend(flat.seams.chains.iter().map(of_model));
+        run.note_cones(index, &flat.cones, &flat.curvatures);
+    }
+    let Run { prepared, found, .. } = run;
+    Ok(Atlas {
+        uv: fill_corners(model, uv),
+        topology: Topology::of(&prepared.surfaces),
+        triangles: prepared.triangles,
+        left_out: prepared.left_out,
+        seams,
+        curvature_error,
+        repairs: prepared.repairs,
+        cones: found.cones,
+        factor: found.factor,
+        persistence: found.persistence,
+        times: found.times,
+        warnings: found.warnings,
+    })
+}
+
+/// Finds a model's cones as [`unwrap`] would, without flattening it.
+///
+/// # Errors
+/// If the model has no surface, or one whose Laplacian cannot be factored.
+pub fn extract(model: &Model, options: &Options, on_stage: &mut dyn FnMut(Stage)) -> Result<Extraction, Error> {
+    let mut run = Run::new(model, options, on_stage)?;
+    let analysed = run.analyse_all()?;
+    for (index, (analysed, choice)) in analysed.iter().zip(run.first_choices(&analysed)?).enumerate() {
+        let (cones, curvatures) = run.choose(index, analysed, &choice)?;
+        run.note_cones(index, &cones, &curvatures.curvature);
+    }
+    let Run { prepared, found, .. } = run;
+    Ok(Extraction {
+        topology: Topology::of(&prepared.surfaces),
+        repairs: prepared.repairs,
+        cones: found.cones,
+        factor: found.factor,
+        persistence: found.persistence,
+        times: found.times,
+        warnings: found.warnings,
+    })
+}
+
+/// One call of [`unwrap`] or [`extract`]: what it works on and what it has found.
+struct Run<'a> {
+    options: &'a Options,
+    prepared: Prepared,
+    found: Found,
+    on_stage: &'a mut dyn FnMut(Stage),
+    model: &'a Model,
+}
+
+#[derive(Default)]
+struct Found {
+    cones: Vec<Cone>,
+    factor: Vec<f64>,
+    persistence: Vec<f64>,
+    times: Vec<(Stage, Duration)>,
+    warnings: Vec<String>,
+}
+
+/// A surface with all that is needed to choose cones.
+struct Analysed {
+    metric: Metric,
+    /// The area in the model's units.
+    area: f64,
+    operators: Operators,
+    hierarchy: ConeHierarchy,
+}
+
+/// A flattened surface.
+struct Flat {
+    cones: Vec<Candidate>,
+    curvatures: Vec<f64>,
+    seams: Seams,
+    scaling: Scaling,
+    layout: Layout,
+}
+
+impl Flat {
+    /// What to multiply the layout by so that its mean log scale is 0 in the model's units.
+    fn size(&self, surface: &Surface, operators: &Operators) -> f64 {
+        let mean: f64 = operators.weight.iter().zip(self.scaling.u.iter()).map(|(w, u)| w * u).sum();
+        (-mean).exp() / surface.scale
+    }
+}
+
+/// Cones to begin with.
+enum Choice {
+    /// So many of the hierarchy.
+    Count(usize),
+    /// These, perhaps with curvatures.
+    Given(Vec<VertexId>, Option<Vec<f64>>),
+}
+
+impl<'a> Run<'a> {
+    fn new(model: &'a Model, options: &'a Options, on_stage: &'a mut dyn FnMut(Stage)) -> Result<Self, Error> {
+        on_stage(Stage::Prepare);
+        let start = Instant::now();
+        let prepared = prepare(model, options.weld)?;
+        let mut found = Found { factor: vec![f64::NAN; model.vertex_count()], ..Found::default() };
+        found.times = Stage::ALL.map(|stage| (stage, Duration::ZERO)).to_vec();
+        found.times[0].1 = start.elapsed();
+        let run = Self { options, prepared, found, on_stage, model };
+        run.check_given()?;
+        Ok(run)
+    }
+
+    /// Runs a stage and adds up its time.
+    fn stage<T>(&mut self, stage: Stage, work: impl FnOnce(&mut Self) -> T) -> T {
+        (self.on_stage)(stage);
+        let start = Instant::now();
+        let done = work(self);
+        self.found.times.iter_mut().filter(|(s, _)| *s == stage).for_each(|(_, time)| *time += start.elapsed());
+        done
+    }
+
+    fn analyse(&mut self, index: usize) -> Result<Analysed, Error> {
+        let (metric, operators) = self.stage(Stage::Factor, |run| {
+            let surface = &run.prepared.surfaces[index];
+            let metric = surface.metric();
+            Operators::new(&surface.mesh, &metric).map(|operators| (metric, operators))
+        })?;
+        self.stage(Stage::Hierarchy, |run| {
+            let factor = if run.options.smooth {
+                ConformalFactor::smoothed(&operators)?
+            } else {
+                ConformalFactor::new(&operators)
+            };
+            let hierarchy = ConeHierarchy::new(&operators, &factor);
+            for (v, phi) in factor.phi.iter_ids() {
+                run.found.factor[run.prepared.surfaces[index].vertex[v] as usize] = *phi;
+            }
+            run.found.persistence.extend(hierarchy.extrema().iter().map(|e| e.persistence));
+            run.found.persistence.sort_by(|a, b| b.total_cmp(a));
+            let surface = &run.prepared.surfaces[index];
+            let area = metric.area(&surface.mesh) / surface.scale / surface.scale;
+            Ok(Analysed { metric, area, operators, hierarchy })
+        })
+    }
+
+    fn analyse_all(&mut self) -> Result<Vec<Analysed>, Error> {
+        (0..self.prepared.surfaces.len()).map(|index| self.analyse(index)).collect()
+    }
+
+    /// The cones of each surface that the options ask for.
+    fn first_choices(&mut self, analysed: &[Analysed]) -> Result<Vec<Choice>, Error> {
+        let least: Vec<usize> = analysed.iter().map(|a| least_cones(&a.operators)).collect();
+        let of_default = |a: &Analysed| if a.operators.is_bordered() { DEFAULT_CONES / 2 } else { DEFAULT_CONES };
+        let counts = match &self.options.cones {
+            ConeChoice::Default => analysed.iter().map(of_default).collect(),
+            ConeChoice::Count(total) => {
+                let needed: usize = least.iter().sum();
+                if *total < needed {
+                    self.warn(too_few(*total, needed, analysed.len()));
+                }
+                share_out(analysed, least, *total)
+            }
+            ConeChoice::MinPersistence(threshold) => {
+                let above = |a: &Analysed| a.hierarchy.count_above(&a.operators, *threshold);
+                analysed.iter().zip(least).map(|(a, least)| above(a).max(least)).collect()
+            }
+            ConeChoice::Given(given) => return (0..analysed.len()).map(|index| self.given(index, given)).collect(),
+        };
+        Ok(counts.into_iter().map(Choice::Count).collect())
+    }
+
+    /// The given cones that lie on a surface.
+    fn given(&self, index: usize, given: &[(u32, Option<f64>)]) -> Result<Choice, Error> {
+        let surface = &self.prepared.surfaces[index];
+        let here: Vec<(VertexId, u32, Option<f64>)> = given
+            .iter()
+            .filter_map(|&(vertex, k)| {
+                let v = surface.vertex.iter().position(|&v| v == vertex)?;
+                Some((VertexId::new(v), vertex, k))
+            })
+            .collect();
+        if let Some(&(_, vertex, _)) = here.iter().find(|(v, _, _)| surface.mesh.is_boundary_vertex(*v)) {
+            return Err(Error::ConeOnBoundary(vertex));
+        }
+        let cones = here.iter().map(|&(v, _, _)| v).collect();
+        let curvatures: Option<Vec<f64>> = here.iter().map(|&(_, _, k)| k).collect();
+        Ok(Choice::Given(cones, curvatures.filter(|k| !k.is_empty())))
+    }
+
+    /// Cones with curvatures within bounds. Where the number that was asked for cannot have any, more are taken.
+    fn choose(
+        &mut self,
+        index: usize,
+        analysed: &Analysed,
+        choice: &Choice,
+    ) -> Result<(Vec<Candidate>, ConeCurvatures), Error> {
+        self.stage(Stage::Hierarchy, |run| match choice {
+            Choice::Count(count) => run.choose_count(index, analysed, *count),
+            Choice::Given(cones, curvatures) => run.choose_given(index, analysed, cones, curvatures.clone()),
+        })
+    }
+
+    fn choose_count(
+        &mut self,
+        index: usize,
+        analysed: &Analysed,
+        asked: usize,
+    ) -> Result<(Vec<Candidate>, ConeCurvatures), Error> {
+        let Analysed { operators, hierarchy, .. } = analysed;
+        let mut count = asked;
+        loop {
+            let cones = hierarchy.cones(operators, self.options.method, count);
+            let vertices: Vec<VertexId> = cones.iter().map(|c| c.vertex).collect();
+            match self.curvatures(index, operators, &vertices) {
+                Err(AnglesError::TooFew { .. }) if cones.len() == count => count += 1 + count / 4,
+                Err(error) => return Err(error.into()),
+                Ok(curvatures) => {
+                    if count > asked {
+                        self.warn(format!("{asked} cones cannot take this surface's curvature: taking {count}"));
+                    } else if cones.len() < asked {
+                        self.warn(format!(
+                            "{asked} cones asked for, but there are only {} inner vertices",
+                            cones.len()
+                        ));
+                    }
+                    return Ok((cones, curvatures));
+                }
+            }
+        }
+    }
+
+    fn choose_given(
+        &mut self,
+        index: usize,
+        analysed: &Analysed,
+        cones: &[VertexId],
+        curvatures: Option<Vec<f64>>,
+    ) -> Result<(Vec<Candidate>, ConeCurvatures), Error> {
+        let Analysed { operators, hierarchy, .. } = analysed;
+        let extremum = |v: VertexId| hierarchy.extrema().iter().find(|e| e.vertex == v).copied();
+        let candidates = cones.iter().map(|&vertex| Candidate { vertex, extremum: extremum(vertex) }).collect();
+        let curvatures = match curvatures {
+            None => self.curvatures(index, operators, cones)?,
+            Some(curvature) => {
+                let sum: f64 = curvature.iter().sum();
+                let total = operators.total_curvature();
+                if !operators.is_bordered() && (sum - total).abs() > 1e-6 {
+                    return Err(Error::CurvatureSum { sum, total });
+                }
+                if let Some(k) = curvature.iter().find(|k| !(**k < 2.0 * std::f64::consts::PI)) {
+                    return Err(Error::CurvatureTooLarge(*k));
+                }
+                ConeCurvatures::given(operators, cones, curvature)
+            }
+        };
+        Ok((candidates, curvatures))
+    }
+
+    fn curvatures(
+        &mut self,
+        index: usize,
+        operators: &Operators,
+        cones: &[VertexId],
+    ) -> Result<ConeCurvatures, AnglesError> {
+        let surface = &self.prepared.surfaces[index];
+        let curvatures = cone_curvatures(operators, &surface.mesh, cones, self.options.angles)?;
+        if !curvatures.out_of_bounds.is_empty() {
+            let first = surface.vertex[curvatures.out_of_bounds[0]];
+            let count = curvatures.out_of_bounds.len();
+            self.warn(format!(
+                "harmonic curvature is out of bounds at {count} of {} cones (first at vertex {first}): taking optimal \
+                 curvatures within bounds",
+                cones.len()
+            ));
+        }
+        Ok(curvatures)
+    }
+
+    /// Flattens a surface. Where a set of cones fails, more are taken.
+    fn flatten(&mut self, index: usize, analysed: &Analysed, mut choice: Choice) -> Result<Flat, Error> {
+        let mut attempt = 1;
+        loop {
+            let may_grow = matches!(choice, Choice::Count(_)) && attempt < MAX_ATTEMPTS;
+            let (cones, curvatures) = self.choose(index, analysed, &choice)?;
+            let count = cones.len();
+            match self.flatten_with(index, analysed, cones, curvatures) {
+                Err(error) if may_grow => {
+                    let more = count + 1 + count / 4;
+                    self.warn(format!("{count} cones could not be flattened ({error}): trying {more}"));
+                    choice = Choice::Count(more);
+                    attempt += 1;
+                }
+                done => return done,
+            }
+        }
+    }
+
+    fn flatten_with(
+        &mut self,
+        index: usize,
+        analysed: &Analysed,
+        cones: Vec<Candidate>,
+        curvatures: ConeCurvatures,
+    ) -> Result<Flat, Error> {
+        let vertices: Vec<VertexId> = cones.iter().map(|c| c.vertex).collect();
+        let seams = self.stage(Stage::Cut, |run| {
+            let surface = &run.prepared.surfaces[index];
+            Seams::new(&surface.mesh, &seam_lengths(surface, &analysed.metric), &vertices)
+        })?;
+        let scaling = self.stage(Stage::Scale, |run| {
+            let mesh = &run.prepared.surfaces[index].mesh;
+            let mut target = VertexData::constant(mesh.vertex_count(), 0.0);
+            for (&v, &k) in vertices.iter().zip(&curvatures.curvature) {
+                target[v] = k;
+            }
+            scale(mesh, &analysed.metric, &analysed.operators, &target, &curvatures.predicted)
+        })?;
+        let layout = self.stage(Stage::Layout, |run| {
+            let surface = &run.prepared.surfaces[index];
+            let mut layout = Layout::new(&surface.mesh, &scaling, &seams.cut);
+            let mut is_cone = VertexData::constant(surface.mesh.vertex_count(), false);
+            vertices.iter().for_each(|&v| is_cone[v] = true);
+            mend(&surface.mesh, &analysed.metric, &scaling, &is_cone, &mut layout).map(|_| layout)
+        })?;
+        if scaling.mollified {
+            self.warn("edges were lengthened by up to 1e-4 of their mean, because of needle triangles".to_owned());
+        }
+        Ok(Flat { cones, curvatures: curvatures.curvature, seams, scaling, layout })
+    }
+
+    fn note_cones(&mut self, index: usize, cones: &[Candidate], curvatures: &[f64]) {
+        let surface = &self.prepared.surfaces[index];
+        for (candidate, &curvature) in cones.iter().zip(curvatures) {
+            let vertex = surface.vertex[candidate.vertex];
+            self.found.cones.push(Cone {
+                vertex,
+                position: self.model.points()[vertex as usize],
+                kind: kind_of(candidate, curvature),
+                persistence: candidate.extremum.map(|e: Extremum<_, _>| e.persistence),
+                curvature,
+            });
+        }
+    }
+
+    /// Given cones must be vertices of a surface, each once.
+    fn check_given(&self) -> Result<(), Error> {
+        let ConeChoice::Given(given) = &self.options.cones else { return Ok(()) };
+        let mut on_surface = vec![false; self.model.vertex_count()];
+        for surface in &self.prepared.surfaces {
+            surface.vertex.iter().for_each(|&v| on_surface[v as usize] = true);
+        }
+        for (k, &(vertex, _)) in given.iter().enumerate() {
+            if !on_surface.get(vertex as usize).copied().unwrap_or(false) {
+                return Err(Error::NoSuchCone { vertex, count: self.model.vertex_count() });
+            }
+            if given[..k].iter().any(|&(v, _)| v == vertex) {
+                return Err(Error::RepeatedCone(vertex));
+            }
+        }
+        let known = given.iter().filter(|(_, k)| k.is_some()).count();
+        if known != 0 && known != given.len() {
+            return Err(Error::SomeCurvatures { known, given: given.len() });
+        }
+        Ok(())
+    }
+
+    fn warn(&mut self, warning: String) {
+        if !self.found.warnings.contains(&warning) {
+            self.found.warnings.push(warning);
+        }
+    }
+}
+
+/// The cones of each surface, `total` in all: all least sets first, then one by one where area times the persistence of
+/// the next extremum is largest. Every total is a prefix.
+fn share_out(analysed: &[Analysed], least: Vec<usize>, total: usize) -> Vec<usize> {
+    let mut counts = least;
+    let gain = |a: &Analysed, count: usize| {
+        let next = a.hierarchy.extrema().get(count).map_or(0.0, |e| e.persistence);
+        a.area * next
+    };
+    for _ in counts.iter().sum()..total {
+        let gains = analysed.iter().zip(&counts).map(|(a, &count)| gain(a, count)).enumerate();
+        let Some((best, _)) = gains.max_by(|a, b| a.1.total_cmp(&b.1).then(b.0.cmp(&a.0))) else { break };
+        counts[best] += 1;
+    }
+    counts
+}
+
+fn too_few(asked: usize, needed: usize, parts: usize) -> String {
+    let subject = if parts == 1 { "this surface needs".to_owned() } else { format!("these {parts} parts need") };
+    format!("{asked} cones asked for, but {subject} at least {needed}: taking {needed}")
+}
+
+/// The lengths that seams count: those of space, but no seam runs inside a polygon.
+fn seam_lengths(surface: &Surface, metric: &Metric) -> EdgeData<f64> {
+    let length = |(e, &l): (geom::EdgeId, &f64)| if surface.diagonal[e] { f64::INFINITY } else { l };
+    metric.lengths().iter_ids().map(length).collect()
+}
+
+/// Islands in rows, so that they do not overlap.
+struct Shelf {
+    at: [f64; 2],
+    height: f64,
+    width: f64,
+    gap: f64,
+}
+
+impl Shelf {
+    fn new(area: f64) -> Self {
+        Self { at: [0.0; 2], height: 0.0, width: 1.5 * area.sqrt(), gap: 0.01 * area.sqrt() }
+    }
+
+    /// Finds a place for an island; returns the map of its positions to there.
+    fn place(&mut self, layout: &Layout, size: f64) -> impl Fn(num_complex::Complex64) -> [f64; 2] + use<> {
+        let mut low = [f64::INFINITY; 2];
+        let mut high = [f64::NEG_INFINITY; 2];
+        for z in &layout.position {
+            for (k, x) in [z.re, z.im].into_iter().enumerate() {
+                low[k] = low[k].min(x);
+                high[k] = high[k].max(x);
+            }
+        }
+        let extent = [0, 1].map(|k| size * (high[k] - low[k]));
+        if self.at[0] > 0.0 && self.at[0] + extent[0] > self.width {
+            self.at = [0.0, self.at[1] + self.height + self.gap];
+            self.height = 0.0;
+        }
+        let corner = self.at;
+        self.at[0] += extent[0] + self.gap;
+        self.height = self.height.max(extent[1]);
+        move |z| [corner[0] + size * (z.re - low[0]), corner[1] + size * (z.im - low[1])]
+    }
+}
+
+/// Corners that no surface has get the position of another corner at their vertex, or the origin.
+fn fill_corners(model: &Model, uv: Vec<Option<[f64; 2]>>) -> Vec<[f64; 2]> {
+    let mut of_vertex = vec![[0.0; 2]; model.vertex_count()];
+    for (uv, &v) in uv.iter().zip(model.corners()) {
+        if let Some(uv) = uv {
+            of_vertex[v as usize] = *uv;
+        }
+    }
+    uv.into_iter().zip(model.corners()).map(|(uv, &v)| uv.unwrap_or(of_vertex[v as usize])).collect()
+}

@@ -1,0 +1,147 @@
+//! Files: OBJ, PLY, OFF and STL in, each also gzipped; OBJ, PLY and glTF out.
+//!
+//! [`read`] makes a [`Model`] of a file. Numbers are read as f64 wherever the format writes them in decimal, vertices and
+//! faces keep their order and polygons stay polygons. A file is known by its content; its extension is asked only where the
+//! content does not tell. Memory is bounded by what a file holds, not by what its header claims.
+//!
+//! [`write_obj`] gives an OBJ back line for line with texture coordinates added. [`write_atomically`] sees to it that a
+//! file is there whole or not at all.
+//!
+//! Not read: binary OFF, vertices in more than three dimensions, curves and free-form surfaces (they are counted in
+//! [`Model::skipped`]).
+
+mod atomic;
+mod cells;
+mod error;
+mod obj;
+mod off;
+mod ply;
+mod stl;
+#[cfg(test)]
+mod tests;
+mod text;
+mod wedge;
+mod write_glb;
+mod write_obj;
+mod write_ply;
+
+use std::fs;
+use std::io::{self, Read};
+use std::path::Path;
+
+use flate2::read::MultiGzDecoder;
+
+use crate::model::Model;
+use error::Fault;
+use text::Lines;
+
+pub use atomic::write_atomically;
+pub use error::{Place, Problem, ReadError, WriteError};
+pub use write_glb::write_glb;
+pub use write_obj::{Material, ObjContent, write_obj};
+pub use write_ply::write_ply;
+
+/// The formats that can be read.
+#[derive(Debug, Clone, Copy)]
+enum Format {
+    /// Wavefront OBJ.
+    Obj,
+    /// Geomview's object file format.
+    Off,
+    /// Stanford's polygon file format.
+    Ply,
+    /// Stereolithography, text or binary.
+    Stl,
+}
+
+/// Reads a mesh file.
+///
+/// # Errors
+/// When the file is missing, unreadable, of no known format, damaged, or holds no surface.
+pub fn read(path: impl AsRef<Path>) -> Result<Model, ReadError> {
+    let path = path.as_ref();
+    let bytes = load(path).map_err(|problem| Fault::from(problem).in_file(path))?;
+    read_bytes(bytes, path)
+}
+
+/// Reads a mesh file that is already in memory.
+///
+/// `name` stands for the path in messages, and its extension is asked where the content does not tell the format.
+///
+/// ```
+/// let model = geom::io::read_bytes(b"OFF 3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n".to_vec(), "triangle.off")?;
+/// assert_eq!((model.vertex_count(), model.face_count()), (3, 1));
+/// # Ok::<(), geom::io::ReadError>(())
+/// ```
+///
+/// # Errors
+/// When the bytes are of no known format, damaged, or hold no surface.
+pub fn read_bytes(bytes: Vec<u8>, name: impl AsRef<Path>) -> Result<Model, ReadError> {
+    let name = name.as_ref();
+    let read = || {
+        let bytes = decompress(bytes)?;
+        if bytes.is_empty() {
+            return Err(Problem::Empty.into());
+        }
+        let format = Format::of_content(&bytes).or_else(|| Format::of_name(name)).ok_or(Problem::UnknownFormat)?;
+        read_format(bytes, format)
+    };
+    read().map_err(|fault| fault.in_file(name))
+}
+
+fn read_format(bytes: Vec<u8>, format: Format) -> Result<Model, Fault> {
+    match format {
+        Format::Obj => obj::read(bytes),
+        Format::Off => off::read(&bytes),
+        Format::Ply => ply::read(&bytes),
+        Format::Stl => stl::read(&bytes),
+    }
+}
+
+fn load(path: &Path) -> Result<Vec<u8>, Problem> {
+    if path.is_dir() {
+        return Err(Problem::Directory);
+    }
+    fs::read(path).map_err(|error| match error.kind() {
+        io::ErrorKind::NotFound => Problem::Missing,
+        _ => Problem::Io(error),
+    })
+}
+
+/// The content of a gzip file, or the bytes as they are.
+fn decompress(bytes: Vec<u8>) -> Result<Vec<u8>, Problem> {
+    if !bytes.starts_with(b"\x1f\x8b") {
+        return Ok(bytes);
+    }
+    let mut content = Vec::new();
+    MultiGzDecoder::new(&bytes[..]).read_to_end(&mut content).map_err(Problem::Gzip)?;
+    Ok(content)
+}
+
+impl Format {
+    /// The format by the name's extension, with or without `.gz` behind it.
+    fn of_name(name: &Path) -> Option<Self> {
+        let extension = name.extension()?.to_str()?.to_ascii_lowercase();
+        match extension.as_str() {
+            "obj" => Some(Self::Obj),
+            "off" | "coff" | "noff" | "cnoff" => Some(Self::Off),
+            "ply" => Some(Self::Ply),
+            "stl" => Some(Self::Stl),
+            "gz" => Self::of_name(Path::new(name.file_stem()?)),
+            _ => None,
+        }
+    }
+
+    /// The format where the content leaves no doubt.
+    fn of_content(bytes: &[u8]) -> Option<Self> {
+        let first = Lines::new(bytes).next_filled()?;
+        let word = first.words().next()?;
+        match word {
+            b"ply" => Some(Self::Ply),
+            _ if off::is_keyword(word) => Some(Self::Off),
+            _ if stl::is_stl(bytes) => Some(Self::Stl),
+            _ if obj::is_keyword(word) => Some(Self::Obj),
+            _ => None,
+        }
+    }
+}

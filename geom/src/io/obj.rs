@@ -1,0 +1,184 @@
+//! Wavefront OBJ, read in f64.
+//!
+//! What shapes a surface is taken: `v`, `vt` and `f`. Corners may be `v`, `v/vt`, `v//vn` or `v/vt/vn`, with negative indices
+//! counted back from the latest vertex, and may name vertices that come later. Colours or a weight behind a vertex are
+//! skipped, groups and materials stay in the text, and lines, points and free-form statements are counted. The text is kept,
+//! for the writer.
+//!
+//! Source: Wavefront Technologies, *Advanced Visualizer* appendix B1, *Object Files (.obj)*. The obj-rs crate is not used
+//! because it reads f32, panics on free-form curves, and refuses vertex colours and byte-order marks.
+
+use super::error::{Fault, Place};
+use super::text::{Line, Lines, Words, integer, number};
+use crate::model::{Model, ModelError, Polygons, Skipped, TextureCoordinates};
+
+/// Statements that are kept in the text but say nothing about the surface.
+const APPEARANCE: [&[u8]; 19] = [
+    b"vn",
+    b"g",
+    b"o",
+    b"s",
+    b"mg",
+    b"usemtl",
+    b"mtllib",
+    b"usemap",
+    b"maplib",
+    b"lod",
+    b"bevel",
+    b"c_interp",
+    b"d_interp",
+    b"shadow_obj",
+    b"trace_obj",
+    b"call",
+    b"csh",
+    b"ctech",
+    b"stech",
+];
+
+/// Statements of free-form curves and surfaces, the superseded ones included.
+const FREE_FORM: [&[u8]; 20] = [
+    b"vp", b"cstype", b"deg", b"bmat", b"step", b"curv", b"curv2", b"surf", b"parm", b"trim", b"hole", b"scrv", b"sp",
+    b"end", b"con", b"bzp", b"bsp", b"cdc", b"cdp", b"res",
+];
+
+/// Whether an OBJ file may start with this word.
+pub(super) fn is_keyword(word: &[u8]) -> bool {
+    matches!(word, b"v" | b"vt" | b"l" | b"p")
+        || is_face(word)
+        || APPEARANCE.contains(&word)
+        || FREE_FORM.contains(&word)
+}
+
+/// Whether this word opens a face; `fo` is what early versions wrote.
+pub(super) fn is_face(word: &[u8]) -> bool {
+    matches!(word, b"f" | b"fo")
+}
+
+pub(super) fn read(text: Vec<u8>) -> Result<Model, Fault> {
+    let mut draft = Draft::default();
+    for line in Lines::joined(&text) {
+        draft.take(&line)?;
+    }
+    let (vertices, faces) = (draft.points.len(), draft.polygons.face_count());
+    match draft.finish() {
+        Ok(model) => Ok(model.with_obj_text(text)),
+        Err(ModelError::Index { face, index, .. }) => {
+            let found = format!("vertex {}", u64::from(index) + 1);
+            Err(Fault::unexpected(line_of_face(&text, face), found, format!("a vertex from 1 to {vertices}")))
+        }
+        Err(ModelError::NoVertices) if faces > 0 => {
+            Err(Fault::unexpected(line_of_face(&text, 0), "a face", "vertices (`v x y z`) for it"))
+        }
+        Err(error) => Err(error.into()),
+    }
+}
+
+fn line_of_face(text: &[u8], face: usize) -> Place {
+    let mut faces = Lines::joined(text).filter(|line| line.words().next().is_some_and(is_face));
+    faces.nth(face).map_or(Place::File, |line| line.place())
+}
+
+/// A model under construction.
+#[derive(Default)]
+struct Draft {
+    points: Vec<[f64; 3]>,
+    polygons: Polygons,
+    uv_points: Vec<[f64; 2]>,
+    /// One a corner, once any corner had one.
+    uv_corners: Vec<u32>,
+    skipped: Skipped,
+}
+
+impl Draft {
+    fn take(&mut self, line: &Line) -> Result<(), Fault> {
+        let mut words = line.words();
+        let Some(keyword) = words.next() else { return Ok(()) };
+        match keyword {
+            b"v" => self.points.push(words.point()?),
+            b"vt" => self.uv_points.push(texture_point(&mut words)?),
+            b"l" => self.skipped.lines += 1,
+            b"p" => self.skipped.points += 1,
+            _ if is_face(keyword) => self.face(words)?,
+            _ if APPEARANCE.contains(&keyword) => {}
+            _ if FREE_FORM.contains(&keyword) => self.skipped.free_form += 1,
+            _ if keyword[0].is_ascii_alphabetic() && keyword.is_ascii() => self.skipped.unknown += 1,
+            _ => return Err(words.unexpected(keyword, "a statement such as `v` or `f`")),
+        }
+        Ok(())
+    }
+
+    fn face(&mut self, mut words: Words) -> Result<(), Fault> {
+        let mut corners = 0;
+        while let Some(word) = words.next() {
+            let (v, vt) =
+                split(word).ok_or_else(|| words.unexpected(word, "a corner such as `7`, `7/3` or `7/3/5`"))?;
+            let vertex = resolve(v, self.points.len());
+            let vertex = vertex.ok_or_else(|| words.unexpected(word, legal_indices(self.points.len())))?;
+            self.texture_corner(vt);
+            self.polygons.corners.push(vertex);
+            corners += 1;
+        }
+        if corners < 3 {
+            return Err(Fault::few_corners(words.place(), corners));
+        }
+        self.polygons.end_face();
+        Ok(())
+    }
+
+    /// Notes the texture coordinate of the corner that is about to be pushed.
+    fn texture_corner(&mut self, vt: Option<i64>) {
+        let corner = self.polygons.corners.len();
+        if let Some(vt) = vt {
+            self.uv_corners.resize(corner, TextureCoordinates::NONE);
+            self.uv_corners.push(resolve(vt, self.uv_points.len()).unwrap_or(TextureCoordinates::NONE - 1));
+        }
+    }
+
+    fn finish(mut self) -> Result<Model, ModelError> {
+        let corners = self.polygons.corners.len();
+        let known = self.uv_points.len();
+        let is_lost = |&&i: &&u32| i != TextureCoordinates::NONE && i as usize >= known;
+        self.skipped.texture_references = self.uv_corners.iter().filter(is_lost).count();
+        let uv = (!self.uv_corners.is_empty()).then(|| {
+            self.uv_corners.resize(corners, TextureCoordinates::NONE);
+            TextureCoordinates::new(self.uv_points, self.uv_corners)
+        });
+        Ok(Model::new(self.points, self.polygons)?.with_uv(uv).with_skipped(self.skipped))
+    }
+}
+
+/// `vt u [v [w]]`; what is not finite is a point that no corner can use, and no reason to refuse the surface.
+fn texture_point(words: &mut Words) -> Result<[f64; 2], Fault> {
+    let word = words.expect("texture coordinate")?;
+    let u = texture_number(words, word)?;
+    let v = words.next().map_or(Ok(0.0), |word| texture_number(words, word))?;
+    Ok([u, v])
+}
+
+fn texture_number(words: &Words, word: &[u8]) -> Result<f64, Fault> {
+    number(word).ok_or_else(|| words.unexpected(word, "a number for a texture coordinate"))
+}
+
+/// The vertex and the texture index of a corner `v`, `v/vt`, `v//vn` or `v/vt/vn`.
+fn split(word: &[u8]) -> Option<(i64, Option<i64>)> {
+    let mut parts = word.split(|&b| b == b'/');
+    let v = integer(parts.next()?)?;
+    let vt = match parts.next() {
+        None | Some(b"") => None,
+        Some(vt) => Some(integer(vt)?),
+    };
+    Some((v, vt))
+}
+
+/// The index from 0 that an OBJ index means when `count` things have been listed so far; more may follow.
+fn resolve(index: i64, count: usize) -> Option<u32> {
+    let from_zero = if index < 0 { i64::try_from(count).ok()? + index } else { index - 1 };
+    u32::try_from(from_zero).ok()
+}
+
+fn legal_indices(count: usize) -> String {
+    match count {
+        0 => format!("a vertex index from 1 to {}, for no vertex comes before this line", u32::MAX),
+        _ => format!("a vertex index from 1 to {}, or from -{count} to -1 counted back from this line", u32::MAX),
+    }
+}

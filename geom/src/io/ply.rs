@@ -1,0 +1,245 @@
+//! Stanford's polygon file format: text and binary of both byte orders.
+//!
+//! The header names elements and their properties in any order; we take `x`, `y`, `z` of `vertex`, the list `vertex_indices`
+//! (or `vertex_index`) of `face` and of `tristrips`, and texture coordinates: `texcoord` of `face` as `MeshLab` writes it, or
+//! `s t`, `u v` or `texture_u texture_v` of `vertex`. The rest is passed over. A strip's triangles alternate in direction, -1
+//! starts a new one, and triangles that merely turn a strip (a vertex twice) are left out.
+//!
+//! Source: Greg Turk, *The PLY polygon file format*, 1994. The ply-rs-bw crate was tried and is the oracle of our tests; as
+//! the reader it lacks: it fills the memory for a binary header of 4·10⁹ elements without properties, narrows text to f32,
+//! refuses `.5`, `1.`, blank lines, property names with dots and comments that are not UTF-8, and names no bytes in errors.
+
+mod header;
+mod values;
+
+use super::error::{Fault, Place, Problem};
+use crate::model::{MAX_COORDINATE, Model, Polygons, Skipped, TextureCoordinates, is_coordinate};
+use header::{Element, Encoding, Header, Shape};
+use values::{Binary, Text, Values};
+
+pub(super) fn read(bytes: &[u8]) -> Result<Model, Fault> {
+    let (header, payload) = header::read(bytes)?;
+    let mut draft = Draft { vertices: header.count_of("vertex"), ..Draft::default() };
+    match header.encoding {
+        Encoding::Text => draft.take_all(&header, &mut Text::new(bytes, &header, payload)),
+        Encoding::Binary(order) => draft.take_all(&header, &mut Binary::new(bytes, payload, order)),
+    }?;
+    draft.finish()
+}
+
+/// What we want of a property.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Role {
+    Skip,
+    Position(usize),
+    Texture(usize),
+    Face,
+    Strips,
+    FaceTexture,
+}
+
+impl Role {
+    fn of(element: &str, property: &str, shape: Shape) -> Self {
+        match (element, property, shape) {
+            ("vertex", "x", Shape::One(_)) => Self::Position(0),
+            ("vertex", "y", Shape::One(_)) => Self::Position(1),
+            ("vertex", "z", Shape::One(_)) => Self::Position(2),
+            ("vertex", "s" | "u" | "texture_u", Shape::One(_)) => Self::Texture(0),
+            ("vertex", "t" | "v" | "texture_v", Shape::One(_)) => Self::Texture(1),
+            ("face", "vertex_indices" | "vertex_index", Shape::List { .. }) => Self::Face,
+            ("tristrips", "vertex_indices" | "vertex_index", Shape::List { .. }) => Self::Strips,
+            ("face", "texcoord", Shape::List { .. }) => Self::FaceTexture,
+            _ => Self::Skip,
+        }
+    }
+}
+
+/// A model under construction.
+#[derive(Default)]
+struct Draft {
+    /// How many vertices the header promises.
+    vertices: u64,
+    points: Vec<[f64; 3]>,
+    polygons: Polygons,
+    vertex_uv: Vec<[f64; 2]>,
+    corner_uv: Vec<[f64; 2]>,
+    /// What follows the last element.
+    surplus: usize,
+}
+
+impl Draft {
+    fn take_all(&mut self, header: &Header, values: &mut impl Values) -> Result<(), Fault> {
+        for element in &header.elements {
+            // Elements without properties take no room, however many are claimed.
+            if !element.properties.is_empty() {
+                self.take(element, values)?;
+            }
+        }
+        self.surplus = values.surplus();
+        Ok(())
+    }
+
+    fn take(&mut self, element: &Element, values: &mut impl Values) -> Result<(), Fault> {
+        let roles: Vec<Role> =
+            element.properties.iter().map(|property| Role::of(&element.name, &property.name, property.shape)).collect();
+        element.check(&roles)?;
+        let mut list = Vec::new();
+        for present in 0..element.count {
+            if values.at_end() {
+                let what = format!("elements `{}`", element.name);
+                return Err(Fault::new(values.place(), Problem::CutShort { what, claimed: element.count, present }));
+            }
+            values.start_row();
+            self.take_row(element, &roles, values, &mut list)?;
+        }
+        Ok(())
+    }
+
+    fn take_row(
+        &mut self,
+        element: &Element,
+        roles: &[Role],
+        values: &mut impl Values,
+        list: &mut Vec<f64>,
+    ) -> Result<(), Fault> {
+        let mut row = Row { first_uv: self.corner_uv.len(), ..Row::default() };
+        for (property, &role) in element.properties.iter().zip(roles) {
+            match property.shape {
+                Shape::One(scalar) => row.take(role, values.scalar(scalar, &property.name)?, values)?,
+                Shape::List { count, item } => {
+                    values.list(count, item, &property.name, list)?;
+                    self.take_list(role, list, values)?;
+                }
+            }
+        }
+        self.end_row(roles, &row);
+        Ok(())
+    }
+
+    fn take_list(&mut self, role: Role, list: &[f64], values: &impl Values) -> Result<(), Fault> {
+        match role {
+            Role::Face => self.face(list, values),
+            Role::Strips => self.strips(list, values),
+            Role::FaceTexture => {
+                self.corner_uv.extend(list.as_chunks::<2>().0);
+                Ok(())
+            }
+            _ => Ok(()),
+        }
+    }
+
+    fn end_row(&mut self, roles: &[Role], row: &Row) {
+        let has = |role| roles.contains(&role);
+        if has(Role::Position(0)) {
+            self.points.push(row.position);
+        }
+        if has(Role::Texture(0)) && has(Role::Texture(1)) {
+            self.vertex_uv.push(row.texture);
+        }
+        let corners = self.polygons.corners.len();
+        if has(Role::FaceTexture) && self.corner_uv.len() != corners {
+            // A face without texture has an empty list.
+            self.corner_uv.truncate(row.first_uv);
+            self.corner_uv.resize(corners, [f64::NAN; 2]);
+        }
+    }
+
+    fn face(&mut self, list: &[f64], values: &impl Values) -> Result<(), Fault> {
+        if list.len() < 3 {
+            return Err(Fault::few_corners(values.place(), list.len()));
+        }
+        for &index in list {
+            let vertex = self.vertex(index, values)?;
+            self.polygons.corners.push(vertex);
+        }
+        self.polygons.end_face();
+        Ok(())
+    }
+
+    fn strips(&mut self, list: &[f64], values: &impl Values) -> Result<(), Fault> {
+        for strip in list.split(|&index| index == -1.0) {
+            for (i, corners) in strip.windows(3).enumerate() {
+                let mut triangle = [0; 3];
+                for (vertex, &index) in triangle.iter_mut().zip(corners) {
+                    *vertex = self.vertex(index, values)?;
+                }
+                let [a, b, c] = triangle;
+                if a != b && b != c && c != a {
+                    self.polygons.push(&if i % 2 == 0 { [a, b, c] } else { [b, a, c] });
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn vertex(&self, index: f64, values: &impl Values) -> Result<u32, Fault> {
+        if index >= 0.0 && index < self.vertices as f64 && index.fract() == 0.0 {
+            // Larger indices than u32 holds belong to files that `Model` refuses for their number of points.
+            return Ok(index as u32);
+        }
+        let expected = match self.vertices {
+            0 => "vertices for it".to_owned(),
+            n => format!("a vertex from 0 to {}", n - 1),
+        };
+        Err(Fault::unexpected(values.place(), format!("vertex {index}"), expected))
+    }
+
+    fn finish(self) -> Result<Model, Fault> {
+        let uv = if !self.corner_uv.is_empty() {
+            let corners = (0..self.polygons.corners.len() as u32).collect();
+            Some(TextureCoordinates::new(self.corner_uv, corners))
+        } else if !self.vertex_uv.is_empty() {
+            Some(TextureCoordinates::new(self.vertex_uv, self.polygons.corners.clone()))
+        } else {
+            None
+        };
+        let skipped = Skipped { surplus: self.surplus, ..Skipped::default() };
+        Ok(Model::new(self.points, self.polygons)?.with_uv(uv).with_skipped(skipped))
+    }
+}
+
+/// What the single numbers of an element say.
+#[derive(Default)]
+struct Row {
+    position: [f64; 3],
+    texture: [f64; 2],
+    /// How many corners had texture coordinates before.
+    first_uv: usize,
+}
+
+impl Row {
+    fn take(&mut self, role: Role, value: f64, values: &impl Values) -> Result<(), Fault> {
+        match role {
+            Role::Position(_) if !is_coordinate(value) => {
+                let found = format!("the coordinate {value}");
+                return Err(Fault::unexpected(values.place(), found, format!("at most {MAX_COORDINATE:e}")));
+            }
+            Role::Position(axis) => self.position[axis] = value,
+            Role::Texture(axis) => self.texture[axis] = value,
+            _ => {}
+        }
+        Ok(())
+    }
+}
+
+impl Element {
+    /// Vertices need all coordinates, faces their indices.
+    fn check(&self, roles: &[Role]) -> Result<(), Fault> {
+        let missing = match self.name.as_str() {
+            "vertex" => {
+                ["x", "y", "z"].into_iter().enumerate().find(|&(axis, _)| !roles.contains(&Role::Position(axis)))
+            }
+            "face" if !roles.contains(&Role::Face) => Some((0, "vertex_indices")),
+            "tristrips" if !roles.contains(&Role::Strips) => Some((0, "vertex_indices")),
+            _ => None,
+        };
+        match missing {
+            Some((_, property)) => Err(Fault::unexpected(
+                Place::Line(self.line),
+                format!("element `{}` without a property `{property}`", self.name),
+                "one",
+            )),
+            None => Ok(()),
+        }
+    }
+}

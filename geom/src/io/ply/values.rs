@@ -1,0 +1,155 @@
+//! The numbers behind the header, one after the other. All of the format's types fit in f64 exactly.
+
+use super::super::error::{Fault, Place};
+use super::super::text::{Line, Lines, Words, number};
+use super::header::{ByteOrder, Header, Scalar};
+
+/// Where numbers come from.
+pub(super) trait Values {
+    /// Whether nothing is left.
+    fn at_end(&mut self) -> bool;
+
+    /// How many lines or bytes are left.
+    fn surplus(&mut self) -> usize;
+
+    /// Goes to the next element.
+    fn start_row(&mut self);
+
+    /// Where we are, for messages.
+    fn place(&self) -> Place;
+
+    /// How many numbers of this type there can still be.
+    fn room(&self, scalar: Scalar) -> usize;
+
+    /// The next number; `name` is the property's, for messages.
+    fn scalar(&mut self, scalar: Scalar, name: &str) -> Result<f64, Fault>;
+
+    /// The next list, put in place of `list`. Its count is believed only as far as there are numbers.
+    fn list(&mut self, count: Scalar, item: Scalar, name: &str, list: &mut Vec<f64>) -> Result<(), Fault> {
+        let count = self.scalar(count, name)?;
+        if !(count >= 0.0 && count <= self.room(item) as f64 && count.fract() == 0.0) {
+            let found = format!("a list `{name}` of {count} numbers");
+            return Err(Fault::unexpected(
+                self.place(),
+                found,
+                format!("at most the {} that are left", self.room(item)),
+            ));
+        }
+        list.clear();
+        for _ in 0..count as usize {
+            let item = self.scalar(item, name)?;
+            list.push(item);
+        }
+        Ok(())
+    }
+}
+
+/// Numbers in text, an element a line.
+pub(super) struct Text<'a> {
+    lines: Lines<'a>,
+    next: Option<Line<'a>>,
+    words: Words<'a>,
+    size: usize,
+}
+
+impl<'a> Text<'a> {
+    pub(super) fn new(bytes: &'a [u8], header: &Header, payload: usize) -> Self {
+        let mut lines = Lines::after(bytes, payload, header.lines);
+        let next = lines.next_filled();
+        let words = Line { number: header.lines, start: payload, text: b"" }.words();
+        Self { lines, next, words, size: bytes.len() - payload }
+    }
+}
+
+impl Values for Text<'_> {
+    fn at_end(&mut self) -> bool {
+        self.next.is_none()
+    }
+
+    fn surplus(&mut self) -> usize {
+        let filled = self.lines.by_ref().filter(|line| line.words().next().is_some());
+        filled.count() + usize::from(self.next.is_some())
+    }
+
+    fn start_row(&mut self) {
+        if let Some(line) = self.next.take() {
+            self.words = line.words();
+            self.next = self.lines.next_filled();
+        }
+    }
+
+    fn place(&self) -> Place {
+        self.words.place()
+    }
+
+    fn room(&self, _: Scalar) -> usize {
+        self.size
+    }
+
+    fn scalar(&mut self, _: Scalar, name: &str) -> Result<f64, Fault> {
+        let word = self.words.next();
+        let word = word.ok_or_else(|| Fault::unexpected(self.place(), "the end of the line", format!("`{name}`")))?;
+        number(word).ok_or_else(|| self.words.unexpected(word, format!("a number for `{name}`")))
+    }
+}
+
+/// Numbers in binary.
+pub(super) struct Binary<'a> {
+    bytes: &'a [u8],
+    at: usize,
+    order: ByteOrder,
+}
+
+impl<'a> Binary<'a> {
+    pub(super) fn new(bytes: &'a [u8], at: usize, order: ByteOrder) -> Self {
+        Self { bytes, at, order }
+    }
+
+    /// The next bytes, in little-endian order.
+    fn take<const N: usize>(&mut self) -> Option<[u8; N]> {
+        let mut bytes: [u8; N] = *self.bytes.get(self.at..)?.first_chunk()?;
+        if self.order == ByteOrder::Big {
+            bytes.reverse();
+        }
+        self.at += N;
+        Some(bytes)
+    }
+
+    fn decode(&mut self, scalar: Scalar) -> Option<f64> {
+        Some(match scalar {
+            Scalar::I8 => i8::from_le_bytes(self.take()?).into(),
+            Scalar::U8 => u8::from_le_bytes(self.take()?).into(),
+            Scalar::I16 => i16::from_le_bytes(self.take()?).into(),
+            Scalar::U16 => u16::from_le_bytes(self.take()?).into(),
+            Scalar::I32 => i32::from_le_bytes(self.take()?).into(),
+            Scalar::U32 => u32::from_le_bytes(self.take()?).into(),
+            Scalar::F32 => f32::from_le_bytes(self.take()?).into(),
+            Scalar::F64 => f64::from_le_bytes(self.take()?),
+        })
+    }
+}
+
+impl Values for Binary<'_> {
+    fn at_end(&mut self) -> bool {
+        self.at >= self.bytes.len()
+    }
+
+    fn surplus(&mut self) -> usize {
+        self.bytes.len() - self.at
+    }
+
+    fn start_row(&mut self) {}
+
+    fn place(&self) -> Place {
+        Place::Byte(self.at as u64)
+    }
+
+    fn room(&self, scalar: Scalar) -> usize {
+        (self.bytes.len() - self.at) / scalar.size()
+    }
+
+    fn scalar(&mut self, scalar: Scalar, name: &str) -> Result<f64, Fault> {
+        let value = self.decode(scalar);
+        value.ok_or_else(|| Fault::unexpected(self.place(), "the end of the file", format!("a number for `{name}`")))
+    }
+}

@@ -1,0 +1,259 @@
+//! Wavefront OBJ out: the text as it came, with a map added.
+//!
+//! A model that came from an OBJ goes back as its own text: every line in its place with its own digits, line ends and
+//! comments. Faces change in one respect, the texture index of each corner. The new `vt` lines stand before the first face,
+//! so that readers in one pass know them, and old `vt` lines stay, no longer used by faces. If polylines or surfaces
+//! refer to the old ones too, their numbers must stay true: then the new lines come after the last old one and after the
+//! last reference counted backwards.
+//!
+//! Other models are written with the shortest digits that read back as the same f64.
+
+use std::io::{self, Write};
+use std::ops::Range;
+
+use super::cells::Cells;
+use super::error::WriteError;
+use super::obj::is_face;
+use super::text::{Line, Lines};
+use super::wedge::Wedges;
+use crate::model::Model;
+use crate::triangulate::Triangles;
+
+/// What an OBJ is to hold besides the model.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct ObjContent<'a> {
+    /// A texture coordinate for each corner of the model. Corners of a vertex that have the same share a `vt` line.
+    pub uv: Option<&'a [[f64; 2]]>,
+    /// Triangles to write in the place of polygons.
+    pub triangles: Option<&'a Triangles>,
+    /// A material for the faces, up to the first `usemtl` among them that the text already has.
+    pub material: Option<Material<'a>>,
+}
+
+/// A material of a `.mtl` file.
+#[derive(Debug, Clone, Copy)]
+pub struct Material<'a> {
+    /// The file's name.
+    pub library: &'a str,
+    /// The material's name in it.
+    pub name: &'a str,
+}
+
+/// Writes a model as OBJ; see [`ObjContent`].
+///
+/// ```
+/// use geom::io::{ObjContent, read_bytes, write_obj};
+///
+/// let text = "v 0 0 0.50\nv 1 0 0\nv 0 1 0\n\nf 1 2 3 # the only one\n";
+/// let model = read_bytes(text.into(), "triangle.obj")?;
+/// let uv = [[0.0, 0.0], [1.0, 0.0], [0.0, 0.1]];
+/// let mut out = Vec::new();
+/// write_obj(&model, &ObjContent { uv: Some(&uv), ..ObjContent::default() }, &mut out)?;
+/// assert_eq!(String::from_utf8(out)?, "\
+/// v 0 0 0.50\nv 1 0 0\nv 0 1 0\n
+/// vt 0.0 0.0\nvt 1.0 0.0\nvt 0.0 0.1
+/// f 1/1 2/2 3/3 # the only one\n");
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// When texture coordinates or triangles do not fit the model, or when writing fails.
+pub fn write_obj(model: &Model, content: &ObjContent, out: impl Write) -> Result<(), WriteError> {
+    let wedges = content.uv.map(|uv| Wedges::new(model, uv)).transpose()?;
+    let cells = Cells::new(model, content.triangles)?;
+    let job = Job { model, content, wedges };
+    match model.obj_text() {
+        Some(text) => job.rewrite(text, cells, out)?,
+        None => job.write(cells, out)?,
+    }
+    Ok(())
+}
+
+struct Job<'a> {
+    model: &'a Model,
+    content: &'a ObjContent<'a>,
+    wedges: Option<Wedges>,
+}
+
+impl Job<'_> {
+    /// Writes a model that has no text of its own.
+    fn write(&self, cells: Cells, mut out: impl Write) -> io::Result<()> {
+        for [x, y, z] in self.model.points() {
+            writeln!(out, "v {x:?} {y:?} {z:?}")?;
+        }
+        self.addition("\n", &mut out)?;
+        cells.for_each(|corners| {
+            out.write_all(b"f")?;
+            for &corner in corners {
+                write!(out, " {}", self.model.corners()[corner as usize] + 1)?;
+                if let Some(wedges) = &self.wedges {
+                    write!(out, "/{}", wedges.of_corner[corner as usize] + 1)?;
+                }
+            }
+            out.write_all(b"\n")
+        })
+    }
+
+    /// The lines that are added: material and texture coordinates.
+    fn addition(&self, line_end: &str, mut out: impl Write) -> io::Result<()> {
+        if let Some(Material { library, name }) = self.content.material {
+            write!(out, "mtllib {library}{line_end}usemtl {name}{line_end}")?;
+        }
+        let (Some(uv), Some(wedges)) = (self.content.uv, &self.wedges) else { return Ok(()) };
+        for &corner in &wedges.first {
+            let [u, v] = uv[corner as usize];
+            write!(out, "vt {u:?} {v:?}{line_end}")?;
+        }
+        Ok(())
+    }
+
+    /// Writes the text of the model with the addition in it.
+    fn rewrite(&self, text: &[u8], mut cells: Cells, out: impl Write) -> io::Result<()> {
+        let addition = Addition::place(text);
+        let line_end = line_end_of(text);
+        let mut copy = Copy { text, at: 0, out };
+        let (mut face, mut added) = (0, false);
+        for line in Lines::joined(text) {
+            if !added && line.start >= addition.at {
+                copy.until(addition.at)?;
+                self.addition(line_end, &mut copy.out)?;
+                added = true;
+            }
+            if line.words().next().is_some_and(is_face) {
+                self.face(&line, face, cells.triangles_of(face), &addition, &mut copy)?;
+                face += 1;
+            }
+        }
+        copy.until(text.len())?;
+        if !added {
+            let is_ended = text.ends_with(b"\n") || text.ends_with(b"\r");
+            copy.out.write_all(if is_ended { b"" } else { line_end.as_bytes() })?;
+            self.addition(line_end, &mut copy.out)?;
+        }
+        Ok(())
+    }
+
+    /// Writes the line of a face, or in its place the lines of its triangles.
+    fn face(
+        &self,
+        line: &Line,
+        face: usize,
+        triangles: Option<&[[u32; 3]]>,
+        addition: &Addition,
+        copy: &mut Copy<impl Write>,
+    ) -> io::Result<()> {
+        let corners = self.model.face_corners(face);
+        let words = corner_words(line);
+        match triangles {
+            Some(triangles) if corners.len() > 3 && !triangles.is_empty() => {
+                copy.until(words[0].start)?;
+                for (i, triangle) in triangles.iter().enumerate() {
+                    if i > 0 {
+                        write!(copy.out, "{}f ", line_end_of(copy.text))?;
+                    }
+                    for (j, &corner) in triangle.iter().enumerate() {
+                        copy.out.write_all(if j > 0 { b" " } else { b"" })?;
+                        let word = &copy.text[words[corner as usize - corners.start].clone()];
+                        self.corner(word, corner as usize, addition, &mut copy.out)?;
+                    }
+                }
+                copy.at = words[words.len() - 1].end;
+            }
+            _ => {
+                for (word, corner) in words.into_iter().zip(corners) {
+                    copy.until(word.start)?;
+                    copy.at = word.end;
+                    self.corner(&copy.text[word], corner, addition, &mut copy.out)?;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Writes a corner: vertex and normal as they stand, the texture index new.
+    fn corner(&self, word: &[u8], corner: usize, addition: &Addition, out: &mut impl Write) -> io::Result<()> {
+        let Some(wedges) = &self.wedges else { return out.write_all(word) };
+        let mut parts = word.split(|&b| b == b'/');
+        out.write_all(parts.next().unwrap_or_default())?;
+        write!(out, "/{}", addition.known + u64::from(wedges.of_corner[corner]) + 1)?;
+        match parts.nth(1) {
+            None | Some(b"") => Ok(()),
+            Some(normal) => out.write_all(b"/").and_then(|()| out.write_all(normal)),
+        }
+    }
+}
+
+/// Where the words behind the keyword stand in the text.
+fn corner_words(line: &Line) -> Vec<Range<usize>> {
+    let mut words = line.words();
+    words.next();
+    let mut ranges = Vec::with_capacity(4);
+    while let Some(word) = words.next() {
+        let end = line.start + words.end();
+        ranges.push(end - word.len()..end);
+    }
+    ranges
+}
+
+/// A text of which parts are copied and others replaced.
+struct Copy<'a, W> {
+    text: &'a [u8],
+    at: usize,
+    out: W,
+}
+
+impl<W: Write> Copy<'_, W> {
+    fn until(&mut self, end: usize) -> io::Result<()> {
+        self.out.write_all(&self.text[self.at..end])?;
+        self.at = end;
+        Ok(())
+    }
+}
+
+/// Where new texture coordinates go.
+struct Addition {
+    /// The byte before which they are put.
+    at: usize,
+    /// How many `vt` lines come before.
+    known: u64,
+}
+
+impl Addition {
+    fn place(text: &[u8]) -> Self {
+        let mut first_face = None;
+        let (mut known, mut is_used_elsewhere, mut last_use) = (0, false, 0);
+        let mut lines = Lines::joined(text);
+        while let Some(line) = lines.next() {
+            let mut words = line.words();
+            match words.next() {
+                Some(b"vt") => {
+                    known += 1;
+                    last_use = lines.position();
+                }
+                Some(b"l" | b"surf") => {
+                    let textured = words.clone().any(|word| word.contains(&b'/'));
+                    is_used_elsewhere |= textured;
+                    if textured && words.any(|word| word.contains(&b'-')) {
+                        last_use = lines.position();
+                    }
+                }
+                Some(word) if first_face.is_none() && is_face(word) => {
+                    first_face = Some(Self { at: line.start, known });
+                }
+                _ => {}
+            }
+        }
+        match first_face {
+            Some(first_face) if !is_used_elsewhere || first_face.at >= last_use => first_face,
+            _ => Self { at: last_use, known },
+        }
+    }
+}
+
+fn line_end_of(text: &[u8]) -> &'static str {
+    match text.iter().position(|&b| b == b'\n' || b == b'\r') {
+        Some(at) if text[at..].starts_with(b"\r\n") => "\r\n",
+        Some(at) if text[at] == b'\r' => "\r",
+        _ => "\n",
+    }
+}

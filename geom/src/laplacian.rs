@@ -1,0 +1,138 @@
+//! The cotangent Laplacian, positive semidefinite.
+//!
+//! `L_ij = -(cot α_ij + cot β_ij)/2` off the diagonal, α and β the angles opposite the edge ij, and rows sum to zero
+//! (Pinkall & Polthier 1993). To first order, scaling lengths by e^φ turns the angle defects K into K + Lφ; so the
+//! paper's ∇²φ = K^T - K^O reads Lφ = K^T - K^O with this sign.
+
+use sprs::CsMat;
+
+use crate::mesh::{EdgeData, Triangulation};
+use crate::metric::Metric;
+
+/// The weight (cot α + cot β)/2 of every edge.
+pub fn edge_weights(triangulation: &Triangulation, metric: &Metric) -> EdgeData<f64> {
+    let mut weights = EdgeData::constant(triangulation.edge_count(), 0.0);
+    for f in triangulation.faces() {
+        let cotangents = metric.sides(triangulation, f).cotangents();
+        for (h, cotangent) in triangulation.sides(f).into_iter().zip(cotangents) {
+            weights[triangulation.edge(h)] += 0.5 * cotangent;
+        }
+    }
+    weights
+}
+
+/// The cotangent Laplacian of a triangulation: symmetric, positive semidefinite, rows sum to zero; a V × V matrix with
+/// every diagonal entry stored and column indices sorted. Repeated edges add up and loops cancel. O(F).
+pub fn laplacian(triangulation: &Triangulation, metric: &Metric) -> CsMat<f64> {
+    let weights = edge_weights(triangulation, metric);
+    let n = triangulation.vertex_count();
+    let mut start = vec![0usize; n + 1];
+    let plain_edges = || triangulation.edges().map(|e| (e, triangulation.ends(e))).filter(|(_, [i, j])| i != j);
+    for (_, ends) in plain_edges() {
+        for v in ends {
+            start[v.0 as usize + 1] += 1;
+        }
+    }
+    for v in 0..n {
+        start[v + 1] += start[v] + 1;
+    }
+    let mut row = vec![(0u32, 0.0); start[n]];
+    let mut fill = start.clone();
+    for v in 0..n {
+        row[fill[v]] = (v as u32, 0.0);
+        fill[v] += 1;
+    }
+    for (e, [i, j]) in plain_edges() {
+        let weight = weights[e];
+        for (v, w) in [(i, j), (j, i)] {
+            let v = v.0 as usize;
+            row[start[v]].1 += weight;
+            row[fill[v]] = (w.0, -weight);
+            fill[v] += 1;
+        }
+    }
+    merge_rows(&start, &mut row)
+}
+
+/// Sorts each row and adds up its repeated columns.
+fn merge_rows(start: &[usize], entries: &mut [(u32, f64)]) -> CsMat<f64> {
+    let n = start.len() - 1;
+    let mut indptr = Vec::with_capacity(n + 1);
+    let mut indices: Vec<usize> = Vec::with_capacity(entries.len());
+    let mut values: Vec<f64> = Vec::with_capacity(entries.len());
+    indptr.push(0);
+    for v in 0..n {
+        let row = &mut entries[start[v]..start[v + 1]];
+        row.sort_unstable_by_key(|&(column, _)| column);
+        for same in row.chunk_by(|a, b| a.0 == b.0) {
+            indices.push(same[0].0 as usize);
+            values.push(same.iter().map(|entry| entry.1).sum());
+        }
+        indptr.push(indices.len());
+    }
+    CsMat::new((n, n), indptr, indices, values)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Mesh, Poisson, VertexId, angle_defects};
+
+    /// A tetrahedron with one long limb, and its curvature.
+    fn limb() -> (Mesh, Metric) {
+        let mesh = Mesh::new(5, &[[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 4], [3, 2, 4], [2, 1, 4]]).unwrap();
+        let points = [[0.0, 0.0, 3.0], [1.0, 0.0, 0.0], [-0.5, 0.9, 0.0], [-0.5, -0.9, 0.1], [0.1, 0.0, -1.0]];
+        let metric = Metric::from_points(&mesh, &points);
+        (mesh, metric)
+    }
+
+    #[test]
+    fn constants_are_in_the_kernel_and_the_matrix_is_symmetric() {
+        let (mesh, metric) = limb();
+        let matrix = laplacian(&mesh, &metric);
+        for (i, row) in matrix.outer_iterator().enumerate() {
+            assert!(row.iter().map(|(_, w)| w).sum::<f64>().abs() < 1e-14);
+            for (j, w) in row.iter() {
+                assert_eq!(matrix.get(j, i), Some(w));
+            }
+        }
+    }
+
+    #[test]
+    fn a_step_along_the_solution_lowers_the_curvature_error() {
+        // This fixes the sign of L: the first-order change of K under scaling by e^φ is +Lφ.
+        let (mesh, metric) = limb();
+        let curvature = angle_defects(&mesh, &metric);
+        let mean = curvature.iter().sum::<f64>() / 5.0;
+        let error = |metric: &Metric| -> f64 {
+            angle_defects(&mesh, metric).iter().map(|k| (k - mean).powi(2)).sum::<f64>().sqrt()
+        };
+        let wanted: Vec<f64> = curvature.iter().map(|k| mean - k).collect();
+        let phi = Poisson::new(&laplacian(&mesh, &metric), &[]).unwrap().solve(&wanted);
+        let step: Vec<f64> = phi.iter().map(|phi| 0.01 * phi).collect();
+        let change = error(&metric.scaled(&mesh, &step)) / error(&metric);
+        assert!((change - 0.99).abs() < 1e-3, "{change}");
+    }
+
+    #[test]
+    fn solutions_satisfy_the_equation_with_and_without_fixed_vertices() {
+        let (mesh, metric) = limb();
+        let matrix = laplacian(&mesh, &metric);
+        let b = [1.0, -2.0, 0.5, 0.25, 0.25];
+        for fixed in [&[][..], &[VertexId(1)], &[VertexId(4), VertexId(0), VertexId(0)]] {
+            let mut poisson = Poisson::new(&matrix, fixed).unwrap();
+            for _ in 0..2 {
+                let x = poisson.solve(&b);
+                let product = &matrix * &sprs::CsVec::new(5, (0..5).collect(), x.to_vec());
+                for v in mesh.vertices().filter(|v| !fixed.contains(v)) {
+                    let residual = product.get(v.0 as usize).unwrap() - b[v.0 as usize];
+                    assert!(residual.abs() < 1e-13, "{residual}");
+                }
+                assert!(fixed.iter().all(|&v| x[v] == 0.0));
+                let many = poisson.solve_many(&[b.to_vec().into(), x.iter().map(|_| 0.0).collect()]);
+                assert!(mesh.vertices().all(|v| (many[0][v] - x[v]).abs() < 1e-12 && many[1][v] == 0.0));
+                poisson.refactor(&matrix).unwrap();
+            }
+        }
+    }
+}

@@ -1,0 +1,258 @@
+//! Shortest paths along edges, and spanning trees.
+//!
+//! [`ShortestPaths`] is Dijkstra's algorithm (1959) from several sources at once: what grows is a forest that divides
+//! the mesh into the sources' Voronoi regions along edges. [`minimum_spanning_tree`] and [`maximum_spanning_cotree`]
+//! are Kruskal's algorithm (1956) on the vertices and on the faces: a tree of edges, and a tree of the dual graph that
+//! crosses none of them. On a closed surface of genus g exactly 2g edges are in neither, and they carry its handles
+//! (Eppstein 2003, "Dynamic generators of topologically embedded graphs").
+//!
+//! Lengths are those of edges; a path never crosses a triangle. All ties are broken by index, so that the same input
+//! gives the same trees. A negative or missing (NaN) length counts as zero.
+
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+
+use petgraph::unionfind::UnionFind;
+
+use crate::mesh::{EdgeData, EdgeId, Mesh, VertexData, VertexId};
+
+/// The forest of shortest paths from a set of sources.
+///
+/// ```
+/// use geom::{EdgeData, Mesh, ShortestPaths, VertexId};
+/// let strip = Mesh::new(5, &[[0, 1, 2], [2, 1, 3], [2, 3, 4]])?;
+/// let lengths = EdgeData::constant(strip.edge_count(), 1.0);
+/// let paths = ShortestPaths::new(&strip, &lengths, [(VertexId(0), 0)]);
+/// assert_eq!(paths.distance[VertexId(4)], 2.0);
+/// let way: Vec<_> = paths.to_source(&strip, VertexId(4)).map(|(_, v)| v).collect();
+/// assert_eq!(way, [VertexId(2), VertexId(0)]);
+/// # Ok::<(), geom::MeshError>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct ShortestPaths {
+    /// The distance from the nearest source; infinite where none reaches.
+    pub distance: VertexData<f64>,
+    /// The last edge of the shortest path; none at sources and where no source reaches.
+    pub predecessor: VertexData<Option<EdgeId>>,
+    /// The owner of the nearest source; none where no source reaches.
+    pub owner: VertexData<Option<u32>>,
+}
+
+impl ShortestPaths {
+    /// Shortest paths from sources, each with the number of its owner; several sources may have the same owner, and
+    /// a vertex named twice is its first owner's. O(V log V).
+    ///
+    /// # Panics
+    /// If there is an edge without a length, or a source is no vertex of the mesh.
+    pub fn new(mesh: &Mesh, lengths: &EdgeData<f64>, sources: impl IntoIterator<Item = (VertexId, u32)>) -> Self {
+        let count = mesh.vertex_count();
+        let mut paths = Self {
+            distance: VertexData::constant(count, f64::INFINITY),
+            predecessor: VertexData::constant(count, None),
+            owner: VertexData::constant(count, None),
+        };
+        let mut queue = BinaryHeap::new();
+        for (source, owner) in sources {
+            if paths.owner[source].is_none() {
+                paths.distance[source] = 0.0;
+                paths.owner[source] = Some(owner);
+                queue.push(Reverse((0, source)));
+            }
+        }
+        while let Some(Reverse((key, v))) = queue.pop() {
+            if key != sort_key(paths.distance[v]) {
+                continue; // a shorter way to v was found after this one was queued
+            }
+            for (e, w) in edges_at(mesh, v) {
+                let distance = paths.distance[v] + lengths[e].max(0.0);
+                if distance < paths.distance[w] {
+                    paths.distance[w] = distance;
+                    paths.predecessor[w] = Some(e);
+                    paths.owner[w] = paths.owner[v];
+                    queue.push(Reverse((sort_key(distance), w)));
+                }
+            }
+        }
+        paths
+    }
+
+    /// The shortest path from a vertex back to its source: each edge with the vertex it leads to.
+    pub fn to_source<'a>(&'a self, mesh: &'a Mesh, v: VertexId) -> impl Iterator<Item = (EdgeId, VertexId)> + 'a {
+        let mut at = v;
+        std::iter::from_fn(move || {
+            let e = self.predecessor[at]?;
+            at = other_end(mesh, e, at);
+            Some((e, at))
+        })
+    }
+}
+
+/// Integers in the order of the non-negative floats that they are made from.
+fn sort_key(distance: f64) -> u64 {
+    distance.to_bits()
+}
+
+/// The edges at a vertex, each with its other end.
+pub fn edges_at(mesh: &Mesh, v: VertexId) -> impl Iterator<Item = (EdgeId, VertexId)> + '_ {
+    mesh.outgoing(v).flat_map(move |h| {
+        let incoming = mesh.prev(h);
+        let last = mesh.twin(incoming).is_none().then(|| (mesh.edge(incoming), mesh.tail(incoming)));
+        std::iter::once((mesh.edge(h), mesh.head(h))).chain(last)
+    })
+}
+
+/// The end of an edge that is not `v`; `v` itself where the edge is a loop.
+pub fn other_end(mesh: &Mesh, e: EdgeId, v: VertexId) -> VertexId {
+    let [a, b] = mesh.ends(e);
+    if a == v { b } else { a }
+}
+
+/// Kruskal's algorithm: goes through the edges of a graph in the order given, each with its two nodes, and takes those
+/// that join two trees of the forest made so far.
+///
+/// # Panics
+/// If an edge names a node beyond the count.
+pub fn kruskal<E>(node_count: usize, edges: impl IntoIterator<Item = (E, [u32; 2])>) -> Vec<E> {
+    let mut trees = UnionFind::<u32>::new(node_count);
+    edges.into_iter().filter(|&(_, [a, b])| trees.union(a, b)).map(|(e, _)| e).collect()
+}
+
+/// The edges of a minimum spanning tree of the vertices (a forest, where the mesh is not connected). O(E log E).
+///
+/// # Panics
+/// If there is an edge without a cost.
+pub fn minimum_spanning_tree(mesh: &Mesh, cost: &EdgeData<f64>) -> EdgeData<bool> {
+    let mut order: Vec<EdgeId> = mesh.edges().collect();
+    order.sort_unstable_by(|&a, &b| cost[a].total_cmp(&cost[b]).then(a.cmp(&b)));
+    mark(mesh, kruskal(mesh.vertex_count(), order.into_iter().map(|e| (e, mesh.ends(e).map(|v| v.0)))))
+}
+
+/// The edges crossed by a maximum spanning tree of the faces that crosses no edge of `tree` (a forest, where `tree`
+/// separates the faces). O(E log E).
+///
+/// # Panics
+/// If there is an edge without a weight, or without a mark whether it is in the tree.
+pub fn maximum_spanning_cotree(mesh: &Mesh, weight: &EdgeData<f64>, tree: &EdgeData<bool>) -> EdgeData<bool> {
+    let mut order: Vec<EdgeId> = mesh.edges().filter(|&e| !tree[e] && !mesh.is_boundary_edge(e)).collect();
+    order.sort_unstable_by(|&a, &b| weight[b].total_cmp(&weight[a]).then(a.cmp(&b)));
+    let crossings = order.into_iter().filter_map(|e| {
+        let h = mesh.halfedge(e);
+        Some((e, [mesh.face(h).0, mesh.face(mesh.twin(h)?).0]))
+    });
+    mark(mesh, kruskal(mesh.face_count(), crossings))
+}
+
+fn mark(mesh: &Mesh, edges: Vec<EdgeId>) -> EdgeData<bool> {
+    let mut marked = EdgeData::constant(mesh.edge_count(), false);
+    for e in edges {
+        marked[e] = true;
+    }
+    marked
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A grid of squares, wrapped round to a torus, with lengths that look random.
+    fn torus(size: u32) -> (Mesh, EdgeData<f64>) {
+        let at = |i: u32, j: u32| (i % size) * size + j % size;
+        let squares = (0..size).flat_map(|i| (0..size).map(move |j| (i, j)));
+        let faces: Vec<[u32; 3]> = squares
+            .flat_map(|(i, j)| {
+                let [a, b, c, d] = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
+                [[a, b, c], [a, c, d]]
+            })
+            .collect();
+        let mesh = Mesh::new((size * size) as usize, &faces).unwrap();
+        let lengths = mesh.edges().map(|e| 1.0 + (f64::from(e.0) * 0.618).fract()).collect();
+        (mesh, lengths)
+    }
+
+    /// Shortest distances by relaxing every edge until nothing changes.
+    fn relaxed(mesh: &Mesh, lengths: &EdgeData<f64>, sources: &[VertexId]) -> VertexData<f64> {
+        let mut distance = VertexData::constant(mesh.vertex_count(), f64::INFINITY);
+        for &source in sources {
+            distance[source] = 0.0;
+        }
+        loop {
+            let before = distance.clone();
+            for e in mesh.edges() {
+                let [a, b] = mesh.ends(e);
+                distance[a] = distance[a].min(distance[b] + lengths[e]);
+                distance[b] = distance[b].min(distance[a] + lengths[e]);
+            }
+            if before == distance {
+                return distance;
+            }
+        }
+    }
+
+    #[test]
+    fn distances_are_those_of_relaxing_every_edge() {
+        let (mesh, lengths) = torus(9);
+        let sources = [VertexId(3), VertexId(40), VertexId(77)];
+        let paths = ShortestPaths::new(&mesh, &lengths, sources.into_iter().zip(0..));
+        let expected = relaxed(&mesh, &lengths, &sources);
+        for v in mesh.vertices() {
+            assert!((paths.distance[v] - expected[v]).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn paths_lead_to_their_owner_and_are_as_long_as_the_distance() {
+        let (mesh, lengths) = torus(9);
+        let sources = [VertexId(3), VertexId(40), VertexId(77)];
+        let paths = ShortestPaths::new(&mesh, &lengths, sources.into_iter().zip(0..));
+        for v in mesh.vertices() {
+            let (mut end, mut length) = (v, 0.0);
+            for (e, w) in paths.to_source(&mesh, v) {
+                (end, length) = (w, length + lengths[e]);
+            }
+            assert_eq!(paths.owner[v].map(|owner| sources[owner as usize]), Some(end));
+            assert!((length - paths.distance[v]).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn ties_go_to_the_lower_index() {
+        let strip = Mesh::new(4, &[[0, 1, 2], [2, 1, 3]]).unwrap();
+        let ones = EdgeData::constant(strip.edge_count(), 1.0);
+        let paths = ShortestPaths::new(&strip, &ones, [(VertexId(2), 2), (VertexId(1), 1)]);
+        assert_eq!([0, 3].map(|v| paths.owner[VertexId(v)]), [Some(1), Some(1)]);
+    }
+
+    #[test]
+    fn what_no_source_reaches_is_infinitely_far() {
+        let two = Mesh::new(6, &[[0, 1, 2], [3, 4, 5]]).unwrap();
+        let paths = ShortestPaths::new(&two, &EdgeData::constant(6, 1.0), [(VertexId(0), 7)]);
+        assert_eq!(paths.distance[VertexId(4)], f64::INFINITY);
+        assert_eq!(paths.owner[VertexId(4)], None);
+        assert_eq!(paths.to_source(&two, VertexId(4)).count(), 0);
+    }
+
+    #[test]
+    fn no_edge_off_a_minimum_spanning_tree_is_shorter_than_those_it_bridges() {
+        let (mesh, lengths) = torus(6);
+        let tree = minimum_spanning_tree(&mesh, &lengths);
+        assert_eq!(tree.iter().filter(|&&taken| taken).count(), mesh.vertex_count() - 1);
+        for off in mesh.edges().filter(|&e| !tree[e]) {
+            let [a, b] = mesh.ends(off);
+            let mut trees = UnionFind::<u32>::new(mesh.vertex_count());
+            for e in mesh.edges().filter(|&e| tree[e] && lengths[e] <= lengths[off]) {
+                trees.union(mesh.ends(e)[0].0, mesh.ends(e)[1].0);
+            }
+            assert!(trees.equiv(a.0, b.0), "the tree joins the ends of {off:?} without longer edges");
+        }
+    }
+
+    #[test]
+    fn tree_and_cotree_leave_two_edges_of_a_torus() {
+        let (mesh, lengths) = torus(7);
+        let tree = minimum_spanning_tree(&mesh, &lengths);
+        let cotree = maximum_spanning_cotree(&mesh, &lengths, &tree);
+        assert_eq!(cotree.iter().filter(|&&crossed| crossed).count(), mesh.face_count() - 1);
+        assert_eq!(mesh.edges().filter(|&e| !tree[e] && !cotree[e]).count(), 2);
+        assert!(mesh.edges().all(|e| !(tree[e] && cotree[e])));
+    }
+}

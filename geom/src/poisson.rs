@@ -1,0 +1,176 @@
+//! The Poisson equation L x = b on a mesh: one factorization, many right-hand sides.
+//!
+//! Without fixed vertices L is singular, its kernel the constants: one vertex is grounded, the right-hand side must sum
+//! to zero (as Gauss–Bonnet makes curvatures do), and a solution is known up to a constant. With fixed vertices (a
+//! boundary, pinned cones) L is restricted to the others and solutions are 0 at the fixed ones.
+
+use sprs::CsMat;
+use thiserror::Error;
+
+use crate::cholesky::{Cholesky, LowerTriangle};
+use crate::mesh::{Id, VertexData, VertexId};
+
+/// Why a Laplacian cannot be factored.
+#[derive(Clone, Debug, Error, PartialEq, Eq)]
+pub enum PoissonError {
+    /// A pivot is not positive: degenerate triangles, or a surface in several pieces.
+    #[error("the Laplacian is not positive definite; the mesh has degenerate triangles or several components")]
+    NotPositiveDefinite,
+    /// The factor does not fit into memory.
+    #[error("there is not enough memory to factor the Laplacian of {0} vertices")]
+    OutOfMemory(usize),
+}
+
+/// A factored Laplacian. Building costs as much as hundreds of solves.
+///
+/// ```
+/// # use geom::{Mesh, Metric, Poisson, VertexId, laplacian};
+/// let tetrahedron = Mesh::new(4, &[[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]])?;
+/// let metric = Metric::new(vec![1.0; 6].into());
+/// let poisson = Poisson::new(&laplacian(&tetrahedron, &metric), &[])?;
+/// let x = poisson.solve(&[1.0, -1.0, 0.0, 0.0]);
+/// assert!((x[VertexId(0)] + x[VertexId(1)]).abs() < 1e-12);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug)]
+pub struct Poisson {
+    cholesky: Cholesky,
+    /// The vertex of each unknown.
+    unknown: Vec<VertexId>,
+    vertex_count: usize,
+    /// No vertex is fixed, so right-hand sides have to sum to zero.
+    closed: bool,
+}
+
+impl Poisson {
+    /// Factors the Laplacian of a connected surface, with x = 0 at the fixed vertices (in any order, repeats allowed).
+    ///
+    /// # Errors
+    /// If the matrix is not positive definite off the kernel, or memory does not suffice.
+    pub fn new(laplacian: &CsMat<f64>, fixed: &[VertexId]) -> Result<Self, PoissonError> {
+        let vertex_count = laplacian.rows();
+        let mut known = VertexData::constant(vertex_count, false);
+        for &v in fixed {
+            known[v] = true;
+        }
+        if fixed.is_empty() && vertex_count > 0 {
+            known[VertexId::new(vertex_count - 1)] = true;
+        }
+        let unknown: Vec<VertexId> = known.iter_ids().filter(|(_, known)| !**known).map(|(v, _)| v).collect();
+        let cholesky = Cholesky::new(restrict(laplacian, &unknown))?;
+        Ok(Self { cholesky, unknown, vertex_count, closed: fixed.is_empty() })
+    }
+
+    /// Factors a matrix that is positive definite as it is, such as M + tL; with [`solve`](Self::solve) alone.
+    ///
+    /// # Errors
+    /// If it is not positive definite, or memory does not suffice.
+    pub fn definite(matrix: &CsMat<f64>) -> Result<Self, PoissonError> {
+        let vertex_count = matrix.rows();
+        let unknown: Vec<VertexId> = (0..vertex_count).map(VertexId::new).collect();
+        let cholesky = Cholesky::new(restrict(matrix, &unknown))?;
+        Ok(Self { cholesky, unknown, vertex_count, closed: false })
+    }
+
+    /// Factors another Laplacian of the same surface, with the same vertices fixed; what can be kept is.
+    ///
+    /// # Errors
+    /// As [`Poisson::new`]; after an error the old factor is gone, and only `refactor` may be called.
+    pub fn refactor(&mut self, laplacian: &CsMat<f64>) -> Result<(), PoissonError> {
+        debug_assert_eq!(laplacian.rows(), self.vertex_count);
+        self.cholesky.refactor(restrict(laplacian, &self.unknown))
+    }
+
+    /// Solves L x = b with x = 0 at the fixed vertices. On a closed surface b must sum to zero, and x is shifted to mean
+    /// zero over the vertices. One step of refinement is added where the residual asks for it.
+    ///
+    /// # Panics
+    /// If `b` is not as long as there are vertices.
+    pub fn solve(&self, b: &[f64]) -> VertexData<f64> {
+        let restricted = self.gather(b);
+        let mut x = restricted.clone();
+        self.cholesky.solve_in_place(&mut x);
+        let product = self.cholesky.multiply(&x);
+        let mut residual: Vec<f64> = restricted.iter().zip(&product).map(|(b, p)| b - p).collect();
+        if norm(&residual) > 1e-13 * norm(&restricted) {
+            self.cholesky.solve_in_place(&mut residual);
+            for (x, correction) in x.iter_mut().zip(&residual) {
+                *x += correction;
+            }
+        }
+        self.scatter(&x)
+    }
+
+    /// Solves for several right-hand sides at once, which is 4–5 times cheaper for each than one by one; without
+    /// refinement.
+    ///
+    /// # Panics
+    /// If a right-hand side is not as long as there are vertices.
+    pub fn solve_many(&self, right_hand_sides: &[VertexData<f64>]) -> Vec<VertexData<f64>> {
+        let n = self.unknown.len();
+        if n == 0 {
+            return vec![VertexData::constant(self.vertex_count, 0.0); right_hand_sides.len()];
+        }
+        let mut block: Vec<f64> = right_hand_sides.iter().flat_map(|b| self.gather(b)).collect();
+        self.cholesky.solve_in_place(&mut block);
+        block.chunks_exact(n).map(|x| self.scatter(x)).collect()
+    }
+
+    /// The number of stored entries of the factor: eight bytes each.
+    pub fn factor_len(&self) -> usize {
+        self.cholesky.factor_len()
+    }
+
+    fn gather(&self, b: &[f64]) -> Vec<f64> {
+        assert_eq!(b.len(), self.vertex_count, "a right-hand side has one value a vertex");
+        debug_assert!(
+            !self.closed || b.iter().sum::<f64>().abs() <= 1e-8 * (1.0 + b.iter().map(|b| b.abs()).sum::<f64>()),
+            "on a closed surface the right-hand side sums to zero"
+        );
+        self.unknown.iter().map(|v| b[v.index()]).collect()
+    }
+
+    fn scatter(&self, x: &[f64]) -> VertexData<f64> {
+        let mut full = VertexData::constant(self.vertex_count, 0.0);
+        for (&v, &x) in self.unknown.iter().zip(x) {
+            full[v] = x;
+        }
+        if self.closed {
+            let mean = full.iter().sum::<f64>() / self.vertex_count as f64;
+            full.iter_mut().for_each(|x| *x -= mean);
+        }
+        full
+    }
+}
+
+fn norm(x: &[f64]) -> f64 {
+    x.iter().map(|x| x * x).sum::<f64>().sqrt()
+}
+
+/// The lower triangle of the rows and columns of the unknowns.
+fn restrict(laplacian: &CsMat<f64>, unknown: &[VertexId]) -> LowerTriangle {
+    const NONE: u32 = u32::MAX;
+    let mut index = vec![NONE; laplacian.rows()];
+    for (k, v) in unknown.iter().enumerate() {
+        index[v.index()] = k as u32;
+    }
+    let mut lower = LowerTriangle {
+        column_start: Vec::with_capacity(unknown.len() + 1),
+        row: Vec::with_capacity(laplacian.nnz() / 2 + unknown.len()),
+        value: Vec::with_capacity(laplacian.nnz() / 2 + unknown.len()),
+    };
+    lower.column_start.push(0);
+    let indptr = laplacian.indptr();
+    for (k, v) in unknown.iter().enumerate() {
+        // The matrix is symmetric: its row is its column.
+        for entry in indptr.outer_inds_sz(v.index()) {
+            let row = index[laplacian.indices()[entry]];
+            if row != NONE && row as usize >= k {
+                lower.row.push(row);
+                lower.value.push(laplacian.data()[entry]);
+            }
+        }
+        lower.column_start.push(lower.row.len() as u32);
+    }
+    lower
+}

@@ -1,0 +1,687 @@
+//! From a model as a file had it to oriented manifold surfaces that can be computed with, and back.
+//!
+//! Whatever is wrong is mended here or named, and nothing is dropped silently:
+//! - triangles that use a vertex twice, and copies of a triangle at an edge that has too many, are left out;
+//! - isolated vertices are left out;
+//! - triangles are turned until neighbours agree, the way most of the component had them; a surface that is not
+//!   orientable is opened along the edges where they cannot;
+//! - at an edge of three or more triangles, and at a vertex of several fans, the surface is opened: every fan gets its own
+//!   copy of the vertex;
+//! - each connected component becomes a [`Surface`] of its own, moved to the origin and scaled to unit size.
+//!
+//! Polygons are computed with as triangles ([`Model::triangles`]); the edges inside a polygon are known, so that no seam
+//! need run along them. Every halfedge knows the model's corner that it came from: that is the way back.
+
+use std::collections::{BTreeMap, HashMap, HashSet};
+
+use thiserror::Error;
+
+use crate::mesh::{
+    EdgeData, EdgeId, FaceData, HalfedgeData, HalfedgeId, Id, Mesh, VertexData, VertexId, for_each_edge,
+};
+use crate::metric::Metric;
+use crate::model::Model;
+use crate::triangulate::Triangles;
+
+/// Something that was mended.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Repair {
+    /// What it was.
+    pub kind: RepairKind,
+    /// How often it occurred.
+    pub count: usize,
+    /// The first place, in the file's numbering from 0: a face for what concerns faces, otherwise a vertex.
+    pub first: usize,
+}
+
+/// What can be mended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum RepairKind {
+    /// A face that uses a vertex twice; left out.
+    RepeatedVertex,
+    /// A copy of a face at an edge with more than two; left out.
+    DuplicateFace,
+    /// A vertex that no face uses; left out.
+    IsolatedVertex,
+    /// A face that was oriented against its neighbours; turned.
+    FlippedFace,
+    /// An edge with more than two faces; opened.
+    NonManifoldEdge,
+    /// A vertex whose faces form several fans; one copy a fan.
+    NonManifoldVertex,
+    /// An edge of a surface that cannot be oriented; opened.
+    NonOrientableEdge,
+    /// A triangle without area; computed with slightly lengthened edges.
+    ZeroArea,
+    /// A component without any area; left out.
+    ComponentWithoutArea,
+    /// A boundary vertex at the same place as another one: perhaps a seam that was never welded. Left as it is, or welded
+    /// on request.
+    Unwelded,
+    /// Vertices welded because they were at the same place.
+    Welded,
+}
+
+impl RepairKind {
+    /// What was found and what was done, for a report.
+    pub fn description(self) -> &'static str {
+        match self {
+            Self::RepeatedVertex => "faces that use a vertex twice, left out",
+            Self::DuplicateFace => "copies of faces, left out",
+            Self::IsolatedVertex => "isolated vertices, left out",
+            Self::FlippedFace => "faces oriented against their neighbours, turned",
+            Self::NonManifoldEdge => "edges with more than two faces, opened",
+            Self::NonManifoldVertex => "vertices with several fans of faces, opened",
+            Self::NonOrientableEdge => "edges where the surface cannot be oriented, opened",
+            Self::ZeroArea => "triangles without area, computed with slightly lengthened edges",
+            Self::ComponentWithoutArea => "parts without any area, left out",
+            Self::Unwelded => "boundary vertices at the place of another one, not welded",
+            Self::Welded => "vertices at the place of another one, welded",
+        }
+    }
+
+    /// Whether [`Repair::first`] counts faces (otherwise vertices).
+    pub fn is_of_faces(self) -> bool {
+        matches!(
+            self,
+            Self::RepeatedVertex
+                | Self::DuplicateFace
+                | Self::FlippedFace
+                | Self::ZeroArea
+                | Self::ComponentWithoutArea
+        )
+    }
+}
+
+/// Why a model has no surface to compute with.
+#[derive(Clone, Debug, Error, PartialEq, Eq)]
+pub enum PrepareError {
+    /// All faces lie in lines or points.
+    #[error("the mesh has no area: all of its {faces} faces are points or lines")]
+    NoArea {
+        /// How many faces there are.
+        faces: usize,
+    },
+}
+
+/// A connected, oriented manifold surface with the way back to the model.
+#[derive(Clone, Debug)]
+pub struct Surface {
+    /// Its connectivity.
+    pub mesh: Mesh,
+    /// The positions of its vertices, centred and scaled to unit size.
+    pub points: Vec<[f64; 3]>,
+    /// The model's vertex that each vertex is, or is a copy of.
+    pub vertex: VertexData<u32>,
+    /// The model's corner that each halfedge starts at.
+    pub corner: HalfedgeData<u32>,
+    /// The model's triangle that each face is (perhaps turned).
+    pub triangle: FaceData<u32>,
+    /// The edges that lie inside a polygon of the model.
+    pub diagonal: EdgeData<bool>,
+    /// What positions were multiplied by.
+    pub scale: f64,
+    /// How many triangles have no area.
+    pub zero_area: usize,
+}
+
+impl Surface {
+    /// The edge lengths in unit size; where triangles have no area, lengthened by a hair so that all have some.
+    pub fn metric(&self) -> Metric {
+        let metric = Metric::from_points(&self.mesh, &self.points);
+        if self.zero_area > 0 { metric.mollified(&self.mesh, Metric::MOLLIFICATION) } else { metric }
+    }
+}
+
+/// A model's surfaces and what was mended.
+#[derive(Clone, Debug)]
+pub struct Prepared {
+    /// The connected components, in the order of their first triangles.
+    pub surfaces: Vec<Surface>,
+    /// The triangles of the model, before anything was left out.
+    pub triangles: Triangles,
+    /// Which of the triangles belong to no surface.
+    pub left_out: Vec<u32>,
+    /// What was mended, in a fixed order.
+    pub repairs: Vec<Repair>,
+}
+
+/// Makes surfaces of a model. `weld` merges vertices that are at exactly the same place. O(F) but for sorting.
+///
+/// # Errors
+/// If nothing has any area.
+pub fn prepare(model: &Model, weld: bool) -> Result<Prepared, PrepareError> {
+    let mut log = RepairLog::default();
+    let triangles = model.triangles();
+    let place = if weld { weld_vertices(model.points(), &mut log) } else { (0..model.vertex_count() as u32).collect() };
+    note_isolated(model, &mut log);
+    let mut soup = Soup::new(model, &triangles, &place, &mut log);
+    soup.leave_out_duplicates(&mut log);
+    soup.glue(&mut log);
+    soup.orient(&mut log);
+    let surfaces = soup.into_surfaces(model.points(), &mut log);
+    if surfaces.is_empty() {
+        return Err(PrepareError::NoArea { faces: model.face_count() });
+    }
+    if !weld {
+        note_unwelded(model.points(), &surfaces, &mut log);
+    }
+    let mut used = vec![false; triangles.len()];
+    surfaces.iter().flat_map(|surface| surface.triangle.iter()).for_each(|&t| used[t as usize] = true);
+    let left_out = (0..triangles.len() as u32).filter(|&t| !used[t as usize]).collect();
+    Ok(Prepared { surfaces, triangles, left_out, repairs: log.into_repairs() })
+}
+
+/// What has been mended so far.
+#[derive(Default)]
+struct RepairLog(BTreeMap<RepairKind, (usize, usize)>);
+
+impl RepairLog {
+    fn note(&mut self, kind: RepairKind, place: usize) {
+        let (count, first) = self.0.entry(kind).or_insert((0, place));
+        *count += 1;
+        *first = place.min(*first);
+    }
+
+    fn into_repairs(self) -> Vec<Repair> {
+        self.0.into_iter().map(|(kind, (count, first))| Repair { kind, count, first }).collect()
+    }
+}
+
+/// Stands for "no twin".
+const NONE: u32 = u32::MAX;
+
+/// Triangles on their way to surfaces. Halfedges are numbered as in a mesh: three a triangle.
+struct Soup {
+    vertex_count: usize,
+    /// The vertex where each halfedge starts.
+    tail: Vec<VertexId>,
+    /// The model's corner where it starts.
+    corner: Vec<u32>,
+    /// For each triangle the model's triangle and face.
+    triangle: Vec<(u32, u32)>,
+    /// The halfedge across the edge, in whatever direction it runs; `NONE` where the surface ends.
+    twin: Vec<u32>,
+}
+
+impl Soup {
+    fn new(model: &Model, triangles: &Triangles, place: &[u32], log: &mut RepairLog) -> Self {
+        let mut soup = Self {
+            vertex_count: model.vertex_count(),
+            tail: Vec::with_capacity(3 * triangles.len()),
+            corner: Vec::with_capacity(3 * triangles.len()),
+            triangle: Vec::with_capacity(triangles.len()),
+            twin: Vec::new(),
+        };
+        for (t, (&corners, &face)) in triangles.corners.iter().zip(&triangles.face_of).enumerate() {
+            let [a, b, c] = corners.map(|corner| VertexId(place[model.corners()[corner as usize] as usize]));
+            if a == b || b == c || c == a {
+                log.note(RepairKind::RepeatedVertex, face as usize);
+                continue;
+            }
+            soup.tail.extend([a, b, c]);
+            soup.corner.extend(corners);
+            soup.triangle.push((t as u32, face));
+        }
+        soup
+    }
+
+    fn sorted_vertices(&self, f: usize) -> [VertexId; 3] {
+        let mut vertices = [self.tail[3 * f], self.tail[3 * f + 1], self.tail[3 * f + 2]];
+        vertices.sort_unstable();
+        vertices
+    }
+
+    /// Leaves out all but the first of the triangles on the same three vertices, where an edge has too many.
+    fn leave_out_duplicates(&mut self, log: &mut RepairLog) {
+        let mut crowded = Vec::new();
+        for_each_edge(self.vertex_count, &self.tail, |_, sides| {
+            if sides.len() > 2 {
+                crowded.extend(sides.iter().map(|h| (h / 3) as usize));
+            }
+        });
+        crowded.sort_unstable();
+        crowded.dedup();
+        let mut first = HashSet::new();
+        let doubled: Vec<usize> = crowded.into_iter().filter(|&f| !first.insert(self.sorted_vertices(f))).collect();
+        if doubled.is_empty() {
+            return;
+        }
+        let mut keep = vec![true; self.triangle.len()];
+        for f in doubled {
+            keep[f] = false;
+            log.note(RepairKind::DuplicateFace, self.triangle[f].1 as usize);
+        }
+        let mut side = 0..self.tail.len();
+        self.tail.retain(|_| side.next().is_some_and(|h| keep[h / 3]));
+        let mut side = 0..self.corner.len();
+        self.corner.retain(|_| side.next().is_some_and(|h| keep[h / 3]));
+        let mut face = keep.iter();
+        self.triangle.retain(|_| face.next() == Some(&true));
+    }
+
+    /// Makes twins of the two sides of each edge that has just two.
+    fn glue(&mut self, log: &mut RepairLog) {
+        let mut twin = vec![NONE; self.tail.len()];
+        for_each_edge(self.vertex_count, &self.tail, |ends, sides| match *sides {
+            [_] => {}
+            [h, g] => {
+                twin[h as usize] = g;
+                twin[g as usize] = h;
+            }
+            _ => log.note(RepairKind::NonManifoldEdge, ends[0].index()),
+        });
+        self.twin = twin;
+    }
+
+    /// Turns triangles until twins run in opposite directions; unglues them where that cannot be.
+    fn orient(&mut self, log: &mut RepairLog) {
+        let faces = self.triangle.len();
+        let mut turned: Vec<Option<bool>> = vec![None; faces];
+        let mut component = Vec::new();
+        for seed in 0..faces {
+            if turned[seed].is_some() {
+                continue;
+            }
+            turned[seed] = Some(false);
+            component.clear();
+            component.push(seed);
+            let mut at = 0;
+            while at < component.len() {
+                let f = component[at];
+                at += 1;
+                for h in 3 * f..3 * f + 3 {
+                    let g = self.twin[h];
+                    if g != NONE && turned[g as usize / 3].is_none() {
+                        turned[g as usize / 3] = turned[f].map(|f| f ^ self.run_alike(h, g as usize));
+                        component.push(g as usize / 3);
+                    }
+                }
+            }
+            // The way most of them were is the right way.
+            let majority = component.iter().filter(|&&f| turned[f] == Some(true)).count() * 2 > component.len();
+            for &f in &component {
+                turned[f] = turned[f].map(|t| t ^ majority);
+            }
+        }
+        for h in 0..self.tail.len() {
+            let g = self.twin[h] as usize;
+            if self.twin[h] != NONE && (turned[h / 3] != turned[g / 3]) != self.run_alike(h, g) {
+                log.note(RepairKind::NonOrientableEdge, self.tail[h].index());
+                self.twin[g] = NONE;
+                self.twin[h] = NONE;
+            }
+        }
+        for f in (0..faces).filter(|&f| turned[f] == Some(true)) {
+            log.note(RepairKind::FlippedFace, self.triangle[f].1 as usize);
+            self.turn(f);
+        }
+    }
+
+    /// Whether two halfedges with the same ends run in the same direction.
+    fn run_alike(&self, h: usize, g: usize) -> bool {
+        self.tail[h] == self.tail[g]
+    }
+
+    /// Reverses a triangle: corners 0, 1, 2 become 0, 2, 1, and so sides 01, 12, 20 become 02, 21, 10.
+    fn turn(&mut self, f: usize) {
+        let [a, b, c] = [3 * f, 3 * f + 1, 3 * f + 2];
+        self.tail.swap(b, c);
+        self.corner.swap(b, c);
+        self.twin.swap(a, c);
+        for h in [a, b, c] {
+            let g = self.twin[h];
+            if g != NONE {
+                // A twin within the same triangle would be an edge with repeated ends, and there is none.
+                self.twin[g as usize] = h as u32;
+            }
+        }
+    }
+
+    /// Numbers the fans: each is a vertex of its own. Returns the fan of each halfedge's tail and the vertex of each fan,
+    /// which are in the order of the vertices.
+    fn fans(&self, log: &mut RepairLog) -> (Vec<u32>, Vec<VertexId>) {
+        let mut fan = vec![NONE; self.tail.len()];
+        let mut first_corner: Vec<(VertexId, u32)> = Vec::new();
+        for corner in 0..self.tail.len() {
+            if fan[corner] != NONE {
+                continue;
+            }
+            let number = first_corner.len() as u32;
+            first_corner.push((self.tail[corner], number));
+            // Counter-clockwise over twin(prev), then clockwise over next(twin).
+            let mut h = corner;
+            while fan[h] == NONE {
+                fan[h] = number;
+                match self.twin[prev(h)] {
+                    NONE => break,
+                    g => h = g as usize,
+                }
+            }
+            h = corner;
+            while self.twin[h] != NONE {
+                h = next(self.twin[h] as usize);
+                if fan[h] != NONE {
+                    break;
+                }
+                fan[h] = number;
+            }
+        }
+        first_corner.sort_unstable();
+        for copies in first_corner.chunk_by(|a, b| a.0 == b.0).filter(|copies| copies.len() > 1) {
+            log.note(RepairKind::NonManifoldVertex, copies[0].0.index());
+        }
+        let mut rank = vec![0; first_corner.len()];
+        for (k, &(_, number)) in first_corner.iter().enumerate() {
+            rank[number as usize] = k as u32;
+        }
+        fan.iter_mut().for_each(|fan| *fan = rank[*fan as usize]);
+        (fan, first_corner.into_iter().map(|(v, _)| v).collect())
+    }
+
+    /// The connected components, as lists of triangles in ascending order.
+    fn components(&self) -> Vec<Vec<u32>> {
+        let faces = self.triangle.len();
+        let mut component = vec![NONE; faces];
+        let mut count = 0;
+        let mut stack = Vec::new();
+        for seed in 0..faces {
+            if component[seed] != NONE {
+                continue;
+            }
+            component[seed] = count;
+            stack.push(seed);
+            while let Some(f) = stack.pop() {
+                for &g in &self.twin[3 * f..3 * f + 3] {
+                    if g != NONE && component[g as usize / 3] == NONE {
+                        component[g as usize / 3] = count;
+                        stack.push(g as usize / 3);
+                    }
+                }
+            }
+            count += 1;
+        }
+        let mut lists = vec![Vec::new(); count as usize];
+        for (f, &c) in component.iter().enumerate() {
+            lists[c as usize].push(f as u32);
+        }
+        lists
+    }
+
+    fn into_surfaces(self, points: &[[f64; 3]], log: &mut RepairLog) -> Vec<Surface> {
+        let (fan, fan_vertex) = self.fans(log);
+        let mut local = vec![NONE; fan_vertex.len()];
+        let mut new_face = vec![NONE; self.triangle.len()];
+        let mut surfaces = Vec::new();
+        for faces in self.components() {
+            for (k, &f) in faces.iter().enumerate() {
+                new_face[f as usize] = k as u32;
+            }
+            let sides = || faces.iter().flat_map(|&f| 3 * f as usize..3 * f as usize + 3);
+            let mut fans: Vec<u32> = sides().map(|h| fan[h]).collect();
+            fans.sort_unstable();
+            fans.dedup();
+            for (k, &fan) in fans.iter().enumerate() {
+                local[fan as usize] = k as u32;
+            }
+            let tail: Vec<VertexId> = sides().map(|h| VertexId(local[fan[h] as usize])).collect();
+            let renumber = |g: u32| if g == NONE { NONE } else { 3 * new_face[g as usize / 3] + g % 3 };
+            let twin: Vec<u32> = sides().map(|h| renumber(self.twin[h])).collect();
+            let mesh = Mesh::from_twins(fans.len(), tail, twin).expect("every fan is a vertex of its own");
+            let vertex: VertexData<u32> = fans.iter().map(|&fan| fan_vertex[fan as usize].0).collect();
+            let corner = sides().map(|h| self.corner[h]).collect();
+            let places: Vec<[f64; 3]> = vertex.iter().map(|&v| points[v as usize]).collect();
+            let face_of = |h: HalfedgeId| self.triangle[faces[h.index() / 3] as usize].1;
+            let Some((points, scale)) = to_unit_size(&places) else {
+                log.note(RepairKind::ComponentWithoutArea, self.triangle[faces[0] as usize].1 as usize);
+                continue;
+            };
+            let metric = Metric::from_points(&mesh, &points);
+            let mut zero_area = 0;
+            for f in mesh.faces().filter(|&f| metric.sides(&mesh, f).area() <= 0.0) {
+                log.note(RepairKind::ZeroArea, face_of(mesh.sides(f)[0]) as usize);
+                zero_area += 1;
+            }
+            if zero_area == mesh.face_count() {
+                log.note(RepairKind::ComponentWithoutArea, self.triangle[faces[0] as usize].1 as usize);
+                continue;
+            }
+            let inside = |e: EdgeId| {
+                let h = mesh.halfedge(e);
+                mesh.twin(h).is_some_and(|g| face_of(g) == face_of(h))
+            };
+            let diagonal = mesh.edges().map(inside).collect();
+            let triangle = faces.iter().map(|&f| self.triangle[f as usize].0).collect();
+            surfaces.push(Surface { mesh, points, vertex, corner, triangle, diagonal, scale, zero_area });
+        }
+        surfaces
+    }
+}
+
+fn next(h: usize) -> usize {
+    if h % 3 == 2 { h - 2 } else { h + 1 }
+}
+
+fn prev(h: usize) -> usize {
+    if h.is_multiple_of(3) { h + 2 } else { h - 1 }
+}
+
+/// Points moved so that their bounding box is centred, and scaled so that its longest side is 1, with that scale; none if
+/// they all coincide.
+fn to_unit_size(points: &[[f64; 3]]) -> Option<(Vec<[f64; 3]>, f64)> {
+    let mut low = [f64::INFINITY; 3];
+    let mut high = [f64::NEG_INFINITY; 3];
+    for p in points {
+        for k in 0..3 {
+            low[k] = low[k].min(p[k]);
+            high[k] = high[k].max(p[k]);
+        }
+    }
+    let size = (0..3).map(|k| high[k] - low[k]).fold(0.0, f64::max);
+    let scale = size.recip();
+    if !(size > 0.0 && scale.is_finite()) {
+        return None;
+    }
+    let middle = [0, 1, 2].map(|k| 0.5 * low[k] + 0.5 * high[k]);
+    Some((points.iter().map(|p| [0, 1, 2].map(|k| (p[k] - middle[k]) * scale)).collect(), scale))
+}
+
+/// For each vertex the first one at the same place.
+fn weld_vertices(points: &[[f64; 3]], log: &mut RepairLog) -> Vec<u32> {
+    let mut first = HashMap::with_capacity(points.len());
+    let weld = |(v, p): (usize, &[f64; 3])| {
+        let place = *first.entry(place_key(p)).or_insert(v as u32);
+        if place as usize != v {
+            log.note(RepairKind::Welded, v);
+        }
+        place
+    };
+    points.iter().enumerate().map(weld).collect()
+}
+
+/// Equal for equal points; adding 0 makes -0 positive.
+fn place_key(p: &[f64; 3]) -> [u64; 3] {
+    p.map(|x| (x + 0.0).to_bits())
+}
+
+fn note_isolated(model: &Model, log: &mut RepairLog) {
+    let mut used = vec![false; model.vertex_count()];
+    model.corners().iter().for_each(|&v| used[v as usize] = true);
+    for (v, _) in used.iter().enumerate().filter(|(_, used)| !**used) {
+        log.note(RepairKind::IsolatedVertex, v);
+    }
+}
+
+fn note_unwelded(points: &[[f64; 3]], surfaces: &[Surface], log: &mut RepairLog) {
+    let mut at_place: HashMap<[u64; 3], u32> = HashMap::new();
+    for surface in surfaces {
+        for v in surface.mesh.vertices().filter(|&v| surface.mesh.is_boundary_vertex(v)) {
+            let vertex = surface.vertex[v];
+            let other = *at_place.entry(place_key(&points[vertex as usize])).or_insert(vertex);
+            if other != vertex {
+                log.note(RepairKind::Unwelded, vertex as usize);
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::shapes;
+
+    fn prepared(points: &[[f64; 3]], faces: &[[u32; 3]]) -> Prepared {
+        prepare(&Model::from_triangles(points.to_vec(), faces).unwrap(), false).unwrap()
+    }
+
+    fn count(prepared: &Prepared, kind: RepairKind) -> usize {
+        prepared.repairs.iter().find(|repair| repair.kind == kind).map_or(0, |repair| repair.count)
+    }
+
+    fn check(prepared: &Prepared, model: &Model) {
+        for surface in &prepared.surfaces {
+            surface.mesh.check();
+            assert_eq!(surface.mesh.components().1, 1);
+            for h in surface.mesh.halfedges() {
+                let vertex = model.corners()[surface.corner[h] as usize];
+                assert_eq!(surface.vertex[surface.mesh.tail(h)], vertex, "corners lead back to their vertices");
+            }
+        }
+        let faces: usize = prepared.surfaces.iter().map(|surface| surface.mesh.face_count()).sum();
+        assert_eq!(faces + prepared.left_out.len(), prepared.triangles.len(), "no triangle is lost");
+    }
+
+    fn sphere() -> (Vec<[f64; 3]>, Vec<[u32; 3]>) {
+        let shape = shapes::sphere(100);
+        (shape.points, shape.triangles)
+    }
+
+    #[test]
+    fn a_clean_mesh_stays_as_it_is() {
+        let (points, faces) = sphere();
+        let model = Model::from_triangles(points.clone(), &faces).unwrap();
+        let prepared = prepare(&model, true).unwrap();
+        assert_eq!(prepared.repairs, []);
+        check(&prepared, &model);
+        let [surface] = &prepared.surfaces[..] else { panic!("it is connected") };
+        assert_eq!(surface.mesh, Mesh::new(points.len(), &faces).unwrap());
+        assert!((surface.points[0][0] / surface.points[1][0] - points[0][0] / points[1][0]).abs() < 1e-9);
+    }
+
+    #[test]
+    fn misoriented_faces_are_turned_to_the_majority() {
+        let (points, mut faces) = sphere();
+        for f in [0, 3, 17] {
+            faces[f].swap(1, 2);
+        }
+        let model = Model::from_triangles(points.clone(), &faces).unwrap();
+        let turned = prepare(&model, false).unwrap();
+        check(&turned, &model);
+        assert_eq!(turned.repairs, [Repair { kind: RepairKind::FlippedFace, count: 3, first: 0 }]);
+        // Inside out is consistent, too.
+        faces.iter_mut().for_each(|face| face.swap(0, 2));
+        let inside_out = prepared(&points, &faces);
+        assert_eq!(count(&inside_out, RepairKind::FlippedFace), 3);
+    }
+
+    #[test]
+    fn copies_repeated_vertices_and_isolated_ones_are_left_out_and_counted() {
+        let (mut points, mut faces) = sphere();
+        faces.extend([faces[5], [faces[7][0], faces[7][2], faces[7][1]], [1, 1, 2]]);
+        points.push([9.0, 9.0, 9.0]);
+        let model = Model::from_triangles(points.clone(), &faces).unwrap();
+        let mended = prepare(&model, false).unwrap();
+        check(&mended, &model);
+        assert_eq!(count(&mended, RepairKind::DuplicateFace), 2);
+        assert_eq!(count(&mended, RepairKind::RepeatedVertex), 1);
+        assert_eq!(count(&mended, RepairKind::IsolatedVertex), 1);
+        assert_eq!(mended.surfaces.len(), 1);
+        assert_eq!(mended.surfaces[0].mesh.euler_characteristic(), 2);
+        assert_eq!(mended.left_out.len(), 3);
+    }
+
+    #[test]
+    fn surfaces_are_opened_at_edges_with_too_many_faces_and_at_vertices_with_several_fans() {
+        // Two tetrahedra with an edge in common, then with a vertex in common.
+        let points: Vec<[f64; 3]> =
+            (0..7).map(|k| [f64::from(k * k % 7), f64::from(k % 3), f64::from(k * 3 % 5)]).collect();
+        let tetrahedron = |[a, b, c, d]: [u32; 4]| [[a, b, c], [a, c, d], [a, d, b], [b, d, c]];
+        for (second, edges, vertices, parts) in [([0, 1, 4, 5], 1, 0, 1), ([0, 4, 5, 6], 0, 1, 2)] {
+            let faces = [tetrahedron([0, 1, 2, 3]), tetrahedron(second)].concat();
+            let used = 1 + faces.iter().flatten().max().unwrap();
+            let model = Model::from_triangles(points[..used as usize].to_vec(), &faces).unwrap();
+            let opened = prepare(&model, false).unwrap();
+            check(&opened, &model);
+            assert_eq!(count(&opened, RepairKind::NonManifoldEdge), edges);
+            assert!(count(&opened, RepairKind::NonManifoldVertex) >= vertices);
+            assert!(opened.surfaces.len() >= parts);
+        }
+    }
+
+    #[test]
+    fn a_moebius_strip_is_opened_where_it_cannot_be_oriented() {
+        let n = 12u32;
+        let points: Vec<[f64; 3]> = (0..2 * n)
+            .map(|k| {
+                let around = std::f64::consts::TAU * f64::from(k / 2) / f64::from(n);
+                let across = if k % 2 == 0 { 0.3 } else { -0.3 };
+                let radius = 1.0 + across * (0.5 * around).cos();
+                [radius * around.cos(), radius * around.sin(), across * (0.5 * around).sin()]
+            })
+            .collect();
+        let faces: Vec<[u32; 3]> = (0..n)
+            .flat_map(|k| {
+                let [a, b] = [2 * k, 2 * k + 1];
+                let [c, d] = if k + 1 < n { [a + 2, b + 2] } else { [1, 0] };
+                [[a, b, c], [b, d, c]]
+            })
+            .collect();
+        let model = Model::from_triangles(points, &faces).unwrap();
+        let opened = prepare(&model, false).unwrap();
+        check(&opened, &model);
+        assert!(count(&opened, RepairKind::NonOrientableEdge) > 0);
+        assert_eq!(opened.surfaces[0].mesh.euler_characteristic(), 1);
+    }
+
+    #[test]
+    fn unwelded_vertices_are_reported_and_welded_on_request() {
+        let (points, faces) = sphere();
+        let soup: Vec<[f64; 3]> = faces.iter().flatten().map(|&v| points[v as usize]).collect();
+        let apart: Vec<[u32; 3]> = (0..faces.len() as u32).map(|f| [3 * f, 3 * f + 1, 3 * f + 2]).collect();
+        let model = Model::from_triangles(soup, &apart).unwrap();
+        let loose = prepare(&model, false).unwrap();
+        check(&loose, &model);
+        assert_eq!(loose.surfaces.len(), faces.len());
+        assert_eq!(count(&loose, RepairKind::Unwelded), 3 * faces.len() - points.len());
+        let welded = prepare(&model, true).unwrap();
+        assert_eq!(welded.surfaces.len(), 1);
+        assert_eq!(welded.surfaces[0].mesh.euler_characteristic(), 2);
+        assert_eq!(count(&welded, RepairKind::Welded), 3 * faces.len() - points.len());
+    }
+
+    #[test]
+    fn triangles_without_area_are_given_some_and_a_mesh_without_any_is_refused() {
+        let points = [[0.0; 3], [2.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0]];
+        let flat = prepared(&points, &[[0, 1, 2], [0, 2, 3], [2, 1, 3]]);
+        assert_eq!(count(&flat, RepairKind::ZeroArea), 1);
+        let surface = &flat.surfaces[0];
+        let metric = surface.metric();
+        assert!(surface.mesh.faces().all(|f| metric.sides(&surface.mesh, f).area() > 0.0));
+        let line = Model::from_triangles(points[..3].to_vec(), &[[0, 1, 2]]).unwrap();
+        assert_eq!(prepare(&line, false).unwrap_err(), PrepareError::NoArea { faces: 1 });
+    }
+
+    #[test]
+    fn size_and_place_do_not_matter() {
+        let (points, faces) = sphere();
+        for (scale, offset) in [(1e-160, 0.0), (1e150, 0.0), (1.0, 1e6)] {
+            let moved: Vec<[f64; 3]> = points.iter().map(|p| p.map(|x| scale * x + offset)).collect();
+            let prepared = prepared(&moved, &faces);
+            let reference = self::prepared(&points, &faces);
+            let [a, b] = [&prepared, &reference].map(|p| p.surfaces[0].metric());
+            let worst =
+                a.lengths().iter().zip(b.lengths().iter()).map(|(a, b)| (a / b - 1.0).abs()).fold(0.0, f64::max);
+            assert!(worst < 1e-15 * (1.0 + 1e4 * offset), "scale {scale}, offset {offset}: {worst}");
+        }
+    }
+}
