@@ -70,6 +70,26 @@ pub(crate) fn of_graph<G: Domain, S: Scalar, D: Direction>(domain: G, filtration
     pair(filtration, &descent, joins)
 }
 
+/// The basins of steepest descent: every vertex points to its earliest neighbour.
+pub(crate) fn steepest<G: Domain, S: Scalar, D: Direction>(domain: G, filtration: &Filtration<'_, S, D>) -> Descent {
+    let mut next = vec![OUTSIDE; domain.vertex_count()];
+    let mut extrema = Vec::new();
+    for (v, next) in (0..).zip(&mut next) {
+        let mut earliest = v;
+        domain.for_each_neighbor(v as usize, |u| {
+            if filtration.precedes(u as u32, earliest) {
+                earliest = u as u32;
+            }
+        });
+        if earliest != v {
+            *next = earliest;
+        } else if filtration.contains(v) {
+            extrema.push(v);
+        }
+    }
+    Descent::new(next, extrema)
+}
+
 /// The joins between the basins of all earlier neighbours of each candidate.
 fn joins_of_graph<G: Domain, S: Scalar, D: Direction>(
     domain: G,
