@@ -15,6 +15,7 @@
 use crate::boruvka::{self, Join};
 use crate::descent::{Descent, OUTSIDE};
 use crate::merges::Merges;
+use crate::parallel;
 use crate::union_find::UnionFind;
 use crate::{Direction, Domain, Filtration, Scalar};
 
@@ -119,11 +120,11 @@ pub(crate) fn of_scan<S: Scalar, D: Direction>(
     Scan { extrema, forks }: Scan,
 ) -> Merges {
     let descent = Descent::new(next, extrema);
-    let joins = forks.into_iter().filter_map(|Fork { saddle, sides }| {
+    let joins = parallel::filter_map(&forks, |&Fork { saddle, sides }| {
         let basins = sides.map(|side| descent.basin(side));
         (basins[0] != basins[1]).then_some(Join { saddle, basins })
     });
-    let joins = joins.collect();
+    drop(forks);
     pair(filtration, &descent, joins)
 }
 

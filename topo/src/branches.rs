@@ -16,7 +16,7 @@ pub(crate) struct Ending {
     pub(crate) saddle: u32,
     /// The eldest extremum of all that meet at the saddle, whose branch goes on.
     pub(crate) elder: u32,
-    /// The extremum to which one comes by steepest descent from the saddle, away from the branch.
+    /// The extremum to which one comes from the saddle by steepest descent into the elder component.
     pub(crate) beyond: u32,
 }
 
@@ -46,8 +46,8 @@ impl Branches {
         let merges = filtration.sorted(&filtration.sorted(&finite, |merge| merge.extremum), |merge| merge.saddle);
         let endings = merges.into_iter().map(|merge| {
             let (extremum, elder) = (number(merge.extremum), components.find(number(merge.towards)));
-            let mut is_away = |u: u32| basins[u as usize].is_some_and(|basin| components.find(basin) != extremum);
-            let spill = earliest_neighbor(domain, filtration, merge.saddle, &mut is_away);
+            let mut is_elder = |u: u32| basins[u as usize].is_some_and(|basin| components.find(basin) == elder);
+            let spill = earliest_neighbor(domain, filtration, merge.saddle, &mut is_elder);
             components.join(extremum, elder);
             Ending { extremum, saddle: merge.saddle, elder, beyond: basins[spill as usize].unwrap_or(elder) }
         });

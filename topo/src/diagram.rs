@@ -15,11 +15,13 @@
 //! Points with an infinite coordinate and essential classes have no diagonal to go to: they are matched among each
 //! other, by rising coordinate, and if their numbers differ the distance is infinite.
 
-use crate::{Pairs, Scalar};
+use crate::{Kind, Pair, Pairs, Scalar};
 
 /// Points (birth, death) of finite pairs, and births of essential classes.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Diagram {
+    /// Whether components are born at minima and die higher up, or at maxima and die lower down.
+    pub kind: Kind,
     /// Birth and death of the finite pairs.
     pub finite: Vec<(f64, f64)>,
     /// Births of the classes that never die.
@@ -30,8 +32,9 @@ impl<V: Copy, S: Scalar> Pairs<V, S> {
     /// The pairs as points. Integers beyond 2⁵³ are rounded.
     pub fn diagram(&self) -> Diagram {
         let number = |value: S| value.to_f64().unwrap_or(f64::NAN);
-        let point = |pair: &crate::Pair<V, S>| Some((number(pair.birth), number(pair.death()?)));
+        let point = |pair: &Pair<V, S>| Some((number(pair.birth), number(pair.death()?)));
         Diagram {
+            kind: self.kind(),
             finite: self.iter().filter_map(point).collect(),
             essential: self.essential().map(|pair| number(pair.birth)).collect(),
         }
@@ -42,11 +45,10 @@ impl Diagram {
     /// The number of components at each level: (level, number from there on), by the direction in which components are
     /// born. Levels at which the number does not change are left out.
     pub fn betti_curve(&self) -> Vec<(f64, usize)> {
-        let falls = self.finite.iter().any(|(birth, death)| birth > death);
         let births = self.finite.iter().map(|&(birth, _)| birth).chain(self.essential.iter().copied());
         let mut events: Vec<(f64, bool)> = births.map(|birth| (birth, true)).collect();
         events.extend(self.finite.iter().map(|&(_, death)| (death, false)));
-        events.sort_by(|a, b| if falls { b.0.total_cmp(&a.0) } else { a.0.total_cmp(&b.0) });
+        events.sort_by(|a, b| if self.kind == Kind::Minimum { a.0.total_cmp(&b.0) } else { b.0.total_cmp(&a.0) });
         let mut curve: Vec<(f64, usize)> = Vec::new();
         let mut count = 0;
         for level in events.chunk_by(|a, b| a.0 == b.0) {
@@ -130,25 +132,35 @@ fn bounded(diagram: &Diagram) -> Vec<Point> {
 
 /// The steps between essential classes and between points with infinite coordinates.
 fn unbounded_steps(a: &Diagram, b: &Diagram) -> Vec<f64> {
-    let (sorted_a, sorted_b) = (unbounded(a), unbounded(b));
-    if sorted_a.len() != sorted_b.len() {
-        return vec![f64::INFINITY];
-    }
-    sorted_a.into_iter().zip(sorted_b).map(|(p, q)| distance(p, q)).collect()
+    let mut steps = steps_in_order(&essential(a), &essential(b));
+    steps.extend(steps_in_order(&infinite(a), &infinite(b)));
+    steps
 }
 
-/// Essential classes as points that die at NaN's place, the last in total order; then points with infinite coordinates.
-/// Sorting by infinite coordinates first and by the finite one then matches each sort optimally.
-fn unbounded(diagram: &Diagram) -> Vec<Point> {
-    let mut infinite: Vec<Point> = diagram.finite.iter().copied().filter(|point| !is_bounded(point)).collect();
+/// The steps from each point to that of the same place, which for sorted numbers is the best matching.
+fn steps_in_order(a: &[Point], b: &[Point]) -> Vec<f64> {
+    match a.len() == b.len() {
+        true => a.iter().zip(b).map(|(&p, &q)| distance(p, q)).collect(),
+        false => vec![f64::INFINITY],
+    }
+}
+
+/// The essential classes by birth, as points that all die at the same place.
+fn essential(diagram: &Diagram) -> Vec<Point> {
+    let mut points: Vec<Point> = diagram.essential.iter().map(|&birth| (birth, 0.0)).collect();
+    points.sort_by(|p, q| p.0.total_cmp(&q.0));
+    points
+}
+
+/// The points with infinite coordinates: alike ones together, and those sorted by the finite coordinate.
+fn infinite(diagram: &Diagram) -> Vec<Point> {
+    let mut points: Vec<Point> = diagram.finite.iter().copied().filter(|point| !is_bounded(point)).collect();
     let rank = |coordinate: f64| if coordinate.is_finite() { 0.0 } else { coordinate };
-    infinite.sort_by(|p, q| {
+    points.sort_by(|p, q| {
         let by_infinity = rank(p.0).total_cmp(&rank(q.0)).then(rank(p.1).total_cmp(&rank(q.1)));
         by_infinity.then(p.0.total_cmp(&q.0)).then(p.1.total_cmp(&q.1))
     });
-    let mut essential = diagram.essential.clone();
-    essential.sort_by(f64::total_cmp);
-    infinite.into_iter().chain(essential.into_iter().map(|birth| (birth, f64::INFINITY))).collect()
+    points
 }
 
 /// Whether all points of `a` that are beyond reach of the diagonal can be matched with different points of `b`.
@@ -287,7 +299,7 @@ mod tests {
     use super::*;
 
     fn diagram(finite: &[Point]) -> Diagram {
-        Diagram { finite: finite.to_vec(), essential: vec![0.0] }
+        Diagram { kind: Kind::Minimum, finite: finite.to_vec(), essential: vec![0.0] }
     }
 
     #[test]
@@ -306,9 +318,9 @@ mod tests {
 
     #[test]
     fn essential_classes_have_nowhere_else_to_go() {
-        let two = Diagram { finite: vec![], essential: vec![0.0, 5.0] };
+        let two = Diagram { kind: Kind::Minimum, finite: vec![], essential: vec![0.0, 5.0] };
         assert_eq!(two.bottleneck(&diagram(&[])), f64::INFINITY);
-        assert_eq!(two.bottleneck(&Diagram { finite: vec![], essential: vec![4.0, 1.0] }), 1.0);
+        assert_eq!(two.bottleneck(&Diagram { kind: Kind::Minimum, finite: vec![], essential: vec![4.0, 1.0] }), 1.0);
     }
 
     #[test]
@@ -320,7 +332,7 @@ mod tests {
 
     #[test]
     fn curves_count_components() {
-        let diagram = Diagram { finite: vec![(1.0, 4.0), (2.0, 3.0)], essential: vec![0.0] };
+        let diagram = Diagram { kind: Kind::Minimum, finite: vec![(1.0, 4.0), (2.0, 3.0)], essential: vec![0.0] };
         assert_eq!(diagram.betti_curve(), [(0.0, 1), (1.0, 2), (2.0, 3), (3.0, 2), (4.0, 1)]);
         assert_eq!(diagram.persistence_curve(), [(0.0, 2), (1.0, 1), (3.0, 0)]);
     }

@@ -32,14 +32,14 @@ impl<V: Copy> Segmentation<V> {
     ) -> Self {
         let branches = Branches::new(domain, filtration);
         let mut groups = UnionFind::new(branches.extrema.len());
-        // A short branch has its saddle not after that of what lies beyond, if that is short too: no cycles.
         let mut survives = vec![true; branches.extrema.len()];
         for ending in branches.short(filtration, threshold) {
             survives[ending.extremum as usize] = false;
             let (from, to) = (groups.find(ending.extremum), groups.find(ending.beyond));
             groups.join(from, to);
         }
-        // Each group is a tree of spills with one extremum that did not spill, whichever member is its root.
+        // Every branch spills into another component, so spills close no circle: each group is a tree of them, with one
+        // extremum that did not spill, whichever member is the root of the union-find.
         let mut segment_of_group = vec![None; branches.extrema.len()];
         let survivors: Vec<u32> =
             (0..).zip(&survives).filter(|&(_, &survives)| survives).map(|(basin, _)| basin).collect();
