@@ -65,7 +65,7 @@ impl ConeCurvatures {
 fn bounds(operators: &Operators, input: &Mesh, cones: &[VertexId]) -> Vec<[f64; 2]> {
     let count = cones.len().max(1) as f64;
     let total = if operators.is_bordered() { 0.0 } else { operators.total_curvature() };
-    let high = (1.5 * PI).max(1.02 * total / count);
+    let high = (1.5 * PI).max(1.02 * total / count).min(1.99 * PI);
     let low = -(2.0 * PI).max(2.5 * (-total).max(0.0) / count);
     let by_degree = |&v| low.max(2.0 * PI - 0.75 * PI * usable_degree(input, cones, v) as f64).min(high);
     cones.iter().map(|v| [by_degree(v), high]).collect()
