@@ -53,10 +53,10 @@ pub(crate) enum Failure {
     NoVertex { path: PathBuf, vertex: usize, vertices: usize },
     #[error("{}: the value of vertex {vertex} is NaN: replace it, or leave such vertices out with --nan mask", path.display())]
     NotANumber { path: PathBuf, vertex: usize },
-    #[error("{} is no domain that persistence can be computed on", path.display())]
-    Domain { path: PathBuf, source: topo::DomainError },
-    #[error("the persistence of {} cannot be computed", path.display())]
-    Persistence { path: PathBuf, source: topo::FieldError },
+    #[error("{}: {error}", path.display())]
+    Domain { path: PathBuf, error: topo::DomainError },
+    #[error("{}: {error}", path.display())]
+    Persistence { path: PathBuf, error: topo::FieldError },
     #[error("{} cannot be written, as a network's nodes are nowhere in space: write .csv or .json", .0.display())]
     NoPlaces(PathBuf),
     #[error("{} can be written for {of} only: end it in .npy", path.display())]

@@ -104,7 +104,11 @@ pub(crate) fn run(args: &Arguments) -> Result<(), Failure> {
         extrema.truncate(args.count.unwrap_or(COUNT));
     }
     let start = Instant::now();
-    let input = Input { path: args.input.display().to_string(), vertices: subject.vertex_count(), faces: faces(&subject.places) };
+    let input = Input {
+        path: args.input.display().to_string(),
+        vertices: subject.vertex_count(),
+        faces: faces(&subject.places),
+    };
     let mut report = Report { schema: SCHEMA, input, method: args.method, count, extrema, times };
     write(args, &subject, &report)?;
     report.times.write = Some(start.elapsed().as_secs_f64());
@@ -146,7 +150,8 @@ fn extrema(list: &PairList, places: &Places) -> Vec<Extremum> {
 
 /// The extrema of both kinds in one order, each kind given most persistent first; a maximum comes first.
 fn ordered(method: Method, minima: Vec<Extremum>, maxima: Vec<Extremum>) -> Vec<Extremum> {
-    let mut ranked: Vec<(usize, Extremum)> = maxima.into_iter().enumerate().chain(minima.into_iter().enumerate()).collect();
+    let mut ranked: Vec<(usize, Extremum)> =
+        maxima.into_iter().enumerate().chain(minima.into_iter().enumerate()).collect();
     match method {
         Method::Persistence => ranked.sort_by(|a, b| b.1.persistence.to_f64().total_cmp(&a.1.persistence.to_f64())),
         Method::Alternating => ranked.sort_by_key(|(rank, _)| *rank),

@@ -71,7 +71,8 @@ mod tests {
     fn fortran_order_becomes_c_order() {
         // Element (z, y, x) of a 2 × 3 × 2 array is 100 z + 10 y + x.
         let fortran = (0..2).flat_map(|x| (0..3).flat_map(move |y| (0..2).map(move |z| 100 * z + 10 * y + x)));
-        let c: Vec<i32> = (0..2).flat_map(|z| (0..3).flat_map(move |y| (0..2).map(move |x| 100 * z + 10 * y + x))).collect();
+        let c: Vec<i32> =
+            (0..2).flat_map(|z| (0..3).flat_map(move |y| (0..2).map(move |x| 100 * z + 10 * y + x))).collect();
         let reordered = to_c_order(Values::I32(fortran.collect()), &[2, 3, 2]);
         assert_eq!(reordered, Values::I32(c));
     }

@@ -151,7 +151,11 @@ mod tests {
         let radius = length(points[0]);
         let area: f64 = 4.0 * PI * radius * radius;
         let sum = total(&mean(&points, &triangles), &points, &triangles);
-        assert!((sum * radius / area - 1.0).abs() < 0.01, "mean curvature {} of a sphere of radius {radius}", sum / area);
+        assert!(
+            (sum * radius / area - 1.0).abs() < 0.01,
+            "mean curvature {} of a sphere of radius {radius}",
+            sum / area
+        );
         let inside: Vec<Triangle> = triangles.iter().map(|&[a, b, c]| [a, c, b]).collect();
         let turned = total(&mean(&points, &inside), &points, &inside);
         assert!((turned + sum).abs() < 1e-9 * sum, "seen from inside it is hollow");

@@ -10,8 +10,11 @@ type Point = [f64; 3];
 /// way leads. Dijkstra (1959), "A note on two problems in connexion with graphs".
 pub(super) fn along_edges(points: &[Point], triangles: &[[u32; 3]], from: Option<usize>) -> Vec<f64> {
     let mut distance = vec![f64::NAN; points.len()];
-    let sides: Vec<[usize; 2]> = triangles.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]).map(|s| s.map(|v| v as usize)).collect();
-    let (Ok(edges), Some(from)) = (Adjacency::from_edges(points.len(), &sides), from.or_else(|| farthest_out(points, triangles))) else {
+    let sides: Vec<[usize; 2]> =
+        triangles.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]).map(|s| s.map(|v| v as usize)).collect();
+    let (Ok(edges), Some(from)) =
+        (Adjacency::from_edges(points.len(), &sides), from.or_else(|| farthest_out(points, triangles)))
+    else {
         return distance;
     };
     let mut queue = BinaryHeap::from([Reverse(Reached { distance: 0.0, vertex: from })]);

@@ -29,7 +29,9 @@ pub(crate) enum Place {
 pub(crate) enum Problem {
     #[error("cannot be read ({0})")]
     Io(#[from] io::Error),
-    #[error("is of no known form: give an array (.npy, .pgm, .png, .txt), a mesh (.obj, .ply, .off, .stl) or a network (.csv)")]
+    #[error(
+        "is of no known form: give an array (.npy, .pgm, .png, .txt), a mesh (.obj, .ply, .off, .stl) or a network (.csv)"
+    )]
     Form,
     #[error("there is {found} where {expected} should be")]
     Unexpected { found: String, expected: String },

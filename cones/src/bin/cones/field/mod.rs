@@ -20,12 +20,12 @@ mod surface;
 mod values;
 
 pub(crate) use array::{Array, Axes};
-pub(crate) use computed::Computed;
-pub(crate) use error::{Place, Problem, ReadError};
+
+pub(crate) use error::{Problem, ReadError};
 pub(crate) use network::{Network, edges_beside};
 pub(crate) use npy::write_labels;
 pub(crate) use surface::{Source, Surface};
-pub(crate) use values::{FieldScalar, Number, Values, each};
+pub(crate) use values::{FieldScalar, Number, Values, each, six_digits};
 
 use std::path::Path;
 

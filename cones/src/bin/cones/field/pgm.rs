@@ -42,7 +42,9 @@ fn parse(bytes: &[u8]) -> Result<Array, Fault> {
     let values = match (is_binary, size) {
         (false, _) => (0..claimed).map(|_| Ok(words.number("a value", most)? as i32)).collect::<Result<_, Fault>>()?,
         (true, 1) => rest.iter().take(claimed as usize).map(|&value| value.into()).collect(),
-        (true, _) => rest.chunks_exact(2).take(claimed as usize).map(|b| u16::from_be_bytes([b[0], b[1]]).into()).collect(),
+        (true, _) => {
+            rest.chunks_exact(2).take(claimed as usize).map(|b| u16::from_be_bytes([b[0], b[1]]).into()).collect()
+        }
     };
     Ok(Array { values: Values::I32(values), shape: vec![height as usize, width as usize] })
 }

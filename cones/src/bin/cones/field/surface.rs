@@ -33,7 +33,10 @@ impl Source {
         }
         match ending(Path::new(text)).as_str() {
             "npy" | "txt" => Ok(Self::File(text.into())),
-            _ => Err("name phi, curvature, mean-curvature, height[:x|y|z], distance[:VERTEX] or a file .npy or .txt".into()),
+            _ => {
+                Err("name phi, curvature, mean-curvature, height[:x|y|z], distance[:VERTEX] or a file .npy or .txt"
+                    .into())
+            }
         }
     }
 
@@ -76,7 +79,7 @@ impl Surface {
 /// The conformal factor φ of each vertex; NaN where it is on no surface.
 fn factor(path: &Path, model: &Model) -> Result<Vec<f64>, Failure> {
     let found = cones::extract(model, &Options::default(), &mut |_| {})
-        .map_err(|source| Failure::Unwrap { path: path.to_owned(), source })?;
+        .map_err(|error| Failure::Unwrap { path: path.to_owned(), error })?;
     job::warn(&found.repairs, &[]);
     Ok(found.factor)
 }

@@ -40,11 +40,6 @@ impl Values {
     pub(crate) fn to_f64(&self) -> Vec<f64> {
         each!(self, field => field.iter().map(|&x| x.number().to_f64()).collect())
     }
-
-    /// Whether there is a NaN.
-    pub(crate) fn has_nan(&self) -> bool {
-        each!(self, field => field.iter().any(|x| x.is_nan()))
-    }
 }
 
 /// A number of a field as it is told: with as many digits as tell it from its neighbours.
@@ -162,7 +157,10 @@ mod tests {
         assert_eq!(Number::Integer(i128::from(u64::MAX)).to_string(), "18446744073709551615");
         assert_eq!(Number::Single(0.1).to_string(), "0.1");
         assert_eq!(serde_json::to_string(&Number::Double(f64::NEG_INFINITY)).expect("it is a string"), "\"-inf\"");
-        assert_eq!(serde_json::to_string(&Number::Integer(i128::from(u64::MAX))).expect("it fits"), u64::MAX.to_string());
+        assert_eq!(
+            serde_json::to_string(&Number::Integer(i128::from(u64::MAX))).expect("it fits"),
+            u64::MAX.to_string()
+        );
     }
 
     #[test]

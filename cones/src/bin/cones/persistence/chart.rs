@@ -81,7 +81,13 @@ pub(super) fn barcode(lists: &[PairList]) -> Sketch {
     frame(&mut sketch, [LEFT, 20.0], [LEFT + SIDE, bottom]);
     let mut y = 20.0;
     for list in lists {
-        sketch.text([LEFT + 10.0, y + 22.0], LETTERS, Anchor::Start, INK, caption(list, list.finite().take(BARS).count()));
+        sketch.text(
+            [LEFT + 10.0, y + 22.0],
+            LETTERS,
+            Anchor::Start,
+            INK,
+            caption(list, list.finite().take(BARS).count()),
+        );
         y += 34.0;
         for pair in list.pairs.iter().take(BARS) {
             let end = if list.kind == Kind::Minimum { LEFT + SIDE } else { LEFT };

@@ -29,11 +29,7 @@ pub(crate) fn run(args: &Arguments) -> Result<(), Failure> {
     let start = Instant::now();
     let subject = Subject::read(args)?;
     let mut report = Report::new(&subject, args, start.elapsed());
-    let wanted = Wanted {
-        options: options(args),
-        min_persistence: args.min_persistence,
-        top: args.top,
-    };
+    let wanted = Wanted { options: options(args), min_persistence: args.min_persistence, top: args.top };
     let mut lists = Vec::new();
     for &kind in args.direction.kinds() {
         let start = Instant::now();
@@ -44,7 +40,11 @@ pub(crate) fn run(args: &Arguments) -> Result<(), Failure> {
     let start = Instant::now();
     write(args, &subject, &lists, &report)?;
     report.times.write = Some(start.elapsed().as_secs_f64());
-    if args.json { output::print_json(&report) } else { output::print(&report.text(&subject.places, &lists, args.top.unwrap_or(ROWS))) }
+    if args.json {
+        output::print_json(&report)
+    } else {
+        output::print(&report.text(&subject.places, &lists, args.top.unwrap_or(ROWS)))
+    }
 }
 
 /// The library's options.
@@ -60,7 +60,7 @@ fn options(args: &Arguments) -> Options {
 pub(crate) fn explain(path: &Path, error: FieldError) -> Failure {
     match error {
         FieldError::NotANumber { vertex } => Failure::NotANumber { path: path.to_owned(), vertex },
-        source => Failure::Persistence { path: path.to_owned(), source },
+        error => Failure::Persistence { path: path.to_owned(), error },
     }
 }
 
@@ -90,7 +90,10 @@ fn write(args: &Arguments, subject: &Subject, lists: &[PairList], report: &Repor
         match output::extension(path, &["csv", "json", "vtp"])? {
             "csv" => output::write_text(path, &report::csv(lists, &subject.places))?,
             "json" => output::write_text(path, &output::json(report))?,
-            _ => output::write_text(path, &vtp::text(lists, &subject.places).ok_or_else(|| Failure::NoPlaces(path.clone()))?)?,
+            _ => output::write_text(
+                path,
+                &vtp::text(lists, &subject.places).ok_or_else(|| Failure::NoPlaces(path.clone()))?,
+            )?,
         }
     }
     for (path, sketch) in [(&args.diagram, chart::diagram as fn(&[PairList]) -> _), (&args.barcode, chart::barcode)] {

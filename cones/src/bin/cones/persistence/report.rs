@@ -124,7 +124,8 @@ impl Report {
     /// The report for people: what went in, and the first rows of each direction.
     pub(super) fn text(&self, places: &Places, lists: &[PairList], rows: usize) -> String {
         let Input { path, vertices, edges, .. } = &self.input;
-        let mut text = format!("{path}: {}, {} vertices, {} edges\n", self.domain(), thousands(*vertices), thousands(*edges));
+        let mut text =
+            format!("{path}: {}, {} vertices, {} edges\n", self.domain(), thousands(*vertices), thousands(*edges));
         for list in lists {
             text += &format!("\n{}\n", summary(list));
             if !list.pairs.is_empty() && rows > 0 {
@@ -140,9 +141,12 @@ impl Report {
     }
 
     fn domain(&self) -> String {
-        let Some(GridReport { shape, connectivity, periodic }) = &self.input.grid else { return self.input.domain.to_owned() };
+        let Some(GridReport { shape, connectivity, periodic }) = &self.input.grid else {
+            return self.input.domain.to_owned();
+        };
         let shape = shape.iter().map(usize::to_string).collect::<Vec<_>>().join(" × ");
-        let rings = if periodic.is_empty() { String::new() } else { format!(", periodic in {}", periodic.join(" and ")) };
+        let rings =
+            if periodic.is_empty() { String::new() } else { format!(", periodic in {}", periodic.join(" and ")) };
         format!("grid of {shape}, {connectivity} neighbours{rings}")
     }
 }
@@ -224,7 +228,13 @@ pub(super) fn csv(lists: &[PairList], places: &Places) -> String {
         for pair in &list.pairs {
             let saddle = pair.saddle.map_or_else(String::new, |saddle| saddle.to_string());
             let death = pair.death.map_or_else(String::new, |death| death.to_string());
-            text += &format!("{},{},{saddle},{},{death},{}", kind_name(list.kind), pair.extremum, pair.birth, pair.persistence);
+            text += &format!(
+                "{},{},{saddle},{},{death},{}",
+                kind_name(list.kind),
+                pair.extremum,
+                pair.birth,
+                pair.persistence
+            );
             text += &places.cells(Some(pair.extremum));
             text += &places.cells(pair.saddle);
             text.push('\n');

@@ -11,7 +11,13 @@ use std::path::Path;
 use topo::{FieldError, Kind, Options, Segmentation};
 
 /// Writes the segments of the extrema that are more persistent than a threshold.
-pub(super) fn write(path: &Path, subject: &Subject, kind: Kind, options: Options, threshold: f64) -> Result<(), Failure> {
+pub(super) fn write(
+    path: &Path,
+    subject: &Subject,
+    kind: Kind,
+    options: Options,
+    threshold: f64,
+) -> Result<(), Failure> {
     let segments = segments(subject, kind, options, threshold).map_err(|error| explain(&subject.path, error))?;
     let extremum = |segment: Option<usize>| segment.map(|segment| segments.extrema()[segment]);
     match (output::extension(path, &["npy", "ply", "png"])?, &subject.places) {
@@ -32,7 +38,12 @@ pub(super) fn write(path: &Path, subject: &Subject, kind: Kind, options: Options
     }
 }
 
-fn segments(subject: &Subject, kind: Kind, options: Options, threshold: f64) -> Result<Segmentation<usize>, FieldError> {
+fn segments(
+    subject: &Subject,
+    kind: Kind,
+    options: Options,
+    threshold: f64,
+) -> Result<Segmentation<usize>, FieldError> {
     fn threshold_of<S: FieldScalar>(_: &[S], threshold: f64) -> S::Width {
         S::threshold(threshold)
     }

@@ -2,7 +2,7 @@
 
 use super::args::{Arguments, ConnectivityName};
 use crate::failure::Failure;
-use crate::field::{Array, Form, Network, Source, Surface, Values, edges_beside};
+use crate::field::{Array, Form, Network, Source, Surface, Values, edges_beside, six_digits};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use topo::{Adjacency, Connectivity, Domain as _, Grid, Triangulation};
@@ -154,7 +154,7 @@ impl Subject {
 const AXES: [&str; 3] = ["z", "y", "x"];
 
 fn domain_failure(path: &Path) -> impl Fn(topo::DomainError) -> Failure + '_ {
-    |source| Failure::Domain { path: path.to_owned(), source }
+    |error| Failure::Domain { path: path.to_owned(), error }
 }
 
 fn grid(shape: &[usize], connectivity: Connectivity, [z, y, x]: [bool; 3]) -> Domain {
@@ -169,23 +169,26 @@ fn grid(shape: &[usize], connectivity: Connectivity, [z, y, x]: [bool; 3]) -> Do
 /// The number of edges of a grid: for each offset to a later neighbour the places from which it stays inside. None where
 /// two steps round a ring come to the same neighbour, and edges must be counted one by one.
 fn grid_edges(grid: &GridReport) -> Option<usize> {
-    let axes: Vec<(usize, bool)> = (0..).zip(&grid.shape).map(|(axis, &length)| {
-        (length, grid.periodic.contains(&AXES[axis + 3 - grid.shape.len()]))
-    }).collect();
+    let axes: Vec<(usize, bool)> = (0..)
+        .zip(&grid.shape)
+        .map(|(axis, &length)| (length, grid.periodic.contains(&AXES[axis + 3 - grid.shape.len()])))
+        .collect();
     if axes.iter().any(|&(length, is_ring)| is_ring && length < 3) {
         return None;
     }
-    let along = |length: usize, is_ring: bool, step: i32| if step == 0 || is_ring { length } else { length.saturating_sub(1) };
-    let offsets = (0..3i32.pow(axes.len() as u32)).map(|code| -> Vec<i32> {
-        (0..axes.len() as u32).map(|axis| code / 3i32.pow(axis) % 3 - 1).collect()
-    });
+    let along =
+        |length: usize, is_ring: bool, step: i32| if step == 0 || is_ring { length } else { length.saturating_sub(1) };
+    let offsets = (0..3i32.pow(axes.len() as u32))
+        .map(|code| -> Vec<i32> { (0..axes.len() as u32).map(|axis| code / 3i32.pow(axis) % 3 - 1).collect() });
     let is_edge = |offset: &Vec<i32>| match grid.connectivity {
         "axis" => offset.iter().sum::<i32>() == 1 && offset.iter().filter(|step| **step != 0).count() == 1,
         "freudenthal" => offset.iter().all(|&step| step >= 0) && offset.contains(&1),
         // Of an offset and its opposite the one whose first step is forward.
         _ => offset.iter().find(|step| **step != 0) == Some(&1),
     };
-    let edges = |offset: Vec<i32>| axes.iter().zip(offset).map(|(&(length, is_ring), step)| along(length, is_ring, step)).product::<usize>();
+    let edges = |offset: Vec<i32>| {
+        axes.iter().zip(offset).map(|(&(length, is_ring), step)| along(length, is_ring, step)).product::<usize>()
+    };
     Some(offsets.filter(is_edge).map(edges).sum())
 }
 
@@ -203,9 +206,7 @@ impl Places {
     pub(crate) fn told(&self, vertex: usize) -> String {
         match self {
             Self::Array(shape) => index(shape, vertex).iter().map(usize::to_string).collect::<Vec<_>>().join(", "),
-            Self::Mesh { points, .. } => {
-                points[vertex].iter().map(|&x| crate::field::six_digits(x)).collect::<Vec<_>>().join(", ")
-            }
+            Self::Mesh { points, .. } => points[vertex].iter().map(|&x| six_digits(x)).collect::<Vec<_>>().join(", "),
             Self::Network(names) => names[vertex].clone(),
         }
     }
@@ -232,11 +233,15 @@ impl Places {
 /// The indices of an array's element, the slowest axis first.
 fn index(shape: &[usize], vertex: usize) -> Vec<usize> {
     let mut rest = vertex;
-    let mut index: Vec<usize> = shape.iter().rev().map(|&length| {
-        let i = rest % length.max(1);
-        rest /= length.max(1);
-        i
-    }).collect();
+    let mut index: Vec<usize> = shape
+        .iter()
+        .rev()
+        .map(|&length| {
+            let i = rest % length.max(1);
+            rest /= length.max(1);
+            i
+        })
+        .collect();
     index.reverse();
     index
 }
@@ -254,7 +259,8 @@ mod tests {
 
     #[test]
     fn edges_are_counted_once() {
-        let names = [("axis", Connectivity::Axis), ("full", Connectivity::Full), ("freudenthal", Connectivity::Freudenthal)];
+        let names =
+            [("axis", Connectivity::Axis), ("full", Connectivity::Full), ("freudenthal", Connectivity::Freudenthal)];
         for shape in [&[5][..], &[3, 4], &[1, 4], &[3, 3, 5]] {
             for (name, connectivity) in names {
                 for periodic in [[false; 3], [false, false, true]] {

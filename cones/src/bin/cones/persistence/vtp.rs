@@ -10,7 +10,8 @@ use topo::Kind;
 
 /// The document; nothing where vertices are nowhere in space.
 pub(super) fn text(lists: &[PairList], places: &Places) -> Option<String> {
-    let points: Vec<Point> = lists.iter().flat_map(|list| list.pairs.iter().flat_map(|pair| ends(list.kind, pair))).collect();
+    let points: Vec<Point> =
+        lists.iter().flat_map(|list| list.pairs.iter().flat_map(|pair| ends(list.kind, pair))).collect();
     let positions = points.iter().map(|point| places.point(point.vertex)).collect::<Option<Vec<_>>>()?;
     let lines: Vec<usize> = (1..points.len()).filter(|&i| points[i].is_saddle()).collect();
     let of_points = |number: fn(&Point) -> f64| points.iter().map(number).collect::<Vec<_>>();
@@ -77,7 +78,8 @@ fn floats(name: &str, components: usize, numbers: impl IntoIterator<Item = f64>)
 }
 
 fn array(number: &str, name: &str, components: usize, words: impl Iterator<Item = String>) -> String {
-    let mut text = format!("<DataArray type=\"{number}\" Name=\"{name}\" NumberOfComponents=\"{components}\" format=\"ascii\">\n");
+    let mut text =
+        format!("<DataArray type=\"{number}\" Name=\"{name}\" NumberOfComponents=\"{components}\" format=\"ascii\">\n");
     for word in words {
         let _ = writeln!(text, "{word}");
     }

@@ -21,7 +21,8 @@ pub(super) fn write(text: &str, size: f64) -> (Strokes, f64) {
         let glyph = glyph(letter);
         let mut width = if glyph.is_empty() { BLANK } else { 0.0 };
         for stroke in glyph.split_whitespace() {
-            let points: Vec<[f64; 2]> = stroke.as_bytes().chunks_exact(2).map(|p| [p[0], p[1]].map(|d| f64::from(d - b'0'))).collect();
+            let points: Vec<[f64; 2]> =
+                stroke.as_bytes().chunks_exact(2).map(|p| [p[0], p[1]].map(|d| f64::from(d - b'0'))).collect();
             width = points.iter().fold(width, |width, p| width.max(p[0]));
             strokes.push(points.iter().map(|p| [scale * (x + p[0]), scale * (p[1] - BASELINE)]).collect());
         }

@@ -68,17 +68,27 @@ impl Sketch {
                 Item::Line { from, to, width, colour } => writeln!(
                     svg,
                     "<path d=\"M{:.1} {:.1}L{:.1} {:.1}\" stroke=\"{}\" stroke-width=\"{width:.1}\"/>",
-                    from[0], from[1], to[0], to[1], hex(*colour)
+                    from[0],
+                    from[1],
+                    to[0],
+                    to[1],
+                    hex(*colour)
                 ),
                 Item::Disc { centre, radius, colour } => writeln!(
                     svg,
                     "<circle cx=\"{:.1}\" cy=\"{:.1}\" r=\"{radius:.1}\" fill=\"{}\"/>",
-                    centre[0], centre[1], hex(*colour)
+                    centre[0],
+                    centre[1],
+                    hex(*colour)
                 ),
                 Item::Text { at, size, anchor, colour, text } => writeln!(
                     svg,
                     "<text x=\"{:.1}\" y=\"{:.1}\" font-size=\"{size}\" text-anchor=\"{}\" fill=\"{}\">{}</text>",
-                    at[0], at[1], anchor.name(), hex(*colour), escaped(text)
+                    at[0],
+                    at[1],
+                    anchor.name(),
+                    hex(*colour),
+                    escaped(text)
                 ),
             };
         }
@@ -92,7 +102,9 @@ impl Sketch {
         for item in &self.items {
             match item {
                 Item::Line { from, to, width, colour } => canvas.line(flat(*from), flat(*to), *width, *colour),
-                Item::Disc { centre, radius, colour } => canvas.line(flat(*centre), flat(*centre), 2.0 * radius, *colour),
+                Item::Disc { centre, radius, colour } => {
+                    canvas.line(flat(*centre), flat(*centre), 2.0 * radius, *colour)
+                }
                 Item::Text { at, size, anchor, colour, text } => {
                     let (strokes, width) = lettering::write(text, CAPITAL * size);
                     let left = at[0] - anchor.share() * width;
