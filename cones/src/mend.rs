@@ -22,7 +22,7 @@ use thiserror::Error;
 
 use crate::layout::Layout;
 use crate::scaling::Scaling;
-use crate::untangle::{Corner, Patch, Triangle, untangle};
+use crate::untangle::{Corner, Patch, PatchTriangle};
 
 /// A triangle's height over its longest side below which it counts as flipped, unless it is as thin in space.
 const LEAST_HEIGHT: f64 = 1e-7;
@@ -64,7 +64,14 @@ pub(crate) fn mend(
     let mut moved = 0;
     for rings in 0..=MAX_RINGS {
         for patch in mender.patches(&bad, rings) {
-            moved += mender.untangle(&patch);
+            moved += mender.untangle(&patch, Fans::Free);
+        }
+        bad = mender.bad(input.faces());
+        for patch in mender.patches(&bad, rings) {
+            // With the fans held first; once nothing is flipped they may relax, which cannot unwind them.
+            if mender.untangle(&patch, Fans::Held) > 0 {
+                moved += mender.untangle(&patch, Fans::Free).max(patch.len());
+            }
         }
         bad = mender.bad(input.faces());
         if bad.is_empty() {
@@ -95,6 +102,14 @@ impl Bad {
     }
 }
 
+/// Whether the neighbours of cones with spread fans may move.
+#[derive(Clone, Copy, PartialEq)]
+enum Fans {
+    Free,
+    /// Untangling is free to unwind a cone by one turn and to wind a plain vertex instead; held fans prevent that.
+    Held,
+}
+
 struct Mender<'a> {
     input: &'a Mesh,
     /// The edge lengths in space.
@@ -106,6 +121,8 @@ struct Mender<'a> {
     layout: &'a mut Layout,
     /// For each wedge the rotation that takes displacements of the vertex's first wedge to its own.
     turn: Vec<Complex64>,
+    /// The cones whose fans were spread, ascending.
+    fanned: Vec<VertexId>,
 }
 
 impl<'a> Mender<'a> {
@@ -118,7 +135,7 @@ impl<'a> Mender<'a> {
     ) -> Self {
         let angle = scaling.metric.angle_sums(&scaling.triangulation);
         let turn = wedge_turns(input, layout);
-        Self { input, metric, scaling, angle, is_cone, layout, turn }
+        Self { input, metric, scaling, angle, is_cone, layout, turn, fanned: Vec::new() }
     }
 
     fn positions(&self, f: FaceId) -> [Complex64; 3] {
@@ -166,9 +183,10 @@ impl<'a> Mender<'a> {
         let mut cones: Vec<VertexId> = touched.filter(|&v| self.is_cone[v] && self.angle[v] >= 2.0 * PI).collect();
         cones.sort_unstable();
         cones.dedup();
-        for cone in cones {
+        for &cone in &cones {
             self.spread_fan(cone);
         }
+        self.fanned = cones;
     }
 
     fn spread_fan(&mut self, cone: VertexId) {
@@ -201,8 +219,13 @@ impl<'a> Mender<'a> {
     /// Moves the vertex at a halfedge's tail, given the displacement of the wedge there.
     fn displace(&mut self, at: HalfedgeId, displacement: Complex64) {
         let base = displacement * self.turn[self.layout.cut.wedge(at).index()].conj();
-        for w in self.layout.cut.wedges(self.input.tail(at)) {
-            self.layout.position[w.index()] += base * self.turn[w.index()];
+        self.displace_vertex(self.input.tail(at), base);
+    }
+
+    /// Moves a vertex, given the displacement of its first wedge.
+    fn displace_vertex(&mut self, v: VertexId, displacement: Complex64) {
+        for w in self.layout.cut.wedges(v) {
+            self.layout.position[w.index()] += displacement * self.turn[w.index()];
         }
     }
 
@@ -242,69 +265,61 @@ impl<'a> Mender<'a> {
     }
 
     /// Untangles a patch; returns how many triangles it has, 0 where it was left as it was.
-    fn untangle(&mut self, faces: &[FaceId]) -> usize {
+    fn untangle(&mut self, faces: &[FaceId], fans: Fans) -> usize {
         if faces.len() > MAX_PATCH {
             return 0;
         }
-        let Some((patch, variables)) = self.patch(faces) else { return 0 };
-        let Some(displacements) = untangle(&patch) else { return 0 };
-        let before = self.layout.position.clone();
-        for (&at, displacement) in variables.iter().zip(displacements) {
-            let [re, im] = displacement;
-            let first = self.layout.cut.wedges(self.input.tail(at)).next();
-            let base = Complex64::new(re, im);
-            debug_assert!(first.is_some());
-            for w in self.layout.cut.wedges(self.input.tail(at)) {
-                self.layout.position[w.index()] += base * self.turn[w.index()];
-            }
+        let Some((patch, moving)) = self.patch(faces, fans) else { return 0 };
+        let untangled = patch.untangle();
+        if !untangled.succeeded {
+            return 0;
         }
-        let still_bad = faces.iter().any(|&f| self.is_flipped(f))
-            || faces.iter().flat_map(|&f| self.input.corners(f)).any(|v| self.winding(v) != 0.0);
-        if still_bad {
+        let before = self.layout.position.clone();
+        for (&v, [x, y]) in moving.iter().zip(untangled.displacements) {
+            self.displace_vertex(v, Complex64::new(x, y));
+        }
+        let corners = || faces.iter().flat_map(|&f| self.input.corners(f));
+        if faces.iter().any(|&f| self.is_flipped(f)) || corners().any(|v| self.winding(v) != 0.0) {
             self.layout.position = before;
             return 0;
         }
         faces.len()
     }
 
-    /// A patch for untangling, with the halfedges whose tails are its variables; none if nothing can move.
-    fn patch(&self, faces: &[FaceId]) -> Option<(Patch, Vec<HalfedgeId>)> {
+    /// A patch for untangling, and the vertices that its displacements move; none if nothing can move.
+    fn patch(&self, faces: &[FaceId], fans: Fans) -> Option<(Patch, Vec<VertexId>)> {
         let input = self.input;
         let mut degree: BTreeMap<VertexId, usize> = BTreeMap::new();
-        for &f in faces {
-            for v in input.corners(f) {
-                *degree.entry(v).or_insert(0) += 1;
-            }
+        for v in faces.iter().flat_map(|&f| input.corners(f)) {
+            *degree.entry(v).or_insert(0) += 1;
         }
-        let mut variable: BTreeMap<VertexId, u32> = BTreeMap::new();
-        let mut at = Vec::new();
-        for &h in faces.iter().flat_map(|&f| input.sides(f)).collect::<Vec<_>>().iter() {
-            let v = input.tail(h);
-            if !self.is_cone[v] && degree[&v] == input.face_degree(v) && !variable.contains_key(&v) {
-                variable.insert(v, at.len() as u32);
-                at.push(h);
-            }
-        }
-        if at.is_empty() {
+        let held = |v: VertexId| fans == Fans::Held && input.neighbors(v).iter().any(|w| self.fanned.contains(w));
+        let is_inside = |v: VertexId| !self.is_cone[v] && degree[&v] == input.face_degree(v) && !held(v);
+        let moving: Vec<VertexId> = degree.keys().copied().filter(|&v| is_inside(v)).collect();
+        if moving.is_empty() {
             return None;
         }
         let mut index: BTreeMap<WedgeId, u32> = BTreeMap::new();
         let mut corners = Vec::new();
         let mut triangles = Vec::new();
+        let areas = faces.iter().map(|&f| self.reference(f).area());
+        let mean_area = areas.sum::<f64>() / faces.len() as f64;
         for &f in faces {
             let of_side = |h: HalfedgeId| {
                 let w = self.layout.cut.wedge(h);
                 *index.entry(w).or_insert_with(|| {
-                    let z = self.layout.position[w.index()];
-                    let turn = self.turn[w.index()];
-                    let variable = variable.get(&input.tail(h)).copied();
-                    corners.push(Corner { position: [z.re, z.im], variable, rotation: [turn.re, turn.im] });
+                    let (z, turn) = (self.layout.position[w.index()], self.turn[w.index()]);
+                    let displacement = moving.binary_search(&input.tail(h)).ok().map(|k| k as u32);
+                    corners.push(Corner { position: [z.re, z.im], displacement, rotation: [turn.re, turn.im] });
                     corners.len() as u32 - 1
                 })
             };
-            triangles.push(Triangle { corners: input.sides(f).map(of_side), sides: self.reference(f).0 });
+            let reference = self.reference(f);
+            let weight = (reference.area() / mean_area).sqrt().max(0.01);
+            triangles.push(PatchTriangle { corners: input.sides(f).map(of_side), lengths: reference.0, weight });
         }
-        Some((Patch { corners, triangles, variable_count: at.len() }, at))
+        let patch = Patch::new(corners, triangles, moving.len()).ok()?;
+        Some((patch, moving))
     }
 }
 
@@ -348,4 +363,64 @@ fn clipped_to_sum(angles: &[f64], low: f64, high: f64, sum: f64) -> Vec<f64> {
 
 fn cross(a: Complex64, b: Complex64) -> f64 {
     a.re * b.im - a.im * b.re
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Operators, Seams, scale};
+    use geom::shapes;
+
+    #[test]
+    fn folded_triangles_are_turned_over_also_across_seams() {
+        let shape = shapes::hare(1200);
+        let mesh = shape.mesh();
+        let metric = Metric::from_points(&mesh, &shape.points);
+        let operators = Operators::new(&mesh, &metric).unwrap();
+        let cones = [0, 300, 600, 900, 1100].map(VertexId);
+        let mut target = VertexData::constant(mesh.vertex_count(), 0.0);
+        let mut is_cone = VertexData::constant(mesh.vertex_count(), false);
+        for v in cones {
+            target[v] = operators.total_curvature() / cones.len() as f64;
+            is_cone[v] = true;
+        }
+        let zero = VertexData::constant(mesh.vertex_count(), 0.0);
+        let scaling = scale(&mesh, &metric, &operators, &target, &zero).unwrap();
+        let seams = Seams::new(&mesh, metric.lengths(), &cones).unwrap();
+        let mut layout = Layout::new(&mesh, &scaling, &seams.cut);
+        mend(&mesh, &metric, &scaling, &is_cone, &mut layout).unwrap();
+        // Fold plain vertices over an edge of their stars: one inside, one on a seam.
+        let plain = |wedges: usize| {
+            let layout = &layout;
+            let is_cone = &is_cone;
+            mesh.vertices().filter(move |&v| layout.cut.wedges(v).len() == wedges && !is_cone[v])
+        };
+        let inside = plain(1).nth(20).unwrap();
+        let seam = plain(2).nth(3).unwrap();
+        for v in [inside, seam] {
+            let mut folded = layout.clone();
+            let mut mender = Mender::new(&mesh, &metric, &scaling, &is_cone, &mut folded);
+            let h = mesh.outgoing(v).next().unwrap();
+            let spoke = mender.layout.corner(mesh.next(h)) - mender.layout.corner(h);
+            mender.displace(h, 1.5 * spoke);
+            assert!(!mender.bad(mesh.faces()).is_empty());
+            assert!(mend(&mesh, &metric, &scaling, &is_cone, &mut folded).unwrap() > 0);
+            let mender = Mender::new(&mesh, &metric, &scaling, &is_cone, &mut folded);
+            assert!(mender.bad(mesh.faces()).is_empty());
+            for h in mesh.halfedges() {
+                let g = mesh.twin(h).unwrap();
+                let here = mender.layout.corner(mesh.next(h)) - mender.layout.corner(h);
+                let there = mender.layout.corner(g) - mender.layout.corner(mesh.next(g));
+                let gap = (here - mender.layout.seam_rotation[h] * there).norm();
+                assert!(gap < 1e-9, "seams stay rigid: {gap}, {here}");
+            }
+        }
+    }
+
+    #[test]
+    fn clipped_angles_sum_to_what_they_should() {
+        let angles = clipped_to_sum(&[0.1, 3.0, 1.0], 0.4, 2.6, 5.0);
+        assert!((angles.iter().sum::<f64>() - 5.0).abs() < 1e-12);
+        assert!(angles.iter().all(|a| (0.4..=2.6).contains(a)));
+    }
 }

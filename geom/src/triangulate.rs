@@ -12,8 +12,8 @@
 
 use crate::model::Model;
 
-/// How many pairs of corners are compared in a model before ears are clipped untested: some seconds.
-const WORK_PER_MODEL: u64 = 1 << 30;
+/// How many pairs of corners are compared in a model before ears are clipped untested: about two seconds.
+const WORK_PER_MODEL: u64 = 1 << 29;
 
 /// Twice the area, in a polygon of size 1, up to which three corners count as lying on a line: far above rounding, and
 /// below any triangle worth having.
@@ -143,11 +143,15 @@ impl<'a> Ears<'a> {
 
     fn clip(mut self, push: &mut impl FnMut([usize; 3])) {
         let mut corner = 0;
-        for _ in 3..self.points.len() {
+        for left in (3..self.points.len()).rev() {
             let ear = self.find(corner);
             push([self.previous[ear], ear, self.next[ear]]);
             let behind = self.remove(ear);
             corner = self.next[behind];
+            // Corners that are reflex no more are harmless in the list, they only take time.
+            if left % 32 == 0 && *self.work > 0 {
+                self.forget_convex();
+            }
         }
         push([self.previous[corner], corner, self.next[corner]]);
     }
@@ -159,7 +163,7 @@ impl<'a> Ears<'a> {
             if *self.work == 0 {
                 return start;
             }
-            *self.work -= 1;
+            self.spend(1);
             if self.is_ear(corner) {
                 return corner;
             }
@@ -180,19 +184,25 @@ impl<'a> Ears<'a> {
         self.previous[behind] = before;
         // The ear points to itself from now on: it is recognised as removed.
         self.next[ear] = ear;
-        let (next, points) = (&self.next, self.points);
-        if *self.work > 0 && (self.turn(before) > FLAT || self.turn(behind) > FLAT) {
-            let turn = |i: usize| orientation(points[self.previous[i]], points[i], points[next[i]]);
-            self.reflex.retain(|&i| next[i] != i && turn(i) <= FLAT);
-        }
         behind
+    }
+
+    fn forget_convex(&mut self) {
+        let mut reflex = std::mem::take(&mut self.reflex);
+        self.spend(reflex.len());
+        reflex.retain(|&i| self.next[i] != i && self.turn(i) <= FLAT);
+        self.reflex = reflex;
+    }
+
+    fn spend(&mut self, work: usize) {
+        *self.work = self.work.saturating_sub(work as u64);
     }
 
     fn is_ear(&mut self, corner: usize) -> bool {
         if self.turn(corner) <= FLAT {
             return false;
         }
-        *self.work = self.work.saturating_sub(self.reflex.len() as u64);
+        self.spend(self.reflex.len());
         let triangle = [self.previous[corner], corner, self.next[corner]].map(|i| self.points[i]);
         !self.reflex.iter().any(|&i| self.next[i] != i && is_inside(self.points[i], triangle))
     }

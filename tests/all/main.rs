@@ -1,1 +1,4 @@
-//! Tests.
+//! What holds across the crates.
+
+mod command;
+mod fields_command;

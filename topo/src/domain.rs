@@ -5,7 +5,8 @@
 //! else implements petgraph's visit traits); by measurement this costs nothing against a hand-written adjacency loop.
 //! The domains of this crate ([`Grid`](crate::Grid), …) know more about themselves and use it to be faster.
 
-use crate::sweep::{self, Merges};
+use crate::basins;
+use crate::merges::Merges;
 use crate::{Direction, Filtration, Scalar};
 use petgraph::Undirected;
 use petgraph::visit::{GraphProp, IntoNeighbors, NodeCompactIndexable};
@@ -38,7 +39,7 @@ pub trait Domain: Copy {
     /// Pairs the extrema in the way that is fastest on this domain.
     #[doc(hidden)]
     fn merges<S: Scalar, D: Direction>(&self, filtration: &Filtration<'_, S, D>) -> Merges {
-        sweep::merges(*self, filtration)
+        basins::of_graph(*self, filtration)
     }
 }
 

@@ -167,6 +167,11 @@ impl<'a, S: Scalar, D: Direction> Filtration<'a, S, D> {
         }
     }
 
+    /// The one of two vertices that enters later.
+    pub(crate) fn later(&self, u: u32, v: u32) -> u32 {
+        if self.precedes(u, v) { v } else { u }
+    }
+
     /// Whether the vertex enters at all: its value is a number.
     pub fn contains(&self, vertex: u32) -> bool {
         !self.value(vertex).is_nan()
@@ -177,10 +182,21 @@ impl<'a, S: Scalar, D: Direction> Filtration<'a, S, D> {
         let keyed = self.field.iter().zip(0..).filter_map(|(value, vertex)| Some((value.key()?, vertex)));
         let mut keyed: Vec<(S::Key, u32)> = keyed.collect();
         keyed.sort_unstable();
-        if D::KIND == Kind::Maximum {
-            keyed.reverse();
-        }
-        keyed.into_iter().map(|(_, vertex)| vertex).collect()
+        let order = keyed.into_iter().map(|(_, vertex)| vertex);
+        if D::KIND == Kind::Minimum { order.collect() } else { order.rev().collect() }
+    }
+
+    /// Things in the order in which a vertex of theirs enters; things of the same vertex keep their order.
+    pub(crate) fn sorted<T: Copy>(&self, things: &[T], vertex: impl Fn(&T) -> u32) -> Vec<T> {
+        let backwards = if D::KIND == Kind::Minimum { 0 } else { u32::MAX };
+        let keyed = things.iter().zip(0u32..).map(|(thing, place)| {
+            let vertex = vertex(thing);
+            (self.value(vertex).key(), vertex, place ^ backwards)
+        });
+        let mut keyed: Vec<_> = keyed.collect();
+        keyed.sort_unstable();
+        let sorted = keyed.into_iter().map(|(_, _, place)| things[(place ^ backwards) as usize]);
+        if D::KIND == Kind::Minimum { sorted.collect() } else { sorted.rev().collect() }
     }
 }
 

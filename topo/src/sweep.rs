@@ -6,17 +6,9 @@
 //!
 //! This is the reference: the faster ways elsewhere in the crate are tested to agree with it, vertex by vertex.
 
+use crate::merges::{Merge, Merges};
 use crate::union_find::UnionFind;
 use crate::{Direction, Domain, Filtration, Scalar};
-
-/// Who dies where, in vertex indices: the outcome of every algorithm of this crate.
-#[derive(Debug, Clone, Default)]
-pub struct Merges {
-    /// An extremum and the saddle at which its component joins an elder one.
-    pub(crate) finite: Vec<(u32, u32)>,
-    /// The eldest extremum of a connected component, and the last vertex of that component to enter.
-    pub(crate) essential: Vec<(u32, u32)>,
-}
 
 /// Pairs every extremum of a filtration by sorting all vertices.
 pub(crate) fn merges<G: Domain, S: Scalar, D: Direction>(domain: G, filtration: &Filtration<'_, S, D>) -> Merges {
@@ -35,7 +27,7 @@ pub(crate) fn merges<G: Domain, S: Scalar, D: Direction>(domain: G, filtration: 
             }
             let (elder, younger) = if filtration.precedes(a, b) { (a, b) } else { (b, a) };
             if younger != v {
-                finite.push((younger, v));
+                finite.push(Merge { extremum: younger, saddle: v, towards: elder });
             }
             components.join(younger, elder);
         });

@@ -1,9 +1,9 @@
 //! How much of a map lies on itself, by sampling.
 
 /// The share of a map's image that is covered more than once: of the points of a regular grid, `resolution` along the
-/// longer side of the bounding box, that lie in a triangle, those that lie in two. What is thinner than their distance may
-/// be missed. Points on a common side are in one of
-/// its triangles only. Triangles with coordinates that are not finite are left out.
+/// longer side of the bounding box, that lie in a triangle, those that lie in two. An overlap thinner than the grid may be
+/// missed. Points on a common side are in one of its triangles only. Triangles with coordinates that are not finite are
+/// left out.
 ///
 /// ```
 /// use geom::distortion::overlap;

@@ -9,8 +9,8 @@ use super::error::WriteError;
 
 /// Writes a file under a temporary name in the same folder and renames it when it is complete.
 ///
-/// When anything fails the temporary file is removed and what was at `path` before is still there. A device or a pipe is
-/// written directly. This guards against failures of the program and a full disk, not against loss of power.
+/// When anything fails the temporary file is removed and what was at `path` before is still there. A file that is
+/// protected from writing is not replaced; a device or a pipe is written directly. This guards against failures of the program and a full disk, not against loss of power.
 ///
 /// ```
 /// # let folder = std::env::temp_dir();
@@ -34,6 +34,7 @@ pub fn write_atomically(
         Ok(found) if !found.is_file() => {
             File::options().write(true).open(path).map_err(WriteError::from).and_then(|file| fill(file, write))
         }
+        Ok(found) if found.permissions().readonly() => Err(io::Error::from(io::ErrorKind::PermissionDenied).into()),
         // The target of a link is replaced, not the link.
         Ok(_) => fs::canonicalize(path).map_err(WriteError::from).and_then(|path| replace(&path, write)),
         Err(_) => replace(path, write),

@@ -131,6 +131,12 @@ impl Fault {
         Self::new(place, Problem::Unexpected { found: found.into(), expected: expected.into() })
     }
 
+    /// A face that encloses nothing.
+    pub(super) fn few_corners(place: Place, corners: usize) -> Self {
+        let plural = if corners == 1 { "" } else { "s" };
+        Self::unexpected(place, format!("a face with {corners} corner{plural}"), "at least 3")
+    }
+
     pub(super) fn in_file(self, path: &Path) -> ReadError {
         ReadError { path: path.to_owned(), place: self.place, problem: self.problem }
     }

@@ -42,8 +42,8 @@ pub use write_obj::{Material, ObjContent, write_obj};
 pub use write_ply::write_ply;
 
 /// The formats that can be read.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Format {
+#[derive(Debug, Clone, Copy)]
+enum Format {
     /// Wavefront OBJ.
     Obj,
     /// Geomview's object file format.

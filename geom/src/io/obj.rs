@@ -119,7 +119,7 @@ impl Draft {
             corners += 1;
         }
         if corners < 3 {
-            return Err(Fault::unexpected(words.place(), format!("a face of {corners}"), "at least 3 corners"));
+            return Err(Fault::few_corners(words.place(), corners));
         }
         self.polygons.end_face();
         Ok(())

@@ -64,7 +64,7 @@ fn words_start(words: &Words, rest: &[u8]) -> usize {
 }
 
 fn counts(mut words: Words) -> Result<(u64, u64), Fault> {
-    Ok((words.natural("the number of vertices")?, words.natural("the number of faces")?))
+    Ok((words.natural("number of vertices")?, words.natural("number of faces")?))
 }
 
 fn cut_short(what: &str, claimed: u64, present: usize) -> Fault {
@@ -90,12 +90,12 @@ fn read_faces(lines: &mut Lines, claimed: u64, vertices: usize, size: usize) -> 
 }
 
 fn read_face(mut words: Words, vertices: usize, polygons: &mut Polygons) -> Result<(), Fault> {
-    let corners = words.natural("the number of corners of a face")?;
+    let corners = words.natural("number of corners of a face")?;
     if corners < 3 {
-        return Err(Fault::unexpected(words.place(), format!("a face of {corners}"), "at least 3 corners"));
+        return Err(Fault::few_corners(words.place(), corners as usize));
     }
     for _ in 0..corners {
-        let vertex = words.natural("the index of a vertex")?;
+        let vertex = words.natural("index of a vertex")?;
         if vertex >= vertices as u64 {
             let expected = format!("a vertex from 0 to {}", vertices.saturating_sub(1));
             return Err(Fault::unexpected(words.place(), format!("vertex {vertex}"), expected));

@@ -13,7 +13,7 @@ mod header;
 mod values;
 
 use super::error::{Fault, Place, Problem};
-use crate::model::{MAX_COORDINATE, Model, Polygons, TextureCoordinates, is_coordinate};
+use crate::model::{MAX_COORDINATE, Model, Polygons, Skipped, TextureCoordinates, is_coordinate};
 use header::{Element, Encoding, Header, Shape};
 use values::{Binary, Text, Values};
 
@@ -63,6 +63,8 @@ struct Draft {
     polygons: Polygons,
     vertex_uv: Vec<[f64; 2]>,
     corner_uv: Vec<[f64; 2]>,
+    /// What follows the last element.
+    surplus: usize,
 }
 
 impl Draft {
@@ -73,6 +75,7 @@ impl Draft {
                 self.take(element, values)?;
             }
         }
+        self.surplus = values.surplus();
         Ok(())
     }
 
@@ -143,7 +146,7 @@ impl Draft {
 
     fn face(&mut self, list: &[f64], values: &impl Values) -> Result<(), Fault> {
         if list.len() < 3 {
-            return Err(Fault::unexpected(values.place(), format!("a face of {}", list.len()), "at least 3 corners"));
+            return Err(Fault::few_corners(values.place(), list.len()));
         }
         for &index in list {
             let vertex = self.vertex(index, values)?;
@@ -190,7 +193,8 @@ impl Draft {
         } else {
             None
         };
-        Ok(Model::new(self.points, self.polygons)?.with_uv(uv))
+        let skipped = Skipped { surplus: self.surplus, ..Skipped::default() };
+        Ok(Model::new(self.points, self.polygons)?.with_uv(uv).with_skipped(skipped))
     }
 }
 

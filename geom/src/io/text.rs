@@ -103,7 +103,8 @@ impl<'a> Line<'a> {
     }
 }
 
-/// The words of a line up to a `#`, separated by white space or by continued line ends.
+/// The words of a line, separated by white space or by continued line ends, up to one that starts with `#`. Within a word
+/// that sign is no comment: some programs write infinity as `1.#INF`, which must not become 1.
 #[derive(Debug, Clone)]
 pub(super) struct Words<'a> {
     text: &'a [u8],
@@ -143,7 +144,7 @@ impl<'a> Words<'a> {
     pub(super) fn natural(&mut self, what: &str) -> Result<u64, Fault> {
         let word = self.expect(what)?;
         let count = integer(word).and_then(|n| u64::try_from(n).ok());
-        count.ok_or_else(|| self.unexpected(word, what))
+        count.ok_or_else(|| self.unexpected(word, format!("the {what}")))
     }
 
     /// The next word, which must be there.
@@ -172,7 +173,10 @@ impl<'a> Iterator for Words<'a> {
             self.at += 1;
         }
         let start = self.at;
-        while self.at < self.text.len() && self.text[self.at] != b'#' && !self.at_gap() {
+        if self.text.get(start) == Some(&b'#') {
+            return None;
+        }
+        while self.at < self.text.len() && !self.at_gap() {
             self.at += 1;
         }
         (self.at > start).then(|| &self.text[start..self.at])
@@ -270,17 +274,17 @@ mod tests {
 
     #[test]
     fn words_end_where_they_say() {
-        let line = Lines::new(b"f\t12 3#4").next().unwrap();
+        let line = Lines::new(b"f\t12 3#4 #5").next().unwrap();
         let mut words = line.words();
         while let Some(word) = words.next() {
             assert_eq!(&line.text[words.end() - word.len()..words.end()], word);
         }
-        assert_eq!(words.end(), 6);
+        assert_eq!(&line.text[..words.end()], b"f\t12 3#4 ");
     }
 
     #[test]
     fn words_that_are_no_numbers_are_refused() {
-        for word in ["", "-", ".", "-.", "1.2.3", "0.5O1", "1,5", "0x1", "--1", "1e"] {
+        for word in ["", "-", ".", "-.", "1.2.3", "0.5O1", "1.#INF", "1,5", "0x1", "--1", "1e"] {
             assert_eq!(number(word.as_bytes()), None, "{word}");
         }
         for word in ["", "-", "+", "1.0", "1/", "1-"] {

@@ -140,7 +140,7 @@ fn read_encoding(mut words: Words) -> Result<Encoding, Fault> {
 
 fn read_element(mut words: Words, line: u64) -> Result<Element, Fault> {
     let name = String::from_utf8_lossy(words.expect("name of an element")?).into_owned();
-    let count = words.natural("the number of elements")?;
+    let count = words.natural("number of elements")?;
     Ok(Element { name, count, properties: Vec::new(), line })
 }
 

@@ -9,6 +9,9 @@ pub(super) trait Values {
     /// Whether nothing is left.
     fn at_end(&mut self) -> bool;
 
+    /// How many lines or bytes are left.
+    fn surplus(&mut self) -> usize;
+
     /// Goes to the next element.
     fn start_row(&mut self);
 
@@ -24,7 +27,7 @@ pub(super) trait Values {
     /// The next list, put in place of `list`. Its count is believed only as far as there are numbers.
     fn list(&mut self, count: Scalar, item: Scalar, name: &str, list: &mut Vec<f64>) -> Result<(), Fault> {
         let count = self.scalar(count, name)?;
-        if !(count >= 0.0 && count <= self.room(item) as f64) {
+        if !(count >= 0.0 && count <= self.room(item) as f64 && count.fract() == 0.0) {
             let found = format!("a list `{name}` of {count} numbers");
             return Err(Fault::unexpected(
                 self.place(),
@@ -61,6 +64,11 @@ impl<'a> Text<'a> {
 impl Values for Text<'_> {
     fn at_end(&mut self) -> bool {
         self.next.is_none()
+    }
+
+    fn surplus(&mut self) -> usize {
+        let filled = self.lines.by_ref().filter(|line| line.words().next().is_some());
+        filled.count() + usize::from(self.next.is_some())
     }
 
     fn start_row(&mut self) {
@@ -124,6 +132,10 @@ impl<'a> Binary<'a> {
 impl Values for Binary<'_> {
     fn at_end(&mut self) -> bool {
         self.at >= self.bytes.len()
+    }
+
+    fn surplus(&mut self) -> usize {
+        self.bytes.len() - self.at
     }
 
     fn start_row(&mut self) {}

@@ -94,7 +94,7 @@ fn off_refuses_what_it_cannot_mean() {
     assert_eq!(off("0 0 0\n1 0 0\n0 1\n"), "a.off, line 5: found the end of the line, expected the z coordinate");
     assert!(off("0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n").ends_with("line 6: found vertex 3, expected a vertex from 0 to 2"));
     assert!(off("0 0 0\n1 0 0\n0 1 0\n3 0 1 -1\n").contains("line 6: found `-1`"));
-    assert!(off("0 0 0\n1 0 0\n0 1 0\n2 0 1\n").contains("found a face of 2, expected at least 3 corners"));
+    assert!(off("0 0 0\n1 0 0\n0 1 0\n2 0 1\n").contains("found a face with 2 corners, expected at least 3"));
     assert!(off("0 0 0\n").ends_with("a.off: the header claims 3 vertices, but the file ends after 1"));
     assert!(message("4OFF\n3 1 0\n", "a.off").contains("found `4OFF`"));
     assert!(message("OFF BINARY\n3 1 0\n", "a.off").contains("found `BINARY`"));
@@ -153,8 +153,12 @@ fn ply_is_read_in_every_encoding_with_any_properties() {
         let model = read_bytes(ply(encoding), "a.ply").unwrap();
         assert_same_surface(&model, &square(&[&[0, 1, 2], &[0, 1, 2, 3]]));
     }
+    let mut longer = ply("binary_big_endian");
+    longer.extend([0; 5]);
+    assert_eq!(read_bytes(longer, "a.ply").unwrap().skipped().surplus, 5);
     let windows = String::from_utf8(ply("ascii")).unwrap().replace('\n', "\r\n");
-    assert_eq!(read_bytes(windows.into(), "a.ply").unwrap().face_count(), 2);
+    assert_eq!(read_bytes(windows.clone().into(), "a.ply").unwrap().face_count(), 2);
+    assert_eq!(read_bytes((windows + "1\n\n2\n").into(), "a.ply").unwrap().skipped().surplus, 2);
 }
 
 #[test]

@@ -217,6 +217,11 @@ fn a_file_that_fails_leaves_the_old_one_and_nothing_else() {
     assert_eq!(fs::read_to_string(&path).unwrap(), "old");
     write_atomically(&path, |out| Ok(out.write_all(b"new")?)).unwrap();
     assert_eq!(fs::read_to_string(&path).unwrap(), "new");
+    let mut permissions = fs::metadata(&path).unwrap().permissions();
+    permissions.set_readonly(true);
+    fs::set_permissions(&path, permissions).unwrap();
+    assert!(write_atomically(&path, |out| Ok(out.write_all(b"newer")?)).is_err());
+    assert_eq!(fs::read_to_string(&path).unwrap(), "new");
     assert_eq!(fs::read_dir(&folder).unwrap().count(), 1);
     assert!(write_atomically(&folder, |_| Ok(())).is_err());
     assert!(write_atomically(folder.join("none/out.obj"), |_| Ok(())).is_err());

@@ -1,0 +1,150 @@
+//! What the pictures are drawn of: a surface, its texture coordinates, its seams and its cones.
+
+use super::checker::Checker;
+use super::space::{Vector, minus};
+use std::collections::HashMap;
+
+/// A cone as it is drawn.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Mark {
+    pub(crate) vertex: u32,
+    /// Whether its curvature is positive.
+    pub(crate) positive: bool,
+}
+
+/// A surface scaled to unit size, with its texture coordinates scaled to the unit square.
+#[derive(Debug)]
+pub(crate) struct Chart {
+    pub(crate) points: Vec<Vector>,
+    pub(crate) triangles: Vec<[u32; 3]>,
+    /// For each triangle the texture coordinates of its corners.
+    pub(crate) uv: Vec<[[f64; 2]; 3]>,
+    /// Chains of vertices.
+    pub(crate) seams: Vec<Vec<u32>>,
+    pub(crate) cones: Vec<Mark>,
+}
+
+impl Chart {
+    pub(crate) fn new(
+        points: &[Vector],
+        triangles: Vec<[u32; 3]>,
+        uv: Vec<[[f64; 2]; 3]>,
+        seams: Vec<Vec<u32>>,
+        cones: Vec<Mark>,
+    ) -> Self {
+        let used = || triangles.iter().flatten().map(|&v| points[v as usize]);
+        let (low, extent) = extent(used());
+        let points = points.iter().map(|&p| minus(p, low).map(|x| x / extent)).collect();
+        let uv = to_unit_square(uv);
+        Self { points, triangles, uv, seams, cones }
+    }
+
+    /// The signed area of a triangle in the layout.
+    fn area(&self, triangle: usize) -> f64 {
+        let [a, b, c] = self.uv[triangle];
+        0.5 * ((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]))
+    }
+
+    /// Whether a triangle is laid out upside down.
+    pub(crate) fn is_flipped(&self, triangle: usize) -> bool {
+        self.area(triangle) < 0.0
+    }
+
+    /// The checkerboard that it is drawn with.
+    pub(crate) fn checker(&self) -> Checker {
+        Checker::for_area((0..self.uv.len()).map(|t| self.area(t).abs()).sum())
+    }
+
+    /// The outline of the layout as closed loops: where the surface ends or is cut. Pinched points are passed as they come.
+    pub(crate) fn outline(&self) -> Vec<Vec<[f64; 2]>> {
+        let mut open = self.open_sides();
+        let mut starts: Vec<Side> = open.values().flatten().copied().collect();
+        starts.sort_unstable_by_key(|side| (side.triangle, side.corner));
+        let mut loops = Vec::new();
+        for start in starts {
+            let mut outline = Vec::new();
+            let mut key = self.key(start.triangle, start.corner);
+            while let Some(side) = open.get_mut(&key).and_then(Vec::pop) {
+                outline.push(self.uv[side.triangle][side.corner]);
+                key = self.key(side.triangle, (side.corner + 1) % 3);
+            }
+            if !outline.is_empty() {
+                loops.push(outline);
+            }
+        }
+        loops
+    }
+
+    /// The sides that no other triangle continues across with the same texture coordinates, by where they begin.
+    fn open_sides(&self) -> HashMap<Key, Vec<Side>> {
+        let sides =
+            || (0..self.triangles.len()).flat_map(|triangle| (0..3).map(move |corner| Side { triangle, corner }));
+        let ends = |s: Side| (self.key(s.triangle, s.corner), self.key(s.triangle, (s.corner + 1) % 3));
+        let mut count: HashMap<(Key, Key), i32> = HashMap::with_capacity(3 * self.triangles.len());
+        for side in sides() {
+            *count.entry(ends(side)).or_default() += 1;
+        }
+        let mut open: HashMap<Key, Vec<Side>> = HashMap::new();
+        for side in sides() {
+            let (from, to) = ends(side);
+            if !count.contains_key(&(to, from)) {
+                open.entry(from).or_default().push(side);
+            }
+        }
+        open
+    }
+
+    fn key(&self, triangle: usize, corner: usize) -> Key {
+        (self.triangles[triangle][corner], self.uv[triangle][corner].map(f64::to_bits))
+    }
+}
+
+/// A vertex and its texture coordinates' bits: what tells the copies of a seam vertex apart.
+type Key = (u32, [u64; 2]);
+
+/// The side of a triangle that begins at a corner.
+#[derive(Clone, Copy, Debug)]
+struct Side {
+    triangle: usize,
+    corner: usize,
+}
+
+/// The texture coordinates moved and scaled into the unit square, their proportions kept.
+pub(crate) fn to_unit_square(mut uv: Vec<[[f64; 2]; 3]>) -> Vec<[[f64; 2]; 3]> {
+    let (low, size) = extent(uv.iter().flatten().copied());
+    for corner in uv.iter_mut().flatten() {
+        *corner = std::array::from_fn(|i| (corner[i] - low[i]) / size);
+    }
+    uv
+}
+
+/// The least corner and the longest side of the points' box; 0 and 1 where there is none.
+pub(crate) fn extent<const N: usize>(points: impl Iterator<Item = [f64; N]>) -> ([f64; N], f64) {
+    let (mut low, mut high) = ([f64::INFINITY; N], [f64::NEG_INFINITY; N]);
+    for p in points {
+        low = std::array::from_fn(|i| low[i].min(p[i]));
+        high = std::array::from_fn(|i| high[i].max(p[i]));
+    }
+    let size = (0..N).map(|i| high[i] - low[i]).fold(0.0, f64::max);
+    if size > 0.0 && size.is_finite() { (low, size) } else { (low.map(|x| if x.is_finite() { x } else { 0.0 }), 1.0) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_outline_of_a_cut_fan_runs_along_both_sides_of_the_seam() {
+        // Four triangles about vertex 0; the side from 0 to 1 is cut: 4 rim sides and twice the seam.
+        let points = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]];
+        let triangles = vec![[0, 1, 2], [0, 2, 3], [0, 3, 4], [0, 4, 1]];
+        let at = |v: u32| [points[v as usize][0], points[v as usize][1]];
+        let mut uv: Vec<[[f64; 2]; 3]> = triangles.iter().map(|t| t.map(at)).collect();
+        uv[3][2] = [1.0, -0.1];
+        let chart = Chart::new(&points, triangles, uv, vec![], vec![]);
+        let outline = chart.outline();
+        assert_eq!(outline.len(), 1);
+        assert_eq!(outline[0].len(), 6);
+        assert!(!(0..4).any(|t| chart.is_flipped(t)));
+    }
+}

@@ -1,0 +1,179 @@
+//! The model in space: checkerboard by texture coordinates, seams, cones.
+
+use super::camera::Camera;
+use super::canvas::{Canvas, Picture, Place};
+use super::chart::Chart;
+use super::colour::{Colour, INK, INSIDE, MAXIMUM, MINIMUM, PAPER, mix};
+use super::hollows;
+use super::light::Light;
+use super::space::{Vector, cross, dot, minus, plus, unit};
+
+/// Degrees to the right of the front, and the height above the horizon for each length away.
+const TURN: f64 = 32.0;
+const RISE: f64 = 0.42;
+const WIDTH: usize = 1280;
+const HEIGHT: usize = 1024;
+/// Empty rows left above and below a wide model.
+const MARGIN: usize = 40;
+/// Seams' width in pixels.
+const SEAM: f64 = 3.6;
+/// Cones' radius, of a model of unit size.
+const CONE: f64 = 0.0125;
+/// Two faces that meet at more than this angle's cosine are shaded as one smooth surface.
+const SMOOTH: f64 = 0.77;
+/// Seams are drawn this share nearer than they are, so that the surface they lie on does not hide them.
+const LIFT: f64 = 2e-3;
+/// Bands of colour from the least value to the greatest.
+const BANDS: f64 = 15.0;
+
+/// Draws the model seen three quarters from the front and from above.
+pub(crate) fn draw(chart: &Chart) -> Picture {
+    let checker = chart.checker();
+    draw_coloured(chart, |f, w| checker.colour([0, 1].map(|i| (0..3).map(|k| w[k] * chart.uv[f][k][i]).sum())))
+}
+
+/// Draws the model coloured by the values at its vertices, which range from 0 to 1; grey where one is NaN.
+pub(crate) fn draw_values(chart: &Chart, values: &[f64]) -> Picture {
+    draw_coloured(chart, |f, w| value_colour((0..3).map(|k| w[k] * values[chart.triangles[f][k] as usize]).sum()))
+}
+
+/// Draws the model; `colour` is given a triangle and a place in it.
+fn draw_coloured(chart: &Chart, colour: impl Fn(usize, [f64; 3]) -> Colour) -> Picture {
+    let camera = view(chart);
+    let mut canvas = Canvas::new(WIDTH, HEIGHT, PAPER);
+    let places: Vec<Place> = chart.points.iter().map(|&p| camera.place(p)).collect();
+    draw_surface(&mut canvas, chart, &camera, &places, colour);
+    draw_seams(&mut canvas, chart, &places);
+    hollows::darken(&mut canvas, camera.pixel());
+    draw_cones(&mut canvas, chart, &camera, &places);
+    canvas.develop(MARGIN)
+}
+
+fn draw_surface(
+    canvas: &mut Canvas,
+    chart: &Chart,
+    camera: &Camera,
+    places: &[Place],
+    colour: impl Fn(usize, [f64; 3]) -> Colour,
+) {
+    let normals = corner_normals(chart);
+    for f in front_to_back(chart, places) {
+        let t = chart.triangles[f];
+        let sights = t.map(|v| camera.sight(chart.points[v as usize]));
+        let outside = dot(camera.turn(face_normal(chart, &t)), sights[0]) >= 0.0;
+        let light: [Light; 3] = std::array::from_fn(|k| {
+            let normal = camera.turn(normals[f][k]);
+            Light::on(facing(normal, sights[k], outside), sights[k])
+        });
+        canvas.triangle(t.map(|v| places[v as usize]), |w| {
+            let colour = colour(f, w);
+            let colour = if outside { colour } else { mix(colour, INSIDE, 0.6) };
+            Light::blend(&light, w).apply(colour)
+        });
+    }
+}
+
+/// From pale blue over white to pale red, in bands, so that marks and level lines stand out.
+fn value_colour(value: f64) -> Colour {
+    if value.is_nan() {
+        return mix(PAPER, INK, 0.3);
+    }
+    let band = (BANDS * value.clamp(0.0, 1.0)).floor().min(BANDS - 1.0) / (BANDS - 1.0);
+    let end = if band < 0.5 { MINIMUM } else { MAXIMUM };
+    mix(PAPER, end, 0.62 * (2.0 * band - 1.0).abs())
+}
+
+/// The triangles, nearest first: then little is painted that is hidden later.
+fn front_to_back(chart: &Chart, places: &[Place]) -> Vec<usize> {
+    let nearness = |f: usize| chart.triangles[f].map(|v| places[v as usize][2]).into_iter().fold(0.0, f64::max);
+    let mut order: Vec<usize> = (0..chart.triangles.len()).collect();
+    order.sort_by_cached_key(|&f| std::cmp::Reverse((nearness(f) * 1e6) as i64));
+    order
+}
+
+/// The normal on the eye's side of the surface; one that leans away, as interpolated ones do, is bent back to the rim.
+fn facing(normal: Vector, sight: Vector, outside: bool) -> Vector {
+    let normal = if outside { normal } else { normal.map(|x| -x) };
+    let towards = dot(normal, sight);
+    if towards < 0.0 { unit(plus(normal, -towards, sight)) } else { normal }
+}
+
+fn draw_seams(canvas: &mut Canvas, chart: &Chart, places: &[Place]) {
+    let lifted = |v: u32| {
+        let [x, y, nearness] = places[v as usize];
+        [x, y, nearness * (1.0 + LIFT)]
+    };
+    for side in chart.seams.iter().flat_map(|seam| seam.windows(2)) {
+        canvas.line(lifted(side[0]), lifted(side[1]), SEAM, INK);
+    }
+}
+
+fn draw_cones(canvas: &mut Canvas, chart: &Chart, camera: &Camera, places: &[Place]) {
+    for cone in &chart.cones {
+        let place = places[cone.vertex as usize];
+        let colour: Colour = if cone.positive { MINIMUM } else { MAXIMUM };
+        canvas.ball(place, CONE, camera.scale(place), |n| Light::on(n, [0.0, 0.0, 1.0]).apply(colour));
+    }
+}
+
+/// To the right of the front and from above.
+fn view(chart: &Chart) -> Camera {
+    let used: Vec<Vector> = chart.triangles.iter().flatten().map(|&v| chart.points[v as usize]).collect();
+    let (up, front, side) = axes(&used);
+    let (sin, cos) = TURN.to_radians().sin_cos();
+    let from = plus(plus(front.map(|x| x * cos), sin, side), RISE, up);
+    Camera::framing(&used, from, up, WIDTH, HEIGHT)
+}
+
+/// Up, front and right of a model: y is up and z in front as in most files, except in a landscape, wide in x and y.
+fn axes(points: &[Vector]) -> (Vector, Vector, Vector) {
+    let size = |i: usize| {
+        let (low, high) = points.iter().fold((f64::MAX, f64::MIN), |(l, h), p| (l.min(p[i]), h.max(p[i])));
+        high - low
+    };
+    if size(2) < 0.5 * size(0).min(size(1)) {
+        ([0.0, 0.0, 1.0], [0.0, -1.0, 0.0], [1.0, 0.0, 0.0])
+    } else {
+        ([0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0])
+    }
+}
+
+/// For each corner the mean normal of the faces round its vertex that lie nearly in its own face's direction, weighted
+/// by area: smooth surfaces look smooth and sharp edges stay sharp.
+fn corner_normals(chart: &Chart) -> Vec<[Vector; 3]> {
+    let normals: Vec<Vector> = chart.triangles.iter().map(|t| face_normal(chart, t)).collect();
+    let (start, faces) = faces_round(chart);
+    let mean = |f: usize, v: u32| {
+        let own = unit(normals[f]);
+        let round = &faces[start[v as usize] as usize..start[v as usize + 1] as usize];
+        let alike = round.iter().map(|&g| normals[g as usize]).filter(|&n| dot(unit(n), own) > SMOOTH);
+        unit(alike.fold(normals[f].map(|x| x * 1e-9), |sum, n| plus(sum, 1.0, n)))
+    };
+    chart.triangles.iter().enumerate().map(|(f, t)| t.map(|v| mean(f, v))).collect()
+}
+
+/// The faces round each vertex: those of v are `faces[start[v]..start[v + 1]]`.
+fn faces_round(chart: &Chart) -> (Vec<u32>, Vec<u32>) {
+    let mut start = vec![0u32; chart.points.len() + 2];
+    for &v in chart.triangles.iter().flatten() {
+        start[v as usize + 2] += 1;
+    }
+    for v in 1..start.len() {
+        start[v] += start[v - 1];
+    }
+    let mut faces = vec![0; 3 * chart.triangles.len()];
+    for (f, t) in (0u32..).zip(&chart.triangles) {
+        for &v in t {
+            let next = &mut start[v as usize + 1];
+            faces[*next as usize] = f;
+            *next += 1;
+        }
+    }
+    (start, faces)
+}
+
+/// The face's normal, as long as twice its area.
+fn face_normal(chart: &Chart, t: &[u32; 3]) -> Vector {
+    let [a, b, c] = t.map(|v| chart.points[v as usize]);
+    cross(minus(b, a), minus(c, a))
+}

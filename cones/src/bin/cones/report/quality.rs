@@ -1,0 +1,105 @@
+//! The part of a report that says how good a map is.
+
+use geom::distortion::{self, Distortion, DistortionError, Island, Percentiles};
+use geom::{Id, VertexId};
+use serde::Serialize;
+
+/// Points of the grid along the layout's longer side on which overlaps are looked for.
+const OVERLAP_GRID: usize = 2048;
+/// Where it is not known which vertices are the cones, those are taken that are curved by more than this.
+const CONE: f64 = 0.1;
+
+/// All measures of a map.
+#[derive(Clone, Debug)]
+pub(crate) struct Quality {
+    pub(crate) distortion: DistortionReport,
+    pub(crate) islands: Vec<IslandReport>,
+}
+
+impl Quality {
+    /// Measures a map given at the corners of triangles; `cones` are its cones, if they are known.
+    pub(crate) fn measure(
+        points: &[[f64; 3]],
+        triangles: &[[u32; 3]],
+        uv: &[[[f64; 2]; 3]],
+        cones: Option<&[u32]>,
+    ) -> Result<Self, DistortionError> {
+        let map = distortion::measure(points, triangles, uv)?;
+        let cones: Vec<VertexId> = match cones {
+            Some(known) => known.iter().map(|&v| VertexId::new(v as usize)).collect(),
+            None => map.cones(CONE).into_iter().map(|(v, _)| v).collect(),
+        };
+        Ok(Self {
+            distortion: DistortionReport::new(&map, distortion::overlap(uv, OVERLAP_GRID), map.curvature_error(&cones)),
+            islands: map.islands.iter().map(IslandReport::from).collect(),
+        })
+    }
+}
+
+/// How far a map is from isometric and conformal, and what is wrong with it.
+#[derive(Clone, Debug, Serialize)]
+pub(crate) struct DistortionReport {
+    /// Mean of max(r, 1/r), r the area ratio of a triangle: the D of the paper's Fig. 1.
+    pub(crate) area_mean: f64,
+    pub(crate) area_inverse_mean: f64,
+    pub(crate) u_l2: f64,
+    pub(crate) u_linf: f64,
+    pub(crate) quasi_conformal: Spread,
+    pub(crate) area: Spread,
+    pub(crate) flipped: usize,
+    pub(crate) degenerate: usize,
+    /// The share of the layout that is covered more than once.
+    pub(crate) overlap: f64,
+    /// Relative to the square root of the surface's area.
+    pub(crate) seam_length: f64,
+    /// The largest curvature off the cones, in radians.
+    pub(crate) curvature_error: f64,
+}
+
+/// How a measure is spread over the surface, weighted by area.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub(crate) struct Spread {
+    pub(crate) mean: f64,
+    pub(crate) median: f64,
+    pub(crate) p95: f64,
+    pub(crate) p99: f64,
+    pub(crate) max: f64,
+}
+
+/// A connected piece of a layout.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub(crate) struct IslandReport {
+    pub(crate) faces: usize,
+    /// Its share of the surface's area.
+    pub(crate) area: f64,
+}
+
+impl DistortionReport {
+    fn new(map: &Distortion, overlap: f64, curvature_error: f64) -> Self {
+        Self {
+            area_mean: map.area.mean,
+            area_inverse_mean: map.area_inverse_mean,
+            u_l2: map.u_l2,
+            u_linf: map.u_linf,
+            quasi_conformal: Spread::from(map.quasi_conformal),
+            area: Spread::from(map.area),
+            flipped: map.flipped,
+            degenerate: map.degenerate,
+            overlap,
+            seam_length: map.seam_length,
+            curvature_error,
+        }
+    }
+}
+
+impl From<Percentiles> for Spread {
+    fn from(of: Percentiles) -> Self {
+        Self { mean: of.mean, median: of.median, p95: of.p95, p99: of.p99, max: of.max }
+    }
+}
+
+impl From<&Island> for IslandReport {
+    fn from(island: &Island) -> Self {
+        Self { faces: island.faces, area: island.area }
+    }
+}

@@ -1,0 +1,68 @@
+//! A report as a few lines of text.
+
+use super::{DistortionReport, Input, Report};
+use crate::table::thousands;
+
+impl Report {
+    /// What a user wants to know first, line by line.
+    pub(crate) fn text(&self) -> String {
+        let times: Vec<String> = self.times.stages().map(|(name, time)| format!("{name} {time:.2}")).collect();
+        let total: f64 = self.times.stages().map(|(_, time)| time).sum();
+        format!(
+            "surface   {}\ncones     {} ({} extrema, method {}, {} curvatures)\n{}time      {total:.2} s: {}\n",
+            self.input.text(),
+            self.cones.len(),
+            thousands(self.hierarchy.extrema),
+            self.method,
+            self.angles,
+            self.distortion.text(self.islands.len()),
+            times.join(", "),
+        )
+    }
+}
+
+impl Input {
+    fn text(&self) -> String {
+        let mut parts = vec![
+            format!("{} vertices", thousands(self.vertices)),
+            format!("{} triangles", thousands(self.faces)),
+            format!("genus {}", self.genus),
+        ];
+        parts.push(match self.boundary_loops {
+            0 => "closed".to_owned(),
+            1 => "1 boundary loop".to_owned(),
+            loops => format!("{loops} boundary loops"),
+        });
+        if self.components > 1 {
+            parts.push(format!("{} parts", self.components));
+        }
+        parts.join(", ")
+    }
+}
+
+impl DistortionReport {
+    /// Lines on areas, angles and faults.
+    pub(crate) fn text(&self, islands: usize) -> String {
+        let qc = &self.quasi_conformal;
+        let islands = if islands == 1 { "1 island".to_owned() } else { format!("{} islands", thousands(islands)) };
+        format!(
+            "area      distortion {:.3} (log scale: L2 {:.3}, largest {:.2})\n\
+             angles    quasi-conformal {:.4} (95 % up to {:.3}, largest {:.2})\n\
+             layout    {islands}, {} flipped, {} degenerate, {} of it overlapping, seams {:.2} √area\n",
+            self.area_mean,
+            self.u_l2,
+            self.u_linf,
+            qc.mean,
+            qc.p95,
+            qc.max,
+            thousands(self.flipped),
+            thousands(self.degenerate),
+            percent(self.overlap),
+            self.seam_length,
+        )
+    }
+}
+
+fn percent(share: f64) -> String {
+    if share == 0.0 { "none".to_owned() } else { format!("{:.2} %", 100.0 * share) }
+}

@@ -1,0 +1,171 @@
+//! Time per vertex on smooth noise, beside what any method that sorts must spend: `sort_unstable` of the keys.
+//!
+//! Memory is reported too: `max alloc` over the number of vertices is what a call takes beyond its input.
+//!
+//! Run `cargo bench -p cones-topo`; with `--features rayon` the grids and the mesh use all threads.
+
+mod terrain;
+
+use divan::counter::ItemsCount;
+use divan::{Bencher, black_box};
+use std::sync::OnceLock;
+use topo::{Connectivity, Domain, Grid, Options, Path, Scalar, Triangulation};
+
+#[global_allocator]
+static ALLOCATIONS: divan::AllocProfiler = divan::AllocProfiler::system();
+
+fn main() {
+    divan::main();
+}
+
+const SHAPES: [[usize; 3]; 4] = [[1, 1024, 1024], [1, 4096, 4096], [128, 128, 128], [256, 256, 256]];
+
+/// The field of one of the shapes, made once.
+fn field(shape: usize) -> &'static [f64] {
+    static FIELDS: [OnceLock<Vec<f64>>; 4] = [const { OnceLock::new() }; 4];
+    FIELDS[shape].get_or_init(|| terrain::on_grid(SHAPES[shape]))
+}
+
+fn names(shape: usize) -> &'static str {
+    ["2d 1024", "2d 4096", "3d 128", "3d 256"][shape]
+}
+
+#[derive(Clone, Copy)]
+struct Shape(usize);
+
+impl std::fmt::Display for Shape {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(names(self.0))
+    }
+}
+
+const ALL: [Shape; 4] = [Shape(0), Shape(1), Shape(2), Shape(3)];
+
+#[divan::bench(args = ALL, sample_count = 5, sample_size = 1)]
+fn floor_sort_unstable(bencher: Bencher<'_, '_>, shape: Shape) {
+    sort_floor(bencher, field(shape.0));
+}
+
+fn sort_floor(bencher: Bencher<'_, '_>, field: &[f64]) {
+    bencher.counter(ItemsCount::new(field.len())).with_inputs(|| keys(field)).bench_local_values(|mut keys| {
+        keys.sort_unstable();
+        keys
+    });
+}
+
+fn keys(field: &[f64]) -> Vec<(u64, u32)> {
+    field.iter().zip(0..).filter_map(|(value, vertex)| Some((value.key()?, vertex))).collect()
+}
+
+fn bench_sublevel<G: Domain>(bencher: Bencher<'_, '_>, domain: G, field: &[f64]) {
+    bencher.counter(ItemsCount::new(field.len())).bench_local(|| topo::sublevel(domain, black_box(field)));
+}
+
+fn bench_grid(bencher: Bencher<'_, '_>, shape: Shape, connectivity: Connectivity) {
+    match SHAPES[shape.0] {
+        [1, ny, nx] => bench_sublevel(bencher, &Grid::new([ny, nx], connectivity), field(shape.0)),
+        shape_3d => bench_sublevel(bencher, &Grid::new(shape_3d, connectivity), field(shape.0)),
+    }
+}
+
+#[divan::bench(args = ALL, sample_count = 5, sample_size = 1)]
+fn sublevel_freudenthal(bencher: Bencher<'_, '_>, shape: Shape) {
+    bench_grid(bencher, shape, Connectivity::Freudenthal);
+}
+
+#[divan::bench(args = ALL, sample_count = 5, sample_size = 1)]
+fn sublevel_axis(bencher: Bencher<'_, '_>, shape: Shape) {
+    bench_grid(bencher, shape, Connectivity::Axis);
+}
+
+#[divan::bench(args = ALL, sample_count = 5, sample_size = 1)]
+fn sublevel_full(bencher: Bencher<'_, '_>, shape: Shape) {
+    bench_grid(bencher, shape, Connectivity::Full);
+}
+
+#[divan::bench(args = [Shape(0)], sample_count = 5, sample_size = 1)]
+fn plain_sweep(bencher: Bencher<'_, '_>, shape: Shape) {
+    let [_, ny, nx] = SHAPES[shape.0];
+    let grid = Grid::new([ny, nx], Connectivity::Freudenthal);
+    let field = field(shape.0);
+    let options = Options::new().plain_sweep();
+    bencher.counter(ItemsCount::new(field.len())).bench_local(|| options.sublevel(&grid, black_box(field)));
+}
+
+mod path {
+    use super::*;
+
+    #[divan::bench(sample_count = 5, sample_size = 1)]
+    fn floor_sort_unstable(bencher: Bencher<'_, '_>) {
+        sort_floor(bencher, field(0));
+    }
+
+    #[divan::bench(sample_count = 5, sample_size = 1)]
+    fn sublevel(bencher: Bencher<'_, '_>) {
+        bench_sublevel(bencher, &Path::new(field(0).len()), field(0));
+    }
+}
+
+mod mesh {
+    //! A torus of a million vertices, with vertices numbered along a space-filling order as meshes mostly are.
+    use super::*;
+    use petgraph::graph::UnGraph;
+
+    const SIDE: u32 = 1024;
+
+    fn triangles() -> Vec<[u32; 3]> {
+        let at = |y: u32, x: u32| number(y % SIDE, x % SIDE);
+        let squares = (0..SIDE).flat_map(|y| (0..SIDE).map(move |x| (y, x)));
+        squares
+            .flat_map(|(y, x)| {
+                let [a, b, c, d] = [at(y, x), at(y, x + 1), at(y + 1, x + 1), at(y + 1, x)];
+                [[a, b, c], [a, c, d]]
+            })
+            .collect()
+    }
+
+    /// Interleaves the bits of the coordinates (Morton 1966).
+    fn number(y: u32, x: u32) -> u32 {
+        (0..10).fold(0, |number, bit| number | (x >> bit & 1) << (2 * bit) | (y >> bit & 1) << (2 * bit + 1))
+    }
+
+    fn mesh_field() -> Vec<f64> {
+        let rows = field(0);
+        let mut numbered = vec![0.0; rows.len()];
+        for y in 0..SIDE {
+            for x in 0..SIDE {
+                numbered[number(y, x) as usize] = rows[(y * SIDE + x) as usize];
+            }
+        }
+        numbered
+    }
+
+    #[divan::bench(sample_count = 5, sample_size = 1)]
+    fn floor_sort_unstable(bencher: Bencher<'_, '_>) {
+        sort_floor(bencher, &mesh_field());
+    }
+
+    #[divan::bench(sample_count = 5, sample_size = 1)]
+    fn sublevel_rings(bencher: Bencher<'_, '_>) {
+        let field = mesh_field();
+        let mesh = Triangulation::new(field.len(), &triangles()).expect("corners exist");
+        bench_sublevel(bencher, &mesh, &field);
+    }
+
+    #[divan::bench(sample_count = 5, sample_size = 1)]
+    fn sublevel_adjacency(bencher: Bencher<'_, '_>) {
+        let field = mesh_field();
+        let edges: Vec<_> =
+            triangles().iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]).map(|e| e.map(|v| v as usize)).collect();
+        let graph = topo::Adjacency::from_edges(field.len(), &edges).expect("ends exist");
+        bench_sublevel(bencher, &graph, &field);
+    }
+
+    #[divan::bench(sample_count = 5, sample_size = 1)]
+    fn sublevel_ungraph(bencher: Bencher<'_, '_>) {
+        let field = mesh_field();
+        let edges = triangles().into_iter().flat_map(|[a, b, c]| [(a, b), (b, c), (c, a)]);
+        let graph = UnGraph::<(), ()>::from_edges(edges.filter(|(a, b)| a < b));
+        bench_sublevel(bencher, &graph, &field);
+    }
+}

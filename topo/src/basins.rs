@@ -1,0 +1,164 @@
+//! The fast algorithm: pairs without sorting the vertices.
+//!
+//! 1. *Scan.* Each vertex looks at its neighbours once and points to one that enters before it; a vertex without such a
+//!    neighbour is an extremum. Nothing merges at a vertex whose earlier neighbours hang together (its *lower link* is
+//!    connected); the others are candidates. A domain that knows how neighbours hang together leaves few of them: on a
+//!    smooth field about as many as there are extrema. A mere graph has to suspect every vertex with two.
+//! 2. *Descend.* Candidates follow the pointers to see which basins their sides belong to; see [`Descent`].
+//! 3. *Join.* A candidate between different basins joins them.
+//! 4. *Pair.* The elder rule on basins and joins; see [`boruvka`].
+//!
+//! That basins and their joins carry the pairs is folklore in discrete Morse theory; merge trees from monotone paths are
+//! due to Chiang, Lenz, Lu & Rote (2005), "Simple and optimal output-sensitive construction of contour trees using
+//! monotone paths". Step 4 with the elder rule in place of sorting is ours. Nothing here is proportional to n log n.
+
+use crate::boruvka::{self, Join};
+use crate::descent::{Descent, OUTSIDE};
+use crate::merges::Merges;
+use crate::parallel;
+use crate::union_find::UnionFind;
+use crate::{Direction, Domain, Filtration, Scalar};
+
+/// What a scan finds, ranges of vertices apart.
+#[derive(Debug, Default)]
+pub(crate) struct Scan {
+    /// Vertices without an earlier neighbour, by rising index.
+    pub(crate) extrema: Vec<u32>,
+    /// Vertices at which something may merge, by rising index, with two earlier neighbours in different parts of the
+    /// lower link. A vertex with more than two parts has more than one entry.
+    pub(crate) forks: Vec<Fork>,
+}
+
+impl Scan {
+    /// Joins the findings of consecutive ranges.
+    pub(crate) fn concat(scans: Vec<Self>) -> Self {
+        let join = |mut all: Self, scan: Self| {
+            all.extrema.extend(scan.extrema);
+            all.forks.extend(scan.forks);
+            all
+        };
+        scans.into_iter().reduce(join).unwrap_or_default()
+    }
+}
+
+/// A vertex with two earlier neighbours that may belong to different basins.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Fork {
+    pub(crate) saddle: u32,
+    pub(crate) sides: [u32; 2],
+}
+
+/// Pairs the extrema of a graph of which nothing more is known.
+pub(crate) fn of_graph<G: Domain, S: Scalar, D: Direction>(domain: G, filtration: &Filtration<'_, S, D>) -> Merges {
+    let mut next = vec![OUTSIDE; domain.vertex_count()];
+    let (mut extrema, mut candidates) = (Vec::new(), Vec::new());
+    for (v, next) in (0..).zip(&mut next) {
+        let mut earlier = 0;
+        domain.for_each_neighbor(v as usize, |u| {
+            if filtration.precedes(u as u32, v) {
+                *next = u as u32;
+                earlier += 1;
+            }
+        });
+        match earlier {
+            0 if filtration.contains(v) => extrema.push(v),
+            0 | 1 => {}
+            _ => candidates.push(v),
+        }
+    }
+    let descent = Descent::new(next, extrema);
+    let joins = joins_of_graph(domain, filtration, &descent, &candidates);
+    pair(filtration, &descent, joins)
+}
+
+/// The basins of steepest descent: every vertex points to its earliest neighbour.
+pub(crate) fn steepest<G: Domain, S: Scalar, D: Direction>(domain: G, filtration: &Filtration<'_, S, D>) -> Descent {
+    let mut next = vec![OUTSIDE; domain.vertex_count()];
+    let mut extrema = Vec::new();
+    for (v, next) in (0..).zip(&mut next) {
+        let mut earliest = v;
+        domain.for_each_neighbor(v as usize, |u| {
+            if filtration.precedes(u as u32, earliest) {
+                earliest = u as u32;
+            }
+        });
+        if earliest != v {
+            *next = earliest;
+        } else if filtration.contains(v) {
+            extrema.push(v);
+        }
+    }
+    Descent::new(next, extrema)
+}
+
+/// The joins between the basins of all earlier neighbours of each candidate.
+fn joins_of_graph<G: Domain, S: Scalar, D: Direction>(
+    domain: G,
+    filtration: &Filtration<'_, S, D>,
+    descent: &Descent,
+    candidates: &[u32],
+) -> Vec<Join> {
+    let mut joins = Vec::new();
+    for &saddle in candidates {
+        let own = descent.basin(saddle);
+        domain.for_each_neighbor(saddle as usize, |u| {
+            if filtration.precedes(u as u32, saddle) {
+                let basin = descent.basin(u as u32);
+                if basin != own {
+                    joins.push(Join { saddle, basins: [own, basin] });
+                }
+            }
+        });
+    }
+    joins
+}
+
+/// Pairs the extrema given what a scan has found and where vertices point to.
+pub(crate) fn of_scan<S: Scalar, D: Direction>(
+    filtration: &Filtration<'_, S, D>,
+    next: Vec<u32>,
+    Scan { extrema, forks }: Scan,
+) -> Merges {
+    let descent = Descent::new(next, extrema);
+    let joins = parallel::filter_map(&forks, |&Fork { saddle, sides }| {
+        let basins = sides.map(|side| descent.basin(side));
+        (basins[0] != basins[1]).then_some(Join { saddle, basins })
+    });
+    drop(forks);
+    pair(filtration, &descent, joins)
+}
+
+fn pair<S: Scalar, D: Direction>(filtration: &Filtration<'_, S, D>, descent: &Descent, joins: Vec<Join>) -> Merges {
+    let (finite, mut components) = boruvka::pair(filtration, descent.extrema(), joins);
+    let eldest: Vec<u32> =
+        (0..descent.extrema().len() as u32).filter(|&basin| components.find(basin) == basin).collect();
+    let last = match eldest[..] {
+        [_] => last_of_all(filtration),
+        _ => last_of_each(filtration, descent, &mut components, &eldest),
+    };
+    let eldest = eldest.into_iter().map(|basin| descent.extrema()[basin as usize]);
+    Merges { finite, essential: eldest.zip(last).collect() }
+}
+
+/// The last vertex to enter, for the only component.
+fn last_of_all<S: Scalar, D: Direction>(filtration: &Filtration<'_, S, D>) -> Vec<u32> {
+    let entering = (0..filtration.field().len() as u32).filter(|&v| filtration.contains(v));
+    entering.reduce(|u, v| filtration.later(u, v)).into_iter().collect()
+}
+
+/// The last vertex to enter the component of each basin that is the eldest of one.
+fn last_of_each<S: Scalar, D: Direction>(
+    filtration: &Filtration<'_, S, D>,
+    descent: &Descent,
+    components: &mut UnionFind,
+    eldest: &[u32],
+) -> Vec<u32> {
+    let mut last = descent.extrema().to_vec();
+    for v in 0..filtration.field().len() as u32 {
+        if let Some(basin) = descent.basin_if_any(v) {
+            let last = &mut last[components.find(basin) as usize];
+            *last = filtration.later(*last, v);
+        }
+    }
+    eldest.iter().map(|&basin| last[basin as usize]).collect()
+}

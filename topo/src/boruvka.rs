@@ -1,0 +1,139 @@
+//! The elder rule on basins, without sorting.
+//!
+//! Basins joined at saddles form a small graph. Borůvka's idea (1926) of letting all components act at once, with the
+//! elder rule for its direction: the lowest join of a basin is where its component first meets another. If the basin
+//! beyond is elder, this one dies there, whatever happens elsewhere; otherwise it waits. In a round every basin whose
+//! lowest join leads to an elder one is paired and merged into it, and joins that have become inner ones are dropped.
+//!
+//! Each round pairs at least one basin, the first ones more than half. Young basins in a row can make rounds slow; so
+//! when one pairs less than half, the remaining joins are sorted and paired one by one.
+
+use crate::merges::Merge;
+use crate::union_find::UnionFind;
+use crate::{Direction, Filtration, Scalar};
+
+/// A vertex at which two basins touch.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Join {
+    pub(crate) saddle: u32,
+    pub(crate) basins: [u32; 2],
+}
+
+/// Below this many joins sorting them is as fast as another round.
+const FEW_JOINS: usize = 64;
+
+/// A round must pair one basin in this many, or sorting takes over. Of 2, 3, 4, 10 and always sorting, 2 was fastest on
+/// white noise and on smooth noise, 1024² with Freudenthal edges: by 5 and 15 % over 10, by 20 and 30 % over sorting.
+const SLOW_ROUND: usize = 2;
+
+/// No join.
+const NONE: u32 = u32::MAX;
+
+/// Pairs basins given their extrema, by rising index, and their joins, by rising index of the saddle.
+/// Also returns the basins of each connected component, the eldest at the root.
+pub(crate) fn pair<S: Scalar, D: Direction>(
+    filtration: &Filtration<'_, S, D>,
+    extrema: &[u32],
+    mut joins: Vec<Join>,
+) -> (Vec<Merge>, UnionFind) {
+    let mut basins = Basins::new(filtration, extrema);
+    let mut active: Vec<u32> = (0..extrema.len() as u32).collect();
+    while joins.len() > FEW_JOINS {
+        let count = active.len();
+        let paired = basins.round(&mut active, &joins);
+        joins.retain_mut(|join| basins.relabel(join));
+        if paired * SLOW_ROUND < count {
+            break;
+        }
+    }
+    basins.pair_in_order(&joins);
+    (basins.merges, basins.merged)
+}
+
+struct Basins<'a, S, D> {
+    filtration: &'a Filtration<'a, S, D>,
+    extrema: &'a [u32],
+    births: Vec<S>,
+    merged: UnionFind,
+    /// For each basin its lowest join, as a place among the joins, and the value there.
+    lowest: Vec<(u32, S)>,
+    merges: Vec<Merge>,
+}
+
+impl<'a, S: Scalar, D: Direction> Basins<'a, S, D> {
+    fn new(filtration: &'a Filtration<'a, S, D>, extrema: &'a [u32]) -> Self {
+        let births: Vec<S> = extrema.iter().map(|&extremum| filtration.value(extremum)).collect();
+        let lowest = births.iter().map(|&birth| (NONE, birth)).collect();
+        let merged = UnionFind::new(extrema.len());
+        Self { filtration, extrema, births, merged, lowest, merges: Vec::with_capacity(extrema.len()) }
+    }
+
+    /// Merges every basin whose lowest join leads to an elder one; returns how many. Basins that cannot merge any more,
+    /// because they have or because they touch nothing, cease to be active.
+    fn round(&mut self, active: &mut Vec<u32>, joins: &[Join]) -> usize {
+        for &basin in active.iter() {
+            self.lowest[basin as usize].0 = NONE;
+        }
+        self.find_lowest(joins);
+        let before = self.merges.len();
+        active.retain(|&basin| {
+            let (place, _) = self.lowest[basin as usize];
+            place != NONE && !self.try_merge(basin, &joins[place as usize])
+        });
+        self.merges.len() - before
+    }
+
+    fn find_lowest(&mut self, joins: &[Join]) {
+        for (join, place) in joins.iter().zip(0..) {
+            let value = self.filtration.value(join.saddle);
+            for basin in join.basins {
+                let lowest = &mut self.lowest[basin as usize];
+                // Saddles come by rising index.
+                if lowest.0 == NONE || D::precedes_lower_index(value, lowest.1) {
+                    *lowest = (place, value);
+                }
+            }
+        }
+    }
+
+    /// Merges a basin across its lowest join if an elder one lies beyond.
+    fn try_merge(&mut self, basin: u32, lowest: &Join) -> bool {
+        let [a, b] = lowest.basins;
+        let beyond = if a == basin { b } else { a };
+        let dies = self.is_elder(beyond, basin);
+        if dies {
+            self.merge(basin, beyond, lowest.saddle);
+        }
+        dies
+    }
+
+    /// Replaces basins by what they have merged into; whether the join still joins two.
+    fn relabel(&mut self, join: &mut Join) -> bool {
+        join.basins = join.basins.map(|basin| self.merged.find(basin));
+        join.basins[0] != join.basins[1]
+    }
+
+    /// The plain sweep, on the joins that are left.
+    fn pair_in_order(&mut self, joins: &[Join]) {
+        for mut join in self.filtration.sorted(joins, |join| join.saddle) {
+            if self.relabel(&mut join) {
+                let [a, b] = join.basins;
+                let (elder, younger) = if self.is_elder(a, b) { (a, b) } else { (b, a) };
+                self.merge(younger, elder, join.saddle);
+            }
+        }
+    }
+
+    fn merge(&mut self, younger: u32, towards: u32, saddle: u32) {
+        let elder = self.merged.find(towards);
+        self.merged.join(younger, elder);
+        let (extremum, towards) = (self.extrema[younger as usize], self.extrema[towards as usize]);
+        self.merges.push(Merge { extremum, saddle, towards });
+    }
+
+    /// Whether basin `a` is elder than basin `b`. Basins are numbered as their extrema are.
+    fn is_elder(&self, a: u32, b: u32) -> bool {
+        let (birth_a, birth_b) = (self.births[a as usize], self.births[b as usize]);
+        if a < b { D::precedes_higher_index(birth_a, birth_b) } else { D::precedes_lower_index(birth_a, birth_b) }
+    }
+}

@@ -1,0 +1,166 @@
+//! The neighbourhood of a grid vertex, and how neighbours hang together.
+//!
+//! A stencil is a list of offsets. The vertices earlier than the centre are a set of bits, one an offset, and two of
+//! them hang together if their difference is an edge of the grid. A vertex is *regular* if its earlier neighbours are
+//! one connected part; that is all a scan asks, and it is looked up in a table of one bit for each set.
+//!
+//! With [`Connectivity::Axis`] no two neighbours are adjacent, and half of all vertices of a smooth field would look
+//! like saddles. So the stencil also has the vertices diagonally across a square: not neighbours, but adjacent to two
+//! of them, and if earlier they show that both lie in one component. The same table does it.
+
+use crate::grid::Connectivity;
+use std::sync::OnceLock;
+
+/// A step along (z, y, x).
+pub(crate) type Offset = [i8; 3];
+
+/// Sets of more offsets than this are flooded anew for each vertex; below, a table of 2ⁿ bits (32 KB) is filled once.
+const MAX_TABLE_BITS: usize = 18;
+
+/// Neighbours of a grid vertex, one bit each, true neighbours first.
+#[derive(Debug)]
+pub(crate) struct Stencil {
+    pub(crate) offsets: Vec<Offset>,
+    neighbor_bits: u32,
+    /// For each offset the set of those adjacent to it.
+    adjacent: Vec<u32>,
+    /// One bit for each set of offsets: whether its neighbours fall into two parts or more.
+    forks: Vec<u64>,
+}
+
+impl Stencil {
+    /// The stencil of a connectivity in one to three dimensions; made at first use.
+    pub(crate) fn of(connectivity: Connectivity, dimensions: usize) -> &'static Self {
+        static STENCILS: [OnceLock<Stencil>; 9] = [const { OnceLock::new() }; 9];
+        STENCILS[3 * connectivity as usize + dimensions - 1].get_or_init(|| Self::new(connectivity, dimensions))
+    }
+
+    fn new(connectivity: Connectivity, dimensions: usize) -> Self {
+        let mut offsets = cube(dimensions);
+        offsets.retain(|&offset| is_edge(connectivity, offset));
+        let neighbor_bits = low_bits(offsets.len());
+        if connectivity == Connectivity::Axis {
+            offsets.extend(cube(dimensions).into_iter().filter(|offset| steps(*offset) == 2));
+        }
+        let adjacent_to = |&a: &Offset| {
+            let adjacent = (0..).zip(&offsets).filter(|&(_, &b)| is_edge(connectivity, difference(a, b)));
+            adjacent.fold(0, |set, (bit, _)| set | 1 << bit)
+        };
+        let adjacent = offsets.iter().map(adjacent_to).collect();
+        let mut stencil = Self { offsets, neighbor_bits, adjacent, forks: Vec::new() };
+        if stencil.offsets.len() <= MAX_TABLE_BITS {
+            stencil.fill_table();
+        }
+        stencil
+    }
+
+    fn fill_table(&mut self) {
+        let mut forks = vec![0; (1 << self.offsets.len()).max(64) / 64];
+        for set in 0..1u32 << self.offsets.len() {
+            forks[set as usize / 64] |= u64::from(self.floods_apart(set)) << (set % 64);
+        }
+        self.forks = forks;
+    }
+
+    /// The true neighbours of a set of offsets.
+    pub(crate) fn neighbors(&self, set: u32) -> u32 {
+        set & self.neighbor_bits
+    }
+
+    /// Whether the neighbours in a set fall into two parts or more.
+    #[inline]
+    pub(crate) fn forks(&self, set: u32) -> bool {
+        match self.forks.get(set as usize / 64) {
+            Some(word) => word >> (set % 64) & 1 != 0,
+            None => self.floods_apart(set),
+        }
+    }
+
+    fn floods_apart(&self, set: u32) -> bool {
+        let neighbors = self.neighbors(set);
+        neighbors != 0 && neighbors & !self.part(set, neighbors.trailing_zeros()) != 0
+    }
+
+    /// The part of a set that hangs together with one of its bits.
+    pub(crate) fn part(&self, set: u32, bit: u32) -> u32 {
+        let mut reached = 1u32 << bit;
+        let mut spread = 0;
+        // Mostly the set is one part, and found to be so after very few of its bits.
+        while reached != set && reached != spread {
+            let fresh = (reached & !spread).trailing_zeros();
+            spread |= 1 << fresh;
+            reached |= self.adjacent[fresh as usize] & set;
+        }
+        reached
+    }
+}
+
+/// All offsets but zero in -1..=1 along the last `dimensions` axes, first those along one axis, which have most
+/// neighbours among the others.
+fn cube(dimensions: usize) -> Vec<Offset> {
+    let span = |axis: usize| if axis + dimensions >= 3 { -1..=1i8 } else { 0..=0 };
+    let offsets = span(0).flat_map(|z| span(1).flat_map(move |y| span(2).map(move |x| [z, y, x])));
+    let mut offsets: Vec<Offset> = offsets.filter(|&offset| offset != [0; 3]).collect();
+    offsets.sort_by_key(|&offset| steps(offset));
+    offsets
+}
+
+fn is_edge(connectivity: Connectivity, offset: Offset) -> bool {
+    let short = offset != [0; 3] && offset.iter().all(|step| step.abs() <= 1);
+    short
+        && match connectivity {
+            Connectivity::Axis => steps(offset) == 1,
+            Connectivity::Full => true,
+            // The edges of the Freudenthal triangulation go up, or down, along every axis they go along.
+            Connectivity::Freudenthal => offset.iter().all(|&step| step >= 0) || offset.iter().all(|&step| step <= 0),
+        }
+}
+
+/// Number of axes along which an offset goes.
+fn steps(offset: Offset) -> usize {
+    offset.iter().filter(|&&step| step != 0).count()
+}
+
+fn difference(a: Offset, b: Offset) -> Offset {
+    core::array::from_fn(|axis| b[axis] - a[axis])
+}
+
+fn low_bits(count: usize) -> u32 {
+    (1 << count) - 1
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use Connectivity::{Axis, Freudenthal, Full};
+
+    #[test]
+    fn vertices_have_as_many_neighbors_as_the_names_say() {
+        let counts = |connectivity| [1, 2, 3].map(|d| Stencil::of(connectivity, d).neighbor_bits.count_ones());
+        assert_eq!(counts(Axis), [2, 4, 6]);
+        assert_eq!(counts(Full), [2, 8, 26]);
+        assert_eq!(counts(Freudenthal), [2, 6, 14]);
+    }
+
+    #[test]
+    fn opposite_neighbors_fork() {
+        for connectivity in [Axis, Full, Freudenthal] {
+            for dimensions in 1..=3 {
+                let stencil = Stencil::of(connectivity, dimensions);
+                let bit = |offset| 1 << stencil.offsets.iter().position(|&other| other == offset).expect("an axis");
+                assert!(stencil.forks(bit([0, 0, 1]) | bit([0, 0, -1])));
+                assert!(!stencil.forks(bit([0, 0, 1])));
+                assert!(!stencil.forks(0));
+            }
+        }
+    }
+
+    #[test]
+    fn neighbors_across_an_earlier_square_hang_together() {
+        let stencil = Stencil::of(Axis, 2);
+        let bit = |offset| 1 << stencil.offsets.iter().position(|&other| other == offset).expect("in the square");
+        let (right, below, across) = (bit([0, 0, 1]), bit([0, 1, 0]), bit([0, 1, 1]));
+        assert!(stencil.forks(right | below));
+        assert!(!stencil.forks(right | below | across));
+    }
+}

@@ -1,0 +1,261 @@
+//! Triangle meshes with their neighbours in cyclic order.
+//!
+//! On a graph of which nothing more is known every vertex with two earlier neighbours may join basins. On a surface the
+//! neighbours of a vertex form a ring, consecutive ones are joined by an edge, and the earlier ones fall into as many
+//! parts as there are runs of them along the ring: a vertex with one run is regular. (Banchoff 1967, "Critical points
+//! and curvature for embedded polyhedra".) Only the others are followed down.
+//!
+//! The triangles need be no surface. At a boundary the ring is an open chain; where sheets meet there are several chains.
+//! Chains that share a vertex are counted as different parts, which costs time and changes no pair.
+
+use crate::adjacency::{DomainError, check_count};
+use crate::basins::{self, Fork, Scan};
+use crate::descent::OUTSIDE;
+use crate::merges::Merges;
+use crate::parallel;
+use crate::{Direction, Domain, Filtration, Scalar};
+
+/// Marks the last vertex of an open chain. A ring without a mark is closed.
+const END: u32 = 1 << 31;
+
+const NONE: u32 = u32::MAX;
+
+/// The vertices and edges of a set of triangles.
+///
+/// ```
+/// // A tetrahedron. Its lowest and highest corner live for ever.
+/// let mesh = topo::Triangulation::new(4, &[[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]])?;
+/// let persistence = topo::persistence(&mesh, &[0.0, 1.0, 2.0, 3.0])?;
+/// assert_eq!((persistence.minima.len(), persistence.maxima.len()), (1, 1));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Triangulation {
+    /// Where the ring of each vertex begins, and the end of the last.
+    starts: Vec<usize>,
+    rings: Vec<u32>,
+}
+
+impl Triangulation {
+    /// From the corners of the triangles, in any orientation. O(vertices + triangles).
+    ///
+    /// # Errors
+    /// If a corner is not a vertex.
+    pub fn new(vertices: usize, triangles: &[[u32; 3]]) -> Result<Self, DomainError> {
+        check_count(vertices)?;
+        for (triangle, corners) in triangles.iter().enumerate() {
+            if let Some(vertex) = corners.iter().map(|&corner| corner as usize).find(|&corner| corner >= vertices) {
+                return Err(DomainError::Triangle { triangle, vertex, vertices });
+            }
+        }
+        let links = Links::new(vertices, triangles);
+        let mut chaining = Chaining::new(vertices);
+        let (mut starts, mut rings) = (vec![0], Vec::with_capacity(2 * triangles.len() + vertices));
+        for v in 0..vertices {
+            chaining.append_ring(links.of(v), &mut rings);
+            starts.push(rings.len());
+        }
+        Ok(Self { starts, rings })
+    }
+
+    fn ring(&self, vertex: usize) -> &[u32] {
+        &self.rings[self.starts[vertex]..self.starts[vertex + 1]]
+    }
+}
+
+impl Domain for &Triangulation {
+    type Vertex = usize;
+
+    fn vertex_count(&self) -> usize {
+        self.starts.len() - 1
+    }
+
+    fn vertex(&self, index: usize) -> usize {
+        index
+    }
+
+    fn for_each_neighbor(&self, index: usize, mut visit: impl FnMut(usize)) {
+        self.ring(index).iter().for_each(|&entry| visit((entry & !END) as usize));
+    }
+
+    fn merges<S: Scalar, D: Direction>(&self, filtration: &Filtration<'_, S, D>) -> Merges {
+        let mut next = vec![OUTSIDE; self.vertex_count()];
+        let scans = parallel::map_blocks(&mut next, 1, |vertices, next| {
+            let mut found = Scan::default();
+            for (v, next) in vertices.zip(next) {
+                scan_ring(filtration, self.ring(v), v as u32, next, &mut found);
+            }
+            found
+        });
+        basins::of_scan(filtration, next, Scan::concat(scans))
+    }
+}
+
+/// Points a vertex to an earlier neighbour; notes it if it is an extremum or a fork.
+fn scan_ring<S: Scalar, D: Direction>(
+    filtration: &Filtration<'_, S, D>,
+    ring: &[u32],
+    v: u32,
+    next: &mut u32,
+    found: &mut Scan,
+) {
+    let (mut pointer, mut runs) = (OUTSIDE, 0);
+    let mut was_earlier = runs_on(filtration, ring, v);
+    for &entry in ring {
+        let u = entry & !END;
+        let is_earlier = filtration.precedes(u, v);
+        runs += u32::from(is_earlier & !was_earlier);
+        pointer = if is_earlier { u } else { pointer };
+        was_earlier = is_earlier & (entry & END == 0);
+    }
+    *next = pointer;
+    if pointer == OUTSIDE {
+        if filtration.contains(v) {
+            found.extrema.push(v);
+        }
+    } else if runs > 1 {
+        note_forks(filtration, ring, v, &mut found.forks);
+    }
+}
+
+/// Whether the ring is closed and its last vertex earlier than `v`, so that a run may go on round the end.
+fn runs_on<S: Scalar, D: Direction>(filtration: &Filtration<'_, S, D>, ring: &[u32], v: u32) -> bool {
+    ring.last().is_some_and(|&last| last & END == 0 && filtration.precedes(last, v))
+}
+
+/// Notes the first vertex of each run against that of the first run.
+#[cold]
+fn note_forks<S: Scalar, D: Direction>(
+    filtration: &Filtration<'_, S, D>,
+    ring: &[u32],
+    saddle: u32,
+    forks: &mut Vec<Fork>,
+) {
+    let mut first = None;
+    let mut was_earlier = runs_on(filtration, ring, saddle);
+    for &entry in ring {
+        let u = entry & !END;
+        let is_earlier = filtration.precedes(u, saddle);
+        if is_earlier && !was_earlier {
+            match first {
+                None => first = Some(u),
+                Some(first) => forks.push(Fork { saddle, sides: [first, u] }),
+            }
+        }
+        was_earlier = is_earlier && entry & END == 0;
+    }
+}
+
+/// The link of each vertex: the edges opposite to it in its triangles.
+struct Links {
+    starts: Vec<usize>,
+    edges: Vec<[u32; 2]>,
+}
+
+impl Links {
+    fn new(vertices: usize, triangles: &[[u32; 3]]) -> Self {
+        let mut starts = vec![0; vertices + 1];
+        for (v, _) in triangles.iter().flat_map(links_of) {
+            starts[v as usize + 1] += 1;
+        }
+        for v in 0..vertices {
+            starts[v + 1] += starts[v];
+        }
+        let mut filled = starts.clone();
+        let mut edges = vec![[0; 2]; starts[vertices]];
+        for (v, edge) in triangles.iter().flat_map(links_of) {
+            edges[filled[v as usize]] = edge;
+            filled[v as usize] += 1;
+        }
+        Self { starts, edges }
+    }
+
+    fn of(&self, vertex: usize) -> &[[u32; 2]] {
+        &self.edges[self.starts[vertex]..self.starts[vertex + 1]]
+    }
+}
+
+/// The corners of a triangle with the opposite edges. Where corners coincide, an edge that leads to a corner itself
+/// shrinks to its other end.
+fn links_of(&[a, b, c]: &[u32; 3]) -> impl Iterator<Item = (u32, [u32; 2])> {
+    let links = [(a, [b, c]), (b, [c, a]), (c, [a, b])];
+    links.into_iter().filter_map(|(v, [p, q])| match (p == v, q == v) {
+        (true, true) => None,
+        (true, false) => Some((v, [q, q])),
+        (false, true) => Some((v, [p, p])),
+        (false, false) => Some((v, [p, q])),
+    })
+}
+
+/// Orders the edges of links into chains; its arrays are reused from vertex to vertex.
+struct Chaining {
+    /// For each vertex up to two edges of the present link that end there.
+    at: Vec<[u32; 2]>,
+    used: Vec<bool>,
+}
+
+impl Chaining {
+    fn new(vertices: usize) -> Self {
+        Self { at: vec![[NONE; 2]; vertices], used: Vec::new() }
+    }
+
+    /// Appends the vertices of a link in the order of its chains, open ones first.
+    fn append_ring(&mut self, link: &[[u32; 2]], rings: &mut Vec<u32>) {
+        let start = rings.len();
+        self.used.clear();
+        for (edge, &ends) in (0..).zip(link) {
+            let alone = self.stands_alone(edge, ends);
+            self.used.push(alone);
+            match ends {
+                _ if !alone => {}
+                [p, q] if p == q => rings.push(p | END),
+                [p, q] => rings.extend([p, q | END]),
+            }
+        }
+        for edge in 0..link.len() {
+            if let Some(&end) = link[edge].iter().find(|&&end| self.at[end as usize][1] == NONE) {
+                self.append_chain(link, edge, end, rings);
+            }
+        }
+        for edge in 0..link.len() {
+            let begin = rings.len();
+            self.append_chain(link, edge, link[edge][0], rings);
+            if begin == start && !self.used.contains(&false) {
+                // The only chain, and closed: it needs neither its first vertex twice nor a mark.
+                rings.pop();
+            }
+        }
+        for &end in link.iter().flatten() {
+            self.at[end as usize] = [NONE; 2];
+        }
+    }
+
+    /// Hooks an edge to its ends; whether that is impossible, because the edge is a point or an end has two already.
+    fn stands_alone(&mut self, edge: u32, [p, q]: [u32; 2]) -> bool {
+        let alone = p == q || self.at[p as usize][1] != NONE || self.at[q as usize][1] != NONE;
+        if !alone {
+            for end in [p, q] {
+                let at = &mut self.at[end as usize];
+                at[usize::from(at[0] != NONE)] = edge;
+            }
+        }
+        alone
+    }
+
+    /// Appends the vertices of the chain that begins with an unused edge at one of its ends, and marks the last.
+    fn append_chain(&mut self, link: &[[u32; 2]], edge: usize, end: u32, rings: &mut Vec<u32>) {
+        let (mut edge, mut end) = (edge as u32, end);
+        if self.used[edge as usize] {
+            return;
+        }
+        rings.push(end);
+        while edge != NONE && !core::mem::replace(&mut self.used[edge as usize], true) {
+            let [p, q] = link[edge as usize];
+            end = if end == p { q } else { p };
+            rings.push(end);
+            let [a, b] = self.at[end as usize];
+            edge = if a == edge { b } else { a };
+        }
+        *rings.last_mut().expect("a chain has vertices") |= END;
+    }
+}
