@@ -47,7 +47,7 @@ fn a_report_has_the_documented_keys() {
     assert!((total - 4.0 * std::f64::consts::PI).abs() < 1e-9, "Gauss–Bonnet: {total}");
     let distortion = &report["distortion"];
     assert_eq!((&distortion["flipped"], &distortion["degenerate"]), (&0.into(), &0.into()));
-    assert!(distortion["quasi_conformal"]["mean"].as_f64() < Some(1.1), "{distortion}");
+    assert!(distortion["quasi_conformal"]["mean"].as_f64() < Some(1.3), "{distortion}");
     assert!(distortion["curvature_error"].as_f64() < Some(1e-6), "{distortion}");
     for stage in ["read", "prepare", "factor", "hierarchy", "cut", "scale", "layout", "write"] {
         assert!(report["times"][stage].as_f64() >= Some(0.0), "{stage}");
