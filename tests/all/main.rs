@@ -1,4 +1,1 @@
 //! What holds across the crates.
-
-mod command;
-mod fields_command;
