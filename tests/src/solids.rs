@@ -99,9 +99,8 @@ pub fn slab(genus: usize, windows: usize) -> Shape {
     let mut triangles = Vec::new();
     for (p, axis) in cells(size.map(|k| k + 1)).flat_map(|p| (0..3).map(move |axis| (p, axis))) {
         let (i, j) = ((axis + 1) % 3, (axis + 2) % 3);
-        let shifted = |mut at: [i32; 3], axis: usize, by: i32| {
-            at[axis] += by;
-            at
+        let shifted = |at: [i32; 3], axis: usize, by: i32| -> [i32; 3] {
+            std::array::from_fn(|k| if k == axis { at[k] + by } else { at[k] })
         };
         let (above, below) = (is_solid(p), is_solid(shifted(p, axis, -1)));
         if above == below || axis == 2 && open.contains(&p) {
