@@ -3,7 +3,7 @@
 use proptest::prelude::*;
 use tests::properties;
 
-use crate::bytes;
+use crate::{bytes, cases};
 
 /// Lines that look like those of an OBJ.
 fn obj_line() -> impl Strategy<Value = String> {
@@ -18,7 +18,7 @@ fn obj_line() -> impl Strategy<Value = String> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(512))]
+    #![proptest_config(cases(512))]
 
     #[test]
     fn any_bytes_are_read_or_refused(bytes in bytes(300), format in 0..4usize) {

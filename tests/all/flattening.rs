@@ -6,10 +6,10 @@ use proptest::prelude::*;
 use tests::oracle::check_map;
 use tests::{properties, solids};
 
-use crate::bytes;
+use crate::{bytes, cases};
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(96))]
+    #![proptest_config(cases(96))]
 
     #[test]
     fn cones_flatten_and_seams_turn_by_what_they_enclose(bytes in bytes(120)) {
@@ -32,9 +32,8 @@ proptest! {
 fn assert_unwraps(name: &str, shape: &Shape, options: &Options) {
     let model = solids::model(shape).expect("an ordinary shape");
     let atlas = cones::unwrap(&model, options, &mut |_| {}).unwrap_or_else(|error| panic!("{name}: {error}"));
-    let cones: Vec<u32> = atlas.cones.iter().map(|cone| cone.vertex).collect();
-    let found = check_map(&model, &atlas.uv, &cones);
-    assert_eq!((found.flipped, found.degenerate), (0, 0), "{name}: {:?}", atlas.warnings);
+    let found = check_map(&model, &atlas);
+    assert_eq!((found.flipped, found.degenerate, found.torn), (0, 0, 0), "{name}: {:?}", atlas.warnings);
     assert_eq!(found.euler, [1], "{name}: one island, a disk");
     assert!(found.seam_mismatch < 1e-6, "{name}: {found:?}");
     assert!(found.curvature < 1e-6, "{name}: {found:?}");
@@ -74,7 +73,7 @@ fn developable_cones_are_laid_out_as_they_are() {
         for given in [Some(curvature), None] {
             let options = Options { cones: ConeChoice::Given(vec![(apex, given)]), ..Options::default() };
             let atlas = cones::unwrap(&model, &options, &mut |_| {}).expect("it is flat already");
-            let found = check_map(&model, &atlas.uv, &[apex]);
+            let found = check_map(&model, &atlas);
             assert!(found.stretch < 1e-9, "{found:?}");
             assert_eq!((found.flipped, found.euler), (0, vec![1]));
         }
@@ -88,7 +87,7 @@ fn flat_shapes_without_cones_keep_every_length() {
         let model = solids::model(&shape).expect("an ordinary shape");
         let options = Options { cones: ConeChoice::Count(0), ..Options::default() };
         let atlas = cones::unwrap(&model, &options, &mut |_| {}).expect("it is flat already");
-        let found = check_map(&model, &atlas.uv, &[]);
+        let found = check_map(&model, &atlas);
         assert!(found.stretch < 1e-9 && atlas.cones.is_empty(), "{name}: {found:?}");
     }
 }

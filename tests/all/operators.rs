@@ -4,10 +4,10 @@ use geom::{CutMesh, EdgeData, Metric, VertexId, angle_defects, laplacian, shapes
 use proptest::prelude::*;
 use tests::{properties, solids};
 
-use crate::bytes;
+use crate::{bytes, cases};
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(192))]
+    #![proptest_config(cases(192))]
 
     #[test]
     fn flips_keep_the_surface_and_are_undone_exactly(bytes in bytes(160)) {

@@ -5,10 +5,10 @@ use proptest::prelude::*;
 use tests::properties;
 use topo::{Connectivity, Grid};
 
-use crate::bytes;
+use crate::{bytes, cases};
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(512))]
+    #![proptest_config(cases(512))]
 
     #[test]
     fn three_ways_to_the_pairs_agree_on_any_graph_and_field(bytes in bytes(400)) {
@@ -51,7 +51,7 @@ fn terrain(side: usize, noise: f64, seed: u64) -> (Vec<f64>, [usize; 9]) {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(48))]
+    #![proptest_config(cases(48))]
 
     #[test]
     fn nine_hills_stand_out_of_noise_below_half_their_prominence(seed in any::<u64>()) {

@@ -3,10 +3,10 @@
 use proptest::prelude::*;
 use tests::properties;
 
-use crate::bytes;
+use crate::{bytes, cases};
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(512))]
+    #![proptest_config(cases(512))]
 
     #[test]
     fn any_polygons_become_sound_surfaces(bytes in bytes(600)) {

@@ -2,8 +2,8 @@
 
 use crate::args::{Extract, angles_name, method_name};
 use crate::failure::Failure;
-use crate::report::{ConeReport, Hierarchy, Input, RepairReport, SCHEMA, Times, kind_name};
 use crate::progress::Progress;
+use crate::report::{ConeReport, Hierarchy, Input, RepairReport, SCHEMA, Times, kind_name};
 use crate::table::columns;
 use crate::{cone_file, job, output};
 use cones::Extraction;
@@ -26,13 +26,14 @@ struct ExtractReport {
 }
 
 pub(crate) fn run(args: &Extract) -> Result<(), Failure> {
-    let inputs: Vec<&Path> = [Some(&args.input), args.choice.cones.as_ref()].into_iter().flatten().map(|p| &**p).collect();
+    let inputs: Vec<&Path> =
+        [Some(&args.input), args.choice.cones.as_ref()].into_iter().flatten().map(|p| &**p).collect();
     output::check(&inputs, args.cones_out.as_deref().as_slice())?;
     let options = args.choice.options()?;
     let mut progress = Progress::begin(&args.input.display().to_string());
     let (model, read) = job::read(&args.input)?;
     let found = cones::extract(&model, &options, &mut |stage| progress.stage(stage))
-        .map_err(|source| Failure::Unwrap { path: args.input.clone(), source })?;
+        .map_err(|error| Failure::Unwrap { path: args.input.clone(), error })?;
     drop(progress);
     job::warn(&found.repairs, &found.warnings);
     if let Some(path) = &args.cones_out {
@@ -68,5 +69,5 @@ fn table(found: &Extraction) -> String {
         row.extend(cone.position.map(|x| format!("{x:.6}")));
         rows.push(row);
     }
-    format!("{}{} cones of {} extrema\n", columns(&rows), found.cones.len(), found.persistence.len())
+    format!("{}{} cones, {} extrema\n", columns(&rows), found.cones.len(), found.persistence.len())
 }
