@@ -192,17 +192,26 @@ fn add_point(shape: &mut Shape, weighted: &[(u32, f64)]) -> u32 {
     shape.points.len() as u32 - 1
 }
 
-/// A surface that was then insulted: triangles turned, copied and deleted, vertices welded, split off and moved anywhere.
-/// At least one triangle is left.
-pub fn insulted(bytes: &mut Bytes) -> Shape {
+/// How far insults move vertices.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Moves {
+    /// Within the size of the surface, onto other vertices and edges as well.
+    Near,
+    /// From 1e-150 to 1e150.
+    Anywhere,
+}
+
+/// A surface that was then insulted: triangles turned, copied and deleted, vertices welded, split off and moved. At least
+/// one triangle is left.
+pub fn insulted(bytes: &mut Bytes, moves: Moves) -> Shape {
     let mut shape = surface(bytes);
     while !bytes.is_empty() {
-        insult(&mut shape, bytes);
+        insult(&mut shape, bytes, moves);
     }
     shape
 }
 
-fn insult(shape: &mut Shape, bytes: &mut Bytes) {
+fn insult(shape: &mut Shape, bytes: &mut Bytes, moves: Moves) {
     let kind = bytes.byte() % 6;
     let f = bytes.below(shape.triangles.len());
     let k = bytes.below(3);
@@ -220,7 +229,11 @@ fn insult(shape: &mut Shape, bytes: &mut Bytes) {
             shape.points.push(shape.points[v as usize]);
             shape.triangles[f][k] = shape.points.len() as u32 - 1;
         }
-        _ => shape.points[v as usize] = [0, 1, 2].map(|_| bytes.coordinate()),
+        _ if moves == Moves::Anywhere => shape.points[v as usize] = [0, 1, 2].map(|_| bytes.coordinate()),
+        _ => {
+            let grid = |bytes: &mut Bytes| f64::from(bytes.byte() % 9) / 4.0 - 1.0;
+            shape.points[v as usize] = [0, 1, 2].map(|_| if k == 0 { grid(bytes) } else { bytes.signed() });
+        }
     }
 }
 
