@@ -2,6 +2,7 @@
 
 mod command;
 mod corpus;
+mod fields_command;
 mod files;
 mod flattening;
 mod invariance;
