@@ -1,16 +1,23 @@
 //! Cone-based conformal unwrapping.
 
 mod angles;
+mod crowd;
+mod dense;
 mod error;
+mod exchange;
 mod factor;
 mod fit;
+mod grow;
 mod hierarchy;
 mod layout;
 mod lbfgs;
 mod mend;
 mod operators;
+mod reduced;
+mod refined;
 mod scaling;
 mod seams;
+mod swap;
 mod untangle;
 mod unwrap;
 
@@ -22,6 +29,8 @@ pub use hierarchy::{Candidate, ConeHierarchy, Method};
 pub use layout::Layout;
 pub use mend::MendError;
 pub use operators::Operators;
+pub use reduced::{Fitted, Reduced};
+pub use refined::refined;
 pub use scaling::{Scaling, ScalingError, scale};
 pub use seams::{Chain, SeamError, Seams};
 pub use topo::Kind;
