@@ -524,3 +524,164 @@ fn note_unwelded(points: &[[f64; 3]], surfaces: &[Surface], log: &mut RepairLog)
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::shapes;
+
+    fn prepared(points: &[[f64; 3]], faces: &[[u32; 3]]) -> Prepared {
+        prepare(&Model::from_triangles(points.to_vec(), faces).unwrap(), false).unwrap()
+    }
+
+    fn count(prepared: &Prepared, kind: RepairKind) -> usize {
+        prepared.repairs.iter().find(|repair| repair.kind == kind).map_or(0, |repair| repair.count)
+    }
+
+    fn check(prepared: &Prepared, model: &Model) {
+        for surface in &prepared.surfaces {
+            surface.mesh.check();
+            assert_eq!(surface.mesh.components().1, 1);
+            for h in surface.mesh.halfedges() {
+                let vertex = model.corners()[surface.corner[h] as usize];
+                assert_eq!(surface.vertex[surface.mesh.tail(h)], vertex, "corners lead back to their vertices");
+            }
+        }
+        let faces: usize = prepared.surfaces.iter().map(|surface| surface.mesh.face_count()).sum();
+        assert_eq!(faces + prepared.left_out.len(), prepared.triangles.len(), "no triangle is lost");
+    }
+
+    fn sphere() -> (Vec<[f64; 3]>, Vec<[u32; 3]>) {
+        let shape = shapes::sphere(100);
+        (shape.points, shape.triangles)
+    }
+
+    #[test]
+    fn a_clean_mesh_stays_as_it_is() {
+        let (points, faces) = sphere();
+        let model = Model::from_triangles(points.clone(), &faces).unwrap();
+        let prepared = prepare(&model, true).unwrap();
+        assert_eq!(prepared.repairs, []);
+        check(&prepared, &model);
+        let [surface] = &prepared.surfaces[..] else { panic!("it is connected") };
+        assert_eq!(surface.mesh, Mesh::new(points.len(), &faces).unwrap());
+        assert!((surface.points[0][0] / surface.points[1][0] - points[0][0] / points[1][0]).abs() < 1e-9);
+    }
+
+    #[test]
+    fn misoriented_faces_are_turned_to_the_majority() {
+        let (points, mut faces) = sphere();
+        for f in [0, 3, 17] {
+            faces[f].swap(1, 2);
+        }
+        let model = Model::from_triangles(points.clone(), &faces).unwrap();
+        let turned = prepare(&model, false).unwrap();
+        check(&turned, &model);
+        assert_eq!(turned.repairs, [Repair { kind: RepairKind::FlippedFace, count: 3, first: 0 }]);
+        // Inside out is consistent, too.
+        faces.iter_mut().for_each(|face| face.swap(0, 2));
+        let inside_out = prepared(&points, &faces);
+        assert_eq!(count(&inside_out, RepairKind::FlippedFace), 3);
+    }
+
+    #[test]
+    fn copies_repeated_vertices_and_isolated_ones_are_left_out_and_counted() {
+        let (mut points, mut faces) = sphere();
+        faces.extend([faces[5], [faces[7][0], faces[7][2], faces[7][1]], [1, 1, 2]]);
+        points.push([9.0, 9.0, 9.0]);
+        let model = Model::from_triangles(points.clone(), &faces).unwrap();
+        let mended = prepare(&model, false).unwrap();
+        check(&mended, &model);
+        assert_eq!(count(&mended, RepairKind::DuplicateFace), 2);
+        assert_eq!(count(&mended, RepairKind::RepeatedVertex), 1);
+        assert_eq!(count(&mended, RepairKind::IsolatedVertex), 1);
+        assert_eq!(mended.surfaces.len(), 1);
+        assert_eq!(mended.surfaces[0].mesh.euler_characteristic(), 2);
+        assert_eq!(mended.left_out.len(), 3);
+    }
+
+    #[test]
+    fn surfaces_are_opened_at_edges_with_too_many_faces_and_at_vertices_with_several_fans() {
+        // Two tetrahedra with an edge in common, then with a vertex in common.
+        let points: Vec<[f64; 3]> =
+            (0..7).map(|k| [f64::from(k * k % 7), f64::from(k % 3), f64::from(k * 3 % 5)]).collect();
+        let tetrahedron = |[a, b, c, d]: [u32; 4]| [[a, b, c], [a, c, d], [a, d, b], [b, d, c]];
+        for (second, edges, vertices, parts) in [([0, 1, 4, 5], 1, 0, 1), ([0, 4, 5, 6], 0, 1, 2)] {
+            let faces = [tetrahedron([0, 1, 2, 3]), tetrahedron(second)].concat();
+            let used = 1 + faces.iter().flatten().max().unwrap();
+            let model = Model::from_triangles(points[..used as usize].to_vec(), &faces).unwrap();
+            let opened = prepare(&model, false).unwrap();
+            check(&opened, &model);
+            assert_eq!(count(&opened, RepairKind::NonManifoldEdge), edges);
+            assert!(count(&opened, RepairKind::NonManifoldVertex) >= vertices);
+            assert!(opened.surfaces.len() >= parts);
+        }
+    }
+
+    #[test]
+    fn a_moebius_strip_is_opened_where_it_cannot_be_oriented() {
+        let n = 12u32;
+        let points: Vec<[f64; 3]> = (0..2 * n)
+            .map(|k| {
+                let around = std::f64::consts::TAU * f64::from(k / 2) / f64::from(n);
+                let across = if k % 2 == 0 { 0.3 } else { -0.3 };
+                let radius = 1.0 + across * (0.5 * around).cos();
+                [radius * around.cos(), radius * around.sin(), across * (0.5 * around).sin()]
+            })
+            .collect();
+        let faces: Vec<[u32; 3]> = (0..n)
+            .flat_map(|k| {
+                let [a, b] = [2 * k, 2 * k + 1];
+                let [c, d] = if k + 1 < n { [a + 2, b + 2] } else { [1, 0] };
+                [[a, b, c], [b, d, c]]
+            })
+            .collect();
+        let model = Model::from_triangles(points, &faces).unwrap();
+        let opened = prepare(&model, false).unwrap();
+        check(&opened, &model);
+        assert!(count(&opened, RepairKind::NonOrientableEdge) > 0);
+        assert_eq!(opened.surfaces[0].mesh.euler_characteristic(), 1);
+    }
+
+    #[test]
+    fn unwelded_vertices_are_reported_and_welded_on_request() {
+        let (points, faces) = sphere();
+        let soup: Vec<[f64; 3]> = faces.iter().flatten().map(|&v| points[v as usize]).collect();
+        let apart: Vec<[u32; 3]> = (0..faces.len() as u32).map(|f| [3 * f, 3 * f + 1, 3 * f + 2]).collect();
+        let model = Model::from_triangles(soup, &apart).unwrap();
+        let loose = prepare(&model, false).unwrap();
+        check(&loose, &model);
+        assert_eq!(loose.surfaces.len(), faces.len());
+        assert_eq!(count(&loose, RepairKind::Unwelded), 3 * faces.len() - points.len());
+        let welded = prepare(&model, true).unwrap();
+        assert_eq!(welded.surfaces.len(), 1);
+        assert_eq!(welded.surfaces[0].mesh.euler_characteristic(), 2);
+        assert_eq!(count(&welded, RepairKind::Welded), 3 * faces.len() - points.len());
+    }
+
+    #[test]
+    fn triangles_without_area_are_given_some_and_a_mesh_without_any_is_refused() {
+        let points = [[0.0; 3], [2.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0]];
+        let flat = prepared(&points, &[[0, 1, 2], [0, 2, 3], [2, 1, 3]]);
+        assert_eq!(count(&flat, RepairKind::ZeroArea), 1);
+        let surface = &flat.surfaces[0];
+        let metric = surface.metric();
+        assert!(surface.mesh.faces().all(|f| metric.sides(&surface.mesh, f).area() > 0.0));
+        let line = Model::from_triangles(points[..3].to_vec(), &[[0, 1, 2]]).unwrap();
+        assert_eq!(prepare(&line, false).unwrap_err(), PrepareError::NoArea { faces: 1 });
+    }
+
+    #[test]
+    fn size_and_place_do_not_matter() {
+        let (points, faces) = sphere();
+        for (scale, offset) in [(1e-160, 0.0), (1e150, 0.0), (1.0, 1e6)] {
+            let moved: Vec<[f64; 3]> = points.iter().map(|p| p.map(|x| scale * x + offset)).collect();
+            let prepared = prepared(&moved, &faces);
+            let reference = self::prepared(&points, &faces);
+            let [a, b] = [&prepared, &reference].map(|p| p.surfaces[0].metric());
+            let worst =
+                a.lengths().iter().zip(b.lengths().iter()).map(|(a, b)| (a / b - 1.0).abs()).fold(0.0, f64::max);
+            assert!(worst < 1e-15 * (1.0 + 1e4 * offset), "scale {scale}, offset {offset}: {worst}");
+        }
+    }
+}

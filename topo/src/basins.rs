@@ -15,6 +15,7 @@
 use crate::boruvka::{self, Join};
 use crate::descent::{Descent, OUTSIDE};
 use crate::merges::Merges;
+use crate::parallel;
 use crate::union_find::UnionFind;
 use crate::{Direction, Domain, Filtration, Scalar};
 
@@ -70,6 +71,26 @@ pub(crate) fn of_graph<G: Domain, S: Scalar, D: Direction>(domain: G, filtration
     pair(filtration, &descent, joins)
 }
 
+/// The basins of steepest descent: every vertex points to its earliest neighbour.
+pub(crate) fn steepest<G: Domain, S: Scalar, D: Direction>(domain: G, filtration: &Filtration<'_, S, D>) -> Descent {
+    let mut next = vec![OUTSIDE; domain.vertex_count()];
+    let mut extrema = Vec::new();
+    for (v, next) in (0..).zip(&mut next) {
+        let mut earliest = v;
+        domain.for_each_neighbor(v as usize, |u| {
+            if filtration.precedes(u as u32, earliest) {
+                earliest = u as u32;
+            }
+        });
+        if earliest != v {
+            *next = earliest;
+        } else if filtration.contains(v) {
+            extrema.push(v);
+        }
+    }
+    Descent::new(next, extrema)
+}
+
 /// The joins between the basins of all earlier neighbours of each candidate.
 fn joins_of_graph<G: Domain, S: Scalar, D: Direction>(
     domain: G,
@@ -99,11 +120,11 @@ pub(crate) fn of_scan<S: Scalar, D: Direction>(
     Scan { extrema, forks }: Scan,
 ) -> Merges {
     let descent = Descent::new(next, extrema);
-    let joins = forks.into_iter().filter_map(|Fork { saddle, sides }| {
+    let joins = parallel::filter_map(&forks, |&Fork { saddle, sides }| {
         let basins = sides.map(|side| descent.basin(side));
         (basins[0] != basins[1]).then_some(Join { saddle, basins })
     });
-    let joins = joins.collect();
+    drop(forks);
     pair(filtration, &descent, joins)
 }
 

@@ -186,15 +186,16 @@ impl<'a, S: Scalar, D: Direction> Filtration<'a, S, D> {
         if D::KIND == Kind::Minimum { order.collect() } else { order.rev().collect() }
     }
 
-    /// Things in the order in which a vertex of theirs enters.
+    /// Things in the order in which a vertex of theirs enters; things of the same vertex keep their order.
     pub(crate) fn sorted<T: Copy>(&self, things: &[T], vertex: impl Fn(&T) -> u32) -> Vec<T> {
+        let backwards = if D::KIND == Kind::Minimum { 0 } else { u32::MAX };
         let keyed = things.iter().zip(0u32..).map(|(thing, place)| {
             let vertex = vertex(thing);
-            (self.value(vertex).key(), vertex, place)
+            (self.value(vertex).key(), vertex, place ^ backwards)
         });
         let mut keyed: Vec<_> = keyed.collect();
         keyed.sort_unstable();
-        let sorted = keyed.into_iter().map(|(_, _, place)| things[place as usize]);
+        let sorted = keyed.into_iter().map(|(_, _, place)| things[(place ^ backwards) as usize]);
         if D::KIND == Kind::Minimum { sorted.collect() } else { sorted.rev().collect() }
     }
 }

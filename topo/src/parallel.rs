@@ -28,3 +28,16 @@ pub(crate) fn map_blocks<T: Send, R: Send>(
 pub(crate) fn map_blocks<T, R>(data: &mut [T], _unit: usize, work: impl Fn(Range<usize>, &mut [T]) -> R) -> Vec<R> {
     if data.is_empty() { Vec::new() } else { vec![work(0..data.len(), data)] }
 }
+
+/// The results that `map` has for `items`, in their order.
+#[cfg(feature = "rayon")]
+pub(crate) fn filter_map<T: Sync, R: Send>(items: &[T], map: impl Fn(&T) -> Option<R> + Sync + Send) -> Vec<R> {
+    use rayon::prelude::*;
+    items.par_iter().filter_map(map).collect()
+}
+
+/// The results that `map` has for `items`, in their order.
+#[cfg(not(feature = "rayon"))]
+pub(crate) fn filter_map<T, R>(items: &[T], map: impl Fn(&T) -> Option<R>) -> Vec<R> {
+    items.iter().filter_map(map).collect()
+}

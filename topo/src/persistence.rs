@@ -2,8 +2,7 @@
 
 use crate::merges::Merges;
 use crate::scalar::wider_first;
-use crate::sweep;
-use crate::{Direction, Domain, Falling, FieldError, Filtration, Hierarchy, Kind, NanPolicy, Rising, Scalar};
+use crate::{Direction, Domain, FieldError, Filtration, Hierarchy, Kind, Options, Scalar};
 use core::cmp::Ordering;
 use core::ops::Deref;
 use num_traits::{ToPrimitive, Zero};
@@ -108,7 +107,12 @@ impl<V: Copy, S: Scalar> Pairs<V, S> {
         self.finite().filter_map(|pair| pair.persistence().to_f64()).sum()
     }
 
-    fn from_merges<G, D>(domain: G, filtration: &Filtration<'_, S, D>, merges: &Merges, keep_zeros: bool) -> Self
+    pub(crate) fn from_merges<G, D>(
+        domain: G,
+        filtration: &Filtration<'_, S, D>,
+        merges: &Merges,
+        keep_zeros: bool,
+    ) -> Self
     where
         G: Domain<Vertex = V>,
         D: Direction,
@@ -173,83 +177,6 @@ impl<V: Copy, S: Scalar> Persistence<V, S> {
     /// Minima and maxima together, by their persistence.
     pub fn hierarchy(&self) -> Hierarchy<V, S> {
         Hierarchy::new(self)
-    }
-}
-
-/// How to compute persistence where the defaults will not do.
-///
-/// ```
-/// use topo::{NanPolicy, Options};
-///
-/// let path = petgraph::graph::UnGraph::<(), ()>::from_edges([(0, 1), (1, 2), (2, 3)]);
-/// let masked = Options::new().nan(NanPolicy::Mask).sublevel(&path, &[1.0, f64::NAN, 2.0, 2.0])?;
-/// assert_eq!(masked.essential().count(), 2); // the masked vertex cuts the path in two
-/// # Ok::<(), topo::FieldError>(())
-/// ```
-#[derive(Debug, Clone, Copy, Default)]
-pub struct Options {
-    nan: NanPolicy,
-    keep_zeros: bool,
-    plain: bool,
-}
-
-impl Options {
-    /// NaN is refused, pairs of zero persistence are dropped, the fastest algorithm is used.
-    pub fn new() -> Self {
-        Self::default()
-    }
-
-    /// What to do with NaN.
-    pub fn nan(self, nan: NanPolicy) -> Self {
-        Self { nan, ..self }
-    }
-
-    /// Keeps the finite pairs whose extremum and saddle have equal values, as plateaus and ties produce them.
-    pub fn keep_zeros(self) -> Self {
-        Self { keep_zeros: true, ..self }
-    }
-
-    /// Uses the plain sweep over all sorted vertices: slower, with the same result. For tests and comparisons.
-    pub fn plain_sweep(self) -> Self {
-        Self { plain: true, ..self }
-    }
-
-    /// [`sublevel`] with these options.
-    ///
-    /// # Errors
-    /// If the field does not fit the domain, see [`FieldError`].
-    pub fn sublevel<G: Domain, S: Scalar>(self, domain: G, field: &[S]) -> Result<Pairs<G::Vertex, S>, FieldError> {
-        self.pairs::<G, S, Rising>(domain, field)
-    }
-
-    /// [`superlevel`] with these options.
-    ///
-    /// # Errors
-    /// If the field does not fit the domain, see [`FieldError`].
-    pub fn superlevel<G: Domain, S: Scalar>(self, domain: G, field: &[S]) -> Result<Pairs<G::Vertex, S>, FieldError> {
-        self.pairs::<G, S, Falling>(domain, field)
-    }
-
-    /// [`persistence`](fn@persistence) with these options.
-    ///
-    /// # Errors
-    /// If the field does not fit the domain, see [`FieldError`].
-    pub fn persistence<G: Domain, S: Scalar>(
-        self,
-        domain: G,
-        field: &[S],
-    ) -> Result<Persistence<G::Vertex, S>, FieldError> {
-        Ok(Persistence { minima: self.sublevel(domain, field)?, maxima: self.superlevel(domain, field)? })
-    }
-
-    fn pairs<G: Domain, S: Scalar, D: Direction>(
-        self,
-        domain: G,
-        field: &[S],
-    ) -> Result<Pairs<G::Vertex, S>, FieldError> {
-        let filtration = Filtration::<S, D>::new(field, domain.vertex_count(), self.nan)?;
-        let merges = if self.plain { sweep::merges(domain, &filtration) } else { domain.merges(&filtration) };
-        Ok(Pairs::from_merges(domain, &filtration, &merges, self.keep_zeros))
     }
 }
 

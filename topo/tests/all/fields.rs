@@ -45,7 +45,7 @@ fn row(file: &str, text: &str) -> Option<Row> {
     Some(Row { file: file.to_owned(), graph: graph.trim().to_owned(), expected: [figures(sub)?, figures(sup)?] })
 }
 
-/// An array as NumPy writes it, little endian and in C order.
+/// An array as `NumPy` writes it, little endian and in C order.
 struct Array {
     shape: Vec<usize>,
     kind: String,

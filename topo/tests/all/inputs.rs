@@ -77,3 +77,13 @@ pub(crate) fn matrix_reduction(graph: &UnGraph<(), ()>, field: &[f64]) -> Vec<(u
     pairs.sort_unstable();
     pairs
 }
+
+/// The same graph where vertex `v` is called `order[v]`.
+pub(crate) fn relabelled(graph: &UnGraph<(), ()>, order: &[usize]) -> UnGraph<(), ()> {
+    let ends = graph.edge_indices().filter_map(|edge| graph.edge_endpoints(edge));
+    let mut relabelled = UnGraph::from_edges(ends.map(|(a, b)| (order[a.index()] as u32, order[b.index()] as u32)));
+    while relabelled.node_count() < graph.node_count() {
+        relabelled.add_node(());
+    }
+    relabelled
+}

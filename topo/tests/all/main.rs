@@ -1,6 +1,8 @@
 //! What holds of persistence on any domain, on random input and on measured fields.
 
 mod domains;
+mod extremes;
+mod features;
 mod fields;
 mod inputs;
 mod laws;

@@ -13,8 +13,11 @@ type Given = (u32, Option<f64>);
 /// Reads the cones of a file.
 pub(crate) fn read(path: &Path) -> Result<Vec<Given>, Failure> {
     let bytes = std::fs::read(path).map_err(|source| Failure::ReadCones { path: path.to_owned(), source })?;
-    let cones = parse(&String::from_utf8_lossy(&bytes))
-        .map_err(|(line, text)| Failure::NotACone { path: path.to_owned(), line, text })?;
+    let cones = parse(&String::from_utf8_lossy(&bytes)).map_err(|(line, text)| Failure::NotACone {
+        path: path.to_owned(),
+        line,
+        text,
+    })?;
     if cones.is_empty() { Err(Failure::NoCones(path.to_owned())) } else { Ok(cones) }
 }
 

@@ -2,8 +2,8 @@
 
 use crate::args::{Extract, angles_name, method_name};
 use crate::failure::Failure;
-use crate::report::{ConeReport, Hierarchy, Input, RepairReport, SCHEMA, Times, kind_name};
 use crate::progress::Progress;
+use crate::report::{ConeReport, Hierarchy, Input, RepairReport, SCHEMA, Times, kind_name};
 use crate::table::columns;
 use crate::{cone_file, job, output};
 use cones::Extraction;
@@ -26,7 +26,8 @@ struct ExtractReport {
 }
 
 pub(crate) fn run(args: &Extract) -> Result<(), Failure> {
-    let inputs: Vec<&Path> = [Some(&args.input), args.choice.cones.as_ref()].into_iter().flatten().map(|p| &**p).collect();
+    let inputs: Vec<&Path> =
+        [Some(&args.input), args.choice.cones.as_ref()].into_iter().flatten().map(|p| &**p).collect();
     output::check(&inputs, args.cones_out.as_deref().as_slice())?;
     let options = args.choice.options()?;
     let mut progress = Progress::begin(&args.input.display().to_string());

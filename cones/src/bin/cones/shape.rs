@@ -14,5 +14,9 @@ pub(crate) fn run(args: &Shape) -> Result<(), Failure> {
     let model = Model::from(shape);
     output::write(&args.output, |out| write_obj(&model, &ObjContent::default(), out))?;
     let (vertices, faces) = (thousands(model.vertex_count()), thousands(model.face_count()));
-    output::print(&format!("{}: {vertices} vertices, {faces} triangles, written to {}\n", args.name, args.output.display()))
+    output::print(&format!(
+        "{}: {vertices} vertices, {faces} triangles, written to {}\n",
+        args.name,
+        args.output.display()
+    ))
 }

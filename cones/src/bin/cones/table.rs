@@ -8,7 +8,9 @@ pub(crate) fn columns(rows: &[Vec<String>]) -> String {
     let numeric = |c: usize| rows.iter().skip(1).filter_map(|r| r.get(c)).all(|s| is_number(s));
     let right: Vec<bool> = (0..count).map(numeric).collect();
     let line = |row: &Vec<String>| {
-        let cell = |(c, s): (usize, &String)| if right[c] { format!("{s:>w$}", w = widths[c]) } else { format!("{s:<w$}", w = widths[c]) };
+        let cell = |(c, s): (usize, &String)| {
+            if right[c] { format!("{s:>w$}", w = widths[c]) } else { format!("{s:<w$}", w = widths[c]) }
+        };
         row.iter().enumerate().map(cell).collect::<Vec<_>>().join("  ").trim_end().to_owned() + "\n"
     };
     let mut text = String::new();

@@ -38,12 +38,19 @@ fn check_outputs(args: &Unwrap) -> Result<(), Failure> {
             output::extension(path, wanted)?;
         }
     }
-    let inputs: Vec<&Path> = [Some(&args.input), args.choice.cones.as_ref()].into_iter().flatten().map(|p| &**p).collect();
+    let inputs: Vec<&Path> =
+        [Some(&args.input), args.choice.cones.as_ref()].into_iter().flatten().map(|p| &**p).collect();
     output::check(&inputs, &outputs(args))
 }
 
 fn outputs(args: &Unwrap) -> Vec<&Path> {
-    let all = [Some(&args.output), args.report.as_ref(), args.cones_out.as_ref(), args.picture.as_ref(), args.layout.as_ref()];
+    let all = [
+        Some(&args.output),
+        args.report.as_ref(),
+        args.cones_out.as_ref(),
+        args.picture.as_ref(),
+        args.layout.as_ref(),
+    ];
     all.into_iter().flatten().map(|p| &**p).collect()
 }
 
@@ -53,7 +60,9 @@ fn write_surface(job: &Job, path: &Path, triangulate: bool) -> Result<(), Failur
     let uv = Some(job.uv.as_slice());
     match output::extension(path, &["obj", "ply", "glb"])? {
         "ply" => output::write(path, |out| write_ply(&job.model, uv, asked, out)),
-        "glb" => output::write(path, |out| write_glb(&job.model, uv, &triangles, Some(&picture::Checker::texture().png()?), out)),
+        "glb" => output::write(path, |out| {
+            write_glb(&job.model, uv, &triangles, Some(&picture::Checker::texture().png()?), out)
+        }),
         _ => {
             let content = ObjContent { uv, triangles: asked, material: None };
             output::write(path, |out| write_obj(&job.model, &content, out))

@@ -45,15 +45,20 @@ impl Canvas {
             return;
         }
         let (low, high) = bounds(&corners);
-        self.samples(low, high, |x, y| {
-            let on_screen = [side(b, c, x, y) / area, side(c, a, x, y) / area, side(a, b, x, y) / area];
-            if on_screen.iter().any(|&w| w < 0.0) {
-                return None;
-            }
-            let weights = [on_screen[0] * a[2], on_screen[1] * b[2], on_screen[2] * c[2]];
-            let nearness = weights[0] + weights[1] + weights[2];
-            Some((nearness, weights.map(|w| w / nearness)))
-        }, |w| shade(w));
+        self.samples(
+            low,
+            high,
+            |x, y| {
+                let on_screen = [side(b, c, x, y) / area, side(c, a, x, y) / area, side(a, b, x, y) / area];
+                if on_screen.iter().any(|&w| w < 0.0) {
+                    return None;
+                }
+                let weights = [on_screen[0] * a[2], on_screen[1] * b[2], on_screen[2] * c[2]];
+                let nearness = weights[0] + weights[1] + weights[2];
+                Some((nearness, weights.map(|w| w / nearness)))
+            },
+            |w| shade(w),
+        );
     }
 
     /// Paints a line with round ends.
@@ -62,13 +67,19 @@ impl Canvas {
         let along = [to[0] - from[0], to[1] - from[1]];
         let length2 = along[0] * along[0] + along[1] * along[1];
         let (low, high) = bounds(&[from, to]);
-        self.samples([low[0] - radius, low[1] - radius], [high[0] + radius, high[1] + radius], |x, y| {
-            let d = [x - from[0], y - from[1]];
-            let t = if length2 > 0.0 { ((d[0] * along[0] + d[1] * along[1]) / length2).clamp(0.0, 1.0) } else { 0.0 };
-            let off = [d[0] - t * along[0], d[1] - t * along[1]];
-            let inside = off[0] * off[0] + off[1] * off[1] <= radius * radius;
-            inside.then(|| (from[2] + t * (to[2] - from[2]), ()))
-        }, |()| colour);
+        self.samples(
+            [low[0] - radius, low[1] - radius],
+            [high[0] + radius, high[1] + radius],
+            |x, y| {
+                let d = [x - from[0], y - from[1]];
+                let t =
+                    if length2 > 0.0 { ((d[0] * along[0] + d[1] * along[1]) / length2).clamp(0.0, 1.0) } else { 0.0 };
+                let off = [d[0] - t * along[0], d[1] - t * along[1]];
+                let inside = off[0] * off[0] + off[1] * off[1] <= radius * radius;
+                inside.then(|| (from[2] + t * (to[2] - from[2]), ()))
+            },
+            |()| colour,
+        );
     }
 
     /// Paints a ball seen from afar: `radius` in space, `scale` the pixels of a unit length at its centre. `shade` is
@@ -76,11 +87,16 @@ impl Canvas {
     pub(crate) fn ball(&mut self, centre: Place, radius: f64, scale: f64, mut shade: impl FnMut([f64; 3]) -> Colour) {
         let r = radius * scale;
         let distance = 1.0 / centre[2];
-        self.samples([centre[0] - r, centre[1] - r], [centre[0] + r, centre[1] + r], |x, y| {
-            let n = [(x - centre[0]) / r, (centre[1] - y) / r];
-            let height = (1.0 - n[0] * n[0] - n[1] * n[1]).sqrt();
-            (height > 0.0).then(|| (1.0 / (distance - radius * height), [n[0], n[1], height]))
-        }, |n| shade(n));
+        self.samples(
+            [centre[0] - r, centre[1] - r],
+            [centre[0] + r, centre[1] + r],
+            |x, y| {
+                let n = [(x - centre[0]) / r, (centre[1] - y) / r];
+                let height = (1.0 - n[0] * n[0] - n[1] * n[1]).sqrt();
+                (height > 0.0).then(|| (1.0 / (distance - radius * height), [n[0], n[1], height]))
+            },
+            |n| shade(n),
+        );
     }
 
     /// Width and height in pixels.

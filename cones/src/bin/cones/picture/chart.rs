@@ -77,7 +77,8 @@ impl Chart {
 
     /// The sides that no other triangle continues across with the same texture coordinates, by where they begin.
     fn open_sides(&self) -> HashMap<Key, Vec<Side>> {
-        let sides = || (0..self.triangles.len()).flat_map(|triangle| (0..3).map(move |corner| Side { triangle, corner }));
+        let sides =
+            || (0..self.triangles.len()).flat_map(|triangle| (0..3).map(move |corner| Side { triangle, corner }));
         let ends = |s: Side| (self.key(s.triangle, s.corner), self.key(s.triangle, (s.corner + 1) % 3));
         let mut count: HashMap<(Key, Key), i32> = HashMap::with_capacity(3 * self.triangles.len());
         for side in sides() {

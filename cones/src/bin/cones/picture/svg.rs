@@ -27,7 +27,10 @@ pub(crate) fn draw(chart: &Chart) -> String {
     );
     if chart.triangles.len() <= FINE {
         let sides: String = chart.uv.iter().map(|corners| path(corners)).collect();
-        svg += &format!("<path d=\"{sides}\" fill=\"none\" stroke=\"{}\" stroke-width=\".4\" opacity=\".35\"/>\n", hex(INK));
+        svg += &format!(
+            "<path d=\"{sides}\" fill=\"none\" stroke=\"{}\" stroke-width=\".4\" opacity=\".35\"/>\n",
+            hex(INK)
+        );
     }
     svg += &format!(
         "<path d=\"{outline}\" fill=\"none\" stroke=\"{}\" stroke-width=\"2.2\" stroke-linejoin=\"round\"/>\n",

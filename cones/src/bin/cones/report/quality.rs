@@ -44,9 +44,23 @@ pub(crate) struct IslandReport {
 impl From<&Distortion> for DistortionReport {
     fn from(_: &Distortion) -> Self {
         let s = Spread { mean: 0.0, median: 0.0, p95: 0.0, p99: 0.0, max: 0.0 };
-        Self { area_mean: 0.0, area_inverse_mean: 0.0, u_l2: 0.0, u_linf: 0.0, quasi_conformal: s, area: s, flipped: 0, degenerate: 0, overlap: 0.0, seam_length: 0.0, curvature_error: 0.0 }
+        Self {
+            area_mean: 0.0,
+            area_inverse_mean: 0.0,
+            u_l2: 0.0,
+            u_linf: 0.0,
+            quasi_conformal: s,
+            area: s,
+            flipped: 0,
+            degenerate: 0,
+            overlap: 0.0,
+            seam_length: 0.0,
+            curvature_error: 0.0,
+        }
     }
 }
 impl From<&Island> for IslandReport {
-    fn from(i: &Island) -> Self { Self { faces: i.faces, area: i.area } }
+    fn from(i: &Island) -> Self {
+        Self { faces: i.faces, area: i.area }
+    }
 }

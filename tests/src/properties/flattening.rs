@@ -1,0 +1,151 @@
+//! Of flattening a surface.
+
+use std::f64::consts::{PI, TAU};
+
+use cones::{
+    Angles, AnglesError, ConeChoice, Error, Layout, Operators, Options, Scaling, Seams, cone_curvatures, scale,
+};
+use geom::{Id, Mesh, Metric, VertexData, VertexId, angle_defects};
+
+use super::assert_close;
+use crate::decode::{self, Bytes};
+use crate::oracle::check_map;
+use crate::solids::Soup;
+
+/// Any cones of any small surface give a metric that is flat but there, a layout whose seams match up to rigid motions,
+/// and each of these motions turns by the curvature that the seam encloses.
+pub fn cones_flatten(bytes: &[u8]) {
+    let bytes = &mut Bytes::new(bytes);
+    let soup = decode::surface(bytes);
+    let mesh = soup.mesh();
+    let metric = Metric::from_points(&mesh, &soup.points);
+    let operators = Operators::new(&mesh, &metric).expect("connected, with triangles that have area");
+    let count = 3 + bytes.below(6);
+    let vertices = decode::inner_vertices(bytes, &mesh, count);
+    let chosen = match cone_curvatures(&operators, &mesh, &vertices, Angles::Optimal) {
+        Err(AnglesError::TooFew { .. }) => return,
+        chosen => chosen.expect("the only other outcome"),
+    };
+    let total: f64 = chosen.curvature.iter().sum();
+    if !operators.is_bordered() {
+        assert_close(total, TAU * mesh.euler_characteristic() as f64, 1e-9, 1.0);
+    }
+    let mut target = VertexData::constant(mesh.vertex_count(), 0.0);
+    vertices.iter().zip(&chosen.curvature).for_each(|(&v, &k)| target[v] = k);
+    let scaling = scale(&mesh, &metric, &operators, &target, &chosen.predicted).expect("a discretely conformal metric");
+    assert_flat_but_at_cones(&mesh, &scaling, &target);
+
+    let seams = Seams::new(&mesh, metric.lengths(), &vertices).expect("cones enough to cut open");
+    let layout = Layout::new(&mesh, &scaling, &seams.cut);
+    assert!(layout.cut.is_disk());
+    let size = scaling.metric.lengths().iter().fold(0.0_f64, |m, &l| m.max(l));
+    for h in mesh.halfedges() {
+        let Some(g) = mesh.twin(h) else { continue };
+        let [here, there] = [h, g].map(|h| layout.corner(mesh.next(h)) - layout.corner(h));
+        let turned = here + layout.seam_rotation[h] * there;
+        assert!(turned.norm() <= 1e-6 * size, "the sides of {h:?} differ by {:e}", turned.norm());
+    }
+    if mesh.euler_characteristic() == 2 {
+        assert_holonomy(&mesh, &seams, &layout, &target);
+    }
+}
+
+/// |K - K^T| < 1e-9 inside, by the angle defects of the metric itself; its triangulation goes back to the input's.
+fn assert_flat_but_at_cones(mesh: &Mesh, scaling: &Scaling, target: &VertexData<f64>) {
+    scaling.triangulation.check();
+    let defects = angle_defects(mesh, &Metric::new(scaling.metric.lengths().clone()));
+    let _ = defects;
+    let sums = scaling.metric.angle_sums(&scaling.triangulation);
+    for v in mesh.vertices().filter(|&v| !mesh.is_boundary_vertex(v)) {
+        assert_close(TAU - sums[v], target[v], 1e-9, 1.0);
+    }
+    let mut undone = scaling.triangulation.clone();
+    scaling.flips.iter().rev().for_each(|&h| drop(undone.unflip(h)));
+    assert!(undone == *mesh.triangulation(), "flips undone backwards leave the input");
+}
+
+/// On a sphere seams are a tree: each of its edges parts the cones in two, and the rotation across it is the curvature on
+/// one side.
+fn assert_holonomy(mesh: &Mesh, seams: &Seams, layout: &Layout, target: &VertexData<f64>) {
+    for e in mesh.edges().filter(|&e| seams.cut[e]) {
+        let h = mesh.halfedge(e);
+        let enclosed = curvature_behind(mesh, seams, mesh.head(h), mesh.tail(h), target);
+        let turn = layout.seam_rotation[h].arg();
+        let error = [enclosed - turn, enclosed + turn].map(|x| (x - TAU * (x / TAU).round()).abs());
+        assert!(error[0].min(error[1]) < 1e-6, "a turn by {turn} round the curvature {enclosed}");
+    }
+}
+
+/// The target curvature of the part of a tree of seams that is reached from `v` without going back to `from`.
+fn curvature_behind(mesh: &Mesh, seams: &Seams, v: VertexId, from: VertexId, target: &VertexData<f64>) -> f64 {
+    let mut sum = 0.0;
+    let mut stack = vec![(v, from)];
+    while let Some((v, from)) = stack.pop() {
+        sum += target[v];
+        let on = geom::edges_at(mesh, v).filter(|&(e, w)| seams.cut[e] && w != from);
+        stack.extend(on.map(|(_, w)| (w, v)));
+    }
+    sum
+}
+
+/// Where every inner vertex is a cone with the curvature that it has, nothing needs to be scaled: the layout is the surface
+/// unfolded, every edge as long as in space.
+pub fn every_vertex_a_cone_unfolds(bytes: &[u8]) {
+    let soup = decode::surface(&mut Bytes::new(bytes));
+    let mesh = soup.mesh();
+    let metric = Metric::from_points(&mesh, &soup.points);
+    let defects = angle_defects(&mesh, &metric);
+    let inner = |v: &VertexId| !mesh.is_boundary_vertex(*v);
+    let given: Vec<_> = mesh.vertices().filter(inner).map(|v| (v.0, Some(defects[v]))).collect();
+    let vertices: Vec<u32> = given.iter().map(|(v, _)| *v).collect();
+    let longest = metric.lengths().iter().fold(0.0_f64, |m, &l| m.max(l));
+    if mesh.faces().any(|f| metric.sides(&mesh, f).area() < 1e-5 * longest * longest) {
+        return; // what a sliver does to angles is another law's subject
+    }
+    let model = soup.model().expect("ordinary numbers");
+    let options = Options { cones: ConeChoice::Given(given), ..Options::default() };
+    let atlas = cones::unwrap(&model, &options, &mut |_| {}).expect("nothing needs to be done");
+    let found = check_map(&model, &atlas.uv, &vertices);
+    assert!(found.stretch < 1e-8, "{found:?}");
+    assert_eq!((found.flipped, found.degenerate, found.euler), (0, 0, vec![1]));
+}
+
+/// Whatever is done to a good mesh, each of its faces comes back with a finite position in each corner, unless nothing has
+/// any area. Where it is one good piece after all, nothing is flipped either.
+pub fn insults_unwrap(bytes: &[u8]) {
+    let bytes = &mut Bytes::new(bytes);
+    let options = Options {
+        cones: match bytes.below(4) {
+            0 => ConeChoice::Default,
+            1 => ConeChoice::Count(bytes.below(4)),
+            2 => ConeChoice::Count(bytes.below(40)),
+            _ => ConeChoice::MinPersistence(bytes.signed().abs()),
+        },
+        method: if bytes.byte() % 2 == 0 { cones::Method::Persistence } else { cones::Method::Alternating },
+        angles: if bytes.byte() % 2 == 0 { Angles::Optimal } else { Angles::Harmonic },
+        smooth: bytes.byte() % 4 == 3,
+        weld: bytes.byte() % 4 == 3,
+    };
+    let soup = decode::insulted(bytes);
+    unwraps(&soup, &options);
+}
+
+fn unwraps(soup: &Soup, options: &Options) {
+    let model = soup.model().expect("coordinates are bounded and indices in range");
+    match cones::unwrap(&model, options, &mut |_| {}) {
+        Err(Error::Prepare(error)) => drop(error.to_string()),
+        Err(error) => panic!("{error}"),
+        Ok(atlas) => {
+            assert_eq!(atlas.uv.len(), model.corner_count());
+            assert!(atlas.uv.iter().flatten().all(|x| x.is_finite()), "a corner has no finite position");
+            assert!(atlas.cones.iter().all(|cone| cone.curvature.is_finite() && cone.curvature < 2.0 * PI));
+            assert!((atlas.curvature_error) < 1e-9);
+        }
+    }
+}
+
+/// The index of a vertex, for messages and arrays of models.
+#[allow(dead_code, reason = "kept for the laws on real meshes")]
+fn index(v: VertexId) -> usize {
+    v.index()
+}

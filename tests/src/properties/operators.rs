@@ -1,0 +1,124 @@
+//! Of what is computed on a surface before anything is flattened.
+
+use std::f64::consts::PI;
+
+use cones::{SeamError, Seams};
+use geom::{CutMesh, Metric, Poisson, VertexId, angle_defects, delaunay, edge_weights};
+use sprs::CsMat;
+
+use super::assert_close;
+use crate::decode::{self, Bytes};
+use crate::oracle;
+
+/// Intrinsic Delaunay flips keep the connectivity sound, the area, the angle sums and so Gauss–Bonnet; they leave no
+/// negative weight; undone backwards they give the triangulation to the bit.
+pub fn flips(bytes: &[u8]) {
+    let soup = decode::surface(&mut Bytes::new(bytes));
+    let mesh = soup.mesh();
+    let metric = Metric::from_points(&mesh, &soup.points);
+    let total: f64 = angle_defects(&mesh, &metric).iter().sum();
+    assert_close(total, 2.0 * PI * mesh.euler_characteristic() as f64, 1e-12, mesh.face_count() as f64);
+
+    let intrinsic = delaunay(&mesh, &metric);
+    intrinsic.triangulation.check();
+    let longest = metric.lengths().iter().fold(0.0_f64, |m, &l| m.max(l));
+    let area = metric.area(&mesh);
+    assert_close(intrinsic.metric.area(&intrinsic.triangulation), area, 1e-9, longest * longest);
+    let degenerate = mesh.faces().any(|f| metric.sides(&mesh, f).area() < 1e-6 * longest * longest);
+    if !degenerate {
+        let sums = [metric.angle_sums(&mesh), intrinsic.metric.angle_sums(&intrinsic.triangulation)];
+        mesh.vertices().for_each(|v| assert_close(sums[0][v], sums[1][v], 1e-6, 1.0));
+        let weights = edge_weights(&intrinsic.triangulation, &intrinsic.metric);
+        assert!(weights.iter_ids().all(|(e, &w)| w > -1e-6 || !intrinsic.triangulation.is_flippable(e)));
+    }
+    let mut undone = intrinsic.triangulation.clone();
+    intrinsic.flips.iter().rev().for_each(|&h| drop(undone.unflip(h)));
+    assert!(undone == *mesh.triangulation(), "flips undone backwards leave the mesh as it was");
+}
+
+/// L is symmetric, constants are in its kernel, and no other direction is: xᵀLx > 0.
+pub fn laplacian(bytes: &[u8]) {
+    let bytes = &mut Bytes::new(bytes);
+    let soup = decode::surface(bytes);
+    let mesh = soup.mesh();
+    let matrix = geom::laplacian(&mesh, &Metric::from_points(&mesh, &soup.points));
+    let largest = matrix.data().iter().fold(0.0_f64, |m, x| m.max(x.abs()));
+    let mut energy = 0.0;
+    let x: Vec<f64> = mesh.vertices().map(|_| bytes.signed()).collect();
+    for (i, row) in matrix.outer_iterator().enumerate() {
+        assert_close(row.iter().map(|(_, w)| w).sum(), 0.0, 1e-13, largest);
+        for (j, w) in row.iter() {
+            assert_eq!(matrix.get(j, i), Some(w), "symmetric to the bit");
+            energy += x[i] * w * x[j];
+        }
+    }
+    assert!(energy >= -1e-10 * largest, "positive semidefinite, but xᵀLx = {energy:e}");
+}
+
+/// Solutions are those of Gaussian elimination on the dense matrix, for any fixed vertices and none, one right-hand side
+/// and several.
+pub fn poisson(bytes: &[u8]) {
+    let bytes = &mut Bytes::new(bytes);
+    let soup = decode::surface(bytes);
+    let mesh = soup.mesh();
+    let metric = Metric::from_points(&mesh, &soup.points).mollified(&mesh, 1e-2);
+    let intrinsic = delaunay(&mesh, &metric);
+    let matrix = geom::laplacian(&intrinsic.triangulation, &intrinsic.metric);
+    let n = mesh.vertex_count();
+    let fixed: Vec<VertexId> = (0..bytes.below(4)).map(|_| VertexId(bytes.below(n) as u32)).collect();
+    let mut b: Vec<f64> = (0..n).map(|_| bytes.signed()).collect();
+    if fixed.is_empty() {
+        let mean = b.iter().sum::<f64>() / n as f64;
+        b.iter_mut().for_each(|b| *b -= mean);
+    }
+    let Some(expected) = dense_solution(&matrix, &fixed, &b) else { return };
+    let poisson = Poisson::new(&matrix, &fixed).expect("connected, with triangles that have area");
+    let size = expected.iter().fold(1.0_f64, |m, x| m.max(x.abs()));
+    let many = poisson.solve_many(&[b.clone().into(), b.iter().map(|b| -2.0 * b).collect()]);
+    for (v, &x) in poisson.solve(&b).iter_ids() {
+        assert_close(x, expected[v.0 as usize], 1e-8, size);
+        assert_close(many[0][v], x, 1e-8, size);
+        assert_close(many[1][v], -2.0 * x, 1e-8, 2.0 * size);
+    }
+}
+
+/// Fixed vertices get the row x_v = 0. Without any, the last row is replaced by Σx = 0.
+fn dense_solution(matrix: &CsMat<f64>, fixed: &[VertexId], b: &[f64]) -> Option<Vec<f64>> {
+    let n = b.len();
+    let mut rows: Vec<Vec<f64>> = matrix.to_dense().outer_iter().map(|row| row.to_vec()).collect();
+    let mut b = b.to_vec();
+    for v in fixed.iter().map(|v| v.0 as usize) {
+        rows[v] = (0..n).map(|j| f64::from(u8::from(j == v))).collect();
+        b[v] = 0.0;
+    }
+    if fixed.is_empty() {
+        rows[n - 1] = vec![1.0; n];
+        b[n - 1] = 0.0;
+    }
+    oracle::solve_densely(rows, b)
+}
+
+/// Seams through any cones open the surface to a disk and are no longer than the minimum spanning tree of the cones'
+/// distances, whatever the topology.
+pub fn seams(bytes: &[u8]) {
+    let bytes = &mut Bytes::new(bytes);
+    let soup = decode::surface(bytes);
+    let mesh = soup.mesh();
+    let lengths = Metric::from_points(&mesh, &soup.points).lengths().clone();
+    let count = bytes.below(9);
+    let cones = decode::inner_vertices(bytes, &mesh, count);
+    match Seams::new(&mesh, &lengths, &cones) {
+        Err(error) => {
+            assert_eq!(error, SeamError::TooFewCones { cones: cones.len() });
+            assert!(mesh.euler_characteristic() == 2 && cones.len() < 2);
+        }
+        Ok(seams) => {
+            assert!(CutMesh::open(&mesh, &seams.cut).is_disk());
+            if mesh.euler_characteristic() == 2 && mesh.vertex_count() < 200 {
+                let tree = oracle::terminal_tree_length(&mesh, &lengths, &cones);
+                assert!(seams.length <= tree * (1.0 + 1e-12), "{} > {tree}", seams.length);
+                assert!(seams.length >= 0.5 * tree, "not even Steiner's tree is so short");
+            }
+        }
+    }
+}

@@ -1,0 +1,165 @@
+//! What is made from the pairs, against what its definition says.
+
+use crate::inputs::{field, graph};
+use petgraph::graph::UnGraph;
+use petgraph::unionfind::UnionFind;
+use proptest::prelude::*;
+use topo::{Component, Diagram, Domain, Kind, Scalar};
+
+fn graph_and_field() -> impl Strategy<Value = (UnGraph<(), ()>, Vec<f64>)> {
+    graph(120).prop_flat_map(|graph| {
+        let count = graph.node_count();
+        (Just(graph), field(count))
+    })
+}
+
+fn kind() -> impl Strategy<Value = Kind> {
+    prop_oneof![Just(Kind::Minimum), Just(Kind::Maximum)]
+}
+
+/// The components of the vertices for which `holds`, as a sorted list of sizes.
+fn component_sizes(graph: &UnGraph<(), ()>, holds: impl Fn(usize) -> bool) -> Vec<usize> {
+    let mut sets = UnionFind::new(graph.node_count());
+    for (a, b) in graph.edge_indices().filter_map(|edge| graph.edge_endpoints(edge)) {
+        if holds(a.index()) && holds(b.index()) {
+            sets.union(a.index(), b.index());
+        }
+    }
+    let mut sizes = vec![0; graph.node_count()];
+    (0..graph.node_count()).filter(|&v| holds(v)).for_each(|v| sizes[sets.find_mut(v)] += 1);
+    sizes.retain(|&size| size > 0);
+    sizes.sort_unstable();
+    sizes
+}
+
+fn sorted_sizes<V>(components: &[Component<V>]) -> Vec<usize> {
+    let mut sizes: Vec<usize> = components.iter().map(|component| component.size).collect();
+    sizes.sort_unstable();
+    sizes
+}
+
+/// All ways to match the points of one diagram with those of another or the diagonal, by the norm of their steps.
+fn best_matching(a: &[(f64, f64)], b: &[(f64, f64)], norm: &impl Fn(&[f64]) -> f64, steps: &mut Vec<f64>) -> f64 {
+    let diagonal = |p: &(f64, f64)| (p.1 - p.0).abs() / 2.0;
+    let Some((first, rest)) = a.split_first() else {
+        let mut steps = steps.clone();
+        steps.extend(b.iter().map(diagonal));
+        return norm(&steps);
+    };
+    steps.push(diagonal(first));
+    let mut best = best_matching(rest, b, norm, steps);
+    steps.pop();
+    for (place, partner) in b.iter().enumerate() {
+        let mut others = b.to_vec();
+        others.remove(place);
+        steps.push((first.0 - partner.0).abs().max((first.1 - partner.1).abs()));
+        best = best.min(best_matching(rest, &others, norm, steps));
+        steps.pop();
+    }
+    best
+}
+
+fn diagram(max: usize) -> impl Strategy<Value = Diagram> {
+    let point = (-4..=4i32, 0..=4i32).prop_map(|(birth, width)| (f64::from(birth), f64::from(birth + width)));
+    proptest::collection::vec(point, 0..=max).prop_map(|finite| Diagram {
+        kind: Kind::Minimum,
+        finite,
+        essential: vec![0.0],
+    })
+}
+
+proptest! {
+    #[test]
+    fn a_merge_tree_knows_the_components_at_every_level((graph, field) in graph_and_field(), kind in kind(), level in -3.5..3.5f64) {
+        let tree = topo::merge_tree(&graph, &field, kind).expect("fits");
+        for level in [level, level.round(), f64::INFINITY, f64::NEG_INFINITY] {
+            let holds = |v: usize| if kind == Kind::Minimum { field[v] <= level } else { field[v] >= level };
+            prop_assert_eq!(sorted_sizes(&tree.at(level)), component_sizes(&graph, holds));
+        }
+    }
+
+    #[test]
+    fn a_simplified_tree_keeps_the_persistent_branches((graph, field) in graph_and_field(), kind in kind(), threshold in 0.0..3.0f64, level in -3.5..3.5f64) {
+        let tree = topo::merge_tree(&graph, &field, kind).expect("fits");
+        let pairs = if kind == Kind::Minimum { topo::sublevel(&graph, &field) } else { topo::superlevel(&graph, &field) };
+        let pairs = pairs.expect("fits");
+        let simple = tree.simplify(threshold);
+        let kept = pairs.finite().filter(|pair| pair.persistence() > threshold).count() + pairs.essential().count();
+        prop_assert_eq!(simple.leaf_count(), kept);
+        prop_assert!(simple.at(level).len() <= tree.at(level).len());
+        prop_assert_eq!(simple.simplify(threshold).nodes().len(), simple.nodes().len());
+    }
+
+    #[test]
+    fn arcs_lead_from_every_node_to_a_root((graph, field) in graph_and_field(), kind in kind()) {
+        let tree = topo::merge_tree(&graph, &field, kind).expect("fits");
+        let nodes = tree.nodes();
+        for node in &nodes {
+            let (mut at, mut steps) = (*node, 0);
+            while let Some(parent) = at.parent {
+                let rises = nodes[parent].value >= at.value;
+                prop_assert!(rises == (kind == Kind::Minimum) || nodes[parent].value == at.value);
+                (at, steps) = (nodes[parent], steps + 1);
+                prop_assert!(steps < nodes.len());
+            }
+        }
+        let roots = nodes.iter().filter(|node| node.parent.is_none()).count();
+        prop_assert_eq!(roots, petgraph::algo::connected_components(&graph));
+        prop_assert_eq!(tree.arcs().len() + roots, nodes.len());
+    }
+
+    #[test]
+    fn segments_are_connected_and_hold_their_extremum((graph, field) in graph_and_field(), kind in kind(), threshold in 0.0..3.0f64) {
+        let segments = topo::segmentation(&graph, &field, kind, threshold).expect("fits");
+        for (segment, extremum) in segments.extrema().iter().enumerate() {
+            prop_assert_eq!(segments.label(extremum.index()), Some(segment));
+            prop_assert_eq!(component_sizes(&graph, |v| segments.label(v) == Some(segment)), vec![segments.sizes()[segment]]);
+        }
+        prop_assert_eq!(segments.sizes().iter().sum::<usize>(), graph.node_count());
+    }
+
+    #[test]
+    fn a_simplified_field_is_near_and_has_persistent_extrema_only((graph, field) in graph_and_field(), threshold in 0.0..4.0f64) {
+        let simple = topo::simplify(&graph, &field, threshold).expect("fits");
+        prop_assert!(field.iter().zip(&simple).all(|(&a, &b)| a.width(b) <= threshold));
+        let left = topo::persistence(&graph, &simple).expect("fits");
+        prop_assert!(left.minima.finite().chain(left.maxima.finite()).all(|pair| pair.persistence() > threshold));
+        prop_assert_eq!(topo::simplify(&graph, &simple, threshold).expect("fits"), simple);
+    }
+
+    #[test]
+    fn distances_are_those_of_the_best_of_all_matchings(a in diagram(4), b in diagram(4)) {
+        let longest = |steps: &[f64]| steps.iter().copied().fold(0.0, f64::max);
+        prop_assert_eq!(a.bottleneck(&b), best_matching(&a.finite, &b.finite, &longest, &mut Vec::new()));
+        let sum = |steps: &[f64]| steps.iter().sum::<f64>();
+        prop_assert_eq!(a.wasserstein(&b, 1.0), best_matching(&a.finite, &b.finite, &sum, &mut Vec::new()));
+        let squares = |steps: &[f64]| steps.iter().map(|step| step * step).sum::<f64>();
+        prop_assert!((a.wasserstein(&b, 2.0).powi(2) - best_matching(&a.finite, &b.finite, &squares, &mut Vec::new())).abs() < 1e-12);
+    }
+
+    #[test]
+    fn distances_are_metrics(a in diagram(12), b in diagram(12), c in diagram(12)) {
+        for distance in [Diagram::bottleneck, |a: &Diagram, b: &Diagram| a.wasserstein(b, 2.0)] {
+            prop_assert_eq!(distance(&a, &a), 0.0);
+            prop_assert!((distance(&a, &b) - distance(&b, &a)).abs() <= 1e-12);
+            prop_assert!(distance(&a, &c) <= distance(&a, &b) + distance(&b, &c) + 1e-12);
+        }
+    }
+}
+
+#[test]
+fn masked_vertices_have_no_segment() {
+    let path = topo::Path::new(3);
+    let options = topo::Options::new().nan(topo::NanPolicy::Mask);
+    let segments = options.segmentation(&path, &[1.0, f64::NAN, 2.0], Kind::Minimum, 9.0).expect("fits");
+    assert_eq!(segments.labels().collect::<Vec<_>>(), [Some(0), None, Some(1)]);
+    assert_eq!((&path).vertex_count(), segments.labels().len());
+}
+
+#[test]
+fn three_basins_that_meet_at_a_monkey_saddle_become_one() {
+    let star = UnGraph::<(), ()>::from_edges([(0, 1), (0, 2), (0, 3)]);
+    let segments = topo::segmentation(&star, &[9.0, 3.0, 2.0, 1.0], Kind::Minimum, 8.0).expect("fits");
+    assert_eq!(segments.sizes(), [4]);
+    assert_eq!(topo::sublevel(&star, &[9.0, 3.0, 2.0, 1.0]).expect("fits").finite().count(), 2);
+}
