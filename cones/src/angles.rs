@@ -72,7 +72,7 @@ fn bounds(operators: &Operators, input: &Mesh, cones: &[VertexId]) -> Vec<[f64; 
 pub(crate) fn general_bounds(operators: &Operators, count: usize) -> [f64; 2] {
     let count = count.max(1) as f64;
     let total = if operators.is_bordered() { 0.0 } else { operators.total_curvature() };
-    [-(2.0 * PI).max(2.5 * (-total).max(0.0) / count), (1.5 * PI).max(1.02 * total / count)]
+    [-(2.0 * PI).max(2.5 * (-total).max(0.0) / count), (1.5 * PI).max(1.02 * total / count).min(1.99 * PI)]
 }
 
 /// The least curvature that a vertex can have with the triangles that it has in `input`, wherever other cones are.
@@ -236,4 +236,85 @@ fn harmonic(
     let mut curvature = dense::solve(matrix, right, 1)?;
     curvature.truncate(n);
     Some(curvature)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use geom::{Metric, Poisson, shapes};
+
+    fn hare() -> (Mesh, Operators) {
+        let shape = shapes::hare(1500);
+        let mesh = shape.mesh();
+        let operators = Operators::new(&mesh, &Metric::from_points(&mesh, &shape.points)).unwrap();
+        (mesh, operators)
+    }
+
+    fn spread(mesh: &Mesh, count: usize) -> Vec<VertexId> {
+        let inner: Vec<VertexId> = mesh.vertices().filter(|&v| !mesh.is_boundary_vertex(v)).collect();
+        (0..count).map(|k| inner[k * inner.len() / count]).collect()
+    }
+
+    #[test]
+    fn harmonic_curvatures_are_those_of_the_solve_with_the_cones_pinned() {
+        let (mesh, operators) = hare();
+        let cones = spread(&mesh, 9);
+        let green = operators.green(&cones);
+        let flattening = operators.poisson.solve(&operators.flattening_source());
+        let curvature = harmonic(&operators, &cones, &flattening, &green).unwrap();
+        let source: Vec<f64> = operators.curvature.iter().map(|k| -k).collect();
+        let pinned = Poisson::new(&operators.laplacian, &cones).unwrap().solve(&source);
+        let u = pinned_factor(&operators, &cones, &green);
+        assert!(u.iter().zip(pinned.iter()).all(|(u, pinned)| (u - pinned).abs() < 1e-10));
+        for (&v, k) in cones.iter().zip(curvature) {
+            let row = operators.laplacian.outer_view(v.0 as usize).unwrap();
+            let change: f64 = row.iter().map(|(j, l)| l * pinned[VertexId(j as u32)]).sum();
+            assert!((operators.curvature[v] + change - k).abs() < 1e-9);
+        }
+    }
+
+    #[test]
+    fn optimal_curvatures_sum_to_the_total_keep_their_bounds_and_beat_harmonic_ones() {
+        let (mesh, operators) = hare();
+        let norm = |c: &ConeCurvatures| operators.inner(&c.predicted, &c.predicted).sqrt();
+        for count in [3, 4, 8, 20] {
+            let cones = spread(&mesh, count);
+            let optimal = cone_curvatures(&operators, &mesh, &cones, Angles::Optimal).unwrap();
+            assert!((optimal.curvature.iter().sum::<f64>() - 4.0 * PI).abs() < 1e-11);
+            for (k, [low, high]) in optimal.curvature.iter().zip(bounds(&operators, &mesh, &cones)) {
+                assert!(*k >= low - 1e-12 && *k <= high + 1e-12);
+            }
+            let harmonic = cone_curvatures(&operators, &mesh, &cones, Angles::Harmonic).unwrap();
+            let legal = harmonic.out_of_bounds.is_empty();
+            let within = harmonic.curvature.iter().zip(bounds(&operators, &mesh, &cones));
+            if legal && within.clone().all(|(k, [low, high])| *k >= low && *k <= high) {
+                assert!(norm(&optimal) <= norm(&harmonic) + 1e-12);
+            }
+        }
+    }
+
+    #[test]
+    fn too_few_cones_for_the_curvature_are_refused() {
+        let (mesh, operators) = hare();
+        let error = cone_curvatures(&operators, &mesh, &spread(&mesh, 2), Angles::Optimal).unwrap_err();
+        assert!(matches!(error, AnglesError::TooFew { cones: 2, least: 3, .. }), "{error}");
+    }
+
+    #[test]
+    fn a_developable_cone_needs_just_its_own_curvature() {
+        let shape = shapes::cone(5, 300);
+        let mesh = shape.mesh();
+        let operators = Operators::new(&mesh, &Metric::from_points(&mesh, &shape.points)).unwrap();
+        let tip = mesh.vertices().find(|&v| operators.curvature[v].abs() > 0.5 && !mesh.is_boundary_vertex(v)).unwrap();
+        let curvatures = cone_curvatures(&operators, &mesh, &[tip], Angles::Optimal).unwrap();
+        assert!((curvatures.curvature[0] - operators.curvature[tip]).abs() < 1e-9);
+        assert!(curvatures.predicted.iter().all(|u| u.abs() < 1e-9));
+    }
+
+    #[test]
+    fn a_dense_system_is_solved_with_pivoting_and_a_singular_one_is_not() {
+        let solution = solve_dense(vec![0.0, 2.0, 1.0, 1.0], vec![4.0, 3.0]).unwrap();
+        assert_eq!(solution, [1.0, 2.0]);
+        assert_eq!(solve_dense(vec![1.0, 2.0, 2.0, 4.0], vec![1.0, 1.0]), None);
+    }
 }

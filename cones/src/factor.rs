@@ -5,7 +5,7 @@
 //! with the constants that make φ's L2 norm least. φ is low where the surface sticks out (positive curvature) and high at
 //! saddles. One solve on the factor of [`Operators`].
 
-use geom::{Metric, Poisson, PoissonError, VertexData, laplacian};
+use geom::{Metric, Poisson, PoissonError, VertexData, VertexId, laplacian};
 use sprs::CsMat;
 
 use crate::operators::Operators;
@@ -42,9 +42,12 @@ impl ConformalFactor {
     }
 }
 
-/// M(M + tL)⁻¹K with t = (3h)², h the mean edge length: one implicit step of the heat equation. Keeps ΣK.
+/// M(M + tL)⁻¹K with t = (3h)², h the mean edge length: one implicit step of the heat equation. Keeps ΣK. What the boundary
+/// has is its own affair and does not diffuse inside.
 fn diffuse(operators: &Operators) -> Result<VertexData<f64>, PoissonError> {
-    let Operators { mesh, metric, curvature, .. } = operators;
+    let Operators { mesh, metric, .. } = operators;
+    let inside = |(v, k): (VertexId, &f64)| if mesh.is_boundary_vertex(v) { 0.0 } else { *k };
+    let curvature: VertexData<f64> = operators.curvature.iter_ids().map(inside).collect();
     let mean_length = metric.lengths().iter().sum::<f64>() / mesh.edge_count() as f64;
     let time = (3.0 * mean_length).powi(2);
     let mass = Metric::vertex_areas(metric, mesh);
@@ -53,6 +56,51 @@ fn diffuse(operators: &Operators) -> Result<VertexData<f64>, PoissonError> {
     for (v, &area) in mass.iter().enumerate() {
         *matrix.get_mut(v, v).expect("the Laplacian stores its diagonal") += area;
     }
-    let density = Poisson::definite(&matrix)?.solve(curvature);
+    let density = Poisson::definite(&matrix)?.solve(&curvature);
     Ok(density.iter().zip(mass.iter()).map(|(x, m)| x * m).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use geom::{Id, shapes};
+
+    fn factors(shape: &shapes::Shape) -> (Operators, ConformalFactor, ConformalFactor) {
+        let mesh = shape.mesh();
+        let operators = Operators::new(&mesh, &Metric::from_points(&mesh, &shape.points)).unwrap();
+        let (plain, smooth) = (ConformalFactor::new(&operators), ConformalFactor::smoothed(&operators).unwrap());
+        (operators, plain, smooth)
+    }
+
+    #[test]
+    fn phi_is_nearly_constant_on_a_sphere_and_zero_on_a_flat_disk() {
+        let (_, sphere, _) = factors(&shapes::sphere(2000));
+        assert!(sphere.phi.iter().all(|phi| phi.abs() < 1e-2));
+        let (_, disk, smooth) = factors(&shapes::disk(500));
+        let worst = disk.phi.iter().chain(smooth.phi.iter()).fold(0.0, |m: f64, phi| m.max(phi.abs()));
+        assert!(worst < 1e-11, "{worst}");
+    }
+
+    #[test]
+    fn phi_is_lowest_at_the_tips_of_a_capsule() {
+        let shape = shapes::capsule(2000);
+        let (_, factor, smooth) = factors(&shape);
+        for phi in [factor.phi, smooth.phi] {
+            let (lowest, _) = phi.iter_ids().min_by(|a, b| a.1.total_cmp(b.1)).unwrap();
+            let tip = shape.points[lowest.index()];
+            let reach = |p: &[f64; 3]| p.iter().map(|x| x * x).sum::<f64>();
+            assert!(reach(&tip) > 0.95 * shape.points.iter().map(reach).fold(0.0, f64::max));
+        }
+    }
+
+    #[test]
+    fn the_laplacian_of_phi_is_the_change_of_curvature_that_was_asked_for() {
+        let (operators, factor, _) = factors(&shapes::hare(1500));
+        for (v, row) in operators.laplacian.outer_iterator().enumerate() {
+            let v = VertexId::new(v);
+            let change: f64 = row.iter().map(|(j, l)| l * factor.phi[VertexId::new(j)]).sum();
+            let wanted = operators.total_curvature() * operators.weight[v] - operators.curvature[v];
+            assert!((change - wanted).abs() < 1e-9);
+        }
+    }
 }

@@ -146,3 +146,54 @@ pub(crate) fn kind_of(candidate: &Candidate, curvature: f64) -> Kind {
         None => Kind::Maximum,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use geom::{Metric, shapes};
+
+    fn hierarchy(shape: &shapes::Shape) -> (Operators, ConeHierarchy) {
+        let mesh = shape.mesh();
+        let operators = Operators::new(&mesh, &Metric::from_points(&mesh, &shape.points)).unwrap();
+        let hierarchy = ConeHierarchy::new(&operators, &ConformalFactor::new(&operators));
+        (operators, hierarchy)
+    }
+
+    #[test]
+    fn cones_are_nested_distinct_inner_vertices_as_many_as_asked_for() {
+        for shape in [shapes::hare(1000), shapes::part(1000), shapes::terrain(900, 3), shapes::sphere(40)] {
+            let (operators, hierarchy) = hierarchy(&shape);
+            for method in [Method::Alternating, Method::Persistence] {
+                let all = hierarchy.cones(&operators, method, 30);
+                let inner = operators.mesh.vertices().filter(|&v| !operators.mesh.is_boundary_vertex(v)).count();
+                assert_eq!(all.len(), inner.min(30));
+                for count in [0, 1, 5, 12] {
+                    assert_eq!(hierarchy.cones(&operators, method, count), all[..count]);
+                }
+                let mut vertices: Vec<VertexId> = all.iter().map(|c| c.vertex).collect();
+                vertices.sort_unstable();
+                vertices.dedup();
+                assert_eq!(vertices.len(), all.len());
+                assert!(vertices.iter().all(|&v| !operators.mesh.is_boundary_vertex(v)));
+            }
+        }
+    }
+
+    #[test]
+    fn a_mesh_without_enough_inner_vertices_gives_what_it_has() {
+        let (operators, hierarchy) = hierarchy(&shapes::square(9));
+        let inner = operators.mesh.vertices().filter(|&v| !operators.mesh.is_boundary_vertex(v)).count();
+        assert_eq!(hierarchy.cones(&operators, Method::Persistence, 100).len(), inner);
+    }
+
+    #[test]
+    fn the_paper_takes_maxima_and_minima_in_turn() {
+        let (operators, hierarchy) = hierarchy(&shapes::hare(2000));
+        let kinds: Vec<Kind> = hierarchy
+            .cones(&operators, Method::Alternating, 4)
+            .iter()
+            .map(|cone| cone.extremum.expect("there are enough extrema").kind)
+            .collect();
+        assert_eq!(kinds, [Kind::Maximum, Kind::Minimum, Kind::Maximum, Kind::Minimum]);
+    }
+}

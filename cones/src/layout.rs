@@ -191,3 +191,60 @@ fn unit(z: Complex64) -> Complex64 {
     let norm = z.norm();
     if norm > 0.0 { z / norm } else { Complex64::ONE }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Operators, Seams, scale};
+    use geom::{Metric, VertexData, VertexId, shapes};
+
+    #[test]
+    fn a_developable_cone_is_laid_out_exactly() {
+        for shape in [shapes::cone(5, 400), shapes::saddle_cone(400)] {
+            let mesh = shape.mesh();
+            let metric = Metric::from_points(&mesh, &shape.points);
+            let operators = Operators::new(&mesh, &metric).unwrap();
+            let inner = |v: &VertexId| !mesh.is_boundary_vertex(*v);
+            let tip = mesh
+                .vertices()
+                .filter(inner)
+                .max_by(|a, b| operators.curvature[*a].abs().total_cmp(&operators.curvature[*b].abs()));
+            let tip = tip.expect("there are inner vertices");
+            let mut target = VertexData::constant(mesh.vertex_count(), 0.0);
+            target[tip] = operators.curvature[tip];
+            let zero = VertexData::constant(mesh.vertex_count(), 0.0);
+            let scaling = scale(&mesh, &metric, &operators, &target, &zero).unwrap();
+            let seams = Seams::new(&mesh, metric.lengths(), &[tip]).unwrap();
+            let layout = Layout::new(&mesh, &scaling, &seams.cut);
+            for h in mesh.halfedges() {
+                let length = (layout.corner(mesh.next(h)) - layout.corner(h)).norm();
+                assert!((length / metric.length(mesh.edge(h)) - 1.0).abs() < 1e-10);
+            }
+        }
+    }
+
+    #[test]
+    fn the_two_sides_of_a_seam_differ_by_its_rotation() {
+        let shape = shapes::torus(2, 800);
+        let mesh = shape.mesh();
+        let metric = Metric::from_points(&mesh, &shape.points);
+        let operators = Operators::new(&mesh, &metric).unwrap();
+        let cones = [VertexId(10), VertexId(400)];
+        let mut target = VertexData::constant(mesh.vertex_count(), 0.0);
+        cones.map(|v| target[v] = 0.5 * operators.total_curvature());
+        let zero = VertexData::constant(mesh.vertex_count(), 0.0);
+        let scaling = scale(&mesh, &metric, &operators, &target, &zero).unwrap();
+        let seams = Seams::new(&mesh, metric.lengths(), &cones).unwrap();
+        let layout = Layout::new(&mesh, &scaling, &seams.cut);
+        let extent = layout.position.iter().map(|z| z.norm()).fold(0.0, f64::max);
+        for h in mesh.halfedges() {
+            let g = mesh.twin(h).expect("it is closed");
+            let here = layout.corner(mesh.next(h)) - layout.corner(h);
+            let there = layout.corner(g) - layout.corner(mesh.next(g));
+            assert!((here - layout.seam_rotation[h] * there).norm() < 1e-10 * extent);
+            assert!((layout.seam_rotation[h] * layout.seam_rotation[g] - 1.0).norm() < 1e-12);
+            let cut = layout.cut.wedge(h) != layout.cut.wedge(mesh.next(g));
+            assert!(cut || layout.seam_rotation[h] == Complex64::ONE);
+        }
+    }
+}

@@ -364,3 +364,63 @@ fn clipped_to_sum(angles: &[f64], low: f64, high: f64, sum: f64) -> Vec<f64> {
 fn cross(a: Complex64, b: Complex64) -> f64 {
     a.re * b.im - a.im * b.re
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Operators, Seams, scale};
+    use geom::shapes;
+
+    #[test]
+    fn folded_triangles_are_turned_over_also_across_seams() {
+        let shape = shapes::hare(1200);
+        let mesh = shape.mesh();
+        let metric = Metric::from_points(&mesh, &shape.points);
+        let operators = Operators::new(&mesh, &metric).unwrap();
+        let cones = [0, 300, 600, 900, 1100].map(VertexId);
+        let mut target = VertexData::constant(mesh.vertex_count(), 0.0);
+        let mut is_cone = VertexData::constant(mesh.vertex_count(), false);
+        for v in cones {
+            target[v] = operators.total_curvature() / cones.len() as f64;
+            is_cone[v] = true;
+        }
+        let zero = VertexData::constant(mesh.vertex_count(), 0.0);
+        let scaling = scale(&mesh, &metric, &operators, &target, &zero).unwrap();
+        let seams = Seams::new(&mesh, metric.lengths(), &cones).unwrap();
+        let mut layout = Layout::new(&mesh, &scaling, &seams.cut);
+        mend(&mesh, &metric, &scaling, &is_cone, &mut layout).unwrap();
+        // Fold plain vertices over an edge of their stars: one inside, one on a seam.
+        let plain = |wedges: usize| {
+            let layout = &layout;
+            let is_cone = &is_cone;
+            mesh.vertices().filter(move |&v| layout.cut.wedges(v).len() == wedges && !is_cone[v])
+        };
+        let inside = plain(1).nth(20).unwrap();
+        let seam = plain(2).nth(3).unwrap();
+        for v in [inside, seam] {
+            let mut folded = layout.clone();
+            let mut mender = Mender::new(&mesh, &metric, &scaling, &is_cone, &mut folded);
+            let h = mesh.outgoing(v).next().unwrap();
+            let spoke = mender.layout.corner(mesh.next(h)) - mender.layout.corner(h);
+            mender.displace(h, 1.5 * spoke);
+            assert!(!mender.bad(mesh.faces()).is_empty());
+            assert!(mend(&mesh, &metric, &scaling, &is_cone, &mut folded).unwrap() > 0);
+            let mender = Mender::new(&mesh, &metric, &scaling, &is_cone, &mut folded);
+            assert!(mender.bad(mesh.faces()).is_empty());
+            for h in mesh.halfedges() {
+                let g = mesh.twin(h).unwrap();
+                let here = mender.layout.corner(mesh.next(h)) - mender.layout.corner(h);
+                let there = mender.layout.corner(g) - mender.layout.corner(mesh.next(g));
+                let gap = (here - mender.layout.seam_rotation[h] * there).norm();
+                assert!(gap < 1e-9, "seams stay rigid: {gap}, {here}");
+            }
+        }
+    }
+
+    #[test]
+    fn clipped_angles_sum_to_what_they_should() {
+        let angles = clipped_to_sum(&[0.1, 3.0, 1.0], 0.4, 2.6, 5.0);
+        assert!((angles.iter().sum::<f64>() - 5.0).abs() < 1e-12);
+        assert!(angles.iter().all(|a| (0.4..=2.6).contains(a)));
+    }
+}

@@ -178,3 +178,55 @@ impl Operators {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use geom::shapes::{self, Shape};
+
+    fn operators(shape: &Shape) -> Operators {
+        let mesh = shape.mesh();
+        let metric = Metric::from_points(&mesh, &shape.points);
+        Operators::new(&mesh, &metric).unwrap()
+    }
+
+    #[test]
+    fn free_log_scale_factors_change_no_curvature_inside() {
+        let operators = operators(&shapes::cylinder(400));
+        assert_eq!(operators.free.len(), 2, "a constant for each of the two loops");
+        for basis in &operators.free {
+            for (v, row) in operators.laplacian.outer_iterator().enumerate() {
+                let change: f64 = row.iter().map(|(j, l)| l * basis[VertexId(j as u32)]).sum();
+                assert!(operators.mesh.is_boundary_vertex(VertexId(v as u32)) || change.abs() < 1e-9);
+            }
+        }
+    }
+
+    #[test]
+    fn centring_is_a_projection_that_shortens() {
+        let operators = operators(&shapes::cylinder(400));
+        let mut x: VertexData<f64> = operators.mesh.vertices().map(|v| f64::from(v.0 * 7 % 13)).collect();
+        let before = operators.inner(&x, &x);
+        operators.centre(&mut x);
+        let once = x.clone();
+        operators.centre(&mut x);
+        assert!(operators.inner(&once, &once) < before);
+        assert!(x.iter().zip(once.iter()).all(|(x, once)| (x - once).abs() < 1e-12));
+    }
+
+    #[test]
+    fn a_green_function_has_unit_curvature_at_its_vertex() {
+        for shape in [shapes::sphere(300), shapes::disk(300)] {
+            let operators = operators(&shape);
+            let v = operators.mesh.vertices().find(|&v| !operators.mesh.is_boundary_vertex(v)).unwrap();
+            let green = operators.green(&[v]).remove(0);
+            let elsewhere = if operators.is_bordered() { 0.0 } else { -1.0 / operators.mesh.vertex_count() as f64 };
+            for (i, row) in operators.laplacian.outer_iterator().enumerate() {
+                let w = VertexId(i as u32);
+                let curvature: f64 = row.iter().map(|(j, l)| l * green[VertexId(j as u32)]).sum();
+                let expected = elsewhere + f64::from(u8::from(w == v));
+                assert!(operators.mesh.is_boundary_vertex(w) || (curvature - expected).abs() < 1e-10);
+            }
+        }
+    }
+}

@@ -231,3 +231,51 @@ fn largest(residual: &VertexData<f64>) -> (VertexId, f64) {
 fn dot(x: &[f64], y: &[f64]) -> f64 {
     x.iter().zip(y).map(|(x, y)| x * y).sum()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use geom::shapes::{self, Shape};
+    use std::f64::consts::PI;
+
+    /// Scales a shape to cones of equal curvature at evenly numbered vertices.
+    fn scaled(shape: &Shape, cones: usize) -> (Mesh, VertexData<f64>, Scaling) {
+        let mesh = shape.mesh();
+        let metric = Metric::from_points(&mesh, &shape.points);
+        let operators = Operators::new(&mesh, &metric).unwrap();
+        let mut target = VertexData::constant(mesh.vertex_count(), 0.0);
+        let inner: Vec<VertexId> = mesh.vertices().filter(|&v| !mesh.is_boundary_vertex(v)).collect();
+        for k in 0..cones {
+            target[inner[k * inner.len() / cones]] = operators.total_curvature() / cones as f64;
+        }
+        let zero = VertexData::constant(mesh.vertex_count(), 0.0);
+        let scaling = scale(&mesh, &metric, &operators, &target, &zero).unwrap();
+        (mesh, target, scaling)
+    }
+
+    #[test]
+    fn the_scaled_metric_has_the_target_curvature_and_is_the_scaled_input() {
+        for (shape, cones) in [(shapes::hare(1500), 8), (shapes::torus(2, 1500), 5), (shapes::terrain(900, 1), 3)] {
+            let (mesh, target, scaling) = scaled(&shape, cones);
+            let sums = scaling.metric.angle_sums(&scaling.triangulation);
+            for v in mesh.vertices().filter(|&v| !mesh.is_boundary_vertex(v)) {
+                assert!((2.0 * PI - sums[v] - target[v]).abs() < 1e-9);
+            }
+            assert!(scaling.error < 1e-11, "{}", scaling.error);
+            scaling.triangulation.check();
+            // An edge that no flip touched is the input's, scaled.
+            let scaled = Metric::from_points(&mesh, &shape.points).scaled(&mesh, &scaling.u);
+            let mut same = 0;
+            for e in mesh.edges().filter(|&e| mesh.ends(e) == scaling.triangulation.ends(e)) {
+                same += usize::from((scaled.length(e) / scaling.metric.length(e) - 1.0).abs() < 1e-9);
+            }
+            assert!(2 * same > mesh.edge_count());
+        }
+    }
+
+    #[test]
+    fn the_given_log_scale_on_the_boundary_stays() {
+        let (mesh, _, scaling) = scaled(&shapes::terrain(900, 1), 0);
+        assert!(mesh.vertices().filter(|&v| mesh.is_boundary_vertex(v)).all(|v| scaling.u[v] == 0.0));
+    }
+}

@@ -1,1 +1,3 @@
-//! Tests.
+//! What holds across the crates.
+
+mod command;

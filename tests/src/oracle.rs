@@ -143,7 +143,8 @@ pub fn check_map(model: &Model, uv: &[[f64; 2]], cones: &[u32]) -> MapCheck {
             let [a, b] = [here, next].map(|c| model.corners()[c]);
             let (ends, side) = if a < b { ([a, b], [here, next]) } else { ([b, a], [next, here]) };
             sides.entry(ends).or_default().push(side);
-            let [in_space, in_plane] = [length3(model.points()[a as usize], model.points()[b as usize]), length2(uv[here], uv[next])];
+            let [in_space, in_plane] =
+                [length3(model.points()[a as usize], model.points()[b as usize]), length2(uv[here], uv[next])];
             check.stretch = check.stretch.max((in_plane - in_space).abs() / in_space);
         }
     }

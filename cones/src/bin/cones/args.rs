@@ -30,7 +30,7 @@ pub(crate) enum Command {
 
 #[derive(Args, Debug)]
 pub(crate) struct Unwrap {
-    /// The surface: OBJ, OFF, PLY or STL
+    /// The surface: OBJ, OFF, PLY or STL, gzipped or not
     #[arg(value_name = "IN")]
     pub(crate) input: PathBuf,
     /// Where to write it with texture coordinates: .obj, .ply or .glb
@@ -63,7 +63,7 @@ pub(crate) struct Unwrap {
 
 #[derive(Args, Debug)]
 pub(crate) struct Extract {
-    /// The surface: OBJ, OFF, PLY or STL
+    /// The surface: OBJ, OFF, PLY or STL, gzipped or not
     #[arg(value_name = "IN")]
     pub(crate) input: PathBuf,
     #[command(flatten)]

@@ -2,15 +2,13 @@
 
 use crate::args::{Demo, Scale};
 use crate::failure::Failure;
-use crate::job::Job;
+use crate::job::{self, Job};
 use crate::picture;
 use crate::progress::Progress;
 use crate::report::{Report, Times};
-use crate::{output, page, table};
+use crate::{output, page, shape, table};
 use cones::{ConeChoice, Options};
-use geom::Model;
 use geom::io::{Material, ObjContent, write_obj};
-use geom::shapes;
 use std::path::Path;
 use std::time::Instant;
 
@@ -23,7 +21,7 @@ struct Exhibit {
 
 const EXHIBITS: [Exhibit; 6] = [
     Exhibit { shape: "hare", vertices: 12_000, cones: 16 },
-    Exhibit { shape: "part", vertices: 1_000, cones: 16 },
+    Exhibit { shape: "part", vertices: 6_000, cones: 16 },
     Exhibit { shape: "torus-3", vertices: 10_000, cones: 16 },
     Exhibit { shape: "terrain", vertices: 10_000, cones: 8 },
     Exhibit { shape: "capsule", vertices: 5_000, cones: 4 },
@@ -64,10 +62,10 @@ fn make_folder(folder: &Path) -> Result<(), Failure> {
 /// Unwraps a shape and writes all its files.
 fn show(exhibit: &Exhibit, folder: &Path) -> Result<Report, Failure> {
     let mut progress = Progress::begin(exhibit.shape);
-    let shape = shapes::by_name(exhibit.shape, exhibit.vertices).expect("the demo's shapes are built in");
+    let model = shape::model(exhibit.shape, exhibit.vertices);
     let file = |ending: &str| folder.join(format!("{}{ending}", exhibit.shape));
     let options = Options { cones: ConeChoice::Count(exhibit.cones), ..Options::default() };
-    let job = Job::new(Path::new(exhibit.shape), Model::from(shape), options, Scale::Unit, &mut progress)?;
+    let job = Job::new(Path::new(exhibit.shape), model, options, Scale::Unit, &mut progress)?;
     progress.step("write");
     let start = Instant::now();
     let content = ObjContent { uv: Some(&job.uv), material: Some(MATERIAL), ..ObjContent::default() };
@@ -78,6 +76,8 @@ fn show(exhibit: &Exhibit, folder: &Path) -> Result<Report, Failure> {
     let chart = job.chart();
     output::write_png(&file(".png"), &picture::draw_model(&chart))?;
     output::write_png(&file("-layout.png"), &picture::draw_layout(&chart))?;
+    drop(progress);
+    job::warn(&job.atlas.repairs, &job.atlas.warnings);
     Ok(report)
 }
 

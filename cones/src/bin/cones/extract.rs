@@ -33,7 +33,7 @@ pub(crate) fn run(args: &Extract) -> Result<(), Failure> {
     let mut progress = Progress::begin(&args.input.display().to_string());
     let (model, read) = job::read(&args.input)?;
     let found = cones::extract(&model, &options, &mut |stage| progress.stage(stage))
-        .map_err(|source| Failure::Unwrap { path: args.input.clone(), source })?;
+        .map_err(|error| Failure::Unwrap { path: args.input.clone(), error })?;
     drop(progress);
     job::warn(&found.repairs, &found.warnings);
     if let Some(path) = &args.cones_out {
@@ -69,5 +69,5 @@ fn table(found: &Extraction) -> String {
         row.extend(cone.position.map(|x| format!("{x:.6}")));
         rows.push(row);
     }
-    format!("{}{} cones of {} extrema\n", columns(&rows), found.cones.len(), found.persistence.len())
+    format!("{}{} cones, {} extrema\n", columns(&rows), found.cones.len(), found.persistence.len())
 }

@@ -1,5 +1,6 @@
 //! Why the command could not do it: each a sentence with what to do.
 
+use geom::distortion::DistortionError;
 use std::io;
 use std::path::PathBuf;
 use thiserror::Error;
@@ -8,14 +9,14 @@ use thiserror::Error;
 pub(crate) enum Failure {
     #[error(transparent)]
     Read(#[from] geom::io::ReadError),
-    #[error("{} cannot be unwrapped", path.display())]
-    Unwrap { path: PathBuf, source: cones::Error },
+    #[error("{}: {error}", path.display())]
+    Unwrap { path: PathBuf, error: cones::Error },
     #[error("{} has no texture coordinates to measure: unwrap it first, or name the unwrapped file", .0.display())]
     NoTexture(PathBuf),
     #[error("{} and {} do not have the same faces in the same order: name the mesh that was unwrapped", .0.display(), .1.display())]
     OtherMesh(PathBuf, PathBuf),
-    #[error("the distortion of {} cannot be measured", path.display())]
-    Measure { path: PathBuf, source: geom::distortion::DistortionError },
+    #[error("{}: {error}", path.display())]
+    Measure { path: PathBuf, error: DistortionError },
     #[error("{} is the input, which is never overwritten: name another file", .0.display())]
     OutputIsInput(PathBuf),
     #[error("{} is named for two outputs: give each its own file", .0.display())]

@@ -5,9 +5,8 @@ use crate::failure::Failure;
 use crate::output;
 use crate::picture::{Chart, Mark};
 use crate::progress::Progress;
-use crate::report::{Report, Times};
+use crate::report::{Quality, Report, Times};
 use cones::{Atlas, Options};
-use geom::distortion::{self, Distortion};
 use geom::{Model, Repair};
 use std::path::Path;
 use std::time::Instant;
@@ -20,7 +19,7 @@ pub(crate) struct Job {
     pub(crate) atlas: Atlas,
     /// For each corner of the model.
     pub(crate) uv: Vec<[f64; 2]>,
-    pub(crate) quality: Distortion,
+    pub(crate) quality: Quality,
 }
 
 impl Job {
@@ -33,12 +32,14 @@ impl Job {
         progress: &mut Progress,
     ) -> Result<Self, Failure> {
         let atlas = cones::unwrap(&model, &options, &mut |stage| progress.stage(stage))
-            .map_err(|source| Failure::Unwrap { path: path.to_owned(), source })?;
+            .map_err(|error| Failure::Unwrap { path: path.to_owned(), error })?;
         progress.step("measure");
         let uv = scaled(&atlas.uv, scale);
         let triangles = kept(&atlas);
-        let quality = distortion::measure(model.points(), &vertices(&model, &triangles), &corner_uv(&triangles, &uv))
-            .map_err(|source| Failure::Measure { path: path.to_owned(), source })?;
+        let cones: Vec<u32> = atlas.cones.iter().map(|cone| cone.vertex).collect();
+        let (triangles, corners) = (vertices(&model, &triangles), corner_uv(&triangles, &uv));
+        let quality = Quality::measure(model.points(), &triangles, &corners, Some(&cones))
+            .map_err(|error| Failure::Measure { path: path.to_owned(), error })?;
         Ok(Self { model, options, atlas, uv, quality })
     }
 

@@ -2,11 +2,10 @@
 
 use crate::args::Measure;
 use crate::failure::Failure;
-use crate::report::{DistortionReport, IslandReport, SCHEMA};
+use crate::report::{DistortionReport, IslandReport, Quality, SCHEMA};
 use crate::table::thousands;
 use crate::{job, output};
 use geom::Model;
-use geom::distortion;
 use serde::Serialize;
 use std::path::Path;
 
@@ -52,12 +51,9 @@ fn measure(args: &Measure, model: &Model, reference: &Model) -> Result<MeasureRe
     let no_texture = || Failure::NoTexture(args.input.clone());
     let uv = model.uv().ok_or_else(no_texture)?.all().map_err(|_| no_texture())?;
     let triangles = reference.triangles();
-    let quality = distortion::measure(
-        reference.points(),
-        &triangles.vertices(reference),
-        &job::corner_uv(&triangles.corners, &uv),
-    )
-    .map_err(|source| Failure::Measure { path: args.input.clone(), source })?;
+    let (vertices, corners) = (triangles.vertices(reference), job::corner_uv(&triangles.corners, &uv));
+    let quality = Quality::measure(reference.points(), &vertices, &corners, None)
+        .map_err(|error| Failure::Measure { path: args.input.clone(), error })?;
     Ok(MeasureReport {
         schema: SCHEMA,
         input: MeasuredInput {
@@ -66,7 +62,7 @@ fn measure(args: &Measure, model: &Model, reference: &Model) -> Result<MeasureRe
             vertices: reference.vertex_count(),
             faces: reference.face_count(),
         },
-        distortion: DistortionReport::from(&quality),
-        islands: quality.islands.iter().map(IslandReport::from).collect(),
+        distortion: quality.distortion,
+        islands: quality.islands,
     })
 }

@@ -3,12 +3,11 @@
 mod quality;
 mod text;
 
-pub(crate) use quality::{DistortionReport, IslandReport};
+pub(crate) use quality::{DistortionReport, IslandReport, Quality};
 
 use crate::args::{angles_name, method_name};
 use cones::{Atlas, Cone, Kind, Options, Stage, Topology};
 use geom::Repair;
-use geom::distortion::Distortion;
 use serde::Serialize;
 use std::path::Path;
 use std::time::Duration;
@@ -97,7 +96,7 @@ pub(crate) struct Times {
 
 impl Report {
     /// The report of an atlas made from the file at `path`.
-    pub(crate) fn new(path: &Path, atlas: &Atlas, options: &Options, quality: &Distortion, times: Times) -> Self {
+    pub(crate) fn new(path: &Path, atlas: &Atlas, options: &Options, quality: &Quality, times: Times) -> Self {
         Self {
             schema: SCHEMA,
             input: Input::new(path, &atlas.topology),
@@ -107,8 +106,8 @@ impl Report {
             angles: angles_name(options.angles),
             hierarchy: Hierarchy::new(&atlas.persistence),
             curve: [],
-            distortion: DistortionReport::from(quality),
-            islands: quality.islands.iter().map(IslandReport::from).collect(),
+            distortion: quality.distortion.clone(),
+            islands: quality.islands.clone(),
             times: times.with(&atlas.times),
             warnings: atlas.warnings.clone(),
         }

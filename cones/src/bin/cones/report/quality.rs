@@ -1,7 +1,40 @@
 //! The part of a report that says how good a map is.
 
-use geom::distortion::{Distortion, Island, Percentiles};
+use geom::distortion::{self, Distortion, DistortionError, Island, Percentiles};
+use geom::{Id, VertexId};
 use serde::Serialize;
+
+/// Points of the grid along the layout's longer side on which overlaps are looked for.
+const OVERLAP_GRID: usize = 2048;
+/// Where it is not known which vertices are the cones, those are taken that are curved by more than this.
+const CONE: f64 = 0.1;
+
+/// All measures of a map.
+#[derive(Clone, Debug)]
+pub(crate) struct Quality {
+    pub(crate) distortion: DistortionReport,
+    pub(crate) islands: Vec<IslandReport>,
+}
+
+impl Quality {
+    /// Measures a map given at the corners of triangles; `cones` are its cones, if they are known.
+    pub(crate) fn measure(
+        points: &[[f64; 3]],
+        triangles: &[[u32; 3]],
+        uv: &[[[f64; 2]; 3]],
+        cones: Option<&[u32]>,
+    ) -> Result<Self, DistortionError> {
+        let map = distortion::measure(points, triangles, uv)?;
+        let cones: Vec<VertexId> = match cones {
+            Some(known) => known.iter().map(|&v| VertexId::new(v as usize)).collect(),
+            None => map.cones(CONE).into_iter().map(|(v, _)| v).collect(),
+        };
+        Ok(Self {
+            distortion: DistortionReport::new(&map, distortion::overlap(uv, OVERLAP_GRID), map.curvature_error(&cones)),
+            islands: map.islands.iter().map(IslandReport::from).collect(),
+        })
+    }
+}
 
 /// How far a map is from isometric and conformal, and what is wrong with it.
 #[derive(Clone, Debug, Serialize)]
@@ -41,26 +74,32 @@ pub(crate) struct IslandReport {
     pub(crate) area: f64,
 }
 
-impl From<&Distortion> for DistortionReport {
-    fn from(_: &Distortion) -> Self {
-        let s = Spread { mean: 0.0, median: 0.0, p95: 0.0, p99: 0.0, max: 0.0 };
+impl DistortionReport {
+    fn new(map: &Distortion, overlap: f64, curvature_error: f64) -> Self {
         Self {
-            area_mean: 0.0,
-            area_inverse_mean: 0.0,
-            u_l2: 0.0,
-            u_linf: 0.0,
-            quasi_conformal: s,
-            area: s,
-            flipped: 0,
-            degenerate: 0,
-            overlap: 0.0,
-            seam_length: 0.0,
-            curvature_error: 0.0,
+            area_mean: map.area.mean,
+            area_inverse_mean: map.area_inverse_mean,
+            u_l2: map.u_l2,
+            u_linf: map.u_linf,
+            quasi_conformal: Spread::from(map.quasi_conformal),
+            area: Spread::from(map.area),
+            flipped: map.flipped,
+            degenerate: map.degenerate,
+            overlap,
+            seam_length: map.seam_length,
+            curvature_error,
         }
     }
 }
+
+impl From<Percentiles> for Spread {
+    fn from(of: Percentiles) -> Self {
+        Self { mean: of.mean, median: of.median, p95: of.p95, p99: of.p99, max: of.max }
+    }
+}
+
 impl From<&Island> for IslandReport {
-    fn from(i: &Island) -> Self {
-        Self { faces: i.faces, area: i.area }
+    fn from(island: &Island) -> Self {
+        Self { faces: island.faces, area: island.area }
     }
 }

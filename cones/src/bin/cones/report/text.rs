@@ -9,7 +9,7 @@ impl Report {
         let times: Vec<String> = self.times.stages().map(|(name, time)| format!("{name} {time:.2}")).collect();
         let total: f64 = self.times.stages().map(|(_, time)| time).sum();
         format!(
-            "surface   {}\ncones     {} of {} extrema ({}, {} curvatures)\n{}time      {total:.2} s: {}\n",
+            "surface   {}\ncones     {} ({} extrema, method {}, {} curvatures)\n{}time      {total:.2} s: {}\n",
             self.input.text(),
             self.cones.len(),
             thousands(self.hierarchy.extrema),

@@ -1,0 +1,396 @@
+//! The command `cones` as a user runs it.
+
+use assert_cmd::Command;
+use assert_cmd::assert::Assert;
+use serde_json::Value;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command as Process, Stdio};
+use std::sync::OnceLock;
+use tempfile::TempDir;
+
+/// The program, built if need be: cargo builds no other package's programs for a test.
+fn program() -> &'static Path {
+    static PROGRAM: OnceLock<PathBuf> = OnceLock::new();
+    PROGRAM.get_or_init(|| {
+        // …/target/PROFILE/deps/THIS-TEST
+        let test = std::env::current_exe().expect("a test knows where it is");
+        let folder = test.ancestors().nth(2).expect("cargo runs tests from a folder in its target folder");
+        let profile = match folder.file_name().and_then(|name| name.to_str()) {
+            Some("debug") | None => "dev",
+            Some(profile) => profile,
+        };
+        let target = folder.parent().expect("a profile's folder lies in the target folder");
+        let workspace = Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("tests are a member of the workspace");
+        let built = Process::new(env!("CARGO"))
+            .args(["build", "--quiet", "--package", "cones", "--bin", "cones", "--profile", profile, "--target-dir"])
+            .arg(target)
+            .current_dir(workspace)
+            .status();
+        assert!(built.expect("cargo can be run").success(), "the command does not build");
+        folder.join("cones").with_extension(std::env::consts::EXE_EXTENSION)
+    })
+}
+
+/// A folder of its own for each test, in which the command is run.
+struct Folder(TempDir);
+
+impl Folder {
+    fn new() -> Self {
+        Self(tempfile::tempdir().expect("a temporary folder can be made"))
+    }
+
+    /// With `sphere.obj` and `hare.obj` in it.
+    fn with_shapes() -> Self {
+        let folder = Self::new();
+        for shape in ["sphere", "hare"] {
+            folder.run(&["shape", shape, "--vertices", "600", "-o", &format!("{shape}.obj")]).success();
+        }
+        folder
+    }
+
+    fn run(&self, args: &[&str]) -> Assert {
+        Command::new(program()).args(args).current_dir(self.0.path()).assert()
+    }
+
+    /// What a run that fails says on stderr; it must be an error in one paragraph, and with exit code 1.
+    fn complaint(&self, args: &[&str]) -> String {
+        let complaint = stderr(&self.run(args).code(1));
+        assert!(complaint.starts_with("error: ") && !complaint.contains("panicked"), "{args:?}: {complaint}");
+        complaint
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.0.path().join(name)
+    }
+
+    fn read(&self, name: &str) -> String {
+        fs::read_to_string(self.path(name)).expect("the file is there and text")
+    }
+
+    fn write(&self, name: &str, text: &str) {
+        fs::write(self.path(name), text).expect("a temporary folder can be written to");
+    }
+
+    fn json(&self, name: &str) -> Value {
+        serde_json::from_str(&self.read(name)).expect("the file is JSON")
+    }
+
+    fn names(&self) -> Vec<String> {
+        let entries = fs::read_dir(self.0.path()).expect("the folder is there");
+        let mut names: Vec<String> =
+            entries.map(|entry| entry.expect("it can be listed").file_name().to_string_lossy().into_owned()).collect();
+        names.sort();
+        names
+    }
+}
+
+fn stdout(done: &Assert) -> String {
+    String::from_utf8(done.get_output().stdout.clone()).expect("the command writes UTF-8")
+}
+
+fn stderr(done: &Assert) -> String {
+    String::from_utf8(done.get_output().stderr.clone()).expect("the command writes UTF-8")
+}
+
+#[test]
+fn unwrapping_returns_the_input_with_texture_coordinates_added() {
+    let folder = Folder::with_shapes();
+    let done = folder.run(&["unwrap", "hare.obj", "-n", "6", "-o", "out.obj"]).success();
+    assert!(stdout(&done).contains("cones     6 ("), "{}", stdout(&done));
+    assert_eq!(stderr(&done), "", "nothing to warn of, and no progress bar where nobody watches");
+    let (before, after) = (folder.read("hare.obj"), folder.read("out.obj"));
+    let vertices = |text: &str| text.lines().filter(|l| l.starts_with("v ")).map(String::from).collect::<Vec<_>>();
+    let faces = |text: &str| -> Vec<Vec<String>> {
+        let vertex = |corner: &str| corner.split('/').next().map(String::from);
+        let corners = |line: &str| line.split_whitespace().skip(1).filter_map(vertex).collect();
+        text.lines().filter(|l| l.starts_with("f ")).map(corners).collect()
+    };
+    assert_eq!(vertices(&before), vertices(&after));
+    assert_eq!(faces(&before), faces(&after));
+    let texture: Vec<f64> = after
+        .lines()
+        .filter_map(|line| line.strip_prefix("vt "))
+        .flat_map(|line| line.split_whitespace().map(|x| x.parse::<f64>().expect("vt lines are numbers")))
+        .collect();
+    assert!(texture.iter().all(|x| (0.0..=1.0).contains(x)), "the unit square is the default");
+    assert!(texture.contains(&1.0) && texture.contains(&0.0));
+}
+
+#[test]
+fn a_report_has_the_documented_keys() {
+    let folder = Folder::with_shapes();
+    folder.run(&["unwrap", "hare.obj", "-n", "6", "-o", "out.obj", "--report", "report.json"]).success();
+    let report = folder.json("report.json");
+    for key in ["input", "repairs", "cones", "hierarchy", "curve", "distortion", "islands", "times", "warnings"] {
+        assert!(!report[key].is_null(), "{key}");
+    }
+    assert_eq!(report["schema"], 1);
+    assert_eq!(report["input"]["genus"], 0);
+    assert_eq!(report["input"]["euler"], 2);
+    assert_eq!((&report["method"], &report["angles"]), (&"persistence".into(), &"optimal".into()));
+    let cones = report["cones"].as_array().expect("cones are a list");
+    let total: f64 = cones.iter().filter_map(|cone| cone["curvature"].as_f64()).sum();
+    assert_eq!(cones.len(), 6);
+    assert!((total - 4.0 * std::f64::consts::PI).abs() < 1e-9, "Gauss–Bonnet: {total}");
+    let distortion = &report["distortion"];
+    assert_eq!((&distortion["flipped"], &distortion["degenerate"]), (&0.into(), &0.into()));
+    assert!(distortion["quasi_conformal"]["mean"].as_f64() < Some(1.1), "{distortion}");
+    assert!(distortion["curvature_error"].as_f64() < Some(1e-6), "{distortion}");
+    for stage in ["read", "prepare", "factor", "hierarchy", "cut", "scale", "layout", "write"] {
+        assert!(report["times"][stage].as_f64() >= Some(0.0), "{stage}");
+    }
+}
+
+#[test]
+fn json_on_stdout_is_the_report_and_nothing_else() {
+    let folder = Folder::with_shapes();
+    let run = ["unwrap", "hare.obj", "-n", "6", "-o", "out.obj", "--report", "report.json", "--json"];
+    let printed = stdout(&folder.run(&run).success());
+    assert_eq!(serde_json::from_str::<Value>(&printed).expect("stdout is JSON"), folder.json("report.json"));
+}
+
+#[test]
+fn measuring_the_output_gives_the_report_s_figures() {
+    let folder = Folder::with_shapes();
+    folder.run(&["unwrap", "hare.obj", "-n", "6", "-o", "out.obj", "--report", "report.json"]).success();
+    let reported = &folder.json("report.json")["distortion"];
+    for reference in [&[][..], &["--reference", "hare.obj"]] {
+        let printed = stdout(&folder.run(&[&["measure", "out.obj", "--json"], reference].concat()).success());
+        let measured = &serde_json::from_str::<Value>(&printed).expect("stdout is JSON")["distortion"];
+        for key in ["area_mean", "u_l2", "seam_length"] {
+            let (a, b) = (reported[key].as_f64().expect(key), measured[key].as_f64().expect(key));
+            assert!((a - b).abs() < 1e-9 * a.abs(), "{key}: {a} {b}");
+        }
+        assert_eq!(measured["flipped"], 0);
+    }
+}
+
+#[test]
+fn what_cannot_be_measured_is_said() {
+    let folder = Folder::with_shapes();
+    assert!(folder.complaint(&["measure", "hare.obj"]).contains("no texture coordinates"));
+    folder.run(&["unwrap", "hare.obj", "-n", "6", "-o", "out.obj"]).success();
+    let other = folder.complaint(&["measure", "out.obj", "--reference", "sphere.obj"]);
+    assert!(other.contains("same faces"), "{other}");
+}
+
+#[test]
+fn cones_written_out_and_given_back_unwrap_the_same() {
+    let folder = Folder::with_shapes();
+    folder.run(&["unwrap", "hare.obj", "-n", "6", "-o", "a.obj", "--cones-out", "cones.txt"]).success();
+    folder.run(&["unwrap", "hare.obj", "--cones", "cones.txt", "-o", "b.obj"]).success();
+    let (a, b) = (folder.read("a.obj"), folder.read("b.obj"));
+    let numbers = |text: &str| -> Vec<f64> {
+        text.lines()
+            .filter(|l| l.starts_with("vt"))
+            .flat_map(|l| l[2..].split_whitespace().flat_map(str::parse))
+            .collect()
+    };
+    assert!(numbers(&a).iter().zip(numbers(&b)).all(|(x, y)| (x - y).abs() < 1e-7));
+}
+
+#[test]
+fn a_wrong_line_in_a_file_of_cones_is_named() {
+    let folder = Folder::with_shapes();
+    folder.write("cones.txt", "# mine\n3 1.5\nseven\n");
+    let run = ["unwrap", "hare.obj", "--cones", "cones.txt", "-o", "out.obj"];
+    assert!(folder.complaint(&run).contains("cones.txt, line 3"));
+    folder.write("cones.txt", "999999\n");
+    folder.complaint(&run);
+    folder.write("cones.txt", "\n");
+    folder.complaint(&run);
+    assert!(!folder.path("out.obj").exists());
+}
+
+#[test]
+fn extracting_lists_the_cones_that_unwrapping_uses() {
+    let folder = Folder::with_shapes();
+    let printed = stdout(&folder.run(&["extract", "hare.obj", "-n", "6", "--json"]).success());
+    let extracted: Value = serde_json::from_str(&printed).expect("stdout is JSON");
+    folder.run(&["unwrap", "hare.obj", "-n", "6", "-o", "out.obj", "--report", "report.json"]).success();
+    assert_eq!(extracted["cones"], folder.json("report.json")["cones"]);
+    let table = stdout(&folder.run(&["extract", "hare.obj", "-n", "6"]).success());
+    assert_eq!(table.lines().count(), 2 + 6 + 1, "{table}");
+}
+
+#[test]
+fn the_same_command_gives_the_same_bytes() {
+    let folder = Folder::with_shapes();
+    for name in ["a", "b"] {
+        let (out, picture) = (format!("{name}.obj"), format!("{name}.png"));
+        folder.run(&["unwrap", "hare.obj", "-n", "6", "-o", &out, "--picture", &picture]).success();
+    }
+    for ending in ["obj", "png"] {
+        let bytes = |name: &str| fs::read(folder.path(&format!("{name}.{ending}"))).expect("it was written");
+        assert!(bytes("a") == bytes("b"), "{ending}");
+    }
+}
+
+#[test]
+fn every_kind_of_output_is_written() {
+    let folder = Folder::with_shapes();
+    folder
+        .run(&["unwrap", "hare.obj", "-o", "out.ply", "--layout", "layout.svg", "--picture", "picture.png"])
+        .success();
+    folder.run(&["unwrap", "hare.obj", "-o", "out.glb", "--layout", "layout.PNG", "--scale", "area"]).success();
+    let starts = |name: &str, magic: &[u8]| fs::read(folder.path(name)).expect("it was written").starts_with(magic);
+    assert!(starts("out.ply", b"ply"));
+    assert!(starts("out.glb", b"glTF"));
+    assert!(starts("layout.svg", b"<svg"));
+    assert!(starts("layout.PNG", b"\x89PNG\r\n"));
+    assert!(starts("picture.png", b"\x89PNG\r\n"));
+}
+
+#[test]
+fn broken_input_is_refused_in_a_sentence_and_leaves_no_file() {
+    let folder = Folder::new();
+    folder.write("empty.obj", "");
+    folder.write("nan.obj", "v 0 0 0\nv 1 nan 0\nv 0 1 0\nf 1 2 3\n");
+    folder.write("range.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 7\n");
+    fs::create_dir(folder.path("folder.obj")).expect("a folder can be made");
+    let before = folder.names();
+    for (input, says) in [
+        ("empty.obj", "empty.obj"),
+        ("nan.obj", "line 2"),
+        ("range.obj", "line 4"),
+        ("folder.obj", "folder.obj"),
+        ("missing.obj", "missing.obj"),
+    ] {
+        let complaint = folder.complaint(&["unwrap", input, "-o", "out.obj", "--report", "out.json"]);
+        assert!(complaint.contains(says), "{complaint}");
+        assert_eq!(complaint.lines().count(), 1, "{complaint}");
+        folder.complaint(&["extract", input]);
+        folder.complaint(&["measure", input]);
+    }
+    assert_eq!(folder.names(), before);
+}
+
+#[test]
+fn too_few_cones_become_the_least_number_with_a_warning() {
+    let folder = Folder::with_shapes();
+    for asked in ["0", "2"] {
+        let done =
+            folder.run(&["unwrap", "sphere.obj", "-n", asked, "-o", "out.obj", "--report", "report.json"]).success();
+        assert!(stderr(&done).starts_with("warning: "), "{}", stderr(&done));
+        let report = folder.json("report.json");
+        assert_eq!(report["cones"].as_array().map(Vec::len), Some(3));
+        assert_eq!(report["warnings"].as_array().map(Vec::len), Some(1));
+    }
+}
+
+#[test]
+fn the_input_is_never_overwritten() {
+    let folder = Folder::with_shapes();
+    let before = folder.read("hare.obj");
+    fs::hard_link(folder.path("hare.obj"), folder.path("hard.obj")).expect("hard links can be made");
+    let mut names = vec!["hare.obj", "./hare.obj", "hard.obj"];
+    #[cfg(unix)]
+    {
+        std::os::unix::fs::symlink("hare.obj", folder.path("soft.obj")).expect("links can be made");
+        names.push("soft.obj");
+    }
+    for name in names {
+        let complaint = folder.complaint(&["unwrap", "hare.obj", "-o", name]);
+        assert!(complaint.contains("is the input"), "{complaint}");
+        assert_eq!(folder.read("hare.obj"), before);
+    }
+}
+
+#[test]
+fn outputs_that_cannot_be_written_are_refused_before_the_work() {
+    let folder = Folder::with_shapes();
+    let before = folder.names();
+    for (output, says) in
+        [("out.xyz", ".obj or .ply or .glb"), ("no/out.obj", "there is no folder no"), ("out", ".obj")]
+    {
+        let complaint = folder.complaint(&["unwrap", "missing.obj", "-o", output]);
+        assert!(complaint.contains(says), "{complaint}");
+    }
+    folder.complaint(&["unwrap", "hare.obj", "-o", "out.obj", "--picture", "out.jpg"]);
+    folder.complaint(&["unwrap", "hare.obj", "-o", "out.obj", "--report", "out.html"]);
+    let twice = folder.complaint(&["unwrap", "hare.obj", "-o", "out.obj", "--cones-out", "./out.obj"]);
+    assert!(twice.contains("two outputs"), "{twice}");
+    assert_eq!(folder.names(), before);
+}
+
+#[test]
+fn wrong_arguments_exit_with_2() {
+    let folder = Folder::with_shapes();
+    for args in [
+        &["unwrap", "hare.obj"][..],
+        &["unwrap", "hare.obj", "-o", "out.obj", "--islands", "pack"],
+        &["unwrap", "hare.obj", "-o", "out.obj", "-n", "many"],
+        &["unwrap", "hare.obj", "-o", "out.obj", "-n", "4", "--min-persistence", "0.1"],
+        &["unwrap", "hare.obj", "-o", "out.obj", "--method", "magic"],
+        &["shape", "teapot", "-o", "out.obj"],
+        &["view", "hare.obj"],
+        &[],
+    ] {
+        folder.run(args).code(2);
+    }
+    assert!(!folder.path("out.obj").exists());
+}
+
+#[test]
+fn every_built_in_shape_can_be_written_and_unwrapped() {
+    let folder = Folder::new();
+    for name in geom::shapes::NAMES {
+        folder.run(&["shape", name, "--vertices", "300", "-o", "shape.obj"]).success();
+        folder.run(&["unwrap", "shape.obj", "-o", "out.obj"]).success();
+    }
+}
+
+#[test]
+fn a_reader_that_leaves_early_is_no_error() {
+    let folder = Folder::with_shapes();
+    let mut process = Process::new(program());
+    process.args(["extract", "hare.obj"]).current_dir(folder.0.path());
+    let mut running = process.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("the command starts");
+    drop(running.stdout.take());
+    let done = running.wait_with_output().expect("it ends");
+    assert_eq!(String::from_utf8_lossy(&done.stderr), "");
+    assert_eq!(done.status.code(), Some(0));
+}
+
+#[cfg(unix)]
+#[test]
+fn an_interrupt_exits_with_130_and_leaves_no_half_file() {
+    let folder = Folder::new();
+    let mut process = Process::new(program());
+    process.args(["demo", "show"]).current_dir(folder.0.path());
+    let mut running = process.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().expect("the command starts");
+    // Once the page is there the demo is at work, and its shapes take it a while.
+    while !folder.path("show/index.html").exists() {
+        std::thread::sleep(std::time::Duration::from_millis(5));
+    }
+    let id = running.id().to_string();
+    assert!(Process::new("kill").args(["-INT", &id]).status().expect("there is a kill").success());
+    assert_eq!(running.wait().expect("it ends").code(), Some(130));
+    for entry in fs::read_dir(folder.path("show")).expect("the folder is there") {
+        let name = entry.expect("it can be listed").file_name().to_string_lossy().into_owned();
+        assert!(!name.ends_with(".part"), "{name}");
+    }
+}
+
+#[test]
+fn the_demo_writes_what_it_promises_into_a_folder_of_its_own() {
+    let folder = Folder::new();
+    let done = folder.run(&["demo"]).success();
+    let text = stdout(&done);
+    for column in ["vertices", "cones", "area D", "u L2", "quasi-conf.", "flips", "scale"] {
+        assert!(text.contains(column), "{column}: {text}");
+    }
+    let page = folder.read("cones-demo/index.html");
+    for name in
+        page.split('"').filter(|name| name.ends_with(".png") || name.ends_with(".obj") || name.ends_with(".json"))
+    {
+        assert!(fs::metadata(folder.path("cones-demo").join(name)).expect(name).len() > 1000, "{name}");
+    }
+    assert!(folder.read("cones-demo/hare.obj").contains("mtllib checker.mtl"));
+    assert!(folder.read("cones-demo/checker.mtl").contains("checker.png"));
+    fs::create_dir(folder.path("mine")).expect("a folder can be made");
+    folder.write("mine/index.html", "<p>precious");
+    assert!(folder.complaint(&["demo", "mine"]).contains("holds other files"));
+    assert_eq!(folder.read("mine/index.html"), "<p>precious");
+}
