@@ -6,6 +6,8 @@ use crate::swap::{Row, Swap, SwapTable};
 
 /// So many of the best swaps are fitted before an exchange is over.
 const TRIALS: usize = 6;
+/// So many moves that do harm alone are tried as the first of several.
+const DETOURS: usize = 20;
 /// A swap must lower the energy by this share.
 const LEAST_GAIN: f64 = 1e-4;
 
@@ -17,32 +19,53 @@ pub(crate) fn exchange(reduced: &Reduced, mut set: Fitted) -> Fitted {
     set
 }
 
+/// As [`exchange`], and where no single move helps, pairs of moves: the least harmful ones, each followed by an exchange.
+pub(crate) fn exchange_deeply(reduced: &Reduced, set: Fitted) -> Fitted {
+    let mut set = exchange(reduced, set);
+    while let Some(better) = best_detour(reduced, &set) {
+        set = better;
+    }
+    set
+}
+
 fn best_swap(reduced: &Reduced, set: &Fitted) -> Option<Fitted> {
+    let swaps = swaps(reduced, set);
+    let helpful = swaps.iter().take(TRIALS).take_while(|swap| swap.change < -LEAST_GAIN * set.energy);
+    let mut fitted = helpful.map(|swap| apply(reduced, set, swap));
+    fitted.find(|after| after.is_better_than(set, LEAST_GAIN))
+}
+
+fn best_detour(reduced: &Reduced, set: &Fitted) -> Option<Fitted> {
+    let swaps = swaps(reduced, set);
+    let mut ends = swaps.iter().take(DETOURS).map(|swap| exchange(reduced, apply(reduced, set, swap)));
+    ends.find(|end| end.is_better_than(set, LEAST_GAIN))
+}
+
+fn apply(reduced: &Reduced, set: &Fitted, swap: &Swap) -> Fitted {
+    let mut cones = set.cones.clone();
+    cones[swap.leaving] = swap.coming;
+    reduced.fit(&cones)
+}
+
+/// All moves of a cone to another member of the pool, the most promising first.
+fn swaps(reduced: &Reduced, set: &Fitted) -> Vec<Swap> {
     let table = SwapTable::new(reduced, set);
     let crowd = Crowd::new(reduced, &set.cones);
     let mut swaps = Vec::new();
     let mut row = Row::default();
     for &coming in reduced.pool().iter().filter(|&&v| crowd.is_open(v) && !set.cones.contains(&v)) {
         table.fill_for_member(coming, &mut row);
-        let helps = |(leaving, &change): (usize, &f64)| {
-            let helps = change < -LEAST_GAIN * set.energy && crowd.admits(coming, leaving);
-            helps.then_some(Swap { change, leaving, coming })
-        };
-        swaps.extend(row.change.iter().enumerate().filter_map(helps));
+        let swap = |(leaving, &change)| crowd.admits(coming, leaving).then_some(Swap { change, leaving, coming });
+        swaps.extend(row.change.iter().enumerate().filter_map(swap));
     }
     swaps.sort_by(|a, b| a.change.total_cmp(&b.change));
-    swaps.iter().take(TRIALS).find_map(|swap| {
-        let mut cones = set.cones.clone();
-        cones[swap.leaving] = swap.coming;
-        let after = reduced.fit(&cones);
-        after.is_better_than(set, LEAST_GAIN).then_some(after)
-    })
+    swaps
 }
 
-/// Takes cones away, one at a time whichever is missed least, until so many are left.
+/// Takes cones away, one at a time whichever is missed least, until so many are left, exchanging after each.
 pub(crate) fn eliminate(reduced: &Reduced, mut set: Fitted, count: usize) -> Fitted {
     while set.cones.len() > count {
-        set = drop_cheapest(reduced, &set);
+        set = exchange(reduced, drop_cheapest(reduced, &set));
     }
     set
 }

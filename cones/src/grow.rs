@@ -17,8 +17,8 @@ pub(crate) enum Rule {
 }
 
 /// The first cones: at the lowest point of φ where the surface needs positive curvature, at the highest where it needs
-/// negative, at both on a torus, none with a boundary.
-pub(crate) fn start(reduced: &mut Reduced) -> Fitted {
+/// negative, at both on a torus, none with a boundary; at most `count`.
+pub(crate) fn start(reduced: &mut Reduced, count: usize) -> Fitted {
     let mut cones = Vec::new();
     if let Some(total) = reduced.total() {
         let (low, high) = extremes(reduced.flattening());
@@ -28,6 +28,7 @@ pub(crate) fn start(reduced: &mut Reduced) -> Fitted {
             _ => vec![low, high],
         };
         cones.dedup();
+        cones.truncate(count);
     }
     reduced.add(&cones);
     reduced.fit(&cones)

@@ -138,7 +138,8 @@ impl Operators {
 
     /// The log scale factor that linear theory predicts for cones with given curvatures, centred. One solve.
     pub fn log_scale(&self, cones: &[VertexId], curvature: &[f64]) -> VertexData<f64> {
-        let elsewhere = if self.bordered { 0.0 } else { curvature.iter().sum::<f64>() / self.mesh.vertex_count() as f64 };
+        let elsewhere =
+            if self.bordered { 0.0 } else { curvature.iter().sum::<f64>() / self.mesh.vertex_count() as f64 };
         let mut source = self.flattening_source();
         source.iter_mut().for_each(|s| *s -= elsewhere);
         for (&v, q) in cones.iter().zip(curvature) {

@@ -26,6 +26,9 @@ use crate::operators::Operators;
 /// Vertices that are solved for at once: enough to keep the factor in the cache, few enough for memory.
 const BLOCK: usize = 16;
 
+/// By so much, in radians, sums of bounds may miss the total curvature.
+const SUM_TOLERANCE: f64 = 1e-9;
+
 /// A surface's reduced model; see the module's head.
 #[derive(Debug)]
 pub struct Reduced<'a> {
@@ -113,11 +116,6 @@ impl<'a> Reduced<'a> {
         &self.linear
     }
 
-    /// E₀
-    pub(crate) fn constant(&self) -> f64 {
-        self.constant
-    }
-
     /// What lengths are multiplied by to make the surface's area 1.
     pub(crate) fn unit(&self) -> f64 {
         self.unit
@@ -177,8 +175,8 @@ impl<'a> Reduced<'a> {
         1.0 + 10.0 * self.constant
     }
 
-    /// The best curvatures of cones that are in the pool. Where they cannot take the surface's curvature within bounds the
-    /// lower bounds give way, and the shortfall tells by how much.
+    /// The best curvatures of cones that are in the pool. Where they cannot take the surface's curvature the bounds give
+    /// way evenly, and the shortfall tells by how much.
     pub fn fit(&self, cones: &[VertexId]) -> Fitted {
         let n = cones.len();
         let linear: Vec<f64> = cones.iter().map(|&v| self.linear[v]).collect();
@@ -202,7 +200,7 @@ impl<'a> Reduced<'a> {
                 cones: cones.to_vec(),
                 curvature: vec![0.0; n],
                 energy: self.constant,
-                shortfall: total.map_or(0.0, f64::abs).max(shortfall),
+                shortfall: total.map_or(0.0, f64::abs),
                 held: vec![Held::Lower; n],
                 multiplier: 0.0,
                 bounds,
@@ -210,16 +208,18 @@ impl<'a> Reduced<'a> {
         }
     }
 
-    /// Lowers the lower bounds evenly until they admit the sum; returns by how much in all.
+    /// Widens the bounds evenly until they admit the sum; returns by how much in all.
     fn relax(&self, bounds: &mut [[f64; 2]]) -> f64 {
         let Some(total) = self.total() else { return 0.0 };
-        let shortfall = bounds.iter().map(|[low, _]| low).sum::<f64>() - total;
-        if bounds.is_empty() || shortfall <= 1e-9 {
+        let sum = |side: usize| bounds.iter().map(|bound| bound[side]).sum::<f64>();
+        let [below, above] = [total - sum(0), total - sum(1)];
+        let (side, missing) = if below < 0.0 { (0, below) } else { (1, above.max(0.0)) };
+        if bounds.is_empty() || missing.abs() <= SUM_TOLERANCE {
             return 0.0;
         }
-        let each = shortfall / bounds.len() as f64 + 1e-9;
-        bounds.iter_mut().for_each(|[low, _]| *low -= each);
-        shortfall
+        let each = missing / bounds.len() as f64 + SUM_TOLERANCE * missing.signum();
+        bounds.iter_mut().for_each(|bound| bound[side] += each);
+        missing.abs()
     }
 
     /// The log scale factor that linear theory predicts for cones with given curvatures, centred. One solve.
@@ -238,5 +238,111 @@ impl Fitted {
     pub(crate) fn is_better_than(&self, other: &Self, by: f64) -> bool {
         let gap = self.shortfall - other.shortfall;
         if gap.abs() > 1e-6 * PI { gap < 0.0 } else { self.energy < (1.0 - by) * other.energy }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::angles::{Angles, cone_curvatures};
+    use geom::{Mesh, Metric, shapes};
+    use proptest::prelude::*;
+
+    /// A shape without a boundary, of higher genus, and with a boundary of one and of two loops.
+    fn surfaces() -> Vec<(Mesh, Operators)> {
+        let shapes = [shapes::hare(900), shapes::torus(2, 900), shapes::terrain(700, 3), shapes::cylinder(700)];
+        let surface = |shape: shapes::Shape| {
+            let mesh = shape.mesh();
+            let operators = Operators::new(&mesh, &Metric::from_points(&mesh, &shape.points)).unwrap();
+            (mesh, operators)
+        };
+        shapes.map(surface).into()
+    }
+
+    /// Inner vertices, `count` different ones.
+    fn scattered(mesh: &Mesh, count: usize, seed: usize) -> Vec<VertexId> {
+        let inner: Vec<VertexId> = mesh.vertices().filter(|&v| !mesh.is_boundary_vertex(v)).collect();
+        (0..count).map(|k| inner[(k * inner.len() / count + seed) % inner.len()]).collect()
+    }
+
+    fn relative(a: f64, b: f64) -> f64 {
+        (a - b).abs() / (1.0 + b.abs())
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(12))]
+
+        #[test]
+        fn the_predicted_norm_is_that_of_the_log_scale_factor(count in 1usize..12, seed in 0usize..700) {
+            for (mesh, operators) in surfaces() {
+                let cones = scattered(&mesh, count, seed);
+                let mut reduced = Reduced::new(&operators, &mesh);
+                reduced.add(&cones);
+                let set = reduced.fit(&cones);
+                let u = reduced.log_scale(&cones, &set.curvature);
+                prop_assert!(relative(set.energy, operators.inner(&u, &u)) < 1e-10);
+            }
+        }
+
+        #[test]
+        fn curvatures_are_the_optimal_ones(count in 3usize..12, seed in 0usize..700) {
+            for (mesh, operators) in surfaces() {
+                let cones = scattered(&mesh, count, seed);
+                let mut reduced = Reduced::new(&operators, &mesh);
+                reduced.add(&cones);
+                let set = reduced.fit(&cones);
+                let Ok(optimal) = cone_curvatures(&operators, &mesh, &cones, Angles::Optimal) else {
+                    prop_assert!(set.shortfall > 0.0);
+                    continue;
+                };
+                let norm = operators.inner(&optimal.predicted, &optimal.predicted);
+                prop_assert!(relative(set.energy, norm) < 1e-9);
+                if let Some(total) = reduced.total() {
+                    prop_assert!((set.curvature.iter().sum::<f64>() - total).abs() < 1e-11);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn products_are_those_of_green_s_functions() {
+        for (mesh, operators) in surfaces() {
+            let cones = scattered(&mesh, 5, 11);
+            let mut reduced = Reduced::new(&operators, &mesh);
+            cones.iter().for_each(|&v| reduced.add(&[v]));
+            let mut green = operators.green(&cones);
+            green.iter_mut().for_each(|g| operators.centre(g));
+            for (&v, g) in cones.iter().zip(&green) {
+                assert!(relative(reduced.linear()[v], operators.inner(g, reduced.flattening())) < 1e-11);
+                for (&x, other) in cones.iter().zip(&green) {
+                    let product = operators.inner(g, other);
+                    assert!(relative(reduced.product(v, x), product) < 1e-11);
+                    assert!(
+                        (f64::from(reduced.column(v)[x.0 as usize]) - product).abs() < 1e-6 * product.abs().max(1e-3)
+                    );
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn what_cannot_take_the_curvature_says_by_how_much() {
+        let (mesh, operators) = surfaces().swap_remove(0);
+        let mut reduced = Reduced::new(&operators, &mesh);
+        assert!((reduced.fit(&[]).shortfall - 4.0 * PI).abs() < 1e-9);
+        let cones = scattered(&mesh, 2, 0);
+        reduced.add(&cones);
+        let pair = reduced.fit(&cones);
+        assert!((pair.shortfall - 0.02 * PI).abs() < 1e-6, "two cones of at most 1.99π miss 4π by 0.02π");
+    }
+
+    #[test]
+    fn a_vertex_is_solved_for_once() {
+        let (mesh, operators) = surfaces().swap_remove(2);
+        let mut reduced = Reduced::new(&operators, &mesh);
+        let cones = scattered(&mesh, 20, 3);
+        reduced.add(&[&cones[..], &cones[..]].concat());
+        reduced.add(&cones);
+        assert_eq!(reduced.pool(), cones);
     }
 }

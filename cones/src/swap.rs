@@ -265,3 +265,98 @@ pub(crate) fn norms(reduced: &Reduced, set: &Fitted) -> VertexData<f64> {
     };
     paths.distance.iter().map(norm).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::operators::Operators;
+    use geom::{Mesh, Metric, shapes};
+
+    fn prepare(shape: &shapes::Shape) -> (Mesh, Operators) {
+        let mesh = shape.mesh();
+        let operators = Operators::new(&mesh, &Metric::from_points(&mesh, &shape.points)).unwrap();
+        (mesh, operators)
+    }
+
+    /// Every so many inner vertices.
+    fn every(mesh: &Mesh, step: usize) -> Vec<VertexId> {
+        mesh.vertices().filter(|&v| !mesh.is_boundary_vertex(v)).step_by(step).collect()
+    }
+
+    #[test]
+    fn the_table_is_what_a_new_fit_says_where_the_same_cones_are_at_bounds() {
+        let mut compared = [0; 2];
+        for shape in [shapes::hare(1200), shapes::torus(2, 1200), shapes::terrain(900, 3)] {
+            let (mesh, operators) = prepare(&shape);
+            let pool = every(&mesh, 29);
+            let mut reduced = Reduced::new(&operators, &mesh);
+            reduced.add(&pool);
+            let set = reduced.fit(&pool[..pool.len() / 2]);
+            let table = SwapTable::new(&reduced, &set);
+            let mut row = Row::default();
+            for &coming in &pool[pool.len() / 2..] {
+                table.fill_for_member(coming, &mut row);
+                for leaving in 0..set.cones.len() {
+                    let mut cones = set.cones.clone();
+                    cones[leaving] = coming;
+                    let after = reduced.fit(&cones);
+                    let others = |i: &usize| *i != leaving;
+                    let same = (0..cones.len()).filter(others).all(|i| after.held[i] == set.held[i]);
+                    let change = after.energy - set.energy;
+                    if same && after.shortfall == 0.0 && set.shortfall == 0.0 {
+                        assert!((row.change[leaving] - change).abs() < 1e-6 * (1.0 + set.energy));
+                        compared[usize::from(set.held[leaving] != Held::Free)] += 1;
+                    }
+                }
+            }
+        }
+        assert!(compared[0] > 500 && compared[1] > 5, "{compared:?} free and clamped cones were compared");
+    }
+
+    #[test]
+    fn a_removal_costs_what_a_new_fit_says() {
+        let (mesh, operators) = prepare(&shapes::hare(1200));
+        let pool = every(&mesh, 90);
+        let mut reduced = Reduced::new(&operators, &mesh);
+        reduced.add(&pool);
+        let set = reduced.fit(&pool);
+        let table = SwapTable::new(&reduced, &set);
+        for place in 0..pool.len() {
+            let mut cones = pool.clone();
+            cones.remove(place);
+            let after = reduced.fit(&cones);
+            let same = (0..cones.len()).all(|i| after.held[i] == set.held[i + usize::from(i >= place)]);
+            if same {
+                assert!((table.removal(place) - (after.energy - set.energy)).abs() < 1e-8 * (1.0 + set.energy));
+            }
+        }
+    }
+
+    #[test]
+    fn moving_a_cone_to_where_it_is_changes_nothing() {
+        let (mesh, operators) = prepare(&shapes::hare(1200));
+        let pool = every(&mesh, 150);
+        let mut reduced = Reduced::new(&operators, &mesh);
+        reduced.add(&pool);
+        let set = reduced.fit(&pool);
+        let table = SwapTable::new(&reduced, &set);
+        let mut row = Row::default();
+        for (place, &cone) in pool.iter().enumerate().filter(|(i, _)| set.held[*i] == Held::Free) {
+            table.fill_for_member(cone, &mut row);
+            assert!(row.change[place].abs() < 1e-6 * (1.0 + set.energy));
+        }
+    }
+
+    #[test]
+    fn norms_grow_with_the_distance_and_vanish_at_cones() {
+        let (mesh, operators) = prepare(&shapes::hare(1200));
+        let pool = every(&mesh, 100);
+        let mut reduced = Reduced::new(&operators, &mesh);
+        reduced.add(&pool);
+        let set = reduced.fit(&pool);
+        let norms = norms(&reduced, &set);
+        let free = pool.iter().zip(&set.held).filter(|(_, held)| **held == Held::Free);
+        assert!(free.clone().count() > 0 && free.clone().all(|(&v, _)| norms[v] == 0.0));
+        assert!(mesh.vertices().filter(|v| !pool.contains(v)).all(|v| norms[v] > 0.0 && norms[v] < 1.0));
+    }
+}
