@@ -5,7 +5,7 @@ use crate::reduced::{Fitted, Reduced};
 use crate::swap::{Row, Swap, SwapTable};
 
 /// So many of the best swaps are fitted before an exchange is over.
-const TRIALS: usize = 6;
+pub(crate) const TRIALS: usize = 6;
 /// So many moves that do harm alone are tried as the first of several.
 const DETOURS: usize = 20;
 /// A swap must lower the energy by this share.

@@ -121,6 +121,11 @@ impl<'a> Reduced<'a> {
         self.unit
     }
 
+    /// E₀
+    pub(crate) fn constant(&self) -> f64 {
+        self.constant
+    }
+
     /// Whether a vertex has been solved for.
     pub fn knows(&self, v: VertexId) -> bool {
         self.place[v].is_some()

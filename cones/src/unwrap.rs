@@ -2,180 +2,26 @@
 
 use std::time::{Duration, Instant};
 
-use geom::{EdgeData, Id, Metric, Model, Prepared, Repair, Surface, Triangles, VertexData, VertexId, prepare};
-use topo::{Extremum, Kind};
+use geom::{EdgeData, Id, Metric, Model, Prepared, Surface, VertexData, VertexId, prepare};
+use topo::Extremum;
 
-use crate::angles::{Angles, AnglesError, ConeCurvatures, cone_curvatures, least_cones};
+use crate::angles::{AnglesError, ConeCurvatures, cone_curvatures, least_cones};
+use crate::atlas::{Atlas, Cone, Extraction, Stage, Topology};
 use crate::error::Error;
 use crate::factor::ConformalFactor;
-use crate::hierarchy::{Candidate, ConeHierarchy, Method, kind_of};
+use crate::hierarchy::{Candidate, ConeHierarchy, kind_of};
 use crate::layout::Layout;
 use crate::mend::mend;
 use crate::operators::Operators;
+use crate::options::{ConeChoice, Options};
 use crate::scaling::{Scaling, scale};
 use crate::seams::{Chain, Seams};
+use crate::shelf::Shelf;
 
 /// So many cones where nobody says how many; half of them where there is a boundary, which takes curvature too.
 const DEFAULT_CONES: usize = 8;
 /// A set of cones that cannot be flattened is enlarged so many times before the surface is given up.
 const MAX_ATTEMPTS: usize = 8;
-
-/// What to do.
-#[derive(Clone, Debug, Default)]
-pub struct Options {
-    /// Which cones.
-    pub cones: ConeChoice,
-    /// The order in which extrema become cones.
-    pub method: Method,
-    /// How cones get their curvatures.
-    pub angles: Angles,
-    /// Diffuse the curvature before looking for extrema, which helps on noisy scans.
-    pub smooth: bool,
-    /// Merge vertices that are at exactly the same place.
-    pub weld: bool,
-}
-
-/// Which cones to use.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub enum ConeChoice {
-    /// In each connected part eight; four where it has a boundary.
-    #[default]
-    Default,
-    /// The first so many of the hierarchy, in all connected parts together.
-    Count(usize),
-    /// All extrema with a persistence above this.
-    MinPersistence(f64),
-    /// These vertices of the model, each with its curvature if that is given too (for all or for none).
-    Given(Vec<(u32, Option<f64>)>),
-}
-
-/// The stages, in order.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Stage {
-    /// The model is made into surfaces.
-    Prepare,
-    /// Intrinsic Delaunay triangulation, Laplacian, its factorization.
-    Factor,
-    /// The conformal factor, its persistent extrema, the cones' curvatures.
-    Hierarchy,
-    /// Seams through the cones.
-    Cut,
-    /// Newton's method for the metric.
-    Scale,
-    /// Positions in the plane, mended.
-    Layout,
-}
-
-impl Stage {
-    /// All of them.
-    pub const ALL: [Self; 6] = [Self::Prepare, Self::Factor, Self::Hierarchy, Self::Cut, Self::Scale, Self::Layout];
-
-    /// Its name in reports.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Prepare => "prepare",
-            Self::Factor => "factor",
-            Self::Hierarchy => "hierarchy",
-            Self::Cut => "cut",
-            Self::Scale => "scale",
-            Self::Layout => "layout",
-        }
-    }
-}
-
-/// A cone of an unwrapped model.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Cone {
-    /// The vertex of the model.
-    pub vertex: u32,
-    /// Where it is.
-    pub position: [f64; 3],
-    /// The kind of extremum it is; where it is none, what its curvature says: a minimum if positive.
-    pub kind: Kind,
-    /// The persistence of the extremum, if it is one.
-    pub persistence: Option<f64>,
-    /// Its curvature in radians: the cone's angle is 2π less this.
-    pub curvature: f64,
-}
-
-/// The topology of a model's surfaces, added up.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Topology {
-    /// Vertices, copies included.
-    pub vertices: usize,
-    /// Triangles.
-    pub faces: usize,
-    /// Connected components.
-    pub components: usize,
-    /// Boundary loops.
-    pub boundary_loops: usize,
-    /// The sum of the components' genera.
-    pub genus: usize,
-    /// V - E + F.
-    pub euler: i64,
-}
-
-impl Topology {
-    /// The topology of prepared surfaces.
-    pub fn of(surfaces: &[Surface]) -> Self {
-        surfaces.iter().map(|s| &s.mesh).fold(Self::default(), |sum, mesh| Self {
-            vertices: sum.vertices + mesh.vertex_count(),
-            faces: sum.faces + mesh.face_count(),
-            components: sum.components + 1,
-            boundary_loops: sum.boundary_loops + mesh.boundary_loops().len(),
-            genus: sum.genus + mesh.genus(),
-            euler: sum.euler + mesh.euler_characteristic(),
-        })
-    }
-}
-
-/// An unwrapped model.
-#[derive(Clone, Debug)]
-pub struct Atlas {
-    /// A position in the plane for each corner of the model. The total area is that of the surface.
-    pub uv: Vec<[f64; 2]>,
-    /// The triangles that were computed with.
-    pub triangles: Triangles,
-    /// The triangles that belong to no surface (repeated vertices, copies); their corners have their vertices' positions.
-    pub left_out: Vec<u32>,
-    /// The cones, component by component, in the order of the hierarchy.
-    pub cones: Vec<Cone>,
-    /// The seams as chains of vertices of the model.
-    pub seams: Vec<Vec<u32>>,
-    /// The conformal factor φ for each vertex of the model; NaN where it is on no surface.
-    pub factor: Vec<f64>,
-    /// The number of extrema of φ, and the persistences of all of them, descending.
-    pub persistence: Vec<f64>,
-    /// The shape of the model.
-    pub topology: Topology,
-    /// The largest curvature off the cones that the metric has, in radians.
-    pub curvature_error: f64,
-    /// The time each stage took.
-    pub times: Vec<(Stage, Duration)>,
-    /// What was mended in the model.
-    pub repairs: Vec<Repair>,
-    /// What the user should know.
-    pub warnings: Vec<String>,
-}
-
-/// The cones of a model without a flattening.
-#[derive(Clone, Debug)]
-pub struct Extraction {
-    /// The cones, component by component, in the order of the hierarchy.
-    pub cones: Vec<Cone>,
-    /// The conformal factor φ for each vertex of the model; NaN where it is on no surface.
-    pub factor: Vec<f64>,
-    /// The persistences of all extrema of φ, descending.
-    pub persistence: Vec<f64>,
-    /// The shape of the model.
-    pub topology: Topology,
-    /// The time each stage took.
-    pub times: Vec<(Stage, Duration)>,
-    /// What was mended in the model.
-    pub repairs: Vec<Repair>,
-    /// What the user should know.
-    pub warnings: Vec<String>,
-}
 
 /// Unwraps a model: cones, seams, flattening. `on_stage` hears of each stage as it begins.
 ///
@@ -571,10 +417,7 @@ impl<'a> Run<'a> {
 /// the next extremum is largest. Every total is a prefix.
 fn share_out(analysed: &[Analysed], least: Vec<usize>, total: usize) -> Vec<usize> {
     let mut counts = least;
-    let gain = |a: &Analysed, count: usize| {
-        let next = a.hierarchy.extrema().get(count).map_or(0.0, |e| e.persistence);
-        a.area * next
-    };
+    let gain = |a: &Analysed, count: usize| a.area * a.hierarchy.extrema().get(count).map_or(0.0, |e| e.persistence);
     for _ in counts.iter().sum()..total {
         let gains = analysed.iter().zip(&counts).map(|(a, &count)| gain(a, count)).enumerate();
         let Some((best, _)) = gains.max_by(|a, b| a.1.total_cmp(&b.1).then(b.0.cmp(&a.0))) else { break };
@@ -592,41 +435,6 @@ fn too_few(asked: usize, needed: usize, parts: usize) -> String {
 fn seam_lengths(surface: &Surface, metric: &Metric) -> EdgeData<f64> {
     let length = |(e, &l): (geom::EdgeId, &f64)| if surface.diagonal[e] { f64::INFINITY } else { l };
     metric.lengths().iter_ids().map(length).collect()
-}
-
-/// Islands in rows, so that they do not overlap.
-struct Shelf {
-    at: [f64; 2],
-    height: f64,
-    width: f64,
-    gap: f64,
-}
-
-impl Shelf {
-    fn new(area: f64) -> Self {
-        Self { at: [0.0; 2], height: 0.0, width: 1.5 * area.sqrt(), gap: 0.01 * area.sqrt() }
-    }
-
-    /// Finds a place for an island; returns the map of its positions to there.
-    fn place(&mut self, layout: &Layout, size: f64) -> impl Fn(num_complex::Complex64) -> [f64; 2] + use<> {
-        let mut low = [f64::INFINITY; 2];
-        let mut high = [f64::NEG_INFINITY; 2];
-        for z in &layout.position {
-            for (k, x) in [z.re, z.im].into_iter().enumerate() {
-                low[k] = low[k].min(x);
-                high[k] = high[k].max(x);
-            }
-        }
-        let extent = [0, 1].map(|k| size * (high[k] - low[k]));
-        if self.at[0] > 0.0 && self.at[0] + extent[0] > self.width {
-            self.at = [0.0, self.at[1] + self.height + self.gap];
-            self.height = 0.0;
-        }
-        let corner = self.at;
-        self.at[0] += extent[0] + self.gap;
-        self.height = self.height.max(extent[1]);
-        move |z| [corner[0] + size * (z.re - low[0]), corner[1] + size * (z.im - low[1])]
-    }
 }
 
 /// Corners that no surface has get the position of another corner at their vertex, or the origin.

@@ -1,9 +1,36 @@
 //! Triangle meshes and what conformal geometry computes on them.
+//!
+//! | for | there is |
+//! |---|---|
+//! | files | [`io`] reads OBJ, OFF, PLY and STL into a [`Model`]: points and polygons as the file had them |
+//! | making surfaces of it | [`prepare()`]: oriented manifold [`Surface`]s, what is broken mended and counted |
+//! | connectivity | [`Mesh`], and [`Triangulation`], which can be flipped; typed ids ([`VertexId`], …); a `&Mesh` is a graph for petgraph |
+//! | lengths | [`Metric`]: an edge length each; angles, areas, cotangents; [`angle_defects`] |
+//! | flips | [`delaunay()`], [`ptolemaic_delaunay`] |
+//! | equations | [`laplacian()`], [`Poisson`]: factored once, asked often |
+//! | paths | [`ShortestPaths`], [`kruskal`], [`CutMesh`]: a mesh opened along edges |
+//! | judging maps | [`distortion`] |
+//! | something to begin with | [`shapes`] |
+//!
+//! Words: a *halfedge* is a side of a triangle, directed counter-clockwise, and names the *corner* at its tail. A *metric*
+//! is a length for every edge. *Curvature* is an angle defect in radians, at vertices. The Laplacian is positive
+//! semidefinite. Everything is f64.
+//!
+//! ```
+//! use geom::{Metric, angle_defects, shapes};
+//!
+//! let shape = shapes::torus(2, 1000);
+//! let mesh = shape.mesh();
+//! let metric = Metric::from_points(&mesh, &shape.points);
+//! let total: f64 = angle_defects(&mesh, &metric).iter().sum();
+//! assert!((total - 2.0 * std::f64::consts::PI * mesh.euler_characteristic() as f64).abs() < 1e-9);
+//! ```
 
 mod cholesky;
 mod curvature;
 mod cut;
 mod delaunay;
+pub mod distortion;
 pub mod io;
 mod laplacian;
 mod mesh;

@@ -33,15 +33,15 @@ fn program() -> &'static Path {
 }
 
 /// A folder of its own for each test, in which the command is run.
-struct Folder(TempDir);
+pub(crate) struct Folder(TempDir);
 
 impl Folder {
-    fn new() -> Self {
+    pub(crate) fn new() -> Self {
         Self(tempfile::tempdir().expect("a temporary folder can be made"))
     }
 
     /// With `sphere.obj` and `hare.obj` in it.
-    fn with_shapes() -> Self {
+    pub(crate) fn with_shapes() -> Self {
         let folder = Self::new();
         for shape in ["sphere", "hare"] {
             folder.run(&["shape", shape, "--vertices", "600", "-o", &format!("{shape}.obj")]).success();
@@ -49,30 +49,30 @@ impl Folder {
         folder
     }
 
-    fn run(&self, args: &[&str]) -> Assert {
+    pub(crate) fn run(&self, args: &[&str]) -> Assert {
         Command::new(program()).args(args).current_dir(self.0.path()).assert()
     }
 
     /// What a run that fails says on stderr; it must be an error in one paragraph, and with exit code 1.
-    fn complaint(&self, args: &[&str]) -> String {
+    pub(crate) fn complaint(&self, args: &[&str]) -> String {
         let complaint = stderr(&self.run(args).code(1));
         assert!(complaint.starts_with("error: ") && !complaint.contains("panicked"), "{args:?}: {complaint}");
         complaint
     }
 
-    fn path(&self, name: &str) -> PathBuf {
+    pub(crate) fn path(&self, name: &str) -> PathBuf {
         self.0.path().join(name)
     }
 
-    fn read(&self, name: &str) -> String {
+    pub(crate) fn read(&self, name: &str) -> String {
         fs::read_to_string(self.path(name)).expect("the file is there and text")
     }
 
-    fn write(&self, name: &str, text: &str) {
+    pub(crate) fn write(&self, name: &str, text: &str) {
         fs::write(self.path(name), text).expect("a temporary folder can be written to");
     }
 
-    fn json(&self, name: &str) -> Value {
+    pub(crate) fn json(&self, name: &str) -> Value {
         serde_json::from_str(&self.read(name)).expect("the file is JSON")
     }
 
@@ -85,7 +85,7 @@ impl Folder {
     }
 }
 
-fn stdout(done: &Assert) -> String {
+pub(crate) fn stdout(done: &Assert) -> String {
     String::from_utf8(done.get_output().stdout.clone()).expect("the command writes UTF-8")
 }
 

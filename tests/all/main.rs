@@ -1,3 +1,4 @@
 //! What holds across the crates.
 
 mod command;
+mod fields_command;

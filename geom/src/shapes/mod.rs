@@ -33,8 +33,8 @@ pub use part::part;
 pub use plain::{capsule, cone, cylinder, disk, saddle_cone, sphere, square};
 pub use terrain::terrain;
 
-use crate::Mesh;
 use crate::vector::{Vec3, length, normal};
+use crate::{Mesh, Model};
 
 /// More vertices than this no shape is given.
 pub const MAX_VERTICES: usize = 4_000_000;
@@ -69,6 +69,16 @@ impl Shape {
 
     fn corners(&self, triangle: [u32; 3]) -> [Vec3; 3] {
         triangle.map(|v| self.points[v as usize])
+    }
+}
+
+/// The shape as if it had been read from a file.
+///
+/// # Panics
+/// If the shape was changed and is no [`Model`] any more: by an index out of range, or a coordinate that is not finite.
+impl From<Shape> for Model {
+    fn from(shape: Shape) -> Self {
+        Self::from_triangles(shape.points, &shape.triangles).expect("built-in shapes are finite and have triangles")
     }
 }
 

@@ -4,7 +4,7 @@ use crate::inputs::{field, graph};
 use petgraph::graph::UnGraph;
 use petgraph::unionfind::UnionFind;
 use proptest::prelude::*;
-use topo::{Component, Diagram, Domain, Kind, Scalar};
+use topo::{Component, Connectivity, Diagram, Domain, Grid, Kind, Scalar};
 
 fn graph_and_field() -> impl Strategy<Value = (UnGraph<(), ()>, Vec<f64>)> {
     graph(120).prop_flat_map(|graph| {
@@ -38,6 +38,20 @@ fn sorted_sizes<V>(components: &[Component<V>]) -> Vec<usize> {
     sizes
 }
 
+/// Centres and heights of eight hills round a higher ninth, which comes first (Fig. 3 of the paper on conformal factor
+/// persistence), in a square of side 2.
+fn hill_tops() -> Vec<([f64; 2], f64)> {
+    let ring = (0..8).map(|k| (f64::from(k) * std::f64::consts::TAU / 8.0).sin_cos());
+    [([0.0, 0.0], 2.0)].into_iter().chain(ring.map(|(sin, cos)| ([0.7 * sin, 0.7 * cos], 1.0))).collect()
+}
+
+/// Height of the hills at a place; they hardly overlap, so that their prominence is nearly their height.
+fn hills(at: [f64; 2]) -> f64 {
+    let bump =
+        |([y, x], height): ([f64; 2], f64)| height * (-((at[0] - y).powi(2) + (at[1] - x).powi(2)) / 0.015).exp();
+    hill_tops().into_iter().map(bump).sum()
+}
+
 /// All ways to match the points of one diagram with those of another or the diagonal, by the norm of their steps.
 fn best_matching(a: &[(f64, f64)], b: &[(f64, f64)], norm: &impl Fn(&[f64]) -> f64, steps: &mut Vec<f64>) -> f64 {
     let diagonal = |p: &(f64, f64)| (p.1 - p.0).abs() / 2.0;
@@ -69,6 +83,21 @@ fn diagram(max: usize) -> impl Strategy<Value = Diagram> {
 }
 
 proptest! {
+    #[test]
+    fn nine_hills_are_found_under_noise(noise in proptest::collection::vec(-0.2..0.2f64, 60 * 60)) {
+        let place = |vertex: usize| [vertex / 60, vertex % 60].map(|at| (at as f64 + 0.5) / 30.0 - 1.0);
+        let terrain: Vec<f64> = noise.iter().enumerate().map(|(vertex, noise)| hills(place(vertex)) + noise).collect();
+        let maxima = topo::superlevel(&Grid::new([60, 60], Connectivity::Freudenthal), &terrain).expect("fits");
+        let distance = |a: [f64; 2], b: [f64; 2]| (a[0] - b[0]).hypot(a[1] - b[1]);
+        let hill_of = |peak: usize| {
+            hill_tops().iter().position(|&(top, _)| distance(top, place(peak)) < 0.2)
+        };
+        let mut found: Vec<_> = maxima[..9].iter().map(|peak| hill_of(peak.extremum)).collect();
+        prop_assert_eq!(found[0], Some(0));
+        found.sort_unstable();
+        prop_assert_eq!(found, (0..9).map(Some).collect::<Vec<_>>());
+    }
+
     #[test]
     fn a_merge_tree_knows_the_components_at_every_level((graph, field) in graph_and_field(), kind in kind(), level in -3.5..3.5f64) {
         let tree = topo::merge_tree(&graph, &field, kind).expect("fits");

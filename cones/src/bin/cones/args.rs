@@ -2,6 +2,7 @@
 
 use crate::cone_file;
 use crate::failure::Failure;
+use crate::{features, persistence};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use cones::{Angles, ConeChoice, Method, Options};
 use std::path::PathBuf;
@@ -22,6 +23,10 @@ pub(crate) enum Command {
     Extract(Extract),
     /// Measure the distortion of an unwrapped OBJ, whoever made it
     Measure(Measure),
+    /// Pair the extrema of a scalar field with saddles: an array, a picture, a mesh with values, a network
+    Persistence(persistence::Arguments),
+    /// Find the feature points of a surface: the persistent extrema of a field on it
+    Features(features::Arguments),
     /// Write one of the built-in shapes
     Shape(Shape),
     /// Unwrap some built-in shapes into a folder, with pictures
@@ -216,7 +221,7 @@ fn vertex_count(text: &str) -> Result<usize, String> {
     text.parse().ok().filter(|n| (1..=most).contains(n)).ok_or_else(|| format!("not a number from 1 to {most}"))
 }
 
-fn non_negative(text: &str) -> Result<f64, String> {
+pub(crate) fn non_negative(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(x) if x >= 0.0 && x.is_finite() => Ok(x),
         _ => Err("not a number of at least 0".into()),

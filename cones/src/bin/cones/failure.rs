@@ -39,6 +39,30 @@ pub(crate) enum Failure {
     NotACone { path: PathBuf, line: usize, text: String },
     #[error("{} lists no cone: write lines of a vertex's index from 0 and its curvature", .0.display())]
     NoCones(PathBuf),
+    #[error(transparent)]
+    Field(#[from] crate::field::ReadError),
+    #[error("{} is a mesh without values: name a field with --field, such as --field phi", .0.display())]
+    NoField(PathBuf),
+    #[error("{} has nodes without edges: name the file of edges with --edges", .0.display())]
+    NoEdges(PathBuf),
+    #[error("{option} is for {of}, which {} is not: leave it out", path.display())]
+    Misplaced { path: PathBuf, option: &'static str, of: &'static str },
+    #[error("{} has no axis {axis}, only {axes}: x is the last, y the one before", path.display())]
+    NoAxis { path: PathBuf, axis: &'static str, axes: usize },
+    #[error("{} has no vertex {vertex}: it has {vertices}, counted from 0", path.display())]
+    NoVertex { path: PathBuf, vertex: usize, vertices: usize },
+    #[error("{}: the value of vertex {vertex} is NaN: replace it, or leave such vertices out with --nan mask", path.display())]
+    NotANumber { path: PathBuf, vertex: usize },
+    #[error("{}: {error}", path.display())]
+    Domain { path: PathBuf, error: topo::DomainError },
+    #[error("{}: {error}", path.display())]
+    Persistence { path: PathBuf, error: topo::FieldError },
+    #[error("{} cannot be written, as a network's nodes are nowhere in space: write .csv or .json", .0.display())]
+    NoPlaces(PathBuf),
+    #[error("{} can be written for {of} only: end it in .npy", path.display())]
+    SegmentsAs { path: PathBuf, of: &'static str },
+    #[error("{} needs to know whose segments are meant: add --direction sub for minima or --direction super for maxima", .0.display())]
+    WhichSegments(PathBuf),
     #[error("standard output cannot be written")]
     Stdout(#[source] io::Error),
 }

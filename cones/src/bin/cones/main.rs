@@ -8,10 +8,13 @@ mod cone_file;
 mod demo;
 mod extract;
 mod failure;
+mod features;
+mod field;
 mod job;
 mod measure;
 mod output;
 mod page;
+mod persistence;
 mod picture;
 mod progress;
 mod report;
@@ -45,6 +48,8 @@ fn run(command: &Command) -> Result<(), Failure> {
         Command::Unwrap(args) => unwrap::run(args),
         Command::Extract(args) => extract::run(args),
         Command::Measure(args) => measure::run(args),
+        Command::Persistence(args) => persistence::run(args),
+        Command::Features(args) => features::run(args),
         Command::Shape(args) => shape::run(args),
         Command::Demo(args) => demo::run(args),
     }

@@ -58,6 +58,16 @@ pub(crate) fn hex(colour: Colour) -> String {
     format!("#{r:02x}{g:02x}{b:02x}")
 }
 
+/// A vivid colour as the 8-bit sRGB values of a file: `turn` goes once round the hues from 0 to 1, `value` is its lightness.
+pub(crate) fn encode_hue(turn: f64, value: f64) -> [u8; 3] {
+    let channel = |shift: f64| {
+        let distance = 6.0 * ((turn + shift).rem_euclid(1.0) - 0.5).abs();
+        let vivid = (distance - 1.0).clamp(0.0, 1.0);
+        (255.0 * value * (0.35 + 0.65 * vivid)).round() as u8
+    };
+    [0.0, 2.0 / 3.0, 1.0 / 3.0].map(channel)
+}
+
 /// Between two colours: `a` at 0, `b` at 1.
 pub(crate) fn mix(a: Colour, b: Colour, t: f64) -> Colour {
     std::array::from_fn(|i| a[i] + t * (b[i] - a[i]))

@@ -9,16 +9,21 @@ mod checker;
 mod colour;
 mod hollows;
 mod layout;
+mod lettering;
 mod light;
 mod model;
+mod sketch;
 mod space;
 mod svg;
 
 pub(crate) use canvas::Picture;
 pub(crate) use chart::{Chart, Mark, extent};
 pub(crate) use checker::Checker;
+pub(crate) use colour::{Colour, INK, MAXIMUM, MINIMUM, PAPER, encode_hue, mix};
 pub(crate) use layout::draw as draw_layout;
 pub(crate) use model::draw as draw_model;
+pub(crate) use model::draw_values;
+pub(crate) use sketch::{Anchor, Sketch};
 pub(crate) use svg::draw as draw_layout_svg;
 
 use std::io::{self, Write};

@@ -23,22 +23,40 @@ const CONE: f64 = 0.0125;
 const SMOOTH: f64 = 0.77;
 /// Seams are drawn this share nearer than they are, so that the surface they lie on does not hide them.
 const LIFT: f64 = 2e-3;
+/// Bands of colour from the least value to the greatest.
+const BANDS: f64 = 15.0;
 
 /// Draws the model seen three quarters from the front and from above.
 pub(crate) fn draw(chart: &Chart) -> Picture {
+    let checker = chart.checker();
+    draw_coloured(chart, |f, w| checker.colour([0, 1].map(|i| (0..3).map(|k| w[k] * chart.uv[f][k][i]).sum())))
+}
+
+/// Draws the model coloured by the values at its vertices, which range from 0 to 1; grey where one is NaN.
+pub(crate) fn draw_values(chart: &Chart, values: &[f64]) -> Picture {
+    draw_coloured(chart, |f, w| value_colour((0..3).map(|k| w[k] * values[chart.triangles[f][k] as usize]).sum()))
+}
+
+/// Draws the model; `colour` is given a triangle and a place in it.
+fn draw_coloured(chart: &Chart, colour: impl Fn(usize, [f64; 3]) -> Colour) -> Picture {
     let camera = view(chart);
     let mut canvas = Canvas::new(WIDTH, HEIGHT, PAPER);
     let places: Vec<Place> = chart.points.iter().map(|&p| camera.place(p)).collect();
-    draw_surface(&mut canvas, chart, &camera, &places);
+    draw_surface(&mut canvas, chart, &camera, &places, colour);
     draw_seams(&mut canvas, chart, &places);
     hollows::darken(&mut canvas, camera.pixel());
     draw_cones(&mut canvas, chart, &camera, &places);
     canvas.develop(MARGIN)
 }
 
-fn draw_surface(canvas: &mut Canvas, chart: &Chart, camera: &Camera, places: &[Place]) {
+fn draw_surface(
+    canvas: &mut Canvas,
+    chart: &Chart,
+    camera: &Camera,
+    places: &[Place],
+    colour: impl Fn(usize, [f64; 3]) -> Colour,
+) {
     let normals = corner_normals(chart);
-    let checker = chart.checker();
     for f in front_to_back(chart, places) {
         let t = chart.triangles[f];
         let sights = t.map(|v| camera.sight(chart.points[v as usize]));
@@ -48,11 +66,21 @@ fn draw_surface(canvas: &mut Canvas, chart: &Chart, camera: &Camera, places: &[P
             Light::on(facing(normal, sights[k], outside), sights[k])
         });
         canvas.triangle(t.map(|v| places[v as usize]), |w| {
-            let colour = checker.colour([0, 1].map(|i| (0..3).map(|k| w[k] * chart.uv[f][k][i]).sum()));
+            let colour = colour(f, w);
             let colour = if outside { colour } else { mix(colour, INSIDE, 0.6) };
             Light::blend(&light, w).apply(colour)
         });
     }
+}
+
+/// From pale blue over white to pale red, in bands, so that marks and level lines stand out.
+fn value_colour(value: f64) -> Colour {
+    if value.is_nan() {
+        return mix(PAPER, INK, 0.3);
+    }
+    let band = (BANDS * value.clamp(0.0, 1.0)).floor().min(BANDS - 1.0) / (BANDS - 1.0);
+    let end = if band < 0.5 { MINIMUM } else { MAXIMUM };
+    mix(PAPER, end, 0.62 * (2.0 * band - 1.0).abs())
 }
 
 /// The triangles, nearest first: then little is painted that is hidden later.

@@ -1,0 +1,85 @@
+//! Arrays of one to three axes: series, pictures, volumes.
+
+use super::error::ReadError;
+use super::values::Values;
+use super::{decimal, ending, grey, npy, pgm};
+use std::path::Path;
+
+/// Values in C order, the slowest axis first.
+#[derive(Debug)]
+pub(crate) struct Array {
+    pub(crate) values: Values,
+    pub(crate) shape: Vec<usize>,
+}
+
+impl Array {
+    /// Reads an array, a picture or a column of numbers.
+    pub(crate) fn read(path: &Path) -> Result<Self, ReadError> {
+        match ending(path).as_str() {
+            "pgm" => pgm::read(path),
+            "png" => grey::read(path),
+            "txt" => {
+                let values = decimal::read(path)?;
+                Ok(Self { shape: vec![values.len()], values })
+            }
+            _ => npy::read(path),
+        }
+    }
+}
+
+/// Which axes are meant: x is the fastest.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Axes {
+    /// By (z, y, x).
+    pub(crate) zyx: [bool; 3],
+}
+
+impl Axes {
+    /// From names as in `x,y`.
+    pub(crate) fn parse(text: &str) -> Result<Self, String> {
+        let mut axes = Self::default();
+        for name in text.split(',') {
+            let axis = ["z", "y", "x"].iter().position(|known| *known == name.trim());
+            axes.zyx[axis.ok_or_else(|| format!("{name:?} is none of x, y, z"))?] = true;
+        }
+        Ok(axes)
+    }
+}
+
+/// Values in Fortran order, the first axis the fastest, put into C order.
+pub(super) fn to_c_order(values: Values, shape: &[usize]) -> Values {
+    fn reordered<T: Copy>(values: Vec<T>, shape: &[usize]) -> Vec<T> {
+        let (Some((&fast, slow)), true) = (shape.split_first(), shape.len() > 1) else { return values };
+        // The first axis becomes the slowest, and the others are reordered among themselves.
+        let block = |i: usize| values.iter().skip(i).step_by(fast.max(1)).copied().collect::<Vec<T>>();
+        (0..fast).flat_map(|i| reordered(block(i), slow)).collect()
+    }
+    match values {
+        Values::I32(field) => Values::I32(reordered(field, shape)),
+        Values::I64(field) => Values::I64(reordered(field, shape)),
+        Values::U64(field) => Values::U64(reordered(field, shape)),
+        Values::F32(field) => Values::F32(reordered(field, shape)),
+        Values::F64(field) => Values::F64(reordered(field, shape)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn fortran_order_becomes_c_order() {
+        // Element (z, y, x) of a 2 × 3 × 2 array is 100 z + 10 y + x.
+        let fortran = (0..2).flat_map(|x| (0..3).flat_map(move |y| (0..2).map(move |z| 100 * z + 10 * y + x)));
+        let c: Vec<i32> =
+            (0..2).flat_map(|z| (0..3).flat_map(move |y| (0..2).map(move |x| 100 * z + 10 * y + x))).collect();
+        let reordered = to_c_order(Values::I32(fortran.collect()), &[2, 3, 2]);
+        assert_eq!(reordered, Values::I32(c));
+    }
+
+    #[test]
+    fn axes_are_named_by_letters() {
+        assert_eq!(Axes::parse("x, z"), Ok(Axes { zyx: [true, false, true] }));
+        assert!(Axes::parse("x,w").is_err_and(|message| message.contains("\"w\"")));
+    }
+}

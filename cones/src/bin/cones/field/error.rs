@@ -1,0 +1,114 @@
+//! Why a field cannot be read.
+
+use std::fmt;
+use std::io;
+use std::path::{Path, PathBuf};
+use thiserror::Error;
+
+/// A file that does not hold a field, and where it shows.
+#[derive(Debug, Error)]
+#[error("{}{place}: {problem}", path.display())]
+pub(crate) struct ReadError {
+    path: PathBuf,
+    place: Place,
+    problem: Problem,
+}
+
+/// Where in a file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Place {
+    File,
+    /// Counted from 1.
+    Line(u64),
+    /// Counted from 0.
+    Byte(u64),
+}
+
+/// What is wrong, and what to do.
+#[derive(Debug, Error)]
+pub(crate) enum Problem {
+    #[error("cannot be read ({0})")]
+    Io(#[from] io::Error),
+    #[error(
+        "is of no known form: give an array (.npy, .pgm, .png, .txt), a mesh (.obj, .ply, .off, .stl) or a network (.csv)"
+    )]
+    Form,
+    #[error("there is {found} where {expected} should be")]
+    Unexpected { found: String, expected: String },
+    #[error("the header claims {claimed} values, but the file ends after {present}: it is cut short or damaged")]
+    CutShort { claimed: u64, present: u64 },
+    #[error("has {0} axes, and one to three are read: take a part of it or reshape it")]
+    Axes(usize),
+    #[error("the shape {0:?} has more values than can be counted")]
+    Shape(Vec<u64>),
+    #[error("the values are of type {0:?}, which is not a real number: convert them, as with .astype('float64')")]
+    Type(String),
+    #[error(
+        "has {vertices} values, which need {} of memory where {} are free: take a part of it or every other value",
+        bytes(*needed),
+        bytes(*free)
+    )]
+    Memory { vertices: u64, needed: u64, free: u64 },
+    #[error("has {0} values, and 2147483646 are the most that can be numbered: take a part of it or every other value")]
+    TooMany(u64),
+    #[error("is no PNG picture that can be read ({0})")]
+    Png(#[from] png::DecodingError),
+    #[error("{0}")]
+    Csv(String),
+    #[error("there is no column named {name}: the first line must name the columns {wanted}")]
+    Column { name: &'static str, wanted: &'static str },
+    #[error("the id {0:?} was there before: give each node its own")]
+    Twice(String),
+    #[error("no node has the id {0:?}: every edge joins two ids of the file of nodes")]
+    NoNode(String),
+    #[error("has {values} values where the mesh has {vertices} vertices: it needs one for each, in the mesh's order")]
+    Count { values: usize, vertices: usize },
+    #[error("holds no values")]
+    Empty,
+}
+
+impl Problem {
+    pub(crate) fn in_file(self, path: &Path) -> ReadError {
+        self.at(Place::File, path)
+    }
+
+    pub(crate) fn at(self, place: Place, path: &Path) -> ReadError {
+        ReadError { path: path.to_owned(), place, problem: self }
+    }
+
+    pub(crate) fn unexpected(found: impl Into<String>, expected: impl Into<String>) -> Self {
+        Self::Unexpected { found: found.into(), expected: expected.into() }
+    }
+}
+
+impl fmt::Display for Place {
+    /// Between the file's name and the colon.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::File => Ok(()),
+            Self::Line(line) => write!(f, ", line {line}"),
+            Self::Byte(byte) => write!(f, ", byte {byte}"),
+        }
+    }
+}
+
+/// A number of bytes as people say it.
+fn bytes(count: u64) -> String {
+    let units = ["bytes", "kB", "MB", "GB", "TB", "PB", "EB"];
+    let step = (0..units.len()).rev().find(|&i| count >= 1000u64.pow(i as u32)).unwrap_or(0);
+    match step {
+        0 => format!("{count} bytes"),
+        _ => format!("{:.1} {}", count as f64 / 1000f64.powi(step as i32), units[step]),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes_are_told_in_round_units() {
+        assert_eq!([0, 999, 1500, 7_200_000_000].map(bytes), ["0 bytes", "999 bytes", "1.5 kB", "7.2 GB"]);
+        assert_eq!(bytes(u64::MAX), "18.4 EB");
+    }
+}

@@ -1,0 +1,33 @@
+//! What a user may choose.
+
+use crate::angles::Angles;
+use crate::hierarchy::Method;
+
+/// What to do.
+#[derive(Clone, Debug, Default)]
+pub struct Options {
+    /// Which cones.
+    pub cones: ConeChoice,
+    /// The order in which extrema become cones.
+    pub method: Method,
+    /// How cones get their curvatures.
+    pub angles: Angles,
+    /// Diffuse the curvature before looking for extrema, which helps on noisy scans.
+    pub smooth: bool,
+    /// Merge vertices that are at exactly the same place.
+    pub weld: bool,
+}
+
+/// Which cones to use.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub enum ConeChoice {
+    /// In each connected part eight; four where it has a boundary.
+    #[default]
+    Default,
+    /// The first so many of the hierarchy, in all connected parts together.
+    Count(usize),
+    /// All extrema with a persistence above this.
+    MinPersistence(f64),
+    /// These vertices of the model, each with its curvature if that is given too (for all or for none).
+    Given(Vec<(u32, Option<f64>)>),
+}

@@ -1,0 +1,235 @@
+//! Which triangles of a map hang together.
+//!
+//! A *side* is that of a triangle from its corner k to the next, numbered 3f + k as its corner is. Two sides on one edge
+//! of the surface face each other; where more than two meet, each faces the next. They are glued where their ends' images
+//! agree.
+
+use crate::{FaceData, FaceId, Id};
+
+/// Images closer than this share of the map's extent are the same: files round.
+const SAME_IMAGE: f64 = 1e-7;
+
+/// How sides face each other and are glued.
+pub(super) struct Charts {
+    /// The sides that face each other.
+    facing: Vec<Facing>,
+    /// The image vertex of each corner, as a corner of it.
+    vertex: Vec<u32>,
+    /// Which sides face no other.
+    is_boundary: Vec<bool>,
+    /// Whether a triangle is oriented as the first one of its component of the surface is.
+    is_turned: Vec<bool>,
+    /// Which island a triangle is in.
+    pub(super) island: FaceData<u32>,
+    /// How many islands there are.
+    pub(super) count: usize,
+}
+
+/// Two sides on one edge.
+#[derive(Clone, Copy)]
+pub(super) struct Facing {
+    pub(super) sides: [u32; 2],
+    /// Whether they run in the same direction: their triangles are turned against each other.
+    is_parallel: bool,
+    is_glued: bool,
+}
+
+/// The corner at a side's other end.
+pub(super) fn end(side: u32) -> u32 {
+    if side % 3 == 2 { side - 2 } else { side + 1 }
+}
+
+impl Charts {
+    pub(super) fn new(vertex_count: usize, triangles: &[[u32; 3]], uv: &[[[f64; 2]; 3]]) -> Self {
+        let mut facing = face_sides(vertex_count, triangles.as_flattened());
+        let mut is_boundary = vec![true; 3 * triangles.len()];
+        let is_same = same_image(uv.as_flattened());
+        let mut vertices = Sets::new(3 * triangles.len());
+        let mut islands = Sets::new(triangles.len());
+        for pair in &mut facing {
+            let ends = pair.corners_at_ends();
+            is_boundary[pair.sides[0] as usize] = false;
+            is_boundary[pair.sides[1] as usize] = false;
+            pair.is_glued = ends.iter().all(|&[c, d]| is_same(c, d));
+            if pair.is_glued {
+                ends.into_iter().for_each(|[c, d]| vertices.unite(c, d));
+                islands.unite(pair.sides[0] / 3, pair.sides[1] / 3);
+            }
+        }
+        let (island, count) = islands.numbered();
+        let vertex = (0..3 * triangles.len() as u32).map(|corner| vertices.root(corner)).collect();
+        let is_turned = turned(triangles.len(), &facing);
+        Self { facing, vertex, is_boundary, is_turned, island: island.into(), count }
+    }
+
+    /// The sides that face each other and are not glued.
+    pub(super) fn seam(&self) -> impl Iterator<Item = [u32; 2]> + '_ {
+        self.facing.iter().filter(|pair| !pair.is_glued).map(|pair| pair.sides)
+    }
+
+    /// The sides on the surface's own boundary.
+    pub(super) fn boundary_sides(&self) -> impl Iterator<Item = u32> + '_ {
+        (0..self.is_boundary.len() as u32).filter(|&side| self.is_boundary[side as usize])
+    }
+
+    /// -1 for a triangle that is turned against the first one of its component of the surface, else 1.
+    pub(super) fn orientation(&self, face: usize) -> f64 {
+        if self.is_turned[face] { -1.0 } else { 1.0 }
+    }
+
+    /// V - E + F of each island.
+    pub(super) fn euler_characteristics(&self) -> Vec<i64> {
+        let mut chi = vec![0; self.count];
+        for (f, corners) in self.vertex.chunks_exact(3).enumerate() {
+            let vertices = (0..).zip(corners).filter(|&(k, &vertex)| vertex == 3 * f as u32 + k).count();
+            chi[self.island[FaceId::new(f)] as usize] += vertices as i64 - 3 + 1;
+        }
+        for pair in self.facing.iter().filter(|pair| pair.is_glued) {
+            chi[self.island_of(pair.sides[0])] += 1;
+        }
+        chi
+    }
+
+    /// How many loops bound each island.
+    pub(super) fn boundary_loops(&self) -> Vec<usize> {
+        let mut open = vec![true; self.vertex.len()];
+        for pair in self.facing.iter().filter(|pair| pair.is_glued) {
+            pair.sides.into_iter().for_each(|side| open[side as usize] = false);
+        }
+        let open_sides = || (0..self.vertex.len() as u32).filter(|&side| open[side as usize]);
+        let mut loops = Sets::new(self.vertex.len());
+        for side in open_sides() {
+            loops.unite(self.vertex[side as usize], self.vertex[end(side) as usize]);
+        }
+        let mut counts = vec![0; self.count];
+        let mut is_counted = vec![false; self.vertex.len()];
+        for side in open_sides() {
+            let root = loops.root(self.vertex[side as usize]);
+            if !std::mem::replace(&mut is_counted[root as usize], true) {
+                counts[self.island_of(side)] += 1;
+            }
+        }
+        counts
+    }
+
+    fn island_of(&self, side: u32) -> usize {
+        self.island[FaceId(side / 3)] as usize
+    }
+}
+
+impl Facing {
+    /// The corners of both sides at either end.
+    fn corners_at_ends(self) -> [[u32; 2]; 2] {
+        let [a, b] = self.sides;
+        if self.is_parallel { [[a, b], [end(a), end(b)]] } else { [[a, end(b)], [end(a), b]] }
+    }
+}
+
+/// Pairs the sides on each edge, which are found by buckets of its lower end.
+fn face_sides(vertex_count: usize, corner_vertex: &[u32]) -> Vec<Facing> {
+    let ends = |side: usize| [corner_vertex[side], corner_vertex[end(side as u32) as usize]];
+    let lower = |side: usize| ends(side)[0].min(ends(side)[1]) as usize;
+    let mut start = vec![0usize; vertex_count + 1];
+    (0..corner_vertex.len()).for_each(|side| start[lower(side) + 1] += 1);
+    (0..vertex_count).for_each(|v| start[v + 1] += start[v]);
+    let mut fill = start.clone();
+    let mut bucket = vec![(0, 0); corner_vertex.len()];
+    for side in 0..corner_vertex.len() {
+        let at = &mut fill[lower(side)];
+        bucket[*at] = (ends(side)[0].max(ends(side)[1]), side as u32);
+        *at += 1;
+    }
+    let mut facing = Vec::with_capacity(corner_vertex.len() / 2);
+    for v in 0..vertex_count {
+        let star = &mut bucket[start[v]..start[v + 1]];
+        star.sort_unstable();
+        for pair in star.windows(2).filter(|pair| pair[0].0 == pair[1].0) {
+            let sides = [pair[0].1, pair[1].1];
+            let is_parallel = ends(sides[0] as usize)[0] == ends(sides[1] as usize)[0];
+            facing.push(Facing { sides, is_parallel, is_glued: false });
+        }
+    }
+    facing
+}
+
+/// Whether two corners have the same image.
+fn same_image(uv: &[[f64; 2]]) -> impl Fn(u32, u32) -> bool + '_ {
+    let extent = |axis: usize| {
+        let range = uv.iter().fold([f64::MAX, f64::MIN], |[low, high], q| [q[axis].min(low), q[axis].max(high)]);
+        range[1] - range[0]
+    };
+    let tolerance = SAME_IMAGE * extent(0).max(extent(1));
+    move |c, d| {
+        let [p, q] = [uv[c as usize], uv[d as usize]];
+        (p[0] - q[0]).abs() <= tolerance && (p[1] - q[1]).abs() <= tolerance
+    }
+}
+
+/// Which triangles are turned against the first one of their component of the surface.
+fn turned(face_count: usize, facing: &[Facing]) -> Vec<bool> {
+    let mut is_turned = vec![false; face_count];
+    if facing.iter().all(|pair| !pair.is_parallel) {
+        return is_turned;
+    }
+    let mut neighbors = vec![Vec::new(); face_count];
+    for pair in facing {
+        let [f, g] = pair.sides.map(|side| side / 3);
+        neighbors[f as usize].push((g, pair.is_parallel));
+        neighbors[g as usize].push((f, pair.is_parallel));
+    }
+    let mut is_seen = vec![false; face_count];
+    let mut stack = Vec::new();
+    for seed in 0..face_count {
+        if !std::mem::replace(&mut is_seen[seed], true) {
+            stack.push(seed);
+        }
+        while let Some(f) = stack.pop() {
+            for &(g, is_parallel) in &neighbors[f] {
+                if !std::mem::replace(&mut is_seen[g as usize], true) {
+                    is_turned[g as usize] = is_turned[f] != is_parallel;
+                    stack.push(g as usize);
+                }
+            }
+        }
+    }
+    is_turned
+}
+
+/// Disjoint sets of 0 .. n, the root of each its least element.
+struct Sets(Vec<u32>);
+
+impl Sets {
+    fn new(count: usize) -> Self {
+        Self((0..count as u32).collect())
+    }
+
+    fn root(&mut self, mut x: u32) -> u32 {
+        while self.0[x as usize] != x {
+            let up = self.0[self.0[x as usize] as usize];
+            self.0[x as usize] = up;
+            x = up;
+        }
+        x
+    }
+
+    fn unite(&mut self, x: u32, y: u32) {
+        let (x, y) = (self.root(x), self.root(y));
+        self.0[x.max(y) as usize] = x.min(y);
+    }
+
+    /// The number of each element's set, in the order of their least elements, and how many there are.
+    fn numbered(mut self) -> (Vec<u32>, usize) {
+        let mut number = vec![0; self.0.len()];
+        let mut count = 0;
+        for x in 0..self.0.len() {
+            let root = self.root(x as u32) as usize;
+            if root == x {
+                number[x] = count;
+                count += 1;
+            } else {
+                number[x] = number[root];
+            }
+        }
+        (number, count as usize)
+    }
+}

@@ -1,0 +1,401 @@
+//! How far a map of a surface to the plane is from isometric and conformal.
+//!
+//! On a triangle the map is linear, with singular values σ₁ ≥ σ₂. The measures, all weighted by area on the surface:
+//!
+//! - *quasi-conformal* σ₁/σ₂: 1 where the map keeps angles (the paper's Table 1);
+//! - *area* max(r, 1/r), where r is the triangle's area in the plane over that on the surface, after one scaling of the
+//!   whole map that makes the total areas equal: 1 where the map keeps areas. Its mean is the D of the paper's Fig. 1;
+//!   the mean of 1/r is closest to the areal figures of Table 1;
+//! - *log scale* u = ½ log r, less its mean: 0 where the map keeps lengths up to one scale. Unlike a mean of r, which is
+//!   always 1, its norms see every deviation.
+//!
+//! The map is given at the corners of triangles, since a vertex on a seam has several images. Two triangles belong to
+//! one *island* if they share an edge whose two ends have the same images in both; other edges inside the surface are
+//! the *seam*. The triangles may be any: meeting in threes, turned against each other, without area.
+//!
+//! The cone angles of a map are read off it: the *curvature* of a vertex inside the surface is 2π less the angles round
+//! its images. It is 0 off the cones if the map is a flattening by cones at all.
+
+mod chart;
+mod linear;
+mod overlap;
+
+pub use overlap::overlap;
+
+use std::f64::consts::PI;
+
+use thiserror::Error;
+
+use self::chart::Charts;
+use self::linear::{Image, images};
+use crate::vector::distance;
+use crate::{FaceData, FaceId, Id, VertexData, VertexId};
+
+/// The measures of a map; see the module's head.
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub struct Distortion {
+    /// σ₁/σ₂.
+    pub quasi_conformal: Percentiles,
+    /// max(r, 1/r).
+    pub area: Percentiles,
+    /// The mean of 1/r.
+    pub area_inverse_mean: f64,
+    /// The root of the mean square of the centred log scale.
+    pub u_l2: f64,
+    /// The largest absolute centred log scale.
+    pub u_linf: f64,
+    /// How many triangles are oriented against the greater part of their island.
+    pub flipped: usize,
+    /// How many triangles that have an area on the surface have none in the plane, or nearly none. They take no part in
+    /// the measures.
+    pub degenerate: usize,
+    /// How many triangles have no area on the surface. They take no part in the measures either.
+    pub degenerate_on_surface: usize,
+    /// The connected pieces of the map, ordered by their first triangles.
+    pub islands: Vec<Island>,
+    /// How many edges inside the surface are cut.
+    pub seam_edges: usize,
+    /// Their length on the surface over the square root of its area.
+    pub seam_length: f64,
+    /// How much longer one side of the seam is than the other: the mean, weighted by length, of the difference over the
+    /// average. 0 for a flattening by cones.
+    pub seam_mismatch: f64,
+    /// 2π less the angles at each vertex's images; 0 on the boundary and where no triangle is.
+    pub curvature: VertexData<f64>,
+    /// σ₁/σ₂ of each triangle, infinite if it is degenerate.
+    pub triangle_quasi_conformal: FaceData<f64>,
+    /// The centred log scale of each triangle, 0 if it is degenerate.
+    pub triangle_log_scale: FaceData<f64>,
+    /// Which island each triangle is in.
+    pub triangle_island: FaceData<u32>,
+}
+
+impl Distortion {
+    /// The vertices with a curvature beyond a threshold, largest first.
+    pub fn cones(&self, threshold: f64) -> Vec<(VertexId, f64)> {
+        let found = self.curvature.iter_ids().filter(|(_, k)| k.abs() > threshold);
+        let mut cones: Vec<_> = found.map(|(v, &k)| (v, k)).collect();
+        cones.sort_by(|a, b| b.1.abs().total_cmp(&a.1.abs()));
+        cones
+    }
+
+    /// The largest absolute curvature off the cones.
+    pub fn curvature_error(&self, cones: &[VertexId]) -> f64 {
+        let mut off_cones = self.curvature.clone();
+        for &v in cones.iter().filter(|v| v.index() < self.curvature.len()) {
+            off_cones[v] = 0.0;
+        }
+        off_cones.iter().fold(0.0, |most, k| k.abs().max(most))
+    }
+}
+
+/// How a measure is spread over the surface, by area.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Percentiles {
+    /// The mean.
+    pub mean: f64,
+    /// What half of the surface does not exceed.
+    pub median: f64,
+    /// What 95 % of the surface do not exceed.
+    pub p95: f64,
+    /// What 99 % of the surface do not exceed.
+    pub p99: f64,
+    /// The largest.
+    pub max: f64,
+}
+
+/// A connected piece of a map.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Island {
+    /// How many triangles it has.
+    pub faces: usize,
+    /// Its share of the surface's area.
+    pub area: f64,
+    /// Vertices - edges + triangles.
+    pub euler_characteristic: i64,
+    /// How many loops bound it.
+    pub boundary_loops: usize,
+    /// Whether most of it is turned clockwise.
+    pub is_mirrored: bool,
+}
+
+impl Island {
+    /// Whether it is a topological disk.
+    pub fn is_disk(&self) -> bool {
+        self.euler_characteristic == 1 && self.boundary_loops == 1
+    }
+}
+
+/// Why a map cannot be measured.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum DistortionError {
+    /// The lists do not belong together.
+    #[error("there are {triangles} triangles but texture coordinates for {uv}")]
+    Count {
+        /// How many triangles there are.
+        triangles: usize,
+        /// How many have images.
+        uv: usize,
+    },
+    /// A triangle names a vertex that is not there.
+    #[error("triangle {face} uses vertex {vertex}, but there are only {count} vertices (counted from 0)")]
+    VertexOutOfRange {
+        /// The triangle.
+        face: FaceId,
+        /// What it names.
+        vertex: u32,
+        /// How many vertices there are.
+        count: usize,
+    },
+    /// A coordinate in space is infinite or NaN.
+    #[error("vertex {0} has a coordinate that is not a finite number")]
+    PointNotFinite(VertexId),
+    /// A coordinate in the plane is infinite or NaN.
+    #[error("triangle {0} has a texture coordinate that is not a finite number")]
+    UvNotFinite(FaceId),
+    /// There is nothing to measure.
+    #[error("no triangle has an area both on the surface and in texture space, so that there is nothing to measure")]
+    NoArea,
+}
+
+/// Measures a map, given by the images of the corners of each triangle. Linear but for two sorts of the triangles.
+///
+/// ```
+/// use geom::distortion::measure;
+/// // A unit square whose image is stretched to twice its width.
+/// let points = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
+/// let triangles = [[0, 1, 2], [0, 2, 3]];
+/// let uv = triangles.map(|t| t.map(|v| [2.0 * points[v as usize][0], points[v as usize][1]]));
+/// let distortion = measure(&points, &triangles, &uv)?;
+/// assert_eq!(distortion.quasi_conformal.max, 2.0);
+/// assert_eq!(distortion.area.mean, 1.0);
+/// assert!(distortion.islands[0].is_disk());
+/// # Ok::<(), geom::distortion::DistortionError>(())
+/// ```
+///
+/// # Errors
+/// If indices are out of range, coordinates are not finite, or no triangle has an area on both sides.
+pub fn measure(
+    points: &[[f64; 3]],
+    triangles: &[[u32; 3]],
+    uv: &[[[f64; 2]; 3]],
+) -> Result<Distortion, DistortionError> {
+    check(points, triangles, uv)?;
+    let points = unit_size(points, || triangles.as_flattened().iter().map(|&v| points[v as usize]));
+    let uv = unit_size(uv.as_flattened(), || uv.as_flattened().iter().copied());
+    let uv = uv.as_chunks().0;
+    let charts = Charts::new(points.len(), triangles, uv);
+    let mut images = images(&points, triangles, uv);
+    orient(&mut images, &charts);
+    let measured = Measured::new(&images)?;
+    let (curvature, seam) =
+        (curvature(&charts, triangles, uv, &images, points.len()), seam(&charts, triangles, &points, uv));
+    let total_area: f64 = images.iter().map(|image| image.surface_area).sum();
+    Ok(Distortion {
+        quasi_conformal: measured.percentiles(&measured.quasi_conformal),
+        area: measured.percentiles(&measured.area_ratio.iter().map(|r| r.max(1.0 / r)).collect::<Vec<_>>()),
+        area_inverse_mean: measured.mean(measured.area_ratio.iter().map(|r| 1.0 / r)),
+        u_l2: measured.mean(measured.log_scale.iter().map(|u| u * u)).sqrt(),
+        u_linf: measured.log_scale.iter().fold(0.0, |most, u| u.abs().max(most)),
+        flipped: images.iter().filter(|image| image.has_surface && image.area < 0.0).count(),
+        degenerate: images.iter().filter(|image| image.has_surface).count() - measured.faces.len(),
+        degenerate_on_surface: images.iter().filter(|image| !image.has_surface).count(),
+        islands: islands(&charts, &images),
+        seam_edges: charts.seam().count(),
+        seam_length: seam.length / total_area.sqrt(),
+        seam_mismatch: seam.mismatch,
+        curvature,
+        triangle_quasi_conformal: measured.by_face(images.len(), &measured.quasi_conformal, f64::INFINITY),
+        triangle_log_scale: measured.by_face(images.len(), &measured.log_scale, 0.0),
+        triangle_island: charts.island,
+    })
+}
+
+fn check(points: &[[f64; 3]], triangles: &[[u32; 3]], uv: &[[[f64; 2]; 3]]) -> Result<(), DistortionError> {
+    let count = points.len();
+    if triangles.len() != uv.len() {
+        return Err(DistortionError::Count { triangles: triangles.len(), uv: uv.len() });
+    }
+    for (f, corners) in triangles.iter().enumerate() {
+        if let Some(&vertex) = corners.iter().find(|&&v| v as usize >= count) {
+            return Err(DistortionError::VertexOutOfRange { face: FaceId::new(f), vertex, count });
+        }
+    }
+    let is_finite = |p: &[f64]| p.iter().all(|x| x.is_finite());
+    if let Some(v) = points.iter().position(|p| !is_finite(p)) {
+        return Err(DistortionError::PointNotFinite(VertexId::new(v)));
+    }
+    if let Some(f) = uv.iter().position(|corners| !is_finite(corners.as_flattened())) {
+        return Err(DistortionError::UvNotFinite(FaceId::new(f)));
+    }
+    Ok(())
+}
+
+/// Points scaled by a power of two, and so without rounding, such that those in use have an extent between 1 and 4: areas
+/// neither overflow nor vanish.
+fn unit_size<const N: usize, I: Iterator<Item = [f64; N]>>(points: &[[f64; N]], used: impl Fn() -> I) -> Vec<[f64; N]> {
+    let half_extent = |axis: usize| {
+        let range = used().fold([f64::MAX, f64::MIN], |[low, high], p| [p[axis].min(low), p[axis].max(high)]);
+        0.5 * range[1] - 0.5 * range[0]
+    };
+    let largest = (0..N).map(half_extent).fold(0.0, f64::max);
+    let exponent = if largest > 0.0 { -largest.log2().floor() } else { 0.0 };
+    // In two steps, as 2^1074 is no number.
+    let (first, second) = ((0.5 * exponent).floor().exp2(), (exponent - (0.5 * exponent).floor()).exp2());
+    points.iter().map(|p| p.map(|x| x * first * second)).collect()
+}
+
+/// Turns the areas' signs so that they are positive in the greater part of each island. (In a closed one neither part is
+/// greater.)
+fn orient(images: &mut [Image], charts: &Charts) {
+    let mut signed = vec![0.0; charts.count];
+    let mut total = vec![0.0; charts.count];
+    for (f, (image, &island)) in images.iter_mut().zip(charts.island.iter()).enumerate() {
+        image.area *= charts.orientation(f);
+        signed[island as usize] += image.area;
+        total[island as usize] += image.area.abs();
+    }
+    for (image, &island) in images.iter_mut().zip(charts.island.iter()) {
+        image.is_mirrored = signed[island as usize] < -1e-9 * total[island as usize];
+        if image.is_mirrored {
+            image.area = -image.area;
+        }
+    }
+}
+
+fn islands(charts: &Charts, images: &[Image]) -> Vec<Island> {
+    let empty = Island { faces: 0, area: 0.0, euler_characteristic: 0, boundary_loops: 0, is_mirrored: false };
+    let mut islands = vec![empty; charts.count];
+    let total: f64 = images.iter().map(|image| image.surface_area).sum();
+    for (image, &island) in images.iter().zip(charts.island.iter()) {
+        let island = &mut islands[island as usize];
+        island.faces += 1;
+        island.area += image.surface_area / total;
+        island.is_mirrored = image.is_mirrored;
+    }
+    for (island, (chi, loops)) in
+        islands.iter_mut().zip(charts.euler_characteristics().into_iter().zip(charts.boundary_loops()))
+    {
+        island.euler_characteristic = chi;
+        island.boundary_loops = loops;
+    }
+    islands
+}
+
+/// What can be measured: the triangles with an area on both sides, and their measures.
+struct Measured {
+    faces: Vec<FaceId>,
+    /// Areas on the surface; they sum to 1.
+    weight: Vec<f64>,
+    quasi_conformal: Vec<f64>,
+    area_ratio: Vec<f64>,
+    /// Centred.
+    log_scale: Vec<f64>,
+}
+
+impl Measured {
+    fn new(images: &[Image]) -> Result<Self, DistortionError> {
+        let with_surface = || images.iter().filter(|image| image.has_surface);
+        let scale = with_surface().map(|image| image.surface_area).sum::<f64>()
+            / with_surface().map(|image| image.area.abs()).sum::<f64>();
+        let ratio = |image: &Image| image.area.abs() * scale / image.surface_area;
+        let is_measured = |image: &Image| image.has_surface && !image.is_collapsed() && ratio(image) > 1e-14;
+        let faces: Vec<FaceId> = (0..images.len()).filter(|&f| is_measured(&images[f])).map(FaceId::new).collect();
+        if faces.is_empty() {
+            return Err(DistortionError::NoArea);
+        }
+        let measured = || faces.iter().map(|f| &images[f.index()]);
+        let total: f64 = measured().map(|image| image.surface_area).sum();
+        let area_ratio: Vec<f64> = measured().map(ratio).collect();
+        let mut new = Self {
+            weight: measured().map(|image| image.surface_area / total).collect(),
+            quasi_conformal: measured().map(Image::quasi_conformal).collect(),
+            log_scale: area_ratio.iter().map(|r| 0.5 * r.ln()).collect(),
+            area_ratio,
+            faces,
+        };
+        let mean = new.mean(new.log_scale.iter().copied());
+        new.log_scale.iter_mut().for_each(|u| *u -= mean);
+        Ok(new)
+    }
+
+    fn mean(&self, values: impl Iterator<Item = f64>) -> f64 {
+        values.zip(&self.weight).map(|(value, weight)| value * weight).sum()
+    }
+
+    fn percentiles(&self, values: &[f64]) -> Percentiles {
+        let mut sorted: Vec<(f64, f64)> = values.iter().copied().zip(self.weight.iter().copied()).collect();
+        sorted.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
+        let max = sorted.last().map_or(f64::NAN, |last| last.0);
+        let mut below = 0.0;
+        for (_, weight) in &mut sorted {
+            below += *weight;
+            *weight = below;
+        }
+        let [median, p95, p99] = [0.5, 0.95, 0.99].map(|share| {
+            let reached = sorted.partition_point(|&(_, below)| below < share);
+            sorted.get(reached).map_or(max, |&(value, _)| value)
+        });
+        Percentiles { mean: self.mean(values.iter().copied()), median, p95, p99, max }
+    }
+
+    fn by_face(&self, count: usize, values: &[f64], otherwise: f64) -> FaceData<f64> {
+        let mut by_face = FaceData::constant(count, otherwise);
+        self.faces.iter().zip(values).for_each(|(&f, &value)| by_face[f] = value);
+        by_face
+    }
+}
+
+/// 2π less the angles at the images of each vertex inside the surface; angles of flipped triangles count negative.
+fn curvature(
+    charts: &Charts,
+    triangles: &[[u32; 3]],
+    uv: &[[[f64; 2]; 3]],
+    images: &[Image],
+    count: usize,
+) -> VertexData<f64> {
+    let mut curvature = VertexData::constant(count, 0.0);
+    let mut is_inside = vec![false; count];
+    triangles.as_flattened().iter().for_each(|&v| is_inside[v as usize] = true);
+    for side in charts.boundary_sides() {
+        for corner in [side, chart::end(side)] {
+            is_inside[triangles.as_flattened()[corner as usize] as usize] = false;
+        }
+    }
+    curvature.iter_mut().zip(&is_inside).filter(|&(_, &is_inside)| is_inside).for_each(|(k, _)| *k = 2.0 * PI);
+    for ((corners, uv), image) in triangles.iter().zip(uv).zip(images) {
+        for k in 0..3 {
+            if is_inside[corners[k] as usize] {
+                let angle = linear::angle(uv[k], uv[(k + 1) % 3], uv[(k + 2) % 3]);
+                curvature[VertexId(corners[k])] -= if image.area < 0.0 { -angle } else { angle };
+            }
+        }
+    }
+    curvature
+}
+
+/// The seam's length on the surface, and how much its sides differ in the plane.
+struct Seam {
+    length: f64,
+    mismatch: f64,
+}
+
+fn seam(charts: &Charts, triangles: &[[u32; 3]], points: &[[f64; 3]], uv: &[[[f64; 2]; 3]]) -> Seam {
+    let (corners, uv) = (triangles.as_flattened(), uv.as_flattened());
+    let (mut length, mut mismatch) = (0.0, 0.0);
+    for sides in charts.seam() {
+        let [a, b] = [sides[0], chart::end(sides[0])].map(|corner| points[corners[corner as usize] as usize]);
+        let on_surface = distance(a, b);
+        let [one, other] = sides.map(|side| {
+            let [a, b] = [side, chart::end(side)].map(|corner| uv[corner as usize]);
+            (a[0] - b[0]).hypot(a[1] - b[1])
+        });
+        length += on_surface;
+        mismatch += on_surface * (one - other).abs() / (0.5 * (one + other)).max(f64::MIN_POSITIVE);
+    }
+    Seam { length, mismatch: if length > 0.0 { mismatch / length } else { 0.0 } }
+}
+
+#[cfg(test)]
+mod tests;
