@@ -71,3 +71,41 @@ fn fewest(reduced: &mut Reduced, nested: &Fitted, target: f64, least: usize) -> 
     }
     (best, predicted)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::operators::Operators;
+    use geom::{Metric, shapes};
+
+    fn choose(shape: &shapes::Shape, target: f64, most: usize) -> Automatic {
+        let mesh = shape.mesh();
+        let operators = Operators::new(&mesh, &Metric::from_points(&mesh, &shape.points)).unwrap();
+        automatic(&mut Reduced::new(&operators, &mesh), target, most)
+    }
+
+    #[test]
+    fn what_is_flat_gets_no_cones() {
+        let flat = choose(&shapes::square(400), TARGET_DISTORTION, MOST_AUTOMATIC);
+        assert!(flat.is_met && flat.set.cones.is_empty());
+    }
+
+    #[test]
+    fn a_tighter_target_takes_more_cones_and_is_met() {
+        let counts = [1.6, 1.3, 1.15].map(|target| {
+            let chosen = choose(&shapes::hare(1200), target, MOST_AUTOMATIC);
+            assert!(chosen.is_met && chosen.predicted.area_distortion <= target);
+            assert_eq!(chosen.predicted.count, chosen.set.cones.len());
+            assert!(chosen.set.cones.len() >= 3);
+            chosen.set.cones.len()
+        });
+        assert!(counts[0] <= counts[1] && counts[1] < counts[2], "{counts:?}");
+    }
+
+    #[test]
+    fn where_the_target_is_out_of_reach_the_most_are_taken_and_it_is_said() {
+        let chosen = choose(&shapes::hare(1200), 1.0001, 5);
+        assert!(!chosen.is_met);
+        assert_eq!(chosen.set.cones.len(), 5);
+    }
+}

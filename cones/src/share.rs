@@ -42,7 +42,7 @@ pub fn share_out(parts: &[Part], total: usize) -> Vec<usize> {
 }
 
 /// The fewest cones that a part can have.
-pub fn least(part: &Part) -> usize {
+fn least(part: &Part) -> usize {
     part.energy.iter().position(|energy| energy.is_finite()).unwrap_or(0)
 }
 
