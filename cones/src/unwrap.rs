@@ -289,7 +289,7 @@ impl<'a> Run<'a> {
                 if !operators.is_bordered() && (sum - total).abs() > 1e-6 {
                     return Err(Error::CurvatureSum { sum, total });
                 }
-                if let Some(k) = curvature.iter().find(|k| !(**k < 2.0 * std::f64::consts::PI)) {
+                if let Some(k) = curvature.iter().find(|k| k.is_nan() || **k >= 2.0 * std::f64::consts::PI) {
                     return Err(Error::CurvatureTooLarge(*k));
                 }
                 ConeCurvatures::given(operators, cones, curvature)

@@ -10,8 +10,8 @@ use geom::{Mesh, Metric, VertexData, VertexId, angle_defects};
 use super::assert_close;
 use crate::decode::{self, Bytes, Moves};
 use crate::oracle::check_map;
-use geom::shapes::Shape;
 use crate::solids;
+use geom::shapes::Shape;
 
 /// Any cones of any small surface give a metric that is flat but there, a layout whose seams match up to rigid motions,
 /// and each of these motions turns by the curvature that the seam encloses.
