@@ -118,8 +118,7 @@ impl Sketch {
                 }
             }
         }
-        // All rows are kept.
-        canvas.develop(self.height.ceil() as usize)
+        canvas.develop()
     }
 }
 
