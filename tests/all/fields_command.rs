@@ -49,7 +49,10 @@ fn arguments(file: &str, graph: &str) -> Vec<String> {
         "axis" | "freudenthal" => vec![file, "--connectivity", graph],
         _ => vec![file],
     };
-    words.into_iter().map(|word| if word.contains('.') { format!("COLLECTION/{word}") } else { word.to_owned() }).collect()
+    words
+        .into_iter()
+        .map(|word| if word.contains('.') { format!("COLLECTION/{word}") } else { word.to_owned() })
+        .collect()
 }
 
 #[test]
@@ -196,7 +199,9 @@ fn infinities_are_values_and_nan_is_what_it_is_told_to_be() {
     assert_eq!((&essential[0]["birth"], &essential[0]["range"]), (&Value::from("-inf"), &Value::from("inf")));
     assert_eq!(essential[1]["extremum"], 4);
     for output in ["a.svg", "a.png"] {
-        folder.run(&["persistence", "a.txt", "--nan", "mask", "--diagram", output, "--barcode", &format!("b{output}")]).success();
+        folder
+            .run(&["persistence", "a.txt", "--nan", "mask", "--diagram", output, "--barcode", &format!("b{output}")])
+            .success();
     }
 }
 
@@ -215,7 +220,8 @@ fn pairs_are_written_in_every_form_that_is_promised() {
     assert!(lines.all(|line| line.split(',').count() == 10));
     folder.run(&["persistence", "a.npy", "--pairs", "a.vtp"]).success();
     let vtp = folder.read("a.vtp");
-    let finite = ["sublevel", "superlevel"].map(|direction| pairs[direction]["pairs"].as_array().expect("a list").len());
+    let finite =
+        ["sublevel", "superlevel"].map(|direction| pairs[direction]["pairs"].as_array().expect("a list").len());
     let lines = finite[0] + finite[1];
     assert!(vtp.contains(&format!("NumberOfPoints=\"{}\"", 2 * lines + 2)), "{vtp}");
     assert!(vtp.contains(&format!("NumberOfLines=\"{lines}\"")) && vtp.ends_with("</VTKFile>\n"));

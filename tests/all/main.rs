@@ -21,5 +21,9 @@ fn bytes(most: usize) -> impl Strategy<Value = Vec<u8>> {
 
 /// So many random inputs for a law. A failing one is printed, to become a file in `fuzz/regressions`.
 fn cases(count: u32) -> ProptestConfig {
-    ProptestConfig { cases: count * std::env::var("CASES").map_or(1, |n| n.parse().unwrap()), failure_persistence: None, ..ProptestConfig::default() }
+    ProptestConfig {
+        cases: count * std::env::var("CASES").map_or(1, |n| n.parse().unwrap()),
+        failure_persistence: None,
+        ..ProptestConfig::default()
+    }
 }
