@@ -70,6 +70,21 @@ pub struct Scaling {
     pub mollified: bool,
 }
 
+impl Scaling {
+    /// No scaling: the metric as it is, with the curvature that it has.
+    pub(crate) fn none(mesh: &Mesh, metric: &Metric) -> Self {
+        Self {
+            u: VertexData::constant(mesh.vertex_count(), 0.0),
+            triangulation: mesh.triangulation().clone(),
+            metric: metric.clone(),
+            flips: Vec::new(),
+            steps: 0,
+            error: 0.0,
+            mollified: false,
+        }
+    }
+}
+
 /// Scales a surface to the given curvature (by vertex, used off the boundary), with u on the boundary as in `boundary`
 /// (used there only).
 ///

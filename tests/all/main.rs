@@ -1,3 +1,4 @@
+//! What holds across the crates.
 //! What holds across the crates, one module a subject.
 
 mod corpus;
@@ -17,11 +18,10 @@ fn bytes(most: usize) -> impl Strategy<Value = Vec<u8>> {
     vec(any::<u8>(), 0..most)
 }
 
-/// So many random inputs for a law. A failing one is printed, to become a file in `fuzz/regressions`.
+/// So many random inputs for a law, or as many as `PROPTEST_CASES` asks for. A failing one is printed, to become a file in
+/// `fuzz/regressions`.
 fn cases(count: u32) -> ProptestConfig {
-    ProptestConfig {
-        cases: count * std::env::var("CASES").map_or(1, |n| n.parse().unwrap()),
-        failure_persistence: None,
-        ..ProptestConfig::default()
-    }
+    let asked = ProptestConfig::default();
+    let cases = if std::env::var_os("PROPTEST_CASES").is_some() { asked.cases } else { count };
+    ProptestConfig { cases, failure_persistence: None, ..asked }
 }
