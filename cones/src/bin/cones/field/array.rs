@@ -49,7 +49,9 @@ impl Axes {
 /// Values in Fortran order, the first axis the fastest, put into C order.
 pub(super) fn to_c_order(values: Values, shape: &[usize]) -> Values {
     fn reordered<T: Copy>(values: Vec<T>, shape: &[usize]) -> Vec<T> {
-        let (Some((&fast, slow)), true) = (shape.split_first(), shape.len() > 1) else { return values };
+        let (Some((&fast, slow)), true) = (shape.split_first(), shape.len() > 1 && !values.is_empty()) else {
+            return values;
+        };
         // The first axis becomes the slowest, and the others are reordered among themselves.
         let block = |i: usize| values.iter().skip(i).step_by(fast.max(1)).copied().collect::<Vec<T>>();
         (0..fast).flat_map(|i| reordered(block(i), slow)).collect()

@@ -2,8 +2,7 @@
 
 use super::error::Problem;
 
-/// What computing pairs takes for each vertex beyond its value: 24 bytes at most, and the same again for the mesh's or
-/// network's neighbours, which are read whole anyway.
+/// What computing the pairs of an array takes for each vertex beyond its value, at most.
 const WORK_PER_VERTEX: u64 = 24;
 
 /// Vertices are numbered in 31 bits.

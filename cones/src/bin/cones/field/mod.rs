@@ -15,12 +15,10 @@ mod memory;
 mod network;
 mod npy;
 mod pgm;
-
 mod surface;
 mod values;
 
 pub(crate) use array::{Array, Axes};
-
 pub(crate) use error::{Problem, ReadError};
 pub(crate) use network::{Network, edges_beside};
 pub(crate) use npy::write_labels;

@@ -102,7 +102,9 @@ impl Header {
         if present < self.count {
             return Err(Problem::CutShort { claimed: self.count, present });
         }
-        memory::check(self.count, self.item.bytes.max(4))
+        // Putting values into another order takes their room once more.
+        let copies = if self.is_fortran { 2 } else { 1 };
+        memory::check(self.count, copies * self.item.bytes.max(4))
     }
 
     /// The values in the order in which they are stored.

@@ -8,7 +8,8 @@ use topo::{Connectivity, Kind, NanPolicy};
 
 #[derive(Args, Debug)]
 pub(crate) struct Arguments {
-    /// An array or picture (.npy, .pgm, .png; .txt: a number a line), a mesh with --field, or a network's nodes (.csv)
+    /// An array or picture (.npy, .pgm, .png, whose colours become grey; .txt, a number a line), a mesh with --field, or a
+    /// network's nodes (.csv with columns id, name, value)
     #[arg(value_name = "FIELD")]
     pub(crate) input: PathBuf,
     /// The values on a mesh: phi, curvature, mean-curvature, height[:x|y|z], distance[:VERTEX], or a file .npy or .txt

@@ -17,8 +17,10 @@ const LEFT: f64 = 90.0;
 const RIGHT: f64 = 30.0;
 const TOP: f64 = 50.0;
 const BOTTOM: f64 = 60.0;
-/// A single pair's radius.
+/// A single pair's radius, and that where there are many.
 const POINT: f64 = 2.6;
+const FINE: f64 = 1.5;
+const MANY: usize = 3000;
 const LETTERS: f64 = 14.0;
 /// The most bars of a direction; more are too thin to see.
 const BARS: usize = 120;
@@ -48,9 +50,11 @@ pub(super) fn diagram(lists: &[PairList]) -> Sketch {
     for list in lists {
         let colour = colour(list.kind);
         let place = |pair: &Pair| Some([x(pair.birth.to_f64()), y(pair.death?.to_f64())]);
-        for (centre, count) in clusters(list.finite().filter_map(place)) {
+        let clusters = clusters(list.finite().filter_map(place));
+        let radius = if clusters.len() > MANY { FINE } else { POINT };
+        for (centre, count) in clusters {
             // Ten pairs at a place double its disc's area.
-            sketch.disc(centre, POINT * (1.0 + (count as f64).log10()).sqrt(), colour);
+            sketch.disc(centre, radius * (1.0 + (count as f64).log10()).sqrt(), colour);
         }
         let end = if list.kind == Kind::Minimum { TOP } else { bottom };
         for pair in list.essential() {
@@ -70,19 +74,19 @@ pub(super) fn barcode(lists: &[PairList]) -> Sketch {
     let shown: usize = lists.iter().map(|list| list.pairs.len().min(BARS)).sum();
     let step = (SIDE / shown.max(1) as f64).clamp(BAR.0, BAR.1);
     let height = step * shown as f64 + 40.0 * lists.len() as f64;
-    let mut sketch = Sketch::new(LEFT + SIDE + RIGHT, 20.0 + height + BOTTOM);
+    let mut sketch = Sketch::new(2.0 * RIGHT + SIDE, RIGHT + height + 0.7 * BOTTOM);
     let scale = Scale::of(lists);
-    let x = |value: f64| LEFT + SIDE * scale.share(value);
-    let bottom = 20.0 + height;
+    let x = |value: f64| RIGHT + SIDE * scale.share(value);
+    let bottom = RIGHT + height;
     for tick in scale.ticks() {
-        grid_line(&mut sketch, [x(tick), 20.0], [x(tick), bottom]);
+        grid_line(&mut sketch, [x(tick), RIGHT], [x(tick), bottom]);
         sketch.text([x(tick), bottom + 22.0], LETTERS, Anchor::Middle, INK, six_digits(tick));
     }
-    frame(&mut sketch, [LEFT, 20.0], [LEFT + SIDE, bottom]);
-    let mut y = 20.0;
+    frame(&mut sketch, [RIGHT, RIGHT], [RIGHT + SIDE, bottom]);
+    let mut y = RIGHT;
     for list in lists {
         sketch.text(
-            [LEFT + 10.0, y + 22.0],
+            [RIGHT + 10.0, y + 22.0],
             LETTERS,
             Anchor::Start,
             INK,
@@ -90,7 +94,7 @@ pub(super) fn barcode(lists: &[PairList]) -> Sketch {
         );
         y += 34.0;
         for pair in list.pairs.iter().take(BARS) {
-            let end = if list.kind == Kind::Minimum { LEFT + SIDE } else { LEFT };
+            let end = if list.kind == Kind::Minimum { RIGHT + SIDE } else { RIGHT };
             let end = pair.death.map_or(end, |death| x(death.to_f64()));
             let centre = y + 0.5 * step;
             sketch.line([x(pair.birth.to_f64()), centre], [end, centre], 0.6 * step, colour(list.kind));

@@ -179,7 +179,7 @@ fn table(list: &PairList, places: &Places, rows: usize) -> String {
             (i + 1).to_string(),
             pair.extremum.to_string(),
             places.told(pair.extremum),
-            pair.saddle.map_or_else(|| "–".to_owned(), |saddle| saddle.to_string()),
+            pair.saddle.map_or_else(|| "–".to_owned(), |saddle| places.short(saddle)),
             pair.birth.short(),
             pair.death.map_or_else(|| "–".to_owned(), Number::short),
             pair.persistence.short(),

@@ -187,7 +187,9 @@ fn grid_edges(grid: &GridReport) -> Option<usize> {
         _ => offset.iter().find(|step| **step != 0) == Some(&1),
     };
     let edges = |offset: Vec<i32>| {
-        axes.iter().zip(offset).map(|(&(length, is_ring), step)| along(length, is_ring, step)).product::<usize>()
+        let along = axes.iter().zip(offset).map(|(&(length, is_ring), step)| along(length, is_ring, step));
+        // An axis without vertices may stand beside one that is absurdly long.
+        along.fold(1, usize::saturating_mul)
     };
     Some(offsets.filter(is_edge).map(edges).sum())
 }
@@ -214,6 +216,11 @@ impl Places {
     /// The name of a vertex, if vertices have names.
     pub(crate) fn name(&self, vertex: usize) -> Option<&str> {
         if let Self::Network(names) = self { Some(&names[vertex]) } else { None }
+    }
+
+    /// A vertex's name, or else its number.
+    pub(crate) fn short(&self, vertex: usize) -> String {
+        self.name(vertex).map_or_else(|| vertex.to_string(), str::to_owned)
     }
 
     /// Where a vertex is in space, if it is anywhere: an array's axes are x, y and z.
