@@ -13,6 +13,7 @@ use std::f64::consts::PI;
 use geom::{Mesh, VertexData, VertexId};
 use thiserror::Error;
 
+use crate::dense;
 use crate::fit::{Quadratic, fit};
 use crate::operators::Operators;
 
@@ -63,12 +64,25 @@ impl ConeCurvatures {
 
 /// The least and greatest curvature of each of the `cones` on a surface whose layout will use the triangles of `input`.
 fn bounds(operators: &Operators, input: &Mesh, cones: &[VertexId]) -> Vec<[f64; 2]> {
-    let count = cones.len().max(1) as f64;
+    let [low, high] = general_bounds(operators, cones.len());
+    cones.iter().map(|&v| [low.max(bound_by_degree(input, v, cones)).min(high), high]).collect()
+}
+
+/// The least and greatest curvature of any of so many cones.
+pub(crate) fn general_bounds(operators: &Operators, count: usize) -> [f64; 2] {
+    let count = count.max(1) as f64;
     let total = if operators.is_bordered() { 0.0 } else { operators.total_curvature() };
-    let high = (1.5 * PI).max(1.02 * total / count).min(1.99 * PI);
-    let low = -(2.0 * PI).max(2.5 * (-total).max(0.0) / count);
-    let by_degree = |&v| low.max(2.0 * PI - 0.75 * PI * usable_degree(input, cones, v) as f64).min(high);
-    cones.iter().map(|v| [by_degree(v), high]).collect()
+    [-(2.0 * PI).max(2.5 * (-total).max(0.0) / count), (1.5 * PI).max(1.02 * total / count).min(1.99 * PI)]
+}
+
+/// The least curvature that a vertex can have with the triangles that it has in `input`, wherever other cones are.
+pub(crate) fn degree_bound(input: &Mesh, v: VertexId) -> f64 {
+    bound_by_degree(input, v, &[])
+}
+
+/// θ ≤ ¾π a triangle.
+fn bound_by_degree(input: &Mesh, v: VertexId, cones: &[VertexId]) -> f64 {
+    2.0 * PI - 0.75 * PI * usable_degree(input, cones, v) as f64
 }
 
 /// The triangles at a vertex that can open up. A flat neighbour of degree 3 makes three triangles one.
@@ -219,38 +233,9 @@ fn harmonic(
     if closed {
         right[n] = operators.total_curvature();
     }
-    let mut curvature = solve_dense(matrix, right)?;
+    let mut curvature = dense::solve(matrix, right, 1)?;
     curvature.truncate(n);
     Some(curvature)
-}
-
-/// Solves a small dense system (row-major) by Gaussian elimination with partial pivoting; none if it is singular.
-fn solve_dense(mut matrix: Vec<f64>, mut right: Vec<f64>) -> Option<Vec<f64>> {
-    let n = right.len();
-    for k in 0..n {
-        let pivot = (k..n).max_by(|&i, &j| matrix[i * n + k].abs().total_cmp(&matrix[j * n + k].abs()))?;
-        if !(matrix[pivot * n + k].abs() > 0.0) {
-            return None;
-        }
-        for j in 0..n {
-            matrix.swap(k * n + j, pivot * n + j);
-        }
-        right.swap(k, pivot);
-        for i in k + 1..n {
-            let share = matrix[i * n + k] / matrix[k * n + k];
-            for j in k..n {
-                matrix[i * n + j] -= share * matrix[k * n + j];
-            }
-            right[i] -= share * right[k];
-        }
-    }
-    for k in (0..n).rev() {
-        for j in k + 1..n {
-            right[k] -= matrix[k * n + j] * right[j];
-        }
-        right[k] /= matrix[k * n + k];
-    }
-    Some(right)
 }
 
 #[cfg(test)]
@@ -324,12 +309,5 @@ mod tests {
         let curvatures = cone_curvatures(&operators, &mesh, &[tip], Angles::Optimal).unwrap();
         assert!((curvatures.curvature[0] - operators.curvature[tip]).abs() < 1e-9);
         assert!(curvatures.predicted.iter().all(|u| u.abs() < 1e-9));
-    }
-
-    #[test]
-    fn a_dense_system_is_solved_with_pivoting_and_a_singular_one_is_not() {
-        let solution = solve_dense(vec![0.0, 2.0, 1.0, 1.0], vec![4.0, 3.0]).unwrap();
-        assert_eq!(solution, [1.0, 2.0]);
-        assert_eq!(solve_dense(vec![1.0, 2.0, 2.0, 4.0], vec![1.0, 1.0]), None);
     }
 }

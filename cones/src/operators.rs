@@ -131,6 +131,25 @@ impl Operators {
         self.poisson.solve_many(&sources)
     }
 
+    /// A log scale factor times the weights: with it the product ⟨x, y⟩ is a plain one.
+    pub(crate) fn weighted(&self, x: &[f64]) -> VertexData<f64> {
+        self.weight.iter().zip(x).map(|(w, x)| w * x).collect()
+    }
+
+    /// The log scale factor that linear theory predicts for cones with given curvatures, centred. One solve.
+    pub fn log_scale(&self, cones: &[VertexId], curvature: &[f64]) -> VertexData<f64> {
+        let elsewhere =
+            if self.bordered { 0.0 } else { curvature.iter().sum::<f64>() / self.mesh.vertex_count() as f64 };
+        let mut source = self.flattening_source();
+        source.iter_mut().for_each(|s| *s -= elsewhere);
+        for (&v, q) in cones.iter().zip(curvature) {
+            source[v] += q;
+        }
+        let mut u = self.poisson.solve(&source);
+        self.centre(&mut u);
+        u
+    }
+
     /// The harmonic function that is 1 on one boundary loop and 0 on the others.
     fn harmonic_extension(&self, around: &[VertexId]) -> VertexData<f64> {
         let mut on_loop = VertexData::constant(self.mesh.vertex_count(), 0.0);

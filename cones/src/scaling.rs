@@ -43,6 +43,9 @@ pub enum ScalingError {
         /// Where it is.
         vertex: VertexId,
     },
+    /// There are angles that sum to the target, but not in triangles. Only at a boundary, whose edges cannot be flipped.
+    #[error("the metric with the target curvature breaks the triangle inequality at the boundary, at vertex {0}")]
+    NoTriangle(VertexId),
     /// A Hessian could not be factored.
     #[error(transparent)]
     Poisson(#[from] PoissonError),
@@ -215,6 +218,9 @@ impl Newton<'_> {
             return Err(ScalingError::Stuck { error, vertex });
         }
         let State { triangulation, flips, mollified, .. } = state;
+        if let Some(f) = triangulation.faces().find(|&f| metric.sides(&triangulation, f).area() <= 0.0) {
+            return Err(ScalingError::NoTriangle(triangulation.corners(f)[0]));
+        }
         Ok(Scaling { u, triangulation, metric, flips, steps, error, mollified })
     }
 }

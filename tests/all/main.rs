@@ -1,4 +1,23 @@
-//! What holds across the crates.
+//! What holds across the crates, one module a subject.
 
-mod command;
-mod fields_command;
+mod corpus;
+mod files;
+mod flattening;
+mod invariance;
+mod operators;
+mod persistence;
+mod preparing;
+mod real;
+
+use proptest::collection::vec;
+use proptest::prelude::{ProptestConfig, Strategy, any};
+
+/// Bytes for a law to read its input from.
+fn bytes(most: usize) -> impl Strategy<Value = Vec<u8>> {
+    vec(any::<u8>(), 0..most)
+}
+
+/// So many random inputs for a law. A failing one is printed, to become a file in `fuzz/regressions`.
+fn cases(count: u32) -> ProptestConfig {
+    ProptestConfig { cases: count * std::env::var("CASES").map_or(1, |n| n.parse().unwrap()), failure_persistence: None, ..ProptestConfig::default() }
+}

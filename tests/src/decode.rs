@@ -5,9 +5,10 @@
 //! values one ulp apart, slivers, vertices of degree three, triangles of no area.
 
 use geom::Mesh;
+use geom::shapes::Shape;
 use petgraph::graph::UnGraph;
 
-use crate::solids::{self, Soup};
+use crate::solids;
 
 /// Bytes that are used up from the front; then zeros.
 #[derive(Clone, Debug)]
@@ -96,24 +97,24 @@ pub fn field(bytes: &mut Bytes, count: usize) -> Vec<f64> {
 
 /// A small oriented manifold in one piece, of genus 0 to 2, closed or with up to two boundary loops: a solid whose faces
 /// and edges were split, flipped and moved about.
-pub fn surface(bytes: &mut Bytes) -> Soup {
-    let mut soup = solid(bytes);
+pub fn surface(bytes: &mut Bytes) -> Shape {
+    let mut shape = solid(bytes);
     let steps = bytes.below(24);
     for _ in 0..steps {
         if bytes.is_empty() {
             break;
         }
         match bytes.byte() % 4 {
-            0 => split_face(&mut soup, bytes),
-            1 => split_edge(&mut soup, bytes),
-            2 => flip_edge(&mut soup, bytes),
-            _ => move_vertex(&mut soup, bytes),
+            0 => split_face(&mut shape, bytes),
+            1 => split_edge(&mut shape, bytes),
+            2 => flip_edge(&mut shape, bytes),
+            _ => move_vertex(&mut shape, bytes),
         }
     }
-    soup
+    shape
 }
 
-fn solid(bytes: &mut Bytes) -> Soup {
+fn solid(bytes: &mut Bytes) -> Shape {
     match bytes.below(10) {
         0 => solids::tetrahedron(),
         1 => solids::octahedron(),
@@ -129,53 +130,53 @@ fn solid(bytes: &mut Bytes) -> Soup {
 }
 
 /// A new vertex inside a triangle, of degree three.
-fn split_face(soup: &mut Soup, bytes: &mut Bytes) {
-    let f = bytes.below(soup.triangles.len());
-    let [a, b, c] = soup.triangles[f];
+fn split_face(shape: &mut Shape, bytes: &mut Bytes) {
+    let f = bytes.below(shape.triangles.len());
+    let [a, b, c] = shape.triangles[f];
     let weights = [0, 1, 2].map(|_| 1.0 + f64::from(bytes.byte()));
-    let new = add_point(soup, &[(a, weights[0]), (b, weights[1]), (c, weights[2])]);
-    soup.triangles[f] = [a, b, new];
-    soup.triangles.extend([[b, c, new], [c, a, new]]);
+    let new = add_point(shape, &[(a, weights[0]), (b, weights[1]), (c, weights[2])]);
+    shape.triangles[f] = [a, b, new];
+    shape.triangles.extend([[b, c, new], [c, a, new]]);
 }
 
 /// A new vertex on an edge.
-fn split_edge(soup: &mut Soup, bytes: &mut Bytes) {
-    let f = bytes.below(soup.triangles.len());
+fn split_edge(shape: &mut Shape, bytes: &mut Bytes) {
+    let f = bytes.below(shape.triangles.len());
     let k = bytes.below(3);
-    let (a, b) = (soup.triangles[f][k], soup.triangles[f][(k + 1) % 3]);
-    let new = add_point(soup, &[(a, 1.0 + f64::from(bytes.byte())), (b, 128.0)]);
-    for f in 0..soup.triangles.len() {
-        let triangle = soup.triangles[f];
+    let (a, b) = (shape.triangles[f][k], shape.triangles[f][(k + 1) % 3]);
+    let new = add_point(shape, &[(a, 1.0 + f64::from(bytes.byte())), (b, 128.0)]);
+    for f in 0..shape.triangles.len() {
+        let triangle = shape.triangles[f];
         let Some(k) = (0..3).find(|&k| is_edge(triangle, k, a, b)) else { continue };
         let (from, to, apex) = (triangle[k], triangle[(k + 1) % 3], triangle[(k + 2) % 3]);
-        soup.triangles[f] = [from, new, apex];
-        soup.triangles.push([new, to, apex]);
+        shape.triangles[f] = [from, new, apex];
+        shape.triangles.push([new, to, apex]);
     }
 }
 
 /// An edge turned into the other diagonal of its quad, unless there is such an edge already.
-fn flip_edge(soup: &mut Soup, bytes: &mut Bytes) {
-    let f = bytes.below(soup.triangles.len());
+fn flip_edge(shape: &mut Shape, bytes: &mut Bytes) {
+    let f = bytes.below(shape.triangles.len());
     let k = bytes.below(3);
-    let [a, b, c] = [0, 1, 2].map(|j| soup.triangles[f][(k + j) % 3]);
-    let across = |g: &usize| *g != f && (0..3).any(|k| is_edge(soup.triangles[*g], k, a, b));
-    let Some(g) = (0..soup.triangles.len()).find(across) else { return };
-    let Some(d) = soup.triangles[g].into_iter().find(|v| *v != a && *v != b) else { return };
-    let is_joined = soup.triangles.iter().any(|t| t.contains(&c) && t.contains(&d));
+    let [a, b, c] = [0, 1, 2].map(|j| shape.triangles[f][(k + j) % 3]);
+    let across = |g: &usize| *g != f && (0..3).any(|k| is_edge(shape.triangles[*g], k, a, b));
+    let Some(g) = (0..shape.triangles.len()).find(across) else { return };
+    let Some(d) = shape.triangles[g].into_iter().find(|v| *v != a && *v != b) else { return };
+    let is_joined = shape.triangles.iter().any(|t| t.contains(&c) && t.contains(&d));
     if !is_joined {
-        soup.triangles[f] = [a, d, c];
-        soup.triangles[g] = [d, b, c];
+        shape.triangles[f] = [a, d, c];
+        shape.triangles[g] = [d, b, c];
     }
 }
 
 /// A vertex moved by a part of the way to another one.
-fn move_vertex(soup: &mut Soup, bytes: &mut Bytes) {
-    let v = bytes.below(soup.points.len());
-    let toward = soup.points[bytes.below(soup.points.len())];
+fn move_vertex(shape: &mut Shape, bytes: &mut Bytes) {
+    let v = bytes.below(shape.points.len());
+    let toward = shape.points[bytes.below(shape.points.len())];
     let share = 0.4 * bytes.signed();
     let lift = 0.2 * bytes.signed();
-    let p = soup.points[v];
-    soup.points[v] = [0, 1, 2].map(|k| p[k] + share * (toward[k] - p[k]) + if k == v % 3 { lift } else { 0.0 });
+    let p = shape.points[v];
+    shape.points[v] = [0, 1, 2].map(|k| p[k] + share * (toward[k] - p[k]) + if k == v % 3 { lift } else { 0.0 });
 }
 
 fn is_edge(triangle: [u32; 3], k: usize, a: u32, b: u32) -> bool {
@@ -183,43 +184,56 @@ fn is_edge(triangle: [u32; 3], k: usize, a: u32, b: u32) -> bool {
     ends == [a, b] || ends == [b, a]
 }
 
-fn add_point(soup: &mut Soup, weighted: &[(u32, f64)]) -> u32 {
+fn add_point(shape: &mut Shape, weighted: &[(u32, f64)]) -> u32 {
     let total: f64 = weighted.iter().map(|(_, weight)| weight).sum();
-    let coordinate = |k: usize| weighted.iter().map(|&(v, weight)| weight / total * soup.points[v as usize][k]).sum();
+    let coordinate = |k: usize| weighted.iter().map(|&(v, weight)| weight / total * shape.points[v as usize][k]).sum();
     let point = [0, 1, 2].map(coordinate);
-    soup.points.push(point);
-    soup.points.len() as u32 - 1
+    shape.points.push(point);
+    shape.points.len() as u32 - 1
 }
 
-/// A surface that was then insulted: triangles turned, copied and deleted, vertices welded, split off and moved anywhere.
-/// At least one triangle is left.
-pub fn insulted(bytes: &mut Bytes) -> Soup {
-    let mut soup = surface(bytes);
+/// How far insults move vertices.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Moves {
+    /// Within the size of the surface, onto other vertices and edges as well.
+    Near,
+    /// From 1e-150 to 1e150.
+    Anywhere,
+}
+
+/// A surface that was then insulted: triangles turned, copied and deleted, vertices welded, split off and moved. At least
+/// one triangle is left.
+pub fn insulted(bytes: &mut Bytes, moves: Moves) -> Shape {
+    let mut shape = surface(bytes);
     while !bytes.is_empty() {
-        insult(&mut soup, bytes);
+        insult(&mut shape, bytes, moves);
     }
-    soup
+    shape
 }
 
-fn insult(soup: &mut Soup, bytes: &mut Bytes) {
+fn insult(shape: &mut Shape, bytes: &mut Bytes, moves: Moves) {
     let kind = bytes.byte() % 6;
-    let f = bytes.below(soup.triangles.len());
+    let f = bytes.below(shape.triangles.len());
     let k = bytes.below(3);
-    let v = soup.triangles[f][k];
+    let v = shape.triangles[f][k];
     match kind {
-        0 => soup.triangles[f].swap(0, 1),
+        0 => shape.triangles[f].swap(0, 1),
         1 => {
-            let mut copy = soup.triangles[f];
+            let mut copy = shape.triangles[f];
             copy.rotate_left(k);
-            soup.triangles.push(copy);
+            shape.triangles.push(copy);
         }
-        2 if soup.triangles.len() > 1 => drop(soup.triangles.swap_remove(f)),
-        3 => soup.triangles[f][k] = bytes.below(soup.points.len()) as u32,
+        2 if shape.triangles.len() > 1 => drop(shape.triangles.swap_remove(f)),
+        3 => shape.triangles[f][k] = bytes.below(shape.points.len()) as u32,
         4 => {
-            soup.points.push(soup.points[v as usize]);
-            soup.triangles[f][k] = soup.points.len() as u32 - 1;
+            shape.points.push(shape.points[v as usize]);
+            shape.triangles[f][k] = shape.points.len() as u32 - 1;
         }
-        _ => soup.points[v as usize] = [0, 1, 2].map(|_| bytes.coordinate()),
+        _ if moves == Moves::Anywhere => shape.points[v as usize] = [0, 1, 2].map(|_| bytes.coordinate()),
+        _ => {
+            let grid = |bytes: &mut Bytes| f64::from(bytes.byte() % 9) / 4.0 - 1.0;
+            shape.points[v as usize] = [0, 1, 2].map(|_| if k == 0 { grid(bytes) } else { bytes.signed() });
+        }
     }
 }
 
@@ -255,9 +269,9 @@ mod tests {
                     (state >> 24) as u8
                 })
                 .collect();
-            let soup = surface(&mut Bytes::new(&bytes));
-            soup.mesh().check();
-            assert_eq!(soup.mesh().components().1, 1);
+            let shape = surface(&mut Bytes::new(&bytes));
+            shape.mesh().check();
+            assert_eq!(shape.mesh().components().1, 1);
         }
     }
 

@@ -1,8 +1,9 @@
 //! Slow and independent ways to the answers.
 
 use std::cmp::Ordering;
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
+use cones::Atlas;
 use geom::{EdgeData, Mesh, Model, VertexId};
 use petgraph::graph::UnGraph;
 use petgraph::visit::EdgeRef;
@@ -111,7 +112,9 @@ pub struct MapCheck {
     pub flipped: usize,
     /// Triangles with area in space and none in the plane.
     pub degenerate: usize,
-    /// The largest relative difference in length between the two sides of a cut edge.
+    /// Edges that are torn, though no seam runs along them.
+    pub torn: usize,
+    /// The largest relative difference in length between the two sides of a seam's edge.
     pub seam_mismatch: f64,
     /// The largest angle defect in the plane at inner vertices that are no cones; every corner's angle counts.
     pub curvature: f64,
@@ -121,12 +124,15 @@ pub struct MapCheck {
     pub stretch: f64,
 }
 
-/// Looks at the map that gives every corner of a model of triangles a position in the plane. `cones` are expected to have
-/// curvature. Islands hang together over edges both of whose ends have the same positions on both sides, to the bit.
+/// Looks at the map of a model of triangles that is a manifold. Its cones may have curvature, and islands hang together over
+/// the edges along which no seam runs.
 ///
 /// # Panics
 /// If there is not one position a corner.
-pub fn check_map(model: &Model, uv: &[[f64; 2]], cones: &[u32]) -> MapCheck {
+pub fn check_map(model: &Model, atlas: &Atlas) -> MapCheck {
+    let uv = &atlas.uv;
+    let ends = |two: &[u32]| [two[0].min(two[1]), two[0].max(two[1])];
+    let seams: HashSet<[u32; 2]> = atlas.seams.iter().flat_map(|chain| chain.windows(2).map(ends)).collect();
     assert_eq!(uv.len(), model.corner_count());
     let mut check = MapCheck::default();
     let mut angle_sum = vec![0.0; model.vertex_count()];
@@ -149,10 +155,11 @@ pub fn check_map(model: &Model, uv: &[[f64; 2]], cones: &[u32]) -> MapCheck {
         }
     }
     let mut is_inner = vec![true; model.vertex_count()];
-    let mut islands = Islands::new(model, uv);
+    let mut islands = Islands::new(model);
     for (ends, sides) in &sides {
         if let [s, t] = sides[..] {
-            if s.map(|c| uv[c]) == t.map(|c| uv[c]) {
+            if !seams.contains(ends) {
+                check.torn += usize::from(s.map(|c| uv[c]) != t.map(|c| uv[c]));
                 islands.glue(s, t);
             } else {
                 let [l, m] = [s, t].map(|s| length2(uv[s[0]], uv[s[1]]));
@@ -162,7 +169,8 @@ pub fn check_map(model: &Model, uv: &[[f64; 2]], cones: &[u32]) -> MapCheck {
             ends.iter().for_each(|&v| is_inner[v as usize] = false);
         }
     }
-    for v in (0..model.vertex_count()).filter(|&v| is_inner[v] && !cones.contains(&(v as u32))) {
+    atlas.cones.iter().for_each(|cone| is_inner[cone.vertex as usize] = false);
+    for v in (0..model.vertex_count()).filter(|&v| is_inner[v]) {
         check.curvature = check.curvature.max((std::f64::consts::TAU - angle_sum[v]).abs());
     }
     check.euler = islands.euler();
@@ -178,10 +186,10 @@ struct Islands {
 }
 
 impl Islands {
-    fn new(model: &Model, uv: &[[f64; 2]]) -> Self {
+    fn new(model: &Model) -> Self {
         let face_of = (0..model.face_count()).flat_map(|f| model.face(f).iter().map(move |_| f as u32)).collect();
         let faces = petgraph::unionfind::UnionFind::new(model.face_count());
-        Self { face_of, faces, corners: petgraph::unionfind::UnionFind::new(uv.len()), glued: Vec::new() }
+        Self { face_of, faces, corners: petgraph::unionfind::UnionFind::new(model.corner_count()), glued: Vec::new() }
     }
 
     fn glue(&mut self, s: [usize; 2], t: [usize; 2]) {

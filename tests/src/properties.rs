@@ -1,4 +1,6 @@
 //! The laws, each a function of bytes that panics where one does not hold.
+//!
+//! [`obj`], [`field`] and [`surface`] are all laws of a subject at once, for fuzzing.
 
 mod files;
 mod flattening;
@@ -7,10 +9,33 @@ mod persistence;
 mod preparing;
 
 pub use files::{obj_is_given_back, reading};
-pub use flattening::{cones_flatten, every_vertex_a_cone_unfolds, insults_unwrap};
+pub use flattening::{cones_flatten, every_vertex_a_cone_unfolds, insults_unwrap, options};
 pub use operators::{flips, laplacian, poisson, seams};
 pub use persistence::{hierarchy, pairing, relabelled};
 pub use preparing::preparing;
+
+/// Every law of OBJ files.
+pub fn obj(bytes: &[u8]) {
+    reading(bytes, "a.obj");
+    obj_is_given_back(bytes);
+}
+
+/// Every law of fields on graphs.
+pub fn field(bytes: &[u8]) {
+    pairing(bytes);
+    relabelled(bytes);
+    hierarchy(bytes);
+}
+
+/// Every law of small manifold surfaces.
+pub fn surface(bytes: &[u8]) {
+    flips(bytes);
+    laplacian(bytes);
+    poisson(bytes);
+    seams(bytes);
+    cones_flatten(bytes);
+    every_vertex_a_cone_unfolds(bytes);
+}
 
 /// Asserts that two numbers agree to `tolerance`, relative to `size`.
 #[track_caller]

@@ -2,79 +2,66 @@
 
 use std::collections::BTreeMap;
 
-use geom::{Mesh, Model, ModelError};
+use geom::shapes::Shape;
+use geom::{Model, ModelError};
 
-/// Points and triangles between them, good or bad: what a file holds before anybody has looked at it.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Soup {
-    /// Where the vertices are.
-    pub points: Vec<[f64; 3]>,
-    /// The vertices of each triangle, counter-clockwise seen from outside.
-    pub triangles: Vec<[u32; 3]>,
+/// The points mapped, the triangles as they are.
+pub fn mapped(shape: &Shape, f: impl Fn([f64; 3]) -> [f64; 3]) -> Shape {
+    Shape { points: shape.points.iter().copied().map(f).collect(), triangles: shape.triangles.clone() }
 }
 
-impl Soup {
-    /// The connectivity.
-    ///
-    /// # Panics
-    /// If this is no oriented manifold.
-    pub fn mesh(&self) -> Mesh {
-        Mesh::new(self.points.len(), &self.triangles).expect("an oriented manifold")
-    }
+/// Each triangle split into four at the middles of its edges.
+pub fn refined(shape: &Shape) -> Shape {
+    let mut points = shape.points.clone();
+    let mut middles = BTreeMap::new();
+    let mut middle = |a: u32, b: u32| {
+        *middles.entry([a.min(b), a.max(b)]).or_insert_with(|| {
+            let (p, q) = (points[a as usize], points[b as usize]);
+            points.push([0, 1, 2].map(|k| 0.5 * (p[k] + q[k])));
+            points.len() as u32 - 1
+        })
+    };
+    let quarter = |&[a, b, c]: &[u32; 3]| {
+        let [ab, bc, ca] = [middle(a, b), middle(b, c), middle(c, a)];
+        [[a, ab, ca], [b, bc, ab], [c, ca, bc], [ab, bc, ca]]
+    };
+    let triangles = shape.triangles.iter().flat_map(quarter).collect();
+    Shape { points, triangles }
+}
 
-    /// The model that a file of this content gives.
-    ///
-    /// # Errors
-    /// If a model must not be so.
-    pub fn model(&self) -> Result<Model, ModelError> {
-        Model::from_triangles(self.points.clone(), &self.triangles)
-    }
-
-    /// The same triangles with every point mapped.
-    #[must_use]
-    pub fn map(&self, f: impl Fn([f64; 3]) -> [f64; 3]) -> Self {
-        Self { points: self.points.iter().copied().map(f).collect(), triangles: self.triangles.clone() }
-    }
-
-    /// Each triangle split into four at the middles of its edges.
-    #[must_use]
-    pub fn refined(&self) -> Self {
-        let mut points = self.points.clone();
-        let mut middles = BTreeMap::new();
-        let mut middle = |a: u32, b: u32| {
-            *middles.entry([a.min(b), a.max(b)]).or_insert_with(|| {
-                let (p, q) = (points[a as usize], points[b as usize]);
-                points.push([0, 1, 2].map(|k| 0.5 * (p[k] + q[k])));
-                points.len() as u32 - 1
-            })
-        };
-        let quarter = |&[a, b, c]: &[u32; 3]| {
-            let [ab, bc, ca] = [middle(a, b), middle(b, c), middle(c, a)];
-            [[a, ab, ca], [b, bc, ab], [c, ca, bc], [ab, bc, ca]]
-        };
-        let triangles = self.triangles.iter().flat_map(quarter).collect();
-        Self { points, triangles }
-    }
+/// The model that a file of this content gives.
+///
+/// # Errors
+/// If a model must not be so.
+pub fn model(shape: &Shape) -> Result<Model, ModelError> {
+    Model::from_triangles(shape.points.clone(), &shape.triangles)
 }
 
 /// A tetrahedron that is not regular.
-pub fn tetrahedron() -> Soup {
-    Soup {
+pub fn tetrahedron() -> Shape {
+    Shape {
         points: vec![[0.0, 0.0, 0.0], [1.0, 0.1, 0.0], [0.2, 1.2, 0.0], [0.3, 0.3, 0.9]],
         triangles: vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
     }
 }
 
 /// The regular octahedron.
-pub fn octahedron() -> Soup {
-    let points =
-        vec![[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, -1.0]];
-    let triangles = vec![[0, 1, 2], [0, 2, 3], [0, 3, 4], [0, 4, 1], [5, 2, 1], [5, 3, 2], [5, 4, 3], [5, 1, 4]];
-    Soup { points, triangles }
+pub fn octahedron() -> Shape {
+    let points = vec![
+        [0.0, 0.0, 1.0],
+        [1.0, 0.0, 0.0],
+        [0.0, 1.0, 0.0],
+        [-1.0, 0.0, 0.0],
+        [0.0, -1.0, 0.0],
+        [0.0, 0.0, -1.0],
+    ];
+    let triangles =
+        vec![[0, 1, 2], [0, 2, 3], [0, 3, 4], [0, 4, 1], [5, 2, 1], [5, 3, 2], [5, 4, 3], [5, 1, 4]];
+    Shape { points, triangles }
 }
 
 /// A torus of revolution, of `around` by `across` quads (at least three each).
-pub fn torus(around: u32, across: u32) -> Soup {
+pub fn torus(around: u32, across: u32) -> Shape {
     let point = |i: u32, j: u32| {
         let (a, b) = (turn(i, around), turn(j, across));
         let r = 1.0 + 0.4 * b.cos();
@@ -84,7 +71,7 @@ pub fn torus(around: u32, across: u32) -> Soup {
 }
 
 /// An open tube of `around` by `along` quads, a little wider at one end: flat, with two boundary loops.
-pub fn tube(around: u32, along: u32) -> Soup {
+pub fn tube(around: u32, along: u32) -> Shape {
     let point = |i: u32, j: u32| {
         let (a, z) = (turn(i, around), f64::from(j) / f64::from(along));
         let r = 1.0 + 0.3 * z;
@@ -94,7 +81,7 @@ pub fn tube(around: u32, along: u32) -> Soup {
 }
 
 /// A curved sheet of `width` by `height` quads.
-pub fn patch(width: u32, height: u32) -> Soup {
+pub fn patch(width: u32, height: u32) -> Shape {
     let point = |i: u32, j: u32| {
         let (x, y) = (f64::from(i) / f64::from(width) - 0.5, f64::from(j) / f64::from(height) - 0.5);
         [x, y, 0.5 * x * x + 0.7 * x * y - 0.3 * y * y]
@@ -102,48 +89,8 @@ pub fn patch(width: u32, height: u32) -> Soup {
     grid([width, height], [false, false], point)
 }
 
-/// The sides of a cone with an apex (vertex 0) at which the angles sum to `angle`: flat but there. Beyond 2π the rim
-/// waves up and down.
-pub fn cone(angle: f64, around: u32, rings: u32) -> Soup {
-    // The rim's points are at distance 1 from the apex, each `step` from the next. A wave of amplitude h gives them that.
-    let step = 2.0 * (0.5 * angle / f64::from(around)).sin();
-    let rim = |h: f64| -> Vec<[f64; 3]> {
-        let at = |i: u32| {
-            let z = if angle < std::f64::consts::TAU || i.is_multiple_of(2) { h } else { -h };
-            let (a, r) = (turn(i, around), (1.0 - h * h).sqrt());
-            [r * a.cos(), r * a.sin(), z]
-        };
-        (0..around).map(at).collect()
-    };
-    let too_long = |h: f64| {
-        let rim = rim(h);
-        distance(rim[0], rim[1]) > step
-    };
-    // Upright cones get shorter rims with h, waves longer ones: bisect.
-    let (mut low, mut high) = (0.0, 1.0);
-    for _ in 0..80 {
-        let h = 0.5 * (low + high);
-        if too_long(h) == (angle < std::f64::consts::TAU) { low = h } else { high = h }
-    }
-    let rim = rim(0.5 * (low + high));
-    let mut points = vec![[0.0; 3]];
-    for ring in 1..=rings {
-        points.extend(rim.iter().map(|p| p.map(|x| x * f64::from(ring) / f64::from(rings))));
-    }
-    let at = |ring: u32, i: u32| 1 + (ring - 1) * around + i % around;
-    let mut triangles = Vec::new();
-    for i in 0..around {
-        triangles.push([0, at(1, i), at(1, i + 1)]);
-        for ring in 1..rings {
-            let [a, b, c, d] = [at(ring, i), at(ring + 1, i), at(ring + 1, i + 1), at(ring, i + 1)];
-            triangles.extend([[a, b, c], [a, c, d]]);
-        }
-    }
-    Soup { points, triangles }
-}
-
 /// The surface of a slab of cubes with `genus` square holes through it and `windows` (up to four) of its sides taken out.
-pub fn slab(genus: usize, windows: usize) -> Soup {
+pub fn slab(genus: usize, windows: usize) -> Shape {
     let size = [2 * genus as i32 + 1, 3, 1];
     let is_solid = |p: [i32; 3]| (0..3).all(|k| (0..size[k]).contains(&p[k])) && !(p[0] % 2 == 1 && p[1] == 1);
     let open: Vec<[i32; 3]> = [[0, 0, 0], [0, 2, 0], [0, 0, 1], [0, 2, 1]].into_iter().take(windows).collect();
@@ -152,9 +99,8 @@ pub fn slab(genus: usize, windows: usize) -> Soup {
     let mut triangles = Vec::new();
     for (p, axis) in cells(size.map(|k| k + 1)).flat_map(|p| (0..3).map(move |axis| (p, axis))) {
         let (i, j) = ((axis + 1) % 3, (axis + 2) % 3);
-        let shifted = |mut at: [i32; 3], axis: usize, by: i32| {
-            at[axis] += by;
-            at
+        let shifted = |at: [i32; 3], axis: usize, by: i32| -> [i32; 3] {
+            std::array::from_fn(|k| if k == axis { at[k] + by } else { at[k] })
         };
         let (above, below) = (is_solid(p), is_solid(shifted(p, axis, -1)));
         if above == below || axis == 2 && open.contains(&p) {
@@ -169,13 +115,13 @@ pub fn slab(genus: usize, windows: usize) -> Soup {
         let [a, b, c, d] = if above { [quad[0], quad[3], quad[2], quad[1]] } else { quad };
         triangles.extend([[a, b, c], [a, c, d]]);
     }
-    Soup { points, triangles }
+    Shape { points, triangles }
 }
 
 /// A sphere with bumps of no symmetry, from a subdivided octahedron.
-pub fn bumpy_sphere(subdivisions: usize) -> Soup {
-    let smooth = (0..subdivisions).fold(octahedron(), |soup, _| soup.refined());
-    smooth.map(|p| {
+pub fn bumpy_sphere(subdivisions: usize) -> Shape {
+    let smooth = (0..subdivisions).fold(octahedron(), |shape, _| refined(&shape));
+    mapped(&smooth, |p| {
         let [x, y, z] = p.map(|x| x / distance(p, [0.0; 3]));
         let r = 1.0 + 0.2 * (3.0 * x + 0.4).sin() * (2.5 * y - 0.7).cos() + 0.15 * (4.0 * z + x).sin() + 0.1 * y;
         [1.3 * r * x, r * y, 0.8 * r * z]
@@ -196,7 +142,7 @@ fn cells(size: [i32; 3]) -> impl Iterator<Item = [i32; 3]> {
 }
 
 /// A grid of quads, each cut in two, closed up in the directions that wrap.
-fn grid(size: [u32; 2], wraps: [bool; 2], point: impl Fn(u32, u32) -> [f64; 3]) -> Soup {
+fn grid(size: [u32; 2], wraps: [bool; 2], point: impl Fn(u32, u32) -> [f64; 3]) -> Shape {
     let columns = if wraps[0] { size[0] } else { size[0] + 1 };
     let rows = if wraps[1] { size[1] } else { size[1] + 1 };
     let at = |i: u32, j: u32| (i % columns) * rows + j % rows;
@@ -206,7 +152,7 @@ fn grid(size: [u32; 2], wraps: [bool; 2], point: impl Fn(u32, u32) -> [f64; 3]) 
         let [a, b, c, d] = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
         if (i + j) % 2 == 0 { [[a, b, c], [a, c, d]] } else { [[a, b, d], [b, c, d]] }
     };
-    Soup { points, triangles: quads.flat_map(halves).collect() }
+    Shape { points, triangles: quads.flat_map(halves).collect() }
 }
 
 #[cfg(test)]
@@ -215,8 +161,8 @@ mod tests {
 
     #[test]
     fn solids_have_their_topology() {
-        let topology = |soup: Soup| {
-            let mesh = soup.mesh();
+        let topology = |shape: Shape| {
+            let mesh = shape.mesh();
             mesh.check();
             (mesh.genus(), mesh.boundary_loops().len())
         };
@@ -225,24 +171,10 @@ mod tests {
         assert_eq!(topology(torus(5, 3)), (1, 0));
         assert_eq!(topology(tube(3, 1)), (0, 2));
         assert_eq!(topology(patch(2, 3)), (0, 1));
-        assert_eq!(topology(cone(1.0, 5, 2)), (0, 1));
         for genus in 0..5 {
             for windows in 0..5 {
                 assert_eq!(topology(slab(genus, windows)), (genus, windows));
-                assert_eq!(topology(slab(genus, windows).refined()), (genus, windows));
-            }
-        }
-    }
-
-    #[test]
-    fn cones_have_the_angle_asked_for_at_the_apex_and_are_flat_elsewhere() {
-        for angle in [0.5, 3.0, 6.0, 7.0, 9.0] {
-            let soup = cone(angle, 12, 3);
-            let mesh = soup.mesh();
-            let defects = geom::angle_defects(&mesh, &geom::Metric::from_points(&mesh, &soup.points));
-            for v in mesh.vertices().filter(|&v| !mesh.is_boundary_vertex(v)) {
-                let expected = if v.0 == 0 { std::f64::consts::TAU - angle } else { 0.0 };
-                assert!((defects[v] - expected).abs() < 1e-12, "{angle}: {v:?} has {}", defects[v]);
+                assert_eq!(topology(refined(&slab(genus, windows))), (genus, windows));
             }
         }
     }

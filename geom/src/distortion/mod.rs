@@ -18,6 +18,7 @@
 
 mod chart;
 mod linear;
+mod measured;
 mod overlap;
 
 pub use overlap::overlap;
@@ -28,6 +29,7 @@ use thiserror::Error;
 
 use self::chart::Charts;
 use self::linear::{Image, images};
+use self::measured::Measured;
 use crate::vector::distance;
 use crate::{FaceData, FaceId, Id, VertexData, VertexId};
 
@@ -281,70 +283,6 @@ fn islands(charts: &Charts, images: &[Image]) -> Vec<Island> {
         island.boundary_loops = loops;
     }
     islands
-}
-
-/// What can be measured: the triangles with an area on both sides, and their measures.
-struct Measured {
-    faces: Vec<FaceId>,
-    /// Areas on the surface; they sum to 1.
-    weight: Vec<f64>,
-    quasi_conformal: Vec<f64>,
-    area_ratio: Vec<f64>,
-    /// Centred.
-    log_scale: Vec<f64>,
-}
-
-impl Measured {
-    fn new(images: &[Image]) -> Result<Self, DistortionError> {
-        let with_surface = || images.iter().filter(|image| image.has_surface);
-        let scale = with_surface().map(|image| image.surface_area).sum::<f64>()
-            / with_surface().map(|image| image.area.abs()).sum::<f64>();
-        let ratio = |image: &Image| image.area.abs() * scale / image.surface_area;
-        let is_measured = |image: &Image| image.has_surface && !image.is_collapsed() && ratio(image) > 1e-14;
-        let faces: Vec<FaceId> = (0..images.len()).filter(|&f| is_measured(&images[f])).map(FaceId::new).collect();
-        if faces.is_empty() {
-            return Err(DistortionError::NoArea);
-        }
-        let measured = || faces.iter().map(|f| &images[f.index()]);
-        let total: f64 = measured().map(|image| image.surface_area).sum();
-        let area_ratio: Vec<f64> = measured().map(ratio).collect();
-        let mut new = Self {
-            weight: measured().map(|image| image.surface_area / total).collect(),
-            quasi_conformal: measured().map(Image::quasi_conformal).collect(),
-            log_scale: area_ratio.iter().map(|r| 0.5 * r.ln()).collect(),
-            area_ratio,
-            faces,
-        };
-        let mean = new.mean(new.log_scale.iter().copied());
-        new.log_scale.iter_mut().for_each(|u| *u -= mean);
-        Ok(new)
-    }
-
-    fn mean(&self, values: impl Iterator<Item = f64>) -> f64 {
-        values.zip(&self.weight).map(|(value, weight)| value * weight).sum()
-    }
-
-    fn percentiles(&self, values: &[f64]) -> Percentiles {
-        let mut sorted: Vec<(f64, f64)> = values.iter().copied().zip(self.weight.iter().copied()).collect();
-        sorted.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
-        let max = sorted.last().map_or(f64::NAN, |last| last.0);
-        let mut below = 0.0;
-        for (_, weight) in &mut sorted {
-            below += *weight;
-            *weight = below;
-        }
-        let [median, p95, p99] = [0.5, 0.95, 0.99].map(|share| {
-            let reached = sorted.partition_point(|&(_, below)| below < share);
-            sorted.get(reached).map_or(max, |&(value, _)| value)
-        });
-        Percentiles { mean: self.mean(values.iter().copied()), median, p95, p99, max }
-    }
-
-    fn by_face(&self, count: usize, values: &[f64], otherwise: f64) -> FaceData<f64> {
-        let mut by_face = FaceData::constant(count, otherwise);
-        self.faces.iter().zip(values).for_each(|(&f, &value)| by_face[f] = value);
-        by_face
-    }
 }
 
 /// 2π less the angles at the images of each vertex inside the surface; angles of flipped triangles count negative.

@@ -1,8 +1,9 @@
 //! How much of a map lies on itself, by sampling.
 
 /// The share of a map's image that is covered more than once: of the points of a regular grid, `resolution` along the
-/// longer side of the bounding box, that lie in a triangle, those that lie in two. Points on a common side are in one of
-/// its triangles only. Triangles with coordinates that are not finite are left out.
+/// longer side of the bounding box, that lie in a triangle, those that lie in two. An overlap thinner than the grid may be
+/// missed. Points on a common side are in one of its triangles only. Triangles with coordinates that are not finite are
+/// left out.
 ///
 /// ```
 /// use geom::distortion::overlap;
@@ -12,9 +13,10 @@
 /// assert_eq!(overlap(&[lower, upper, lower], 512), 0.5);
 /// ```
 ///
-/// Costs O(triangles + covered grid rows), with 64 points of a row at a time; `resolution` is taken as 16384 if it is larger.
+/// Costs O(triangles + covered grid rows), with 64 points of a row at a time; `resolution` is brought between 3 and
+/// 16384.
 pub fn overlap(uv: &[[[f64; 2]; 3]], resolution: usize) -> f64 {
-    let resolution = resolution.clamp(2, 16384);
+    let resolution = resolution.clamp(3, 16384);
     let finite = || uv.iter().filter(|corners| corners.as_flattened().iter().all(|x| x.is_finite()));
     let range = |axis: usize| {
         let coordinates = finite().flatten().map(|q| 0.5 * q[axis]);
@@ -25,15 +27,15 @@ pub fn overlap(uv: &[[[f64; 2]; 3]], resolution: usize) -> f64 {
     if extent.is_nan() || extent <= 0.0 {
         return 0.0;
     }
-    // Off the grid by an odd fraction, so that sides of rectangular maps do not run through its points.
     let place = |at: f64, low: f64| (0.5 * at - low) / extent * (resolution - 2) as f64 + SHIFT;
-    let mut coverage = Coverage::new(resolution + 2);
+    let mut coverage = Coverage::new(resolution);
     for corners in finite() {
         coverage.add(corners.map(|[u, v]| [place(u, x[0]), place(v, y[0])]));
     }
     coverage.share_of_twice()
 }
 
+/// Maps start off the grid by an odd fraction, so that the sides of regular ones do not run through its points.
 const SHIFT: f64 = 0.500_123_457;
 
 /// Which points of a square integer grid are covered once, and which again.

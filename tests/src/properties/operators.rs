@@ -13,9 +13,9 @@ use crate::oracle;
 /// Intrinsic Delaunay flips keep the connectivity sound, the area, the angle sums and so Gauss–Bonnet; they leave no
 /// negative weight; undone backwards they give the triangulation to the bit.
 pub fn flips(bytes: &[u8]) {
-    let soup = decode::surface(&mut Bytes::new(bytes));
-    let mesh = soup.mesh();
-    let metric = Metric::from_points(&mesh, &soup.points);
+    let shape = decode::surface(&mut Bytes::new(bytes));
+    let mesh = shape.mesh();
+    let metric = Metric::from_points(&mesh, &shape.points);
     let total: f64 = angle_defects(&mesh, &metric).iter().sum();
     assert_close(total, 2.0 * PI * mesh.euler_characteristic() as f64, 1e-12, mesh.face_count() as f64);
 
@@ -32,16 +32,18 @@ pub fn flips(bytes: &[u8]) {
         assert!(weights.iter_ids().all(|(e, &w)| w > -1e-6 || !intrinsic.triangulation.is_flippable(e)));
     }
     let mut undone = intrinsic.triangulation.clone();
-    intrinsic.flips.iter().rev().for_each(|&h| drop(undone.unflip(h)));
+    for &h in intrinsic.flips.iter().rev() {
+        undone.unflip(h);
+    }
     assert!(undone == *mesh.triangulation(), "flips undone backwards leave the mesh as it was");
 }
 
 /// L is symmetric, constants are in its kernel, and no other direction is: xᵀLx > 0.
 pub fn laplacian(bytes: &[u8]) {
     let bytes = &mut Bytes::new(bytes);
-    let soup = decode::surface(bytes);
-    let mesh = soup.mesh();
-    let matrix = geom::laplacian(&mesh, &Metric::from_points(&mesh, &soup.points));
+    let shape = decode::surface(bytes);
+    let mesh = shape.mesh();
+    let matrix = geom::laplacian(&mesh, &Metric::from_points(&mesh, &shape.points));
     let largest = matrix.data().iter().fold(0.0_f64, |m, x| m.max(x.abs()));
     let mut energy = 0.0;
     let x: Vec<f64> = mesh.vertices().map(|_| bytes.signed()).collect();
@@ -59,9 +61,9 @@ pub fn laplacian(bytes: &[u8]) {
 /// and several.
 pub fn poisson(bytes: &[u8]) {
     let bytes = &mut Bytes::new(bytes);
-    let soup = decode::surface(bytes);
-    let mesh = soup.mesh();
-    let metric = Metric::from_points(&mesh, &soup.points).mollified(&mesh, 1e-2);
+    let shape = decode::surface(bytes);
+    let mesh = shape.mesh();
+    let metric = Metric::from_points(&mesh, &shape.points).mollified(&mesh, 1e-2);
     let intrinsic = delaunay(&mesh, &metric);
     let matrix = geom::laplacian(&intrinsic.triangulation, &intrinsic.metric);
     let n = mesh.vertex_count();
@@ -102,9 +104,9 @@ fn dense_solution(matrix: &CsMat<f64>, fixed: &[VertexId], b: &[f64]) -> Option<
 /// distances, whatever the topology.
 pub fn seams(bytes: &[u8]) {
     let bytes = &mut Bytes::new(bytes);
-    let soup = decode::surface(bytes);
-    let mesh = soup.mesh();
-    let lengths = Metric::from_points(&mesh, &soup.points).lengths().clone();
+    let shape = decode::surface(bytes);
+    let mesh = shape.mesh();
+    let lengths = Metric::from_points(&mesh, &shape.points).lengths().clone();
     let count = bytes.below(9);
     let cones = decode::inner_vertices(bytes, &mesh, count);
     match Seams::new(&mesh, &lengths, &cones) {

@@ -125,7 +125,9 @@ fn relabel(graph: &Graph, label: impl Fn(usize) -> usize) -> Graph {
 
 fn component_count(graph: &Graph) -> usize {
     let mut pieces = UnionFind::<usize>::new(graph.node_count());
-    graph.edge_references().for_each(|e| drop(pieces.union(e.source().index(), e.target().index())));
+    for e in graph.edge_references() {
+        pieces.union(e.source().index(), e.target().index());
+    }
     let mut roots = pieces.into_labeling();
     roots.sort_unstable();
     roots.dedup();

@@ -1,6 +1,6 @@
 //! `cones persistence` and `cones features` as a user runs them.
 
-use crate::command::{Folder, stdout};
+use crate::folder::{Folder, stdout};
 use serde_json::Value;
 use std::collections::HashMap;
 use std::fs;

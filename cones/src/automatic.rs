@@ -1,0 +1,111 @@
+//! How many cones, when nobody says: as few as keep the area distortion within a target.
+//!
+//! The distortion of a flattening is predicted from the linear log scale factor, before anything is flattened (on thirty
+//! meshes the median error was 0.001). The curve of the nested order says about how many cones it takes; the best set of
+//! that number is better than nested ones, so cones are taken away from it as long as the target holds.
+
+use crate::angles::least_cones;
+use crate::distortion::{Predicted, predict};
+use crate::exchange::{drop_cheapest, exchange};
+use crate::pursuit::{Nested, pursuit};
+use crate::reduced::{Fitted, Reduced};
+use crate::refined::{refined, rounds};
+
+/// The area distortion that is aimed at when nobody says.
+pub const TARGET_DISTORTION: f64 = 1.25;
+
+/// No more cones than this are taken by themselves.
+pub const MOST_AUTOMATIC: usize = 32;
+
+/// A number of cones chosen by their predicted distortion.
+#[derive(Clone, Debug)]
+pub struct Automatic {
+    /// The cones.
+    pub set: Fitted,
+    /// What is predicted for them.
+    pub predicted: Predicted,
+    /// The target.
+    pub target: f64,
+    /// Whether the prediction meets it.
+    pub is_met: bool,
+    /// The nested order that led there.
+    pub nested: Nested,
+    /// What is predicted for its prefixes.
+    pub curve: Vec<Predicted>,
+}
+
+/// Chooses as few cones as keep the predicted area distortion within `target`, at most `most`, at least as many as the
+/// surface needs.
+pub fn automatic(reduced: &mut Reduced, target: f64, most: usize) -> Automatic {
+    let least = least_cones(reduced.operators());
+    let nested = pursuit(reduced, most.max(least));
+    let curve = nested.curve(reduced);
+    let enough = curve.iter().find(|point| point.count >= least && point.area_distortion <= target);
+    let (set, predicted) = match enough {
+        Some(point) => fewest(reduced, &nested.sets[point.count], target, least),
+        None => {
+            let set = refined(reduced, most.max(least));
+            let predicted = predict(reduced, &set);
+            (set, predicted)
+        }
+    };
+    Automatic { set, predicted, target, is_met: predicted.area_distortion <= target, nested, curve }
+}
+
+/// From a set that meets the target to the smallest one near it that does.
+fn fewest(reduced: &mut Reduced, nested: &Fitted, target: f64, least: usize) -> (Fitted, Predicted) {
+    let meets = |set: &Fitted, predicted: &Predicted| set.shortfall == 0.0 && predicted.area_distortion <= target;
+    let mut best = refined(reduced, nested.cones.len());
+    let mut predicted = predict(reduced, &best);
+    if !meets(&best, &predicted) {
+        return (nested.clone(), predict(reduced, nested));
+    }
+    while best.cones.len() > least {
+        let fewer = exchange(reduced, drop_cheapest(reduced, &best));
+        let fewer = rounds(reduced, fewer, 2);
+        let after = predict(reduced, &fewer);
+        if !meets(&fewer, &after) {
+            break;
+        }
+        (best, predicted) = (fewer, after);
+    }
+    (best, predicted)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::operators::Operators;
+    use geom::{Metric, shapes};
+
+    fn choose(shape: &shapes::Shape, target: f64, most: usize) -> Automatic {
+        let mesh = shape.mesh();
+        let operators = Operators::new(&mesh, &Metric::from_points(&mesh, &shape.points)).unwrap();
+        automatic(&mut Reduced::new(&operators, &mesh), target, most)
+    }
+
+    #[test]
+    fn what_is_flat_gets_no_cones() {
+        let flat = choose(&shapes::square(400), TARGET_DISTORTION, MOST_AUTOMATIC);
+        assert!(flat.is_met && flat.set.cones.is_empty());
+    }
+
+    #[test]
+    fn a_tighter_target_takes_more_cones_and_is_met() {
+        let counts = [1.6, 1.3, 1.15].map(|target| {
+            let chosen = choose(&shapes::hare(1200), target, MOST_AUTOMATIC);
+            assert!(chosen.is_met && chosen.predicted.area_distortion <= target);
+            assert_eq!(chosen.predicted.count, chosen.set.cones.len());
+            assert!(chosen.set.cones.len() >= 3);
+            chosen.set.cones.len()
+        });
+        assert!(counts[0] <= counts[1] && counts[1] < counts[2], "{counts:?}");
+    }
+
+    #[test]
+    fn where_the_target_is_out_of_reach_the_most_are_taken_and_it_is_said() {
+        let chosen = choose(&shapes::hare(1200), 1.0001, 5);
+        assert!(!chosen.is_met);
+        assert_eq!(chosen.set.cones.len(), 5);
+    }
+}

@@ -1,0 +1,275 @@
+//! Nested cones for every number of them: `pursuit`.
+//!
+//! One order of cones whose every prefix is good: Σ log E(first N), taken over N = 1, 2, 4, 8, …, is minimised by replacing
+//! a cone or by swapping two in the order. Moves are scored by the swap tables of all levels at once
+//! ([`SwapTable`]); replacing the cone at place j changes the levels beyond j, swapping j < k those in between. It starts
+//! from orders that are nested by nature: matching pursuit, and elimination of cones one by one. A nested order costs some percent against
+//! [`refined`](crate::refined()), which serves one number alone.
+
+use std::cmp::Ordering;
+
+use geom::VertexId;
+
+use crate::crowd::Crowd;
+use crate::distortion::{Predicted, predict};
+use crate::exchange::{TRIALS, drop_cheapest, exchange};
+use crate::grow::{Rule, grow, start};
+use crate::reduced::{Fitted, Reduced};
+use crate::swap::{Row, SwapTable, norms};
+
+/// Rounds that look for new candidates over the whole surface; each costs a table a level.
+const ROUNDS: usize = 4;
+/// New candidates of a round.
+const NEW_CANDIDATES: usize = 16;
+/// Rounds end when Σ log E falls by less than this for each level.
+const LEAST_GAIN: f64 = 0.002;
+/// A move must lower Σ log E by this.
+const LEAST_MOVE: f64 = 1e-4;
+
+/// An order of cones, with the best curvatures of every prefix.
+#[derive(Clone, Debug)]
+pub struct Nested {
+    /// The first N cones with their curvatures, for N from 0 on.
+    pub sets: Vec<Fitted>,
+}
+
+impl Nested {
+    /// The cones in their order.
+    pub fn cones(&self) -> &[VertexId] {
+        self.sets.last().map_or(&[], |set| &set.cones)
+    }
+
+    /// What is predicted for every number of cones that can take the surface's curvature. A solve for each.
+    pub fn curve(&self, reduced: &Reduced) -> Vec<Predicted> {
+        self.sets.iter().filter(|set| set.shortfall == 0.0).map(|set| predict(reduced, set)).collect()
+    }
+}
+
+/// The best order found of so many cones; fewer only where the surface has no more inner vertices. About eight
+/// back-solves for each cone.
+pub fn pursuit(reduced: &mut Reduced, count: usize) -> Nested {
+    let mut order = best_start(reduced, count);
+    for _ in 0..ROUNDS {
+        let new = order.proposals(reduced);
+        if new.is_empty() {
+            break;
+        }
+        reduced.add(&new);
+        let before = order.cost;
+        order.improve(reduced);
+        if order.cost > before - LEAST_GAIN * order.levels.len() as f64 {
+            break;
+        }
+    }
+    Nested { sets: (0..=order.cones.len()).map(|n| reduced.fit(&order.cones[..n])).collect() }
+}
+
+/// The best of three orders: pursued by gradient, by gain, and the order in which cones are missed least, backwards.
+fn best_start(reduced: &mut Reduced, count: usize) -> Order {
+    let first = start(reduced, count);
+    let by_gradient = grow(reduced, first.clone(), count, Rule::Gradient);
+    let by_gain = grow(reduced, first, count, Rule::Gain);
+    let mut best = Order::improved(reduced, by_gradient.cones);
+    let eliminated = backward(reduced, exchange(reduced, by_gain.clone()));
+    for cones in [by_gain.cones, eliminated] {
+        let order = Order::improved(reduced, cones);
+        if order.is_better_than(&best, 0.0) {
+            best = order;
+        }
+    }
+    best
+}
+
+/// A set's cones, those that are missed least last.
+fn backward(reduced: &Reduced, mut set: Fitted) -> Vec<VertexId> {
+    let mut dropped = Vec::new();
+    while !set.cones.is_empty() {
+        let fewer = drop_cheapest(reduced, &set);
+        dropped.extend(set.cones.iter().filter(|cone| !fewer.cones.contains(cone)));
+        set = fewer;
+    }
+    dropped.reverse();
+    dropped
+}
+
+/// An order of cones with the sets of its levels.
+struct Order {
+    cones: Vec<VertexId>,
+    levels: Vec<Fitted>,
+    /// Σ log E over the levels.
+    cost: f64,
+}
+
+/// Puts a vertex in place of the cone at a place; where that vertex is in the order already, swaps the two.
+#[derive(Clone, Copy)]
+struct Move {
+    change: f64,
+    place: usize,
+    vertex: VertexId,
+}
+
+impl Order {
+    fn new(reduced: &Reduced, cones: Vec<VertexId>) -> Self {
+        let counts = (0..).map(|k| 1usize << k).take_while(|&n| n < cones.len()).chain([cones.len()]);
+        let levels: Vec<Fitted> = counts.map(|n| reduced.fit(&cones[..n])).collect();
+        // A level that cannot take the curvature is none, as one or two cones on a sphere.
+        let able: Vec<Fitted> = levels.iter().filter(|level| level.shortfall == 0.0).cloned().collect();
+        let levels = if able.is_empty() { levels } else { able };
+        let cost = levels.iter().map(|level| worth(reduced, level).ln()).sum();
+        Self { cones, levels, cost }
+    }
+
+    fn improved(reduced: &Reduced, cones: Vec<VertexId>) -> Self {
+        let mut order = Self::new(reduced, cones);
+        order.improve(reduced);
+        order
+    }
+
+    /// Whether more levels can take the curvature than in another order, or Σ log E is less by so much.
+    fn is_better_than(&self, other: &Self, by: f64) -> bool {
+        match self.levels.len().cmp(&other.levels.len()) {
+            Ordering::Equal => self.cost < other.cost - by,
+            more => more == Ordering::Greater,
+        }
+    }
+
+    /// Makes the best move as long as there is one, without solves.
+    fn improve(&mut self, reduced: &Reduced) {
+        while let Some(better) = self.best_move(reduced) {
+            *self = better;
+        }
+    }
+
+    fn best_move(&self, reduced: &Reduced) -> Option<Self> {
+        let tables = self.tables(reduced);
+        let crowd = Crowd::new(reduced, &self.cones);
+        let mut moves = Vec::new();
+        let mut rows: Vec<Row> = tables.iter().map(|_| Row::default()).collect();
+        for &vertex in reduced.pool().iter().filter(|&&v| crowd.is_open(v)) {
+            tables.iter().zip(&mut rows).for_each(|(table, row)| table.fill_for_member(vertex, row));
+            let at = self.cones.iter().position(|&cone| cone == vertex);
+            for place in 0..at.unwrap_or(self.cones.len()) {
+                let change = self.change(reduced, &rows, place, at, |x: f64| x.max(1e-3).ln());
+                if change < -LEAST_MOVE && (at.is_some() || crowd.admits(vertex, place)) {
+                    moves.push(Move { change, place, vertex });
+                }
+            }
+        }
+        moves.sort_by(|a, b| a.change.total_cmp(&b.change));
+        let mut results = moves.iter().take(TRIALS).map(|step| self.after(reduced, step));
+        results.find(|after| after.is_better_than(self, LEAST_MOVE))
+    }
+
+    fn after(&self, reduced: &Reduced, step: &Move) -> Self {
+        let mut cones = self.cones.clone();
+        if let Some(at) = cones.iter().position(|&cone| cone == step.vertex) {
+            cones[at] = cones[step.place];
+        }
+        cones[step.place] = step.vertex;
+        Self::new(reduced, cones)
+    }
+
+    fn tables<'a>(&'a self, reduced: &'a Reduced) -> Vec<SwapTable<'a>> {
+        self.levels.iter().map(|level| SwapTable::new(reduced, level)).collect()
+    }
+
+    /// What putting a vertex at a place changes in Σ log E; `at` is where the vertex is in the order, and `log` may be
+    /// an approximation. Levels that contain both places, or none, stay as they are.
+    fn change(
+        &self,
+        reduced: &Reduced,
+        rows: &[Row],
+        place: usize,
+        at: Option<usize>,
+        log: impl Fn(f64) -> f64,
+    ) -> f64 {
+        let concerned = |level: &Fitted| level.cones.len() > place && at.is_none_or(|at| level.cones.len() <= at);
+        let levels = self.levels.iter().zip(rows).filter(|(level, _)| concerned(level));
+        levels.map(|(level, row)| log(1.0 + row.change[place] / worth(reduced, level))).sum()
+    }
+
+    /// For each place the best vertex of the surface, as far as not solved for; the best first, not too many.
+    fn proposals(&self, reduced: &Reduced) -> Vec<VertexId> {
+        let tables = self.tables(reduced);
+        let crowd = Crowd::new(reduced, &self.cones);
+        let norms: Vec<_> = self.levels.iter().map(|level| norms(reduced, level)).collect();
+        let mut rows: Vec<Row> = tables.iter().map(|_| Row::default()).collect();
+        let mut best: Vec<Option<Move>> = vec![None; self.cones.len()];
+        for vertex in reduced.operators().mesh.vertices().filter(|&v| crowd.is_open(v) && !reduced.knows(v)) {
+            for ((table, norms), row) in tables.iter().zip(&norms).zip(&mut rows) {
+                table.fill_for_vertex(vertex, norms[vertex], row);
+            }
+            for (place, best) in best.iter_mut().enumerate() {
+                let change = self.change(reduced, &rows, place, None, |x| x - 1.0);
+                if best.is_none_or(|best| change < best.change) && crowd.admits(vertex, place) {
+                    *best = Some(Move { change, place, vertex });
+                }
+            }
+        }
+        let mut best: Vec<Move> = best.into_iter().flatten().filter(|step| step.change < 0.0).collect();
+        best.sort_by(|a, b| a.change.total_cmp(&b.change));
+        let mut new: Vec<VertexId> = Vec::new();
+        for step in best {
+            if new.len() < NEW_CANDIDATES && !new.contains(&step.vertex) {
+                new.push(step.vertex);
+            }
+        }
+        new
+    }
+}
+
+/// A level's energy, with what it lacks; never zero, so that it has a logarithm.
+fn worth(reduced: &Reduced, level: &Fitted) -> f64 {
+    (level.energy + reduced.price() * level.shortfall).max(1e-12 * (1.0 + reduced.constant()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::operators::Operators;
+    use crate::refined::refined;
+    use geom::{Metric, shapes};
+
+    fn with_nested<T>(shape: &shapes::Shape, count: usize, then: impl Fn(&mut Reduced, Nested) -> T) -> T {
+        let mesh = shape.mesh();
+        let operators = Operators::new(&mesh, &Metric::from_points(&mesh, &shape.points)).unwrap();
+        let mut reduced = Reduced::new(&operators, &mesh);
+        let nested = pursuit(&mut reduced, count);
+        then(&mut reduced, nested)
+    }
+
+    #[test]
+    fn every_set_is_a_prefix_of_the_next_and_no_worse() {
+        for shape in [shapes::hare(1200), shapes::torus(1, 900), shapes::terrain(900, 5)] {
+            with_nested(&shape, 20, |_, nested| {
+                assert_eq!(nested.sets.len(), 21);
+                for pair in nested.sets.windows(2) {
+                    assert_eq!(pair[0].cones, pair[1].cones[..pair[0].cones.len()]);
+                    assert!(pair[0].shortfall > 0.0 || pair[1].energy <= pair[0].energy * (1.0 + 1e-9));
+                }
+            });
+        }
+    }
+
+    #[test]
+    fn nested_sets_are_not_much_worse_than_the_best_of_their_size() {
+        for shape in [shapes::hare(1200), shapes::torus(2, 900), shapes::terrain(900, 5)] {
+            with_nested(&shape, 16, |reduced, nested| {
+                let ratio =
+                    |count: usize| nested.sets[count].log_scale_norm() / refined(reduced, count).log_scale_norm();
+                let ratios = [4, 8, 16].map(ratio);
+                assert!(ratios.iter().product::<f64>().cbrt() < 1.15, "{ratios:?}");
+            });
+        }
+    }
+
+    #[test]
+    fn the_curve_begins_with_what_the_surface_needs() {
+        let first = |shape: shapes::Shape| with_nested(&shape, 6, |reduced, nested| nested.curve(reduced)[0]);
+        assert_eq!(first(shapes::hare(600)).count, 3);
+        assert_eq!(first(shapes::torus(1, 600)).count, 0);
+        assert_eq!(first(shapes::terrain(600, 2)).count, 0);
+        let square = first(shapes::square(400));
+        assert!(square.log_scale_norm < 1e-9 && (square.area_distortion - 1.0).abs() < 1e-9);
+    }
+}

@@ -1,0 +1,353 @@
+//! The reduced model: how good a set of cones is, without flattening anything.
+//!
+//! With curvatures q at the cones S the log scale factor is, to first order, u = p + Σ q_c g_c, where p takes away all
+//! curvature and g_c is Green's function of cone c, both centred (see [`Operators::centre`]). Its squared norm weighted by
+//! area w is quadratic,
+//!
+//! ```text
+//!     E(S, q) = |u|² = E₀ + 2 q·b_S + qᵀ H_SS q,   E₀ = |p|²,  b_v = ⟨g_v, p⟩,  H_vx = ⟨g_v, g_x⟩,
+//! ```
+//!
+//! and since L is symmetric, b = L⁺(w p) and the column h_v = L⁺(w g_v) hold these products for *all* vertices at once:
+//! one more solve for b, and two for each candidate v. All further questions (the best curvatures, what it would bring to
+//! move a cone anywhere) are answered from these columns.
+//!
+//! Vertices that have been solved for are the *pool*. Products within the pool are kept as f64; the columns, which only
+//! tell where it pays to look, as f32: they are most of the memory.
+
+use std::f64::consts::PI;
+
+use geom::{Mesh, VertexData, VertexId};
+
+use crate::angles::{degree_bound, general_bounds};
+use crate::fit::{Held, Quadratic, fit};
+use crate::operators::Operators;
+
+/// Vertices that are solved for at once: enough to keep the factor in the cache, few enough for memory.
+const BLOCK: usize = 16;
+
+/// By so much, in radians, sums of bounds may miss the total curvature.
+const SUM_TOLERANCE: f64 = 1e-9;
+
+/// A surface's reduced model; see the module's head.
+#[derive(Debug)]
+pub struct Reduced<'a> {
+    operators: &'a Operators,
+    /// p, the centred log scale factor that takes away all curvature.
+    flattening: VertexData<f64>,
+    /// b
+    linear: VertexData<f64>,
+    /// E₀
+    constant: f64,
+    /// What lengths are multiplied by to make the area 1.
+    unit: f64,
+    /// The least curvature that each vertex can have, from the number of its triangles.
+    lowest: VertexData<f64>,
+    pool: Vec<VertexId>,
+    /// Where a vertex is in the pool.
+    place: VertexData<Option<u32>>,
+    column: Vec<Vec<f32>>,
+    /// H between members of the pool, row by row up to the diagonal.
+    products: Vec<Vec<f64>>,
+}
+
+/// Cones with the best curvatures that they can have.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Fitted {
+    /// The cones.
+    pub cones: Vec<VertexId>,
+    /// The curvature of each.
+    pub curvature: Vec<f64>,
+    /// The squared norm of the log scale factor that linear theory predicts, weighted by area.
+    pub energy: f64,
+    /// How far the cones are from being able to take the surface's curvature, in radians; 0 where they can.
+    pub shortfall: f64,
+    /// Which curvatures are at a bound.
+    pub(crate) held: Vec<Held>,
+    /// What makes the energy's gradient vanish at free cones where the sum of curvatures is given.
+    pub(crate) multiplier: f64,
+    /// The bounds of each curvature, the shortfall taken into account.
+    pub(crate) bounds: Vec<[f64; 2]>,
+}
+
+impl<'a> Reduced<'a> {
+    /// The model of a surface whose layout will use the triangles of `input`. Two solves.
+    pub fn new(operators: &'a Operators, input: &Mesh) -> Self {
+        let mut flattening = operators.poisson.solve(&operators.flattening_source());
+        operators.centre(&mut flattening);
+        let linear = operators.poisson.solve(&operators.weighted(&flattening));
+        let count = operators.mesh.vertex_count();
+        Self {
+            constant: operators.inner(&flattening, &flattening),
+            flattening,
+            linear,
+            unit: operators.metric.area(&operators.mesh).sqrt().recip(),
+            lowest: input.vertices().map(|v| degree_bound(input, v)).collect(),
+            pool: Vec::new(),
+            place: VertexData::constant(count, None),
+            column: Vec::new(),
+            products: Vec::new(),
+            operators,
+        }
+    }
+
+    /// The surface.
+    pub fn operators(&self) -> &'a Operators {
+        self.operators
+    }
+
+    /// p, the centred log scale factor that takes away all curvature.
+    pub fn flattening(&self) -> &VertexData<f64> {
+        &self.flattening
+    }
+
+    /// The vertices that have been solved for: two solves each.
+    pub fn pool(&self) -> &[VertexId] {
+        &self.pool
+    }
+
+    /// What the curvatures must sum to; nothing with a boundary.
+    pub(crate) fn total(&self) -> Option<f64> {
+        (!self.operators.is_bordered()).then(|| self.operators.total_curvature())
+    }
+
+    /// b
+    pub(crate) fn linear(&self) -> &VertexData<f64> {
+        &self.linear
+    }
+
+    /// What lengths are multiplied by to make the surface's area 1.
+    pub(crate) fn unit(&self) -> f64 {
+        self.unit
+    }
+
+    /// E₀
+    pub(crate) fn constant(&self) -> f64 {
+        self.constant
+    }
+
+    /// Whether a vertex has been solved for.
+    pub fn knows(&self, v: VertexId) -> bool {
+        self.place[v].is_some()
+    }
+
+    /// Adds vertices to the pool.
+    pub fn add(&mut self, vertices: &[VertexId]) {
+        let mut new = Vec::new();
+        for &v in vertices {
+            if !self.knows(v) && !new.contains(&v) {
+                new.push(v);
+            }
+        }
+        for block in new.chunks(BLOCK) {
+            let mut green = self.operators.green(block);
+            for g in &mut green {
+                self.operators.centre(g);
+                *g = self.operators.weighted(g);
+            }
+            for (&v, h) in block.iter().zip(self.operators.poisson.solve_many(&green)) {
+                self.place[v] = Some(self.pool.len() as u32);
+                self.pool.push(v);
+                self.products.push(self.pool.iter().map(|&x| h[x]).collect());
+                self.column.push(h.iter().map(|&h| h as f32).collect());
+            }
+        }
+    }
+
+    /// h of a member of the pool, rounded.
+    pub(crate) fn column(&self, v: VertexId) -> &[f32] {
+        &self.column[self.place_of(v)]
+    }
+
+    /// H_vx, for members of the pool.
+    pub(crate) fn product(&self, v: VertexId, x: VertexId) -> f64 {
+        let (i, j) = (self.place_of(v), self.place_of(x));
+        self.products[i.max(j)][i.min(j)]
+    }
+
+    fn place_of(&self, v: VertexId) -> usize {
+        self.place[v].expect("the vertex was added to the pool") as usize
+    }
+
+    /// The bounds of the curvature at a vertex where there are `count` cones in all.
+    pub(crate) fn bounds(&self, v: VertexId, count: usize) -> [f64; 2] {
+        let [low, high] = general_bounds(self.operators, count);
+        [low.max(self.lowest[v]).min(high), high]
+    }
+
+    /// What a shortfall counts beside energies, per radian: more than any difference of energies.
+    pub(crate) fn price(&self) -> f64 {
+        1.0 + 10.0 * self.constant
+    }
+
+    /// The best curvatures of cones that are in the pool. Where they cannot take the surface's curvature the bounds give
+    /// way evenly, and the shortfall tells by how much.
+    pub fn fit(&self, cones: &[VertexId]) -> Fitted {
+        let n = cones.len();
+        let linear: Vec<f64> = cones.iter().map(|&v| self.linear[v]).collect();
+        let matrix: Vec<f64> = cones.iter().flat_map(|&v| cones.iter().map(move |&x| self.product(v, x))).collect();
+        let mut bounds: Vec<[f64; 2]> = cones.iter().map(|&v| self.bounds(v, n)).collect();
+        let total = self.total();
+        let shortfall = self.relax(&mut bounds);
+        let energy = Quadratic { constant: self.constant, linear: &linear, matrix: &matrix };
+        match fit(&energy, &bounds, total) {
+            Ok(fit) => Fitted {
+                cones: cones.to_vec(),
+                curvature: fit.curvatures,
+                energy: fit.energy.max(0.0),
+                shortfall,
+                held: fit.held,
+                multiplier: fit.multiplier,
+                bounds,
+            },
+            // No cones on a surface that needs some.
+            Err(_) => Fitted {
+                cones: cones.to_vec(),
+                curvature: vec![0.0; n],
+                energy: self.constant,
+                shortfall: total.map_or(0.0, f64::abs),
+                held: vec![Held::Lower; n],
+                multiplier: 0.0,
+                bounds,
+            },
+        }
+    }
+
+    /// Widens the bounds evenly until they admit the sum; returns by how much in all.
+    fn relax(&self, bounds: &mut [[f64; 2]]) -> f64 {
+        let Some(total) = self.total() else { return 0.0 };
+        let sum = |side: usize| bounds.iter().map(|bound| bound[side]).sum::<f64>();
+        let [below, above] = [total - sum(0), total - sum(1)];
+        let (side, missing) = if below < 0.0 { (0, below) } else { (1, above.max(0.0)) };
+        if bounds.is_empty() || missing.abs() <= SUM_TOLERANCE {
+            return 0.0;
+        }
+        let each = missing / bounds.len() as f64 + SUM_TOLERANCE * missing.signum();
+        bounds.iter_mut().for_each(|bound| bound[side] += each);
+        missing.abs()
+    }
+
+    /// The log scale factor that linear theory predicts for cones with given curvatures, centred. One solve.
+    pub fn log_scale(&self, cones: &[VertexId], curvature: &[f64]) -> VertexData<f64> {
+        self.operators.log_scale(cones, curvature)
+    }
+}
+
+impl Fitted {
+    /// The L2 norm of the log scale factor that linear theory predicts.
+    pub fn log_scale_norm(&self) -> f64 {
+        self.energy.sqrt()
+    }
+
+    /// Whether this is a better set of cones than another: first of all they must be able to take the curvature.
+    pub(crate) fn is_better_than(&self, other: &Self, by: f64) -> bool {
+        let gap = self.shortfall - other.shortfall;
+        if gap.abs() > 1e-6 * PI { gap < 0.0 } else { self.energy < (1.0 - by) * other.energy }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::angles::{Angles, cone_curvatures};
+    use geom::{Mesh, Metric, shapes};
+    use proptest::prelude::*;
+
+    /// A shape without a boundary, of higher genus, and with a boundary of one and of two loops.
+    fn surfaces() -> Vec<(Mesh, Operators)> {
+        let shapes = [shapes::hare(900), shapes::torus(2, 900), shapes::terrain(700, 3), shapes::cylinder(700)];
+        let surface = |shape: shapes::Shape| {
+            let mesh = shape.mesh();
+            let operators = Operators::new(&mesh, &Metric::from_points(&mesh, &shape.points)).unwrap();
+            (mesh, operators)
+        };
+        shapes.map(surface).into()
+    }
+
+    /// Inner vertices, `count` different ones.
+    fn scattered(mesh: &Mesh, count: usize, seed: usize) -> Vec<VertexId> {
+        let inner: Vec<VertexId> = mesh.vertices().filter(|&v| !mesh.is_boundary_vertex(v)).collect();
+        (0..count).map(|k| inner[(k * inner.len() / count + seed) % inner.len()]).collect()
+    }
+
+    fn relative(a: f64, b: f64) -> f64 {
+        (a - b).abs() / (1.0 + b.abs())
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(12))]
+
+        #[test]
+        fn the_predicted_norm_is_that_of_the_log_scale_factor(count in 1usize..12, seed in 0usize..700) {
+            for (mesh, operators) in surfaces() {
+                let cones = scattered(&mesh, count, seed);
+                let mut reduced = Reduced::new(&operators, &mesh);
+                reduced.add(&cones);
+                let set = reduced.fit(&cones);
+                let u = reduced.log_scale(&cones, &set.curvature);
+                prop_assert!(relative(set.energy, operators.inner(&u, &u)) < 1e-10);
+            }
+        }
+
+        #[test]
+        fn curvatures_are_the_optimal_ones(count in 3usize..12, seed in 0usize..700) {
+            for (mesh, operators) in surfaces() {
+                let cones = scattered(&mesh, count, seed);
+                let mut reduced = Reduced::new(&operators, &mesh);
+                reduced.add(&cones);
+                let set = reduced.fit(&cones);
+                let Ok(optimal) = cone_curvatures(&operators, &mesh, &cones, Angles::Optimal) else {
+                    prop_assert!(set.shortfall > 0.0);
+                    continue;
+                };
+                let norm = operators.inner(&optimal.predicted, &optimal.predicted);
+                prop_assert!(relative(set.energy, norm) < 1e-9);
+                if let Some(total) = reduced.total() {
+                    prop_assert!((set.curvature.iter().sum::<f64>() - total).abs() < 1e-11);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn products_are_those_of_green_s_functions() {
+        for (mesh, operators) in surfaces() {
+            let cones = scattered(&mesh, 5, 11);
+            let mut reduced = Reduced::new(&operators, &mesh);
+            cones.iter().for_each(|&v| reduced.add(&[v]));
+            let mut green = operators.green(&cones);
+            green.iter_mut().for_each(|g| operators.centre(g));
+            for (&v, g) in cones.iter().zip(&green) {
+                assert!(relative(reduced.linear()[v], operators.inner(g, reduced.flattening())) < 1e-11);
+                for (&x, other) in cones.iter().zip(&green) {
+                    let product = operators.inner(g, other);
+                    assert!(relative(reduced.product(v, x), product) < 1e-11);
+                    assert!(
+                        (f64::from(reduced.column(v)[x.0 as usize]) - product).abs() < 1e-6 * product.abs().max(1e-3)
+                    );
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn what_cannot_take_the_curvature_says_by_how_much() {
+        let (mesh, operators) = surfaces().swap_remove(0);
+        let mut reduced = Reduced::new(&operators, &mesh);
+        assert!((reduced.fit(&[]).shortfall - 4.0 * PI).abs() < 1e-9);
+        let cones = scattered(&mesh, 2, 0);
+        reduced.add(&cones);
+        let pair = reduced.fit(&cones);
+        assert!((pair.shortfall - 0.02 * PI).abs() < 1e-6, "two cones of at most 1.99π miss 4π by 0.02π");
+    }
+
+    #[test]
+    fn a_vertex_is_solved_for_once() {
+        let (mesh, operators) = surfaces().swap_remove(2);
+        let mut reduced = Reduced::new(&operators, &mesh);
+        let cones = scattered(&mesh, 20, 3);
+        reduced.add(&[&cones[..], &cones[..]].concat());
+        reduced.add(&cones);
+        assert_eq!(reduced.pool(), cones);
+    }
+}

@@ -1,0 +1,362 @@
+//! What it would bring to move any one cone to any vertex, from the columns of the reduced model alone.
+//!
+//! Take the cones' best curvatures q, F those between their bounds, and K⁻¹ the inverse of their optimality conditions,
+//! [[H_FF, 1], [1ᵀ, 0]] (with a boundary H_FF alone). For a vertex v let T = [h_F(v) 1] K⁻¹, r the energy's gradient at v,
+//! and s = |g_v|² with what the free cones span projected out. Without the free cone i, κ = K⁻¹_ii, the energy is q_i²/κ more,
+//! and r and s turn into r - q_i T_i/κ and s + T_i²/κ; a curvature t at v then changes it by 2 r t + s t², least at
+//! t = -r/s between v's bounds. A cone i at a bound is taken away at its fixed curvature. This is exact as long as the
+//! cones at bounds stay the same.
+//!
+//! s is known in the pool. Elsewhere it follows from the distance d to the nearest free cone, on the surface scaled to
+//! area 1, as for Green's function of the bilaplacian in the plane: s = d²/4π · max(log(R/d), ½), with R = 0.9/√|F|.
+//! Without this norm cones would crowd.
+
+use std::f64::consts::PI;
+
+use geom::{Id, ShortestPaths, VertexData, VertexId};
+
+use crate::crowd::Crowd;
+use crate::dense;
+use crate::fit::Held;
+use crate::reduced::{Fitted, Reduced};
+
+/// The largest steps that a descent along edges takes.
+const LONGEST_DESCENT: usize = 200;
+
+/// A change of a set of cones: what it is estimated to do to the energy, which cone leaves, and who comes.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Swap {
+    pub(crate) change: f64,
+    pub(crate) leaving: usize,
+    pub(crate) coming: VertexId,
+}
+
+/// The table for one set of cones; see the module's head.
+pub(crate) struct SwapTable<'a> {
+    reduced: &'a Reduced<'a>,
+    set: &'a Fitted,
+    column: Vec<&'a [f32]>,
+    /// The places in the set of cones that are between their bounds.
+    free: Vec<usize>,
+    clamped: Vec<Clamped>,
+    /// K⁻¹, row by row.
+    inverse: Vec<f64>,
+    order: usize,
+    /// The sum of the lower bounds without relaxing them, less what the curvatures must sum to.
+    slack: f64,
+}
+
+/// A cone whose curvature is at a bound.
+struct Clamped {
+    place: usize,
+    /// What taking it away at its curvature does to the energy.
+    base: f64,
+    /// K⁻¹ [h_F(c) 1].
+    response: Vec<f64>,
+}
+
+/// Room for the numbers of one vertex.
+#[derive(Default)]
+pub(crate) struct Row {
+    /// H between the vertex and each cone.
+    product: Vec<f64>,
+    /// T
+    response: Vec<f64>,
+    /// What moving each cone to the vertex changes.
+    pub(crate) change: Vec<f64>,
+}
+
+impl<'a> SwapTable<'a> {
+    pub(crate) fn new(reduced: &'a Reduced<'a>, set: &'a Fitted) -> Self {
+        let n = set.cones.len();
+        let mut free: Vec<usize> = (0..n).filter(|&i| set.held[i] == Held::Free).collect();
+        if free.is_empty() && reduced.total().is_some() {
+            free = (0..n).collect();
+        }
+        let order = free.len() + usize::from(reduced.total().is_some());
+        let mut table = Self {
+            reduced,
+            column: set.cones.iter().map(|&c| reduced.column(c)).collect(),
+            clamped: Vec::new(),
+            inverse: Vec::new(),
+            slack: set.cones.iter().map(|&c| reduced.bounds(c, n)[0]).sum::<f64>() - reduced.total().unwrap_or(0.0),
+            set,
+            free,
+            order,
+        };
+        table.inverse = table.inverse_conditions();
+        table.clamped = (0..n).filter(|i| !table.free.contains(i)).map(|i| table.clamp(i)).collect();
+        table
+    }
+
+    /// K⁻¹, with a ridge so small that it only matters where cones coincide.
+    fn inverse_conditions(&self) -> Vec<f64> {
+        let cone = |i: usize| self.set.cones[self.free[i]];
+        let mut conditions = vec![0.0; self.order * self.order];
+        for i in 0..self.free.len() {
+            for j in 0..self.free.len() {
+                conditions[i * self.order + j] = self.reduced.product(cone(i), cone(j));
+            }
+            conditions[i * self.order + i] *= 1.0 + 1e-12;
+            if self.free.len() < self.order {
+                conditions[i * self.order + self.free.len()] = 1.0;
+                conditions[self.free.len() * self.order + i] = 1.0;
+            }
+        }
+        dense::invert(conditions, self.order).unwrap_or_else(|| vec![0.0; self.order * self.order])
+    }
+
+    fn clamp(&self, place: usize) -> Clamped {
+        let cone = self.set.cones[place];
+        let mut row = Row::default();
+        self.respond(&mut row, |c| self.reduced.product(cone, c));
+        let q = self.set.curvature[place];
+        let gradient = self.gradient(cone, &row);
+        let base = -2.0 * q * gradient + q * q * self.exact_norm(cone, &row);
+        Clamped { place, base, response: row.response }
+    }
+
+    /// Fills in the products and T of a vertex.
+    fn respond(&self, row: &mut Row, product: impl Fn(VertexId) -> f64) {
+        row.product.clear();
+        row.product.extend(self.set.cones.iter().map(|&c| product(c)));
+        self.apply_inverse(row);
+    }
+
+    fn apply_inverse(&self, row: &mut Row) {
+        row.response.clear();
+        match self.free.len() < self.order {
+            true => row.response.extend_from_slice(&self.inverse[self.free.len() * self.order..]),
+            false => row.response.resize(self.order, 0.0),
+        }
+        for (k, &i) in self.free.iter().enumerate() {
+            let product = row.product[i];
+            let inverse = &self.inverse[k * self.order..(k + 1) * self.order];
+            row.response.iter_mut().zip(inverse).for_each(|(t, entry)| *t += product * entry);
+        }
+    }
+
+    /// r
+    fn gradient(&self, v: VertexId, row: &Row) -> f64 {
+        let products = row.product.iter().zip(&self.set.curvature).map(|(h, q)| h * q).sum::<f64>();
+        self.reduced.linear()[v] + products + self.set.multiplier
+    }
+
+    /// s of a member of the pool.
+    fn exact_norm(&self, v: VertexId, row: &Row) -> f64 {
+        self.reduced.product(v, v) - self.projection(&row.response, row)
+    }
+
+    /// [h_F(v) 1] · x
+    fn projection(&self, x: &[f64], row: &Row) -> f64 {
+        let products: f64 = self.free.iter().zip(x).map(|(&i, x)| row.product[i] * x).sum();
+        products + x.get(self.free.len()).unwrap_or(&0.0)
+    }
+
+    /// What moving each cone to a member of the pool changes.
+    pub(crate) fn fill_for_member(&self, v: VertexId, row: &mut Row) {
+        self.respond(row, |c| self.reduced.product(v, c));
+        self.fill(v, self.exact_norm(v, row).max(0.0), row);
+    }
+
+    /// What moving each cone to any vertex changes, with s given.
+    pub(crate) fn fill_for_vertex(&self, v: VertexId, norm: f64, row: &mut Row) {
+        row.product.clear();
+        row.product.extend(self.column.iter().map(|h| f64::from(h[v.index()])));
+        self.apply_inverse(row);
+        self.fill(v, norm, row);
+    }
+
+    fn fill(&self, v: VertexId, norm: f64, row: &mut Row) {
+        let q = &self.set.curvature;
+        let [low, high] = self.reduced.bounds(v, q.len());
+        let gradient = self.gradient(v, row);
+        let best = |base: f64, gradient: f64, norm: f64| {
+            let t = (-gradient / norm.max(f64::MIN_POSITIVE)).clamp(low, high);
+            base + t * (2.0 * gradient + t * norm)
+        };
+        row.change.clear();
+        row.change.resize(q.len(), 0.0);
+        for (k, &i) in self.free.iter().enumerate() {
+            let kappa = self.inverse[k * self.order + k].max(f64::MIN_POSITIVE);
+            let t = row.response[k] / kappa;
+            row.change[i] = best(q[i] * q[i] / kappa, gradient - q[i] * t, norm + t * row.response[k]);
+        }
+        for clamped in &self.clamped {
+            let i = clamped.place;
+            let covariance = row.product[i] - self.projection(&clamped.response, row);
+            row.change[i] = best(clamped.base, gradient - q[i] * covariance, norm);
+        }
+        if self.reduced.total().is_some() {
+            self.add_shortfall(low, &mut row.change);
+        }
+    }
+
+    /// Adds the price of what the cones would lack.
+    fn add_shortfall(&self, low: f64, change: &mut [f64]) {
+        for (change, &cone) in change.iter_mut().zip(&self.set.cones) {
+            let after = self.slack + low - self.reduced.bounds(cone, self.set.cones.len())[0];
+            *change += self.reduced.price() * (after.max(0.0) - self.slack.max(0.0));
+        }
+    }
+
+    /// What taking a cone away changes.
+    pub(crate) fn removal(&self, place: usize) -> f64 {
+        let q = self.set.curvature[place];
+        match self.free.iter().position(|&i| i == place) {
+            Some(k) => q * q / self.inverse[k * self.order + k].max(f64::MIN_POSITIVE),
+            None => self.clamped.iter().find(|c| c.place == place).map_or(0.0, |c| c.base),
+        }
+    }
+
+    /// For each cone the best vertex to move it to, and the end of a descent from it along edges; the best first.
+    pub(crate) fn proposals(&self) -> Vec<Swap> {
+        let crowd = Crowd::new(self.reduced, &self.set.cones);
+        let norms = norms(self.reduced, self.set);
+        let mut best: Vec<Option<Swap>> = vec![None; self.set.cones.len()];
+        let mut row = Row::default();
+        for v in self.reduced.operators().mesh.vertices().filter(|&v| crowd.is_open(v)) {
+            self.fill_for_vertex(v, norms[v], &mut row);
+            for (leaving, &change) in row.change.iter().enumerate() {
+                if best[leaving].is_none_or(|best| change < best.change) && crowd.admits(v, leaving) {
+                    best[leaving] = Some(Swap { change, leaving, coming: v });
+                }
+            }
+        }
+        let descents = (0..self.set.cones.len()).map(|leaving| self.descend(leaving, &crowd, &norms, &mut row));
+        let mut proposals: Vec<Swap> = best.into_iter().flatten().chain(descents).collect();
+        proposals.sort_by(|a, b| a.change.total_cmp(&b.change));
+        proposals
+    }
+
+    /// Walks from a cone along edges as long as that lowers the energy.
+    fn descend(&self, leaving: usize, crowd: &Crowd, norms: &VertexData<f64>, row: &mut Row) -> Swap {
+        let mesh = &self.reduced.operators().mesh;
+        let mut at = Swap { change: 0.0, leaving, coming: self.set.cones[leaving] };
+        for _ in 0..LONGEST_DESCENT {
+            let before = at.coming;
+            for &v in mesh.neighbors(before).iter().filter(|&&v| crowd.admits(v, leaving)) {
+                self.fill_for_vertex(v, norms[v], row);
+                if row.change[leaving] < at.change {
+                    at = Swap { change: row.change[leaving], leaving, coming: v };
+                }
+            }
+            if at.coming == before {
+                break;
+            }
+        }
+        at
+    }
+}
+
+/// s at every vertex, estimated from distances along edges.
+pub(crate) fn norms(reduced: &Reduced, set: &Fitted) -> VertexData<f64> {
+    let operators = reduced.operators();
+    let free = set.cones.iter().zip(&set.held).filter(|(_, held)| **held == Held::Free).map(|(&c, _)| c);
+    let cones: Vec<VertexId> = if set.held.contains(&Held::Free) { free.collect() } else { set.cones.clone() };
+    let boundary = operators.mesh.vertices().filter(|&v| operators.mesh.is_boundary_vertex(v));
+    let sources = cones.iter().copied().chain(boundary).map(|v| (v, 0));
+    let paths = ShortestPaths::new(&operators.mesh, operators.metric.lengths(), sources);
+    let parts = cones.len() + usize::from(operators.is_bordered());
+    let radius = 0.9 / (parts.max(1) as f64).sqrt();
+    let norm = |d: &f64| {
+        let d = (d * reduced.unit()).min(1e3);
+        d * d / (4.0 * PI) * if d > 0.0 { (radius / d).ln().max(0.5) } else { 0.0 }
+    };
+    paths.distance.iter().map(norm).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::operators::Operators;
+    use geom::{Mesh, Metric, shapes};
+
+    fn prepare(shape: &shapes::Shape) -> (Mesh, Operators) {
+        let mesh = shape.mesh();
+        let operators = Operators::new(&mesh, &Metric::from_points(&mesh, &shape.points)).unwrap();
+        (mesh, operators)
+    }
+
+    /// Every so many inner vertices.
+    fn every(mesh: &Mesh, step: usize) -> Vec<VertexId> {
+        mesh.vertices().filter(|&v| !mesh.is_boundary_vertex(v)).step_by(step).collect()
+    }
+
+    #[test]
+    fn the_table_is_what_a_new_fit_says_where_the_same_cones_are_at_bounds() {
+        let mut compared = [0; 2];
+        for shape in [shapes::hare(1200), shapes::torus(2, 1200), shapes::terrain(900, 3)] {
+            let (mesh, operators) = prepare(&shape);
+            let pool = every(&mesh, 29);
+            let mut reduced = Reduced::new(&operators, &mesh);
+            reduced.add(&pool);
+            let set = reduced.fit(&pool[..pool.len() / 2]);
+            let table = SwapTable::new(&reduced, &set);
+            let mut row = Row::default();
+            for &coming in &pool[pool.len() / 2..] {
+                table.fill_for_member(coming, &mut row);
+                for leaving in 0..set.cones.len() {
+                    let mut cones = set.cones.clone();
+                    cones[leaving] = coming;
+                    let after = reduced.fit(&cones);
+                    let others = |i: &usize| *i != leaving;
+                    let same = (0..cones.len()).filter(others).all(|i| after.held[i] == set.held[i]);
+                    let change = after.energy - set.energy;
+                    if same && after.shortfall == 0.0 && set.shortfall == 0.0 {
+                        assert!((row.change[leaving] - change).abs() < 1e-6 * (1.0 + set.energy));
+                        compared[usize::from(set.held[leaving] != Held::Free)] += 1;
+                    }
+                }
+            }
+        }
+        assert!(compared[0] > 500 && compared[1] > 5, "{compared:?} free and clamped cones were compared");
+    }
+
+    #[test]
+    fn a_removal_costs_what_a_new_fit_says() {
+        let (mesh, operators) = prepare(&shapes::hare(1200));
+        let pool = every(&mesh, 90);
+        let mut reduced = Reduced::new(&operators, &mesh);
+        reduced.add(&pool);
+        let set = reduced.fit(&pool);
+        let table = SwapTable::new(&reduced, &set);
+        for place in 0..pool.len() {
+            let mut cones = pool.clone();
+            cones.remove(place);
+            let after = reduced.fit(&cones);
+            let same = (0..cones.len()).all(|i| after.held[i] == set.held[i + usize::from(i >= place)]);
+            if same {
+                assert!((table.removal(place) - (after.energy - set.energy)).abs() < 1e-8 * (1.0 + set.energy));
+            }
+        }
+    }
+
+    #[test]
+    fn moving_a_cone_to_where_it_is_changes_nothing() {
+        let (mesh, operators) = prepare(&shapes::hare(1200));
+        let pool = every(&mesh, 150);
+        let mut reduced = Reduced::new(&operators, &mesh);
+        reduced.add(&pool);
+        let set = reduced.fit(&pool);
+        let table = SwapTable::new(&reduced, &set);
+        let mut row = Row::default();
+        for (place, &cone) in pool.iter().enumerate().filter(|(i, _)| set.held[*i] == Held::Free) {
+            table.fill_for_member(cone, &mut row);
+            assert!(row.change[place].abs() < 1e-6 * (1.0 + set.energy));
+        }
+    }
+
+    #[test]
+    fn norms_grow_with_the_distance_and_vanish_at_cones() {
+        let (mesh, operators) = prepare(&shapes::hare(1200));
+        let pool = every(&mesh, 100);
+        let mut reduced = Reduced::new(&operators, &mesh);
+        reduced.add(&pool);
+        let set = reduced.fit(&pool);
+        let norms = norms(&reduced, &set);
+        let free = pool.iter().zip(&set.held).filter(|(_, held)| **held == Held::Free);
+        assert!(free.clone().count() > 0 && free.clone().all(|(&v, _)| norms[v] == 0.0));
+        assert!(mesh.vertices().filter(|v| !pool.contains(v)).all(|v| norms[v] > 0.0 && norms[v] < 1.0));
+    }
+}

@@ -1,0 +1,8 @@
+//! The command `cones` as a user runs it.
+//!
+//! These tests live here and not with those across crates because cargo builds a program for the tests of its own package
+//! only.
+
+mod fields;
+mod folder;
+mod unwrapping;

@@ -1,0 +1,4 @@
+//! Any bytes as a PLY file.
+#![no_main]
+
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| tests::properties::reading(bytes, "a.ply"));

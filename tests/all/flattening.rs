@@ -1,0 +1,117 @@
+//! The laws of the flattened surface.
+
+use cones::{ConeChoice, Method, Options};
+use geom::shapes::{self, Shape};
+use proptest::prelude::*;
+use tests::oracle::check_map;
+use tests::{properties, solids};
+
+use crate::{bytes, cases};
+
+proptest! {
+    #![proptest_config(cases(96))]
+
+    #[test]
+    fn cones_flatten_and_seams_turn_by_what_they_enclose(bytes in bytes(120)) {
+        properties::cones_flatten(&bytes);
+    }
+
+    #[test]
+    fn where_every_vertex_is_a_cone_the_surface_just_unfolds(bytes in bytes(120)) {
+        properties::every_vertex_a_cone_unfolds(&bytes);
+    }
+
+    #[test]
+    fn whatever_is_done_to_a_mesh_its_faces_come_back(bytes in bytes(160)) {
+        properties::insults_unwrap(&bytes);
+    }
+}
+
+/// Asserts what an unwrapped surface in one piece must be: an island that is a disk, oriented everywhere, with seams that
+/// match and no curvature off the cones.
+fn assert_unwraps(name: &str, shape: &Shape, options: &Options) {
+    let model = solids::model(shape).expect("an ordinary shape");
+    let atlas = cones::unwrap(&model, options, &mut |_| {}).unwrap_or_else(|error| panic!("{name}: {error}"));
+    let found = check_map(&model, &atlas);
+    assert_eq!((found.flipped, found.degenerate, found.torn), (0, 0, 0), "{name}: {:?}", atlas.warnings);
+    assert_eq!(found.euler, [1], "{name}: one island, a disk");
+    assert!(found.seam_mismatch < 1e-6, "{name}: {found:?}");
+    assert!(found.curvature < 1e-6, "{name}: {found:?}");
+}
+
+#[test]
+fn every_built_in_shape_unwraps_without_flips() {
+    for name in shapes::NAMES {
+        let shape = shapes::by_name(name, 2500).expect("a name from the list");
+        for method in [Method::Persistence, Method::Alternating] {
+            let options = Options { cones: ConeChoice::Count(8), method, ..Options::default() };
+            assert_unwraps(name, &shape, &options);
+        }
+    }
+}
+
+#[test]
+fn every_genus_with_every_number_of_boundaries_unwraps() {
+    for genus in 0..=4 {
+        for boundaries in 0..=3 {
+            let shape = solids::refined(&solids::refined(&solids::slab(genus, boundaries)));
+            let options = Options { cones: ConeChoice::Count(12), ..Options::default() };
+            assert_unwraps(&format!("genus {genus} with {boundaries} boundaries"), &shape, &options);
+        }
+    }
+}
+
+#[test]
+fn developable_cones_are_laid_out_as_they_are() {
+    for (shape, angle) in [(shapes::cone(5, 800), 5.0), (shapes::saddle_cone(800), 8.0)] {
+        let curvature = std::f64::consts::FRAC_PI_3 * (6.0 - angle);
+        let model = solids::model(&shape).expect("an ordinary shape");
+        let mesh = shape.mesh();
+        let defects = geom::angle_defects(&mesh, &geom::Metric::from_points(&mesh, &shape.points));
+        let is_apex = |&v: &geom::VertexId| !mesh.is_boundary_vertex(v) && (defects[v] - curvature).abs() < 1e-9;
+        let apex = mesh.vertices().find(is_apex).expect("the apex has all the curvature").0;
+        for given in [Some(curvature), None] {
+            let options = Options { cones: ConeChoice::Given(vec![(apex, given)]), ..Options::default() };
+            let atlas = cones::unwrap(&model, &options, &mut |_| {}).expect("it is flat already");
+            let found = check_map(&model, &atlas);
+            assert!(found.stretch < 1e-9, "{found:?}");
+            assert_eq!((found.flipped, found.euler), (0, vec![1]));
+        }
+    }
+}
+
+#[test]
+fn flat_shapes_without_cones_keep_every_length() {
+    for name in ["disk", "square", "cylinder"] {
+        let shape = shapes::by_name(name, 500).expect("a name from the list");
+        let model = solids::model(&shape).expect("an ordinary shape");
+        let options = Options { cones: ConeChoice::Count(0), ..Options::default() };
+        let atlas = cones::unwrap(&model, &options, &mut |_| {}).expect("it is flat already");
+        let found = check_map(&model, &atlas);
+        assert!(found.stretch < 1e-9 && atlas.cones.is_empty(), "{name}: {found:?}");
+    }
+}
+
+#[test]
+fn a_surface_of_genus_zero_gets_three_cones_where_fewer_are_asked_for() {
+    let shape = solids::bumpy_sphere(3);
+    let model = solids::model(&shape).expect("an ordinary shape");
+    for count in 0..3 {
+        let options = Options { cones: ConeChoice::Count(count), ..Options::default() };
+        let atlas = cones::unwrap(&model, &options, &mut |_| {}).expect("with three cones");
+        assert_eq!(atlas.cones.len(), 3);
+        assert!(!atlas.warnings.is_empty(), "and the user is told");
+    }
+}
+
+#[test]
+fn curvatures_sum_to_what_the_topology_asks_for() {
+    for (genus, euler) in [(0, 2.0), (1, 0.0), (2, -2.0), (3, -4.0)] {
+        let shape = solids::refined(&solids::refined(&solids::slab(genus, 0)));
+        let model = solids::model(&shape).expect("an ordinary shape");
+        let options = Options { cones: ConeChoice::Count(10), ..Options::default() };
+        let atlas = cones::unwrap(&model, &options, &mut |_| {}).expect("it unwraps");
+        let total: f64 = atlas.cones.iter().map(|cone| cone.curvature).sum();
+        assert!((total - std::f64::consts::TAU * euler).abs() < 1e-9, "genus {genus}: {total}");
+    }
+}

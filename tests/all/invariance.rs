@@ -1,0 +1,103 @@
+//! What must not matter: size, place, turning, the order of faces, being run again.
+
+use cones::{Atlas, ConeChoice, Method, Options};
+use geom::shapes::{self, Shape};
+use tests::solids;
+
+/// How far a map may be from similar to another one, relative to its extent, where the coordinates are rounded otherwise:
+/// f64 keeps sixteen digits, and a move by 1e3 sizes before the scaling costs three of them.
+const SIMILAR: f64 = 1e-8;
+
+fn unwrapped(shape: &Shape, method: Method) -> Atlas {
+    let model = solids::model(shape).expect("an ordinary shape");
+    let options = Options { cones: ConeChoice::Count(8), method, ..Options::default() };
+    cones::unwrap(&model, &options, &mut |_| {}).expect("it unwraps")
+}
+
+fn vertices(atlas: &Atlas) -> Vec<u32> {
+    atlas.cones.iter().map(|cone| cone.vertex).collect()
+}
+
+/// The largest distance of a corner from where the similarity that fits best takes it, relative to the extent.
+fn difference(from: &[[f64; 2]], to: &[[f64; 2]]) -> f64 {
+    let centre = |uv: &[[f64; 2]]| [0, 1].map(|k| uv.iter().map(|p| p[k]).sum::<f64>() / uv.len() as f64);
+    let (c, d) = (centre(from), centre(to));
+    let centred = || from.iter().zip(to).map(|(p, q)| ([p[0] - c[0], p[1] - c[1]], [q[0] - d[0], q[1] - d[1]]));
+    let square: f64 = centred().map(|(p, _)| p[0] * p[0] + p[1] * p[1]).sum();
+    let re = centred().map(|(p, q)| p[0] * q[0] + p[1] * q[1]).sum::<f64>() / square;
+    let im = centred().map(|(p, q)| p[0] * q[1] - p[1] * q[0]).sum::<f64>() / square;
+    let off = centred().map(|(p, q)| (re * p[0] - im * p[1] - q[0]).hypot(im * p[0] + re * p[1] - q[1]));
+    let extent = centred().map(|(_, q)| q[0].hypot(q[1])).fold(0.0, f64::max);
+    off.fold(0.0, f64::max) / extent
+}
+
+/// A closed and a bordered shape without symmetries, so that no tie is broken by rounding.
+fn shapes_without_symmetry() -> [Shape; 3] {
+    [solids::bumpy_sphere(4), shapes::terrain(1500, 5), bent(&solids::torus(24, 12))]
+}
+
+fn bent(shape: &Shape) -> Shape {
+    solids::mapped(shape, |[x, y, z]| [x + 0.2 * y * y + 0.1 * z, y * (1.3 + 0.3 * x), z * (1.0 - 0.2 * y) + 0.1 * x])
+}
+
+#[test]
+fn size_place_and_turning_change_neither_cones_nor_the_map() {
+    let (sin, cos) = 0.7_f64.sin_cos();
+    for shape in shapes_without_symmetry() {
+        for method in [Method::Persistence, Method::Alternating] {
+            let plain = unwrapped(&shape, method);
+            for size in [1e-5, 1e-2, 3.0, 1e5] {
+                let moved = solids::mapped(&shape, |[x, y, z]| {
+                    let [x, y] = [cos * x - sin * y, sin * x + cos * y];
+                    let [y, z] = [cos * y - sin * z, sin * y + cos * z];
+                    [size * (x + 900.0), size * (y - 500.0), size * (z + 20.0)]
+                });
+                let other = unwrapped(&moved, method);
+                assert_eq!(vertices(&other), vertices(&plain), "the same cones at size {size}");
+                for (a, b) in other.cones.iter().zip(&plain.cones) {
+                    assert!((a.curvature - b.curvature).abs() < SIMILAR);
+                }
+                let off = difference(&plain.uv, &other.uv);
+                assert!(off < SIMILAR, "at size {size} the map is off by {off:e}");
+            }
+        }
+    }
+}
+
+#[test]
+fn the_order_of_faces_and_their_corners_does_not_matter() {
+    for shape in shapes_without_symmetry() {
+        let plain = unwrapped(&shape, Method::Persistence);
+        let count = shape.triangles.len();
+        // A step without common divisor goes through all of them.
+        let step = (count / 3..).find(|&step| gcd(step, count) == 1).expect("a prime");
+        let order: Vec<usize> = (0..count).map(|k| (k * step + 5) % count).collect();
+        let turned = |&f: &usize| {
+            let mut t = shape.triangles[f];
+            t.rotate_left(f % 3);
+            t
+        };
+        let shuffled = Shape { points: shape.points.clone(), triangles: order.iter().map(turned).collect() };
+        let other = unwrapped(&shuffled, Method::Persistence);
+        assert_eq!(vertices(&other), vertices(&plain));
+        let corner = |k: usize| [0, 1, 2].map(|j| other.uv[3 * k + (j + 3 - order[k] % 3) % 3]);
+        let mut back = vec![[0.0; 2]; 3 * count];
+        (0..count).for_each(|k| back[3 * order[k]..3 * order[k] + 3].copy_from_slice(&corner(k)));
+        let off = difference(&plain.uv, &back);
+        assert!(off < SIMILAR, "the map is off by {off:e}");
+    }
+}
+
+fn gcd(a: usize, b: usize) -> usize {
+    if b == 0 { a } else { gcd(b, a % b) }
+}
+
+#[test]
+fn the_same_input_gives_the_same_bits() {
+    for shape in shapes_without_symmetry() {
+        let [first, second] = [0, 1].map(|_| unwrapped(&shape, Method::Persistence));
+        assert_eq!(first.uv, second.uv);
+        assert_eq!(first.cones, second.cones);
+        assert_eq!(first.seams, second.seams);
+    }
+}
