@@ -1,4 +1,3 @@
-//! What holds across the crates.
 //! What holds across the crates, one module a subject.
 
 mod corpus;
