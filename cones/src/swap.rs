@@ -211,7 +211,7 @@ impl<'a> SwapTable<'a> {
 
     /// For each cone the best vertex to move it to, and the end of a descent from it along edges; the best first.
     pub(crate) fn proposals(&self) -> Vec<Swap> {
-        let crowd = Crowd::new(self.reduced, &self.set.cones);
+        let crowd = Crowd::new(self.reduced.operators(), &self.set.cones);
         let norms = norms(self.reduced, self.set);
         let mut best: Vec<Option<Swap>> = vec![None; self.set.cones.len()];
         let mut row = Row::default();
