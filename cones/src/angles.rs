@@ -2,7 +2,7 @@
 //!
 //! *Harmonic* curvatures are those of the conformal factor pinned to 0 at all cones, as in [BCGB08] and the paper.
 //! *Optimal* ones make the L2 norm of the log scale factor least, under bounds that keep the cones buildable: the linear
-//! log scale factor is u = p + Σ q_c g_c, with p the flattening of everything and g_c Green's function of cone c, so that
+//! log scale factor is `u = p + Σ q_c g_c`, with p the flattening of everything and `g_c` Green's function of cone c, so that
 //! |u|² is a quadratic function of the curvatures q (a small dense program, [`fit`](crate::fit)).
 //!
 //! A cone's angle is θ = 2π - k. Bounds: k at most 1.5π (less than 2π is needed, and near it the metric degenerates); k at
@@ -120,7 +120,7 @@ pub fn cone_curvatures(
     let mut out_of_bounds = Vec::new();
     if angles == Angles::Harmonic {
         if let Some(curvature) = harmonic(operators, cones, &flattening, &green) {
-            let outside = |k: f64| !(k < 2.0 * PI - 0.02);
+            let outside = |k: f64| k.is_nan() || k >= 2.0 * PI - 0.02;
             out_of_bounds = cones
                 .iter()
                 .zip(&curvature)

@@ -115,7 +115,7 @@ impl Operators {
         self.curvature.iter().map(|k| mean - k).collect()
     }
 
-    /// The log scale factors g_v that a unit of curvature at each given vertex causes (Green's functions): on a closed
+    /// The log scale factors `g_v` that a unit of curvature at each given vertex causes (Green's functions): on a closed
     /// surface taken away evenly from all vertices.
     pub(crate) fn green(&self, vertices: &[VertexId]) -> Vec<VertexData<f64>> {
         let n = self.mesh.vertex_count();

@@ -1,6 +1,6 @@
 //! The conformal factor pinned to 0 at cones, for sets of cones that grow, on one factorization.
 //!
-//! With Green's functions g_c and the flattening p, φ = p + Σ k_c g_c + s vanishes at the cones S for the curvatures k of
+//! With Green's functions `g_c` and the flattening p, `φ = p + Σ k_c g_c + s` vanishes at the cones S for the curvatures k of
 //! the small dense system
 //!
 //! ```text
@@ -8,7 +8,7 @@
 //! ```
 //!
 //! and it is what solving the Laplacian with the cones pinned gives, which takes a new factorization for each set. A new
-//! cone adds a row to G_SS, so only the values of Green's functions at cones are kept.
+//! cone adds a row to `G_SS`, so only the values of Green's functions at cones are kept.
 
 use geom::{VertexData, VertexId};
 
