@@ -8,7 +8,7 @@ use std::path::Path;
 use std::time::Instant;
 
 use cones::{Angles, ConeChoice, ConeHierarchy, ConformalFactor, Layout, Method, Operators, Options, Seams};
-use geom::{Metric, Model, Poisson, Surface, VertexData, VertexId, laplacian, prepare, shapes};
+use geom::{Model, Poisson, Surface, VertexData, VertexId, laplacian, prepare, shapes};
 
 const RUNS: usize = 5;
 const CONES: usize = 16;

@@ -1,6 +1,6 @@
 //! Metric scaling: the discretely conformal metric with prescribed curvature.
 //!
-//! Given the target curvature k_c at each cone and 0 elsewhere, find log scale factors u such that the metric
+//! Given the target curvature `k_c` at each cone and 0 elsewhere, find log scale factors u such that the metric
 //! `l_ij e^((u_i + u_j)/2)` has it, u held at given values on the boundary. The u minimise a convex energy with gradient
 //! K^T - K(u) and Hessian L(u), the cotangent Laplacian of the scaled metric (Springborn, Schröder & Pinkall 2008), when
 //! the triangulation is kept Delaunay by Ptolemaic flips (Gu, Luo, Sun & Wu 2018; Springborn 2020; Gillespie, Springborn &
@@ -68,6 +68,21 @@ pub struct Scaling {
     pub error: f64,
     /// Whether the input's lengths had to be mollified.
     pub mollified: bool,
+}
+
+impl Scaling {
+    /// No scaling: the metric as it is, with the curvature that it has.
+    pub(crate) fn none(mesh: &Mesh, metric: &Metric) -> Self {
+        Self {
+            u: VertexData::constant(mesh.vertex_count(), 0.0),
+            triangulation: mesh.triangulation().clone(),
+            metric: metric.clone(),
+            flips: Vec::new(),
+            steps: 0,
+            error: 0.0,
+            mollified: false,
+        }
+    }
 }
 
 /// Scales a surface to the given curvature (by vertex, used off the boundary), with u on the boundary as in `boundary`
@@ -214,7 +229,7 @@ impl Newton<'_> {
         error: f64,
         vertex: VertexId,
     ) -> Result<Scaling, ScalingError> {
-        if !(error <= ACCURACY) {
+        if error.is_nan() || error > ACCURACY {
             return Err(ScalingError::Stuck { error, vertex });
         }
         let State { triangulation, flips, mollified, .. } = state;

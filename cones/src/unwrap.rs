@@ -2,7 +2,9 @@
 
 use std::time::{Duration, Instant};
 
-use geom::{EdgeData, Id, Metric, Model, Prepared, Surface, VertexData, VertexId, prepare};
+use geom::{
+    EdgeData, Id, Metric, Model, PoissonError, Prepared, Surface, VertexData, VertexId, angle_defects, prepare,
+};
 use topo::Extremum;
 
 use crate::angles::{AnglesError, ConeCurvatures, cone_curvatures, least_cones};
@@ -22,6 +24,8 @@ use crate::shelf::Shelf;
 const DEFAULT_CONES: usize = 8;
 /// A set of cones that cannot be flattened is enlarged so many times before the surface is given up.
 const MAX_ATTEMPTS: usize = 8;
+/// What is said where lengths were mollified.
+const MOLLIFIED: &str = "edges were lengthened by up to 1e-4 of their mean, because of needle triangles";
 
 /// Unwraps a model: cones, seams, flattening. `on_stage` hears of each stage as it begins.
 ///
@@ -165,14 +169,22 @@ impl<'a> Run<'a> {
         let (metric, operators) = self.stage(Stage::Factor, |run| {
             let surface = &run.prepared.surfaces[index];
             let metric = surface.metric();
-            Operators::new(&surface.mesh, &metric).map(|operators| (metric, operators))
+            match Operators::new(&surface.mesh, &metric) {
+                Err(PoissonError::NotPositiveDefinite) => {
+                    let metric = metric.mollified(&surface.mesh, Metric::MOLLIFICATION);
+                    let operators = Operators::new(&surface.mesh, &metric);
+                    run.warn(MOLLIFIED.to_owned());
+                    operators.map(|operators| (metric, operators))
+                }
+                operators => operators.map(|operators| (metric, operators)),
+            }
         })?;
         self.stage(Stage::Hierarchy, |run| {
-            let factor = if run.options.smooth {
-                ConformalFactor::smoothed(&operators)?
-            } else {
-                ConformalFactor::new(&operators)
-            };
+            let smoothed = run.options.smooth.then(|| ConformalFactor::smoothed(&operators));
+            if let Some(Err(error)) = &smoothed {
+                run.warn(format!("the curvature could not be diffused ({error}): taking it as it is"));
+            }
+            let factor = smoothed.and_then(Result::ok).unwrap_or_else(|| ConformalFactor::new(&operators));
             let hierarchy = ConeHierarchy::new(&operators, &factor);
             for (v, phi) in factor.phi.iter_ids() {
                 run.found.factor[run.prepared.surfaces[index].vertex[v] as usize] = *phi;
@@ -290,7 +302,7 @@ impl<'a> Run<'a> {
                 if !operators.is_bordered() && (sum - total).abs() > 1e-6 {
                     return Err(Error::CurvatureSum { sum, total });
                 }
-                if let Some(k) = curvature.iter().find(|k| !(**k < 2.0 * std::f64::consts::PI)) {
+                if let Some(k) = curvature.iter().find(|k| k.is_nan() || **k >= 2.0 * std::f64::consts::PI) {
                     return Err(Error::CurvatureTooLarge(*k));
                 }
                 ConeCurvatures::given(operators, cones, curvature)
@@ -319,23 +331,44 @@ impl<'a> Run<'a> {
         Ok(curvatures)
     }
 
-    /// Flattens a surface. Where a set of cones fails, more are taken.
+    /// Flattens a surface. Where a set of cones fails, more are taken, and in the end the surface is unfolded as it is;
+    /// given cones are not replaced.
     fn flatten(&mut self, index: usize, analysed: &Analysed, mut choice: Choice) -> Result<Flat, Error> {
         let mut attempt = 1;
-        loop {
-            let may_grow = matches!(choice, Choice::Count(_)) && attempt < MAX_ATTEMPTS;
-            let (cones, curvatures) = self.choose(index, analysed, &choice)?;
-            let count = cones.len();
-            match self.flatten_with(index, analysed, cones, curvatures) {
-                Err(error) if may_grow => {
+        let error = loop {
+            let (tried, flat) = match self.choose(index, analysed, &choice) {
+                Ok((cones, curvatures)) => (Some(cones.len()), self.flatten_with(index, analysed, cones, curvatures)),
+                Err(error) => (None, Err(error)),
+            };
+            match (flat, tried, &choice) {
+                (Err(error), _, Choice::Count(_)) if attempt == MAX_ATTEMPTS => break error,
+                (Err(error), None, Choice::Count(_)) => break error,
+                (Err(error), Some(count), Choice::Count(_)) => {
                     let more = count + 1 + count / 4;
                     self.warn(format!("{count} cones could not be flattened ({error}): trying {more}"));
                     choice = Choice::Count(more);
                     attempt += 1;
                 }
-                done => return done,
+                (done, _, _) => return done,
             }
-        }
+        };
+        self.warn(format!("a part could not be flattened ({error}): unfolding it with a cone at every vertex"));
+        self.unfold(index, analysed)
+    }
+
+    /// The last resort: with a cone of its own curvature at every inner vertex a metric is flat as it is. Always there, not
+    /// distorted at all, and cut to shreds.
+    fn unfold(&mut self, index: usize, analysed: &Analysed) -> Result<Flat, Error> {
+        let surface = &self.prepared.surfaces[index];
+        let (mesh, metric) = (&surface.mesh, &analysed.metric);
+        let defects = angle_defects(mesh, metric);
+        let inner: Vec<VertexId> = mesh.vertices().filter(|&v| !mesh.is_boundary_vertex(v)).collect();
+        let seams = Seams::new(mesh, &seam_lengths(surface, metric), &inner)?;
+        let scaling = Scaling::none(mesh, metric);
+        let layout = Layout::new(mesh, &scaling, &seams.cut);
+        let curvatures = inner.iter().map(|&v| defects[v]).collect();
+        let cones = inner.into_iter().map(|vertex| Candidate { vertex, extremum: None }).collect();
+        Ok(Flat { cones, curvatures, seams, scaling, layout })
     }
 
     fn flatten_with(
@@ -366,7 +399,7 @@ impl<'a> Run<'a> {
             mend(&surface.mesh, &analysed.metric, &scaling, &is_cone, &mut layout).map(|_| layout)
         })?;
         if scaling.mollified {
-            self.warn("edges were lengthened by up to 1e-4 of their mean, because of needle triangles".to_owned());
+            self.warn(MOLLIFIED.to_owned());
         }
         Ok(Flat { cones, curvatures: curvatures.curvature, seams, scaling, layout })
     }

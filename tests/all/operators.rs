@@ -59,9 +59,11 @@ fn cuts_open_to_a_disk_for_every_genus_and_number_of_boundaries() {
                 let seams = cones::Seams::new(&mesh, &lengths, &cones).expect("two terminals at least");
                 let open = CutMesh::open(&mesh, &seams.cut);
                 assert!(open.is_disk(), "genus {genus}, {boundaries} boundaries, {count} cones");
-                assert!(cones.iter().all(|&v| {
-                    mesh.is_boundary_vertex(v) || geom::edges_at(&mesh, v).any(|(e, _)| seams.cut[e])
-                }));
+                assert!(
+                    cones.iter().all(|&v| {
+                        mesh.is_boundary_vertex(v) || geom::edges_at(&mesh, v).any(|(e, _)| seams.cut[e])
+                    })
+                );
             }
         }
     }
