@@ -39,7 +39,7 @@ fn bench(name: &str, model: &Model) {
     let factor = ConformalFactor::new(&operators);
     let hierarchy = ConeHierarchy::new(&operators, &factor);
     let cones: Vec<VertexId> =
-        hierarchy.cones(&operators, Method::Persistence, CONES).iter().map(|cone| cone.vertex).collect();
+        hierarchy.cones(&operators, mesh, Method::Persistence, CONES).iter().map(|cone| cone.vertex).collect();
     let curvatures =
         cones::cone_curvatures(&operators, mesh, &cones, Angles::Optimal).expect("sixteen cones are enough");
     let mut target = VertexData::constant(mesh.vertex_count(), 0.0);

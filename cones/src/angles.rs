@@ -143,25 +143,6 @@ pub fn cone_curvatures(
     Ok(ConeCurvatures { curvature, predicted, out_of_bounds })
 }
 
-/// The log scale factor that is 0 at all the cones (centred if there are none), with curvature nowhere else.
-pub(crate) fn pinned_factor(operators: &Operators, cones: &[VertexId], green: &[VertexData<f64>]) -> VertexData<f64> {
-    let mut flattening = operators.poisson.solve(&operators.flattening_source());
-    match harmonic(operators, cones, &flattening, green) {
-        Some(curvature) if !cones.is_empty() => {
-            let mut u = combine(&flattening, green, &curvature);
-            if !operators.is_bordered() {
-                let at_cones = u[cones[0]];
-                u.iter_mut().for_each(|u| *u -= at_cones);
-            }
-            u
-        }
-        _ => {
-            operators.centre(&mut flattening);
-            flattening
-        }
-    }
-}
-
 fn centred(
     operators: &Operators,
     mut flattening: VertexData<f64>,
@@ -264,8 +245,6 @@ mod tests {
         let curvature = harmonic(&operators, &cones, &flattening, &green).unwrap();
         let source: Vec<f64> = operators.curvature.iter().map(|k| -k).collect();
         let pinned = Poisson::new(&operators.laplacian, &cones).unwrap().solve(&source);
-        let u = pinned_factor(&operators, &cones, &green);
-        assert!(u.iter().zip(pinned.iter()).all(|(u, pinned)| (u - pinned).abs() < 1e-10));
         for (&v, k) in cones.iter().zip(curvature) {
             let row = operators.laplacian.outer_view(v.0 as usize).unwrap();
             let change: f64 = row.iter().map(|(j, l)| l * pinned[VertexId(j as u32)]).sum();

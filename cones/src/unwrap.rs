@@ -263,7 +263,8 @@ impl<'a> Run<'a> {
         let Analysed { operators, hierarchy, .. } = analysed;
         let mut count = asked;
         loop {
-            let cones = hierarchy.cones(operators, self.options.method, count);
+            let input = &self.prepared.surfaces[index].mesh;
+            let cones = hierarchy.cones(operators, input, self.options.method, count);
             let vertices: Vec<VertexId> = cones.iter().map(|c| c.vertex).collect();
             match self.curvatures(index, operators, &vertices) {
                 Err(AnglesError::TooFew { .. }) if cones.len() == count => count += 1 + count / 4,
