@@ -46,6 +46,7 @@ mod atlas;
 mod automatic;
 mod crowd;
 mod dense;
+mod distance;
 mod distortion;
 mod error;
 mod exchange;

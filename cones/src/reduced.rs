@@ -20,6 +20,7 @@ use std::f64::consts::PI;
 use geom::{Mesh, VertexData, VertexId};
 
 use crate::angles::{degree_bound, general_bounds};
+use crate::distance::Distances;
 use crate::fit::{Held, Quadratic, fit};
 use crate::operators::Operators;
 
@@ -39,8 +40,7 @@ pub struct Reduced<'a> {
     linear: VertexData<f64>,
     /// E₀
     constant: f64,
-    /// What lengths are multiplied by to make the area 1.
-    unit: f64,
+    distances: Distances,
     /// The least curvature that each vertex can have, from the number of its triangles.
     lowest: VertexData<f64>,
     pool: Vec<VertexId>,
@@ -81,7 +81,7 @@ impl<'a> Reduced<'a> {
             constant: operators.inner(&flattening, &flattening),
             flattening,
             linear,
-            unit: operators.metric.area(&operators.mesh).sqrt().recip(),
+            distances: Distances::new(&operators.mesh, &operators.metric),
             lowest: input.vertices().map(|v| degree_bound(input, v)).collect(),
             pool: Vec::new(),
             place: VertexData::constant(count, None),
@@ -116,9 +116,9 @@ impl<'a> Reduced<'a> {
         &self.linear
     }
 
-    /// What lengths are multiplied by to make the surface's area 1.
-    pub(crate) fn unit(&self) -> f64 {
-        self.unit
+    /// Distances on the surface scaled to area 1.
+    pub(crate) fn distances(&self) -> &Distances {
+        &self.distances
     }
 
     /// E₀

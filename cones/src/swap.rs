@@ -18,14 +18,16 @@
 
 use std::f64::consts::PI;
 
-use geom::{Id, ShortestPaths, VertexData, VertexId};
+use geom::{Id, VertexData, VertexId};
 
 use crate::crowd::Crowd;
 use crate::dense;
 use crate::fit::Held;
 use crate::reduced::{Fitted, Reduced};
 
-/// The largest steps that a descent along edges takes.
+/// Distances count up to here, so that norms are finite where there is no cone at all.
+const FARTHEST: f64 = 1e3;
+/// The most steps that a descent along edges takes.
 const LONGEST_DESCENT: usize = 200;
 
 /// A change of a set of cones: what it is estimated to do to the energy, which cone leaves, and who comes.
@@ -260,15 +262,14 @@ pub(crate) fn norms(reduced: &Reduced, set: &Fitted) -> VertexData<f64> {
     let free = set.cones.iter().zip(&set.held).filter(|(_, held)| **held == Held::Free).map(|(&c, _)| c);
     let cones: Vec<VertexId> = if set.held.contains(&Held::Free) { free.collect() } else { set.cones.clone() };
     let boundary = operators.mesh.vertices().filter(|&v| operators.mesh.is_boundary_vertex(v));
-    let sources = cones.iter().copied().chain(boundary).map(|v| (v, 0));
-    let paths = ShortestPaths::new(&operators.mesh, operators.metric.lengths(), sources);
+    let distance = reduced.distances().from(cones.iter().copied().chain(boundary));
     let parts = cones.len() + usize::from(operators.is_bordered());
     let radius = 0.9 / (parts.max(1) as f64).sqrt();
-    let norm = |d: &f64| {
-        let d = (d * reduced.unit()).min(1e3);
+    let norm = |&d: &f32| {
+        let d = f64::from(d).min(FARTHEST);
         d * d / (4.0 * PI) * if d > 0.0 { (radius / d).ln().max(0.5) } else { 0.0 }
     };
-    paths.distance.iter().map(norm).collect()
+    distance.iter().map(norm).collect()
 }
 
 #[cfg(test)]
