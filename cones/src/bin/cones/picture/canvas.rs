@@ -57,7 +57,7 @@ impl Canvas {
                 let nearness = weights[0] + weights[1] + weights[2];
                 Some((nearness, weights.map(|w| w / nearness)))
             },
-            |w| shade(w),
+            shade,
         );
     }
 
@@ -95,7 +95,7 @@ impl Canvas {
                 let height = (1.0 - n[0] * n[0] - n[1] * n[1]).sqrt();
                 (height > 0.0).then(|| (1.0 / (distance - radius * height), [n[0], n[1], height]))
             },
-            |n| shade(n),
+            shade,
         );
     }
 
