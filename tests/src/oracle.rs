@@ -57,9 +57,8 @@ pub fn solve_densely(mut rows: Vec<Vec<f64>>, mut b: Vec<f64>) -> Option<Vec<f64
         b.swap(k, pivot);
         for i in k + 1..n {
             let factor = rows[i][k] / rows[k][k];
-            for j in k..n {
-                rows[i][j] -= factor * rows[k][j];
-            }
+            let (above, below) = rows.split_at_mut(i);
+            below[0].iter_mut().zip(&above[k]).for_each(|(x, pivot)| *x -= factor * pivot);
             b[i] -= factor * b[k];
         }
     }

@@ -37,7 +37,7 @@ impl Canvas {
     }
 
     /// Paints a triangle; `shade` is given the barycentric coordinates in space (perspective undone).
-    pub(crate) fn triangle(&mut self, corners: [Place; 3], mut shade: impl FnMut([f64; 3]) -> Colour) {
+    pub(crate) fn triangle(&mut self, corners: [Place; 3], shade: impl FnMut([f64; 3]) -> Colour) {
         let [a, b, c] = corners;
         let side = |p: Place, q: Place, x: f64, y: f64| (q[0] - p[0]) * (y - p[1]) - (q[1] - p[1]) * (x - p[0]);
         let area = side(a, b, c[0], c[1]);
@@ -57,7 +57,7 @@ impl Canvas {
                 let nearness = weights[0] + weights[1] + weights[2];
                 Some((nearness, weights.map(|w| w / nearness)))
             },
-            |w| shade(w),
+            shade,
         );
     }
 
@@ -84,7 +84,7 @@ impl Canvas {
 
     /// Paints a ball seen from afar: `radius` in space, `scale` the pixels of a unit length at its centre. `shade` is
     /// given the normal in the camera's frame (right, up, towards the eye).
-    pub(crate) fn ball(&mut self, centre: Place, radius: f64, scale: f64, mut shade: impl FnMut([f64; 3]) -> Colour) {
+    pub(crate) fn ball(&mut self, centre: Place, radius: f64, scale: f64, shade: impl FnMut([f64; 3]) -> Colour) {
         let r = radius * scale;
         let distance = 1.0 / centre[2];
         self.samples(
@@ -95,7 +95,7 @@ impl Canvas {
                 let height = (1.0 - n[0] * n[0] - n[1] * n[1]).sqrt();
                 (height > 0.0).then(|| (1.0 / (distance - radius * height), [n[0], n[1], height]))
             },
-            |n| shade(n),
+            shade,
         );
     }
 
