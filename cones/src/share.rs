@@ -4,6 +4,13 @@
 //! every further cone brings less than the one before, so taking steps by what they bring for each cone is optimal at the
 //! ends of hull edges, and every total is a prefix of the next.
 
+use crate::angles::least_cones;
+use crate::pursuit::pursuit;
+use crate::reduced::{Fitted, Reduced};
+
+/// Curves are computed up to this number of cones. Beyond, the energy is taken to fall like 1/N, as it does about.
+const LONGEST_CURVE: usize = 64;
+
 /// What cones bring to one connected part.
 #[derive(Clone, Debug)]
 pub struct Part {
@@ -11,6 +18,28 @@ pub struct Part {
     pub area: f64,
     /// The energy with N cones, for N from 0 on; infinite where so many cannot take the part's curvature.
     pub energy: Vec<f64>,
+}
+
+impl Part {
+    /// The curve of a connected part's nested cones, up to `most` of them; `area` is that in the model.
+    pub fn new(reduced: &mut Reduced, area: f64, most: usize) -> Self {
+        let operators = reduced.operators();
+        let least = least_cones(operators);
+        let is_torus = !operators.is_bordered() && operators.mesh.euler_characteristic() == 0;
+        let computed = most.clamp(least, LONGEST_CURVE);
+        let nested = pursuit(reduced, computed);
+        // One cone on a torus can have no curvature.
+        let allowed = |count: usize| count >= least && !(is_torus && count == 1);
+        let energy = |(count, set): (usize, &Fitted)| {
+            if allowed(count) && set.shortfall == 0.0 { set.energy } else { f64::INFINITY }
+        };
+        let mut energy: Vec<f64> = nested.sets.iter().enumerate().map(energy).collect();
+        if energy.len() == computed + 1 {
+            let last = energy[computed];
+            energy.extend((computed + 1..=most).map(|count| last * computed as f64 / count as f64));
+        }
+        Self { area, energy }
+    }
 }
 
 /// One edge of a hull: so many cones that each bring so much.
@@ -66,6 +95,8 @@ fn hull(index: usize, part: &Part) -> Vec<Step> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::operators::Operators;
+    use geom::{Metric, shapes};
     use proptest::prelude::*;
 
     /// The least energy in all, over all ways to share.
@@ -115,6 +146,31 @@ mod tests {
         assert_eq!(share_out(&[torus.clone(), disk.clone()], 1), [0, 1]);
         assert_eq!(share_out(&[torus.clone(), disk.clone()], 2), [2, 0]);
         assert_eq!(share_out(&[torus, disk], 3), [2, 1]);
+    }
+
+    #[test]
+    fn curves_begin_with_what_a_part_needs_and_fall() {
+        for (shape, allowed) in [
+            (shapes::hare(500), vec![3, 4, 5, 6, 7]),
+            (shapes::torus(1, 400), vec![0, 2, 3, 4, 5, 6, 7]),
+            (shapes::terrain(400, 3), (0..8).collect()),
+        ] {
+            let mesh = shape.mesh();
+            let operators = Operators::new(&mesh, &Metric::from_points(&mesh, &shape.points)).unwrap();
+            let part = Part::new(&mut Reduced::new(&operators, &mesh), 1.0, 7);
+            let finite: Vec<usize> = (0..part.energy.len()).filter(|&count| part.energy[count].is_finite()).collect();
+            assert_eq!(finite, allowed);
+            assert!(finite.windows(2).all(|pair| part.energy[pair[1]] <= part.energy[pair[0]] * (1.0 + 1e-9)));
+        }
+    }
+
+    #[test]
+    fn curves_go_on_beyond_what_is_computed() {
+        let shape = shapes::square(900);
+        let mesh = shape.mesh();
+        let operators = Operators::new(&mesh, &Metric::from_points(&mesh, &shape.points)).unwrap();
+        let part = Part::new(&mut Reduced::new(&operators, &mesh), 1.0, 100);
+        assert_eq!(part.energy.len(), 101);
     }
 
     #[test]

@@ -11,13 +11,15 @@ use crate::angles::{AnglesError, ConeCurvatures, cone_curvatures, least_cones};
 use crate::atlas::{Atlas, Cone, Extraction, Stage, Topology};
 use crate::error::Error;
 use crate::factor::ConformalFactor;
-use crate::hierarchy::{Candidate, ConeHierarchy, kind_of};
+use crate::hierarchy::{Candidate, ConeHierarchy, Method, kind_of};
 use crate::layout::Layout;
 use crate::mend::mend;
 use crate::operators::Operators;
 use crate::options::{ConeChoice, Options};
+use crate::reduced::Reduced;
 use crate::scaling::{Scaling, scale};
 use crate::seams::{Chain, Seams};
+use crate::share::{Part, share_out};
 use crate::shelf::Shelf;
 
 /// So many cones where nobody says how many; half of them where there is a boundary, which takes curvature too.
@@ -212,7 +214,7 @@ impl<'a> Run<'a> {
                 if *total < needed {
                     self.warn(too_few(*total, needed, analysed.len()));
                 }
-                share_out(analysed, least, *total)
+                self.share(analysed, least, *total)
             }
             ConeChoice::MinPersistence(threshold) => {
                 let above = |a: &Analysed| a.hierarchy.count_above(&a.operators, *threshold);
@@ -221,6 +223,20 @@ impl<'a> Run<'a> {
             ConeChoice::Given(given) => return (0..analysed.len()).map(|index| self.given(index, given)).collect(),
         };
         Ok(counts.into_iter().map(Choice::Count).collect())
+    }
+
+    /// Shares out cones over the surfaces by what they bring, as far as the method is one that asks for that.
+    fn share(&self, analysed: &[Analysed], least: Vec<usize>, total: usize) -> Vec<usize> {
+        if analysed.len() == 1 || !matches!(self.options.method, Method::Refined | Method::Pursuit) {
+            return share_by_persistence(analysed, least, total);
+        }
+        let spare = total.saturating_sub(least.iter().sum());
+        let surfaces = self.prepared.surfaces.iter().zip(analysed).zip(&least);
+        let part = |((surface, a), &least): ((&Surface, &Analysed), &usize)| {
+            Part::new(&mut Reduced::new(&a.operators, &surface.mesh), a.area, least + spare)
+        };
+        let parts: Vec<Part> = surfaces.map(part).collect();
+        share_out(&parts, total).into_iter().zip(least).map(|(count, least)| count.max(least)).collect()
     }
 
     /// The given cones that lie on a surface.
@@ -449,7 +465,7 @@ impl<'a> Run<'a> {
 
 /// The cones of each surface, `total` in all: all least sets first, then one by one where area times the persistence of
 /// the next extremum is largest. Every total is a prefix.
-fn share_out(analysed: &[Analysed], least: Vec<usize>, total: usize) -> Vec<usize> {
+fn share_by_persistence(analysed: &[Analysed], least: Vec<usize>, total: usize) -> Vec<usize> {
     let mut counts = least;
     let gain = |a: &Analysed, count: usize| a.area * a.hierarchy.extrema().get(count).map_or(0.0, |e| e.persistence);
     for _ in counts.iter().sum()..total {
