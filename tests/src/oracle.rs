@@ -57,9 +57,8 @@ pub fn solve_densely(mut rows: Vec<Vec<f64>>, mut b: Vec<f64>) -> Option<Vec<f64
         b.swap(k, pivot);
         for i in k + 1..n {
             let factor = rows[i][k] / rows[k][k];
-            for j in k..n {
-                rows[i][j] -= factor * rows[k][j];
-            }
+            let pivot_row = rows[k].clone();
+            rows[i].iter_mut().zip(pivot_row).for_each(|(x, p)| *x -= factor * p);
             b[i] -= factor * b[k];
         }
     }
@@ -88,21 +87,17 @@ pub fn terminal_tree_length(mesh: &Mesh, lengths: &EdgeData<f64>, terminals: &[V
             }
         }
     }
+    let to_nearest = |inside: &[usize], v: usize| inside.iter().map(|&u| distance[u][v]).fold(f64::INFINITY, f64::min);
     let mut total = 0.0;
     let mut inside: Vec<usize> = terminals.iter().take(1).map(|v| v.0 as usize).collect();
     let mut outside: Vec<usize> = terminals.iter().skip(1).map(|v| v.0 as usize).collect();
-    while !outside.is_empty() {
-        let nearest = |&v: &usize| inside.iter().map(|&u| distance[u][v]).fold(f64::INFINITY, f64::min);
-        let k = (0..outside.len()).min_by(|&i, &j| nearest(&outside[i]).total_cmp(&nearest(&outside[j])));
-        let v = outside.swap_remove(k.expect("one is left"));
-        total += nearest_to(&inside, v, &distance);
+    let nearer = |inside: &[usize], v: usize, w: usize| to_nearest(inside, v).total_cmp(&to_nearest(inside, w));
+    while let Some(k) = (0..outside.len()).min_by(|&i, &j| nearer(&inside, outside[i], outside[j])) {
+        let v = outside.swap_remove(k);
+        total += to_nearest(&inside, v);
         inside.push(v);
     }
     total
-}
-
-fn nearest_to(inside: &[usize], v: usize, distance: &[Vec<f64>]) -> f64 {
-    inside.iter().map(|&u| distance[u][v]).fold(f64::INFINITY, f64::min)
 }
 
 /// What a look at a model's map to the plane finds. It asks nothing of the method that made the map.

@@ -84,7 +84,7 @@ pub fn poisson(bytes: &[u8]) {
     }
 }
 
-/// Fixed vertices get the row x_v = 0. Without any, the last row is replaced by Σx = 0.
+/// Fixed vertices get the row `x_v = 0`. Without any, the last row is replaced by Σx = 0.
 fn dense_solution(matrix: &CsMat<f64>, fixed: &[VertexId], b: &[f64]) -> Option<Vec<f64>> {
     let n = b.len();
     let mut rows: Vec<Vec<f64>> = matrix.to_dense().outer_iter().map(|row| row.to_vec()).collect();
