@@ -7,7 +7,7 @@ use cones::{
 };
 use geom::{Mesh, Metric, PrepareError, VertexData, VertexId, angle_defects};
 
-use super::assert_close;
+use super::{assert_close, metric_of};
 use crate::decode::{self, Bytes, Moves};
 use crate::oracle::{check_map, signed_area};
 use crate::solids;
@@ -21,7 +21,7 @@ pub fn cones_flatten(bytes: &[u8]) {
     let bytes = &mut Bytes::new(bytes);
     let shape = decode::surface(bytes);
     let mesh = shape.mesh();
-    let metric = Metric::from_points(&mesh, &shape.points);
+    let metric = metric_of(&mesh, &shape);
     let operators = Operators::new(&mesh, &metric).expect("connected, with triangles that have area");
     let count = 3 + bytes.below(6);
     let vertices = decode::inner_vertices(bytes, &mesh, count);
