@@ -8,7 +8,7 @@ use std::path::Path;
 use std::time::Instant;
 
 use cones::{Angles, ConeChoice, ConeHierarchy, ConformalFactor, Layout, Method, Operators, Options, Seams};
-use geom::{Metric, Model, Poisson, Surface, VertexData, VertexId, laplacian, prepare, shapes};
+use geom::{Model, Poisson, Surface, VertexData, VertexId, laplacian, prepare, shapes};
 
 const RUNS: usize = 5;
 const CONES: usize = 16;
@@ -39,7 +39,7 @@ fn bench(name: &str, model: &Model) {
     let factor = ConformalFactor::new(&operators);
     let hierarchy = ConeHierarchy::new(&operators, &factor);
     let cones: Vec<VertexId> =
-        hierarchy.cones(&operators, Method::Persistence, CONES).iter().map(|cone| cone.vertex).collect();
+        hierarchy.cones(&operators, mesh, Method::Persistence, CONES).iter().map(|cone| cone.vertex).collect();
     let curvatures =
         cones::cone_curvatures(&operators, mesh, &cones, Angles::Optimal).expect("sixteen cones are enough");
     let mut target = VertexData::constant(mesh.vertex_count(), 0.0);

@@ -2,7 +2,7 @@
 //!
 //! *Harmonic* curvatures are those of the conformal factor pinned to 0 at all cones, as in [BCGB08] and the paper.
 //! *Optimal* ones make the L2 norm of the log scale factor least, under bounds that keep the cones buildable: the linear
-//! log scale factor is u = p + Σ q_c g_c, with p the flattening of everything and g_c Green's function of cone c, so that
+//! log scale factor is `u = p + Σ q_c g_c`, with p the flattening of everything and `g_c` Green's function of cone c, so that
 //! |u|² is a quadratic function of the curvatures q (a small dense program, [`fit`](crate::fit)).
 //!
 //! A cone's angle is θ = 2π - k. Bounds: k at most 1.5π (less than 2π is needed, and near it the metric degenerates); k at
@@ -120,7 +120,7 @@ pub fn cone_curvatures(
     let mut out_of_bounds = Vec::new();
     if angles == Angles::Harmonic {
         if let Some(curvature) = harmonic(operators, cones, &flattening, &green) {
-            let outside = |k: f64| !(k < 2.0 * PI - 0.02);
+            let outside = |k: f64| k.is_nan() || k >= 2.0 * PI - 0.02;
             out_of_bounds = cones
                 .iter()
                 .zip(&curvature)
@@ -141,25 +141,6 @@ pub fn cone_curvatures(
     let curvature = optimal(operators, &p, &g, &bounds)?;
     let predicted = combine(&p, &g, &curvature);
     Ok(ConeCurvatures { curvature, predicted, out_of_bounds })
-}
-
-/// The log scale factor that is 0 at all the cones (centred if there are none), with curvature nowhere else.
-pub(crate) fn pinned_factor(operators: &Operators, cones: &[VertexId], green: &[VertexData<f64>]) -> VertexData<f64> {
-    let mut flattening = operators.poisson.solve(&operators.flattening_source());
-    match harmonic(operators, cones, &flattening, green) {
-        Some(curvature) if !cones.is_empty() => {
-            let mut u = combine(&flattening, green, &curvature);
-            if !operators.is_bordered() {
-                let at_cones = u[cones[0]];
-                u.iter_mut().for_each(|u| *u -= at_cones);
-            }
-            u
-        }
-        _ => {
-            operators.centre(&mut flattening);
-            flattening
-        }
-    }
 }
 
 fn centred(
@@ -264,8 +245,6 @@ mod tests {
         let curvature = harmonic(&operators, &cones, &flattening, &green).unwrap();
         let source: Vec<f64> = operators.curvature.iter().map(|k| -k).collect();
         let pinned = Poisson::new(&operators.laplacian, &cones).unwrap().solve(&source);
-        let u = pinned_factor(&operators, &cones, &green);
-        assert!(u.iter().zip(pinned.iter()).all(|(u, pinned)| (u - pinned).abs() < 1e-10));
         for (&v, k) in cones.iter().zip(curvature) {
             let row = operators.laplacian.outer_view(v.0 as usize).unwrap();
             let change: f64 = row.iter().map(|(j, l)| l * pinned[VertexId(j as u32)]).sum();

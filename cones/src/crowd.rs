@@ -2,7 +2,7 @@
 
 use geom::{VertexData, VertexId};
 
-use crate::reduced::Reduced;
+use crate::operators::Operators;
 
 /// Cones nearer to each other than this many edges are hard to flatten.
 const LEAST_DISTANCE: usize = 3;
@@ -20,8 +20,8 @@ pub(crate) struct Crowd {
 }
 
 impl Crowd {
-    pub(crate) fn new(reduced: &Reduced, cones: &[VertexId]) -> Self {
-        let mesh = &reduced.operators().mesh;
+    pub(crate) fn new(operators: &Operators, cones: &[VertexId]) -> Self {
+        let mesh = &operators.mesh;
         let outside = |v| if mesh.is_boundary_vertex(v) { SEVERAL } else { NOBODY };
         let mut crowd = Self { near: mesh.vertices().map(outside).collect() };
         let distance = if mesh.vertex_count() >= ROOMY * cones.len() { LEAST_DISTANCE } else { 1 };

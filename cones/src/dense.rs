@@ -2,10 +2,11 @@
 
 /// Solves A X = B for `columns` right-hand sides, both matrices row by row; none if A is singular.
 pub(crate) fn solve(mut a: Vec<f64>, mut b: Vec<f64>, columns: usize) -> Option<Vec<f64>> {
-    let n = if columns == 0 { 0 } else { b.len() / columns };
+    let n = b.len().checked_div(columns).unwrap_or(0);
     for k in 0..n {
         let pivot = (k..n).max_by(|&i, &j| a[i * n + k].abs().total_cmp(&a[j * n + k].abs()))?;
-        if !(a[pivot * n + k].abs() > 0.0) {
+        let is_regular = a[pivot * n + k].abs() > 0.0; // not so with NaN either
+        if !is_regular {
             return None;
         }
         swap_rows(&mut a, n, k, pivot);

@@ -50,7 +50,7 @@ fn apply(reduced: &Reduced, set: &Fitted, swap: &Swap) -> Fitted {
 /// All moves of a cone to another member of the pool, the most promising first.
 fn swaps(reduced: &Reduced, set: &Fitted) -> Vec<Swap> {
     let table = SwapTable::new(reduced, set);
-    let crowd = Crowd::new(reduced, &set.cones);
+    let crowd = Crowd::new(reduced.operators(), &set.cones);
     let mut swaps = Vec::new();
     let mut row = Row::default();
     for &coming in reduced.pool().iter().filter(|&&v| crowd.is_open(v) && !set.cones.contains(&v)) {

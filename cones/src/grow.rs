@@ -61,7 +61,7 @@ pub(crate) fn grow(reduced: &mut Reduced, mut set: Fitted, count: usize, rule: R
 
 /// Where the next cone should be.
 fn steepest(reduced: &Reduced, set: &Fitted, rule: Rule) -> Option<VertexId> {
-    let crowd = Crowd::new(reduced, &set.cones);
+    let crowd = Crowd::new(reduced.operators(), &set.cones);
     let gradient = gradient(reduced, set);
     let score: VertexData<f64> = match rule {
         Rule::Gradient => gradient.iter().map(|r| r.abs()).collect(),

@@ -4,24 +4,28 @@
 //! and so no false extrema. Boundary vertices are no candidates: the boundary takes curvature anyway. Two orders:
 //! [`Method::Alternating`], the paper's, a maximum and a minimum in turn; and [`Method::Persistence`], whatever is more
 //! persistent, which spends no cones on maxima that take little curvature. Either is nested: the first n cones are a prefix
-//! of the first n + 1.
+//! of the first n + 1. The other methods do not ask for extrema; they have their own modules and are compared here only.
 //!
 //! What the paper leaves open: a candidate within two edges of an earlier cone waits until the others are used up, since
 //! such pairs are hard to flatten; and where extrema run out, the hierarchy goes on *greedily* with the vertex at which the
 //! log scale factor pinned to 0 at the cones so far is largest in absolute value (as boundary first flattening does;
 //! Sawhney & Crane 2017).
 
-use geom::{Id, VertexData, VertexId};
+use geom::{Id, Mesh, VertexData, VertexId};
 use topo::{Extremum, Hierarchy, Kind};
 
-use crate::angles::pinned_factor;
 use crate::factor::ConformalFactor;
+use crate::iterative::{greedy, iterative};
 use crate::operators::Operators;
+use crate::pinned::Pinned;
+use crate::pursuit::pursuit;
+use crate::reduced::Reduced;
+use crate::refined::refined;
 
 /// Cones nearer to each other than this many edges are avoided while there are others.
 const LEAST_DISTANCE: usize = 3;
 
-/// The order in which extrema become cones.
+/// How cones are chosen.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Method {
     /// The most persistent maximum, minimum, second maximum, second minimum, … as in the paper.
@@ -29,6 +33,14 @@ pub enum Method {
     /// By persistence, whatever their sign.
     #[default]
     Persistence,
+    /// The highest and the lowest point of φ, level by level with φ pinned to 0 at the cones ([`iterative`]).
+    Iterative,
+    /// One by one where the pinned φ is largest in absolute value ([`greedy`]).
+    Greedy,
+    /// The best set found of this very number ([`refined`](crate::refined())); not nested.
+    Refined,
+    /// The best nested order found ([`pursuit`](crate::pursuit())).
+    Pursuit,
 }
 
 /// A place for a cone, with the extremum that it is.
@@ -67,13 +79,33 @@ impl ConeHierarchy {
         self.extrema.above(threshold).iter().filter(inner).count()
     }
 
-    /// The first `count` cones; fewer only where the mesh has no more inner vertices.
-    pub fn cones(&self, operators: &Operators, method: Method, count: usize) -> Vec<Candidate> {
+    /// `count` cones; fewer only where the mesh has no more inner vertices. `input` is the triangulation that will be laid
+    /// out.
+    pub fn cones(&self, operators: &Operators, input: &Mesh, method: Method, count: usize) -> Vec<Candidate> {
         let all = self.extrema.extrema().len();
-        let ranked: Vec<_> = match method {
-            Method::Alternating => self.extrema.alternating(all).copied().collect(),
-            Method::Persistence => self.extrema.by_persistence(all).to_vec(),
-        };
+        match method {
+            Method::Alternating => self.first(operators, self.extrema.alternating(all).copied(), count),
+            Method::Persistence => self.first(operators, self.extrema.by_persistence(all).iter().copied(), count),
+            Method::Iterative => self.candidates(&iterative(operators, count)),
+            Method::Greedy => self.candidates(&greedy(operators, count)),
+            Method::Refined => self.candidates(&refined(&mut Reduced::new(operators, input), count).cones),
+            Method::Pursuit => self.candidates(pursuit(&mut Reduced::new(operators, input), count).cones()),
+        }
+    }
+
+    /// Vertices with the extrema that they are.
+    fn candidates(&self, cones: &[VertexId]) -> Vec<Candidate> {
+        let extremum = |v: VertexId| self.extrema().iter().find(|e| e.vertex == v).copied();
+        cones.iter().map(|&vertex| Candidate { vertex, extremum: extremum(vertex) }).collect()
+    }
+
+    /// The first extrema that are far enough from each other, then greedily.
+    fn first(
+        &self,
+        operators: &Operators,
+        ranked: impl Iterator<Item = Extremum<VertexId, f64>>,
+        count: usize,
+    ) -> Vec<Candidate> {
         let mut chosen = Chosen::new(operators);
         for extremum in ranked {
             if chosen.candidates.len() < count && chosen.is_far(extremum.vertex) {
@@ -120,12 +152,12 @@ impl<'a> Chosen<'a> {
 
     /// Adds the vertices where the pinned log scale factor is largest, far ones as long as there are any.
     fn go_on_greedily(&mut self, extrema: &Hierarchy<VertexId, f64>, count: usize) {
-        let mut green = Vec::new();
+        let mut pinned = Pinned::new(self.operators);
         while self.candidates.len() < count {
-            let cones: Vec<VertexId> = self.candidates.iter().map(|c| c.vertex).collect();
-            let known = green.len();
-            green.extend(self.operators.green(&cones[known..]));
-            let u = pinned_factor(self.operators, &cones, &green);
+            let known = pinned.cones().len();
+            let new: Vec<VertexId> = self.candidates[known..].iter().map(|c| c.vertex).collect();
+            pinned.add(&new);
+            let u = pinned.factor();
             let largest = |blocked: &VertexData<bool>| {
                 let open = u.iter_ids().filter(|(v, _)| !blocked[*v]);
                 open.max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()).then(b.0.index().cmp(&a.0.index()))).map(|(v, _)| v)
@@ -163,12 +195,12 @@ mod tests {
     fn cones_are_nested_distinct_inner_vertices_as_many_as_asked_for() {
         for shape in [shapes::hare(1000), shapes::part(1000), shapes::terrain(900, 3), shapes::sphere(40)] {
             let (operators, hierarchy) = hierarchy(&shape);
-            for method in [Method::Alternating, Method::Persistence] {
-                let all = hierarchy.cones(&operators, method, 30);
+            for method in [Method::Alternating, Method::Persistence, Method::Iterative, Method::Greedy] {
+                let all = hierarchy.cones(&operators, &operators.mesh, method, 30);
                 let inner = operators.mesh.vertices().filter(|&v| !operators.mesh.is_boundary_vertex(v)).count();
                 assert_eq!(all.len(), inner.min(30));
                 for count in [0, 1, 5, 12] {
-                    assert_eq!(hierarchy.cones(&operators, method, count), all[..count]);
+                    assert_eq!(hierarchy.cones(&operators, &operators.mesh, method, count), all[..count]);
                 }
                 let mut vertices: Vec<VertexId> = all.iter().map(|c| c.vertex).collect();
                 vertices.sort_unstable();
@@ -183,14 +215,14 @@ mod tests {
     fn a_mesh_without_enough_inner_vertices_gives_what_it_has() {
         let (operators, hierarchy) = hierarchy(&shapes::square(9));
         let inner = operators.mesh.vertices().filter(|&v| !operators.mesh.is_boundary_vertex(v)).count();
-        assert_eq!(hierarchy.cones(&operators, Method::Persistence, 100).len(), inner);
+        assert_eq!(hierarchy.cones(&operators, &operators.mesh, Method::Persistence, 100).len(), inner);
     }
 
     #[test]
     fn the_paper_takes_maxima_and_minima_in_turn() {
         let (operators, hierarchy) = hierarchy(&shapes::hare(2000));
         let kinds: Vec<Kind> = hierarchy
-            .cones(&operators, Method::Alternating, 4)
+            .cones(&operators, &operators.mesh, Method::Alternating, 4)
             .iter()
             .map(|cone| cone.extremum.expect("there are enough extrema").kind)
             .collect();

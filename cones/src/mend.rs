@@ -154,7 +154,7 @@ impl<'a> Mender<'a> {
         let height = cross(b - a, c - a) / longest;
         let in_space = self.metric.sides(self.input, f);
         let thin = 2.0 * in_space.area() / in_space.0.iter().fold(0.0_f64, |m, l| m.max(*l)).powi(2);
-        !(height > LEAST_HEIGHT.min(1e-3 * thin))
+        height.is_nan() || height <= LEAST_HEIGHT.min(1e-3 * thin)
     }
 
     /// How much too often the triangles wind round a vertex.

@@ -115,7 +115,7 @@ impl Operators {
         self.curvature.iter().map(|k| mean - k).collect()
     }
 
-    /// The log scale factors g_v that a unit of curvature at each given vertex causes (Green's functions): on a closed
+    /// The log scale factors `g_v` that a unit of curvature at each given vertex causes (Green's functions): on a closed
     /// surface taken away evenly from all vertices.
     pub(crate) fn green(&self, vertices: &[VertexId]) -> Vec<VertexData<f64>> {
         let n = self.mesh.vertex_count();
@@ -138,16 +138,21 @@ impl Operators {
 
     /// The log scale factor that linear theory predicts for cones with given curvatures, centred. One solve.
     pub fn log_scale(&self, cones: &[VertexId], curvature: &[f64]) -> VertexData<f64> {
-        let elsewhere =
-            if self.bordered { 0.0 } else { curvature.iter().sum::<f64>() / self.mesh.vertex_count() as f64 };
+        let mut u = self.uncentred_log_scale(cones, curvature);
+        self.centre(&mut u);
+        u
+    }
+
+    /// The same as it comes from the solve: 0 on a boundary, on a closed surface up to a constant.
+    pub(crate) fn uncentred_log_scale(&self, cones: &[VertexId], curvature: &[f64]) -> VertexData<f64> {
+        let count = self.mesh.vertex_count() as f64;
+        let elsewhere = if self.bordered { 0.0 } else { curvature.iter().sum::<f64>() / count };
         let mut source = self.flattening_source();
         source.iter_mut().for_each(|s| *s -= elsewhere);
         for (&v, q) in cones.iter().zip(curvature) {
             source[v] += q;
         }
-        let mut u = self.poisson.solve(&source);
-        self.centre(&mut u);
-        u
+        self.poisson.solve(&source)
     }
 
     /// The harmonic function that is 1 on one boundary loop and 0 on the others.

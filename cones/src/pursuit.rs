@@ -142,7 +142,7 @@ impl Order {
 
     fn best_move(&self, reduced: &Reduced) -> Option<Self> {
         let tables = self.tables(reduced);
-        let crowd = Crowd::new(reduced, &self.cones);
+        let crowd = Crowd::new(reduced.operators(), &self.cones);
         let mut moves = Vec::new();
         let mut rows: Vec<Row> = tables.iter().map(|_| Row::default()).collect();
         for &vertex in reduced.pool().iter().filter(|&&v| crowd.is_open(v)) {
@@ -191,7 +191,7 @@ impl Order {
     /// For each place the best vertex of the surface, as far as not solved for; the best first, not too many.
     fn proposals(&self, reduced: &Reduced) -> Vec<VertexId> {
         let tables = self.tables(reduced);
-        let crowd = Crowd::new(reduced, &self.cones);
+        let crowd = Crowd::new(reduced.operators(), &self.cones);
         let norms: Vec<_> = self.levels.iter().map(|level| norms(reduced, level)).collect();
         let mut rows: Vec<Row> = tables.iter().map(|_| Row::default()).collect();
         let mut best: Vec<Option<Move>> = vec![None; self.cones.len()];

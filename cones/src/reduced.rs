@@ -1,14 +1,14 @@
 //! The reduced model: how good a set of cones is, without flattening anything.
 //!
-//! With curvatures q at the cones S the log scale factor is, to first order, u = p + Σ q_c g_c, where p takes away all
-//! curvature and g_c is Green's function of cone c, both centred (see [`Operators::centre`]). Its squared norm weighted by
+//! With curvatures q at the cones S the log scale factor is, to first order, `u = p + Σ q_c g_c`, where p takes away
+//! all curvature and `g_c` is Green's function of cone c, both centred (see [`Operators::centre`]). Its squared norm weighted by
 //! area w is quadratic,
 //!
 //! ```text
 //!     E(S, q) = |u|² = E₀ + 2 q·b_S + qᵀ H_SS q,   E₀ = |p|²,  b_v = ⟨g_v, p⟩,  H_vx = ⟨g_v, g_x⟩,
 //! ```
 //!
-//! and since L is symmetric, b = L⁺(w p) and the column h_v = L⁺(w g_v) hold these products for *all* vertices at once:
+//! and since L is symmetric, `b = L⁺(w p)` and the column `h_v = L⁺(w g_v)` hold these products for *all* vertices at once:
 //! one more solve for b, and two for each candidate v. All further questions (the best curvatures, what it would bring to
 //! move a cone anywhere) are answered from these columns.
 //!
@@ -159,7 +159,7 @@ impl<'a> Reduced<'a> {
         &self.column[self.place_of(v)]
     }
 
-    /// H_vx, for members of the pool.
+    /// `H_vx`, for members of the pool.
     pub(crate) fn product(&self, v: VertexId, x: VertexId) -> f64 {
         let (i, j) = (self.place_of(v), self.place_of(x));
         self.products[i.max(j)][i.min(j)]

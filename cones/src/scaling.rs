@@ -1,6 +1,6 @@
 //! Metric scaling: the discretely conformal metric with prescribed curvature.
 //!
-//! Given the target curvature k_c at each cone and 0 elsewhere, find log scale factors u such that the metric
+//! Given the target curvature `k_c` at each cone and 0 elsewhere, find log scale factors u such that the metric
 //! `l_ij e^((u_i + u_j)/2)` has it, u held at given values on the boundary. The u minimise a convex energy with gradient
 //! K^T - K(u) and Hessian L(u), the cotangent Laplacian of the scaled metric (Springborn, Schröder & Pinkall 2008), when
 //! the triangulation is kept Delaunay by Ptolemaic flips (Gu, Luo, Sun & Wu 2018; Springborn 2020; Gillespie, Springborn &
@@ -229,7 +229,7 @@ impl Newton<'_> {
         error: f64,
         vertex: VertexId,
     ) -> Result<Scaling, ScalingError> {
-        if !(error <= ACCURACY) {
+        if error.is_nan() || error > ACCURACY {
             return Err(ScalingError::Stuck { error, vertex });
         }
         let State { triangulation, flips, mollified, .. } = state;

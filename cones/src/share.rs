@@ -110,7 +110,7 @@ mod tests {
 
     #[test]
     fn a_part_gets_no_number_that_it_cannot_have() {
-        let torus = Part { area: 1.0, energy: vec![1.0, f64::INFINITY, 0.2, 0.1] };
+        let torus = Part { area: 1.0, energy: vec![1.0, f64::INFINITY, 0.2, 0.15] };
         let disk = Part { area: 1.0, energy: vec![0.5, 0.4, 0.35] };
         assert_eq!(share_out(&[torus.clone(), disk.clone()], 1), [0, 1]);
         assert_eq!(share_out(&[torus.clone(), disk.clone()], 2), [2, 0]);

@@ -1,11 +1,16 @@
 //! What it would bring to move any one cone to any vertex, from the columns of the reduced model alone.
 //!
-//! Take the cones' best curvatures q, F those between their bounds, and K⁻¹ the inverse of their optimality conditions,
-//! [[H_FF, 1], [1ᵀ, 0]] (with a boundary H_FF alone). For a vertex v let T = [h_F(v) 1] K⁻¹, r the energy's gradient at v,
-//! and s = |g_v|² with what the free cones span projected out. Without the free cone i, κ = K⁻¹_ii, the energy is q_i²/κ more,
-//! and r and s turn into r - q_i T_i/κ and s + T_i²/κ; a curvature t at v then changes it by 2 r t + s t², least at
-//! t = -r/s between v's bounds. A cone i at a bound is taken away at its fixed curvature. This is exact as long as the
-//! cones at bounds stay the same.
+//! Take the cones' best curvatures q, F those between their bounds, and the inverse of their optimality conditions,
+//!
+//! ```text
+//!     K = [[H_FF, 1], [1ᵀ, 0]]    (with a boundary H_FF alone),    T = [h_F(v) 1] K⁻¹    for a vertex v.
+//! ```
+//!
+//! Let r be the energy's gradient at v and s = |g|² of its Green's function with what the free cones span projected out.
+//! Without the free cone i, with κ its diagonal entry of K⁻¹, the energy is q²/κ more, and r and s turn into r - q T/κ and
+//! s + T²/κ (q and T those of cone i); a curvature t at v then changes it by 2 r t + s t², least at t = -r/s between v's
+//! bounds. A cone at a bound is taken away at its fixed curvature. All this is exact as long as the cones at bounds stay
+//! the same.
 //!
 //! s is known in the pool. Elsewhere it follows from the distance d to the nearest free cone, on the surface scaled to
 //! area 1, as for Green's function of the bilaplacian in the plane: s = d²/4π · max(log(R/d), ½), with R = 0.9/√|F|.
@@ -51,7 +56,7 @@ struct Clamped {
     place: usize,
     /// What taking it away at its curvature does to the energy.
     base: f64,
-    /// K⁻¹ [h_F(c) 1].
+    /// K⁻¹ times `[h_F(c) 1]`.
     response: Vec<f64>,
 }
 
@@ -147,7 +152,7 @@ impl<'a> SwapTable<'a> {
         self.reduced.product(v, v) - self.projection(&row.response, row)
     }
 
-    /// [h_F(v) 1] · x
+    /// `[h_F(v) 1]` · x
     fn projection(&self, x: &[f64], row: &Row) -> f64 {
         let products: f64 = self.free.iter().zip(x).map(|(&i, x)| row.product[i] * x).sum();
         products + x.get(self.free.len()).unwrap_or(&0.0)
@@ -211,7 +216,7 @@ impl<'a> SwapTable<'a> {
 
     /// For each cone the best vertex to move it to, and the end of a descent from it along edges; the best first.
     pub(crate) fn proposals(&self) -> Vec<Swap> {
-        let crowd = Crowd::new(self.reduced, &self.set.cones);
+        let crowd = Crowd::new(self.reduced.operators(), &self.set.cones);
         let norms = norms(self.reduced, self.set);
         let mut best: Vec<Option<Swap>> = vec![None; self.set.cones.len()];
         let mut row = Row::default();

@@ -263,7 +263,8 @@ impl<'a> Run<'a> {
         let Analysed { operators, hierarchy, .. } = analysed;
         let mut count = asked;
         loop {
-            let cones = hierarchy.cones(operators, self.options.method, count);
+            let input = &self.prepared.surfaces[index].mesh;
+            let cones = hierarchy.cones(operators, input, self.options.method, count);
             let vertices: Vec<VertexId> = cones.iter().map(|c| c.vertex).collect();
             match self.curvatures(index, operators, &vertices) {
                 Err(AnglesError::TooFew { .. }) if cones.len() == count => count += 1 + count / 4,
@@ -301,7 +302,7 @@ impl<'a> Run<'a> {
                 if !operators.is_bordered() && (sum - total).abs() > 1e-6 {
                     return Err(Error::CurvatureSum { sum, total });
                 }
-                if let Some(k) = curvature.iter().find(|k| !(**k < 2.0 * std::f64::consts::PI)) {
+                if let Some(k) = curvature.iter().find(|k| k.is_nan() || **k >= 2.0 * std::f64::consts::PI) {
                     return Err(Error::CurvatureTooLarge(*k));
                 }
                 ConeCurvatures::given(operators, cones, curvature)

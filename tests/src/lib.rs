@@ -5,7 +5,14 @@
 //! inputs of the kind that hurts ([`decode`]) on the simplest [`solids`], and what comes out is compared with slow,
 //! independent ways to the same answer ([`oracle`]).
 
+#![allow(clippy::missing_panics_doc, reason = "a law panics where it does not hold")]
+
 pub mod decode;
 pub mod oracle;
 pub mod properties;
 pub mod solids;
+
+/// The examples of README.md, run as they stand there.
+#[cfg(doctest)]
+#[doc = include_str!("../../README.md")]
+pub struct Readme;

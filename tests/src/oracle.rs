@@ -57,8 +57,8 @@ pub fn solve_densely(mut rows: Vec<Vec<f64>>, mut b: Vec<f64>) -> Option<Vec<f64
         b.swap(k, pivot);
         for i in k + 1..n {
             let factor = rows[i][k] / rows[k][k];
-            let pivot_row = rows[k].clone();
-            rows[i].iter_mut().zip(pivot_row).for_each(|(x, p)| *x -= factor * p);
+            let (above, below) = rows.split_at_mut(i);
+            below[0].iter_mut().zip(&above[k]).for_each(|(x, pivot)| *x -= factor * pivot);
             b[i] -= factor * b[k];
         }
     }

@@ -79,7 +79,7 @@ fn the_collection_has_the_pairs_that_its_index_tells() {
     }
 }
 
-/// An array as NumPy writes it.
+/// An array as `NumPy` writes it.
 fn npy(descr: &str, is_fortran: bool, shape: &str, bytes: &[u8]) -> Vec<u8> {
     let order = if is_fortran { "True" } else { "False" };
     let header = format!("{{'descr': '{descr}', 'fortran_order': {order}, 'shape': {shape}, }}\n");

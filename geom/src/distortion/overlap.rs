@@ -10,7 +10,7 @@
 /// let lower = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]];
 /// let upper = [[0.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
 /// assert_eq!(overlap(&[lower, upper], 512), 0.0);
-/// assert_eq!(overlap(&[lower, upper, lower], 512), 0.5);
+/// assert_eq!(overlap(&[lower, upper, lower, upper], 512), 1.0);
 /// ```
 ///
 /// Costs O(triangles + covered grid rows), with 64 points of a row at a time; `resolution` is brought between 3 and

@@ -159,6 +159,14 @@ enum MethodName {
     Persistence,
     /// As in the paper: the most persistent maximum, minimum, maximum, …
     Alternating,
+    /// Highest and lowest point of the conformal factor, again and again
+    Iterative,
+    /// Where the conformal factor is farthest from 0, again and again
+    Greedy,
+    /// The best set for this number of cones
+    Refined,
+    /// The best order, good for every number of cones
+    Pursuit,
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
@@ -181,6 +189,10 @@ impl Choice {
         let method = match self.method {
             MethodName::Persistence => Method::Persistence,
             MethodName::Alternating => Method::Alternating,
+            MethodName::Iterative => Method::Iterative,
+            MethodName::Greedy => Method::Greedy,
+            MethodName::Refined => Method::Refined,
+            MethodName::Pursuit => Method::Pursuit,
         };
         let angles = match self.angles {
             AnglesName::Optimal => Angles::Optimal,
@@ -195,6 +207,10 @@ pub(crate) fn method_name(method: Method) -> &'static str {
     match method {
         Method::Persistence => "persistence",
         Method::Alternating => "alternating",
+        Method::Iterative => "iterative",
+        Method::Greedy => "greedy",
+        Method::Refined => "refined",
+        Method::Pursuit => "pursuit",
     }
 }
 

@@ -1,9 +1,9 @@
 //! Gaussian and mean curvature at the vertices of any set of triangles, manifold or not.
 //!
-//! With A_v a third of the area of the triangles at v:
+//! With A a third of the area of the triangles at v:
 //!
-//! - Gaussian, K_v = (2π − Σ angles at v) / A_v, and π in the place of 2π where an edge at v has one triangle only.
-//! - mean, H_v = ¼ Σ l_e·θ_e / A_v over the edges e at v of length l_e, θ_e the angle between the normals of the two
+//! - Gaussian, K = (2π − Σ angles at v) / A, and π in the place of 2π where an edge at v has one triangle only.
+//! - mean, H = ¼ Σ l·θ / A over the edges at v, l an edge's length and θ the angle between the normals of the two
 //!   triangles, positive where the edge is convex seen from outside (Cohen-Steiner & Morvan 2003, "Restricted Delaunay
 //!   triangulations and normal cycle"; half of an edge's ½ l·θ goes to each end). Edges with one triangle, or more than two, or
 //!   triangles that run the same way along them, add nothing.
@@ -54,8 +54,8 @@ fn bend(points: &[Point], triangles: &[Triangle], [forward, back]: [&Side; 2], a
         cross(p, q)
     };
     let (n, m) = (normal(forward), normal(back));
-    // Turning from the left triangle's normal to the right one's is left-handed about the edge where it is convex.
-    let sine = dot(cross(m, n), along) / length(along);
+    // With the first triangle to the left of the edge, normals turn about it to the right-handed side where it is convex.
+    let sine = dot(cross(n, m), along) / length(along);
     let cosine = dot(n, m);
     if sine == 0.0 && cosine == 0.0 { 0.0 } else { sine.atan2(cosine) }
 }

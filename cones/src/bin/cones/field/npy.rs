@@ -14,7 +14,7 @@ use std::io::{self, BufReader, Read, Write};
 use std::path::Path;
 
 const MAGIC: &[u8; 6] = b"\x93NUMPY";
-/// No header of three keys is longer; NumPy itself stops at 10,000.
+/// No header of three keys is longer; `NumPy` itself stops at 10,000.
 const LONGEST_HEADER: usize = 1 << 16;
 
 /// Reads an array.
@@ -306,7 +306,7 @@ impl Scanner<'_> {
     }
 }
 
-/// A type as NumPy names it: byte order, class, size.
+/// A type as `NumPy` names it: byte order, class, size.
 fn parse_item(name: &str) -> Option<Item> {
     let (order, rest) = name.split_at_checked(1)?;
     let (class, size) = rest.split_at_checked(1)?;

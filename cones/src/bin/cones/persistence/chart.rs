@@ -19,8 +19,8 @@ const TOP: f64 = 50.0;
 const BOTTOM: f64 = 60.0;
 /// A single pair's radius, and that where there are many.
 const POINT: f64 = 2.6;
-const FINE: f64 = 1.5;
-const MANY: usize = 3000;
+const FINE: f64 = 1.7;
+const MANY: usize = 8000;
 const LETTERS: f64 = 14.0;
 /// The most bars of a direction; more are too thin to see.
 const BARS: usize = 120;
@@ -46,13 +46,13 @@ pub(super) fn diagram(lists: &[PairList]) -> Sketch {
     frame(&mut sketch, [LEFT, TOP], [right, bottom]);
     sketch.text([right, bottom + 46.0], LETTERS, Anchor::End, INK, "birth");
     sketch.text([LEFT - 10.0, TOP - 18.0], LETTERS, Anchor::End, INK, "death");
+    let shown: usize = lists.iter().map(|list| list.finite().count()).sum();
+    let radius = if shown > MANY { FINE } else { POINT };
     let mut legend = LEFT + 20.0;
     for list in lists {
         let colour = colour(list.kind);
         let place = |pair: &Pair| Some([x(pair.birth.to_f64()), y(pair.death?.to_f64())]);
-        let clusters = clusters(list.finite().filter_map(place));
-        let radius = if clusters.len() > MANY { FINE } else { POINT };
-        for (centre, count) in clusters {
+        for (centre, count) in clusters(list.finite().filter_map(place)) {
             // Ten pairs at a place double its disc's area.
             sketch.disc(centre, radius * (1.0 + (count as f64).log10()).sqrt(), colour);
         }

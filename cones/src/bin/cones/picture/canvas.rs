@@ -37,7 +37,7 @@ impl Canvas {
     }
 
     /// Paints a triangle; `shade` is given the barycentric coordinates in space (perspective undone).
-    pub(crate) fn triangle(&mut self, corners: [Place; 3], mut shade: impl FnMut([f64; 3]) -> Colour) {
+    pub(crate) fn triangle(&mut self, corners: [Place; 3], shade: impl FnMut([f64; 3]) -> Colour) {
         let [a, b, c] = corners;
         let side = |p: Place, q: Place, x: f64, y: f64| (q[0] - p[0]) * (y - p[1]) - (q[1] - p[1]) * (x - p[0]);
         let area = side(a, b, c[0], c[1]);
@@ -57,7 +57,7 @@ impl Canvas {
                 let nearness = weights[0] + weights[1] + weights[2];
                 Some((nearness, weights.map(|w| w / nearness)))
             },
-            |w| shade(w),
+            shade,
         );
     }
 
@@ -84,7 +84,7 @@ impl Canvas {
 
     /// Paints a ball seen from afar: `radius` in space, `scale` the pixels of a unit length at its centre. `shade` is
     /// given the normal in the camera's frame (right, up, towards the eye).
-    pub(crate) fn ball(&mut self, centre: Place, radius: f64, scale: f64, mut shade: impl FnMut([f64; 3]) -> Colour) {
+    pub(crate) fn ball(&mut self, centre: Place, radius: f64, scale: f64, shade: impl FnMut([f64; 3]) -> Colour) {
         let r = radius * scale;
         let distance = 1.0 / centre[2];
         self.samples(
@@ -95,7 +95,7 @@ impl Canvas {
                 let height = (1.0 - n[0] * n[0] - n[1] * n[1]).sqrt();
                 (height > 0.0).then(|| (1.0 / (distance - radius * height), [n[0], n[1], height]))
             },
-            |n| shade(n),
+            shade,
         );
     }
 
@@ -122,14 +122,23 @@ impl Canvas {
         }
     }
 
-    /// The picture: samples averaged pixel by pixel, and empty rows above and below cut off but for a margin.
-    pub(crate) fn develop(self, margin: usize) -> Picture {
+    /// The picture: samples averaged pixel by pixel.
+    pub(crate) fn develop(self) -> Picture {
+        self.develop_part(0..self.width, 0..self.height)
+    }
+
+    /// The picture without the empty paper round about, but for a margin.
+    pub(crate) fn develop_trimmed(self, margin: usize) -> Picture {
+        let (columns, rows) = self.painted(margin);
+        self.develop_part(columns, rows)
+    }
+
+    fn develop_part(&self, columns: Range<usize>, rows: Range<usize>) -> Picture {
         let (row, share) = (self.width * SAMPLES, 1.0 / (SAMPLES * SAMPLES) as f64);
         let encoder = Encoder::new();
-        let rows = self.painted_rows(margin);
-        let mut pixels = Vec::with_capacity(self.width * rows.len());
+        let mut pixels = Vec::with_capacity(columns.len() * rows.len());
         for y in rows.clone() {
-            for x in 0..self.width {
+            for x in columns.clone() {
                 let mut sum = [0.0; 3];
                 for j in 0..SAMPLES {
                     let first = (y * SAMPLES + j) * row + x * SAMPLES;
@@ -141,19 +150,22 @@ impl Canvas {
                 pixels.push(encoder.encode(sum.map(|s| s * share)));
             }
         }
-        Picture { width: self.width, height: rows.len(), pixels }
+        Picture { width: columns.len(), height: rows.len(), pixels }
     }
 
-    /// The rows from the first to the last that is painted on, with a margin; all where none is.
-    fn painted_rows(&self, margin: usize) -> Range<usize> {
-        let row = self.width * SAMPLES * SAMPLES;
-        let painted = |y: &usize| self.nearness[y * row..(y + 1) * row].iter().any(|&n| n > 0.0);
-        let first = (0..self.height).find(painted);
-        let last = (0..self.height).rev().find(painted);
-        match (first, last) {
-            (Some(first), Some(last)) => first.saturating_sub(margin)..(last + 1 + margin).min(self.height),
-            _ => 0..self.height,
-        }
+    /// The columns and rows from the first to the last that is painted on, with a margin; all where none is.
+    fn painted(&self, margin: usize) -> (Range<usize>, Range<usize>) {
+        let row = self.width * SAMPLES;
+        let painted = |x: usize, y: usize| self.nearness[(y * row + x) * SAMPLES] > 0.0;
+        let span = |size: usize, painted: &dyn Fn(&usize) -> bool| {
+            let (first, last) = ((0..size).find(painted), (0..size).rev().find(painted));
+            match (first, last) {
+                (Some(first), Some(last)) => first.saturating_sub(margin)..(last + 1 + margin).min(size),
+                _ => 0..size,
+            }
+        };
+        let columns = span(self.width, &|&x| (0..self.height).any(|y| painted(x, y)));
+        (columns, span(self.height, &|&y| (0..self.width).any(|x| painted(x, y))))
     }
 
     /// Visits the samples of a rectangle: where `hit` answers with a nearness not behind what is there, `shade` is asked.
@@ -210,8 +222,16 @@ mod tests {
     fn a_triangle_covers_its_share_of_the_pixels() {
         let mut canvas = Canvas::new(100, 100, [0.0; 3]);
         canvas.triangle([[0.0, 0.0, 1.0], [100.0, 0.0, 1.0], [0.0, 100.0, 1.0]], |_| [1.0; 3]);
-        let light: usize = canvas.develop(20).pixels.iter().filter(|p| p[0] > 127).count();
+        let light: usize = canvas.develop().pixels.iter().filter(|p| p[0] > 127).count();
         assert!((4900..=5100).contains(&light), "{light}");
+    }
+
+    #[test]
+    fn trimming_leaves_what_is_painted_and_a_margin() {
+        let mut canvas = Canvas::new(100, 50, [1.0; 3]);
+        canvas.triangle([[20.0, 10.0, 1.0], [30.0, 10.0, 1.0], [20.0, 30.0, 1.0]], |_| [0.0; 3]);
+        let picture = canvas.develop_trimmed(5);
+        assert_eq!((picture.width, picture.height), (20, 30));
     }
 
     #[test]
@@ -222,7 +242,7 @@ mod tests {
             for z in order {
                 canvas.triangle(sheet(z), |_| if z > 1.5 { [1.0, 0.0, 0.0] } else { [0.0, 1.0, 0.0] });
             }
-            assert_eq!(canvas.develop(20).pixels[0], [255, 0, 0]);
+            assert_eq!(canvas.develop().pixels[0], [255, 0, 0]);
         }
     }
 
@@ -232,6 +252,6 @@ mod tests {
         canvas.line([-50.0, -50.0, 1.0], [-20.0, 80.0, 1.0], 3.0, [1.0; 3]);
         canvas.ball([100.0, 5.0, 1.0], 1.0, 4.0, |_| [1.0; 3]);
         canvas.triangle([[f64::NAN, 0.0, 1.0], [4.0, 4.0, 1.0], [0.0, 9.0, 1.0]], |_| [1.0; 3]);
-        assert!(canvas.develop(20).pixels.iter().all(|&p| p == [0; 3]));
+        assert!(canvas.develop().pixels.iter().all(|&p| p == [0; 3]));
     }
 }

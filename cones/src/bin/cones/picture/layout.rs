@@ -33,7 +33,7 @@ pub(crate) fn draw(chart: &Chart) -> Picture {
         canvas.line(place(uv), place(uv), CONE + 2.0 * OUTLINE, PAPER);
         canvas.line(place(uv), place(uv), CONE, colour_of(&cone));
     }
-    canvas.develop(MARGIN as usize)
+    canvas.develop()
 }
 
 /// The page's size in pixels.

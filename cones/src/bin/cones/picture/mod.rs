@@ -15,6 +15,7 @@ mod model;
 mod sketch;
 mod space;
 mod svg;
+mod view;
 
 pub(crate) use canvas::Picture;
 pub(crate) use chart::{Chart, Mark, extent};

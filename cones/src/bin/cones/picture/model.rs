@@ -7,13 +7,11 @@ use super::colour::{Colour, INK, INSIDE, MAXIMUM, MINIMUM, PAPER, mix};
 use super::hollows;
 use super::light::Light;
 use super::space::{Vector, cross, dot, minus, plus, unit};
+use super::view;
 
-/// Degrees to the right of the front, and the height above the horizon for each length away.
-const TURN: f64 = 32.0;
-const RISE: f64 = 0.42;
 const WIDTH: usize = 1280;
 const HEIGHT: usize = 1024;
-/// Empty rows left above and below a wide model.
+/// Empty pixels left round the model.
 const MARGIN: usize = 40;
 /// Seams' width in pixels.
 const SEAM: f64 = 3.6;
@@ -26,7 +24,7 @@ const LIFT: f64 = 2e-3;
 /// Bands of colour from the least value to the greatest.
 const BANDS: f64 = 15.0;
 
-/// Draws the model seen three quarters from the front and from above.
+/// Draws the model three quarters from the side and from above.
 pub(crate) fn draw(chart: &Chart) -> Picture {
     let checker = chart.checker();
     draw_coloured(chart, |f, w| checker.colour([0, 1].map(|i| (0..3).map(|k| w[k] * chart.uv[f][k][i]).sum())))
@@ -39,14 +37,14 @@ pub(crate) fn draw_values(chart: &Chart, values: &[f64]) -> Picture {
 
 /// Draws the model; `colour` is given a triangle and a place in it.
 fn draw_coloured(chart: &Chart, colour: impl Fn(usize, [f64; 3]) -> Colour) -> Picture {
-    let camera = view(chart);
+    let camera = view::camera(chart, WIDTH, HEIGHT);
     let mut canvas = Canvas::new(WIDTH, HEIGHT, PAPER);
     let places: Vec<Place> = chart.points.iter().map(|&p| camera.place(p)).collect();
     draw_surface(&mut canvas, chart, &camera, &places, colour);
     draw_seams(&mut canvas, chart, &places);
     hollows::darken(&mut canvas, camera.pixel());
     draw_cones(&mut canvas, chart, &camera, &places);
-    canvas.develop(MARGIN)
+    canvas.develop_trimmed(MARGIN)
 }
 
 fn draw_surface(
@@ -116,28 +114,6 @@ fn draw_cones(canvas: &mut Canvas, chart: &Chart, camera: &Camera, places: &[Pla
     }
 }
 
-/// To the right of the front and from above.
-fn view(chart: &Chart) -> Camera {
-    let used: Vec<Vector> = chart.triangles.iter().flatten().map(|&v| chart.points[v as usize]).collect();
-    let (up, front, side) = axes(&used);
-    let (sin, cos) = TURN.to_radians().sin_cos();
-    let from = plus(plus(front.map(|x| x * cos), sin, side), RISE, up);
-    Camera::framing(&used, from, up, WIDTH, HEIGHT)
-}
-
-/// Up, front and right of a model: y is up and z in front as in most files, except in a landscape, wide in x and y.
-fn axes(points: &[Vector]) -> (Vector, Vector, Vector) {
-    let size = |i: usize| {
-        let (low, high) = points.iter().fold((f64::MAX, f64::MIN), |(l, h), p| (l.min(p[i]), h.max(p[i])));
-        high - low
-    };
-    if size(2) < 0.5 * size(0).min(size(1)) {
-        ([0.0, 0.0, 1.0], [0.0, -1.0, 0.0], [1.0, 0.0, 0.0])
-    } else {
-        ([0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0])
-    }
-}
-
 /// For each corner the mean normal of the faces round its vertex that lie nearly in its own face's direction, weighted
 /// by area: smooth surfaces look smooth and sharp edges stay sharp.
 fn corner_normals(chart: &Chart) -> Vec<[Vector; 3]> {
@@ -173,7 +149,7 @@ fn faces_round(chart: &Chart) -> (Vec<u32>, Vec<u32>) {
 }
 
 /// The face's normal, as long as twice its area.
-fn face_normal(chart: &Chart, t: &[u32; 3]) -> Vector {
+pub(crate) fn face_normal(chart: &Chart, t: &[u32; 3]) -> Vector {
     let [a, b, c] = t.map(|v| chart.points[v as usize]);
     cross(minus(b, a), minus(c, a))
 }

@@ -103,7 +103,7 @@ impl Sketch {
             match item {
                 Item::Line { from, to, width, colour } => canvas.line(flat(*from), flat(*to), *width, *colour),
                 Item::Disc { centre, radius, colour } => {
-                    canvas.line(flat(*centre), flat(*centre), 2.0 * radius, *colour)
+                    canvas.line(flat(*centre), flat(*centre), 2.0 * radius, *colour);
                 }
                 Item::Text { at, size, anchor, colour, text } => {
                     let (strokes, width) = lettering::write(text, CAPITAL * size);
@@ -118,8 +118,7 @@ impl Sketch {
                 }
             }
         }
-        // All rows are kept.
-        canvas.develop(self.height.ceil() as usize)
+        canvas.develop()
     }
 }
 
