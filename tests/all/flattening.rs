@@ -1,6 +1,7 @@
 //! The laws of the flattened surface.
 
 use cones::{ConeChoice, Method, Options};
+use geom::distortion;
 use geom::shapes::{self, Shape};
 use proptest::prelude::*;
 use tests::oracle::check_map;
@@ -37,6 +38,12 @@ fn assert_unwraps(name: &str, shape: &Shape, options: &Options) {
     assert_eq!(found.euler, [1], "{name}: one island, a disk");
     assert!(found.seam_mismatch < 1e-6, "{name}: {found:?}");
     assert!(found.curvature < 1e-6, "{name}: {found:?}");
+
+    let corners = |f: usize| [0, 1, 2].map(|k| atlas.uv[3 * f + k]);
+    let uv: Vec<_> = (0..shape.triangles.len()).map(corners).collect();
+    let measured = distortion::measure(&shape.points, &shape.triangles, &uv).expect("one position a corner");
+    assert_eq!((measured.flipped, measured.degenerate, measured.islands.len()), (0, 0, 1), "{name}");
+    assert!(measured.seam_mismatch < 1e-6 && measured.quasi_conformal.mean < 1.5, "{name}");
 }
 
 #[test]

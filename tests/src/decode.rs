@@ -34,6 +34,11 @@ impl<'a> Bytes<'a> {
         first
     }
 
+    /// One of two.
+    pub fn coin(&mut self) -> bool {
+        self.byte() % 2 == 1
+    }
+
     /// A number below `count` (0 if there is none); of one byte where that is enough, otherwise of two.
     pub fn below(&mut self, count: usize) -> usize {
         let mut number = usize::from(self.byte());
@@ -43,10 +48,10 @@ impl<'a> Bytes<'a> {
         number % count.max(1)
     }
 
-    /// A number in [-1, 1].
+    /// A number in [-1, 1).
     pub fn signed(&mut self) -> f64 {
         let number = i16::from_le_bytes([self.byte(), self.byte()]);
-        f64::from(number) / f64::from(i16::MAX).max(1.0)
+        f64::from(number) / 32768.0
     }
 
     /// A value for a field: often one that others have too, or one an ulp away; zeros of both signs, infinities, any

@@ -87,21 +87,17 @@ pub fn terminal_tree_length(mesh: &Mesh, lengths: &EdgeData<f64>, terminals: &[V
             }
         }
     }
+    let to_nearest = |inside: &[usize], v: usize| inside.iter().map(|&u| distance[u][v]).fold(f64::INFINITY, f64::min);
     let mut total = 0.0;
     let mut inside: Vec<usize> = terminals.iter().take(1).map(|v| v.0 as usize).collect();
     let mut outside: Vec<usize> = terminals.iter().skip(1).map(|v| v.0 as usize).collect();
-    while !outside.is_empty() {
-        let nearest = |&v: &usize| inside.iter().map(|&u| distance[u][v]).fold(f64::INFINITY, f64::min);
-        let k = (0..outside.len()).min_by(|&i, &j| nearest(&outside[i]).total_cmp(&nearest(&outside[j])));
-        let v = outside.swap_remove(k.expect("one is left"));
-        total += nearest_to(&inside, v, &distance);
+    let nearer = |inside: &[usize], v: usize, w: usize| to_nearest(inside, v).total_cmp(&to_nearest(inside, w));
+    while let Some(k) = (0..outside.len()).min_by(|&i, &j| nearer(&inside, outside[i], outside[j])) {
+        let v = outside.swap_remove(k);
+        total += to_nearest(&inside, v);
         inside.push(v);
     }
     total
-}
-
-fn nearest_to(inside: &[usize], v: usize, distance: &[Vec<f64>]) -> f64 {
-    inside.iter().map(|&u| distance[u][v]).fold(f64::INFINITY, f64::min)
 }
 
 /// What a look at a model's map to the plane finds. It asks nothing of the method that made the map.

@@ -2,6 +2,8 @@
 //!
 //! [`obj`], [`field`] and [`surface`] are all laws of a subject at once, for fuzzing.
 
+#![allow(clippy::missing_panics_doc, reason = "a law panics where it does not hold")]
+
 mod files;
 mod flattening;
 mod operators;
@@ -13,6 +15,9 @@ pub use flattening::{cones_flatten, every_vertex_a_cone_unfolds, insults_unwrap,
 pub use operators::{flips, laplacian, poisson, seams};
 pub use persistence::{hierarchy, pairing, relabelled};
 pub use preparing::preparing;
+
+use geom::shapes::Shape;
+use geom::{Mesh, Metric};
 
 /// Every law of OBJ files.
 pub fn obj(bytes: &[u8]) {
@@ -35,6 +40,13 @@ pub fn surface(bytes: &[u8]) {
     seams(bytes);
     cones_flatten(bytes);
     every_vertex_a_cone_unfolds(bytes);
+}
+
+/// The lengths that a surface of this shape is computed with: those in space, unless a triangle has no area.
+fn metric_of(mesh: &Mesh, shape: &Shape) -> Metric {
+    let metric = Metric::from_points(mesh, &shape.points);
+    let is_degenerate = mesh.faces().any(|f| metric.sides(mesh, f).area() <= 0.0);
+    if is_degenerate { metric.mollified(mesh, Metric::MOLLIFICATION) } else { metric }
 }
 
 /// Asserts that two numbers agree to `tolerance`, relative to `size`.

@@ -7,7 +7,7 @@ use cones::{
 };
 use geom::{Mesh, Metric, PrepareError, VertexData, VertexId, angle_defects};
 
-use super::assert_close;
+use super::{assert_close, metric_of};
 use crate::decode::{self, Bytes, Moves};
 use crate::oracle::{check_map, signed_area};
 use crate::solids;
@@ -21,7 +21,7 @@ pub fn cones_flatten(bytes: &[u8]) {
     let bytes = &mut Bytes::new(bytes);
     let shape = decode::surface(bytes);
     let mesh = shape.mesh();
-    let metric = Metric::from_points(&mesh, &shape.points);
+    let metric = metric_of(&mesh, &shape);
     let operators = Operators::new(&mesh, &metric).expect("connected, with triangles that have area");
     let count = 3 + bytes.below(6);
     let vertices = decode::inner_vertices(bytes, &mesh, count);
@@ -121,7 +121,7 @@ pub fn every_vertex_a_cone_unfolds(bytes: &[u8]) {
 pub fn insults_unwrap(bytes: &[u8]) {
     let bytes = &mut Bytes::new(bytes);
     let options = options(bytes);
-    let moves = if bytes.byte().is_multiple_of(2) { Moves::Near } else { Moves::Anywhere };
+    let moves = if bytes.coin() { Moves::Anywhere } else { Moves::Near };
     let shape = decode::insulted(bytes, moves);
     let model = solids::model(&shape).expect("coordinates are bounded and indices in range");
     let atlas = match cones::unwrap(&model, &options, &mut |_| {}) {
@@ -153,8 +153,8 @@ pub fn options(bytes: &mut Bytes) -> Options {
             2 => ConeChoice::Count(bytes.below(40)),
             _ => ConeChoice::MinPersistence(bytes.signed().abs()),
         },
-        method: if bytes.byte().is_multiple_of(2) { cones::Method::Persistence } else { cones::Method::Alternating },
-        angles: if bytes.byte().is_multiple_of(2) { Angles::Optimal } else { Angles::Harmonic },
+        method: if bytes.coin() { cones::Method::Alternating } else { cones::Method::Persistence },
+        angles: if bytes.coin() { Angles::Harmonic } else { Angles::Optimal },
         smooth: bytes.byte() % 4 == 3,
         weld: bytes.byte() % 4 == 3,
     }

@@ -3,10 +3,10 @@
 use std::f64::consts::PI;
 
 use cones::{SeamError, Seams};
-use geom::{CutMesh, Metric, Poisson, VertexId, angle_defects, delaunay, edge_weights};
+use geom::{CutMesh, Poisson, VertexId, angle_defects, delaunay, edge_weights};
 use sprs::CsMat;
 
-use super::assert_close;
+use super::{assert_close, metric_of};
 use crate::decode::{self, Bytes};
 use crate::oracle;
 
@@ -15,7 +15,7 @@ use crate::oracle;
 pub fn flips(bytes: &[u8]) {
     let shape = decode::surface(&mut Bytes::new(bytes));
     let mesh = shape.mesh();
-    let metric = Metric::from_points(&mesh, &shape.points);
+    let metric = metric_of(&mesh, &shape);
     let total: f64 = angle_defects(&mesh, &metric).iter().sum();
     assert_close(total, 2.0 * PI * mesh.euler_characteristic() as f64, 1e-12, mesh.face_count() as f64);
 
@@ -43,7 +43,7 @@ pub fn laplacian(bytes: &[u8]) {
     let bytes = &mut Bytes::new(bytes);
     let shape = decode::surface(bytes);
     let mesh = shape.mesh();
-    let matrix = geom::laplacian(&mesh, &Metric::from_points(&mesh, &shape.points));
+    let matrix = geom::laplacian(&mesh, &metric_of(&mesh, &shape));
     let largest = matrix.data().iter().fold(0.0_f64, |m, x| m.max(x.abs()));
     let mut energy = 0.0;
     let x: Vec<f64> = mesh.vertices().map(|_| bytes.signed()).collect();
@@ -63,7 +63,7 @@ pub fn poisson(bytes: &[u8]) {
     let bytes = &mut Bytes::new(bytes);
     let shape = decode::surface(bytes);
     let mesh = shape.mesh();
-    let metric = Metric::from_points(&mesh, &shape.points).mollified(&mesh, 1e-2);
+    let metric = metric_of(&mesh, &shape).mollified(&mesh, 1e-2);
     let intrinsic = delaunay(&mesh, &metric);
     let matrix = geom::laplacian(&intrinsic.triangulation, &intrinsic.metric);
     let n = mesh.vertex_count();
@@ -106,7 +106,7 @@ pub fn seams(bytes: &[u8]) {
     let bytes = &mut Bytes::new(bytes);
     let shape = decode::surface(bytes);
     let mesh = shape.mesh();
-    let lengths = Metric::from_points(&mesh, &shape.points).lengths().clone();
+    let lengths = metric_of(&mesh, &shape).lengths().clone();
     let count = bytes.below(9);
     let cones = decode::inner_vertices(bytes, &mesh, count);
     match Seams::new(&mesh, &lengths, &cones) {

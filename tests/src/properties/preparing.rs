@@ -10,7 +10,7 @@ use crate::decode::{self, Bytes};
 /// them, once, or is named as left out; and each corner knows the model's corner that it is.
 pub fn preparing(bytes: &[u8]) {
     let bytes = &mut Bytes::new(bytes);
-    let weld = bytes.byte() % 2 == 1;
+    let weld = bytes.coin();
     let (points, faces) = decode::polygons(bytes);
     let model = Model::from_polygons(points, faces).expect("coordinates are bounded and indices in range");
     let triangles = model.triangles();
