@@ -31,13 +31,13 @@ pub enum Method {
     /// The most persistent maximum, minimum, second maximum, second minimum, … as in the paper.
     Alternating,
     /// By persistence, whatever their sign.
-    #[default]
     Persistence,
     /// The highest and the lowest point of φ, level by level with φ pinned to 0 at the cones ([`iterative`]).
     Iterative,
     /// One by one where the pinned φ is largest in absolute value ([`greedy`]).
     Greedy,
     /// The best set found of this very number ([`refined`](crate::refined())); not nested.
+    #[default]
     Refined,
     /// The best nested order found ([`pursuit`](crate::pursuit())).
     Pursuit,
@@ -150,7 +150,9 @@ impl<'a> Chosen<'a> {
         }
     }
 
-    /// Adds the vertices where the pinned log scale factor is largest, far ones as long as there are any.
+    /// Adds the vertices where the pinned log scale factor is largest, far ones as long as there are any: one for each
+    /// solve at first, an eighth of the cones later. (The batches depend on nothing but what is there, so that fewer cones
+    /// are still a prefix of more.)
     fn go_on_greedily(&mut self, extrema: &Hierarchy<VertexId, f64>, count: usize) {
         let mut pinned = Pinned::new(self.operators);
         while self.candidates.len() < count {
@@ -162,9 +164,11 @@ impl<'a> Chosen<'a> {
                 let open = u.iter_ids().filter(|(v, _)| !blocked[*v]);
                 open.max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()).then(b.0.index().cmp(&a.0.index()))).map(|(v, _)| v)
             };
-            let Some(vertex) = largest(&self.near).or_else(|| largest(&self.taken)) else { return };
-            let extremum = extrema.extrema().iter().find(|e| e.vertex == vertex).copied();
-            self.add(Candidate { vertex, extremum });
+            for _ in 0..(1 + self.candidates.len() / 8).min(count - self.candidates.len()) {
+                let Some(vertex) = largest(&self.near).or_else(|| largest(&self.taken)) else { return };
+                let extremum = extrema.extrema().iter().find(|e| e.vertex == vertex).copied();
+                self.add(Candidate { vertex, extremum });
+            }
         }
     }
 }

@@ -24,6 +24,8 @@ use crate::shelf::Shelf;
 
 /// So many cones where nobody says how many; half of them where there is a boundary, which takes curvature too.
 const DEFAULT_CONES: usize = 8;
+/// More cones than this are not optimised: `refined` takes a time that grows with the third power of their number.
+const MOST_OPTIMISED: usize = 64;
 /// A set of cones that cannot be flattened is enlarged so many times before the surface is given up.
 const MAX_ATTEMPTS: usize = 8;
 /// What is said where lengths were mollified.
@@ -227,10 +229,10 @@ impl<'a> Run<'a> {
 
     /// Shares out cones over the surfaces by what they bring, as far as the method is one that asks for that.
     fn share(&self, analysed: &[Analysed], least: Vec<usize>, total: usize) -> Vec<usize> {
-        if analysed.len() == 1 || !matches!(self.options.method, Method::Refined | Method::Pursuit) {
+        let spare = total.saturating_sub(least.iter().sum());
+        if analysed.len() == 1 || !matches!(self.method(spare), Method::Refined | Method::Pursuit) {
             return share_by_persistence(analysed, least, total);
         }
-        let spare = total.saturating_sub(least.iter().sum());
         let surfaces = self.prepared.surfaces.iter().zip(analysed).zip(&least);
         let part = |((surface, a), &least): ((&Surface, &Analysed), &usize)| {
             Part::new(&mut Reduced::new(&a.operators, &surface.mesh), a.area, least + spare)
@@ -280,12 +282,16 @@ impl<'a> Run<'a> {
         let mut count = asked;
         loop {
             let input = &self.prepared.surfaces[index].mesh;
-            let cones = hierarchy.cones(operators, input, self.options.method, count);
+            let method = self.method(count);
+            let cones = hierarchy.cones(operators, input, method, count);
             let vertices: Vec<VertexId> = cones.iter().map(|c| c.vertex).collect();
             match self.curvatures(index, operators, &vertices) {
                 Err(AnglesError::TooFew { .. }) if cones.len() == count => count += 1 + count / 4,
                 Err(error) => return Err(error.into()),
                 Ok(curvatures) => {
+                    if count > MOST_OPTIMISED && method != self.options.method {
+                        self.warn(format!("more than {MOST_OPTIMISED} cones are chosen by persistence"));
+                    }
                     if count > asked {
                         self.warn(format!("{asked} cones cannot take this surface's curvature: taking {count}"));
                     } else if cones.len() < asked {
@@ -454,6 +460,16 @@ impl<'a> Run<'a> {
             return Err(Error::SomeCurvatures { known, given: given.len() });
         }
         Ok(())
+    }
+
+    /// How `count` cones are chosen: a threshold of persistence speaks of extrema by persistence, and so many cones that
+    /// optimising them would take minutes are chosen by it too, whatever the method.
+    fn method(&self, count: usize) -> Method {
+        match (&self.options.cones, self.options.method) {
+            (ConeChoice::MinPersistence(_), _) => Method::Persistence,
+            (_, Method::Refined | Method::Pursuit) if count > MOST_OPTIMISED => Method::Persistence,
+            (_, method) => method,
+        }
     }
 
     fn warn(&mut self, warning: String) {

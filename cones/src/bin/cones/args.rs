@@ -130,7 +130,7 @@ pub(crate) struct Choice {
     #[arg(long, value_name = "FILE", group = "which")]
     pub(crate) cones: Option<PathBuf>,
     /// In what order extrema become cones
-    #[arg(long, value_enum, default_value_t = MethodName::Persistence)]
+    #[arg(long, value_enum, default_value_t = MethodName::Refined)]
     method: MethodName,
     /// How curvature is shared among the cones
     #[arg(long, value_enum, default_value_t = AnglesName::Optimal)]
