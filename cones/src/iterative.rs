@@ -81,6 +81,8 @@ fn extreme(phi: &VertexData<f64>, crowd: &Crowd, measure: impl Fn(f64) -> f64) -
 
 #[cfg(test)]
 mod tests {
+    use std::path::Path;
+
     use super::*;
     use geom::{Metric, shapes};
 
@@ -96,6 +98,21 @@ mod tests {
     fn reusing_the_factor_picks_the_cones_that_refactoring_picks() {
         for operators in surfaces() {
             assert_eq!(iterative(&operators, 16), iterative_refactoring(&operators, 16).unwrap());
+        }
+    }
+
+    #[test]
+    fn so_it_does_on_scans_and_parts() {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/meshes");
+        if !folder.is_dir() {
+            println!("skipped: there is no folder {}", folder.display());
+            return;
+        }
+        for name in ["spot_2930.obj", "casting_5096.obj", "punctured_torus_4599.obj", "table1/fandisk_6475.obj"] {
+            let model = geom::io::read(folder.join(name)).unwrap();
+            let surface = geom::prepare(&model, false).unwrap().surfaces.swap_remove(0);
+            let operators = Operators::new(&surface.mesh, &surface.metric()).unwrap();
+            assert_eq!(iterative(&operators, 32), iterative_refactoring(&operators, 32).unwrap(), "{name}");
         }
     }
 

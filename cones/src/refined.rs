@@ -27,6 +27,19 @@ const LEAST_BACKWARD: usize = 12;
 ///
 /// On a closed surface too few cones cannot take its curvature: see [`Fitted::shortfall`] and
 /// [`least_cones`](crate::least_cones).
+///
+/// ```
+/// use cones::{Operators, Reduced, refined};
+/// use geom::{Metric, shapes};
+///
+/// let shape = shapes::hare(800);
+/// let mesh = shape.mesh();
+/// let operators = Operators::new(&mesh, &Metric::from_points(&mesh, &shape.points))?;
+/// let mut reduced = Reduced::new(&operators, &mesh);
+/// let (four, eight) = (refined(&mut reduced, 4), refined(&mut reduced, 8));
+/// assert!(eight.log_scale_norm() < four.log_scale_norm());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn refined(reduced: &mut Reduced, count: usize) -> Fitted {
     let first = start(reduced, count);
     if first.cones.len() >= count && count < 2 {
