@@ -50,7 +50,7 @@ fn assert_unwraps(name: &str, shape: &Shape, options: &Options) {
 fn every_built_in_shape_unwraps_without_flips() {
     for name in shapes::NAMES {
         let shape = shapes::by_name(name, 2500).expect("a name from the list");
-        for method in [Method::Persistence, Method::Alternating] {
+        for method in [Method::Persistence, Method::Alternating, Method::Refined] {
             let options = Options { cones: ConeChoice::Count(8), method, ..Options::default() };
             assert_unwraps(name, &shape, &options);
         }

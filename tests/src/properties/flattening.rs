@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use cones::{
-    Angles, AnglesError, ConeChoice, Error, Layout, Operators, Options, Scaling, Seams, cone_curvatures, scale,
+    Angles, AnglesError, ConeChoice, Error, Layout, Method, Operators, Options, Scaling, Seams, cone_curvatures, scale,
 };
 use geom::{Mesh, Metric, PrepareError, VertexData, VertexId, angle_defects};
 
@@ -14,6 +14,10 @@ use crate::solids;
 
 /// Triangles of less height than this, relative to the extent of the whole map, may be lost in rounding.
 const NEEDLE: f64 = 1e-9;
+
+/// All ways to a set of cones.
+const METHODS: [Method; 6] =
+    [Method::Persistence, Method::Alternating, Method::Iterative, Method::Greedy, Method::Refined, Method::Pursuit];
 
 /// Any cones of any small surface give a metric that is flat but there, a layout whose seams match up to rigid motions,
 /// and each of these motions turns by the curvature that the seam encloses.
@@ -153,7 +157,7 @@ pub fn options(bytes: &mut Bytes) -> Options {
             2 => ConeChoice::Count(bytes.below(40)),
             _ => ConeChoice::MinPersistence(bytes.signed().abs()),
         },
-        method: if bytes.coin() { cones::Method::Alternating } else { cones::Method::Persistence },
+        method: METHODS[bytes.below(METHODS.len())],
         angles: if bytes.coin() { Angles::Harmonic } else { Angles::Optimal },
         smooth: bytes.byte() % 4 == 3,
         weld: bytes.byte() % 4 == 3,
