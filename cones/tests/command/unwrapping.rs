@@ -40,7 +40,7 @@ fn a_report_has_the_documented_keys() {
     assert_eq!(report["schema"], 1);
     assert_eq!(report["input"]["genus"], 0);
     assert_eq!(report["input"]["euler"], 2);
-    assert_eq!((&report["method"], &report["angles"]), (&"persistence".into(), &"optimal".into()));
+    assert_eq!((&report["method"], &report["angles"]), (&"refined".into(), &"optimal".into()));
     let cones = report["cones"].as_array().expect("cones are a list");
     let total: f64 = cones.iter().filter_map(|cone| cone["curvature"].as_f64()).sum();
     assert_eq!(cones.len(), 6);

@@ -264,7 +264,7 @@ mod tests {
 
     #[test]
     fn what_is_not_built_is_not_accepted() {
-        for option in ["--islands=pack", "--max-distortion=1.2", "--method=refined", "--udim", "--threads=2"] {
+        for option in ["--islands=pack", "--max-distortion=1.2", "--udim", "--threads=2"] {
             assert!(Arguments::try_parse_from(["cones", "unwrap", "a", "-o", "b", option]).is_err(), "{option}");
         }
     }
