@@ -49,7 +49,7 @@ fn bench(name: &str, model: &Model) {
     let seams = Seams::new(mesh, metric.lengths(), &cones).expect("sixteen cones cut any surface");
     let scaling = cones::scale(mesh, &metric, &operators, &target, &curvatures.predicted).expect("it converges");
     let boundary: Vec<VertexId> = mesh.vertices().filter(|&v| mesh.is_boundary_vertex(v)).collect();
-    let options = Options { cones: ConeChoice::Count(CONES), ..Options::default() };
+    let options = |method| Options { cones: ConeChoice::Count(CONES), method, ..Options::default() };
 
     println!("\n{name}: {} vertices, {CONES} cones, {} Newton steps", mesh.vertex_count(), scaling.steps);
     let floor = time(|| drop(Poisson::new(&operators.laplacian, &boundary)));
@@ -64,7 +64,9 @@ fn bench(name: &str, model: &Model) {
     row("cut", time(|| drop(Seams::new(mesh, metric.lengths(), &cones))));
     row("scale", time(|| drop(cones::scale(mesh, &metric, &operators, &target, &curvatures.predicted))));
     row("layout", time(|| drop(Layout::new(mesh, &scaling, &seams.cut))));
-    row("all: unwrap", time(|| drop(cones::unwrap(model, &options, &mut |_| ()))));
+    for (name, method) in [("all, by persistence", Method::Persistence), ("all, refined", Method::Refined)] {
+        row(name, time(|| drop(cones::unwrap(model, &options(method), &mut |_| ()))));
+    }
 }
 
 /// The best time of several runs, in seconds.
