@@ -142,8 +142,12 @@ fn pair<S: Scalar, D: Direction>(filtration: &Filtration<'_, S, D>, descent: &De
 
 /// The last vertex to enter, for the only component.
 fn last_of_all<S: Scalar, D: Direction>(filtration: &Filtration<'_, S, D>) -> Vec<u32> {
-    let entering = (0..filtration.field().len() as u32).filter(|&v| filtration.contains(v));
-    entering.reduce(|u, v| filtration.later(u, v)).into_iter().collect()
+    let last_of_block = |start: usize, field: &[S]| {
+        let entering = field.iter().zip(start as u32..).filter(|(value, _)| !value.is_nan());
+        entering.reduce(|u, v| if D::precedes_higher_index(*u.0, *v.0) { v } else { u }).map(|(_, v)| v)
+    };
+    let lasts = parallel::fold_blocks(filtration.field(), last_of_block);
+    lasts.into_iter().flatten().reduce(|u, v| filtration.later(u, v)).into_iter().collect()
 }
 
 /// The last vertex to enter the component of each basin that is the eldest of one.

@@ -4,7 +4,7 @@
 //! read backwards, so that a tie is broken alike in both: `superlevel(f)` equals `sublevel(-f)` with indices reversed.
 //! Everything below is written once, against [`Filtration::precedes`], and never asks which of the two it is.
 
-use crate::Scalar;
+use crate::{Scalar, parallel};
 use core::cmp::Ordering;
 use core::fmt;
 use core::marker::PhantomData;
@@ -200,12 +200,16 @@ impl<'a, S: Scalar, D: Direction> Filtration<'a, S, D> {
     }
 }
 
-/// Index of the first NaN. Blocks are tested whole, which compiles to vector instructions.
+/// Index of the first NaN. Values are tested by the dozen, which compiles to vector instructions.
 fn first_nan<S: Scalar>(field: &[S]) -> Option<usize> {
-    const BLOCK: usize = 64;
-    let blocks = field.chunks(BLOCK);
-    let block = blocks.clone().position(|block| block.iter().fold(false, |found, value| found | value.is_nan()))?;
-    field[block * BLOCK..].iter().position(|value| value.is_nan()).map(|offset| block * BLOCK + offset)
+    const TESTED: usize = 64;
+    let first_of_block = |start: usize, field: &[S]| {
+        let mut tested = field.chunks(TESTED);
+        let place = tested.position(|values| values.iter().fold(false, |found, value| found | value.is_nan()))?;
+        let values = field[place * TESTED..].iter();
+        values.clone().position(|value| value.is_nan()).map(|offset| start + place * TESTED + offset)
+    };
+    parallel::fold_blocks(field, first_of_block).into_iter().flatten().next()
 }
 
 #[cfg(test)]

@@ -135,7 +135,8 @@ impl<const D: usize> Domain for &Grid<D> {
     }
 
     fn merges<S: Scalar, F: Direction>(&self, filtration: &Filtration<'_, S, F>) -> Merges {
-        let mut next = vec![OUTSIDE; self.vertex_count()];
+        // Zeros are memory that no thread has touched yet; the scan writes every pointer.
+        let mut next = vec![0; self.vertex_count()];
         let row_length = self.shape[2];
         let scans = parallel::map_blocks(&mut next, row_length, |vertices, next| {
             let mut scanner = Scanner::new(self, filtration);
@@ -237,6 +238,7 @@ impl<'a, S: Scalar, F: Direction, const D: usize> Scanner<'a, S, F, D> {
         for (v, (&set, next)) in (first..).zip(self.sets.iter().zip(next)) {
             let neighbors = self.stencil.neighbors(set);
             if neighbors == 0 {
+                *next = OUTSIDE;
                 if self.filtration.contains(v) {
                     self.found.extrema.push(v);
                 }

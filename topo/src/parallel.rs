@@ -29,6 +29,19 @@ pub(crate) fn map_blocks<T, R>(data: &mut [T], _unit: usize, work: impl Fn(Range
     if data.is_empty() { Vec::new() } else { vec![work(0..data.len(), data)] }
 }
 
+/// The results of `work` for consecutive blocks of `items`, each with the index of its first, in order.
+#[cfg(feature = "rayon")]
+pub(crate) fn fold_blocks<T: Sync, R: Send>(items: &[T], work: impl Fn(usize, &[T]) -> R + Sync) -> Vec<R> {
+    use rayon::prelude::*;
+    items.par_chunks(BLOCK).enumerate().map(|(block, items)| work(block * BLOCK, items)).collect()
+}
+
+/// The result of `work` for all `items` as one block.
+#[cfg(not(feature = "rayon"))]
+pub(crate) fn fold_blocks<T, R>(items: &[T], work: impl Fn(usize, &[T]) -> R) -> Vec<R> {
+    vec![work(0, items)]
+}
+
 /// The results that `map` has for `items`, in their order.
 #[cfg(feature = "rayon")]
 pub(crate) fn filter_map<T: Sync, R: Send>(items: &[T], map: impl Fn(&T) -> Option<R> + Sync + Send) -> Vec<R> {

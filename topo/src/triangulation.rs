@@ -79,7 +79,7 @@ impl Domain for &Triangulation {
     }
 
     fn merges<S: Scalar, D: Direction>(&self, filtration: &Filtration<'_, S, D>) -> Merges {
-        let mut next = vec![OUTSIDE; self.vertex_count()];
+        let mut next = vec![0; self.vertex_count()];
         let scans = parallel::map_blocks(&mut next, 1, |vertices, next| {
             let mut found = Scan::default();
             for (v, next) in vertices.zip(next) {
