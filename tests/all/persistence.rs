@@ -24,6 +24,11 @@ proptest! {
     fn hierarchies_are_nested_and_ordered(bytes in bytes(400)) {
         properties::hierarchy(&bytes);
     }
+
+    #[test]
+    fn domains_are_paired_segmented_and_simplified(bytes in bytes(600)) {
+        properties::domains(&bytes);
+    }
 }
 
 /// The terrain of Fig. 3 as heights on a square grid: eight hills round a higher ninth, and noise of a given size.

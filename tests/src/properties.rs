@@ -13,7 +13,7 @@ mod preparing;
 pub use files::{obj_is_given_back, reading};
 pub use flattening::{cones_flatten, every_vertex_a_cone_unfolds, insults_unwrap, options};
 pub use operators::{flips, laplacian, poisson, seams};
-pub use persistence::{hierarchy, pairing, relabelled};
+pub use persistence::{domains, hierarchy, pairing, relabelled};
 pub use preparing::preparing;
 
 use geom::shapes::Shape;
@@ -25,11 +25,12 @@ pub fn obj(bytes: &[u8]) {
     obj_is_given_back(bytes);
 }
 
-/// Every law of fields on graphs.
+/// Every law of fields on graphs and other domains.
 pub fn field(bytes: &[u8]) {
     pairing(bytes);
     relabelled(bytes);
     hierarchy(bytes);
+    domains(bytes);
 }
 
 /// Every law of small manifold surfaces.

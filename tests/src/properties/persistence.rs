@@ -5,7 +5,7 @@ use std::cmp::Ordering;
 use petgraph::graph::{NodeIndex, UnGraph};
 use petgraph::unionfind::UnionFind;
 use petgraph::visit::EdgeRef;
-use topo::{Options, Pairs, Scalar};
+use topo::{Connectivity, Domain, Grid, Kind, NanPolicy, Options, Pairs, Path, Scalar, Triangulation};
 
 use crate::decode::{self, Bytes};
 use crate::oracle;
@@ -132,4 +132,61 @@ fn component_count(graph: &Graph) -> usize {
     roots.sort_unstable();
     roots.dedup();
     roots.len()
+}
+
+/// On grids, triangles and paths, with values left out, as f64 and as i8: the fast way is the plain sweep; the merge tree
+/// has a leaf for every pair; basins cover what is not left out; a field is simplified within its bound.
+pub fn domains(bytes: &[u8]) {
+    let bytes = &mut Bytes::new(bytes);
+    let connectivity = [Connectivity::Axis, Connectivity::Full, Connectivity::Freudenthal][bytes.below(3)];
+    match bytes.below(5) {
+        0 => domain(&Path::new(bytes.below(64)), bytes),
+        1 => domain(&Grid::new([1 + bytes.below(64)], connectivity).periodic([bytes.coin()]), bytes),
+        2 => {
+            let shape = [1 + bytes.below(9), 1 + bytes.below(9)];
+            domain(&Grid::new(shape, connectivity).periodic([bytes.coin(), bytes.coin()]), bytes);
+        }
+        3 => {
+            let shape = [1 + bytes.below(4), 1 + bytes.below(4), 1 + bytes.below(4)];
+            domain(&Grid::new(shape, connectivity).periodic([bytes.coin(), bytes.coin(), bytes.coin()]), bytes);
+        }
+        _ => {
+            let count = 1 + bytes.below(32);
+            let corner = |bytes: &mut Bytes| bytes.below(count) as u32;
+            let triangles: Vec<_> =
+                (0..bytes.below(96)).map(|_| [corner(bytes), corner(bytes), corner(bytes)]).collect();
+            domain(&Triangulation::new(count, &triangles).expect("corners exist"), bytes);
+        }
+    }
+}
+
+fn domain<G: Domain<Vertex = usize>>(domain: G, bytes: &mut Bytes) {
+    let count = domain.vertex_count();
+    let integers: Vec<i8> = (0..count).map(|_| bytes.byte() as i8).collect();
+    domain_with(domain, &integers, i8::width(0, bytes.byte() as i8));
+    let mut field = decode::field(bytes, count);
+    for _ in 0..bytes.below(8).min(count) {
+        field[bytes.below(count)] = f64::NAN;
+    }
+    domain_with(domain, &field, bytes.value().abs());
+}
+
+fn domain_with<G: Domain<Vertex = usize>, S: Scalar>(domain: G, field: &[S], bound: S::Width) {
+    let options = Options::new().keep_zeros().nan(NanPolicy::Mask);
+    let fast = options.persistence(domain, field).expect("a value for each vertex");
+    assert_eq!(Ok(&fast), options.plain_sweep().persistence(domain, field).as_ref(), "fast and plain agree");
+    let inside = field.iter().filter(|value| !value.is_nan()).count();
+    for (kind, pairs) in [(Kind::Minimum, &fast.minima), (Kind::Maximum, &fast.maxima)] {
+        let tree = options.merge_tree(domain, field, kind).expect("as before");
+        assert_eq!(tree.leaf_count(), pairs.len());
+        let basins = options.segmentation(domain, field, kind, bound).expect("as before");
+        assert_eq!(basins.sizes().iter().sum::<usize>(), inside);
+    }
+    let simple = options.simplify(domain, field, bound).expect("as before");
+    for (before, after) in field.iter().zip(&simple).filter(|(before, _)| !before.is_nan()) {
+        assert!(before.width(*after) <= bound, "{after:?} is further than {bound:?} from {before:?}");
+    }
+    let left = Options::new().nan(NanPolicy::Mask).persistence(domain, &simple).expect("as before");
+    let is_larger = |pair: &topo::Pair<usize, S>| pair.persistence() > bound;
+    assert!(left.minima.finite().chain(left.maxima.finite()).all(is_larger), "no smaller pair is left");
 }
