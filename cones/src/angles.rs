@@ -10,7 +10,7 @@
 
 use std::f64::consts::PI;
 
-use geom::{Mesh, VertexData, VertexId};
+use geom::{Mesh, VertexData, VertexId, gram};
 use thiserror::Error;
 
 use crate::dense;
@@ -170,14 +170,7 @@ fn optimal(
     bounds: &[[f64; 2]],
 ) -> Result<Vec<f64>, AnglesError> {
     let n = green.len();
-    let mut quadratic = vec![0.0; n * n];
-    for i in 0..n {
-        for j in 0..=i {
-            let product = operators.inner(&green[i], &green[j]);
-            quadratic[i * n + j] = product;
-            quadratic[j * n + i] = product;
-        }
-    }
+    let quadratic = gram(green, &operators.weight);
     let linear: Vec<f64> = green.iter().map(|g| operators.inner(g, p)).collect();
     let total = (!operators.is_bordered()).then(|| operators.total_curvature());
     let energy = Quadratic { constant: operators.inner(p, p), linear: &linear, matrix: &quadratic };

@@ -30,6 +30,9 @@ pub enum Error {
     /// Triangles of the layout stay flipped.
     #[error(transparent)]
     Mend(#[from] MendError),
+    /// The cones are too few for the surface's detail.
+    #[error("lengths would change by a factor of {0:.1e}")]
+    Stretched(f64),
     /// A given cone is no vertex of a surface.
     #[error("cone {vertex} is not a vertex of any face (vertices are numbered from 0 to {})", count - 1)]
     NoSuchCone {

@@ -14,6 +14,7 @@ use geom::{
     HalfedgeId, Mesh, Metric, Poisson, PoissonError, Triangulation, VertexData, VertexId, delaunay, laplacian,
     ptolemaic_delaunay,
 };
+use sprs::CsMat;
 use thiserror::Error;
 
 use crate::operators::Operators;
@@ -29,6 +30,9 @@ const LAST_STEP: f64 = 1e-10;
 const GOOD_STEP: f64 = 0.03;
 /// More steps than this, and the triangles are too degenerate for the method.
 const MAX_STEPS: usize = 25;
+/// Added to the Hessian's diagonal where triangles have no area. The least eigenvalue of the Laplacian of a surface with a
+/// million vertices is about 4e-5.
+const DAMPING: f64 = 1e-6;
 /// No log scale factor changes by more than this in a step.
 const MAX_STEP: f64 = 5.0;
 
@@ -85,8 +89,8 @@ impl Scaling {
     }
 }
 
-/// Scales a surface to the given curvature (by vertex, used off the boundary), with u on the boundary as in `boundary`
-/// (used there only).
+/// Scales a surface to the given curvature (by vertex, used off the boundary), with u on the boundary as in `start`,
+/// where there is one: inside Newton's method then starts from there too, and otherwise from 0.
 ///
 /// # Errors
 /// If Newton's method gets stuck even on mollified lengths.
@@ -95,7 +99,7 @@ pub fn scale(
     input_metric: &Metric,
     operators: &Operators,
     target: &VertexData<f64>,
-    boundary: &VertexData<f64>,
+    start: &VertexData<f64>,
 ) -> Result<Scaling, ScalingError> {
     let direct = Newton {
         target,
@@ -108,18 +112,27 @@ pub fn scale(
         flips: operators.flips.clone(),
         mollified: false,
     };
-    match direct.run(state, boundary) {
-        Err(ScalingError::Stuck { .. } | ScalingError::Poisson(PoissonError::NotPositiveDefinite)) => {
-            let intrinsic = delaunay(input, &input_metric.mollified(input, Metric::MOLLIFICATION));
+    let mollified = || {
+        let mollified = input_metric.mollified(input, Metric::MOLLIFICATION);
+        let [before, after] = [input_metric, &mollified].map(|metric| metric.lengths().iter().sum::<f64>());
+        (after > before * (1.0 + 1e-3 * Metric::MOLLIFICATION)).then_some(mollified)
+    };
+    let stuck = match direct.run(state, start) {
+        Err(error @ (ScalingError::Stuck { .. } | ScalingError::Poisson(PoissonError::NotPositiveDefinite))) => error,
+        done => return done,
+    };
+    match mollified() {
+        None => Err(stuck),
+        Some(metric) => {
+            let intrinsic = delaunay(input, &metric);
             let state = State {
                 triangulation: intrinsic.triangulation,
                 base: intrinsic.metric,
                 flips: intrinsic.flips,
                 mollified: true,
             };
-            Newton { first: None, ..direct }.run(state, boundary)
+            Newton { first: None, ..direct }.run(state, start)
         }
-        done => done,
     }
 }
 
@@ -135,17 +148,14 @@ struct State {
 struct Newton<'a> {
     target: &'a VertexData<f64>,
     fixed: Vec<VertexId>,
-    /// Where u is 0 everywhere to begin with, the first step can use the factor that is already there.
+    /// Where u is 0 to begin with, the first step can use the factor that is already there.
     first: Option<&'a Operators>,
 }
 
 impl Newton<'_> {
-    fn run(&self, mut state: State, boundary: &VertexData<f64>) -> Result<Scaling, ScalingError> {
-        let mut u = VertexData::constant(boundary.len(), 0.0);
-        for &v in &self.fixed {
-            u[v] = boundary[v];
-        }
-        let starts_at_zero = u.iter().all(|&u| u == 0.0);
+    fn run(&self, mut state: State, start: &VertexData<f64>) -> Result<Scaling, ScalingError> {
+        let starts_at_zero = self.fixed.is_empty();
+        let mut u = if starts_at_zero { VertexData::constant(start.len(), 0.0) } else { start.clone() };
         let mut metric = ptolemaic_delaunay(&mut state.triangulation, &mut state.base, &u, &mut state.flips);
         let mut residual = self.residual(&state.triangulation, &metric);
         let mut factored: Option<Poisson> = None;
@@ -161,7 +171,7 @@ impl Newton<'_> {
                 Some(operators) => operators.poisson.solve(&residual),
                 None => {
                     if !keep_factor || factored.is_none() {
-                        let hessian = laplacian(&state.triangulation, &metric);
+                        let hessian = hessian(&state.triangulation, &metric);
                         match &mut factored {
                             Some(poisson) => poisson.refactor(&hessian)?,
                             None => factored = Some(Poisson::new(&hessian, &self.fixed)?),
@@ -177,10 +187,10 @@ impl Newton<'_> {
                 return Err(ScalingError::Stuck { error, vertex });
             }
             let mut length = (MAX_STEP / step.iter().fold(0.0, |m: f64, d| m.max(d.abs()))).min(1.0);
-            let start = u.clone();
+            let from = u.clone();
             let mut halvings = 0;
             loop {
-                u = start.iter().zip(step.iter()).map(|(u, d)| u + length * d).collect();
+                u = from.iter().zip(step.iter()).map(|(u, d)| u + length * d).collect();
                 metric = ptolemaic_delaunay(&mut state.triangulation, &mut state.base, &u, &mut state.flips);
                 residual = self.residual(&state.triangulation, &metric);
                 let new_slope = dot(&step, &residual);
@@ -193,7 +203,7 @@ impl Newton<'_> {
                 halvings += 1;
                 if halvings > 30 || error <= ACCURACY {
                     // No further: rounding is all that is left, or the method is stuck.
-                    u = start;
+                    u = from;
                     metric = ptolemaic_delaunay(&mut state.triangulation, &mut state.base, &u, &mut state.flips);
                     residual = self.residual(&state.triangulation, &metric);
                     let (vertex, error) = largest(&residual);
@@ -238,6 +248,18 @@ impl Newton<'_> {
         }
         Ok(Scaling { u, triangulation, metric, flips, steps, error, mollified })
     }
+}
+
+/// The Laplacian of the scaled metric. Where triangles have no area it may be singular, and is made definite.
+fn hessian(triangulation: &Triangulation, metric: &Metric) -> CsMat<f64> {
+    let mut hessian = laplacian(triangulation, metric);
+    if triangulation.faces().any(|f| metric.sides(triangulation, f).area() <= 0.0) {
+        for v in 0..hessian.rows() {
+            let diagonal = hessian.get_mut(v, v).expect("the Laplacian stores its diagonal");
+            *diagonal += if *diagonal < DAMPING { 1.0 } else { DAMPING };
+        }
+    }
+    hessian
 }
 
 fn largest(residual: &VertexData<f64>) -> (VertexId, f64) {

@@ -27,7 +27,11 @@ const DEFAULT_CONES: usize = 8;
 /// More cones than this are not optimised: `refined` takes a time that grows with the third power of their number.
 const MOST_OPTIMISED: usize = 64;
 /// A set of cones that cannot be flattened is enlarged so many times before the surface is given up.
-const MAX_ATTEMPTS: usize = 8;
+const MAX_ATTEMPTS: usize = 6;
+/// Cones for which linear theory predicts that somewhere lengths change by more than this factor against the mean are
+/// not tried if there may be more. None of 30 meshes comes there with 8 cones; a scan whose noise has made tiny handles
+/// does, and Newton's method would take long to fail.
+const MOST_STRETCH: f64 = 3000.0;
 /// What is said where lengths were mollified.
 const MOLLIFIED: &str = "edges were lengthened by up to 1e-4 of their mean, because of needle triangles";
 
@@ -359,14 +363,24 @@ impl<'a> Run<'a> {
         let mut attempt = 1;
         let error = loop {
             let (tried, flat) = match self.choose(index, analysed, &choice) {
-                Ok((cones, curvatures)) => (Some(cones.len()), self.flatten_with(index, analysed, cones, curvatures)),
+                Ok((cones, curvatures)) => {
+                    let count = cones.len();
+                    let stretch = stretch(&analysed.operators, &curvatures);
+                    let hopeless =
+                        matches!(choice, Choice::Count(_)) && stretch > MOST_STRETCH && attempt < MAX_ATTEMPTS;
+                    let flat = match hopeless {
+                        true => Err(Error::Stretched(stretch)),
+                        false => self.flatten_with(index, analysed, cones, curvatures),
+                    };
+                    (Some(count), flat)
+                }
                 Err(error) => (None, Err(error)),
             };
             match (flat, tried, &choice) {
                 (Err(error), _, Choice::Count(_)) if attempt == MAX_ATTEMPTS => break error,
                 (Err(error), None, Choice::Count(_)) => break error,
                 (Err(error), Some(count), Choice::Count(_)) => {
-                    let more = count + 1 + count / 4;
+                    let more = 2 * count.max(2);
                     self.warn(format!("{count} cones could not be flattened ({error}): trying {more}"));
                     choice = Choice::Count(more);
                     attempt += 1;
@@ -495,6 +509,13 @@ fn share_by_persistence(analysed: &[Analysed], least: Vec<usize>, total: usize) 
 fn too_few(asked: usize, needed: usize, parts: usize) -> String {
     let subject = if parts == 1 { "this surface needs".to_owned() } else { format!("these {parts} parts need") };
     format!("{asked} cones asked for, but {subject} at least {needed}: taking {needed}")
+}
+
+/// By which factor lengths change most against the mean, as linear theory predicts it.
+fn stretch(operators: &Operators, curvatures: &ConeCurvatures) -> f64 {
+    let mut u = curvatures.predicted.clone();
+    operators.subtract_mean(&mut u);
+    u.iter().fold(0.0_f64, |most, u| most.max(u.abs())).exp()
 }
 
 /// The lengths that seams count: those of space, but no seam runs inside a polygon.
