@@ -11,7 +11,7 @@ use crate::distortion::{Predicted, predict};
 use crate::exchange::{drop_cheapest, exchange};
 use crate::pursuit::{Nested, pursuit};
 use crate::reduced::{Fitted, Reduced};
-use crate::refined::{refined, rounds};
+use crate::refined::{by_curvature, refined, rounds};
 
 /// The area distortion that is aimed at when nobody says.
 pub const TARGET_DISTORTION: f64 = 1.25;
@@ -84,7 +84,7 @@ fn fewest(reduced: &mut Reduced, nested: &Fitted, target: f64, least: usize) -> 
         }
         (best, predicted) = (fewer, after);
     }
-    (best, predicted)
+    (by_curvature(reduced, &best), predicted)
 }
 
 #[cfg(test)]

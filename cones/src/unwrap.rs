@@ -19,7 +19,7 @@ use crate::mend::mend;
 use crate::operators::Operators;
 use crate::options::{ConeChoice, Options};
 use crate::reduced::Reduced;
-use crate::scaling::{Scaling, scale};
+use crate::scaling::{Scaling, ScalingError, scale};
 use crate::seams::{Chain, Seams};
 use crate::share::{Part, share_out};
 use crate::shelf::Shelf;
@@ -50,19 +50,17 @@ pub fn unwrap(model: &Model, options: &Options, on_stage: &mut dyn FnMut(Stage))
         let flat = run.flatten_within(index, analysed, choice)?;
         let surface = &run.prepared.surfaces[index];
         curvature_error = curvature_error.max(flat.scaling.error);
-        let size = flat.size(surface, &analysed.operators);
-        let position = shelf.place(&flat.layout, size);
-        for h in surface.mesh.halfedges() {
+        let position = shelf.place(&flat.layout, flat.size);
+        for h in surface.mesh.halfedges().filter(|&h| surface.corner[h] != Surface::FILLER) {
             uv[surface.corner[h] as usize] = Some(position(flat.layout.corner(h)));
         }
-        let of_model = |chain: &Chain| chain.vertices.iter().map(|&v| surface.vertex[v]).collect();
-        seams.extend(flat.seams.chains.iter().map(of_model));
+        seams.extend(flat.seams.chains.iter().flat_map(|chain| of_model(chain, surface)));
         run.note_cones(index, &flat.cones, &flat.curvatures);
     }
     let Run { prepared, found, .. } = run;
     Ok(Atlas {
         uv: fill_corners(model, uv),
-        topology: Topology::of(&prepared.surfaces),
+        topology: found.topology,
         triangles: prepared.triangles,
         left_out: prepared.left_out,
         seams,
@@ -90,7 +88,7 @@ pub fn extract(model: &Model, options: &Options, on_stage: &mut dyn FnMut(Stage)
     }
     let Run { prepared, found, .. } = run;
     Ok(Extraction {
-        topology: Topology::of(&prepared.surfaces),
+        topology: found.topology,
         repairs: prepared.repairs,
         cones: found.cones,
         factor: found.factor,
@@ -116,6 +114,7 @@ struct Found {
     factor: Vec<f64>,
     persistence: Vec<f64>,
     number: Option<NumberOfCones>,
+    topology: Topology,
     times: Vec<(Stage, Duration)>,
     warnings: Vec<String>,
 }
@@ -136,13 +135,23 @@ struct Flat {
     seams: Seams,
     scaling: Scaling,
     layout: Layout,
+    /// What to multiply the layout by so that its mean log scale is 0 in the model's units.
+    size: f64,
+    area_distortion: f64,
 }
 
 impl Flat {
-    /// What to multiply the layout by so that its mean log scale is 0 in the model's units.
-    fn size(&self, surface: &Surface, operators: &Operators) -> f64 {
-        let mean: f64 = operators.weight.iter().zip(self.scaling.u.iter()).map(|(w, u)| w * u).sum();
-        (-mean).exp() / surface.scale
+    fn new(
+        surface: &Surface,
+        operators: &Operators,
+        cones: Vec<Candidate>,
+        curvatures: Vec<f64>,
+        (seams, scaling, layout): (Seams, Scaling, Layout),
+    ) -> Self {
+        let mean: f64 = operators.weight.iter().zip(scaling.u.iter()).map(|(w, u)| w * u).sum();
+        let size = (-mean).exp() / surface.scale;
+        let area_distortion = area_distortion(operators, &scaling.u);
+        Self { cones, curvatures, seams, scaling, layout, size, area_distortion }
     }
 }
 
@@ -162,6 +171,7 @@ impl<'a> Run<'a> {
         let start = Instant::now();
         let prepared = prepare(model, options.weld)?;
         let mut found = Found { factor: vec![f64::NAN; model.vertex_count()], ..Found::default() };
+        found.topology = Topology::of(&prepared.surfaces);
         found.times = Stage::ALL.map(|stage| (stage, Duration::ZERO)).to_vec();
         found.times[0].1 = start.elapsed();
         let run = Self { options, prepared, found, on_stage, model };
@@ -199,19 +209,22 @@ impl<'a> Run<'a> {
             }
             let factor = smoothed.and_then(Result::ok).unwrap_or_else(|| ConformalFactor::new(&operators));
             let hierarchy = ConeHierarchy::new(&operators, &factor);
-            for (v, phi) in factor.phi.iter_ids() {
-                run.found.factor[run.prepared.surfaces[index].vertex[v] as usize] = *phi;
-            }
-            run.found.persistence.extend(hierarchy.extrema().iter().map(|e| e.persistence));
-            run.found.persistence.sort_by(|a, b| b.total_cmp(a));
             let surface = &run.prepared.surfaces[index];
+            for (v, phi) in factor.phi.iter_ids().filter(|(v, _)| surface.vertex[*v] != Surface::FILLER) {
+                run.found.factor[surface.vertex[v] as usize] = *phi;
+            }
             let area = metric.area(&surface.mesh) / surface.scale / surface.scale;
             Ok(Analysed { metric, area, operators, hierarchy })
         })
     }
 
     fn analyse_all(&mut self) -> Result<Vec<Analysed>, Error> {
-        (0..self.prepared.surfaces.len()).map(|index| self.analyse(index)).collect()
+        let analysed: Result<Vec<Analysed>, Error> =
+            (0..self.prepared.surfaces.len()).map(|index| self.analyse(index)).collect();
+        let extrema = analysed.iter().flatten().flat_map(|a| a.hierarchy.extrema());
+        self.found.persistence = extrema.map(|e| e.persistence).collect();
+        self.found.persistence.sort_by(|a, b| b.total_cmp(a));
+        analysed
     }
 
     /// The cones of each surface that the options ask for.
@@ -398,15 +411,14 @@ impl<'a> Run<'a> {
     fn flatten_within(&mut self, index: usize, analysed: &Analysed, choice: Choice) -> Result<Flat, Error> {
         let mut flat = self.flatten(index, analysed, choice)?;
         let ConeChoice::WithinDistortion(target) = self.options.cones else { return Ok(flat) };
-        let distortion = |flat: &Flat| area_distortion(&analysed.operators, &flat.scaling.u);
         for _ in 0..MAX_ADDITIONS {
             let count = flat.cones.len();
-            if distortion(&flat) <= target || count >= MOST_OPTIMISED {
+            if flat.area_distortion <= target || count >= MOST_OPTIMISED {
                 break;
             }
             flat = self.flatten(index, analysed, Choice::Count((count + 1 + count / 8).min(MOST_OPTIMISED)))?;
         }
-        let reached = distortion(&flat);
+        let reached = flat.area_distortion;
         if reached > target {
             self.warn(format!(
                 "an area distortion of {target} was not reached: {reached:.3} with {} cones",
@@ -436,6 +448,14 @@ impl<'a> Run<'a> {
                 Err(error) if !is_given => error,
                 done => return done,
             };
+            if matches!(error, Error::Scaling(ScalingError::NoTriangle(_)))
+                && let Some(filled) = self.prepared.surfaces[index].filled()
+            {
+                self.warn(format!("{count} cones could not be flattened ({error}): computing with filled holes"));
+                self.prepared.surfaces[index] = filled;
+                let analysed = self.analyse(index)?;
+                return self.flatten(index, &analysed, Choice::Count(count));
+            }
             match others.get_or_insert_with(|| other_counts(count, &error).into_iter()).next() {
                 Some(other) => {
                     self.warn(format!("{count} cones could not be flattened ({error}): trying {other}"));
@@ -459,7 +479,7 @@ impl<'a> Run<'a> {
         let layout = Layout::new(mesh, &scaling, &seams.cut);
         let curvatures = inner.iter().map(|&v| defects[v]).collect();
         let cones = inner.into_iter().map(|vertex| Candidate { vertex, extremum: None }).collect();
-        Ok(Flat { cones, curvatures, seams, scaling, layout })
+        Ok(Flat::new(surface, &analysed.operators, cones, curvatures, (seams, scaling, layout)))
     }
 
     fn flatten_with(
@@ -472,7 +492,12 @@ impl<'a> Run<'a> {
         let vertices: Vec<VertexId> = cones.iter().map(|c| c.vertex).collect();
         let seams = self.stage(Stage::Cut, |run| {
             let surface = &run.prepared.surfaces[index];
-            Seams::new(&surface.mesh, &seam_lengths(surface, &analysed.metric), &vertices)
+            // Seams go to holes as well, also to those that are filled.
+            let holes = surface.vertex.iter_ids().filter(|(_, of_model)| **of_model == Surface::FILLER).map(|(v, _)| v);
+            let mut ends: Vec<VertexId> = vertices.iter().copied().chain(holes).collect();
+            ends.sort_unstable();
+            ends.dedup();
+            Seams::new(&surface.mesh, &seam_lengths(surface, &analysed.metric), &ends)
         })?;
         let scaling = self.stage(Stage::Scale, |run| {
             let mesh = &run.prepared.surfaces[index].mesh;
@@ -492,13 +517,17 @@ impl<'a> Run<'a> {
         if scaling.mollified {
             self.warn(MOLLIFIED.to_owned());
         }
-        Ok(Flat { cones, curvatures: curvatures.curvature, seams, scaling, layout })
+        let surface = &self.prepared.surfaces[index];
+        Ok(Flat::new(surface, &analysed.operators, cones, curvatures.curvature, (seams, scaling, layout)))
     }
 
     fn note_cones(&mut self, index: usize, cones: &[Candidate], curvatures: &[f64]) {
         let surface = &self.prepared.surfaces[index];
         for (candidate, &curvature) in cones.iter().zip(curvatures) {
             let vertex = surface.vertex[candidate.vertex];
+            if vertex == Surface::FILLER {
+                continue; // a cone in a hole, where nobody sees it
+            }
             self.found.cones.push(Cone {
                 vertex,
                 position: self.model.points()[vertex as usize],
@@ -573,6 +602,12 @@ fn other_counts(count: usize, error: &Error) -> Vec<usize> {
         Error::Mend(_) => vec![count + 1 + count / 4, count / 2, count / 4, 2 * count, 4 * count],
         _ => (1..=5).map(|k| count.max(2) << k).collect(),
     }
+}
+
+/// A seam as vertices of the model, without what runs through filled holes.
+fn of_model(chain: &Chain, surface: &Surface) -> Vec<Vec<u32>> {
+    let vertices: Vec<u32> = chain.vertices.iter().map(|&v| surface.vertex[v]).collect();
+    vertices.split(|&v| v == Surface::FILLER).filter(|piece| piece.len() > 1).map(<[u32]>::to_vec).collect()
 }
 
 /// By which factor lengths change most against the mean, as linear theory predicts it.

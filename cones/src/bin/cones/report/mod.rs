@@ -32,6 +32,8 @@ pub(crate) struct Report {
     pub(crate) distortion: DistortionReport,
     pub(crate) islands: Vec<IslandReport>,
     pub(crate) times: Times,
+    /// The most memory that the program has held so far, in bytes; nothing where the system does not tell.
+    pub(crate) peak_memory: Option<u64>,
     pub(crate) warnings: Vec<String>,
 }
 
@@ -128,6 +130,7 @@ impl Report {
             distortion: quality.distortion.clone(),
             islands: quality.islands.clone(),
             times: times.with(&atlas.times),
+            peak_memory: peak_memory(),
             warnings: atlas.warnings.clone(),
         }
     }
@@ -158,6 +161,13 @@ impl From<&Repair> for RepairReport {
         let place = if repair.kind.is_of_faces() { Place::Face } else { Place::Vertex };
         Self { kind: repair.kind.description(), count: repair.count, first: place(repair.first) }
     }
+}
+
+/// Linux keeps the account.
+fn peak_memory() -> Option<u64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let kilobytes = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
+    Some(1024 * kilobytes.trim().strip_suffix("kB")?.trim().parse::<u64>().ok()?)
 }
 
 impl From<&NumberOfCones> for Number {
