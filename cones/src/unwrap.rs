@@ -19,7 +19,7 @@ use crate::mend::mend;
 use crate::operators::Operators;
 use crate::options::{ConeChoice, Options};
 use crate::reduced::Reduced;
-use crate::scaling::{Scaling, ScalingError, scale};
+use crate::scaling::{Scaling, scale};
 use crate::seams::{Chain, Seams};
 use crate::share::{Part, share_out};
 use crate::shelf::Shelf;
@@ -51,10 +51,11 @@ pub fn unwrap(model: &Model, options: &Options, on_stage: &mut dyn FnMut(Stage))
         let surface = &run.prepared.surfaces[index];
         curvature_error = curvature_error.max(flat.scaling.error);
         let position = shelf.place(&flat.layout, flat.size);
-        for h in surface.mesh.halfedges().filter(|&h| surface.corner[h] != Surface::FILLER) {
+        for h in surface.mesh.halfedges() {
             uv[surface.corner[h] as usize] = Some(position(flat.layout.corner(h)));
         }
-        seams.extend(flat.seams.chains.iter().flat_map(|chain| of_model(chain, surface)));
+        let of_model = |chain: &Chain| chain.vertices.iter().map(|&v| surface.vertex[v]).collect();
+        seams.extend(flat.seams.chains.iter().map(of_model));
         run.note_cones(index, &flat.cones, &flat.curvatures);
     }
     let Run { prepared, found, .. } = run;
@@ -210,7 +211,7 @@ impl<'a> Run<'a> {
             let factor = smoothed.and_then(Result::ok).unwrap_or_else(|| ConformalFactor::new(&operators));
             let hierarchy = ConeHierarchy::new(&operators, &factor);
             let surface = &run.prepared.surfaces[index];
-            for (v, phi) in factor.phi.iter_ids().filter(|(v, _)| surface.vertex[*v] != Surface::FILLER) {
+            for (v, phi) in factor.phi.iter_ids() {
                 run.found.factor[surface.vertex[v] as usize] = *phi;
             }
             let area = metric.area(&surface.mesh) / surface.scale / surface.scale;
@@ -448,14 +449,6 @@ impl<'a> Run<'a> {
                 Err(error) if !is_given => error,
                 done => return done,
             };
-            if matches!(error, Error::Scaling(ScalingError::NoTriangle(_)))
-                && let Some(filled) = self.prepared.surfaces[index].filled()
-            {
-                self.warn(format!("{count} cones could not be flattened ({error}): computing with filled holes"));
-                self.prepared.surfaces[index] = filled;
-                let analysed = self.analyse(index)?;
-                return self.flatten(index, &analysed, Choice::Count(count));
-            }
             match others.get_or_insert_with(|| other_counts(count, &error).into_iter()).next() {
                 Some(other) => {
                     self.warn(format!("{count} cones could not be flattened ({error}): trying {other}"));
@@ -492,12 +485,7 @@ impl<'a> Run<'a> {
         let vertices: Vec<VertexId> = cones.iter().map(|c| c.vertex).collect();
         let seams = self.stage(Stage::Cut, |run| {
             let surface = &run.prepared.surfaces[index];
-            // Seams go to holes as well, also to those that are filled.
-            let holes = surface.vertex.iter_ids().filter(|(_, of_model)| **of_model == Surface::FILLER).map(|(v, _)| v);
-            let mut ends: Vec<VertexId> = vertices.iter().copied().chain(holes).collect();
-            ends.sort_unstable();
-            ends.dedup();
-            Seams::new(&surface.mesh, &seam_lengths(surface, &analysed.metric), &ends)
+            Seams::new(&surface.mesh, &seam_lengths(surface, &analysed.metric), &vertices)
         })?;
         let scaling = self.stage(Stage::Scale, |run| {
             let mesh = &run.prepared.surfaces[index].mesh;
@@ -525,9 +513,6 @@ impl<'a> Run<'a> {
         let surface = &self.prepared.surfaces[index];
         for (candidate, &curvature) in cones.iter().zip(curvatures) {
             let vertex = surface.vertex[candidate.vertex];
-            if vertex == Surface::FILLER {
-                continue; // a cone in a hole, where nobody sees it
-            }
             self.found.cones.push(Cone {
                 vertex,
                 position: self.model.points()[vertex as usize],
@@ -602,12 +587,6 @@ fn other_counts(count: usize, error: &Error) -> Vec<usize> {
         Error::Mend(_) => vec![count + 1 + count / 4, count / 2, count / 4, 2 * count, 4 * count],
         _ => (1..=5).map(|k| count.max(2) << k).collect(),
     }
-}
-
-/// A seam as vertices of the model, without what runs through filled holes.
-fn of_model(chain: &Chain, surface: &Surface) -> Vec<Vec<u32>> {
-    let vertices: Vec<u32> = chain.vertices.iter().map(|&v| surface.vertex[v]).collect();
-    vertices.split(|&v| v == Surface::FILLER).filter(|piece| piece.len() > 1).map(<[u32]>::to_vec).collect()
 }
 
 /// By which factor lengths change most against the mean, as linear theory predicts it.

@@ -111,11 +111,11 @@ pub struct Surface {
     pub mesh: Mesh,
     /// The positions of its vertices, centred and scaled to unit size.
     pub points: Vec<[f64; 3]>,
-    /// The model's vertex that each vertex is, or is a copy of; [`FILLER`](Self::FILLER) in a filled hole.
+    /// The model's vertex that each vertex is, or is a copy of.
     pub vertex: VertexData<u32>,
-    /// The model's corner that each halfedge starts at; [`FILLER`](Self::FILLER) in a filled hole.
+    /// The model's corner that each halfedge starts at.
     pub corner: HalfedgeData<u32>,
-    /// The model's triangle that each face is (perhaps turned); [`FILLER`](Self::FILLER) in a filled hole.
+    /// The model's triangle that each face is (perhaps turned).
     pub triangle: FaceData<u32>,
     /// The edges that lie inside a polygon of the model.
     pub diagonal: EdgeData<bool>,
@@ -131,49 +131,6 @@ impl Surface {
         let metric = Metric::from_points(&self.mesh, &self.points);
         if self.zero_area > 0 { metric.mollified(&self.mesh, Metric::MOLLIFICATION) } else { metric }
     }
-
-    /// What belongs to no vertex, corner or triangle of the model.
-    pub const FILLER: u32 = u32::MAX;
-
-    /// The surface with a fan of triangles in each hole: in every boundary loop but the longest, round a new vertex at the
-    /// loop's centre. Vertices and faces keep their numbers, the new ones follow. Nothing if there are no holes.
-    pub fn filled(&self) -> Option<Self> {
-        let metric = self.metric();
-        let length = |around: &[HalfedgeId]| around.iter().map(|&h| metric.length(self.mesh.edge(h))).sum::<f64>();
-        let mut loops = self.mesh.boundary_loops();
-        let longest = (0..loops.len()).max_by(|&a, &b| length(&loops[a]).total_cmp(&length(&loops[b])))?;
-        loops.remove(longest);
-        if loops.is_empty() {
-            return None;
-        }
-        let mut faces: Vec<[u32; 3]> = self.mesh.faces().map(|f| self.mesh.corners(f).map(|v| v.0)).collect();
-        let mut points = self.points.clone();
-        for around in &loops {
-            let rim: Vec<[f64; 3]> = around.iter().map(|&h| self.points[self.mesh.tail(h).index()]).collect();
-            let centre = std::array::from_fn(|i| rim.iter().map(|p| p[i]).sum::<f64>() / rim.len() as f64);
-            faces.extend(around.iter().map(|&h| [self.mesh.head(h).0, self.mesh.tail(h).0, points.len() as u32]));
-            points.push(centre);
-        }
-        let mesh = Mesh::new(points.len(), &faces).ok()?;
-        let diagonals = self.diagonal.iter_ids().filter(|(_, diagonal)| **diagonal);
-        let diagonals: HashSet<[VertexId; 2]> = diagonals.map(|(e, _)| sorted(self.mesh.ends(e))).collect();
-        let metric = Metric::from_points(&mesh, &points);
-        let padded = |data: &[u32], length| [data, &vec![Self::FILLER; length - data.len()]].concat();
-        Some(Self {
-            vertex: padded(&self.vertex, points.len()).into(),
-            corner: padded(&self.corner, 3 * faces.len()).into(),
-            triangle: padded(&self.triangle, faces.len()).into(),
-            diagonal: mesh.edges().map(|e| diagonals.contains(&sorted(mesh.ends(e)))).collect(),
-            scale: self.scale,
-            zero_area: mesh.faces().filter(|&f| metric.sides(&mesh, f).area() <= 0.0).count(),
-            mesh,
-            points,
-        })
-    }
-}
-
-fn sorted([a, b]: [VertexId; 2]) -> [VertexId; 2] {
-    [a.min(b), a.max(b)]
 }
 
 /// A model's surfaces and what was mended.
