@@ -44,12 +44,20 @@ impl Branches {
         let mut components = UnionFind::new(extrema.len());
         // Of several that end at one saddle the elder first, so that each finds the eldest of all.
         let merges = filtration.sorted(&filtration.sorted(&finite, |merge| merge.extremum), |merge| merge.saddle);
+        // A saddle at which many meet is looked around once: they all find the same elder there.
+        let mut spill: Option<Ending> = None;
         let endings = merges.into_iter().map(|merge| {
             let (extremum, elder) = (number(merge.extremum), components.find(number(merge.towards)));
-            let mut is_elder = |u: u32| basins[u as usize].is_some_and(|basin| components.find(basin) == elder);
-            let spill = earliest_neighbor(domain, filtration, merge.saddle, &mut is_elder);
+            let beyond = match spill {
+                Some(last) if last.saddle == merge.saddle => last.beyond,
+                _ => {
+                    let mut is_elder = |u: u32| basins[u as usize].is_some_and(|basin| components.find(basin) == elder);
+                    let neighbor = earliest_neighbor(domain, filtration, merge.saddle, &mut is_elder);
+                    basins[neighbor as usize].unwrap_or(elder)
+                }
+            };
             components.join(extremum, elder);
-            Ending { extremum, saddle: merge.saddle, elder, beyond: basins[spill as usize].unwrap_or(elder) }
+            *spill.insert(Ending { extremum, saddle: merge.saddle, elder, beyond })
         });
         let endings = endings.collect();
         let essential = essential.into_iter().map(|(extremum, last)| (number(extremum), last)).collect();

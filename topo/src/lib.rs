@@ -49,6 +49,8 @@
 //! |---|---|
 //! | pairs of minima or of maxima | [`sublevel`], [`superlevel`] |
 //! | both, and extrema ranked by persistence | [`persistence`](fn@persistence), [`Persistence::hierarchy`] |
+//! | the elder extremum that each one joins, as peaks have parents | [`MergeTree::branches`] |
+//! | on a grid, how far it is to a more extreme vertex | [`isolation`](fn@isolation) |
 //! | how components merge, and how large they are at a level | [`merge_tree`](fn@merge_tree) |
 //! | the basin of each extremum | [`segmentation`](fn@segmentation) |
 //! | a field without small extrema | [`simplify`](fn@simplify) |
@@ -121,6 +123,7 @@ mod domain;
 mod filtration;
 mod grid;
 mod hierarchy;
+mod isolation;
 mod merge_tree;
 mod merges;
 mod options;
@@ -141,7 +144,8 @@ pub use domain::Domain;
 pub use filtration::{Direction, Falling, FieldError, Filtration, Kind, NanPolicy, Rising};
 pub use grid::{Connectivity, Grid};
 pub use hierarchy::{Extremum, Hierarchy};
-pub use merge_tree::{Component, MergeTree, Node, merge_tree};
+pub use isolation::isolation;
+pub use merge_tree::{Branch, Component, MergeTree, Node, merge_tree};
 #[doc(hidden)]
 pub use merges::Merges;
 pub use options::Options;
