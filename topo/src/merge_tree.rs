@@ -2,16 +2,6 @@
 //!
 //! Leaves are extrema, inner nodes saddles, and the root of each connected component of the domain is the last vertex to
 //! enter it. For minima this is called the join tree, for maxima the split tree (usage varies; this is TTK's).
-//!
-//! ```text
-//!   9 ●                     9 ●  root
-//!      ╲     6 ●              ┃
-//!       ╲    ╱  ╲           6 ┣━━━━┓  saddle
-//!        ╲  ╱    ● 4          ┃    ● 4  leaf
-//!         ●                   ┃
-//!         1                 1 ●  leaf
-//!     a field on a path     its join tree
-//! ```
 
 use crate::branches::{Branches, Ending};
 use crate::scalar::wider_first;
@@ -50,7 +40,17 @@ pub struct Component<V> {
 }
 
 /// The tree of components of all sublevel sets (minima) or superlevel sets (maxima) of a field; a forest if the domain
-/// is not connected.
+/// is not connected. Leaves are extrema, inner nodes saddles, and roots the last vertices to enter.
+///
+/// ```text
+///   9 ●                     9 ●  root
+///      ╲     6 ●              ┃
+///       ╲    ╱  ╲           6 ┣━━━━┓  saddle
+///        ╲  ╱    ● 4          ┃    ● 4  leaf
+///         ●                   ┃
+///         1                 1 ●  leaf
+///     a field on a path     its join tree
+/// ```
 ///
 /// ```
 /// use topo::{Kind, Path, merge_tree};

@@ -208,6 +208,16 @@ fn masked_vertices_have_no_segment() {
 }
 
 #[test]
+fn a_basin_spills_to_where_its_saddle_drains_if_that_is_elder() {
+    // Four basins meet at vertex 0, which drains into that of vertex 6 by way of vertex 5.
+    let meeting = UnGraph::<(), ()>::from_edges([(0, 1), (1, 2), (0, 3), (3, 4), (0, 5), (5, 6), (0, 7)]);
+    let field = [9.0, 8.0, 1.0, 7.0, 3.0, 4.0, 2.0, 5.0];
+    let segments = topo::segmentation(&meeting, &field, Kind::Minimum, 4.0).expect("fits");
+    assert_eq!(segments.extrema().iter().map(|v| v.index()).collect::<Vec<_>>(), [2, 4, 6]);
+    assert_eq!(segments.sizes(), [2, 2, 4]);
+}
+
+#[test]
 fn three_basins_that_meet_at_a_monkey_saddle_become_one() {
     let star = UnGraph::<(), ()>::from_edges([(0, 1), (0, 2), (0, 3)]);
     let segments = topo::segmentation(&star, &[9.0, 3.0, 2.0, 1.0], Kind::Minimum, 8.0).expect("fits");
