@@ -34,11 +34,9 @@ fn normals(shape: &Shape) -> Vec<[f64; 3]> {
     for triangle in &shape.triangles {
         let [a, b, c] = triangle.map(|v| shape.points[v as usize]);
         let (p, q) = ([0, 1, 2].map(|i| b[i] - a[i]), [0, 1, 2].map(|i| c[i] - a[i]));
+        let cross = [p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2], p[0] * q[1] - p[1] * q[0]];
         for v in triangle {
-            for i in 0..3 {
-                let (j, k) = ((i + 1) % 3, (i + 2) % 3);
-                normals[*v as usize][i] += p[j] * q[k] - p[k] * q[j];
-            }
+            normals[*v as usize].iter_mut().zip(cross).for_each(|(sum, part)| *sum += part);
         }
     }
     normals
