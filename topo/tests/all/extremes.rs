@@ -61,7 +61,7 @@ fn ask_on_all_domains<S: Scalar>(field: &[S], threshold: S::Width) {
     for connectivity in [Connectivity::Axis, Connectivity::Full, Connectivity::Freudenthal] {
         for ring in [false, true] {
             ask_everything(&Grid::new([n], connectivity).periodic([ring]), field, threshold);
-            for rows in [1, 2, n / 2, n].into_iter().filter(|&rows| rows > 0 && n % rows == 0) {
+            for rows in [1, 2, n / 2, n].into_iter().filter(|&rows| rows > 0 && n.is_multiple_of(rows)) {
                 ask_everything(&Grid::new([rows, n / rows], connectivity).periodic([ring, false]), field, threshold);
                 ask_everything(&Grid::new([1, n / rows, rows], connectivity).periodic([ring; 3]), field, threshold);
             }
