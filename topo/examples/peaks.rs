@@ -78,7 +78,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             parents.get(&peak.extremum).map_or_else(|| "–".to_owned(), |&parent| place(parent)),
         );
     }
-    println!("\npeaks more prominent than");
+    println!("\npeaks below the highest that are more prominent than");
     let curve = peaks.diagram().persistence_curve();
     for threshold in [0.0, 50.0, 100.0, 200.0, 400.0] {
         let place = curve.partition_point(|&(from, _)| from <= threshold);
