@@ -1,4 +1,4 @@
-//! The peaks of an elevation model by prominence, with their key saddles.
+//! The peaks of an elevation model by prominence, with their key saddles, isolation and parents.
 //!
 //! The argument is an ESRI ASCII grid (`ncols`, `nrows`, …, `NODATA_value`, then rows from north to south); places
 //! without data are masked. Without an argument an island is made up.
@@ -7,7 +7,7 @@
 
 use std::collections::HashMap;
 use std::error::Error;
-use topo::{Connectivity, Grid, NanPolicy, Options};
+use topo::{Connectivity, Grid, Kind, NanPolicy, Options};
 
 struct Elevation {
     rows: usize,
@@ -53,21 +53,32 @@ fn main() -> Result<(), Box<dyn Error>> {
     let grid = Grid::new([elevation.rows, elevation.columns], Connectivity::Full);
     let options = Options::new().nan(NanPolicy::Mask);
     let peaks = options.superlevel(&grid, &elevation.heights)?;
+    let isolation = topo::isolation(&grid, &elevation.heights, &peaks)?;
+    let tree = options.merge_tree(&grid, &elevation.heights, Kind::Maximum)?;
+    let parents: HashMap<usize, usize> =
+        tree.branches().iter().filter_map(|peak| Some((peak.pair.extremum, peak.parent?))).collect();
     println!(
         "{} peaks, {} of them the highest of an island; the most prominent:",
         peaks.len(),
         peaks.essential().count()
     );
-    println!("prominence  height  (row, column)   key saddle");
-    for peak in peaks.iter().take(12) {
-        let [row, column] = grid.position(peak.extremum);
+    println!("prominence  height  isolation  (row, column)  key saddle            parent");
+    let place = |vertex: usize| format!("{:?}", grid.position(vertex));
+    for (peak, isolation) in peaks.iter().zip(isolation).take(12) {
         let saddle = match (peak.saddle, peak.death()) {
-            (Some(saddle), Some(height)) => format!("{height:.0} at {:?}", grid.position(saddle)),
-            _ => "none: the highest of its island".to_owned(),
+            (Some(saddle), Some(height)) => format!("{height:.0} at {}", place(saddle)),
+            _ => "highest of its island".to_owned(),
         };
-        println!("{:10.0}  {:6.0}  ({row:4}, {column:4})    {saddle}", peak.persistence(), peak.birth);
+        println!(
+            "{:10.0}  {:6.0}  {:>9}  {:13}  {saddle:20}  {}",
+            peak.persistence(),
+            peak.birth,
+            isolation.map_or_else(|| "–".to_owned(), |distance| format!("{distance:.1}")),
+            place(peak.extremum),
+            parents.get(&peak.extremum).map_or_else(|| "–".to_owned(), |&parent| place(parent)),
+        );
     }
-    println!("\npeaks more prominent than");
+    println!("\npeaks below the highest that are more prominent than");
     let curve = peaks.diagram().persistence_curve();
     for threshold in [0.0, 50.0, 100.0, 200.0, 400.0] {
         let place = curve.partition_point(|&(from, _)| from <= threshold);

@@ -4,7 +4,7 @@
 //! Pascucci, Cole-McLaughlin & Scorzelli (2004), "Multi-resolution computation and presentation of contour trees".
 
 use crate::basins;
-use crate::merges::Merges;
+use crate::merges::{Merge, Merges};
 use crate::union_find::UnionFind;
 use crate::{Direction, Domain, Filtration, Scalar};
 
@@ -44,12 +44,19 @@ impl Branches {
         let mut components = UnionFind::new(extrema.len());
         // Of several that end at one saddle the elder first, so that each finds the eldest of all.
         let merges = filtration.sorted(&filtration.sorted(&finite, |merge| merge.extremum), |merge| merge.saddle);
-        let endings = merges.into_iter().map(|merge| {
-            let (extremum, elder) = (number(merge.extremum), components.find(number(merge.towards)));
-            let mut is_elder = |u: u32| basins[u as usize].is_some_and(|basin| components.find(basin) == elder);
-            let spill = earliest_neighbor(domain, filtration, merge.saddle, &mut is_elder);
+        let (mut sides, mut looked_round) = (vec![None; extrema.len()], None);
+        let endings = merges.into_iter().map(|Merge { extremum, saddle, towards }| {
+            if looked_round.replace(saddle) != Some(saddle) {
+                look_round(domain, filtration, saddle, &mut sides, |u| Some(components.find(basins[u as usize]?)));
+            }
+            let (extremum, elder) = (number(extremum), components.find(number(towards)));
+            let side = sides[elder as usize];
+            let beyond = side.and_then(|u: u32| basins[u as usize]).unwrap_or(elder);
+            // From now on the younger component is a part of the elder one.
+            sides[elder as usize] =
+                side.into_iter().chain(sides[extremum as usize]).reduce(|u, v| filtration.earlier(u, v));
             components.join(extremum, elder);
-            Ending { extremum, saddle: merge.saddle, elder, beyond: basins[spill as usize].unwrap_or(elder) }
+            Ending { extremum, saddle, elder, beyond }
         });
         let endings = endings.collect();
         let essential = essential.into_iter().map(|(extremum, last)| (number(extremum), last)).collect();
@@ -102,18 +109,24 @@ impl Branches {
     }
 }
 
-/// The earliest of the earlier neighbours of a vertex for which something holds; the vertex itself if there is none.
-fn earliest_neighbor<G: Domain, S: Scalar, D: Direction>(
+/// Notes for each component that touches a vertex, by its eldest extremum, where it does: at the earliest neighbour.
+fn look_round<G: Domain, S: Scalar, D: Direction>(
     domain: G,
     filtration: &Filtration<'_, S, D>,
     vertex: u32,
-    holds: &mut impl FnMut(u32) -> bool,
-) -> u32 {
-    let mut earliest = vertex;
-    domain.for_each_neighbor(vertex as usize, |u| {
-        if filtration.precedes(u as u32, earliest) && holds(u as u32) {
-            earliest = u as u32;
-        }
-    });
-    earliest
+    sides: &mut [Option<u32>],
+    mut component: impl FnMut(u32) -> Option<u32>,
+) {
+    let mut for_each_earlier = |note: &mut dyn FnMut(&mut Option<u32>, u32)| {
+        domain.for_each_neighbor(vertex as usize, |u| {
+            let u = u as u32;
+            if filtration.precedes(u, vertex)
+                && let Some(component) = component(u)
+            {
+                note(&mut sides[component as usize], u);
+            }
+        });
+    };
+    for_each_earlier(&mut |side, _| *side = None);
+    for_each_earlier(&mut |side, u| *side = Some(side.map_or(u, |v| filtration.earlier(u, v))));
 }

@@ -172,6 +172,11 @@ impl<'a, S: Scalar, D: Direction> Filtration<'a, S, D> {
         if self.precedes(u, v) { v } else { u }
     }
 
+    /// The one of two vertices that enters earlier.
+    pub(crate) fn earlier(&self, u: u32, v: u32) -> u32 {
+        if self.precedes(u, v) { u } else { v }
+    }
+
     /// Whether the vertex enters at all: its value is a number.
     pub fn contains(&self, vertex: u32) -> bool {
         !self.value(vertex).is_nan()

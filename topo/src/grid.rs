@@ -10,7 +10,7 @@ use crate::merges::Merges;
 use crate::parallel;
 use crate::stencil::{Offset, Stencil};
 use crate::{Direction, Domain, Filtration, Scalar};
-use core::ops::Range;
+use core::ops::{Range, RangeInclusive};
 
 /// Which vertices of a grid are neighbours.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -97,6 +97,23 @@ impl<const D: usize> Grid<D> {
             to[axis] = step_along(position[axis], offset[axis], self.shape[axis], self.periodic[axis])?;
         }
         Some(self.index(to))
+    }
+
+    /// The offsets along each axis that lead from a vertex to the others, to each by the shorter way.
+    pub(crate) fn reach(&self, vertex: usize) -> [RangeInclusive<isize>; 3] {
+        let position = padded(self.position(vertex), 0);
+        core::array::from_fn(|axis| {
+            let (at, length) = (position[axis] as isize, self.shape[axis] as isize);
+            if self.periodic[axis] { -((length - 1) / 2)..=length / 2 } else { -at..=length - 1 - at }
+        })
+    }
+
+    /// The vertex one offset within [reach](Self::reach) away.
+    pub(crate) fn far(&self, vertex: usize, offset: [isize; 3]) -> usize {
+        let position = padded(self.position(vertex), 0);
+        self.index(core::array::from_fn(|axis| {
+            (position[axis] as isize + offset[axis]).rem_euclid(self.shape[axis] as isize) as usize
+        }))
     }
 
     fn stencil(&self) -> &'static Stencil {

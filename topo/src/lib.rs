@@ -45,10 +45,47 @@
 //! The eldest component of each connected part of the graph never dies. Its class is *essential*: it has no saddle, and
 //! for ranking it counts as persistent as the range of the field.
 //!
+//! # From pairs to features
+//!
+//! Persistence ranks extrema; most of what one wants to know is one step from there.
+//!
+//! ```
+//! use topo::{Kind, Path};
+//!
+//! let path = Path::new(7);
+//! let landscape = [3.0, 9.0, 0.0, 4.0, 1.0, 6.0, 2.0]; // as above
+//!
+//! // The most prominent features: highest peak, lowest valley, next peak, next valley.
+//! let hierarchy = topo::persistence(&path, &landscape)?.hierarchy();
+//! let first: Vec<usize> = hierarchy.alternating(4).map(|extremum| extremum.vertex).collect();
+//! assert_eq!(first, [1, 2, 5, 0]);
+//!
+//! // What is under water at level 5: three lakes, one of three vertices.
+//! let tree = topo::merge_tree(&path, &landscape, Kind::Minimum)?;
+//! let lakes: Vec<_> = tree.at(5.0).iter().map(|lake| (lake.extremum, lake.size)).collect();
+//! assert_eq!(lakes, [(0, 1), (2, 3), (6, 1)]);
+//!
+//! // Which vertices drain into which valley, valleys no deeper than 3 being given to the next.
+//! let basins = topo::segmentation(&path, &landscape, Kind::Minimum, 3.0)?;
+//! assert_eq!(basins.extrema(), [0, 2, 6]);
+//! assert_eq!(basins.sizes(), [1, 5, 1]);
+//!
+//! // The landscape without them, nowhere changed by more than 3.
+//! let simple = topo::simplify(&path, &landscape, 3.0)?;
+//! assert_eq!(simple, [3.0, 9.0, 0.0, 4.0, 4.0, 6.0, 2.0]);
+//!
+//! // How far apart the two are as diagrams: the valley from 1 to 4 has gone, half its depth from the diagonal.
+//! let [before, after] = [&landscape[..], &simple].map(|field| topo::sublevel(&path, field).map(|pairs| pairs.diagram()));
+//! assert_eq!(before?.bottleneck(&after?), 1.5);
+//! # Ok::<(), topo::FieldError>(())
+//! ```
+//!
 //! | to get | call |
 //! |---|---|
 //! | pairs of minima or of maxima | [`sublevel`], [`superlevel`] |
 //! | both, and extrema ranked by persistence | [`persistence`](fn@persistence), [`Persistence::hierarchy`] |
+//! | the elder extremum that each one joins, as peaks have parents | [`MergeTree::branches`] |
+//! | on a grid, how far it is to a more extreme vertex | [`isolation`](fn@isolation) |
 //! | how components merge, and how large they are at a level | [`merge_tree`](fn@merge_tree) |
 //! | the basin of each extremum | [`segmentation`](fn@segmentation) |
 //! | a field without small extrema | [`simplify`](fn@simplify) |
@@ -121,6 +158,7 @@ mod domain;
 mod filtration;
 mod grid;
 mod hierarchy;
+mod isolation;
 mod merge_tree;
 mod merges;
 mod options;
@@ -141,7 +179,8 @@ pub use domain::Domain;
 pub use filtration::{Direction, Falling, FieldError, Filtration, Kind, NanPolicy, Rising};
 pub use grid::{Connectivity, Grid};
 pub use hierarchy::{Extremum, Hierarchy};
-pub use merge_tree::{Component, MergeTree, Node, merge_tree};
+pub use isolation::isolation;
+pub use merge_tree::{Branch, Component, MergeTree, Node, merge_tree};
 #[doc(hidden)]
 pub use merges::Merges;
 pub use options::Options;

@@ -2,20 +2,12 @@
 //!
 //! Leaves are extrema, inner nodes saddles, and the root of each connected component of the domain is the last vertex to
 //! enter it. For minima this is called the join tree, for maxima the split tree (usage varies; this is TTK's).
-//!
-//! ```text
-//!   9 ●                     9 ●  root
-//!      ╲     6 ●              ┃
-//!       ╲    ╱  ╲           6 ┣━━━━┓  saddle
-//!        ╲  ╱    ● 4          ┃    ● 4  leaf
-//!         ●                   ┃
-//!         1                 1 ●  leaf
-//!     a field on a path     its join tree
-//! ```
 
 use crate::branches::{Branches, Ending};
+use crate::scalar::wider_first;
 use crate::union_find::UnionFind;
-use crate::{Direction, Domain, FieldError, Filtration, Kind, Options, Scalar};
+use crate::{Direction, Domain, FieldError, Filtration, Kind, Options, Pair, Scalar};
+use core::cmp::Ordering;
 
 /// A place in a [`MergeTree`].
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -28,6 +20,16 @@ pub struct Node<V, S> {
     pub parent: Option<usize>,
 }
 
+/// An extremum with the extremum whose component its own joins.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Branch<V, S> {
+    /// Birth and death.
+    pub pair: Pair<V, S>,
+    /// The eldest extremum of the component that is joined at the saddle; `None` if the class is essential. Among peaks:
+    /// the highest one that can be reached without going below the saddle (the *island* or *encirclement* parent).
+    pub parent: Option<V>,
+}
+
 /// A connected component of a sublevel or superlevel set.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Component<V> {
@@ -38,7 +40,17 @@ pub struct Component<V> {
 }
 
 /// The tree of components of all sublevel sets (minima) or superlevel sets (maxima) of a field; a forest if the domain
-/// is not connected.
+/// is not connected. Leaves are extrema, inner nodes saddles, and roots the last vertices to enter.
+///
+/// ```text
+///   9 ●                     9 ●  root
+///      ╲     6 ●              ┃
+///       ╲    ╱  ╲           6 ┣━━━━┓  saddle
+///        ╲  ╱    ● 4          ┃    ● 4  leaf
+///         ●                   ┃
+///         1                 1 ●  leaf
+///     a field on a path     its join tree
+/// ```
 ///
 /// ```
 /// use topo::{Kind, Path, merge_tree};
@@ -132,6 +144,32 @@ impl<V: Copy, S: Scalar> MergeTree<V, S> {
         nodes
     }
 
+    /// The extrema with their parents, in the order of [`Pairs`](crate::Pairs) and with the pairs of zero persistence.
+    ///
+    /// ```
+    /// let heights = [0.0, 7.0, 2.0, 5.0, 4.0, 9.0];
+    /// let tree = topo::merge_tree(&topo::Path::new(6), &heights, topo::Kind::Maximum)?;
+    /// let family: Vec<_> = tree.branches().iter().map(|peak| (peak.pair.extremum, peak.parent)).collect();
+    /// assert_eq!(family, [(5, None), (1, Some(5)), (3, Some(5))]);
+    /// # Ok::<(), topo::FieldError>(())
+    /// ```
+    pub fn branches(&self) -> Vec<Branch<V, S>> {
+        let leaf = |leaf: u32| self.leaves[leaf as usize];
+        let finite = self.endings.iter().map(|end| (leaf(end.leaf), end.saddle, Some(leaf(end.elder).vertex)));
+        let essential = self.roots.iter().map(|&(root, last)| (leaf(root), last, None));
+        let mut branches: Vec<_> = finite.chain(essential).collect();
+        let persistence = |(born, end, _): &(Place<V, S>, Place<V, S>, _)| born.value.width(end.value);
+        branches.sort_by(|a, b| {
+            let by_persistence = wider_first(&persistence(a), &persistence(b));
+            by_persistence.then(a.2.is_some().cmp(&b.2.is_some())).then_with(|| self.compare(&a.0, &b.0))
+        });
+        let branch = |(born, end, parent): (Place<V, S>, Place<V, S>, Option<V>)| {
+            let saddle = parent.map(|_| end.vertex);
+            Branch { pair: Pair { extremum: born.vertex, saddle, birth: born.value, end: end.value }, parent }
+        };
+        branches.into_iter().map(branch).collect()
+    }
+
     /// The edges of the tree: each node that is no root with its parent, as places among the [nodes](Self::nodes).
     pub fn arcs(&self) -> Vec<[usize; 2]> {
         let nodes = self.nodes();
@@ -180,6 +218,12 @@ impl<V: Copy, S: Scalar> MergeTree<V, S> {
         }
         let components = self.leaves.iter().zip(sizes).filter(|&(_, size)| size > 0);
         components.map(|(leaf, size)| Component { extremum: leaf.vertex, size }).collect()
+    }
+
+    /// The order in which two vertices enter.
+    fn compare(&self, a: &Place<V, S>, b: &Place<V, S>) -> Ordering {
+        let rising = a.value.key().cmp(&b.value.key()).then(a.index.cmp(&b.index));
+        if self.kind == Kind::Minimum { rising } else { rising.reverse() }
     }
 
     /// Whether a value has been reached at a level.

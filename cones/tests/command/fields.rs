@@ -1,6 +1,6 @@
 //! `cones persistence` and `cones features` as a user runs them.
 
-use crate::folder::{Folder, stdout};
+use crate::folder::{Folder, stderr, stdout};
 use serde_json::Value;
 use std::collections::HashMap;
 use std::fs;
@@ -161,6 +161,32 @@ fn the_report_has_the_documented_keys() {
         assert_eq!(keys(&direction["pairs"][0]), "birth death extremum persistence saddle");
         assert_eq!(keys(&direction["essential"][0]), "birth extremum range");
     }
+}
+
+#[test]
+fn what_cannot_be_written_is_told_before_anything_is() {
+    let folder = Folder::new();
+    folder.write("a.txt", "1\n2\n");
+    folder.write("x.nodes.csv", "id,value\na,1\nb,2\n");
+    folder.write("x.edges.csv", "a,b\na,b\n");
+    let before = folder.names();
+    for (input, output) in
+        [("a.txt", "--segmentation=s.png"), ("a.txt", "--segmentation=s.ply"), ("x.nodes.csv", "--pairs=p.vtp")]
+    {
+        folder.complaint(&[
+            "persistence",
+            input,
+            "--direction",
+            "sub",
+            "--diagram",
+            "d.svg",
+            "--barcode=b.png",
+            output,
+        ]);
+        assert_eq!(folder.names(), before, "{output}");
+    }
+    let negative = stderr(&folder.run(&["persistence", "a.txt", "--min-persistence", "-1"]).code(2));
+    assert!(negative.contains("not a number of at least 0"), "{negative}");
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 use crate::inputs::field;
 use proptest::prelude::*;
-use topo::{Adjacency, Connectivity, Domain, Grid, NanPolicy, Options, Path, Scalar, Triangulation};
+use topo::{Adjacency, Connectivity, Domain, Grid, Kind, NanPolicy, Options, Path, Scalar, Triangulation};
 
 fn connectivity() -> impl Strategy<Value = Connectivity> {
     prop_oneof![Just(Connectivity::Axis), Just(Connectivity::Full), Just(Connectivity::Freudenthal)]
@@ -44,7 +44,39 @@ fn triangles() -> impl Strategy<Value = (usize, Vec<[u32; 3]>)> {
     prop_oneof![soup, torus]
 }
 
+/// The squared distance of two vertices by the shorter way along each axis.
+fn square_distance<const D: usize>(grid: &Grid<D>, periodic: [bool; D], u: usize, v: usize) -> usize {
+    let (u, v) = (grid.position(u), grid.position(v));
+    let along = |axis: usize| {
+        let step = u[axis].abs_diff(v[axis]);
+        if periodic[axis] { step.min(grid.shape()[axis] - step) } else { step }
+    };
+    (0..D).map(|axis| along(axis).pow(2)).sum()
+}
+
 proptest! {
+    #[test]
+    fn isolation_is_the_distance_to_the_nearest_of_all_that_come_before(
+        shape in proptest::array::uniform3(1..7usize), periodic in any::<[bool; 3]>(), values in field(7 * 7 * 7), masked in 0..300usize
+    ) {
+        let grid = Grid::new(shape, Connectivity::Axis).periodic(periodic);
+        let mut field = values[..(&grid).vertex_count()].to_vec();
+        field.iter_mut().skip(masked).step_by(3).for_each(|value| *value = f64::NAN);
+        let pairs = Options::new().nan(NanPolicy::Mask).persistence(&grid, &field).expect("fits");
+        for pairs in [pairs.minima, pairs.maxima] {
+            let isolation = topo::isolation(&grid, &field, &pairs).expect("fits");
+            for (pair, isolation) in pairs.iter().zip(isolation) {
+                let from = pair.extremum;
+                let is_before = |&u: &usize| match pairs.kind() {
+                    Kind::Minimum => field[u] < field[from] || field[u] == field[from] && u < from,
+                    Kind::Maximum => field[u] > field[from] || field[u] == field[from] && u > from,
+                };
+                let nearest = (0..field.len()).filter(is_before).map(|u| square_distance(&grid, periodic, u, from)).min();
+                prop_assert_eq!(isolation, nearest.map(|square| (square as f64).sqrt()));
+            }
+        }
+    }
+
     #[test]
     fn triangles_are_paired_as_by_the_sweep_and_as_their_edges(
         ((count, triangles), field) in triangles().prop_flat_map(|mesh| { let count = mesh.0; (Just(mesh), field(count)) })

@@ -1,11 +1,125 @@
 //! Inputs at the edge of what is allowed, and beyond: nothing panics, nothing overflows, errors name what is wrong.
 
+use petgraph::graph::UnGraph;
+use std::fmt::Debug;
 use topo::{
-    Adjacency, Connectivity, Domain, FieldError, Grid, NanPolicy, Options, Path, Persistence, Scalar, Triangulation,
+    Adjacency, Connectivity, Domain, FieldError, Grid, Kind, NanPolicy, Options, Path, Persistence, Scalar,
+    Triangulation,
 };
 
 fn persistence<G: Domain<Vertex = usize>, S: Scalar>(domain: G, field: &[S]) -> Persistence<usize, S> {
     topo::persistence(domain, field).expect("the field fits")
+}
+
+/// Asks everything there is to ask of a field; the answers must agree with each other.
+fn ask_everything<G, S>(domain: G, field: &[S], threshold: S::Width)
+where
+    G: Domain<Vertex: PartialEq + Debug>,
+    S: Scalar,
+{
+    let masked = Options::new().keep_zeros().nan(NanPolicy::Mask);
+    let persistence = masked.persistence(domain, field).expect("the field fits");
+    assert_eq!(persistence, masked.plain_sweep().persistence(domain, field).expect("the field fits"));
+    let refused = Options::new().keep_zeros().persistence(domain, field);
+    match field.iter().position(|value| value.is_nan()) {
+        Some(vertex) => assert_eq!(refused, Err(FieldError::NotANumber { vertex })),
+        None => assert_eq!(refused.as_ref(), Ok(&persistence)),
+    }
+    let hierarchy = persistence.hierarchy();
+    assert_eq!(hierarchy.alternating(usize::MAX).count(), hierarchy.extrema().len());
+    let entering = field.iter().filter(|value| !value.is_nan()).count();
+    for pairs in [&persistence.minima, &persistence.maxima] {
+        let diagram = pairs.diagram();
+        assert_eq!(
+            (diagram.finite.len(), diagram.essential.len()),
+            (pairs.finite().count(), pairs.essential().count())
+        );
+        assert_eq!(diagram.betti_curve().last().map_or(0, |last| last.1), pairs.essential().count());
+        assert_eq!(diagram.persistence_curve().last().map(|last| last.1), Some(0));
+        if pairs.len() < 50 {
+            assert_eq!((diagram.bottleneck(&diagram), diagram.wasserstein(&diagram, 2.0)), (0.0, 0.0));
+        }
+        let tree = masked.merge_tree(domain, field, pairs.kind()).expect("the field fits");
+        assert!(tree.branches().iter().map(|branch| &branch.pair).eq(pairs.iter()));
+        assert_eq!(tree.nodes().len(), tree.arcs().len() + pairs.essential().count());
+        let last = pairs.iter().find_map(|pair| pair.death()).or(field.first().copied());
+        let components = last.map_or(vec![], |level| tree.at(level));
+        assert!(components.len() <= pairs.len() && components.iter().map(|part| part.size).sum::<usize>() <= entering);
+        let kept = pairs.finite().filter(|pair| pair.persistence() > threshold).count() + pairs.essential().count();
+        assert_eq!(tree.simplify(threshold).leaf_count(), kept);
+        let segments = masked.segmentation(domain, field, pairs.kind(), threshold).expect("the field fits");
+        assert_eq!((segments.extrema().len(), segments.sizes().iter().sum::<usize>()), (kept, entering));
+    }
+    let simple = masked.simplify(domain, field, threshold).expect("the field fits");
+    assert!(field.iter().zip(&simple).all(|(&a, &b)| a.is_nan() && b.is_nan() || a.width(b) <= threshold));
+}
+
+/// Asks everything about a field on all kinds of domains that have as many vertices.
+fn ask_on_all_domains<S: Scalar>(field: &[S], threshold: S::Width) {
+    let n = field.len();
+    ask_everything(&Path::new(n), field, threshold);
+    for connectivity in [Connectivity::Axis, Connectivity::Full, Connectivity::Freudenthal] {
+        for ring in [false, true] {
+            ask_everything(&Grid::new([n], connectivity).periodic([ring]), field, threshold);
+            for rows in [1, 2, n / 2, n].into_iter().filter(|&rows| rows > 0 && n.is_multiple_of(rows)) {
+                ask_everything(&Grid::new([rows, n / rows], connectivity).periodic([ring, false]), field, threshold);
+                ask_everything(&Grid::new([1, n / rows, rows], connectivity).periodic([ring; 3]), field, threshold);
+            }
+        }
+    }
+    let strip: Vec<[u32; 3]> = (2..n as u32).map(|v| [v - 2, v - 1, v]).collect();
+    let twisted: Vec<[u32; 3]> =
+        strip.iter().chain(&strip).map(|&[a, b, c]| [b, a, c]).chain(strip.first().map(|t| [t[0]; 3])).collect();
+    for triangles in [vec![], strip, twisted] {
+        ask_everything(&Triangulation::new(n, &triangles).expect("corners exist"), field, threshold);
+    }
+    let path: Vec<[usize; 2]> = (1..n).map(|v| [v - 1, v]).collect();
+    let star: Vec<[usize; 2]> = (1..n).map(|v| [0, v]).collect();
+    let doubled: Vec<[usize; 2]> = path.iter().flat_map(|&[a, b]| [[a, b], [b, a], [a, a]]).collect();
+    for edges in [vec![], path, star, doubled] {
+        ask_everything(&Adjacency::from_edges(n, &edges).expect("ends exist"), field, threshold);
+        let mut graph = UnGraph::<(), ()>::from_edges(edges.iter().map(|edge| (edge[0] as u32, edge[1] as u32)));
+        while graph.node_count() < n {
+            graph.add_node(());
+        }
+        ask_everything(&graph, field, threshold);
+    }
+}
+
+#[test]
+fn extreme_fields_are_answered_on_every_domain() {
+    let alternating = |a: f64, b: f64| (0..24).map(|i| if i % 2 == 0 { a } else { b }).collect::<Vec<_>>();
+    let (infinity, nan) = (f64::INFINITY, f64::NAN);
+    let floats = [
+        vec![],
+        vec![7.0],
+        vec![nan],
+        vec![infinity],
+        vec![3.0; 24],
+        vec![-infinity; 24],
+        vec![nan; 24],
+        alternating(infinity, -infinity),
+        alternating(0.0, -0.0),
+        alternating(f64::MAX, f64::MIN),
+        alternating(nan, infinity),
+        alternating(infinity, -infinity).iter().enumerate().map(|(i, &x)| if i % 5 == 0 { nan } else { x }).collect(),
+    ];
+    for field in floats {
+        [0.0, 1.0, infinity].into_iter().for_each(|threshold| ask_on_all_domains(&field, threshold));
+        let single: Vec<f32> = field.iter().map(|&x| x as f32).collect();
+        ask_on_all_domains(&single, 1.0);
+    }
+    let bytes: Vec<i8> = (0..256).map(|i| (i * 77 % 256 - 128) as i8).collect();
+    [0, 1, 127, 255].into_iter().for_each(|threshold| ask_on_all_domains(&bytes, threshold));
+    let large: Vec<u64> = (0..24).map(|i| if i % 4 == 0 { u64::MAX - i } else { (1 << 53) + i * 7 % 5 }).collect();
+    [0, 1, u64::MAX].into_iter().for_each(|threshold| ask_on_all_domains(&large, threshold));
+}
+
+#[test]
+fn integers_above_two_to_the_53rd_are_told_apart() {
+    let field = [1 << 53, (1 << 53) + 2, (1 << 53) + 1, u64::MAX];
+    let minima = persistence(&Path::new(4), &field).minima;
+    assert_eq!((minima[0].persistence(), minima[1].persistence()), (u64::MAX - (1 << 53), 1));
 }
 
 #[test]
@@ -71,6 +185,7 @@ fn a_million_isolated_vertices_are_as_many_components() {
     let field: Vec<u32> = (0..1_000_000).collect();
     let isolated = Adjacency::from_edges(field.len(), &[]).expect("no edges");
     assert_eq!(persistence(&isolated, &field).minima.essential().count(), field.len());
+    ask_everything(&isolated, &field, 10);
 }
 
 #[test]
@@ -82,6 +197,10 @@ fn a_star_pairs_all_its_leaves_at_the_centre() {
     field[0] = 2_000_000;
     let minima = persistence(&star, &field).minima;
     assert_eq!(minima.finite().filter(|pair| pair.saddle == Some(0)).count(), LEAVES - 1);
+    ask_everything(&star, &field, 1_500_000);
+    let graph = UnGraph::<(), ()>::from_edges((1..=LEAVES as u32).map(|leaf| (0, leaf)));
+    let segments = topo::segmentation(&graph, &field, Kind::Minimum, u64::MAX).expect("fits");
+    assert_eq!(segments.sizes(), [LEAVES + 1]);
 }
 
 #[test]
@@ -91,6 +210,14 @@ fn long_ways_down_are_no_trouble() {
     let by_stack = persistence(&Path::new(LENGTH), &tent);
     assert_eq!(by_stack.minima.len(), 2);
     assert_eq!(by_stack, persistence(&Grid::new([LENGTH], Connectivity::Axis), &tent));
+    let edges: Vec<[usize; 2]> = (1..LENGTH).map(|v| [v - 1, v]).collect();
+    let listed = Adjacency::from_edges(LENGTH, &edges).expect("ends exist");
+    drop(edges);
+    ask_everything(&listed, &tent, 9.0);
+    drop(listed);
+    let graph = UnGraph::<(), ()>::from_edges((1..LENGTH as u32).map(|v| (v - 1, v)));
+    let of_graph = topo::sublevel(&graph, &tent).expect("fits");
+    assert!(of_graph.iter().map(|pair| pair.extremum.index()).eq(by_stack.minima.iter().map(|pair| pair.extremum)));
 }
 
 #[test]

@@ -138,6 +138,28 @@ proptest! {
     }
 
     #[test]
+    fn a_parent_is_the_eldest_of_all_that_can_be_reached_by_the_saddle((graph, field) in graph_and_field(), kind in kind()) {
+        let is_before = |u: usize, v: usize| match kind {
+            Kind::Minimum => field[u] < field[v] || field[u] == field[v] && u < v,
+            Kind::Maximum => field[u] > field[v] || field[u] == field[v] && u > v,
+        };
+        for branch in topo::merge_tree(&graph, &field, kind).expect("fits").branches() {
+            let saddle = branch.pair.saddle.map(|saddle| saddle.index());
+            let holds = |v: usize| saddle.is_none_or(|saddle| v == saddle || is_before(v, saddle));
+            let mut sets = UnionFind::new(graph.node_count());
+            for (a, b) in graph.edge_indices().filter_map(|edge| graph.edge_endpoints(edge)) {
+                if holds(a.index()) && holds(b.index()) {
+                    sets.union(a.index(), b.index());
+                }
+            }
+            let own = branch.pair.extremum.index();
+            let reached = (0..graph.node_count()).filter(|&v| sets.equiv(v, own));
+            let eldest = reached.reduce(|u, v| if is_before(u, v) { u } else { v });
+            prop_assert_eq!(branch.parent.map_or(own, |parent| parent.index()), eldest.expect("it reaches itself"));
+        }
+    }
+
+    #[test]
     fn segments_are_connected_and_hold_their_extremum((graph, field) in graph_and_field(), kind in kind(), threshold in 0.0..3.0f64) {
         let segments = topo::segmentation(&graph, &field, kind, threshold).expect("fits");
         for (segment, extremum) in segments.extrema().iter().enumerate() {
@@ -183,6 +205,16 @@ fn masked_vertices_have_no_segment() {
     let segments = options.segmentation(&path, &[1.0, f64::NAN, 2.0], Kind::Minimum, 9.0).expect("fits");
     assert_eq!(segments.labels().collect::<Vec<_>>(), [Some(0), None, Some(1)]);
     assert_eq!((&path).vertex_count(), segments.labels().len());
+}
+
+#[test]
+fn a_basin_spills_to_where_its_saddle_drains_if_that_is_elder() {
+    // Four basins meet at vertex 0, which drains into that of vertex 6 by way of vertex 5.
+    let meeting = UnGraph::<(), ()>::from_edges([(0, 1), (1, 2), (0, 3), (3, 4), (0, 5), (5, 6), (0, 7)]);
+    let field = [9.0, 8.0, 1.0, 7.0, 3.0, 4.0, 2.0, 5.0];
+    let segments = topo::segmentation(&meeting, &field, Kind::Minimum, 4.0).expect("fits");
+    assert_eq!(segments.extrema().iter().map(|v| v.index()).collect::<Vec<_>>(), [2, 4, 6]);
+    assert_eq!(segments.sizes(), [2, 2, 4]);
 }
 
 #[test]

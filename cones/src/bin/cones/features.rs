@@ -26,7 +26,7 @@ pub(crate) struct Arguments {
     #[arg(short = 'n', value_name = "N", group = "which")]
     count: Option<usize>,
     /// All extrema that are more persistent than this
-    #[arg(long, value_name = "P", group = "which", value_parser = non_negative)]
+    #[arg(long, value_name = "P", group = "which", value_parser = non_negative, allow_negative_numbers = true)]
     min_persistence: Option<f64>,
     /// In what order extrema become feature points
     #[arg(long, value_enum, default_value_t = Method::Persistence)]

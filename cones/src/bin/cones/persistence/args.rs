@@ -28,7 +28,7 @@ pub(crate) struct Arguments {
     #[arg(long, value_enum, default_value_t = DirectionName::Both)]
     pub(crate) direction: DirectionName,
     /// Leave out pairs that are no more persistent than this
-    #[arg(long, value_name = "P", default_value_t = 0.0, value_parser = non_negative)]
+    #[arg(long, value_name = "P", default_value_t = 0.0, value_parser = non_negative, allow_negative_numbers = true)]
     pub(crate) min_persistence: f64,
     /// Keep the pairs of zero persistence, as plateaus and ties bring them
     #[arg(long, conflicts_with = "min_persistence")]

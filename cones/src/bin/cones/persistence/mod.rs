@@ -28,6 +28,7 @@ pub(crate) fn run(args: &Arguments) -> Result<(), Failure> {
     check_outputs(args)?;
     let start = Instant::now();
     let subject = Subject::read(args)?;
+    check_forms(args, &subject.places)?;
     let mut report = Report::new(&subject, args, start.elapsed());
     let wanted = Wanted { options: options(args), min_persistence: args.min_persistence, top: args.top };
     let mut lists = Vec::new();
@@ -85,15 +86,23 @@ fn check_outputs(args: &Arguments) -> Result<(), Failure> {
     }
 }
 
+/// Makes sure, before anything is written, that the outputs can tell of vertices where these are.
+fn check_forms(args: &Arguments, places: &Places) -> Result<(), Failure> {
+    match &args.pairs {
+        Some(path) if output::extension(path, &["csv", "json", "vtp"])? == "vtp" && !places.are_in_space() => {
+            return Err(Failure::NoPlaces(path.clone()));
+        }
+        _ => {}
+    }
+    args.segmentation.as_deref().map_or(Ok(()), |path| segments::check(path, places))
+}
+
 fn write(args: &Arguments, subject: &Subject, lists: &[PairList], report: &Report) -> Result<(), Failure> {
     if let Some(path) = &args.pairs {
         match output::extension(path, &["csv", "json", "vtp"])? {
             "csv" => output::write_text(path, &report::csv(lists, &subject.places))?,
             "json" => output::write_text(path, &output::json(report))?,
-            _ => output::write_text(
-                path,
-                &vtp::text(lists, &subject.places).ok_or_else(|| Failure::NoPlaces(path.clone()))?,
-            )?,
+            _ => output::write_text(path, &vtp::text(lists, &subject.places))?,
         }
     }
     for (path, sketch) in [(&args.diagram, chart::diagram as fn(&[PairList]) -> _), (&args.barcode, chart::barcode)] {

@@ -10,7 +10,18 @@ use std::io::{self, Write};
 use std::path::Path;
 use topo::{FieldError, Kind, Options, Segmentation};
 
-/// Writes the segments of the extrema that are more persistent than a threshold.
+/// Whether segments can be written in the form a path asks for: colours need a mesh or a picture.
+pub(super) fn check(path: &Path, places: &Places) -> Result<(), Failure> {
+    let refused = |of| Err(Failure::SegmentsAs { path: path.to_owned(), of });
+    match (output::extension(path, &["npy", "ply", "png"])?, places) {
+        ("ply", Places::Array(_) | Places::Network(_)) => refused("a mesh"),
+        ("png", Places::Array(shape)) if shape.len() == 2 && !shape.contains(&0) => Ok(()),
+        ("png", _) => refused("a picture"),
+        _ => Ok(()),
+    }
+}
+
+/// Writes the segments of the extrema that are more persistent than a threshold, in a form that was [checked](check).
 pub(super) fn write(
     path: &Path,
     subject: &Subject,
@@ -21,20 +32,18 @@ pub(super) fn write(
     let segments = segments(subject, kind, options, threshold).map_err(|error| explain(&subject.path, error))?;
     let extremum = |segment: Option<usize>| segment.map(|segment| segments.extrema()[segment]);
     match (output::extension(path, &["npy", "ply", "png"])?, &subject.places) {
-        ("npy", places) => {
-            let shape = if let Places::Array(shape) = places { shape.clone() } else { vec![subject.vertex_count()] };
-            output::write(path, |out| Ok(write_labels(&shape, segments.labels().map(extremum), out)?))
-        }
         ("ply", Places::Mesh { points, triangles }) => {
             let colours: Vec<[u8; 3]> = segments.labels().map(colour).collect();
             output::write(path, |out| Ok(write_ply(points, triangles, &colours, out)?))
         }
-        ("png", Places::Array(shape)) if shape.len() == 2 && subject.vertex_count() > 0 => {
+        ("png", Places::Array(shape)) if shape.len() == 2 => {
             let pixels = segments.labels().map(colour).collect();
             output::write_png(path, &Picture { width: shape[1], height: shape[0], pixels })
         }
-        ("ply", _) => Err(Failure::SegmentsAs { path: path.to_owned(), of: "a mesh" }),
-        _ => Err(Failure::SegmentsAs { path: path.to_owned(), of: "a picture" }),
+        (_, places) => {
+            let shape = if let Places::Array(shape) = places { shape.clone() } else { vec![subject.vertex_count()] };
+            output::write(path, |out| Ok(write_labels(&shape, segments.labels().map(extremum), out)?))
+        }
     }
 }
 

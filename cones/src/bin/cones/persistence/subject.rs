@@ -223,6 +223,11 @@ impl Places {
         self.name(vertex).map_or_else(|| vertex.to_string(), str::to_owned)
     }
 
+    /// Whether vertices are anywhere in space.
+    pub(super) fn are_in_space(&self) -> bool {
+        !matches!(self, Self::Network(_))
+    }
+
     /// Where a vertex is in space, if it is anywhere: an array's axes are x, y and z.
     pub(crate) fn point(&self, vertex: usize) -> Option<[f64; 3]> {
         match self {

@@ -8,11 +8,11 @@ use super::subject::Places;
 use std::fmt::Write;
 use topo::Kind;
 
-/// The document; nothing where vertices are nowhere in space.
-pub(super) fn text(lists: &[PairList], places: &Places) -> Option<String> {
+/// The document; vertices must be somewhere in space.
+pub(super) fn text(lists: &[PairList], places: &Places) -> String {
     let points: Vec<Point> =
         lists.iter().flat_map(|list| list.pairs.iter().flat_map(|pair| ends(list.kind, pair))).collect();
-    let positions = points.iter().map(|point| places.point(point.vertex)).collect::<Option<Vec<_>>>()?;
+    let positions = points.iter().filter_map(|point| places.point(point.vertex));
     let lines: Vec<usize> = (1..points.len()).filter(|&i| points[i].is_saddle()).collect();
     let of_points = |number: fn(&Point) -> f64| points.iter().map(number).collect::<Vec<_>>();
     let persistence = of_points(|point| point.persistence);
@@ -31,14 +31,14 @@ pub(super) fn text(lists: &[PairList], places: &Places) -> Option<String> {
     text += "</PointData>\n<CellData Scalars=\"persistence\">\n";
     text += &floats("persistence", 1, of_cells);
     text += "</CellData>\n<Points>\n";
-    text += &floats("Points", 3, positions.into_iter().flatten());
+    text += &floats("Points", 3, positions.flatten());
     text += "</Points>\n<Verts>\n";
     text += &integers("connectivity", 0..points.len());
     text += &integers("offsets", 1..=points.len());
     text += "</Verts>\n<Lines>\n";
     text += &integers("connectivity", lines.iter().flat_map(|&i| [i - 1, i]));
     text += &integers("offsets", (1..=lines.len()).map(|line| 2 * line));
-    Some(text + "</Lines>\n</Piece>\n</PolyData>\n</VTKFile>\n")
+    text + "</Lines>\n</Piece>\n</PolyData>\n</VTKFile>\n"
 }
 
 /// An extremum or a saddle.
