@@ -180,8 +180,8 @@ pub(super) const COLUMNS: [Column; 17] = [
     },
     Column {
         key: "curvature_left",
-        head: "|K| left",
-        meaning: "largest curvature off the cones in the scaled metric, radians; none without metric scaling",
+        head: "K left",
+        meaning: "largest difference between the scaled metric's curvature and what it should be, radians; none without metric scaling",
         value: |row| of(row, |o| o.curvature_left.map_or(Cell::Empty, Cell::Small)),
     },
     Column {

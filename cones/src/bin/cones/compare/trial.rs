@@ -35,7 +35,7 @@ pub(super) struct Seconds {
 pub(super) struct Trial {
     pub(super) cones: usize,
     pub(super) seconds: Seconds,
-    /// The largest curvature that the metric has off the cones; none where no metric was computed.
+    /// How far the metric's curvature is from what it should be, at most; none where no metric was computed.
     pub(super) curvature_left: Option<f64>,
     /// Cones whose harmonic curvatures were out of bounds, and optimal ones taken instead.
     pub(super) out_of_bounds: usize,
