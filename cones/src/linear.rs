@@ -2,7 +2,7 @@
 //!
 //! Curvature changes by Lφ to first order when lengths are scaled by e^φ. So one solve of Lφ = K^T - K, φ = 0 on the
 //! boundary, and `l_ij e^((φ_i + φ_j)/2)`, give a metric whose curvature is nearly K^T (Ben-Chen, Gotsman & Bunin 2008,
-//! "Conformal flattening by curvature prescription and metric scaling", §3). L is the cotangent Laplacian of the triangulation
+//! "Conformal flattening by curvature prescription and metric scaling"). L is the cotangent Laplacian of the triangulation
 //! as it is, negative weights and all, as published. The metric is not flat, and the triangle inequality may fail: what
 //! is left is reported. It is here to be compared with [`scale`](crate::scale), which is exact.
 

@@ -3,11 +3,11 @@
 //! Of all maps z of an opened surface into the plane the one with the least conformal energy
 //!
 //! ```text
-//!     E(z) = ½ zᴴ L z - A(z)          (Dirichlet energy less the area of the image; Mullen et al. 2008, §2)
+//!     E(z) = ½ zᴴ L z - A(z)          (Dirichlet energy less the area of the image)
 //! ```
 //!
 //! L being the cotangent Laplacian: it is 0 just where all angles are kept. Similarities do not change it, so two vertices
-//! are pinned, here two that are far from each other along edges. A(z) = ½ Σ (x_i y_j - x_j y_i) over all halfedges ij,
+//! are pinned, here two that are far from each other along edges. `A(z) = ½ Σ (x_i y_j - x_j y_i)` over all halfedges ij,
 //! which cancels but for the boundary's. The real system has two unknowns a vertex and is positive definite: one Cholesky
 //! factorization. A triangle whose sides break the triangle inequality counts as one that nearly does.
 //!

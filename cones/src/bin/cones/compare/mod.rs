@@ -173,10 +173,10 @@ fn first(subject: &Subject, variant: Variant, shares: &[usize]) -> Result<Outcom
 
 /// A further run, which gives the same and is only timed.
 fn again(subject: &Subject, row: &mut Row, shares: &Result<Vec<usize>, String>) {
-    if let (Ok(outcome), Ok(shares)) = (&mut row.result, shares) {
-        if let Ok(trial) = Trial::run(subject, row.variant, shares) {
-            outcome.keep_best(trial.seconds);
-        }
+    if let (Ok(outcome), Ok(shares)) = (&mut row.result, shares)
+        && let Ok(trial) = Trial::run(subject, row.variant, shares)
+    {
+        outcome.keep_best(trial.seconds);
     }
 }
 
