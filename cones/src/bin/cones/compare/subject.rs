@@ -1,6 +1,7 @@
 //! A mesh to compare methods on.
 
 use crate::failure::Failure;
+use crate::job;
 use cones::{ConeChoice, Operators, Options};
 use geom::{Metric, Model, Poisson, PoissonError, Surface, VertexId, prepare};
 use std::path::Path;
@@ -26,9 +27,11 @@ pub(super) struct Part {
 }
 
 impl Subject {
+    /// Makes a model ready, and says on stderr what was mended.
     pub(super) fn new(name: String, model: Model) -> Result<Self, Failure> {
         let failed = |error: cones::Error| Failure::Unwrap { path: Path::new(&name).to_owned(), error };
         let prepared = prepare(&model, false).map_err(|error| failed(error.into()))?;
+        job::warn(&prepared.repairs, &[]);
         let parts: Result<Vec<Part>, PoissonError> = prepared.surfaces.into_iter().map(Part::new).collect();
         let parts = parts.map_err(|error| failed(error.into()))?;
         Ok(Self { name, model, parts })

@@ -146,17 +146,17 @@ impl Trial {
         }
     }
 
-    /// Measures the map.
+    /// Measures the map, on the surfaces as they were opened.
     pub(super) fn distortion(&self, subject: &Subject) -> Result<Distortion, TrialError> {
-        let corners: Vec<[u32; 3]> = subject
-            .parts
-            .iter()
-            .flat_map(|Part { surface, .. }| {
-                surface.mesh.faces().map(|f| surface.mesh.sides(f).map(|h| surface.corner[h]))
-            })
-            .collect();
-        let triangles: Vec<[u32; 3]> = corners.iter().map(|t| t.map(|c| subject.model.corners()[c as usize])).collect();
-        let uv = crate::job::corner_uv(&corners, &self.uv);
-        Ok(distortion::measure(subject.model.points(), &triangles, &uv)?)
+        let (mut points, mut triangles, mut corners) = (Vec::new(), Vec::new(), Vec::new());
+        for Part { surface, .. } in &subject.parts {
+            let first = points.len() as u32;
+            points.extend(surface.points.iter().map(|point| point.map(|x| x / surface.scale)));
+            for f in surface.mesh.faces() {
+                triangles.push(surface.mesh.corners(f).map(|v| first + v.0));
+                corners.push(surface.mesh.sides(f).map(|h| surface.corner[h]));
+            }
+        }
+        Ok(distortion::measure(&points, &triangles, &crate::job::corner_uv(&corners, &self.uv))?)
     }
 }
