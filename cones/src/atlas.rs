@@ -5,6 +5,8 @@ use std::time::Duration;
 use geom::{Repair, Surface, Triangles};
 use topo::Kind;
 
+use crate::distortion::Predicted;
+
 /// The stages, in order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Stage {
@@ -52,6 +54,19 @@ pub struct Cone {
     pub persistence: Option<f64>,
     /// Its curvature in radians: the cone's angle is 2π less this.
     pub curvature: f64,
+}
+
+/// How the number of cones was found, where none was given.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NumberOfCones {
+    /// The area distortion that was aimed at.
+    pub target: f64,
+    /// What is predicted for the cones that were chosen: the mean over the connected parts, weighted by area.
+    pub predicted: f64,
+    /// Whether the prediction meets the target in every part.
+    pub is_met: bool,
+    /// What is predicted for every number of cones in a nested order, for a model of one part; otherwise empty.
+    pub curve: Vec<Predicted>,
 }
 
 /// The topology of a model's surfaces, added up.
@@ -102,6 +117,8 @@ pub struct Atlas {
     pub factor: Vec<f64>,
     /// The number of extrema of φ, and the persistences of all of them, descending.
     pub persistence: Vec<f64>,
+    /// How the number of cones was found, where none was given.
+    pub number: Option<NumberOfCones>,
     /// The shape of the model.
     pub topology: Topology,
     /// The largest curvature off the cones that the metric has, in radians.
@@ -123,6 +140,8 @@ pub struct Extraction {
     pub factor: Vec<f64>,
     /// The persistences of all extrema of φ, descending.
     pub persistence: Vec<f64>,
+    /// How the number of cones was found, where none was given.
+    pub number: Option<NumberOfCones>,
     /// The shape of the model.
     pub topology: Topology,
     /// The time each stage took.

@@ -4,12 +4,14 @@
 //! meshes the median error was 0.001). The curve of the nested order says about how many cones it takes; the best set of
 //! that number is better than nested ones, so cones are taken away from it as long as the target holds.
 
+use geom::VertexId;
+
 use crate::angles::least_cones;
 use crate::distortion::{Predicted, predict};
 use crate::exchange::{drop_cheapest, exchange};
 use crate::pursuit::{Nested, pursuit};
 use crate::reduced::{Fitted, Reduced};
-use crate::refined::{refined, rounds};
+use crate::refined::{by_curvature, refined, rounds};
 
 /// The area distortion that is aimed at when nobody says.
 pub const TARGET_DISTORTION: f64 = 1.25;
@@ -52,6 +54,19 @@ pub fn automatic(reduced: &mut Reduced, target: f64, most: usize) -> Automatic {
     Automatic { set, predicted, target, is_met: predicted.area_distortion <= target, nested, curve }
 }
 
+/// The shortest prefix of an order of cones that keeps the predicted area distortion within `target`; all of it where
+/// none does. Two back-solves for each cone and one for each prefix.
+pub fn shortest(reduced: &mut Reduced, order: &[VertexId], target: f64) -> Automatic {
+    reduced.add(order);
+    let nested = Nested { sets: (0..=order.len()).map(|count| reduced.fit(&order[..count])).collect() };
+    let least = least_cones(reduced.operators());
+    let curve = nested.curve(reduced);
+    let enough = curve.iter().find(|point| point.count >= least && point.area_distortion <= target);
+    let set = nested.sets[enough.map_or(order.len(), |point| point.count)].clone();
+    let predicted = predict(reduced, &set);
+    Automatic { set, predicted, target, is_met: enough.is_some(), nested, curve }
+}
+
 /// From a set that meets the target to the smallest one near it that does.
 fn fewest(reduced: &mut Reduced, nested: &Fitted, target: f64, least: usize) -> (Fitted, Predicted) {
     let meets = |set: &Fitted, predicted: &Predicted| set.shortfall == 0.0 && predicted.area_distortion <= target;
@@ -69,7 +84,7 @@ fn fewest(reduced: &mut Reduced, nested: &Fitted, target: f64, least: usize) -> 
         }
         (best, predicted) = (fewer, after);
     }
-    (best, predicted)
+    (by_curvature(reduced, &best), predicted)
 }
 
 #[cfg(test)]

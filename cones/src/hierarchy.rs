@@ -94,7 +94,7 @@ impl ConeHierarchy {
     }
 
     /// Vertices with the extrema that they are.
-    fn candidates(&self, cones: &[VertexId]) -> Vec<Candidate> {
+    pub(crate) fn candidates(&self, cones: &[VertexId]) -> Vec<Candidate> {
         let extremum = |v: VertexId| self.extrema().iter().find(|e| e.vertex == v).copied();
         cones.iter().map(|&vertex| Candidate { vertex, extremum: extremum(vertex) }).collect()
     }

@@ -75,8 +75,8 @@ mod untangle;
 mod unwrap;
 
 pub use angles::{Angles, AnglesError, ConeCurvatures, cone_curvatures, least_cones};
-pub use atlas::{Atlas, Cone, Extraction, Stage, Topology};
-pub use automatic::{Automatic, MOST_AUTOMATIC, TARGET_DISTORTION, automatic};
+pub use atlas::{Atlas, Cone, Extraction, NumberOfCones, Stage, Topology};
+pub use automatic::{Automatic, MOST_AUTOMATIC, TARGET_DISTORTION, automatic, shortest};
 pub use distortion::{Predicted, area_distortion, predict};
 pub use error::Error;
 pub use factor::ConformalFactor;

@@ -21,9 +21,12 @@ pub struct Options {
 /// Which cones to use.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub enum ConeChoice {
-    /// In each connected part eight; four where it has a boundary.
+    /// In each connected part as few as keep its area distortion within [`TARGET_DISTORTION`](crate::TARGET_DISTORTION), as
+    /// predicted, at most [`MOST_AUTOMATIC`](crate::MOST_AUTOMATIC).
     #[default]
-    Default,
+    Automatic,
+    /// In each connected part as few as keep its area distortion within this, confirmed by flattening, at most 64.
+    WithinDistortion(f64),
     /// The first so many of the hierarchy, in all connected parts together.
     Count(usize),
     /// All extrema with a persistence above this.

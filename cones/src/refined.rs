@@ -6,6 +6,8 @@
 //! exchange cones with all vertices solved for so far. Adding some cones more and eliminating them again gets out of
 //! local minima. All of it is back-solves on one factor, a few for each cone, and dense work below their cost.
 
+use geom::VertexId;
+
 use crate::exchange::{eliminate, exchange, exchange_deeply};
 use crate::grow::{Rule, grow, start};
 use crate::reduced::{Fitted, Reduced};
@@ -27,6 +29,7 @@ const LEAST_BACKWARD: usize = 12;
 ///
 /// On a closed surface too few cones cannot take its curvature: see [`Fitted::shortfall`] and
 /// [`least_cones`](crate::least_cones).
+/// The cones come in the order of their curvature's size.
 ///
 /// ```
 /// use cones::{Operators, Reduced, refined};
@@ -57,7 +60,15 @@ pub fn refined(reduced: &mut Reduced, count: usize) -> Fitted {
             break;
         }
     }
-    best
+    by_curvature(reduced, &best)
+}
+
+/// The same set with the cones in the order of their curvature's size, which does not depend on how it was found.
+pub(crate) fn by_curvature(reduced: &Reduced, set: &Fitted) -> Fitted {
+    let mut order: Vec<(VertexId, f64)> = set.cones.iter().copied().zip(set.curvature.iter().copied()).collect();
+    order.sort_by(|(v, a), (w, b)| b.abs().total_cmp(&a.abs()).then(v.cmp(w)));
+    let cones: Vec<VertexId> = order.into_iter().map(|(v, _)| v).collect();
+    reduced.fit(&cones)
 }
 
 /// Pursued by gradient and by gain, and pursued beyond the number and eliminated back to it.

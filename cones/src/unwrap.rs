@@ -8,7 +8,9 @@ use geom::{
 use topo::Extremum;
 
 use crate::angles::{AnglesError, ConeCurvatures, cone_curvatures, least_cones};
-use crate::atlas::{Atlas, Cone, Extraction, Stage, Topology};
+use crate::atlas::{Atlas, Cone, Extraction, NumberOfCones, Stage, Topology};
+use crate::automatic::{MOST_AUTOMATIC, TARGET_DISTORTION, automatic, shortest};
+use crate::distortion::area_distortion;
 use crate::error::Error;
 use crate::factor::ConformalFactor;
 use crate::hierarchy::{Candidate, ConeHierarchy, Method, kind_of};
@@ -22,12 +24,10 @@ use crate::seams::{Chain, Seams};
 use crate::share::{Part, share_out};
 use crate::shelf::Shelf;
 
-/// So many cones where nobody says how many; half of them where there is a boundary, which takes curvature too.
-const DEFAULT_CONES: usize = 8;
 /// More cones than this are not optimised: `refined` takes a time that grows with the third power of their number.
 const MOST_OPTIMISED: usize = 64;
-/// A set of cones that cannot be flattened is enlarged so many times before the surface is given up.
-const MAX_ATTEMPTS: usize = 6;
+/// So many times cones are added where a measured distortion is above the one that was asked for.
+const MAX_ADDITIONS: usize = 6;
 /// Cones for which linear theory predicts that somewhere lengths change by more than this factor against the mean are
 /// not tried if there may be more. None of 30 meshes comes there with 8 cones; a scan whose noise has made tiny handles
 /// does, and Newton's method would take long to fail.
@@ -47,11 +47,10 @@ pub fn unwrap(model: &Model, options: &Options, on_stage: &mut dyn FnMut(Stage))
     let analysed = run.analyse_all()?;
     let mut shelf = Shelf::new(analysed.iter().map(|a| a.area).sum());
     for (index, (analysed, choice)) in analysed.iter().zip(run.first_choices(&analysed)?).enumerate() {
-        let flat = run.flatten(index, analysed, choice)?;
+        let flat = run.flatten_within(index, analysed, choice)?;
         let surface = &run.prepared.surfaces[index];
         curvature_error = curvature_error.max(flat.scaling.error);
-        let size = flat.size(surface, &analysed.operators);
-        let position = shelf.place(&flat.layout, size);
+        let position = shelf.place(&flat.layout, flat.size);
         for h in surface.mesh.halfedges() {
             uv[surface.corner[h] as usize] = Some(position(flat.layout.corner(h)));
         }
@@ -62,7 +61,7 @@ pub fn unwrap(model: &Model, options: &Options, on_stage: &mut dyn FnMut(Stage))
     let Run { prepared, found, .. } = run;
     Ok(Atlas {
         uv: fill_corners(model, uv),
-        topology: Topology::of(&prepared.surfaces),
+        topology: found.topology,
         triangles: prepared.triangles,
         left_out: prepared.left_out,
         seams,
@@ -71,6 +70,7 @@ pub fn unwrap(model: &Model, options: &Options, on_stage: &mut dyn FnMut(Stage))
         cones: found.cones,
         factor: found.factor,
         persistence: found.persistence,
+        number: found.number,
         times: found.times,
         warnings: found.warnings,
     })
@@ -89,11 +89,12 @@ pub fn extract(model: &Model, options: &Options, on_stage: &mut dyn FnMut(Stage)
     }
     let Run { prepared, found, .. } = run;
     Ok(Extraction {
-        topology: Topology::of(&prepared.surfaces),
+        topology: found.topology,
         repairs: prepared.repairs,
         cones: found.cones,
         factor: found.factor,
         persistence: found.persistence,
+        number: found.number,
         times: found.times,
         warnings: found.warnings,
     })
@@ -113,6 +114,8 @@ struct Found {
     cones: Vec<Cone>,
     factor: Vec<f64>,
     persistence: Vec<f64>,
+    number: Option<NumberOfCones>,
+    topology: Topology,
     times: Vec<(Stage, Duration)>,
     warnings: Vec<String>,
 }
@@ -133,13 +136,23 @@ struct Flat {
     seams: Seams,
     scaling: Scaling,
     layout: Layout,
+    /// What to multiply the layout by so that its mean log scale is 0 in the model's units.
+    size: f64,
+    area_distortion: f64,
 }
 
 impl Flat {
-    /// What to multiply the layout by so that its mean log scale is 0 in the model's units.
-    fn size(&self, surface: &Surface, operators: &Operators) -> f64 {
-        let mean: f64 = operators.weight.iter().zip(self.scaling.u.iter()).map(|(w, u)| w * u).sum();
-        (-mean).exp() / surface.scale
+    fn new(
+        surface: &Surface,
+        operators: &Operators,
+        cones: Vec<Candidate>,
+        curvatures: Vec<f64>,
+        (seams, scaling, layout): (Seams, Scaling, Layout),
+    ) -> Self {
+        let mean: f64 = operators.weight.iter().zip(scaling.u.iter()).map(|(w, u)| w * u).sum();
+        let size = (-mean).exp() / surface.scale;
+        let area_distortion = area_distortion(operators, &scaling.u);
+        Self { cones, curvatures, seams, scaling, layout, size, area_distortion }
     }
 }
 
@@ -147,6 +160,8 @@ impl Flat {
 enum Choice {
     /// So many of the hierarchy.
     Count(usize),
+    /// These, or others where they fail.
+    Found(Vec<VertexId>),
     /// These, perhaps with curvatures.
     Given(Vec<VertexId>, Option<Vec<f64>>),
 }
@@ -157,6 +172,7 @@ impl<'a> Run<'a> {
         let start = Instant::now();
         let prepared = prepare(model, options.weld)?;
         let mut found = Found { factor: vec![f64::NAN; model.vertex_count()], ..Found::default() };
+        found.topology = Topology::of(&prepared.surfaces);
         found.times = Stage::ALL.map(|stage| (stage, Duration::ZERO)).to_vec();
         found.times[0].1 = start.elapsed();
         let run = Self { options, prepared, found, on_stage, model };
@@ -194,27 +210,30 @@ impl<'a> Run<'a> {
             }
             let factor = smoothed.and_then(Result::ok).unwrap_or_else(|| ConformalFactor::new(&operators));
             let hierarchy = ConeHierarchy::new(&operators, &factor);
-            for (v, phi) in factor.phi.iter_ids() {
-                run.found.factor[run.prepared.surfaces[index].vertex[v] as usize] = *phi;
-            }
-            run.found.persistence.extend(hierarchy.extrema().iter().map(|e| e.persistence));
-            run.found.persistence.sort_by(|a, b| b.total_cmp(a));
             let surface = &run.prepared.surfaces[index];
+            for (v, phi) in factor.phi.iter_ids() {
+                run.found.factor[surface.vertex[v] as usize] = *phi;
+            }
             let area = metric.area(&surface.mesh) / surface.scale / surface.scale;
             Ok(Analysed { metric, area, operators, hierarchy })
         })
     }
 
     fn analyse_all(&mut self) -> Result<Vec<Analysed>, Error> {
-        (0..self.prepared.surfaces.len()).map(|index| self.analyse(index)).collect()
+        let analysed: Result<Vec<Analysed>, Error> =
+            (0..self.prepared.surfaces.len()).map(|index| self.analyse(index)).collect();
+        let extrema = analysed.iter().flatten().flat_map(|a| a.hierarchy.extrema());
+        self.found.persistence = extrema.map(|e| e.persistence).collect();
+        self.found.persistence.sort_by(|a, b| b.total_cmp(a));
+        analysed
     }
 
     /// The cones of each surface that the options ask for.
     fn first_choices(&mut self, analysed: &[Analysed]) -> Result<Vec<Choice>, Error> {
         let least: Vec<usize> = analysed.iter().map(|a| least_cones(&a.operators)).collect();
-        let of_default = |a: &Analysed| if a.operators.is_bordered() { DEFAULT_CONES / 2 } else { DEFAULT_CONES };
         let counts = match &self.options.cones {
-            ConeChoice::Default => analysed.iter().map(of_default).collect(),
+            ConeChoice::Automatic => return Ok(self.find_number(analysed, TARGET_DISTORTION, MOST_AUTOMATIC)),
+            ConeChoice::WithinDistortion(target) => return Ok(self.find_number(analysed, *target, MOST_OPTIMISED)),
             ConeChoice::Count(total) => {
                 let needed: usize = least.iter().sum();
                 if *total < needed {
@@ -229,6 +248,36 @@ impl<'a> Run<'a> {
             ConeChoice::Given(given) => return (0..analysed.len()).map(|index| self.given(index, given)).collect(),
         };
         Ok(counts.into_iter().map(Choice::Count).collect())
+    }
+
+    /// As few cones in each surface as keep the predicted area distortion within a target.
+    fn find_number(&mut self, analysed: &[Analysed], target: f64, most: usize) -> Vec<Choice> {
+        let whole: f64 = analysed.iter().map(|a| a.area).sum();
+        let mut number = NumberOfCones { target, predicted: 0.0, is_met: true, curve: Vec::new() };
+        let mut choices = Vec::new();
+        for (surface, a) in (0..).zip(analysed) {
+            let found = self.stage(Stage::Hierarchy, |run| {
+                let input = &run.prepared.surfaces[surface].mesh;
+                let mut reduced = Reduced::new(&a.operators, input);
+                match run.options.method {
+                    Method::Refined => automatic(&mut reduced, target, most),
+                    method => {
+                        let order = a.hierarchy.cones(&a.operators, input, method, most);
+                        let order: Vec<VertexId> = order.iter().map(|cone| cone.vertex).collect();
+                        shortest(&mut reduced, &order, target)
+                    }
+                }
+            });
+            number.predicted += found.predicted.area_distortion * a.area / whole;
+            number.is_met &= found.is_met;
+            number.curve = found.curve;
+            choices.push(Choice::Found(found.set.cones));
+        }
+        if analysed.len() > 1 {
+            number.curve.clear();
+        }
+        self.found.number = Some(number);
+        choices
     }
 
     /// Shares out cones over the surfaces by what they bring, as far as the method is one that asks for that.
@@ -272,6 +321,10 @@ impl<'a> Run<'a> {
     ) -> Result<(Vec<Candidate>, ConeCurvatures), Error> {
         self.stage(Stage::Hierarchy, |run| match choice {
             Choice::Count(count) => run.choose_count(index, analysed, *count),
+            Choice::Found(cones) => {
+                let curvatures = run.curvatures(index, &analysed.operators, cones)?;
+                Ok((analysed.hierarchy.candidates(cones), curvatures))
+            }
             Choice::Given(cones, curvatures) => run.choose_given(index, analysed, cones, curvatures.clone()),
         })
     }
@@ -318,8 +371,6 @@ impl<'a> Run<'a> {
         curvatures: Option<Vec<f64>>,
     ) -> Result<(Vec<Candidate>, ConeCurvatures), Error> {
         let Analysed { operators, hierarchy, .. } = analysed;
-        let extremum = |v: VertexId| hierarchy.extrema().iter().find(|e| e.vertex == v).copied();
-        let candidates = cones.iter().map(|&vertex| Candidate { vertex, extremum: extremum(vertex) }).collect();
         let curvatures = match curvatures {
             None => self.curvatures(index, operators, cones)?,
             Some(curvature) => {
@@ -334,7 +385,7 @@ impl<'a> Run<'a> {
                 ConeCurvatures::given(operators, cones, curvature)
             }
         };
-        Ok((candidates, curvatures))
+        Ok((hierarchy.candidates(cones), curvatures))
     }
 
     fn curvatures(
@@ -357,44 +408,61 @@ impl<'a> Run<'a> {
         Ok(curvatures)
     }
 
-    /// Flattens a surface. Where a set of cones fails, more are taken, and in the end the surface is unfolded as it is;
-    /// given cones are not replaced.
-    fn flatten(&mut self, index: usize, analysed: &Analysed, mut choice: Choice) -> Result<Flat, Error> {
-        let mut attempt = 1;
-        let error = loop {
-            let (tried, flat) = match self.choose(index, analysed, &choice) {
-                Ok((cones, curvatures)) => {
-                    let count = cones.len();
-                    let stretch = stretch(&analysed.operators, &curvatures);
-                    let hopeless =
-                        matches!(choice, Choice::Count(_)) && stretch > MOST_STRETCH && attempt < MAX_ATTEMPTS;
-                    let flat = match hopeless {
-                        true => Err(Error::Stretched(stretch)),
-                        false => self.flatten_with(index, analysed, cones, curvatures),
-                    };
-                    (Some(count), flat)
-                }
-                Err(error) => (None, Err(error)),
-            };
-            match (flat, tried, &choice) {
-                (Err(error), _, Choice::Count(_)) if attempt == MAX_ATTEMPTS => break error,
-                (Err(error), None, Choice::Count(_)) => break error,
-                (Err(error), Some(count), Choice::Count(_)) => {
-                    let more = 2 * count.max(2);
-                    self.warn(format!("{count} cones could not be flattened ({error}): trying {more}"));
-                    choice = Choice::Count(more);
-                    attempt += 1;
-                }
-                (done, _, _) => return done,
+    /// Flattens a surface, with further cones until its area distortion is what was asked for.
+    fn flatten_within(&mut self, index: usize, analysed: &Analysed, choice: Choice) -> Result<Flat, Error> {
+        let mut flat = self.flatten(index, analysed, choice)?;
+        let ConeChoice::WithinDistortion(target) = self.options.cones else { return Ok(flat) };
+        for _ in 0..MAX_ADDITIONS {
+            let count = flat.cones.len();
+            if flat.area_distortion <= target || count >= MOST_OPTIMISED {
+                break;
             }
-        };
-        self.warn(format!("a part could not be flattened ({error}): unfolding it with a cone at every vertex"));
-        self.unfold(index, analysed)
+            flat = self.flatten(index, analysed, Choice::Count((count + 1 + count / 8).min(MOST_OPTIMISED)))?;
+        }
+        let reached = flat.area_distortion;
+        if reached > target {
+            self.warn(format!(
+                "an area distortion of {target} was not reached: {reached:.3} with {} cones",
+                flat.cones.len()
+            ));
+        }
+        Ok(flat)
+    }
+
+    /// Flattens a surface. Where a set of cones fails, other numbers are tried, and in the end the surface is unfolded as it
+    /// is; given cones are not replaced.
+    fn flatten(&mut self, index: usize, analysed: &Analysed, mut choice: Choice) -> Result<Flat, Error> {
+        let mut others: Option<std::vec::IntoIter<usize>> = None;
+        loop {
+            let is_given = matches!(choice, Choice::Given(..));
+            let (cones, curvatures) = match self.choose(index, analysed, &choice) {
+                Err(error) if !is_given => return self.unfold(index, analysed, &error),
+                chosen => chosen?,
+            };
+            let count = cones.len();
+            let stretch = stretch(&analysed.operators, &curvatures);
+            let flat = match stretch > MOST_STRETCH && !is_given {
+                true => Err(Error::Stretched(stretch)),
+                false => self.flatten_with(index, analysed, cones, curvatures),
+            };
+            let error = match flat {
+                Err(error) if !is_given => error,
+                done => return done,
+            };
+            match others.get_or_insert_with(|| other_counts(count, &error).into_iter()).next() {
+                Some(other) => {
+                    self.warn(format!("{count} cones could not be flattened ({error}): trying {other}"));
+                    choice = Choice::Count(other);
+                }
+                None => return self.unfold(index, analysed, &error),
+            }
+        }
     }
 
     /// The last resort: with a cone of its own curvature at every inner vertex a metric is flat as it is. Always there, not
     /// distorted at all, and cut to shreds.
-    fn unfold(&mut self, index: usize, analysed: &Analysed) -> Result<Flat, Error> {
+    fn unfold(&mut self, index: usize, analysed: &Analysed, error: &Error) -> Result<Flat, Error> {
+        self.warn(format!("a part could not be flattened ({error}): unfolding it with a cone at every vertex"));
         let surface = &self.prepared.surfaces[index];
         let (mesh, metric) = (&surface.mesh, &analysed.metric);
         let defects = angle_defects(mesh, metric);
@@ -404,7 +472,7 @@ impl<'a> Run<'a> {
         let layout = Layout::new(mesh, &scaling, &seams.cut);
         let curvatures = inner.iter().map(|&v| defects[v]).collect();
         let cones = inner.into_iter().map(|vertex| Candidate { vertex, extremum: None }).collect();
-        Ok(Flat { cones, curvatures, seams, scaling, layout })
+        Ok(Flat::new(surface, &analysed.operators, cones, curvatures, (seams, scaling, layout)))
     }
 
     fn flatten_with(
@@ -437,7 +505,8 @@ impl<'a> Run<'a> {
         if scaling.mollified {
             self.warn(MOLLIFIED.to_owned());
         }
-        Ok(Flat { cones, curvatures: curvatures.curvature, seams, scaling, layout })
+        let surface = &self.prepared.surfaces[index];
+        Ok(Flat::new(surface, &analysed.operators, cones, curvatures.curvature, (seams, scaling, layout)))
     }
 
     fn note_cones(&mut self, index: usize, cones: &[Candidate], curvatures: &[f64]) {
@@ -509,6 +578,15 @@ fn share_by_persistence(analysed: &[Analysed], least: Vec<usize>, total: usize) 
 fn too_few(asked: usize, needed: usize, parts: usize) -> String {
     let subject = if parts == 1 { "this surface needs".to_owned() } else { format!("these {parts} parts need") };
     format!("{asked} cones asked for, but {subject} at least {needed}: taking {needed}")
+}
+
+/// What to try where so many cones cannot be flattened. Metrics that are hard to find get easier with more cones; triangles
+/// that stay flipped are needles near cones, of which there are fewer near fewer cones.
+fn other_counts(count: usize, error: &Error) -> Vec<usize> {
+    match error {
+        Error::Mend(_) => vec![count + 1 + count / 4, count / 2, count / 4, 2 * count, 4 * count],
+        _ => (1..=5).map(|k| count.max(2) << k).collect(),
+    }
 }
 
 /// By which factor lengths change most against the mean, as linear theory predicts it.

@@ -44,9 +44,9 @@ fn bent(shape: &Shape) -> Shape {
 fn size_place_and_turning_change_neither_cones_nor_the_map() {
     let (sin, cos) = 0.7_f64.sin_cos();
     for shape in shapes_without_symmetry() {
-        for method in [Method::Persistence, Method::Alternating] {
+        for method in [Method::Persistence, Method::Alternating, Method::Refined] {
             let plain = unwrapped(&shape, method);
-            for size in [1e-5, 1e-2, 3.0, 1e5] {
+            for size in [1e-12, 1e-2, 3.0, 1e12] {
                 let moved = solids::mapped(&shape, |[x, y, z]| {
                     let [x, y] = [cos * x - sin * y, sin * x + cos * y];
                     let [y, z] = [cos * y - sin * z, sin * y + cos * z];
@@ -61,6 +61,19 @@ fn size_place_and_turning_change_neither_cones_nor_the_map() {
                 assert!(off < SIMILAR, "at size {size} the map is off by {off:e}");
             }
         }
+    }
+}
+
+/// Coordinates near 1e7 have lost seven of their sixteen digits; the map is as good as what is left.
+#[test]
+fn a_place_far_away_costs_only_the_digits_that_coordinates_lose() {
+    for shape in shapes_without_symmetry() {
+        let plain = unwrapped(&shape, Method::Refined);
+        let far = solids::mapped(&shape, |[x, y, z]| [x + 1e7, y - 1e7, z + 1e7]);
+        let other = unwrapped(&far, Method::Refined);
+        assert_eq!(vertices(&other), vertices(&plain), "the same cones");
+        let off = difference(&plain.uv, &other.uv);
+        assert!(off < 1e-4, "the map is off by {off:e}");
     }
 }
 

@@ -34,7 +34,19 @@ fn a_report_has_the_documented_keys() {
     let folder = Folder::with_shapes();
     folder.run(&["unwrap", "hare.obj", "-n", "6", "-o", "out.obj", "--report", "report.json"]).success();
     let report = folder.json("report.json");
-    for key in ["input", "repairs", "cones", "hierarchy", "curve", "distortion", "islands", "times", "warnings"] {
+    for key in [
+        "input",
+        "repairs",
+        "cones",
+        "hierarchy",
+        "curve",
+        "distortion",
+        "islands",
+        "times",
+        "warnings",
+        "number",
+        "peak_memory",
+    ] {
         assert!(!report[key].is_null(), "{key}");
     }
     assert_eq!(report["schema"], 1);

@@ -152,7 +152,7 @@ pub fn insults_unwrap(bytes: &[u8]) {
 pub fn options(bytes: &mut Bytes) -> Options {
     Options {
         cones: match bytes.below(4) {
-            0 => ConeChoice::Default,
+            0 => ConeChoice::Automatic,
             1 => ConeChoice::Count(bytes.below(4)),
             2 => ConeChoice::Count(bytes.below(40)),
             _ => ConeChoice::MinPersistence(bytes.signed().abs()),

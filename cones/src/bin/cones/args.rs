@@ -122,9 +122,12 @@ pub(crate) struct Demo {
 /// Which cones, and what curvatures they get.
 #[derive(Args, Debug)]
 pub(crate) struct Choice {
-    /// How many cones [default: 8, or 4 on a surface with boundary]
+    /// How many cones [default: as few as keep the area distortion within 1.25, at most 32 a part]
     #[arg(short = 'n', value_name = "N", group = "which")]
     count: Option<usize>,
+    /// As few cones as keep the area distortion within this
+    #[arg(long, value_name = "D", group = "which", value_parser = distortion)]
+    max_distortion: Option<f64>,
     /// All extrema of the conformal factor that are at least so persistent
     #[arg(long, value_name = "P", group = "which", value_parser = non_negative)]
     min_persistence: Option<f64>,
@@ -186,7 +189,7 @@ impl Choice {
             (Some(file), _, _) => ConeChoice::Given(cone_file::read(file)?),
             (_, Some(persistence), _) => ConeChoice::MinPersistence(persistence),
             (_, _, Some(count)) => ConeChoice::Count(count),
-            (None, None, None) => ConeChoice::Default,
+            (None, None, None) => self.max_distortion.map_or(ConeChoice::Automatic, ConeChoice::WithinDistortion),
         };
         let method = match self.method {
             MethodName::Persistence => Method::Persistence,
@@ -246,6 +249,13 @@ pub(crate) fn non_negative(text: &str) -> Result<f64, String> {
     }
 }
 
+fn distortion(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(d) if d > 1.0 && d.is_finite() => Ok(d),
+        _ => Err("not a number above 1, which is no distortion".into()),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -266,7 +276,7 @@ mod tests {
 
     #[test]
     fn what_is_not_built_is_not_accepted() {
-        for option in ["--islands=pack", "--max-distortion=1.2", "--udim", "--threads=2"] {
+        for option in ["--islands=pack", "--udim", "--threads=2"] {
             assert!(Arguments::try_parse_from(["cones", "unwrap", "a", "-o", "b", option]).is_err(), "{option}");
         }
     }

@@ -3,7 +3,7 @@
 use crate::args::{Extract, angles_name, method_name};
 use crate::failure::Failure;
 use crate::progress::Progress;
-use crate::report::{ConeReport, Hierarchy, Input, RepairReport, SCHEMA, Times, kind_name};
+use crate::report::{ConeReport, CurvePoint, Hierarchy, Input, Number, RepairReport, SCHEMA, Times, curve, kind_name};
 use crate::table::columns;
 use crate::{cone_file, job, output};
 use cones::Extraction;
@@ -21,6 +21,8 @@ struct ExtractReport {
     method: &'static str,
     angles: &'static str,
     hierarchy: Hierarchy,
+    number: Option<Number>,
+    curve: Vec<CurvePoint>,
     times: Times,
     warnings: Vec<String>,
 }
@@ -50,6 +52,8 @@ pub(crate) fn run(args: &Extract) -> Result<(), Failure> {
         method: method_name(options.method),
         angles: angles_name(options.angles),
         hierarchy: Hierarchy::new(&found.persistence),
+        number: found.number.as_ref().map(Number::from),
+        curve: curve(found.number.as_ref()),
         times: Times { read: Some(read), ..Times::default() }.with(&found.times),
         warnings: found.warnings.clone(),
     })

@@ -6,7 +6,7 @@ mod text;
 pub(crate) use quality::{DistortionReport, IslandReport, Quality};
 
 use crate::args::{angles_name, method_name};
-use cones::{Atlas, Cone, Kind, Options, Stage, Topology};
+use cones::{Atlas, Cone, Kind, NumberOfCones, Options, Predicted, Stage, Topology};
 use geom::Repair;
 use serde::Serialize;
 use std::path::Path;
@@ -25,11 +25,15 @@ pub(crate) struct Report {
     pub(crate) method: &'static str,
     pub(crate) angles: &'static str,
     pub(crate) hierarchy: Hierarchy,
-    /// Predicted distortion by number of cones.
-    pub(crate) curve: [(); 0],
+    /// How the number of cones was found; nothing where it was given.
+    pub(crate) number: Option<Number>,
+    /// Predicted distortion by number of cones, where it was found and the model is in one part.
+    pub(crate) curve: Vec<CurvePoint>,
     pub(crate) distortion: DistortionReport,
     pub(crate) islands: Vec<IslandReport>,
     pub(crate) times: Times,
+    /// The most memory that the program has held so far, in bytes; nothing where the system does not tell.
+    pub(crate) peak_memory: Option<u64>,
     pub(crate) warnings: Vec<String>,
 }
 
@@ -80,6 +84,22 @@ pub(crate) struct Hierarchy {
     pub(crate) persistence: Vec<f64>,
 }
 
+/// What led to the number of cones.
+#[derive(Clone, Debug, Serialize)]
+pub(crate) struct Number {
+    /// The area distortion that was aimed at.
+    pub(crate) target: f64,
+    pub(crate) predicted_area: f64,
+    pub(crate) met: bool,
+}
+
+#[derive(Clone, Debug, Serialize)]
+pub(crate) struct CurvePoint {
+    pub(crate) n: usize,
+    pub(crate) predicted_l2: f64,
+    pub(crate) predicted_area: f64,
+}
+
 /// Seconds for each stage; nothing for one that did not run.
 #[derive(Clone, Debug, Default, Serialize)]
 pub(crate) struct Times {
@@ -105,10 +125,12 @@ impl Report {
             method: method_name(options.method),
             angles: angles_name(options.angles),
             hierarchy: Hierarchy::new(&atlas.persistence),
-            curve: [],
+            number: atlas.number.as_ref().map(Number::from),
+            curve: curve(atlas.number.as_ref()),
             distortion: quality.distortion.clone(),
             islands: quality.islands.clone(),
             times: times.with(&atlas.times),
+            peak_memory: peak_memory(),
             warnings: atlas.warnings.clone(),
         }
     }
@@ -139,6 +161,26 @@ impl From<&Repair> for RepairReport {
         let place = if repair.kind.is_of_faces() { Place::Face } else { Place::Vertex };
         Self { kind: repair.kind.description(), count: repair.count, first: place(repair.first) }
     }
+}
+
+/// Linux keeps the account.
+fn peak_memory() -> Option<u64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let kilobytes = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
+    Some(1024 * kilobytes.trim().strip_suffix("kB")?.trim().parse::<u64>().ok()?)
+}
+
+impl From<&NumberOfCones> for Number {
+    fn from(number: &NumberOfCones) -> Self {
+        Self { target: number.target, predicted_area: number.predicted, met: number.is_met }
+    }
+}
+
+/// The curve that a number of cones was read from.
+pub(crate) fn curve(number: Option<&NumberOfCones>) -> Vec<CurvePoint> {
+    let point =
+        |p: &Predicted| CurvePoint { n: p.count, predicted_l2: p.log_scale_norm, predicted_area: p.area_distortion };
+    number.map_or_else(Vec::new, |number| number.curve.iter().map(point).collect())
 }
 
 impl From<&Cone> for ConeReport {

@@ -8,15 +8,31 @@ impl Report {
     pub(crate) fn text(&self) -> String {
         let times: Vec<String> = self.times.stages().map(|(name, time)| format!("{name} {time:.2}")).collect();
         let total: f64 = self.times.stages().map(|(_, time)| time).sum();
+        let memory = self.peak_memory.map_or_else(String::new, |peak| format!("; {} MB at most", peak / 1_000_000));
         format!(
-            "surface   {}\ncones     {} ({} extrema, method {}, {} curvatures)\n{}time      {total:.2} s: {}\n",
+            "surface   {}\ncones     {} ({} extrema, method {}, {} curvatures)\n{}{}time      {total:.2} s: {}{memory}\n",
             self.input.text(),
             self.cones.len(),
             thousands(self.hierarchy.extrema),
             self.method,
             self.angles,
+            self.number_text(),
             self.distortion.text(self.islands.len()),
             times.join(", "),
+        )
+    }
+
+    /// Why so many cones, if nobody has said how many.
+    fn number_text(&self) -> String {
+        let Some(number) = &self.number else { return String::new() };
+        let others = [4, 8, 16, 32].into_iter().filter(|&n| n != self.cones.len());
+        let others = others.filter_map(|n| self.curve.iter().find(|point| point.n == n));
+        let others: Vec<String> = others.map(|p| format!("{} cones {:.2}", p.n, p.predicted_area)).collect();
+        let others = if others.is_empty() { String::new() } else { format!("; {}", others.join(", ")) };
+        let missed = if number.met { "" } else { ", not met" };
+        format!(
+            "number    automatic: area distortion {:.2} predicted, target {}{missed}{others}\n",
+            number.predicted_area, number.target
         )
     }
 }
