@@ -3,6 +3,7 @@
 //! These tests live here and not with those across crates because cargo builds a program for the tests of its own package
 //! only.
 
+mod comparing;
 mod fields;
 mod folder;
 mod unwrapping;

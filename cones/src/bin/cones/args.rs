@@ -2,7 +2,7 @@
 
 use crate::cone_file;
 use crate::failure::Failure;
-use crate::{features, persistence};
+use crate::{compare, features, persistence};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use cones::{Angles, ConeChoice, Method, Options};
 use std::path::PathBuf;
@@ -21,6 +21,8 @@ pub(crate) enum Command {
     Unwrap(Unwrap),
     /// List the cones that a surface asks for, without flattening it
     Extract(Extract),
+    /// Compare methods: distortion and time of each, on your meshes or as in the paper's Table 1
+    Compare(compare::Arguments),
     /// Measure the distortion of an unwrapped OBJ, whoever made it
     Measure(Measure),
     /// Pair the extrema of a scalar field with saddles: an array, a picture, a mesh with values, a network
@@ -235,7 +237,7 @@ fn shape_help() -> String {
     format!("Which shape: {}, or torus-G of genus G", geom::shapes::NAMES.join(", "))
 }
 
-fn vertex_count(text: &str) -> Result<usize, String> {
+pub(crate) fn vertex_count(text: &str) -> Result<usize, String> {
     let most = geom::shapes::MAX_VERTICES;
     text.parse().ok().filter(|n| (1..=most).contains(n)).ok_or_else(|| format!("not a number from 1 to {most}"))
 }

@@ -63,6 +63,8 @@ pub(crate) enum Failure {
     SegmentsAs { path: PathBuf, of: &'static str },
     #[error("{} needs to know whose segments are meant: add --direction sub for minima or --direction super for maxima", .0.display())]
     WhichSegments(PathBuf),
+    #[error("{} has none of the paper's models: name the folder that holds table1/ and table1_resized/", .0.display())]
+    NoPaperMeshes(PathBuf),
     #[error("standard output cannot be written")]
     Stdout(#[source] io::Error),
 }

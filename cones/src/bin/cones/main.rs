@@ -4,6 +4,7 @@
 //! interrupted.
 
 mod args;
+mod compare;
 mod cone_file;
 mod demo;
 mod extract;
@@ -47,6 +48,7 @@ fn run(command: &Command) -> Result<(), Failure> {
     match command {
         Command::Unwrap(args) => unwrap::run(args),
         Command::Extract(args) => extract::run(args),
+        Command::Compare(args) => compare::run(args),
         Command::Measure(args) => measure::run(args),
         Command::Persistence(args) => persistence::run(args),
         Command::Features(args) => features::run(args),

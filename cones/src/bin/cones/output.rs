@@ -75,6 +75,11 @@ pub(crate) fn warn(message: &str) {
     let _ = writeln!(io::stderr(), "warning: {message}");
 }
 
+/// Text for the user that is no part of the result.
+pub(crate) fn note(text: &str) {
+    let _ = write!(io::stderr(), "{text}");
+}
+
 /// Makes sure, before anything is computed, that the outputs can be written: into folders that are there, each to a file
 /// of its own that is none of the inputs, by whatever name.
 pub(crate) fn check(inputs: &[&Path], outputs: &[&Path]) -> Result<(), Failure> {

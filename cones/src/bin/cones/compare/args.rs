@@ -1,0 +1,58 @@
+//! What may be asked of `cones compare`.
+
+use super::variant::Variant;
+use clap::{Args, ValueEnum};
+use std::path::PathBuf;
+
+/// Optimising more cones than this takes minutes.
+const MOST_CONES: usize = 64;
+
+#[derive(Args, Debug)]
+pub(crate) struct Arguments {
+    /// The surfaces: OBJ, OFF, PLY or STL [default: built-in shapes]
+    #[arg(value_name = "MESH", conflicts_with = "paper")]
+    pub(super) meshes: Vec<PathBuf>,
+    /// How many cones, such as 4,8,16
+    #[arg(short = 'n', value_name = "N,…", value_delimiter = ',', default_value = "8", value_parser = cone_count, conflicts_with = "paper")]
+    pub(super) counts: Vec<usize>,
+    /// Which methods: RULE[+ANGLES][+FLATTENING]
+    #[arg(
+        long,
+        value_name = "M,…",
+        value_delimiter = ',',
+        default_value = "alternating+harmonic,refactoring+harmonic,persistence,refined,linear,lscm",
+        value_parser = Variant::parse,
+        long_help = Variant::help(),
+        conflicts_with = "paper"
+    )]
+    pub(super) method: Vec<Variant>,
+    /// Run Table 1 of the paper on the meshes of this folder, and say which of its claims hold
+    #[arg(long, value_name = "DIR")]
+    pub(super) paper: Option<PathBuf>,
+    /// How to write the table
+    #[arg(long, value_enum, default_value_t = Format::Md)]
+    pub(super) format: Format,
+    /// Where to write it [default: standard output]
+    #[arg(short, long, value_name = "FILE")]
+    pub(super) output: Option<PathBuf>,
+    /// Run everything so many times in turn, and keep the best times
+    #[arg(long, value_name = "K", default_value_t = 3, value_parser = clap::value_parser!(u16).range(1..))]
+    pub(super) best_of: u16,
+    /// About how many vertices the built-in shapes have
+    #[arg(long, value_name = "V", default_value_t = 3000, value_parser = crate::args::vertex_count)]
+    pub(super) vertices: usize,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub(super) enum Format {
+    /// A Markdown table with its legend
+    Md,
+    /// The rows alone; the legend goes to standard error
+    Csv,
+    /// One document with rows and legend
+    Json,
+}
+
+fn cone_count(text: &str) -> Result<usize, String> {
+    text.parse().ok().filter(|n| *n <= MOST_CONES).ok_or_else(|| format!("not a number from 0 to {MOST_CONES}"))
+}

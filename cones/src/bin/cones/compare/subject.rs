@@ -1,0 +1,94 @@
+//! A mesh to compare methods on.
+
+use crate::failure::Failure;
+use crate::job;
+use cones::{ConeChoice, Operators, Options};
+use geom::{Metric, Model, Poisson, PoissonError, Surface, VertexId, prepare};
+use std::path::Path;
+use std::time::Instant;
+
+use super::variant::Variant;
+
+/// A mesh with its surfaces made ready.
+#[derive(Debug)]
+pub(super) struct Subject {
+    pub(super) name: String,
+    pub(super) model: Model,
+    pub(super) parts: Vec<Part>,
+}
+
+/// A surface with a metric whose Laplacian can be factored.
+#[derive(Debug)]
+pub(super) struct Part {
+    pub(super) surface: Surface,
+    pub(super) metric: Metric,
+    /// What the floor factors.
+    operators: Operators,
+}
+
+impl Subject {
+    /// Makes a model ready, and says on stderr what was mended.
+    pub(super) fn new(name: String, model: Model) -> Result<Self, Failure> {
+        let failed = |error: cones::Error| Failure::Unwrap { path: Path::new(&name).to_owned(), error };
+        let prepared = prepare(&model, false).map_err(|error| failed(error.into()))?;
+        job::warn(&prepared.repairs, &[]);
+        let parts: Result<Vec<Part>, PoissonError> = prepared.surfaces.into_iter().map(Part::new).collect();
+        let parts = parts.map_err(|error| failed(error.into()))?;
+        Ok(Self { name, model, parts })
+    }
+
+    pub(super) fn vertex_count(&self) -> usize {
+        self.parts.iter().map(|part| part.surface.mesh.vertex_count()).sum()
+    }
+
+    /// The seconds that preparing the model takes.
+    pub(super) fn preparing(&self) -> f64 {
+        let start = Instant::now();
+        // It was prepared before, and so it can be.
+        let _ = std::hint::black_box(prepare(&self.model, false));
+        start.elapsed().as_secs_f64()
+    }
+
+    /// The seconds that one plain factorization of the Laplacian takes, its ordering included.
+    pub(super) fn floor(&self) -> f64 {
+        let start = Instant::now();
+        for Part { surface, operators, .. } in &self.parts {
+            let boundary: Vec<VertexId> =
+                surface.mesh.vertices().filter(|&v| surface.mesh.is_boundary_vertex(v)).collect();
+            // It was factored before, and so it can be.
+            let _ = std::hint::black_box(Poisson::new(&operators.laplacian, &boundary));
+        }
+        start.elapsed().as_secs_f64()
+    }
+
+    /// How many of so many cones each part gets.
+    pub(super) fn shares(&self, variant: Variant, count: usize) -> Result<Vec<usize>, cones::Error> {
+        let options = Options {
+            cones: ConeChoice::Count(count),
+            method: variant.sharing(),
+            angles: variant.angles,
+            ..Options::default()
+        };
+        let found = cones::extract(&self.model, &options, &mut |_| ())?;
+        let mut part_of = vec![0; self.model.vertex_count()];
+        for (p, part) in self.parts.iter().enumerate() {
+            part.surface.vertex.iter().for_each(|&v| part_of[v as usize] = p);
+        }
+        let mut shares = vec![0; self.parts.len()];
+        found.cones.iter().for_each(|cone| shares[part_of[cone.vertex as usize]] += 1);
+        Ok(shares)
+    }
+}
+
+impl Part {
+    fn new(surface: Surface) -> Result<Self, PoissonError> {
+        let metric = surface.metric();
+        match Operators::new(&surface.mesh, &metric) {
+            Err(PoissonError::NotPositiveDefinite) => {
+                let metric = metric.mollified(&surface.mesh, Metric::MOLLIFICATION);
+                Ok(Self { operators: Operators::new(&surface.mesh, &metric)?, surface, metric })
+            }
+            operators => Ok(Self { operators: operators?, surface, metric }),
+        }
+    }
+}

@@ -1,0 +1,154 @@
+//! A method to compare: a rule for cones, a rule for their curvatures, a way of flattening.
+
+use cones::{
+    Angles, ConeHierarchy, ConformalFactor, Method, Operators, Reduced, greedy, iterative, iterative_refactoring,
+    pursuit, refined,
+};
+use geom::{Mesh, PoissonError, VertexId};
+
+/// A rule for cones.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Rule {
+    /// One that the library has.
+    Of(Method),
+    /// The iterative method as published: a factorization for each level.
+    Refactoring,
+}
+
+/// A way from cones with curvatures to the plane.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Flattening {
+    /// Newton's method, as in `cones unwrap`.
+    Exact,
+    /// Lengths scaled by one linear solve.
+    Linear,
+    /// No metric scaling: the least conformal energy with this cut.
+    Lscm,
+}
+
+/// A method to compare.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Variant {
+    pub(super) rule: Rule,
+    pub(super) angles: Angles,
+    pub(super) flattening: Flattening,
+}
+
+const RULES: [(&str, Rule); 7] = [
+    ("alternating", Rule::Of(Method::Alternating)),
+    ("persistence", Rule::Of(Method::Persistence)),
+    ("iterative", Rule::Of(Method::Iterative)),
+    ("refactoring", Rule::Refactoring),
+    ("greedy", Rule::Of(Method::Greedy)),
+    ("refined", Rule::Of(Method::Refined)),
+    ("pursuit", Rule::Of(Method::Pursuit)),
+];
+
+impl Variant {
+    /// The paper.
+    pub(super) const PAPER: Self =
+        Self { rule: Rule::Of(Method::Alternating), angles: Angles::Harmonic, flattening: Flattening::Exact };
+    /// The paper with the metric scaling of its time.
+    pub(super) const PAPER_LINEAR: Self = Self { flattening: Flattening::Linear, ..Self::PAPER };
+    /// The method that the paper compares with.
+    pub(super) const PUBLISHED: Self = Self { rule: Rule::Refactoring, ..Self::PAPER };
+    /// The same with one factorization.
+    pub(super) const REUSING: Self = Self { rule: Rule::Of(Method::Iterative), ..Self::PAPER };
+    /// Ours.
+    pub(super) const REFINED: Self =
+        Self { rule: Rule::Of(Method::Refined), angles: Angles::Optimal, flattening: Flattening::Exact };
+    /// No metric scaling, on the cut of ours.
+    const LSCM: Self = Self { flattening: Flattening::Lscm, ..Self::REFINED };
+
+    pub(super) fn parse(text: &str) -> Result<Self, String> {
+        match text {
+            "linear" => return Ok(Self::PAPER_LINEAR),
+            "lscm" => return Ok(Self::LSCM),
+            _ => {}
+        }
+        let mut words = text.split('+');
+        let name = words.next().unwrap_or_default();
+        let Some(&(_, rule)) = RULES.iter().find(|(known, _)| *known == name) else {
+            return Err(format!("known are {}, linear and lscm", RULES.map(|(name, _)| name).join(", ")));
+        };
+        let mut variant = Self { rule, ..Self::REFINED };
+        for word in words {
+            match word {
+                "harmonic" => variant.angles = Angles::Harmonic,
+                "optimal" => variant.angles = Angles::Optimal,
+                "newton" => variant.flattening = Flattening::Exact,
+                "linear" => variant.flattening = Flattening::Linear,
+                "lscm" => variant.flattening = Flattening::Lscm,
+                _ => return Err(format!("{word:?} is none of harmonic, optimal, newton, linear, lscm")),
+            }
+        }
+        Ok(variant)
+    }
+
+    /// Its name, which [`parse`](Self::parse) takes. Optimal curvatures and Newton's method go without saying.
+    pub(super) fn name(self) -> String {
+        let rule = RULES.iter().find(|(_, rule)| *rule == self.rule).map_or("", |(name, _)| name);
+        let angles = if self.angles == Angles::Harmonic { "+harmonic" } else { "" };
+        let flattening = match self.flattening {
+            Flattening::Exact => "",
+            Flattening::Linear => "+linear",
+            Flattening::Lscm => "+lscm",
+        };
+        format!("{rule}{angles}{flattening}")
+    }
+
+    pub(super) fn help() -> String {
+        "Which methods, each RULE[+ANGLES][+FLATTENING]:\n\n\
+         RULE        alternating (the paper), persistence, greedy, refined, pursuit, iterative [BCGB08] with one\n\
+         \x20           factorization, or refactoring: iterative as published, with a factorization a level\n\
+         ANGLES      optimal curvatures, or harmonic ones, as in the paper\n\
+         FLATTENING  newton, which leaves no curvature; linear, one solve as in the paper; or lscm, no metric scaling\n\n\
+         linear alone is alternating+harmonic+linear; lscm alone is refined+lscm"
+            .to_owned()
+    }
+
+    /// The library's method that says how many cones each part gets.
+    pub(super) fn sharing(self) -> Method {
+        match self.rule {
+            Rule::Of(method) => method,
+            Rule::Refactoring => Method::Iterative,
+        }
+    }
+
+    /// The cones of a surface.
+    pub(super) fn cones(self, operators: &Operators, mesh: &Mesh, count: usize) -> Result<Vec<VertexId>, PoissonError> {
+        Ok(match self.rule {
+            Rule::Refactoring => iterative_refactoring(operators, count)?,
+            Rule::Of(Method::Iterative) => iterative(operators, count),
+            Rule::Of(Method::Greedy) => greedy(operators, count),
+            Rule::Of(Method::Refined) => refined(&mut Reduced::new(operators, mesh), count).cones,
+            Rule::Of(Method::Pursuit) => pursuit(&mut Reduced::new(operators, mesh), count).cones().to_vec(),
+            Rule::Of(method @ (Method::Alternating | Method::Persistence)) => {
+                let factor = ConformalFactor::new(operators);
+                let hierarchy = ConeHierarchy::new(operators, &factor);
+                hierarchy.cones(operators, mesh, method, count).iter().map(|cone| cone.vertex).collect()
+            }
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_are_parsed_to_what_they_name() {
+        for (rule, _) in RULES {
+            for angles in ["", "+harmonic"] {
+                for flattening in ["", "+linear", "+lscm"] {
+                    let name = format!("{rule}{angles}{flattening}");
+                    assert_eq!(Variant::parse(&name).map(Variant::name), Ok(name));
+                }
+            }
+        }
+        assert_eq!(Variant::parse("alternating+harmonic"), Ok(Variant::PAPER));
+        assert_eq!(Variant::parse("refined"), Ok(Variant::REFINED));
+        assert!(Variant::parse("refined+best").is_err());
+        assert!(Variant::parse("").is_err());
+    }
+}
