@@ -585,7 +585,7 @@ fn too_few(asked: usize, needed: usize, parts: usize) -> String {
 fn other_counts(count: usize, error: &Error) -> Vec<usize> {
     match error {
         Error::Mend(_) => vec![count + 1 + count / 4, count / 2, count / 4, 2 * count, 4 * count],
-        _ => (1..=5).map(|k| count.max(2) << k).collect(),
+        _ => (1..=4).map(|k| count.max(2) << k).collect(),
     }
 }
 
