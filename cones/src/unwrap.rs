@@ -28,9 +28,9 @@ use crate::shelf::Shelf;
 const MOST_OPTIMISED: usize = 64;
 /// So many times cones are added where a measured distortion is above the one that was asked for.
 const MAX_ADDITIONS: usize = 6;
-/// Cones for which linear theory predicts that somewhere lengths change by more than this factor against the mean are
-/// not tried if there may be more. None of 30 meshes comes there with 8 cones; a scan whose noise has made tiny handles
-/// does, and Newton's method would take long to fail.
+/// Where the cones that were asked for have failed, others are not tried if linear theory predicts that with them somewhere
+/// lengths change by more than this factor against the mean. A scan whose noise has made tiny handles comes there, and
+/// Newton's method would take long to fail again.
 const MOST_STRETCH: f64 = 3000.0;
 /// What is said where lengths were mollified.
 const MOLLIFIED: &str = "edges were lengthened by up to 1e-4 of their mean, because of needle triangles";
@@ -441,7 +441,7 @@ impl<'a> Run<'a> {
             };
             let count = cones.len();
             let stretch = stretch(&analysed.operators, &curvatures);
-            let flat = match stretch > MOST_STRETCH && !is_given {
+            let flat = match stretch > MOST_STRETCH && others.is_some() {
                 true => Err(Error::Stretched(stretch)),
                 false => self.flatten_with(index, analysed, cones, curvatures),
             };
