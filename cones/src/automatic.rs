@@ -118,6 +118,23 @@ mod tests {
     }
 
     #[test]
+    fn an_order_is_cut_where_it_first_meets_the_target() {
+        let shape = shapes::hare(1200);
+        let mesh = shape.mesh();
+        let operators = Operators::new(&mesh, &Metric::from_points(&mesh, &shape.points)).unwrap();
+        let mut reduced = Reduced::new(&operators, &mesh);
+        let order = pursuit(&mut reduced, 12).cones().to_vec();
+        let all = shortest(&mut reduced, &order, 1.0001);
+        assert!(!all.is_met && all.set.cones == order);
+        let target = all.curve.iter().find(|point| point.count == 7).unwrap().area_distortion;
+        let cut = shortest(&mut reduced, &order, target);
+        assert!(cut.is_met && cut.predicted.area_distortion <= target);
+        assert_eq!(cut.set.cones, order[..cut.predicted.count]);
+        let shorter = cut.curve.iter().filter(|point| point.count < cut.predicted.count);
+        assert!(shorter.clone().count() > 0 && shorter.into_iter().all(|point| point.area_distortion > target));
+    }
+
+    #[test]
     fn where_the_target_is_out_of_reach_the_most_are_taken_and_it_is_said() {
         let chosen = choose(&shapes::hare(1200), 1.0001, 5);
         assert!(!chosen.is_met);

@@ -50,7 +50,8 @@ pub fn unwrap(model: &Model, options: &Options, on_stage: &mut dyn FnMut(Stage))
         let flat = run.flatten_within(index, analysed, choice)?;
         let surface = &run.prepared.surfaces[index];
         curvature_error = curvature_error.max(flat.scaling.error);
-        let position = shelf.place(&flat.layout, flat.size);
+        let size = flat.size(surface, &analysed.operators);
+        let position = shelf.place(&flat.layout, size);
         for h in surface.mesh.halfedges() {
             uv[surface.corner[h] as usize] = Some(position(flat.layout.corner(h)));
         }
@@ -136,23 +137,13 @@ struct Flat {
     seams: Seams,
     scaling: Scaling,
     layout: Layout,
-    /// What to multiply the layout by so that its mean log scale is 0 in the model's units.
-    size: f64,
-    area_distortion: f64,
 }
 
 impl Flat {
-    fn new(
-        surface: &Surface,
-        operators: &Operators,
-        cones: Vec<Candidate>,
-        curvatures: Vec<f64>,
-        (seams, scaling, layout): (Seams, Scaling, Layout),
-    ) -> Self {
-        let mean: f64 = operators.weight.iter().zip(scaling.u.iter()).map(|(w, u)| w * u).sum();
-        let size = (-mean).exp() / surface.scale;
-        let area_distortion = area_distortion(operators, &scaling.u);
-        Self { cones, curvatures, seams, scaling, layout, size, area_distortion }
+    /// What to multiply the layout by so that its mean log scale is 0 in the model's units.
+    fn size(&self, surface: &Surface, operators: &Operators) -> f64 {
+        let mean: f64 = operators.weight.iter().zip(self.scaling.u.iter()).map(|(w, u)| w * u).sum();
+        (-mean).exp() / surface.scale
     }
 }
 
@@ -412,14 +403,15 @@ impl<'a> Run<'a> {
     fn flatten_within(&mut self, index: usize, analysed: &Analysed, choice: Choice) -> Result<Flat, Error> {
         let mut flat = self.flatten(index, analysed, choice)?;
         let ConeChoice::WithinDistortion(target) = self.options.cones else { return Ok(flat) };
+        let mut reached = area_distortion(&analysed.operators, &flat.scaling.u);
         for _ in 0..MAX_ADDITIONS {
             let count = flat.cones.len();
-            if flat.area_distortion <= target || count >= MOST_OPTIMISED {
+            if reached <= target || count >= MOST_OPTIMISED {
                 break;
             }
             flat = self.flatten(index, analysed, Choice::Count((count + 1 + count / 8).min(MOST_OPTIMISED)))?;
+            reached = area_distortion(&analysed.operators, &flat.scaling.u);
         }
-        let reached = flat.area_distortion;
         if reached > target {
             self.warn(format!(
                 "an area distortion of {target} was not reached: {reached:.3} with {} cones",
@@ -440,10 +432,10 @@ impl<'a> Run<'a> {
                 chosen => chosen?,
             };
             let count = cones.len();
-            let stretch = stretch(&analysed.operators, &curvatures);
-            let flat = match stretch > MOST_STRETCH && others.is_some() {
-                true => Err(Error::Stretched(stretch)),
-                false => self.flatten_with(index, analysed, cones, curvatures),
+            let stretch = others.as_ref().map(|_| stretch(&analysed.operators, &curvatures));
+            let flat = match stretch.filter(|stretch| *stretch > MOST_STRETCH) {
+                Some(stretch) => Err(Error::Stretched(stretch)),
+                None => self.flatten_with(index, analysed, cones, curvatures),
             };
             let error = match flat {
                 Err(error) if !is_given => error,
@@ -472,7 +464,7 @@ impl<'a> Run<'a> {
         let layout = Layout::new(mesh, &scaling, &seams.cut);
         let curvatures = inner.iter().map(|&v| defects[v]).collect();
         let cones = inner.into_iter().map(|vertex| Candidate { vertex, extremum: None }).collect();
-        Ok(Flat::new(surface, &analysed.operators, cones, curvatures, (seams, scaling, layout)))
+        Ok(Flat { cones, curvatures, seams, scaling, layout })
     }
 
     fn flatten_with(
@@ -505,8 +497,7 @@ impl<'a> Run<'a> {
         if scaling.mollified {
             self.warn(MOLLIFIED.to_owned());
         }
-        let surface = &self.prepared.surfaces[index];
-        Ok(Flat::new(surface, &analysed.operators, cones, curvatures.curvature, (seams, scaling, layout)))
+        Ok(Flat { cones, curvatures: curvatures.curvature, seams, scaling, layout })
     }
 
     fn note_cones(&mut self, index: usize, cones: &[Candidate], curvatures: &[f64]) {

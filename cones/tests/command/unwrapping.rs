@@ -55,6 +55,7 @@ fn a_report_has_the_documented_keys() {
     for key in ["input", "repairs", "cones", "hierarchy", "curve", "distortion", "islands", "times", "warnings"] {
         assert!(!report[key].is_null(), "{key}");
     }
+    assert_eq!(report["peak_memory"].as_u64().is_some_and(|bytes| bytes > 1 << 20), cfg!(target_os = "linux"));
     assert_eq!(report["schema"], 1);
     assert_eq!(report["input"]["genus"], 0);
     assert_eq!(report["input"]["euler"], 2);
