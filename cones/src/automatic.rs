@@ -126,12 +126,13 @@ mod tests {
         let order = pursuit(&mut reduced, 12).cones().to_vec();
         let all = shortest(&mut reduced, &order, 1.0001);
         assert!(!all.is_met && all.set.cones == order);
-        let target = all.curve.iter().find(|point| point.count == 7).unwrap().area_distortion;
-        let cut = shortest(&mut reduced, &order, target);
-        assert!(cut.is_met && cut.predicted.area_distortion <= target);
-        assert_eq!(cut.set.cones, order[..cut.predicted.count]);
-        let shorter = cut.curve.iter().filter(|point| point.count < cut.predicted.count);
-        assert!(shorter.clone().count() > 0 && shorter.into_iter().all(|point| point.area_distortion > target));
+        for target in all.curve.iter().map(|point| point.area_distortion) {
+            let cut = shortest(&mut reduced, &order, target);
+            assert!(cut.is_met && cut.predicted.area_distortion <= target);
+            assert_eq!(cut.set.cones, order[..cut.predicted.count]);
+            let mut shorter = cut.curve.iter().filter(|point| (3..cut.predicted.count).contains(&point.count));
+            assert!(shorter.all(|point| point.area_distortion > target));
+        }
     }
 
     #[test]

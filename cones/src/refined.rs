@@ -161,6 +161,14 @@ mod tests {
     }
 
     #[test]
+    fn cones_come_in_the_order_of_their_curvature_s_size() {
+        let shape = shapes::hare(800);
+        let mesh = shape.mesh();
+        let (_, best) = best(&mesh, &Metric::from_points(&mesh, &shape.points), 9);
+        assert!(best.curvature.windows(2).all(|two| two[0].abs() >= two[1].abs() - 1e-9), "{:?}", best.curvature);
+    }
+
+    #[test]
     fn more_cones_are_better() {
         for shape in [shapes::hare(1500), shapes::torus(2, 1500), shapes::terrain(1000, 3)] {
             let mesh = shape.mesh();

@@ -603,3 +603,17 @@ fn fill_corners(model: &Model, uv: Vec<Option<[f64; 2]>>) -> Vec<[f64; 2]> {
     }
     uv.into_iter().zip(model.corners()).map(|(uv, &v)| uv.unwrap_or(of_vertex[v as usize])).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mend::MendError;
+
+    #[test]
+    fn more_cones_are_tried_for_a_metric_and_fewer_too_for_needles() {
+        assert_eq!(other_counts(8, &Error::Stretched(1e4)), [16, 32, 64, 128]);
+        assert_eq!(other_counts(0, &Error::Stretched(1e4)), [4, 8, 16, 32]);
+        let flipped = Error::Mend(MendError { faces: 1, vertices: 0, near: vec![VertexId(0)] });
+        assert_eq!(other_counts(8, &flipped), [11, 4, 2, 16, 32]);
+    }
+}
