@@ -28,8 +28,7 @@ pub struct Layout {
 impl Layout {
     /// Lays out the input's triangles, opened along the edges of the cut, which must leave one disk.
     pub fn new(input: &Mesh, scaling: &Scaling, cut: &EdgeData<bool>) -> Self {
-        let connection = Connection::new(scaling).undo(&scaling.flips);
-        debug_assert!(connection.triangulation == *input.triangulation(), "all flips are undone");
+        let connection = Connection::new(scaling).undo(&scaling.flips).of_input(input);
         let rotation = connection.face_rotations(cut);
         let vector: HalfedgeData<Complex64> =
             input.halfedges().map(|h| rotation[input.face(h)] * connection.vector[h]).collect();
@@ -82,6 +81,17 @@ impl Connection {
             self.unflip(h);
         }
         self
+    }
+
+    /// What belongs to the input, once all flips are undone: all of it, or one half of a double.
+    fn of_input(self, input: &Mesh) -> Self {
+        debug_assert!(input.faces().all(|f| self.triangulation.corners(f) == input.corners(f)), "all flips are undone");
+        let of_input = |data: HalfedgeData<Complex64>| input.halfedges().map(|h| data[h]).collect();
+        Self {
+            triangulation: input.triangulation().clone(),
+            vector: of_input(self.vector),
+            transport: of_input(self.transport),
+        }
     }
 
     fn unflip(&mut self, h: HalfedgeId) {

@@ -133,7 +133,7 @@ impl<'a> Mender<'a> {
         is_cone: &'a VertexData<bool>,
         layout: &'a mut Layout,
     ) -> Self {
-        let angle = scaling.metric.angle_sums(&scaling.triangulation);
+        let angle = scaling.angles(input);
         let turn = wedge_turns(input, layout);
         Self { input, metric, scaling, angle, is_cone, layout, turn, fanned: Vec::new() }
     }

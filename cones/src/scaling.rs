@@ -11,10 +11,10 @@
 //! the input's triangulation on, so that the layout can undo them.
 
 use geom::{
-    HalfedgeId, Mesh, Metric, Poisson, PoissonError, Triangulation, VertexData, VertexId, delaunay, laplacian,
-    ptolemaic_delaunay,
+    Double, HalfedgeId, Id, Intrinsic, Mesh, Metric, Poisson, PoissonError, Triangulation, VertexData, VertexId,
+    delaunay, laplacian, ptolemaic_delaunay,
 };
-use sprs::CsMat;
+use sprs::{CsMat, TriMat};
 use thiserror::Error;
 
 use crate::operators::Operators;
@@ -47,8 +47,8 @@ pub enum ScalingError {
         /// Where it is.
         vertex: VertexId,
     },
-    /// There are angles that sum to the target, but not in triangles. Only at a boundary, whose edges cannot be flipped.
-    #[error("the metric with the target curvature breaks the triangle inequality at the boundary, at vertex {0}")]
+    /// There are angles that sum to the target, but not in triangles.
+    #[error("the metric with the target curvature breaks the triangle inequality at vertex {0}")]
     NoTriangle(VertexId),
     /// A Hessian could not be factored.
     #[error(transparent)]
@@ -60,7 +60,7 @@ pub enum ScalingError {
 pub struct Scaling {
     /// The log scale factor of each vertex.
     pub u: VertexData<f64>,
-    /// The triangulation, Delaunay in the scaled metric.
+    /// The triangulation, Delaunay in the scaled metric: of the input, or of its [`Double`].
     pub triangulation: Triangulation,
     /// The scaled edge lengths.
     pub metric: Metric,
@@ -75,6 +75,14 @@ pub struct Scaling {
 }
 
 impl Scaling {
+    /// The angle of each of the input's vertices in the flat metric.
+    pub fn angles(&self, input: &Mesh) -> VertexData<f64> {
+        let sums = self.metric.angle_sums(&self.triangulation);
+        let halved = self.triangulation.face_count() > input.face_count();
+        let angle = |v| if halved && input.is_boundary_vertex(v) { 0.5 * sums[v] } else { sums[v] };
+        input.vertices().map(angle).collect()
+    }
+
     /// No scaling: the metric as it is, with the curvature that it has.
     pub(crate) fn none(mesh: &Mesh, metric: &Metric) -> Self {
         Self {
@@ -101,39 +109,43 @@ pub fn scale(
     target: &VertexData<f64>,
     start: &VertexData<f64>,
 ) -> Result<Scaling, ScalingError> {
-    let direct = Newton {
+    let newton = Newton {
         target,
+        start,
         fixed: input.vertices().filter(|&v| input.is_boundary_vertex(v)).collect(),
         first: Some(operators),
+        original: None,
     };
-    let state = State {
+    let intrinsic = Intrinsic {
         triangulation: operators.mesh.triangulation().clone(),
-        base: operators.metric.clone(),
+        metric: operators.metric.clone(),
         flips: operators.flips.clone(),
-        mollified: false,
     };
-    let mollified = || {
-        let mollified = input_metric.mollified(input, Metric::MOLLIFICATION);
-        let [before, after] = [input_metric, &mollified].map(|metric| metric.lengths().iter().sum::<f64>());
-        (after > before * (1.0 + 1e-3 * Metric::MOLLIFICATION)).then_some(mollified)
-    };
-    let stuck = match direct.run(state, start) {
-        Err(error @ (ScalingError::Stuck { .. } | ScalingError::Poisson(PoissonError::NotPositiveDefinite))) => error,
+    let may_go_otherwise = |error: &ScalingError| !matches!(error, ScalingError::Poisson(PoissonError::OutOfMemory(_)));
+    let mut error = match newton.run(intrinsic) {
+        Err(error) if may_go_otherwise(&error) => error,
         done => return done,
     };
-    match mollified() {
-        None => Err(stuck),
-        Some(metric) => {
-            let intrinsic = delaunay(input, &metric);
-            let state = State {
-                triangulation: intrinsic.triangulation,
-                base: intrinsic.metric,
-                flips: intrinsic.flips,
-                mollified: true,
-            };
-            Newton { first: None, ..direct }.run(state, start)
+    let double = (!newton.fixed.is_empty()).then(|| Double::new(input));
+    let run = |metric: &Metric| match &double {
+        None => Newton { first: None, ..newton.clone() }.run(delaunay(input, metric)),
+        Some(double) => {
+            let newton = Newton { original: Some(&double.original), ..newton.clone() };
+            newton.run(delaunay(&double.mesh, &double.metric(input, metric)))
         }
+    };
+    if double.is_some() {
+        error = match run(input_metric) {
+            Err(error) if may_go_otherwise(&error) => error,
+            done => return done,
+        };
     }
+    let mollified = input_metric.mollified(input, Metric::MOLLIFICATION);
+    let [before, after] = [input_metric, &mollified].map(|metric| metric.lengths().iter().sum::<f64>());
+    if after <= before * (1.0 + 1e-3 * Metric::MOLLIFICATION) {
+        return Err(error);
+    }
+    run(&mollified).map(|scaling| Scaling { mollified: true, ..scaling })
 }
 
 /// What the flips change.
@@ -142,21 +154,26 @@ struct State {
     /// The unscaled lengths.
     base: Metric,
     flips: Vec<HalfedgeId>,
-    mollified: bool,
 }
 
+#[derive(Clone)]
 struct Newton<'a> {
     target: &'a VertexData<f64>,
+    start: &'a VertexData<f64>,
     fixed: Vec<VertexId>,
     /// Where u is 0 to begin with, the first step can use the factor that is already there.
     first: Option<&'a Operators>,
+    /// On a double, the vertex of the surface for each of its own. Log scale factors are the same on both halves.
+    original: Option<&'a VertexData<VertexId>>,
 }
 
 impl Newton<'_> {
-    fn run(&self, mut state: State, start: &VertexData<f64>) -> Result<Scaling, ScalingError> {
+    fn run(&self, intrinsic: Intrinsic) -> Result<Scaling, ScalingError> {
+        let Intrinsic { triangulation, metric: base, flips } = intrinsic;
+        let mut state = State { triangulation, base, flips };
         let starts_at_zero = self.fixed.is_empty();
-        let mut u = if starts_at_zero { VertexData::constant(start.len(), 0.0) } else { start.clone() };
-        let mut metric = ptolemaic_delaunay(&mut state.triangulation, &mut state.base, &u, &mut state.flips);
+        let mut u = if starts_at_zero { VertexData::constant(self.start.len(), 0.0) } else { self.start.clone() };
+        let mut metric = self.scaled(&mut state, &u);
         let mut residual = self.residual(&state.triangulation, &metric);
         let mut factored: Option<Poisson> = None;
         let mut steps = 0;
@@ -171,7 +188,7 @@ impl Newton<'_> {
                 Some(operators) => operators.poisson.solve(&residual),
                 None => {
                     if !keep_factor || factored.is_none() {
-                        let hessian = hessian(&state.triangulation, &metric);
+                        let hessian = self.hessian(&state.triangulation, &metric);
                         match &mut factored {
                             Some(poisson) => poisson.refactor(&hessian)?,
                             None => factored = Some(Poisson::new(&hessian, &self.fixed)?),
@@ -191,7 +208,7 @@ impl Newton<'_> {
             let mut halvings = 0;
             loop {
                 u = from.iter().zip(step.iter()).map(|(u, d)| u + length * d).collect();
-                metric = ptolemaic_delaunay(&mut state.triangulation, &mut state.base, &u, &mut state.flips);
+                metric = self.scaled(&mut state, &u);
                 residual = self.residual(&state.triangulation, &metric);
                 let new_slope = dot(&step, &residual);
                 let left = largest(&residual).1;
@@ -204,7 +221,7 @@ impl Newton<'_> {
                 if halvings > 30 || error <= ACCURACY {
                     // No further: rounding is all that is left, or the method is stuck.
                     u = from;
-                    metric = ptolemaic_delaunay(&mut state.triangulation, &mut state.base, &u, &mut state.flips);
+                    metric = self.scaled(&mut state, &u);
                     residual = self.residual(&state.triangulation, &metric);
                     let (vertex, error) = largest(&residual);
                     return self.finish(state, u, metric, steps, error, vertex);
@@ -212,6 +229,29 @@ impl Newton<'_> {
                 length *= 0.5;
             }
         }
+    }
+
+    /// The Delaunay metric with log scale factors u.
+    fn scaled(&self, state: &mut State, u: &VertexData<f64>) -> Metric {
+        let spread: Option<VertexData<f64>> = self.original.map(|original| original.iter().map(|&v| u[v]).collect());
+        let u = spread.as_ref().unwrap_or(u);
+        ptolemaic_delaunay(&mut state.triangulation, &mut state.base, u, &mut state.flips)
+    }
+
+    /// The Laplacian of the scaled metric; that of a double as it acts on what is the same on both halves. Where triangles
+    /// have no area it may be singular, and is made definite.
+    fn hessian(&self, triangulation: &Triangulation, metric: &Metric) -> CsMat<f64> {
+        let mut hessian = laplacian(triangulation, metric);
+        if let Some(original) = self.original {
+            hessian = fold(&hessian, original, self.target.len());
+        }
+        if triangulation.faces().any(|f| metric.sides(triangulation, f).area() <= 0.0) {
+            for v in 0..hessian.rows() {
+                let diagonal = hessian.get_mut(v, v).expect("the Laplacian stores its diagonal");
+                *diagonal += if *diagonal < DAMPING { 1.0 } else { DAMPING };
+            }
+        }
+        hessian
     }
 
     /// K^T - K, 0 at fixed vertices.
@@ -242,24 +282,23 @@ impl Newton<'_> {
         if error.is_nan() || error > ACCURACY {
             return Err(ScalingError::Stuck { error, vertex });
         }
-        let State { triangulation, flips, mollified, .. } = state;
+        let State { triangulation, flips, .. } = state;
         if let Some(f) = triangulation.faces().find(|&f| metric.sides(&triangulation, f).area() <= 0.0) {
             return Err(ScalingError::NoTriangle(triangulation.corners(f)[0]));
         }
-        Ok(Scaling { u, triangulation, metric, flips, steps, error, mollified })
+        Ok(Scaling { u, triangulation, metric, flips, steps, error, mollified: false })
     }
 }
 
-/// The Laplacian of the scaled metric. Where triangles have no area it may be singular, and is made definite.
-fn hessian(triangulation: &Triangulation, metric: &Metric) -> CsMat<f64> {
-    let mut hessian = laplacian(triangulation, metric);
-    if triangulation.faces().any(|f| metric.sides(triangulation, f).area() <= 0.0) {
-        for v in 0..hessian.rows() {
-            let diagonal = hessian.get_mut(v, v).expect("the Laplacian stores its diagonal");
-            *diagonal += if *diagonal < DAMPING { 1.0 } else { DAMPING };
+/// The rows of the first `count` vertices, their columns added up by the vertex that each stands for.
+fn fold(matrix: &CsMat<f64>, original: &VertexData<VertexId>, count: usize) -> CsMat<f64> {
+    let mut folded = TriMat::with_capacity((count, count), matrix.nnz() / 2 + count);
+    for (v, row) in matrix.outer_iterator().take(count).enumerate() {
+        for (w, &value) in row.iter() {
+            folded.add_triplet(v, original[VertexId::new(w)].index(), value);
         }
     }
-    hessian
+    folded.to_csr()
 }
 
 fn largest(residual: &VertexData<f64>) -> (VertexId, f64) {

@@ -10,7 +10,7 @@
 //!
 //! Flips are logged by halfedge, so that they can be undone.
 
-use crate::mesh::{EdgeData, EdgeId, HalfedgeId, Mesh, Triangulation};
+use crate::mesh::{EdgeData, EdgeId, HalfedgeId, Triangulation};
 use crate::metric::{Metric, Sides};
 
 /// An edge counts as Delaunay down to this sum of cosines, lest a cocircular quad flip for ever.
@@ -37,8 +37,8 @@ pub struct Intrinsic {
 /// assert_eq!(intrinsic.flips.len(), 1);
 /// # Ok::<(), geom::MeshError>(())
 /// ```
-pub fn delaunay(mesh: &Mesh, metric: &Metric) -> Intrinsic {
-    let mut triangulation = mesh.triangulation().clone();
+pub fn delaunay(triangulation: &Triangulation, metric: &Metric) -> Intrinsic {
+    let mut triangulation = triangulation.clone();
     let mut metric = metric.clone();
     let mut flips = Vec::new();
     flip_to_delaunay(&mut triangulation, metric.lengths_mut(), &mut flips, |length, e, quad| {
@@ -132,6 +132,7 @@ fn ptolemy(ij: f64, [jk, ki, il, lj]: [f64; 4]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::mesh::Mesh;
     use crate::laplacian::edge_weights;
 
     /// A bumpy sphere of slivers: poles and stretched rings.

@@ -4,6 +4,7 @@
 //! therefore knows each vertex's ring; it is a graph for everything that takes petgraph's visit traits.
 
 mod build;
+mod double;
 mod graph;
 mod id;
 mod triangulation;
@@ -11,6 +12,7 @@ mod walk;
 
 pub use build::MeshError;
 pub(crate) use build::for_each_edge;
+pub use double::Double;
 pub use graph::VisitedVertices;
 pub use id::{
     Data, EdgeData, EdgeId, FaceData, FaceId, HalfedgeData, HalfedgeId, Id, VertexData, VertexId, WedgeData, WedgeId,
