@@ -44,6 +44,7 @@
 mod angles;
 mod atlas;
 mod automatic;
+mod component;
 mod crowd;
 mod dense;
 mod distance;

@@ -132,8 +132,8 @@ fn ptolemy(ij: f64, [jk, ki, il, lj]: [f64; 4]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::Mesh;
     use crate::laplacian::edge_weights;
+    use crate::mesh::Mesh;
 
     /// A bumpy sphere of slivers: poles and stretched rings.
     fn slivers() -> (Mesh, Vec<[f64; 3]>) {
