@@ -8,12 +8,13 @@ use geom::{EdgeData, EdgeId, Id, Metric, PoissonError, Surface, VertexData, Vert
 
 use crate::angles::{AnglesError, ConeCurvatures, cone_curvatures};
 use crate::atlas::Stage;
+use crate::detach::detach;
 use crate::distortion::area_distortion;
 use crate::error::Error;
 use crate::factor::ConformalFactor;
 use crate::hierarchy::{Candidate, ConeHierarchy, Method};
 use crate::layout::Layout;
-use crate::mend::mend;
+use crate::mend::{MendError, mend};
 use crate::operators::Operators;
 use crate::options::{ConeChoice, Options};
 use crate::scaling::{Scaling, scale};
@@ -27,6 +28,8 @@ const MAX_ADDITIONS: usize = 6;
 /// lengths change by more than this factor against the mean. A scan whose noise has made tiny handles comes there, and
 /// Newton's method would take long to fail again.
 const MOST_STRETCH: f64 = 3000.0;
+/// Where no more than one triangle in so many stays flipped, it is better to detach these than to try other cones.
+const DETACHED_AT_ONCE: usize = 1000;
 /// What is said where lengths were mollified.
 const MOLLIFIED: &str = "edges were lengthened by up to 1e-4 of their mean, because of needle triangles";
 
@@ -87,6 +90,8 @@ pub(crate) struct Flat {
     pub(crate) curvatures: Vec<f64>,
     pub(crate) seams: Seams,
     pub(crate) layout: Layout,
+    /// The log scale factor of each vertex.
+    u: VertexData<f64>,
     /// The largest curvature left beside the cones, in radians.
     pub(crate) error: f64,
     /// What to multiply the layout by so that its mean log scale is 0 in the model's units.
@@ -254,10 +259,11 @@ impl<'a> Component<'a> {
         Ok(flat)
     }
 
-    /// Flattens the surface. Where a set of cones fails, other numbers are tried, and in the end the surface is unfolded as
-    /// it is; given cones are not replaced.
+    /// Flattens the surface. Where a set of cones fails, other numbers are tried; given cones are not replaced. In the end
+    /// what stays flipped is detached, or the surface unfolded as it is.
     fn flatten(&mut self, mut choice: Choice) -> Result<Flat, Error> {
         let mut others: Option<std::vec::IntoIter<usize>> = None;
+        let mut best: Option<(Flat, MendError)> = None;
         loop {
             let is_given = matches!(choice, Choice::Given(..));
             let (cones, curvatures) = match self.choose(&choice) {
@@ -266,22 +272,44 @@ impl<'a> Component<'a> {
             };
             let count = cones.len();
             let stretch = others.as_ref().map(|_| stretch(&self.operators, &curvatures));
-            let flat = match stretch.filter(|stretch| *stretch > MOST_STRETCH) {
-                Some(stretch) => Err(Error::Stretched(stretch)),
-                None => self.flatten_with(cones, curvatures),
-            };
-            let error = match flat {
-                Err(error) if !is_given => error,
-                done => return done,
+            let error = match stretch.filter(|stretch| *stretch > MOST_STRETCH) {
+                Some(stretch) => Error::Stretched(stretch),
+                None => match self.flatten_with(cones, curvatures) {
+                    Ok((flat, None)) => return Ok(flat),
+                    Ok((flat, Some(flipped))) => {
+                        if is_given || flipped.bad.len() <= self.surface.mesh.face_count() / DETACHED_AT_ONCE {
+                            return Ok(self.detach(flat, &flipped));
+                        }
+                        if best.as_ref().is_none_or(|(_, least)| flipped.bad.len() < least.bad.len()) {
+                            best = Some((flat, flipped.clone()));
+                        }
+                        flipped.into()
+                    }
+                    Err(error) if is_given => return Err(error),
+                    Err(error) => error,
+                },
             };
             match others.get_or_insert_with(|| other_counts(count, &error).into_iter()).next() {
                 Some(other) => {
                     self.warn(format!("{count} cones could not be flattened ({error}): trying {other}"));
                     choice = Choice::Count(other);
                 }
-                None => return self.unfold(&error),
+                None => {
+                    return match best {
+                        Some((flat, flipped)) => Ok(self.detach(flat, &flipped)),
+                        None => self.unfold(&error),
+                    };
+                }
             }
         }
+    }
+
+    /// Makes islands of the triangles that stay flipped.
+    fn detach(&mut self, mut flat: Flat, flipped: &MendError) -> Flat {
+        self.warn(format!("{flipped}: {} triangles there are islands of their own", flipped.bad.len()));
+        let Flat { seams, layout, u, .. } = &mut flat;
+        detach(&self.surface.mesh, &self.metric, u, &self.seam_lengths(), &flipped.bad, seams, layout);
+        flat
     }
 
     /// The last resort: with a cone of its own curvature at every inner vertex a metric is flat as it is. Always there, not
@@ -296,10 +324,15 @@ impl<'a> Component<'a> {
         let layout = Layout::new(mesh, &scaling, &seams.cut);
         let curvatures = inner.iter().map(|&v| defects[v]).collect();
         let cones = inner.into_iter().map(|vertex| Candidate { vertex, extremum: None }).collect();
-        Ok(self.flat(cones, curvatures, seams, layout, &scaling))
+        Ok(self.flat(cones, curvatures, seams, layout, scaling))
     }
 
-    fn flatten_with(&mut self, cones: Vec<Candidate>, curvatures: ConeCurvatures) -> Result<Flat, Error> {
+    /// A flattening, and what stays flipped in it.
+    fn flatten_with(
+        &mut self,
+        cones: Vec<Candidate>,
+        curvatures: ConeCurvatures,
+    ) -> Result<(Flat, Option<MendError>), Error> {
         let vertices: Vec<VertexId> = cones.iter().map(|c| c.vertex).collect();
         let mesh = &self.surface.mesh;
         let seams = self.stage(Stage::Cut, |this| Seams::new(mesh, &this.seam_lengths(), &vertices))?;
@@ -310,16 +343,17 @@ impl<'a> Component<'a> {
             }
             scale(mesh, &this.metric, &this.operators, &target, &curvatures.predicted)
         })?;
-        let layout = self.stage(Stage::Layout, |this| {
+        let (layout, mended) = self.stage(Stage::Layout, |this| {
             let mut layout = Layout::new(mesh, &scaling, &seams.cut);
             let mut is_cone = VertexData::constant(mesh.vertex_count(), false);
             vertices.iter().for_each(|&v| is_cone[v] = true);
-            mend(mesh, &this.metric, &scaling, &is_cone, &mut layout).map(|_| layout)
-        })?;
+            let mended = mend(mesh, &this.metric, &scaling, &is_cone, &mut layout);
+            (layout, mended)
+        });
         if scaling.mollified {
             self.warn(MOLLIFIED.to_owned());
         }
-        Ok(self.flat(cones, curvatures.curvature, seams, layout, &scaling))
+        Ok((self.flat(cones, curvatures.curvature, seams, layout, scaling), mended.err()))
     }
 
     fn flat(
@@ -328,12 +362,12 @@ impl<'a> Component<'a> {
         curvatures: Vec<f64>,
         seams: Seams,
         layout: Layout,
-        scaling: &Scaling,
+        scaling: Scaling,
     ) -> Flat {
         let mean: f64 = self.operators.weight.iter().zip(scaling.u.iter()).map(|(w, u)| w * u).sum();
         let size = (-mean).exp() / self.surface.scale;
         let distortion = area_distortion(&self.operators, &scaling.u);
-        Flat { cones, curvatures, seams, layout, error: scaling.error, size, distortion }
+        Flat { cones, curvatures, seams, layout, u: scaling.u, error: scaling.error, size, distortion }
     }
 
     /// The lengths that seams count: those of space, but no seam runs inside a polygon.
@@ -380,7 +414,7 @@ mod tests {
     fn more_cones_are_tried_for_a_metric_and_fewer_too_for_needles() {
         assert_eq!(other_counts(8, &Error::Stretched(1e4)), [16, 32, 64, 128]);
         assert_eq!(other_counts(0, &Error::Stretched(1e4)), [4, 8, 16, 32]);
-        let flipped = Error::Mend(MendError { faces: 1, vertices: 0, near: vec![VertexId(0)] });
+        let flipped = Error::Mend(MendError { faces: 1, vertices: 0, near: vec![VertexId(0)], bad: Vec::new() });
         assert_eq!(other_counts(8, &flipped), [11, 4, 2, 16, 32]);
     }
 }

@@ -47,6 +47,7 @@ mod automatic;
 mod component;
 mod crowd;
 mod dense;
+mod detach;
 mod distance;
 mod distortion;
 mod error;

@@ -41,6 +41,8 @@ pub struct MendError {
     pub vertices: usize,
     /// Vertices there (of the surface), ascending; not empty.
     pub near: Vec<VertexId>,
+    /// The triangles that are flipped or at a wound vertex.
+    pub(crate) bad: Vec<FaceId>,
 }
 
 /// Mends a layout in place; returns the number of triangles that were moved.
@@ -78,7 +80,9 @@ pub(crate) fn mend(
             return Ok(moved);
         }
     }
-    Err(bad.error(input))
+    let mut faces = mender.patches(&bad, 0).concat();
+    faces.sort_unstable();
+    Err(bad.error(input, faces))
 }
 
 /// What is wrong with a layout.
@@ -93,12 +97,12 @@ impl Bad {
         self.faces.is_empty() && self.vertices.is_empty()
     }
 
-    fn error(&self, input: &Mesh) -> MendError {
+    fn error(&self, input: &Mesh, bad: Vec<FaceId>) -> MendError {
         let mut near: Vec<VertexId> =
             self.faces.iter().flat_map(|&f| input.corners(f)).chain(self.vertices.iter().copied()).collect();
         near.sort_unstable();
         near.dedup();
-        MendError { faces: self.faces.len(), vertices: self.vertices.len(), near }
+        MendError { faces: self.faces.len(), vertices: self.vertices.len(), near, bad }
     }
 }
 

@@ -103,6 +103,17 @@ impl Seams {
         let length = mesh.edges().filter(|&e| cut[e]).map(|e| lengths[e]).sum();
         Ok(Self { chains: chains(mesh, &cut, &is_terminal), cut, length })
     }
+
+    /// Strings the chains anew, after edges were added to the cut. Where chains ended they still do.
+    pub(crate) fn string(&mut self, mesh: &Mesh, lengths: &EdgeData<f64>) {
+        let mut is_end = VertexData::constant(mesh.vertex_count(), false);
+        for chain in &self.chains {
+            is_end[chain.vertices[0]] = true;
+            is_end[chain.vertices[chain.edges.len()]] = true;
+        }
+        self.chains = chains(mesh, &self.cut, &is_end);
+        self.length = mesh.edges().filter(|&e| self.cut[e]).map(|e| lengths[e]).sum();
+    }
 }
 
 /// The vertices of the terminals, each with its terminal's number: boundary loops first, then cones.

@@ -39,9 +39,8 @@ pub fn unwrap(model: &Model, options: &Options, on_stage: &mut (dyn FnMut(Stage)
         let mut shelf = Shelf::new(components.iter().map(|c| c.area).sum());
         for (Component { surface, record: own, .. }, flat) in components.into_iter().zip(flats) {
             curvature_error = curvature_error.max(flat.error);
-            let position = shelf.place(&flat.layout, flat.size);
-            for h in surface.mesh.halfedges() {
-                uv[surface.corner[h] as usize] = Some(position(flat.layout.corner(h)));
+            for (h, position) in shelf.place(&flat.layout, &surface.mesh, flat.size).iter_ids() {
+                uv[surface.corner[h] as usize] = Some(*position);
             }
             let of_model = |chain: &Chain| chain.vertices.iter().map(|&v| surface.vertex[v]).collect();
             seams.extend(flat.seams.chains.iter().map(of_model));

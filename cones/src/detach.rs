@@ -1,0 +1,119 @@
+//! What cannot be laid out with its neighbours becomes an island of its own.
+//!
+//! Where mending fails, a few triangles of a flat metric stay flipped: at slits of a scan that almost touch, at needles
+//! round a cone of negative curvature. They are taken out of the layout, unfolded in one piece or several as they lie in
+//! space, and put beside it. What is left of the layout stays as it is; so that it stays a disk, a hole that does not reach
+//! a seam or the boundary is joined to the nearest by a further seam.
+
+use std::collections::VecDeque;
+
+use geom::{
+    CutMesh, EdgeData, FaceData, FaceId, HalfedgeData, HalfedgeId, Id, Mesh, Metric, ShortestPaths, VertexData,
+};
+use num_complex::Complex64;
+
+use crate::layout::Layout;
+use crate::seams::Seams;
+
+/// Takes triangles out of a layout; `u` are the log scale factors that the flat metric has. The seams' `lengths` say which
+/// way further seams go. O(V log V).
+pub(crate) fn detach(
+    input: &Mesh,
+    metric: &Metric,
+    u: &VertexData<f64>,
+    lengths: &EdgeData<f64>,
+    faces: &[FaceId],
+    seams: &mut Seams,
+    layout: &mut Layout,
+) {
+    let mut is_out = FaceData::constant(input.face_count(), false);
+    faces.iter().for_each(|&f| is_out[f] = true);
+    let old_cut = seams.cut.clone();
+    join_holes(input, lengths, &is_out, &mut seams.cut);
+    faces.iter().flat_map(|&f| input.sides(f)).for_each(|h| seams.cut[input.edge(h)] |= input.twin(h).is_some());
+    let mut position: HalfedgeData<Complex64> = input.halfedges().map(|h| layout.corner(h)).collect();
+    for &seed in faces {
+        if std::mem::replace(&mut is_out[seed], false) {
+            unfold(input, metric, u, seed, &old_cut, &mut is_out, &mut seams.cut, &mut position);
+        }
+    }
+    let cut = CutMesh::open(input, &seams.cut);
+    let mut opened = vec![Complex64::ZERO; cut.wedge_count()];
+    for h in input.halfedges() {
+        opened[cut.wedge(h).index()] = position[h];
+    }
+    layout.cut = cut;
+    layout.position = opened;
+    seams.string(input, lengths);
+}
+
+/// Cuts along a shortest path from each hole that touches no seam and no boundary to one that does.
+fn join_holes(input: &Mesh, lengths: &EdgeData<f64>, is_out: &FaceData<bool>, cut: &mut EdgeData<bool>) {
+    let mut is_open: VertexData<bool> = input.vertices().map(|v| input.is_boundary_vertex(v)).collect();
+    for v in input.edges().filter(|&e| cut[e]).flat_map(|e| input.ends(e)) {
+        is_open[v] = true;
+    }
+    let open = input.vertices().filter(|&v| is_open[v]);
+    let paths = ShortestPaths::new(input, lengths, open.map(|v| (v, 0)));
+    let mut is_done = FaceData::constant(input.face_count(), false);
+    for seed in input.faces().filter(|&f| is_out[f]) {
+        if is_done[seed] {
+            continue;
+        }
+        is_done[seed] = true;
+        let mut hole = vec![seed];
+        let mut at = 0;
+        while at < hole.len() {
+            let corners = input.corners(hole[at]);
+            let around = corners.into_iter().flat_map(|v| input.outgoing(v)).map(|h| input.face(h));
+            hole.extend(around.filter(|&f| is_out[f] && !std::mem::replace(&mut is_done[f], true)));
+            at += 1;
+        }
+        let vertices = hole.iter().flat_map(|&f| input.corners(f));
+        let nearest = vertices.min_by(|a, b| paths.distance[*a].total_cmp(&paths.distance[*b]).then(a.cmp(b)));
+        let mut v = nearest.expect("a hole has triangles");
+        while let Some(e) = paths.predecessor[v] {
+            cut[e] = true;
+            v = geom::other_end(input, e, v);
+        }
+    }
+}
+
+/// Unfolds the triangles that hang together with `seed` and are out still, as they lie in space, all scaled alike.
+#[expect(clippy::too_many_arguments)]
+fn unfold(
+    input: &Mesh,
+    metric: &Metric,
+    u: &VertexData<f64>,
+    seed: FaceId,
+    old_cut: &EdgeData<bool>,
+    is_out: &mut FaceData<bool>,
+    cut: &mut EdgeData<bool>,
+    position: &mut HalfedgeData<Complex64>,
+) {
+    let mean = input.corners(seed).iter().map(|&v| u[v]).sum::<f64>() / 3.0;
+    let frame = |h: HalfedgeId| {
+        let first = h.0 as usize % 3;
+        let sides = metric.sides(input, input.face(h)).0;
+        let turned = geom::Sides([0, 1, 2].map(|k| sides[(first + k) % 3]));
+        turned.unfold().map(|[x, y]| mean.exp() * Complex64::new(x, y))
+    };
+    // A triangle is placed by the corner at a halfedge's tail and the halfedge's direction.
+    let mut place = |h: HalfedgeId, tail: Complex64, direction: Complex64| {
+        let [along, next, _] = frame(h);
+        position[h] = tail;
+        position[input.next(h)] = tail + direction * along;
+        position[input.prev(h)] = tail + direction * (along + next);
+        [h, input.next(h), input.prev(h)].map(|side| (side, position[side], position[input.next(side)]))
+    };
+    let mut queue = VecDeque::from(place(input.sides(seed)[0], Complex64::ZERO, Complex64::ONE));
+    while let Some((h, tail, head)) = queue.pop_front() {
+        let Some(g) = input.twin(h).filter(|_| !old_cut[input.edge(h)]) else { continue };
+        if std::mem::replace(&mut is_out[input.face(g)], false) {
+            cut[input.edge(h)] = false;
+            let along = tail - head;
+            let direction = if along.norm() > 0.0 { along / along.norm() } else { Complex64::ONE };
+            queue.extend(place(g, head, direction));
+        }
+    }
+}
