@@ -117,3 +117,54 @@ fn unfold(
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Operators, scale};
+    use geom::{VertexId, shapes};
+
+    #[test]
+    fn what_is_detached_keeps_its_shape_and_all_islands_are_disks() {
+        for (shape, out) in [(shapes::hare(900), [5, 6, 7, 300, 901]), (shapes::terrain(600, 2), [0, 1, 400, 401, 600])]
+        {
+            let mesh = shape.mesh();
+            let metric = Metric::from_points(&mesh, &shape.points);
+            let operators = Operators::new(&mesh, &metric).unwrap();
+            let cones = [20, 170, 290, 410].map(VertexId);
+            let mut target = VertexData::constant(mesh.vertex_count(), 0.0);
+            cones.iter().for_each(|&v| target[v] = 0.25 * operators.total_curvature());
+            let zero = VertexData::constant(mesh.vertex_count(), 0.0);
+            let scaling = scale(&mesh, &metric, &operators, &target, &zero).unwrap();
+            let mut seams = Seams::new(&mesh, metric.lengths(), &cones).unwrap();
+            let mut layout = Layout::new(&mesh, &scaling, &seams.cut);
+            let before = layout.clone();
+            // The rings of some vertices, and lone triangles.
+            let ring = |v| mesh.outgoing(v).map(|h| mesh.face(h));
+            let mut faces: Vec<FaceId> =
+                [VertexId(50), VertexId(333)].into_iter().flat_map(ring).chain(out.map(FaceId)).collect();
+            faces.sort();
+            faces.dedup();
+            detach(&mesh, &metric, &scaling.u, metric.lengths(), &faces, &mut seams, &mut layout);
+
+            let islands = layout.cut.island_count();
+            assert!(islands > 2);
+            assert_eq!(layout.cut.euler_characteristic(), islands as i64);
+            assert_eq!(layout.cut.boundary_loops().len(), islands, "each island has one boundary");
+            let strung: usize = seams.chains.iter().map(|chain| chain.edges.len()).sum();
+            assert_eq!(strung, mesh.edges().filter(|&e| seams.cut[e]).count());
+            for f in mesh.faces() {
+                let corners = |layout: &Layout| mesh.sides(f).map(|h| layout.corner(h));
+                if !faces.contains(&f) {
+                    assert_eq!(corners(&layout), corners(&before));
+                    continue;
+                }
+                let [a, b, c] = corners(&layout);
+                let sides = metric.sides(&mesh, f).0;
+                let scales = [(b - a).norm() / sides[0], (c - b).norm() / sides[1], (a - c).norm() / sides[2]];
+                assert!(scales.iter().all(|s| (s / scales[0] - 1.0).abs() < 1e-9), "{scales:?}");
+                assert!(((b - a).conj() * (c - a)).im > 0.0);
+            }
+        }
+    }
+}

@@ -360,4 +360,37 @@ mod tests {
         let (mesh, _, scaling) = scaled(&shapes::terrain(900, 1), 0);
         assert!(mesh.vertices().filter(|&v| mesh.is_boundary_vertex(v)).all(|v| scaling.u[v] == 0.0));
     }
+
+    #[test]
+    fn a_boundary_that_has_to_be_flipped_is() {
+        // Log scale factors on the boundary so uneven that its triangles break.
+        let shape = shapes::square(400);
+        let mesh = shape.mesh();
+        let metric = Metric::from_points(&mesh, &shape.points);
+        let operators = Operators::new(&mesh, &metric).unwrap();
+        let target = VertexData::constant(mesh.vertex_count(), 0.0);
+        let uneven = |v: VertexId| if mesh.is_boundary_vertex(v) { 2.5 * f64::from(v.0 * 7 % 3) - 2.5 } else { 0.0 };
+        let start: VertexData<f64> = mesh.vertices().map(uneven).collect();
+        let scaling = scale(&mesh, &metric, &operators, &target, &start).unwrap();
+        assert_eq!(scaling.triangulation.face_count(), 2 * mesh.face_count(), "only on the double");
+        let mut turned = 0.0;
+        for (v, angle) in scaling.angles(&mesh).iter_ids() {
+            let straight = if mesh.is_boundary_vertex(v) { PI } else { 2.0 * PI };
+            assert!(mesh.is_boundary_vertex(v) || (angle - straight).abs() < 1e-9);
+            turned += straight - angle;
+        }
+        assert!((turned - 2.0 * PI).abs() < 1e-8, "the boundary turns once: {turned}");
+        assert!(mesh.vertices().filter(|&v| mesh.is_boundary_vertex(v)).all(|v| scaling.u[v] == start[v]));
+        // The half that is laid out has these angles, up to full turns.
+        let seams = crate::Seams::new(&mesh, metric.lengths(), &[]).unwrap();
+        let layout = crate::Layout::new(&mesh, &scaling, &seams.cut);
+        for (v, angle) in scaling.angles(&mesh).iter_ids() {
+            let corner = |h| {
+                let at = layout.corner(h);
+                ((layout.corner(mesh.prev(h)) - at) * (layout.corner(mesh.next(h)) - at).conj()).arg()
+            };
+            let turns = (mesh.outgoing(v).map(corner).sum::<f64>() - angle) / (2.0 * PI);
+            assert!((turns - turns.round()).abs() < 1e-6, "{v}: {turns}");
+        }
+    }
 }

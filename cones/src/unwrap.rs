@@ -204,7 +204,10 @@ impl Found {
                 if *total < needed {
                     record.warn(too_few(*total, needed, components.len()));
                 }
-                share(options, components, least, *total)
+                let began = record.begin(Stage::Hierarchy);
+                let counts = share(options, components, least, *total);
+                record.end(Stage::Hierarchy, began);
+                counts
             }
             ConeChoice::MinPersistence(threshold) => {
                 let above = |c: &Component| c.hierarchy.count_above(&c.operators, *threshold);

@@ -5,6 +5,7 @@ use crate::failure::Failure;
 use crate::{compare, features, persistence};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use cones::{Angles, ConeChoice, Method, Options};
+use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
 /// Unwrap surfaces conformally, with a few cones taking the curvature.
@@ -13,6 +14,9 @@ use std::path::PathBuf;
 pub(crate) struct Arguments {
     #[command(subcommand)]
     pub(crate) command: Command,
+    /// How many threads to work on [default: one for each core]; results do not depend on it
+    #[arg(long, value_name = "T", global = true)]
+    pub(crate) threads: Option<NonZeroUsize>,
 }
 
 #[derive(Debug, Subcommand)]
@@ -276,7 +280,7 @@ mod tests {
 
     #[test]
     fn what_is_not_built_is_not_accepted() {
-        for option in ["--islands=pack", "--udim", "--threads=2"] {
+        for option in ["--islands=pack", "--udim", "--threads=0"] {
             assert!(Arguments::try_parse_from(["cones", "unwrap", "a", "-o", "b", option]).is_err(), "{option}");
         }
     }

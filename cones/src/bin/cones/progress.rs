@@ -21,9 +21,13 @@ impl Progress {
         Self(bar)
     }
 
-    /// A stage begins.
+    /// A stage begins, in some part of the surface.
     pub(crate) fn stage(&mut self, stage: Stage) {
-        self.step(stage.name());
+        let done = Stage::ALL.iter().position(|&s| s == stage).unwrap_or(0) as u64 + 1;
+        if done >= self.0.position() {
+            self.0.set_position(done);
+            self.0.set_message(stage.name());
+        }
     }
 
     /// A step begins that is none of the library's stages.
