@@ -62,6 +62,11 @@ fn insulted_meshes_unwrap() {
 }
 
 #[test]
+fn what_can_be_read_unwraps() {
+    replay("files", properties::files_unwrap);
+}
+
+#[test]
 fn surfaces_flatten() {
     replay("flatten", properties::surface);
 }

@@ -2,12 +2,13 @@
 //!
 //! Each law is a function of bytes ([`properties`]): proptest drives it with random ones in `cargo test`, cargo-fuzz with
 //! those that reach new code, and what either found once is replayed from files ever after. The bytes are read as small
-//! inputs of the kind that hurts ([`decode`]) on the simplest [`solids`], and what comes out is compared with slow,
+//! inputs of the kind that hurts ([`decode`], [`encode`]) on the simplest [`solids`], and what comes out is compared with slow,
 //! independent ways to the same answer ([`oracle`]).
 
 #![allow(clippy::missing_panics_doc, reason = "a law panics where it does not hold")]
 
 pub mod decode;
+pub mod encode;
 pub mod oracle;
 pub mod properties;
 pub mod solids;

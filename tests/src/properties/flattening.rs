@@ -5,10 +5,11 @@ use std::f64::consts::TAU;
 use cones::{
     Angles, AnglesError, ConeChoice, Error, Layout, Method, Operators, Options, Scaling, Seams, cone_curvatures, scale,
 };
-use geom::{Mesh, Metric, PrepareError, VertexData, VertexId, angle_defects};
+use geom::{Mesh, Metric, Model, PrepareError, VertexData, VertexId, angle_defects};
 
 use super::{assert_close, metric_of};
 use crate::decode::{self, Bytes, Moves};
+use crate::encode::{self, Format};
 use crate::oracle::{check_map, signed_area};
 use crate::solids;
 
@@ -120,15 +121,36 @@ pub fn every_vertex_a_cone_unfolds(bytes: &[u8]) {
     assert_eq!((found.flipped, found.torn, found.euler), (0, 0, vec![1]));
 }
 
-/// Whatever is done to a good mesh, each of its faces comes back with a finite position in each corner, none flipped against
-/// its neighbours unless it is a needle, or nothing has any area.
+/// Whatever is done to a good mesh, it unwraps.
 pub fn insults_unwrap(bytes: &[u8]) {
     let bytes = &mut Bytes::new(bytes);
     let options = options(bytes);
     let moves = if bytes.coin() { Moves::Anywhere } else { Moves::Near };
     let shape = decode::insulted(bytes, moves);
-    let model = solids::model(&shape).expect("coordinates are bounded and indices in range");
-    let atlas = match cones::unwrap(&model, &options, &mut |_| {}) {
+    unwraps(&solids::model(&shape).expect("coordinates are bounded and indices in range"), &options);
+}
+
+/// Any bytes as a file, or a file of a small surface with any damage: what can be read unwraps.
+pub fn files_unwrap(bytes: &[u8]) {
+    let bytes = &mut Bytes::new(bytes);
+    let options = options(bytes);
+    let format = Format::ALL[bytes.below(Format::ALL.len())];
+    let file = if bytes.coin() {
+        bytes.rest().to_vec()
+    } else {
+        let mut file = encode::file(&decode::surface(bytes), format);
+        encode::damage(&mut file, bytes);
+        file
+    };
+    if let Ok(model) = geom::io::read_bytes(file, format.name()) {
+        unwraps(&model, &options);
+    }
+}
+
+/// Each face of a model gets a finite position in each corner, none flipped against its neighbours unless it is a needle, or
+/// nothing has any area.
+fn unwraps(model: &Model, options: &Options) {
+    let atlas = match cones::unwrap(model, options, &mut |_| {}) {
         Err(Error::Prepare(PrepareError::NoArea { .. })) => return,
         atlas => atlas.expect("there is always a way"),
     };
@@ -137,7 +159,7 @@ pub fn insults_unwrap(bytes: &[u8]) {
     assert!(atlas.cones.iter().all(|cone| cone.curvature <= TAU));
     assert!(atlas.curvature_error < 1e-9);
     let extent = atlas.uv.iter().flatten().fold(0.0_f64, |m, x| m.max(x.abs()));
-    for surface in geom::prepare(&model, options.weld).expect("it was unwrapped").surfaces {
+    for surface in geom::prepare(model, options.weld).expect("it was unwrapped").surfaces {
         let metric = surface.metric();
         for f in surface.mesh.faces() {
             let sides = metric.sides(&surface.mesh, f);

@@ -1,0 +1,146 @@
+//! Small surfaces as files, whole or with damage.
+
+use std::fmt::Write;
+
+use geom::shapes::Shape;
+
+use crate::decode::Bytes;
+
+/// The formats that surfaces are read from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Format {
+    /// OBJ.
+    Obj,
+    /// OFF.
+    Off,
+    /// PLY in ASCII.
+    PlyText,
+    /// PLY, little-endian.
+    PlyBinary,
+    /// STL in ASCII.
+    StlText,
+    /// Binary STL.
+    StlBinary,
+}
+
+impl Format {
+    /// All of them.
+    pub const ALL: [Self; 6] = [Self::Obj, Self::Off, Self::PlyText, Self::PlyBinary, Self::StlText, Self::StlBinary];
+
+    /// A file name of this format.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Obj => "a.obj",
+            Self::Off => "a.off",
+            Self::PlyText | Self::PlyBinary => "a.ply",
+            Self::StlText | Self::StlBinary => "a.stl",
+        }
+    }
+}
+
+/// A surface as a file.
+pub fn file(shape: &Shape, format: Format) -> Vec<u8> {
+    let Shape { points, triangles } = shape;
+    let row = |p: &[f64; 3]| format!("{} {} {}", p[0], p[1], p[2]);
+    let corners = || triangles.iter().map(|t| t.map(|v| points[v as usize]));
+    let mut text = String::new();
+    let _ = match format {
+        Format::Obj => write!(text, "o a\n"),
+        Format::Off => write!(text, "OFF\n{} {} 0\n", points.len(), triangles.len()),
+        Format::PlyText | Format::PlyBinary => write!(
+            text,
+            "ply\nformat {} 1.0\nelement vertex {}\nproperty double x\nproperty double y\nproperty double z\n\
+             element face {}\nproperty list uchar int vertex_indices\nend_header\n",
+            if format == Format::PlyText { "ascii" } else { "binary_little_endian" },
+            points.len(),
+            triangles.len()
+        ),
+        Format::StlText => write!(text, "solid a\n"),
+        Format::StlBinary => write!(text, "{:80}", "a"),
+    };
+    let mut bytes = text.into_bytes();
+    let mut line = |text: String| bytes.extend((text + "\n").bytes());
+    match format {
+        Format::Obj => {
+            points.iter().for_each(|p| line(format!("v {}", row(p))));
+            triangles.iter().for_each(|t| line(format!("f {} {} {}", t[0] + 1, t[1] + 1, t[2] + 1)));
+        }
+        Format::Off | Format::PlyText => {
+            points.iter().for_each(|p| line(row(p)));
+            triangles.iter().for_each(|t| line(format!("3 {} {} {}", t[0], t[1], t[2])));
+        }
+        Format::PlyBinary => {
+            points.iter().flatten().for_each(|x| bytes.extend(x.to_le_bytes()));
+            for t in triangles {
+                bytes.push(3);
+                t.iter().for_each(|v| bytes.extend(v.to_le_bytes()));
+            }
+        }
+        Format::StlText => {
+            for t in corners() {
+                let vertices: String = t.iter().map(|p| format!("vertex {}\n", row(p))).collect();
+                line(format!("facet normal 0 0 0\nouter loop\n{vertices}endloop\nendfacet"));
+            }
+            line("endsolid a".into());
+        }
+        Format::StlBinary => {
+            bytes.extend((triangles.len() as u32).to_le_bytes());
+            for t in corners() {
+                bytes.extend([0; 12]);
+                t.iter().flatten().for_each(|&x| bytes.extend((x as f32).to_le_bytes()));
+                bytes.extend([0; 2]);
+            }
+        }
+    }
+    bytes
+}
+
+/// What stands in place of a number.
+const WORDS: [&str; 16] = [
+    "0",
+    "-1",
+    "1",
+    "2",
+    "-0",
+    "nan",
+    "inf",
+    "1e300",
+    "1e-300",
+    "1e999",
+    "99999999999999999999",
+    "4294967295",
+    "3",
+    "4",
+    "#",
+    "",
+];
+
+/// Damages a file: words replaced, lines copied, moved and left out, bytes changed, its end cut off.
+pub fn damage(file: &mut Vec<u8>, bytes: &mut Bytes) {
+    while !bytes.is_empty() && !file.is_empty() {
+        let at = bytes.below(file.len());
+        let is_blank = |b: &u8| b.is_ascii_whitespace();
+        let end_of = |from: usize, stop: &dyn Fn(&u8) -> bool| {
+            file[from..].iter().position(stop).map_or(file.len(), |length| from + length)
+        };
+        match bytes.byte() % 6 {
+            0 => {
+                let start = file[..at].iter().rposition(is_blank).map_or(0, |before| before + 1);
+                let word = WORDS[bytes.below(WORDS.len())];
+                let end = end_of(start, &is_blank);
+                file.splice(start..end, word.bytes());
+            }
+            1 => {
+                let end = end_of(at, &|b| *b == b'\n');
+                let to = bytes.below(file.len());
+                let copy = file[at..end].to_vec();
+                file.splice(to..to, copy);
+            }
+            2 => drop(file.drain(at..end_of(at, &|b| *b == b'\n'))),
+            3 => file[at] = bytes.byte(),
+            4 => file.insert(at, bytes.byte()),
+            _ if bytes.byte() < 16 => file.truncate(at),
+            _ => file[at] ^= 1 << bytes.below(8),
+        }
+    }
+}
