@@ -26,6 +26,11 @@ proptest! {
     fn whatever_is_done_to_a_mesh_its_faces_come_back(bytes in bytes(160)) {
         properties::insults_unwrap(&bytes);
     }
+
+    #[test]
+    fn whatever_a_file_holds_unwraps_or_is_refused(bytes in bytes(160)) {
+        properties::files_unwrap(&bytes);
+    }
 }
 
 /// Asserts what an unwrapped surface in one piece must be: an island that is a disk, oriented everywhere, with seams that

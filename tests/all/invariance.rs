@@ -114,3 +114,28 @@ fn the_same_input_gives_the_same_bits() {
         assert_eq!(first.seams, second.seams);
     }
 }
+
+#[test]
+fn any_number_of_threads_gives_the_same_bits() {
+    let mut all = Shape { points: Vec::new(), triangles: Vec::new() };
+    for (k, part) in
+        [shapes::hare(700), shapes::torus(1, 500), shapes::terrain(400, 3), shapes::square(100)].iter().enumerate()
+    {
+        let first = all.points.len() as u32;
+        all.points.extend(part.points.iter().map(|p| [p[0] + 9.0 * k as f64, p[1], p[2]]));
+        all.triangles.extend(part.triangles.iter().map(|t| t.map(|v| v + first)));
+    }
+    let model = solids::model(&all).expect("an ordinary shape");
+    for cones in [ConeChoice::Count(14), ConeChoice::Automatic] {
+        let options = Options { cones, ..Options::default() };
+        let [one, many] = [1, 3].map(|threads| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a few threads");
+            pool.install(|| cones::unwrap(&model, &options, &mut |_| {}).expect("it unwraps"))
+        });
+        assert_eq!(one.topology.components, 4);
+        let bits = |atlas: &Atlas| atlas.uv.iter().flatten().map(|x| x.to_bits()).collect::<Vec<u64>>();
+        assert!(bits(&one) == bits(&many));
+        assert_eq!((one.cones, one.number, one.seams), (many.cones, many.number, many.seams));
+        assert_eq!((one.warnings, one.persistence), (many.warnings, many.persistence));
+    }
+}

@@ -15,12 +15,14 @@ pub(crate) fn run(args: &Unwrap) -> Result<(), Failure> {
     check_outputs(args)?;
     let options = args.choice.options()?;
     let mut progress = Progress::begin(&args.input.display().to_string());
+    let began = Instant::now();
     let (model, read) = job::read(&args.input)?;
     let job = Job::new(&args.input, model, options, args.scale, &mut progress)?;
     progress.step("write");
     let start = Instant::now();
     write_surface(&job, &args.output, args.triangulate)?;
-    let times = Times { read: Some(read), write: Some(start.elapsed().as_secs_f64()), ..Times::default() };
+    let [write, total] = [start, began].map(|since| Some(since.elapsed().as_secs_f64()));
+    let times = Times { read: Some(read), write, total, ..Times::default() };
     let report = job.report(&args.input, times);
     write_extras(args, &job, &report)?;
     drop(progress);

@@ -7,7 +7,7 @@ impl Report {
     /// What a user wants to know first, line by line.
     pub(crate) fn text(&self) -> String {
         let times: Vec<String> = self.times.stages().map(|(name, time)| format!("{name} {time:.2}")).collect();
-        let total: f64 = self.times.stages().map(|(_, time)| time).sum();
+        let total = self.times.total();
         let memory = self.peak_memory.map_or_else(String::new, |peak| format!("; {} MB at most", peak / 1_000_000));
         format!(
             "surface   {}\ncones     {} ({} extrema, method {}, {} curvatures)\n{}{}time      {total:.2} s: {}{memory}\n",
