@@ -10,7 +10,7 @@ use topo::Extremum;
 use crate::angles::{AnglesError, ConeCurvatures, cone_curvatures, least_cones};
 use crate::atlas::{Atlas, Cone, Extraction, NumberOfCones, Stage, Topology};
 use crate::automatic::{MOST_AUTOMATIC, TARGET_DISTORTION, automatic, shortest};
-use crate::distortion::area_distortion;
+use crate::distortion::{Whole, area_distortion};
 use crate::error::Error;
 use crate::factor::ConformalFactor;
 use crate::hierarchy::{Candidate, ConeHierarchy, Method, kind_of};
@@ -18,14 +18,18 @@ use crate::layout::Layout;
 use crate::mend::mend;
 use crate::operators::Operators;
 use crate::options::{ConeChoice, Options};
+use crate::order::{Component, ConeOrder, cone_order, counts, whole_curve};
 use crate::reduced::Reduced;
 use crate::scaling::{Scaling, scale};
 use crate::seams::{Chain, Seams};
-use crate::share::{Part, share_out};
+use crate::settled::Settled;
 use crate::shelf::Shelf;
 
 /// More cones than this are not optimised: `refined` takes a time that grows with the third power of their number.
 const MOST_OPTIMISED: usize = 64;
+/// An order of cones is found for so many in all, or for so many more than the parts of a model need.
+const ORDERED: usize = 64;
+const ORDERED_MORE: usize = 32;
 /// So many times cones are added where a measured distortion is above the one that was asked for.
 const MAX_ADDITIONS: usize = 6;
 /// Where the cones that were asked for have failed, others are not tried if linear theory predicts that with them somewhere
@@ -46,7 +50,9 @@ pub fn unwrap(model: &Model, options: &Options, on_stage: &mut dyn FnMut(Stage))
     let mut curvature_error = 0.0_f64;
     let analysed = run.analyse_all()?;
     let mut shelf = Shelf::new(analysed.iter().map(|a| a.area).sum());
-    for (index, (analysed, choice)) in analysed.iter().zip(run.first_choices(&analysed)?).enumerate() {
+    let choices = run.first_choices(&analysed)?;
+    run.note_order(&analysed, &choices);
+    for (index, (analysed, choice)) in analysed.iter().zip(choices).enumerate() {
         let flat = run.flatten_within(index, analysed, choice)?;
         let surface = &run.prepared.surfaces[index];
         curvature_error = curvature_error.max(flat.scaling.error);
@@ -72,6 +78,7 @@ pub fn unwrap(model: &Model, options: &Options, on_stage: &mut dyn FnMut(Stage))
         factor: found.factor,
         persistence: found.persistence,
         number: found.number,
+        order: found.order,
         times: found.times,
         warnings: found.warnings,
     })
@@ -84,7 +91,9 @@ pub fn unwrap(model: &Model, options: &Options, on_stage: &mut dyn FnMut(Stage))
 pub fn extract(model: &Model, options: &Options, on_stage: &mut dyn FnMut(Stage)) -> Result<Extraction, Error> {
     let mut run = Run::new(model, options, on_stage)?;
     let analysed = run.analyse_all()?;
-    for (index, (analysed, choice)) in analysed.iter().zip(run.first_choices(&analysed)?).enumerate() {
+    let choices = run.first_choices(&analysed)?;
+    run.note_order(&analysed, &choices);
+    for (index, (analysed, choice)) in analysed.iter().zip(choices).enumerate() {
         let (cones, curvatures) = run.choose(index, analysed, &choice)?;
         run.note_cones(index, &cones, &curvatures.curvature);
     }
@@ -96,6 +105,7 @@ pub fn extract(model: &Model, options: &Options, on_stage: &mut dyn FnMut(Stage)
         factor: found.factor,
         persistence: found.persistence,
         number: found.number,
+        order: found.order,
         times: found.times,
         warnings: found.warnings,
     })
@@ -116,6 +126,7 @@ struct Found {
     factor: Vec<f64>,
     persistence: Vec<f64>,
     number: Option<NumberOfCones>,
+    order: Option<ConeOrder>,
     topology: Topology,
     times: Vec<(Stage, Duration)>,
     warnings: Vec<String>,
@@ -155,6 +166,15 @@ enum Choice {
     Found(Vec<VertexId>),
     /// These, perhaps with curvatures.
     Given(Vec<VertexId>, Option<Vec<f64>>),
+}
+
+impl Choice {
+    fn count(&self) -> usize {
+        match self {
+            Self::Count(count) => *count,
+            Self::Found(cones) | Self::Given(cones, _) => cones.len(),
+        }
+    }
 }
 
 impl<'a> Run<'a> {
@@ -230,7 +250,8 @@ impl<'a> Run<'a> {
                 if *total < needed {
                     self.warn(too_few(*total, needed, analysed.len()));
                 }
-                self.share(analysed, least, *total)
+                let method = self.method(total.saturating_sub(needed));
+                counts(&self.components(analysed), method, *total)
             }
             ConeChoice::MinPersistence(threshold) => {
                 let above = |a: &Analysed| a.hierarchy.count_above(&a.operators, *threshold);
@@ -243,46 +264,66 @@ impl<'a> Run<'a> {
 
     /// As few cones in each surface as keep the predicted area distortion within a target.
     fn find_number(&mut self, analysed: &[Analysed], target: f64, most: usize) -> Vec<Choice> {
-        let whole: f64 = analysed.iter().map(|a| a.area).sum();
+        let Options { method, angles, .. } = *self.options;
         let mut number = NumberOfCones { target, predicted: 0.0, is_met: true, curve: Vec::new() };
-        let mut choices = Vec::new();
+        let mut whole = Whole::new(analysed.len());
+        let (mut choices, mut nested) = (Vec::new(), Vec::new());
         for (surface, a) in (0..).zip(analysed) {
             let found = self.stage(Stage::Hierarchy, |run| {
                 let input = &run.prepared.surfaces[surface].mesh;
                 let mut reduced = Reduced::new(&a.operators, input);
-                match run.options.method {
-                    Method::Refined => automatic(&mut reduced, target, most),
+                match method {
+                    Method::Refined => automatic(&mut reduced, angles, target, most),
                     method => {
                         let order = a.hierarchy.cones(&a.operators, input, method, most);
                         let order: Vec<VertexId> = order.iter().map(|cone| cone.vertex).collect();
-                        shortest(&mut reduced, &order, target)
+                        shortest(&mut reduced, &order, angles, target)
                     }
                 }
             });
-            number.predicted += found.predicted.area_distortion * a.area / whole;
+            let u = Settled::new(&a.operators, &found.set, angles).log_scale(&a.operators);
+            whole.put(surface, &a.operators, a.area, found.set.cones.len(), u);
             number.is_met &= found.is_met;
             number.curve = found.curve;
+            nested.push(found.nested);
             choices.push(Choice::Found(found.set.cones));
         }
+        let predicted = whole.predicted();
+        number.predicted = predicted.area_distortion;
         if analysed.len() > 1 {
-            number.curve.clear();
+            let components = self.components(analysed);
+            number.curve = whole_curve(&components, &nested, (method, angles), (2 * predicted.count).max(most));
         }
         self.found.number = Some(number);
         choices
     }
 
-    /// Shares out cones over the surfaces by what they bring, as far as the method is one that asks for that.
-    fn share(&self, analysed: &[Analysed], least: Vec<usize>, total: usize) -> Vec<usize> {
-        let spare = total.saturating_sub(least.iter().sum());
-        if analysed.len() == 1 || !matches!(self.method(spare), Method::Refined | Method::Pursuit) {
-            return share_by_persistence(analysed, least, total);
+    /// The order of the cones for every number of them, if it is asked for.
+    fn note_order(&mut self, analysed: &[Analysed], choices: &[Choice]) {
+        if !self.options.order {
+            return;
         }
-        let surfaces = self.prepared.surfaces.iter().zip(analysed).zip(&least);
-        let part = |((surface, a), &least): ((&Surface, &Analysed), &usize)| {
-            Part::new(&mut Reduced::new(&a.operators, &surface.mesh), a.area, least + spare)
+        self.found.order = self.stage(Stage::Hierarchy, |run| {
+            let needed: usize = analysed.iter().map(|a| least_cones(&a.operators)).sum();
+            let taken: usize = choices.iter().map(Choice::count).sum();
+            let method = match run.options.cones {
+                ConeChoice::Count(asked) => run.method(asked.saturating_sub(needed)),
+                _ => run.method(0),
+            };
+            let total = taken.max(ORDERED).max(if analysed.len() > 1 { needed + ORDERED_MORE } else { 0 });
+            let vertex = |component: usize, v: VertexId| run.prepared.surfaces[component].vertex[v];
+            Some(cone_order(&run.components(analysed), (method, run.options.angles), total, vertex))
+        });
+    }
+
+    fn components<'b>(&'b self, analysed: &'b [Analysed]) -> Vec<Component<'b>> {
+        let component = |(surface, a): (&'b Surface, &'b Analysed)| Component {
+            operators: &a.operators,
+            input: &surface.mesh,
+            hierarchy: &a.hierarchy,
+            area: a.area,
         };
-        let parts: Vec<Part> = surfaces.map(part).collect();
-        share_out(&parts, total).into_iter().zip(least).map(|(count, least)| count.max(least)).collect()
+        self.prepared.surfaces.iter().zip(analysed).map(component).collect()
     }
 
     /// The given cones that lie on a surface.
@@ -551,19 +592,6 @@ impl<'a> Run<'a> {
             self.found.warnings.push(warning);
         }
     }
-}
-
-/// The cones of each surface, `total` in all: all least sets first, then one by one where area times the persistence of
-/// the next extremum is largest. Every total is a prefix.
-fn share_by_persistence(analysed: &[Analysed], least: Vec<usize>, total: usize) -> Vec<usize> {
-    let mut counts = least;
-    let gain = |a: &Analysed, count: usize| a.area * a.hierarchy.extrema().get(count).map_or(0.0, |e| e.persistence);
-    for _ in counts.iter().sum()..total {
-        let gains = analysed.iter().zip(&counts).map(|(a, &count)| gain(a, count)).enumerate();
-        let Some((best, _)) = gains.max_by(|a, b| a.1.total_cmp(&b.1).then(b.0.cmp(&a.0))) else { break };
-        counts[best] += 1;
-    }
-    counts
 }
 
 fn too_few(asked: usize, needed: usize, parts: usize) -> String {
