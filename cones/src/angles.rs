@@ -75,6 +75,12 @@ pub(crate) fn general_bounds(operators: &Operators, count: usize) -> [f64; 2] {
     [-(2.0 * PI).max(2.5 * (-total).max(0.0) / count), (1.5 * PI).max(1.02 * total / count).min(1.99 * PI)]
 }
 
+/// Whether a cone can have a harmonic curvature, where optimal ones are at least `low`. Harmonic curvatures may go further:
+/// what they must leave is an angle.
+pub(crate) fn is_buildable(curvature: f64, low: f64) -> bool {
+    curvature < 2.0 * PI - 0.02 && curvature >= low.min(-2.0 * PI)
+}
+
 /// The least curvature that a vertex can have with the triangles that it has in `input`, wherever other cones are.
 pub(crate) fn degree_bound(input: &Mesh, v: VertexId) -> f64 {
     bound_by_degree(input, v, &[])
@@ -120,12 +126,11 @@ pub fn cone_curvatures(
     let mut out_of_bounds = Vec::new();
     if angles == Angles::Harmonic {
         if let Some(curvature) = harmonic(operators, cones, &flattening, &green) {
-            let outside = |k: f64| k.is_nan() || k >= 2.0 * PI - 0.02;
             out_of_bounds = cones
                 .iter()
                 .zip(&curvature)
                 .zip(&bounds)
-                .filter(|((_, k), [low, _])| outside(**k) || **k < low.min(-2.0 * PI))
+                .filter(|((_, k), [low, _])| !is_buildable(**k, *low))
                 .map(|((v, _), _)| *v)
                 .collect();
             if out_of_bounds.is_empty() {

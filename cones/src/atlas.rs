@@ -6,6 +6,7 @@ use geom::{Repair, Surface, Triangles};
 use topo::Kind;
 
 use crate::distortion::Predicted;
+use crate::order::ConeOrder;
 
 /// The stages, in order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -61,11 +62,11 @@ pub struct Cone {
 pub struct NumberOfCones {
     /// The area distortion that was aimed at.
     pub target: f64,
-    /// What is predicted for the cones that were chosen: the mean over the connected parts, weighted by area.
+    /// What is predicted for the cones that were chosen, in all connected parts together.
     pub predicted: f64,
     /// Whether the prediction meets the target in every part.
     pub is_met: bool,
-    /// What is predicted for every number of cones in a nested order, for a model of one part; otherwise empty.
+    /// What is predicted for every number of cones in a nested order, as far as they are enough for all parts.
     pub curve: Vec<Predicted>,
 }
 
@@ -119,6 +120,8 @@ pub struct Atlas {
     pub persistence: Vec<f64>,
     /// How the number of cones was found, where none was given.
     pub number: Option<NumberOfCones>,
+    /// The order of the cones for every number of them, where it was asked for.
+    pub order: Option<ConeOrder>,
     /// The shape of the model.
     pub topology: Topology,
     /// The largest curvature off the cones that the metric has, in radians.
@@ -142,6 +145,8 @@ pub struct Extraction {
     pub persistence: Vec<f64>,
     /// How the number of cones was found, where none was given.
     pub number: Option<NumberOfCones>,
+    /// The order of the cones for every number of them, where it was asked for.
+    pub order: Option<ConeOrder>,
     /// The shape of the model.
     pub topology: Topology,
     /// The time each stage took.

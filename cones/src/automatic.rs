@@ -6,7 +6,7 @@
 
 use geom::VertexId;
 
-use crate::angles::least_cones;
+use crate::angles::{Angles, least_cones};
 use crate::distortion::{Predicted, predict};
 use crate::exchange::{drop_cheapest, exchange};
 use crate::pursuit::{Nested, pursuit};
@@ -37,17 +37,17 @@ pub struct Automatic {
 }
 
 /// Chooses as few cones as keep the predicted area distortion within `target`, at most `most`, at least as many as the
-/// surface needs.
-pub fn automatic(reduced: &mut Reduced, target: f64, most: usize) -> Automatic {
-    let least = least_cones(reduced.operators());
+/// surface needs. They will get their curvatures by the rule `angles`; where they are is chosen for optimal ones.
+pub fn automatic(reduced: &mut Reduced, angles: Angles, target: f64, most: usize) -> Automatic {
+    let operators = reduced.operators();
+    let least = least_cones(operators);
     let nested = pursuit(reduced, most.max(least));
-    let curve = nested.curve(reduced);
-    let enough = curve.iter().find(|point| point.count >= least && point.area_distortion <= target);
-    let (set, predicted) = match enough {
-        Some(point) => fewest(reduced, &nested.sets[point.count], target, least),
+    let curve = nested.curve(operators, angles);
+    let (set, predicted) = match first_within(&curve, least, target) {
+        Some(point) => fewest(reduced, &nested.sets[point.count], angles, target, least),
         None => {
             let set = refined(reduced, most.max(least));
-            let predicted = predict(reduced, &set);
+            let predicted = predict(operators, &set, angles);
             (set, predicted)
         }
     };
@@ -55,30 +55,35 @@ pub fn automatic(reduced: &mut Reduced, target: f64, most: usize) -> Automatic {
 }
 
 /// The shortest prefix of an order of cones that keeps the predicted area distortion within `target`; all of it where
-/// none does. Two back-solves for each cone and one for each prefix.
-pub fn shortest(reduced: &mut Reduced, order: &[VertexId], target: f64) -> Automatic {
-    reduced.add(order);
-    let nested = Nested { sets: (0..=order.len()).map(|count| reduced.fit(&order[..count])).collect() };
-    let least = least_cones(reduced.operators());
-    let curve = nested.curve(reduced);
-    let enough = curve.iter().find(|point| point.count >= least && point.area_distortion <= target);
+/// none does. Two back-solves for each cone and one for each prefix, one more for each cone if curvatures are harmonic.
+pub fn shortest(reduced: &mut Reduced, order: &[VertexId], angles: Angles, target: f64) -> Automatic {
+    let nested = Nested::new(reduced, order);
+    let operators = reduced.operators();
+    let curve = nested.curve(operators, angles);
+    let enough = first_within(&curve, least_cones(operators), target).copied();
     let set = nested.sets[enough.map_or(order.len(), |point| point.count)].clone();
-    let predicted = predict(reduced, &set);
+    let predicted = enough.unwrap_or_else(|| predict(operators, &set, angles));
     Automatic { set, predicted, target, is_met: enough.is_some(), nested, curve }
 }
 
+/// Where a curve first keeps the area distortion within a target, from `least` cones on.
+fn first_within(curve: &[Predicted], least: usize, target: f64) -> Option<&Predicted> {
+    curve.iter().find(|point| point.count >= least && point.area_distortion <= target)
+}
+
 /// From a set that meets the target to the smallest one near it that does.
-fn fewest(reduced: &mut Reduced, nested: &Fitted, target: f64, least: usize) -> (Fitted, Predicted) {
+fn fewest(reduced: &mut Reduced, nested: &Fitted, angles: Angles, target: f64, least: usize) -> (Fitted, Predicted) {
+    let operators = reduced.operators();
     let meets = |set: &Fitted, predicted: &Predicted| set.shortfall == 0.0 && predicted.area_distortion <= target;
     let mut best = refined(reduced, nested.cones.len());
-    let mut predicted = predict(reduced, &best);
+    let mut predicted = predict(operators, &best, angles);
     if !meets(&best, &predicted) {
-        return (nested.clone(), predict(reduced, nested));
+        return (nested.clone(), predict(operators, nested, angles));
     }
     while best.cones.len() > least {
         let fewer = exchange(reduced, drop_cheapest(reduced, &best));
         let fewer = rounds(reduced, fewer, 2);
-        let after = predict(reduced, &fewer);
+        let after = predict(operators, &fewer, angles);
         if !meets(&fewer, &after) {
             break;
         }
@@ -90,13 +95,15 @@ fn fewest(reduced: &mut Reduced, nested: &Fitted, target: f64, least: usize) -> 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::angles::cone_curvatures;
+    use crate::distortion::area_distortion;
     use crate::operators::Operators;
     use geom::{Metric, shapes};
 
     fn choose(shape: &shapes::Shape, target: f64, most: usize) -> Automatic {
         let mesh = shape.mesh();
         let operators = Operators::new(&mesh, &Metric::from_points(&mesh, &shape.points)).unwrap();
-        automatic(&mut Reduced::new(&operators, &mesh), target, most)
+        automatic(&mut Reduced::new(&operators, &mesh), Angles::Optimal, target, most)
     }
 
     #[test]
@@ -124,14 +131,27 @@ mod tests {
         let operators = Operators::new(&mesh, &Metric::from_points(&mesh, &shape.points)).unwrap();
         let mut reduced = Reduced::new(&operators, &mesh);
         let order = pursuit(&mut reduced, 12).cones().to_vec();
-        let all = shortest(&mut reduced, &order, 1.0001);
+        let all = shortest(&mut reduced, &order, Angles::Optimal, 1.0001);
         assert!(!all.is_met && all.set.cones == order);
         for target in all.curve.iter().map(|point| point.area_distortion) {
-            let cut = shortest(&mut reduced, &order, target);
+            let cut = shortest(&mut reduced, &order, Angles::Optimal, target);
             assert!(cut.is_met && cut.predicted.area_distortion <= target);
             assert_eq!(cut.set.cones, order[..cut.predicted.count]);
             let mut shorter = cut.curve.iter().filter(|point| (3..cut.predicted.count).contains(&point.count));
             assert!(shorter.all(|point| point.area_distortion > target));
+        }
+    }
+
+    #[test]
+    fn what_is_predicted_is_for_the_curvatures_that_will_be_used() {
+        let shape = shapes::hare(1200);
+        let mesh = shape.mesh();
+        let operators = Operators::new(&mesh, &Metric::from_points(&mesh, &shape.points)).unwrap();
+        for angles in [Angles::Optimal, Angles::Harmonic] {
+            let chosen = automatic(&mut Reduced::new(&operators, &mesh), angles, 1.5, MOST_AUTOMATIC);
+            let used = cone_curvatures(&operators, &mesh, &chosen.set.cones, angles).unwrap();
+            assert!(chosen.is_met);
+            assert!((area_distortion(&operators, &used.predicted) - chosen.predicted.area_distortion).abs() < 1e-9);
         }
     }
 

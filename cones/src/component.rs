@@ -110,6 +110,15 @@ pub(crate) enum Choice {
     Given(Vec<VertexId>, Option<Vec<f64>>),
 }
 
+impl Choice {
+    pub(crate) fn count(&self) -> usize {
+        match self {
+            Self::Count(count) => *count,
+            Self::Found(cones) | Self::Given(cones, _) => cones.len(),
+        }
+    }
+}
+
 impl<'a> Component<'a> {
     pub(crate) fn new(options: &'a Options, surface: &'a Surface, on_stage: OnStage<'a>) -> Result<Self, Error> {
         let mut record = Record::new(on_stage);

@@ -1,7 +1,11 @@
 //! How much a flattening will distort areas, from its log scale factor alone.
 
+use geom::VertexData;
+
+use crate::angles::Angles;
 use crate::operators::Operators;
-use crate::reduced::{Fitted, Reduced};
+use crate::reduced::Fitted;
+use crate::settled::Settled;
 
 /// What linear theory predicts for a set of cones.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -14,13 +18,14 @@ pub struct Predicted {
     pub area_distortion: f64,
 }
 
-/// What linear theory predicts for a set of cones. One solve.
-pub fn predict(reduced: &Reduced, set: &Fitted) -> Predicted {
-    let u = reduced.log_scale(&set.cones, &set.curvature);
+/// What linear theory predicts for a set of cones that get their curvatures by a rule. One solve; one more for each cone
+/// where they are harmonic.
+pub fn predict(operators: &Operators, set: &Fitted, angles: Angles) -> Predicted {
+    let u = Settled::new(operators, set, angles).log_scale(operators);
     Predicted {
         count: set.cones.len(),
-        log_scale_norm: set.log_scale_norm(),
-        area_distortion: area_distortion(reduced.operators(), &u),
+        log_scale_norm: operators.inner(&u, &u).sqrt(),
+        area_distortion: area_distortion(operators, &u),
     }
 }
 
@@ -31,20 +36,68 @@ pub fn predict(reduced: &Reduced, set: &Fitted) -> Predicted {
 /// # Panics
 /// If `u` has not a value for each vertex.
 pub fn area_distortion(operators: &Operators, u: &[f64]) -> f64 {
+    distortion_of(&area_ratios(operators, u))
+}
+
+/// The area of each triangle, and by what it is multiplied.
+fn area_ratios(operators: &Operators, u: &[f64]) -> Vec<(f64, f64)> {
     assert_eq!(u.len(), operators.mesh.vertex_count(), "a log scale factor has one value a vertex");
     let of_face = |f| {
         let area = operators.metric.sides(&operators.mesh, f).area();
         let mean = operators.mesh.corners(f).iter().map(|v| u[v.0 as usize]).sum::<f64>() / 3.0;
         (area, (2.0 * mean).exp())
     };
-    let faces: Vec<(f64, f64)> = operators.mesh.faces().map(of_face).collect();
-    let before: f64 = faces.iter().map(|(area, _)| area).sum();
-    let after: f64 = faces.iter().map(|(area, r)| area * r).sum();
+    operators.mesh.faces().map(of_face).collect()
+}
+
+fn distortion_of<'a>(faces: impl IntoIterator<Item = &'a (f64, f64)> + Clone) -> f64 {
+    let (before, after) = faces.clone().into_iter().fold((0.0, 0.0), |(b, a), (area, r)| (b + area, a + area * r));
     let distortion = |(area, r): &(f64, f64)| {
         let r = r * before / after;
         area / before * r.max(1.0 / r)
     };
-    faces.iter().map(distortion).sum()
+    faces.into_iter().map(distortion).sum()
+}
+
+/// What is predicted for several connected parts that are laid out side by side, each with a mean log scale of 0.
+pub(crate) struct Whole {
+    parts: Vec<PartScale>,
+}
+
+/// A part under its log scale factor.
+#[derive(Clone, Default)]
+struct PartScale {
+    count: usize,
+    area: f64,
+    energy: f64,
+    faces: Vec<(f64, f64)>,
+}
+
+impl Whole {
+    /// So many parts, of which nothing is known yet.
+    pub(crate) fn new(parts: usize) -> Self {
+        Self { parts: vec![PartScale::default(); parts] }
+    }
+
+    /// A part's number of cones and log scale factor; `area` is that in the model.
+    pub(crate) fn put(&mut self, part: usize, operators: &Operators, area: f64, count: usize, mut u: VertexData<f64>) {
+        operators.subtract_mean(&mut u);
+        let mut faces = area_ratios(operators, &u);
+        let own: f64 = faces.iter().map(|(area, _)| area).sum();
+        faces.iter_mut().for_each(|(share, _)| *share *= area / own);
+        self.parts[part] = PartScale { count, area, energy: operators.inner(&u, &u), faces };
+    }
+
+    /// What all parts together come to.
+    pub(crate) fn predicted(&self) -> Predicted {
+        let area: f64 = self.parts.iter().map(|part| part.area).sum();
+        let energy: f64 = self.parts.iter().map(|part| part.area * part.energy).sum();
+        Predicted {
+            count: self.parts.iter().map(|part| part.count).sum(),
+            log_scale_norm: (energy / area).sqrt(),
+            area_distortion: distortion_of(self.parts.iter().flat_map(|part| &part.faces)),
+        }
+    }
 }
 
 #[cfg(test)]

@@ -14,6 +14,8 @@ pub struct Options {
     pub angles: Angles,
     /// Diffuse the curvature before looking for extrema, which helps on noisy scans.
     pub smooth: bool,
+    /// Also find the order of cones for every number of them: [`ConeOrder`](crate::ConeOrder).
+    pub order: bool,
     /// Merge vertices that are at exactly the same place.
     pub weld: bool,
 }

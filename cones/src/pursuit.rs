@@ -5,18 +5,26 @@
 //! ([`SwapTable`]); replacing the cone at place j changes the levels beyond j, swapping j < k those in between. It starts
 //! from orders that are nested by nature: matching pursuit, and elimination of cones one by one. A nested order costs some percent against
 //! [`refined`](crate::refined()), which serves one number alone.
+//!
+//! Which cones come first must not depend on how many are asked for, so an order is always found in blocks of 32, each
+//! with all before it held.
 
 use std::cmp::Ordering;
 
 use geom::VertexId;
 
+use crate::angles::Angles;
 use crate::crowd::Crowd;
-use crate::distortion::{Predicted, predict};
+use crate::distortion::Predicted;
 use crate::exchange::{TRIALS, drop_cheapest, exchange};
 use crate::grow::{Rule, grow, start};
+use crate::operators::Operators;
+use crate::order::PartOrder;
 use crate::reduced::{Fitted, Reduced};
 use crate::swap::{Row, SwapTable, norms};
 
+/// An order is found so many cones at a time.
+pub(crate) const BLOCK: usize = 32;
 /// Rounds that look for new candidates over the whole surface; each costs a table a level.
 const ROUNDS: usize = 4;
 /// New candidates of a round.
@@ -34,21 +42,42 @@ pub struct Nested {
 }
 
 impl Nested {
+    /// The prefixes of an order of cones. Two back-solves for each cone that is not in the pool.
+    pub fn new(reduced: &mut Reduced, order: &[VertexId]) -> Self {
+        reduced.add(order);
+        Self { sets: (0..=order.len()).map(|count| reduced.fit(&order[..count])).collect() }
+    }
+
     /// The cones in their order.
     pub fn cones(&self) -> &[VertexId] {
         self.sets.last().map_or(&[], |set| &set.cones)
     }
 
-    /// What is predicted for every number of cones that can take the surface's curvature. A solve for each.
-    pub fn curve(&self, reduced: &Reduced) -> Vec<Predicted> {
-        self.sets.iter().filter(|set| set.shortfall == 0.0).map(|set| predict(reduced, set)).collect()
+    /// What is predicted for every number of cones that can take the surface's curvature, with curvatures by a rule. A
+    /// solve for each.
+    pub fn curve(&self, operators: &Operators, angles: Angles) -> Vec<Predicted> {
+        PartOrder::new(operators, 1.0, self, angles).curve()
     }
 }
 
-/// The best order found of so many cones; fewer only where the surface has no more inner vertices. About eight
-/// back-solves for each cone.
+/// The best order found of so many cones; fewer only where the surface has no more inner vertices. On a fresh model every
+/// order begins with all shorter ones. About 250 back-solves for each 32 cones begun.
 pub fn pursuit(reduced: &mut Reduced, count: usize) -> Nested {
-    let mut order = best_start(reduced, count);
+    let mut cones: Vec<VertexId> = Vec::new();
+    while cones.len() < count {
+        let held = cones.len();
+        cones = extended(reduced, cones);
+        if cones.len() == held {
+            break;
+        }
+    }
+    cones.truncate(count);
+    Nested::new(reduced, &cones)
+}
+
+/// An order with a block more.
+fn extended(reduced: &mut Reduced, held: Vec<VertexId>) -> Vec<VertexId> {
+    let mut order = best_start(reduced, held);
     for _ in 0..ROUNDS {
         let new = order.proposals(reduced);
         if new.is_empty() {
@@ -61,18 +90,23 @@ pub fn pursuit(reduced: &mut Reduced, count: usize) -> Nested {
             break;
         }
     }
-    Nested { sets: (0..=order.cones.len()).map(|n| reduced.fit(&order.cones[..n])).collect() }
+    order.cones
 }
 
-/// The best of three orders: pursued by gradient, by gain, and the order in which cones are missed least, backwards.
-fn best_start(reduced: &mut Reduced, count: usize) -> Order {
-    let first = start(reduced, count);
+/// The best of three orders: pursued by gradient, by gain, and, where nothing is held, the order in which cones are missed
+/// least, backwards.
+fn best_start(reduced: &mut Reduced, held: Vec<VertexId>) -> Order {
+    let count = held.len() + BLOCK;
+    let first = if held.is_empty() { start(reduced, count) } else { reduced.fit(&held) };
     let by_gradient = grow(reduced, first.clone(), count, Rule::Gradient);
     let by_gain = grow(reduced, first, count, Rule::Gain);
-    let mut best = Order::improved(reduced, by_gradient.cones);
-    let eliminated = backward(reduced, exchange(reduced, by_gain.clone()));
-    for cones in [by_gain.cones, eliminated] {
-        let order = Order::improved(reduced, cones);
+    let mut best = Order::improved(reduced, by_gradient.cones, held.len());
+    let mut others = vec![by_gain.cones.clone()];
+    if held.is_empty() {
+        others.push(backward(reduced, exchange(reduced, by_gain)));
+    }
+    for cones in others {
+        let order = Order::improved(reduced, cones, held.len());
         if order.is_better_than(&best, 0.0) {
             best = order;
         }
@@ -95,6 +129,8 @@ fn backward(reduced: &Reduced, mut set: Fitted) -> Vec<VertexId> {
 /// An order of cones with the sets of its levels.
 struct Order {
     cones: Vec<VertexId>,
+    /// So many of them stay where they are.
+    held: usize,
     levels: Vec<Fitted>,
     /// Σ log E over the levels.
     cost: f64,
@@ -109,18 +145,18 @@ struct Move {
 }
 
 impl Order {
-    fn new(reduced: &Reduced, cones: Vec<VertexId>) -> Self {
+    fn new(reduced: &Reduced, cones: Vec<VertexId>, held: usize) -> Self {
         let counts = (0..).map(|k| 1usize << k).take_while(|&n| n < cones.len()).chain([cones.len()]);
         let levels: Vec<Fitted> = counts.map(|n| reduced.fit(&cones[..n])).collect();
         // A level that cannot take the curvature is none, as one or two cones on a sphere.
         let able: Vec<Fitted> = levels.iter().filter(|level| level.shortfall == 0.0).cloned().collect();
         let levels = if able.is_empty() { levels } else { able };
         let cost = levels.iter().map(|level| worth(reduced, level).ln()).sum();
-        Self { cones, levels, cost }
+        Self { cones, held, levels, cost }
     }
 
-    fn improved(reduced: &Reduced, cones: Vec<VertexId>) -> Self {
-        let mut order = Self::new(reduced, cones);
+    fn improved(reduced: &Reduced, cones: Vec<VertexId>, held: usize) -> Self {
+        let mut order = Self::new(reduced, cones, held);
         order.improve(reduced);
         order
     }
@@ -148,7 +184,7 @@ impl Order {
         for &vertex in reduced.pool().iter().filter(|&&v| crowd.is_open(v)) {
             tables.iter().zip(&mut rows).for_each(|(table, row)| table.fill_for_member(vertex, row));
             let at = self.cones.iter().position(|&cone| cone == vertex);
-            for place in 0..at.unwrap_or(self.cones.len()) {
+            for place in self.held..at.unwrap_or(self.cones.len()) {
                 let change = self.change(reduced, &rows, place, at, |x: f64| x.max(1e-3).ln());
                 if change < -LEAST_MOVE && (at.is_some() || crowd.admits(vertex, place)) {
                     moves.push(Move { change, place, vertex });
@@ -166,7 +202,7 @@ impl Order {
             cones[at] = cones[step.place];
         }
         cones[step.place] = step.vertex;
-        Self::new(reduced, cones)
+        Self::new(reduced, cones, self.held)
     }
 
     fn tables<'a>(&'a self, reduced: &'a Reduced) -> Vec<SwapTable<'a>> {
@@ -199,7 +235,7 @@ impl Order {
             for ((table, norms), row) in tables.iter().zip(&norms).zip(&mut rows) {
                 table.fill_for_vertex(vertex, norms[vertex], row);
             }
-            for (place, best) in best.iter_mut().enumerate() {
+            for (place, best) in best.iter_mut().enumerate().skip(self.held) {
                 let change = self.change(reduced, &rows, place, None, |x| x - 1.0);
                 if best.is_none_or(|best| change < best.change) && crowd.admits(vertex, place) {
                     *best = Some(Move { change, place, vertex });
@@ -226,7 +262,6 @@ fn worth(reduced: &Reduced, level: &Fitted) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::operators::Operators;
     use crate::refined::refined;
     use geom::{Metric, shapes};
 
@@ -264,8 +299,21 @@ mod tests {
     }
 
     #[test]
+    fn an_order_begins_with_every_shorter_one() {
+        for shape in [shapes::hare(900), shapes::torus(2, 700), shapes::terrain(700, 5)] {
+            let order = |count: usize| with_nested(&shape, count, |_, nested| nested.cones().to_vec());
+            let all = order(40);
+            assert_eq!(all.len(), 40);
+            for count in [1, 3, 8, 31, 32, 33] {
+                assert_eq!(order(count), all[..count], "{count} cones");
+            }
+        }
+    }
+
+    #[test]
     fn the_curve_begins_with_what_the_surface_needs() {
-        let first = |shape: shapes::Shape| with_nested(&shape, 6, |reduced, nested| nested.curve(reduced)[0]);
+        let curve = |reduced: &mut Reduced, nested: Nested| nested.curve(reduced.operators(), Angles::Optimal);
+        let first = |shape: shapes::Shape| with_nested(&shape, 6, |reduced, nested| curve(reduced, nested)[0]);
         assert_eq!(first(shapes::hare(600)).count, 3);
         assert_eq!(first(shapes::torus(1, 600)).count, 0);
         assert_eq!(first(shapes::terrain(600, 2)).count, 0);

@@ -3,13 +3,17 @@
 //! Each part has a curve: its energy for every number of cones, times its area. On the lower convex hulls of the curves
 //! every further cone brings less than the one before, so taking steps by what they bring for each cone is optimal at the
 //! ends of hull edges, and every total is a prefix of the next.
+//!
+//! Curves are known in blocks, as orders are found in blocks, and a hull must not depend on how far its curve is known:
+//! so hulls have a corner wherever a block ends.
 
 use crate::angles::least_cones;
-use crate::pursuit::pursuit;
+use crate::operators::Operators;
+use crate::pursuit::{BLOCK, Nested, pursuit};
 use crate::reduced::{Fitted, Reduced};
 
 /// Curves are computed up to this number of cones. Beyond, the energy is taken to fall like 1/N, as it does about.
-const LONGEST_CURVE: usize = 64;
+const LONGEST_CURVE: usize = 2 * BLOCK;
 
 /// What cones bring to one connected part.
 #[derive(Clone, Debug)]
@@ -21,28 +25,39 @@ pub struct Part {
 }
 
 impl Part {
-    /// The curve of a connected part's nested cones, up to `most` of them; `area` is that in the model.
+    /// The curve of a connected part's best nested cones, at least up to `most` of them; `area` is that in the model.
     pub fn new(reduced: &mut Reduced, area: f64, most: usize) -> Self {
         let operators = reduced.operators();
+        let nested = pursuit(reduced, Self::known(operators, most));
+        Self::of_order(operators, &nested, area, most)
+    }
+
+    /// The curve of an order of cones.
+    pub(crate) fn of_order(operators: &Operators, nested: &Nested, area: f64, most: usize) -> Self {
         let least = least_cones(operators);
         let is_torus = !operators.is_bordered() && operators.mesh.euler_characteristic() == 0;
-        let computed = most.clamp(least, LONGEST_CURVE);
-        let nested = pursuit(reduced, computed);
         // One cone on a torus can have no curvature.
         let allowed = |count: usize| count >= least && !(is_torus && count == 1);
         let energy = |(count, set): (usize, &Fitted)| {
             if allowed(count) && set.shortfall == 0.0 { set.energy } else { f64::INFINITY }
         };
+        let known = Self::known(operators, most);
         let mut energy: Vec<f64> = nested.sets.iter().enumerate().map(energy).collect();
-        if energy.len() == computed + 1 {
-            let last = energy[computed];
-            energy.extend((computed + 1..=most).map(|count| last * computed as f64 / count as f64));
+        if energy.len() == known + 1 {
+            let last = energy[known];
+            energy.extend((known + 1..=most).map(|count| last * known as f64 / count as f64));
         }
         Self { area, energy }
+    }
+
+    /// The length of the order that a curve up to `most` cones is read from.
+    pub(crate) fn known(operators: &Operators, most: usize) -> usize {
+        most.max(least_cones(operators)).next_multiple_of(BLOCK).min(LONGEST_CURVE)
     }
 }
 
 /// One edge of a hull: so many cones that each bring so much.
+#[derive(Clone, Copy)]
 struct Step {
     part: usize,
     from: usize,
@@ -51,14 +66,11 @@ struct Step {
 }
 
 /// How many cones each part gets, `total` in all: first of all what each needs at least (the fewest with finite energy),
-/// even where that is more than the total.
+/// even where that is more than the total. Where a part has a number that it cannot have, the cones go to others.
 pub fn share_out(parts: &[Part], total: usize) -> Vec<usize> {
     let mut counts: Vec<usize> = parts.iter().map(least).collect();
     let mut left = total.saturating_sub(counts.iter().sum());
-    let mut steps: Vec<Step> = parts.iter().enumerate().flat_map(|(index, part)| hull(index, part)).collect();
-    steps.sort_by(|a, b| b.gain.total_cmp(&a.gain).then((a.part, a.from).cmp(&(b.part, b.from))));
-    for Step { part, from, to, .. } in steps {
-        debug_assert!(counts[part] <= from, "hull edges come in order");
+    for Step { part, from, to, .. } in steps(parts) {
         // Where the edge is too long for what is left, the part of it that is allowed.
         let reach = to.min(from + left);
         let allowed = |&count: &usize| parts[part].energy[count].is_finite();
@@ -70,23 +82,77 @@ pub fn share_out(parts: &[Part], total: usize) -> Vec<usize> {
     counts
 }
 
+/// The parts that get the first cone, the second, … of `total`, or fewer if there are no more: what each needs first, the
+/// largest part before the others, then by gain. As [`share_out`], but for the numbers that a part cannot have: they are
+/// passed through.
+pub fn sequence(parts: &[Part], total: usize) -> Vec<usize> {
+    let least: Vec<usize> = parts.iter().map(least).collect();
+    let areas: Vec<f64> = parts.iter().map(|part| part.area).collect();
+    let more = steps(parts).into_iter().flat_map(|step| std::iter::repeat_n(step.part, step.to - step.from));
+    needed(&areas, &least).into_iter().chain(more).take(total).collect()
+}
+
+/// As [`sequence`], one by one where area times the persistence of the next extremum is largest. For each part its area,
+/// the persistences of its extrema, and how many cones it must and can have.
+pub(crate) fn sequence_by_persistence(parts: &[(f64, Vec<f64>)], limits: &[[usize; 2]], total: usize) -> Vec<usize> {
+    let areas: Vec<f64> = parts.iter().map(|(area, _)| *area).collect();
+    let mut counts: Vec<usize> = limits.iter().map(|[least, _]| *least).collect();
+    let mut sequence = needed(&areas, &counts);
+    while sequence.len() < total {
+        let gain = |p: usize| parts[p].0 * parts[p].1.get(counts[p]).unwrap_or(&0.0);
+        let open = (0..parts.len()).filter(|&p| counts[p] < limits[p][1]);
+        let Some(best) = open.max_by(|&p, &q| gain(p).total_cmp(&gain(q)).then(q.cmp(&p))) else { break };
+        counts[best] += 1;
+        sequence.push(best);
+    }
+    sequence.truncate(total);
+    sequence
+}
+
+/// What each part needs, the largest part first.
+fn needed(areas: &[f64], least: &[usize]) -> Vec<usize> {
+    let mut parts: Vec<usize> = (0..areas.len()).collect();
+    parts.sort_by(|&p, &q| areas[q].total_cmp(&areas[p]).then(p.cmp(&q)));
+    parts.into_iter().flat_map(|p| std::iter::repeat_n(p, least[p])).collect()
+}
+
 /// The fewest cones that a part can have.
 fn least(part: &Part) -> usize {
     part.energy.iter().position(|energy| energy.is_finite()).unwrap_or(0)
 }
 
-/// The edges of the lower convex hull of a part's curve, from its least number on.
+/// The edges of all hulls, what brings most first, those of a part in their order.
+fn steps(parts: &[Part]) -> Vec<Step> {
+    let hulls: Vec<Vec<Step>> = parts.iter().enumerate().map(|(index, part)| hull(index, part)).collect();
+    let mut at = vec![0; parts.len()];
+    let mut steps = Vec::new();
+    let mut next = |steps: &mut Vec<Step>| {
+        let offered = hulls.iter().zip(&at).filter_map(|(hull, &at)| hull.get(at));
+        let best = *offered.max_by(|a, b| a.gain.total_cmp(&b.gain).then(b.part.cmp(&a.part)))?;
+        at[best.part] += 1;
+        steps.push(best);
+        Some(())
+    };
+    while next(&mut steps).is_some() {}
+    steps
+}
+
+/// The edges of the lower convex hull of a part's curve, block by block, from its least number on.
 fn hull(index: usize, part: &Part) -> Vec<Step> {
     let gain = |from: usize, to: usize| part.area * (part.energy[from] - part.energy[to]) / (to - from) as f64;
     let mut corners: Vec<usize> = Vec::new();
+    let mut first = 0;
     for count in (0..part.energy.len()).filter(|&count| part.energy[count].is_finite()) {
-        while let [.., a, b] = corners[..] {
+        while let [.., a, b] = corners[first..] {
             if gain(a, b) > gain(b, count) {
                 break;
             }
             corners.pop();
         }
         corners.push(count);
+        if count.is_multiple_of(BLOCK) {
+            first = corners.len() - 1;
+        }
     }
     let edges = corners.windows(2).map(|ends| (ends[0], ends[1]));
     edges.map(|(from, to)| Step { part: index, from, to, gain: gain(from, to) }).collect()
@@ -95,7 +161,6 @@ fn hull(index: usize, part: &Part) -> Vec<Step> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::operators::Operators;
     use geom::{Metric, shapes};
     use proptest::prelude::*;
 
@@ -140,6 +205,29 @@ mod tests {
     }
 
     #[test]
+    fn a_sequence_gives_every_total_and_does_not_depend_on_how_far_curves_are_known() {
+        let energy = |rate: f64, n: usize| (1.0 + (n as f64).sin() / 20.0) / (1.0 + rate * n as f64);
+        let parts = |most: usize| {
+            let part = |(area, rate)| Part { area, energy: (0..=most).map(|n| energy(rate, n)).collect() };
+            [(1.0, 0.5), (0.3, 2.0), (2.0, 0.1)].map(part)
+        };
+        let longest = sequence(&parts(2 * BLOCK), 60);
+        for total in 0..=60usize {
+            assert_eq!(sequence(&parts(total.max(1).next_multiple_of(BLOCK)), total), longest[..total]);
+            let count = |p: usize| longest[..total].iter().filter(|&&q| q == p).count();
+            assert_eq!(share_out(&parts(2 * BLOCK), total), [0, 1, 2].map(count));
+        }
+    }
+
+    #[test]
+    fn by_persistence_parts_come_by_area_and_persistence_as_far_as_they_have_room() {
+        let parts = [(1.0, vec![5.0, 4.0, 0.5]), (2.0, vec![9.0, 2.5, 1.0])];
+        let limits = [[1, 3], [1, 5]];
+        assert_eq!(sequence_by_persistence(&parts, &limits, 20), [1, 0, 1, 0, 1, 0, 1, 1]);
+        assert_eq!(sequence_by_persistence(&parts, &limits, 3), [1, 0, 1]);
+    }
+
+    #[test]
     fn a_part_gets_no_number_that_it_cannot_have() {
         let torus = Part { area: 1.0, energy: vec![1.0, f64::INFINITY, 0.2, 0.15] };
         let disk = Part { area: 1.0, energy: vec![0.5, 0.4, 0.35] };
@@ -158,7 +246,7 @@ mod tests {
             let mesh = shape.mesh();
             let operators = Operators::new(&mesh, &Metric::from_points(&mesh, &shape.points)).unwrap();
             let part = Part::new(&mut Reduced::new(&operators, &mesh), 1.0, 7);
-            let finite: Vec<usize> = (0..part.energy.len()).filter(|&count| part.energy[count].is_finite()).collect();
+            let finite: Vec<usize> = (0..8).filter(|&count| part.energy[count].is_finite()).collect();
             assert_eq!(finite, allowed);
             assert!(finite.windows(2).all(|pair| part.energy[pair[1]] <= part.energy[pair[0]] * (1.0 + 1e-9)));
         }

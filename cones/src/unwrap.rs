@@ -13,13 +13,20 @@ use crate::angles::{ConeCurvatures, least_cones};
 use crate::atlas::{Atlas, Cone, Extraction, NumberOfCones, Stage, Topology};
 use crate::automatic::{Automatic, MOST_AUTOMATIC, TARGET_DISTORTION, automatic, shortest};
 use crate::component::{Choice, Component, MOST_OPTIMISED, OnStage, Record};
+use crate::distortion::Whole;
 use crate::error::Error;
 use crate::hierarchy::{Candidate, Method, kind_of};
 use crate::options::{ConeChoice, Options};
+use crate::order::{ConeOrder, cone_order, counts, whole_curve};
+use crate::pursuit::Nested;
 use crate::reduced::Reduced;
 use crate::seams::Chain;
-use crate::share::{Part, share_out};
+use crate::settled::Settled;
 use crate::shelf::Shelf;
+
+/// An order of cones is found for so many in all, or for so many more than the parts of a model need.
+const ORDERED: usize = 64;
+const ORDERED_MORE: usize = 32;
 
 /// Unwraps a model: cones, seams, flattening. `on_stage` hears of each stage as it begins, in any part of the model.
 ///
@@ -32,6 +39,7 @@ pub fn unwrap(model: &Model, options: &Options, on_stage: &mut (dyn FnMut(Stage)
         let mut components = components(&prepared, options, on_stage)?;
         found.note_extrema(&components);
         let choices = found.first_choices(options, &mut components, &mut record)?;
+        found.note_order(options, &components, &choices, &mut record);
         let flats = each(&mut components, choices, Component::flatten_within)?;
         let mut uv = vec![None; model.corner_count()];
         let mut seams = Vec::new();
@@ -59,6 +67,7 @@ pub fn unwrap(model: &Model, options: &Options, on_stage: &mut (dyn FnMut(Stage)
             factor: found.factor,
             persistence: found.persistence,
             number: found.number,
+            order: found.order,
             times: record.times,
             warnings: record.warnings,
         })
@@ -80,6 +89,7 @@ pub fn extract(
         let mut components = components(&prepared, options, on_stage)?;
         found.note_extrema(&components);
         let choices = found.first_choices(options, &mut components, &mut record)?;
+        found.note_order(options, &components, &choices, &mut record);
         let chosen = each(&mut components, choices, |component, choice| component.choose(&choice))?;
         for (component, (cones, ConeCurvatures { curvature, .. })) in components.into_iter().zip(chosen) {
             found.note_cones(model, component.surface, &cones, &curvature);
@@ -92,6 +102,7 @@ pub fn extract(
             factor: found.factor,
             persistence: found.persistence,
             number: found.number,
+            order: found.order,
             times: record.times,
             warnings: record.warnings,
         })
@@ -148,6 +159,7 @@ struct Found {
     factor: Vec<f64>,
     persistence: Vec<f64>,
     number: Option<NumberOfCones>,
+    order: Option<ConeOrder>,
 }
 
 impl Found {
@@ -158,6 +170,7 @@ impl Found {
             factor: vec![f64::NAN; model.vertex_count()],
             persistence: Vec::new(),
             number: None,
+            order: None,
         }
     }
 
@@ -205,7 +218,7 @@ impl Found {
                     record.warn(too_few(*total, needed, components.len()));
                 }
                 let began = record.begin(Stage::Hierarchy);
-                let counts = share(options, components, least, *total);
+                let counts = counts(components, options.method_for(total.saturating_sub(needed)), *total);
                 record.end(Stage::Hierarchy, began);
                 counts
             }
@@ -226,44 +239,56 @@ impl Found {
         target: f64,
         most: usize,
     ) -> Vec<Choice> {
+        let Options { method, angles, .. } = *options;
         let find = |component: &mut Component| {
             component.stage(Stage::Hierarchy, |Component { surface, operators, hierarchy, .. }| {
                 let input = &surface.mesh;
                 let mut reduced = Reduced::new(operators, input);
-                match options.method {
-                    Method::Refined => automatic(&mut reduced, target, most),
+                match method {
+                    Method::Refined => automatic(&mut reduced, angles, target, most),
                     method => {
                         let order = hierarchy.cones(operators, input, method, most);
                         let order: Vec<VertexId> = order.iter().map(|cone| cone.vertex).collect();
-                        shortest(&mut reduced, &order, target)
+                        shortest(&mut reduced, &order, angles, target)
                     }
                 }
             })
         };
         let found: Vec<Automatic> = components.par_iter_mut().with_max_len(1).map(find).collect();
-        let whole: f64 = components.iter().map(|c| c.area).sum();
-        let predicted = |(c, found): (&Component, &Automatic)| found.predicted.area_distortion * c.area / whole;
-        self.number = Some(NumberOfCones {
-            target,
-            predicted: components.iter().zip(&found).map(predicted).sum(),
-            is_met: found.iter().all(|found| found.is_met),
-            curve: if let [found] = &found[..] { found.curve.clone() } else { Vec::new() },
-        });
+        let mut whole = Whole::new(components.len());
+        for (part, (Component { operators, area, .. }, found)) in components.iter().zip(&found).enumerate() {
+            let u = Settled::new(operators, &found.set, angles).log_scale(operators);
+            whole.put(part, operators, *area, found.set.cones.len(), u);
+        }
+        let predicted = whole.predicted();
+        let is_met = found.iter().all(|found| found.is_met);
+        let curve = match &found[..] {
+            [alone] => alone.curve.clone(),
+            _ => {
+                let nested: Vec<Nested> = found.iter().map(|found| found.nested.clone()).collect();
+                whole_curve(components, &nested, (method, angles), (2 * predicted.count).max(most))
+            }
+        };
+        self.number = Some(NumberOfCones { target, predicted: predicted.area_distortion, is_met, curve });
         found.into_iter().map(|found| Choice::Found(found.set.cones)).collect()
     }
-}
 
-/// Shares out cones over the surfaces by what they bring, as far as the method is one that asks for that.
-fn share(options: &Options, components: &[Component], least: Vec<usize>, total: usize) -> Vec<usize> {
-    let spare = total.saturating_sub(least.iter().sum());
-    if components.len() == 1 || !matches!(options.method_for(spare), Method::Refined | Method::Pursuit) {
-        return share_by_persistence(components, least, total);
+    /// The order of the cones for every number of them, if it is asked for.
+    fn note_order(&mut self, options: &Options, components: &[Component], choices: &[Choice], record: &mut Record) {
+        if !options.order {
+            return;
+        }
+        let began = record.begin(Stage::Hierarchy);
+        let needed: usize = components.iter().map(|c| least_cones(&c.operators)).sum();
+        let taken: usize = choices.iter().map(Choice::count).sum();
+        let method = match options.cones {
+            ConeChoice::Count(asked) => options.method_for(asked.saturating_sub(needed)),
+            _ => options.method_for(0),
+        };
+        let total = taken.max(ORDERED).max(if components.len() > 1 { needed + ORDERED_MORE } else { 0 });
+        self.order = Some(cone_order(components, (method, options.angles), total));
+        record.end(Stage::Hierarchy, began);
     }
-    let part = |(component, &least): (&Component, &usize)| {
-        Part::new(&mut Reduced::new(&component.operators, &component.surface.mesh), component.area, least + spare)
-    };
-    let parts: Vec<Part> = components.par_iter().zip(&least).with_max_len(1).map(part).collect();
-    share_out(&parts, total).into_iter().zip(least).map(|(count, least)| count.max(least)).collect()
 }
 
 /// Given cones must be vertices of a surface, each once.
@@ -286,19 +311,6 @@ fn check_given(model: &Model, options: &Options, prepared: &Prepared) -> Result<
         return Err(Error::SomeCurvatures { known, given: given.len() });
     }
     Ok(())
-}
-
-/// The cones of each surface, `total` in all: all least sets first, then one by one where area times the persistence of
-/// the next extremum is largest. Every total is a prefix.
-fn share_by_persistence(components: &[Component], least: Vec<usize>, total: usize) -> Vec<usize> {
-    let mut counts = least;
-    let gain = |c: &Component, count: usize| c.area * c.hierarchy.extrema().get(count).map_or(0.0, |e| e.persistence);
-    for _ in counts.iter().sum()..total {
-        let gains = components.iter().zip(&counts).map(|(c, &count)| gain(c, count)).enumerate();
-        let Some((best, _)) = gains.max_by(|a, b| a.1.total_cmp(&b.1).then(b.0.cmp(&a.0))) else { break };
-        counts[best] += 1;
-    }
-    counts
 }
 
 fn too_few(asked: usize, needed: usize, parts: usize) -> String {

@@ -6,4 +6,5 @@
 mod comparing;
 mod fields;
 mod folder;
+mod hierarchy;
 mod unwrapping;

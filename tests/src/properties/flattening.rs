@@ -183,5 +183,6 @@ pub fn options(bytes: &mut Bytes) -> Options {
         angles: if bytes.coin() { Angles::Harmonic } else { Angles::Optimal },
         smooth: bytes.byte() % 4 == 3,
         weld: bytes.byte() % 4 == 3,
+        order: bytes.byte() % 8 == 7,
     }
 }

@@ -61,6 +61,9 @@ pub(crate) struct Unwrap {
     /// Write the cones and their curvatures, as --cones reads them
     #[arg(long, value_name = "FILE")]
     pub(crate) cones_out: Option<PathBuf>,
+    /// Write the order of cones for every number of them, with what is predicted for each: .json
+    #[arg(long, value_name = "FILE")]
+    pub(crate) hierarchy: Option<PathBuf>,
     /// Draw the model with checkerboard, seams and cones: .png
     #[arg(long, value_name = "FILE")]
     pub(crate) picture: Option<PathBuf>,
@@ -82,6 +85,9 @@ pub(crate) struct Extract {
     /// Write the cones and their curvatures, as --cones reads them
     #[arg(long, value_name = "FILE")]
     pub(crate) cones_out: Option<PathBuf>,
+    /// Write the order of cones for every number of them, with what is predicted for each: .json
+    #[arg(long, value_name = "FILE")]
+    pub(crate) hierarchy: Option<PathBuf>,
     /// Print JSON in place of the table
     #[arg(long)]
     pub(crate) json: bool,
@@ -207,7 +213,7 @@ impl Choice {
             AnglesName::Optimal => Angles::Optimal,
             AnglesName::Harmonic => Angles::Harmonic,
         };
-        Ok(Options { cones, method, angles, smooth: self.smooth, weld: self.weld })
+        Ok(Options { cones, method, angles, smooth: self.smooth, order: false, weld: self.weld })
     }
 }
 

@@ -5,8 +5,8 @@ use crate::failure::Failure;
 use crate::progress::Progress;
 use crate::report::{ConeReport, CurvePoint, Hierarchy, Input, Number, RepairReport, SCHEMA, Times, curve, kind_name};
 use crate::table::columns;
-use crate::{cone_file, job, output};
-use cones::Extraction;
+use crate::{cone_file, hierarchy_file, job, output};
+use cones::{Extraction, Options};
 use serde::Serialize;
 use std::f64::consts::PI;
 use std::path::Path;
@@ -30,8 +30,12 @@ struct ExtractReport {
 pub(crate) fn run(args: &Extract) -> Result<(), Failure> {
     let inputs: Vec<&Path> =
         [Some(&args.input), args.choice.cones.as_ref()].into_iter().flatten().map(|p| &**p).collect();
-    output::check(&inputs, args.cones_out.as_deref().as_slice())?;
-    let options = args.choice.options()?;
+    if let Some(path) = &args.hierarchy {
+        output::extension(path, &["json"])?;
+    }
+    let outputs: Vec<&Path> = [&args.cones_out, &args.hierarchy].into_iter().flatten().map(|p| &**p).collect();
+    output::check(&inputs, &outputs)?;
+    let options = Options { order: args.hierarchy.is_some(), ..args.choice.options()? };
     let mut progress = Progress::begin(&args.input.display().to_string());
     let (model, read) = job::read(&args.input)?;
     let found = cones::extract(&model, &options, &mut |stage| progress.stage(stage))
@@ -41,6 +45,7 @@ pub(crate) fn run(args: &Extract) -> Result<(), Failure> {
     if let Some(path) = &args.cones_out {
         output::write_text(path, &cone_file::text(&found.cones))?;
     }
+    hierarchy_file::write(args.hierarchy.as_deref(), found.order.as_ref())?;
     if !args.json {
         return output::print(&table(&found));
     }

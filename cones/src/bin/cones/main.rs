@@ -11,6 +11,7 @@ mod extract;
 mod failure;
 mod features;
 mod field;
+mod hierarchy_file;
 mod job;
 mod measure;
 mod output;

@@ -6,14 +6,15 @@ use crate::job::{self, Job};
 use crate::picture::{self, Chart};
 use crate::progress::Progress;
 use crate::report::{Report, Times};
-use crate::{cone_file, output};
+use crate::{cone_file, hierarchy_file, output};
+use cones::Options;
 use geom::io::{ObjContent, write_glb, write_obj, write_ply};
 use std::path::Path;
 use std::time::Instant;
 
 pub(crate) fn run(args: &Unwrap) -> Result<(), Failure> {
     check_outputs(args)?;
-    let options = args.choice.options()?;
+    let options = Options { order: args.hierarchy.is_some(), ..args.choice.options()? };
     let mut progress = Progress::begin(&args.input.display().to_string());
     let began = Instant::now();
     let (model, read) = job::read(&args.input)?;
@@ -33,8 +34,12 @@ pub(crate) fn run(args: &Unwrap) -> Result<(), Failure> {
 /// Endings and places of the outputs, before anything is computed.
 fn check_outputs(args: &Unwrap) -> Result<(), Failure> {
     output::extension(&args.output, &["obj", "ply", "glb"])?;
-    let endings: [(&Option<_>, &[&str]); 3] =
-        [(&args.report, &["json"]), (&args.picture, &["png"]), (&args.layout, &["png", "svg"])];
+    let endings: [(&Option<_>, &[&str]); 4] = [
+        (&args.report, &["json"]),
+        (&args.hierarchy, &["json"]),
+        (&args.picture, &["png"]),
+        (&args.layout, &["png", "svg"]),
+    ];
     for (path, wanted) in endings {
         if let Some(path) = path {
             output::extension(path, wanted)?;
@@ -50,6 +55,7 @@ fn outputs(args: &Unwrap) -> Vec<&Path> {
         Some(&args.output),
         args.report.as_ref(),
         args.cones_out.as_ref(),
+        args.hierarchy.as_ref(),
         args.picture.as_ref(),
         args.layout.as_ref(),
     ];
@@ -79,6 +85,7 @@ fn write_extras(args: &Unwrap, job: &Job, report: &Report) -> Result<(), Failure
     if let Some(path) = &args.cones_out {
         output::write_text(path, &cone_file::text(&job.atlas.cones))?;
     }
+    hierarchy_file::write(args.hierarchy.as_deref(), job.atlas.order.as_ref())?;
     if args.picture.is_none() && args.layout.is_none() {
         return Ok(());
     }

@@ -27,7 +27,7 @@ pub(crate) struct Report {
     pub(crate) hierarchy: Hierarchy,
     /// How the number of cones was found; nothing where it was given.
     pub(crate) number: Option<Number>,
-    /// Predicted distortion by number of cones, where it was found and the model is in one part.
+    /// Predicted distortion by number of cones, where that number was found.
     pub(crate) curve: Vec<CurvePoint>,
     pub(crate) distortion: DistortionReport,
     pub(crate) islands: Vec<IslandReport>,
@@ -180,9 +180,13 @@ impl From<&NumberOfCones> for Number {
 
 /// The curve that a number of cones was read from.
 pub(crate) fn curve(number: Option<&NumberOfCones>) -> Vec<CurvePoint> {
-    let point =
-        |p: &Predicted| CurvePoint { n: p.count, predicted_l2: p.log_scale_norm, predicted_area: p.area_distortion };
-    number.map_or_else(Vec::new, |number| number.curve.iter().map(point).collect())
+    number.map_or_else(Vec::new, |number| number.curve.iter().map(CurvePoint::from).collect())
+}
+
+impl From<&Predicted> for CurvePoint {
+    fn from(of: &Predicted) -> Self {
+        Self { n: of.count, predicted_l2: of.log_scale_norm, predicted_area: of.area_distortion }
+    }
 }
 
 impl From<&Cone> for ConeReport {

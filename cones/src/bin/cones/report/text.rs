@@ -1,6 +1,6 @@
 //! A report as a few lines of text.
 
-use super::{DistortionReport, Input, Report};
+use super::{CurvePoint, DistortionReport, Input, Report};
 use crate::table::thousands;
 
 impl Report {
@@ -25,15 +25,28 @@ impl Report {
     /// Why so many cones, if nobody has said how many.
     fn number_text(&self) -> String {
         let Some(number) = &self.number else { return String::new() };
-        let others = [4, 8, 16, 32].into_iter().filter(|&n| n != self.cones.len());
-        let others = others.filter_map(|n| self.curve.iter().find(|point| point.n == n));
-        let others: Vec<String> = others.map(|p| format!("{} cones {:.2}", p.n, p.predicted_area)).collect();
+        let others: Vec<String> =
+            self.beside().iter().map(|p| format!("{} cones {:.2}", p.n, p.predicted_area)).collect();
         let others = if others.is_empty() { String::new() } else { format!("; {}", others.join(", ")) };
         let missed = if number.met { "" } else { ", not met" };
         format!(
             "number    automatic: area distortion {:.2} predicted, target {}{missed}{others}\n",
             number.predicted_area, number.target
         )
+    }
+}
+
+impl Report {
+    /// Points of the curve to compare with: the powers of two nearest to the number of cones, at most four, from four on.
+    fn beside(&self) -> Vec<&CurvePoint> {
+        let taken = self.cones.len();
+        let powers = self.curve.iter().filter(|p| p.n >= 4 && p.n.is_power_of_two() && p.n != taken);
+        let mut nearest: Vec<&CurvePoint> = powers.collect();
+        let far = |p: &&CurvePoint| (p.n.ilog2() as f64 - (taken.max(1) as f64).log2()).abs();
+        nearest.sort_by(|p, q| far(p).total_cmp(&far(q)));
+        nearest.truncate(4);
+        nearest.sort_by_key(|p| p.n);
+        nearest
     }
 }
 
