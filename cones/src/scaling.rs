@@ -104,7 +104,8 @@ pub fn scale(
     let direct = Newton {
         target,
         fixed: input.vertices().filter(|&v| input.is_boundary_vertex(v)).collect(),
-        first: Some(operators),
+        poisson: &operators.poisson,
+        starts_from_factor: true,
     };
     let state = State {
         triangulation: operators.mesh.triangulation().clone(),
@@ -131,7 +132,7 @@ pub fn scale(
                 flips: intrinsic.flips,
                 mollified: true,
             };
-            Newton { first: None, ..direct }.run(state, start)
+            Newton { starts_from_factor: false, ..direct }.run(state, start)
         }
     }
 }
@@ -148,8 +149,10 @@ struct State {
 struct Newton<'a> {
     target: &'a VertexData<f64>,
     fixed: Vec<VertexId>,
-    /// Where u is 0 to begin with, the first step can use the factor that is already there.
-    first: Option<&'a Operators>,
+    /// The factor that is already there. Others are made in the same order of elimination.
+    poisson: &'a Poisson,
+    /// Where u is 0 to begin with, the first step can use it.
+    starts_from_factor: bool,
 }
 
 impl Newton<'_> {
@@ -167,14 +170,14 @@ impl Newton<'_> {
             if error <= GOAL || last || steps >= MAX_STEPS {
                 return self.finish(state, u, metric, steps, error, vertex);
             }
-            let step = match self.first.filter(|_| steps == 0 && starts_at_zero) {
-                Some(operators) => operators.poisson.solve(&residual),
-                None => {
+            let step = match self.starts_from_factor && steps == 0 && starts_at_zero {
+                true => self.poisson.solve(&residual),
+                false => {
                     if !keep_factor || factored.is_none() {
                         let hessian = hessian(&state.triangulation, &metric);
                         match &mut factored {
                             Some(poisson) => poisson.refactor(&hessian)?,
-                            None => factored = Some(Poisson::new(&hessian, &self.fixed)?),
+                            None => factored = Some(self.poisson.another(&hessian)?),
                         }
                     }
                     factored.as_ref().expect("it was just factored").solve(&residual)

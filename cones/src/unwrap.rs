@@ -184,10 +184,10 @@ impl<'a> Run<'a> {
         let (metric, operators) = self.stage(Stage::Factor, |run| {
             let surface = &run.prepared.surfaces[index];
             let metric = surface.metric();
-            match Operators::new(&surface.mesh, &metric) {
+            match Operators::with_points(&surface.mesh, &metric, &surface.points) {
                 Err(PoissonError::NotPositiveDefinite) => {
                     let metric = metric.mollified(&surface.mesh, Metric::MOLLIFICATION);
-                    let operators = Operators::new(&surface.mesh, &metric);
+                    let operators = Operators::with_points(&surface.mesh, &metric, &surface.points);
                     run.warn(MOLLIFIED.to_owned());
                     operators.map(|operators| (metric, operators))
                 }

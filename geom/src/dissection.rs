@@ -74,9 +74,7 @@ impl Dissection<'_> {
     /// Sorts a set into two parts without edges between them, and the separator.
     fn separate<'b>(&mut self, places: &'b mut [Place]) -> (&'b mut [Place], &'b mut [Place], &'b mut [Place]) {
         let Plane { axis, below } = choose_plane(places);
-        places.select_nth_unstable_by(below, |a, b| {
-            a.at[axis].total_cmp(&b.at[axis]).then(a.vertex.cmp(&b.vertex))
-        });
+        places.select_nth_unstable_by(below, |a, b| a.at[axis].total_cmp(&b.at[axis]).then(a.vertex.cmp(&b.vertex)));
         let plane = places[below].at[axis];
         let near = move |place: &&Place| (place.at[axis] - plane).abs() <= place.reach;
         let (low, high) = places.split_at_mut(below);

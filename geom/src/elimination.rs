@@ -195,7 +195,8 @@ impl Elimination {
                 self.row_in_parent[k] = if r < end {
                     r - first
                 } else {
-                    at += above[at..].iter().position(|&x| x == r).expect("a parent has all later rows of its children");
+                    at +=
+                        above[at..].iter().position(|&x| x == r).expect("a parent has all later rows of its children");
                     end - first + at as u32
                 };
             }

@@ -63,19 +63,11 @@ impl Poisson {
     ///
     /// # Panics
     /// If there are fewer points than vertices.
-    pub fn with_points(
-        laplacian: &CsMat<f64>,
-        fixed: &[VertexId],
-        points: &[[f64; 3]],
-    ) -> Result<Self, PoissonError> {
+    pub fn with_points(laplacian: &CsMat<f64>, fixed: &[VertexId], points: &[[f64; 3]]) -> Result<Self, PoissonError> {
         Self::ordered(laplacian, fixed, Some(points).filter(|points| points.len() >= DISSECTED))
     }
 
-    fn ordered(
-        laplacian: &CsMat<f64>,
-        fixed: &[VertexId],
-        points: Option<&[[f64; 3]]>,
-    ) -> Result<Self, PoissonError> {
+    fn ordered(laplacian: &CsMat<f64>, fixed: &[VertexId], points: Option<&[[f64; 3]]>) -> Result<Self, PoissonError> {
         let vertex_count = laplacian.rows();
         let mut known = VertexData::constant(vertex_count, false);
         for &v in fixed {
@@ -154,6 +146,11 @@ impl Poisson {
         let mut block: Vec<f64> = right_hand_sides.iter().flat_map(|b| self.gather(b)).collect();
         self.cholesky.solve_in_place(&mut block);
         block.chunks_exact(n).map(|x| self.shifted(self.scatter(x))).collect()
+    }
+
+    /// On a closed surface, the vertex that was left out to make the Laplacian definite.
+    pub fn grounded(&self) -> Option<VertexId> {
+        (self.closed && self.vertex_count > 0).then(|| VertexId::new(self.vertex_count - 1))
     }
 
     /// For each given vertex, half of the solve that gives its Green's function G e_v, where G is the inverse of the
