@@ -1,6 +1,6 @@
 //! The conformal factor pinned to 0 at cones, for sets of cones that grow, on one factorization.
 //!
-//! With G the inverse of the grounded Laplacian and the flattening p, `φ = p + Σ k_c G e_c + s` vanishes at the cones S for the
+//! With G the inverse of the grounded Laplacian and p = -G K, up to a constant, `φ = p + Σ k_c G e_c + s` vanishes at the cones S for the
 //! curvatures k of the small dense system
 //!
 //! ```text
@@ -22,7 +22,7 @@ use crate::operators::Operators;
 pub(crate) struct Pinned<'a> {
     operators: &'a Operators,
     cones: Vec<VertexId>,
-    /// p
+    /// p: all curvature taken to the grounded vertex or the boundary.
     flattening: VertexData<f64>,
     /// The half solves of the cones.
     half: Vec<HalfSolved>,
@@ -32,7 +32,11 @@ pub(crate) struct Pinned<'a> {
 
 impl<'a> Pinned<'a> {
     pub(crate) fn new(operators: &'a Operators) -> Self {
-        let flattening = operators.poisson.solve(&operators.flattening_source());
+        let mut source: VertexData<f64> = operators.curvature.iter().map(|k| -k).collect();
+        if let Some(grounded) = operators.poisson.grounded() {
+            source[grounded] += operators.total_curvature();
+        }
+        let flattening = operators.poisson.solve(&source);
         Self { operators, cones: Vec::new(), flattening, half: Vec::new(), green: Some(Growing::default()) }
     }
 
@@ -88,14 +92,11 @@ impl<'a> Pinned<'a> {
             Some(grounded) => -self.flattening[grounded],
             None => (minus_p.iter().sum::<f64>() - total) / ones.iter().sum::<f64>(),
         };
-        let mut of_free = minus_p.iter().zip(&ones).map(|(p, one)| p - shift * one);
-        let left = total - of_free.clone().sum::<f64>();
-        Some(
-            self.cones
-                .iter()
-                .map(|&c| if self.is_grounded(c) { left } else { of_free.next().unwrap_or(0.0) })
-                .collect(),
-        )
+        let mut curvature: Vec<f64> = minus_p.iter().zip(&ones).map(|(p, one)| p - shift * one).collect();
+        if let Some(at) = self.cones.iter().position(|&c| self.is_grounded(c)) {
+            curvature.insert(at, total - curvature.iter().sum::<f64>());
+        }
+        Some(curvature)
     }
 }
 

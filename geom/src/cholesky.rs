@@ -6,16 +6,14 @@
 //! factorization, which is the oracle in the tests; both run on one thread (more gain nothing at these sizes).
 
 use faer::dyn_stack::{MemBuffer, MemStack};
-use faer::linalg::matmul::matmul;
-use faer::linalg::triangular_solve::{solve_lower_triangular_in_place, solve_upper_triangular_in_place};
 use faer::sparse::SymbolicSparseColMatRef;
 use faer::sparse::linalg::amd;
-use faer::{Accum, Mat, MatMut, MatRef, Par};
 
 use crate::dissection::dissect;
 use crate::elimination::{Elimination, Graph};
 use crate::front::Eliminator;
 use crate::poisson::PoissonError;
+use crate::substitution::{LANES, substitute};
 
 /// So many right-hand sides are solved for at once.
 const BLOCK: usize = 16;
@@ -227,49 +225,23 @@ impl Cholesky {
 
     /// Solves for several columns at once.
     fn solve_block(&self, b: &mut [f64]) {
-        let n = self.matrix.dimension();
-        let columns = b.len() / n;
         let order = &self.elimination.order;
-        let mut x = Mat::from_fn(n, columns, |k, c| b[c * n + order[k] as usize]);
-        let mut below = Vec::new();
-        for s in 0..self.elimination.len() {
-            let (first, width, rows) = self.steps_and_rows(s);
-            let (top, bottom) = self.panel(s).split_at_row(width);
-            let mut own = x.as_mut().subrows_mut(first, width);
-            solve_lower_triangular_in_place(top, own.as_mut(), Par::Seq);
-            below.resize(rows.len() * columns, 0.0);
-            let change = MatMut::from_column_major_slice_mut(&mut below, rows.len(), columns);
-            matmul(change, Accum::Replace, bottom, own.as_ref(), 1.0, Par::Seq);
-            for (c, change) in below.chunks_exact(rows.len().max(1)).enumerate() {
-                let x = x.col_as_slice_mut(c);
-                rows.iter().zip(change).for_each(|(&r, change)| x[r as usize] -= change);
-            }
+        let n = order.len();
+        let columns = b.len() / n;
+        // Others are zero.
+        let padded = columns.next_multiple_of(LANES);
+        let mut x = vec![0.0; n * padded];
+        for (row, &v) in x.chunks_exact_mut(padded).zip(order) {
+            row.iter_mut().zip(b.iter().skip(v as usize).step_by(n)).for_each(|(x, b)| *x = *b);
         }
-        for s in (0..self.elimination.len()).rev() {
-            let (first, width, rows) = self.steps_and_rows(s);
-            let (top, bottom) = self.panel(s).split_at_row(width);
-            below.clear();
-            for c in 0..columns {
-                let x = x.col_as_slice(c);
-                below.extend(rows.iter().map(|&r| x[r as usize]));
-            }
-            let below = MatRef::from_column_major_slice(&below, rows.len(), columns);
-            let mut own = x.as_mut().subrows_mut(first, width);
-            matmul(own.as_mut(), Accum::Add, bottom.transpose(), below, -1.0, Par::Seq);
-            solve_upper_triangular_in_place(top.transpose(), own, Par::Seq);
-        }
-        for (c, b) in b.chunks_exact_mut(n).enumerate() {
-            order.iter().zip(x.col_as_slice(c)).for_each(|(&v, &x)| b[v as usize] = x);
+        substitute(&self.elimination, &self.factor, padded, &mut x);
+        for (row, &v) in x.chunks_exact(padded).zip(order) {
+            b.iter_mut().skip(v as usize).step_by(n).zip(row).for_each(|(b, x)| *b = *x);
         }
     }
 
     fn steps_and_rows(&self, s: usize) -> (usize, usize, &[u32]) {
         (self.elimination.first(s), self.elimination.width(s), self.elimination.rows(s))
-    }
-
-    fn panel(&self, s: usize) -> MatRef<'_, f64> {
-        let (_, width, rows) = self.steps_and_rows(s);
-        MatRef::from_column_major_slice(&self.factor[self.elimination.values(s)], width + rows.len(), width)
     }
 
     /// y = A x for one column.
@@ -350,4 +322,170 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
     }
     let tail: f64 = a_tail.iter().zip(b_tail).map(|(a, b)| a * b).sum();
     sum.iter().sum::<f64>() + tail
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::VertexId;
+    use crate::shapes::{self, Shape};
+    use crate::{Metric, laplacian};
+    use faer::sparse::linalg::cholesky::{
+        CholeskySymbolicParams, LltRef, SymmetricOrdering, factorize_symbolic_cholesky,
+    };
+    use faer::sparse::{SparseColMatRef, linalg::SupernodalThreshold};
+    use faer::{Conj, MatMut, Par, Side};
+
+    /// The Laplacian of a shape plus a little on the diagonal, and the points.
+    fn matrix(shape: &Shape) -> (LowerTriangle, Vec<[f32; 3]>) {
+        let mesh = shape.mesh();
+        let laplacian = laplacian(&mesh, &Metric::from_points(&mesh, &shape.points));
+        let mut lower = LowerTriangle { column_start: vec![0], row: Vec::new(), value: Vec::new() };
+        for v in mesh.vertices().map(VertexId::index) {
+            let column = laplacian.outer_view(v).unwrap();
+            for (row, value) in column.iter().filter(|(row, _)| *row >= v) {
+                lower.row.push(row as u32);
+                lower.value.push(value + if row == v { 1e-3 } else { 0.0 });
+            }
+            lower.column_start.push(lower.row.len() as u32);
+        }
+        (lower, shape.points.iter().map(|p| p.map(|x| x as f32)).collect())
+    }
+
+    fn copy(matrix: &LowerTriangle) -> LowerTriangle {
+        let LowerTriangle { column_start, row, value } = matrix;
+        LowerTriangle { column_start: column_start.clone(), row: row.clone(), value: value.clone() }
+    }
+
+    fn right_hand_side(n: usize) -> Vec<f64> {
+        (0..n).map(|k| (k as f64 * 0.37).sin()).collect()
+    }
+
+    /// A x = b by faer's supernodal factorization.
+    fn solved_by_faer(a: &LowerTriangle, mut b: Vec<f64>) -> Vec<f64> {
+        let n = a.dimension();
+        let pattern = SymbolicSparseColMatRef::new_checked(n, n, &a.column_start, None, &a.row);
+        let parameters = CholeskySymbolicParams {
+            supernodal_flop_ratio_threshold: SupernodalThreshold::FORCE_SUPERNODAL,
+            ..Default::default()
+        };
+        let symbolic = factorize_symbolic_cholesky(pattern, Side::Lower, SymmetricOrdering::Amd, parameters).unwrap();
+        let mut factor = vec![0.0; symbolic.len_val()];
+        let mut scratch = MemBuffer::new(symbolic.factorize_numeric_llt_scratch::<f64>(Par::Seq, Default::default()));
+        let matrix = SparseColMatRef::new(pattern, &a.value);
+        let stack = MemStack::new(&mut scratch);
+        symbolic
+            .factorize_numeric_llt(
+                &mut factor,
+                matrix,
+                Side::Lower,
+                Default::default(),
+                Par::Seq,
+                stack,
+                Default::default(),
+            )
+            .unwrap();
+        let mut scratch = MemBuffer::new(symbolic.solve_in_place_scratch::<f64>(1, Par::Seq));
+        LltRef::new(&symbolic, &factor).solve_in_place_with_conj(
+            Conj::No,
+            MatMut::from_column_major_slice_mut(&mut b, n, 1),
+            Par::Seq,
+            MemStack::new(&mut scratch),
+        );
+        b
+    }
+
+    fn assert_near(x: &[f64], y: &[f64]) {
+        let size = y.iter().fold(0.0, |m: f64, y| m.max(y.abs()));
+        let difference = x.iter().zip(y).fold(0.0, |m: f64, (x, y)| m.max((x - y).abs()));
+        assert!(difference < 1e-10 * size, "{difference} of {size}");
+    }
+
+    #[test]
+    fn solutions_are_those_of_faer() {
+        // Large enough for fronts that faer's kernels take.
+        for shape in [shapes::disk(60), shapes::hare(900), shapes::terrain(12_000, 3)] {
+            let (matrix, points) = matrix(&shape);
+            let b = right_hand_side(points.len());
+            let expected = solved_by_faer(&matrix, b.clone());
+            for points in [None, Some(&points[..])] {
+                let mut x = b.clone();
+                Cholesky::new(copy(&matrix), points).unwrap().solve_in_place(&mut x);
+                assert_near(&x, &expected);
+            }
+        }
+    }
+
+    #[test]
+    fn many_right_hand_sides_are_solved_for_as_one_is() {
+        let (matrix, points) = matrix(&shapes::hare(900));
+        let n = points.len();
+        let cholesky = Cholesky::new(matrix, Some(&points)).unwrap();
+        for columns in [2, 16, 17, 35] {
+            let right = right_hand_side(columns * n);
+            let mut all = right.clone();
+            cholesky.solve_in_place(&mut all);
+            for (x, b) in all.chunks_exact(n).zip(right.chunks_exact(n)) {
+                let mut one = b.to_vec();
+                cholesky.solve_in_place(&mut one);
+                assert_near(x, &one);
+            }
+        }
+    }
+
+    #[test]
+    fn two_halves_are_a_solve() {
+        let (matrix, points) = matrix(&shapes::hare(900));
+        let n = points.len();
+        let cholesky = Cholesky::new(matrix, Some(&points)).unwrap();
+        let mut scratch = Vec::new();
+        for row in [0, 17, n - 1] {
+            let mut whole = vec![0.0; n];
+            whole[row] = 1.0;
+            cholesky.solve_in_place(&mut whole);
+            let mut half = vec![0.0; n];
+            cholesky.half_solve(row as u32, &mut scratch).iter().for_each(|&(step, x)| half[step as usize] = x);
+            assert!(scratch.iter().all(|x| *x == 0.0));
+            let square: f64 = half.iter().map(|x| x * x).sum();
+            assert!((square / whole[row] - 1.0).abs() < 1e-12);
+            assert_near(&cholesky.half_solve_back(half), &whole);
+        }
+    }
+
+    #[test]
+    fn another_matrix_is_factored_in_the_order_of_the_first() {
+        let (matrix, points) = matrix(&shapes::hare(900));
+        let mut doubled = copy(&matrix);
+        doubled.value.iter_mut().for_each(|value| *value *= 2.0);
+        let mut cholesky = Cholesky::new(matrix, Some(&points)).unwrap();
+        let other = cholesky.another(copy(&doubled)).unwrap();
+        cholesky.refactor(doubled).unwrap();
+        assert_eq!((&cholesky.factor, &cholesky.elimination.order), (&other.factor, &other.elimination.order));
+    }
+
+    #[test]
+    fn what_is_not_definite_is_refused() {
+        let (matrix, points) = matrix(&shapes::hare(900));
+        for wrong in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+            for column in [0, 450, 899] {
+                let mut matrix = copy(&matrix);
+                let diagonal = matrix.column_start[column] as usize;
+                matrix.value[diagonal] = wrong;
+                let error = Cholesky::new(matrix, Some(&points)).unwrap_err();
+                assert_eq!(error, PoissonError::NotPositiveDefinite);
+            }
+        }
+        let zero = LowerTriangle { column_start: vec![0, 1], row: vec![0], value: vec![0.0] };
+        assert!(Cholesky::new(zero, None).is_err());
+    }
+
+    #[test]
+    fn a_matrix_without_rows_is_factored() {
+        let empty = || LowerTriangle { column_start: vec![0], row: Vec::new(), value: Vec::new() };
+        for points in [None, Some(&[][..])] {
+            let cholesky = Cholesky::new(empty(), points).unwrap();
+            cholesky.solve_in_place(&mut []);
+            assert_eq!(cholesky.factor_len(), 0);
+        }
+    }
 }

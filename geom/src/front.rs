@@ -54,7 +54,8 @@ fn factor_wide(panel: &mut [f64], height: usize) -> bool {
     let mut scratch = MemBuffer::new(cholesky_in_place_scratch::<f64>(width, Par::Seq, Default::default()));
     let regularization = LltRegularization::default();
     let stack = MemStack::new(&mut scratch);
-    let is_definite = cholesky_in_place(top.as_mut(), regularization, Par::Seq, stack, Default::default()).is_ok();
+    let done = cholesky_in_place(top.as_mut(), regularization, Par::Seq, stack, Default::default()).is_ok();
+    let is_definite = done && (0..width).all(|j| top[(j, j)] > 0.0 && top[(j, j)] < f64::INFINITY);
     if is_definite {
         solve_lower_triangular_in_place(top.as_ref(), bottom.transpose_mut(), Par::Seq);
     }

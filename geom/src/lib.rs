@@ -44,6 +44,7 @@ mod path;
 mod poisson;
 mod prepare;
 pub mod shapes;
+mod substitution;
 mod triangulate;
 mod vector;
 
