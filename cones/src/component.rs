@@ -124,11 +124,11 @@ impl<'a> Component<'a> {
         let mut record = Record::new(on_stage);
         let began = record.begin(Stage::Factor);
         let mut metric = surface.metric();
-        let operators = match Operators::new(&surface.mesh, &metric) {
+        let operators = match Operators::with_points(&surface.mesh, &metric, &surface.points) {
             Err(PoissonError::NotPositiveDefinite) => {
                 metric = metric.mollified(&surface.mesh, Metric::MOLLIFICATION);
                 record.warn(MOLLIFIED.to_owned());
-                Operators::new(&surface.mesh, &metric)?
+                Operators::with_points(&surface.mesh, &metric, &surface.points)?
             }
             operators => operators?,
         };

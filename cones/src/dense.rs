@@ -1,4 +1,4 @@
-//! Small dense systems, by Gaussian elimination with partial pivoting.
+//! Small dense systems: by Gaussian elimination with partial pivoting, and by a Cholesky factor that grows by rows.
 
 /// Solves A X = B for `columns` right-hand sides, both matrices row by row; none if A is singular.
 pub(crate) fn solve(mut a: Vec<f64>, mut b: Vec<f64>, columns: usize) -> Option<Vec<f64>> {
@@ -31,6 +31,44 @@ pub(crate) fn invert(a: Vec<f64>, n: usize) -> Option<Vec<f64>> {
     let mut identity = vec![0.0; n * n];
     identity.iter_mut().step_by(n + 1).for_each(|x| *x = 1.0);
     solve(a, identity, n)
+}
+
+/// The Cholesky factor of a symmetric positive definite matrix to which rows are added.
+#[derive(Debug, Default)]
+pub(crate) struct Growing {
+    /// The rows of the factor, up to the diagonal.
+    row: Vec<Vec<f64>>,
+}
+
+impl Growing {
+    /// Adds a row of the matrix, up to the diagonal; none if the matrix is not definite any more.
+    pub(crate) fn with(mut self, mut row: Vec<f64>) -> Option<Self> {
+        let diagonal = row.pop()?;
+        self.forward(&mut row);
+        let square = diagonal - row.iter().map(|x| x * x).sum::<f64>();
+        let is_definite = square > f64::EPSILON * diagonal; // not so with NaN either
+        row.push(square.sqrt());
+        self.row.push(row);
+        is_definite.then_some(self)
+    }
+
+    /// Solves A x = b.
+    pub(crate) fn solve(&self, mut b: Vec<f64>) -> Vec<f64> {
+        self.forward(&mut b);
+        for (k, row) in self.row.iter().enumerate().rev() {
+            b[k] /= row[k];
+            let x = b[k];
+            b[..k].iter_mut().zip(row).for_each(|(b, c)| *b -= c * x);
+        }
+        b
+    }
+
+    fn forward(&self, b: &mut [f64]) {
+        for (k, row) in self.row.iter().enumerate() {
+            let sum: f64 = row[..k].iter().zip(&b[..k]).map(|(c, b)| c * b).sum();
+            b[k] = (b[k] - sum) / row[k];
+        }
+    }
 }
 
 fn swap_rows(a: &mut [f64], columns: usize, i: usize, j: usize) {
@@ -66,6 +104,20 @@ mod tests {
     #[test]
     fn a_zero_on_the_diagonal_is_no_hindrance() {
         assert_eq!(solve(vec![0.0, 1.0, 2.0, 0.0], vec![3.0, 4.0], 1), Some(vec![2.0, 3.0]));
+    }
+
+    #[test]
+    fn a_growing_factor_solves_as_elimination_does() {
+        let n = 6;
+        let entry = |i: usize, j: usize| 1.0 / (1 + i + j) as f64 + f64::from(u8::from(i == j));
+        let matrix: Vec<f64> = (0..n * n).map(|k| entry(k / n, k % n)).collect();
+        let rows = (0..n).map(|i| (0..=i).map(|j| entry(i, j)).collect());
+        let growing = rows.fold(Growing::default(), |growing, row| growing.with(row).unwrap());
+        let right: Vec<f64> = (0..n).map(|k| k as f64 - 1.5).collect();
+        let expected = solve(matrix, right.clone(), 1).unwrap();
+        assert!(growing.solve(right).iter().zip(&expected).all(|(x, expected)| (x - expected).abs() < 1e-12));
+        assert!(growing.with(vec![f64::NAN; n + 1]).is_none());
+        assert!(Growing::default().with(vec![1.0]).unwrap().with(vec![1.0, 1.0]).is_none());
     }
 
     #[test]

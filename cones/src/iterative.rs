@@ -9,7 +9,7 @@
 //!
 //! Cones keep a distance of three edges where there is room, as everywhere here; what is published does not say.
 
-use geom::{Poisson, PoissonError, VertexData, VertexId};
+use geom::{PoissonError, VertexData, VertexId};
 
 use crate::crowd::Crowd;
 use crate::factor::ConformalFactor;
@@ -32,8 +32,6 @@ pub fn greedy(operators: &Operators, count: usize) -> Vec<VertexId> {
 /// # Errors
 /// If a Laplacian cannot be factored.
 pub fn iterative_refactoring(operators: &Operators, count: usize) -> Result<Vec<VertexId>, PoissonError> {
-    let mesh = &operators.mesh;
-    let boundary: Vec<VertexId> = mesh.vertices().filter(|&v| mesh.is_boundary_vertex(v)).collect();
     let source: VertexData<f64> = operators.curvature.iter().map(|k| -k).collect();
     let mut cones: Vec<VertexId> = Vec::new();
     let mut phi = ConformalFactor::new(operators).phi;
@@ -44,7 +42,7 @@ pub fn iterative_refactoring(operators: &Operators, count: usize) -> Result<Vec<
         }
         cones.extend(new);
         if cones.len() < count {
-            phi = Poisson::new(&operators.laplacian, &[&boundary[..], &cones].concat())?.solve(&source);
+            phi = operators.refactored(&cones)?.solve(&source);
         }
     }
     cones.truncate(count);

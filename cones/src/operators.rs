@@ -37,6 +37,8 @@ pub struct Operators {
     /// inside: the constants, and with several boundary loops their harmonic extensions.
     free: Vec<VertexData<f64>>,
     bordered: bool,
+    /// The positions of the vertices, where they were given.
+    points: Option<Vec<[f64; 3]>>,
 }
 
 impl Operators {
@@ -45,6 +47,27 @@ impl Operators {
     /// # Errors
     /// If the Laplacian cannot be factored.
     pub fn new(mesh: &Mesh, metric: &Metric) -> Result<Self, PoissonError> {
+        Self::prepared(mesh, metric, Poisson::new)
+    }
+
+    /// The same where the positions of the vertices are known, which on large surfaces makes the factorization faster; see
+    /// [`Poisson::with_points`].
+    ///
+    /// # Errors
+    /// If the Laplacian cannot be factored.
+    ///
+    /// # Panics
+    /// If there are fewer points than vertices.
+    pub fn with_points(mesh: &Mesh, metric: &Metric, points: &[[f64; 3]]) -> Result<Self, PoissonError> {
+        let factor = |laplacian: &CsMat<f64>, fixed: &[VertexId]| Poisson::with_points(laplacian, fixed, points);
+        Ok(Self { points: Some(points.to_vec()), ..Self::prepared(mesh, metric, factor)? })
+    }
+
+    fn prepared(
+        mesh: &Mesh,
+        metric: &Metric,
+        factor: impl FnOnce(&CsMat<f64>, &[VertexId]) -> Result<Poisson, PoissonError>,
+    ) -> Result<Self, PoissonError> {
         let intrinsic = delaunay(mesh, metric);
         let metric = intrinsic.metric;
         let mesh = Mesh::from_triangulation(intrinsic.triangulation)
@@ -56,7 +79,7 @@ impl Operators {
         let laplacian = laplacian(&mesh, &metric);
         let mut loops: Vec<Vec<VertexId>> =
             mesh.boundary_loops().iter().map(|around| around.iter().map(|&h| mesh.tail(h)).collect()).collect();
-        let poisson = Poisson::new(&laplacian, &loops.concat())?;
+        let poisson = factor(&laplacian, &loops.concat())?;
         let bordered = !loops.is_empty();
         let mut operators = Self {
             mesh,
@@ -68,6 +91,7 @@ impl Operators {
             poisson,
             free: Vec::new(),
             bordered,
+            points: None,
         };
         operators.add_free(VertexData::constant(operators.mesh.vertex_count(), 1.0));
         loops.sort_by_key(|around| std::cmp::Reverse(around.len()));
@@ -153,6 +177,16 @@ impl Operators {
             source[v] += q;
         }
         self.poisson.solve(&source)
+    }
+
+    /// Factors the Laplacian anew with more vertices pinned to 0 than the boundary, from its ordering on.
+    pub(crate) fn refactored(&self, pinned: &[VertexId]) -> Result<Poisson, PoissonError> {
+        let boundary = self.mesh.vertices().filter(|&v| self.mesh.is_boundary_vertex(v));
+        let fixed: Vec<VertexId> = boundary.chain(pinned.iter().copied()).collect();
+        match &self.points {
+            Some(points) => Poisson::with_points(&self.laplacian, &fixed, points),
+            None => Poisson::new(&self.laplacian, &fixed),
+        }
     }
 
     /// The harmonic function that is 1 on one boundary loop and 0 on the others.

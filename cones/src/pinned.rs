@@ -1,18 +1,20 @@
 //! The conformal factor pinned to 0 at cones, for sets of cones that grow, on one factorization.
 //!
-//! With Green's functions `g_c` and the flattening p, `φ = p + Σ k_c g_c + s` vanishes at the cones S for the curvatures k of
-//! the small dense system
+//! With G the inverse of the grounded Laplacian and p = -G K, up to a constant, `φ = p + Σ k_c G e_c + s` vanishes at the cones S for the
+//! curvatures k of the small dense system
 //!
 //! ```text
 //!     [[G_SS, 1], [1ᵀ, 0]] [k; s] = [-p_S; 2πχ]        (with a boundary G_SS alone)
 //! ```
 //!
-//! and it is what solving the Laplacian with the cones pinned gives, which takes a new factorization for each set. A new
-//! cone adds a row to `G_SS`, so only the values of Green's functions at cones are kept.
+//! and it is what solving the Laplacian with the cones pinned gives, which takes a new factorization for each set. Entries
+//! of G come from half solves ([`geom::Poisson::half_solve`]), a small part of a solve each, and a new cone adds a row to a
+//! Cholesky factor of `G_SS`. The grounded vertex, where G is 0, can be a cone too: it fixes s, and has the curvature that
+//! is left.
 
-use geom::{VertexData, VertexId};
+use geom::{HalfSolved, VertexData, VertexId};
 
-use crate::dense;
+use crate::dense::Growing;
 use crate::factor::ConformalFactor;
 use crate::operators::Operators;
 
@@ -20,16 +22,22 @@ use crate::operators::Operators;
 pub(crate) struct Pinned<'a> {
     operators: &'a Operators,
     cones: Vec<VertexId>,
-    /// p
+    /// p: all curvature taken to the grounded vertex or the boundary.
     flattening: VertexData<f64>,
-    /// G between cones, row by row up to the diagonal.
-    green: Vec<Vec<f64>>,
+    /// The half solves of the cones.
+    half: Vec<HalfSolved>,
+    /// The factor of `G_SS`, the grounded vertex left out; none where cones coincide.
+    green: Option<Growing>,
 }
 
 impl<'a> Pinned<'a> {
     pub(crate) fn new(operators: &'a Operators) -> Self {
-        let flattening = operators.poisson.solve(&operators.flattening_source());
-        Self { operators, cones: Vec::new(), flattening, green: Vec::new() }
+        let mut source: VertexData<f64> = operators.curvature.iter().map(|k| -k).collect();
+        if let Some(grounded) = operators.poisson.grounded() {
+            source[grounded] += operators.total_curvature();
+        }
+        let flattening = operators.poisson.solve(&source);
+        Self { operators, cones: Vec::new(), flattening, half: Vec::new(), green: Some(Growing::default()) }
     }
 
     pub(crate) fn operators(&self) -> &'a Operators {
@@ -40,20 +48,29 @@ impl<'a> Pinned<'a> {
         &self.cones
     }
 
-    /// Pins more vertices. A solve each.
+    /// Pins more vertices. A half solve each.
     pub(crate) fn add(&mut self, cones: &[VertexId]) {
-        for (&cone, g) in cones.iter().zip(self.operators.green(cones)) {
+        for (&cone, half) in cones.iter().zip(self.operators.poisson.half_solve(cones)) {
             self.cones.push(cone);
-            self.green.push(self.cones.iter().map(|&c| g[c]).collect());
+            self.half.push(half);
+            let Some(last) = self.half.last().filter(|_| !self.is_grounded(cone)) else { continue };
+            let others = self.cones.iter().zip(&self.half).filter(|(c, _)| !self.is_grounded(**c));
+            let row = others.map(|(_, other)| last.dot(other)).collect();
+            self.green = self.green.take().and_then(|green| green.with(row));
         }
     }
 
+    fn is_grounded(&self, cone: VertexId) -> bool {
+        self.operators.poisson.grounded() == Some(cone)
+    }
+
     /// φ: the log scale factor that is 0 at all cones and leaves curvature nowhere else; the paper's conformal factor where
-    /// there are none. One solve.
+    /// there are none. Half a solve.
     pub(crate) fn factor(&self) -> VertexData<f64> {
         let curvature = if self.cones.is_empty() { None } else { self.curvature() };
         let Some(curvature) = curvature else { return ConformalFactor::new(self.operators).phi };
-        let mut phi = self.operators.uncentred_log_scale(&self.cones, &curvature);
+        let mut phi = self.operators.poisson.finish(self.half.iter().zip(curvature));
+        phi.iter_mut().zip(self.flattening.iter()).for_each(|(phi, p)| *phi += p);
         if !self.operators.is_bordered() {
             let at_cones = phi[self.cones[0]];
             phi.iter_mut().for_each(|phi| *phi -= at_cones);
@@ -63,25 +80,22 @@ impl<'a> Pinned<'a> {
 
     /// k, the curvatures that pin φ; none where cones coincide.
     pub(crate) fn curvature(&self) -> Option<Vec<f64>> {
-        let n = self.cones.len();
-        let size = n + usize::from(!self.operators.is_bordered());
-        let mut matrix = vec![0.0; size * size];
-        for (i, row) in self.green.iter().enumerate() {
-            for (j, &g) in row.iter().enumerate() {
-                matrix[i * size + j] = g;
-                matrix[j * size + i] = g;
-            }
+        let green = self.green.as_ref()?;
+        let free: Vec<VertexId> = self.cones.iter().copied().filter(|&c| !self.is_grounded(c)).collect();
+        let minus_p = green.solve(free.iter().map(|&c| -self.flattening[c]).collect());
+        if self.operators.is_bordered() {
+            return Some(minus_p);
         }
-        let mut right: Vec<f64> = self.cones.iter().map(|&c| -self.flattening[c]).collect();
-        if size > n {
-            for i in 0..n {
-                matrix[i * size + n] = 1.0;
-                matrix[n * size + i] = 1.0;
-            }
-            right.push(self.operators.total_curvature());
+        let ones = green.solve(vec![1.0; free.len()]);
+        let total = self.operators.total_curvature();
+        let shift = match self.operators.poisson.grounded().filter(|c| self.cones.contains(c)) {
+            Some(grounded) => -self.flattening[grounded],
+            None => (minus_p.iter().sum::<f64>() - total) / ones.iter().sum::<f64>(),
+        };
+        let mut curvature: Vec<f64> = minus_p.iter().zip(&ones).map(|(p, one)| p - shift * one).collect();
+        if let Some(at) = self.cones.iter().position(|&c| self.is_grounded(c)) {
+            curvature.insert(at, total - curvature.iter().sum::<f64>());
         }
-        let mut curvature = dense::solve(matrix, right, 1)?;
-        curvature.truncate(n);
         Some(curvature)
     }
 }
@@ -96,16 +110,21 @@ mod tests {
         for shape in [shapes::hare(1500), shapes::torus(2, 1200), shapes::terrain(900, 4), shapes::cylinder(500)] {
             let mesh = shape.mesh();
             let operators = Operators::new(&mesh, &Metric::from_points(&mesh, &shape.points)).unwrap();
-            let inner = mesh.vertices().filter(|&v| !mesh.is_boundary_vertex(v));
-            let cones: Vec<VertexId> = inner.step_by(97).collect();
-            let mut pinned = Pinned::new(&operators);
-            cones.chunks(2).for_each(|pair| pinned.add(pair));
-            let boundary = mesh.vertices().filter(|&v| mesh.is_boundary_vertex(v));
-            let fixed: Vec<VertexId> = cones.iter().copied().chain(boundary).collect();
-            let source: Vec<f64> = operators.curvature.iter().map(|k| -k).collect();
-            let expected = Poisson::new(&operators.laplacian, &fixed).unwrap().solve(&source);
-            let phi = pinned.factor();
-            assert!(phi.iter().zip(expected.iter()).all(|(phi, expected)| (phi - expected).abs() < 1e-10));
+            let inner: Vec<VertexId> = mesh.vertices().filter(|&v| !mesh.is_boundary_vertex(v)).collect();
+            // On closed surfaces the last vertex is the grounded one.
+            for cones in [
+                inner.iter().copied().step_by(97).collect::<Vec<_>>(),
+                inner.iter().rev().copied().step_by(97).collect(),
+            ] {
+                let mut pinned = Pinned::new(&operators);
+                cones.chunks(2).for_each(|pair| pinned.add(pair));
+                let boundary = mesh.vertices().filter(|&v| mesh.is_boundary_vertex(v));
+                let fixed: Vec<VertexId> = cones.iter().copied().chain(boundary).collect();
+                let source: Vec<f64> = operators.curvature.iter().map(|k| -k).collect();
+                let expected = Poisson::new(&operators.laplacian, &fixed).unwrap().solve(&source);
+                let phi = pinned.factor();
+                assert!(phi.iter().zip(expected.iter()).all(|(phi, expected)| (phi - expected).abs() < 1e-10));
+            }
         }
     }
 }

@@ -113,7 +113,8 @@ pub fn scale(
         target,
         start,
         fixed: input.vertices().filter(|&v| input.is_boundary_vertex(v)).collect(),
-        first: Some(operators),
+        poisson: &operators.poisson,
+        starts_from_factor: true,
         original: None,
     };
     let intrinsic = Intrinsic {
@@ -128,9 +129,9 @@ pub fn scale(
     };
     let double = (!newton.fixed.is_empty()).then(|| Double::new(input));
     let run = |metric: &Metric| match &double {
-        None => Newton { first: None, ..newton.clone() }.run(delaunay(input, metric)),
+        None => Newton { starts_from_factor: false, ..newton.clone() }.run(delaunay(input, metric)),
         Some(double) => {
-            let newton = Newton { original: Some(&double.original), ..newton.clone() };
+            let newton = Newton { starts_from_factor: false, original: Some(&double.original), ..newton.clone() };
             newton.run(delaunay(&double.mesh, &double.metric(input, metric)))
         }
     };
@@ -161,8 +162,10 @@ struct Newton<'a> {
     target: &'a VertexData<f64>,
     start: &'a VertexData<f64>,
     fixed: Vec<VertexId>,
-    /// Where u is 0 to begin with, the first step can use the factor that is already there.
-    first: Option<&'a Operators>,
+    /// The factor that is already there. Others are made in the same order of elimination.
+    poisson: &'a Poisson,
+    /// Where u is 0 to begin with, the first step can use it.
+    starts_from_factor: bool,
     /// On a double, the vertex of the surface for each of its own. Log scale factors are the same on both halves.
     original: Option<&'a VertexData<VertexId>>,
 }
@@ -184,14 +187,14 @@ impl Newton<'_> {
             if error <= GOAL || last || steps >= MAX_STEPS {
                 return self.finish(state, u, metric, steps, error, vertex);
             }
-            let step = match self.first.filter(|_| steps == 0 && starts_at_zero) {
-                Some(operators) => operators.poisson.solve(&residual),
-                None => {
+            let step = match self.starts_from_factor && steps == 0 && starts_at_zero {
+                true => self.poisson.solve(&residual),
+                false => {
                     if !keep_factor || factored.is_none() {
                         let hessian = self.hessian(&state.triangulation, &metric);
                         match &mut factored {
                             Some(poisson) => poisson.refactor(&hessian)?,
-                            None => factored = Some(Poisson::new(&hessian, &self.fixed)?),
+                            None => factored = Some(self.poisson.another(&hessian)?),
                         }
                     }
                     factored.as_ref().expect("it was just factored").solve(&residual)

@@ -10,6 +10,10 @@ use thiserror::Error;
 use crate::cholesky::{Cholesky, LowerTriangle};
 use crate::mesh::{Id, VertexData, VertexId};
 
+/// From so many vertices on it is worth it to dissect. (On 29 thousand approximate minimum degree gives a factor smaller by
+/// a twentieth, in twice the time.)
+const DISSECTED: usize = 25_000;
+
 /// Why a Laplacian cannot be factored.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
 pub enum PoissonError {
@@ -48,6 +52,22 @@ impl Poisson {
     /// # Errors
     /// If the matrix is not positive definite off the kernel, or memory does not suffice.
     pub fn new(laplacian: &CsMat<f64>, fixed: &[VertexId]) -> Result<Self, PoissonError> {
+        Self::ordered(laplacian, fixed, None)
+    }
+
+    /// The same where the positions of the vertices are known: they tell an order of elimination that takes a third of
+    /// the time to find on large surfaces, with a smaller factor. The solutions do not depend on them but for rounding.
+    ///
+    /// # Errors
+    /// As [`Poisson::new`].
+    ///
+    /// # Panics
+    /// If there are fewer points than vertices.
+    pub fn with_points(laplacian: &CsMat<f64>, fixed: &[VertexId], points: &[[f64; 3]]) -> Result<Self, PoissonError> {
+        Self::ordered(laplacian, fixed, Some(points).filter(|points| points.len() >= DISSECTED))
+    }
+
+    fn ordered(laplacian: &CsMat<f64>, fixed: &[VertexId], points: Option<&[[f64; 3]]>) -> Result<Self, PoissonError> {
         let vertex_count = laplacian.rows();
         let mut known = VertexData::constant(vertex_count, false);
         for &v in fixed {
@@ -57,7 +77,9 @@ impl Poisson {
             known[VertexId::new(vertex_count - 1)] = true;
         }
         let unknown: Vec<VertexId> = known.iter_ids().filter(|(_, known)| !**known).map(|(v, _)| v).collect();
-        let cholesky = Cholesky::new(restrict(laplacian, &unknown))?;
+        let point = |points: &[[f64; 3]]| unknown.iter().map(|v| points[v.index()].map(|x| x as f32)).collect();
+        let points: Option<Vec<[f32; 3]>> = points.map(point);
+        let cholesky = Cholesky::new(restrict(laplacian, &unknown), points.as_deref())?;
         Ok(Self { cholesky, unknown, vertex_count, closed: fixed.is_empty() })
     }
 
@@ -68,8 +90,18 @@ impl Poisson {
     pub fn definite(matrix: &CsMat<f64>) -> Result<Self, PoissonError> {
         let vertex_count = matrix.rows();
         let unknown: Vec<VertexId> = (0..vertex_count).map(VertexId::new).collect();
-        let cholesky = Cholesky::new(restrict(matrix, &unknown))?;
+        let cholesky = Cholesky::new(restrict(matrix, &unknown), None)?;
         Ok(Self { cholesky, unknown, vertex_count, closed: false })
+    }
+
+    /// Factors another Laplacian of the same surface, with the same vertices fixed, in the same order of elimination.
+    ///
+    /// # Errors
+    /// As [`Poisson::new`].
+    pub fn another(&self, laplacian: &CsMat<f64>) -> Result<Self, PoissonError> {
+        debug_assert_eq!(laplacian.rows(), self.vertex_count);
+        let cholesky = self.cholesky.another(restrict(laplacian, &self.unknown))?;
+        Ok(Self { cholesky, unknown: self.unknown.clone(), ..*self })
     }
 
     /// Factors another Laplacian of the same surface, with the same vertices fixed; what can be kept is.
@@ -98,7 +130,7 @@ impl Poisson {
                 *x += correction;
             }
         }
-        self.scatter(&x)
+        self.shifted(self.scatter(&x))
     }
 
     /// Solves for several right-hand sides at once, which is 4–5 times cheaper for each than one by one; without
@@ -113,7 +145,36 @@ impl Poisson {
         }
         let mut block: Vec<f64> = right_hand_sides.iter().flat_map(|b| self.gather(b)).collect();
         self.cholesky.solve_in_place(&mut block);
-        block.chunks_exact(n).map(|x| self.scatter(x)).collect()
+        block.chunks_exact(n).map(|x| self.shifted(self.scatter(x))).collect()
+    }
+
+    /// On a closed surface, the vertex that was left out to make the Laplacian definite.
+    pub fn grounded(&self) -> Option<VertexId> {
+        (self.closed && self.vertex_count > 0).then(|| VertexId::new(self.vertex_count - 1))
+    }
+
+    /// For each given vertex, half of the solve that gives its Green's function G e_v, where G is the inverse of the
+    /// Laplacian that was factored: without the fixed vertices, and on a closed surface without the grounded one. At those
+    /// G is 0.
+    ///
+    /// With the factor, L = C Cᵀ, this is C⁻¹ e_v, which is 0 but on the way from v to the root of the elimination tree:
+    /// a few thousand entries, for a small share of a solve. [`HalfSolved::dot`] gives the entries of G.
+    pub fn half_solve(&self, vertices: &[VertexId]) -> Vec<HalfSolved> {
+        let mut scratch = Vec::new();
+        let half = |v: &VertexId| match self.unknown.binary_search(v) {
+            Ok(k) => HalfSolved { entries: self.cholesky.half_solve(k as u32, &mut scratch) },
+            Err(_) => HalfSolved { entries: Vec::new() },
+        };
+        vertices.iter().map(half).collect()
+    }
+
+    /// The other half: Σ k_v G e_v, 0 at fixed vertices and at the grounded one. Costs half a solve, however many there are.
+    pub fn finish<'a>(&self, halves: impl IntoIterator<Item = (&'a HalfSolved, f64)>) -> VertexData<f64> {
+        let mut y = vec![0.0; self.unknown.len()];
+        for (half, k) in halves {
+            half.entries.iter().for_each(|&(step, entry)| y[step as usize] += k * entry);
+        }
+        self.scatter(&self.cholesky.half_solve_back(y))
     }
 
     /// The number of stored entries of the factor: eight bytes each.
@@ -135,11 +196,38 @@ impl Poisson {
         for (&v, &x) in self.unknown.iter().zip(x) {
             full[v] = x;
         }
-        if self.closed {
-            let mean = full.iter().sum::<f64>() / self.vertex_count as f64;
-            full.iter_mut().for_each(|x| *x -= mean);
-        }
         full
+    }
+
+    /// Shifts a solution on a closed surface to mean zero.
+    fn shifted(&self, mut x: VertexData<f64>) -> VertexData<f64> {
+        if self.closed {
+            let mean = x.iter().sum::<f64>() / self.vertex_count as f64;
+            x.iter_mut().for_each(|x| *x -= mean);
+        }
+        x
+    }
+}
+
+/// A vertex's half of a solve; see [`Poisson::half_solve`].
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct HalfSolved {
+    /// The nonzero entries of C⁻¹ e_v by step of the elimination, ascending.
+    entries: Vec<(u32, f64)>,
+}
+
+impl HalfSolved {
+    /// The entry of G for the vertices of two halves of the same factor.
+    pub fn dot(&self, other: &Self) -> f64 {
+        let mut others = other.entries.iter().peekable();
+        let mut sum = 0.0;
+        for &(step, x) in &self.entries {
+            while others.next_if(|(other, _)| *other < step).is_some() {}
+            if let Some((_, y)) = others.next_if(|(other, _)| *other == step) {
+                sum += x * y;
+            }
+        }
+        sum
     }
 }
 

@@ -56,7 +56,7 @@ impl Subject {
             let boundary: Vec<VertexId> =
                 surface.mesh.vertices().filter(|&v| surface.mesh.is_boundary_vertex(v)).collect();
             // It was factored before, and so it can be.
-            let _ = std::hint::black_box(Poisson::new(&operators.laplacian, &boundary));
+            let _ = std::hint::black_box(Poisson::with_points(&operators.laplacian, &boundary, &surface.points));
         }
         start.elapsed().as_secs_f64()
     }
@@ -83,10 +83,14 @@ impl Subject {
 impl Part {
     fn new(surface: Surface) -> Result<Self, PoissonError> {
         let metric = surface.metric();
-        match Operators::new(&surface.mesh, &metric) {
+        match Operators::with_points(&surface.mesh, &metric, &surface.points) {
             Err(PoissonError::NotPositiveDefinite) => {
                 let metric = metric.mollified(&surface.mesh, Metric::MOLLIFICATION);
-                Ok(Self { operators: Operators::new(&surface.mesh, &metric)?, surface, metric })
+                Ok(Self {
+                    operators: Operators::with_points(&surface.mesh, &metric, &surface.points)?,
+                    surface,
+                    metric,
+                })
             }
             operators => Ok(Self { operators: operators?, surface, metric }),
         }

@@ -83,7 +83,7 @@ impl Trial {
     fn detect(&mut self, part: &Part, variant: Variant, count: usize) -> Result<Curved, TrialError> {
         let mesh = &part.surface.mesh;
         let start = Instant::now();
-        let operators = Operators::new(mesh, &part.metric).map_err(cones::Error::from)?;
+        let operators = Operators::with_points(mesh, &part.metric, &part.surface.points).map_err(cones::Error::from)?;
         let cones = variant.cones(&operators, mesh, count).map_err(cones::Error::from)?;
         self.seconds.detection += start.elapsed().as_secs_f64();
         let start = Instant::now();

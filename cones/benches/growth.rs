@@ -1,0 +1,180 @@
+//! How everything grows with the number of vertices: seconds, times one plain factorization, peak memory, exponent.
+//!
+//! `cargo bench -p cones --bench growth` runs on hares of 3 to 134 thousand vertices; `… -- 437000 1000000` on others, `… --
+//! FILE…` on meshes of your own. One thread, best of up to five. What took longer than [`PATIENCE`] is not tried on larger ones.
+
+use std::fmt::Write;
+use std::hint::black_box;
+use std::path::Path;
+use std::time::Instant;
+
+use cones::{ConeChoice, ConeHierarchy, ConformalFactor, Method, Operators, Options};
+use geom::{Model, Poisson, Surface, VertexId, prepare, shapes};
+
+const RUNS: usize = 5;
+/// In seconds: work that takes longer than a fifth of it is done once.
+const PATIENCE: f64 = 30.0;
+const METHODS: [Method; 6] =
+    [Method::Alternating, Method::Persistence, Method::Greedy, Method::Iterative, Method::Pursuit, Method::Refined];
+
+/// What one piece of work took on one mesh.
+#[derive(Clone, Copy)]
+struct Cost {
+    seconds: f64,
+    ratio: f64,
+    /// In bytes; nothing where the system does not tell.
+    peak: Option<u64>,
+}
+
+/// A piece of work, with its costs by mesh.
+struct Row {
+    name: String,
+    costs: Vec<Option<Cost>>,
+}
+
+struct Table {
+    meshes: Vec<(String, usize)>,
+    rows: Vec<Row>,
+    floor: f64,
+}
+
+fn main() {
+    let mut names: Vec<String> = std::env::args().skip(1).filter(|a| !a.starts_with('-')).collect();
+    if names.is_empty() {
+        names = ["3000", "29000", "134000"].map(String::from).to_vec();
+    }
+    let mut table = Table { meshes: Vec::new(), rows: Vec::new(), floor: 0.0 };
+    for name in names {
+        let model = match name.parse() {
+            Ok(vertices) => shapes::hare(vertices).into(),
+            Err(_) => match geom::io::read(Path::new(&name)) {
+                Ok(model) => model,
+                Err(error) => {
+                    eprintln!("{name}: {error}");
+                    continue;
+                }
+            },
+        };
+        table.add(name, &model);
+        println!("{}", table.last_mesh());
+    }
+    println!("{}", table.growth());
+}
+
+impl Table {
+    /// Measures everything on a mesh.
+    fn add(&mut self, name: String, model: &Model) {
+        let prepared = match prepare(model, false) {
+            Ok(prepared) => prepared,
+            Err(error) => return eprintln!("{name}: {error}"),
+        };
+        let surface: &Surface = &prepared.surfaces[0];
+        let (mesh, metric) = (&surface.mesh, surface.metric());
+        let operators = match Operators::with_points(mesh, &metric, &surface.points) {
+            Ok(operators) => operators,
+            Err(error) => return eprintln!("{name}: {error}"),
+        };
+        self.meshes.push((name, mesh.vertex_count()));
+        let boundary: Vec<VertexId> = mesh.vertices().filter(|&v| mesh.is_boundary_vertex(v)).collect();
+        self.row("order and factor (floor)", || {
+            drop(black_box(Poisson::with_points(&operators.laplacian, &boundary, &surface.points)));
+        });
+        self.row("prepare", || drop(black_box(prepare(model, false))));
+        for count in [16, 64] {
+            for method in METHODS {
+                self.row(&format!("detect {count} by {method:?}").to_lowercase(), || {
+                    let hierarchy = ConeHierarchy::new(&operators, &ConformalFactor::new(&operators));
+                    black_box(hierarchy.cones(&operators, mesh, method, count));
+                });
+            }
+            self.row(&format!("detect {count} by refactoring"), || {
+                let _ = black_box(cones::iterative_refactoring(&operators, count));
+            });
+        }
+        for method in [Method::Persistence, Method::Refined] {
+            let options = Options { cones: ConeChoice::Count(16), method, ..Options::default() };
+            self.row(&format!("unwrap 16 by {method:?}").to_lowercase(), || {
+                let _ = black_box(cones::unwrap(model, &options, &mut |_| ()));
+            });
+        }
+    }
+
+    /// Measures one piece of work on the mesh added last. The first row is the floor of the others.
+    fn row(&mut self, name: &str, work: impl Fn()) {
+        let mesh = self.meshes.len() - 1;
+        let place = self.rows.iter().position(|row| row.name == name).unwrap_or_else(|| {
+            self.rows.push(Row { name: name.to_owned(), costs: vec![None; mesh] });
+            self.rows.len() - 1
+        });
+        let costs = &mut self.rows[place].costs;
+        let tried = costs.last().is_none_or(|last| last.is_some_and(|cost| cost.seconds < PATIENCE));
+        let cost = tried.then(|| {
+            let (seconds, peak) = best(work);
+            if place == 0 {
+                self.floor = seconds;
+            }
+            Cost { seconds, ratio: seconds / self.floor, peak }
+        });
+        costs.push(cost);
+    }
+
+    /// The costs on the mesh added last, in Markdown.
+    fn last_mesh(&self) -> String {
+        let Some((name, vertices)) = self.meshes.last() else { return String::new() };
+        let mut text =
+            format!("\n{name}: {vertices} vertices\n\n| | seconds | × floor | peak MB |\n|---|---|---|---|\n");
+        for row in &self.rows {
+            let Some(Some(cost)) = row.costs.last() else { continue };
+            let peak = cost.peak.map_or("–".to_owned(), |bytes| (bytes >> 20).to_string());
+            let _ = writeln!(text, "| {} | {:.4} | {:.2} | {peak} |", row.name, cost.seconds, cost.ratio);
+        }
+        text
+    }
+
+    /// The exponent of each row between the first mesh and the last that it was measured on.
+    fn growth(&self) -> String {
+        let mut text = "\n| | exponent |\n|---|---|\n".to_owned();
+        for row in &self.rows {
+            let costs = self.meshes.iter().zip(&row.costs);
+            let mut measured =
+                costs.filter_map(|((_, n), cost)| cost.map(|cost| ((*n as f64).ln(), cost.seconds.ln())));
+            if let (Some((n, seconds)), Some((most, longest))) = (measured.next(), measured.last()) {
+                let _ = writeln!(text, "| {} | {:.2} |", row.name, (longest - seconds) / (most - n));
+            }
+        }
+        text
+    }
+}
+
+/// The best time of several runs, in seconds, and the most memory in use meanwhile.
+fn best(work: impl Fn()) -> (f64, Option<u64>) {
+    reset_peak();
+    let once = || {
+        let start = Instant::now();
+        work();
+        start.elapsed().as_secs_f64()
+    };
+    let mut seconds = once();
+    let mut spent = seconds;
+    for _ in 1..RUNS {
+        if spent > PATIENCE / 5.0 {
+            break;
+        }
+        let again = once();
+        spent += again;
+        seconds = seconds.min(again);
+    }
+    (seconds, peak())
+}
+
+/// Lets the system forget the most memory that was in use; on Linux.
+fn reset_peak() {
+    let _ = std::fs::write("/proc/self/clear_refs", "5");
+}
+
+/// The most memory in use since, in bytes; on Linux.
+fn peak() -> Option<u64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = status.lines().find(|line| line.starts_with("VmHWM"))?;
+    Some(1024 * line.split_whitespace().nth(1)?.parse::<u64>().ok()?)
+}

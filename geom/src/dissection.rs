@@ -1,0 +1,159 @@
+//! Nested dissection: an order of elimination that keeps the Cholesky factor of a surface's Laplacian small.
+//!
+//! A set of vertices is split in two; those of one part that have neighbours in the other are the separator and come last;
+//! the parts, which then have nothing to do with each other, are dissected in turn (George 1973). Where to split is told
+//! by positions, as in geometric dissection (Miller, Teng, Thurston & Vavasis 1993): through the median of the longest
+//! axis where a set is small. Where it is large, planes across each of the axes are tried, away from the median too, for
+//! one where the surface is narrow. Positions only guide: whatever they are, the order is complete.
+
+use crate::elimination::Graph;
+
+/// Sets of so many vertices are not split any more.
+const LEAF: usize = 16;
+/// In sets of more vertices than this the narrowest plane is looked for. In smaller ones the estimate is too coarse: on a
+/// scan of 134 thousand vertices the factor gets a tenth larger with 100.
+const LARGE: usize = 1000;
+/// Each part has at least this share of the vertices.
+const LEAST_SHARE: f32 = 0.2;
+/// How many places for a plane there are along an axis.
+const BINS: usize = 64;
+
+/// A vertex with what decides on which side of a plane it is.
+#[derive(Clone, Copy)]
+struct Place {
+    at: [f32; 3],
+    /// No neighbour is farther away.
+    reach: f32,
+    vertex: u32,
+}
+
+/// Where a set is split: the axis, and how many of its vertices are on the low side.
+#[derive(Clone, Copy)]
+struct Plane {
+    axis: usize,
+    below: usize,
+}
+
+/// The vertices in an order of elimination.
+pub(crate) fn dissect(graph: &Graph, points: &[[f32; 3]]) -> Vec<u32> {
+    let place = |vertex: u32| {
+        let at = points[vertex as usize];
+        let squared = |w: &u32| points[*w as usize].iter().zip(at).map(|(x, y)| (x - y).powi(2)).sum::<f32>();
+        let reach = graph.neighbors(vertex).iter().map(squared).fold(0.0, f32::max).sqrt();
+        // A hair more, for rounding.
+        Place { at, reach: 1.0001 * reach, vertex }
+    };
+    let mut places: Vec<Place> = (0..graph.len() as u32).map(place).collect();
+    let mut dissection = Dissection { graph, part: vec![0; graph.len()], parts: 0, order: Vec::new() };
+    dissection.order.reserve(graph.len());
+    dissection.split(&mut places);
+    dissection.order
+}
+
+struct Dissection<'a> {
+    graph: &'a Graph,
+    /// The number of the part that a vertex near to a plane was last in.
+    part: Vec<u32>,
+    parts: u32,
+    order: Vec<u32>,
+}
+
+impl Dissection<'_> {
+    /// Appends a set of vertices to the order.
+    fn split(&mut self, places: &mut [Place]) {
+        if places.len() <= LEAF {
+            self.order.extend(places.iter().map(|place| place.vertex));
+            return;
+        }
+        let (low, high, separator) = self.separate(places);
+        self.split(low);
+        self.split(high);
+        self.order.extend(separator.iter().map(|place| place.vertex));
+    }
+
+    /// Sorts a set into two parts without edges between them, and the separator.
+    fn separate<'b>(&mut self, places: &'b mut [Place]) -> (&'b mut [Place], &'b mut [Place], &'b mut [Place]) {
+        let Plane { axis, below } = choose_plane(places);
+        places.select_nth_unstable_by(below, |a, b| a.at[axis].total_cmp(&b.at[axis]).then(a.vertex.cmp(&b.vertex)));
+        let plane = places[below].at[axis];
+        let near = move |place: &&Place| (place.at[axis] - plane).abs() <= place.reach;
+        let (low, high) = places.split_at_mut(below);
+        self.parts += 2;
+        let parts = [self.parts - 1, self.parts];
+        for (half, part) in [(&*low, parts[0]), (&*high, parts[1])] {
+            half.iter().filter(near).for_each(|place| self.part[place.vertex as usize] = part);
+        }
+        let rim = |half: &[Place], other| half.iter().filter(near).filter(|place| self.touches(place, other)).count();
+        if rim(low, parts[1]) <= rim(high, parts[0]) {
+            let (low, separator) = self.without_rim(low, parts[1], near);
+            (low, high, separator)
+        } else {
+            let (high, separator) = self.without_rim(high, parts[0], near);
+            (low, high, separator)
+        }
+    }
+
+    /// Whether a vertex has a neighbour in a part.
+    fn touches(&self, place: &Place, part: u32) -> bool {
+        self.graph.neighbors(place.vertex).iter().any(|&w| self.part[w as usize] == part)
+    }
+
+    /// Moves the vertices that touch the other part behind the others.
+    fn without_rim<'b>(
+        &self,
+        places: &'b mut [Place],
+        other: u32,
+        near: impl Fn(&&Place) -> bool,
+    ) -> (&'b mut [Place], &'b mut [Place]) {
+        let mut inner = places.len();
+        for k in (0..places.len()).rev() {
+            if near(&&places[k]) && self.touches(&places[k], other) {
+                inner -= 1;
+                places.swap(k, inner);
+            }
+        }
+        places.split_at_mut(inner)
+    }
+}
+
+/// The plane to split a set at.
+fn choose_plane(places: &[Place]) -> Plane {
+    let bounds = [0, 1, 2].map(|axis| {
+        let along = places.iter().map(|place| place.at[axis]);
+        along.fold([f32::INFINITY, f32::NEG_INFINITY], |[low, high], x| [low.min(x), high.max(x)])
+    });
+    let extent = |axis: usize| bounds[axis][1] - bounds[axis][0];
+    let longest = (0..3).max_by(|&a, &b| extent(a).total_cmp(&extent(b))).unwrap_or(0);
+    let median = Plane { axis: longest, below: places.len() / 2 };
+    if places.len() <= LARGE {
+        return median;
+    }
+    let narrow = (0..3).filter_map(|axis| narrowest(places, axis, bounds[axis]));
+    narrow.min_by(|a, b| a.0.total_cmp(&b.0)).map_or(median, |(_, plane)| plane)
+}
+
+/// The best plane across an axis, with what it costs: an estimate of the separator's size, which counts the more the less
+/// even the parts are.
+fn narrowest(places: &[Place], axis: usize, [low, high]: [f32; 2]) -> Option<(f32, Plane)> {
+    let per_length = BINS as f32 / (high - low);
+    if !per_length.is_finite() {
+        return None;
+    }
+    let mut count = [0; BINS];
+    // A vertex is in the separator of a plane with a chance that goes with its reach.
+    let mut reach = [0.0; BINS];
+    for place in places {
+        let bin = (((place.at[axis] - low) * per_length) as usize).min(BINS - 1);
+        count[bin] += 1;
+        reach[bin] += place.reach;
+    }
+    let all = places.len() as f32;
+    let mut below = 0;
+    let planes = (1..BINS).filter_map(|k| {
+        below += count[k - 1];
+        let share = (below as f32).min(all - below as f32) / all;
+        let size = (reach[k - 1] + reach[k]) * per_length;
+        (share >= LEAST_SHARE).then_some((size / share.sqrt(), Plane { axis, below }))
+    });
+    planes.min_by(|a, b| a.0.total_cmp(&b.0))
+}
