@@ -35,7 +35,8 @@ fn bench(name: &str, model: &Model) {
     };
     let surface: &Surface = &prepared.surfaces[0];
     let (mesh, metric) = (&surface.mesh, surface.metric());
-    let operators = Operators::new(mesh, &metric).expect("the shape has no degenerate triangles");
+    let operators =
+        Operators::with_points(mesh, &metric, &surface.points).expect("the shape has no degenerate triangles");
     let factor = ConformalFactor::new(&operators);
     let hierarchy = ConeHierarchy::new(&operators, &factor);
     let cones: Vec<VertexId> =
@@ -52,11 +53,11 @@ fn bench(name: &str, model: &Model) {
     let options = |method| Options { cones: ConeChoice::Count(CONES), method, ..Options::default() };
 
     println!("\n{name}: {} vertices, {CONES} cones, {} Newton steps", mesh.vertex_count(), scaling.steps);
-    let floor = time(|| drop(Poisson::new(&operators.laplacian, &boundary)));
+    let floor = time(|| drop(Poisson::with_points(&operators.laplacian, &boundary, &surface.points)));
     let row = |stage: &str, seconds: f64| println!("{stage:32} {seconds:9.4} s  {:6.2} x floor", seconds / floor);
     row("floor: order and factor", floor);
     row("prepare", time(|| drop(prepare(model, false))));
-    row("Delaunay, Laplacian, factor", time(|| drop(Operators::new(mesh, &metric))));
+    row("Delaunay, Laplacian, factor", time(|| drop(Operators::with_points(mesh, &metric, &surface.points))));
     row("Laplacian alone", time(|| drop(laplacian(&operators.mesh, &operators.metric))));
     row("conformal factor", time(|| drop(ConformalFactor::new(&operators))));
     row("persistence, hierarchy", time(|| drop(ConeHierarchy::new(&operators, &factor))));

@@ -7,8 +7,9 @@
 /// No step, no supernode.
 pub(crate) const NONE: u32 = u32::MAX;
 
-/// Supernodes are merged with their children if of all entries no more than this share are zeros, up to a width.
-const RELAXED: [(u64, f64); 4] = [(4, 1.0), (16, 0.8), (48, 0.1), (u64::MAX, 0.05)];
+/// Supernodes are merged with their children if of all entries no more than this share are zeros, up to a width. (With 0.8
+/// up to a width of 16 and 0.05 beyond 48, factors of 50–140 thousand vertices are larger by a seventh, and not faster.)
+const RELAXED: [(u64, f64); 4] = [(4, 1.0), (16, 0.4), (48, 0.1), (u64::MAX, 0.03)];
 
 /// A graph by its neighbours, without loops.
 #[derive(Debug)]

@@ -85,7 +85,7 @@ fn forward<S: Simd>(simd: S, panel: Panel, parts: usize, x: &mut [S::f64s], belo
             }
         }
         for part in 0..parts {
-            let to_below = || below_of::<S>(rows.len(), part);
+            let below = &mut below[part * rows.len()..(part + 1) * rows.len()];
             if four == 4 {
                 let y = [own[part], own[parts + part], own[2 * parts + part], own[3 * parts + part]];
                 let [a, b, c, d] = [panel.column(j), panel.column(j + 1), panel.column(j + 2), panel.column(j + 3)];
@@ -99,11 +99,11 @@ fn forward<S: Simd>(simd: S, panel: Panel, parts: usize, x: &mut [S::f64s], belo
                     simd.mul_f64s(minus, y[3]),
                 ];
                 add_four::<S>(simd, later.chunks_exact_mut(parts).map(|row| &mut row[part]), top, negated);
-                add_four::<S>(simd, below[to_below()].iter_mut(), bottom, y);
+                add_four::<S>(simd, below.iter_mut(), bottom, y);
             } else {
                 for c in 0..four {
                     let y = own[c * parts + part];
-                    for (x, entry) in below[to_below()].iter_mut().zip(&panel.column(j + c)[width..]) {
+                    for (x, entry) in below.iter_mut().zip(&panel.column(j + c)[width..]) {
                         *x = simd.mul_add_e_f64s(simd.splat_f64s(*entry), y, *x);
                     }
                 }
@@ -129,7 +129,7 @@ fn backward<S: Simd>(simd: S, panel: Panel, parts: usize, x: &mut [S::f64s], bel
         let four = width.min(j + 4) - j;
         let (own, later) = own[j * parts..].split_at_mut(four * parts);
         for part in 0..parts {
-            let below = &below[below_of::<S>(rows.len(), part)];
+            let below = &below[part * rows.len()..(part + 1) * rows.len()];
             if four == 4 {
                 let [a, b, c, d] = [panel.column(j), panel.column(j + 1), panel.column(j + 2), panel.column(j + 3)];
                 let top = [&a[j + 4..width], &b[j + 4..width], &c[j + 4..width], &d[j + 4..width]];
@@ -137,8 +137,8 @@ fn backward<S: Simd>(simd: S, panel: Panel, parts: usize, x: &mut [S::f64s], bel
                 let zero = [simd.splat_f64s(0.0); 4];
                 let sum = sum_four::<S>(simd, later.chunks_exact(parts).map(|row| &row[part]), top, zero);
                 let sum = sum_four::<S>(simd, below.iter(), bottom, sum);
-                for c in 0..4 {
-                    own[c * parts + part] = simd.sub_f64s(own[c * parts + part], sum[c]);
+                for (row, sum) in own.chunks_exact_mut(parts).zip(sum) {
+                    row[part] = simd.sub_f64s(row[part], sum);
                 }
             } else {
                 for c in 0..four {
@@ -162,12 +162,6 @@ fn backward<S: Simd>(simd: S, panel: Panel, parts: usize, x: &mut [S::f64s], bel
             y.iter_mut().for_each(|y| *y = simd.mul_f64s(*y, inverse));
         }
     }
-}
-
-/// Where a part of the values below is.
-#[inline(always)]
-fn below_of<S: Simd>(rows: usize, part: usize) -> std::ops::Range<usize> {
-    part * rows..(part + 1) * rows
 }
 
 /// x += a y₀ + b y₁ + c y₂ + d y₃
