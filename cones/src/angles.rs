@@ -6,7 +6,7 @@
 //! |u|² is a quadratic function of the curvatures q (a small dense program, [`fit`](crate::fit)).
 //!
 //! A cone's angle is θ = 2π - k. Bounds: k at most 1.5π (less than 2π is needed, and near it the metric degenerates); k at
-//! least -2π, and not so low that the cone's triangles in the input could not span θ: θ ≤ ¾π a triangle.
+//! least -2π, and not so low that the cone's triangles in the input could not span θ: θ ≤ 0.85π a triangle.
 
 use std::f64::consts::PI;
 
@@ -16,6 +16,11 @@ use thiserror::Error;
 use crate::dense;
 use crate::fit::{Quadratic, fit};
 use crate::operators::Operators;
+
+/// The widest angle that triangles at a cone have on average. Below π they can be laid out without flips. Surfaces of
+/// high genus with few cones need what there is: on casting (genus 9, 16 cones) 0.75π instead means an L2 norm 8 % larger
+/// and an area distortion of 1.86 instead of 1.39; with 0.9π triangles get thin.
+const WIDEST: f64 = 0.85 * PI;
 
 /// How cones get their curvatures.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -86,9 +91,9 @@ pub(crate) fn degree_bound(input: &Mesh, v: VertexId) -> f64 {
     bound_by_degree(input, v, &[])
 }
 
-/// θ ≤ ¾π a triangle.
+/// θ ≤ [`WIDEST`] a triangle.
 fn bound_by_degree(input: &Mesh, v: VertexId, cones: &[VertexId]) -> f64 {
-    2.0 * PI - 0.75 * PI * usable_degree(input, cones, v) as f64
+    2.0 * PI - WIDEST * usable_degree(input, cones, v) as f64
 }
 
 /// The triangles at a vertex that can open up. A flat neighbour of degree 3 makes three triangles one.

@@ -43,6 +43,8 @@ pub struct Reduced<'a> {
     distances: Distances,
     /// The least curvature that each vertex can have, from the number of its triangles.
     lowest: VertexData<f64>,
+    /// Whether these bounds are left aside.
+    ideal: bool,
     pool: Vec<VertexId>,
     /// Where a vertex is in the pool.
     place: VertexData<Option<u32>>,
@@ -83,6 +85,7 @@ impl<'a> Reduced<'a> {
             linear,
             distances: Distances::new(&operators.mesh, &operators.metric),
             lowest: input.vertices().map(|v| degree_bound(input, v)).collect(),
+            ideal: false,
             pool: Vec::new(),
             place: VertexData::constant(count, None),
             column: Vec::new(),
@@ -172,7 +175,17 @@ impl<'a> Reduced<'a> {
     /// The bounds of the curvature at a vertex where there are `count` cones in all.
     pub(crate) fn bounds(&self, v: VertexId, count: usize) -> [f64; 2] {
         let [low, high] = general_bounds(self.operators, count);
-        [low.max(self.lowest[v]).min(high), high]
+        if self.ideal { [low, high] } else { [low.max(self.lowest[v]).min(high), high] }
+    }
+
+    /// From here on, whether bounds leave aside how many triangles a cone has.
+    pub(crate) fn set_ideal(&mut self, ideal: bool) {
+        self.ideal = ideal;
+    }
+
+    /// The least curvature that a vertex can have, from the number of its triangles.
+    pub(crate) fn lowest(&self, v: VertexId) -> f64 {
+        self.lowest[v]
     }
 
     /// What a shortfall counts beside energies, per radian: more than any difference of energies.

@@ -8,6 +8,7 @@
 #![allow(clippy::missing_panics_doc, reason = "a law panics where it does not hold")]
 
 pub mod decode;
+pub mod noise;
 pub mod oracle;
 pub mod properties;
 pub mod solids;
