@@ -8,7 +8,7 @@
 
 use geom::VertexId;
 
-use crate::angles::general_bounds;
+use crate::angles::{COMFORTABLE, WIDEST, general_bounds};
 use crate::crowd::Crowd;
 use crate::exchange::{eliminate, exchange, exchange_deeply};
 use crate::fit::Held;
@@ -49,8 +49,14 @@ const LEAST_BACKWARD: usize = 12;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn refined(reduced: &mut Reduced, count: usize) -> Fitted {
+    reduced.set_room(COMFORTABLE);
     let mut best = search(reduced, count);
-    if is_held_by_degree(reduced, &best) {
+    let is_held = is_held_by_degree(reduced, &best);
+    reduced.set_room(WIDEST);
+    if is_held {
+        best = reduced.fit(&best.cones);
+        let wider = search(reduced, count);
+        best = better(best, wider);
         let settled = settled(reduced, count);
         best = better(best, settled);
     }
@@ -93,9 +99,9 @@ fn is_held_by_degree(reduced: &Reduced, set: &Fitted) -> bool {
 /// Swaps of one cone go astray where the bounds of vertices side by side differ as their degrees do, as on surfaces of high genus, where
 /// they hold cones that take more than others. On casting (genus 9, 16 cones) the norm falls by 1 %.
 fn settled(reduced: &mut Reduced, count: usize) -> Fitted {
-    reduced.set_ideal(true);
+    reduced.set_room(f64::INFINITY);
     let ideal = search(reduced, count);
-    reduced.set_ideal(false);
+    reduced.set_room(WIDEST);
     let mut moved = reduced.fit(&ideal.cones);
     for (place, &curvature) in ideal.curvature.iter().enumerate() {
         let crowd = Crowd::new(reduced.operators(), &moved.cones);

@@ -11,6 +11,9 @@ use tests::noise::{Clean, RULES, Stability};
 /// Root mean square displacements in mean edge lengths.
 const STRENGTHS: [f64; 3] = [0.1, 0.2, 0.3];
 
+/// A name, a mesh and its points.
+type Surface = (String, Mesh, Vec<[f64; 3]>);
+
 /// By strength, then by rule.
 type Results = [Vec<Vec<Stability>>; 3];
 
@@ -40,7 +43,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 }
 
 /// The surfaces of the files, or built-in ones, with their names.
-fn surfaces(files: &[String]) -> Result<Vec<(String, Mesh, Vec<[f64; 3]>)>, Box<dyn Error>> {
+fn surfaces(files: &[String]) -> Result<Vec<Surface>, Box<dyn Error>> {
     let mut surfaces = Vec::new();
     for file in files {
         let model = geom::io::read(Path::new(file))?;
