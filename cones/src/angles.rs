@@ -6,7 +6,7 @@
 //! |u|² is a quadratic function of the curvatures q (a small dense program, [`fit`](crate::fit)).
 //!
 //! A cone's angle is θ = 2π - k. Bounds: k at most 1.5π (less than 2π is needed, and near it the metric degenerates); k at
-//! least -2π, and not so low that the cone's triangles in the input could not span θ: θ ≤ ¾π a triangle.
+//! least -2π, and not so low that the cone's triangles in the input could not span θ: θ ≤ 0.87π a triangle.
 
 use std::f64::consts::PI;
 
@@ -16,6 +16,14 @@ use thiserror::Error;
 use crate::dense;
 use crate::fit::{Quadratic, fit};
 use crate::operators::Operators;
+
+/// The widest angle that the triangles at a cone have on average. Below π they can be laid out without flips. Surfaces of
+/// high genus with few cones need what there is: on casting (genus 9, 16 cones) 0.75π instead means an L2 norm 12 % larger
+/// and a measured area distortion of 1.86 instead of 1.43; beyond 0.88π neither gets better, and triangles get thin.
+pub(crate) const WIDEST: f64 = 0.87 * PI;
+
+/// As [`WIDEST`], where there is a choice.
+pub(crate) const COMFORTABLE: f64 = 0.75 * PI;
 
 /// How cones get their curvatures.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -81,18 +89,13 @@ pub(crate) fn is_buildable(curvature: f64, low: f64) -> bool {
     curvature < 2.0 * PI - 0.02 && curvature >= low.min(-2.0 * PI)
 }
 
-/// The least curvature that a vertex can have with the triangles that it has in `input`, wherever other cones are.
-pub(crate) fn degree_bound(input: &Mesh, v: VertexId) -> f64 {
-    bound_by_degree(input, v, &[])
-}
-
-/// θ ≤ ¾π a triangle.
+/// θ ≤ [`WIDEST`] a triangle.
 fn bound_by_degree(input: &Mesh, v: VertexId, cones: &[VertexId]) -> f64 {
-    2.0 * PI - 0.75 * PI * usable_degree(input, cones, v) as f64
+    2.0 * PI - WIDEST * usable_degree(input, cones, v) as f64
 }
 
 /// The triangles at a vertex that can open up. A flat neighbour of degree 3 makes three triangles one.
-fn usable_degree(input: &Mesh, cones: &[VertexId], v: VertexId) -> usize {
+pub(crate) fn usable_degree(input: &Mesh, cones: &[VertexId], v: VertexId) -> usize {
     let stuck = |w: &&VertexId| input.face_degree(**w) == 3 && !input.is_boundary_vertex(**w) && !cones.contains(w);
     let degree = input.face_degree(v);
     degree.saturating_sub(input.neighbors(v).iter().filter(stuck).count()).max(1)

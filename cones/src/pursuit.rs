@@ -13,7 +13,7 @@ use std::cmp::Ordering;
 
 use geom::VertexId;
 
-use crate::angles::Angles;
+use crate::angles::{Angles, COMFORTABLE, WIDEST};
 use crate::crowd::Crowd;
 use crate::distortion::Predicted;
 use crate::exchange::{TRIALS, drop_cheapest, exchange};
@@ -64,6 +64,7 @@ impl Nested {
 /// order begins with all shorter ones. About 250 back-solves for each 32 cones begun.
 pub fn pursuit(reduced: &mut Reduced, count: usize) -> Nested {
     let mut cones: Vec<VertexId> = Vec::new();
+    reduced.set_room(COMFORTABLE);
     while cones.len() < count {
         let held = cones.len();
         cones = extended(reduced, cones);
@@ -71,6 +72,7 @@ pub fn pursuit(reduced: &mut Reduced, count: usize) -> Nested {
             break;
         }
     }
+    reduced.set_room(WIDEST);
     cones.truncate(count);
     Nested::new(reduced, &cones)
 }

@@ -19,7 +19,7 @@ use std::f64::consts::PI;
 
 use geom::{Mesh, VertexData, VertexId};
 
-use crate::angles::{degree_bound, general_bounds};
+use crate::angles::{WIDEST, general_bounds, usable_degree};
 use crate::distance::Distances;
 use crate::fit::{Held, Quadratic, fit};
 use crate::operators::Operators;
@@ -41,8 +41,10 @@ pub struct Reduced<'a> {
     /// E₀
     constant: f64,
     distances: Distances,
-    /// The least curvature that each vertex can have, from the number of its triangles.
-    lowest: VertexData<f64>,
+    /// How many triangles of each vertex can open up.
+    triangles: VertexData<f64>,
+    /// The widest angle that they have on average.
+    room: f64,
     pool: Vec<VertexId>,
     /// Where a vertex is in the pool.
     place: VertexData<Option<u32>>,
@@ -82,7 +84,8 @@ impl<'a> Reduced<'a> {
             flattening,
             linear,
             distances: Distances::new(&operators.mesh, &operators.metric),
-            lowest: input.vertices().map(|v| degree_bound(input, v)).collect(),
+            triangles: input.vertices().map(|v| usable_degree(input, &[], v) as f64).collect(),
+            room: WIDEST,
             pool: Vec::new(),
             place: VertexData::constant(count, None),
             column: Vec::new(),
@@ -172,7 +175,17 @@ impl<'a> Reduced<'a> {
     /// The bounds of the curvature at a vertex where there are `count` cones in all.
     pub(crate) fn bounds(&self, v: VertexId, count: usize) -> [f64; 2] {
         let [low, high] = general_bounds(self.operators, count);
-        [low.max(self.lowest[v]).min(high), high]
+        [low.max(self.lowest(v)).min(high), high]
+    }
+
+    /// The least curvature that a vertex can have, from the number of its triangles.
+    pub(crate) fn lowest(&self, v: VertexId) -> f64 {
+        2.0 * PI - self.room * self.triangles[v]
+    }
+
+    /// From here on, the widest angle that triangles at a cone have on average; infinite where that is left aside.
+    pub(crate) fn set_room(&mut self, room: f64) {
+        self.room = room;
     }
 
     /// What a shortfall counts beside energies, per radian: more than any difference of energies.

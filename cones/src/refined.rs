@@ -8,7 +8,10 @@
 
 use geom::VertexId;
 
+use crate::angles::{COMFORTABLE, WIDEST, general_bounds};
+use crate::crowd::Crowd;
 use crate::exchange::{eliminate, exchange, exchange_deeply};
+use crate::fit::Held;
 use crate::grow::{Rule, grow, start};
 use crate::reduced::{Fitted, Reduced};
 use crate::swap::SwapTable;
@@ -21,6 +24,8 @@ const ROUNDS: usize = 12;
 const NEW_CANDIDATES: usize = 16;
 /// So many times cones are added and eliminated again.
 const RESTARTS: usize = 4;
+/// A cone moves at most so many edges to a vertex with more triangles.
+const FARTHEST_WIDER: usize = 6;
 /// Backward starts on surfaces with a boundary come from at least so many cones.
 const LEAST_BACKWARD: usize = 12;
 
@@ -44,23 +49,97 @@ const LEAST_BACKWARD: usize = 12;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn refined(reduced: &mut Reduced, count: usize) -> Fitted {
+    reduced.set_room(COMFORTABLE);
+    let mut best = search(reduced, count);
+    let is_held = is_held_by_degree(reduced, &best);
+    reduced.set_room(WIDEST);
+    if is_held {
+        best = reduced.fit(&best.cones);
+        let wider = search(reduced, count);
+        best = better(best, wider);
+        let settled = settled(reduced, count);
+        best = better(best, settled);
+    }
+    by_curvature(reduced, &best)
+}
+
+fn search(reduced: &mut Reduced, count: usize) -> Fitted {
     let first = start(reduced, count);
     if first.cones.len() >= count && count < 2 {
         return rounds(reduced, first, ROUNDS);
     }
     let [forward, backward, by_gain] = starts(reduced, first, count).map(|set| rounds(reduced, set, ROUNDS));
-    let mut best = better(better(forward, backward), by_gain);
+    restarted(reduced, better(better(forward, backward), by_gain))
+}
+
+/// Adds cones and eliminates as many again, as long as that helps.
+fn restarted(reduced: &mut Reduced, mut best: Fitted) -> Fitted {
     for _ in 0..RESTARTS {
-        let more = grow(reduced, best.clone(), count + (count / 4).max(2), Rule::Gain);
-        let fewer = eliminate(reduced, exchange(reduced, more), count);
-        let next = rounds(reduced, fewer, 2);
+        let next = around(reduced, best.clone());
         let helps = next.is_better_than(&best, LEAST_GAIN);
         best = better(best, next);
         if !helps {
             break;
         }
     }
-    by_curvature(reduced, &best)
+    best
+}
+
+/// Some cones more, and as many again eliminated.
+fn around(reduced: &mut Reduced, set: Fitted) -> Fitted {
+    let count = set.cones.len();
+    let more = grow(reduced, set, count + (count / 4).max(2), Rule::Gain);
+    let fewer = eliminate(reduced, exchange(reduced, more), count);
+    rounds(reduced, fewer, 2)
+}
+
+/// Whether a cone would take less curvature if it had more triangles.
+fn is_held_by_degree(reduced: &Reduced, set: &Fitted) -> bool {
+    let [lowest, _] = general_bounds(reduced.operators(), set.cones.len());
+    set.held.iter().zip(&set.bounds).any(|(&held, bound)| held == Held::Lower && bound[0] > lowest)
+}
+
+/// The best cones if all vertices had triangles enough, those that lack some moved to vertices nearby that have more.
+/// Swaps of one cone go astray where the bounds of vertices side by side differ as their degrees do, as on surfaces of high genus, where
+/// they hold cones that take more than others.
+fn settled(reduced: &mut Reduced, count: usize) -> Fitted {
+    reduced.set_room(f64::INFINITY);
+    let ideal = search(reduced, count);
+    reduced.set_room(WIDEST);
+    let mut moved = reduced.fit(&ideal.cones);
+    for (place, &curvature) in ideal.curvature.iter().enumerate() {
+        let crowd = Crowd::new(reduced.operators(), &moved.cones);
+        let places = wider(reduced, ideal.cones[place], curvature, |v| crowd.admits(v, place));
+        reduced.add(&places);
+        for v in places {
+            let mut cones = moved.cones.clone();
+            cones[place] = v;
+            moved = better(moved, reduced.fit(&cones));
+        }
+    }
+    rounds(reduced, moved, ROUNDS)
+}
+
+/// Vertices around one that can take less curvature than any nearer one, up to the first that can take a given one.
+fn wider(reduced: &Reduced, from: VertexId, curvature: f64, is_open: impl Fn(VertexId) -> bool) -> Vec<VertexId> {
+    let mesh = &reduced.operators().mesh;
+    let mut lowest = reduced.lowest(from);
+    let (mut ball, mut rim, mut found) = (vec![from], 0, Vec::new());
+    for _ in 0..FARTHEST_WIDER {
+        let mut next: Vec<VertexId> = ball[rim..].iter().flat_map(|&v| mesh.neighbors(v)).copied().collect();
+        next.sort_unstable();
+        next.dedup();
+        next.retain(|v| !ball.contains(v));
+        rim = ball.len();
+        ball.extend(next);
+        let open = ball[rim..].iter().copied().filter(|&v| is_open(v));
+        let widest = open.min_by(|&v, &w| reduced.lowest(v).total_cmp(&reduced.lowest(w)));
+        if let Some(v) = widest.filter(|&v| lowest > curvature && reduced.lowest(v) < lowest) {
+            lowest = reduced.lowest(v);
+            found.push(v);
+        }
+    }
+    found
 }
 
 /// The same set with the cones in the order of their curvature's size, which does not depend on how it was found.
@@ -116,7 +195,7 @@ mod tests {
 
     use super::*;
     use crate::operators::Operators;
-    use geom::{Mesh, Metric, VertexId, shapes};
+    use geom::{Mesh, Metric, shapes};
 
     fn best(mesh: &Mesh, metric: &Metric, count: usize) -> (Operators, Fitted) {
         let operators = Operators::new(mesh, metric).unwrap();
@@ -230,6 +309,7 @@ mod tests {
             ("spot_2930.obj", 16, 0.184),
             ("table1/fandisk_6475.obj", 8, 0.121),
             ("fertility_4494.off", 16, 0.148),
+            ("casting_5096.obj", 16, 0.184),
             ("threeholes_3596.off", 16, 0.119),
             ("hemisphere_2051.obj", 0, 0.198),
             ("hemisphere_2051.obj", 4, 0.0468),

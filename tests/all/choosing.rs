@@ -41,7 +41,7 @@ fn surface() -> impl Strategy<Value = Shape> {
 fn asymmetric() -> impl Strategy<Value = Shape> {
     let bent = |shape: &Shape| {
         solids::mapped(shape, |[x, y, z]| {
-            [x + 0.2 * y * y + 0.1 * z, y * (1.3 + 0.3 * x), z * (1.0 - 0.2 * y) + 0.1 * x]
+            [x + 0.2 * y * y + 0.1 * z, y * (1.3 + 0.3 * x) + 0.17 * x * z, z * (1.0 - 0.2 * y + 0.13 * x) + 0.1 * x]
         })
     };
     prop_oneof![

@@ -9,6 +9,7 @@
 
 pub mod decode;
 pub mod encode;
+pub mod noise;
 pub mod oracle;
 pub mod properties;
 pub mod solids;
