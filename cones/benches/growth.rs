@@ -139,7 +139,7 @@ impl Table {
             let costs = self.meshes.iter().zip(&row.costs);
             let mut measured =
                 costs.filter_map(|((_, n), cost)| cost.map(|cost| ((*n as f64).ln(), cost.seconds.ln())));
-            if let (Some((n, seconds)), Some((most, longest))) = (measured.next(), measured.last()) {
+            if let (Some((n, seconds)), Some((most, longest))) = (measured.next(), measured.next_back()) {
                 let _ = writeln!(text, "| {} | {:.2} |", row.name, (longest - seconds) / (most - n));
             }
         }
