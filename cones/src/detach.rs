@@ -8,7 +8,7 @@
 use std::collections::VecDeque;
 
 use geom::{
-    CutMesh, EdgeData, FaceData, FaceId, HalfedgeData, HalfedgeId, Id, Mesh, Metric, ShortestPaths, VertexData,
+    CutMesh, EdgeData, FaceData, FaceId, HalfedgeData, HalfedgeId, Id, Mesh, Metric, ShortestPaths, Sides, VertexData,
 };
 use num_complex::Complex64;
 
@@ -28,15 +28,16 @@ pub(crate) fn detach(
 ) {
     let mut is_out = FaceData::constant(input.face_count(), false);
     faces.iter().for_each(|&f| is_out[f] = true);
-    let old_cut = seams.cut.clone();
+    let was_cut = seams.cut.clone();
     join_holes(input, lengths, &is_out, &mut seams.cut);
     faces.iter().flat_map(|&f| input.sides(f)).for_each(|h| seams.cut[input.edge(h)] |= input.twin(h).is_some());
-    let mut position: HalfedgeData<Complex64> = input.halfedges().map(|h| layout.corner(h)).collect();
+    let position = input.halfedges().map(|h| layout.corner(h)).collect();
+    let mut unfolding = Unfolding { input, metric, was_cut: &was_cut, is_out, cut: &mut seams.cut, position };
     for &seed in faces {
-        if std::mem::replace(&mut is_out[seed], false) {
-            unfold(input, metric, u, seed, &old_cut, &mut is_out, &mut seams.cut, &mut position);
-        }
+        let scale = (input.corners(seed).iter().map(|&v| u[v]).sum::<f64>() / 3.0).exp();
+        unfolding.unfold(seed, scale);
     }
+    let position = unfolding.position;
     let cut = CutMesh::open(input, &seams.cut);
     let mut opened = vec![Complex64::ZERO; cut.wedge_count()];
     for h in input.halfedges() {
@@ -79,42 +80,50 @@ fn join_holes(input: &Mesh, lengths: &EdgeData<f64>, is_out: &FaceData<bool>, cu
     }
 }
 
-/// Unfolds the triangles that hang together with `seed` and are out still, as they lie in space, all scaled alike.
-#[expect(clippy::too_many_arguments)]
-fn unfold(
-    input: &Mesh,
-    metric: &Metric,
-    u: &VertexData<f64>,
-    seed: FaceId,
-    old_cut: &EdgeData<bool>,
-    is_out: &mut FaceData<bool>,
-    cut: &mut EdgeData<bool>,
-    position: &mut HalfedgeData<Complex64>,
-) {
-    let mean = input.corners(seed).iter().map(|&v| u[v]).sum::<f64>() / 3.0;
-    let frame = |h: HalfedgeId| {
-        let first = h.0 as usize % 3;
-        let sides = metric.sides(input, input.face(h)).0;
-        let turned = geom::Sides([0, 1, 2].map(|k| sides[(first + k) % 3]));
-        turned.unfold().map(|[x, y]| mean.exp() * Complex64::new(x, y))
-    };
-    // A triangle is placed by the corner at a halfedge's tail and the halfedge's direction.
-    let mut place = |h: HalfedgeId, tail: Complex64, direction: Complex64| {
-        let [along, next, _] = frame(h);
-        position[h] = tail;
-        position[input.next(h)] = tail + direction * along;
-        position[input.prev(h)] = tail + direction * (along + next);
-        [h, input.next(h), input.prev(h)].map(|side| (side, position[side], position[input.next(side)]))
-    };
-    let mut queue = VecDeque::from(place(input.sides(seed)[0], Complex64::ZERO, Complex64::ONE));
-    while let Some((h, tail, head)) = queue.pop_front() {
-        let Some(g) = input.twin(h).filter(|_| !old_cut[input.edge(h)]) else { continue };
-        if std::mem::replace(&mut is_out[input.face(g)], false) {
-            cut[input.edge(h)] = false;
-            let along = tail - head;
-            let direction = if along.norm() > 0.0 { along / along.norm() } else { Complex64::ONE };
-            queue.extend(place(g, head, direction));
+struct Unfolding<'a> {
+    input: &'a Mesh,
+    metric: &'a Metric,
+    /// The cut before anything was detached.
+    was_cut: &'a EdgeData<bool>,
+    /// The triangles that are to be unfolded yet.
+    is_out: FaceData<bool>,
+    cut: &'a mut EdgeData<bool>,
+    /// The position of each corner.
+    position: HalfedgeData<Complex64>,
+}
+
+impl Unfolding<'_> {
+    /// Unfolds the triangles that hang together with `seed` and are out yet, as they lie in space but for one scale.
+    fn unfold(&mut self, seed: FaceId, scale: f64) {
+        if !std::mem::replace(&mut self.is_out[seed], false) {
+            return;
         }
+        let input = self.input;
+        let first = self.place(input.sides(seed)[0], Complex64::ZERO, Complex64::from(scale));
+        let mut queue = VecDeque::from(first);
+        while let Some(h) = queue.pop_front() {
+            let Some(g) = input.twin(h).filter(|_| !self.was_cut[input.edge(h)]) else { continue };
+            if std::mem::replace(&mut self.is_out[input.face(g)], false) {
+                self.cut[input.edge(h)] = false;
+                let [tail, head] = [self.position[h], self.position[input.next(h)]];
+                let along = tail - head;
+                let direction = if along.norm() > 0.0 { along / along.norm() } else { Complex64::ONE };
+                queue.extend(self.place(g, head, direction * scale));
+            }
+        }
+    }
+
+    /// Places a triangle by the corner at a halfedge's tail and the halfedge's direction, multiplied by the scale; returns
+    /// its sides.
+    fn place(&mut self, h: HalfedgeId, tail: Complex64, direction: Complex64) -> [HalfedgeId; 3] {
+        let sides = [h, self.input.next(h), self.input.prev(h)];
+        let vectors = Sides(sides.map(|side| self.metric.length(self.input.edge(side)))).unfold();
+        let mut at = tail;
+        for (side, [x, y]) in sides.into_iter().zip(vectors) {
+            self.position[side] = at;
+            at += direction * Complex64::new(x, y);
+        }
+        sides
     }
 }
 
