@@ -45,7 +45,7 @@ pub fn file(shape: &Shape, format: Format) -> Vec<u8> {
     let corners = || triangles.iter().map(|t| t.map(|v| points[v as usize]));
     let mut text = String::new();
     let _ = match format {
-        Format::Obj => write!(text, "o a\n"),
+        Format::Obj => writeln!(text, "o a"),
         Format::Off => write!(text, "OFF\n{} {} 0\n", points.len(), triangles.len()),
         Format::PlyText | Format::PlyBinary => write!(
             text,
@@ -55,7 +55,7 @@ pub fn file(shape: &Shape, format: Format) -> Vec<u8> {
             points.len(),
             triangles.len()
         ),
-        Format::StlText => write!(text, "solid a\n"),
+        Format::StlText => writeln!(text, "solid a"),
         Format::StlBinary => write!(text, "{:80}", "a"),
     };
     let mut bytes = text.into_bytes();
