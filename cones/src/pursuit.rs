@@ -92,7 +92,7 @@ fn extended(reduced: &mut Reduced, held: Vec<VertexId>) -> Vec<VertexId> {
             break;
         }
     }
-    order.cones
+    order.arranged(reduced)
 }
 
 /// The best of three orders: pursued by gradient, by gain, and, where nothing is held, the order in which cones are missed
@@ -161,6 +161,28 @@ impl Order {
         let mut order = Self::new(reduced, cones, held);
         order.improve(reduced);
         order
+    }
+
+    /// The cones with those between two levels in the best order, which levels say nothing about: whichever is missed
+    /// least comes last.
+    fn arranged(self, reduced: &Reduced) -> Vec<VertexId> {
+        let mut cones = self.cones;
+        let mut from = self.held;
+        for to in self.levels.iter().map(|level| level.cones.len()).filter(|&to| to > self.held) {
+            for last in (from + 1..to).rev() {
+                let without = |place: usize| {
+                    let mut fewer = cones[..=last].to_vec();
+                    fewer.remove(place);
+                    (place, reduced.fit(&fewer))
+                };
+                let better = |a: (usize, Fitted), b: (usize, Fitted)| if b.1.is_better_than(&a.1, 0.0) { b } else { a };
+                if let Some((place, _)) = (from..=last).map(without).reduce(better) {
+                    cones[place..=last].rotate_left(1);
+                }
+            }
+            from = to;
+        }
+        cones
     }
 
     /// Whether more levels can take the curvature than in another order, or Σ log E is less by so much.
