@@ -101,14 +101,13 @@ pub(crate) fn counts(components: &[Component], method: Method, total: usize) -> 
     if spare == 0 {
         return least;
     }
-    let parts = || -> Vec<Part> {
-        let part =
-            |c: &Component| Part::new(&mut Reduced::new(&c.operators, &c.surface.mesh), c.area, c.least() + spare);
+    let parts = |of: fn(&mut Reduced, f64, usize) -> Part| -> Vec<Part> {
+        let part = |c: &Component| of(&mut Reduced::new(&c.operators, &c.surface.mesh), c.area, c.least() + spare);
         components.par_iter().with_max_len(1).map(part).collect()
     };
     let sequence = match method {
-        Method::Refined => return at_least(share_out(&parts(), total), &least),
-        Method::Pursuit => sequence(&parts(), total),
+        Method::Refined => return at_least(share_out(&parts(Part::brief), total), &least),
+        Method::Pursuit => sequence(&parts(Part::new), total),
         _ => by_persistence(components, total),
     };
     let mut counts = vec![0; components.len()];

@@ -63,11 +63,21 @@ impl Nested {
 /// The best order found of so many cones; fewer only where the surface has no more inner vertices. On a fresh model every
 /// order begins with all shorter ones. About 250 back-solves for each 32 cones begun.
 pub fn pursuit(reduced: &mut Reduced, count: usize) -> Nested {
+    pursuit_by(reduced, count, BLOCK)
+}
+
+/// An order of so many cones, found in blocks of no more than that: for a few cones cheaper than [`pursuit`], but no prefix
+/// of a longer order.
+pub(crate) fn brief_pursuit(reduced: &mut Reduced, count: usize) -> Nested {
+    pursuit_by(reduced, count, count.clamp(1, BLOCK))
+}
+
+fn pursuit_by(reduced: &mut Reduced, count: usize, block: usize) -> Nested {
     let mut cones: Vec<VertexId> = Vec::new();
     reduced.set_room(COMFORTABLE);
     while cones.len() < count {
         let held = cones.len();
-        cones = extended(reduced, cones);
+        cones = extended(reduced, cones, block);
         if cones.len() == held {
             break;
         }
@@ -78,8 +88,8 @@ pub fn pursuit(reduced: &mut Reduced, count: usize) -> Nested {
 }
 
 /// An order with a block more.
-fn extended(reduced: &mut Reduced, held: Vec<VertexId>) -> Vec<VertexId> {
-    let mut order = best_start(reduced, held);
+fn extended(reduced: &mut Reduced, held: Vec<VertexId>, block: usize) -> Vec<VertexId> {
+    let mut order = best_start(reduced, held, block);
     for _ in 0..ROUNDS {
         let new = order.proposals(reduced);
         if new.is_empty() {
@@ -97,8 +107,8 @@ fn extended(reduced: &mut Reduced, held: Vec<VertexId>) -> Vec<VertexId> {
 
 /// The best of three orders: pursued by gradient, by gain, and, where nothing is held, the order in which cones are missed
 /// least, backwards.
-fn best_start(reduced: &mut Reduced, held: Vec<VertexId>) -> Order {
-    let count = held.len() + BLOCK;
+fn best_start(reduced: &mut Reduced, held: Vec<VertexId>, block: usize) -> Order {
+    let count = held.len() + block;
     let first = if held.is_empty() { start(reduced, count) } else { reduced.fit(&held) };
     let by_gradient = grow(reduced, first.clone(), count, Rule::Gradient);
     let by_gain = grow(reduced, first, count, Rule::Gain);

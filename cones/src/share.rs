@@ -9,7 +9,7 @@
 
 use crate::angles::least_cones;
 use crate::operators::Operators;
-use crate::pursuit::{BLOCK, Nested, pursuit};
+use crate::pursuit::{BLOCK, Nested, brief_pursuit, pursuit};
 use crate::reduced::{Fitted, Reduced};
 
 /// Curves are computed up to this number of cones. Beyond, the energy is taken to fall like 1/N, as it does about.
@@ -29,6 +29,17 @@ impl Part {
     pub fn new(reduced: &mut Reduced, area: f64, most: usize) -> Self {
         let operators = reduced.operators();
         let nested = pursuit(reduced, Self::known(operators, most));
+        Self::of_order(operators, &nested, area, most)
+    }
+
+    /// The same up to just `most` cones, which for a few is cheaper; curves of different lengths may differ.
+    pub(crate) fn brief(reduced: &mut Reduced, area: f64, most: usize) -> Self {
+        let operators = reduced.operators();
+        let count = most.max(least_cones(operators));
+        if count > BLOCK {
+            return Self::new(reduced, area, most);
+        }
+        let nested = brief_pursuit(reduced, count);
         Self::of_order(operators, &nested, area, most)
     }
 

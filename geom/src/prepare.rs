@@ -260,18 +260,41 @@ impl Soup {
         self.triangle.retain(|_| face.next() == Some(&true));
     }
 
-    /// Makes twins of the two sides of each edge that has just two.
+    /// Makes twins of the two sides of each edge that has just two. The diagonals of polygons are edges of their own: a
+    /// polygon must stay in one piece, for its triangles share its corners.
     fn glue(&mut self, log: &mut RepairLog) {
         let mut twin = vec![NONE; self.tail.len()];
-        for_each_edge(self.vertex_count, &self.tail, |ends, sides| match *sides {
-            [_] => {}
-            [h, g] => {
-                twin[h as usize] = g;
-                twin[g as usize] = h;
+        let mut rest = Vec::new();
+        for_each_edge(self.vertex_count, &self.tail, |ends, sides| {
+            rest.clear();
+            rest.extend_from_slice(sides);
+            if sides.len() > 2 {
+                for &h in sides {
+                    let other = |&g: &u32| self.are_one_diagonal(h as usize, g as usize);
+                    if let Some(g) = rest.iter().copied().find(other).filter(|_| rest.contains(&h)) {
+                        twin[h as usize] = g;
+                        twin[g as usize] = h;
+                        rest.retain(|&side| side != h && side != g);
+                    }
+                }
             }
-            _ => log.note(RepairKind::NonManifoldEdge, ends[0].index()),
+            match rest[..] {
+                [] | [_] => {}
+                [h, g] => {
+                    twin[h as usize] = g;
+                    twin[g as usize] = h;
+                }
+                _ => log.note(RepairKind::NonManifoldEdge, ends[0].index()),
+            }
         });
         self.twin = twin;
+    }
+
+    /// Whether two sides run the opposite way between the same corners of a polygon.
+    fn are_one_diagonal(&self, h: usize, g: usize) -> bool {
+        let corners = |h: usize| [self.corner[h], self.corner[next(h)]];
+        let ([a, b], [c, d]) = (corners(h), corners(g));
+        self.triangle[h / 3].1 == self.triangle[g / 3].1 && [a, b] == [d, c]
     }
 
     /// Turns triangles until twins run in opposite directions; unglues them where that cannot be.
@@ -616,6 +639,21 @@ mod tests {
             assert!(count(&opened, RepairKind::NonManifoldVertex) >= vertices);
             assert!(opened.surfaces.len() >= parts);
         }
+    }
+
+    #[test]
+    fn a_polygon_stays_in_one_piece_where_others_share_its_diagonal() {
+        // A quad, and two triangles on each of its diagonals.
+        let points = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
+        let tips = [[0.5, 0.5, 1.0], [0.5, 0.4, -1.0], [0.6, 0.5, 2.0], [0.4, 0.5, -2.0]];
+        let faces: [&[u32]; 5] = [&[0, 1, 2, 3], &[0, 2, 4], &[2, 0, 5], &[1, 3, 6], &[3, 1, 7]];
+        let model = Model::from_polygons([&points[..], &tips].concat(), faces).unwrap();
+        let prepared = prepare(&model, false).unwrap();
+        check(&prepared, &model);
+        let of_quad = |s: &Surface| s.corner.iter().filter(|&&c| c < 4).count();
+        assert_eq!(prepared.surfaces.iter().map(of_quad).filter(|&sides| sides > 0).collect::<Vec<_>>(), [6]);
+        assert!(prepared.surfaces.iter().any(|s| s.diagonal.iter().any(|&inside| inside)));
+        assert_eq!(count(&prepared, RepairKind::NonManifoldEdge), 0);
     }
 
     #[test]

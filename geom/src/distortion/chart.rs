@@ -17,7 +17,7 @@ pub(super) struct Charts {
     vertex: Vec<u32>,
     /// Which sides face no other.
     is_boundary: Vec<bool>,
-    /// Whether a triangle is oriented as the first one of its component of the surface is.
+    /// Whether a triangle is turned against the first one of its island.
     is_turned: Vec<bool>,
     /// Which island a triangle is in.
     pub(super) island: FaceData<u32>,
@@ -72,7 +72,7 @@ impl Charts {
         (0..self.is_boundary.len() as u32).filter(|&side| self.is_boundary[side as usize])
     }
 
-    /// -1 for a triangle that is turned against the first one of its component of the surface, else 1.
+    /// -1 for a triangle that is turned against the first one of its island, else 1.
     pub(super) fn orientation(&self, face: usize) -> f64 {
         if self.is_turned[face] { -1.0 } else { 1.0 }
     }
@@ -165,31 +165,41 @@ fn same_image(uv: &[[f64; 2]]) -> impl Fn(u32, u32) -> bool + '_ {
     }
 }
 
-/// Which triangles are turned against the first one of their component of the surface.
+/// Which triangles are turned against the first one of their island; none in an island that cannot be oriented.
 fn turned(face_count: usize, facing: &[Facing]) -> Vec<bool> {
     let mut is_turned = vec![false; face_count];
-    if facing.iter().all(|pair| !pair.is_parallel) {
+    let glued = || facing.iter().filter(|pair| pair.is_glued);
+    if glued().all(|pair| !pair.is_parallel) {
         return is_turned;
     }
     let mut neighbors = vec![Vec::new(); face_count];
-    for pair in facing {
+    for pair in glued() {
         let [f, g] = pair.sides.map(|side| side / 3);
         neighbors[f as usize].push((g, pair.is_parallel));
         neighbors[g as usize].push((f, pair.is_parallel));
     }
     let mut is_seen = vec![false; face_count];
-    let mut stack = Vec::new();
     for seed in 0..face_count {
-        if !std::mem::replace(&mut is_seen[seed], true) {
-            stack.push(seed);
+        if std::mem::replace(&mut is_seen[seed], true) {
+            continue;
         }
-        while let Some(f) = stack.pop() {
+        let mut island = vec![seed];
+        let mut can_be_oriented = true;
+        let mut at = 0;
+        while at < island.len() {
+            let f = island[at];
+            at += 1;
             for &(g, is_parallel) in &neighbors[f] {
+                let turned = is_turned[f] != is_parallel;
                 if !std::mem::replace(&mut is_seen[g as usize], true) {
-                    is_turned[g as usize] = is_turned[f] != is_parallel;
-                    stack.push(g as usize);
+                    is_turned[g as usize] = turned;
+                    island.push(g as usize);
                 }
+                can_be_oriented &= is_turned[g as usize] == turned;
             }
+        }
+        if !can_be_oriented {
+            island.into_iter().for_each(|f| is_turned[f] = false);
         }
     }
     is_turned
