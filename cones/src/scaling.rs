@@ -149,14 +149,6 @@ pub fn scale(
     run(&mollified).map(|scaling| Scaling { mollified: true, ..scaling })
 }
 
-/// What the flips change.
-struct State {
-    triangulation: Triangulation,
-    /// The unscaled lengths.
-    base: Metric,
-    flips: Vec<HalfedgeId>,
-}
-
 #[derive(Clone)]
 struct Newton<'a> {
     target: &'a VertexData<f64>,
@@ -171,9 +163,8 @@ struct Newton<'a> {
 }
 
 impl Newton<'_> {
-    fn run(&self, intrinsic: Intrinsic) -> Result<Scaling, ScalingError> {
-        let Intrinsic { triangulation, metric: base, flips } = intrinsic;
-        let mut state = State { triangulation, base, flips };
+    /// Finds the metric from a Delaunay triangulation on; its lengths stay unscaled while flips change it.
+    fn run(&self, mut state: Intrinsic) -> Result<Scaling, ScalingError> {
         let starts_at_zero = self.fixed.is_empty();
         let mut u = if starts_at_zero { VertexData::constant(self.start.len(), 0.0) } else { self.start.clone() };
         let mut metric = self.scaled(&mut state, &u);
@@ -235,10 +226,10 @@ impl Newton<'_> {
     }
 
     /// The Delaunay metric with log scale factors u.
-    fn scaled(&self, state: &mut State, u: &VertexData<f64>) -> Metric {
+    fn scaled(&self, state: &mut Intrinsic, u: &VertexData<f64>) -> Metric {
         let spread: Option<VertexData<f64>> = self.original.map(|original| original.iter().map(|&v| u[v]).collect());
         let u = spread.as_ref().unwrap_or(u);
-        ptolemaic_delaunay(&mut state.triangulation, &mut state.base, u, &mut state.flips)
+        ptolemaic_delaunay(&mut state.triangulation, &mut state.metric, u, &mut state.flips)
     }
 
     /// The Laplacian of the scaled metric; that of a double as it acts on what is the same on both halves. Where triangles
@@ -275,7 +266,7 @@ impl Newton<'_> {
 
     fn finish(
         &self,
-        state: State,
+        state: Intrinsic,
         u: VertexData<f64>,
         metric: Metric,
         steps: usize,
@@ -285,7 +276,7 @@ impl Newton<'_> {
         if error.is_nan() || error > ACCURACY {
             return Err(ScalingError::Stuck { error, vertex });
         }
-        let State { triangulation, flips, .. } = state;
+        let Intrinsic { triangulation, flips, .. } = state;
         if let Some(f) = triangulation.faces().find(|&f| metric.sides(&triangulation, f).area() <= 0.0) {
             return Err(ScalingError::NoTriangle(triangulation.corners(f)[0]));
         }
