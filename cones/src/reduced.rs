@@ -75,7 +75,7 @@ pub struct Fitted {
 impl<'a> Reduced<'a> {
     /// The model of a surface whose layout will use the triangles of `input`. Two solves.
     pub fn new(operators: &'a Operators, input: &Mesh) -> Self {
-        let mut flattening = operators.poisson.solve(&operators.flattening_source());
+        let mut flattening = operators.flattening().clone();
         operators.centre(&mut flattening);
         let linear = operators.poisson.solve(&operators.weighted(&flattening));
         let count = operators.mesh.vertex_count();
