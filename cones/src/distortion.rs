@@ -18,7 +18,7 @@ pub struct Predicted {
     pub area_distortion: f64,
 }
 
-/// What linear theory predicts for a set of cones that get their curvatures by a rule. One solve; one more for each cone
+/// What linear theory predicts for a set of cones that get their curvatures by a rule. Half a solve; one more for each cone
 /// where they are harmonic.
 pub fn predict(operators: &Operators, set: &Fitted, angles: Angles) -> Predicted {
     let u = Settled::new(operators, set, angles).log_scale(operators);
