@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use cones::{SeamError, Seams};
-use geom::{CutMesh, Poisson, VertexId, angle_defects, delaunay, edge_weights};
+use geom::{CutMesh, Mesh, Poisson, VertexId, angle_defects, delaunay, edge_weights};
 use sprs::CsMat;
 
 use super::{assert_close, metric_of};
@@ -36,6 +36,12 @@ pub fn flips(bytes: &[u8]) {
         undone.unflip(h);
     }
     assert!(undone == *mesh.triangulation(), "flips undone backwards leave the mesh as it was");
+
+    // With its loops and repeated edges the triangulation is a surface to topo.
+    let field: Vec<u8> = bytes.iter().copied().chain(0..=u8::MAX).cycle().take(mesh.vertex_count()).collect();
+    let flipped = Mesh::from_triangulation(intrinsic.triangulation).expect("flips keep a manifold one");
+    let surface = topo::Surface::new(&flipped, |v| !flipped.is_boundary_vertex(v));
+    assert_eq!(topo::persistence(surface, &field), topo::persistence(&flipped, &field));
 }
 
 /// L is symmetric, constants are in its kernel, and no other direction is: xᵀLx > 0.
@@ -58,7 +64,7 @@ pub fn laplacian(bytes: &[u8]) {
 }
 
 /// Solutions are those of Gaussian elimination on the dense matrix, for any fixed vertices and none, one right-hand side
-/// and several.
+/// and several, all entries given or those that are not 0.
 pub fn poisson(bytes: &[u8]) {
     let bytes = &mut Bytes::new(bytes);
     let shape = decode::surface(bytes);
@@ -77,7 +83,13 @@ pub fn poisson(bytes: &[u8]) {
     let poisson = Poisson::new(&matrix, &fixed).expect("connected, with triangles that have area");
     let size = expected.iter().fold(1.0_f64, |m, x| m.max(x.abs()));
     let many = poisson.solve_many(&[b.clone().into(), b.iter().map(|b| -2.0 * b).collect()]);
+    let entries: Vec<(VertexId, f64)> = mesh.vertices().zip(b.iter().copied()).collect();
+    let sparse = [poisson.solve_sparse(&[entries.clone()]), poisson.solve_sparse(&[entries, Vec::new()])];
     for (v, &x) in poisson.solve(&b).iter_ids() {
+        // On a closed surface these are 0 at the grounded vertex.
+        let shift = poisson.grounded().map_or(0.0, |grounded| many[0][grounded]);
+        sparse.iter().for_each(|sparse| assert_close(sparse[0][v] + shift, x, 1e-8, size));
+        assert_eq!(sparse[1][1][v], 0.0);
         assert_close(x, expected[v.0 as usize], 1e-8, size);
         assert_close(many[0][v], x, 1e-8, size);
         assert_close(many[1][v], -2.0 * x, 1e-8, 2.0 * size);
