@@ -269,7 +269,8 @@ impl Found {
                 whole_curve(components, &nested, (method, angles), (2 * predicted.count).max(most))
             }
         };
-        self.number = Some(NumberOfCones { target, predicted: predicted.area_distortion, is_met, curve });
+        let (chosen, predicted) = (predicted.count, predicted.area_distortion);
+        self.number = Some(NumberOfCones { target, chosen, predicted, is_met, curve });
         found.into_iter().map(|found| Choice::Found(found.set.cones)).collect()
     }
 
