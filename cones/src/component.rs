@@ -488,7 +488,7 @@ mod tests {
             sums[part][1] += here * 0.5 * (there / here).ln();
         }
         let means = sums.map(|[area, sum]| sum / area);
-        assert!(means.iter().all(|mean| (mean - means[0]).abs() < 0.03), "{means:?}");
+        assert!(means.iter().all(|mean| (mean - means[0]).abs() < 0.01), "{means:?}");
     }
 
     #[test]
