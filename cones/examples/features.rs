@@ -65,9 +65,10 @@ fn main() -> Result<(), Box<dyn Error>> {
     println!("{name}: {} vertices", shape.points.len());
 
     let curvature = mean_curvature(&shape, &mesh, &metric);
-    print("mean curvature", &topo::persistence(&mesh, &curvature)?.hierarchy(), &shape);
+    let surface = topo::Surface::new(&mesh, |v| !mesh.is_boundary_vertex(v));
+    print("mean curvature", &topo::persistence(surface, &curvature)?.hierarchy(), &shape);
 
     let factor = ConformalFactor::new(&Operators::new(&mesh, &metric)?);
-    print("conformal factor", &topo::persistence(&mesh, &factor.phi)?.hierarchy(), &shape);
+    print("conformal factor", &topo::persistence(surface, &factor.phi)?.hierarchy(), &shape);
     Ok(())
 }

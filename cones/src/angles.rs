@@ -65,8 +65,7 @@ pub struct ConeCurvatures {
 impl ConeCurvatures {
     /// Curvatures that somebody gives.
     pub fn given(operators: &Operators, cones: &[VertexId], curvature: Vec<f64>) -> Self {
-        let flattening = operators.poisson.solve(&operators.flattening_source());
-        let (p, green) = centred(operators, flattening, operators.green(cones));
+        let (p, green) = centred(operators, operators.green(cones));
         Self { predicted: combine(&p, &green, &curvature), curvature, out_of_bounds: Vec::new() }
     }
 }
@@ -124,12 +123,12 @@ pub fn cone_curvatures(
     cones: &[VertexId],
     angles: Angles,
 ) -> Result<ConeCurvatures, AnglesError> {
-    let flattening = operators.poisson.solve(&operators.flattening_source());
+    let flattening = operators.flattening();
     let green = operators.green(cones);
     let bounds = bounds(operators, input, cones);
     let mut out_of_bounds = Vec::new();
     if angles == Angles::Harmonic {
-        if let Some(curvature) = harmonic(operators, cones, &flattening, &green) {
+        if let Some(curvature) = harmonic(operators, cones, flattening, &green) {
             out_of_bounds = cones
                 .iter()
                 .zip(&curvature)
@@ -138,7 +137,7 @@ pub fn cone_curvatures(
                 .map(|((v, _), _)| *v)
                 .collect();
             if out_of_bounds.is_empty() {
-                let mut predicted = combine(&flattening, &green, &curvature);
+                let mut predicted = combine(flattening, &green, &curvature);
                 operators.subtract_mean(&mut predicted);
                 return Ok(ConeCurvatures { curvature, predicted, out_of_bounds });
             }
@@ -146,17 +145,14 @@ pub fn cone_curvatures(
             out_of_bounds = cones.to_vec();
         }
     }
-    let (p, g) = centred(operators, flattening, green);
+    let (p, g) = centred(operators, green);
     let curvature = optimal(operators, &p, &g, &bounds)?;
     let predicted = combine(&p, &g, &curvature);
     Ok(ConeCurvatures { curvature, predicted, out_of_bounds })
 }
 
-fn centred(
-    operators: &Operators,
-    mut flattening: VertexData<f64>,
-    mut green: Vec<VertexData<f64>>,
-) -> (VertexData<f64>, Vec<VertexData<f64>>) {
+fn centred(operators: &Operators, mut green: Vec<VertexData<f64>>) -> (VertexData<f64>, Vec<VertexData<f64>>) {
+    let mut flattening = operators.flattening().clone();
     operators.centre(&mut flattening);
     green.iter_mut().for_each(|g| operators.centre(g));
     (flattening, green)
@@ -243,8 +239,7 @@ mod tests {
         let (mesh, operators) = hare();
         let cones = spread(&mesh, 9);
         let green = operators.green(&cones);
-        let flattening = operators.poisson.solve(&operators.flattening_source());
-        let curvature = harmonic(&operators, &cones, &flattening, &green).unwrap();
+        let curvature = harmonic(&operators, &cones, operators.flattening(), &green).unwrap();
         let source: Vec<f64> = operators.curvature.iter().map(|k| -k).collect();
         let pinned = Poisson::new(&operators.laplacian, &cones).unwrap().solve(&source);
         for (&v, k) in cones.iter().zip(curvature) {

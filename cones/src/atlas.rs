@@ -91,8 +91,8 @@ pub struct Topology {
 
 impl Topology {
     /// The topology of prepared surfaces.
-    pub fn of(surfaces: &[Surface]) -> Self {
-        surfaces.iter().map(|s| &s.mesh).fold(Self::default(), |sum, mesh| Self {
+    pub fn of<'a>(surfaces: impl IntoIterator<Item = &'a Surface>) -> Self {
+        surfaces.into_iter().map(|s| &s.mesh).fold(Self::default(), |sum, mesh| Self {
             vertices: sum.vertices + mesh.vertex_count(),
             faces: sum.faces + mesh.face_count(),
             components: sum.components + 1,
@@ -128,6 +128,8 @@ pub struct Atlas {
     pub topology: Topology,
     /// The largest curvature off the cones that the metric has, in radians.
     pub curvature_error: f64,
+    /// How many connected parts no cones could flatten: these are unfolded with a cone at every vertex, cut to shreds.
+    pub unfolded: usize,
     /// The time each stage took.
     pub times: Vec<(Stage, Duration)>,
     /// What was mended in the model.

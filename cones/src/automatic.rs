@@ -55,7 +55,7 @@ pub fn automatic(reduced: &mut Reduced, angles: Angles, target: f64, most: usize
 }
 
 /// The shortest prefix of an order of cones that keeps the predicted area distortion within `target`; all of it where
-/// none does. Two back-solves for each cone and one for each prefix, one more for each cone if curvatures are harmonic.
+/// none does. One and a half back-solves for each cone and half a one for each prefix, one more for each cone if curvatures are harmonic.
 pub fn shortest(reduced: &mut Reduced, order: &[VertexId], angles: Angles, target: f64) -> Automatic {
     let nested = Nested::new(reduced, order);
     let operators = reduced.operators();

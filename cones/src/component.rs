@@ -4,7 +4,7 @@
 
 use std::time::{Duration, Instant};
 
-use geom::{EdgeData, EdgeId, Id, Metric, PoissonError, Surface, VertexData, VertexId, angle_defects};
+use geom::{Id, Metric, PoissonError, Surface, VertexData, VertexId, angle_defects};
 
 use crate::angles::{AnglesError, ConeCurvatures, cone_curvatures};
 use crate::atlas::Stage;
@@ -18,7 +18,7 @@ use crate::mend::{MendError, mend};
 use crate::operators::Operators;
 use crate::options::{ConeChoice, Options};
 use crate::scaling::{Scaling, scale};
-use crate::seams::Seams;
+use crate::seams::{Seams, seam_lengths};
 
 /// More cones than this are not optimised: `refined` takes a time that grows with the third power of their number.
 pub(crate) const MOST_OPTIMISED: usize = 64;
@@ -52,7 +52,7 @@ pub(crate) struct Component<'a> {
 
 /// The time each stage took, and what the user should know.
 pub(crate) struct Record<'a> {
-    on_stage: OnStage<'a>,
+    pub(crate) on_stage: OnStage<'a>,
     pub(crate) times: Vec<(Stage, Duration)>,
     pub(crate) warnings: Vec<String>,
 }
@@ -98,6 +98,8 @@ pub(crate) struct Flat {
     pub(crate) size: f64,
     /// The area distortion that the log scale factors make.
     distortion: f64,
+    /// Whether no cones could flatten the surface, so that each inner vertex is one.
+    pub(crate) is_unfolded: bool,
 }
 
 /// Cones to begin with.
@@ -317,7 +319,8 @@ impl<'a> Component<'a> {
     fn detach(&mut self, mut flat: Flat, flipped: &MendError) -> Flat {
         self.warn(format!("{flipped}: {} triangles there are islands of their own", flipped.bad.len()));
         let Flat { seams, layout, u, .. } = &mut flat;
-        detach(&self.surface.mesh, &self.metric, u, &self.seam_lengths(), &flipped.bad, seams, layout);
+        let lengths = seam_lengths(self.surface, &self.metric);
+        detach(&self.surface.mesh, &self.metric, u, &lengths, &flipped.bad, seams, layout);
         flat
     }
 
@@ -328,12 +331,12 @@ impl<'a> Component<'a> {
         let mesh = &self.surface.mesh;
         let defects = angle_defects(mesh, &self.metric);
         let inner: Vec<VertexId> = mesh.vertices().filter(|&v| !mesh.is_boundary_vertex(v)).collect();
-        let seams = Seams::new(mesh, &self.seam_lengths(), &inner)?;
+        let seams = Seams::of_surface(self.surface, &self.metric, &inner)?;
         let scaling = Scaling::none(mesh, &self.metric);
         let layout = Layout::new(mesh, &scaling, &seams.cut);
         let curvatures = inner.iter().map(|&v| defects[v]).collect();
         let cones = inner.into_iter().map(|vertex| Candidate { vertex, extremum: None }).collect();
-        Ok(self.flat(cones, curvatures, seams, layout, scaling))
+        Ok(Flat { is_unfolded: true, ..self.flat(cones, curvatures, seams, layout, scaling) })
     }
 
     /// A flattening, and what stays flipped in it.
@@ -344,7 +347,7 @@ impl<'a> Component<'a> {
     ) -> Result<(Flat, Option<MendError>), Error> {
         let vertices: Vec<VertexId> = cones.iter().map(|c| c.vertex).collect();
         let mesh = &self.surface.mesh;
-        let seams = self.stage(Stage::Cut, |this| Seams::new(mesh, &this.seam_lengths(), &vertices))?;
+        let seams = self.stage(Stage::Cut, |this| Seams::of_surface(this.surface, &this.metric, &vertices))?;
         let scaling = self.stage(Stage::Scale, |this| {
             let mut target = VertexData::constant(mesh.vertex_count(), 0.0);
             for (&v, &k) in vertices.iter().zip(&curvatures.curvature) {
@@ -376,13 +379,8 @@ impl<'a> Component<'a> {
         let mean: f64 = self.operators.weight.iter().zip(scaling.u.iter()).map(|(w, u)| w * u).sum();
         let size = (-mean).exp() / self.surface.scale;
         let distortion = area_distortion(&self.operators, &scaling.u);
-        Flat { cones, curvatures, seams, layout, u: scaling.u, error: scaling.error, size, distortion }
-    }
-
-    /// The lengths that seams count: those of space, but no seam runs inside a polygon.
-    fn seam_lengths(&self) -> EdgeData<f64> {
-        let length = |(e, &l): (EdgeId, &f64)| if self.surface.diagonal[e] { f64::INFINITY } else { l };
-        self.metric.lengths().iter_ids().map(length).collect()
+        let Scaling { u, error, .. } = scaling;
+        Flat { cones, curvatures, seams, layout, u, error, size, distortion, is_unfolded: false }
     }
 }
 

@@ -21,10 +21,17 @@ pub(crate) struct Crowd {
 
 impl Crowd {
     pub(crate) fn new(operators: &Operators, cones: &[VertexId]) -> Self {
+        let roomy = operators.mesh.vertex_count() >= ROOMY * cones.len();
+        let crowd = Self::within(operators, cones, if roomy { LEAST_DISTANCE } else { 1 });
+        // A vertex may be so near to all others that there is no room beside it.
+        if !roomy || crowd.near.contains(&NOBODY) { crowd } else { Self::within(operators, cones, 1) }
+    }
+
+    /// With all vertices closed that are less than so many edges from a cone.
+    fn within(operators: &Operators, cones: &[VertexId], distance: usize) -> Self {
         let mesh = &operators.mesh;
         let outside = |v| if mesh.is_boundary_vertex(v) { SEVERAL } else { NOBODY };
         let mut crowd = Self { near: mesh.vertices().map(outside).collect() };
-        let distance = if mesh.vertex_count() >= ROOMY * cones.len() { LEAST_DISTANCE } else { 1 };
         for (i, &cone) in cones.iter().enumerate() {
             let mut ball = vec![cone];
             let mut rim = 0;
@@ -59,5 +66,35 @@ impl Crowd {
     /// Whether one more cone may be here.
     pub(crate) fn admits_another(&self, v: VertexId) -> bool {
         self.near[v] == NOBODY
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::reduced::Reduced;
+    use crate::refined::refined;
+    use geom::{Mesh, Metric};
+    use std::f64::consts::TAU;
+
+    #[test]
+    fn there_is_room_beside_a_vertex_that_is_near_to_all_others() {
+        // A bipyramid: every vertex of its rim is a neighbour of both tips.
+        let rim = 400;
+        let faces: Vec<[u32; 3]> =
+            (0..rim).flat_map(|k| [[k, (k + 1) % rim, rim], [(k + 1) % rim, k, rim + 1]]).collect();
+        let mut points: Vec<[f64; 3]> = (0..rim)
+            .map(|k| {
+                let (y, x) = (TAU * f64::from(k) / f64::from(rim)).sin_cos();
+                [x, y, 0.0]
+            })
+            .collect();
+        points.extend([[0.0, 0.0, 1.0], [0.0, 0.0, -1.0]]);
+        let mesh = Mesh::new(points.len(), &faces).unwrap();
+        let operators = Operators::new(&mesh, &Metric::from_points(&mesh, &points)).unwrap();
+        for count in [3, 8] {
+            let set = refined(&mut Reduced::new(&operators, &mesh), count);
+            assert_eq!((set.cones.len(), set.shortfall), (count, 0.0));
+        }
     }
 }

@@ -18,7 +18,7 @@ pub struct Predicted {
     pub area_distortion: f64,
 }
 
-/// What linear theory predicts for a set of cones that get their curvatures by a rule. One solve; one more for each cone
+/// What linear theory predicts for a set of cones that get their curvatures by a rule. Half a solve; one more for each cone
 /// where they are harmonic.
 pub fn predict(operators: &Operators, set: &Fitted, angles: Angles) -> Predicted {
     let u = Settled::new(operators, set, angles).log_scale(operators);
@@ -42,10 +42,12 @@ pub fn area_distortion(operators: &Operators, u: &[f64]) -> f64 {
 /// The area of each triangle, and by what it is multiplied.
 fn area_ratios(operators: &Operators, u: &[f64]) -> Vec<(f64, f64)> {
     assert_eq!(u.len(), operators.mesh.vertex_count(), "a log scale factor has one value a vertex");
+    // e^(2/3 u): three of them make a triangle's ratio.
+    let share: VertexData<f64> = u.iter().map(|u| (u * (2.0 / 3.0)).exp()).collect();
     let of_face = |f| {
         let area = operators.metric.sides(&operators.mesh, f).area();
-        let mean = operators.mesh.corners(f).iter().map(|v| u[v.0 as usize]).sum::<f64>() / 3.0;
-        (area, (2.0 * mean).exp())
+        let [a, b, c] = operators.mesh.corners(f).map(|v| share[v]);
+        (area, a * b * c)
     };
     operators.mesh.faces().map(of_face).collect()
 }

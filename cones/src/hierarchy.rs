@@ -64,7 +64,9 @@ impl ConeHierarchy {
     /// # Panics
     /// If φ has not one value, not NaN, for each vertex.
     pub fn new(operators: &Operators, factor: &ConformalFactor) -> Self {
-        let persistence = topo::persistence(&operators.mesh, &factor.phi).expect("φ has one finite value a vertex");
+        let mesh = &operators.mesh;
+        let surface = topo::Surface::new(mesh, |v| !mesh.is_boundary_vertex(v));
+        let persistence = topo::persistence(surface, &factor.phi).expect("φ has one finite value a vertex");
         Self { extrema: persistence.hierarchy() }
     }
 
@@ -154,6 +156,9 @@ impl<'a> Chosen<'a> {
     /// solve at first, an eighth of the cones later. (The batches depend on nothing but what is there, so that fewer cones
     /// are still a prefix of more.)
     fn go_on_greedily(&mut self, extrema: &Hierarchy<VertexId, f64>, count: usize) {
+        if self.candidates.len() >= count {
+            return;
+        }
         let mut pinned = Pinned::new(self.operators);
         while self.candidates.len() < count {
             let known = pinned.cones().len();

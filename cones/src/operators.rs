@@ -6,6 +6,8 @@
 //! harmonic extension of its indicator function can be added to any log scale factor without changing the curvature
 //! inside.
 
+use std::sync::OnceLock;
+
 use geom::{
     HalfedgeId, Mesh, MeshError, Metric, Poisson, PoissonError, VertexData, VertexId, angle_defects, delaunay,
     laplacian,
@@ -39,6 +41,10 @@ pub struct Operators {
     bordered: bool,
     /// The positions of the vertices, where they were given.
     points: Option<Vec<[f64; 3]>>,
+    /// See [`Operators::flattening`].
+    flattening: OnceLock<VertexData<f64>>,
+    /// What a unit of curvature at every vertex causes, divided by their number; on a closed surface.
+    even: OnceLock<VertexData<f64>>,
 }
 
 impl Operators {
@@ -92,6 +98,8 @@ impl Operators {
             free: Vec::new(),
             bordered,
             points: None,
+            flattening: OnceLock::new(),
+            even: OnceLock::new(),
         };
         operators.add_free(VertexData::constant(operators.mesh.vertex_count(), 1.0));
         loops.sort_by_key(|around| std::cmp::Reverse(around.len()));
@@ -132,27 +140,42 @@ impl Operators {
         x.iter_mut().for_each(|x| *x -= mean);
     }
 
-    /// The right-hand side whose solution is the log scale factor that takes away all curvature: on a closed surface all
-    /// but the mean, 2πχ/n at each of n vertices.
-    pub(crate) fn flattening_source(&self) -> VertexData<f64> {
-        let mean = if self.bordered { 0.0 } else { self.total_curvature() / self.mesh.vertex_count() as f64 };
-        self.curvature.iter().map(|k| mean - k).collect()
+    /// The log scale factor that takes away all curvature, up to a constant: on a closed surface all but the mean, 2πχ/n at
+    /// each of n vertices. One solve, when it is first asked for.
+    pub(crate) fn flattening(&self) -> &VertexData<f64> {
+        self.flattening.get_or_init(|| {
+            let mean = if self.bordered { 0.0 } else { self.total_curvature() / self.mesh.vertex_count() as f64 };
+            let source: VertexData<f64> = self.curvature.iter().map(|k| mean - k).collect();
+            self.poisson.solve(&source)
+        })
     }
 
     /// The log scale factors `g_v` that a unit of curvature at each given vertex causes (Green's functions): on a closed
-    /// surface taken away evenly from all vertices.
+    /// surface taken away evenly from all vertices, with mean 0 over these. Half a solve each.
     pub(crate) fn green(&self, vertices: &[VertexId]) -> Vec<VertexData<f64>> {
-        let n = self.mesh.vertex_count();
-        let elsewhere = if self.bordered { 0.0 } else { -1.0 / n as f64 };
-        let sources: Vec<VertexData<f64>> = vertices
-            .iter()
-            .map(|&v| {
-                let mut source = VertexData::constant(n, elsewhere);
-                source[v] += 1.0;
-                source
-            })
-            .collect();
-        self.poisson.solve_many(&sources)
+        let sources: Vec<Vec<(VertexId, f64)>> = vertices.iter().map(|&v| vec![(v, 1.0)]).collect();
+        let mut green = self.poisson.solve_sparse(&sources);
+        if !self.bordered {
+            let even = self.even();
+            for g in &mut green {
+                let mean = g.iter().sum::<f64>() / g.len() as f64;
+                g.iter_mut().zip(even.iter()).for_each(|(g, even)| *g -= even + mean);
+            }
+        }
+        green
+    }
+
+    /// The log scale factor, with mean 0 over the vertices, of a closed surface that a unit of curvature causes where it is
+    /// spread evenly over the vertices and taken from the grounded one.
+    fn even(&self) -> &VertexData<f64> {
+        self.even.get_or_init(|| {
+            let n = self.mesh.vertex_count();
+            let mut source = VertexData::constant(n, 1.0 / n as f64);
+            if let Some(grounded) = self.poisson.grounded() {
+                source[grounded] -= 1.0;
+            }
+            self.poisson.solve(&source)
+        })
     }
 
     /// A log scale factor times the weights: with it the product ⟨x, y⟩ is a plain one.
@@ -160,23 +183,24 @@ impl Operators {
         self.weight.iter().zip(x).map(|(w, x)| w * x).collect()
     }
 
-    /// The log scale factor that linear theory predicts for cones with given curvatures, centred. One solve.
+    /// The log scale factor that linear theory predicts for cones with given curvatures, centred. Half a solve.
     pub fn log_scale(&self, cones: &[VertexId], curvature: &[f64]) -> VertexData<f64> {
         let mut u = self.uncentred_log_scale(cones, curvature);
         self.centre(&mut u);
         u
     }
 
-    /// The same as it comes from the solve: 0 on a boundary, on a closed surface up to a constant.
+    /// The same as it comes from the solve: 0 on a boundary, on a closed surface up to a constant. What the curvatures lack
+    /// there is spread evenly.
     pub(crate) fn uncentred_log_scale(&self, cones: &[VertexId], curvature: &[f64]) -> VertexData<f64> {
-        let count = self.mesh.vertex_count() as f64;
-        let elsewhere = if self.bordered { 0.0 } else { curvature.iter().sum::<f64>() / count };
-        let mut source = self.flattening_source();
-        source.iter_mut().for_each(|s| *s -= elsewhere);
-        for (&v, q) in cones.iter().zip(curvature) {
-            source[v] += q;
+        let source = cones.iter().copied().zip(curvature.iter().copied()).collect();
+        let mut u = self.poisson.solve_sparse(&[source]).remove(0);
+        u.iter_mut().zip(self.flattening().iter()).for_each(|(u, p)| *u += p);
+        if !self.bordered {
+            let sum: f64 = curvature.iter().sum();
+            u.iter_mut().zip(self.even().iter()).for_each(|(u, even)| *u -= sum * even);
         }
-        self.poisson.solve(&source)
+        u
     }
 
     /// Factors the Laplacian anew with more vertices pinned to 0 than the boundary, from its ordering on.

@@ -230,7 +230,7 @@ impl<'a> PartOrder<'a> {
     }
 }
 
-/// What is predicted for each number of cones that can take the curvature of all parts. A solve for each.
+/// What is predicted for each number of cones that can take the curvature of all parts. Half a solve for each.
 pub(crate) fn curve(parts: &[PartOrder], sequence: &[usize]) -> Vec<Predicted> {
     let mut whole = Whole::new(parts.len());
     let mut counts = vec![0; parts.len()];

@@ -42,7 +42,7 @@ pub struct Nested {
 }
 
 impl Nested {
-    /// The prefixes of an order of cones. Two back-solves for each cone that is not in the pool.
+    /// The prefixes of an order of cones. One and a half back-solves for each cone that is not in the pool.
     pub fn new(reduced: &mut Reduced, order: &[VertexId]) -> Self {
         reduced.add(order);
         Self { sets: (0..=order.len()).map(|count| reduced.fit(&order[..count])).collect() }
@@ -53,15 +53,15 @@ impl Nested {
         self.sets.last().map_or(&[], |set| &set.cones)
     }
 
-    /// What is predicted for every number of cones that can take the surface's curvature, with curvatures by a rule. A
-    /// solve for each.
+    /// What is predicted for every number of cones that can take the surface's curvature, with curvatures by a rule. Half
+    /// a solve for each.
     pub fn curve(&self, operators: &Operators, angles: Angles) -> Vec<Predicted> {
         PartOrder::new(operators, 1.0, self, angles).curve()
     }
 }
 
 /// The best order found of so many cones; fewer only where the surface has no more inner vertices. On a fresh model every
-/// order begins with all shorter ones. About 250 back-solves for each 32 cones begun.
+/// order begins with all shorter ones. About 190 back-solves for each 32 cones begun.
 pub fn pursuit(reduced: &mut Reduced, count: usize) -> Nested {
     pursuit_by(reduced, count, BLOCK)
 }

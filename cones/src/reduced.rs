@@ -73,9 +73,9 @@ pub struct Fitted {
 }
 
 impl<'a> Reduced<'a> {
-    /// The model of a surface whose layout will use the triangles of `input`. Two solves.
+    /// The model of a surface whose layout will use the triangles of `input`. Two solves, one of them where the surface was asked before.
     pub fn new(operators: &'a Operators, input: &Mesh) -> Self {
-        let mut flattening = operators.poisson.solve(&operators.flattening_source());
+        let mut flattening = operators.flattening().clone();
         operators.centre(&mut flattening);
         let linear = operators.poisson.solve(&operators.weighted(&flattening));
         let count = operators.mesh.vertex_count();
@@ -104,7 +104,7 @@ impl<'a> Reduced<'a> {
         &self.flattening
     }
 
-    /// The vertices that have been solved for: two solves each.
+    /// The vertices that have been solved for: one and a half solves each.
     pub fn pool(&self) -> &[VertexId] {
         &self.pool
     }
@@ -240,7 +240,7 @@ impl<'a> Reduced<'a> {
         missing.abs()
     }
 
-    /// The log scale factor that linear theory predicts for cones with given curvatures, centred. One solve.
+    /// The log scale factor that linear theory predicts for cones with given curvatures, centred. Half a solve.
     pub fn log_scale(&self, cones: &[VertexId], curvature: &[f64]) -> VertexData<f64> {
         self.operators.log_scale(cones, curvature)
     }

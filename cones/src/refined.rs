@@ -30,7 +30,7 @@ const FARTHEST_WIDER: usize = 6;
 const LEAST_BACKWARD: usize = 12;
 
 /// The best set of so many cones that was found, all of them in the pool; fewer only where the surface has no more inner
-/// vertices. About 60, 130, 300 and 500 back-solves for 4, 8, 16 and 32 cones.
+/// vertices. About 45, 100, 225 and 375 back-solves for 4, 8, 16 and 32 cones.
 ///
 /// On a closed surface too few cones cannot take its curvature: see [`Fitted::shortfall`] and
 /// [`least_cones`](crate::least_cones).

@@ -18,8 +18,8 @@
 //! along loops through its first vertex; a closed sphere needs two cones at least.
 
 use geom::{
-    CutMesh, EdgeData, EdgeId, Mesh, ShortestPaths, VertexData, VertexId, edges_at, kruskal, maximum_spanning_cotree,
-    other_end,
+    CutMesh, EdgeData, EdgeId, Mesh, Metric, ShortestPaths, Surface, VertexData, VertexId, edges_at, kruskal,
+    maximum_spanning_cotree, other_end,
 };
 use thiserror::Error;
 
@@ -104,6 +104,18 @@ impl Seams {
         Ok(Self { chains: chains(mesh, &cut, &is_terminal), cut, length })
     }
 
+    /// The seams of a prepared surface, along edges of the model only: none runs inside a polygon. `metric` has the lengths
+    /// in space.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    ///
+    /// # Panics
+    /// If there is an edge without a length.
+    pub fn of_surface(surface: &Surface, metric: &Metric, cones: &[VertexId]) -> Result<Self, SeamError> {
+        Self::new(&surface.mesh, &seam_lengths(surface, metric), cones)
+    }
+
     /// Strings the chains anew, after edges were added to the cut. Where chains ended they still do.
     pub(crate) fn string(&mut self, mesh: &Mesh, lengths: &EdgeData<f64>) {
         let mut is_end = VertexData::constant(mesh.vertex_count(), false);
@@ -114,6 +126,12 @@ impl Seams {
         self.chains = chains(mesh, &self.cut, &is_end);
         self.length = mesh.edges().filter(|&e| self.cut[e]).map(|e| lengths[e]).sum();
     }
+}
+
+/// The lengths that seams count: those of space, but infinite inside a polygon.
+pub(crate) fn seam_lengths(surface: &Surface, metric: &Metric) -> EdgeData<f64> {
+    let length = |(e, &l): (EdgeId, &f64)| if surface.diagonal[e] { f64::INFINITY } else { l };
+    metric.lengths().iter_ids().map(length).collect()
 }
 
 /// The vertices of the terminals, each with its terminal's number: boundary loops first, then cones.

@@ -64,7 +64,7 @@ impl Settled {
         }
     }
 
-    /// The log scale factor, centred. One solve.
+    /// The log scale factor, centred. Half a solve.
     pub(crate) fn log_scale(&self, operators: &Operators) -> VertexData<f64> {
         let mut u = operators.uncentred_log_scale(&self.cones, &self.curvature);
         match self.angles {

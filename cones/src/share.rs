@@ -2,10 +2,12 @@
 //!
 //! Each part has a curve: its energy for every number of cones, times its area. On the lower convex hulls of the curves
 //! every further cone brings less than the one before, so taking steps by what they bring for each cone is optimal at the
-//! ends of hull edges, and every total is a prefix of the next.
+//! ends of hull edges, and with the same curves every total is a prefix of the next.
 //!
 //! Curves are known in blocks, as orders are found in blocks, and a hull must not depend on how far its curve is known:
-//! so hulls have a corner wherever a block ends.
+//! so hulls have a corner wherever a block ends, and the totals of a nested order are prefixes of each other. For
+//! [`Method::Refined`](crate::Method::Refined), which has no order, up to a block of cones cheaper curves are found that
+//! do depend on how far they go: there a part may get fewer cones of a larger total.
 
 use crate::angles::least_cones;
 use crate::operators::Operators;

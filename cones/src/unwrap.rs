@@ -5,15 +5,15 @@
 
 use std::sync::Mutex;
 
-use geom::{Model, Prepared, Surface, VertexId, prepare};
+use geom::{Model, Prepared, Repair, VertexId, prepare};
 use rayon::prelude::*;
 use topo::Extremum;
 
-use crate::angles::{ConeCurvatures, least_cones};
+use crate::angles::{Angles, ConeCurvatures, least_cones};
 use crate::atlas::{Atlas, Cone, Extraction, NumberOfCones, Stage, Topology};
 use crate::automatic::{Automatic, MOST_AUTOMATIC, TARGET_DISTORTION, automatic, shortest};
 use crate::component::{Choice, Component, MOST_OPTIMISED, OnStage, Record};
-use crate::distortion::Whole;
+use crate::distortion::{Predicted, Whole};
 use crate::error::Error;
 use crate::hierarchy::{Candidate, Method, kind_of};
 use crate::options::{ConeChoice, Options};
@@ -34,42 +34,43 @@ const ORDERED_MORE: usize = 32;
 /// If the model has no surface, or one that cannot be flattened.
 pub fn unwrap(model: &Model, options: &Options, on_stage: &mut (dyn FnMut(Stage) + Send)) -> Result<Atlas, Error> {
     with_shared(on_stage, |on_stage| {
-        let (prepared, mut record) = begin(model, options, on_stage)?;
-        let mut found = Found::new(model, &prepared);
-        let mut components = components(&prepared, options, on_stage)?;
-        found.note_extrema(&components);
-        let choices = found.first_choices(options, &mut components, &mut record)?;
-        found.note_order(options, &components, &choices, &mut record);
+        let (prepared, record) = begin(model, options, on_stage)?;
+        let (mut found, mut components, choices) = choose(model, &prepared, options, record)?;
         let flats = each(&mut components, choices, Component::flatten_within)?;
         let mut uv = vec![None; model.corner_count()];
         let mut seams = Vec::new();
         let mut curvature_error = 0.0_f64;
+        let mut unfolded = 0;
         let mut shelf = Shelf::new(components.iter().map(|c| c.area).sum());
-        for (Component { surface, record: own, .. }, flat) in components.into_iter().zip(flats) {
+        for (component, flat) in components.into_iter().zip(flats) {
+            let surface = component.surface;
             curvature_error = curvature_error.max(flat.error);
+            unfolded += usize::from(flat.is_unfolded);
             for (h, position) in shelf.place(&flat.layout, &surface.mesh, flat.size).iter_ids() {
                 uv[surface.corner[h] as usize] = Some(*position);
             }
             let of_model = |chain: &Chain| chain.vertices.iter().map(|&v| surface.vertex[v]).collect();
             seams.extend(flat.seams.chains.iter().map(of_model));
-            found.note_cones(model, surface, &flat.cones, &flat.curvatures);
-            record.absorb(own);
+            found.take(model, component, &flat.cones, &flat.curvatures);
         }
+        let Extraction { cones, factor, persistence, number, order, topology, times, repairs, warnings } =
+            found.extraction(prepared.repairs);
         Ok(Atlas {
             uv: fill_corners(model, uv),
-            topology: found.topology,
             triangles: prepared.triangles,
             left_out: prepared.left_out,
+            cones,
             seams,
+            factor,
+            persistence,
+            number,
+            order,
+            topology,
             curvature_error,
-            repairs: prepared.repairs,
-            cones: found.cones,
-            factor: found.factor,
-            persistence: found.persistence,
-            number: found.number,
-            order: found.order,
-            times: record.times,
-            warnings: record.warnings,
+            unfolded,
+            times,
+            repairs,
+            warnings,
         })
     })
 }
@@ -84,28 +85,13 @@ pub fn extract(
     on_stage: &mut (dyn FnMut(Stage) + Send),
 ) -> Result<Extraction, Error> {
     with_shared(on_stage, |on_stage| {
-        let (prepared, mut record) = begin(model, options, on_stage)?;
-        let mut found = Found::new(model, &prepared);
-        let mut components = components(&prepared, options, on_stage)?;
-        found.note_extrema(&components);
-        let choices = found.first_choices(options, &mut components, &mut record)?;
-        found.note_order(options, &components, &choices, &mut record);
+        let (prepared, record) = begin(model, options, on_stage)?;
+        let (mut found, mut components, choices) = choose(model, &prepared, options, record)?;
         let chosen = each(&mut components, choices, |component, choice| component.choose(&choice))?;
         for (component, (cones, ConeCurvatures { curvature, .. })) in components.into_iter().zip(chosen) {
-            found.note_cones(model, component.surface, &cones, &curvature);
-            record.absorb(component.record);
+            found.take(model, component, &cones, &curvature);
         }
-        Ok(Extraction {
-            topology: found.topology,
-            repairs: prepared.repairs,
-            cones: found.cones,
-            factor: found.factor,
-            persistence: found.persistence,
-            number: found.number,
-            order: found.order,
-            times: record.times,
-            warnings: record.warnings,
-        })
+        Ok(found.extraction(prepared.repairs))
     })
 }
 
@@ -130,15 +116,21 @@ fn begin<'a>(model: &Model, options: &Options, on_stage: OnStage<'a>) -> Result<
     Ok((prepared, record))
 }
 
-fn components<'a>(
+/// The components with the cones to begin with, and what is told of them so far.
+fn choose<'a, 'b: 'a>(
+    model: &Model,
     prepared: &'a Prepared,
     options: &'a Options,
-    on_stage: OnStage<'a>,
-) -> Result<Vec<Component<'a>>, Error> {
+    record: Record<'b>,
+) -> Result<(Found<'b>, Vec<Component<'a>>, Vec<Choice>), Error> {
     let surfaces = prepared.surfaces.par_iter().with_max_len(1);
     let components: Vec<Result<Component, Error>> =
-        surfaces.map(|surface| Component::new(options, surface, on_stage)).collect();
-    components.into_iter().collect()
+        surfaces.map(|surface| Component::new(options, surface, record.on_stage)).collect();
+    let mut components = components.into_iter().collect::<Result<Vec<Component>, Error>>()?;
+    let mut found = Found::new(model, &components, record);
+    let choices = found.first_choices(options, &mut components)?;
+    found.note_order(options, &components, &choices);
+    Ok((found, components, choices))
 }
 
 /// Does the same with each component; the first error in the components' order.
@@ -153,40 +145,35 @@ fn each<'a, I: Send, T: Send>(
 }
 
 /// What is told of a model beside its layout.
-struct Found {
+struct Found<'a> {
     topology: Topology,
     cones: Vec<Cone>,
     factor: Vec<f64>,
     persistence: Vec<f64>,
     number: Option<NumberOfCones>,
     order: Option<ConeOrder>,
+    record: Record<'a>,
 }
 
-impl Found {
-    fn new(model: &Model, prepared: &Prepared) -> Self {
-        Self {
-            topology: Topology::of(&prepared.surfaces),
-            cones: Vec::new(),
-            factor: vec![f64::NAN; model.vertex_count()],
-            persistence: Vec::new(),
-            number: None,
-            order: None,
-        }
-    }
-
-    fn note_extrema(&mut self, components: &[Component]) {
+impl<'a> Found<'a> {
+    fn new(model: &Model, components: &[Component], record: Record<'a>) -> Self {
+        let mut factor = vec![f64::NAN; model.vertex_count()];
+        let mut persistence: Vec<f64> = Vec::new();
         for component in components {
             for (v, phi) in component.factor.iter_ids() {
-                self.factor[component.surface.vertex[v] as usize] = *phi;
+                factor[component.surface.vertex[v] as usize] = *phi;
             }
-            self.persistence.extend(component.hierarchy.extrema().iter().map(|e| e.persistence));
+            persistence.extend(component.hierarchy.extrema().iter().map(|e| e.persistence));
         }
-        self.persistence.sort_by(|a, b| b.total_cmp(a));
+        persistence.sort_by(|a, b| b.total_cmp(a));
+        let topology = Topology::of(components.iter().map(|c| c.surface));
+        Self { topology, cones: Vec::new(), factor, persistence, number: None, order: None, record }
     }
 
-    fn note_cones(&mut self, model: &Model, surface: &Surface, cones: &[Candidate], curvatures: &[f64]) {
+    /// Takes over a component's cones, times and warnings.
+    fn take(&mut self, model: &Model, component: Component, cones: &[Candidate], curvatures: &[f64]) {
         for (candidate, &curvature) in cones.iter().zip(curvatures) {
-            let vertex = surface.vertex[candidate.vertex];
+            let vertex = component.surface.vertex[candidate.vertex];
             self.cones.push(Cone {
                 vertex,
                 position: model.points()[vertex as usize],
@@ -195,15 +182,17 @@ impl Found {
                 curvature,
             });
         }
+        self.record.absorb(component.record);
+    }
+
+    fn extraction(self, repairs: Vec<Repair>) -> Extraction {
+        let Self { topology, cones, factor, persistence, number, order, record } = self;
+        let Record { times, warnings, .. } = record;
+        Extraction { cones, factor, persistence, number, order, topology, times, repairs, warnings }
     }
 
     /// The cones of each surface that the options ask for.
-    fn first_choices(
-        &mut self,
-        options: &Options,
-        components: &mut [Component],
-        record: &mut Record,
-    ) -> Result<Vec<Choice>, Error> {
+    fn first_choices(&mut self, options: &Options, components: &mut [Component]) -> Result<Vec<Choice>, Error> {
         let least: Vec<usize> = components.iter().map(|c| least_cones(&c.operators)).collect();
         let counts = match &options.cones {
             ConeChoice::Automatic => {
@@ -215,11 +204,11 @@ impl Found {
             ConeChoice::Count(total) => {
                 let needed: usize = least.iter().sum();
                 if *total < needed {
-                    record.warn(too_few(*total, needed, components.len()));
+                    self.record.warn(too_few(*total, needed, components.len()));
                 }
-                let began = record.begin(Stage::Hierarchy);
+                let began = self.record.begin(Stage::Hierarchy);
                 let counts = counts(components, options.method_for(total.saturating_sub(needed)), *total);
-                record.end(Stage::Hierarchy, began);
+                self.record.end(Stage::Hierarchy, began);
                 counts
             }
             ConeChoice::MinPersistence(threshold) => {
@@ -255,31 +244,26 @@ impl Found {
             })
         };
         let found: Vec<Automatic> = components.par_iter_mut().with_max_len(1).map(find).collect();
-        let mut whole = Whole::new(components.len());
-        for (part, (Component { operators, area, .. }, found)) in components.iter().zip(&found).enumerate() {
-            let u = Settled::new(operators, &found.set, angles).log_scale(operators);
-            whole.put(part, operators, *area, found.set.cones.len(), u);
-        }
-        let predicted = whole.predicted();
-        let is_met = found.iter().all(|found| found.is_met);
-        let curve = match &found[..] {
-            [alone] => alone.curve.clone(),
+        let (predicted, curve) = match &found[..] {
+            [alone] => (alone.predicted, alone.curve.clone()),
             _ => {
+                let predicted = predict_whole(components, &found, angles);
                 let nested: Vec<Nested> = found.iter().map(|found| found.nested.clone()).collect();
-                whole_curve(components, &nested, (method, angles), (2 * predicted.count).max(most))
+                (predicted, whole_curve(components, &nested, (method, angles), (2 * predicted.count).max(most)))
             }
         };
+        let is_met = found.iter().all(|found| found.is_met);
         let (chosen, predicted) = (predicted.count, predicted.area_distortion);
         self.number = Some(NumberOfCones { target, chosen, predicted, is_met, curve });
         found.into_iter().map(|found| Choice::Found(found.set.cones)).collect()
     }
 
     /// The order of the cones for every number of them, if it is asked for.
-    fn note_order(&mut self, options: &Options, components: &[Component], choices: &[Choice], record: &mut Record) {
+    fn note_order(&mut self, options: &Options, components: &[Component], choices: &[Choice]) {
         if !options.order {
             return;
         }
-        let began = record.begin(Stage::Hierarchy);
+        let began = self.record.begin(Stage::Hierarchy);
         let needed: usize = components.iter().map(|c| least_cones(&c.operators)).sum();
         let taken: usize = choices.iter().map(Choice::count).sum();
         let method = match options.cones {
@@ -288,8 +272,18 @@ impl Found {
         };
         let total = taken.max(ORDERED).max(if components.len() > 1 { needed + ORDERED_MORE } else { 0 });
         self.order = Some(cone_order(components, (method, options.angles), total));
-        record.end(Stage::Hierarchy, began);
+        self.record.end(Stage::Hierarchy, began);
     }
+}
+
+/// What is predicted for all components together, with the cones that were found for each.
+fn predict_whole(components: &[Component], found: &[Automatic], angles: Angles) -> Predicted {
+    let mut whole = Whole::new(components.len());
+    for (part, (Component { operators, area, .. }, found)) in components.iter().zip(found).enumerate() {
+        let u = Settled::new(operators, &found.set, angles).log_scale(operators);
+        whole.put(part, operators, *area, found.set.cones.len(), u);
+    }
+    whole.predicted()
 }
 
 /// Given cones must be vertices of a surface, each once.

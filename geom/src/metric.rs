@@ -6,6 +6,8 @@
 //! the angle opposite the longest is π and the others are 0, the continuous extension of Bobenko, Pinkall and Springborn
 //! (2015), with area 0.
 
+use std::f64::consts::PI;
+
 use crate::mesh::{EdgeData, EdgeId, FaceId, HalfedgeId, Triangulation, VertexData};
 
 /// An edge length for every edge of a triangulation.
@@ -80,8 +82,10 @@ impl Metric {
     pub fn angle_sums(&self, triangulation: &Triangulation) -> VertexData<f64> {
         let mut sums = VertexData::constant(triangulation.vertex_count(), 0.0);
         for f in triangulation.faces() {
-            let angles = self.sides(triangulation, f).corner_angles();
-            for (v, angle) in triangulation.corners(f).into_iter().zip(angles) {
+            // The third angle is what is left of π: in a sum only its absolute error counts.
+            let sides = self.sides(triangulation, f);
+            let [a, b] = [sides.angle(1), sides.angle(2)];
+            for (v, angle) in triangulation.corners(f).into_iter().zip([a, b, PI - a - b]) {
                 sums[v] += angle;
             }
         }
@@ -144,7 +148,7 @@ impl Sides {
         let above = self.slack((k + 1) % 3) * self.slack((k + 2) % 3);
         let below = self.0.iter().sum::<f64>() * self.slack(k);
         if below <= 0.0 {
-            if above > 0.0 { std::f64::consts::PI } else { 0.0 }
+            if above > 0.0 { PI } else { 0.0 }
         } else if above <= 0.0 {
             0.0
         } else {
@@ -191,7 +195,6 @@ impl Sides {
 mod tests {
     use super::*;
     use crate::mesh::Mesh;
-    use std::f64::consts::PI;
 
     #[test]
     fn angles_of_every_triangle_sum_to_pi() {

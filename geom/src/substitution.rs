@@ -10,15 +10,25 @@ use crate::elimination::Elimination;
 /// The number of right-hand sides is a multiple of this, which the length of any vector divides.
 pub(crate) const LANES: usize = 8;
 
-/// Solves C Cᵀ x = b in place; `x` holds `columns` values for each step.
-pub(crate) fn substitute(elimination: &Elimination, factor: &[f64], columns: usize, x: &mut [f64]) {
+/// Solves C Cᵀ x = b in place, or Cᵀ x = b alone; `x` holds `columns` values for each step.
+pub(crate) fn substitute(elimination: &Elimination, factor: &[f64], passes: Passes, columns: usize, x: &mut [f64]) {
     debug_assert_eq!(columns % LANES, 0);
-    Arch::new().dispatch(Substitution { elimination, factor, columns, x });
+    Arch::new().dispatch(Substitution { elimination, factor, passes, columns, x });
+}
+
+/// What is to be done.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Passes {
+    /// Forward and backward.
+    Both,
+    /// Backward alone.
+    Backward,
 }
 
 struct Substitution<'a> {
     elimination: &'a Elimination,
     factor: &'a [f64],
+    passes: Passes,
     columns: usize,
     x: &'a mut [f64],
 }
@@ -44,7 +54,7 @@ impl WithSimd for Substitution<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let Self { elimination, factor, columns, x } = self;
+        let Self { elimination, factor, passes, columns, x } = self;
         let parts = columns / S::F64_LANES;
         let x = S::as_mut_simd_f64s(x).0;
         // The values in the rows of a supernode, part after part.
@@ -55,8 +65,10 @@ impl WithSimd for Substitution<'_> {
             rows: elimination.rows(s),
             values: &factor[elimination.values(s)],
         };
-        for s in 0..elimination.len() {
-            forward(simd, panel(s), parts, x, &mut below);
+        if passes == Passes::Both {
+            for s in 0..elimination.len() {
+                forward(simd, panel(s), parts, x, &mut below);
+            }
         }
         for s in (0..elimination.len()).rev() {
             backward(simd, panel(s), parts, x, &mut below);

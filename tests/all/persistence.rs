@@ -1,9 +1,11 @@
 //! The laws of the pairing, and the paper's Fig. 3.
 
-use geom::shapes;
+use geom::{EdgeId, Id, Mesh, shapes};
+use proptest::collection::vec;
 use proptest::prelude::*;
+use proptest::sample::Index;
 use tests::properties;
-use topo::{Connectivity, Grid};
+use topo::{Connectivity, Grid, NanPolicy, Options};
 
 use crate::{bytes, cases};
 
@@ -75,6 +77,28 @@ proptest! {
             prop_assert!(maxima[8].persistence() > 2.0 * maxima[9].persistence());
         }
     }
+
+    /// Flips make loops and repeated edges; a boundary makes open rings; ties and gaps are in the field.
+    #[test]
+    fn a_surface_has_the_pairs_of_its_graph(
+        shape in 0..3usize,
+        flips in vec(any::<Index>(), 0..300),
+        field in vec(prop_oneof![9 => (0..12u8).prop_map(f64::from), 1 => Just(f64::NAN)], 20..200),
+    ) {
+        let shape = [shapes::sphere(60), shapes::torus(2, 120), shapes::terrain(60, 3)][shape].clone();
+        let mut triangulation = shape.mesh().triangulation().clone();
+        for flip in flips {
+            let e = EdgeId::new(flip.index(triangulation.edge_count()));
+            if triangulation.is_flippable(e) {
+                triangulation.flip(triangulation.halfedge(e));
+            }
+        }
+        let mesh = Mesh::from_triangulation(triangulation).expect("flips keep a manifold one");
+        let surface = topo::Surface::new(&mesh, |v| !mesh.is_boundary_vertex(v));
+        let field: Vec<f64> = field.into_iter().cycle().take(mesh.vertex_count()).collect();
+        let options = Options::new().keep_zeros().nan(NanPolicy::Mask);
+        prop_assert_eq!(options.persistence(surface, &field), options.persistence(&mesh, &field));
+    }
 }
 
 #[test]
@@ -84,6 +108,8 @@ fn a_terrain_mesh_has_the_pairs_of_its_graph_whichever_way_it_is_given() {
     let height: Vec<f64> = terrain.points.iter().map(|p| p[2]).collect();
     let triangulation = topo::Triangulation::new(mesh.vertex_count(), &terrain.triangles).expect("a surface");
     let by_mesh = topo::persistence(&mesh, &height).expect("a height for each vertex");
+    let surface = topo::Surface::new(&mesh, |v| !mesh.is_boundary_vertex(v));
+    assert_eq!(topo::persistence(surface, &height).as_ref(), Ok(&by_mesh));
     let by_rings = topo::persistence(&triangulation, &height).expect("a height for each vertex");
     let indices = |pairs: &topo::Pairs<geom::VertexId, f64>| -> Vec<(usize, Option<usize>)> {
         pairs.iter().map(|p| (p.extremum.0 as usize, p.saddle.map(|s| s.0 as usize))).collect()

@@ -129,7 +129,7 @@
 //! ```
 //!
 //! And on domains of this crate that are faster for what they know: [`Grid`] (series, pictures, volumes), [`Path`],
-//! [`Triangulation`], [`Adjacency`]. A mask is a field with NaN where the domain ends, see [`NanPolicy::Mask`].
+//! [`Triangulation`], [`Surface`], [`Adjacency`]. A mask is a field with NaN where the domain ends, see [`NanPolicy::Mask`].
 //!
 //! # What is fixed
 //!
@@ -169,6 +169,7 @@ mod scalar;
 mod segmentation;
 mod simplify;
 mod stencil;
+mod surface;
 mod sweep;
 mod triangulation;
 mod union_find;
@@ -189,4 +190,5 @@ pub use persistence::{Pair, Pairs, Persistence, persistence, sublevel, superleve
 pub use scalar::Scalar;
 pub use segmentation::{Segmentation, segmentation};
 pub use simplify::simplify;
+pub use surface::Surface;
 pub use triangulation::Triangulation;

@@ -1,18 +1,11 @@
 //! Triangle meshes with their neighbours in cyclic order.
 //!
-//! On a graph of which nothing more is known every vertex with two earlier neighbours may join basins. On a surface the
-//! neighbours of a vertex form a ring, consecutive ones are joined by an edge, and the earlier ones fall into as many
-//! parts as there are runs of them along the ring: a vertex with one run is regular. (Banchoff 1967, "Critical points
-//! and curvature for embedded polyhedra".) Only the others are followed down.
-//!
 //! The triangles need be no surface. At a boundary the ring is an open chain; where sheets meet there are several chains.
-//! Chains that share a vertex are counted as different parts, which costs time and changes no pair.
+//! Chains that share a vertex are counted as different parts, which costs time and changes no pair (see [`surface`]).
 
 use crate::adjacency::{DomainError, check_count};
-use crate::basins::{self, Fork, Scan};
-use crate::descent::OUTSIDE;
 use crate::merges::Merges;
-use crate::parallel;
+use crate::surface::{self, Linked};
 use crate::{Direction, Domain, Filtration, Scalar};
 
 /// Marks the last vertex of an open chain. A ring without a mark is closed.
@@ -79,70 +72,22 @@ impl Domain for &Triangulation {
     }
 
     fn merges<S: Scalar, D: Direction>(&self, filtration: &Filtration<'_, S, D>) -> Merges {
-        let mut next = vec![0; self.vertex_count()];
-        let scans = parallel::map_blocks(&mut next, 1, |vertices, next| {
-            let mut found = Scan::default();
-            for (v, next) in vertices.zip(next) {
-                scan_ring(filtration, self.ring(v), v as u32, next, &mut found);
-            }
-            found
-        });
-        basins::of_scan(filtration, next, Scan::concat(scans))
+        surface::merges(*self, filtration)
     }
 }
 
-/// Points a vertex to an earlier neighbour; notes it if it is an extremum or a fork.
-fn scan_ring<S: Scalar, D: Direction>(
-    filtration: &Filtration<'_, S, D>,
-    ring: &[u32],
-    v: u32,
-    next: &mut u32,
-    found: &mut Scan,
-) {
-    let (mut pointer, mut runs) = (OUTSIDE, 0);
-    let mut was_earlier = runs_on(filtration, ring, v);
-    for &entry in ring {
-        let u = entry & !END;
-        let is_earlier = filtration.precedes(u, v);
-        runs += u32::from(is_earlier & !was_earlier);
-        pointer = if is_earlier { u } else { pointer };
-        was_earlier = is_earlier & (entry & END == 0);
+impl Linked for &Triangulation {
+    fn vertex_count(&self) -> usize {
+        self.starts.len() - 1
     }
-    *next = pointer;
-    if pointer == OUTSIDE {
-        if filtration.contains(v) {
-            found.extrema.push(v);
-        }
-    } else if runs > 1 {
-        note_forks(filtration, ring, v, &mut found.forks);
+
+    fn for_each_in_link(&self, index: usize, mut visit: impl FnMut(u32, bool)) {
+        self.ring(index).iter().for_each(|&entry| visit(entry & !END, entry & END == 0));
     }
-}
 
-/// Whether the ring is closed and its last vertex earlier than `v`, so that a run may go on round the end.
-fn runs_on<S: Scalar, D: Direction>(filtration: &Filtration<'_, S, D>, ring: &[u32], v: u32) -> bool {
-    ring.last().is_some_and(|&last| last & END == 0 && filtration.precedes(last, v))
-}
-
-/// Notes the first vertex of each run against that of the first run.
-#[cold]
-fn note_forks<S: Scalar, D: Direction>(
-    filtration: &Filtration<'_, S, D>,
-    ring: &[u32],
-    saddle: u32,
-    forks: &mut Vec<Fork>,
-) {
-    let mut first = None;
-    let mut was_earlier = runs_on(filtration, ring, saddle);
-    for &entry in ring {
-        let u = entry & !END;
-        let is_earlier = filtration.precedes(u, saddle);
-        if is_earlier && !was_earlier {
-            match first {
-                None => first = Some(u),
-                Some(first) => forks.push(Fork { saddle, sides: [first, u] }),
-            }
-        }
-        was_earlier = is_earlier && entry & END == 0;
+    /// Only a closed ring ends without a mark.
+    fn is_closed(&self, _: usize) -> bool {
+        true
     }
 }
 

@@ -43,6 +43,80 @@ fn newton_leaves_no_curvature_where_linear_scaling_leaves_some() {
 }
 
 #[test]
+fn smoothing_is_for_the_methods_that_look_for_extrema_and_as_in_unwrapping() {
+    let folder = Folder::with_shapes();
+    let comparison = json(&folder, &["hare.obj", "-n", "8", "--smooth", "--method", "persistence,refined,linear"]);
+    let methods: Vec<&str> = comparison["rows"]
+        .as_array()
+        .expect("there are rows")
+        .iter()
+        .filter_map(|row| row["method"].as_str())
+        .collect();
+    assert_eq!(methods, ["persistence+smooth", "refined", "alternating+smooth+harmonic+linear"]);
+    assert!(comparison["legend"]["method"].as_str().is_some_and(|meaning| meaning.contains("`+smooth`: ")));
+    let area = |row: &Value| row["area_mean"].as_f64().expect("a number");
+    let run =
+        ["unwrap", "hare.obj", "-n", "8", "--method", "persistence", "--smooth", "-o", "o.obj", "--report", "r.json"];
+    folder.run(&run).success();
+    let unwrapped = area(&folder.json("r.json")["distortion"]);
+    assert!((area(row(&comparison, "persistence+smooth")) - unwrapped).abs() < 1e-6 * unwrapped);
+    let plain = json(&folder, &["hare.obj", "-n", "8", "--method", "persistence,persistence+smooth"]);
+    assert_eq!(area(row(&plain, "persistence+smooth")), area(row(&comparison, "persistence+smooth")));
+    assert!((area(row(&plain, "persistence")) - unwrapped).abs() > 1e-3, "smoothing makes a difference here");
+    for wrong in [["--method", "refined+smooth"], ["--paper", "."]] {
+        folder.run(&[&["compare", "--smooth"], &wrong[..]].concat()).code(2);
+    }
+}
+
+#[test]
+fn where_another_number_of_cones_is_taken_the_row_has_it_and_says_why_as_unwrapping_does() {
+    let folder = Folder::with_shapes();
+    folder.run(&["shape", "torus-9", "--vertices", "600", "-o", "torus.obj"]).success();
+    // A sphere needs three; genus 9 needs more than two, and flattening fails with the first numbers that would do.
+    for (mesh, asked, method) in
+        [("hare.obj", "1", "refined"), ("torus.obj", "2", "persistence"), ("torus.obj", "2", "iterative")]
+    {
+        let run = ["unwrap", mesh, "-n", asked, "--method", method, "-o", "out.obj", "--report", "report.json"];
+        folder.run(&run).success();
+        let report = folder.json("report.json");
+        let warnings: Vec<&str> =
+            report["warnings"].as_array().expect("a list").iter().filter_map(Value::as_str).collect();
+        assert!(!warnings.is_empty());
+        let methods = [method.to_owned(), format!("{method}+linear"), format!("{method}+lscm")];
+        let comparison = json(&folder, &[mesh, "-n", asked, "--method", &methods.join(",")]);
+        for name in &methods {
+            let row = row(&comparison, name);
+            assert_eq!(row["n"].to_string(), asked);
+            assert_eq!(row["cones"].as_u64(), report["cones"].as_array().map(|cones| cones.len() as u64), "{row}");
+            assert_ne!(row["cones"], row["n"]);
+            assert!(row["note"].as_str().is_some_and(|note| note.contains(&warnings.join("; "))), "{row}");
+        }
+        let [measured, reported] = [&row(&comparison, method)["area_mean"], &report["distortion"]["area_mean"]]
+            .map(|d| d.as_f64().expect("a number"));
+        assert!((measured / reported - 1.0).abs() < 1e-6, "{mesh}: {measured} {reported}");
+        let note = row(&comparison, &methods[2])["note"].as_str().expect("a note");
+        assert!(note.starts_with(&format!("cut as for {method}: ")), "{note}");
+    }
+}
+
+#[test]
+fn what_no_cones_can_flatten_is_not_compared() {
+    let folder = Folder::new();
+    let rim = 60;
+    let mut surface = "v 0 0 1\nv 0 0 -1\n".to_owned();
+    for k in 0..rim {
+        let (y, x) = (std::f64::consts::TAU * f64::from(k) / f64::from(rim)).sin_cos();
+        let (here, next) = (k + 3, (k + 1) % rim + 3);
+        surface += &format!("v {x} {y} 0\nf {here} {next} 1\nf {next} {here} 2\n");
+    }
+    folder.write("poles.obj", &surface);
+    for row in json(&folder, &["poles.obj", "--method", "persistence,refined,lscm"])["rows"].as_array().expect("rows") {
+        let note = row["note"].as_str().unwrap_or_default();
+        assert_eq!(row["cones"].is_null(), note.starts_with("failed: 1 of 1 parts would be unfolded"), "{row}");
+    }
+}
+
+#[test]
 fn refactoring_and_reusing_the_factor_give_the_same_map() {
     let comparison = json(&Folder::with_shapes(), &["hare.obj", "--method", "refactoring,iterative"]);
     for key in ["quasi_conformal", "area_mean", "u_l2"] {

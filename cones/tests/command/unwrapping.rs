@@ -261,6 +261,31 @@ fn outputs_that_cannot_be_written_are_refused_before_the_work() {
 }
 
 #[test]
+fn an_output_that_the_system_refuses_is_known_before_the_input_is_read() {
+    let folder = Folder::new();
+    let protected = folder.path("protected.json");
+    fs::write(&protected, "old").expect("a temporary folder can be written to");
+    let mut permissions = fs::metadata(&protected).expect("the file is there").permissions();
+    permissions.set_readonly(true);
+    fs::set_permissions(&protected, permissions).expect("the file is ours");
+    for args in [
+        &["unwrap", "missing.obj", "-o", "out.obj", "--report", "protected.json"][..],
+        &["extract", "missing.obj", "--cones-out", "protected.json"],
+        &["extract", "missing.obj", "--hierarchy", "protected.json"],
+        &["compare", "missing.obj", "-o", "protected.json"],
+        &["features", "missing.obj", "-o", "protected.json"],
+    ] {
+        assert!(folder.complaint(args).contains("protected.json cannot be written"), "{args:?}");
+    }
+    // A folder in which nobody makes files, not even the administrator.
+    if fs::exists("/proc/self").is_ok_and(|there| there) {
+        let complaint = folder.complaint(&["unwrap", "missing.obj", "-o", "/proc/self/out.obj"]);
+        assert!(complaint.contains("/proc/self/out.obj cannot be written"), "{complaint}");
+    }
+    assert_eq!((folder.names(), folder.read("protected.json")), (vec!["protected.json".to_owned()], "old".to_owned()));
+}
+
+#[test]
 fn wrong_arguments_exit_with_2() {
     let folder = Folder::with_shapes();
     for args in [

@@ -28,29 +28,67 @@ pub fn write_atomically(
     write: impl FnOnce(&mut dyn Write) -> Result<(), WriteError>,
 ) -> Result<(), WriteError> {
     let path = path.as_ref();
-    let named = |source| WriteError::File { path: path.to_owned(), source };
-    let result = match fs::metadata(path) {
-        Ok(found) if found.is_dir() => Err(io::Error::from(io::ErrorKind::IsADirectory).into()),
-        Ok(found) if !found.is_file() => {
-            File::options().write(true).open(path).map_err(WriteError::from).and_then(|file| fill(file, write))
-        }
-        Ok(found) if found.permissions().readonly() => Err(io::Error::from(io::ErrorKind::PermissionDenied).into()),
-        // The target of a link is replaced, not the link.
-        Ok(_) => fs::canonicalize(path).map_err(WriteError::from).and_then(|path| replace(&path, write)),
-        Err(_) => replace(path, write),
-    };
-    result.map_err(|error| match error {
-        WriteError::Io(source) => named(source),
-        other => other,
-    })
+    put(path, write).map_err(|error| named(path, error))
 }
 
-fn replace(path: &Path, write: impl FnOnce(&mut dyn Write) -> Result<(), WriteError>) -> Result<(), WriteError> {
-    let temporary = Temporary::beside(path)?;
-    let file = File::options().write(true).create_new(true).open(&temporary.path)?;
-    fill(file, write)?;
-    fs::rename(&temporary.path, path)?;
-    Ok(())
+/// Makes sure that [`write_atomically`] can begin: the same file is opened, and removed again. A device or a pipe is not
+/// touched.
+///
+/// ```
+/// let error = geom::io::check_writable("no/such/folder/scan.obj").unwrap_err();
+/// assert!(error.to_string().contains("no/such/folder/scan.obj"));
+/// ```
+///
+/// # Errors
+/// What [`write_atomically`] would return before anything is written.
+pub fn check_writable(path: impl AsRef<Path>) -> Result<(), WriteError> {
+    let path = path.as_ref();
+    let begin = || -> io::Result<()> {
+        if let Way::Replacing(path) = Way::to(path)? {
+            Temporary::beside(&path)?.create()?;
+        }
+        Ok(())
+    };
+    begin().map_err(|error| named(path, error.into()))
+}
+
+/// An error with the path where it was not known.
+fn named(path: &Path, error: WriteError) -> WriteError {
+    match error {
+        WriteError::Io(source) => WriteError::File { path: path.to_owned(), source },
+        other => other,
+    }
+}
+
+/// How a path is written.
+enum Way {
+    /// It is a device or a pipe.
+    Directly,
+    /// This file is made, or replaced: the target of a link, not the link.
+    Replacing(PathBuf),
+}
+
+impl Way {
+    fn to(path: &Path) -> io::Result<Self> {
+        match fs::metadata(path) {
+            Ok(found) if found.is_dir() => Err(io::ErrorKind::IsADirectory.into()),
+            Ok(found) if !found.is_file() => Ok(Self::Directly),
+            Ok(found) if found.permissions().readonly() => Err(io::ErrorKind::PermissionDenied.into()),
+            Ok(_) => Ok(Self::Replacing(fs::canonicalize(path)?)),
+            Err(_) => Ok(Self::Replacing(path.to_owned())),
+        }
+    }
+}
+
+fn put(path: &Path, write: impl FnOnce(&mut dyn Write) -> Result<(), WriteError>) -> Result<(), WriteError> {
+    match Way::to(path)? {
+        Way::Directly => fill(File::options().write(true).open(path)?, write),
+        Way::Replacing(path) => {
+            let temporary = Temporary::beside(&path)?;
+            fill(temporary.create()?, write)?;
+            Ok(fs::rename(&temporary.path, path)?)
+        }
+    }
 }
 
 fn fill(file: File, write: impl FnOnce(&mut dyn Write) -> Result<(), WriteError>) -> Result<(), WriteError> {
@@ -77,6 +115,10 @@ impl Temporary {
         let serial = SERIAL.fetch_add(1, Ordering::Relaxed);
         hidden.push(format!(".{}-{serial}.part", std::process::id()));
         Ok(Self { path: path.with_file_name(hidden) })
+    }
+
+    fn create(&self) -> io::Result<File> {
+        File::options().write(true).create_new(true).open(&self.path)
     }
 }
 

@@ -35,7 +35,7 @@ use crate::model::Model;
 use error::Fault;
 use text::Lines;
 
-pub use atomic::write_atomically;
+pub use atomic::{check_writable, write_atomically};
 pub use error::{Place, Problem, ReadError, WriteError};
 pub use write_glb::write_glb;
 pub use write_obj::{Material, ObjContent, write_obj};

@@ -160,6 +160,8 @@ fn unwraps(model: &Model, options: &Options) {
     assert!(atlas.uv.iter().flatten().all(|x| x.is_finite()), "a corner has no finite position");
     assert!(atlas.cones.iter().all(|cone| cone.curvature <= TAU));
     assert!(atlas.curvature_error < 1e-9);
+    let is_told = atlas.warnings.iter().any(|warning| warning.contains("unfolding it with a cone at every vertex"));
+    assert_eq!(atlas.unfolded > 0, is_told);
     let extent = atlas.uv.iter().flatten().fold(0.0_f64, |m, x| m.max(x.abs()));
     for surface in geom::prepare(model, options.weld).expect("it was unwrapped").surfaces {
         let metric = surface.metric();

@@ -8,7 +8,7 @@ use crate::picture::Picture;
 use geom::io::WriteError;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
-use std::sync::{Mutex, PoisonError, TryLockError};
+use std::sync::{Mutex, MutexGuard, PoisonError, TryLockError};
 use std::time::Duration;
 
 /// Held while a file is being written.
@@ -35,12 +35,17 @@ pub(crate) fn end_cleanly_on_interrupt() {
     });
 }
 
+/// Lets an interrupt wait as long as this is held.
+fn busy() -> MutexGuard<'static, ()> {
+    WRITING.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
 /// Writes a file, whole or not at all.
 pub(crate) fn write(
     path: &Path,
     content: impl FnOnce(&mut dyn Write) -> Result<(), WriteError>,
 ) -> Result<(), Failure> {
-    let _busy = WRITING.lock().unwrap_or_else(PoisonError::into_inner);
+    let _busy = busy();
     Ok(geom::io::write_atomically(path, content)?)
 }
 
@@ -80,8 +85,8 @@ pub(crate) fn note(text: &str) {
     let _ = write!(io::stderr(), "{text}");
 }
 
-/// Makes sure, before anything is computed, that the outputs can be written: into folders that are there, each to a file
-/// of its own that is none of the inputs, by whatever name.
+/// Makes sure, before anything is computed, that the outputs can be written: into folders that are there and let files be
+/// made in them, each to a file of its own that is none of the inputs, by whatever name.
 pub(crate) fn check(inputs: &[&Path], outputs: &[&Path]) -> Result<(), Failure> {
     for (i, &path) in outputs.iter().enumerate() {
         if path.is_dir() {
@@ -98,7 +103,8 @@ pub(crate) fn check(inputs: &[&Path], outputs: &[&Path]) -> Result<(), Failure> 
             return Err(Failure::OutputTwice(path.to_owned()));
         }
     }
-    Ok(())
+    let _busy = busy();
+    Ok(outputs.iter().try_for_each(geom::io::check_writable)?)
 }
 
 /// The ending of a file's name in lower case, if it is one of those wanted.

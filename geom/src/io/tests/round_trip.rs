@@ -223,7 +223,25 @@ fn a_file_that_fails_leaves_the_old_one_and_nothing_else() {
     assert!(write_atomically(&path, |out| Ok(out.write_all(b"newer")?)).is_err());
     assert_eq!(fs::read_to_string(&path).unwrap(), "new");
     assert_eq!(fs::read_dir(&folder).unwrap().count(), 1);
-    assert!(write_atomically(&folder, |_| Ok(())).is_err());
-    assert!(write_atomically(folder.join("none/out.obj"), |_| Ok(())).is_err());
+    fs::remove_dir_all(folder).unwrap();
+}
+
+#[test]
+fn what_cannot_be_written_is_known_before_in_the_same_words() {
+    let folder = std::env::temp_dir().join(format!("geom-io-before-{}", std::process::id()));
+    fs::create_dir_all(&folder).unwrap();
+    let [here, protected] = ["out.obj", "protected.obj"].map(|name| folder.join(name));
+    fs::write(&protected, "old").unwrap();
+    let mut permissions = fs::metadata(&protected).unwrap().permissions();
+    permissions.set_readonly(true);
+    fs::set_permissions(&protected, permissions).unwrap();
+    for path in [&protected, &folder, &folder.join("none/out.obj"), &protected.join("out.obj")] {
+        let before = check_writable(path).unwrap_err();
+        assert_eq!(before.to_string(), write_atomically(path, |_| Ok(())).unwrap_err().to_string());
+    }
+    check_writable(&here).unwrap();
+    assert_eq!(fs::read_dir(&folder).unwrap().count(), 1, "nothing is left of the trials");
+    write_atomically(&here, |_| Ok(())).unwrap();
+    check_writable(&here).unwrap();
     fs::remove_dir_all(folder).unwrap();
 }

@@ -1,11 +1,8 @@
 //! What may be asked of `cones compare`.
 
-use super::variant::Variant;
+use super::variant::{MOST_CONES, Variant};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
-
-/// Optimising more cones than this takes minutes.
-const MOST_CONES: usize = 64;
 
 #[derive(Args, Debug)]
 pub(crate) struct Arguments {
@@ -15,7 +12,7 @@ pub(crate) struct Arguments {
     /// How many cones, such as 4,8,16
     #[arg(short = 'n', value_name = "N,…", value_delimiter = ',', default_value = "8", value_parser = cone_count, conflicts_with = "paper")]
     pub(super) counts: Vec<usize>,
-    /// Which methods: RULE[+ANGLES][+FLATTENING]
+    /// Which methods: RULE[+smooth][+ANGLES][+FLATTENING]
     #[arg(
         long,
         value_name = "M,…",
@@ -26,6 +23,9 @@ pub(crate) struct Arguments {
         conflicts_with = "paper"
     )]
     pub(super) method: Vec<Variant>,
+    /// Diffuse the curvature before extrema are looked for, in all methods that look for them: +smooth
+    #[arg(long, conflicts_with = "paper")]
+    pub(super) smooth: bool,
     /// Run Table 1 of the paper on the meshes of this folder, and say which of its claims hold
     #[arg(long, value_name = "DIR")]
     pub(super) paper: Option<PathBuf>,
@@ -41,6 +41,13 @@ pub(crate) struct Arguments {
     /// About how many vertices the built-in shapes have
     #[arg(long, value_name = "V", default_value_t = 3000, value_parser = crate::args::vertex_count)]
     pub(super) vertices: usize,
+}
+
+impl Arguments {
+    /// The methods to run.
+    pub(super) fn variants(&self) -> Vec<Variant> {
+        self.method.iter().map(|variant| if self.smooth { variant.smoothed() } else { *variant }).collect()
+    }
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]

@@ -6,6 +6,7 @@
 
 mod args;
 mod claims;
+mod plan;
 mod printed;
 mod row;
 mod subject;
@@ -20,6 +21,7 @@ use crate::progress::Progress;
 use crate::{job, output, shape};
 use args::Format;
 use claims::{Claim, claims};
+use plan::{Plan, Plans};
 use printed::{MODELS, PaperModel, Printed};
 use row::{Outcome, Row};
 use serde::Serialize;
@@ -82,8 +84,9 @@ pub(crate) fn run(args: &Arguments) -> Result<(), Failure> {
 
 impl Comparison {
     fn run_meshes(&mut self, args: &Arguments) -> Result<(), Failure> {
+        let variants = args.variants();
         let entries: Vec<Entry> =
-            args.counts.iter().flat_map(|&n| args.method.iter().map(move |&variant| (n, variant, None))).collect();
+            args.counts.iter().flat_map(|&n| variants.iter().map(move |&variant| (n, variant, None))).collect();
         if args.meshes.is_empty() {
             for name in SHAPES {
                 self.rows
@@ -140,19 +143,18 @@ impl Comparison {
             printed,
         };
         let mut rows: Vec<Row> = entries.iter().map(row).collect();
-        let shares: Vec<Result<Vec<usize>, String>> = entries
-            .iter()
-            .map(|&(asked, variant, _)| subject.shares(variant, asked).map_err(|error| error.to_string()))
-            .collect();
+        let mut plans = Plans::new(subject);
+        let plans: Vec<Result<Plan, String>> =
+            entries.iter().map(|&(asked, variant, _)| plans.of(variant, asked)).collect();
         let mut floor = f64::INFINITY;
         for round in 0..self.rounds {
             progress.step("compare");
             floor = floor.min(subject.floor());
-            for (row, shares) in rows.iter_mut().zip(&shares) {
-                match (round, shares) {
-                    (0, Ok(shares)) => row.result = first(subject, row.variant, shares),
+            for (row, plan) in rows.iter_mut().zip(&plans) {
+                match (round, plan) {
+                    (0, Ok(plan)) => row.result = first(subject, row.variant, plan),
                     (0, Err(reason)) => row.result = Err(reason.clone()),
-                    (_, shares) => again(subject, row, shares),
+                    (_, plan) => again(subject, row, plan),
                 }
             }
         }
@@ -162,19 +164,19 @@ impl Comparison {
 }
 
 /// A method's first run, which is measured.
-fn first(subject: &Subject, variant: Variant, shares: &[usize]) -> Result<Outcome, String> {
+fn first(subject: &Subject, variant: Variant, plan: &Plan) -> Result<Outcome, String> {
     let run = || {
-        let trial = Trial::run(subject, variant, shares)?;
+        let trial = Trial::run(subject, variant, plan)?;
         let map = trial.distortion(subject)?;
-        Ok(Outcome::new(&trial, &map))
+        Ok(Outcome::new(&trial, &map, plan.notes(variant)))
     };
     run().map_err(|error: trial::TrialError| error.to_string())
 }
 
 /// A further run, which gives the same and is only timed.
-fn again(subject: &Subject, row: &mut Row, shares: &Result<Vec<usize>, String>) {
-    if let (Ok(outcome), Ok(shares)) = (&mut row.result, shares)
-        && let Ok(trial) = Trial::run(subject, row.variant, shares)
+fn again(subject: &Subject, row: &mut Row, plan: &Result<Plan, String>) {
+    if let (Ok(outcome), Ok(plan)) = (&mut row.result, plan)
+        && let Ok(trial) = Trial::run(subject, row.variant, plan)
     {
         outcome.keep_best(trial.seconds);
     }

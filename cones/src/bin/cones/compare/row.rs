@@ -38,12 +38,8 @@ pub(super) struct Outcome {
 }
 
 impl Outcome {
-    pub(super) fn new(trial: &Trial, map: &Distortion) -> Self {
-        let mut notes = Vec::new();
-        if trial.out_of_bounds > 0 {
-            notes
-                .push(format!("harmonic curvature out of bounds at {} cones: optimal ones taken", trial.out_of_bounds));
-        }
+    /// What a trial has reached, and what its plan notes.
+    pub(super) fn new(trial: &Trial, map: &Distortion, mut notes: Vec<String>) -> Self {
         if trial.broken > 0 {
             notes.push(format!("the metric breaks {} triangles", trial.broken));
         }
@@ -138,14 +134,16 @@ pub(super) const COLUMNS: [Column; 17] = [
     Column {
         key: "method",
         head: "method",
-        meaning: "rule for cones; `+harmonic` curvatures as in the paper, else optimal ones; flattened by Newton's method, or by `+linear` \
-                  metric scaling or `+lscm` on the same cut; `alternating+harmonic` is the paper, `refactoring+harmonic` [BCGB08]",
+        meaning: "rule for cones; `+smooth`: extrema of the conformal factor of the diffused curvature; `+harmonic` curvatures as in the \
+                  paper, else optimal ones; flattened by Newton's method, or by `+linear` metric scaling or `+lscm` with the same cones \
+                  on the same cut; `alternating+harmonic` is the paper, `refactoring+harmonic` [BCGB08]",
         value: |row| Cell::Text(row.variant.name()),
     },
     Column {
         key: "cones",
         head: "cones",
-        meaning: "how many cones there are",
+        meaning: "how many cones were taken, by all methods with the same cones as many as `cones unwrap` takes; where it is not N the note \
+                  says why; times are for these, tries that failed left out",
         value: |row| of(row, |o| Cell::Count(o.cones)),
     },
     Column {

@@ -2,12 +2,10 @@
 
 use crate::failure::Failure;
 use crate::job;
-use cones::{ConeChoice, Operators, Options};
+use cones::Operators;
 use geom::{Metric, Model, Poisson, PoissonError, Surface, VertexId, prepare};
 use std::path::Path;
 use std::time::Instant;
-
-use super::variant::Variant;
 
 /// A mesh with its surfaces made ready.
 #[derive(Debug)]
@@ -59,24 +57,6 @@ impl Subject {
             let _ = std::hint::black_box(Poisson::with_points(&operators.laplacian, &boundary, &surface.points));
         }
         start.elapsed().as_secs_f64()
-    }
-
-    /// How many of so many cones each part gets.
-    pub(super) fn shares(&self, variant: Variant, count: usize) -> Result<Vec<usize>, cones::Error> {
-        let options = Options {
-            cones: ConeChoice::Count(count),
-            method: variant.sharing(),
-            angles: variant.angles,
-            ..Options::default()
-        };
-        let found = cones::extract(&self.model, &options, &mut |_| ())?;
-        let mut part_of = vec![0; self.model.vertex_count()];
-        for (p, part) in self.parts.iter().enumerate() {
-            part.surface.vertex.iter().for_each(|&v| part_of[v as usize] = p);
-        }
-        let mut shares = vec![0; self.parts.len()];
-        found.cones.iter().for_each(|cone| shares[part_of[cone.vertex as usize]] += 1);
-        Ok(shares)
     }
 }
 

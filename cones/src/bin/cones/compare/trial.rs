@@ -7,6 +7,7 @@ use geom::distortion::{self, Distortion, DistortionError};
 use geom::{VertexData, VertexId};
 use thiserror::Error;
 
+use super::plan::Plan;
 use super::subject::{Part, Subject};
 use super::variant::{Flattening, Variant};
 
@@ -37,8 +38,6 @@ pub(super) struct Trial {
     pub(super) seconds: Seconds,
     /// How far the metric's curvature is from what it should be, at most; none where no metric was computed.
     pub(super) curvature_left: Option<f64>,
-    /// Cones whose harmonic curvatures were out of bounds, and optimal ones taken instead.
-    pub(super) out_of_bounds: usize,
     /// Triangles that the scaled metric breaks.
     pub(super) broken: usize,
     /// For each corner of the model.
@@ -52,18 +51,17 @@ struct Curved {
 }
 
 impl Trial {
-    /// Runs a method with so many cones on each part.
-    pub(super) fn run(subject: &Subject, variant: Variant, shares: &[usize]) -> Result<Self, TrialError> {
+    /// Runs a method with as many cones on each part as its plan has.
+    pub(super) fn run(subject: &Subject, variant: Variant, plan: &Plan) -> Result<Self, TrialError> {
         let mut trial = Self {
             cones: 0,
             seconds: Seconds { preparing: subject.preparing(), detection: 0.0, flattening: 0.0, whole: 0.0 },
             curvature_left: None,
-            out_of_bounds: 0,
             broken: 0,
             uv: vec![[0.0; 2]; subject.model.corner_count()],
         };
         let mut all = Vec::new();
-        for (part, &count) in subject.parts.iter().zip(shares) {
+        for (part, &count) in subject.parts.iter().zip(&plan.counts) {
             all.push(trial.detect(part, variant, count)?);
         }
         match variant.flattening {
@@ -90,7 +88,6 @@ impl Trial {
         let curvatures = cone_curvatures(&operators, mesh, &cones, variant.angles).map_err(cones::Error::from)?;
         self.seconds.flattening += start.elapsed().as_secs_f64();
         self.cones += cones.len();
-        self.out_of_bounds += curvatures.out_of_bounds.len();
         Ok(Curved { cones, curvature: curvatures.curvature })
     }
 
@@ -111,11 +108,11 @@ impl Trial {
         Ok(())
     }
 
-    /// Flattens a part by a baseline.
+    /// Flattens a part by a baseline, cut open as `cones unwrap` does it.
     fn lay_out(&mut self, part: &Part, curved: &Curved, flattening: Flattening) -> Result<(), TrialError> {
         let (surface, metric) = (&part.surface, &part.metric);
         let start = Instant::now();
-        let seams = Seams::new(&surface.mesh, metric.lengths(), &curved.cones).map_err(cones::Error::from)?;
+        let seams = Seams::of_surface(surface, metric, &curved.cones).map_err(cones::Error::from)?;
         let map = if flattening == Flattening::Linear {
             let mut target = VertexData::constant(surface.mesh.vertex_count(), 0.0);
             curved.cones.iter().zip(&curved.curvature).for_each(|(&v, &k)| target[v] = k);
@@ -158,5 +155,60 @@ impl Trial {
             }
         }
         Ok(distortion::measure(&points, &triangles, &crate::job::corner_uv(&corners, &self.uv))?)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::plan::Plans;
+    use super::*;
+    use geom::{CutMesh, EdgeData, Model};
+    use std::f64::consts::TAU;
+
+    /// A torus of quadrilaterals with a bump.
+    fn torus(around: u32, across: u32) -> Model {
+        let vertex = |i: u32, j: u32| i % around * across + j % across;
+        let point = |k: u32| {
+            let [u, v] = [(k / across, around), (k % across, across)].map(|(i, n)| TAU * f64::from(i) / f64::from(n));
+            let tube = 1.0 + 0.6 * (2.0 * u.cos()).exp() / 7.4;
+            let ring = 3.0 + tube * v.cos();
+            [ring * u.cos(), ring * u.sin(), tube * v.sin()]
+        };
+        let quad = |k: u32| {
+            let [i, j] = [k / across, k % across];
+            [vertex(i, j), vertex(i + 1, j), vertex(i + 1, j + 1), vertex(i, j + 1)]
+        };
+        let all = 0..around * across;
+        Model::from_polygons(all.clone().map(point).collect(), all.map(quad)).unwrap()
+    }
+
+    /// Where a map is torn.
+    fn cut(Part { surface, .. }: &Part, uv: &[[f64; 2]]) -> EdgeData<bool> {
+        let mesh = &surface.mesh;
+        let is_torn = |e| {
+            let h = mesh.halfedge(e);
+            let ends = |h, g| uv[surface.corner[h] as usize] == uv[surface.corner[mesh.next(g)] as usize];
+            mesh.twin(h).is_some_and(|g| !(ends(h, g) && ends(g, h)))
+        };
+        mesh.edges().map(is_torn).collect()
+    }
+
+    #[test]
+    fn baselines_are_cut_as_what_they_are_compared_with_and_between_polygons_only() {
+        let subject = Subject::new("torus".to_owned(), torus(24, 12)).unwrap();
+        let [part] = &subject.parts[..] else { panic!("a torus is in one piece") };
+        let mut plans = Plans::new(&subject);
+        let mut cut_of = |name: &str| {
+            let variant = Variant::parse(name).unwrap();
+            let trial = Trial::run(&subject, variant, &plans.of(variant, 6).unwrap()).unwrap();
+            assert_eq!(trial.distortion(&subject).unwrap().islands.len(), 1);
+            cut(part, &trial.uv)
+        };
+        for rule in ["refined", "alternating+harmonic"] {
+            let exact = cut_of(rule);
+            assert!(CutMesh::open(&part.surface.mesh, &exact).is_disk());
+            assert_eq!(exact, cut_of(&format!("{rule}+linear")));
+            assert_eq!(exact, cut_of(&format!("{rule}+lscm")));
+        }
     }
 }

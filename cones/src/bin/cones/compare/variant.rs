@@ -1,8 +1,8 @@
 //! A method to compare: a rule for cones, a rule for their curvatures, a way of flattening.
 
 use cones::{
-    Angles, ConeHierarchy, ConformalFactor, Method, Operators, Reduced, greedy, iterative, iterative_refactoring,
-    pursuit, refined,
+    Angles, ConeHierarchy, ConformalFactor, Method, Operators, Options, Reduced, greedy, iterative,
+    iterative_refactoring, pursuit, refined,
 };
 use geom::{Mesh, PoissonError, VertexId};
 
@@ -13,6 +13,20 @@ pub(super) enum Rule {
     Of(Method),
     /// The iterative method as published: a factorization for each level.
     Refactoring,
+}
+
+impl Rule {
+    /// The library's method that finds the same cones.
+    fn method(self) -> Method {
+        match self {
+            Self::Of(method) => method,
+            Self::Refactoring => Method::Iterative,
+        }
+    }
+
+    fn looks_for_extrema(self) -> bool {
+        matches!(self, Self::Of(Method::Alternating | Method::Persistence))
+    }
 }
 
 /// A way from cones with curvatures to the plane.
@@ -30,9 +44,14 @@ pub(super) enum Flattening {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Variant {
     pub(super) rule: Rule,
+    /// Whether the curvature is diffused before extrema are looked for.
+    pub(super) smooth: bool,
     pub(super) angles: Angles,
     pub(super) flattening: Flattening,
 }
+
+/// Optimising more cones than this takes minutes, so more are chosen by persistence, as in `cones unwrap`.
+pub(super) const MOST_CONES: usize = 64;
 
 const RULES: [(&str, Rule); 7] = [
     ("alternating", Rule::Of(Method::Alternating)),
@@ -46,8 +65,12 @@ const RULES: [(&str, Rule); 7] = [
 
 impl Variant {
     /// The paper.
-    pub(super) const PAPER: Self =
-        Self { rule: Rule::Of(Method::Alternating), angles: Angles::Harmonic, flattening: Flattening::Exact };
+    pub(super) const PAPER: Self = Self {
+        rule: Rule::Of(Method::Alternating),
+        smooth: false,
+        angles: Angles::Harmonic,
+        flattening: Flattening::Exact,
+    };
     /// The paper with the metric scaling of its time.
     pub(super) const PAPER_LINEAR: Self = Self { flattening: Flattening::Linear, ..Self::PAPER };
     /// The method that the paper compares with.
@@ -55,8 +78,7 @@ impl Variant {
     /// The same with one factorization.
     pub(super) const REUSING: Self = Self { rule: Rule::Of(Method::Iterative), ..Self::PAPER };
     /// Ours.
-    pub(super) const REFINED: Self =
-        Self { rule: Rule::Of(Method::Refined), angles: Angles::Optimal, flattening: Flattening::Exact };
+    pub(super) const REFINED: Self = Self { rule: Rule::Of(Method::Refined), angles: Angles::Optimal, ..Self::PAPER };
     /// No metric scaling, on the cut of ours.
     const LSCM: Self = Self { flattening: Flattening::Lscm, ..Self::REFINED };
 
@@ -74,12 +96,18 @@ impl Variant {
         let mut variant = Self { rule, ..Self::REFINED };
         for word in words {
             match word {
+                "smooth" if rule.looks_for_extrema() => variant.smooth = true,
+                "smooth" => {
+                    return Err(format!(
+                        "{name} looks for no extrema: leave \"+smooth\" to alternating and persistence"
+                    ));
+                }
                 "harmonic" => variant.angles = Angles::Harmonic,
                 "optimal" => variant.angles = Angles::Optimal,
                 "newton" => variant.flattening = Flattening::Exact,
                 "linear" => variant.flattening = Flattening::Linear,
                 "lscm" => variant.flattening = Flattening::Lscm,
-                _ => return Err(format!("{word:?} is none of harmonic, optimal, newton, linear, lscm")),
+                _ => return Err(format!("{word:?} is none of smooth, harmonic, optimal, newton, linear, lscm")),
             }
         }
         Ok(variant)
@@ -88,31 +116,40 @@ impl Variant {
     /// Its name, which [`parse`](Self::parse) takes. Optimal curvatures and Newton's method go without saying.
     pub(super) fn name(self) -> String {
         let rule = RULES.iter().find(|(_, rule)| *rule == self.rule).map_or("", |(name, _)| name);
+        let smooth = if self.smooth { "+smooth" } else { "" };
         let angles = if self.angles == Angles::Harmonic { "+harmonic" } else { "" };
         let flattening = match self.flattening {
             Flattening::Exact => "",
             Flattening::Linear => "+linear",
             Flattening::Lscm => "+lscm",
         };
-        format!("{rule}{angles}{flattening}")
+        format!("{rule}{smooth}{angles}{flattening}")
     }
 
     pub(super) fn help() -> String {
-        "Which methods, each RULE[+ANGLES][+FLATTENING]:\n\n\
+        "Which methods, each RULE[+smooth][+ANGLES][+FLATTENING]:\n\n\
          RULE        alternating (the paper), persistence, greedy, refined, pursuit, iterative [BCGB08] with one\n\
          \x20           factorization, or refactoring: iterative as published, with a factorization a level\n\
+         smooth      for alternating and persistence: diffuse the curvature before extrema are looked for\n\
          ANGLES      optimal curvatures, or harmonic ones, as in the paper\n\
          FLATTENING  newton, which leaves no curvature; linear, one solve as in the paper; or lscm, no metric scaling\n\n\
          linear alone is alternating+harmonic+linear; lscm alone is refined+lscm"
             .to_owned()
     }
 
-    /// The library's method that says how many cones each part gets.
-    pub(super) fn sharing(self) -> Method {
-        match self.rule {
-            Rule::Of(method) => method,
-            Rule::Refactoring => Method::Iterative,
-        }
+    /// This method with the curvature diffused first, where it looks for extrema.
+    pub(super) fn smoothed(self) -> Self {
+        Self { smooth: self.rule.looks_for_extrema(), ..self }
+    }
+
+    /// The method of `cones unwrap` that has the same cones: flattened exactly, and with one factorization.
+    pub(super) fn leader(self) -> Self {
+        Self { rule: Rule::Of(self.rule.method()), flattening: Flattening::Exact, ..self }
+    }
+
+    /// The library's options for it, but for the number of cones.
+    pub(super) fn options(self) -> Options {
+        Options { method: self.rule.method(), angles: self.angles, smooth: self.smooth, ..Options::default() }
     }
 
     /// The cones of a surface.
@@ -121,14 +158,24 @@ impl Variant {
             Rule::Refactoring => iterative_refactoring(operators, count)?,
             Rule::Of(Method::Iterative) => iterative(operators, count),
             Rule::Of(Method::Greedy) => greedy(operators, count),
+            Rule::Of(Method::Refined | Method::Pursuit) if count > MOST_CONES => {
+                self.extrema(operators, mesh, Method::Persistence, count)
+            }
             Rule::Of(Method::Refined) => refined(&mut Reduced::new(operators, mesh), count).cones,
             Rule::Of(Method::Pursuit) => pursuit(&mut Reduced::new(operators, mesh), count).cones().to_vec(),
             Rule::Of(method @ (Method::Alternating | Method::Persistence)) => {
-                let factor = ConformalFactor::new(operators);
-                let hierarchy = ConeHierarchy::new(operators, &factor);
-                hierarchy.cones(operators, mesh, method, count).iter().map(|cone| cone.vertex).collect()
+                self.extrema(operators, mesh, method, count)
             }
         })
+    }
+
+    /// The first extrema of the conformal factor.
+    fn extrema(self, operators: &Operators, mesh: &Mesh, method: Method, count: usize) -> Vec<VertexId> {
+        let smoothed = self.smooth.then(|| ConformalFactor::smoothed(operators));
+        // What cannot be diffused is taken as it is, as in `cones unwrap`, which says so.
+        let factor = smoothed.and_then(Result::ok).unwrap_or_else(|| ConformalFactor::new(operators));
+        let hierarchy = ConeHierarchy::new(operators, &factor);
+        hierarchy.cones(operators, mesh, method, count).iter().map(|cone| cone.vertex).collect()
     }
 }
 
@@ -138,11 +185,20 @@ mod tests {
 
     #[test]
     fn names_are_parsed_to_what_they_name() {
-        for (rule, _) in RULES {
+        for (name, rule) in RULES {
             for angles in ["", "+harmonic"] {
                 for flattening in ["", "+linear", "+lscm"] {
-                    let name = format!("{rule}{angles}{flattening}");
-                    assert_eq!(Variant::parse(&name).map(Variant::name), Ok(name));
+                    let plain = format!("{name}{angles}{flattening}");
+                    let variant = Variant::parse(&plain).unwrap();
+                    assert_eq!(variant.name(), plain);
+                    let smooth = Variant::parse(&format!("{name}+smooth{angles}{flattening}"));
+                    if rule.looks_for_extrema() {
+                        assert_eq!(smooth, Ok(variant.smoothed()));
+                        assert_eq!(Variant::parse(&variant.smoothed().name()), smooth);
+                    } else {
+                        assert!(smooth.is_err());
+                        assert_eq!(variant.smoothed(), variant);
+                    }
                 }
             }
         }

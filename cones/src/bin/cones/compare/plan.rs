@@ -1,0 +1,82 @@
+//! What `cones unwrap` does when it is asked for so many cones: how many each part gets, and why not as many as that.
+//!
+//! A surface may need more cones, or have a method's cones fail and others tried. A comparison follows: all methods with the
+//! same cones follow the same plan, so that a baseline is flattened with the cones, and along the cut, of what it is compared with.
+
+use cones::{ConeChoice, Options};
+use thiserror::Error;
+
+use super::subject::Subject;
+use super::variant::Variant;
+
+/// How many cones a method is run with.
+#[derive(Clone, Debug)]
+pub(super) struct Plan {
+    /// For each part.
+    pub(super) counts: Vec<usize>,
+    /// What `cones unwrap` warns of.
+    pub(super) warnings: Vec<String>,
+}
+
+/// Why there is none.
+#[derive(Debug, Error)]
+enum PlanError {
+    #[error(transparent)]
+    Unwrap(#[from] cones::Error),
+    /// With a cone at every vertex any surface is flat: no result of any method.
+    #[error(
+        "{parts} of {all} parts would be unfolded with a cone at every vertex, which compares with nothing ({warnings})"
+    )]
+    Unfolded { parts: usize, all: usize, warnings: String },
+}
+
+impl Plan {
+    /// Unwraps a mesh, with cones by a method that `cones unwrap` has.
+    fn new(subject: &Subject, method: Variant, asked: usize) -> Result<Self, PlanError> {
+        let options = Options { cones: ConeChoice::Count(asked), ..method.options() };
+        let atlas = cones::unwrap(&subject.model, &options, &mut |_| ())?;
+        if atlas.unfolded > 0 {
+            let (parts, all) = (atlas.unfolded, subject.parts.len());
+            return Err(PlanError::Unfolded { parts, all, warnings: atlas.warnings.join("; ") });
+        }
+        let mut part_of = vec![0; subject.model.vertex_count()];
+        for (p, part) in subject.parts.iter().enumerate() {
+            part.surface.vertex.iter().for_each(|&v| part_of[v as usize] = p);
+        }
+        let mut counts = vec![0; subject.parts.len()];
+        atlas.cones.iter().for_each(|cone| counts[part_of[cone.vertex as usize]] += 1);
+        Ok(Self { counts, warnings: atlas.warnings })
+    }
+
+    /// What there is to know about a method that follows this plan.
+    pub(super) fn notes(&self, variant: Variant) -> Vec<String> {
+        let leader = variant.leader();
+        if variant.flattening == leader.flattening || self.warnings.is_empty() {
+            return self.warnings.clone();
+        }
+        vec![format!("cut as for {}: {}", leader.name(), self.warnings.join("; "))]
+    }
+}
+
+/// The plans of all methods on a mesh, each found once.
+pub(super) struct Plans<'a> {
+    subject: &'a Subject,
+    known: Vec<(Variant, usize, Result<Plan, String>)>,
+}
+
+impl<'a> Plans<'a> {
+    pub(super) fn new(subject: &'a Subject) -> Self {
+        Self { subject, known: Vec::new() }
+    }
+
+    /// The plan of a method with so many cones, or why there is none.
+    pub(super) fn of(&mut self, variant: Variant, asked: usize) -> Result<Plan, String> {
+        let leader = variant.leader();
+        if let Some((.., plan)) = self.known.iter().find(|(known, count, _)| (*known, *count) == (leader, asked)) {
+            return plan.clone();
+        }
+        let plan = Plan::new(self.subject, leader, asked).map_err(|error| error.to_string());
+        self.known.push((leader, asked, plan.clone()));
+        plan
+    }
+}
