@@ -62,6 +62,8 @@ pub struct Cone {
 pub struct NumberOfCones {
     /// The area distortion that was aimed at.
     pub target: f64,
+    /// How many cones were chosen for it; others were taken where these could not be flattened.
+    pub chosen: usize,
     /// What is predicted for the cones that were chosen, in all connected parts together.
     pub predicted: f64,
     /// Whether the prediction meets the target in every part.

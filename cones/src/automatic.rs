@@ -143,6 +143,22 @@ mod tests {
     }
 
     #[test]
+    fn what_the_nested_order_can_do_is_done() {
+        let shape = shapes::hare(600);
+        let mesh = shape.mesh();
+        let operators = Operators::new(&mesh, &Metric::from_points(&mesh, &shape.points)).unwrap();
+        let mut reduced = Reduced::new(&operators, &mesh);
+        let nested = pursuit(&mut reduced, 12);
+        for angles in [Angles::Optimal, Angles::Harmonic] {
+            for point in nested.curve(&operators, angles) {
+                let chosen = automatic(&mut Reduced::new(&operators, &mesh), angles, point.area_distortion, 12);
+                assert!(chosen.is_met, "{angles:?}: {point:?} is possible, {:?} was taken", chosen.predicted);
+                assert!(chosen.set.cones.len() <= point.count);
+            }
+        }
+    }
+
+    #[test]
     fn what_is_predicted_is_for_the_curvatures_that_will_be_used() {
         let shape = shapes::hare(1200);
         let mesh = shape.mesh();

@@ -416,6 +416,78 @@ fn stretch(operators: &Operators, curvatures: &ConeCurvatures) -> f64 {
 mod tests {
     use super::*;
     use crate::mend::MendError;
+    use crate::unwrap;
+    use geom::{Model, shapes};
+    use std::f64::consts::PI;
+
+    fn model(parts: &[shapes::Shape]) -> Model {
+        let (mut points, mut triangles) = (Vec::new(), Vec::new());
+        for part in parts {
+            let first = points.len() as u32;
+            points.extend_from_slice(&part.points);
+            triangles.extend(part.triangles.iter().map(|t| t.map(|v| first + v)));
+        }
+        Model::from_triangles(points, &triangles).unwrap()
+    }
+
+    fn area(points: [[f64; 3]; 3]) -> f64 {
+        let sides = [0, 1].map(|k| [0, 1, 2].map(|i| points[k + 1][i] - points[0][i]));
+        let [a, b] = sides;
+        0.5 * (0..3).map(|i| (a[i] * b[(i + 1) % 3] - a[(i + 1) % 3] * b[i]).powi(2)).sum::<f64>().sqrt()
+    }
+
+    #[test]
+    fn a_bordered_surface_takes_any_given_curvature_and_a_closed_one_only_all_of_its_own() {
+        let given = |shape: shapes::Shape, curvatures: [f64; 3]| {
+            let cones = [70, 150, 230].into_iter().zip(curvatures.map(Some)).collect();
+            unwrap(&model(&[shape]), &Options { cones: ConeChoice::Given(cones), ..Options::default() }, &mut |_| ())
+        };
+        let hill = given(shapes::terrain(400, 2), [0.3, -0.2, 0.1]).unwrap();
+        assert_eq!(hill.cones.iter().map(|cone| cone.curvature).collect::<Vec<_>>(), [0.3, -0.2, 0.1]);
+        assert!(given(shapes::sphere(400), [1.5 * PI, 1.5 * PI, PI]).is_ok());
+        let wrong = given(shapes::sphere(400), [1.0, 1.0, 1.0]).unwrap_err();
+        assert!(matches!(wrong, Error::CurvatureSum { .. }), "{wrong}");
+        let wide = given(shapes::terrain(400, 2), [7.0, 0.0, 0.0]).unwrap_err();
+        assert!(matches!(wide, Error::CurvatureTooLarge(_)), "{wide}");
+    }
+
+    #[test]
+    fn several_parts_get_as_many_cones_as_are_asked_for() {
+        let model = model(&[shapes::hare(300), shapes::sphere(200)]);
+        for method in [Method::Refined, Method::Pursuit, Method::Persistence] {
+            for count in [6, 7, 9, 12] {
+                let options = Options { cones: ConeChoice::Count(count), method, ..Options::default() };
+                let found = crate::extract(&model, &options, &mut |_| ()).unwrap();
+                assert_eq!(found.cones.len(), count, "{method:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_parts_of_a_model_are_laid_out_at_one_scale() {
+        let parts = [shapes::hare(500), shapes::terrain(400, 2), shapes::sphere(300)];
+        let ends: Vec<usize> = parts
+            .iter()
+            .scan(0, |end, part| {
+                *end += part.triangles.len();
+                Some(*end)
+            })
+            .collect();
+        let model = model(&parts);
+        let options = Options { cones: ConeChoice::Count(9), ..Options::default() };
+        let atlas = unwrap(&model, &options, &mut |_| ()).unwrap();
+        // For each part the mean of the log scale.
+        let mut sums = [[0.0; 2]; 3];
+        for (t, corners) in atlas.triangles.corners.iter().enumerate() {
+            let part = ends.iter().position(|&end| t < end).unwrap();
+            let here = area(corners.map(|c| model.points()[model.corners()[c as usize] as usize]));
+            let there = area(corners.map(|c| [atlas.uv[c as usize][0], atlas.uv[c as usize][1], 0.0]));
+            sums[part][0] += here;
+            sums[part][1] += here * 0.5 * (there / here).ln();
+        }
+        let means = sums.map(|[area, sum]| sum / area);
+        assert!(means.iter().all(|mean| (mean - means[0]).abs() < 0.01), "{means:?}");
+    }
 
     #[test]
     fn more_cones_are_tried_for_a_metric_and_fewer_too_for_needles() {

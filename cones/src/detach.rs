@@ -148,10 +148,14 @@ mod tests {
             let mut seams = Seams::new(&mesh, metric.lengths(), &cones).unwrap();
             let mut layout = Layout::new(&mesh, &scaling, &seams.cut);
             let before = layout.clone();
-            // The rings of some vertices, and lone triangles.
+            let was_cut = seams.cut.clone();
+            // The rings of some vertices, lone triangles, and the two beside a seam.
             let ring = |v| mesh.outgoing(v).map(|h| mesh.face(h));
             let mut faces: Vec<FaceId> =
                 [VertexId(50), VertexId(333)].into_iter().flat_map(ring).chain(out.map(FaceId)).collect();
+            let seam = mesh.edges().find(|&e| was_cut[e] && mesh.twin(mesh.halfedge(e)).is_some()).expect("it is cut");
+            let first = mesh.halfedge(seam);
+            faces.extend([Some(first), mesh.twin(first)].into_iter().flatten().map(|h| mesh.face(h)));
             faces.sort();
             faces.dedup();
             detach(&mesh, &metric, &scaling.u, metric.lengths(), &faces, &mut seams, &mut layout);
@@ -162,6 +166,8 @@ mod tests {
             assert_eq!(layout.cut.boundary_loops().len(), islands, "each island has one boundary");
             let strung: usize = seams.chains.iter().map(|chain| chain.edges.len()).sum();
             assert_eq!(strung, mesh.edges().filter(|&e| seams.cut[e]).count());
+            assert!(mesh.edges().all(|e| seams.cut[e] || !was_cut[e]), "a seam stays one");
+            let is_out = |h| mesh.twin(h).is_some_and(|g| faces.contains(&mesh.face(g)));
             for f in mesh.faces() {
                 let corners = |layout: &Layout| mesh.sides(f).map(|h| layout.corner(h));
                 if !faces.contains(&f) {
@@ -173,7 +179,30 @@ mod tests {
                 let scales = [(b - a).norm() / sides[0], (c - b).norm() / sides[1], (a - c).norm() / sides[2]];
                 assert!(scales.iter().all(|s| (s / scales[0] - 1.0).abs() < 1e-9), "{scales:?}");
                 assert!(((b - a).conj() * (c - a)).im > 0.0);
+                if !mesh.sides(f).into_iter().any(is_out) {
+                    let mean = mesh.corners(f).iter().map(|&v| scaling.u[v]).sum::<f64>() / 3.0;
+                    assert!((scales[0].ln() - mean).abs() < 1e-9, "alone, it has the size that it had on the mean");
+                }
             }
+        }
+    }
+
+    #[test]
+    fn a_hole_is_joined_by_the_shortest_way_to_a_seam() {
+        let shape = shapes::terrain(900, 2);
+        let mesh = shape.mesh();
+        let metric = Metric::from_points(&mesh, &shape.points);
+        let lengths = metric.lengths();
+        let rim = mesh.vertices().filter(|&v| mesh.is_boundary_vertex(v)).map(|v| (v, 0));
+        let paths = ShortestPaths::new(&mesh, lengths, rim);
+        for v in mesh.vertices().filter(|&v| paths.distance[v] > 0.0) {
+            let is_out = mesh.faces().map(|f| mesh.corners(f).contains(&v)).collect();
+            let mut cut = EdgeData::constant(mesh.edge_count(), false);
+            join_holes(&mesh, lengths, &is_out, &mut cut);
+            let length: f64 = mesh.edges().filter(|&e| cut[e]).map(|e| lengths[e]).sum();
+            let ring = mesh.outgoing(v).map(|h| mesh.head(h));
+            let least = ring.map(|w| paths.distance[w]).fold(f64::INFINITY, f64::min);
+            assert!((length - least).abs() < 1e-9, "{length} where {least} is enough");
         }
     }
 }

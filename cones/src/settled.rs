@@ -84,7 +84,13 @@ mod tests {
 
     #[test]
     fn curvatures_and_log_scale_are_those_that_will_be_used() {
-        for shape in [shapes::hare(700), shapes::torus(1, 500), shapes::terrain(500, 3), shapes::cylinder(400)] {
+        // With two boundary loops, and curvature.
+        let mut vase = shapes::cylinder(400);
+        for [x, y, z] in &mut vase.points {
+            let wide = 1.0 + 0.4 * (3.0 * *z).sin();
+            (*x, *y) = (*x * wide, *y * wide);
+        }
+        for shape in [shapes::hare(700), shapes::torus(1, 500), shapes::terrain(500, 3), shapes::cylinder(400), vase] {
             let mesh = shape.mesh();
             let operators = Operators::new(&mesh, &Metric::from_points(&mesh, &shape.points)).unwrap();
             let inner: Vec<VertexId> = mesh.vertices().filter(|&v| !mesh.is_boundary_vertex(v)).collect();

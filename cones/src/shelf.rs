@@ -51,3 +51,48 @@ impl Shelf {
         corner
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scaling::Scaling;
+    use geom::{EdgeData, Metric};
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn no_two_places_lie_on_each_other(extents in prop::collection::vec([0.01..2.0f64, 0.01..2.0], 2..30), area in 0.1..9.0f64) {
+            let mut shelf = Shelf::new(area);
+            let places: Vec<([f64; 2], [f64; 2])> = extents.iter().map(|&extent| (shelf.corner(extent), extent)).collect();
+            for (k, (low, extent)) in places.iter().enumerate() {
+                for (other, theirs) in &places[..k] {
+                    let apart = |i: usize| low[i] >= other[i] + theirs[i] || other[i] >= low[i] + extent[i];
+                    prop_assert!(apart(0) || apart(1), "{places:?}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn islands_get_the_room_that_they_take_at_their_size() {
+        let mesh = Mesh::new(4, &[[0, 1, 2], [2, 1, 3]]).unwrap();
+        let points = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0]];
+        let metric = Metric::from_points(&mesh, &points);
+        let cut = EdgeData::constant(mesh.edge_count(), true);
+        let layout = Layout::new(&mesh, &Scaling::none(&mesh, &metric), &cut);
+        for size in [0.01, 1.0, 70.0] {
+            let place = Shelf::new(0.9 * size * size).place(&layout, &mesh, size);
+            let corners = [0, 1].map(|f| mesh.sides(geom::FaceId(f)).map(|h| place[h]));
+            let range = |f: usize, k: usize| {
+                let x = corners[f].map(|corner| corner[k]);
+                [x.iter().copied().fold(f64::INFINITY, f64::min), x.iter().copied().fold(0.0, f64::max)]
+            };
+            let apart = |k: usize| range(0, k)[1] < range(1, k)[0] || range(1, k)[1] < range(0, k)[0];
+            assert!(apart(0) || apart(1), "{corners:?}");
+            for [a, b, c] in corners {
+                let area = 0.5 * ((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]));
+                assert!((area / (0.5 * size * size) - 1.0).abs() < 1e-12);
+            }
+        }
+    }
+}

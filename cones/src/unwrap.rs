@@ -253,7 +253,8 @@ impl<'a> Found<'a> {
             }
         };
         let is_met = found.iter().all(|found| found.is_met);
-        self.number = Some(NumberOfCones { target, predicted: predicted.area_distortion, is_met, curve });
+        let (chosen, predicted) = (predicted.count, predicted.area_distortion);
+        self.number = Some(NumberOfCones { target, chosen, predicted, is_met, curve });
         found.into_iter().map(|found| Choice::Found(found.set.cones)).collect()
     }
 

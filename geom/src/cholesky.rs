@@ -482,8 +482,14 @@ mod tests {
 
     #[test]
     fn two_halves_are_a_solve() {
-        let (matrix, points) = matrix(&shapes::hare(900));
+        let (mut matrix, points) = matrix(&shapes::hare(900));
         let n = points.len();
+        // With every other row and column negated, so that solutions have both signs.
+        for column in 0..n {
+            for k in matrix.column(column) {
+                matrix.value[k] *= if (matrix.row[k] as usize + column).is_multiple_of(2) { 1.0 } else { -1.0 };
+            }
+        }
         let cholesky = Cholesky::new(matrix, Some(&points)).unwrap();
         let mut scratch = Vec::new();
         for row in [0, 17, n - 1] {
@@ -508,6 +514,23 @@ mod tests {
         let other = cholesky.another(copy(&doubled)).unwrap();
         cholesky.refactor(doubled).unwrap();
         assert_eq!((&cholesky.factor, &cholesky.elimination.order), (&other.factor, &other.elimination.order));
+    }
+
+    #[test]
+    fn another_pattern_is_told_from_the_first_also_where_its_columns_are_as_long() {
+        // A path of four vertices in two orders: 0–1–2–3 and 0–2–1–3, each edge in the column of its lesser end.
+        let path = |row: [u32; 7], column_start: [u32; 5]| {
+            let value = [2.0, -1.0, 2.0, -1.0, 2.0, -1.0, 2.0].to_vec();
+            LowerTriangle { column_start: column_start.to_vec(), row: row.to_vec(), value }
+        };
+        let first = || path([0, 1, 1, 2, 2, 3, 3], [0, 2, 4, 6, 7]);
+        let second = || path([0, 2, 1, 3, 2, 3, 3], [0, 2, 4, 6, 7]);
+        let b = right_hand_side(4);
+        let mut cholesky = Cholesky::new(first(), None).unwrap();
+        cholesky.refactor(second()).unwrap();
+        let mut x = b.clone();
+        cholesky.solve_in_place(&mut x);
+        assert_near(&x, &solved_by_faer(&second(), b));
     }
 
     #[test]

@@ -36,6 +36,15 @@ struct Plane {
 
 /// The vertices in an order of elimination.
 pub(crate) fn dissect(graph: &Graph, points: &[[f32; 3]]) -> Vec<u32> {
+    let mut places = places(graph, points);
+    let mut dissection = Dissection { graph, part: vec![0; graph.len()], parts: 0, order: Vec::new() };
+    dissection.order.reserve(graph.len());
+    dissection.split(&mut places);
+    dissection.order
+}
+
+/// Each vertex with its position and its reach.
+fn places(graph: &Graph, points: &[[f32; 3]]) -> Vec<Place> {
     let place = |vertex: u32| {
         let at = points[vertex as usize];
         let squared = |w: &u32| points[*w as usize].iter().zip(at).map(|(x, y)| (x - y).powi(2)).sum::<f32>();
@@ -43,11 +52,7 @@ pub(crate) fn dissect(graph: &Graph, points: &[[f32; 3]]) -> Vec<u32> {
         // A hair more, for rounding.
         Place { at, reach: 1.0001 * reach, vertex }
     };
-    let mut places: Vec<Place> = (0..graph.len() as u32).map(place).collect();
-    let mut dissection = Dissection { graph, part: vec![0; graph.len()], parts: 0, order: Vec::new() };
-    dissection.order.reserve(graph.len());
-    dissection.split(&mut places);
-    dissection.order
+    (0..graph.len() as u32).map(place).collect()
 }
 
 struct Dissection<'a> {
@@ -156,4 +161,33 @@ fn narrowest(places: &[Place], axis: usize, [low, high]: [f32; 2]) -> Option<(f3
         (share >= LEAST_SHARE).then_some((size / share.sqrt(), Plane { axis, below }))
     });
     planes.min_by(|a, b| a.0.total_cmp(&b.0))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::shapes;
+
+    #[test]
+    fn no_edge_leads_from_one_part_past_the_separator_to_the_other() {
+        for shape in [shapes::hare(3000), shapes::terrain(900, 3), shapes::torus(2, 1500)] {
+            let mesh = shape.mesh();
+            let (mut start, mut row) = (vec![0], Vec::new());
+            for v in mesh.vertices() {
+                row.extend(mesh.neighbors(v).iter().filter(|&&w| w > v).map(|w| w.0));
+                start.push(row.len() as u32);
+            }
+            let graph = Graph::of_lower_triangle(&start, &row);
+            let points = shape.points.iter().map(|p| p.map(|x| x as f32)).collect::<Vec<_>>();
+            let mut places = places(&graph, &points);
+            let mut dissection = Dissection { graph: &graph, part: vec![0; graph.len()], parts: 0, order: Vec::new() };
+            let (low, high, separator) = dissection.separate(&mut places);
+            assert_eq!(low.len() + high.len() + separator.len(), graph.len());
+            assert!(separator.len() < graph.len() / 10);
+            let is_high: Vec<bool> = mesh.vertices().map(|v| high.iter().any(|place| place.vertex == v.0)).collect();
+            for place in low {
+                assert!(graph.neighbors(place.vertex).iter().all(|&w| !is_high[w as usize]));
+            }
+        }
+    }
 }

@@ -297,6 +297,39 @@ mod tests {
     }
 
     #[test]
+    fn polygons_are_cut_alike_wherever_they_are() {
+        let dart = [[0.0, 0.0], [4.0, -1.0], [1.0, 1.0], [-1.0, 4.0]];
+        let arrow = [[0.0, 0.0], [4.0, -1.0], [3.0, 0.0], [4.0, 1.0], [-5.0, 6.0]];
+        for points in [&dart[..], &arrow] {
+            let here: Vec<[f64; 3]> = points.iter().map(|&[x, y]| [x, y, x - 2.0 * y]).collect();
+            // These are exact.
+            let there: Vec<[f64; 3]> = here.iter().map(|p| p.map(|x| x + 1e12)).collect();
+            assert_eq!(polygon(&there).triangles(), polygon(&here).triangles());
+        }
+    }
+
+    #[test]
+    fn where_there_is_no_ear_the_widest_corner_is_clipped() {
+        let mut random = 1_u64;
+        let mut coordinate = || {
+            random = random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (random >> 40) as f64 / (1 << 24) as f64
+        };
+        let mut earless = 0;
+        for _ in 0..2000 {
+            let points: Vec<[f64; 2]> = (0..6).map(|_| [coordinate(), coordinate()]).collect();
+            let mut work = WORK_PER_MODEL;
+            let mut ears = Ears::new(&points, &mut work);
+            let found = ears.find(0);
+            if !ears.is_ear(found) {
+                earless += 1;
+                assert!((0..6).all(|corner| ears.turn(corner) <= ears.turn(found)), "{points:?}");
+            }
+        }
+        assert!(earless > 10, "{earless}");
+    }
+
+    #[test]
     fn concave_polygons_are_cut_without_overlap() {
         let comb: Vec<_> = (0..20).map(|i| [f64::from(i), if i % 2 == 0 { 0.0 } else { 5.0 }]).collect();
         let comb: Vec<_> = comb.into_iter().chain([[19.0, 9.0], [0.0, 9.0]]).collect();
@@ -318,7 +351,9 @@ mod tests {
             [3.0, 3.0],
         ];
         let reversed: Vec<_> = spiral.iter().rev().copied().collect();
-        for points in [&comb[..], &spiral, &reversed, &with_straight_corners, &keyhole] {
+        // So many on one side that corners are dropped from the list of those that may lie in an ear.
+        let straight_side: Vec<_> = (0..70).map(|i| [f64::from(i), 0.0]).chain([[30.0, 50.0]]).collect();
+        for points in [&comb[..], &spiral, &reversed, &with_straight_corners, &keyhole, &straight_side] {
             for shift in 0..points.len() {
                 let mut points = flat(points);
                 points.rotate_left(shift);
@@ -353,6 +388,18 @@ mod tests {
     }
 
     proptest! {
+        #[test]
+        fn no_other_cut_of_a_quad_has_a_better_worst_triangle_where_one_is_flipped(
+            corners in proptest::array::uniform4([-1.0..1.0_f64, -1.0..1.0]),
+        ) {
+            let model = polygon(&corners.map(|[x, y]| [x, y, 0.0]));
+            let whole = newell(model.points());
+            let worst = |cut: [[u32; 3]; 2]| cut.map(|t| dot(area2(&model, t), whole)).into_iter().fold(f64::INFINITY, f64::min);
+            let taken = worst([model.triangles().corners[0], model.triangles().corners[1]]);
+            let best = worst([[0, 1, 2], [0, 2, 3]]).max(worst([[1, 2, 3], [1, 3, 0]]));
+            prop_assert!(taken > 0.0 || taken >= best - 1e-12);
+        }
+
         #[test]
         fn star_shaped_polygons_are_cut_without_overlap(radii in proptest::collection::vec(0.1_f64..3.0, 5..40)) {
             let step = std::f64::consts::TAU / radii.len() as f64;

@@ -77,6 +77,24 @@ fn its_first_cones_are_those_that_a_number_asks_for_with_their_curvatures() {
 }
 
 #[test]
+fn vertices_are_on_the_components_that_are_named() {
+    let folder = folder();
+    let count = |shape: &str| folder.read(shape).lines().filter(|line| line.starts_with("v ")).count() as u64;
+    let [first, second] = ["hare.obj", "torus-1.obj"].map(count);
+    let file = hierarchy(&folder, "family.obj", &["--method", "persistence"]);
+    let mut seen = [0; 3];
+    for key in ["order", "extrema"] {
+        for entry in list(&file, key) {
+            let vertex = entry["vertex"].as_u64().expect("a vertex");
+            let component = usize::from(vertex >= first) + usize::from(vertex >= first + second);
+            assert_eq!(entry["component"], component, "{key}: {entry}");
+            seen[component] += 1;
+        }
+    }
+    assert!(seen.iter().all(|&count| count > 1), "{seen:?}");
+}
+
+#[test]
 fn refined_cones_have_no_order_and_give_that_of_pursuit() {
     let folder = folder();
     let [refined, pursuit] = ["refined", "pursuit"].map(|method| hierarchy(&folder, "hare.obj", &["--method", method]));

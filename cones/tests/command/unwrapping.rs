@@ -40,6 +40,7 @@ fn the_number_of_cones_is_found_by_the_distortion_that_is_predicted() {
     let area = |report: &serde_json::Value| report["distortion"]["area_mean"].as_f64().expect("a number");
     let (plain, near) = (report(&[]), report(&["--max-distortion", "1.1"]));
     assert_eq!((&plain["number"]["met"], &plain["number"]["target"]), (&true.into(), &1.25.into()));
+    assert_eq!(plain["number"]["chosen"], count(&plain));
     let predicted = plain["number"]["predicted_area"].as_f64().expect("a number");
     assert!((predicted - area(&plain)).abs() < 0.03, "{predicted} is predicted, {} measured", area(&plain));
     assert!(plain["curve"].as_array().is_some_and(|curve| curve.len() > 20));
@@ -119,6 +120,21 @@ fn cones_written_out_and_given_back_unwrap_the_same() {
             .collect()
     };
     assert!(numbers(&a).iter().zip(numbers(&b)).all(|(x, y)| (x - y).abs() < 1e-7));
+}
+
+#[test]
+fn the_summary_says_how_the_cones_were_really_chosen() {
+    let folder = Folder::with_shapes();
+    folder.write("places", "5\n70\n140\n210\n");
+    let told = |more: &[&str]| {
+        let output = folder.run(&[&["unwrap", "hare.obj", "-o", "out.obj"], more].concat()).success();
+        String::from_utf8_lossy(&output.get_output().stdout).into_owned()
+    };
+    let refined = told(&["-n", "5", "--cones-out", "cones"]);
+    assert!(refined.contains("5 (method refined, optimal curvatures; "), "{refined}");
+    assert!(told(&["--min-persistence", "1"]).contains("method persistence, "));
+    assert!(told(&["--cones", "cones"]).contains("5 (given, given curvatures; "));
+    assert!(told(&["--cones", "places"]).contains("4 (given, optimal curvatures; "));
 }
 
 #[test]
@@ -232,8 +248,7 @@ fn the_input_is_never_overwritten() {
 fn outputs_that_cannot_be_written_are_refused_before_the_work() {
     let folder = Folder::with_shapes();
     let before = folder.names();
-    for (output, says) in
-        [("out.xyz", ".obj or .ply or .glb"), ("no/out.obj", "there is no folder no"), ("out", ".obj")]
+    for (output, says) in [("out.xyz", ".obj, .ply or .glb"), ("no/out.obj", "there is no folder no"), ("out", ".obj")]
     {
         let complaint = folder.complaint(&["unwrap", "missing.obj", "-o", output]);
         assert!(complaint.contains(says), "{complaint}");

@@ -27,7 +27,7 @@ pub(crate) enum Command {
     Extract(Extract),
     /// Compare methods: distortion and time of each, on your meshes or as in the paper's Table 1
     Compare(compare::Arguments),
-    /// Measure the distortion of an unwrapped OBJ, whoever made it
+    /// Measure the distortion of an unwrapped OBJ or PLY, whoever made it
     Measure(Measure),
     /// Pair the extrema of a scalar field with saddles: an array, a picture, a mesh with values, a network
     Persistence(persistence::Arguments),
@@ -95,8 +95,8 @@ pub(crate) struct Extract {
 
 #[derive(Args, Debug)]
 pub(crate) struct Measure {
-    /// A surface with texture coordinates: OBJ
-    #[arg(value_name = "UV.obj")]
+    /// A surface with texture coordinates: OBJ or PLY
+    #[arg(value_name = "UV")]
     pub(crate) input: PathBuf,
     /// Measure against this surface, which has the same faces in the same order
     #[arg(long, value_name = "IN")]
@@ -144,7 +144,7 @@ pub(crate) struct Choice {
     /// Given cones: a file of lines `vertex curvature` or `vertex`, vertices counted from 0
     #[arg(long, value_name = "FILE", group = "which")]
     pub(crate) cones: Option<PathBuf>,
-    /// In what order extrema become cones
+    /// How cones are chosen; `refined` and `pursuit` choose more than 64 by persistence
     #[arg(long, value_enum, default_value_t = MethodName::Refined)]
     method: MethodName,
     /// How curvature is shared among the cones
@@ -160,7 +160,7 @@ pub(crate) struct Choice {
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
 pub(crate) enum Scale {
-    /// The layout's longer side is 1
+    /// From 0 to 1: the layout's longer side is 1
     Unit,
     /// Areas in the layout are areas on the surface
     Area,

@@ -4,7 +4,7 @@ use crate::args::{Extract, angles_name, method_name};
 use crate::failure::Failure;
 use crate::progress::Progress;
 use crate::report::{ConeReport, CurvePoint, Hierarchy, Input, Number, RepairReport, SCHEMA, Times, curve, kind_name};
-use crate::table::columns;
+use crate::table::{columns, thousands};
 use crate::{cone_file, hierarchy_file, job, output};
 use cones::{Extraction, Options};
 use serde::Serialize;
@@ -78,5 +78,6 @@ fn table(found: &Extraction) -> String {
         row.extend(cone.position.map(|x| format!("{x:.6}")));
         rows.push(row);
     }
-    format!("{}{} cones, {} extrema\n", columns(&rows), found.cones.len(), found.persistence.len())
+    let (cones, extrema) = (thousands(found.cones.len()), thousands(found.persistence.len()));
+    format!("{}{cones} cones; φ has {extrema} extrema\n", columns(&rows))
 }

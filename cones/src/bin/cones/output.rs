@@ -110,10 +110,20 @@ pub(crate) fn check(inputs: &[&Path], outputs: &[&Path]) -> Result<(), Failure> 
 /// The ending of a file's name in lower case, if it is one of those wanted.
 pub(crate) fn extension(path: &Path, wanted: &[&'static str]) -> Result<&'static str, Failure> {
     let ending = path.extension().and_then(|e| e.to_str()).unwrap_or("").to_lowercase();
-    wanted.iter().find(|&&w| w == ending).copied().ok_or_else(|| Failure::Extension {
-        path: path.to_owned(),
-        wanted: wanted.iter().map(|w| format!(".{w}")).collect::<Vec<_>>().join(" or "),
-    })
+    wanted
+        .iter()
+        .find(|&&w| w == ending)
+        .copied()
+        .ok_or_else(|| Failure::Extension { path: path.to_owned(), wanted: alternatives(wanted) })
+}
+
+/// `.a, .b or .c`
+fn alternatives(endings: &[&str]) -> String {
+    let endings: Vec<String> = endings.iter().map(|ending| format!(".{ending}")).collect();
+    match endings.split_last() {
+        Some((last, others)) if !others.is_empty() => format!("{} or {last}", others.join(", ")),
+        _ => endings.concat(),
+    }
 }
 
 fn folder_of(path: &Path) -> &Path {

@@ -161,9 +161,10 @@ fn summary(list: &PairList) -> String {
         0 => String::new(),
         zeros => format!("; {} of zero persistence", thousands(zeros)),
     };
+    let pairs = if list.count == 1 { "pair" } else { "pairs" };
     let classes = if list.essential == 1 { "class" } else { "classes" };
     format!(
-        "{} ({extrema}): {} pairs, total persistence {}; {} essential {classes}{zeros}",
+        "{} ({extrema}): {} {pairs}, total persistence {}; {} essential {classes}{zeros}",
         direction(list.kind),
         thousands(list.count),
         six_digits(list.total),

@@ -37,7 +37,12 @@ impl Canvas {
     }
 
     /// Paints a triangle; `shade` is given the barycentric coordinates in space (perspective undone).
-    pub(crate) fn triangle(&mut self, corners: [Place; 3], shade: impl FnMut([f64; 3]) -> Colour) {
+    pub(crate) fn triangle(&mut self, corners: [Place; 3], mut shade: impl FnMut([f64; 3]) -> Colour) {
+        self.triangle_over(corners, |weights, _| shade(weights));
+    }
+
+    /// Paints a triangle; `shade` is told as well whether it covers something.
+    pub(crate) fn triangle_over(&mut self, corners: [Place; 3], shade: impl FnMut([f64; 3], bool) -> Colour) {
         let [a, b, c] = corners;
         let side = |p: Place, q: Place, x: f64, y: f64| (q[0] - p[0]) * (y - p[1]) - (q[1] - p[1]) * (x - p[0]);
         let area = side(a, b, c[0], c[1]);
@@ -78,13 +83,13 @@ impl Canvas {
                 let inside = off[0] * off[0] + off[1] * off[1] <= radius * radius;
                 inside.then(|| (from[2] + t * (to[2] - from[2]), ()))
             },
-            |()| colour,
+            |(), _| colour,
         );
     }
 
     /// Paints a ball seen from afar: `radius` in space, `scale` the pixels of a unit length at its centre. `shade` is
     /// given the normal in the camera's frame (right, up, towards the eye).
-    pub(crate) fn ball(&mut self, centre: Place, radius: f64, scale: f64, shade: impl FnMut([f64; 3]) -> Colour) {
+    pub(crate) fn ball(&mut self, centre: Place, radius: f64, scale: f64, mut shade: impl FnMut([f64; 3]) -> Colour) {
         let r = radius * scale;
         let distance = 1.0 / centre[2];
         self.samples(
@@ -95,7 +100,7 @@ impl Canvas {
                 let height = (1.0 - n[0] * n[0] - n[1] * n[1]).sqrt();
                 (height > 0.0).then(|| (1.0 / (distance - radius * height), [n[0], n[1], height]))
             },
-            shade,
+            |normal, _| shade(normal),
         );
     }
 
@@ -168,13 +173,14 @@ impl Canvas {
         (columns, span(self.height, &|&y| (0..self.width).any(|x| painted(x, y))))
     }
 
-    /// Visits the samples of a rectangle: where `hit` answers with a nearness not behind what is there, `shade` is asked.
+    /// Visits the samples of a rectangle: where `hit` answers with a nearness not behind what is there, `shade` is asked
+    /// for the colour, and told whether it goes over something.
     fn samples<T>(
         &mut self,
         low: [f64; 2],
         high: [f64; 2],
         hit: impl Fn(f64, f64) -> Option<(f64, T)>,
-        mut shade: impl FnMut(T) -> Colour,
+        mut shade: impl FnMut(T, bool) -> Colour,
     ) {
         let step = 1.0 / SAMPLES as f64;
         let span = |low: f64, high: f64, size: usize| {
@@ -189,8 +195,8 @@ impl Canvas {
                 let Some((nearness, what)) = hit((i as f64 + 0.5) * step, y) else { continue };
                 let at = j * self.width * SAMPLES + i;
                 if nearness as f32 >= self.nearness[at] {
+                    self.colour[at] = pack(shade(what, self.nearness[at] > 0.0));
                     self.nearness[at] = nearness as f32;
-                    self.colour[at] = pack(shade(what));
                 }
             }
         }

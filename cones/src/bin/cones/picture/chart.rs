@@ -50,9 +50,14 @@ impl Chart {
         self.area(triangle) < 0.0
     }
 
+    /// The areas of the layout's triangles, added up.
+    pub(crate) fn covered(&self) -> f64 {
+        (0..self.uv.len()).map(|t| self.area(t).abs()).sum()
+    }
+
     /// The checkerboard that it is drawn with.
     pub(crate) fn checker(&self) -> Checker {
-        Checker::for_area((0..self.uv.len()).map(|t| self.area(t).abs()).sum())
+        Checker::for_area(self.covered())
     }
 
     /// The outline of the layout as closed loops: where the surface ends or is cut. Pinched points are passed as they come.

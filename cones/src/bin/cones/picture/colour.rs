@@ -10,6 +10,8 @@ pub(crate) const INK: Colour = srgb(0x1d, 0x21, 0x2b);
 pub(crate) const CHECKER: [Colour; 2] = [srgb(0xf4, 0xf1, 0xea), srgb(0x8f, 0xa6, 0xb8)];
 /// Where a surface shows its inside.
 pub(crate) const INSIDE: Colour = srgb(0xd9, 0xb9, 0x9b);
+/// Where a layout lies over itself, mixed with the checkerboard.
+pub(crate) const OVERLAP: Colour = srgb(0xf0, 0x8a, 0x1d);
 /// A triangle laid out upside down.
 pub(crate) const FLIPPED: Colour = srgb(0xe0, 0x1b, 0x84);
 /// A cone of negative curvature, a maximum of the conformal factor.

@@ -1,15 +1,20 @@
-//! The layout in the plane: checkerboard, outline, cones; flipped triangles stand out.
+//! The layout in the plane: checkerboard, outline, cones; what lies over something else and flipped triangles stand out.
 
 use super::canvas::{Canvas, Picture, Place};
 use super::chart::{Chart, Mark};
-use super::colour::{Colour, FLIPPED, INK, MAXIMUM, MINIMUM, PAPER, mix};
+use super::colour::{Colour, FLIPPED, INK, MAXIMUM, MINIMUM, OVERLAP, PAPER, mix};
 use std::collections::BTreeMap;
 
 /// The layout's longer side in pixels.
 const LONG_SIDE: f64 = 1024.0;
 const MARGIN: f64 = 24.0;
 const OUTLINE: f64 = 2.6;
+/// The diameter of a cone's disc, where few are drawn.
 const CONE: f64 = 15.0;
+/// The discs of many cones shrink, so as to cover no more than this share of the layout.
+const DISCS: f64 = 0.05;
+/// The least diameter of a disc.
+const LEAST: f64 = 4.0;
 
 /// Draws the layout, its proportions kept.
 pub(crate) fn draw(chart: &Chart) -> Picture {
@@ -17,21 +22,27 @@ pub(crate) fn draw(chart: &Chart) -> Picture {
     let mut canvas = Canvas::new(width as usize, height as usize, PAPER);
     let checker = chart.checker();
     let place = |uv: [f64; 2]| to_page(uv, height);
-    for (f, corners) in chart.uv.iter().enumerate() {
-        let flipped = chart.is_flipped(f);
-        canvas.triangle(corners.map(place), |w| {
-            let uv = [0, 1].map(|i| (0..3).map(|k| w[k] * corners[k][i]).sum());
-            if flipped { FLIPPED } else { checker.colour(uv) }
+    let (flipped, upright): (Vec<usize>, Vec<usize>) = (0..chart.uv.len()).partition(|&t| chart.is_flipped(t));
+    for t in upright {
+        let corners = chart.uv[t];
+        canvas.triangle_over(corners.map(place), |w, over| {
+            let colour = checker.colour([0, 1].map(|i| (0..3).map(|k| w[k] * corners[k][i]).sum()));
+            if over { overlapping(colour) } else { colour }
         });
+    }
+    for t in flipped {
+        canvas.triangle(chart.uv[t].map(place), |_| FLIPPED);
     }
     for outline in chart.outline() {
         for (i, &from) in outline.iter().enumerate() {
             canvas.line(place(from), place(outline[(i + 1) % outline.len()]), OUTLINE, INK);
         }
     }
-    for (uv, cone) in cone_copies(chart) {
-        canvas.line(place(uv), place(uv), CONE + 2.0 * OUTLINE, PAPER);
-        canvas.line(place(uv), place(uv), CONE, colour_of(&cone));
+    let copies = cone_copies(chart);
+    let disc = disc(chart, copies.len());
+    for (uv, cone) in copies {
+        canvas.line(place(uv), place(uv), disc * (1.0 + 2.0 * OUTLINE / CONE), PAPER);
+        canvas.line(place(uv), place(uv), disc, colour_of(&cone));
     }
     canvas.develop()
 }
@@ -48,6 +59,17 @@ pub(crate) fn size(chart: &Chart) -> (f64, f64) {
 /// From the unit square to the page, whose y runs downwards.
 pub(crate) fn to_page(uv: [f64; 2], height: f64) -> Place {
     [MARGIN + LONG_SIDE * uv[0], height - MARGIN - LONG_SIDE * uv[1], 1.0]
+}
+
+/// The colour of the checkerboard where it lies over something else.
+pub(crate) fn overlapping(colour: Colour) -> Colour {
+    mix(colour, OVERLAP, 0.6)
+}
+
+/// The diameter of each of so many discs, in pixels.
+pub(crate) fn disc(chart: &Chart, count: usize) -> f64 {
+    let covered = DISCS * chart.covered() * LONG_SIDE * LONG_SIDE;
+    (covered / count.max(1) as f64 / std::f64::consts::FRAC_PI_4).sqrt().clamp(LEAST, CONE)
 }
 
 pub(crate) fn colour_of(cone: &Mark) -> Colour {
@@ -67,4 +89,37 @@ pub(crate) fn cone_copies(chart: &Chart) -> Vec<([f64; 2], Mark)> {
         }
     }
     copies.into_values().collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two triangles of a strip, the second folded over the first or laid beside it, either way upright.
+    fn two(second: [[f64; 2]; 3], cones: Vec<Mark>) -> Chart {
+        let points: Vec<[f64; 3]> = (0..6).map(|i| [f64::from(i), f64::from(i % 2), 0.0]).collect();
+        let first = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]];
+        Chart::new(&points, vec![[0, 1, 2], [3, 4, 5]], vec![first, second], vec![], cones)
+    }
+
+    #[test]
+    fn what_lies_over_something_else_stands_out() {
+        let is_warm = |p: &&[u8; 3]| p[0] > p[2].saturating_add(60);
+        let warm = |chart: &Chart| draw(chart).pixels.iter().filter(is_warm).count();
+        let beside = two([[1.0, 1.0], [0.0, 1.0], [1.0, 0.0]], vec![]);
+        assert!(warm(&beside) < 100, "{}", warm(&beside));
+        let over = two([[0.5, 0.0], [1.0, 0.0], [0.5, 0.5]], vec![]);
+        // An eighth of the unit square.
+        let share = warm(&over) as f64 / (LONG_SIDE * LONG_SIDE);
+        assert!((share - 0.125).abs() < 0.02, "{share}");
+    }
+
+    #[test]
+    fn discs_of_many_cones_leave_the_layout_in_sight() {
+        let chart = two([[1.0, 1.0], [0.0, 1.0], [1.0, 0.0]], vec![]);
+        assert_eq!(disc(&chart, 0), CONE);
+        assert_eq!(disc(&chart, 12), CONE);
+        assert!(disc(&chart, 1000) < 0.7 * CONE);
+        assert_eq!(disc(&chart, 1_000_000), LEAST);
+    }
 }

@@ -35,6 +35,9 @@ pub(crate) struct Report {
     /// The most memory that the program has held so far, in bytes; nothing where the system does not tell.
     pub(crate) peak_memory: Option<u64>,
     pub(crate) warnings: Vec<String>,
+    /// How cones and curvatures were chosen, in words.
+    #[serde(skip)]
+    pub(crate) rule: String,
 }
 
 #[derive(Clone, Debug, Serialize)]
@@ -89,6 +92,8 @@ pub(crate) struct Hierarchy {
 pub(crate) struct Number {
     /// The area distortion that was aimed at.
     pub(crate) target: f64,
+    /// How many cones were chosen for it.
+    pub(crate) chosen: usize,
     pub(crate) predicted_area: f64,
     pub(crate) met: bool,
 }
@@ -110,7 +115,6 @@ pub(crate) struct Times {
     pub(crate) cut: Option<f64>,
     pub(crate) scale: Option<f64>,
     pub(crate) layout: Option<f64>,
-    pub(crate) islands: Option<f64>,
     pub(crate) write: Option<f64>,
     /// On the clock, from reading to writing; measuring the map is part of it.
     pub(crate) total: Option<f64>,
@@ -134,6 +138,7 @@ impl Report {
             times: times.with(&atlas.times),
             peak_memory: peak_memory(),
             warnings: atlas.warnings.clone(),
+            rule: text::rule(options),
         }
     }
 }
@@ -174,7 +179,7 @@ fn peak_memory() -> Option<u64> {
 
 impl From<&NumberOfCones> for Number {
     fn from(number: &NumberOfCones) -> Self {
-        Self { target: number.target, predicted_area: number.predicted, met: number.is_met }
+        Self { target: number.target, chosen: number.chosen, predicted_area: number.predicted, met: number.is_met }
     }
 }
 
@@ -241,7 +246,6 @@ impl Times {
             ("cut", self.cut),
             ("scale", self.scale),
             ("layout", self.layout),
-            ("islands", self.islands),
             ("write", self.write),
         ];
         all.into_iter().filter_map(|(name, time)| Some((name, time?)))

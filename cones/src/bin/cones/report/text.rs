@@ -1,7 +1,9 @@
 //! A report as a few lines of text.
 
 use super::{CurvePoint, DistortionReport, Input, Report};
+use crate::args::{angles_name, method_name};
 use crate::table::thousands;
+use cones::{ConeChoice, Method, Options};
 
 impl Report {
     /// What a user wants to know first, line by line.
@@ -10,12 +12,11 @@ impl Report {
         let total = self.times.total();
         let memory = self.peak_memory.map_or_else(String::new, |peak| format!("; {} MB at most", peak / 1_000_000));
         format!(
-            "surface   {}\ncones     {} ({} extrema, method {}, {} curvatures)\n{}{}time      {total:.2} s: {}{memory}\n",
+            "surface   {}\ncones     {} ({}; φ has {} extrema)\n{}{}time      {total:.2} s: {}{memory}\n",
             self.input.text(),
-            self.cones.len(),
+            thousands(self.cones.len()),
+            self.rule,
             thousands(self.hierarchy.extrema),
-            self.method,
-            self.angles,
             self.number_text(),
             self.distortion.text(self.islands.len()),
             times.join(", "),
@@ -29,11 +30,30 @@ impl Report {
             self.beside().iter().map(|p| format!("{} cones {:.2}", p.n, p.predicted_area)).collect();
         let others = if others.is_empty() { String::new() } else { format!("; {}", others.join(", ")) };
         let missed = if number.met { "" } else { ", not met" };
+        let failed = if number.chosen == self.cones.len() {
+            String::new()
+        } else {
+            format!(" with {} cones, but other cones were taken", number.chosen)
+        };
         format!(
-            "number    automatic: area distortion {:.2} predicted, target {}{missed}{others}\n",
+            "number    automatic: area distortion {:.2} predicted{failed}, target {}{missed}{others}\n",
             number.predicted_area, number.target
         )
     }
+}
+
+/// How cones and their curvatures are chosen.
+pub(super) fn rule(options: &Options) -> String {
+    let curvatures = match &options.cones {
+        ConeChoice::Given(given) if given.iter().any(|(_, curvature)| curvature.is_some()) => "given",
+        _ => angles_name(options.angles),
+    };
+    let places = match options.cones {
+        ConeChoice::Given(_) => "given".to_owned(),
+        ConeChoice::MinPersistence(_) => format!("method {}", method_name(Method::Persistence)),
+        _ => format!("method {}", method_name(options.method)),
+    };
+    format!("{places}, {curvatures} curvatures")
 }
 
 impl Report {
