@@ -213,7 +213,16 @@ impl<'a> Found<'a> {
             }
             ConeChoice::MinPersistence(threshold) => {
                 let above = |c: &Component| c.hierarchy.count_above(&c.operators, *threshold);
-                components.iter().zip(least).map(|(c, least)| above(c).max(least)).collect()
+                let above: Vec<usize> = components.iter().map(above).collect();
+                let counts: Vec<usize> = above.iter().zip(&least).map(|(above, least)| *above.max(least)).collect();
+                let [above, taken] = [&above, &counts].map(|counts| counts.iter().sum::<usize>());
+                if above < taken {
+                    let subject = subject(components.len());
+                    self.record.warn(format!(
+                        "{above} extrema are more persistent than {threshold}, but {subject} more cones: taking {taken}"
+                    ));
+                }
+                counts
             }
             ConeChoice::Given(given) => return components.iter().map(|c| c.given(given)).collect(),
         };
@@ -309,8 +318,11 @@ fn check_given(model: &Model, options: &Options, prepared: &Prepared) -> Result<
 }
 
 fn too_few(asked: usize, needed: usize, parts: usize) -> String {
-    let subject = if parts == 1 { "this surface needs".to_owned() } else { format!("these {parts} parts need") };
-    format!("{asked} cones asked for, but {subject} at least {needed}: taking {needed}")
+    format!("{asked} cones asked for, but {} at least {needed}: taking {needed}", subject(parts))
+}
+
+fn subject(parts: usize) -> String {
+    if parts == 1 { "this surface needs".to_owned() } else { format!("these {parts} parts need") }
 }
 
 /// Corners that no surface has get the position of another corner at their vertex, or the origin.

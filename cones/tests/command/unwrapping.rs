@@ -138,6 +138,19 @@ fn the_summary_says_how_the_cones_were_really_chosen() {
 }
 
 #[test]
+fn a_threshold_that_leaves_too_few_extrema_is_warned_of() {
+    let folder = Folder::with_shapes();
+    let above = |threshold: &str| {
+        let args = ["unwrap", "hare.obj", "-o", "out.obj", "--min-persistence", threshold];
+        stderr(&folder.run(&args).success())
+    };
+    assert!(
+        above("100").contains("0 extrema are more persistent than 100, but this surface needs more cones: taking 3")
+    );
+    assert!(!above("0.5").contains("more persistent"));
+}
+
+#[test]
 fn a_wrong_line_in_a_file_of_cones_is_named() {
     let folder = Folder::with_shapes();
     folder.write("cones.txt", "# mine\n3 1.5\nseven\n");
