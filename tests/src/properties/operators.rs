@@ -84,7 +84,8 @@ pub fn poisson(bytes: &[u8]) {
     let size = expected.iter().fold(1.0_f64, |m, x| m.max(x.abs()));
     let many = poisson.solve_many(&[b.clone().into(), b.iter().map(|b| -2.0 * b).collect()]);
     let entries: Vec<(VertexId, f64)> = mesh.vertices().zip(b.iter().copied()).collect();
-    let sparse = [poisson.solve_sparse(&[entries.clone()]), poisson.solve_sparse(&[entries, Vec::new()])];
+    let sides = [entries, Vec::new()];
+    let sparse = [poisson.solve_sparse(&sides[..1]), poisson.solve_sparse(&sides)];
     for (v, &x) in poisson.solve(&b).iter_ids() {
         // On a closed surface these are 0 at the grounded vertex.
         let shift = poisson.grounded().map_or(0.0, |grounded| many[0][grounded]);
