@@ -57,6 +57,7 @@ where
         self.from_index(index)
     }
 
+    #[inline]
     fn for_each_neighbor(&self, index: usize, mut visit: impl FnMut(usize)) {
         for neighbor in self.neighbors(self.from_index(index)) {
             visit(self.to_index(neighbor));

@@ -78,6 +78,7 @@ impl<G: Domain + Sync, C: Fn(G::Vertex) -> bool + Copy + Sync> Domain for Surfac
         self.graph.vertex(index)
     }
 
+    #[inline]
     fn for_each_neighbor(&self, index: usize, visit: impl FnMut(usize)) {
         self.graph.for_each_neighbor(index, visit);
     }
@@ -92,6 +93,7 @@ impl<G: Domain + Sync, C: Fn(G::Vertex) -> bool + Copy + Sync> Linked for &Surfa
         self.graph.vertex_count()
     }
 
+    #[inline]
     fn for_each_in_link(&self, index: usize, mut visit: impl FnMut(u32, bool)) {
         self.graph.for_each_neighbor(index, |u| visit(u as u32, true));
     }

@@ -81,6 +81,7 @@ impl Linked for &Triangulation {
         self.starts.len() - 1
     }
 
+    #[inline]
     fn for_each_in_link(&self, index: usize, mut visit: impl FnMut(u32, bool)) {
         self.ring(index).iter().for_each(|&entry| visit(entry & !END, entry & END == 0));
     }

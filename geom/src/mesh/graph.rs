@@ -33,9 +33,11 @@ impl NodeIndexable for Mesh {
     fn node_bound(&self) -> usize {
         self.vertex_count()
     }
+    #[inline]
     fn to_index(&self, v: VertexId) -> usize {
         v.index()
     }
+    #[inline]
     fn from_index(&self, index: usize) -> VertexId {
         VertexId::new(index)
     }
@@ -45,6 +47,7 @@ impl NodeCompactIndexable for Mesh {}
 
 impl<'a> IntoNeighbors for &'a Mesh {
     type Neighbors = std::iter::Copied<std::slice::Iter<'a, VertexId>>;
+    #[inline]
     fn neighbors(self, v: VertexId) -> Self::Neighbors {
         Mesh::neighbors(self, v).iter().copied()
     }
