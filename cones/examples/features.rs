@@ -17,7 +17,7 @@ const ROWS: usize = 10;
 /// outer normals n (Meyer, Desbrun, Schröder & Barr 2003, "Discrete differential-geometry operators for triangulated
 /// 2-manifolds"). Positive where the surface is convex; a boundary has no meaning.
 fn mean_curvature(shape: &Shape, mesh: &Mesh, metric: &Metric) -> Vec<f64> {
-    let laplacian = geom::laplacian(mesh, metric);
+    let laplacian = geom::laplacian(mesh, metric).to_csr();
     let areas = metric.vertex_areas(mesh);
     let rows = laplacian.outer_iterator().zip(normals(shape)).zip(areas.iter());
     rows.map(|((row, normal), area)| {

@@ -6,7 +6,6 @@
 //! saddles. One solve on the factor of [`Operators`].
 
 use geom::{Metric, Poisson, PoissonError, VertexData, VertexId, laplacian};
-use sprs::CsMat;
 
 use crate::operators::Operators;
 
@@ -51,10 +50,10 @@ fn diffuse(operators: &Operators) -> Result<VertexData<f64>, PoissonError> {
     let mean_length = metric.lengths().iter().sum::<f64>() / mesh.edge_count() as f64;
     let time = (3.0 * mean_length).powi(2);
     let mass = Metric::vertex_areas(metric, mesh);
-    let mut matrix: CsMat<f64> = laplacian(mesh, metric);
-    matrix.data_mut().iter_mut().for_each(|l| *l *= time);
+    let mut matrix = laplacian(mesh, metric);
+    matrix.scale(time);
     for (v, &area) in mass.iter().enumerate() {
-        *matrix.get_mut(v, v).expect("the Laplacian stores its diagonal") += area;
+        *matrix.diagonal_mut(v) += area;
     }
     let density = Poisson::definite(&matrix)?.solve(&curvature);
     Ok(density.iter().zip(mass.iter()).map(|(x, m)| x * m).collect())
@@ -96,9 +95,8 @@ mod tests {
     #[test]
     fn the_laplacian_of_phi_is_the_change_of_curvature_that_was_asked_for() {
         let (operators, factor, _) = factors(&shapes::hare(1500));
-        for (v, row) in operators.laplacian.outer_iterator().enumerate() {
+        for (v, change) in operators.laplacian.multiply(&factor.phi).into_iter().enumerate() {
             let v = VertexId::new(v);
-            let change: f64 = row.iter().map(|(j, l)| l * factor.phi[VertexId::new(j)]).sum();
             let wanted = operators.total_curvature() * operators.weight[v] - operators.curvature[v];
             assert!((change - wanted).abs() < 1e-9);
         }

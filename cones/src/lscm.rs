@@ -17,7 +17,7 @@
 
 use geom::{
     CutMesh, EdgeData, HalfedgeData, HalfedgeId, Id, Mesh, MeshError, Metric, Poisson, PoissonError, ShortestPaths,
-    Sides, VertexData, VertexId,
+    Sides, SymmetricMatrix, VertexData, VertexId,
 };
 use num_complex::Complex64;
 use sprs::{CsMat, TriMat};
@@ -124,7 +124,7 @@ fn least_energy(disk: &Mesh, metric: &Metric) -> Result<Vec<Complex64>, LscmErro
     if let Some(row) = energy.outer_view(unit) {
         row.iter().for_each(|(i, &m)| source[VertexId::new(i)] = -m);
     }
-    let mut x = Poisson::new(&energy, &pinned)?.solve(&source);
+    let mut x = Poisson::new(&SymmetricMatrix::from(&energy), &pinned)?.solve(&source);
     x[VertexId::new(unit)] = 1.0;
     Ok(x.as_chunks().0.iter().map(|&[x, y]| Complex64::new(x, y)).collect())
 }

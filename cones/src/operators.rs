@@ -9,10 +9,9 @@
 use std::sync::OnceLock;
 
 use geom::{
-    HalfedgeId, Mesh, MeshError, Metric, Poisson, PoissonError, VertexData, VertexId, angle_defects, delaunay,
-    laplacian,
+    HalfedgeId, Mesh, MeshError, Metric, Poisson, PoissonError, SymmetricMatrix, VertexData, VertexId, angle_defects,
+    delaunay, laplacian,
 };
-use sprs::CsMat;
 
 /// So many boundary loops get a constant of their own, the longest ones; the others stay at the value of the longest.
 /// Each costs a solve and a vector.
@@ -32,7 +31,7 @@ pub struct Operators {
     /// The lumped area of each vertex as a share of the whole: the weights sum to 1.
     pub weight: VertexData<f64>,
     /// The cotangent Laplacian L.
-    pub laplacian: CsMat<f64>,
+    pub laplacian: SymmetricMatrix,
     /// L factored, restricted to the inner vertices where there is a boundary.
     pub poisson: Poisson,
     /// An orthonormal basis, for the inner product weighted by area, of the log scale factors that change no curvature
@@ -65,14 +64,14 @@ impl Operators {
     /// # Panics
     /// If there are fewer points than vertices.
     pub fn with_points(mesh: &Mesh, metric: &Metric, points: &[[f64; 3]]) -> Result<Self, PoissonError> {
-        let factor = |laplacian: &CsMat<f64>, fixed: &[VertexId]| Poisson::with_points(laplacian, fixed, points);
+        let factor = |laplacian: &SymmetricMatrix, fixed: &[VertexId]| Poisson::with_points(laplacian, fixed, points);
         Ok(Self { points: Some(points.to_vec()), ..Self::prepared(mesh, metric, factor)? })
     }
 
     fn prepared(
         mesh: &Mesh,
         metric: &Metric,
-        factor: impl FnOnce(&CsMat<f64>, &[VertexId]) -> Result<Poisson, PoissonError>,
+        factor: impl FnOnce(&SymmetricMatrix, &[VertexId]) -> Result<Poisson, PoissonError>,
     ) -> Result<Self, PoissonError> {
         let intrinsic = delaunay(mesh, metric);
         let metric = intrinsic.metric;
@@ -219,11 +218,7 @@ impl Operators {
         for &v in around {
             on_loop[v] = 1.0;
         }
-        let source: VertexData<f64> = self
-            .laplacian
-            .outer_iterator()
-            .map(|row| -row.iter().map(|(j, l)| l * on_loop[VertexId(j as u32)]).sum::<f64>())
-            .collect();
+        let source: VertexData<f64> = self.laplacian.multiply(&on_loop).iter().map(|change| -change).collect();
         let mut extension = self.poisson.solve(&source);
         for &v in around {
             extension[v] = 1.0;
@@ -259,8 +254,7 @@ mod tests {
         let operators = operators(&shapes::cylinder(400));
         assert_eq!(operators.free.len(), 2, "a constant for each of the two loops");
         for basis in &operators.free {
-            for (v, row) in operators.laplacian.outer_iterator().enumerate() {
-                let change: f64 = row.iter().map(|(j, l)| l * basis[VertexId(j as u32)]).sum();
+            for (v, change) in operators.laplacian.multiply(basis).into_iter().enumerate() {
                 assert!(operators.mesh.is_boundary_vertex(VertexId(v as u32)) || change.abs() < 1e-9);
             }
         }
@@ -285,9 +279,8 @@ mod tests {
             let v = operators.mesh.vertices().find(|&v| !operators.mesh.is_boundary_vertex(v)).unwrap();
             let green = operators.green(&[v]).remove(0);
             let elsewhere = if operators.is_bordered() { 0.0 } else { -1.0 / operators.mesh.vertex_count() as f64 };
-            for (i, row) in operators.laplacian.outer_iterator().enumerate() {
+            for (i, curvature) in operators.laplacian.multiply(&green).into_iter().enumerate() {
                 let w = VertexId(i as u32);
-                let curvature: f64 = row.iter().map(|(j, l)| l * green[VertexId(j as u32)]).sum();
                 let expected = elsewhere + f64::from(u8::from(w == v));
                 assert!(operators.mesh.is_boundary_vertex(w) || (curvature - expected).abs() < 1e-10);
             }

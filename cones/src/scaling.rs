@@ -11,10 +11,10 @@
 //! the input's triangulation on, so that the layout can undo them.
 
 use geom::{
-    Double, HalfedgeId, Id, Intrinsic, Mesh, Metric, Poisson, PoissonError, Triangulation, VertexData, VertexId,
-    delaunay, laplacian, ptolemaic_delaunay,
+    Double, HalfedgeId, Id, Intrinsic, Mesh, Metric, Poisson, PoissonError, SymmetricMatrix, Triangulation, VertexData,
+    VertexId, delaunay, laplacian, ptolemaic_delaunay,
 };
-use sprs::{CsMat, TriMat};
+use sprs::TriMat;
 use thiserror::Error;
 
 use crate::operators::Operators;
@@ -234,14 +234,14 @@ impl Newton<'_> {
 
     /// The Laplacian of the scaled metric; that of a double as it acts on what is the same on both halves. Where triangles
     /// have no area it may be singular, and is made definite.
-    fn hessian(&self, triangulation: &Triangulation, metric: &Metric) -> CsMat<f64> {
+    fn hessian(&self, triangulation: &Triangulation, metric: &Metric) -> SymmetricMatrix {
         let mut hessian = laplacian(triangulation, metric);
         if let Some(original) = self.original {
             hessian = fold(&hessian, original, self.target.len());
         }
         if triangulation.faces().any(|f| metric.sides(triangulation, f).area() <= 0.0) {
-            for v in 0..hessian.rows() {
-                let diagonal = hessian.get_mut(v, v).expect("the Laplacian stores its diagonal");
+            for v in 0..hessian.dimension() {
+                let diagonal = hessian.diagonal_mut(v);
                 *diagonal += if *diagonal < DAMPING { 1.0 } else { DAMPING };
             }
         }
@@ -285,14 +285,22 @@ impl Newton<'_> {
 }
 
 /// The rows of the first `count` vertices, their columns added up by the vertex that each stands for.
-fn fold(matrix: &CsMat<f64>, original: &VertexData<VertexId>, count: usize) -> CsMat<f64> {
-    let mut folded = TriMat::with_capacity((count, count), matrix.nnz() / 2 + count);
-    for (v, row) in matrix.outer_iterator().take(count).enumerate() {
-        for (w, &value) in row.iter() {
+fn fold(matrix: &SymmetricMatrix, original: &VertexData<VertexId>, count: usize) -> SymmetricMatrix {
+    let mut folded = TriMat::with_capacity((count, count), matrix.stored() + count);
+    let mut add = |v: usize, w: usize, value: f64| {
+        if v < count {
             folded.add_triplet(v, original[VertexId::new(w)].index(), value);
         }
+    };
+    for v in 0..matrix.dimension() {
+        for (w, value) in matrix.column(v) {
+            add(v, w, value);
+            if v != w {
+                add(w, v, value);
+            }
+        }
     }
-    folded.to_csr()
+    SymmetricMatrix::from(&folded.to_csr())
 }
 
 fn largest(residual: &VertexData<f64>) -> (VertexId, f64) {

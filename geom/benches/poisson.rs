@@ -9,8 +9,7 @@ use faer::sparse::linalg::SupernodalThreshold;
 use faer::sparse::linalg::cholesky::{CholeskySymbolicParams, SymmetricOrdering, factorize_symbolic_cholesky};
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 use faer::{Par, Side};
-use geom::{Id, Metric, Poisson, VertexData, VertexId, delaunay, laplacian, shapes};
-use sprs::CsMat;
+use geom::{Id, Metric, Poisson, SymmetricMatrix, VertexData, VertexId, delaunay, laplacian, shapes};
 
 const SIZES: [usize; 3] = [3_000, 29_000, 134_000];
 /// Right-hand sides of the solves for many.
@@ -21,7 +20,7 @@ fn main() {
 }
 
 /// The Laplacian of a hare of so many vertices, and its points.
-fn hare(vertices: usize) -> (CsMat<f64>, Vec<[f64; 3]>) {
+fn hare(vertices: usize) -> (SymmetricMatrix, Vec<[f64; 3]>) {
     let shape = shapes::hare(vertices);
     let mesh = shape.mesh();
     let intrinsic = delaunay(&mesh, &Metric::from_points(&mesh, &shape.points));
@@ -30,7 +29,7 @@ fn hare(vertices: usize) -> (CsMat<f64>, Vec<[f64; 3]>) {
 
 fn factored(vertices: usize) -> (Poisson, usize) {
     let (matrix, points) = hare(vertices);
-    (Poisson::with_points(&matrix, &[], &points).expect("a hare's Laplacian is definite"), matrix.rows())
+    (Poisson::with_points(&matrix, &[], &points).expect("a hare's Laplacian is definite"), matrix.dimension())
 }
 
 fn dipole(n: usize, k: usize) -> VertexData<f64> {
@@ -56,13 +55,12 @@ fn factor_by_dissection(bencher: Bencher, vertices: usize) {
 fn factor_by_faer(bencher: Bencher, vertices: usize) {
     let (matrix, _) = hare(vertices);
     // The last vertex is grounded.
-    let n = matrix.rows() - 1;
+    let n = matrix.dimension() - 1;
     let (mut start, mut row, mut value) = (vec![0u32], Vec::new(), Vec::new());
     for v in 0..n {
-        let column = matrix.outer_view(v).expect("there is a row for each vertex");
-        for (r, x) in column.iter().filter(|(r, _)| (v..n).contains(r)) {
+        for (r, x) in matrix.column(v).filter(|(r, _)| *r < n) {
             row.push(r as u32);
-            value.push(*x);
+            value.push(x);
         }
         start.push(row.len() as u32);
     }

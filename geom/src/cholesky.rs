@@ -16,47 +16,31 @@ use crate::elimination::{Elimination, Graph};
 use crate::front::Eliminator;
 use crate::poisson::PoissonError;
 use crate::substitution::{LANES, Passes, substitute};
+use crate::symmetric::SymmetricMatrix;
 
 /// So many right-hand sides are solved for at once.
 const BLOCK: usize = 16;
 
-/// The lower triangle of a symmetric matrix, by columns with sorted rows.
-#[derive(Debug)]
-pub(crate) struct LowerTriangle {
-    pub(crate) column_start: Vec<u32>,
-    pub(crate) row: Vec<u32>,
-    pub(crate) value: Vec<f64>,
+/// The graph of a matrix.
+fn graph(matrix: &SymmetricMatrix) -> Graph {
+    Graph::of_lower_triangle(&matrix.column_start, &matrix.row)
 }
 
-impl LowerTriangle {
-    pub(crate) fn dimension(&self) -> usize {
-        self.column_start.len() - 1
-    }
-
-    fn column(&self, column: usize) -> std::ops::Range<usize> {
-        self.column_start[column] as usize..self.column_start[column + 1] as usize
-    }
-
-    fn graph(&self) -> Graph {
-        Graph::of_lower_triangle(&self.column_start, &self.row)
-    }
-
-    /// An order of elimination by approximate minimum degree (Amestoy, Davis & Duff 1996).
-    fn minimum_degree(&self) -> Result<Vec<u32>, PoissonError> {
-        let n = self.dimension();
-        let (mut order, mut step) = (vec![0; n], vec![0; n]);
-        let mut scratch = MemBuffer::new(amd::order_scratch::<u32>(n, self.row.len()));
-        let pattern = SymbolicSparseColMatRef::new_checked(n, n, &self.column_start, None, &self.row);
-        amd::order(&mut order, &mut step, pattern, Default::default(), MemStack::new(&mut scratch))
-            .map_err(|_| PoissonError::OutOfMemory(n))?;
-        Ok(order)
-    }
+/// An order of elimination by approximate minimum degree (Amestoy, Davis & Duff 1996).
+fn minimum_degree(matrix: &SymmetricMatrix) -> Result<Vec<u32>, PoissonError> {
+    let n = matrix.dimension();
+    let (mut order, mut step) = (vec![0; n], vec![0; n]);
+    let mut scratch = MemBuffer::new(amd::order_scratch::<u32>(n, matrix.row.len()));
+    let pattern = SymbolicSparseColMatRef::new_checked(n, n, &matrix.column_start, None, &matrix.row);
+    amd::order(&mut order, &mut step, pattern, Default::default(), MemStack::new(&mut scratch))
+        .map_err(|_| PoissonError::OutOfMemory(n))?;
+    Ok(order)
 }
 
 /// C Cᵀ = P A Pᵀ.
 #[derive(Debug)]
 pub(crate) struct Cholesky {
-    matrix: LowerTriangle,
+    matrix: SymmetricMatrix,
     elimination: Elimination,
     /// Where each entry of the matrix is in the factor.
     place: Vec<usize>,
@@ -66,24 +50,24 @@ pub(crate) struct Cholesky {
 impl Cholesky {
     /// Orders, analyses and factors a matrix: by nested dissection where points are given, one for each row; else by
     /// approximate minimum degree.
-    pub(crate) fn new(matrix: LowerTriangle, points: Option<&[[f32; 3]]>) -> Result<Self, PoissonError> {
-        let graph = matrix.graph();
+    pub(crate) fn new(matrix: SymmetricMatrix, points: Option<&[[f32; 3]]>) -> Result<Self, PoissonError> {
+        let graph = graph(&matrix);
         let order = match points {
             Some(points) => dissect(&graph, points),
-            None => matrix.minimum_degree()?,
+            None => minimum_degree(&matrix)?,
         };
         Self::in_order(matrix, &graph, &order)
     }
 
     /// Factors another matrix of the same dimension in the same order.
-    pub(crate) fn another(&self, matrix: LowerTriangle) -> Result<Self, PoissonError> {
-        let graph = matrix.graph();
+    pub(crate) fn another(&self, matrix: SymmetricMatrix) -> Result<Self, PoissonError> {
+        let graph = graph(&matrix);
         Self::in_order(matrix, &graph, &self.elimination.order)
     }
 
-    fn in_order(matrix: LowerTriangle, graph: &Graph, order: &[u32]) -> Result<Self, PoissonError> {
+    fn in_order(matrix: SymmetricMatrix, graph: &Graph, order: &[u32]) -> Result<Self, PoissonError> {
         let elimination = Elimination::new(graph, order);
-        let column = |c: usize| matrix.row[matrix.column(c)].iter().map(move |&r| (c as u32, r));
+        let column = |c: usize| matrix.row[matrix.range(c)].iter().map(move |&r| (c as u32, r));
         let place =
             (0..matrix.dimension()).flat_map(column).map(|(column, row)| elimination.place(column, row)).collect();
         let mut cholesky = Self { matrix, elimination, place, factor: Vec::new() };
@@ -93,7 +77,7 @@ impl Cholesky {
 
     /// Factors another matrix of the same dimension: the analysis is kept where the pattern is the same, the order in any
     /// case (it stays good while a few edges flip).
-    pub(crate) fn refactor(&mut self, matrix: LowerTriangle) -> Result<(), PoissonError> {
+    pub(crate) fn refactor(&mut self, matrix: SymmetricMatrix) -> Result<(), PoissonError> {
         if matrix.column_start == self.matrix.column_start && matrix.row == self.matrix.row {
             self.matrix.value = matrix.value;
             return self.factor_values();
@@ -291,20 +275,9 @@ impl Cholesky {
         (self.elimination.first(s), self.elimination.width(s), self.elimination.rows(s))
     }
 
-    /// y = A x for one column.
+    /// A x
     pub(crate) fn multiply(&self, x: &[f64]) -> Vec<f64> {
-        let mut y = vec![0.0; x.len()];
-        for column in 0..x.len() {
-            let entries = self.matrix.column(column);
-            for (&row, &value) in self.matrix.row[entries.clone()].iter().zip(&self.matrix.value[entries]) {
-                let row = row as usize;
-                y[row] += value * x[column];
-                if row != column {
-                    y[column] += value * x[row];
-                }
-            }
-        }
-        y
+        self.matrix.multiply(x)
     }
 
     /// The number of stored entries of the factor, zeros within supernodes included.
@@ -374,7 +347,6 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::{Id, VertexId};
     use crate::shapes::{self, Shape};
     use crate::{Metric, laplacian};
     use faer::sparse::linalg::cholesky::{
@@ -384,24 +356,11 @@ mod tests {
     use faer::{Conj, MatMut, Par, Side};
 
     /// The Laplacian of a shape plus a little on the diagonal, and the points.
-    fn matrix(shape: &Shape) -> (LowerTriangle, Vec<[f32; 3]>) {
+    fn matrix(shape: &Shape) -> (SymmetricMatrix, Vec<[f32; 3]>) {
         let mesh = shape.mesh();
-        let laplacian = laplacian(&mesh, &Metric::from_points(&mesh, &shape.points));
-        let mut lower = LowerTriangle { column_start: vec![0], row: Vec::new(), value: Vec::new() };
-        for v in mesh.vertices().map(VertexId::index) {
-            let column = laplacian.outer_view(v).unwrap();
-            for (row, value) in column.iter().filter(|(row, _)| *row >= v) {
-                lower.row.push(row as u32);
-                lower.value.push(value + if row == v { 1e-3 } else { 0.0 });
-            }
-            lower.column_start.push(lower.row.len() as u32);
-        }
-        (lower, shape.points.iter().map(|p| p.map(|x| x as f32)).collect())
-    }
-
-    fn copy(matrix: &LowerTriangle) -> LowerTriangle {
-        let LowerTriangle { column_start, row, value } = matrix;
-        LowerTriangle { column_start: column_start.clone(), row: row.clone(), value: value.clone() }
+        let mut matrix = laplacian(&mesh, &Metric::from_points(&mesh, &shape.points));
+        (0..matrix.dimension()).for_each(|v| *matrix.diagonal_mut(v) += 1e-3);
+        (matrix, shape.points.iter().map(|p| p.map(|x| x as f32)).collect())
     }
 
     fn right_hand_side(n: usize) -> Vec<f64> {
@@ -409,7 +368,7 @@ mod tests {
     }
 
     /// A x = b by faer's supernodal factorization.
-    fn solved_by_faer(a: &LowerTriangle, mut b: Vec<f64>) -> Vec<f64> {
+    fn solved_by_faer(a: &SymmetricMatrix, mut b: Vec<f64>) -> Vec<f64> {
         let n = a.dimension();
         let pattern = SymbolicSparseColMatRef::new_checked(n, n, &a.column_start, None, &a.row);
         let parameters = CholeskySymbolicParams {
@@ -457,7 +416,7 @@ mod tests {
             let expected = solved_by_faer(&matrix, b.clone());
             for points in [None, Some(&points[..])] {
                 let mut x = b.clone();
-                Cholesky::new(copy(&matrix), points).unwrap().solve_in_place(&mut x);
+                Cholesky::new(matrix.clone(), points).unwrap().solve_in_place(&mut x);
                 assert_near(&x, &expected);
             }
         }
@@ -486,7 +445,7 @@ mod tests {
         let n = points.len();
         // With every other row and column negated, so that solutions have both signs.
         for column in 0..n {
-            for k in matrix.column(column) {
+            for k in matrix.range(column) {
                 matrix.value[k] *= if (matrix.row[k] as usize + column).is_multiple_of(2) { 1.0 } else { -1.0 };
             }
         }
@@ -508,10 +467,10 @@ mod tests {
     #[test]
     fn another_matrix_is_factored_in_the_order_of_the_first() {
         let (matrix, points) = matrix(&shapes::hare(900));
-        let mut doubled = copy(&matrix);
+        let mut doubled = matrix.clone();
         doubled.value.iter_mut().for_each(|value| *value *= 2.0);
         let mut cholesky = Cholesky::new(matrix, Some(&points)).unwrap();
-        let other = cholesky.another(copy(&doubled)).unwrap();
+        let other = cholesky.another(doubled.clone()).unwrap();
         cholesky.refactor(doubled).unwrap();
         assert_eq!((&cholesky.factor, &cholesky.elimination.order), (&other.factor, &other.elimination.order));
     }
@@ -521,7 +480,7 @@ mod tests {
         // A path of four vertices in two orders: 0–1–2–3 and 0–2–1–3, each edge in the column of its lesser end.
         let path = |row: [u32; 7], column_start: [u32; 5]| {
             let value = [2.0, -1.0, 2.0, -1.0, 2.0, -1.0, 2.0].to_vec();
-            LowerTriangle { column_start: column_start.to_vec(), row: row.to_vec(), value }
+            SymmetricMatrix { column_start: column_start.to_vec(), row: row.to_vec(), value }
         };
         let first = || path([0, 1, 1, 2, 2, 3, 3], [0, 2, 4, 6, 7]);
         let second = || path([0, 2, 1, 3, 2, 3, 3], [0, 2, 4, 6, 7]);
@@ -538,20 +497,20 @@ mod tests {
         let (matrix, points) = matrix(&shapes::hare(900));
         for wrong in [0.0, -1.0, f64::NAN, f64::INFINITY] {
             for column in [0, 450, points.len() - 1] {
-                let mut matrix = copy(&matrix);
+                let mut matrix = matrix.clone();
                 let diagonal = matrix.column_start[column] as usize;
                 matrix.value[diagonal] = wrong;
                 let error = Cholesky::new(matrix, Some(&points)).unwrap_err();
                 assert_eq!(error, PoissonError::NotPositiveDefinite);
             }
         }
-        let zero = LowerTriangle { column_start: vec![0, 1], row: vec![0], value: vec![0.0] };
+        let zero = SymmetricMatrix { column_start: vec![0, 1], row: vec![0], value: vec![0.0] };
         assert!(Cholesky::new(zero, None).is_err());
     }
 
     #[test]
     fn a_matrix_without_rows_is_factored() {
-        let empty = || LowerTriangle { column_start: vec![0], row: Vec::new(), value: Vec::new() };
+        let empty = || SymmetricMatrix { column_start: vec![0], row: Vec::new(), value: Vec::new() };
         for points in [None, Some(&[][..])] {
             let cholesky = Cholesky::new(empty(), points).unwrap();
             cholesky.solve_in_place(&mut []);

@@ -4,10 +4,9 @@
 //! (Pinkall & Polthier 1993). To first order, scaling lengths by e^φ turns the angle defects K into K + Lφ; so the
 //! paper's ∇²φ = K^T - K^O reads Lφ = K^T - K^O with this sign.
 
-use sprs::CsMat;
-
 use crate::mesh::{EdgeData, Triangulation};
 use crate::metric::Metric;
+use crate::symmetric::SymmetricMatrix;
 
 /// The weight (cot α + cot β)/2 of every edge.
 pub fn edge_weights(triangulation: &Triangulation, metric: &Metric) -> EdgeData<f64> {
@@ -21,56 +20,12 @@ pub fn edge_weights(triangulation: &Triangulation, metric: &Metric) -> EdgeData<
     weights
 }
 
-/// The cotangent Laplacian of a triangulation: symmetric, positive semidefinite, rows sum to zero; a V × V matrix with
-/// every diagonal entry stored and column indices sorted. Repeated edges add up and loops cancel. O(F).
-pub fn laplacian(triangulation: &Triangulation, metric: &Metric) -> CsMat<f64> {
+/// The cotangent Laplacian of a triangulation: symmetric, positive semidefinite, rows sum to zero; V × V. Repeated edges
+/// add up and loops cancel. O(F).
+pub fn laplacian(triangulation: &Triangulation, metric: &Metric) -> SymmetricMatrix {
     let weights = edge_weights(triangulation, metric);
-    let n = triangulation.vertex_count();
-    let mut start = vec![0usize; n + 1];
-    let plain_edges = || triangulation.edges().map(|e| (e, triangulation.ends(e))).filter(|(_, [i, j])| i != j);
-    for (_, ends) in plain_edges() {
-        for v in ends {
-            start[v.0 as usize + 1] += 1;
-        }
-    }
-    for v in 0..n {
-        start[v + 1] += start[v] + 1;
-    }
-    let mut row = vec![(0u32, 0.0); start[n]];
-    let mut fill = start.clone();
-    for v in 0..n {
-        row[fill[v]] = (v as u32, 0.0);
-        fill[v] += 1;
-    }
-    for (e, [i, j]) in plain_edges() {
-        let weight = weights[e];
-        for (v, w) in [(i, j), (j, i)] {
-            let v = v.0 as usize;
-            row[start[v]].1 += weight;
-            row[fill[v]] = (w.0, -weight);
-            fill[v] += 1;
-        }
-    }
-    merge_rows(&start, &mut row)
-}
-
-/// Sorts each row and adds up its repeated columns.
-fn merge_rows(start: &[usize], entries: &mut [(u32, f64)]) -> CsMat<f64> {
-    let n = start.len() - 1;
-    let mut indptr = Vec::with_capacity(n + 1);
-    let mut indices: Vec<usize> = Vec::with_capacity(entries.len());
-    let mut values: Vec<f64> = Vec::with_capacity(entries.len());
-    indptr.push(0);
-    for v in 0..n {
-        let row = &mut entries[start[v]..start[v + 1]];
-        row.sort_unstable_by_key(|&(column, _)| column);
-        for same in row.chunk_by(|a, b| a.0 == b.0) {
-            indices.push(same[0].0 as usize);
-            values.push(same.iter().map(|entry| entry.1).sum());
-        }
-        indptr.push(indices.len());
-    }
-    CsMat::new((n, n), indptr, indices, values)
+    let edges = triangulation.edges().map(|e| (triangulation.ends(e).map(|v| v.0), weights[e]));
+    SymmetricMatrix::laplacian(triangulation.vertex_count(), edges)
 }
 
 #[cfg(test)]
@@ -90,11 +45,9 @@ mod tests {
     fn constants_are_in_the_kernel_and_the_matrix_is_symmetric() {
         let (mesh, metric) = limb();
         let matrix = laplacian(&mesh, &metric);
-        for (i, row) in matrix.outer_iterator().enumerate() {
-            assert!(row.iter().map(|(_, w)| w).sum::<f64>().abs() < 1e-14);
-            for (j, w) in row.iter() {
-                assert_eq!(matrix.get(j, i), Some(w));
-            }
+        assert!(matrix.multiply(&[1.0; 5]).iter().all(|x| x.abs() < 1e-14));
+        for i in 0..5 {
+            assert!((0..5).all(|j| matrix.get(i, j) == matrix.get(j, i)));
         }
     }
 
@@ -123,9 +76,9 @@ mod tests {
             let mut poisson = Poisson::new(&matrix, fixed).unwrap();
             for _ in 0..2 {
                 let x = poisson.solve(&b);
-                let product = &matrix * &sprs::CsVec::new(5, (0..5).collect(), x.to_vec());
+                let product = matrix.multiply(&x);
                 for v in mesh.vertices().filter(|v| !fixed.contains(v)) {
-                    let residual = product.get(v.0 as usize).unwrap() - b[v.0 as usize];
+                    let residual = product[v.0 as usize] - b[v.0 as usize];
                     assert!(residual.abs() < 1e-13, "{residual}");
                 }
                 assert!(fixed.iter().all(|&v| x[v] == 0.0));

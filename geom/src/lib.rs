@@ -45,6 +45,7 @@ mod poisson;
 mod prepare;
 pub mod shapes;
 mod substitution;
+mod symmetric;
 mod triangulate;
 mod vector;
 
@@ -59,4 +60,5 @@ pub use model::{MAX_COORDINATE, Model, ModelError, Skipped, TextureCoordinates};
 pub use path::{ShortestPaths, edges_at, kruskal, maximum_spanning_cotree, minimum_spanning_tree, other_end};
 pub use poisson::{HalfSolved, Poisson, PoissonError};
 pub use prepare::{PrepareError, Prepared, Repair, RepairKind, Surface, prepare};
+pub use symmetric::SymmetricMatrix;
 pub use triangulate::Triangles;

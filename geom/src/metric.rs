@@ -128,16 +128,11 @@ pub struct Sides(pub [f64; 3]);
 impl Sides {
     /// The triangle's area; 0 where the triangle inequality fails.
     pub fn area(self) -> f64 {
-        let [mut a, mut b, mut c] = self.0;
-        if a < b {
-            std::mem::swap(&mut a, &mut b);
-        }
-        if b < c {
-            std::mem::swap(&mut b, &mut c);
-        }
-        if a < b {
-            std::mem::swap(&mut a, &mut b);
-        }
+        // Without branches, which could not be predicted.
+        let [a, b, c] = self.0;
+        let [a, b] = falling(a, b);
+        let [b, c] = falling(b, c);
+        let [a, b] = falling(a, b);
         // a ≥ b ≥ c; the parentheses matter (Kahan).
         let squared = (a + (b + c)) * (c - (a - b)) * (c + (a - b)) * (a + (b - c));
         0.25 * squared.max(0.0).sqrt()
@@ -189,6 +184,11 @@ impl Sides {
         let y = 2.0 * self.area() / a;
         [[a, 0.0], [x - a, y], [-x, -y]]
     }
+}
+
+#[inline]
+fn falling(a: f64, b: f64) -> [f64; 2] {
+    [if a > b { a } else { b }, if a > b { b } else { a }]
 }
 
 #[cfg(test)]

@@ -4,11 +4,11 @@
 //! to zero (as Gauss–Bonnet makes curvatures do), and a solution is known up to a constant. With fixed vertices (a
 //! boundary, pinned cones) L is restricted to the others and solutions are 0 at the fixed ones.
 
-use sprs::CsMat;
 use thiserror::Error;
 
-use crate::cholesky::{Cholesky, LowerTriangle};
+use crate::cholesky::Cholesky;
 use crate::mesh::{Id, VertexData, VertexId};
+use crate::symmetric::SymmetricMatrix;
 
 /// From so many vertices on it is worth it to dissect. (Below 30 thousand approximate minimum degree takes no longer, and
 /// gives a factor smaller by a twentieth.)
@@ -51,7 +51,7 @@ impl Poisson {
     ///
     /// # Errors
     /// If the matrix is not positive definite off the kernel, or memory does not suffice.
-    pub fn new(laplacian: &CsMat<f64>, fixed: &[VertexId]) -> Result<Self, PoissonError> {
+    pub fn new(laplacian: &SymmetricMatrix, fixed: &[VertexId]) -> Result<Self, PoissonError> {
         Self::ordered(laplacian, fixed, None)
     }
 
@@ -63,12 +63,20 @@ impl Poisson {
     ///
     /// # Panics
     /// If there are fewer points than vertices.
-    pub fn with_points(laplacian: &CsMat<f64>, fixed: &[VertexId], points: &[[f64; 3]]) -> Result<Self, PoissonError> {
+    pub fn with_points(
+        laplacian: &SymmetricMatrix,
+        fixed: &[VertexId],
+        points: &[[f64; 3]],
+    ) -> Result<Self, PoissonError> {
         Self::ordered(laplacian, fixed, Some(points).filter(|points| points.len() >= DISSECTED))
     }
 
-    fn ordered(laplacian: &CsMat<f64>, fixed: &[VertexId], points: Option<&[[f64; 3]]>) -> Result<Self, PoissonError> {
-        let vertex_count = laplacian.rows();
+    fn ordered(
+        laplacian: &SymmetricMatrix,
+        fixed: &[VertexId],
+        points: Option<&[[f64; 3]]>,
+    ) -> Result<Self, PoissonError> {
+        let vertex_count = laplacian.dimension();
         let mut known = VertexData::constant(vertex_count, false);
         for &v in fixed {
             known[v] = true;
@@ -87,8 +95,8 @@ impl Poisson {
     ///
     /// # Errors
     /// If it is not positive definite, or memory does not suffice.
-    pub fn definite(matrix: &CsMat<f64>) -> Result<Self, PoissonError> {
-        let vertex_count = matrix.rows();
+    pub fn definite(matrix: &SymmetricMatrix) -> Result<Self, PoissonError> {
+        let vertex_count = matrix.dimension();
         let unknown: Vec<VertexId> = (0..vertex_count).map(VertexId::new).collect();
         let cholesky = Cholesky::new(restrict(matrix, &unknown), None)?;
         Ok(Self { cholesky, unknown, vertex_count, closed: false })
@@ -98,8 +106,8 @@ impl Poisson {
     ///
     /// # Errors
     /// As [`Poisson::new`].
-    pub fn another(&self, laplacian: &CsMat<f64>) -> Result<Self, PoissonError> {
-        debug_assert_eq!(laplacian.rows(), self.vertex_count);
+    pub fn another(&self, laplacian: &SymmetricMatrix) -> Result<Self, PoissonError> {
+        debug_assert_eq!(laplacian.dimension(), self.vertex_count);
         let cholesky = self.cholesky.another(restrict(laplacian, &self.unknown))?;
         Ok(Self { cholesky, unknown: self.unknown.clone(), ..*self })
     }
@@ -108,8 +116,8 @@ impl Poisson {
     ///
     /// # Errors
     /// As [`Poisson::new`]; after an error the old factor is gone, and only `refactor` may be called.
-    pub fn refactor(&mut self, laplacian: &CsMat<f64>) -> Result<(), PoissonError> {
-        debug_assert_eq!(laplacian.rows(), self.vertex_count);
+    pub fn refactor(&mut self, laplacian: &SymmetricMatrix) -> Result<(), PoissonError> {
+        debug_assert_eq!(laplacian.dimension(), self.vertex_count);
         self.cholesky.refactor(restrict(laplacian, &self.unknown))
     }
 
@@ -249,32 +257,9 @@ fn norm(x: &[f64]) -> f64 {
     x.iter().map(|x| x * x).sum::<f64>().sqrt()
 }
 
-/// The lower triangle of the rows and columns of the unknowns.
-fn restrict(laplacian: &CsMat<f64>, unknown: &[VertexId]) -> LowerTriangle {
-    const NONE: u32 = u32::MAX;
-    let mut index = vec![NONE; laplacian.rows()];
-    for (k, v) in unknown.iter().enumerate() {
-        index[v.index()] = k as u32;
-    }
-    let mut lower = LowerTriangle {
-        column_start: Vec::with_capacity(unknown.len() + 1),
-        row: Vec::with_capacity(laplacian.nnz() / 2 + unknown.len()),
-        value: Vec::with_capacity(laplacian.nnz() / 2 + unknown.len()),
-    };
-    lower.column_start.push(0);
-    let indptr = laplacian.indptr();
-    for (k, v) in unknown.iter().enumerate() {
-        // The matrix is symmetric: its row is its column.
-        for entry in indptr.outer_inds_sz(v.index()) {
-            let row = index[laplacian.indices()[entry]];
-            if row != NONE && row as usize >= k {
-                lower.row.push(row);
-                lower.value.push(laplacian.data()[entry]);
-            }
-        }
-        lower.column_start.push(lower.row.len() as u32);
-    }
-    lower
+/// The rows and columns of the unknowns.
+fn restrict(matrix: &SymmetricMatrix, unknown: &[VertexId]) -> SymmetricMatrix {
+    matrix.restricted(unknown.iter().map(|v| v.index()))
 }
 
 #[cfg(test)]

@@ -3,8 +3,7 @@
 use std::f64::consts::PI;
 
 use cones::{SeamError, Seams};
-use geom::{CutMesh, Mesh, Poisson, VertexId, angle_defects, delaunay, edge_weights};
-use sprs::CsMat;
+use geom::{CutMesh, Mesh, Poisson, SymmetricMatrix, VertexId, angle_defects, delaunay, edge_weights};
 
 use super::{assert_close, metric_of};
 use crate::decode::{self, Bytes};
@@ -49,7 +48,7 @@ pub fn laplacian(bytes: &[u8]) {
     let bytes = &mut Bytes::new(bytes);
     let shape = decode::surface(bytes);
     let mesh = shape.mesh();
-    let matrix = geom::laplacian(&mesh, &metric_of(&mesh, &shape));
+    let matrix = geom::laplacian(&mesh, &metric_of(&mesh, &shape)).to_csr();
     let largest = matrix.data().iter().fold(0.0_f64, |m, x| m.max(x.abs()));
     let mut energy = 0.0;
     let x: Vec<f64> = mesh.vertices().map(|_| bytes.signed()).collect();
@@ -98,9 +97,9 @@ pub fn poisson(bytes: &[u8]) {
 }
 
 /// Fixed vertices get the row `x_v = 0`. Without any, the last row is replaced by Σx = 0.
-fn dense_solution(matrix: &CsMat<f64>, fixed: &[VertexId], b: &[f64]) -> Option<Vec<f64>> {
+fn dense_solution(matrix: &SymmetricMatrix, fixed: &[VertexId], b: &[f64]) -> Option<Vec<f64>> {
     let n = b.len();
-    let mut rows: Vec<Vec<f64>> = matrix.to_dense().outer_iter().map(|row| row.to_vec()).collect();
+    let mut rows: Vec<Vec<f64>> = matrix.to_csr().to_dense().outer_iter().map(|row| row.to_vec()).collect();
     let mut b = b.to_vec();
     for v in fixed.iter().map(|v| v.0 as usize) {
         rows[v] = (0..n).map(|j| f64::from(u8::from(j == v))).collect();

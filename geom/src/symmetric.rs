@@ -1,0 +1,259 @@
+//! Symmetric sparse matrices, kept by their lower triangles: half the memory of all entries, and what a factorization reads.
+
+use std::ops::Range;
+
+use sprs::CsMat;
+
+/// A symmetric sparse matrix. Stored are the entries on the diagonal and below, column by column: first the diagonal one,
+/// which is always there, then the others by rising row.
+///
+/// ```
+/// # use geom::{Mesh, Metric, laplacian};
+/// let triangle = Mesh::new(3, &[[0, 1, 2]])?;
+/// let matrix = laplacian(&triangle, &Metric::new(vec![1.0; 3].into()));
+/// assert_eq!(matrix.get(0, 2), matrix.get(2, 0));
+/// assert!(matrix.multiply(&[1.0; 3]).iter().all(|x| x.abs() < 1e-15));
+/// assert_eq!(matrix.to_csr().nnz(), 9);
+/// # Ok::<(), geom::MeshError>(())
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct SymmetricMatrix {
+    pub(crate) column_start: Vec<u32>,
+    pub(crate) row: Vec<u32>,
+    pub(crate) value: Vec<f64>,
+}
+
+impl SymmetricMatrix {
+    /// The Laplacian of a weighted graph on `dimension` vertices: `Σ w (e_i - e_j)(e_i - e_j)ᵀ` over its edges ij.
+    /// Repeated edges add up and loops cancel.
+    pub(crate) fn laplacian(dimension: usize, edges: impl Iterator<Item = ([u32; 2], f64)> + Clone) -> Self {
+        let edges = edges.map(|([i, j], weight)| (i.min(j), i.max(j), weight)).filter(|(column, row, _)| column != row);
+        let mut column_start = vec![1u32; dimension + 1];
+        column_start[0] = 0;
+        edges.clone().for_each(|(column, ..)| column_start[column as usize + 1] += 1);
+        for column in 0..dimension {
+            column_start[column + 1] += column_start[column];
+        }
+        let stored = column_start[dimension] as usize;
+        let mut matrix = Self { column_start, row: vec![0; stored], value: vec![0.0; stored] };
+        let mut end = matrix.column_start[..dimension].to_vec();
+        for (column, end) in end.iter_mut().enumerate() {
+            matrix.row[*end as usize] = column as u32;
+            *end += 1;
+        }
+        for (column, row, weight) in edges {
+            for diagonal in [column, row] {
+                *matrix.diagonal_mut(diagonal as usize) += weight;
+            }
+            // Columns are short: a new entry is moved up to its place.
+            let end = &mut end[column as usize];
+            let mut place = *end as usize;
+            while matrix.row[place - 1] > row {
+                place -= 1;
+            }
+            if matrix.row[place - 1] == row {
+                matrix.value[place - 1] -= weight;
+                continue;
+            }
+            matrix.row.copy_within(place..*end as usize, place + 1);
+            matrix.value.copy_within(place..*end as usize, place + 1);
+            matrix.row[place] = row;
+            matrix.value[place] = -weight;
+            *end += 1;
+        }
+        matrix.close_gaps(&end);
+        matrix
+    }
+
+    /// Moves columns together where they end before the next one starts.
+    fn close_gaps(&mut self, end: &[u32]) {
+        if end == &self.column_start[1..] {
+            return;
+        }
+        let mut filled = 0;
+        for (column, &end) in end.iter().enumerate() {
+            let entries = self.column_start[column] as usize..end as usize;
+            self.column_start[column] = filled as u32;
+            self.row.copy_within(entries.clone(), filled);
+            self.value.copy_within(entries.clone(), filled);
+            filled += entries.len();
+        }
+        self.column_start[end.len()] = filled as u32;
+        self.row.truncate(filled);
+        self.value.truncate(filled);
+    }
+
+    /// The number of rows, and of columns.
+    pub fn dimension(&self) -> usize {
+        self.column_start.len() - 1
+    }
+
+    /// The number of entries that are stored: those on the diagonal and below.
+    pub fn stored(&self) -> usize {
+        self.row.len()
+    }
+
+    /// Where the entries of a column are stored.
+    pub(crate) fn range(&self, column: usize) -> Range<usize> {
+        self.column_start[column] as usize..self.column_start[column + 1] as usize
+    }
+
+    /// The entries of a column on the diagonal and below, with their rows.
+    ///
+    /// # Panics
+    /// If there is no such column.
+    pub fn column(&self, column: usize) -> impl Iterator<Item = (usize, f64)> {
+        self.range(column).map(|k| (self.row[k] as usize, self.value[k]))
+    }
+
+    /// An entry; 0 where none is stored.
+    ///
+    /// # Panics
+    /// If it is outside the matrix.
+    pub fn get(&self, i: usize, j: usize) -> f64 {
+        assert!(i < self.dimension() && j < self.dimension(), "entry ({i}, {j}) is outside the matrix");
+        let entries = self.range(i.min(j));
+        match self.row[entries.clone()].binary_search(&(i.max(j) as u32)) {
+            Ok(place) => self.value[entries.start + place],
+            Err(_) => 0.0,
+        }
+    }
+
+    /// An entry of the diagonal.
+    ///
+    /// # Panics
+    /// If it is outside the matrix.
+    pub fn diagonal_mut(&mut self, i: usize) -> &mut f64 {
+        &mut self.value[self.column_start[i] as usize]
+    }
+
+    /// Multiplies all entries.
+    pub fn scale(&mut self, factor: f64) {
+        self.value.iter_mut().for_each(|value| *value *= factor);
+    }
+
+    /// The product with a vector.
+    ///
+    /// # Panics
+    /// If the vector is shorter than the matrix.
+    pub fn multiply(&self, x: &[f64]) -> Vec<f64> {
+        let mut y = vec![0.0; self.dimension()];
+        for column in 0..y.len() {
+            let entries = self.range(column);
+            for (&row, &value) in self.row[entries.clone()].iter().zip(&self.value[entries]) {
+                let row = row as usize;
+                y[row] += value * x[column];
+                if row != column {
+                    y[column] += value * x[row];
+                }
+            }
+        }
+        y
+    }
+
+    /// The rows and columns with the given indices, which rise.
+    pub(crate) fn restricted(&self, kept: impl ExactSizeIterator<Item = usize> + Clone) -> Self {
+        const NONE: u32 = u32::MAX;
+        let mut index = vec![NONE; self.dimension()];
+        kept.clone().zip(0..).for_each(|(i, k)| index[i] = k);
+        let mut column_start = Vec::with_capacity(kept.len() + 1);
+        let (mut row, mut value) = (Vec::with_capacity(self.stored()), Vec::with_capacity(self.stored()));
+        column_start.push(0);
+        for column in kept {
+            for k in self.range(column) {
+                let kept = index[self.row[k] as usize];
+                if kept != NONE {
+                    row.push(kept);
+                    value.push(self.value[k]);
+                }
+            }
+            column_start.push(row.len() as u32);
+        }
+        Self { column_start, row, value }
+    }
+
+    /// All entries, both triangles.
+    pub fn to_csr(&self) -> CsMat<f64> {
+        let n = self.dimension();
+        let mut start = vec![0usize; n + 1];
+        for column in 0..n {
+            for &row in &self.row[self.range(column)] {
+                start[row as usize + 1] += 1;
+                start[column + 1] += usize::from(row as usize != column);
+            }
+        }
+        for v in 0..n {
+            start[v + 1] += start[v];
+        }
+        let mut end = start.clone();
+        let (mut indices, mut values) = (vec![0; start[n]], vec![0.0; start[n]]);
+        let mut put = |row: usize, column: usize, value: f64| {
+            (indices[end[row]], values[end[row]]) = (column, value);
+            end[row] += 1;
+        };
+        // Column by column from the left each row is filled by rising column: up to the diagonal, and then beyond it.
+        for column in 0..n {
+            self.column(column).for_each(|(row, value)| put(row, column, value));
+            self.column(column).skip(1).for_each(|(row, value)| put(column, row, value));
+        }
+        CsMat::new((n, n), start, indices, values)
+    }
+}
+
+/// Takes the lower triangle of a matrix that is symmetric.
+impl From<&CsMat<f64>> for SymmetricMatrix {
+    fn from(matrix: &CsMat<f64>) -> Self {
+        let mut lower = Self { column_start: vec![0], row: Vec::new(), value: Vec::new() };
+        // Its rows are its columns.
+        for (column, entries) in matrix.outer_iterator().enumerate() {
+            lower.row.push(column as u32);
+            lower.value.push(entries.get(column).copied().unwrap_or(0.0));
+            for (row, value) in entries.iter().filter(|(row, _)| *row > column) {
+                lower.row.push(row as u32);
+                lower.value.push(*value);
+            }
+            lower.column_start.push(lower.row.len() as u32);
+        }
+        lower
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn a_graph_s_laplacian_is_the_sum_over_its_edges(
+            edges in proptest::collection::vec((0..9u32, 0..9u32, -2.0..2.0f64), 0..40),
+        ) {
+            let mut dense = [[0.0; 9]; 9];
+            for &(i, j, weight) in edges.iter().filter(|(i, j, _)| i != j) {
+                let [i, j] = [i as usize, j as usize];
+                (dense[i][i], dense[j][j]) = (dense[i][i] + weight, dense[j][j] + weight);
+                (dense[i][j], dense[j][i]) = (dense[i][j] - weight, dense[j][i] - weight);
+            }
+            let matrix = SymmetricMatrix::laplacian(9, edges.iter().map(|&(i, j, weight)| ([i, j], weight)));
+            let full = matrix.to_csr();
+            prop_assert_eq!(&SymmetricMatrix::from(&full), &matrix);
+            let x: Vec<f64> = (0..9).map(|k| f64::from(k * k) - 7.0).collect();
+            let product = matrix.multiply(&x);
+            for (i, row) in dense.iter().enumerate() {
+                for (j, entry) in row.iter().enumerate() {
+                    prop_assert!((matrix.get(i, j) - entry).abs() < 1e-12);
+                    prop_assert_eq!(full.get(i, j).copied().unwrap_or(0.0), matrix.get(i, j));
+                }
+                let expected: f64 = row.iter().zip(&x).map(|(a, x)| a * x).sum();
+                prop_assert!((product[i] - expected).abs() < 1e-10);
+            }
+            let kept = [1, 2, 5, 8];
+            let restricted = matrix.restricted(kept.into_iter());
+            for (i, &v) in kept.iter().enumerate() {
+                for (j, &w) in kept.iter().enumerate() {
+                    prop_assert_eq!(restricted.get(i, j), matrix.get(v, w));
+                }
+            }
+        }
+    }
+}
