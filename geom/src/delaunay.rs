@@ -83,7 +83,8 @@ fn flip_to_delaunay(
         }
         let h = triangulation.halfedge(e);
         let quad = quad(triangulation, h);
-        if opposite_cosines(length[e], quad.map(|side| length[side])) >= -TOLERANCE {
+        let [jk, ki, il, lj] = quad;
+        if opposite_cosines(length[e], [length[jk], length[ki], length[il], length[lj]]) >= -TOLERANCE {
             continue;
         }
         budget -= 1;
@@ -101,8 +102,8 @@ fn flip_to_delaunay(
 /// The edges jk, ki, il, lj round the edge ij of a halfedge (k left of it, l right).
 fn quad(triangulation: &Triangulation, h: HalfedgeId) -> [EdgeId; 4] {
     let g = triangulation.twin(h).expect("only inner edges are flipped");
-    [triangulation.next(h), triangulation.prev(h), triangulation.next(g), triangulation.prev(g)]
-        .map(|side| triangulation.edge(side))
+    let [a, b, c, d] = [triangulation.next(h), triangulation.prev(h), triangulation.next(g), triangulation.prev(g)];
+    [triangulation.edge(a), triangulation.edge(b), triangulation.edge(c), triangulation.edge(d)]
 }
 
 /// Twice the sum of the cosines of the two angles opposite an edge of length `ij`.

@@ -24,7 +24,10 @@ pub fn edge_weights(triangulation: &Triangulation, metric: &Metric) -> EdgeData<
 /// add up and loops cancel. O(F).
 pub fn laplacian(triangulation: &Triangulation, metric: &Metric) -> SymmetricMatrix {
     let weights = edge_weights(triangulation, metric);
-    let edges = triangulation.edges().map(|e| (triangulation.ends(e).map(|v| v.0), weights[e]));
+    let edges = triangulation.edges().map(|e| {
+        let [i, j] = triangulation.ends(e);
+        ([i.0, j.0], weights[e])
+    });
     SymmetricMatrix::laplacian(triangulation.vertex_count(), edges)
 }
 

@@ -53,7 +53,10 @@ impl Metric {
     /// The lengths of a triangle's sides, in the order of its halfedges.
     #[inline]
     pub fn sides(&self, triangulation: &Triangulation, f: FaceId) -> Sides {
-        Sides(triangulation.sides(f).map(|h| self.length[triangulation.edge(h)]))
+        // Not by `map`, which is not always inlined.
+        let length = |h| self.length[triangulation.edge(h)];
+        let [a, b, c] = triangulation.sides(f);
+        Sides([length(a), length(b), length(c)])
     }
 
     /// The angle of the triangle's corner at the tail of a halfedge.

@@ -112,7 +112,8 @@ impl Triangulation {
     /// The three vertices of a triangle, in the order of its halfedges' tails.
     #[inline]
     pub fn corners(&self, f: FaceId) -> [VertexId; 3] {
-        self.sides(f).map(|h| self.tail(h))
+        let [a, b, c] = self.sides(f);
+        [self.tail(a), self.tail(b), self.tail(c)]
     }
     /// Whether an edge has a triangle on one side only.
     #[inline]
