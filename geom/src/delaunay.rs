@@ -15,6 +15,9 @@ use crate::metric::{Metric, Sides};
 
 /// An edge counts as Delaunay down to this sum of cosines, lest a cocircular quad flip for ever.
 const TOLERANCE: f64 = 1e-12;
+/// An edge with a greater cotangent weight is Delaunay: far more than what rounding may add where the angles are at most π
+/// in all.
+const CLEAR: f64 = 0.01;
 
 /// A mesh's surface with its intrinsic Delaunay triangulation.
 #[derive(Clone, Debug)]
@@ -41,7 +44,7 @@ pub fn delaunay(triangulation: &Triangulation, metric: &Metric) -> Intrinsic {
     let mut triangulation = triangulation.clone();
     let mut metric = metric.clone();
     let mut flips = Vec::new();
-    flip_to_delaunay(&mut triangulation, metric.lengths_mut(), &mut flips, |length, e, quad| {
+    flip_to_delaunay(&mut triangulation, &mut metric, &mut flips, |length, e, quad| {
         length[e] = other_diagonal(length[e], quad.map(|side| length[side]));
     });
     Intrinsic { triangulation, metric, flips }
@@ -56,7 +59,7 @@ pub fn ptolemaic_delaunay(
     flips: &mut Vec<HalfedgeId>,
 ) -> Metric {
     let mut scaled = metric.scaled(triangulation, u);
-    flip_to_delaunay(triangulation, scaled.lengths_mut(), flips, |scaled, e, quad| {
+    flip_to_delaunay(triangulation, &mut scaled, flips, |scaled, e, quad| {
         for length in [scaled, metric.lengths_mut()] {
             length[e] = ptolemy(length[e], quad.map(|side| length[side]));
         }
@@ -68,12 +71,13 @@ pub fn ptolemaic_delaunay(
 /// in the order jk, ki, il, lj.
 fn flip_to_delaunay(
     triangulation: &mut Triangulation,
-    length: &mut EdgeData<f64>,
+    metric: &mut Metric,
     flips: &mut Vec<HalfedgeId>,
     mut set_diagonal: impl FnMut(&mut EdgeData<f64>, EdgeId, [EdgeId; 4]),
 ) {
-    let mut queued = EdgeData::constant(triangulation.edge_count(), true);
-    let mut queue: Vec<EdgeId> = triangulation.edges().rev().collect();
+    let mut queued = suspects(triangulation, metric);
+    let mut queue: Vec<EdgeId> = triangulation.edges().rev().filter(|&e| queued[e]).collect();
+    let length = metric.lengths_mut();
     // The flips of a Delaunay triangulation end in exact arithmetic; on needles rounding may disagree.
     let mut budget = 64 * triangulation.edge_count() + 1024;
     while let Some(e) = queue.pop() {
@@ -97,6 +101,20 @@ fn flip_to_delaunay(
             }
         }
     }
+}
+
+/// The edges that may not be Delaunay, by their cotangent weights: going through the triangles costs less than looking at
+/// each edge's quad.
+fn suspects(triangulation: &Triangulation, metric: &Metric) -> EdgeData<bool> {
+    let mut weights = EdgeData::constant(triangulation.edge_count(), 0.0);
+    for f in triangulation.faces() {
+        let sides = metric.sides(triangulation, f);
+        let cotangents = if sides.area() > 0.0 { sides.cotangents() } else { [f64::NEG_INFINITY; 3] };
+        for (h, cotangent) in triangulation.sides(f).into_iter().zip(cotangents) {
+            weights[triangulation.edge(h)] += 0.5 * cotangent;
+        }
+    }
+    weights.iter().map(|weight| weight.is_nan() || *weight < CLEAR).collect()
 }
 
 /// The edges jk, ki, il, lj round the edge ij of a halfedge (k left of it, l right).

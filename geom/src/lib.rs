@@ -7,7 +7,7 @@
 //! | connectivity | [`Mesh`], and [`Triangulation`], which can be flipped; typed ids ([`VertexId`], …); a `&Mesh` is a graph for petgraph |
 //! | lengths | [`Metric`]: an edge length each; angles, areas, cotangents; [`angle_defects`] |
 //! | flips | [`delaunay()`], [`ptolemaic_delaunay`] |
-//! | equations | [`laplacian()`], [`Poisson`]: factored once, asked often |
+//! | equations | [`laplacian()`], a [`SymmetricMatrix`]; [`Poisson`]: factored once, asked often |
 //! | paths | [`ShortestPaths`], [`kruskal`], [`CutMesh`]: a mesh opened along edges |
 //! | judging maps | [`distortion`] |
 //! | something to begin with | [`shapes`] |
