@@ -10,6 +10,7 @@
 //!
 //! Flips are logged by halfedge, so that they can be undone.
 
+use crate::laplacian::weights_by;
 use crate::mesh::{EdgeData, EdgeId, HalfedgeId, Triangulation};
 use crate::metric::{Metric, Sides};
 
@@ -106,14 +107,9 @@ fn flip_to_delaunay(
 /// The edges that may not be Delaunay, by their cotangent weights: going through the triangles costs less than looking at
 /// each edge's quad.
 fn suspects(triangulation: &Triangulation, metric: &Metric) -> EdgeData<bool> {
-    let mut weights = EdgeData::constant(triangulation.edge_count(), 0.0);
-    for f in triangulation.faces() {
-        let sides = metric.sides(triangulation, f);
-        let cotangents = if sides.area() > 0.0 { sides.cotangents() } else { [f64::NEG_INFINITY; 3] };
-        for (h, cotangent) in triangulation.sides(f).into_iter().zip(cotangents) {
-            weights[triangulation.edge(h)] += 0.5 * cotangent;
-        }
-    }
+    // Triangles that violate the triangle inequality have no cotangents, and an edge that must be flipped.
+    let cotangents = |sides: Sides| if sides.area() > 0.0 { sides.cotangents() } else { [f64::NEG_INFINITY; 3] };
+    let weights = weights_by(triangulation, metric, cotangents);
     weights.iter().map(|weight| weight.is_nan() || *weight < CLEAR).collect()
 }
 

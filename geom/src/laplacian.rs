@@ -5,14 +5,23 @@
 //! paper's ∇²φ = K^T - K^O reads Lφ = K^T - K^O with this sign.
 
 use crate::mesh::{EdgeData, Triangulation};
-use crate::metric::Metric;
+use crate::metric::{Metric, Sides};
 use crate::symmetric::SymmetricMatrix;
 
 /// The weight (cot α + cot β)/2 of every edge.
 pub fn edge_weights(triangulation: &Triangulation, metric: &Metric) -> EdgeData<f64> {
+    weights_by(triangulation, metric, Sides::cotangents)
+}
+
+/// The same with what stands for the cotangents of a triangle, opposite its sides.
+pub(crate) fn weights_by(
+    triangulation: &Triangulation,
+    metric: &Metric,
+    cotangents: impl Fn(Sides) -> [f64; 3],
+) -> EdgeData<f64> {
     let mut weights = EdgeData::constant(triangulation.edge_count(), 0.0);
     for f in triangulation.faces() {
-        let cotangents = metric.sides(triangulation, f).cotangents();
+        let cotangents = cotangents(metric.sides(triangulation, f));
         for (h, cotangent) in triangulation.sides(f).into_iter().zip(cotangents) {
             weights[triangulation.edge(h)] += 0.5 * cotangent;
         }
