@@ -1,40 +1,36 @@
-//! Which stage could not go on, and why.
+//! Why something that was asked for cannot be had.
 
 use geom::{PoissonError, PrepareError};
 use thiserror::Error;
 
-use crate::angles::AnglesError;
-use crate::mend::MendError;
-use crate::scaling::ScalingError;
-use crate::seams::SeamError;
+use crate::baseline::LscmError;
+use crate::curvature::CurvatureError;
+use crate::flatten::{ScalingError, SeamError};
 
-/// Why a model cannot be unwrapped.
+/// Why a model cannot be analysed, its cones placed, or flattened.
 #[derive(Clone, Debug, Error)]
 #[non_exhaustive]
 pub enum Error {
     /// The model has no surface.
     #[error(transparent)]
     Prepare(#[from] PrepareError),
-    /// The Laplacian cannot be factored.
+    /// A Laplacian cannot be factored.
     #[error(transparent)]
     Poisson(#[from] PoissonError),
     /// The cones cannot take the surface's curvature.
     #[error(transparent)]
-    Angles(#[from] AnglesError),
+    Curvature(#[from] CurvatureError),
     /// The surface cannot be cut open.
     #[error(transparent)]
     Seams(#[from] SeamError),
     /// No metric with these cones was found.
     #[error(transparent)]
     Scaling(#[from] ScalingError),
-    /// Triangles of the layout stay flipped.
+    /// There is no least-squares conformal map.
     #[error(transparent)]
-    Mend(#[from] MendError),
-    /// The cones are too few for the surface's detail.
-    #[error("lengths would change by a factor of {0:.1e}")]
-    Stretched(f64),
+    Lscm(#[from] LscmError),
     /// A given cone is no vertex of a surface.
-    #[error("cone {vertex} is not a vertex of any face (vertices are numbered from 0 to {})", count - 1)]
+    #[error("cone {vertex} is not a vertex of any face (vertices are numbered from 0 to {})", count.saturating_sub(1))]
     NoSuchCone {
         /// The vertex that was given.
         vertex: u32,
@@ -66,4 +62,10 @@ pub enum Error {
     /// A given curvature leaves no angle.
     #[error("a cone's curvature must be less than 2π, but {0} is given")]
     CurvatureTooLarge(f64),
+    /// Cones were asked about that another analysis has placed.
+    #[error("these cones are of another analysis: give their vertices to this one")]
+    ForeignCones,
+    /// The observer has said stop.
+    #[error("interrupted")]
+    Interrupted,
 }

@@ -48,6 +48,7 @@ mod substitution;
 mod symmetric;
 mod triangulate;
 mod vector;
+mod watch;
 
 pub use curvature::angle_defects;
 pub use cut::CutMesh;
@@ -62,3 +63,4 @@ pub use poisson::{HalfSolved, Poisson, PoissonError};
 pub use prepare::{PrepareError, Prepared, Repair, RepairKind, Surface, prepare};
 pub use symmetric::SymmetricMatrix;
 pub use triangulate::Triangles;
+pub use watch::Watch;

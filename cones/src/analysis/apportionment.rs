@@ -1,4 +1,4 @@
-//! Sharing out cones over the connected parts of a model.
+//! Apportionment: how the connected components of a model share cones.
 //!
 //! Each part has a curve: its energy for every number of cones, times its area. On the lower convex hulls of the curves
 //! every further cone brings less than the one before, so taking steps by what they bring for each cone is optimal at the
@@ -6,55 +6,38 @@
 //!
 //! Curves are known in blocks, as orders are found in blocks, and a hull must not depend on how far its curve is known:
 //! so hulls have a corner wherever a block ends, and the totals of a nested order are prefixes of each other. For
-//! [`Method::Refined`](crate::Method::Refined), which has no order, up to a block of cones cheaper curves are found that
+//! [`Placement::Refined`], which has no order, up to a block of cones cheaper curves are found that
 //! do depend on how far they go: there a part may get fewer cones of a larger total.
 
-use crate::angles::least_cones;
-use crate::operators::Operators;
-use crate::pursuit::{BLOCK, Nested, brief_pursuit, pursuit};
-use crate::reduced::{Fitted, Reduced};
+use geom::Watch;
+use rayon::prelude::*;
 
-/// Curves are computed up to this number of cones. Beyond, the energy is taken to fall like 1/N, as it does about.
-const LONGEST_CURVE: usize = 2 * BLOCK;
+use super::component::Component;
+use crate::curvature::least_cones;
+use crate::field::Operators;
+use crate::placement::{BLOCK, ConeSet, Nested, Placement, Sharing, optimised_order, whole_blocks};
 
 /// What cones bring to one connected part.
 #[derive(Clone, Debug)]
-pub struct Part {
+pub(crate) struct EnergyCurve {
     /// The area.
-    pub area: f64,
+    area: f64,
     /// The energy with N cones, for N from 0 on; infinite where so many cannot take the part's curvature.
-    pub energy: Vec<f64>,
+    energy: Vec<f64>,
 }
 
-impl Part {
-    /// The curve of a connected part's best nested cones, at least up to `most` of them; `area` is that in the model.
-    pub fn new(reduced: &mut Reduced, area: f64, most: usize) -> Self {
-        let operators = reduced.operators();
-        let nested = pursuit(reduced, Self::known(operators, most));
-        Self::of_order(operators, &nested, area, most)
-    }
-
-    /// The same up to just `most` cones, which for a few is cheaper; curves of different lengths may differ.
-    pub(crate) fn brief(reduced: &mut Reduced, area: f64, most: usize) -> Self {
-        let operators = reduced.operators();
-        let count = most.max(least_cones(operators));
-        if count > BLOCK {
-            return Self::new(reduced, area, most);
-        }
-        let nested = brief_pursuit(reduced, count);
-        Self::of_order(operators, &nested, area, most)
-    }
-
-    /// The curve of an order of cones.
-    pub(crate) fn of_order(operators: &Operators, nested: &Nested, area: f64, most: usize) -> Self {
+impl EnergyCurve {
+    /// The curve of an order of cones; `area` is that of the component in the model. Beyond the order's whole blocks the
+    /// energy is taken to fall like 1/N, as it does about.
+    fn of_order(operators: &Operators, nested: &Nested, area: f64, most: usize) -> Self {
         let least = least_cones(operators);
         let is_torus = !operators.is_bordered() && operators.mesh.euler_characteristic() == 0;
         // One cone on a torus can have no curvature.
         let allowed = |count: usize| count >= least && !(is_torus && count == 1);
-        let energy = |(count, set): (usize, &Fitted)| {
+        let energy = |(count, set): (usize, &ConeSet)| {
             if allowed(count) && set.shortfall == 0.0 { set.energy } else { f64::INFINITY }
         };
-        let known = Self::known(operators, most);
+        let known = whole_blocks(operators, most);
         let mut energy: Vec<f64> = nested.sets.iter().enumerate().map(energy).collect();
         if energy.len() == known + 1 {
             let last = energy[known];
@@ -62,11 +45,81 @@ impl Part {
         }
         Self { area, energy }
     }
+}
 
-    /// The length of the order that a curve up to `most` cones is read from.
-    pub(crate) fn known(operators: &Operators, most: usize) -> usize {
-        most.max(least_cones(operators)).next_multiple_of(BLOCK).min(LONGEST_CURVE)
+/// How many cones each component gets, `total` in all, or as many as all of them need.
+pub(crate) fn counts(components: &[Component], placement: Placement, total: usize, watch: Watch) -> Vec<usize> {
+    let least: Vec<usize> = components.iter().map(Component::least).collect();
+    let spare = total.saturating_sub(least.iter().sum());
+    if let [alone] = least[..] {
+        return vec![total.max(alone)];
     }
+    if spare == 0 {
+        return least;
+    }
+    let curves = |is_brief: bool| -> Vec<EnergyCurve> {
+        let curve = |component: &Component| {
+            let most = component.least() + spare;
+            let nested = optimised_order(component.ground(watch), most, is_brief);
+            EnergyCurve::of_order(&component.operators, &nested, component.area, most)
+        };
+        components.par_iter().with_max_len(1).map(curve).collect()
+    };
+    let sequence = match placement.sharing() {
+        Sharing::ByBriefCurves => return at_least(share_out(&curves(true), total), &least),
+        Sharing::ByCurves => sequence(&curves(false), total),
+        Sharing::ByPersistence => by_persistence(components, total),
+    };
+    let mut counts = vec![0; components.len()];
+    sequence.into_iter().for_each(|p| counts[p] += 1);
+    at_least(counts, &least)
+}
+
+fn at_least(counts: Vec<usize>, least: &[usize]) -> Vec<usize> {
+    counts.into_iter().zip(least).map(|(count, &least)| count.max(least)).collect()
+}
+
+/// The components that get the first cone, the second, …, where each has such an order; up to where one of them is known no
+/// further.
+pub(crate) fn sequence_of(
+    components: &[Component],
+    nested: &[Nested],
+    placement: Placement,
+    total: usize,
+) -> Vec<usize> {
+    let mut left: Vec<usize> = nested.iter().map(|order| order.cones().len()).collect();
+    if let [alone] = left[..] {
+        return vec![0; total.min(alone)];
+    }
+    let curve = |(c, nested): (&Component, &Nested)| {
+        EnergyCurve::of_order(&c.operators, nested, c.area, nested.cones().len())
+    };
+    let sequence = match placement.sharing() {
+        Sharing::ByBriefCurves | Sharing::ByCurves => {
+            sequence(&components.iter().zip(nested).map(curve).collect::<Vec<EnergyCurve>>(), total)
+        }
+        Sharing::ByPersistence => by_persistence(components, total),
+    };
+    let is_all = |p: usize| nested[p].cones().len() == components[p].inner_vertices();
+    let mut known = Vec::new();
+    for p in sequence {
+        if left[p] == 0 {
+            break;
+        }
+        left[p] -= 1;
+        known.push(p);
+        if left[p] == 0 && !is_all(p) {
+            break;
+        }
+    }
+    known
+}
+
+fn by_persistence(components: &[Component], total: usize) -> Vec<usize> {
+    let persistences = |c: &Component| c.hierarchy.extrema().iter().map(|e| e.persistence).collect();
+    let parts: Vec<(f64, Vec<f64>)> = components.iter().map(|c| (c.area, persistences(c))).collect();
+    let limits: Vec<[usize; 2]> = components.iter().map(|c| [c.least(), c.inner_vertices()]).collect();
+    sequence_by_persistence(&parts, &limits, total)
 }
 
 /// One edge of a hull: so many cones that each bring so much.
@@ -80,7 +133,7 @@ struct Step {
 
 /// How many cones each part gets, `total` in all: first of all what each needs at least (the fewest with finite energy),
 /// even where that is more than the total. Where a part has a number that it cannot have, the cones go to others.
-pub fn share_out(parts: &[Part], total: usize) -> Vec<usize> {
+fn share_out(parts: &[EnergyCurve], total: usize) -> Vec<usize> {
     let mut counts: Vec<usize> = parts.iter().map(least).collect();
     let mut left = total.saturating_sub(counts.iter().sum());
     for Step { part, from, to, .. } in steps(parts) {
@@ -98,7 +151,7 @@ pub fn share_out(parts: &[Part], total: usize) -> Vec<usize> {
 /// The parts that get the first cone, the second, … of `total`, or fewer if there are no more: what each needs first, the
 /// largest part before the others, then by gain. As [`share_out`], but for the numbers that a part cannot have: they are
 /// passed through.
-pub fn sequence(parts: &[Part], total: usize) -> Vec<usize> {
+fn sequence(parts: &[EnergyCurve], total: usize) -> Vec<usize> {
     let least: Vec<usize> = parts.iter().map(least).collect();
     let areas: Vec<f64> = parts.iter().map(|part| part.area).collect();
     let more = steps(parts).into_iter().flat_map(|step| std::iter::repeat_n(step.part, step.to - step.from));
@@ -107,7 +160,7 @@ pub fn sequence(parts: &[Part], total: usize) -> Vec<usize> {
 
 /// As [`sequence`], one by one where area times the persistence of the next extremum is largest. For each part its area,
 /// the persistences of its extrema, and how many cones it must and can have.
-pub(crate) fn sequence_by_persistence(parts: &[(f64, Vec<f64>)], limits: &[[usize; 2]], total: usize) -> Vec<usize> {
+fn sequence_by_persistence(parts: &[(f64, Vec<f64>)], limits: &[[usize; 2]], total: usize) -> Vec<usize> {
     let areas: Vec<f64> = parts.iter().map(|(area, _)| *area).collect();
     let mut counts: Vec<usize> = limits.iter().map(|[least, _]| *least).collect();
     let mut sequence = needed(&areas, &counts);
@@ -130,12 +183,12 @@ fn needed(areas: &[f64], least: &[usize]) -> Vec<usize> {
 }
 
 /// The fewest cones that a part can have.
-fn least(part: &Part) -> usize {
+fn least(part: &EnergyCurve) -> usize {
     part.energy.iter().position(|energy| energy.is_finite()).unwrap_or(0)
 }
 
 /// The edges of all hulls, what brings most first, those of a part in their order.
-fn steps(parts: &[Part]) -> Vec<Step> {
+fn steps(parts: &[EnergyCurve]) -> Vec<Step> {
     let hulls: Vec<Vec<Step>> = parts.iter().enumerate().map(|(index, part)| hull(index, part)).collect();
     let mut at = vec![0; parts.len()];
     let mut steps = Vec::new();
@@ -151,7 +204,7 @@ fn steps(parts: &[Part]) -> Vec<Step> {
 }
 
 /// The edges of the lower convex hull of a part's curve, block by block, from its least number on.
-fn hull(index: usize, part: &Part) -> Vec<Step> {
+fn hull(index: usize, part: &EnergyCurve) -> Vec<Step> {
     let gain = |from: usize, to: usize| part.area * (part.energy[from] - part.energy[to]) / (to - from) as f64;
     let mut corners: Vec<usize> = Vec::new();
     let mut first = 0;
@@ -178,25 +231,25 @@ mod tests {
     use proptest::prelude::*;
 
     /// The least energy in all, over all ways to share.
-    fn by_enumeration(parts: &[Part], total: usize) -> f64 {
+    fn by_enumeration(parts: &[EnergyCurve], total: usize) -> f64 {
         let Some((first, others)) = parts.split_first() else { return if total == 0 { 0.0 } else { f64::INFINITY } };
         let with = |count: usize| first.area * first.energy[count] + by_enumeration(others, total - count);
         (0..first.energy.len().min(total + 1)).map(with).fold(f64::INFINITY, f64::min)
     }
 
-    fn cost(parts: &[Part], counts: &[usize]) -> f64 {
+    fn cost(parts: &[EnergyCurve], counts: &[usize]) -> f64 {
         parts.iter().zip(counts).map(|(part, &count)| part.area * part.energy[count]).sum()
     }
 
     prop_compose! {
         /// A convex curve, from a least number on.
-        fn part()(area in 0.1..3.0f64, least in 0usize..4, drops in prop::collection::vec(0.01..1.0f64, 8)) -> Part {
+        fn part()(area in 0.1..3.0f64, least in 0usize..4, drops in prop::collection::vec(0.01..1.0f64, 8)) -> EnergyCurve {
             let mut drops = drops;
             drops.sort_by(f64::total_cmp);
             let mut energy = vec![0.0];
             drops.iter().for_each(|drop| energy.push(energy[energy.len() - 1] + drop));
             energy.reverse();
-            Part { area, energy: [vec![f64::INFINITY; least], energy].concat() }
+            EnergyCurve { area, energy: [vec![f64::INFINITY; least], energy].concat() }
         }
     }
 
@@ -221,7 +274,7 @@ mod tests {
     fn a_sequence_gives_every_total_and_does_not_depend_on_how_far_curves_are_known() {
         let energy = |rate: f64, n: usize| (1.0 + (n as f64).sin() / 20.0) / (1.0 + rate * n as f64);
         let parts = |most: usize| {
-            let part = |(area, rate)| Part { area, energy: (0..=most).map(|n| energy(rate, n)).collect() };
+            let part = |(area, rate)| EnergyCurve { area, energy: (0..=most).map(|n| energy(rate, n)).collect() };
             [(1.0, 0.5), (0.3, 2.0), (2.0, 0.1)].map(part)
         };
         let longest = sequence(&parts(2 * BLOCK), 60);
@@ -242,8 +295,8 @@ mod tests {
 
     #[test]
     fn a_part_gets_no_number_that_it_cannot_have() {
-        let torus = Part { area: 1.0, energy: vec![1.0, f64::INFINITY, 0.2, 0.15] };
-        let disk = Part { area: 1.0, energy: vec![0.5, 0.4, 0.35] };
+        let torus = EnergyCurve { area: 1.0, energy: vec![1.0, f64::INFINITY, 0.2, 0.15] };
+        let disk = EnergyCurve { area: 1.0, energy: vec![0.5, 0.4, 0.35] };
         assert_eq!(share_out(&[torus.clone(), disk.clone()], 1), [0, 1]);
         assert_eq!(share_out(&[torus.clone(), disk.clone()], 2), [2, 0]);
         assert_eq!(share_out(&[torus, disk], 3), [2, 1]);
@@ -258,7 +311,7 @@ mod tests {
         ] {
             let mesh = shape.mesh();
             let operators = Operators::new(&mesh, &Metric::from_points(&mesh, &shape.points)).unwrap();
-            let part = Part::new(&mut Reduced::new(&operators, &mesh), 1.0, 7);
+            let part = EnergyCurve::new(&mut EnergyModel::new(&operators, &mesh), 1.0, 7);
             let finite: Vec<usize> = (0..8).filter(|&count| part.energy[count].is_finite()).collect();
             assert_eq!(finite, allowed);
             assert!(finite.windows(2).all(|pair| part.energy[pair[1]] <= part.energy[pair[0]] * (1.0 + 1e-9)));
@@ -270,13 +323,13 @@ mod tests {
         let shape = shapes::square(900);
         let mesh = shape.mesh();
         let operators = Operators::new(&mesh, &Metric::from_points(&mesh, &shape.points)).unwrap();
-        let part = Part::new(&mut Reduced::new(&operators, &mesh), 1.0, 100);
+        let part = EnergyCurve::new(&mut EnergyModel::new(&operators, &mesh), 1.0, 100);
         assert_eq!(part.energy.len(), 101);
     }
 
     #[test]
     fn each_part_gets_what_it_needs() {
-        let sphere = Part { area: 1.0, energy: [vec![f64::INFINITY; 3], vec![0.3, 0.2]].concat() };
+        let sphere = EnergyCurve { area: 1.0, energy: [vec![f64::INFINITY; 3], vec![0.3, 0.2]].concat() };
         assert_eq!(share_out(&[sphere.clone(), sphere], 4), [3, 3]);
     }
 }

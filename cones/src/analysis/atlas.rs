@@ -1,79 +1,15 @@
-//! What comes out of the method: an unwrapped model, or its cones alone.
+//! An unwrapped model: what comes out of flattening all components.
 
-use std::time::Duration;
+use geom::{Surface, Triangles};
 
-use geom::{Repair, Surface, Triangles};
-use topo::Kind;
-
-use crate::distortion::Predicted;
-use crate::order::ConeOrder;
-
-/// The stages, in order.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Stage {
-    /// The model is made into surfaces.
-    Prepare,
-    /// Intrinsic Delaunay triangulation, Laplacian, its factorization.
-    Factor,
-    /// The conformal factor, its persistent extrema, the cones' curvatures.
-    Hierarchy,
-    /// Seams through the cones.
-    Cut,
-    /// Newton's method for the metric.
-    Scale,
-    /// Positions in the plane, mended.
-    Layout,
-}
-
-impl Stage {
-    /// All of them.
-    pub const ALL: [Self; 6] = [Self::Prepare, Self::Factor, Self::Hierarchy, Self::Cut, Self::Scale, Self::Layout];
-
-    /// Its name in reports.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Prepare => "prepare",
-            Self::Factor => "factor",
-            Self::Hierarchy => "hierarchy",
-            Self::Cut => "cut",
-            Self::Scale => "scale",
-            Self::Layout => "layout",
-        }
-    }
-}
-
-/// A cone of an unwrapped model.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Cone {
-    /// The vertex of the model.
-    pub vertex: u32,
-    /// Where it is.
-    pub position: [f64; 3],
-    /// The kind of extremum it is; where it is none, what its curvature says: a minimum if positive.
-    pub kind: Kind,
-    /// The persistence of the extremum, if it is one.
-    pub persistence: Option<f64>,
-    /// Its curvature in radians: the cone's angle is 2π less this.
-    pub curvature: f64,
-}
-
-/// How the number of cones was found, where none was given.
-#[derive(Clone, Debug, PartialEq)]
-pub struct NumberOfCones {
-    /// The area distortion that was aimed at.
-    pub target: f64,
-    /// How many cones were chosen for it; others were taken where these could not be flattened.
-    pub chosen: usize,
-    /// What is predicted for the cones that were chosen, in all connected parts together.
-    pub predicted: f64,
-    /// Whether the prediction meets the target in every part.
-    pub is_met: bool,
-    /// What is predicted for every number of cones in a nested order, as far as they are enough for all parts.
-    pub curve: Vec<Predicted>,
-}
+use super::cones::{ChosenNumber, Cone};
+use super::note::Note;
+use super::observer::Times;
 
 /// The topology of a model's surfaces, added up.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[non_exhaustive]
 pub struct Topology {
     /// Vertices, copies included.
     pub vertices: usize,
@@ -91,7 +27,7 @@ pub struct Topology {
 
 impl Topology {
     /// The topology of prepared surfaces.
-    pub fn of<'a>(surfaces: impl IntoIterator<Item = &'a Surface>) -> Self {
+    pub(crate) fn of<'a>(surfaces: impl IntoIterator<Item = &'a Surface>) -> Self {
         surfaces.into_iter().map(|s| &s.mesh).fold(Self::default(), |sum, mesh| Self {
             vertices: sum.vertices + mesh.vertex_count(),
             faces: sum.faces + mesh.face_count(),
@@ -105,58 +41,28 @@ impl Topology {
 
 /// An unwrapped model.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct Atlas {
     /// A position in the plane for each corner of the model. The total area is that of the surface.
     pub uv: Vec<[f64; 2]>,
-    /// The triangles that were computed with.
+    /// The triangles that were computed with, as corners of the model.
     pub triangles: Triangles,
     /// The triangles that belong to no surface (repeated vertices, copies); their corners have their vertices' positions.
     pub left_out: Vec<u32>,
-    /// The cones, component by component, in the order of the hierarchy.
+    /// The triangles that folded over and are islands of their own.
+    pub detached: Vec<u32>,
+    /// The cones that were used, component by component.
     pub cones: Vec<Cone>,
     /// The seams as chains of vertices of the model.
     pub seams: Vec<Vec<u32>>,
-    /// The conformal factor φ for each vertex of the model; NaN where it is on no surface.
-    pub factor: Vec<f64>,
-    /// The number of extrema of φ, and the persistences of all of them, descending.
-    pub persistence: Vec<f64>,
     /// How the number of cones was found, where none was given.
-    pub number: Option<NumberOfCones>,
-    /// The order of the cones for every number of them, where it was asked for.
-    pub order: Option<ConeOrder>,
-    /// The shape of the model.
-    pub topology: Topology,
+    pub number: Option<ChosenNumber>,
     /// The largest curvature off the cones that the metric has, in radians.
     pub curvature_error: f64,
-    /// How many connected parts no cones could flatten: these are unfolded with a cone at every vertex, cut to shreds.
+    /// How many components no cones could flatten: these are unfolded with a cone at every vertex, cut to shreds.
     pub unfolded: usize,
     /// The time each stage took.
-    pub times: Vec<(Stage, Duration)>,
-    /// What was mended in the model.
-    pub repairs: Vec<Repair>,
+    pub times: Times,
     /// What the user should know.
-    pub warnings: Vec<String>,
-}
-
-/// The cones of a model without a flattening.
-#[derive(Clone, Debug)]
-pub struct Extraction {
-    /// The cones, component by component, in the order of the hierarchy.
-    pub cones: Vec<Cone>,
-    /// The conformal factor φ for each vertex of the model; NaN where it is on no surface.
-    pub factor: Vec<f64>,
-    /// The persistences of all extrema of φ, descending.
-    pub persistence: Vec<f64>,
-    /// How the number of cones was found, where none was given.
-    pub number: Option<NumberOfCones>,
-    /// The order of the cones for every number of them, where it was asked for.
-    pub order: Option<ConeOrder>,
-    /// The shape of the model.
-    pub topology: Topology,
-    /// The time each stage took.
-    pub times: Vec<(Stage, Duration)>,
-    /// What was mended in the model.
-    pub repairs: Vec<Repair>,
-    /// What the user should know.
-    pub warnings: Vec<String>,
+    pub notes: Vec<Note>,
 }

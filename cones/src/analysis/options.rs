@@ -1,38 +1,58 @@
 //! What a user may choose.
 
-use crate::angles::Angles;
-use crate::hierarchy::Method;
+use crate::curvature::CurvatureRule;
+use crate::placement::Placement;
 
-/// What to do.
-#[derive(Clone, Debug, Default)]
-pub struct Options {
-    /// Which cones.
-    pub cones: ConeChoice,
-    /// The order in which extrema become cones.
-    pub method: Method,
-    /// How cones get their curvatures.
-    pub angles: Angles,
-    /// Diffuse the curvature before looking for extrema, which helps on noisy scans.
-    pub smooth: bool,
-    /// Also find the order of cones for every number of them: [`ConeOrder`](crate::ConeOrder).
-    pub order: bool,
+/// How a model is made ready.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default))]
+pub struct Preparation {
     /// Merge vertices that are at exactly the same place.
     pub weld: bool,
+    /// Diffuse the curvature before looking for extrema of the conformal factor, which helps on noisy scans.
+    pub smooth: bool,
+}
+
+/// Which cones to use, and how a model is made ready for them.
+#[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default))]
+pub struct Options {
+    /// How the model is made ready; an [`Analysis`](crate::Analysis) has been already.
+    pub preparation: Preparation,
+    /// Which cones.
+    pub cones: ConeChoice,
+    /// How cones are placed.
+    pub placement: Placement,
+    /// How cones get their curvatures.
+    pub rule: CurvatureRule,
 }
 
 /// Which cones to use.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
+#[non_exhaustive]
 pub enum ConeChoice {
-    /// In each connected part as few as keep its area distortion within [`TARGET_DISTORTION`](crate::TARGET_DISTORTION), as
-    /// predicted, at most [`MOST_AUTOMATIC`](crate::MOST_AUTOMATIC).
+    /// In each connected component as few as keep its area distortion within [`TARGET_DISTORTION`](crate::TARGET_DISTORTION),
+    /// as predicted, at most [`MOST_AUTOMATIC`](crate::MOST_AUTOMATIC).
     #[default]
     Automatic,
-    /// In each connected part as few as keep its area distortion within this, confirmed by flattening, at most 64.
+    /// In each connected component as few as keep its area distortion within this, confirmed by flattening, at most
+    /// [`MOST_OPTIMISED`](crate::MOST_OPTIMISED).
     WithinDistortion(f64),
-    /// The first so many of the hierarchy, in all connected parts together.
+    /// So many, on all connected components together.
     Count(usize),
-    /// All extrema with a persistence above this.
+    /// All extrema of the conformal factor with a persistence above this.
     MinPersistence(f64),
     /// These vertices of the model, each with its curvature if that is given too (for all or for none).
     Given(Vec<(u32, Option<f64>)>),
+}
+
+impl Options {
+    /// The method that places so many cones on a component. A threshold of persistence speaks of extrema by persistence.
+    pub(crate) fn placement_for(&self, count: usize) -> Placement {
+        match self.cones {
+            ConeChoice::MinPersistence(_) => Placement::Persistence,
+            _ => self.placement.for_count(count),
+        }
+    }
 }

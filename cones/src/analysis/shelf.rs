@@ -2,7 +2,7 @@
 
 use geom::{HalfedgeData, HalfedgeId, Mesh};
 
-use crate::layout::Layout;
+use crate::flatten::layout::Layout;
 
 /// Rows of islands, filled from left to right.
 pub(crate) struct Shelf {
@@ -55,7 +55,7 @@ impl Shelf {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scaling::Scaling;
+    use crate::flatten::scaling::Scaling;
     use geom::{EdgeData, Metric};
     use proptest::prelude::*;
 

@@ -184,7 +184,7 @@ fn far_apart(disk: &Mesh, metric: &Metric) -> [VertexId; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::seams::Seams;
+    use crate::flatten::Seams;
     use geom::distortion::{Distortion, measure};
     use geom::shapes::{self, Shape};
 

@@ -3,7 +3,7 @@
 //! *Harmonic* curvatures are those of the conformal factor pinned to 0 at all cones, as in [BCGB08] and the paper.
 //! *Optimal* ones make the L2 norm of the log scale factor least, under bounds that keep the cones buildable: the linear
 //! log scale factor is `u = p + Σ q_c g_c`, with p the flattening of everything and `g_c` Green's function of cone c, so that
-//! |u|² is a quadratic function of the curvatures q (a small dense program, [`fit`](crate::fit)).
+//! |u|² is a quadratic function of the curvatures q (a small dense program, [`fit`](crate::numerics::quadratic_program)).
 //!
 //! A cone's angle is θ = 2π - k. Bounds: k at most 1.5π (less than 2π is needed, and near it the metric degenerates); k at
 //! least -2π, and not so low that the cone's triangles in the input could not span θ: θ ≤ 0.87π a triangle.
@@ -13,22 +13,22 @@ use std::f64::consts::PI;
 use geom::{Mesh, VertexData, VertexId, gram};
 use thiserror::Error;
 
-use crate::dense;
-use crate::fit::{Quadratic, fit};
-use crate::operators::Operators;
+use crate::numerics::dense;
+use crate::numerics::quadratic_program::{Quadratic, fit};
+use crate::field::Operators;
 
 /// The widest angle that the triangles at a cone have on average. Below π they can be laid out without flips. Surfaces of
 /// high genus with few cones need what there is: on casting (genus 9, 16 cones) 0.75π instead means an L2 norm 12 % larger
 /// and a measured area distortion of 1.86 instead of 1.43. (Between 0.85π and 0.9π the norm jumps by 5 % from one local
 /// minimum to another; with 12 cones the measured distortion is larger than with 0.75π, 1.94 to 1.76.)
-pub(crate) const WIDEST: f64 = 0.87 * PI;
+pub(crate) const LARGEST_CORNER: f64 = 0.87 * PI;
 
-/// As [`WIDEST`], where there is a choice.
-pub(crate) const COMFORTABLE: f64 = 0.75 * PI;
+/// As [`LARGEST_CORNER`], where there is a choice.
+pub(crate) const COMFORTABLE_CORNER: f64 = 0.75 * PI;
 
 /// How cones get their curvatures.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Angles {
+pub enum CurvatureRule {
     /// Those of the log scale factor that is 0 at all cones, as the paper has it.
     Harmonic,
     /// Those that make the L2 norm of the log scale factor least.
@@ -38,7 +38,7 @@ pub enum Angles {
 
 /// Curvatures for cones, or why there are none.
 #[derive(Clone, Debug, Error, PartialEq)]
-pub enum AnglesError {
+pub enum CurvatureError {
     /// The bounds admit no curvatures with the right sum.
     #[error("{cones} cones cannot take the total curvature of {total:.4}; at least {least} are needed")]
     TooFew {
@@ -89,9 +89,9 @@ pub(crate) fn is_buildable(curvature: f64, low: f64) -> bool {
     curvature < 2.0 * PI - 0.02 && curvature >= low.min(-2.0 * PI)
 }
 
-/// θ ≤ [`WIDEST`] a triangle.
+/// θ ≤ [`LARGEST_CORNER`] a triangle.
 fn bound_by_degree(input: &Mesh, v: VertexId, cones: &[VertexId]) -> f64 {
-    2.0 * PI - WIDEST * usable_degree(input, cones, v) as f64
+    2.0 * PI - LARGEST_CORNER * usable_degree(input, cones, v) as f64
 }
 
 /// The triangles at a vertex that can open up. A flat neighbour of degree 3 makes three triangles one.
@@ -121,13 +121,13 @@ pub fn cone_curvatures(
     operators: &Operators,
     input: &Mesh,
     cones: &[VertexId],
-    angles: Angles,
-) -> Result<ConeCurvatures, AnglesError> {
+    rule: CurvatureRule,
+) -> Result<ConeCurvatures, CurvatureError> {
     let flattening = operators.flattening();
     let green = operators.green(cones);
     let bounds = bounds(operators, input, cones);
     let mut out_of_bounds = Vec::new();
-    if angles == Angles::Harmonic {
+    if rule == CurvatureRule::Harmonic {
         if let Some(curvature) = harmonic(operators, cones, flattening, &green) {
             out_of_bounds = cones
                 .iter()
@@ -173,13 +173,13 @@ fn optimal(
     p: &VertexData<f64>,
     green: &[VertexData<f64>],
     bounds: &[[f64; 2]],
-) -> Result<Vec<f64>, AnglesError> {
+) -> Result<Vec<f64>, CurvatureError> {
     let n = green.len();
     let quadratic = gram(green, &operators.weight);
     let linear: Vec<f64> = green.iter().map(|g| operators.inner(g, p)).collect();
     let total = (!operators.is_bordered()).then(|| operators.total_curvature());
     let energy = Quadratic { constant: operators.inner(p, p), linear: &linear, matrix: &quadratic };
-    let fitted = fit(&energy, bounds, total).map_err(|_| AnglesError::TooFew {
+    let fitted = fit(&energy, bounds, total).map_err(|_| CurvatureError::TooFew {
         cones: n,
         total: operators.total_curvature(),
         least: least_cones(operators).max(n + 1),
@@ -254,12 +254,12 @@ mod tests {
         let norm = |c: &ConeCurvatures| operators.inner(&c.predicted, &c.predicted).sqrt();
         for count in [3, 4, 8, 20] {
             let cones = spread(&mesh, count);
-            let optimal = cone_curvatures(&operators, &mesh, &cones, Angles::Optimal).unwrap();
+            let optimal = cone_curvatures(&operators, &mesh, &cones, CurvatureRule::Optimal).unwrap();
             assert!((optimal.curvature.iter().sum::<f64>() - 4.0 * PI).abs() < 1e-11);
             for (k, [low, high]) in optimal.curvature.iter().zip(bounds(&operators, &mesh, &cones)) {
                 assert!(*k >= low - 1e-12 && *k <= high + 1e-12);
             }
-            let harmonic = cone_curvatures(&operators, &mesh, &cones, Angles::Harmonic).unwrap();
+            let harmonic = cone_curvatures(&operators, &mesh, &cones, CurvatureRule::Harmonic).unwrap();
             let legal = harmonic.out_of_bounds.is_empty();
             let within = harmonic.curvature.iter().zip(bounds(&operators, &mesh, &cones));
             if legal && within.clone().all(|(k, [low, high])| *k >= low && *k <= high) {
@@ -271,8 +271,8 @@ mod tests {
     #[test]
     fn too_few_cones_for_the_curvature_are_refused() {
         let (mesh, operators) = hare();
-        let error = cone_curvatures(&operators, &mesh, &spread(&mesh, 2), Angles::Optimal).unwrap_err();
-        assert!(matches!(error, AnglesError::TooFew { cones: 2, least: 3, .. }), "{error}");
+        let error = cone_curvatures(&operators, &mesh, &spread(&mesh, 2), CurvatureRule::Optimal).unwrap_err();
+        assert!(matches!(error, CurvatureError::TooFew { cones: 2, least: 3, .. }), "{error}");
     }
 
     #[test]
@@ -281,7 +281,7 @@ mod tests {
         let mesh = shape.mesh();
         let operators = Operators::new(&mesh, &Metric::from_points(&mesh, &shape.points)).unwrap();
         let tip = mesh.vertices().find(|&v| operators.curvature[v].abs() > 0.5 && !mesh.is_boundary_vertex(v)).unwrap();
-        let curvatures = cone_curvatures(&operators, &mesh, &[tip], Angles::Optimal).unwrap();
+        let curvatures = cone_curvatures(&operators, &mesh, &[tip], CurvatureRule::Optimal).unwrap();
         assert!((curvatures.curvature[0] - operators.curvature[tip]).abs() < 1e-9);
         assert!(curvatures.predicted.iter().all(|u| u.abs() < 1e-9));
     }

@@ -7,7 +7,7 @@
 
 use geom::{Metric, Poisson, PoissonError, VertexData, VertexId, laplacian};
 
-use crate::operators::Operators;
+use super::operators::Operators;
 
 /// The conformal factor φ of a surface: its log scale at each vertex, centred.
 #[derive(Clone, Debug)]

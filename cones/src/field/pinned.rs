@@ -14,12 +14,12 @@
 
 use geom::{HalfSolved, VertexData, VertexId};
 
-use crate::dense::Growing;
-use crate::factor::ConformalFactor;
-use crate::operators::Operators;
+use crate::numerics::dense::Growing;
+use super::conformal_factor::ConformalFactor;
+use super::operators::Operators;
 
 /// Cones at which the conformal factor is pinned to 0.
-pub(crate) struct Pinned<'a> {
+pub(crate) struct PinnedFactor<'a> {
     operators: &'a Operators,
     cones: Vec<VertexId>,
     /// p: all curvature taken to the grounded vertex or the boundary.
@@ -30,7 +30,7 @@ pub(crate) struct Pinned<'a> {
     green: Option<Growing>,
 }
 
-impl<'a> Pinned<'a> {
+impl<'a> PinnedFactor<'a> {
     pub(crate) fn new(operators: &'a Operators) -> Self {
         let mut source: VertexData<f64> = operators.curvature.iter().map(|k| -k).collect();
         if let Some(grounded) = operators.poisson.grounded() {
@@ -116,7 +116,7 @@ mod tests {
                 inner.iter().copied().step_by(97).collect::<Vec<_>>(),
                 inner.iter().rev().copied().step_by(97).collect(),
             ] {
-                let mut pinned = Pinned::new(&operators);
+                let mut pinned = PinnedFactor::new(&operators);
                 cones.chunks(2).for_each(|pair| pinned.add(pair));
                 let boundary = mesh.vertices().filter(|&v| mesh.is_boundary_vertex(v));
                 let fixed: Vec<VertexId> = cones.iter().copied().chain(boundary).collect();

@@ -12,8 +12,8 @@ use geom::{
 };
 use num_complex::Complex64;
 
-use crate::layout::Layout;
-use crate::seams::Seams;
+use super::layout::Layout;
+use super::seams::Seams;
 
 /// Takes triangles out of a layout; `u` are the log scale factors that the flat metric has. The seams' `lengths` say which
 /// way further seams go. O(V log V).

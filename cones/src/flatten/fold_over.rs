@@ -10,7 +10,7 @@
 //! it is. Two tools:
 //! 1. *Fans*: round a bad cone the neighbours are turned about it, radii kept, until the angles are positive, not too
 //!    unequal, and sum to the cone's angle.
-//! 2. *Untangling* ([`untangle`](crate::untangle)) of patches round what is bad, from the triangles themselves to six
+//! 2. *Untangling* ([`untangle`](crate::flatten::untangle)) of patches round what is bad, from the triangles themselves to six
 //!    rings, with their rims fixed.
 
 use std::collections::BTreeMap;
@@ -20,9 +20,9 @@ use geom::{FaceData, FaceId, HalfedgeId, Id, Mesh, Metric, Sides, VertexData, Ve
 use num_complex::Complex64;
 use thiserror::Error;
 
-use crate::layout::Layout;
-use crate::scaling::Scaling;
-use crate::untangle::{Corner, Patch, PatchTriangle};
+use super::layout::Layout;
+use super::scaling::Scaling;
+use super::untangle::{Corner, Patch, PatchTriangle};
 
 /// A triangle's height over its longest side below which it counts as flipped, unless it is as thin in space.
 const LEAST_HEIGHT: f64 = 1e-7;
@@ -34,7 +34,7 @@ const MAX_PATCH: usize = 20_000;
 /// Triangles of the layout could not be turned the right way round.
 #[derive(Clone, Debug, Error)]
 #[error("{faces} triangles of the layout stay flipped, and {vertices} vertices wound, the first at vertex {}", near[0])]
-pub struct MendError {
+pub struct FoldOvers {
     /// How many triangles are flipped.
     pub faces: usize,
     /// How many vertices have a wrong angle.
@@ -49,14 +49,14 @@ pub struct MendError {
 ///
 /// # Errors
 /// If something stays bad.
-pub(crate) fn mend(
+pub(crate) fn remove_fold_overs(
     input: &Mesh,
     metric: &Metric,
     scaling: &Scaling,
     is_cone: &VertexData<bool>,
     layout: &mut Layout,
-) -> Result<usize, MendError> {
-    let mut mender = Mender::new(input, metric, scaling, is_cone, layout);
+) -> Result<usize, FoldOvers> {
+    let mut mender = Untangler::new(input, metric, scaling, is_cone, layout);
     let mut bad = mender.bad(input.faces());
     if bad.is_empty() {
         return Ok(0);
@@ -97,12 +97,12 @@ impl Bad {
         self.faces.is_empty() && self.vertices.is_empty()
     }
 
-    fn error(&self, input: &Mesh, bad: Vec<FaceId>) -> MendError {
+    fn error(&self, input: &Mesh, bad: Vec<FaceId>) -> FoldOvers {
         let mut near: Vec<VertexId> =
             self.faces.iter().flat_map(|&f| input.corners(f)).chain(self.vertices.iter().copied()).collect();
         near.sort_unstable();
         near.dedup();
-        MendError { faces: self.faces.len(), vertices: self.vertices.len(), near, bad }
+        FoldOvers { faces: self.faces.len(), vertices: self.vertices.len(), near, bad }
     }
 }
 
@@ -114,7 +114,7 @@ enum Fans {
     Held,
 }
 
-struct Mender<'a> {
+struct Untangler<'a> {
     input: &'a Mesh,
     /// The edge lengths in space.
     metric: &'a Metric,
@@ -129,7 +129,7 @@ struct Mender<'a> {
     fanned: Vec<VertexId>,
 }
 
-impl<'a> Mender<'a> {
+impl<'a> Untangler<'a> {
     fn new(
         input: &'a Mesh,
         metric: &'a Metric,
@@ -350,7 +350,7 @@ fn wedge_turns(input: &Mesh, layout: &Layout) -> Vec<Complex64> {
     turn.into_iter().map(|turn| turn.unwrap_or(Complex64::ONE)).collect()
 }
 
-/// Angles moved by a common amount and clipped, such that they sum to `sum`: found by bisection, the sum being monotone.
+/// CurvatureRule moved by a common amount and clipped, such that they sum to `sum`: found by bisection, the sum being monotone.
 fn clipped_to_sum(angles: &[f64], low: f64, high: f64, sum: f64) -> Vec<f64> {
     let clipped = |shift: f64| angles.iter().map(|a| (a + shift).clamp(low, high)).collect::<Vec<f64>>();
     let (mut from, mut to) = (-2.0 * PI, 2.0 * PI);
@@ -392,7 +392,7 @@ mod tests {
         let scaling = scale(&mesh, &metric, &operators, &target, &zero).unwrap();
         let seams = Seams::new(&mesh, metric.lengths(), &cones).unwrap();
         let mut layout = Layout::new(&mesh, &scaling, &seams.cut);
-        mend(&mesh, &metric, &scaling, &is_cone, &mut layout).unwrap();
+        remove_fold_overs(&mesh, &metric, &scaling, &is_cone, &mut layout).unwrap();
         // Fold plain vertices over an edge of their stars: one inside, one on a seam.
         let plain = |wedges: usize| {
             let layout = &layout;
@@ -403,13 +403,13 @@ mod tests {
         let seam = plain(2).nth(3).unwrap();
         for v in [inside, seam] {
             let mut folded = layout.clone();
-            let mut mender = Mender::new(&mesh, &metric, &scaling, &is_cone, &mut folded);
+            let mut mender = Untangler::new(&mesh, &metric, &scaling, &is_cone, &mut folded);
             let h = mesh.outgoing(v).next().unwrap();
             let spoke = mender.layout.corner(mesh.next(h)) - mender.layout.corner(h);
             mender.displace(h, 1.5 * spoke);
             assert!(!mender.bad(mesh.faces()).is_empty());
-            assert!(mend(&mesh, &metric, &scaling, &is_cone, &mut folded).unwrap() > 0);
-            let mender = Mender::new(&mesh, &metric, &scaling, &is_cone, &mut folded);
+            assert!(remove_fold_overs(&mesh, &metric, &scaling, &is_cone, &mut folded).unwrap() > 0);
+            let mender = Untangler::new(&mesh, &metric, &scaling, &is_cone, &mut folded);
             assert!(mender.bad(mesh.faces()).is_empty());
             for h in mesh.halfedges() {
                 let g = mesh.twin(h).unwrap();

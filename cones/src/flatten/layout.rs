@@ -4,14 +4,14 @@
 //! take one frame to the next across an edge make a flat connection with cones. Undoing the flips one by one, backwards,
 //! takes two triangles into one frame, replaces the diagonal by the other one (a sum of two sides), and so ends at the
 //! input's triangles with exact edge vectors; a few of them may have come out negatively oriented
-//! ([`mend`](crate::mend)). Then the surface is opened along the cut, rotations are carried over the dual tree, and
+//! ([`mend`](crate::flatten::fold_over)). Then the surface is opened along the cut, rotations are carried over the dual tree, and
 //! positions along the tree of shortest edges, so that an error made somewhere stays as small as the region it was made in.
 //! Similarities are never chained: lengths come from the metric alone.
 
 use geom::{CutMesh, EdgeData, FaceData, FaceId, HalfedgeData, HalfedgeId, Id, Mesh, Triangulation, WedgeId, kruskal};
 use num_complex::Complex64;
 
-use crate::scaling::Scaling;
+use super::scaling::Scaling;
 
 /// A surface in the plane: a position for each opened vertex.
 #[derive(Clone, Debug)]

@@ -17,7 +17,7 @@ use geom::{
 use sprs::TriMat;
 use thiserror::Error;
 
-use crate::operators::Operators;
+use crate::field::Operators;
 
 /// The curvature error that counts as reached.
 const ACCURACY: f64 = 1e-9;

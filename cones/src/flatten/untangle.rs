@@ -21,7 +21,7 @@
 
 use thiserror::Error;
 
-use crate::lbfgs::minimise;
+use crate::numerics::lbfgs::minimise;
 
 /// Reference triangles flatter than this (height to longest side) are made this thick: no finite step could satisfy
 /// thinner ones.

@@ -4,118 +4,119 @@
 //! meshes the median error was 0.001). The curve of the nested order says about how many cones it takes; the best set of
 //! that number is better than nested ones, so cones are taken away from it as long as the target holds.
 
-use geom::VertexId;
+use geom::{VertexData, VertexId};
 
-use crate::angles::{Angles, least_cones};
-use crate::distortion::{Predicted, predict};
-use crate::exchange::{drop_cheapest, exchange};
-use crate::pursuit::{Nested, pursuit};
-use crate::reduced::{Fitted, Reduced};
-use crate::refined::{by_curvature, refined, rounds};
-
-/// The area distortion that is aimed at when nobody says.
-pub const TARGET_DISTORTION: f64 = 1.25;
-
-/// No more cones than this are taken by themselves.
-pub const MOST_AUTOMATIC: usize = 32;
+use crate::curvature::{CurvatureRule, least_cones};
+use crate::field::Operators;
+use super::configuration::Configuration;
+use super::prediction::{Prediction, predict};
+use super::exchange::{drop_cheapest, exchange};
+use super::nested::Nested;
+use super::pursuit::pursuit;
+use super::energy_model::{ConeSet, EnergyModel};
+use super::refined::{by_curvature, refined, rounds};
 
 /// A number of cones chosen by their predicted distortion.
 #[derive(Clone, Debug)]
-pub struct Automatic {
+pub(crate) struct Automatic {
     /// The cones.
-    pub set: Fitted,
+    pub(crate) set: ConeSet,
     /// What is predicted for them.
-    pub predicted: Predicted,
-    /// The target.
-    pub target: f64,
+    pub(crate) predicted: Prediction,
     /// Whether the prediction meets it.
-    pub is_met: bool,
+    pub(crate) is_met: bool,
     /// The nested order that led there.
-    pub nested: Nested,
+    pub(crate) nested: Nested,
     /// What is predicted for its prefixes.
-    pub curve: Vec<Predicted>,
+    pub(crate) curve: Vec<Prediction>,
+}
+
+impl Automatic {
+    /// The log scale factor that is predicted for the cones. Half a solve, one more for each cone if curvatures are harmonic.
+    pub(crate) fn log_scale(&self, operators: &Operators, rule: CurvatureRule) -> VertexData<f64> {
+        Configuration::new(operators, &self.set, rule).log_scale(operators)
+    }
 }
 
 /// Chooses as few cones as keep the predicted area distortion within `target`, at most `most`, at least as many as the
-/// surface needs. They will get their curvatures by the rule `angles`; where they are is chosen for optimal ones.
-pub fn automatic(reduced: &mut Reduced, angles: Angles, target: f64, most: usize) -> Automatic {
-    let operators = reduced.operators();
+/// surface needs. They will get their curvatures by the rule `rule`; where they are is chosen for optimal ones.
+pub(crate) fn automatic(model: &mut EnergyModel, rule: CurvatureRule, target: f64, most: usize) -> Automatic {
+    let operators = model.operators();
     let least = least_cones(operators);
-    let nested = pursuit(reduced, most.max(least));
-    let curve = nested.curve(operators, angles);
+    let nested = pursuit(model, most.max(least));
+    let curve = nested.curve(operators, rule);
     let (set, predicted) = match first_within(&curve, least, target) {
-        Some(point) => fewest(reduced, &nested.sets[point.count], angles, target, least),
+        Some(point) => fewest(model, &nested.sets[point.count], rule, target, least),
         None => {
-            let set = refined(reduced, most.max(least));
-            let predicted = predict(operators, &set, angles);
+            let set = refined(model, most.max(least));
+            let predicted = predict(operators, &set, rule);
             (set, predicted)
         }
     };
-    Automatic { set, predicted, target, is_met: predicted.area_distortion <= target, nested, curve }
+    Automatic { set, predicted, is_met: predicted.area_distortion <= target, nested, curve }
 }
 
 /// The shortest prefix of an order of cones that keeps the predicted area distortion within `target`; all of it where
 /// none does. One and a half back-solves for each cone and half a one for each prefix, one more for each cone if curvatures are harmonic.
-pub fn shortest(reduced: &mut Reduced, order: &[VertexId], angles: Angles, target: f64) -> Automatic {
-    let nested = Nested::new(reduced, order);
-    let operators = reduced.operators();
-    let curve = nested.curve(operators, angles);
+pub(crate) fn shortest(model: &mut EnergyModel, order: &[VertexId], rule: CurvatureRule, target: f64) -> Automatic {
+    let nested = Nested::new(model, order);
+    let operators = model.operators();
+    let curve = nested.curve(operators, rule);
     let enough = first_within(&curve, least_cones(operators), target).copied();
     let set = nested.sets[enough.map_or(order.len(), |point| point.count)].clone();
-    let predicted = enough.unwrap_or_else(|| predict(operators, &set, angles));
-    Automatic { set, predicted, target, is_met: enough.is_some(), nested, curve }
+    let predicted = enough.unwrap_or_else(|| predict(operators, &set, rule));
+    Automatic { set, predicted, is_met: enough.is_some(), nested, curve }
 }
 
 /// Where a curve first keeps the area distortion within a target, from `least` cones on.
-fn first_within(curve: &[Predicted], least: usize, target: f64) -> Option<&Predicted> {
+fn first_within(curve: &[Prediction], least: usize, target: f64) -> Option<&Prediction> {
     curve.iter().find(|point| point.count >= least && point.area_distortion <= target)
 }
 
 /// From a set that meets the target to the smallest one near it that does.
-fn fewest(reduced: &mut Reduced, nested: &Fitted, angles: Angles, target: f64, least: usize) -> (Fitted, Predicted) {
-    let operators = reduced.operators();
-    let meets = |set: &Fitted, predicted: &Predicted| set.shortfall == 0.0 && predicted.area_distortion <= target;
-    let mut best = refined(reduced, nested.cones.len());
-    let mut predicted = predict(operators, &best, angles);
+fn fewest(model: &mut EnergyModel, nested: &ConeSet, rule: CurvatureRule, target: f64, least: usize) -> (ConeSet, Prediction) {
+    let operators = model.operators();
+    let meets = |set: &ConeSet, predicted: &Prediction| set.shortfall == 0.0 && predicted.area_distortion <= target;
+    let mut best = refined(model, nested.cones.len());
+    let mut predicted = predict(operators, &best, rule);
     if !meets(&best, &predicted) {
-        return (nested.clone(), predict(operators, nested, angles));
+        return (nested.clone(), predict(operators, nested, rule));
     }
     while best.cones.len() > least {
-        let fewer = exchange(reduced, drop_cheapest(reduced, &best));
-        let fewer = rounds(reduced, fewer, 2);
-        let after = predict(operators, &fewer, angles);
+        let fewer = exchange(model, drop_cheapest(model, &best));
+        let fewer = rounds(model, fewer, 2);
+        let after = predict(operators, &fewer, rule);
         if !meets(&fewer, &after) {
             break;
         }
         (best, predicted) = (fewer, after);
     }
-    (by_curvature(reduced, &best), predicted)
+    (by_curvature(model, &best), predicted)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::angles::cone_curvatures;
-    use crate::distortion::area_distortion;
-    use crate::operators::Operators;
+    use crate::curvature::cone_curvatures;
+    use super::prediction::area_distortion;
     use geom::{Metric, shapes};
 
     fn choose(shape: &shapes::Shape, target: f64, most: usize) -> Automatic {
         let mesh = shape.mesh();
         let operators = Operators::new(&mesh, &Metric::from_points(&mesh, &shape.points)).unwrap();
-        automatic(&mut Reduced::new(&operators, &mesh), Angles::Optimal, target, most)
+        automatic(&mut EnergyModel::new(&operators, &mesh), CurvatureRule::Optimal, target, most)
     }
 
     #[test]
     fn what_is_flat_gets_no_cones() {
-        let flat = choose(&shapes::square(400), TARGET_DISTORTION, MOST_AUTOMATIC);
+        let flat = choose(&shapes::square(400), 1.25, 32);
         assert!(flat.is_met && flat.set.cones.is_empty());
     }
 
     #[test]
     fn a_tighter_target_takes_more_cones_and_is_met() {
         let counts = [2.0, 1.6, 1.4].map(|target| {
-            let chosen = choose(&shapes::hare(1200), target, MOST_AUTOMATIC);
+            let chosen = choose(&shapes::hare(1200), target, 32);
             assert!(chosen.is_met && chosen.predicted.area_distortion <= target, "{:?}", chosen.predicted);
             assert_eq!(chosen.predicted.count, chosen.set.cones.len());
             assert!(chosen.set.cones.len() >= 3);
@@ -129,12 +130,12 @@ mod tests {
         let shape = shapes::hare(1200);
         let mesh = shape.mesh();
         let operators = Operators::new(&mesh, &Metric::from_points(&mesh, &shape.points)).unwrap();
-        let mut reduced = Reduced::new(&operators, &mesh);
-        let order = pursuit(&mut reduced, 12).cones().to_vec();
-        let all = shortest(&mut reduced, &order, Angles::Optimal, 1.0001);
+        let mut model = EnergyModel::new(&operators, &mesh);
+        let order = pursuit(&mut model, 12).cones().to_vec();
+        let all = shortest(&mut model, &order, CurvatureRule::Optimal, 1.0001);
         assert!(!all.is_met && all.set.cones == order);
         for target in all.curve.iter().map(|point| point.area_distortion) {
-            let cut = shortest(&mut reduced, &order, Angles::Optimal, target);
+            let cut = shortest(&mut model, &order, CurvatureRule::Optimal, target);
             assert!(cut.is_met && cut.predicted.area_distortion <= target);
             assert_eq!(cut.set.cones, order[..cut.predicted.count]);
             let mut shorter = cut.curve.iter().filter(|point| (3..cut.predicted.count).contains(&point.count));
@@ -147,12 +148,12 @@ mod tests {
         let shape = shapes::hare(600);
         let mesh = shape.mesh();
         let operators = Operators::new(&mesh, &Metric::from_points(&mesh, &shape.points)).unwrap();
-        let mut reduced = Reduced::new(&operators, &mesh);
-        let nested = pursuit(&mut reduced, 12);
-        for angles in [Angles::Optimal, Angles::Harmonic] {
-            for point in nested.curve(&operators, angles) {
-                let chosen = automatic(&mut Reduced::new(&operators, &mesh), angles, point.area_distortion, 12);
-                assert!(chosen.is_met, "{angles:?}: {point:?} is possible, {:?} was taken", chosen.predicted);
+        let mut model = EnergyModel::new(&operators, &mesh);
+        let nested = pursuit(&mut model, 12);
+        for rule in [CurvatureRule::Optimal, CurvatureRule::Harmonic] {
+            for point in nested.curve(&operators, rule) {
+                let chosen = automatic(&mut EnergyModel::new(&operators, &mesh), rule, point.area_distortion, 12);
+                assert!(chosen.is_met, "{rule:?}: {point:?} is possible, {:?} was taken", chosen.predicted);
                 assert!(chosen.set.cones.len() <= point.count);
             }
         }
@@ -163,9 +164,9 @@ mod tests {
         let shape = shapes::hare(1200);
         let mesh = shape.mesh();
         let operators = Operators::new(&mesh, &Metric::from_points(&mesh, &shape.points)).unwrap();
-        for angles in [Angles::Optimal, Angles::Harmonic] {
-            let chosen = automatic(&mut Reduced::new(&operators, &mesh), angles, 1.5, MOST_AUTOMATIC);
-            let used = cone_curvatures(&operators, &mesh, &chosen.set.cones, angles).unwrap();
+        for rule in [CurvatureRule::Optimal, CurvatureRule::Harmonic] {
+            let chosen = automatic(&mut EnergyModel::new(&operators, &mesh), rule, 1.5, 32);
+            let used = cone_curvatures(&operators, &mesh, &chosen.set.cones, rule).unwrap();
             assert!(chosen.is_met);
             assert!((area_distortion(&operators, &used.predicted) - chosen.predicted.area_distortion).abs() < 1e-9);
         }

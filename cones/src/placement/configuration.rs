@@ -6,43 +6,43 @@
 
 use geom::{VertexData, VertexId};
 
-use crate::angles::{Angles, is_buildable};
-use crate::operators::Operators;
-use crate::pinned::Pinned;
-use crate::reduced::Fitted;
+use crate::curvature::{CurvatureRule, is_buildable};
+use crate::field::Operators;
+use crate::field::PinnedFactor;
+use super::energy_model::ConeSet;
 
 /// See the module's head.
 #[derive(Clone, Debug)]
-pub(crate) struct Settled {
+pub(crate) struct Configuration {
     cones: Vec<VertexId>,
     pub(crate) curvature: Vec<f64>,
     /// The rule that has given them.
-    angles: Angles,
+    rule: CurvatureRule,
 }
 
-impl Settled {
+impl Configuration {
     /// The curvatures of one set of cones: a solve for each if they are harmonic.
-    pub(crate) fn new(operators: &Operators, set: &Fitted, angles: Angles) -> Self {
+    pub(crate) fn new(operators: &Operators, set: &ConeSet, rule: CurvatureRule) -> Self {
         let pinned = |cones: &[VertexId]| {
-            let mut pinned = Pinned::new(operators);
+            let mut pinned = PinnedFactor::new(operators);
             pinned.add(cones);
             pinned
         };
-        match angles {
-            Angles::Optimal => Self::optimal(set),
-            Angles::Harmonic => Self::harmonic(set, &pinned(&set.cones)),
+        match rule {
+            CurvatureRule::Optimal => Self::optimal(set),
+            CurvatureRule::Harmonic => Self::harmonic(set, &pinned(&set.cones)),
         }
     }
 
     /// The curvatures of sets each of which begins with the one before, as long as they can take the surface's curvature;
     /// no more solves than for the last of them.
-    pub(crate) fn nested(operators: &Operators, sets: &[Fitted], angles: Angles) -> Vec<Option<Self>> {
-        let able = |set: &Fitted| set.shortfall == 0.0;
-        match angles {
-            Angles::Optimal => sets.iter().map(|set| able(set).then(|| Self::optimal(set))).collect(),
-            Angles::Harmonic => {
-                let mut pinned = Pinned::new(operators);
-                let mut settle = |set: &Fitted| {
+    pub(crate) fn nested(operators: &Operators, sets: &[ConeSet], rule: CurvatureRule) -> Vec<Option<Self>> {
+        let able = |set: &ConeSet| set.shortfall == 0.0;
+        match rule {
+            CurvatureRule::Optimal => sets.iter().map(|set| able(set).then(|| Self::optimal(set))).collect(),
+            CurvatureRule::Harmonic => {
+                let mut pinned = PinnedFactor::new(operators);
+                let mut settle = |set: &ConeSet| {
                     let known = pinned.cones().len();
                     pinned.add(&set.cones[known..]);
                     able(set).then(|| Self::harmonic(set, &pinned))
@@ -52,14 +52,14 @@ impl Settled {
         }
     }
 
-    fn optimal(set: &Fitted) -> Self {
-        Self { cones: set.cones.clone(), curvature: set.curvature.clone(), angles: Angles::Optimal }
+    fn optimal(set: &ConeSet) -> Self {
+        Self { cones: set.cones.clone(), curvature: set.curvature.clone(), rule: CurvatureRule::Optimal }
     }
 
-    fn harmonic(set: &Fitted, pinned: &Pinned) -> Self {
+    fn harmonic(set: &ConeSet, pinned: &PinnedFactor) -> Self {
         let buildable = |k: &Vec<f64>| k.iter().zip(&set.bounds).all(|(&k, bound)| is_buildable(k, bound[0]));
         match pinned.curvature().filter(buildable) {
-            Some(curvature) => Self { cones: set.cones.clone(), curvature, angles: Angles::Harmonic },
+            Some(curvature) => Self { cones: set.cones.clone(), curvature, rule: CurvatureRule::Harmonic },
             None => Self::optimal(set),
         }
     }
@@ -67,9 +67,9 @@ impl Settled {
     /// The log scale factor, centred. Half a solve.
     pub(crate) fn log_scale(&self, operators: &Operators) -> VertexData<f64> {
         let mut u = operators.uncentred_log_scale(&self.cones, &self.curvature);
-        match self.angles {
-            Angles::Optimal => operators.centre(&mut u),
-            Angles::Harmonic => operators.subtract_mean(&mut u),
+        match self.rule {
+            CurvatureRule::Optimal => operators.centre(&mut u),
+            CurvatureRule::Harmonic => operators.subtract_mean(&mut u),
         }
         u
     }
@@ -78,8 +78,8 @@ impl Settled {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::angles::cone_curvatures;
-    use crate::reduced::Reduced;
+    use crate::curvature::cone_curvatures;
+    use super::energy_model::EnergyModel;
     use geom::{Metric, shapes};
 
     #[test]
@@ -95,19 +95,19 @@ mod tests {
             let operators = Operators::new(&mesh, &Metric::from_points(&mesh, &shape.points)).unwrap();
             let inner: Vec<VertexId> = mesh.vertices().filter(|&v| !mesh.is_boundary_vertex(v)).collect();
             let cones: Vec<VertexId> = inner.iter().step_by(inner.len() / 7).copied().collect();
-            let mut reduced = Reduced::new(&operators, &mesh);
-            reduced.add(&cones);
-            let sets: Vec<Fitted> = (0..=cones.len()).map(|count| reduced.fit(&cones[..count])).collect();
-            for angles in [Angles::Optimal, Angles::Harmonic] {
-                for (set, settled) in sets.iter().zip(Settled::nested(&operators, &sets, angles)) {
-                    let used = cone_curvatures(&operators, &mesh, &set.cones, angles);
-                    let Some(settled) = settled else { continue };
+            let mut model = EnergyModel::new(&operators, &mesh);
+            model.add(&cones);
+            let sets: Vec<ConeSet> = (0..=cones.len()).map(|count| model.fit(&cones[..count])).collect();
+            for rule in [CurvatureRule::Optimal, CurvatureRule::Harmonic] {
+                for (set, configuration) in sets.iter().zip(Configuration::nested(&operators, &sets, rule)) {
+                    let used = cone_curvatures(&operators, &mesh, &set.cones, rule);
+                    let Some(configuration) = configuration else { continue };
                     let used = used.expect("they can take the curvature");
                     let near = |a: &[f64], b: &[f64]| a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-7);
-                    assert!(near(&settled.curvature, &used.curvature), "{angles:?}: {settled:?} {used:?}");
-                    assert!(near(&settled.log_scale(&operators), &used.predicted), "{angles:?}");
-                    let alone = Settled::new(&operators, set, angles);
-                    assert!(near(&settled.curvature, &alone.curvature));
+                    assert!(near(&configuration.curvature, &used.curvature), "{rule:?}: {configuration:?} {used:?}");
+                    assert!(near(&configuration.log_scale(&operators), &used.predicted), "{rule:?}");
+                    let alone = Configuration::new(&operators, set, rule);
+                    assert!(near(&configuration.curvature, &alone.curvature));
                 }
             }
         }

@@ -1,4 +1,4 @@
-//! The reduced model: how good a set of cones is, without flattening anything.
+//! The energy model: how good a set of cones is, without flattening anything.
 //!
 //! With curvatures q at the cones S the log scale factor is, to first order, `u = p + Σ q_c g_c`, where p takes away
 //! all curvature and `g_c` is Green's function of cone c, both centred (see [`Operators::centre`]). Its squared norm weighted by
@@ -16,13 +16,14 @@
 //! tell where it pays to look, as f32: they are most of the memory.
 
 use std::f64::consts::PI;
+use std::sync::Arc;
 
-use geom::{Mesh, VertexData, VertexId};
+use geom::{Mesh, VertexData, VertexId, Watch};
 
-use crate::angles::{WIDEST, general_bounds, usable_degree};
-use crate::distance::Distances;
-use crate::fit::{Held, Quadratic, fit};
-use crate::operators::Operators;
+use crate::curvature::{LARGEST_CORNER, general_bounds, usable_degree};
+use super::distances::Distances;
+use crate::numerics::quadratic_program::{Held, Quadratic, minimise};
+use crate::field::Operators;
 
 /// Vertices that are solved for at once: enough to keep the factor in the cache, few enough for memory.
 const BLOCK: usize = 16;
@@ -30,10 +31,9 @@ const BLOCK: usize = 16;
 /// By so much, in radians, sums of bounds may miss the total curvature.
 const SUM_TOLERANCE: f64 = 1e-9;
 
-/// A surface's reduced model; see the module's head.
+/// What the energy model of a surface knows before any vertex is solved for.
 #[derive(Debug)]
-pub struct Reduced<'a> {
-    operators: &'a Operators,
+pub(crate) struct EnergyTerms {
     /// p, the centred log scale factor that takes away all curvature.
     flattening: VertexData<f64>,
     /// b
@@ -43,8 +43,33 @@ pub struct Reduced<'a> {
     distances: Distances,
     /// How many triangles of each vertex can open up.
     triangles: VertexData<f64>,
-    /// The widest angle that they have on average.
-    room: f64,
+}
+
+impl EnergyTerms {
+    /// The terms of a surface whose layout will use the triangles of `input`. Two solves, one of them where the surface was
+    /// asked before.
+    pub(crate) fn new(operators: &Operators, input: &Mesh) -> Self {
+        let mut flattening = operators.flattening().clone();
+        operators.centre(&mut flattening);
+        let linear = operators.poisson.solve(&operators.weighted(&flattening));
+        Self {
+            constant: operators.inner(&flattening, &flattening),
+            flattening,
+            linear,
+            distances: Distances::new(&operators.mesh, &operators.metric),
+            triangles: input.vertices().map(|v| usable_degree(input, &[], v) as f64).collect(),
+        }
+    }
+}
+
+/// A surface's energy model with its pool; see the module's head.
+#[derive(Debug)]
+pub struct EnergyModel<'a> {
+    operators: &'a Operators,
+    terms: Arc<EnergyTerms>,
+    watch: Watch<'a>,
+    /// The widest angle that the triangles at a cone have on average.
+    largest_corner: f64,
     pool: Vec<VertexId>,
     /// Where a vertex is in the pool.
     place: VertexData<Option<u32>>,
@@ -55,7 +80,7 @@ pub struct Reduced<'a> {
 
 /// Cones with the best curvatures that they can have.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Fitted {
+pub struct ConeSet {
     /// The cones.
     pub cones: Vec<VertexId>,
     /// The curvature of each.
@@ -72,25 +97,24 @@ pub struct Fitted {
     pub(crate) bounds: Vec<[f64; 2]>,
 }
 
-impl<'a> Reduced<'a> {
-    /// The model of a surface whose layout will use the triangles of `input`. Two solves, one of them where the surface was asked before.
+impl<'a> EnergyModel<'a> {
+    /// The model of a surface whose layout will use the triangles of `input`, with an empty pool. Two solves.
     pub fn new(operators: &'a Operators, input: &Mesh) -> Self {
-        let mut flattening = operators.flattening().clone();
-        operators.centre(&mut flattening);
-        let linear = operators.poisson.solve(&operators.weighted(&flattening));
-        let count = operators.mesh.vertex_count();
+        Self::with_terms(operators, Arc::new(EnergyTerms::new(operators, input)), Watch::NONE)
+    }
+
+    /// The same where its terms are known. Once the watch says stop, nothing is solved any more, searches end early, and what
+    /// they return means nothing.
+    pub(crate) fn with_terms(operators: &'a Operators, terms: Arc<EnergyTerms>, watch: Watch<'a>) -> Self {
         Self {
-            constant: operators.inner(&flattening, &flattening),
-            flattening,
-            linear,
-            distances: Distances::new(&operators.mesh, &operators.metric),
-            triangles: input.vertices().map(|v| usable_degree(input, &[], v) as f64).collect(),
-            room: WIDEST,
+            operators,
+            terms,
+            watch,
+            largest_corner: LARGEST_CORNER,
             pool: Vec::new(),
-            place: VertexData::constant(count, None),
+            place: VertexData::constant(operators.mesh.vertex_count(), None),
             column: Vec::new(),
             products: Vec::new(),
-            operators,
         }
     }
 
@@ -101,12 +125,17 @@ impl<'a> Reduced<'a> {
 
     /// p, the centred log scale factor that takes away all curvature.
     pub fn flattening(&self) -> &VertexData<f64> {
-        &self.flattening
+        &self.terms.flattening
     }
 
     /// The vertices that have been solved for: one and a half solves each.
     pub fn pool(&self) -> &[VertexId] {
         &self.pool
+    }
+
+    /// Whether searches must end; see [`with_terms`](Self::with_terms).
+    pub(crate) fn is_stopped(&self) -> bool {
+        self.watch.stops_at(0.0)
     }
 
     /// What the curvatures must sum to; nothing with a boundary.
@@ -116,17 +145,17 @@ impl<'a> Reduced<'a> {
 
     /// b
     pub(crate) fn linear(&self) -> &VertexData<f64> {
-        &self.linear
+        &self.terms.linear
     }
 
     /// Distances on the surface scaled to area 1.
     pub(crate) fn distances(&self) -> &Distances {
-        &self.distances
+        &self.terms.distances
     }
 
     /// E₀
     pub(crate) fn constant(&self) -> f64 {
-        self.constant
+        self.terms.constant
     }
 
     /// Whether a vertex has been solved for.
@@ -143,18 +172,27 @@ impl<'a> Reduced<'a> {
             }
         }
         for block in new.chunks(BLOCK) {
-            let mut green = self.operators.green(block);
-            for g in &mut green {
-                self.operators.centre(g);
-                *g = self.operators.weighted(g);
-            }
-            for (&v, h) in block.iter().zip(self.operators.poisson.solve_many(&green)) {
+            for (&v, h) in block.iter().zip(self.columns_of(block)) {
                 self.place[v] = Some(self.pool.len() as u32);
                 self.pool.push(v);
                 self.products.push(self.pool.iter().map(|&x| h[x]).collect());
                 self.column.push(h.iter().map(|&h| h as f32).collect());
             }
         }
+    }
+
+    /// h of some vertices; 0 where searches must end.
+    fn columns_of(&self, vertices: &[VertexId]) -> Vec<VertexData<f64>> {
+        let nothing = || vec![VertexData::constant(self.operators.mesh.vertex_count(), 0.0); vertices.len()];
+        if self.is_stopped() {
+            return nothing();
+        }
+        let mut green = self.operators.green(vertices);
+        for g in &mut green {
+            self.operators.centre(g);
+            *g = self.operators.weighted(g);
+        }
+        if self.is_stopped() { nothing() } else { self.operators.poisson.solve_many(&green) }
     }
 
     /// h of a member of the pool, rounded.
@@ -180,44 +218,47 @@ impl<'a> Reduced<'a> {
 
     /// The least curvature that a vertex can have, from the number of its triangles.
     pub(crate) fn lowest(&self, v: VertexId) -> f64 {
-        2.0 * PI - self.room * self.triangles[v]
+        2.0 * PI - self.largest_corner * self.terms.triangles[v]
     }
 
-    /// From here on, the widest angle that triangles at a cone have on average; infinite where that is left aside.
-    pub(crate) fn set_room(&mut self, room: f64) {
-        self.room = room;
+    /// Works with another widest angle that triangles at a cone have on average; infinite where that is left aside.
+    pub(crate) fn with_largest_corner<T>(&mut self, angle: f64, work: impl FnOnce(&mut Self) -> T) -> T {
+        let before = std::mem::replace(&mut self.largest_corner, angle);
+        let done = work(self);
+        self.largest_corner = before;
+        done
     }
 
     /// What a shortfall counts beside energies, per radian: more than any difference of energies.
     pub(crate) fn price(&self) -> f64 {
-        1.0 + 10.0 * self.constant
+        1.0 + 10.0 * self.terms.constant
     }
 
     /// The best curvatures of cones that are in the pool. Where they cannot take the surface's curvature the bounds give
     /// way evenly, and the shortfall tells by how much.
-    pub fn fit(&self, cones: &[VertexId]) -> Fitted {
+    pub fn fit(&self, cones: &[VertexId]) -> ConeSet {
         let n = cones.len();
-        let linear: Vec<f64> = cones.iter().map(|&v| self.linear[v]).collect();
+        let linear: Vec<f64> = cones.iter().map(|&v| self.terms.linear[v]).collect();
         let matrix: Vec<f64> = cones.iter().flat_map(|&v| cones.iter().map(move |&x| self.product(v, x))).collect();
         let mut bounds: Vec<[f64; 2]> = cones.iter().map(|&v| self.bounds(v, n)).collect();
         let total = self.total();
         let shortfall = self.relax(&mut bounds);
-        let energy = Quadratic { constant: self.constant, linear: &linear, matrix: &matrix };
-        match fit(&energy, &bounds, total) {
-            Ok(fit) => Fitted {
+        let energy = Quadratic { constant: self.terms.constant, linear: &linear, matrix: &matrix };
+        match minimise(&energy, &bounds, total) {
+            Ok(optimum) => ConeSet {
                 cones: cones.to_vec(),
-                curvature: fit.curvatures,
-                energy: fit.energy.max(0.0),
+                curvature: optimum.curvatures,
+                energy: optimum.energy.max(0.0),
                 shortfall,
-                held: fit.held,
-                multiplier: fit.multiplier,
+                held: optimum.held,
+                multiplier: optimum.multiplier,
                 bounds,
             },
             // No cones on a surface that needs some.
-            Err(_) => Fitted {
+            Err(_) => ConeSet {
                 cones: cones.to_vec(),
                 curvature: vec![0.0; n],
-                energy: self.constant,
+                energy: self.terms.constant,
                 shortfall: total.map_or(0.0, f64::abs),
                 held: vec![Held::Lower; n],
                 multiplier: 0.0,
@@ -246,7 +287,7 @@ impl<'a> Reduced<'a> {
     }
 }
 
-impl Fitted {
+impl ConeSet {
     /// The L2 norm of the log scale factor that linear theory predicts.
     pub fn log_scale_norm(&self) -> f64 {
         self.energy.sqrt()
@@ -262,7 +303,7 @@ impl Fitted {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::angles::{Angles, cone_curvatures};
+    use crate::curvature::{CurvatureRule, cone_curvatures};
     use geom::{Mesh, Metric, shapes};
     use proptest::prelude::*;
 
@@ -294,10 +335,10 @@ mod tests {
         fn the_predicted_norm_is_that_of_the_log_scale_factor(count in 1usize..12, seed in 0usize..700) {
             for (mesh, operators) in surfaces() {
                 let cones = scattered(&mesh, count, seed);
-                let mut reduced = Reduced::new(&operators, &mesh);
-                reduced.add(&cones);
-                let set = reduced.fit(&cones);
-                let u = reduced.log_scale(&cones, &set.curvature);
+                let mut model = EnergyModel::new(&operators, &mesh);
+                model.add(&cones);
+                let set = model.fit(&cones);
+                let u = model.log_scale(&cones, &set.curvature);
                 prop_assert!(relative(set.energy, operators.inner(&u, &u)) < 1e-10);
             }
         }
@@ -306,16 +347,16 @@ mod tests {
         fn curvatures_are_the_optimal_ones(count in 3usize..12, seed in 0usize..700) {
             for (mesh, operators) in surfaces() {
                 let cones = scattered(&mesh, count, seed);
-                let mut reduced = Reduced::new(&operators, &mesh);
-                reduced.add(&cones);
-                let set = reduced.fit(&cones);
-                let Ok(optimal) = cone_curvatures(&operators, &mesh, &cones, Angles::Optimal) else {
+                let mut model = EnergyModel::new(&operators, &mesh);
+                model.add(&cones);
+                let set = model.fit(&cones);
+                let Ok(optimal) = cone_curvatures(&operators, &mesh, &cones, CurvatureRule::Optimal) else {
                     prop_assert!(set.shortfall > 0.0);
                     continue;
                 };
                 let norm = operators.inner(&optimal.predicted, &optimal.predicted);
                 prop_assert!(relative(set.energy, norm) < 1e-9);
-                if let Some(total) = reduced.total() {
+                if let Some(total) = model.total() {
                     prop_assert!((set.curvature.iter().sum::<f64>() - total).abs() < 1e-11);
                 }
             }
@@ -326,17 +367,17 @@ mod tests {
     fn products_are_those_of_green_s_functions() {
         for (mesh, operators) in surfaces() {
             let cones = scattered(&mesh, 5, 11);
-            let mut reduced = Reduced::new(&operators, &mesh);
-            cones.iter().for_each(|&v| reduced.add(&[v]));
+            let mut model = EnergyModel::new(&operators, &mesh);
+            cones.iter().for_each(|&v| model.add(&[v]));
             let mut green = operators.green(&cones);
             green.iter_mut().for_each(|g| operators.centre(g));
             for (&v, g) in cones.iter().zip(&green) {
-                assert!(relative(reduced.linear()[v], operators.inner(g, reduced.flattening())) < 1e-11);
+                assert!(relative(model.linear()[v], operators.inner(g, model.flattening())) < 1e-11);
                 for (&x, other) in cones.iter().zip(&green) {
                     let product = operators.inner(g, other);
-                    assert!(relative(reduced.product(v, x), product) < 1e-11);
+                    assert!(relative(model.product(v, x), product) < 1e-11);
                     assert!(
-                        (f64::from(reduced.column(v)[x.0 as usize]) - product).abs() < 1e-6 * product.abs().max(1e-3)
+                        (f64::from(model.column(v)[x.0 as usize]) - product).abs() < 1e-6 * product.abs().max(1e-3)
                     );
                 }
             }
@@ -346,21 +387,21 @@ mod tests {
     #[test]
     fn what_cannot_take_the_curvature_says_by_how_much() {
         let (mesh, operators) = surfaces().swap_remove(0);
-        let mut reduced = Reduced::new(&operators, &mesh);
-        assert!((reduced.fit(&[]).shortfall - 4.0 * PI).abs() < 1e-9);
+        let mut model = EnergyModel::new(&operators, &mesh);
+        assert!((model.fit(&[]).shortfall - 4.0 * PI).abs() < 1e-9);
         let cones = scattered(&mesh, 2, 0);
-        reduced.add(&cones);
-        let pair = reduced.fit(&cones);
+        model.add(&cones);
+        let pair = model.fit(&cones);
         assert!((pair.shortfall - 0.02 * PI).abs() < 1e-6, "two cones of at most 1.99π miss 4π by 0.02π");
     }
 
     #[test]
     fn a_vertex_is_solved_for_once() {
         let (mesh, operators) = surfaces().swap_remove(2);
-        let mut reduced = Reduced::new(&operators, &mesh);
+        let mut model = EnergyModel::new(&operators, &mesh);
         let cones = scattered(&mesh, 20, 3);
-        reduced.add(&[&cones[..], &cones[..]].concat());
-        reduced.add(&cones);
-        assert_eq!(reduced.pool(), cones);
+        model.add(&[&cones[..], &cones[..]].concat());
+        model.add(&cones);
+        assert_eq!(model.pool(), cones);
     }
 }

@@ -1,8 +1,8 @@
 //! Better sets of cones from the pool, without solves.
 
-use crate::crowd::Crowd;
-use crate::reduced::{Fitted, Reduced};
-use crate::swap::{Row, Swap, SwapTable};
+use super::separation::Separation;
+use super::energy_model::{ConeSet, EnergyModel};
+use super::swap_table::{Row, Swap, SwapTable};
 
 /// So many of the best swaps are fitted before an exchange is over.
 pub(crate) const TRIALS: usize = 6;
@@ -12,50 +12,56 @@ const DETOURS: usize = 20;
 const LEAST_GAIN: f64 = 1e-4;
 
 /// Moves cones to other members of the pool, one at a time, each time what brings most, until nothing helps.
-pub(crate) fn exchange(reduced: &Reduced, mut set: Fitted) -> Fitted {
-    while let Some(better) = best_swap(reduced, &set) {
+pub(crate) fn exchange(model: &EnergyModel, mut set: ConeSet) -> ConeSet {
+    while let Some(better) = best_swap(model, &set) {
         set = better;
     }
     set
 }
 
 /// As [`exchange`], and where no single move helps, pairs of moves: the least harmful ones, each followed by an exchange.
-pub(crate) fn exchange_deeply(reduced: &Reduced, set: Fitted) -> Fitted {
-    let mut set = exchange(reduced, set);
-    while let Some(better) = best_detour(reduced, &set) {
+pub(crate) fn exchange_deeply(model: &EnergyModel, set: ConeSet) -> ConeSet {
+    let mut set = exchange(model, set);
+    while let Some(better) = best_detour(model, &set) {
         set = better;
     }
     set
 }
 
-fn best_swap(reduced: &Reduced, set: &Fitted) -> Option<Fitted> {
-    let swaps = swaps(reduced, set);
+fn best_swap(model: &EnergyModel, set: &ConeSet) -> Option<ConeSet> {
+    if model.is_stopped() {
+        return None;
+    }
+    let swaps = swaps(model, set);
     let helpful = swaps.iter().take(TRIALS).take_while(|swap| swap.change < -LEAST_GAIN * set.energy);
-    let mut fitted = helpful.map(|swap| apply(reduced, set, swap));
+    let mut fitted = helpful.map(|swap| apply(model, set, swap));
     fitted.find(|after| after.is_better_than(set, LEAST_GAIN))
 }
 
-fn best_detour(reduced: &Reduced, set: &Fitted) -> Option<Fitted> {
-    let swaps = swaps(reduced, set);
-    let mut ends = swaps.iter().take(DETOURS).map(|swap| exchange(reduced, apply(reduced, set, swap)));
+fn best_detour(model: &EnergyModel, set: &ConeSet) -> Option<ConeSet> {
+    if model.is_stopped() {
+        return None;
+    }
+    let swaps = swaps(model, set);
+    let mut ends = swaps.iter().take(DETOURS).map(|swap| exchange(model, apply(model, set, swap)));
     ends.find(|end| end.is_better_than(set, LEAST_GAIN))
 }
 
-fn apply(reduced: &Reduced, set: &Fitted, swap: &Swap) -> Fitted {
+fn apply(model: &EnergyModel, set: &ConeSet, swap: &Swap) -> ConeSet {
     let mut cones = set.cones.clone();
     cones[swap.leaving] = swap.coming;
-    reduced.fit(&cones)
+    model.fit(&cones)
 }
 
 /// All moves of a cone to another member of the pool, the most promising first.
-fn swaps(reduced: &Reduced, set: &Fitted) -> Vec<Swap> {
-    let table = SwapTable::new(reduced, set);
-    let crowd = Crowd::new(reduced.operators(), &set.cones);
+fn swaps(model: &EnergyModel, set: &ConeSet) -> Vec<Swap> {
+    let table = SwapTable::new(model, set);
+    let separation = Separation::new(model.operators(), &set.cones);
     let mut swaps = Vec::new();
     let mut row = Row::default();
-    for &coming in reduced.pool().iter().filter(|&&v| crowd.is_open(v) && !set.cones.contains(&v)) {
+    for &coming in model.pool().iter().filter(|&&v| separation.is_open(v) && !set.cones.contains(&v)) {
         table.fill_for_member(coming, &mut row);
-        let swap = |(leaving, &change)| crowd.admits(coming, leaving).then_some(Swap { change, leaving, coming });
+        let swap = |(leaving, &change)| separation.admits(coming, leaving).then_some(Swap { change, leaving, coming });
         swaps.extend(row.change.iter().enumerate().filter_map(swap));
     }
     swaps.sort_by(|a, b| a.change.total_cmp(&b.change));
@@ -63,22 +69,22 @@ fn swaps(reduced: &Reduced, set: &Fitted) -> Vec<Swap> {
 }
 
 /// Takes cones away, one at a time whichever is missed least, until so many are left, exchanging after each.
-pub(crate) fn eliminate(reduced: &Reduced, mut set: Fitted, count: usize) -> Fitted {
+pub(crate) fn eliminate(model: &EnergyModel, mut set: ConeSet, count: usize) -> ConeSet {
     while set.cones.len() > count {
-        set = exchange(reduced, drop_cheapest(reduced, &set));
+        set = exchange(model, drop_cheapest(model, &set));
     }
     set
 }
 
 /// Takes away the cone that is missed least, by an exact fit of the few that seem to be.
-pub(crate) fn drop_cheapest(reduced: &Reduced, set: &Fitted) -> Fitted {
-    let table = SwapTable::new(reduced, set);
+pub(crate) fn drop_cheapest(model: &EnergyModel, set: &ConeSet) -> ConeSet {
+    let table = SwapTable::new(model, set);
     let mut order: Vec<usize> = (0..set.cones.len()).collect();
     order.sort_by(|&i, &j| table.removal(i).total_cmp(&table.removal(j)));
     let without = |&leaving: &usize| {
         let mut cones = set.cones.clone();
         cones.remove(leaving);
-        reduced.fit(&cones)
+        model.fit(&cones)
     };
     let candidates = order.iter().take(3).map(without);
     candidates.reduce(|a, b| if b.is_better_than(&a, 0.0) { b } else { a }).unwrap_or_else(|| set.clone())

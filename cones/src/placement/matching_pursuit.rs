@@ -3,9 +3,9 @@
 
 use geom::{VertexData, VertexId};
 
-use crate::crowd::Crowd;
-use crate::reduced::{Fitted, Reduced};
-use crate::swap::norms;
+use super::separation::Separation;
+use super::energy_model::{ConeSet, EnergyModel};
+use super::swap_table::norms;
 
 /// How the next cone is chosen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -18,10 +18,10 @@ pub(crate) enum Rule {
 
 /// The first cones: at the lowest point of φ where the surface needs positive curvature, at the highest where it needs
 /// negative, at both on a torus, none with a boundary; at most `count`.
-pub(crate) fn start(reduced: &mut Reduced, count: usize) -> Fitted {
+pub(crate) fn start(model: &mut EnergyModel, count: usize) -> ConeSet {
     let mut cones = Vec::new();
-    if let Some(total) = reduced.total() {
-        let (low, high) = extremes(reduced.flattening());
+    if let Some(total) = model.total() {
+        let (low, high) = extremes(model.flattening());
         cones = match total {
             t if t > 1.0 => vec![low],
             t if t < -1.0 => vec![high],
@@ -30,8 +30,8 @@ pub(crate) fn start(reduced: &mut Reduced, count: usize) -> Fitted {
         cones.dedup();
         cones.truncate(count);
     }
-    reduced.add(&cones);
-    reduced.fit(&cones)
+    model.add(&cones);
+    model.fit(&cones)
 }
 
 fn extremes(field: &VertexData<f64>) -> (VertexId, VertexId) {
@@ -48,42 +48,42 @@ fn extremes(field: &VertexData<f64>) -> (VertexId, VertexId) {
 }
 
 /// Adds cones until there are so many, or no vertex is left.
-pub(crate) fn grow(reduced: &mut Reduced, mut set: Fitted, count: usize, rule: Rule) -> Fitted {
+pub(crate) fn grow(model: &mut EnergyModel, mut set: ConeSet, count: usize, rule: Rule) -> ConeSet {
     while set.cones.len() < count {
-        let Some(next) = steepest(reduced, &set, rule) else { break };
+        let Some(next) = steepest(model, &set, rule) else { break };
         let mut cones = set.cones;
         cones.push(next);
-        reduced.add(&[next]);
-        set = reduced.fit(&cones);
+        model.add(&[next]);
+        set = model.fit(&cones);
     }
     set
 }
 
 /// Where the next cone should be.
-fn steepest(reduced: &Reduced, set: &Fitted, rule: Rule) -> Option<VertexId> {
-    let crowd = Crowd::new(reduced.operators(), &set.cones);
-    let gradient = gradient(reduced, set);
+fn steepest(model: &EnergyModel, set: &ConeSet, rule: Rule) -> Option<VertexId> {
+    let separation = Separation::new(model.operators(), &set.cones);
+    let gradient = gradient(model, set);
     let score: VertexData<f64> = match rule {
         Rule::Gradient => gradient.iter().map(|r| r.abs()).collect(),
         Rule::Gain => {
-            let norms = norms(reduced, set);
+            let norms = norms(model, set);
             let gain = |(v, r): (VertexId, &f64)| {
-                let [low, high] = reduced.bounds(v, set.cones.len() + 1);
+                let [low, high] = model.bounds(v, set.cones.len() + 1);
                 let t = (-r / norms[v].max(f64::MIN_POSITIVE)).clamp(low, high);
                 -t * (2.0 * r + t * norms[v])
             };
             gradient.iter_ids().map(gain).collect()
         }
     };
-    let open = score.iter_ids().filter(|(v, _)| crowd.admits_another(*v));
+    let open = score.iter_ids().filter(|(v, _)| separation.admits_another(*v));
     open.max_by(|a, b| a.1.total_cmp(b.1).then(b.0.cmp(&a.0))).map(|(v, _)| v)
 }
 
 /// r = b + H q + λ at every vertex.
-pub(crate) fn gradient(reduced: &Reduced, set: &Fitted) -> VertexData<f64> {
-    let mut gradient: VertexData<f64> = reduced.linear().iter().map(|b| b + set.multiplier).collect();
+pub(crate) fn gradient(model: &EnergyModel, set: &ConeSet) -> VertexData<f64> {
+    let mut gradient: VertexData<f64> = model.linear().iter().map(|b| b + set.multiplier).collect();
     for (&cone, &q) in set.cones.iter().zip(&set.curvature) {
-        gradient.iter_mut().zip(reduced.column(cone)).for_each(|(r, &h)| *r += q * f64::from(h));
+        gradient.iter_mut().zip(model.column(cone)).for_each(|(r, &h)| *r += q * f64::from(h));
     }
     gradient
 }

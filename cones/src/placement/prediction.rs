@@ -2,14 +2,16 @@
 
 use geom::VertexData;
 
-use crate::angles::Angles;
-use crate::operators::Operators;
-use crate::reduced::Fitted;
-use crate::settled::Settled;
+use crate::curvature::CurvatureRule;
+use crate::field::Operators;
+use super::energy_model::ConeSet;
+use super::configuration::Configuration;
 
 /// What linear theory predicts for a set of cones.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Predicted {
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub struct Prediction {
     /// The number of cones.
     pub count: usize,
     /// The L2 norm of the log scale factor, weighted by area.
@@ -20,9 +22,9 @@ pub struct Predicted {
 
 /// What linear theory predicts for a set of cones that get their curvatures by a rule. Half a solve; one more for each cone
 /// where they are harmonic.
-pub fn predict(operators: &Operators, set: &Fitted, angles: Angles) -> Predicted {
-    let u = Settled::new(operators, set, angles).log_scale(operators);
-    Predicted {
+pub(crate) fn predict(operators: &Operators, set: &ConeSet, rule: CurvatureRule) -> Prediction {
+    let u = Configuration::new(operators, set, rule).log_scale(operators);
+    Prediction {
         count: set.cones.len(),
         log_scale_norm: operators.inner(&u, &u).sqrt(),
         area_distortion: area_distortion(operators, &u),
@@ -40,7 +42,7 @@ pub fn area_distortion(operators: &Operators, u: &[f64]) -> f64 {
 }
 
 /// The area of each triangle, and by what it is multiplied.
-fn area_ratios(operators: &Operators, u: &[f64]) -> Vec<(f64, f64)> {
+pub(crate) fn area_ratios(operators: &Operators, u: &[f64]) -> Vec<(f64, f64)> {
     assert_eq!(u.len(), operators.mesh.vertex_count(), "a log scale factor has one value a vertex");
     // e^(2/3 u): three of them make a triangle's ratio.
     let share: VertexData<f64> = u.iter().map(|u| (u * (2.0 / 3.0)).exp()).collect();
@@ -52,7 +54,7 @@ fn area_ratios(operators: &Operators, u: &[f64]) -> Vec<(f64, f64)> {
     operators.mesh.faces().map(of_face).collect()
 }
 
-fn distortion_of<'a>(faces: impl IntoIterator<Item = &'a (f64, f64)> + Clone) -> f64 {
+pub(crate) fn distortion_of<'a>(faces: impl IntoIterator<Item = &'a (f64, f64)> + Clone) -> f64 {
     let (before, after) = faces.clone().into_iter().fold((0.0, 0.0), |(b, a), (area, r)| (b + area, a + area * r));
     let distortion = |(area, r): &(f64, f64)| {
         let r = r * before / after;
@@ -61,43 +63,43 @@ fn distortion_of<'a>(faces: impl IntoIterator<Item = &'a (f64, f64)> + Clone) ->
     faces.into_iter().map(distortion).sum()
 }
 
-/// What is predicted for several connected parts that are laid out side by side, each with a mean log scale of 0.
-pub(crate) struct Whole {
-    parts: Vec<PartScale>,
+/// What is predicted for several components that are laid out side by side, each with a mean log scale of 0.
+pub(crate) struct Predictor {
+    components: Vec<ScaledComponent>,
 }
 
-/// A part under its log scale factor.
+/// A component under its log scale factor.
 #[derive(Clone, Default)]
-struct PartScale {
+struct ScaledComponent {
     count: usize,
     area: f64,
     energy: f64,
     faces: Vec<(f64, f64)>,
 }
 
-impl Whole {
-    /// So many parts, of which nothing is known yet.
-    pub(crate) fn new(parts: usize) -> Self {
-        Self { parts: vec![PartScale::default(); parts] }
+impl Predictor {
+    /// So many components, of which nothing is known yet.
+    pub(crate) fn new(components: usize) -> Self {
+        Self { components: vec![ScaledComponent::default(); components] }
     }
 
-    /// A part's number of cones and log scale factor; `area` is that in the model.
-    pub(crate) fn put(&mut self, part: usize, operators: &Operators, area: f64, count: usize, mut u: VertexData<f64>) {
+    /// A component's number of cones and log scale factor; `area` is that in the model.
+    pub(crate) fn put(&mut self, component: usize, operators: &Operators, area: f64, count: usize, mut u: VertexData<f64>) {
         operators.subtract_mean(&mut u);
         let mut faces = area_ratios(operators, &u);
         let own: f64 = faces.iter().map(|(area, _)| area).sum();
         faces.iter_mut().for_each(|(share, _)| *share *= area / own);
-        self.parts[part] = PartScale { count, area, energy: operators.inner(&u, &u), faces };
+        self.components[component] = ScaledComponent { count, area, energy: operators.inner(&u, &u), faces };
     }
 
-    /// What all parts together come to.
-    pub(crate) fn predicted(&self) -> Predicted {
-        let area: f64 = self.parts.iter().map(|part| part.area).sum();
-        let energy: f64 = self.parts.iter().map(|part| part.area * part.energy).sum();
-        Predicted {
-            count: self.parts.iter().map(|part| part.count).sum(),
+    /// What all components together come to.
+    pub(crate) fn prediction(&self) -> Prediction {
+        let area: f64 = self.components.iter().map(|component| component.area).sum();
+        let energy: f64 = self.components.iter().map(|component| component.area * component.energy).sum();
+        Prediction {
+            count: self.components.iter().map(|component| component.count).sum(),
             log_scale_norm: (energy / area).sqrt(),
-            area_distortion: distortion_of(self.parts.iter().flat_map(|part| &part.faces)),
+            area_distortion: distortion_of(self.components.iter().flat_map(|component| &component.faces)),
         }
     }
 }

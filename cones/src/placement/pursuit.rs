@@ -13,15 +13,13 @@ use std::cmp::Ordering;
 
 use geom::VertexId;
 
-use crate::angles::{Angles, COMFORTABLE, WIDEST};
-use crate::crowd::Crowd;
-use crate::distortion::Predicted;
-use crate::exchange::{TRIALS, drop_cheapest, exchange};
-use crate::grow::{Rule, grow, start};
-use crate::operators::Operators;
-use crate::order::PartOrder;
-use crate::reduced::{Fitted, Reduced};
-use crate::swap::{Row, SwapTable, norms};
+use crate::curvature::COMFORTABLE_CORNER;
+use super::separation::Separation;
+use super::exchange::{TRIALS, drop_cheapest, exchange};
+use super::matching_pursuit::{Rule, grow, start};
+use super::energy_model::{ConeSet, EnergyModel};
+use super::nested::Nested;
+use super::swap_table::{Row, SwapTable, norms};
 
 /// An order is found so many cones at a time.
 pub(crate) const BLOCK: usize = 32;
@@ -34,91 +32,65 @@ const LEAST_GAIN: f64 = 0.002;
 /// A move must lower Σ log E by this.
 const LEAST_MOVE: f64 = 1e-4;
 
-/// An order of cones, with the best curvatures of every prefix.
-#[derive(Clone, Debug)]
-pub struct Nested {
-    /// The first N cones with their curvatures, for N from 0 on.
-    pub sets: Vec<Fitted>,
-}
-
-impl Nested {
-    /// The prefixes of an order of cones. One and a half back-solves for each cone that is not in the pool.
-    pub fn new(reduced: &mut Reduced, order: &[VertexId]) -> Self {
-        reduced.add(order);
-        Self { sets: (0..=order.len()).map(|count| reduced.fit(&order[..count])).collect() }
-    }
-
-    /// The cones in their order.
-    pub fn cones(&self) -> &[VertexId] {
-        self.sets.last().map_or(&[], |set| &set.cones)
-    }
-
-    /// What is predicted for every number of cones that can take the surface's curvature, with curvatures by a rule. Half
-    /// a solve for each.
-    pub fn curve(&self, operators: &Operators, angles: Angles) -> Vec<Predicted> {
-        PartOrder::new(operators, 1.0, self, angles).curve()
-    }
-}
-
 /// The best order found of so many cones; fewer only where the surface has no more inner vertices. On a fresh model every
 /// order begins with all shorter ones. About 190 back-solves for each 32 cones begun.
-pub fn pursuit(reduced: &mut Reduced, count: usize) -> Nested {
-    pursuit_by(reduced, count, BLOCK)
+pub fn pursuit(model: &mut EnergyModel, count: usize) -> Nested {
+    pursuit_by(model, count, BLOCK)
 }
 
 /// An order of so many cones, found in blocks of no more than that: for a few cones cheaper than [`pursuit`], but no prefix
 /// of a longer order.
-pub(crate) fn brief_pursuit(reduced: &mut Reduced, count: usize) -> Nested {
-    pursuit_by(reduced, count, count.clamp(1, BLOCK))
+pub(crate) fn brief_pursuit(model: &mut EnergyModel, count: usize) -> Nested {
+    pursuit_by(model, count, count.clamp(1, BLOCK))
 }
 
-fn pursuit_by(reduced: &mut Reduced, count: usize, block: usize) -> Nested {
+fn pursuit_by(model: &mut EnergyModel, count: usize, block: usize) -> Nested {
     let mut cones: Vec<VertexId> = Vec::new();
-    reduced.set_room(COMFORTABLE);
-    while cones.len() < count {
-        let held = cones.len();
-        cones = extended(reduced, cones, block);
-        if cones.len() == held {
-            break;
+    model.with_largest_corner(COMFORTABLE_CORNER, |model| {
+        while cones.len() < count {
+            let held = cones.len();
+            cones = extended(model, std::mem::take(&mut cones), block);
+            if cones.len() == held {
+                break;
+            }
         }
-    }
-    reduced.set_room(WIDEST);
+    });
     cones.truncate(count);
-    Nested::new(reduced, &cones)
+    Nested::new(model, &cones)
 }
 
 /// An order with a block more.
-fn extended(reduced: &mut Reduced, held: Vec<VertexId>, block: usize) -> Vec<VertexId> {
-    let mut order = best_start(reduced, held, block);
+fn extended(model: &mut EnergyModel, held: Vec<VertexId>, block: usize) -> Vec<VertexId> {
+    let mut order = best_start(model, held, block);
     for _ in 0..ROUNDS {
-        let new = order.proposals(reduced);
+        let new = order.proposals(model);
         if new.is_empty() {
             break;
         }
-        reduced.add(&new);
+        model.add(&new);
         let before = order.cost;
-        order.improve(reduced);
+        order.improve(model);
         if order.cost > before - LEAST_GAIN * order.levels.len() as f64 {
             break;
         }
     }
-    order.arranged(reduced)
+    order.arranged(model)
 }
 
 /// The best of three orders: pursued by gradient, by gain, and, where nothing is held, the order in which cones are missed
 /// least, backwards.
-fn best_start(reduced: &mut Reduced, held: Vec<VertexId>, block: usize) -> Order {
+fn best_start(model: &mut EnergyModel, held: Vec<VertexId>, block: usize) -> Order {
     let count = held.len() + block;
-    let first = if held.is_empty() { start(reduced, count) } else { reduced.fit(&held) };
-    let by_gradient = grow(reduced, first.clone(), count, Rule::Gradient);
-    let by_gain = grow(reduced, first, count, Rule::Gain);
-    let mut best = Order::improved(reduced, by_gradient.cones, held.len());
+    let first = if held.is_empty() { start(model, count) } else { model.fit(&held) };
+    let by_gradient = grow(model, first.clone(), count, Rule::Gradient);
+    let by_gain = grow(model, first, count, Rule::Gain);
+    let mut best = Order::improved(model, by_gradient.cones, held.len());
     let mut others = vec![by_gain.cones.clone()];
     if held.is_empty() {
-        others.push(backward(reduced, exchange(reduced, by_gain)));
+        others.push(backward(model, exchange(model, by_gain)));
     }
     for cones in others {
-        let order = Order::improved(reduced, cones, held.len());
+        let order = Order::improved(model, cones, held.len());
         if order.is_better_than(&best, 0.0) {
             best = order;
         }
@@ -127,10 +99,10 @@ fn best_start(reduced: &mut Reduced, held: Vec<VertexId>, block: usize) -> Order
 }
 
 /// A set's cones, those that are missed least last.
-fn backward(reduced: &Reduced, mut set: Fitted) -> Vec<VertexId> {
+fn backward(model: &EnergyModel, mut set: ConeSet) -> Vec<VertexId> {
     let mut dropped = Vec::new();
     while !set.cones.is_empty() {
-        let fewer = drop_cheapest(reduced, &set);
+        let fewer = drop_cheapest(model, &set);
         dropped.extend(set.cones.iter().filter(|cone| !fewer.cones.contains(cone)));
         set = fewer;
     }
@@ -143,7 +115,7 @@ struct Order {
     cones: Vec<VertexId>,
     /// So many of them stay where they are.
     held: usize,
-    levels: Vec<Fitted>,
+    levels: Vec<ConeSet>,
     /// Σ log E over the levels.
     cost: f64,
 }
@@ -157,25 +129,25 @@ struct Move {
 }
 
 impl Order {
-    fn new(reduced: &Reduced, cones: Vec<VertexId>, held: usize) -> Self {
+    fn new(model: &EnergyModel, cones: Vec<VertexId>, held: usize) -> Self {
         let counts = (0..).map(|k| 1usize << k).take_while(|&n| n < cones.len()).chain([cones.len()]);
-        let levels: Vec<Fitted> = counts.map(|n| reduced.fit(&cones[..n])).collect();
+        let levels: Vec<ConeSet> = counts.map(|n| model.fit(&cones[..n])).collect();
         // A level that cannot take the curvature is none, as one or two cones on a sphere.
-        let able: Vec<Fitted> = levels.iter().filter(|level| level.shortfall == 0.0).cloned().collect();
+        let able: Vec<ConeSet> = levels.iter().filter(|level| level.shortfall == 0.0).cloned().collect();
         let levels = if able.is_empty() { levels } else { able };
-        let cost = levels.iter().map(|level| worth(reduced, level).ln()).sum();
+        let cost = levels.iter().map(|level| worth(model, level).ln()).sum();
         Self { cones, held, levels, cost }
     }
 
-    fn improved(reduced: &Reduced, cones: Vec<VertexId>, held: usize) -> Self {
-        let mut order = Self::new(reduced, cones, held);
-        order.improve(reduced);
+    fn improved(model: &EnergyModel, cones: Vec<VertexId>, held: usize) -> Self {
+        let mut order = Self::new(model, cones, held);
+        order.improve(model);
         order
     }
 
     /// The cones with those between two levels in the best order, which levels say nothing about: whichever is missed
     /// least comes last.
-    fn arranged(self, reduced: &Reduced) -> Vec<VertexId> {
+    fn arranged(self, model: &EnergyModel) -> Vec<VertexId> {
         let mut cones = self.cones;
         let mut from = self.held;
         for to in self.levels.iter().map(|level| level.cones.len()).filter(|&to| to > self.held) {
@@ -183,9 +155,9 @@ impl Order {
                 let without = |place: usize| {
                     let mut fewer = cones[..=last].to_vec();
                     fewer.remove(place);
-                    (place, reduced.fit(&fewer))
+                    (place, model.fit(&fewer))
                 };
-                let better = |a: (usize, Fitted), b: (usize, Fitted)| if b.1.is_better_than(&a.1, 0.0) { b } else { a };
+                let better = |a: (usize, ConeSet), b: (usize, ConeSet)| if b.1.is_better_than(&a.1, 0.0) { b } else { a };
                 if let Some((place, _)) = (from..=last).map(without).reduce(better) {
                     cones[place..=last].rotate_left(1);
                 }
@@ -204,74 +176,77 @@ impl Order {
     }
 
     /// Makes the best move as long as there is one, without solves.
-    fn improve(&mut self, reduced: &Reduced) {
-        while let Some(better) = self.best_move(reduced) {
+    fn improve(&mut self, model: &EnergyModel) {
+        while let Some(better) = self.best_move(model) {
             *self = better;
         }
     }
 
-    fn best_move(&self, reduced: &Reduced) -> Option<Self> {
-        let tables = self.tables(reduced);
-        let crowd = Crowd::new(reduced.operators(), &self.cones);
+    fn best_move(&self, model: &EnergyModel) -> Option<Self> {
+        if model.is_stopped() {
+            return None;
+        }
+        let tables = self.tables(model);
+        let separation = Separation::new(model.operators(), &self.cones);
         let mut moves = Vec::new();
         let mut rows: Vec<Row> = tables.iter().map(|_| Row::default()).collect();
-        for &vertex in reduced.pool().iter().filter(|&&v| crowd.is_open(v)) {
+        for &vertex in model.pool().iter().filter(|&&v| separation.is_open(v)) {
             tables.iter().zip(&mut rows).for_each(|(table, row)| table.fill_for_member(vertex, row));
             let at = self.cones.iter().position(|&cone| cone == vertex);
             for place in self.held..at.unwrap_or(self.cones.len()) {
-                let change = self.change(reduced, &rows, place, at, |x: f64| x.max(1e-3).ln());
-                if change < -LEAST_MOVE && (at.is_some() || crowd.admits(vertex, place)) {
+                let change = self.change(model, &rows, place, at, |x: f64| x.max(1e-3).ln());
+                if change < -LEAST_MOVE && (at.is_some() || separation.admits(vertex, place)) {
                     moves.push(Move { change, place, vertex });
                 }
             }
         }
         moves.sort_by(|a, b| a.change.total_cmp(&b.change));
-        let mut results = moves.iter().take(TRIALS).map(|step| self.after(reduced, step));
+        let mut results = moves.iter().take(TRIALS).map(|step| self.after(model, step));
         results.find(|after| after.is_better_than(self, LEAST_MOVE))
     }
 
-    fn after(&self, reduced: &Reduced, step: &Move) -> Self {
+    fn after(&self, model: &EnergyModel, step: &Move) -> Self {
         let mut cones = self.cones.clone();
         if let Some(at) = cones.iter().position(|&cone| cone == step.vertex) {
             cones[at] = cones[step.place];
         }
         cones[step.place] = step.vertex;
-        Self::new(reduced, cones, self.held)
+        Self::new(model, cones, self.held)
     }
 
-    fn tables<'a>(&'a self, reduced: &'a Reduced) -> Vec<SwapTable<'a>> {
-        self.levels.iter().map(|level| SwapTable::new(reduced, level)).collect()
+    fn tables<'a>(&'a self, model: &'a EnergyModel) -> Vec<SwapTable<'a>> {
+        self.levels.iter().map(|level| SwapTable::new(model, level)).collect()
     }
 
     /// What putting a vertex at a place changes in Σ log E; `at` is where the vertex is in the order, and `log` may be
     /// an approximation. Levels that contain both places, or none, stay as they are.
     fn change(
         &self,
-        reduced: &Reduced,
+        model: &EnergyModel,
         rows: &[Row],
         place: usize,
         at: Option<usize>,
         log: impl Fn(f64) -> f64,
     ) -> f64 {
-        let concerned = |level: &Fitted| level.cones.len() > place && at.is_none_or(|at| level.cones.len() <= at);
+        let concerned = |level: &ConeSet| level.cones.len() > place && at.is_none_or(|at| level.cones.len() <= at);
         let levels = self.levels.iter().zip(rows).filter(|(level, _)| concerned(level));
-        levels.map(|(level, row)| log(1.0 + row.change[place] / worth(reduced, level))).sum()
+        levels.map(|(level, row)| log(1.0 + row.change[place] / worth(model, level))).sum()
     }
 
     /// For each place the best vertex of the surface, as far as not solved for; the best first, not too many.
-    fn proposals(&self, reduced: &Reduced) -> Vec<VertexId> {
-        let tables = self.tables(reduced);
-        let crowd = Crowd::new(reduced.operators(), &self.cones);
-        let norms: Vec<_> = self.levels.iter().map(|level| norms(reduced, level)).collect();
+    fn proposals(&self, model: &EnergyModel) -> Vec<VertexId> {
+        let tables = self.tables(model);
+        let separation = Separation::new(model.operators(), &self.cones);
+        let norms: Vec<_> = self.levels.iter().map(|level| norms(model, level)).collect();
         let mut rows: Vec<Row> = tables.iter().map(|_| Row::default()).collect();
         let mut best: Vec<Option<Move>> = vec![None; self.cones.len()];
-        for vertex in reduced.operators().mesh.vertices().filter(|&v| crowd.is_open(v) && !reduced.knows(v)) {
+        for vertex in model.operators().mesh.vertices().filter(|&v| separation.is_open(v) && !model.knows(v)) {
             for ((table, norms), row) in tables.iter().zip(&norms).zip(&mut rows) {
                 table.fill_for_vertex(vertex, norms[vertex], row);
             }
             for (place, best) in best.iter_mut().enumerate().skip(self.held) {
-                let change = self.change(reduced, &rows, place, None, |x| x - 1.0);
-                if best.is_none_or(|best| change < best.change) && crowd.admits(vertex, place) {
+                let change = self.change(model, &rows, place, None, |x| x - 1.0);
+                if best.is_none_or(|best| change < best.change) && separation.admits(vertex, place) {
                     *best = Some(Move { change, place, vertex });
                 }
             }
@@ -289,22 +264,22 @@ impl Order {
 }
 
 /// A level's energy, with what it lacks; never zero, so that it has a logarithm.
-fn worth(reduced: &Reduced, level: &Fitted) -> f64 {
-    (level.energy + reduced.price() * level.shortfall).max(1e-12 * (1.0 + reduced.constant()))
+fn worth(model: &EnergyModel, level: &ConeSet) -> f64 {
+    (level.energy + model.price() * level.shortfall).max(1e-12 * (1.0 + model.constant()))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::refined::refined;
+    use super::refined::refined;
     use geom::{Metric, shapes};
 
-    fn with_nested<T>(shape: &shapes::Shape, count: usize, then: impl Fn(&mut Reduced, Nested) -> T) -> T {
+    fn with_nested<T>(shape: &shapes::Shape, count: usize, then: impl Fn(&mut EnergyModel, Nested) -> T) -> T {
         let mesh = shape.mesh();
         let operators = Operators::new(&mesh, &Metric::from_points(&mesh, &shape.points)).unwrap();
-        let mut reduced = Reduced::new(&operators, &mesh);
-        let nested = pursuit(&mut reduced, count);
-        then(&mut reduced, nested)
+        let mut model = EnergyModel::new(&operators, &mesh);
+        let nested = pursuit(&mut model, count);
+        then(&mut model, nested)
     }
 
     #[test]
@@ -323,9 +298,9 @@ mod tests {
     #[test]
     fn nested_sets_are_not_much_worse_than_the_best_of_their_size() {
         for shape in [shapes::hare(1200), shapes::torus(2, 900), shapes::terrain(900, 5)] {
-            with_nested(&shape, 16, |reduced, nested| {
+            with_nested(&shape, 16, |model, nested| {
                 let ratio =
-                    |count: usize| nested.sets[count].log_scale_norm() / refined(reduced, count).log_scale_norm();
+                    |count: usize| nested.sets[count].log_scale_norm() / refined(model, count).log_scale_norm();
                 let ratios = [4, 8, 16].map(ratio);
                 assert!(ratios.iter().product::<f64>().cbrt() < 1.15, "{ratios:?}");
             });
@@ -346,8 +321,8 @@ mod tests {
 
     #[test]
     fn the_curve_begins_with_what_the_surface_needs() {
-        let curve = |reduced: &mut Reduced, nested: Nested| nested.curve(reduced.operators(), Angles::Optimal);
-        let first = |shape: shapes::Shape| with_nested(&shape, 6, |reduced, nested| curve(reduced, nested)[0]);
+        let curve = |model: &mut EnergyModel, nested: Nested| nested.curve(model.operators(), CurvatureRule::Optimal);
+        let first = |shape: shapes::Shape| with_nested(&shape, 6, |model, nested| curve(model, nested)[0]);
         assert_eq!(first(shapes::hare(600)).count, 3);
         assert_eq!(first(shapes::torus(1, 600)).count, 0);
         assert_eq!(first(shapes::terrain(600, 2)).count, 0);

@@ -1,20 +1,20 @@
 //! The best cones for one number of them: `refined`.
 //!
 //! The area-weighted variance of the log scale factor is minimised over cones *and* curvatures. Sets grow by
-//! matching pursuit from both sides ([`grow`](crate::grow), [`eliminate`](crate::exchange::eliminate)); then *rounds*
+//! matching pursuit from both sides ([`grow`](crate::placement::matching_pursuit), [`eliminate`](crate::placement::exchange::eliminate)); then *rounds*
 //! look over the whole surface for better places ([`SwapTable::proposals`]), solve for the most promising ones only, and
 //! exchange cones with all vertices solved for so far. Adding some cones more and eliminating them again gets out of
 //! local minima. All of it is back-solves on one factor, a few for each cone, and dense work below their cost.
 
 use geom::VertexId;
 
-use crate::angles::{COMFORTABLE, WIDEST, general_bounds};
-use crate::crowd::Crowd;
-use crate::exchange::{eliminate, exchange, exchange_deeply};
-use crate::fit::Held;
-use crate::grow::{Rule, grow, start};
-use crate::reduced::{Fitted, Reduced};
-use crate::swap::SwapTable;
+use crate::curvature::{COMFORTABLE_CORNER, LARGEST_CORNER, general_bounds};
+use super::separation::Separation;
+use super::exchange::{eliminate, exchange, exchange_deeply};
+use crate::numerics::quadratic_program::Held;
+use super::matching_pursuit::{Rule, grow, start};
+use super::energy_model::{ConeSet, EnergyModel};
+use super::swap_table::SwapTable;
 
 /// Rounds end when the energy falls by less than this share.
 const LEAST_GAIN: f64 = 0.003;
@@ -32,50 +32,54 @@ const LEAST_BACKWARD: usize = 12;
 /// The best set of so many cones that was found, all of them in the pool; fewer only where the surface has no more inner
 /// vertices. About 45, 100, 225 and 375 back-solves for 4, 8, 16 and 32 cones.
 ///
-/// On a closed surface too few cones cannot take its curvature: see [`Fitted::shortfall`] and
+/// On a closed surface too few cones cannot take its curvature: see [`ConeSet::shortfall`] and
 /// [`least_cones`](crate::least_cones).
 /// The cones come in the order of their curvature's size.
 ///
 /// ```
-/// use cones::{Operators, Reduced, refined};
+/// use cones::{Operators, EnergyModel, refined};
 /// use geom::{Metric, shapes};
 ///
 /// let shape = shapes::hare(800);
 /// let mesh = shape.mesh();
 /// let operators = Operators::new(&mesh, &Metric::from_points(&mesh, &shape.points))?;
-/// let mut reduced = Reduced::new(&operators, &mesh);
-/// let (four, eight) = (refined(&mut reduced, 4), refined(&mut reduced, 8));
+/// let mut model = EnergyModel::new(&operators, &mesh);
+/// let (four, eight) = (refined(&mut model, 4), refined(&mut model, 8));
 /// assert!(eight.log_scale_norm() < four.log_scale_norm());
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub fn refined(reduced: &mut Reduced, count: usize) -> Fitted {
-    reduced.set_room(COMFORTABLE);
-    let mut best = search(reduced, count);
-    let is_held = is_held_by_degree(reduced, &best);
-    reduced.set_room(WIDEST);
+pub fn refined(model: &mut EnergyModel, count: usize) -> ConeSet {
+    let (mut best, is_held) = model.with_largest_corner(COMFORTABLE_CORNER, |model| {
+        let best = search(model, count);
+        let is_held = is_held_by_degree(model, &best);
+        (best, is_held)
+    });
     if is_held {
-        best = reduced.fit(&best.cones);
-        let wider = search(reduced, count);
+        best = model.fit(&best.cones);
+        let wider = search(model, count);
         best = better(best, wider);
-        let settled = settled(reduced, count);
-        best = better(best, settled);
+        let moved = moved_to_wider(model, count);
+        best = better(best, moved);
     }
-    by_curvature(reduced, &best)
+    by_curvature(model, &best)
 }
 
-fn search(reduced: &mut Reduced, count: usize) -> Fitted {
-    let first = start(reduced, count);
+fn search(model: &mut EnergyModel, count: usize) -> ConeSet {
+    let first = start(model, count);
     if first.cones.len() >= count && count < 2 {
-        return rounds(reduced, first, ROUNDS);
+        return rounds(model, first, ROUNDS);
     }
-    let [forward, backward, by_gain] = starts(reduced, first, count).map(|set| rounds(reduced, set, ROUNDS));
-    restarted(reduced, better(better(forward, backward), by_gain))
+    let [forward, backward, by_gain] = starts(model, first, count).map(|set| rounds(model, set, ROUNDS));
+    restarted(model, better(better(forward, backward), by_gain))
 }
 
 /// Adds cones and eliminates as many again, as long as that helps.
-fn restarted(reduced: &mut Reduced, mut best: Fitted) -> Fitted {
+fn restarted(model: &mut EnergyModel, mut best: ConeSet) -> ConeSet {
     for _ in 0..RESTARTS {
-        let next = around(reduced, best.clone());
+        if model.is_stopped() {
+            break;
+        }
+        let next = around(model, best.clone());
         let helps = next.is_better_than(&best, LEAST_GAIN);
         best = better(best, next);
         if !helps {
@@ -86,44 +90,42 @@ fn restarted(reduced: &mut Reduced, mut best: Fitted) -> Fitted {
 }
 
 /// Some cones more, and as many again eliminated.
-fn around(reduced: &mut Reduced, set: Fitted) -> Fitted {
+fn around(model: &mut EnergyModel, set: ConeSet) -> ConeSet {
     let count = set.cones.len();
-    let more = grow(reduced, set, count + (count / 4).max(2), Rule::Gain);
-    let fewer = eliminate(reduced, exchange(reduced, more), count);
-    rounds(reduced, fewer, 2)
+    let more = grow(model, set, count + (count / 4).max(2), Rule::Gain);
+    let fewer = eliminate(model, exchange(model, more), count);
+    rounds(model, fewer, 2)
 }
 
 /// Whether a cone would take less curvature if it had more triangles.
-fn is_held_by_degree(reduced: &Reduced, set: &Fitted) -> bool {
-    let [lowest, _] = general_bounds(reduced.operators(), set.cones.len());
+fn is_held_by_degree(model: &EnergyModel, set: &ConeSet) -> bool {
+    let [lowest, _] = general_bounds(model.operators(), set.cones.len());
     set.held.iter().zip(&set.bounds).any(|(&held, bound)| held == Held::Lower && bound[0] > lowest)
 }
 
 /// The best cones if all vertices had triangles enough, those that lack some moved to vertices nearby that have more.
 /// Swaps of one cone go astray where the bounds of vertices side by side differ as their degrees do, as on surfaces of high genus, where
 /// they hold cones that take more than others.
-fn settled(reduced: &mut Reduced, count: usize) -> Fitted {
-    reduced.set_room(f64::INFINITY);
-    let ideal = search(reduced, count);
-    reduced.set_room(WIDEST);
-    let mut moved = reduced.fit(&ideal.cones);
+fn moved_to_wider(model: &mut EnergyModel, count: usize) -> ConeSet {
+    let ideal = model.with_largest_corner(f64::INFINITY, |model| search(model, count));
+    let mut moved = model.fit(&ideal.cones);
     for (place, &curvature) in ideal.curvature.iter().enumerate() {
-        let crowd = Crowd::new(reduced.operators(), &moved.cones);
-        let places = wider(reduced, ideal.cones[place], curvature, |v| crowd.admits(v, place));
-        reduced.add(&places);
+        let separation = Separation::new(model.operators(), &moved.cones);
+        let places = wider(model, ideal.cones[place], curvature, |v| separation.admits(v, place));
+        model.add(&places);
         for v in places {
             let mut cones = moved.cones.clone();
             cones[place] = v;
-            moved = better(moved, reduced.fit(&cones));
+            moved = better(moved, model.fit(&cones));
         }
     }
-    rounds(reduced, moved, ROUNDS)
+    rounds(model, moved, ROUNDS)
 }
 
 /// Vertices around one that can take less curvature than any nearer one, up to the first that can take a given one.
-fn wider(reduced: &Reduced, from: VertexId, curvature: f64, is_open: impl Fn(VertexId) -> bool) -> Vec<VertexId> {
-    let mesh = &reduced.operators().mesh;
-    let mut lowest = reduced.lowest(from);
+fn wider(model: &EnergyModel, from: VertexId, curvature: f64, is_open: impl Fn(VertexId) -> bool) -> Vec<VertexId> {
+    let mesh = &model.operators().mesh;
+    let mut lowest = model.lowest(from);
     let (mut ball, mut rim, mut found) = (vec![from], 0, Vec::new());
     for _ in 0..FARTHEST_WIDER {
         let mut next: Vec<VertexId> = ball[rim..].iter().flat_map(|&v| mesh.neighbors(v)).copied().collect();
@@ -133,9 +135,9 @@ fn wider(reduced: &Reduced, from: VertexId, curvature: f64, is_open: impl Fn(Ver
         rim = ball.len();
         ball.extend(next);
         let open = ball[rim..].iter().copied().filter(|&v| is_open(v));
-        let widest = open.min_by(|&v, &w| reduced.lowest(v).total_cmp(&reduced.lowest(w)));
-        if let Some(v) = widest.filter(|&v| lowest > curvature && reduced.lowest(v) < lowest) {
-            lowest = reduced.lowest(v);
+        let widest = open.min_by(|&v, &w| model.lowest(v).total_cmp(&model.lowest(w)));
+        if let Some(v) = widest.filter(|&v| lowest > curvature && model.lowest(v) < lowest) {
+            lowest = model.lowest(v);
             found.push(v);
         }
     }
@@ -143,30 +145,33 @@ fn wider(reduced: &Reduced, from: VertexId, curvature: f64, is_open: impl Fn(Ver
 }
 
 /// The same set with the cones in the order of their curvature's size, which does not depend on how it was found.
-pub(crate) fn by_curvature(reduced: &Reduced, set: &Fitted) -> Fitted {
+pub(crate) fn by_curvature(model: &EnergyModel, set: &ConeSet) -> ConeSet {
     let mut order: Vec<(VertexId, f64)> = set.cones.iter().copied().zip(set.curvature.iter().copied()).collect();
     order.sort_by(|(v, a), (w, b)| b.abs().total_cmp(&a.abs()).then(v.cmp(w)));
     let cones: Vec<VertexId> = order.into_iter().map(|(v, _)| v).collect();
-    reduced.fit(&cones)
+    model.fit(&cones)
 }
 
 /// Pursued by gradient and by gain, and pursued beyond the number and eliminated back to it.
-fn starts(reduced: &mut Reduced, first: Fitted, count: usize) -> [Fitted; 3] {
-    let forward = grow(reduced, first.clone(), count, Rule::Gradient);
-    let least = if reduced.operators().is_bordered() { LEAST_BACKWARD } else { 0 };
-    let beyond = grow(reduced, forward.clone(), (2 * count).max(least), Rule::Gradient);
-    let backward = eliminate(reduced, exchange(reduced, beyond), count);
-    [forward, backward, grow(reduced, first, count, Rule::Gain)]
+fn starts(model: &mut EnergyModel, first: ConeSet, count: usize) -> [ConeSet; 3] {
+    let forward = grow(model, first.clone(), count, Rule::Gradient);
+    let least = if model.operators().is_bordered() { LEAST_BACKWARD } else { 0 };
+    let beyond = grow(model, forward.clone(), (2 * count).max(least), Rule::Gradient);
+    let backward = eliminate(model, exchange(model, beyond), count);
+    [forward, backward, grow(model, first, count, Rule::Gain)]
 }
 
 /// Exchanges with the pool, and in rounds with new candidates from all over the surface.
-pub(crate) fn rounds(reduced: &mut Reduced, set: Fitted, most: usize) -> Fitted {
-    let mut set = exchange_deeply(reduced, set);
+pub(crate) fn rounds(model: &mut EnergyModel, set: ConeSet, most: usize) -> ConeSet {
+    let mut set = exchange_deeply(model, set);
     for _ in 0..most {
-        let proposals = SwapTable::new(reduced, &set).proposals();
+        if model.is_stopped() {
+            break;
+        }
+        let proposals = SwapTable::new(model, &set).proposals();
         let helpful = proposals.iter().filter(|swap| swap.change < 0.0).map(|swap| swap.coming);
         let mut new = Vec::new();
-        for v in helpful.filter(|&v| !reduced.knows(v)) {
+        for v in helpful.filter(|&v| !model.knows(v)) {
             if new.len() < NEW_CANDIDATES && !new.contains(&v) {
                 new.push(v);
             }
@@ -174,8 +179,8 @@ pub(crate) fn rounds(reduced: &mut Reduced, set: Fitted, most: usize) -> Fitted 
         if new.is_empty() {
             break;
         }
-        reduced.add(&new);
-        let next = exchange_deeply(reduced, set.clone());
+        model.add(&new);
+        let next = exchange_deeply(model, set.clone());
         let is_over = !next.is_better_than(&set, LEAST_GAIN);
         set = next;
         if is_over {
@@ -185,7 +190,7 @@ pub(crate) fn rounds(reduced: &mut Reduced, set: Fitted, most: usize) -> Fitted 
     set
 }
 
-fn better(a: Fitted, b: Fitted) -> Fitted {
+fn better(a: ConeSet, b: ConeSet) -> ConeSet {
     if b.is_better_than(&a, 0.0) { b } else { a }
 }
 
@@ -194,12 +199,12 @@ mod tests {
     use std::path::Path;
 
     use super::*;
-    use crate::operators::Operators;
+    use crate::field::Operators;
     use geom::{Mesh, Metric, shapes};
 
-    fn best(mesh: &Mesh, metric: &Metric, count: usize) -> (Operators, Fitted) {
+    fn best(mesh: &Mesh, metric: &Metric, count: usize) -> (Operators, ConeSet) {
         let operators = Operators::new(mesh, metric).unwrap();
-        let best = refined(&mut Reduced::new(&operators, mesh), count);
+        let best = refined(&mut EnergyModel::new(&operators, mesh), count);
         (operators, best)
     }
 

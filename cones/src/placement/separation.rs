@@ -2,7 +2,7 @@
 
 use geom::{VertexData, VertexId};
 
-use crate::operators::Operators;
+use crate::field::Operators;
 
 /// Cones nearer to each other than this many edges are hard to flatten.
 const LEAST_DISTANCE: usize = 3;
@@ -14,24 +14,24 @@ const NOBODY: u32 = u32::MAX;
 const SEVERAL: u32 = u32::MAX - 1;
 
 /// The surroundings of a set of cones, which are closed to others.
-pub(crate) struct Crowd {
+pub(crate) struct Separation {
     /// The one cone that a vertex is near to.
     near: VertexData<u32>,
 }
 
-impl Crowd {
+impl Separation {
     pub(crate) fn new(operators: &Operators, cones: &[VertexId]) -> Self {
         let roomy = operators.mesh.vertex_count() >= ROOMY * cones.len();
-        let crowd = Self::within(operators, cones, if roomy { LEAST_DISTANCE } else { 1 });
+        let separation = Self::within(operators, cones, if roomy { LEAST_DISTANCE } else { 1 });
         // A vertex may be so near to all others that there is no room beside it.
-        if !roomy || crowd.near.contains(&NOBODY) { crowd } else { Self::within(operators, cones, 1) }
+        if !roomy || separation.near.contains(&NOBODY) { separation } else { Self::within(operators, cones, 1) }
     }
 
     /// With all vertices closed that are less than so many edges from a cone.
     fn within(operators: &Operators, cones: &[VertexId], distance: usize) -> Self {
         let mesh = &operators.mesh;
         let outside = |v| if mesh.is_boundary_vertex(v) { SEVERAL } else { NOBODY };
-        let mut crowd = Self { near: mesh.vertices().map(outside).collect() };
+        let mut separation = Self { near: mesh.vertices().map(outside).collect() };
         for (i, &cone) in cones.iter().enumerate() {
             let mut ball = vec![cone];
             let mut rim = 0;
@@ -40,9 +40,9 @@ impl Crowd {
                 rim = ball.len();
                 ball.extend(next);
             }
-            ball.iter().for_each(|&v| crowd.mark(v, i as u32));
+            ball.iter().for_each(|&v| separation.mark(v, i as u32));
         }
-        crowd
+        separation
     }
 
     fn mark(&mut self, v: VertexId, cone: u32) {
@@ -72,8 +72,8 @@ impl Crowd {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::reduced::Reduced;
-    use crate::refined::refined;
+    use super::energy_model::EnergyModel;
+    use super::refined::refined;
     use geom::{Mesh, Metric};
     use std::f64::consts::TAU;
 
@@ -93,7 +93,7 @@ mod tests {
         let mesh = Mesh::new(points.len(), &faces).unwrap();
         let operators = Operators::new(&mesh, &Metric::from_points(&mesh, &points)).unwrap();
         for count in [3, 8] {
-            let set = refined(&mut Reduced::new(&operators, &mesh), count);
+            let set = refined(&mut EnergyModel::new(&operators, &mesh), count);
             assert_eq!((set.cones.len(), set.shortfall), (count, 0.0));
         }
     }

@@ -1,4 +1,4 @@
-//! What it would bring to move any one cone to any vertex, from the columns of the reduced model alone.
+//! What it would bring to move any one cone to any vertex, from the columns of the model model alone.
 //!
 //! Take the cones' best curvatures q, F those between their bounds, and the inverse of their optimality conditions,
 //!
@@ -14,16 +14,16 @@
 //!
 //! s is known in the pool. Elsewhere it follows from the distance d to the nearest free cone, on the surface scaled to
 //! area 1, as for Green's function of the bilaplacian in the plane: s = d²/4π · max(log(R/d), ½), with R = 0.9/√|F|.
-//! Without this norm cones would crowd.
+//! Without this norm cones would separation.
 
 use std::f64::consts::PI;
 
 use geom::{Id, VertexData, VertexId};
 
-use crate::crowd::Crowd;
-use crate::dense;
-use crate::fit::Held;
-use crate::reduced::{Fitted, Reduced};
+use super::separation::Separation;
+use crate::numerics::dense;
+use crate::numerics::quadratic_program::Held;
+use super::energy_model::{ConeSet, EnergyModel};
 
 /// Distances count up to here, so that norms are finite where there is no cone at all.
 const FARTHEST: f64 = 1e3;
@@ -40,8 +40,8 @@ pub(crate) struct Swap {
 
 /// The table for one set of cones; see the module's head.
 pub(crate) struct SwapTable<'a> {
-    reduced: &'a Reduced<'a>,
-    set: &'a Fitted,
+    model: &'a EnergyModel<'a>,
+    set: &'a ConeSet,
     column: Vec<&'a [f32]>,
     /// The places in the set of cones that are between their bounds.
     free: Vec<usize>,
@@ -74,19 +74,19 @@ pub(crate) struct Row {
 }
 
 impl<'a> SwapTable<'a> {
-    pub(crate) fn new(reduced: &'a Reduced<'a>, set: &'a Fitted) -> Self {
+    pub(crate) fn new(model: &'a EnergyModel<'a>, set: &'a ConeSet) -> Self {
         let n = set.cones.len();
         let mut free: Vec<usize> = (0..n).filter(|&i| set.held[i] == Held::Free).collect();
-        if free.is_empty() && reduced.total().is_some() {
+        if free.is_empty() && model.total().is_some() {
             free = (0..n).collect();
         }
-        let order = free.len() + usize::from(reduced.total().is_some());
+        let order = free.len() + usize::from(model.total().is_some());
         let mut table = Self {
-            reduced,
-            column: set.cones.iter().map(|&c| reduced.column(c)).collect(),
+            model,
+            column: set.cones.iter().map(|&c| model.column(c)).collect(),
             clamped: Vec::new(),
             inverse: Vec::new(),
-            slack: set.cones.iter().map(|&c| reduced.bounds(c, n)[0]).sum::<f64>() - reduced.total().unwrap_or(0.0),
+            slack: set.cones.iter().map(|&c| model.bounds(c, n)[0]).sum::<f64>() - model.total().unwrap_or(0.0),
             set,
             free,
             order,
@@ -102,7 +102,7 @@ impl<'a> SwapTable<'a> {
         let mut conditions = vec![0.0; self.order * self.order];
         for i in 0..self.free.len() {
             for j in 0..self.free.len() {
-                conditions[i * self.order + j] = self.reduced.product(cone(i), cone(j));
+                conditions[i * self.order + j] = self.model.product(cone(i), cone(j));
             }
             conditions[i * self.order + i] *= 1.0 + 1e-12;
             if self.free.len() < self.order {
@@ -116,7 +116,7 @@ impl<'a> SwapTable<'a> {
     fn clamp(&self, place: usize) -> Clamped {
         let cone = self.set.cones[place];
         let mut row = Row::default();
-        self.respond(&mut row, |c| self.reduced.product(cone, c));
+        self.respond(&mut row, |c| self.model.product(cone, c));
         let q = self.set.curvature[place];
         let gradient = self.gradient(cone, &row);
         let base = -2.0 * q * gradient + q * q * self.exact_norm(cone, &row);
@@ -146,12 +146,12 @@ impl<'a> SwapTable<'a> {
     /// r
     fn gradient(&self, v: VertexId, row: &Row) -> f64 {
         let products = row.product.iter().zip(&self.set.curvature).map(|(h, q)| h * q).sum::<f64>();
-        self.reduced.linear()[v] + products + self.set.multiplier
+        self.model.linear()[v] + products + self.set.multiplier
     }
 
     /// s of a member of the pool.
     fn exact_norm(&self, v: VertexId, row: &Row) -> f64 {
-        self.reduced.product(v, v) - self.projection(&row.response, row)
+        self.model.product(v, v) - self.projection(&row.response, row)
     }
 
     /// `[h_F(v) 1]` · x
@@ -162,7 +162,7 @@ impl<'a> SwapTable<'a> {
 
     /// What moving each cone to a member of the pool changes.
     pub(crate) fn fill_for_member(&self, v: VertexId, row: &mut Row) {
-        self.respond(row, |c| self.reduced.product(v, c));
+        self.respond(row, |c| self.model.product(v, c));
         self.fill(v, self.exact_norm(v, row).max(0.0), row);
     }
 
@@ -176,7 +176,7 @@ impl<'a> SwapTable<'a> {
 
     fn fill(&self, v: VertexId, norm: f64, row: &mut Row) {
         let q = &self.set.curvature;
-        let [low, high] = self.reduced.bounds(v, q.len());
+        let [low, high] = self.model.bounds(v, q.len());
         let gradient = self.gradient(v, row);
         let best = |base: f64, gradient: f64, norm: f64| {
             let t = (-gradient / norm.max(f64::MIN_POSITIVE)).clamp(low, high);
@@ -194,7 +194,7 @@ impl<'a> SwapTable<'a> {
             let covariance = row.product[i] - self.projection(&clamped.response, row);
             row.change[i] = best(clamped.base, gradient - q[i] * covariance, norm);
         }
-        if self.reduced.total().is_some() {
+        if self.model.total().is_some() {
             self.add_shortfall(low, &mut row.change);
         }
     }
@@ -202,8 +202,8 @@ impl<'a> SwapTable<'a> {
     /// Adds the price of what the cones would lack.
     fn add_shortfall(&self, low: f64, change: &mut [f64]) {
         for (change, &cone) in change.iter_mut().zip(&self.set.cones) {
-            let after = self.slack + low - self.reduced.bounds(cone, self.set.cones.len())[0];
-            *change += self.reduced.price() * (after.max(0.0) - self.slack.max(0.0));
+            let after = self.slack + low - self.model.bounds(cone, self.set.cones.len())[0];
+            *change += self.model.price() * (after.max(0.0) - self.slack.max(0.0));
         }
     }
 
@@ -218,31 +218,31 @@ impl<'a> SwapTable<'a> {
 
     /// For each cone the best vertex to move it to, and the end of a descent from it along edges; the best first.
     pub(crate) fn proposals(&self) -> Vec<Swap> {
-        let crowd = Crowd::new(self.reduced.operators(), &self.set.cones);
-        let norms = norms(self.reduced, self.set);
+        let separation = Separation::new(self.model.operators(), &self.set.cones);
+        let norms = norms(self.model, self.set);
         let mut best: Vec<Option<Swap>> = vec![None; self.set.cones.len()];
         let mut row = Row::default();
-        for v in self.reduced.operators().mesh.vertices().filter(|&v| crowd.is_open(v)) {
+        for v in self.model.operators().mesh.vertices().filter(|&v| separation.is_open(v)) {
             self.fill_for_vertex(v, norms[v], &mut row);
             for (leaving, &change) in row.change.iter().enumerate() {
-                if best[leaving].is_none_or(|best| change < best.change) && crowd.admits(v, leaving) {
+                if best[leaving].is_none_or(|best| change < best.change) && separation.admits(v, leaving) {
                     best[leaving] = Some(Swap { change, leaving, coming: v });
                 }
             }
         }
-        let descents = (0..self.set.cones.len()).map(|leaving| self.descend(leaving, &crowd, &norms, &mut row));
+        let descents = (0..self.set.cones.len()).map(|leaving| self.descend(leaving, &separation, &norms, &mut row));
         let mut proposals: Vec<Swap> = best.into_iter().flatten().chain(descents).collect();
         proposals.sort_by(|a, b| a.change.total_cmp(&b.change));
         proposals
     }
 
     /// Walks from a cone along edges as long as that lowers the energy.
-    fn descend(&self, leaving: usize, crowd: &Crowd, norms: &VertexData<f64>, row: &mut Row) -> Swap {
-        let mesh = &self.reduced.operators().mesh;
+    fn descend(&self, leaving: usize, separation: &Separation, norms: &VertexData<f64>, row: &mut Row) -> Swap {
+        let mesh = &self.model.operators().mesh;
         let mut at = Swap { change: 0.0, leaving, coming: self.set.cones[leaving] };
         for _ in 0..LONGEST_DESCENT {
             let before = at.coming;
-            for &v in mesh.neighbors(before).iter().filter(|&&v| crowd.admits(v, leaving)) {
+            for &v in mesh.neighbors(before).iter().filter(|&&v| separation.admits(v, leaving)) {
                 self.fill_for_vertex(v, norms[v], row);
                 if row.change[leaving] < at.change {
                     at = Swap { change: row.change[leaving], leaving, coming: v };
@@ -257,12 +257,12 @@ impl<'a> SwapTable<'a> {
 }
 
 /// s at every vertex, estimated from distances along edges.
-pub(crate) fn norms(reduced: &Reduced, set: &Fitted) -> VertexData<f64> {
-    let operators = reduced.operators();
+pub(crate) fn norms(model: &EnergyModel, set: &ConeSet) -> VertexData<f64> {
+    let operators = model.operators();
     let free = set.cones.iter().zip(&set.held).filter(|(_, held)| **held == Held::Free).map(|(&c, _)| c);
     let cones: Vec<VertexId> = if set.held.contains(&Held::Free) { free.collect() } else { set.cones.clone() };
     let boundary = operators.mesh.vertices().filter(|&v| operators.mesh.is_boundary_vertex(v));
-    let distance = reduced.distances().from(cones.iter().copied().chain(boundary));
+    let distance = model.distances().from(cones.iter().copied().chain(boundary));
     let parts = cones.len() + usize::from(operators.is_bordered());
     let radius = 0.9 / (parts.max(1) as f64).sqrt();
     let norm = |&d: &f32| {
@@ -275,7 +275,7 @@ pub(crate) fn norms(reduced: &Reduced, set: &Fitted) -> VertexData<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::operators::Operators;
+    use crate::field::Operators;
     use geom::{Mesh, Metric, shapes};
 
     fn prepare(shape: &shapes::Shape) -> (Mesh, Operators) {
@@ -295,17 +295,17 @@ mod tests {
         for shape in [shapes::hare(1200), shapes::torus(2, 1200), shapes::terrain(900, 3)] {
             let (mesh, operators) = prepare(&shape);
             let pool = every(&mesh, 29);
-            let mut reduced = Reduced::new(&operators, &mesh);
-            reduced.add(&pool);
-            let set = reduced.fit(&pool[..pool.len() / 2]);
-            let table = SwapTable::new(&reduced, &set);
+            let mut model = EnergyModel::new(&operators, &mesh);
+            model.add(&pool);
+            let set = model.fit(&pool[..pool.len() / 2]);
+            let table = SwapTable::new(&model, &set);
             let mut row = Row::default();
             for &coming in &pool[pool.len() / 2..] {
                 table.fill_for_member(coming, &mut row);
                 for leaving in 0..set.cones.len() {
                     let mut cones = set.cones.clone();
                     cones[leaving] = coming;
-                    let after = reduced.fit(&cones);
+                    let after = model.fit(&cones);
                     let others = |i: &usize| *i != leaving;
                     let same = (0..cones.len()).filter(others).all(|i| after.held[i] == set.held[i]);
                     let change = after.energy - set.energy;
@@ -323,14 +323,14 @@ mod tests {
     fn a_removal_costs_what_a_new_fit_says() {
         let (mesh, operators) = prepare(&shapes::hare(1200));
         let pool = every(&mesh, 90);
-        let mut reduced = Reduced::new(&operators, &mesh);
-        reduced.add(&pool);
-        let set = reduced.fit(&pool);
-        let table = SwapTable::new(&reduced, &set);
+        let mut model = EnergyModel::new(&operators, &mesh);
+        model.add(&pool);
+        let set = model.fit(&pool);
+        let table = SwapTable::new(&model, &set);
         for place in 0..pool.len() {
             let mut cones = pool.clone();
             cones.remove(place);
-            let after = reduced.fit(&cones);
+            let after = model.fit(&cones);
             let same = (0..cones.len()).all(|i| after.held[i] == set.held[i + usize::from(i >= place)]);
             if same {
                 assert!((table.removal(place) - (after.energy - set.energy)).abs() < 1e-8 * (1.0 + set.energy));
@@ -342,10 +342,10 @@ mod tests {
     fn moving_a_cone_to_where_it_is_changes_nothing() {
         let (mesh, operators) = prepare(&shapes::hare(1200));
         let pool = every(&mesh, 150);
-        let mut reduced = Reduced::new(&operators, &mesh);
-        reduced.add(&pool);
-        let set = reduced.fit(&pool);
-        let table = SwapTable::new(&reduced, &set);
+        let mut model = EnergyModel::new(&operators, &mesh);
+        model.add(&pool);
+        let set = model.fit(&pool);
+        let table = SwapTable::new(&model, &set);
         let mut row = Row::default();
         for (place, &cone) in pool.iter().enumerate().filter(|(i, _)| set.held[*i] == Held::Free) {
             table.fill_for_member(cone, &mut row);
@@ -357,10 +357,10 @@ mod tests {
     fn norms_grow_with_the_distance_and_vanish_at_cones() {
         let (mesh, operators) = prepare(&shapes::hare(1200));
         let pool = every(&mesh, 100);
-        let mut reduced = Reduced::new(&operators, &mesh);
-        reduced.add(&pool);
-        let set = reduced.fit(&pool);
-        let norms = norms(&reduced, &set);
+        let mut model = EnergyModel::new(&operators, &mesh);
+        model.add(&pool);
+        let set = model.fit(&pool);
+        let norms = norms(&model, &set);
         let free = pool.iter().zip(&set.held).filter(|(_, held)| **held == Held::Free);
         assert!(free.clone().count() > 0 && free.clone().all(|(&v, _)| norms[v] == 0.0));
         assert!(mesh.vertices().filter(|v| !pool.contains(v)).all(|v| norms[v] > 0.0 && norms[v] < 1.0));

@@ -73,7 +73,7 @@ pub enum Held {
 
 /// The minimum of a [`Quadratic`] between bounds.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Fit {
+pub struct Optimum {
     /// q: what the curvatures are.
     pub curvatures: Vec<f64>,
     /// E(q).
@@ -86,7 +86,7 @@ pub struct Fit {
 
 /// Why there is nothing to fit.
 #[derive(Clone, Debug, Error, PartialEq)]
-pub enum FitError {
+pub enum ProgramError {
     /// The bounds exclude the sum.
     #[error(
         "the cones' curvatures must sum to {total:.4}, but their bounds allow only {least:.4} to {most:.4}: \
@@ -129,25 +129,25 @@ pub enum FitError {
 /// Cholesky factors of the matrix: O(n³) for each variable that comes to a bound.
 ///
 /// ```
-/// use cones::{Held, Quadratic, fit};
+/// use cones::internals::{Held, Quadratic, minimise};
 /// // (q₀ - 3)² + (q₁ - 1)² with q₀ + q₁ = 2 and q₀ ≤ 1.5
 /// let energy = Quadratic { constant: 10.0, linear: &[-3.0, -1.0], matrix: &[1.0, 0.0, 0.0, 1.0] };
-/// let fit = fit(&energy, &[[-5.0, 1.5], [-5.0, 5.0]], Some(2.0))?;
+/// let optimum = minimise(&energy, &[[-5.0, 1.5], [-5.0, 5.0]], Some(2.0))?;
 /// assert_eq!(fit.curvatures, [1.5, 0.5]);
 /// assert_eq!(fit.held, [Held::Upper, Held::Free]);
-/// # Ok::<(), cones::FitError>(())
+/// # Ok::<(), cones::internals::ProgramError>(())
 /// ```
 ///
 /// # Errors
 /// If no q is between the bounds with that sum, if something is not finite, or if the sizes do not agree.
-pub fn fit(energy: &Quadratic, bounds: &[[f64; 2]], total: Option<f64>) -> Result<Fit, FitError> {
+pub fn minimise(energy: &Quadratic, bounds: &[[f64; 2]], total: Option<f64>) -> Result<Optimum, ProgramError> {
     let mut set = ActiveSet::feasible(energy, bounds, total)?;
     let multiplier = set.minimise();
     let energy = energy.value(&set.q);
     if !energy.is_finite() {
-        return Err(FitError::NotFinite);
+        return Err(ProgramError::NotFinite);
     }
-    Ok(Fit { curvatures: set.q, energy, multiplier, held: set.held })
+    Ok(Optimum { curvatures: set.q, energy, multiplier, held: set.held })
 }
 
 /// A feasible point, and which of its variables are held.
@@ -161,26 +161,26 @@ struct ActiveSet<'a> {
 
 impl<'a> ActiveSet<'a> {
     /// The point that is as far on the way from lower to upper bound in every variable.
-    fn feasible(energy: &'a Quadratic<'a>, bounds: &'a [[f64; 2]], total: Option<f64>) -> Result<Self, FitError> {
+    fn feasible(energy: &'a Quadratic<'a>, bounds: &'a [[f64; 2]], total: Option<f64>) -> Result<Self, ProgramError> {
         let n = bounds.len();
         let (linear, matrix) = (energy.linear.len(), energy.matrix.len());
         if linear != n || matrix != n * n {
-            return Err(FitError::Sizes { variables: n, linear, matrix });
+            return Err(ProgramError::Sizes { variables: n, linear, matrix });
         }
         let numbers = energy.linear.iter().chain(energy.matrix).chain(bounds.as_flattened()).chain(&total);
         if !numbers.copied().all(f64::is_finite) {
-            return Err(FitError::NotFinite);
+            return Err(ProgramError::NotFinite);
         }
         if let Some(index) = bounds.iter().position(|[lower, upper]| lower > upper) {
             let [lower, upper] = bounds[index];
-            return Err(FitError::CrossedBounds { index, lower, upper });
+            return Err(ProgramError::CrossedBounds { index, lower, upper });
         }
         let [least, most] = [0, 1].map(|side| bounds.iter().map(|bound| bound[side]).sum::<f64>());
         let mut way = 0.5;
         if let Some(total) = total {
             let size = bounds.as_flattened().iter().fold(total.abs(), |size, bound| size + bound.abs());
             if total < least - SUM_TOLERANCE * size || total > most + SUM_TOLERANCE * size {
-                return Err(FitError::Infeasible { total, least, most });
+                return Err(ProgramError::Infeasible { total, least, most });
             }
             way = if most > least { ((total - least) / (most - least)).clamp(0.0, 1.0) } else { 0.0 };
         }
@@ -470,7 +470,7 @@ mod tests {
     }
 
     /// Asserts that a fit is feasible and that nothing pulls inwards.
-    fn check(problem: &Problem, fit: &Fit) {
+    fn check(problem: &Problem, optimum: &Optimum) {
         let gradient = problem.energy().half_gradient(&fit.curvatures);
         let scale = 1.0 + problem.linear.iter().chain(&problem.matrix).fold(0.0, |a: f64, b| a.max(b.abs()));
         for (i, &q) in fit.curvatures.iter().enumerate() {
@@ -496,21 +496,21 @@ mod tests {
 
         #[test]
         fn nothing_pulls_inwards_at_the_minimum(problem in problem(24)) {
-            check(&problem, &fit(&problem.energy(), &problem.bounds, problem.total).unwrap());
+            check(&problem, &minimise(&problem.energy(), &problem.bounds, problem.total).unwrap());
         }
 
         #[test]
         fn the_minimum_is_the_least_over_all_active_sets(problem in problem(5)) {
-            let fit = fit(&problem.energy(), &problem.bounds, problem.total).unwrap();
+            let optimum = minimise(&problem.energy(), &problem.bounds, problem.total).unwrap();
             let expected = by_enumeration(&problem);
             prop_assert!((fit.energy - expected).abs() < 1e-7 * (1.0 + expected.abs()), "{} is {expected}", fit.energy);
         }
 
         #[test]
         fn bounds_never_lower_the_energy(problem in problem(12)) {
-            let bounded = fit(&problem.energy(), &problem.bounds, problem.total).unwrap();
+            let bounded = minimise(&problem.energy(), &problem.bounds, problem.total).unwrap();
             let wide: Vec<_> = problem.bounds.iter().map(|[lower, upper]| [lower - 50.0, upper + 50.0]).collect();
-            let unbounded = fit(&problem.energy(), &wide, problem.total).unwrap();
+            let unbounded = minimise(&problem.energy(), &wide, problem.total).unwrap();
             prop_assert!(bounded.energy >= unbounded.energy - 1e-9 * (1.0 + unbounded.energy.abs()));
         }
 
@@ -522,8 +522,8 @@ mod tests {
                 matrix: problem.matrix.iter().map(|h| h * scale).collect(),
                 ..problem.clone()
             };
-            let before = fit(&problem.energy(), &problem.bounds, problem.total).unwrap();
-            let after = fit(&scaled.energy(), &problem.bounds, problem.total).unwrap();
+            let before = minimise(&problem.energy(), &problem.bounds, problem.total).unwrap();
+            let after = minimise(&scaled.energy(), &problem.bounds, problem.total).unwrap();
             prop_assert_eq!(before.curvatures, after.curvatures);
         }
     }
@@ -536,7 +536,7 @@ mod tests {
         let matrix: Vec<f64> = (0..n * n).map(|k| (-(at(k / n) - at(k % n)).abs()).exp()).collect();
         let linear: Vec<f64> = (0..n).map(|i| (i as f64 * 1.7).sin()).collect();
         let problem = Problem { linear, matrix, bounds: vec![[-0.5, 0.4]; n], total: Some(3.0) };
-        let fit = fit(&problem.energy(), &problem.bounds, problem.total).unwrap();
+        let optimum = minimise(&problem.energy(), &problem.bounds, problem.total).unwrap();
         check(&problem, &fit);
         assert!(fit.held.contains(&Held::Lower) && fit.held.contains(&Held::Upper) && fit.held.contains(&Held::Free));
     }
@@ -544,7 +544,7 @@ mod tests {
     #[test]
     fn what_has_no_quadratic_part_goes_to_its_bounds() {
         let energy = Quadratic { constant: 0.0, linear: &[1.0, -2.0, 0.5], matrix: &[0.0; 9] };
-        let fit = fit(&energy, &[[-1.0, 1.0]; 3], Some(0.0)).unwrap();
+        let optimum = minimise(&energy, &[[-1.0, 1.0]; 3], Some(0.0)).unwrap();
         assert_eq!(fit.curvatures, [-1.0, 1.0, 0.0]);
         assert_eq!(fit.multiplier, -0.5);
     }
@@ -552,21 +552,21 @@ mod tests {
     #[test]
     fn no_cones_are_fitted_where_nothing_is_asked() {
         let nothing = Quadratic { constant: 2.5, linear: &[], matrix: &[] };
-        assert_eq!(fit(&nothing, &[], None).unwrap().energy, 2.5);
-        assert_eq!(fit(&nothing, &[], Some(0.0)).unwrap().energy, 2.5);
-        let sphere = fit(&nothing, &[], Some(12.0)).unwrap_err();
-        assert_eq!(sphere, FitError::Infeasible { total: 12.0, least: 0.0, most: 0.0 });
+        assert_eq!(minimise(&nothing, &[], None).unwrap().energy, 2.5);
+        assert_eq!(minimise(&nothing, &[], Some(0.0)).unwrap().energy, 2.5);
+        let sphere = minimise(&nothing, &[], Some(12.0)).unwrap_err();
+        assert_eq!(sphere, ProgramError::Infeasible { total: 12.0, least: 0.0, most: 0.0 });
     }
 
     #[test]
     fn what_cannot_be_fitted_is_refused_by_name() {
         let energy = Quadratic { constant: 0.0, linear: &[1.0, 1.0], matrix: &[1.0, 0.0, 0.0, 1.0] };
-        let two_cones = fit(&energy, &[[-1.0, 5.0]; 2], Some(12.0)).unwrap_err();
-        assert_eq!(two_cones, FitError::Infeasible { total: 12.0, least: -2.0, most: 10.0 });
-        let crossed = fit(&energy, &[[0.0, 1.0], [2.0, 1.0]], None).unwrap_err();
-        assert_eq!(crossed, FitError::CrossedBounds { index: 1, lower: 2.0, upper: 1.0 });
-        assert_eq!(fit(&energy, &[[0.0, f64::NAN]; 2], None).unwrap_err(), FitError::NotFinite);
-        assert_eq!(fit(&energy, &[[-1e308, 1e308]; 2], Some(3.0)).unwrap_err(), FitError::NotFinite);
-        assert!(matches!(fit(&energy, &[[0.0, 1.0]; 3], None), Err(FitError::Sizes { .. })));
+        let two_cones = minimise(&energy, &[[-1.0, 5.0]; 2], Some(12.0)).unwrap_err();
+        assert_eq!(two_cones, ProgramError::Infeasible { total: 12.0, least: -2.0, most: 10.0 });
+        let crossed = minimise(&energy, &[[0.0, 1.0], [2.0, 1.0]], None).unwrap_err();
+        assert_eq!(crossed, ProgramError::CrossedBounds { index: 1, lower: 2.0, upper: 1.0 });
+        assert_eq!(minimise(&energy, &[[0.0, f64::NAN]; 2], None).unwrap_err(), ProgramError::NotFinite);
+        assert_eq!(minimise(&energy, &[[-1e308, 1e308]; 2], Some(3.0)).unwrap_err(), ProgramError::NotFinite);
+        assert!(matches!(minimise(&energy, &[[0.0, 1.0]; 3], None), Err(ProgramError::Sizes { .. })));
     }
 }

@@ -1,0 +1,199 @@
+//! What is tried where a component cannot be flattened well with the cones that were chosen: other numbers of them,
+//! detaching what folds over, unfolding it as it is. The attempt that measures best is kept, never merely the last one.
+
+use super::component::Component;
+use super::cones::Configuration;
+use super::flat::Flat;
+use super::note::{Failure, Note};
+use super::observer::{Stage, Task, Times};
+use super::options::{ConeChoice, Options};
+use super::quality::Quality;
+use crate::error::Error;
+use crate::placement::{MOST_OPTIMISED, area_distortion};
+
+/// So many times cones are added where a measured distortion is above the one that was asked for.
+const MAX_ADDITIONS: usize = 6;
+/// Where the cones that were asked for have failed, others are not tried if linear theory predicts that with them somewhere
+/// lengths change by more than this factor against the mean. A scan whose noise has made tiny handles comes there, and
+/// Newton's method would take long to fail again.
+const MOST_STRETCH: f64 = 3000.0;
+/// Where no more than one triangle in so many stays folded over, it is better to detach these than to try other cones.
+const DETACHED_AT_ONCE: usize = 1000;
+/// Other cones end the search if they have at most this many times the area distortion that was predicted for the chosen
+/// ones, and at most this quasi-conformal distortion; as bad a map as this may still be the best.
+const GOOD_ENOUGH: f64 = 1.25;
+/// What a share of detached triangles costs beside distortions: a hundredth as much as area and quasi-conformal distortion
+/// a quarter larger. Detached triangles are islands of one to a few, with seams that do not match.
+const DETACHED_COST: f64 = 25.0;
+
+/// The attempts on one component.
+struct Attempts<'a> {
+    component: &'a Component,
+    options: &'a Options,
+    task: &'a Task,
+    times: &'a mut Times,
+}
+
+impl Component {
+    /// Flattens it with the cones chosen, and others where these fail.
+    pub(crate) fn flatten_well(
+        &self,
+        chosen: &Result<Configuration, Error>,
+        options: &Options,
+        task: &Task,
+        times: &mut Times,
+    ) -> Result<Flat, Error> {
+        let mut attempts = Attempts { component: self, options, task, times };
+        let mut flat = attempts.flatten(chosen.as_ref().map_err(Clone::clone))?;
+        let ConeChoice::WithinDistortion(target) = options.cones else { return Ok(flat) };
+        for _ in 0..MAX_ADDITIONS {
+            let count = flat.cones.len();
+            if flat.quality.area_distortion() <= target || count >= MOST_OPTIMISED {
+                break;
+            }
+            let more = attempts.place((count + 1 + count / 8).min(MOST_OPTIMISED))?;
+            let next = attempts.flatten(more.as_ref().map_err(Clone::clone))?;
+            if cost(&next) < cost(&flat) {
+                flat = next;
+            } else {
+                break;
+            }
+        }
+        let reached = flat.quality.area_distortion();
+        if reached > target {
+            let (component, cones) = (self.index, flat.cones.len());
+            flat.notes.push(Note::TargetMissed { component, target, reached, cones });
+        }
+        Ok(flat)
+    }
+}
+
+impl Attempts<'_> {
+    /// So many cones; why there are none in the inner error.
+    fn place(&mut self, count: usize) -> Result<Result<Configuration, Error>, Error> {
+        self.task.stage((Stage::Hierarchy, self.component.index), self.times, |watch| {
+            self.component.place(self.options, count, watch)
+        })
+    }
+
+    /// The first attempt if it succeeds, else the best of several.
+    fn flatten(&mut self, chosen: Result<&Configuration, Error>) -> Result<Flat, Error> {
+        let configuration = match chosen {
+            Ok(configuration) => configuration,
+            Err(error) => return self.unfold(failure(error)?),
+        };
+        let (mut best, cause) = match self.attempt(configuration)? {
+            Ok(flat) if self.is_sound(&flat) => return Ok(flat),
+            Ok(flat) => {
+                let triangles = flat.detached.len();
+                (Some(flat), Failure::FoldOvers { triangles })
+            }
+            Err(failure) => (None, failure),
+        };
+        let count = configuration.vertices.len();
+        let enough = GOOD_ENOUGH * area_distortion(&self.component.operators, &configuration.predicted);
+        let mut last = cause;
+        for other in other_counts(count, &cause) {
+            let flat = match self.other(other)? {
+                Ok(flat) => flat,
+                Err(failure) => {
+                    last = failure;
+                    continue;
+                }
+            };
+            let Quality { quasi_conformal, .. } = flat.quality;
+            let is_enough = self.is_sound(&flat)
+                && flat.quality.area_distortion() <= enough
+                && quasi_conformal <= GOOD_ENOUGH;
+            if best.as_ref().is_none_or(|best| cost(&flat) < cost(best)) {
+                best = Some(flat);
+            }
+            if is_enough {
+                break;
+            }
+        }
+        let Some(mut best) = best else { return self.unfold(last) };
+        let taken = best.cones.len();
+        if taken != count {
+            best.notes.push(Note::OtherNumber { component: self.component.index, chosen: count, taken, cause });
+        }
+        Ok(best)
+    }
+
+    /// An attempt with another number of cones.
+    fn other(&mut self, count: usize) -> Result<Result<Flat, Failure>, Error> {
+        let configuration = match self.place(count)? {
+            Ok(configuration) => configuration,
+            Err(error) => return Ok(Err(failure(error)?)),
+        };
+        let log = stretch(self.component, &configuration);
+        if log > MOST_STRETCH.ln() { Ok(Err(Failure::Stretched { log })) } else { self.attempt(&configuration) }
+    }
+
+    /// A flattening, what folds over detached; why there is none in the inner error.
+    fn attempt(&mut self, configuration: &Configuration) -> Result<Result<Flat, Failure>, Error> {
+        match self.component.flatten(configuration, self.task, self.times) {
+            Err(error) => Ok(Err(failure(error)?)),
+            Ok(mut flat) => {
+                self.component.detach_fold_overs(&mut flat);
+                Ok(Ok(flat))
+            }
+        }
+    }
+
+    /// Whether so few triangles were detached that no other cones need be tried.
+    fn is_sound(&self, flat: &Flat) -> bool {
+        flat.detached.len() <= self.component.surface.mesh.face_count() / DETACHED_AT_ONCE
+    }
+
+    fn unfold(&mut self, cause: Failure) -> Result<Flat, Error> {
+        let mut flat = self.component.unfold(self.task, self.times)?;
+        flat.notes.push(Note::Unfolded { component: self.component.index, cause });
+        Ok(flat)
+    }
+}
+
+/// Why an attempt failed, if it was not stopped.
+fn failure(error: Error) -> Result<Failure, Error> {
+    match error {
+        Error::Interrupted => Err(error),
+        Error::Curvature(_) => Ok(Failure::Curvature),
+        Error::Seams(_) => Ok(Failure::Cut),
+        _ => Ok(Failure::Metric),
+    }
+}
+
+/// What attempts are compared by: the logarithms of both distortions, and the share of triangles that were detached.
+fn cost(flat: &Flat) -> f64 {
+    let detached = flat.detached.len() as f64 / flat.quality.ratios.len().max(1) as f64;
+    let cost = flat.quality.area_distortion().ln() + flat.quality.quasi_conformal.ln() + DETACHED_COST * detached;
+    if cost.is_nan() { f64::INFINITY } else { cost }
+}
+
+/// What to try where so many cones cannot be flattened. Metrics that are hard to find get easier with more cones; triangles
+/// that stay folded over are needles near cones, of which there are fewer near fewer cones.
+fn other_counts(count: usize, cause: &Failure) -> Vec<usize> {
+    match cause {
+        Failure::FoldOvers { .. } => vec![count + 1 + count / 4, count / 2, count / 4, 2 * count, 4 * count],
+        _ => (1..=4).map(|k| count.max(2) << k).collect(),
+    }
+}
+
+/// The logarithm of the factor by which lengths change most against the mean, as linear theory predicts it.
+fn stretch(component: &Component, configuration: &Configuration) -> f64 {
+    let mut u = configuration.predicted.clone();
+    component.operators.subtract_mean(&mut u);
+    u.iter().fold(0.0_f64, |most, u| most.max(u.abs()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn more_cones_are_tried_for_a_metric_and_fewer_too_for_needles() {
+        assert_eq!(other_counts(8, &Failure::Stretched { log: 9.0 }), [16, 32, 64, 128]);
+        assert_eq!(other_counts(0, &Failure::Metric), [4, 8, 16, 32]);
+        assert_eq!(other_counts(8, &Failure::FoldOvers { triangles: 1 }), [11, 4, 2, 16, 32]);
+    }
+}

@@ -1,0 +1,204 @@
+//! From what a user wants to cones on every component.
+
+use std::time::Instant;
+
+use geom::Watch;
+use rayon::prelude::*;
+
+use super::apportionment::counts;
+use super::component::Component;
+use super::cones::{ChosenNumber, Cones, Configuration};
+use super::note::Note;
+use super::observer::{Stage, Task, Times};
+use super::options::{ConeChoice, Options};
+use super::order::whole_curve;
+use super::{Analysis, each};
+use crate::curvature::CurvatureRule;
+use crate::error::Error;
+use crate::placement::{Automatic, MOST_OPTIMISED, Nested, Prediction, Predictor};
+
+/// The area distortion that is aimed at when nobody says.
+pub const TARGET_DISTORTION: f64 = 1.25;
+
+/// No more cones than this are taken on a component by themselves.
+pub const MOST_AUTOMATIC: usize = 32;
+
+/// What is found before components are worked on by themselves.
+#[derive(Default)]
+pub(super) struct Shared {
+    pub(super) notes: Vec<Note>,
+    pub(super) number: Option<ChosenNumber>,
+    pub(super) times: Times,
+}
+
+impl Analysis {
+    /// The cones that the options ask for.
+    ///
+    /// # Errors
+    /// If a given cone is none, if given curvatures are impossible, if cones cannot take the curvature of a component, or if the
+    /// observer has said stop.
+    pub fn choose(&self, options: &Options) -> Result<Cones, Error> {
+        let (shared, configurations) = self.configurations(options, &self.task())?;
+        let configurations = configurations.into_iter().collect::<Result<Vec<Configuration>, Error>>()?;
+        Ok(self.cones(options, shared, configurations))
+    }
+
+    /// What the options ask for on each component, or why it cannot be had there.
+    pub(super) fn configurations(
+        &self,
+        options: &Options,
+        task: &Task,
+    ) -> Result<(Shared, Vec<Result<Configuration, Error>>), Error> {
+        let mut shared = Shared::default();
+        let configurations = match &options.cones {
+            ConeChoice::Automatic => self.fewest(&mut shared, options, TARGET_DISTORTION, MOST_AUTOMATIC, task)?,
+            ConeChoice::WithinDistortion(target) => self.fewest(&mut shared, options, *target, MOST_OPTIMISED, task)?,
+            ConeChoice::Count(total) => {
+                let counts = self.share(&mut shared, options, *total, task)?;
+                self.placed(&mut shared, options, &counts, task)?
+            }
+            ConeChoice::MinPersistence(threshold) => {
+                let counts = self.above(&mut shared, *threshold);
+                self.placed(&mut shared, options, &counts, task)?
+            }
+            ConeChoice::Given(given) => {
+                self.check_given(given)?;
+                each(self.components(), &mut shared.times, |component, times| {
+                    task.stage((Stage::Hierarchy, component.index), times, |_| component.given(given, options.rule))
+                })?
+            }
+        };
+        Ok((shared, configurations))
+    }
+
+    /// Cones as they are told of.
+    pub(super) fn cones(&self, options: &Options, shared: Shared, configurations: Vec<Configuration>) -> Cones {
+        let mut predictor = Predictor::new(self.components().len());
+        let mut cones = Vec::new();
+        for (component, configuration) in self.components().iter().zip(&configurations) {
+            let Configuration { vertices, curvature, predicted, .. } = configuration;
+            let told = vertices.iter().zip(curvature).map(|(&v, &k)| component.cone(v, k, self.points()));
+            cones.extend(told);
+            predictor.put(component.index, &component.operators, component.area, vertices.len(), predicted.clone());
+        }
+        let Shared { mut notes, number, times } = shared;
+        notes.extend(configurations.iter().flat_map(|configuration| configuration.notes.iter().cloned()));
+        let most = configurations.iter().map(|c| c.vertices.len()).max().unwrap_or(0);
+        Cones {
+            cones,
+            placement: (!matches!(options.cones, ConeChoice::Given(_))).then(|| options.placement_for(most)),
+            rule: options.rule,
+            prediction: predictor.prediction(),
+            number,
+            notes,
+            times,
+            configurations,
+            analysis: self.id(),
+        }
+    }
+
+    /// How many cones each component gets of a total.
+    fn share(&self, shared: &mut Shared, options: &Options, total: usize, task: &Task) -> Result<Vec<usize>, Error> {
+        let components = self.components();
+        let needed: usize = components.iter().map(Component::least).sum();
+        if total < needed {
+            shared.notes.push(Note::FewerThanNeeded { asked: total, needed, components: components.len() });
+        }
+        let placement = options.placement_for(total.saturating_sub(needed));
+        task.stage((Stage::Hierarchy, 0), &mut shared.times, |watch| counts(components, placement, total, watch))
+    }
+
+    /// How many cones each component gets by a threshold of persistence.
+    fn above(&self, shared: &mut Shared, threshold: f64) -> Vec<usize> {
+        let components = self.components();
+        let above: Vec<usize> = components.iter().map(|c| c.hierarchy.count_above(&c.operators, threshold)).collect();
+        let counts: Vec<usize> = components.iter().zip(&above).map(|(c, &above)| above.max(c.least())).collect();
+        let [above, taken] = [&above, &counts].map(|counts| counts.iter().sum::<usize>());
+        if above < taken {
+            shared.notes.push(Note::FewExtrema { threshold, above, taken, components: components.len() });
+        }
+        counts
+    }
+
+    /// So many cones on each component.
+    fn placed(
+        &self,
+        shared: &mut Shared,
+        options: &Options,
+        counts: &[usize],
+        task: &Task,
+    ) -> Result<Vec<Result<Configuration, Error>>, Error> {
+        each(self.components(), &mut shared.times, |component, times| {
+            let place = |watch: Watch| component.place(options, counts[component.index], watch);
+            task.stage((Stage::Hierarchy, component.index), times, place)
+        })
+    }
+
+    /// As few cones on each component as keep the predicted area distortion within a target.
+    fn fewest(
+        &self,
+        shared: &mut Shared,
+        options: &Options,
+        target: f64,
+        most: usize,
+        task: &Task,
+    ) -> Result<Vec<Result<Configuration, Error>>, Error> {
+        let Options { placement, rule, .. } = *options;
+        let components = self.components();
+        let found: Vec<Automatic> = each(components, &mut shared.times, |component, times| {
+            task.stage((Stage::Hierarchy, component.index), times, |watch| {
+                placement.fewest(component.ground(watch), rule, target, most)
+            })?
+            .map_err(Error::from)
+        })?;
+        let began = Instant::now();
+        let (predicted, curve) = match &found[..] {
+            [alone] => (alone.predicted, alone.curve.clone()),
+            _ => {
+                let predicted = predict_together(components, &found, rule);
+                let nested: Vec<Nested> = found.iter().map(|found| found.nested.clone()).collect();
+                (predicted, whole_curve(components, &nested, (placement, rule), (2 * predicted.count).max(most)))
+            }
+        };
+        let is_met = found.iter().all(|found| found.is_met);
+        let Prediction { count: chosen, area_distortion: predicted, .. } = predicted;
+        shared.number = Some(ChosenNumber { target, chosen, predicted, is_met, curve });
+        let configure = |(component, found): (&Component, Automatic)| Ok(component.configure(found.set.cones, rule)?);
+        let configurations = components.par_iter().zip(found).with_max_len(1).map(configure).collect();
+        shared.times.add(Stage::Hierarchy, began.elapsed());
+        Ok(configurations)
+    }
+
+    /// Given cones must be vertices of a surface, each once.
+    fn check_given(&self, given: &[(u32, Option<f64>)]) -> Result<(), Error> {
+        let count = self.points().len();
+        let mut on_surface = vec![false; count];
+        for component in self.components() {
+            component.surface.vertex.iter().for_each(|&v| on_surface[v as usize] = true);
+        }
+        let mut is_given = vec![false; count];
+        for &(vertex, _) in given {
+            if !on_surface.get(vertex as usize).copied().unwrap_or(false) {
+                return Err(Error::NoSuchCone { vertex, count });
+            }
+            if std::mem::replace(&mut is_given[vertex as usize], true) {
+                return Err(Error::RepeatedCone(vertex));
+            }
+        }
+        let known = given.iter().filter(|(_, k)| k.is_some()).count();
+        if known != 0 && known != given.len() {
+            return Err(Error::SomeCurvatures { known, given: given.len() });
+        }
+        Ok(())
+    }
+}
+
+/// What is predicted for all components together, with the cones that were found for each.
+fn predict_together(components: &[Component], found: &[Automatic], rule: CurvatureRule) -> Prediction {
+    let mut predictor = Predictor::new(components.len());
+    for (component, found) in components.iter().zip(found) {
+        let u = found.log_scale(&component.operators, rule);
+        predictor.put(component.index, &component.operators, component.area, found.set.cones.len(), u);
+    }
+    predictor.prediction()
+}

@@ -1,0 +1,132 @@
+//! A component flattened with given cones: one attempt.
+
+use geom::{FaceId, VertexData, VertexId, angle_defects};
+
+use super::component::Component;
+use super::cones::Configuration;
+use super::note::Note;
+use super::observer::{Stage, Task, Times};
+use super::quality::Quality;
+use crate::error::Error;
+use crate::flatten::{FoldOvers, Layout, Scaling, Seams, detach, remove_fold_overs, scale, seam_lengths};
+
+/// A flattened component.
+pub(crate) struct Flat {
+    pub(crate) cones: Vec<VertexId>,
+    pub(crate) curvature: Vec<f64>,
+    pub(crate) seams: Seams,
+    pub(crate) layout: Layout,
+    /// The log scale factor of each vertex.
+    u: VertexData<f64>,
+    /// The largest curvature left beside the cones, in radians.
+    pub(crate) error: f64,
+    /// What to multiply the layout by so that its mean log scale is 0 in the model's units.
+    pub(crate) size: f64,
+    pub(crate) quality: Quality,
+    /// What is folded over.
+    pub(crate) fold_overs: Option<FoldOvers>,
+    /// The triangles that were detached.
+    pub(crate) detached: Vec<FaceId>,
+    /// Whether each inner vertex is a cone.
+    pub(crate) is_unfolded: bool,
+    pub(crate) notes: Vec<Note>,
+}
+
+impl Component {
+    /// Flattens with given cones: cut, metric, layout, and fold-overs removed as far as possible.
+    ///
+    /// # Errors
+    /// If the surface cannot be cut open, no metric is found, or the observer has said stop.
+    pub(crate) fn flatten(&self, configuration: &Configuration, task: &Task, times: &mut Times) -> Result<Flat, Error> {
+        let Self { index, surface, metric, operators, .. } = self;
+        let mesh = &surface.mesh;
+        let Configuration { vertices, curvature, predicted, notes } = configuration;
+        let seams = task.stage((Stage::Cut, *index), times, |watch| {
+            Seams::of_surface(surface, metric, vertices, watch)
+        })??;
+        let scaling = task.stage((Stage::Scale, *index), times, |watch| {
+            let mut target = VertexData::constant(mesh.vertex_count(), 0.0);
+            for (&v, &k) in vertices.iter().zip(curvature) {
+                target[v] = k;
+            }
+            scale(mesh, metric, operators, &target, predicted, watch)
+        })??;
+        let (layout, fold_overs) = task.stage((Stage::Layout, *index), times, |watch| {
+            let mut layout = Layout::new(mesh, &scaling, &seams.cut, watch.within(0.0, 0.3));
+            let mut is_cone = VertexData::constant(mesh.vertex_count(), false);
+            vertices.iter().for_each(|&v| is_cone[v] = true);
+            let removed = remove_fold_overs(mesh, metric, &scaling, &is_cone, &mut layout, watch.within(0.3, 1.0));
+            (layout, removed.err())
+        })?;
+        let mut notes = notes.clone();
+        if scaling.mollified {
+            notes.push(Note::Mollified { component: *index });
+        }
+        let mut flat = self.flat((vertices.clone(), curvature.clone()), seams, layout, scaling, notes);
+        flat.fold_overs = fold_overs;
+        Ok(flat)
+    }
+
+    /// The last resort: with a cone of its own curvature at every inner vertex a metric is flat as it is. Always there, not
+    /// distorted at all, and cut to shreds.
+    ///
+    /// # Errors
+    /// If the surface cannot be cut open.
+    pub(crate) fn unfold(&self, task: &Task, times: &mut Times) -> Result<Flat, Error> {
+        let mesh = &self.surface.mesh;
+        let defects = angle_defects(mesh, &self.metric);
+        let inner: Vec<VertexId> = mesh.vertices().filter(|&v| !mesh.is_boundary_vertex(v)).collect();
+        let seams = task.stage((Stage::Cut, self.index), times, |watch| {
+            Seams::of_surface(&self.surface, &self.metric, &inner, watch)
+        })??;
+        let (scaling, layout) = task.stage((Stage::Layout, self.index), times, |watch| {
+            let scaling = Scaling::none(mesh, &self.metric);
+            let layout = Layout::new(mesh, &scaling, &seams.cut, watch);
+            (scaling, layout)
+        })?;
+        let curvature = inner.iter().map(|&v| defects[v]).collect();
+        Ok(Flat { is_unfolded: true, ..self.flat((inner, curvature), seams, layout, scaling, Vec::new()) })
+    }
+
+    fn flat(
+        &self,
+        (cones, curvature): (Vec<VertexId>, Vec<f64>),
+        seams: Seams,
+        layout: Layout,
+        scaling: Scaling,
+        notes: Vec<Note>,
+    ) -> Flat {
+        let mean: f64 = self.operators.weight.iter().zip(scaling.u.iter()).map(|(w, u)| w * u).sum();
+        let quality = Quality::of(&self.surface.mesh, &self.metric, &layout);
+        let Scaling { u, error, .. } = scaling;
+        Flat {
+            cones,
+            curvature,
+            seams,
+            layout,
+            u,
+            error,
+            size: (-mean).exp() / self.surface.scale,
+            quality,
+            fold_overs: None,
+            detached: Vec::new(),
+            is_unfolded: false,
+            notes,
+        }
+    }
+
+    /// Makes islands of the triangles that stay folded over, if there are any.
+    pub(crate) fn detach_fold_overs(&self, flat: &mut Flat) {
+        let Some(fold_overs) = flat.fold_overs.take() else { return };
+        let lengths = seam_lengths(&self.surface, &self.metric);
+        let mesh = &self.surface.mesh;
+        detach(mesh, &self.metric, &flat.u, &lengths, &fold_overs.bad, &mut flat.seams, &mut flat.layout);
+        flat.notes.push(Note::Detached {
+            component: self.index,
+            triangles: fold_overs.bad.len(),
+            first: self.surface.vertex[fold_overs.near[0]],
+        });
+        flat.detached = fold_overs.bad;
+        flat.quality = Quality::of(mesh, &self.metric, &flat.layout);
+    }
+}

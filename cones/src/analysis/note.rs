@@ -1,0 +1,218 @@
+//! What a user should know of what was decided on the way.
+
+use std::fmt;
+
+use crate::placement::MOST_OPTIMISED;
+
+/// Something that was decided or could not be had; its `Display` is one sentence without an end. Components are counted from
+/// 0 in the order of their first faces, vertices are those of the model.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Note {
+    /// A component's edges were lengthened by up to 1e-4 of their mean, because of needle triangles.
+    Mollified {
+        /// The component.
+        component: usize,
+    },
+    /// The curvature could not be diffused and is taken as it is.
+    NotSmoothed {
+        /// The component.
+        component: usize,
+    },
+    /// Fewer cones were asked for than the components need.
+    FewerThanNeeded {
+        /// How many were asked for.
+        asked: usize,
+        /// How many are needed, and taken.
+        needed: usize,
+        /// By how many components.
+        components: usize,
+    },
+    /// Fewer extrema are persistent enough than the components need cones.
+    FewExtrema {
+        /// The threshold.
+        threshold: f64,
+        /// How many extrema are above it.
+        above: usize,
+        /// How many cones are taken.
+        taken: usize,
+        /// On how many components.
+        components: usize,
+    },
+    /// More cones than are optimised: they are placed by persistence.
+    PlacedByPersistence {
+        /// The component.
+        component: usize,
+        /// How many cones it gets.
+        cones: usize,
+    },
+    /// So many cones cannot take a component's curvature: more are taken.
+    MoreForCurvature {
+        /// The component.
+        component: usize,
+        /// How many were asked for.
+        asked: usize,
+        /// How many are taken.
+        taken: usize,
+    },
+    /// A component has fewer vertices that can be cones.
+    FewVertices {
+        /// The component.
+        component: usize,
+        /// How many cones were asked for.
+        asked: usize,
+        /// How many there are.
+        there: usize,
+    },
+    /// Harmonic curvatures are out of bounds: optimal ones are taken.
+    HarmonicOutOfBounds {
+        /// The component.
+        component: usize,
+        /// At how many cones they are.
+        count: usize,
+        /// Of how many.
+        cones: usize,
+        /// The first such cone.
+        first: u32,
+    },
+    /// Another number of cones than the one chosen gave a better map.
+    OtherNumber {
+        /// The component.
+        component: usize,
+        /// How many were chosen.
+        chosen: usize,
+        /// How many are taken.
+        taken: usize,
+        /// Why the chosen ones did not do.
+        cause: Failure,
+    },
+    /// Triangles that stay folded over became islands of their own.
+    Detached {
+        /// The component.
+        component: usize,
+        /// How many triangles.
+        triangles: usize,
+        /// A vertex there.
+        first: u32,
+    },
+    /// No cones could flatten a component: it is unfolded with a cone at every vertex, cut to shreds.
+    Unfolded {
+        /// The component.
+        component: usize,
+        /// What failed last.
+        cause: Failure,
+    },
+    /// The area distortion that was asked for was not reached.
+    TargetMissed {
+        /// The component.
+        component: usize,
+        /// What was asked for.
+        target: f64,
+        /// What was reached.
+        reached: f64,
+        /// With how many cones.
+        cones: usize,
+    },
+}
+
+impl Note {
+    /// The component that it is about, unless it is about all of them.
+    pub fn component(&self) -> Option<usize> {
+        match *self {
+            Self::FewerThanNeeded { .. } | Self::FewExtrema { .. } => None,
+            Self::Mollified { component }
+            | Self::NotSmoothed { component }
+            | Self::PlacedByPersistence { component, .. }
+            | Self::MoreForCurvature { component, .. }
+            | Self::FewVertices { component, .. }
+            | Self::HarmonicOutOfBounds { component, .. }
+            | Self::OtherNumber { component, .. }
+            | Self::Detached { component, .. }
+            | Self::Unfolded { component, .. }
+            | Self::TargetMissed { component, .. } => Some(component),
+        }
+    }
+}
+
+impl fmt::Display for Note {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        let needing = |components: &usize| match components {
+            1 => "this surface needs".to_owned(),
+            _ => format!("these {components} parts need"),
+        };
+        match self {
+            Self::Mollified { .. } => write!(f, "edges were lengthened by up to 1e-4 of their mean, because of needle triangles"),
+            Self::NotSmoothed { .. } => write!(f, "the curvature could not be diffused: taking it as it is"),
+            Self::FewerThanNeeded { asked, needed, components } => {
+                write!(f, "{asked} cones asked for, but {} at least {needed}: taking {needed}", needing(components))
+            }
+            Self::FewExtrema { threshold, above, taken, components } => write!(
+                f,
+                "{above} extrema are more persistent than {threshold}, but {} more cones: taking {taken}",
+                needing(components)
+            ),
+            Self::PlacedByPersistence { .. } => write!(f, "more than {MOST_OPTIMISED} cones are placed by persistence"),
+            Self::MoreForCurvature { asked, taken, .. } => {
+                write!(f, "{asked} cones cannot take this surface's curvature: taking {taken}")
+            }
+            Self::FewVertices { asked, there, .. } => {
+                write!(f, "{asked} cones asked for, but there are only {there} inner vertices")
+            }
+            Self::HarmonicOutOfBounds { count, cones, first, .. } => write!(
+                f,
+                "harmonic curvature is out of bounds at {count} of {cones} cones (first at vertex {first}): taking optimal \
+                 curvatures within bounds"
+            ),
+            Self::OtherNumber { chosen, taken, cause, .. } => {
+                write!(f, "{chosen} cones could not be flattened well ({cause}): taking {taken}")
+            }
+            Self::Detached { triangles: 1, first, .. } => {
+                write!(f, "1 triangle folds over, near vertex {first}: it is an island of its own")
+            }
+            Self::Detached { triangles, first, .. } => {
+                write!(f, "{triangles} triangles fold over, the first near vertex {first}: they are islands of their own")
+            }
+            Self::Unfolded { cause, .. } => {
+                write!(f, "no cones could flatten this surface ({cause}): unfolding it with a cone at every vertex")
+            }
+            Self::TargetMissed { target, reached, cones, .. } => {
+                write!(f, "an area distortion of {target} was not reached: {reached:.3} with {cones} cones")
+            }
+        }
+    }
+}
+
+/// Why an attempt to flatten a component failed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Failure {
+    /// The cones cannot take the curvature.
+    Curvature,
+    /// The surface could not be cut open through them.
+    Cut,
+    /// No metric was found.
+    Metric,
+    /// Triangles stay folded over.
+    FoldOvers {
+        /// How many.
+        triangles: usize,
+    },
+    /// Lengths would change too much.
+    Stretched {
+        /// By this factor, the logarithm to base e.
+        log: f64,
+    },
+}
+
+impl fmt::Display for Failure {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        match self {
+            Self::Curvature => write!(f, "they cannot take its curvature"),
+            Self::Cut => write!(f, "they do not cut it open"),
+            Self::Metric => write!(f, "no flat metric was found"),
+            Self::FoldOvers { triangles: 1 } => write!(f, "1 triangle folds over"),
+            Self::FoldOvers { triangles } => write!(f, "{triangles} triangles fold over"),
+            Self::Stretched { .. } => write!(f, "lengths would change a thousandfold"),
+        }
+    }
+}

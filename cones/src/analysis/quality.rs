@@ -1,0 +1,52 @@
+//! What a layout of a component is worth, as it came out.
+
+use geom::{Mesh, Metric};
+use num_complex::Complex64;
+
+use crate::flatten::Layout;
+use crate::placement::distortion_of;
+
+/// σ₁/σ₂ counts up to here, so that one needle does not outweigh a surface.
+const WORST: f64 = 1e3;
+
+/// The measures of [`geom::distortion`] that attempts are compared by.
+#[derive(Clone, Debug)]
+pub(crate) struct Quality {
+    /// The mean of σ₁/σ₂, weighted by area.
+    pub(crate) quasi_conformal: f64,
+    /// Each triangle's area in space, and its area in the layout over that.
+    pub(crate) ratios: Vec<(f64, f64)>,
+}
+
+impl Quality {
+    /// Measures a layout; `metric` has the lengths in space. Triangles without area in space are left out.
+    pub(crate) fn of(mesh: &Mesh, metric: &Metric, layout: &Layout) -> Self {
+        let mut ratios = Vec::with_capacity(mesh.face_count());
+        let (mut sum, mut whole) = (0.0, 0.0);
+        for f in mesh.faces() {
+            let sides = metric.sides(mesh, f);
+            let area = sides.area();
+            let [along, _, back] = sides.unfold().map(|[x, y]| Complex64::new(x, y));
+            let [a, b, c] = mesh.sides(f).map(|h| layout.corner(h));
+            // The map z ↦ p z + q z̄ takes both sides at the first corner to their images.
+            let (z, w) = (along, -back);
+            let determinant = z * w.conj() - w * z.conj();
+            let is_measured = area > 0.0 && determinant.norm() > 0.0; // not so with NaN either
+            if !is_measured {
+                continue;
+            }
+            let p = ((b - a) * w.conj() - (c - a) * z.conj()) / determinant;
+            let q = (z * (c - a) - w * (b - a)) / determinant;
+            let stretch = (p.norm() + q.norm()) / (p.norm() - q.norm()).abs().max(f64::MIN_POSITIVE);
+            sum += area * stretch.min(WORST);
+            whole += area;
+            ratios.push((area, (p.norm_sqr() - q.norm_sqr()).abs().max(f64::MIN_POSITIVE)));
+        }
+        Self { quasi_conformal: sum / whole, ratios }
+    }
+
+    /// The area distortion D.
+    pub(crate) fn area_distortion(&self) -> f64 {
+        distortion_of(&self.ratios)
+    }
+}

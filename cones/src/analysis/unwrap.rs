@@ -1,0 +1,157 @@
+//! From cones on every component to texture coordinates for the model.
+
+use geom::Model;
+
+use super::atlas::Atlas;
+use super::choosing::Shared;
+use super::component::Component;
+use super::cones::{ChosenNumber, Cones};
+use super::flat::Flat;
+use super::note::Note;
+use super::observer::Times;
+use super::options::{ConeChoice, Options};
+use super::shelf::Shelf;
+use super::{Analysis, each};
+use crate::error::Error;
+use crate::placement::distortion_of;
+
+/// A measured area distortion counts as within a target if it is when printed with two decimals.
+const ROUNDING: f64 = 0.005;
+
+/// Unwraps a model in one call: [`Analysis::new`] and [`Analysis::atlas`], with the time of both and all that the user
+/// should know.
+///
+/// ```
+/// use cones::{ConeChoice, Options, unwrap_model};
+///
+/// let model = geom::shapes::by_name("capsule", 500).expect("it is built in").into();
+/// let options = Options { cones: ConeChoice::Count(4), ..Options::default() };
+/// let atlas = unwrap_model(&model, &options)?;
+/// assert_eq!(atlas.cones.len(), 4);
+/// assert_eq!(atlas.uv.len(), model.corner_count());
+/// let total: f64 = atlas.cones.iter().map(|cone| cone.curvature).sum();
+/// assert!((total - 4.0 * std::f64::consts::PI).abs() < 1e-9);
+/// # Ok::<(), cones::Error>(())
+/// ```
+///
+/// # Errors
+/// If the model has no surface, or the options cannot be met.
+pub fn unwrap_model(model: &Model, options: &Options) -> Result<Atlas, Error> {
+    let analysis = Analysis::with(model, options.preparation)?;
+    let mut atlas = analysis.atlas(options)?;
+    atlas.times += analysis.times();
+    Ok(atlas)
+}
+
+impl Analysis {
+    /// Flattens the model with given cones. Fold-overs are removed as far as possible; triangles that stay folded over are
+    /// detached and named. No other cones are tried.
+    ///
+    /// # Errors
+    /// If the cones are of another analysis, if no flat metric with them is found, or if the observer has said stop.
+    pub fn flatten(&self, cones: &Cones) -> Result<Atlas, Error> {
+        if cones.analysis != self.id() {
+            return Err(Error::ForeignCones);
+        }
+        let task = self.task();
+        let mut times = Times::default();
+        let flats = each(self.components(), &mut times, |component, times| {
+            let mut flat = component.flatten(&cones.configurations[component.index], &task, times)?;
+            component.detach_fold_overs(&mut flat);
+            Ok(flat)
+        })?;
+        let own = cones.notes.iter().filter(|note| note.component().is_none()).cloned().collect();
+        Ok(self.assemble(flats, own, cones.number.clone(), times))
+    }
+
+    /// Chooses cones and flattens the model with them, or on components where these fail with the best of others: see the
+    /// notes.
+    ///
+    /// # Errors
+    /// As [`choose`](Self::choose); given cones are never replaced.
+    pub fn atlas(&self, options: &Options) -> Result<Atlas, Error> {
+        if matches!(options.cones, ConeChoice::Given(_)) {
+            let cones = self.choose(options)?;
+            let mut atlas = self.flatten(&cones)?;
+            atlas.times += cones.times;
+            return Ok(atlas);
+        }
+        let task = self.task();
+        let (shared, configurations) = self.configurations(options, &task)?;
+        let Shared { notes, number, mut times } = shared;
+        let flats = each(self.components(), &mut times, |component, times| {
+            component.flatten_well(&configurations[component.index], options, &task, times)
+        })?;
+        Ok(self.assemble(flats, notes, number, times))
+    }
+
+    /// Puts flattened components together.
+    fn assemble(
+        &self,
+        flats: Vec<Flat>,
+        mut notes: Vec<Note>,
+        number: Option<ChosenNumber>,
+        times: Times,
+    ) -> Atlas {
+        let mut uv = vec![None; self.corner_vertices().len()];
+        let (mut cones, mut seams, mut detached) = (Vec::new(), Vec::new(), Vec::new());
+        let number = number.map(|number| self.measured(number, &flats));
+        let mut curvature_error = 0.0_f64;
+        let mut unfolded = 0;
+        let mut shelf = Shelf::new(self.components().iter().map(|c| c.area).sum());
+        notes.splice(0..0, self.notes().iter().cloned());
+        for (component, flat) in self.components().iter().zip(flats) {
+            let surface = &component.surface;
+            curvature_error = curvature_error.max(flat.error);
+            unfolded += usize::from(flat.is_unfolded);
+            for (h, position) in shelf.place(&flat.layout, &surface.mesh, flat.size).iter_ids() {
+                uv[surface.corner[h] as usize] = Some(*position);
+            }
+            let of_model = |vertices: &[geom::VertexId]| vertices.iter().map(|&v| surface.vertex[v]).collect();
+            seams.extend(flat.seams.chains.iter().map(|chain| -> Vec<u32> { of_model(&chain.vertices) }));
+            detached.extend(flat.detached.iter().map(|&f| surface.triangle[f]));
+            cones.extend(flat.cones.iter().zip(&flat.curvature).map(|(&v, &k)| component.cone(v, k, self.points())));
+            for note in flat.notes {
+                if !notes.contains(&note) {
+                    notes.push(note);
+                }
+            }
+        }
+        Atlas {
+            uv: self.fill_corners(uv),
+            triangles: self.triangles().clone(),
+            left_out: self.left_out().to_vec(),
+            detached,
+            cones,
+            seams,
+            number,
+            curvature_error,
+            unfolded,
+            times,
+            notes,
+        }
+    }
+
+    /// Whether the map that was made meets the target that its number of cones was chosen for.
+    fn measured(&self, number: ChosenNumber, flats: &[Flat]) -> ChosenNumber {
+        let scaled = |(component, flat): (&Component, &Flat)| {
+            let whole: f64 = flat.quality.ratios.iter().map(|(area, _)| area).sum();
+            let size = flat.size * flat.size * component.surface.scale * component.surface.scale;
+            let ratios = flat.quality.ratios.iter();
+            ratios.map(|(area, r)| (area / whole * component.area, r * size)).collect::<Vec<_>>()
+        };
+        let all: Vec<(f64, f64)> = self.components().iter().zip(flats).flat_map(scaled).collect();
+        ChosenNumber { is_met: distortion_of(&all) <= number.target + ROUNDING, ..number }
+    }
+
+    /// Corners that no surface has get the position of another corner at their vertex, or the origin.
+    fn fill_corners(&self, uv: Vec<Option<[f64; 2]>>) -> Vec<[f64; 2]> {
+        let mut of_vertex = vec![[0.0; 2]; self.points().len()];
+        for (uv, &v) in uv.iter().zip(self.corner_vertices()) {
+            if let Some(uv) = uv {
+                of_vertex[v as usize] = *uv;
+            }
+        }
+        uv.into_iter().zip(self.corner_vertices()).map(|(uv, &v)| uv.unwrap_or(of_vertex[v as usize])).collect()
+    }
+}

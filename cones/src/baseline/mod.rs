@@ -1,0 +1,7 @@
+//! What the method is compared with, and nothing else uses.
+
+mod linear;
+mod lscm;
+
+pub use linear::{LinearScaling, scale_linearly};
+pub use lscm::{Lscm, LscmError};

@@ -1,0 +1,18 @@
+//! From cones with curvatures to the plane: the cut (paper §2), metric scaling, the layout, and what is done where
+//! triangles of the layout fold over.
+
+mod detach;
+mod fold_over;
+mod layout;
+mod scaling;
+mod seams;
+mod untangle;
+
+pub(crate) use detach::detach;
+pub use fold_over::FoldOvers;
+pub(crate) use fold_over::remove_fold_overs;
+pub use layout::Layout;
+pub use scaling::{Scaling, ScalingError, scale};
+pub(crate) use seams::seam_lengths;
+pub use seams::{Chain, SeamError, Seams};
+pub use untangle::{Corner, Patch, PatchError, PatchTriangle, Untangled};

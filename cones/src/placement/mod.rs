@@ -1,0 +1,223 @@
+//! Where cones are put: every method, and the one place that dispatches them.
+//!
+//! A method is one variant of [`Placement`] and what it stands for in the `match`es below; nothing outside this folder asks
+//! which method it has.
+
+mod automatic;
+pub(crate) mod configuration;
+mod distances;
+mod energy_model;
+mod exchange;
+mod iterative;
+mod matching_pursuit;
+mod nested;
+mod prediction;
+mod pursuit;
+mod refactoring;
+mod refined;
+mod separation;
+mod swap_table;
+
+use std::sync::{Arc, OnceLock};
+
+use geom::{Mesh, PoissonError, VertexId, Watch};
+
+use crate::curvature::CurvatureRule;
+use crate::field::Operators;
+use crate::hierarchy::ConeHierarchy;
+
+pub(crate) use automatic::Automatic;
+pub(crate) use energy_model::EnergyTerms;
+pub use energy_model::{ConeSet, EnergyModel};
+pub use nested::Nested;
+pub(crate) use nested::{ComponentOrder, cones_of_sequence, curve_of_sequence};
+pub use prediction::{Prediction, area_distortion};
+pub(crate) use prediction::{Predictor, area_ratios, distortion_of};
+pub(crate) use pursuit::BLOCK;
+pub use pursuit::pursuit;
+pub use refined::refined;
+
+/// More cones than this are not optimised: `refined` takes a time that grows with the third power of their number.
+pub const MOST_OPTIMISED: usize = 64;
+
+/// How cones are placed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
+#[non_exhaustive]
+pub enum Placement {
+    /// The most persistent maximum, minimum, second maximum, second minimum, … of the conformal factor, as in the paper.
+    Alternating,
+    /// The extrema of the conformal factor by persistence, whatever their sign.
+    Persistence,
+    /// The highest and the lowest point of the conformal factor, level by level with it pinned to 0 at the cones
+    /// (Ben-Chen, Gotsman & Bunin 2008), on one factorization.
+    Iterative,
+    /// As [`Iterative`](Self::Iterative), with a factorization for each level, as published: the same cones for far more
+    /// time, to compare with.
+    Refactoring,
+    /// One by one where the pinned conformal factor is largest in absolute value (Sawhney & Crane 2017).
+    Greedy,
+    /// The best set found of this very number; not nested.
+    #[default]
+    Refined,
+    /// The best nested order found, for every number.
+    Pursuit,
+}
+
+/// How components of one model share cones.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Sharing {
+    /// By what cones bring, from curves that serve one number only.
+    ByBriefCurves,
+    /// By what cones bring, for every number.
+    ByCurves,
+    /// By the persistence of their extrema.
+    ByPersistence,
+}
+
+/// A connected surface that cones are placed on.
+#[derive(Clone, Copy)]
+pub(crate) struct Ground<'a> {
+    pub(crate) operators: &'a Operators,
+    /// The triangulation that will be laid out.
+    pub(crate) input: &'a Mesh,
+    pub(crate) hierarchy: &'a ConeHierarchy,
+    /// Found when they are first asked for.
+    pub(crate) terms: &'a OnceLock<Arc<EnergyTerms>>,
+    pub(crate) watch: Watch<'a>,
+}
+
+impl<'a> Ground<'a> {
+    /// The energy model, with an empty pool: what is found never depends on what was asked before.
+    pub(crate) fn energy_model(&self) -> EnergyModel<'a> {
+        let terms = self.terms.get_or_init(|| Arc::new(EnergyTerms::new(self.operators, self.input)));
+        EnergyModel::with_terms(self.operators, Arc::clone(terms), self.watch)
+    }
+}
+
+impl Placement {
+    /// All of them.
+    pub const ALL: [Self; 7] = [
+        Self::Alternating,
+        Self::Persistence,
+        Self::Iterative,
+        Self::Refactoring,
+        Self::Greedy,
+        Self::Refined,
+        Self::Pursuit,
+    ];
+
+    /// Its name on the command line and in reports.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Alternating => "alternating",
+            Self::Persistence => "persistence",
+            Self::Iterative => "iterative",
+            Self::Refactoring => "refactoring",
+            Self::Greedy => "greedy",
+            Self::Refined => "refined",
+            Self::Pursuit => "pursuit",
+        }
+    }
+
+    /// Whether the first cones of a number are those of each smaller one.
+    pub fn is_nested(self) -> bool {
+        self != Self::Refined
+    }
+
+    /// Whether it reads the extrema of the conformal factor, so that diffusing the curvature first changes its cones.
+    pub fn reads_extrema(self) -> bool {
+        matches!(self, Self::Alternating | Self::Persistence)
+    }
+
+    fn is_optimised(self) -> bool {
+        matches!(self, Self::Refined | Self::Pursuit)
+    }
+
+    /// The method that places so many cones: so many that optimising them would take minutes are placed by persistence.
+    pub(crate) fn for_count(self, count: usize) -> Self {
+        if self.is_optimised() && count > MOST_OPTIMISED { Self::Persistence } else { self }
+    }
+
+    /// The method whose order is used where one is needed for every number.
+    pub(crate) fn nested(self) -> Self {
+        if self == Self::Refined { Self::Pursuit } else { self }
+    }
+
+    pub(crate) fn sharing(self) -> Sharing {
+        match self {
+            Self::Refined => Sharing::ByBriefCurves,
+            Self::Pursuit => Sharing::ByCurves,
+            _ => Sharing::ByPersistence,
+        }
+    }
+
+    /// `count` cones; fewer only where there is no room for more.
+    ///
+    /// # Errors
+    /// If a Laplacian cannot be factored, by [`Refactoring`](Self::Refactoring).
+    pub(crate) fn cones(self, ground: Ground, count: usize) -> Result<Vec<VertexId>, PoissonError> {
+        let Ground { operators, hierarchy, watch, .. } = ground;
+        Ok(match self {
+            Self::Alternating => hierarchy.alternating(operators, count, watch),
+            Self::Persistence => hierarchy.by_persistence(operators, count, watch),
+            Self::Iterative => iterative::iterative(operators, count, watch),
+            Self::Refactoring => refactoring::iterative_refactoring(operators, count, watch)?,
+            Self::Greedy => iterative::greedy(operators, count, watch),
+            Self::Refined => refined(&mut ground.energy_model(), count).cones,
+            Self::Pursuit => pursuit(&mut ground.energy_model(), count).cones().to_vec(),
+        })
+    }
+
+    /// A nested order of at least so many cones, as far as there are so many; an optimised one is found in whole blocks, at
+    /// most 64 cones.
+    ///
+    /// # Errors
+    /// As [`cones`](Self::cones).
+    pub(crate) fn order(self, ground: Ground, count: usize) -> Result<Nested, PoissonError> {
+        if self.is_optimised() {
+            return Ok(optimised_order(ground, count, false));
+        }
+        let order = self.cones(ground, count)?;
+        Ok(Nested::new(&mut ground.energy_model(), &order))
+    }
+
+    /// As few cones as keep the predicted area distortion within `target`, at most `most`.
+    ///
+    /// # Errors
+    /// As [`cones`](Self::cones).
+    pub(crate) fn fewest(
+        self,
+        ground: Ground,
+        rule: CurvatureRule,
+        target: f64,
+        most: usize,
+    ) -> Result<Automatic, PoissonError> {
+        let mut model = ground.energy_model();
+        if self == Self::Refined {
+            return Ok(automatic::automatic(&mut model, rule, target, most));
+        }
+        let order = self.cones(ground, most)?;
+        Ok(automatic::shortest(&mut model, &order, rule, target))
+    }
+}
+
+/// The best nested order found, in whole blocks, or for few cones up to just so many: that is cheaper, but orders of different
+/// lengths may differ.
+pub(crate) fn optimised_order(ground: Ground, count: usize, is_brief: bool) -> Nested {
+    let model = &mut ground.energy_model();
+    let least = count.max(crate::curvature::least_cones(ground.operators));
+    if is_brief && least <= BLOCK {
+        pursuit::brief_pursuit(model, least)
+    } else {
+        pursuit(model, whole_blocks(ground.operators, count))
+    }
+}
+
+/// The length of the order that a curve up to `most` cones is read from.
+pub(crate) fn whole_blocks(operators: &Operators, most: usize) -> usize {
+    most.max(crate::curvature::least_cones(operators)).next_multiple_of(BLOCK).min(LONGEST_CURVE)
+}
+
+/// Curves are computed up to this number of cones. Beyond, the energy is taken to fall like 1/N, as it does about.
+const LONGEST_CURVE: usize = 2 * BLOCK;
