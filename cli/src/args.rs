@@ -1,8 +1,8 @@
 //! The command line: what may be asked for, and nothing that is not built.
 
-use crate::cone_file;
+use crate::commands::{compare, features, persistence};
 use crate::failure::Failure;
-use crate::{compare, features, persistence};
+use crate::input::cone_file;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use cones::{Angles, ConeChoice, Method, Options};
 use std::num::NonZeroUsize;

@@ -40,7 +40,7 @@ pub(crate) enum Failure {
     #[error("{} lists no cone: write lines of a vertex's index from 0 and its curvature", .0.display())]
     NoCones(PathBuf),
     #[error(transparent)]
-    Field(#[from] crate::field::ReadError),
+    Field(#[from] crate::input::ReadError),
     #[error("{} is a mesh without values: name a field with --field, such as --field phi", .0.display())]
     NoField(PathBuf),
     #[error("{} has nodes without edges: name the file of edges with --edges", .0.display())]

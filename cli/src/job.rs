@@ -3,8 +3,8 @@
 use crate::args::Scale;
 use crate::failure::Failure;
 use crate::output;
-use crate::picture::{Chart, Mark};
 use crate::progress::Progress;
+use crate::render::{Chart, Mark};
 use crate::report::{Quality, Report, Times};
 use cones::{Atlas, Options};
 use geom::{Model, Repair};
@@ -103,7 +103,7 @@ pub(crate) fn corner_uv(triangles: &[[u32; 3]], uv: &[[f64; 2]]) -> Vec<[[f64; 2
 
 /// The texture coordinates as they are to be written: from (0, 0) on, and in the unit square where that is asked.
 fn scaled(uv: &[[f64; 2]], scale: Scale) -> Vec<[f64; 2]> {
-    let (low, size) = crate::picture::extent(uv.iter().copied());
+    let (low, size) = crate::render::extent(uv.iter().copied());
     let place = |uv: [f64; 2]| -> [f64; 2] {
         match scale {
             Scale::Unit => std::array::from_fn(|i| (uv[i] - low[i]) / size),

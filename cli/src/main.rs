@@ -4,28 +4,18 @@
 //! interrupted.
 
 mod args;
-mod compare;
-mod cone_file;
-mod demo;
-mod extract;
+mod commands;
 mod failure;
-mod features;
-mod field;
-mod hierarchy_file;
+mod input;
 mod job;
-mod measure;
 mod output;
-mod page;
-mod persistence;
-mod picture;
 mod progress;
+mod render;
 mod report;
-mod shape;
-mod table;
-mod unwrap;
 
 use args::{Arguments, Command};
 use clap::Parser;
+use commands::{compare, demo, extract, features, measure, persistence, shape, unwrap};
 use failure::Failure;
 use std::error::Error;
 use std::io::{self, Write};

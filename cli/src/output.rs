@@ -4,7 +4,7 @@
 //! ends the command with exit code 130; at any other moment it ends it at once.
 
 use crate::failure::Failure;
-use crate::picture::Picture;
+use crate::render::Picture;
 use geom::io::WriteError;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};

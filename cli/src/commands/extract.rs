@@ -2,10 +2,12 @@
 
 use crate::args::{Extract, angles_name, method_name};
 use crate::failure::Failure;
+use crate::input::cone_file;
 use crate::progress::Progress;
+use crate::report::hierarchy_file;
+use crate::report::table::{columns, thousands};
 use crate::report::{ConeReport, CurvePoint, Hierarchy, Input, Number, RepairReport, SCHEMA, Times, curve, kind_name};
-use crate::table::{columns, thousands};
-use crate::{cone_file, hierarchy_file, job, output};
+use crate::{job, output};
 use cones::{Extraction, Options};
 use serde::Serialize;
 use std::f64::consts::PI;

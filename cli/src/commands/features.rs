@@ -1,13 +1,13 @@
 //! `cones features`: the feature points of a mesh, which are the extrema of a field by their persistence.
 
 use crate::args::non_negative;
+use crate::commands::persistence::{NanName, Pair, PairList, Places, Seconds, Subject, Wanted, explain};
 use crate::failure::Failure;
-use crate::field::{Number, Source};
+use crate::input::{Number, Source};
 use crate::output;
-use crate::persistence::{NanName, Pair, PairList, Places, Seconds, Subject, Wanted, explain};
-use crate::picture::{Chart, Mark, draw_values};
+use crate::render::{Chart, Mark, draw_values};
+use crate::report::table::{columns, thousands};
 use crate::report::{SCHEMA, kind_name};
-use crate::table::{columns, thousands};
 use clap::{Args, ValueEnum};
 use serde::Serialize;
 use std::path::{Path, PathBuf};

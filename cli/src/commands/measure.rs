@@ -2,8 +2,8 @@
 
 use crate::args::Measure;
 use crate::failure::Failure;
+use crate::report::table::thousands;
 use crate::report::{DistortionReport, IslandReport, Quality, SCHEMA};
-use crate::table::thousands;
 use crate::{job, output};
 use geom::Model;
 use serde::Serialize;

@@ -3,7 +3,7 @@
 use crate::args::Shape;
 use crate::failure::Failure;
 use crate::output;
-use crate::table::thousands;
+use crate::report::table::thousands;
 use geom::Model;
 use geom::io::{ObjContent, write_obj};
 use geom::shapes;

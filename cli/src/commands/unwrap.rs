@@ -2,11 +2,13 @@
 
 use crate::args::Unwrap;
 use crate::failure::Failure;
+use crate::input::cone_file;
 use crate::job::{self, Job};
-use crate::picture::{self, Chart};
+use crate::output;
 use crate::progress::Progress;
+use crate::render::{self, Chart};
+use crate::report::hierarchy_file;
 use crate::report::{Report, Times};
-use crate::{cone_file, hierarchy_file, output};
 use cones::Options;
 use geom::io::{ObjContent, write_glb, write_obj, write_ply};
 use std::path::Path;
@@ -69,7 +71,7 @@ fn write_surface(job: &Job, path: &Path, triangulate: bool) -> Result<(), Failur
     match output::extension(path, &["obj", "ply", "glb"])? {
         "ply" => output::write(path, |out| write_ply(&job.model, uv, asked, out)),
         "glb" => output::write(path, |out| {
-            write_glb(&job.model, uv, &triangles, Some(&picture::Checker::texture().png()?), out)
+            write_glb(&job.model, uv, &triangles, Some(&render::Checker::texture().png()?), out)
         }),
         _ => {
             let content = ObjContent { uv, triangles: asked, material: None };
@@ -91,15 +93,15 @@ fn write_extras(args: &Unwrap, job: &Job, report: &Report) -> Result<(), Failure
     }
     let chart = job.chart();
     if let Some(path) = &args.picture {
-        output::write_png(path, &picture::draw_model(&chart))?;
+        output::write_png(path, &render::draw_model(&chart))?;
     }
     args.layout.as_ref().map_or(Ok(()), |path| write_layout(path, &chart))
 }
 
 fn write_layout(path: &Path, chart: &Chart) -> Result<(), Failure> {
     match output::extension(path, &["png", "svg"])? {
-        "svg" => output::write_text(path, &picture::draw_layout_svg(chart)),
-        _ => output::write_png(path, &picture::draw_layout(chart)),
+        "svg" => output::write_text(path, &render::draw_layout_svg(chart)),
+        _ => output::write_png(path, &render::draw_layout(chart)),
     }
 }
 

@@ -6,6 +6,7 @@
 
 mod array;
 mod computed;
+pub(crate) mod cone_file;
 mod curvature;
 mod decimal;
 mod distance;

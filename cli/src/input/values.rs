@@ -21,11 +21,11 @@ pub(crate) enum Values {
 macro_rules! each {
     ($values:expr, $field:ident => $body:expr) => {
         match $values {
-            $crate::field::Values::I32($field) => $body,
-            $crate::field::Values::I64($field) => $body,
-            $crate::field::Values::U64($field) => $body,
-            $crate::field::Values::F32($field) => $body,
-            $crate::field::Values::F64($field) => $body,
+            $crate::input::Values::I32($field) => $body,
+            $crate::input::Values::I64($field) => $body,
+            $crate::input::Values::U64($field) => $body,
+            $crate::input::Values::F32($field) => $body,
+            $crate::input::Values::F64($field) => $body,
         }
     };
 }

@@ -1,6 +1,8 @@
 //! The report: what went in, what was done, how good the result is. Its keys are stable; `schema` counts changes.
 
+pub(crate) mod hierarchy_file;
 mod quality;
+pub(crate) mod table;
 mod text;
 
 pub(crate) use quality::{DistortionReport, IslandReport, Quality};

@@ -2,7 +2,7 @@
 
 use super::{CurvePoint, DistortionReport, Input, Report};
 use crate::args::{angles_name, method_name};
-use crate::table::thousands;
+use crate::report::table::thousands;
 use cones::{ConeChoice, Method, Options};
 
 impl Report {

@@ -16,9 +16,10 @@ mod variant;
 
 pub(crate) use args::Arguments;
 
+use crate::commands::shape;
 use crate::failure::Failure;
 use crate::progress::Progress;
-use crate::{job, output, shape};
+use crate::{job, output};
 use args::Format;
 use claims::{Claim, claims};
 use plan::{Plan, Plans};

@@ -1,12 +1,16 @@
 //! `cones demo`: built-in shapes unwrapped into a folder, to be looked at.
 
+mod page;
+
 use crate::args::{Demo, Scale};
+use crate::commands::shape;
 use crate::failure::Failure;
 use crate::job::{self, Job};
-use crate::picture;
+use crate::output;
 use crate::progress::Progress;
+use crate::render;
+use crate::report::table;
 use crate::report::{Report, Times};
-use crate::{output, page, shape, table};
 use cones::{ConeChoice, Options};
 use geom::io::{Material, ObjContent, write_obj};
 use std::path::Path;
@@ -38,7 +42,7 @@ pub(crate) fn run(args: &Demo) -> Result<(), Failure> {
     // The page first: it marks the folder as a demo's, should the rest be interrupted.
     output::write_text(&folder.join(page::NAME), &page::text(&EXHIBITS.map(|e| e.shape)))?;
     output::write_text(&folder.join(MATERIAL.library), MATERIAL_TEXT)?;
-    output::write_png(&folder.join("checker.png"), &picture::Checker::texture())?;
+    output::write_png(&folder.join("checker.png"), &render::Checker::texture())?;
     let reports = EXHIBITS.iter().map(|exhibit| show(exhibit, folder)).collect::<Result<Vec<_>, _>>()?;
     if args.json {
         return output::print_json(&reports);
@@ -74,8 +78,8 @@ fn show(exhibit: &Exhibit, folder: &Path) -> Result<Report, Failure> {
     let report = job.report(Path::new(exhibit.shape), times);
     output::write_text(&file(".json"), &output::json(&report))?;
     let chart = job.chart();
-    output::write_png(&file(".png"), &picture::draw_model(&chart))?;
-    output::write_png(&file("-layout.png"), &picture::draw_layout(&chart))?;
+    output::write_png(&file(".png"), &render::draw_model(&chart))?;
+    output::write_png(&file("-layout.png"), &render::draw_layout(&chart))?;
     drop(progress);
     job::warn(&job.atlas.repairs, &job.atlas.warnings);
     Ok(report)

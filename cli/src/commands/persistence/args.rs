@@ -1,7 +1,7 @@
 //! What may be asked of `cones persistence`.
 
 use crate::args::non_negative;
-use crate::field::{Axes, Source};
+use crate::input::{Axes, Source};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 use topo::{Connectivity, Kind, NanPolicy};

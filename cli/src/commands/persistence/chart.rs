@@ -5,9 +5,9 @@
 //! Barcode: each pair a bar from birth to death, the longest first.
 
 use super::pairs::{Pair, PairList};
-use crate::field::six_digits;
-use crate::picture::{Anchor, Colour, INK, MAXIMUM, MINIMUM, PAPER, Sketch, mix};
-use crate::table::thousands;
+use crate::input::six_digits;
+use crate::render::{Anchor, Colour, INK, MAXIMUM, MINIMUM, PAPER, Sketch, mix};
+use crate::report::table::thousands;
 use std::collections::HashMap;
 use topo::Kind;
 

@@ -14,7 +14,7 @@ pub(crate) use report::Seconds;
 pub(crate) use subject::{Places, Subject};
 
 use crate::failure::Failure;
-use crate::field::Source;
+use crate::input::Source;
 use crate::output;
 use report::Report;
 use std::path::Path;

@@ -1,7 +1,7 @@
 //! The pairs of one direction, told in one form whatever the field's numbers and domain.
 
 use super::subject::{Subject, on};
-use crate::field::{FieldScalar, Number, each};
+use crate::input::{FieldScalar, Number, each};
 use topo::{FieldError, Kind, Options};
 
 /// An extremum with the saddle at which it joins an elder one.

@@ -3,9 +3,9 @@
 use super::explain;
 use super::subject::{Places, Subject, on};
 use crate::failure::Failure;
-use crate::field::{FieldScalar, each, write_labels};
+use crate::input::{FieldScalar, each, write_labels};
 use crate::output;
-use crate::picture::{Picture, encode_hue};
+use crate::render::{Picture, encode_hue};
 use std::io::{self, Write};
 use std::path::Path;
 use topo::{FieldError, Kind, Options, Segmentation};

@@ -2,7 +2,7 @@
 
 use super::args::{Arguments, ConnectivityName};
 use crate::failure::Failure;
-use crate::field::{Array, Form, Network, Source, Surface, Values, edges_beside, six_digits};
+use crate::input::{Array, Form, Network, Source, Surface, Values, edges_beside, six_digits};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use topo::{Adjacency, Connectivity, Domain as _, Grid, Triangulation};
@@ -33,11 +33,11 @@ pub(crate) enum Domain {
 macro_rules! on {
     ($domain:expr, $name:ident => $body:expr) => {
         match $domain {
-            $crate::persistence::subject::Domain::Path($name) => $body,
-            $crate::persistence::subject::Domain::Plane($name) => $body,
-            $crate::persistence::subject::Domain::Volume($name) => $body,
-            $crate::persistence::subject::Domain::Mesh($name) => $body,
-            $crate::persistence::subject::Domain::Network($name) => $body,
+            $crate::commands::persistence::subject::Domain::Path($name) => $body,
+            $crate::commands::persistence::subject::Domain::Plane($name) => $body,
+            $crate::commands::persistence::subject::Domain::Volume($name) => $body,
+            $crate::commands::persistence::subject::Domain::Mesh($name) => $body,
+            $crate::commands::persistence::subject::Domain::Network($name) => $body,
         }
     };
 }
