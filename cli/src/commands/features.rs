@@ -1,0 +1,231 @@
+//! `cones features`: the feature points of a mesh, which are the extrema of a field by their persistence.
+
+use crate::args::non_negative;
+use crate::commands::persistence::{NanName, Pair, PairList, Places, Seconds, Subject, Wanted, explain};
+use crate::failure::Failure;
+use crate::input::{Number, Source};
+use crate::output;
+use crate::render::{Chart, Mark, draw_values};
+use crate::report::table::{columns, thousands};
+use crate::report::{SCHEMA, kind_name};
+use clap::{Args, ValueEnum};
+use serde::Serialize;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+use topo::{Kind, NanPolicy, Options};
+
+#[derive(Args, Debug)]
+pub(crate) struct Arguments {
+    /// The surface: OBJ, OFF, PLY or STL
+    #[arg(value_name = "IN")]
+    input: PathBuf,
+    /// The field: phi, curvature, mean-curvature, height[:x|y|z], distance[:VERTEX], or a file .npy or .txt
+    #[arg(long, value_name = "VALUES", default_value = "phi", value_parser = Source::parse)]
+    field: Source,
+    /// How many feature points [default: 16]
+    #[arg(short = 'n', value_name = "N", group = "which")]
+    count: Option<usize>,
+    /// All extrema that are more persistent than this
+    #[arg(long, value_name = "P", group = "which", value_parser = non_negative, allow_negative_numbers = true)]
+    min_persistence: Option<f64>,
+    /// In what order extrema become feature points
+    #[arg(long, value_enum, default_value_t = Method::Persistence)]
+    method: Method,
+    /// What to do with NaN in a file of values
+    #[arg(long, value_enum, default_value_t = NanName::Refuse)]
+    nan: NanName,
+    /// Write the feature points: .csv or .json
+    #[arg(short, long, value_name = "OUT")]
+    output: Option<PathBuf>,
+    /// Draw the mesh coloured by the field, minima marked blue and maxima red: .png
+    #[arg(long, value_name = "FILE")]
+    picture: Option<PathBuf>,
+    /// Print JSON in place of the table
+    #[arg(long)]
+    json: bool,
+}
+
+/// How many feature points there are by default.
+const COUNT: usize = 16;
+
+/// The share of the vertices at each end of the values that share one colour, so that few do not bleach all others.
+const TAIL: f64 = 0.02;
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, ValueEnum)]
+#[serde(rename_all = "lowercase")]
+enum Method {
+    /// By persistence, whatever their kind
+    Persistence,
+    /// The most persistent maximum, minimum, maximum, …
+    Alternating,
+}
+
+/// The report of `cones features`. Its keys are stable.
+#[derive(Debug, Serialize)]
+struct Report {
+    schema: u32,
+    input: Input,
+    method: Method,
+    /// How many extrema of some persistence the field has.
+    count: usize,
+    extrema: Vec<Extremum>,
+    times: Seconds,
+}
+
+#[derive(Debug, Serialize)]
+struct Input {
+    path: String,
+    vertices: usize,
+    faces: usize,
+}
+
+#[derive(Clone, Debug, Serialize)]
+struct Extremum {
+    vertex: usize,
+    position: [f64; 3],
+    kind: &'static str,
+    value: Number,
+    /// Of a global extremum the range of its component.
+    persistence: Number,
+    /// Nothing for a global extremum.
+    saddle: Option<usize>,
+}
+
+pub(crate) fn run(args: &Arguments) -> Result<(), Failure> {
+    check_outputs(args)?;
+    let start = Instant::now();
+    let subject = Subject::mesh(&args.input, &args.field)?;
+    let mut times = Seconds { read: Some(start.elapsed().as_secs_f64()), ..Seconds::default() };
+    let minima = pairs(args, &subject, Kind::Minimum, &mut times)?;
+    let maxima = pairs(args, &subject, Kind::Maximum, &mut times)?;
+    let count = minima.pairs.len() + maxima.pairs.len();
+    let mut extrema = ordered(args.method, extrema(&minima, &subject.places), extrema(&maxima, &subject.places));
+    if args.min_persistence.is_none() {
+        extrema.truncate(args.count.unwrap_or(COUNT));
+    }
+    let start = Instant::now();
+    let input = Input {
+        path: args.input.display().to_string(),
+        vertices: subject.vertex_count(),
+        faces: faces(&subject.places),
+    };
+    let mut report = Report { schema: SCHEMA, input, method: args.method, count, extrema, times };
+    write(args, &subject, &report)?;
+    report.times.write = Some(start.elapsed().as_secs_f64());
+    if args.json { output::print_json(&report) } else { output::print(&text(&report)) }
+}
+
+fn check_outputs(args: &Arguments) -> Result<(), Failure> {
+    args.output.as_deref().map_or(Ok(""), |path| output::extension(path, &["csv", "json"]))?;
+    args.picture.as_deref().map_or(Ok(""), |path| output::extension(path, &["png"]))?;
+    let inputs: Vec<&Path> = [Some(args.input.as_path()), args.field.file()].into_iter().flatten().collect();
+    let outputs: Vec<&Path> = [&args.output, &args.picture].into_iter().filter_map(|path| path.as_deref()).collect();
+    output::check(&inputs, &outputs)
+}
+
+fn pairs(args: &Arguments, subject: &Subject, kind: Kind, times: &mut Seconds) -> Result<PairList, Failure> {
+    let start = Instant::now();
+    // A computed field is NaN where a mesh has no surface, which is no mistake of anyone's.
+    let nan = if args.field.leaves_gaps() { NanPolicy::Mask } else { args.nan.policy() };
+    let options = Options::new().nan(nan);
+    let wanted = Wanted { options, min_persistence: args.min_persistence.unwrap_or(0.0), top: None };
+    let mut list = PairList::new(subject, kind, &wanted).map_err(|error| explain(&subject.path, error))?;
+    // A vertex on its own, or a part where the field is constant, is no feature.
+    list.pairs.retain(|pair| pair.persistence.to_f64() > wanted.min_persistence);
+    times.add(kind, start.elapsed());
+    Ok(list)
+}
+
+fn extrema(list: &PairList, places: &Places) -> Vec<Extremum> {
+    let extremum = |pair: &Pair| Extremum {
+        vertex: pair.extremum,
+        position: places.point(pair.extremum).expect("a mesh's vertices are in space"),
+        kind: kind_name(list.kind),
+        value: pair.birth,
+        persistence: pair.persistence,
+        saddle: pair.saddle,
+    };
+    list.pairs.iter().map(extremum).collect()
+}
+
+/// The extrema of both kinds in one order, each kind given most persistent first; a maximum comes first.
+fn ordered(method: Method, minima: Vec<Extremum>, maxima: Vec<Extremum>) -> Vec<Extremum> {
+    let mut ranked: Vec<(usize, Extremum)> =
+        maxima.into_iter().enumerate().chain(minima.into_iter().enumerate()).collect();
+    match method {
+        Method::Persistence => ranked.sort_by(|a, b| b.1.persistence.to_f64().total_cmp(&a.1.persistence.to_f64())),
+        Method::Alternating => ranked.sort_by_key(|(rank, _)| *rank),
+    }
+    ranked.into_iter().map(|(_, extremum)| extremum).collect()
+}
+
+fn faces(places: &Places) -> usize {
+    if let Places::Mesh { triangles, .. } = places { triangles.len() } else { 0 }
+}
+
+fn write(args: &Arguments, subject: &Subject, report: &Report) -> Result<(), Failure> {
+    if let Some(path) = &args.output {
+        let text = if output::extension(path, &["csv", "json"])? == "csv" { csv(report) } else { output::json(report) };
+        output::write_text(path, &text)?;
+    }
+    if let (Some(path), Places::Mesh { points, triangles }) = (&args.picture, &subject.places) {
+        let mark = |e: &Extremum| Mark { vertex: e.vertex as u32, positive: e.kind == kind_name(Kind::Minimum) };
+        let marks = report.extrema.iter().map(mark).collect();
+        let chart = Chart::new(points, triangles.clone(), vec![[[0.0; 2]; 3]; triangles.len()], vec![], marks);
+        output::write_png(path, &draw_values(&chart, &shares(&subject.values.to_f64())))?;
+    }
+    Ok(())
+}
+
+/// Values from 0 to 1, the tails cut off; NaN where there is none.
+fn shares(values: &[f64]) -> Vec<f64> {
+    let mut sorted: Vec<f64> = values.iter().copied().filter(|value| value.is_finite()).collect();
+    sorted.sort_by(f64::total_cmp);
+    let at = |share: f64| sorted.get((share * sorted.len().saturating_sub(1) as f64) as usize).copied().unwrap_or(0.0);
+    let (low, high) = (at(TAIL), at(1.0 - TAIL));
+    let share = |value: f64| if high > low { ((value - low) / (high - low)).clamp(0.0, 1.0) } else { 0.5 };
+    values.iter().map(|&value| if value.is_nan() { value } else { share(value) }).collect()
+}
+
+fn text(report: &Report) -> String {
+    let head = ["#", "vertex", "kind", "value", "persistence", "saddle", "x", "y", "z"].map(String::from).to_vec();
+    let mut rows = vec![head];
+    for (i, extremum) in report.extrema.iter().enumerate() {
+        let mut row = vec![
+            (i + 1).to_string(),
+            extremum.vertex.to_string(),
+            extremum.kind.to_owned(),
+            extremum.value.short(),
+            extremum.persistence.short(),
+            extremum.saddle.map_or_else(|| "–".to_owned(), |saddle| saddle.to_string()),
+        ];
+        row.extend(extremum.position.map(|x| format!("{x:.6}")));
+        rows.push(row);
+    }
+    format!("{}{} feature points of {} extrema\n", columns(&rows), report.extrema.len(), thousands(report.count))
+}
+
+fn csv(report: &Report) -> String {
+    let mut text = "vertex,kind,value,persistence,saddle,x,y,z\n".to_owned();
+    for Extremum { vertex, position: [x, y, z], kind, value, persistence, saddle } in &report.extrema {
+        let saddle = saddle.map_or_else(String::new, |saddle| saddle.to_string());
+        text += &format!("{vertex},{kind},{value},{persistence},{saddle},{x:?},{y:?},{z:?}\n");
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn colours_are_shared_out_between_the_tails() {
+        let mut values: Vec<f64> = (0..101).map(f64::from).collect();
+        values[100] = 1e9;
+        values.push(f64::NAN);
+        let shares = shares(&values);
+        assert_eq!((shares[0], shares[50], shares[100]), (0.0, 0.5, 1.0));
+        assert!(shares[101].is_nan());
+        assert_eq!(super::shares(&[7.0, 7.0]), [0.5, 0.5]);
+    }
+}

@@ -1,0 +1,292 @@
+//! A field with its domain, as `topo` takes it, and where its vertices are, as people look for them.
+
+use super::args::{Arguments, ConnectivityName};
+use crate::failure::Failure;
+use crate::input::{Array, Form, Network, Source, Surface, Values, edges_beside, six_digits};
+use serde::Serialize;
+use std::path::{Path, PathBuf};
+use topo::{Adjacency, Connectivity, Domain as _, Grid, Triangulation};
+
+/// What is asked about.
+#[derive(Debug)]
+pub(crate) struct Subject {
+    pub(crate) path: PathBuf,
+    pub(crate) domain: Domain,
+    pub(crate) values: Values,
+    pub(crate) places: Places,
+    /// How the domain came about, for reports.
+    pub(crate) grid: Option<GridReport>,
+}
+
+/// The domains there are.
+#[derive(Debug)]
+pub(crate) enum Domain {
+    Path(topo::Path),
+    /// Pictures, and rings as pictures of one row.
+    Plane(Grid<2>),
+    Volume(Grid<3>),
+    Mesh(Triangulation),
+    Network(Adjacency),
+}
+
+/// Does the same on each kind of domain.
+macro_rules! on {
+    ($domain:expr, $name:ident => $body:expr) => {
+        match $domain {
+            $crate::commands::persistence::subject::Domain::Path($name) => $body,
+            $crate::commands::persistence::subject::Domain::Plane($name) => $body,
+            $crate::commands::persistence::subject::Domain::Volume($name) => $body,
+            $crate::commands::persistence::subject::Domain::Mesh($name) => $body,
+            $crate::commands::persistence::subject::Domain::Network($name) => $body,
+        }
+    };
+}
+pub(crate) use on;
+
+/// Where the vertices are.
+#[derive(Debug)]
+pub(crate) enum Places {
+    /// In an array of this shape, the slowest axis first.
+    Array(Vec<usize>),
+    /// On a mesh.
+    Mesh { points: Vec<[f64; 3]>, triangles: Vec<[u32; 3]> },
+    /// They have names only.
+    Network(Vec<String>),
+}
+
+/// What an array was taken for.
+#[derive(Clone, Debug, Serialize)]
+pub(crate) struct GridReport {
+    pub(crate) shape: Vec<usize>,
+    pub(crate) connectivity: &'static str,
+    pub(crate) periodic: Vec<&'static str>,
+}
+
+impl Subject {
+    /// Reads what the arguments name.
+    pub(crate) fn read(args: &Arguments) -> Result<Self, Failure> {
+        let path = &args.input;
+        let form = Form::of(path)?;
+        let misplaced = [
+            (args.field.is_some() && form != Form::Mesh, "--field", "a mesh"),
+            (args.edges.is_some() && form != Form::Network, "--edges", "a network"),
+            (args.connectivity.is_some() && form != Form::Array, "--connectivity", "an array"),
+            (args.periodic.is_some() && form != Form::Array, "--periodic", "an array"),
+        ];
+        if let Some(&(_, option, of)) = misplaced.iter().find(|(is_misplaced, ..)| *is_misplaced) {
+            return Err(Failure::Misplaced { path: path.clone(), option, of });
+        }
+        match form {
+            Form::Array => Self::array(args),
+            Form::Network => Self::network(path, args.edges.as_deref()),
+            Form::Mesh => Self::mesh(path, args.field.as_ref().ok_or_else(|| Failure::NoField(path.clone()))?),
+        }
+    }
+
+    fn array(args: &Arguments) -> Result<Self, Failure> {
+        let Array { values, shape } = Array::read(&args.input)?;
+        let periodic = args.periodic.unwrap_or_default().zyx;
+        if let Some(axis) = (0..3 - shape.len()).find(|&axis| periodic[axis]) {
+            return Err(Failure::NoAxis { path: args.input.clone(), axis: AXES[axis], axes: shape.len() });
+        }
+        let name = args.connectivity.unwrap_or(ConnectivityName::Freudenthal);
+        let domain = grid(&shape, name.connectivity(), periodic);
+        let connectivity = match name {
+            ConnectivityName::Axis => "axis",
+            ConnectivityName::Full => "full",
+            ConnectivityName::Freudenthal => "freudenthal",
+        };
+        let periodic = (0..3).filter(|&axis| periodic[axis]).map(|axis| AXES[axis]).collect();
+        let grid = GridReport { shape: shape.clone(), connectivity, periodic };
+        Ok(Self { path: args.input.clone(), domain, values, places: Places::Array(shape), grid: Some(grid) })
+    }
+
+    fn network(path: &Path, edges: Option<&Path>) -> Result<Self, Failure> {
+        let beside = edges_beside(path);
+        let edges = edges.or(beside.as_deref()).ok_or_else(|| Failure::NoEdges(path.to_owned()))?;
+        let Network { values, names, edges } = Network::read(path, edges)?;
+        let domain = Domain::Network(Adjacency::from_edges(names.len(), &edges).map_err(domain_failure(path))?);
+        Ok(Self { path: path.to_owned(), domain, values, places: Places::Network(names), grid: None })
+    }
+
+    /// A mesh with a field.
+    pub(crate) fn mesh(path: &Path, source: &Source) -> Result<Self, Failure> {
+        let Surface { model, triangles, values } = Surface::read(path, source)?;
+        let domain = Triangulation::new(model.vertex_count(), &triangles).map_err(domain_failure(path))?;
+        let places = Places::Mesh { points: model.points().to_vec(), triangles };
+        Ok(Self { path: path.to_owned(), domain: Domain::Mesh(domain), values, places, grid: None })
+    }
+
+    /// What kind of domain it is, in a word.
+    pub(crate) fn kind(&self) -> &'static str {
+        match self.places {
+            Places::Array(_) => "grid",
+            Places::Mesh { .. } => "mesh",
+            Places::Network(_) => "network",
+        }
+    }
+
+    pub(crate) fn vertex_count(&self) -> usize {
+        self.values.len()
+    }
+
+    /// The number of edges of the domain. O(edges), but on a grid.
+    pub(crate) fn edge_count(&self) -> usize {
+        self.grid.as_ref().and_then(grid_edges).unwrap_or_else(|| self.counted_edges())
+    }
+
+    fn counted_edges(&self) -> usize {
+        on!(&self.domain, domain => {
+            let mut later = Vec::new();
+            let count = |v: usize| {
+                later.clear();
+                domain.for_each_neighbor(v, |u| if u > v { later.push(u) });
+                later.sort_unstable();
+                later.dedup();
+                later.len()
+            };
+            (0..domain.vertex_count()).map(count).sum()
+        })
+    }
+}
+
+/// The names of (z, y, x).
+const AXES: [&str; 3] = ["z", "y", "x"];
+
+fn domain_failure(path: &Path) -> impl Fn(topo::DomainError) -> Failure + '_ {
+    |error| Failure::Domain { path: path.to_owned(), error }
+}
+
+fn grid(shape: &[usize], connectivity: Connectivity, [z, y, x]: [bool; 3]) -> Domain {
+    match *shape {
+        [d, r, c] => Domain::Volume(Grid::new([d, r, c], connectivity).periodic([z, y, x])),
+        [r, c] => Domain::Plane(Grid::new([r, c], connectivity).periodic([y, x])),
+        [n] if x => Domain::Plane(Grid::new([1, n], connectivity).periodic([false, true])),
+        _ => Domain::Path(topo::Path::new(shape.iter().product())),
+    }
+}
+
+/// The number of edges of a grid: for each offset to a later neighbour the places from which it stays inside. None where
+/// two steps round a ring come to the same neighbour, and edges must be counted one by one.
+fn grid_edges(grid: &GridReport) -> Option<usize> {
+    let axes: Vec<(usize, bool)> = (0..)
+        .zip(&grid.shape)
+        .map(|(axis, &length)| (length, grid.periodic.contains(&AXES[axis + 3 - grid.shape.len()])))
+        .collect();
+    if axes.iter().any(|&(length, is_ring)| is_ring && length < 3) {
+        return None;
+    }
+    let along =
+        |length: usize, is_ring: bool, step: i32| if step == 0 || is_ring { length } else { length.saturating_sub(1) };
+    let offsets = (0..3i32.pow(axes.len() as u32))
+        .map(|code| -> Vec<i32> { (0..axes.len() as u32).map(|axis| code / 3i32.pow(axis) % 3 - 1).collect() });
+    let is_edge = |offset: &Vec<i32>| match grid.connectivity {
+        "axis" => offset.iter().sum::<i32>() == 1 && offset.iter().filter(|step| **step != 0).count() == 1,
+        "freudenthal" => offset.iter().all(|&step| step >= 0) && offset.contains(&1),
+        // Of an offset and its opposite the one whose first step is forward.
+        _ => offset.iter().find(|step| **step != 0) == Some(&1),
+    };
+    let edges = |offset: Vec<i32>| {
+        let along = axes.iter().zip(offset).map(|(&(length, is_ring), step)| along(length, is_ring, step));
+        // An axis without vertices may stand beside one that is absurdly long.
+        along.fold(1, usize::saturating_mul)
+    };
+    Some(offsets.filter(is_edge).map(edges).sum())
+}
+
+impl Places {
+    /// The head of the table's column of places.
+    pub(crate) fn head(&self) -> &'static str {
+        match self {
+            Self::Array(shape) => ["x", "y, x", "z, y, x"][shape.len().clamp(1, 3) - 1],
+            Self::Mesh { .. } => "x, y, z",
+            Self::Network(_) => "name",
+        }
+    }
+
+    /// Where a vertex is, for people.
+    pub(crate) fn told(&self, vertex: usize) -> String {
+        match self {
+            Self::Array(shape) => index(shape, vertex).iter().map(usize::to_string).collect::<Vec<_>>().join(", "),
+            Self::Mesh { points, .. } => points[vertex].iter().map(|&x| six_digits(x)).collect::<Vec<_>>().join(", "),
+            Self::Network(names) => names[vertex].clone(),
+        }
+    }
+
+    /// The name of a vertex, if vertices have names.
+    pub(crate) fn name(&self, vertex: usize) -> Option<&str> {
+        if let Self::Network(names) = self { Some(&names[vertex]) } else { None }
+    }
+
+    /// A vertex's name, or else its number.
+    pub(crate) fn short(&self, vertex: usize) -> String {
+        self.name(vertex).map_or_else(|| vertex.to_string(), str::to_owned)
+    }
+
+    /// Whether vertices are anywhere in space.
+    pub(super) fn are_in_space(&self) -> bool {
+        !matches!(self, Self::Network(_))
+    }
+
+    /// Where a vertex is in space, if it is anywhere: an array's axes are x, y and z.
+    pub(crate) fn point(&self, vertex: usize) -> Option<[f64; 3]> {
+        match self {
+            Self::Array(shape) => {
+                let mut point = [0.0; 3];
+                index(shape, vertex).iter().rev().zip(&mut point).for_each(|(&i, x)| *x = i as f64);
+                Some(point)
+            }
+            Self::Mesh { points, .. } => Some(points[vertex]),
+            Self::Network(_) => None,
+        }
+    }
+}
+
+/// The indices of an array's element, the slowest axis first.
+fn index(shape: &[usize], vertex: usize) -> Vec<usize> {
+    let mut rest = vertex;
+    let mut index: Vec<usize> = shape
+        .iter()
+        .rev()
+        .map(|&length| {
+            let i = rest % length.max(1);
+            rest /= length.max(1);
+            i
+        })
+        .collect();
+    index.reverse();
+    index
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn elements_are_found_by_their_indices() {
+        assert_eq!(index(&[2, 3, 4], 23), [1, 2, 3]);
+        assert_eq!(Places::Array(vec![2, 3, 4]).point(5), Some([1.0, 1.0, 0.0]));
+        assert_eq!(Places::Array(vec![9]).told(5), "5");
+    }
+
+    #[test]
+    fn edges_are_counted_once() {
+        let names =
+            [("axis", Connectivity::Axis), ("full", Connectivity::Full), ("freudenthal", Connectivity::Freudenthal)];
+        for shape in [&[5][..], &[3, 4], &[1, 4], &[3, 3, 5]] {
+            for (name, connectivity) in names {
+                for periodic in [[false; 3], [false, false, true]] {
+                    let axes = if periodic[2] { vec!["x"] } else { vec![] };
+                    let subject = Subject {
+                        path: PathBuf::new(),
+                        domain: grid(shape, connectivity, periodic),
+                        values: Values::I32(vec![0; shape.iter().product()]),
+                        places: Places::Array(shape.to_vec()),
+                        grid: Some(GridReport { shape: shape.to_vec(), connectivity: name, periodic: axes }),
+                    };
+                    assert_eq!(subject.edge_count(), subject.counted_edges(), "{shape:?} {name} {periodic:?}");
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,273 @@
+//! The pairs as JSON, as a table of comma-separated values, and as text.
+
+use super::args::Arguments;
+use super::direction;
+use super::pairs::{Pair, PairList};
+use super::subject::{GridReport, Places, Subject};
+use crate::input::{Number, six_digits};
+use crate::report::table::{columns, thousands};
+use crate::report::{SCHEMA, kind_name};
+use serde::Serialize;
+use std::time::Duration;
+use topo::Kind;
+
+/// The report of `cones persistence`. Its keys are stable.
+#[derive(Debug, Serialize)]
+pub(super) struct Report {
+    schema: u32,
+    input: Input,
+    sublevel: Option<Direction>,
+    superlevel: Option<Direction>,
+    pub(super) times: Seconds,
+}
+
+#[derive(Debug, Serialize)]
+struct Input {
+    path: String,
+    vertices: usize,
+    edges: usize,
+    /// grid, mesh or network.
+    domain: &'static str,
+    #[serde(flatten)]
+    grid: Option<GridReport>,
+}
+
+/// The pairs of one direction.
+#[derive(Debug, Serialize)]
+struct Direction {
+    pairs: Vec<PairReport>,
+    essential: Vec<Essential>,
+    /// How many finite pairs are persistent enough, whether listed or not.
+    count: usize,
+    /// The sum of their persistences.
+    total_persistence: Number,
+    zero_pairs: usize,
+}
+
+#[derive(Debug, Serialize)]
+struct PairReport {
+    extremum: usize,
+    saddle: usize,
+    birth: Number,
+    death: Number,
+    persistence: Number,
+    #[serde(flatten)]
+    names: Names,
+}
+
+#[derive(Debug, Serialize)]
+struct Essential {
+    extremum: usize,
+    birth: Number,
+    range: Number,
+    #[serde(flatten)]
+    names: Names,
+}
+
+/// In networks, whose vertices have names.
+#[derive(Debug, Serialize)]
+struct Names {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    extremum_name: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    saddle_name: Option<String>,
+}
+
+/// What each step took; nothing for one that did not run.
+#[derive(Clone, Debug, Default, Serialize)]
+pub(crate) struct Seconds {
+    pub(crate) read: Option<f64>,
+    pub(crate) sublevel: Option<f64>,
+    pub(crate) superlevel: Option<f64>,
+    pub(crate) write: Option<f64>,
+}
+
+impl Seconds {
+    /// Notes what a direction took.
+    pub(crate) fn add(&mut self, kind: Kind, time: Duration) {
+        let slot = match kind {
+            Kind::Minimum => &mut self.sublevel,
+            Kind::Maximum => &mut self.superlevel,
+        };
+        *slot = Some(time.as_secs_f64());
+    }
+}
+
+impl Report {
+    /// A report without pairs.
+    pub(super) fn new(subject: &Subject, args: &Arguments, read: Duration) -> Self {
+        Self {
+            schema: SCHEMA,
+            input: Input {
+                path: args.input.display().to_string(),
+                vertices: subject.vertex_count(),
+                edges: subject.edge_count(),
+                domain: subject.kind(),
+                grid: subject.grid.clone(),
+            },
+            sublevel: None,
+            superlevel: None,
+            times: Seconds { read: Some(read.as_secs_f64()), ..Seconds::default() },
+        }
+    }
+
+    /// Adds the pairs of a direction.
+    pub(super) fn add(&mut self, list: &PairList, places: &Places, time: Duration) {
+        self.times.add(list.kind, time);
+        let slot = match list.kind {
+            Kind::Minimum => &mut self.sublevel,
+            Kind::Maximum => &mut self.superlevel,
+        };
+        *slot = Some(Direction::new(list, places));
+    }
+
+    /// The report for people: what went in, and the first rows of each direction.
+    pub(super) fn text(&self, places: &Places, lists: &[PairList], rows: usize) -> String {
+        let Input { path, vertices, edges, .. } = &self.input;
+        let mut text =
+            format!("{path}: {}, {} vertices, {} edges\n", self.domain(), thousands(*vertices), thousands(*edges));
+        for list in lists {
+            text += &format!("\n{}\n", summary(list));
+            if !list.pairs.is_empty() && rows > 0 {
+                text += &format!("\n{}", table(list, places, rows));
+            }
+            let listed = list.pairs.len().min(rows);
+            let all = list.count + list.essential;
+            if listed < all {
+                text += &format!("… and {} less persistent; --top and --pairs give more\n", thousands(all - listed));
+            }
+        }
+        text
+    }
+
+    fn domain(&self) -> String {
+        let Some(GridReport { shape, connectivity, periodic }) = &self.input.grid else {
+            return self.input.domain.to_owned();
+        };
+        let shape = shape.iter().map(usize::to_string).collect::<Vec<_>>().join(" × ");
+        let rings =
+            if periodic.is_empty() { String::new() } else { format!(", periodic in {}", periodic.join(" and ")) };
+        format!("grid of {shape}, {connectivity} neighbours{rings}")
+    }
+}
+
+/// One sentence on a direction.
+fn summary(list: &PairList) -> String {
+    let extrema = match list.kind {
+        Kind::Minimum => "minima",
+        Kind::Maximum => "maxima",
+    };
+    let zeros = match list.zero_pairs {
+        0 => String::new(),
+        zeros => format!("; {} of zero persistence", thousands(zeros)),
+    };
+    let pairs = if list.count == 1 { "pair" } else { "pairs" };
+    let classes = if list.essential == 1 { "class" } else { "classes" };
+    format!(
+        "{} ({extrema}): {} {pairs}, total persistence {}; {} essential {classes}{zeros}",
+        direction(list.kind),
+        thousands(list.count),
+        six_digits(list.total),
+        thousands(list.essential)
+    )
+}
+
+fn table(list: &PairList, places: &Places, rows: usize) -> String {
+    let head = ["#", kind_name(list.kind), places.head(), "saddle", "birth", "death", "persistence"];
+    let mut cells = vec![head.map(String::from).to_vec()];
+    for (i, pair) in list.pairs.iter().take(rows).enumerate() {
+        cells.push(vec![
+            (i + 1).to_string(),
+            pair.extremum.to_string(),
+            places.told(pair.extremum),
+            pair.saddle.map_or_else(|| "–".to_owned(), |saddle| places.short(saddle)),
+            pair.birth.short(),
+            pair.death.map_or_else(|| "–".to_owned(), Number::short),
+            pair.persistence.short(),
+        ]);
+    }
+    columns(&cells)
+}
+
+impl Direction {
+    fn new(list: &PairList, places: &Places) -> Self {
+        let names = |pair: &Pair| Names {
+            extremum_name: places.name(pair.extremum).map(str::to_owned),
+            saddle_name: pair.saddle.and_then(|saddle| places.name(saddle)).map(str::to_owned),
+        };
+        let finite = |pair: &Pair| {
+            Some(PairReport {
+                extremum: pair.extremum,
+                saddle: pair.saddle?,
+                birth: pair.birth,
+                death: pair.death?,
+                persistence: pair.persistence,
+                names: names(pair),
+            })
+        };
+        let essential = |pair: &Pair| Essential {
+            extremum: pair.extremum,
+            birth: pair.birth,
+            range: pair.persistence,
+            names: names(pair),
+        };
+        Self {
+            pairs: list.finite().filter_map(finite).collect(),
+            essential: list.essential().map(essential).collect(),
+            count: list.count,
+            total_persistence: Number::Double(list.total),
+            zero_pairs: list.zero_pairs,
+        }
+    }
+}
+
+/// All pairs, a line each; saddle and death of an essential class are empty.
+pub(super) fn csv(lists: &[PairList], places: &Places) -> String {
+    let (of_extremum, of_saddle) = places.columns();
+    let mut text = format!("kind,extremum,saddle,birth,death,persistence{of_extremum}{of_saddle}\n");
+    for list in lists {
+        for pair in &list.pairs {
+            let saddle = pair.saddle.map_or_else(String::new, |saddle| saddle.to_string());
+            let death = pair.death.map_or_else(String::new, |death| death.to_string());
+            text += &format!(
+                "{},{},{saddle},{},{death},{}",
+                kind_name(list.kind),
+                pair.extremum,
+                pair.birth,
+                pair.persistence
+            );
+            text += &places.cells(Some(pair.extremum));
+            text += &places.cells(pair.saddle);
+            text.push('\n');
+        }
+    }
+    text
+}
+
+impl Places {
+    /// The heads of the columns that tell where extremum and saddle are.
+    fn columns(&self) -> (String, String) {
+        let names: &[&str] = match self {
+            Self::Array(shape) => &["z", "y", "x"][3 - shape.len().clamp(1, 3)..],
+            Self::Mesh { .. } => &["x", "y", "z"],
+            Self::Network(_) => &["name"],
+        };
+        let heads = |of: &str| names.iter().map(|name| format!(",{of}_{name}")).collect();
+        (heads("extremum"), heads("saddle"))
+    }
+
+    /// Cells of where a vertex is; empty ones for none.
+    fn cells(&self, vertex: Option<usize>) -> String {
+        let Some(vertex) = vertex else { return self.columns().0.matches(',').collect() };
+        match self {
+            Self::Array(_) => format!(",{}", self.told(vertex).replace(' ', "")),
+            Self::Mesh { points, .. } => points[vertex].iter().map(|x| format!(",{x:?}")).collect(),
+            Self::Network(names) => format!(",{}", quoted(&names[vertex])),
+        }
+    }
+}
+
+/// A cell in quotes, if it needs them.
+fn quoted(cell: &str) -> String {
+    if cell.contains([',', '"', '\n', '\r']) { format!("\"{}\"", cell.replace('"', "\"\"")) } else { cell.to_owned() }
+}

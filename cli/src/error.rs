@@ -1,0 +1,77 @@
+//! Why the command could not do it: each a sentence with what to do.
+
+use geom::distortion::DistortionError;
+use std::io;
+use std::path::PathBuf;
+use thiserror::Error;
+
+#[derive(Debug, Error)]
+pub(crate) enum Failure {
+    #[error(transparent)]
+    Read(#[from] geom::io::ReadError),
+    #[error("{}: {error}", path.display())]
+    Unwrap { path: PathBuf, error: cones::Error },
+    #[error("{} has no texture coordinates to measure: unwrap it first, or name the unwrapped file", .0.display())]
+    NoTexture(PathBuf),
+    #[error("{} and {} do not have the same faces in the same order: name the mesh that was unwrapped", .0.display(), .1.display())]
+    OtherMesh(PathBuf, PathBuf),
+    #[error("{}: {error}", path.display())]
+    Measure { path: PathBuf, error: DistortionError },
+    #[error("{} is the input, which is never overwritten: name another file", .0.display())]
+    OutputIsInput(PathBuf),
+    #[error("{} is named for two outputs: give each its own file", .0.display())]
+    OutputTwice(PathBuf),
+    #[error("{} is a folder: name a file in it", .0.display())]
+    OutputIsFolder(PathBuf),
+    #[error("there is no folder {} to write {} into: make it first", folder.display(), path.display())]
+    NoFolder { folder: PathBuf, path: PathBuf },
+    #[error("{} is not the ending of a file that can be written here: end it in {wanted}", path.display())]
+    Extension { path: PathBuf, wanted: String },
+    #[error("{} holds other files than a demo's: name a new folder", .0.display())]
+    NotADemo(PathBuf),
+    #[error(transparent)]
+    Write(#[from] geom::io::WriteError),
+    #[error("the folder {} cannot be made", path.display())]
+    MakeFolder { path: PathBuf, source: io::Error },
+    #[error("{} cannot be read", path.display())]
+    ReadCones { path: PathBuf, source: io::Error },
+    #[error("{}, line {line}: {text:?} is not a cone: write a vertex's index from 0, then its curvature or nothing", path.display())]
+    NotACone { path: PathBuf, line: usize, text: String },
+    #[error("{} lists no cone: write lines of a vertex's index from 0 and its curvature", .0.display())]
+    NoCones(PathBuf),
+    #[error(transparent)]
+    Field(#[from] crate::input::ReadError),
+    #[error("{} is a mesh without values: name a field with --field, such as --field phi", .0.display())]
+    NoField(PathBuf),
+    #[error("{} has nodes without edges: name the file of edges with --edges", .0.display())]
+    NoEdges(PathBuf),
+    #[error("{option} is for {of}, which {} is not: leave it out", path.display())]
+    Misplaced { path: PathBuf, option: &'static str, of: &'static str },
+    #[error("{} has no axis {axis}, only {axes}: x is the last, y the one before", path.display())]
+    NoAxis { path: PathBuf, axis: &'static str, axes: usize },
+    #[error("{} has no vertex {vertex}: it has {vertices}, counted from 0", path.display())]
+    NoVertex { path: PathBuf, vertex: usize, vertices: usize },
+    #[error("{}: the value of vertex {vertex} is NaN: replace it, or leave such vertices out with --nan mask", path.display())]
+    NotANumber { path: PathBuf, vertex: usize },
+    #[error("{}: {error}", path.display())]
+    Domain { path: PathBuf, error: topo::DomainError },
+    #[error("{}: {error}", path.display())]
+    Persistence { path: PathBuf, error: topo::FieldError },
+    #[error("{} cannot be written, as a network's nodes are nowhere in space: write .csv or .json", .0.display())]
+    NoPlaces(PathBuf),
+    #[error("{} can be written for {of} only: end it in .npy", path.display())]
+    SegmentsAs { path: PathBuf, of: &'static str },
+    #[error("{} needs to know whose segments are meant: add --direction sub for minima or --direction super for maxima", .0.display())]
+    WhichSegments(PathBuf),
+    #[error("{} has none of the paper's models: name the folder that holds table1/ and table1_resized/", .0.display())]
+    NoPaperMeshes(PathBuf),
+    #[error("standard output cannot be written")]
+    Stdout(#[source] io::Error),
+}
+
+impl Failure {
+    /// Whether the reader of standard output left, as `head` does: no fault of anyone's.
+    pub(crate) fn is_closed_pipe(&self) -> bool {
+        matches!(self, Self::Stdout(error) if error.kind() == io::ErrorKind::BrokenPipe)
+    }
+}

@@ -1,0 +1,54 @@
+//! Scalar fields and what they live on, from files: arrays, pictures, meshes and networks.
+//!
+//! A file is known by its ending. Every message names the file and the line, byte or vertex. Memory is asked for as data
+//! comes in, never because a header claims it, and a field that cannot be worked on in the memory that is free is refused
+//! with the size it needs.
+
+mod array;
+mod computed;
+pub(crate) mod cone_file;
+mod curvature;
+mod decimal;
+mod distance;
+mod error;
+mod grey;
+mod memory;
+mod network;
+mod npy;
+mod pgm;
+mod surface;
+mod values;
+
+pub(crate) use array::{Array, Axes};
+pub(crate) use error::{Problem, ReadError};
+pub(crate) use network::{Network, edges_beside};
+pub(crate) use npy::write_labels;
+pub(crate) use surface::{Source, Surface};
+pub(crate) use values::{FieldScalar, Number, Values, each, six_digits};
+
+use std::path::Path;
+
+/// What a file holds, by its ending.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Form {
+    Array,
+    Network,
+    Mesh,
+}
+
+impl Form {
+    /// The form of the file at a path.
+    pub(crate) fn of(path: &Path) -> Result<Self, ReadError> {
+        match ending(path).as_str() {
+            "npy" | "pgm" | "png" | "txt" => Ok(Self::Array),
+            "csv" => Ok(Self::Network),
+            "obj" | "ply" | "off" | "stl" | "gz" => Ok(Self::Mesh),
+            _ => Err(Problem::Form.in_file(path)),
+        }
+    }
+}
+
+/// A file name's ending in lower case.
+fn ending(path: &Path) -> String {
+    path.extension().and_then(|ending| ending.to_str()).unwrap_or("").to_lowercase()
+}

@@ -1,0 +1,117 @@
+//! A report as a few lines of text.
+
+use super::{CurvePoint, DistortionReport, Input, Report};
+use crate::args::{angles_name, method_name};
+use crate::report::table::thousands;
+use cones::{ConeChoice, Method, Options};
+
+impl Report {
+    /// What a user wants to know first, line by line.
+    pub(crate) fn text(&self) -> String {
+        let times: Vec<String> = self.times.stages().map(|(name, time)| format!("{name} {time:.2}")).collect();
+        let total = self.times.total();
+        let memory = self.peak_memory.map_or_else(String::new, |peak| format!("; {} MB at most", peak / 1_000_000));
+        format!(
+            "surface   {}\ncones     {} ({}; φ has {} extrema)\n{}{}time      {total:.2} s: {}{memory}\n",
+            self.input.text(),
+            thousands(self.cones.len()),
+            self.rule,
+            thousands(self.hierarchy.extrema),
+            self.number_text(),
+            self.distortion.text(self.islands.len()),
+            times.join(", "),
+        )
+    }
+
+    /// Why so many cones, if nobody has said how many.
+    fn number_text(&self) -> String {
+        let Some(number) = &self.number else { return String::new() };
+        let others: Vec<String> =
+            self.beside().iter().map(|p| format!("{} cones {:.2}", p.n, p.predicted_area)).collect();
+        let others = if others.is_empty() { String::new() } else { format!("; {}", others.join(", ")) };
+        let missed = if number.met { "" } else { ", not met" };
+        let failed = if number.chosen == self.cones.len() {
+            String::new()
+        } else {
+            format!(" with {} cones, but other cones were taken", number.chosen)
+        };
+        format!(
+            "number    automatic: area distortion {:.2} predicted{failed}, target {}{missed}{others}\n",
+            number.predicted_area, number.target
+        )
+    }
+}
+
+/// How cones and their curvatures are chosen.
+pub(super) fn rule(options: &Options) -> String {
+    let curvatures = match &options.cones {
+        ConeChoice::Given(given) if given.iter().any(|(_, curvature)| curvature.is_some()) => "given",
+        _ => angles_name(options.angles),
+    };
+    let places = match options.cones {
+        ConeChoice::Given(_) => "given".to_owned(),
+        ConeChoice::MinPersistence(_) => format!("method {}", method_name(Method::Persistence)),
+        _ => format!("method {}", method_name(options.method)),
+    };
+    format!("{places}, {curvatures} curvatures")
+}
+
+impl Report {
+    /// Points of the curve to compare with: the powers of two nearest to the number of cones, at most four, from four on.
+    fn beside(&self) -> Vec<&CurvePoint> {
+        let taken = self.cones.len();
+        let powers = self.curve.iter().filter(|p| p.n >= 4 && p.n.is_power_of_two() && p.n != taken);
+        let mut nearest: Vec<&CurvePoint> = powers.collect();
+        let far = |p: &&CurvePoint| (p.n.ilog2() as f64 - (taken.max(1) as f64).log2()).abs();
+        nearest.sort_by(|p, q| far(p).total_cmp(&far(q)));
+        nearest.truncate(4);
+        nearest.sort_by_key(|p| p.n);
+        nearest
+    }
+}
+
+impl Input {
+    fn text(&self) -> String {
+        let mut parts = vec![
+            format!("{} vertices", thousands(self.vertices)),
+            format!("{} triangles", thousands(self.faces)),
+            format!("genus {}", self.genus),
+        ];
+        parts.push(match self.boundary_loops {
+            0 => "closed".to_owned(),
+            1 => "1 boundary loop".to_owned(),
+            loops => format!("{loops} boundary loops"),
+        });
+        if self.components > 1 {
+            parts.push(format!("{} parts", self.components));
+        }
+        parts.join(", ")
+    }
+}
+
+impl DistortionReport {
+    /// Lines on areas, angles and faults.
+    pub(crate) fn text(&self, islands: usize) -> String {
+        let qc = &self.quasi_conformal;
+        let islands = if islands == 1 { "1 island".to_owned() } else { format!("{} islands", thousands(islands)) };
+        format!(
+            "area      distortion {:.3} (log scale: L2 {:.3}, largest {:.2})\n\
+             angles    quasi-conformal {:.4} (95 % up to {:.3}, largest {:.2})\n\
+             layout    {islands}, {} flipped, {} degenerate, {} of it overlapping, seams {:.2} √area\n",
+            self.area_mean,
+            self.u_l2,
+            self.u_linf,
+            qc.mean,
+            qc.p95,
+            qc.max,
+            thousands(self.flipped),
+            thousands(self.degenerate),
+            percent(self.overlap),
+            self.seam_length,
+        )
+    }
+}
+
+fn percent(share: f64) -> String {
+    if share == 0.0 { "none".to_owned() } else { format!("{:.2} %", 100.0 * share) }
+}
