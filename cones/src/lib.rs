@@ -6,100 +6,72 @@
 //! Factor Persistence for Fast Hierarchical Cone Extraction" (Eurographics 2017), called *the paper* here, and what goes
 //! beyond it.
 //!
-//! # The method
+//! # One analysis, many maps
 //!
-//! 1. **Conformal factor** ([`ConformalFactor`], §3.1 of the paper). With the cotangent Laplacian L of the intrinsic Delaunay
-//!    triangulation and the angle defects K, solve Lφ = K^T - K for the target curvature K^T that is spread evenly:
-//!    2πχ times each vertex's share of the area. φ is the log scale that evens curvature out: low at tips, high at saddles.
-//!    One factorization ([`Operators`]) serves this and everything that follows up to the flattening.
-//! 2. **Hierarchy** ([`ConeHierarchy`], §3.2). The local extrema of φ, each paired with the saddle where its component of
-//!    the sub- or superlevel set joins an elder one, ranked by persistence |φ(extremum) - φ(saddle)| ([`topo`]).
-//! 3. **Curvatures** ([`cone_curvatures`]). *Harmonic*: those of the φ that is 0 at all cones. *Optimal*: those for which the
-//!    L2 norm of u is least, between bounds that keep the cone buildable.
-//! 4. **Cut** ([`Seams`], §2). A minimum spanning tree of the cones' distances, and loops for handles and boundaries: the
-//!    surface opens to a disk.
-//! 5. **Metric scaling** ([`scale`]). Newton's method on the convex energy of discrete conformal maps finds the u for which
-//!    curvature is k at the cones and 0 elsewhere, exactly.
-//! 6. **Layout** ([`Layout`]). The flat metric, brought back to the input's triangles, developed into the plane; the few
-//!    triangles that come out flipped are mended.
-//!
-//! [`unwrap()`] does all of it:
+//! An [`Analysis`] finds once what is needed again and again; [`place`](Analysis::place), [`predict`](Analysis::predict),
+//! [`order`](Analysis::order) and [`flatten`](Analysis::flatten) ask it. [`unwrap_model`] is all of it in one call: it chooses
+//! the number of cones, and tries others where these fail.
 //!
 //! ```
-//! use cones::{ConeChoice, Options, unwrap};
+//! use cones::{Analysis, Placement};
 //!
 //! let model = geom::shapes::by_name("capsule", 500).expect("it is built in").into();
-//! let options = Options { cones: ConeChoice::Count(4), ..Options::default() };
-//! let atlas = unwrap(&model, &options, &mut |_stage| {})?;
-//! assert_eq!(atlas.cones.len(), 4);
+//! let analysis = Analysis::new(&model)?;
+//! let cones = analysis.place(Placement::Refined, 8)?;
+//! let atlas = analysis.flatten(&cones)?;
 //! assert_eq!(atlas.uv.len(), model.corner_count());
-//! let total: f64 = atlas.cones.iter().map(|cone| cone.curvature).sum();
-//! assert!((total - 4.0 * std::f64::consts::PI).abs() < 1e-9);
 //! # Ok::<(), cones::Error>(())
 //! ```
 //!
+//! # The method, folder by folder
+//!
+//! 1. `field` (paper §3.1): with the cotangent Laplacian L of the intrinsic Delaunay triangulation and the angle defects K,
+//!    solve Lφ = K^T - K for the target curvature K^T that is spread evenly: 2πχ times each vertex's share of the area. The
+//!    *conformal factor* φ is the log scale that evens curvature out: low at tips, high at saddles. One factorization serves
+//!    this and everything that follows up to the flattening.
+//! 2. `hierarchy` (§3.2): the local extrema of φ, each paired with the saddle where its component of the sub- or superlevel
+//!    set joins an elder one, ranked by persistence |φ(extremum) - φ(saddle)| ([`topo`]).
+//! 3. `curvature`: what curvature each cone gets. *Harmonic*: that of the φ that is 0 at all cones. *Optimal*: that for which
+//!    the L2 norm of u is least, between bounds that keep the cone buildable.
+//! 4. `placement`: the methods that choose cones, from the paper's to [`Placement::Refined`], which minimises that norm over
+//!    the places too.
+//! 5. `flatten` (§2): a minimum spanning tree of the cones' distances, and loops for handles and boundaries, cut the surface to
+//!    a disk; Newton's method finds the u for which curvature is k at the cones and 0 elsewhere, exactly; the flat metric is
+//!    brought back to the input's triangles and developed into the plane, and what folds over there is removed.
+//! 6. `baseline`: what the method is compared with.
+//!
 //! Curvature is an angle defect in radians: a cone of curvature k has 2π - k of angle. L is positive semidefinite.
-//! Everything is deterministic. The feature `cli` (on by default) is for the command only; libraries turn it off.
+//! Everything is deterministic. The feature `serde` makes options, cones, orders and reports serializable.
 
-mod angles;
-mod atlas;
-mod automatic;
-mod component;
-mod crowd;
-mod dense;
-mod detach;
-mod distance;
-mod distortion;
+mod analysis;
+mod baseline;
+mod curvature;
 mod error;
-mod exchange;
-mod factor;
-mod fit;
-mod grow;
+mod field;
+mod flatten;
 mod hierarchy;
-mod iterative;
-mod layout;
-mod lbfgs;
-mod linear;
-mod lscm;
-mod mend;
-mod operators;
-mod options;
-mod order;
-mod pinned;
-mod pursuit;
-mod reduced;
-mod refined;
-mod scaling;
-mod seams;
-mod settled;
-mod share;
-mod shelf;
-mod swap;
-mod untangle;
-mod unwrap;
+mod numerics;
+mod placement;
 
-pub use angles::{Angles, AnglesError, ConeCurvatures, cone_curvatures, least_cones};
-pub use atlas::{Atlas, Cone, Extraction, NumberOfCones, Stage, Topology};
-pub use automatic::{Automatic, MOST_AUTOMATIC, TARGET_DISTORTION, automatic, shortest};
-pub use distortion::{Predicted, area_distortion, predict};
+pub use analysis::{
+    Analysis, Atlas, ChosenNumber, Cone, ConeChoice, ConeOrder, Cones, Failure, MOST_AUTOMATIC, ModelExtremum, Note,
+    Observer, Options, OrderedCone, Preparation, Progress, Stage, TARGET_DISTORTION, Times, Topology, unwrap_model,
+};
+pub use curvature::{CurvatureError, CurvatureRule};
 pub use error::Error;
-pub use factor::ConformalFactor;
-pub use fit::{Fit, FitError, Held, Quadratic, fit};
-pub use hierarchy::{Candidate, ConeHierarchy, Method};
-pub use iterative::{greedy, iterative, iterative_refactoring};
-pub use layout::Layout;
-pub use linear::{LinearScaling, scale_linearly};
-pub use lscm::{Lscm, LscmError};
-pub use mend::MendError;
-pub use operators::Operators;
-pub use options::{ConeChoice, Options};
-pub use order::{ConeOrder, ModelExtremum, OrderedCone};
-pub use pursuit::{Nested, pursuit};
-pub use reduced::{Fitted, Reduced};
-pub use refined::refined;
-pub use scaling::{Scaling, ScalingError, scale};
-pub use seams::{Chain, SeamError, Seams};
-pub use share::{Part, sequence, share_out};
+pub use flatten::{ScalingError, SeamError};
+pub use baseline::LscmError;
+pub use placement::{MOST_OPTIMISED, Placement, Prediction};
 pub use topo::Kind;
-pub use untangle::{Corner, Patch, PatchError, PatchTriangle, Untangled};
-pub use unwrap::{extract, unwrap};
+
+/// What the laws in this workspace's tests are about, stage by stage. No part of the library: it changes without notice.
+#[doc(hidden)]
+pub mod internals {
+    pub use crate::baseline::{Lscm, scale_linearly};
+    pub use crate::curvature::{ConeCurvatures, cone_curvatures, least_cones};
+    pub use crate::field::{ConformalFactor, Operators};
+    pub use crate::flatten::{Chain, Corner, Layout, Patch, PatchTriangle, Scaling, Seams, scale};
+    pub use crate::hierarchy::ConeHierarchy;
+    pub use crate::numerics::quadratic_program::{Held, ProgramError, Quadratic, minimise};
+    pub use crate::placement::{ConeSet, EnergyModel, Nested, pursuit, refined};
+}

@@ -23,12 +23,11 @@ mod quality;
 mod shelf;
 mod unwrap;
 
-use std::ops::ControlFlow;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 use std::time::Instant;
 
-use geom::{Model, Prepared, Repair, Triangles, prepare};
+use geom::{Model, Prepared, Repair, Triangles, prepare_watched};
 use rayon::prelude::*;
 
 pub use atlas::{Atlas, Topology};
@@ -120,7 +119,7 @@ impl Analysis {
         let observer: Arc<dyn Observer> = Arc::new(observer);
         let mut times = Times::default();
         let Prepared { surfaces, triangles, left_out, repairs } = Task::new(&observer, 0)
-            .stage((Stage::Prepare, 0), &mut times, |watch| prepare(model, preparation.weld, watch))??;
+            .stage((Stage::Prepare, 0), &mut times, |watch| prepare_watched(model, preparation.weld, watch))??;
         let topology = Topology::of(&surfaces);
         let task = Task::new(&observer, surfaces.len());
         let began = Instant::now();

@@ -2,7 +2,7 @@
 
 use geom::{HalfedgeData, HalfedgeId, Mesh};
 
-use crate::flatten::layout::Layout;
+use crate::flatten::Layout;
 
 /// Rows of islands, filled from left to right.
 pub(crate) struct Shelf {
@@ -55,7 +55,7 @@ impl Shelf {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::flatten::scaling::Scaling;
+    use crate::flatten::Scaling;
     use geom::{EdgeData, Metric};
     use proptest::prelude::*;
 
@@ -79,7 +79,7 @@ mod tests {
         let points = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0]];
         let metric = Metric::from_points(&mesh, &points);
         let cut = EdgeData::constant(mesh.edge_count(), true);
-        let layout = Layout::new(&mesh, &Scaling::none(&mesh, &metric), &cut);
+        let layout = Layout::new(&mesh, &Scaling::none(&mesh, &metric), &cut, Watch::NONE);
         for size in [0.01, 1.0, 70.0] {
             let place = Shelf::new(0.9 * size * size).place(&layout, &mesh, size);
             let corners = [0, 1].map(|f| mesh.sides(geom::FaceId(f)).map(|h| place[h]));

@@ -4,7 +4,7 @@
 //! boundary, and `l_ij e^((φ_i + φ_j)/2)`, give a metric whose curvature is nearly K^T (Ben-Chen, Gotsman & Bunin 2008,
 //! "Conformal flattening by curvature prescription and metric scaling"). L is the cotangent Laplacian of the triangulation
 //! as it is, negative weights and all, as published. The metric is not flat, and the triangle inequality may fail: what
-//! is left is reported. It is here to be compared with [`scale`](crate::scale), which is exact.
+//! is left is reported. It is here to be compared with [`scale`](crate::flatten::scale), which is exact.
 
 use geom::{Mesh, Metric, Poisson, PoissonError, VertexData, VertexId, angle_defects, laplacian};
 

@@ -12,7 +12,7 @@
 //! factorization. A triangle whose sides break the triangle inequality counts as one that nearly does.
 //!
 //! Scale is nobody's concern here, and can differ by orders of magnitude over the surface. Given the metric of
-//! [`scale_linearly`](crate::scale_linearly), which is nearly flat, it lays that out: triangles that do not quite close
+//! [`scale_linearly`](crate::baseline::scale_linearly), which is nearly flat, it lays that out: triangles that do not quite close
 //! are fitted by least squares, as ABF++ does with its angles (Sheffer et al. 2005).
 
 use geom::{
@@ -191,7 +191,7 @@ mod tests {
     fn map(shape: &Shape, cones: &[VertexId]) -> Lscm {
         let mesh = shape.mesh();
         let metric = Metric::from_points(&mesh, &shape.points);
-        let seams = Seams::new(&mesh, metric.lengths(), cones).unwrap();
+        let seams = Seams::new(&mesh, metric.lengths(), cones, Watch::NONE).unwrap();
         Lscm::new(&mesh, &metric, &seams.cut).unwrap()
     }
 
@@ -255,7 +255,7 @@ mod tests {
         for e in mesh.edges().step_by(50) {
             length[e] *= 3.0;
         }
-        let seams = Seams::new(&mesh, &length, &[VertexId(0)]).unwrap();
+        let seams = Seams::new(&mesh, &length, &[VertexId(0)], Watch::NONE).unwrap();
         let map = Lscm::new(&mesh, &Metric::new(length), &seams.cut).unwrap();
         assert!(map.position.iter().all(|z| z.is_finite()));
     }

@@ -3,5 +3,5 @@
 mod linear;
 mod lscm;
 
-pub use linear::{LinearScaling, scale_linearly};
+pub use linear::scale_linearly;
 pub use lscm::{Lscm, LscmError};

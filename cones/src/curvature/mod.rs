@@ -14,7 +14,7 @@ use geom::{Mesh, VertexData, VertexId, gram};
 use thiserror::Error;
 
 use crate::numerics::dense;
-use crate::numerics::quadratic_program::{Quadratic, fit};
+use crate::numerics::quadratic_program::{ProgramError, Quadratic, minimise};
 use crate::field::Operators;
 
 /// The widest angle that the triangles at a cone have on average. Below π they can be laid out without flips. Surfaces of
@@ -27,7 +27,9 @@ pub(crate) const LARGEST_CORNER: f64 = 0.87 * PI;
 pub(crate) const COMFORTABLE_CORNER: f64 = 0.75 * PI;
 
 /// How cones get their curvatures.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "lowercase"))]
+#[non_exhaustive]
 pub enum CurvatureRule {
     /// Those of the log scale factor that is 0 at all cones, as the paper has it.
     Harmonic,
@@ -38,6 +40,7 @@ pub enum CurvatureRule {
 
 /// Curvatures for cones, or why there are none.
 #[derive(Clone, Debug, Error, PartialEq)]
+#[non_exhaustive]
 pub enum CurvatureError {
     /// The bounds admit no curvatures with the right sum.
     #[error("{cones} cones cannot take the total curvature of {total:.4}; at least {least} are needed")]
@@ -48,6 +51,12 @@ pub enum CurvatureError {
         total: f64,
         /// How many it takes, by count; vertices of low degree may ask for more.
         least: usize,
+    },
+    /// The log scale that these cones cause is no finite number.
+    #[error("{cones} cones cause a log scale that is not a finite number: their surroundings have no area")]
+    NotFinite {
+        /// How many cones were given.
+        cones: usize,
     },
 }
 
@@ -179,12 +188,15 @@ fn optimal(
     let linear: Vec<f64> = green.iter().map(|g| operators.inner(g, p)).collect();
     let total = (!operators.is_bordered()).then(|| operators.total_curvature());
     let energy = Quadratic { constant: operators.inner(p, p), linear: &linear, matrix: &quadratic };
-    let fitted = fit(&energy, bounds, total).map_err(|_| CurvatureError::TooFew {
-        cones: n,
-        total: operators.total_curvature(),
-        least: least_cones(operators).max(n + 1),
-    })?;
-    Ok(fitted.curvatures)
+    match minimise(&energy, bounds, total) {
+        Ok(optimum) => Ok(optimum.curvatures),
+        Err(ProgramError::Infeasible { .. }) => Err(CurvatureError::TooFew {
+            cones: n,
+            total: operators.total_curvature(),
+            least: least_cones(operators).max(n + 1),
+        }),
+        Err(_) => Err(CurvatureError::NotFinite { cones: n }),
+    }
 }
 
 /// The curvatures for which u is 0 at all cones: G q = -p there, on a closed surface up to a constant and with sum 2πχ.

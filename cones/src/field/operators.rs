@@ -9,8 +9,8 @@
 use std::sync::OnceLock;
 
 use geom::{
-    HalfedgeId, Mesh, MeshError, Metric, Poisson, PoissonError, SymmetricMatrix, VertexData, VertexId, angle_defects,
-    delaunay, laplacian,
+    HalfedgeId, Mesh, MeshError, Metric, Poisson, PoissonError, SymmetricMatrix, VertexData, VertexId, Watch,
+    angle_defects, delaunay_watched, laplacian,
 };
 
 /// So many boundary loops get a constant of their own, the longest ones; the others stay at the value of the longest.
@@ -21,19 +21,19 @@ const FREE_LOOPS: usize = 16;
 #[derive(Debug)]
 pub struct Operators {
     /// The intrinsic Delaunay triangulation, on the input's vertices.
-    pub mesh: Mesh,
+    pub(crate) mesh: Mesh,
     /// Its edge lengths.
-    pub metric: Metric,
+    pub(crate) metric: Metric,
     /// The flips that led to it from the input's triangulation.
-    pub flips: Vec<HalfedgeId>,
+    pub(crate) flips: Vec<HalfedgeId>,
     /// The angle defect K of each vertex, in radians.
-    pub curvature: VertexData<f64>,
+    pub(crate) curvature: VertexData<f64>,
     /// The lumped area of each vertex as a share of the whole: the weights sum to 1.
-    pub weight: VertexData<f64>,
+    pub(crate) weight: VertexData<f64>,
     /// The cotangent Laplacian L.
-    pub laplacian: SymmetricMatrix,
+    pub(crate) laplacian: SymmetricMatrix,
     /// L factored, restricted to the inner vertices where there is a boundary.
-    pub poisson: Poisson,
+    pub(crate) poisson: Poisson,
     /// An orthonormal basis, for the inner product weighted by area, of the log scale factors that change no curvature
     /// inside: the constants, and with several boundary loops their harmonic extensions.
     free: Vec<VertexData<f64>>,
@@ -52,28 +52,36 @@ impl Operators {
     /// # Errors
     /// If the Laplacian cannot be factored.
     pub fn new(mesh: &Mesh, metric: &Metric) -> Result<Self, PoissonError> {
-        Self::prepared(mesh, metric, Poisson::new)
+        Self::prepared(mesh, metric, None, Watch::NONE)
     }
 
     /// The same where the positions of the vertices are known, which on large surfaces makes the factorization faster; see
     /// [`Poisson::with_points`].
     ///
     /// # Errors
-    /// If the Laplacian cannot be factored.
+    /// If the Laplacian cannot be factored, or the watch has said stop.
     ///
     /// # Panics
     /// If there are fewer points than vertices.
-    pub fn with_points(mesh: &Mesh, metric: &Metric, points: &[[f64; 3]]) -> Result<Self, PoissonError> {
-        let factor = |laplacian: &SymmetricMatrix, fixed: &[VertexId]| Poisson::with_points(laplacian, fixed, points);
-        Ok(Self { points: Some(points.to_vec()), ..Self::prepared(mesh, metric, factor)? })
+    pub fn with_points(
+        mesh: &Mesh,
+        metric: &Metric,
+        points: &[[f64; 3]],
+        watch: Watch,
+    ) -> Result<Self, PoissonError> {
+        Self::prepared(mesh, metric, Some(points), watch)
     }
 
     fn prepared(
         mesh: &Mesh,
         metric: &Metric,
-        factor: impl FnOnce(&SymmetricMatrix, &[VertexId]) -> Result<Poisson, PoissonError>,
+        points: Option<&[[f64; 3]]>,
+        watch: Watch,
     ) -> Result<Self, PoissonError> {
-        let intrinsic = delaunay(mesh, metric);
+        let intrinsic = delaunay_watched(mesh, metric, watch.within(0.0, 0.3));
+        if watch.stops_at(0.3) {
+            return Err(PoissonError::Interrupted);
+        }
         let metric = intrinsic.metric;
         let mesh = Mesh::from_triangulation(intrinsic.triangulation)
             .unwrap_or_else(|error: MeshError| unreachable!("flips keep a manifold one: {error}"));
@@ -81,10 +89,13 @@ impl Operators {
         let mut weight = metric.vertex_areas(&mesh);
         let area: f64 = weight.iter().sum();
         weight.iter_mut().for_each(|w| *w /= area);
+        if watch.stops_at(0.4) {
+            return Err(PoissonError::Interrupted);
+        }
         let laplacian = laplacian(&mesh, &metric);
         let mut loops: Vec<Vec<VertexId>> =
             mesh.boundary_loops().iter().map(|around| around.iter().map(|&h| mesh.tail(h)).collect()).collect();
-        let poisson = factor(&laplacian, &loops.concat())?;
+        let poisson = Poisson::new_watched(&laplacian, &loops.concat(), points, watch.within(0.5, 0.95))?;
         let bordered = !loops.is_empty();
         let mut operators = Self {
             mesh,
@@ -96,17 +107,35 @@ impl Operators {
             poisson,
             free: Vec::new(),
             bordered,
-            points: None,
+            points: points.map(<[_]>::to_vec),
             flattening: OnceLock::new(),
             even: OnceLock::new(),
         };
         operators.add_free(VertexData::constant(operators.mesh.vertex_count(), 1.0));
         loops.sort_by_key(|around| std::cmp::Reverse(around.len()));
         for around in loops.iter().skip(1).take(FREE_LOOPS - 1) {
+            if watch.stops_at(0.95) {
+                return Err(PoissonError::Interrupted);
+            }
             let extension = operators.harmonic_extension(around);
             operators.add_free(extension);
         }
         Ok(operators)
+    }
+
+    /// The intrinsic Delaunay triangulation, on the input's vertices.
+    pub fn mesh(&self) -> &Mesh {
+        &self.mesh
+    }
+
+    /// The angle defect of each vertex, in radians.
+    pub fn curvature(&self) -> &VertexData<f64> {
+        &self.curvature
+    }
+
+    /// The cotangent Laplacian.
+    pub fn laplacian(&self) -> &SymmetricMatrix {
+        &self.laplacian
     }
 
     /// Whether the surface has a boundary.

@@ -144,9 +144,9 @@ mod tests {
             let mut target = VertexData::constant(mesh.vertex_count(), 0.0);
             cones.iter().for_each(|&v| target[v] = 0.25 * operators.total_curvature());
             let zero = VertexData::constant(mesh.vertex_count(), 0.0);
-            let scaling = scale(&mesh, &metric, &operators, &target, &zero).unwrap();
-            let mut seams = Seams::new(&mesh, metric.lengths(), &cones).unwrap();
-            let mut layout = Layout::new(&mesh, &scaling, &seams.cut);
+            let scaling = scale(&mesh, &metric, &operators, &target, &zero, Watch::NONE).unwrap();
+            let mut seams = Seams::new(&mesh, metric.lengths(), &cones, Watch::NONE).unwrap();
+            let mut layout = Layout::new(&mesh, &scaling, &seams.cut, Watch::NONE);
             let before = layout.clone();
             let was_cut = seams.cut.clone();
             // The rings of some vertices, lone triangles, and the two beside a seam.

@@ -1,4 +1,4 @@
-//! Mending: no triangle of the layout flipped, and no vertex wound round more often than its angle says.
+//! Fold-overs removed: no triangle of the layout flipped, and no vertex wound round more often than its angle says.
 //!
 //! The flat metric is exact, but on the *input's* triangles, which are not its Delaunay triangles, a few can come out
 //! negatively oriented, nearly always at a cone of negative curvature. That no triangle is flipped is not enough: around a
@@ -10,13 +10,13 @@
 //! it is. Two tools:
 //! 1. *Fans*: round a bad cone the neighbours are turned about it, radii kept, until the angles are positive, not too
 //!    unequal, and sum to the cone's angle.
-//! 2. *Untangling* ([`untangle`](crate::flatten::untangle)) of patches round what is bad, from the triangles themselves to six
+//! 2. *Untangling* ([`untangle`](super::untangle)) of patches round what is bad, from the triangles themselves to six
 //!    rings, with their rims fixed.
 
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
-use geom::{FaceData, FaceId, HalfedgeId, Id, Mesh, Metric, Sides, VertexData, VertexId, WedgeId};
+use geom::{FaceData, FaceId, HalfedgeId, Id, Mesh, Metric, Sides, VertexData, VertexId, Watch, WedgeId};
 use num_complex::Complex64;
 use thiserror::Error;
 
@@ -45,7 +45,7 @@ pub struct FoldOvers {
     pub(crate) bad: Vec<FaceId>,
 }
 
-/// Mends a layout in place; returns the number of triangles that were moved.
+/// Removes fold-overs from a layout in place; returns the number of triangles that were moved.
 ///
 /// # Errors
 /// If something stays bad.
@@ -55,32 +55,35 @@ pub(crate) fn remove_fold_overs(
     scaling: &Scaling,
     is_cone: &VertexData<bool>,
     layout: &mut Layout,
+    watch: Watch,
 ) -> Result<usize, FoldOvers> {
-    let mut mender = Untangler::new(input, metric, scaling, is_cone, layout);
-    let mut bad = mender.bad(input.faces());
+    let mut untangler = Untangler::new(input, metric, scaling, is_cone, layout);
+    let mut bad = untangler.bad(input.faces());
     if bad.is_empty() {
         return Ok(0);
     }
-    mender.spread_fans(&bad);
-    bad = mender.bad(input.faces());
+    untangler.spread_fans(&bad);
+    bad = untangler.bad(input.faces());
     let mut moved = 0;
     for rings in 0..=MAX_RINGS {
-        for patch in mender.patches(&bad, rings) {
-            moved += mender.untangle(&patch, Fans::Free);
+        let [from, to] = [rings, rings + 1].map(|rings| rings as f64 / (MAX_RINGS + 1) as f64);
+        let watch = watch.within(from, to);
+        for patch in untangler.patches(&bad, rings) {
+            moved += untangler.untangle(&patch, Fans::Free, watch);
         }
-        bad = mender.bad(input.faces());
-        for patch in mender.patches(&bad, rings) {
+        bad = untangler.bad(input.faces());
+        for patch in untangler.patches(&bad, rings) {
             // With the fans held first; once nothing is flipped they may relax, which cannot unwind them.
-            if mender.untangle(&patch, Fans::Held) > 0 {
-                moved += mender.untangle(&patch, Fans::Free).max(patch.len());
+            if untangler.untangle(&patch, Fans::Held, watch) > 0 {
+                moved += untangler.untangle(&patch, Fans::Free, watch).max(patch.len());
             }
         }
-        bad = mender.bad(input.faces());
+        bad = untangler.bad(input.faces());
         if bad.is_empty() {
             return Ok(moved);
         }
     }
-    let mut faces = mender.patches(&bad, 0).concat();
+    let mut faces = untangler.patches(&bad, 0).concat();
     faces.sort_unstable();
     Err(bad.error(input, faces))
 }
@@ -269,12 +272,12 @@ impl<'a> Untangler<'a> {
     }
 
     /// Untangles a patch; returns how many triangles it has, 0 where it was left as it was.
-    fn untangle(&mut self, faces: &[FaceId], fans: Fans) -> usize {
-        if faces.len() > MAX_PATCH {
+    fn untangle(&mut self, faces: &[FaceId], fans: Fans, watch: Watch) -> usize {
+        if faces.len() > MAX_PATCH || watch.stops_at(0.0) {
             return 0;
         }
         let Some((patch, moving)) = self.patch(faces, fans) else { return 0 };
-        let untangled = patch.untangle();
+        let untangled = patch.untangle(watch);
         if !untangled.succeeded {
             return 0;
         }
@@ -403,19 +406,19 @@ mod tests {
         let seam = plain(2).nth(3).unwrap();
         for v in [inside, seam] {
             let mut folded = layout.clone();
-            let mut mender = Untangler::new(&mesh, &metric, &scaling, &is_cone, &mut folded);
+            let mut untangler = Untangler::new(&mesh, &metric, &scaling, &is_cone, &mut folded);
             let h = mesh.outgoing(v).next().unwrap();
-            let spoke = mender.layout.corner(mesh.next(h)) - mender.layout.corner(h);
-            mender.displace(h, 1.5 * spoke);
-            assert!(!mender.bad(mesh.faces()).is_empty());
+            let spoke = untangler.layout.corner(mesh.next(h)) - untangler.layout.corner(h);
+            untangler.displace(h, 1.5 * spoke);
+            assert!(!untangler.bad(mesh.faces()).is_empty());
             assert!(remove_fold_overs(&mesh, &metric, &scaling, &is_cone, &mut folded).unwrap() > 0);
-            let mender = Untangler::new(&mesh, &metric, &scaling, &is_cone, &mut folded);
-            assert!(mender.bad(mesh.faces()).is_empty());
+            let untangler = Untangler::new(&mesh, &metric, &scaling, &is_cone, &mut folded);
+            assert!(untangler.bad(mesh.faces()).is_empty());
             for h in mesh.halfedges() {
                 let g = mesh.twin(h).unwrap();
-                let here = mender.layout.corner(mesh.next(h)) - mender.layout.corner(h);
-                let there = mender.layout.corner(g) - mender.layout.corner(mesh.next(g));
-                let gap = (here - mender.layout.seam_rotation[h] * there).norm();
+                let here = untangler.layout.corner(mesh.next(h)) - untangler.layout.corner(h);
+                let there = untangler.layout.corner(g) - untangler.layout.corner(mesh.next(g));
+                let gap = (here - untangler.layout.seam_rotation[h] * there).norm();
                 assert!(gap < 1e-9, "seams stay rigid: {gap}, {here}");
             }
         }

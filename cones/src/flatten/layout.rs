@@ -4,14 +4,17 @@
 //! take one frame to the next across an edge make a flat connection with cones. Undoing the flips one by one, backwards,
 //! takes two triangles into one frame, replaces the diagonal by the other one (a sum of two sides), and so ends at the
 //! input's triangles with exact edge vectors; a few of them may have come out negatively oriented
-//! ([`mend`](crate::flatten::fold_over)). Then the surface is opened along the cut, rotations are carried over the dual tree, and
+//! ([`fold_over`](super::fold_over)). Then the surface is opened along the cut, rotations are carried over the dual tree, and
 //! positions along the tree of shortest edges, so that an error made somewhere stays as small as the region it was made in.
 //! Similarities are never chained: lengths come from the metric alone.
 
-use geom::{CutMesh, EdgeData, FaceData, FaceId, HalfedgeData, HalfedgeId, Id, Mesh, Triangulation, WedgeId, kruskal};
+use geom::{CutMesh, EdgeData, FaceData, FaceId, HalfedgeData, HalfedgeId, Id, Mesh, Triangulation, Watch, WedgeId, kruskal};
 use num_complex::Complex64;
 
 use super::scaling::Scaling;
+
+/// So many flips are undone between two looks at the watch.
+const STRIDE: usize = 4096;
 
 /// A surface in the plane: a position for each opened vertex.
 #[derive(Clone, Debug)]
@@ -26,9 +29,10 @@ pub struct Layout {
 }
 
 impl Layout {
-    /// Lays out the input's triangles, opened along the edges of the cut, which must leave one disk.
-    pub fn new(input: &Mesh, scaling: &Scaling, cut: &EdgeData<bool>) -> Self {
-        let connection = Connection::new(scaling).undo(&scaling.flips).of_input(input);
+    /// Lays out the input's triangles, opened along the edges of the cut, which must leave one disk. Once the watch says stop
+    /// positions mean nothing.
+    pub fn new(input: &Mesh, scaling: &Scaling, cut: &EdgeData<bool>, watch: Watch) -> Self {
+        let connection = Connection::new(scaling).undo(&scaling.flips, watch.within(0.0, 0.3)).of_input(input);
         let rotation = connection.face_rotations(cut);
         let vector: HalfedgeData<Complex64> =
             input.halfedges().map(|h| rotation[input.face(h)] * connection.vector[h]).collect();
@@ -42,7 +46,7 @@ impl Layout {
             })
             .collect();
         let opened = CutMesh::open(input, cut);
-        let position = positions(input, cut, &opened, &vector);
+        let position = positions(input, cut, &opened, &vector, watch.within(0.4, 1.0));
         Self { cut: opened, position, seam_rotation }
     }
 
@@ -76,8 +80,12 @@ impl Connection {
         Self { triangulation, vector, transport }
     }
 
-    fn undo(mut self, flips: &[HalfedgeId]) -> Self {
-        for &h in flips.iter().rev() {
+    /// With all flips undone, watched or not: what comes after relies on that.
+    fn undo(mut self, flips: &[HalfedgeId], watch: Watch) -> Self {
+        for (count, &h) in flips.iter().rev().enumerate() {
+            if count.is_multiple_of(STRIDE) {
+                let _ = watch.stops_at(count as f64 / flips.len() as f64);
+            }
             self.unflip(h);
         }
         self
@@ -150,13 +158,29 @@ impl Connection {
 }
 
 /// Positions that follow the edge vectors along a spanning tree of the opened surface, shortest edges first.
-fn positions(input: &Mesh, is_cut: &EdgeData<bool>, cut: &CutMesh, vector: &HalfedgeData<Complex64>) -> Vec<Complex64> {
+fn positions(
+    input: &Mesh,
+    is_cut: &EdgeData<bool>,
+    cut: &CutMesh,
+    vector: &HalfedgeData<Complex64>,
+    watch: Watch,
+) -> Vec<Complex64> {
+    let nowhere = || vec![Complex64::ZERO; cut.wedge_count()];
+    if watch.stops_at(0.0) {
+        return nowhere();
+    }
     let one_a_side = |&h: &HalfedgeId| is_cut[input.edge(h)] || input.halfedge(input.edge(h)) == h;
     let mut edges: Vec<(f64, HalfedgeId)> =
         input.halfedges().filter(one_a_side).map(|h| (vector[h].norm_sqr(), h)).collect();
     edges.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
     let ends = |h: HalfedgeId| [cut.wedge(h), cut.wedge(input.next(h))];
+    if watch.stops_at(0.5) {
+        return nowhere();
+    }
     let tree = kruskal(cut.wedge_count(), edges.iter().map(|&(_, h)| (h, ends(h).map(|w| w.0))));
+    if watch.stops_at(0.8) {
+        return nowhere();
+    }
     // The tree's edges by their ends, in rows.
     let mut start = vec![0usize; cut.wedge_count() + 1];
     for &h in &tree {
@@ -205,7 +229,8 @@ fn unit(z: Complex64) -> Complex64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Operators, Seams, scale};
+    use crate::field::Operators;
+    use crate::flatten::{Seams, scale};
     use geom::{Metric, VertexData, VertexId, shapes};
 
     #[test]
@@ -223,9 +248,9 @@ mod tests {
             let mut target = VertexData::constant(mesh.vertex_count(), 0.0);
             target[tip] = operators.curvature[tip];
             let zero = VertexData::constant(mesh.vertex_count(), 0.0);
-            let scaling = scale(&mesh, &metric, &operators, &target, &zero).unwrap();
-            let seams = Seams::new(&mesh, metric.lengths(), &[tip]).unwrap();
-            let layout = Layout::new(&mesh, &scaling, &seams.cut);
+            let scaling = scale(&mesh, &metric, &operators, &target, &zero, Watch::NONE).unwrap();
+            let seams = Seams::new(&mesh, metric.lengths(), &[tip], Watch::NONE).unwrap();
+            let layout = Layout::new(&mesh, &scaling, &seams.cut, Watch::NONE, Watch::NONE);
             for h in mesh.halfedges() {
                 let length = (layout.corner(mesh.next(h)) - layout.corner(h)).norm();
                 assert!((length / metric.length(mesh.edge(h)) - 1.0).abs() < 1e-10);
@@ -245,9 +270,9 @@ mod tests {
             target[v] = 0.5 * operators.total_curvature();
         }
         let zero = VertexData::constant(mesh.vertex_count(), 0.0);
-        let scaling = scale(&mesh, &metric, &operators, &target, &zero).unwrap();
-        let seams = Seams::new(&mesh, metric.lengths(), &cones).unwrap();
-        let layout = Layout::new(&mesh, &scaling, &seams.cut);
+        let scaling = scale(&mesh, &metric, &operators, &target, &zero, Watch::NONE).unwrap();
+        let seams = Seams::new(&mesh, metric.lengths(), &cones, Watch::NONE).unwrap();
+        let layout = Layout::new(&mesh, &scaling, &seams.cut, Watch::NONE, Watch::NONE);
         let extent = layout.position.iter().map(|z| z.norm()).fold(0.0, f64::max);
         for h in mesh.halfedges() {
             let g = mesh.twin(h).expect("it is closed");

@@ -15,4 +15,4 @@ pub use layout::Layout;
 pub use scaling::{Scaling, ScalingError, scale};
 pub(crate) use seams::seam_lengths;
 pub use seams::{Chain, SeamError, Seams};
-pub use untangle::{Corner, Patch, PatchError, PatchTriangle, Untangled};
+pub use untangle::{Corner, Patch, PatchTriangle};

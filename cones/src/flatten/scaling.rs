@@ -12,7 +12,7 @@
 
 use geom::{
     Double, HalfedgeId, Id, Intrinsic, Mesh, Metric, Poisson, PoissonError, SymmetricMatrix, Triangulation, VertexData,
-    VertexId, delaunay, laplacian, ptolemaic_delaunay,
+    VertexId, Watch, delaunay_watched, laplacian, ptolemaic_delaunay_watched,
 };
 use sprs::TriMat;
 use thiserror::Error;
@@ -38,6 +38,7 @@ const MAX_STEP: f64 = 5.0;
 
 /// Why no metric with the target curvature was found.
 #[derive(Clone, Debug, Error)]
+#[non_exhaustive]
 pub enum ScalingError {
     /// Newton's method got stuck.
     #[error("the metric did not reach the target curvature: an error of {error:.1e} is left at vertex {vertex}")]
@@ -52,7 +53,19 @@ pub enum ScalingError {
     NoTriangle(VertexId),
     /// A Hessian could not be factored.
     #[error(transparent)]
-    Poisson(#[from] PoissonError),
+    Poisson(PoissonError),
+    /// The watch has said stop.
+    #[error("the scaling was interrupted")]
+    Interrupted,
+}
+
+impl From<PoissonError> for ScalingError {
+    fn from(error: PoissonError) -> Self {
+        match error {
+            PoissonError::Interrupted => Self::Interrupted,
+            error => Self::Poisson(error),
+        }
+    }
 }
 
 /// A flat metric with cones, on a triangulation that was flipped on the way.
@@ -108,6 +121,7 @@ pub fn scale(
     operators: &Operators,
     target: &VertexData<f64>,
     start: &VertexData<f64>,
+    watch: Watch,
 ) -> Result<Scaling, ScalingError> {
     let newton = Newton {
         target,
@@ -116,23 +130,28 @@ pub fn scale(
         poisson: &operators.poisson,
         starts_from_factor: true,
         original: None,
+        watch,
     };
     let intrinsic = Intrinsic {
         triangulation: operators.mesh.triangulation().clone(),
         metric: operators.metric.clone(),
         flips: operators.flips.clone(),
     };
-    let may_go_otherwise = |error: &ScalingError| !matches!(error, ScalingError::Poisson(PoissonError::OutOfMemory(_)));
+    let may_go_otherwise = |error: &ScalingError| {
+        !matches!(error, ScalingError::Poisson(PoissonError::OutOfMemory(_)) | ScalingError::Interrupted)
+    };
     let mut error = match newton.run(intrinsic) {
         Err(error) if may_go_otherwise(&error) => error,
         done => return done,
     };
     let double = (!newton.fixed.is_empty()).then(|| Double::new(input));
     let run = |metric: &Metric| match &double {
-        None => Newton { starts_from_factor: false, ..newton.clone() }.run(delaunay(input, metric)),
+        None => {
+            Newton { starts_from_factor: false, ..newton.clone() }.run(delaunay_watched(input, metric, watch))
+        }
         Some(double) => {
             let newton = Newton { starts_from_factor: false, original: Some(&double.original), ..newton.clone() };
-            newton.run(delaunay(&double.mesh, &double.metric(input, metric)))
+            newton.run(delaunay_watched(&double.mesh, &double.metric(input, metric), watch))
         }
     };
     if double.is_some() {
@@ -160,6 +179,7 @@ struct Newton<'a> {
     starts_from_factor: bool,
     /// On a double, the vertex of the surface for each of its own. Log scale factors are the same on both halves.
     original: Option<&'a VertexData<VertexId>>,
+    watch: Watch<'a>,
 }
 
 impl Newton<'_> {
@@ -173,8 +193,14 @@ impl Newton<'_> {
         let mut steps = 0;
         let mut last = false;
         let mut keep_factor = false;
+        let first = largest(&residual).1;
         loop {
             let (vertex, error) = largest(&residual);
+            // How much of the way from the first error to the last is done, in logarithms.
+            let done = ((error / first).ln() / (GOAL / first).ln()).clamp(0.0, 1.0);
+            if self.watch.stops_at(done) {
+                return Err(ScalingError::Interrupted);
+            }
             if error <= GOAL || last || steps >= MAX_STEPS {
                 return self.finish(state, u, metric, steps, error, vertex);
             }
@@ -183,10 +209,11 @@ impl Newton<'_> {
                 false => {
                     if !keep_factor || factored.is_none() {
                         let hessian = self.hessian(&state.triangulation, &metric);
-                        match &mut factored {
-                            Some(poisson) => poisson.refactor(&hessian)?,
-                            None => factored = Some(self.poisson.another(&hessian)?),
-                        }
+                        let watch = self.watch.within(done, done);
+                        factored = Some(match factored.take() {
+                            Some(poisson) => poisson.refactor_watched(&hessian, watch)?,
+                            None => self.poisson.another_watched(&hessian, watch)?,
+                        });
                     }
                     factored.as_ref().expect("it was just factored").solve(&residual)
                 }
@@ -204,6 +231,9 @@ impl Newton<'_> {
                 u = from.iter().zip(step.iter()).map(|(u, d)| u + length * d).collect();
                 metric = self.scaled(&mut state, &u);
                 residual = self.residual(&state.triangulation, &metric);
+                if self.watch.stops_at(done) {
+                    return Err(ScalingError::Interrupted);
+                }
                 let new_slope = dot(&step, &residual);
                 let left = largest(&residual).1;
                 keep_factor = left <= GOOD_STEP * error;
@@ -229,7 +259,8 @@ impl Newton<'_> {
     fn scaled(&self, state: &mut Intrinsic, u: &VertexData<f64>) -> Metric {
         let spread: Option<VertexData<f64>> = self.original.map(|original| original.iter().map(|&v| u[v]).collect());
         let u = spread.as_ref().unwrap_or(u);
-        ptolemaic_delaunay(&mut state.triangulation, &mut state.metric, u, &mut state.flips)
+        let watch = self.watch.within(f64::NAN, f64::NAN);
+        ptolemaic_delaunay_watched(&mut state.triangulation, &mut state.metric, u, &mut state.flips, watch)
     }
 
     /// The Laplacian of the scaled metric; that of a double as it acts on what is the same on both halves. Where triangles
@@ -333,7 +364,7 @@ mod tests {
             target[inner[k * inner.len() / cones]] = operators.total_curvature() / cones as f64;
         }
         let zero = VertexData::constant(mesh.vertex_count(), 0.0);
-        let scaling = scale(&mesh, &metric, &operators, &target, &zero).unwrap();
+        let scaling = scale(&mesh, &metric, &operators, &target, &zero, Watch::NONE).unwrap();
         (mesh, target, scaling)
     }
 
@@ -373,7 +404,7 @@ mod tests {
         let target = VertexData::constant(mesh.vertex_count(), 0.0);
         let uneven = |v: VertexId| if mesh.is_boundary_vertex(v) { 2.5 * f64::from(v.0 * 7 % 3) - 2.5 } else { 0.0 };
         let start: VertexData<f64> = mesh.vertices().map(uneven).collect();
-        let scaling = scale(&mesh, &metric, &operators, &target, &start).unwrap();
+        let scaling = scale(&mesh, &metric, &operators, &target, &start, Watch::NONE).unwrap();
         assert_eq!(scaling.triangulation.face_count(), 2 * mesh.face_count(), "only on the double");
         let mut turned = 0.0;
         for (v, angle) in scaling.angles(&mesh).iter_ids() {
@@ -384,8 +415,8 @@ mod tests {
         assert!((turned - 2.0 * PI).abs() < 1e-8, "the boundary turns once: {turned}");
         assert!(mesh.vertices().filter(|&v| mesh.is_boundary_vertex(v)).all(|v| scaling.u[v] == start[v]));
         // The half that is laid out has these angles, up to full turns.
-        let seams = crate::Seams::new(&mesh, metric.lengths(), &[]).unwrap();
-        let layout = crate::Layout::new(&mesh, &scaling, &seams.cut);
+        let seams = crate::flatten::Seams::new(&mesh, metric.lengths(), &[], Watch::NONE).unwrap();
+        let layout = crate::flatten::Layout::new(&mesh, &scaling, &seams.cut, Watch::NONE);
         for (v, angle) in scaling.angles(&mesh).iter_ids() {
             let corner = |h| {
                 let at = layout.corner(h);

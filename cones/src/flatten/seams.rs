@@ -18,13 +18,14 @@
 //! along loops through its first vertex; a closed sphere needs two cones at least.
 
 use geom::{
-    CutMesh, EdgeData, EdgeId, Mesh, Metric, ShortestPaths, Surface, VertexData, VertexId, edges_at, kruskal,
-    maximum_spanning_cotree, other_end,
+    CutMesh, EdgeData, EdgeId, Interrupted, Mesh, Metric, ShortestPaths, Surface, VertexData, VertexId, Watch, edges_at,
+    kruskal, maximum_spanning_cotree_watched, other_end,
 };
 use thiserror::Error;
 
 /// Why a surface cannot be cut to a disk.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum SeamError {
     /// There is nothing to cut between on a sphere.
     #[error("a closed sphere needs at least two cones to be cut open, but {cones} were given")]
@@ -43,6 +44,15 @@ pub enum SeamError {
         /// How many vertices there are.
         count: usize,
     },
+    /// The watch has said stop.
+    #[error("the cut was interrupted")]
+    Interrupted,
+}
+
+impl From<Interrupted> for SeamError {
+    fn from(_: Interrupted) -> Self {
+        Self::Interrupted
+    }
 }
 
 /// Edges along which a connected surface opens to one disk.
@@ -75,14 +85,20 @@ impl Seams {
     ///
     /// # Panics
     /// If there is an edge without a length.
-    pub fn new(mesh: &Mesh, lengths: &EdgeData<f64>, cones: &[VertexId]) -> Result<Self, SeamError> {
+    pub fn new(
+        mesh: &Mesh,
+        lengths: &EdgeData<f64>,
+        cones: &[VertexId],
+        watch: Watch,
+    ) -> Result<Self, SeamError> {
         let count = mesh.vertex_count();
         if let Some(&cone) = cones.iter().find(|cone| cone.0 as usize >= count) {
             return Err(SeamError::NoSuchVertex { cone, count });
         }
         let terminals = terminals(mesh, cones);
         let root = terminals.is_empty().then_some((VertexId(0), 0));
-        let paths = ShortestPaths::new(mesh, lengths, terminals.iter().copied().chain(root));
+        let sources = terminals.iter().copied().chain(root);
+        let paths = ShortestPaths::new_watched(mesh, lengths, sources, watch.within(0.0, 0.6))?;
         let (component, _) = mesh.components();
         if let Some(v) = mesh.vertices().find(|&v| component[v] != 0 || paths.owner[v].is_none()) {
             return Err(SeamError::Unreachable(v));
@@ -97,7 +113,7 @@ impl Seams {
         }
         let detours = Detours { mesh, lengths, paths: &paths };
         let mut cut = detours.spanning_tree();
-        detours.add_handles(&mut cut);
+        detours.add_handles(&mut cut, watch.within(0.6, 0.9))?;
         prune(mesh, &mut cut, &is_terminal);
         debug_assert!(CutMesh::open(mesh, &cut).is_disk(), "tree, cotree and 2g edges leave a disk");
         let length = mesh.edges().filter(|&e| cut[e]).map(|e| lengths[e]).sum();
@@ -112,8 +128,13 @@ impl Seams {
     ///
     /// # Panics
     /// If there is an edge without a length.
-    pub fn of_surface(surface: &Surface, metric: &Metric, cones: &[VertexId]) -> Result<Self, SeamError> {
-        Self::new(&surface.mesh, &seam_lengths(surface, metric), cones)
+    pub fn of_surface(
+        surface: &Surface,
+        metric: &Metric,
+        cones: &[VertexId],
+        watch: Watch,
+    ) -> Result<Self, SeamError> {
+        Self::new(&surface.mesh, &seam_lengths(surface, metric), cones, watch)
     }
 
     /// Strings the chains anew, after edges were added to the cut. Where chains ended they still do.
@@ -175,15 +196,16 @@ impl Detours<'_> {
     }
 
     /// Adds to a spanning tree the edges that are neither in it nor crossed by a maximum spanning cotree.
-    fn add_handles(&self, tree: &mut EdgeData<bool>) {
+    fn add_handles(&self, tree: &mut EdgeData<bool>, watch: Watch) -> Result<(), Interrupted> {
         if self.mesh.genus() == 0 {
-            return; // every cotree crosses all that is left
+            return Ok(()); // every cotree crosses all that is left
         }
         let detour: EdgeData<f64> = self.mesh.edges().map(|e| self.length(e)).collect();
-        let cotree = maximum_spanning_cotree(self.mesh, &detour, tree);
+        let cotree = maximum_spanning_cotree_watched(self.mesh, &detour, tree, watch)?;
         for e in self.mesh.edges() {
             tree[e] |= !cotree[e] && !self.mesh.is_boundary_edge(e);
         }
+        Ok(())
     }
 }
 
@@ -335,7 +357,7 @@ mod tests {
                 assert_eq!((mesh.genus(), mesh.boundary_loops().len()), (genus, windows));
                 for count in [0, 1, 2, 3, 8, 40] {
                     let cones = spread(&mesh, count);
-                    match Seams::new(&mesh, &lengths, &cones) {
+                    match Seams::new(&mesh, &lengths, &cones, Watch::NONE) {
                         Ok(seams) => check(&mesh, &lengths, &cones, &seams),
                         Err(why) => {
                             assert_eq!(why, SeamError::TooFewCones { cones: count });
@@ -357,7 +379,7 @@ mod tests {
             let length: f64 = detours.bridges().into_iter().map(|e| detours.length(e)).sum();
             let expected = all_pairs_tree_length(&mesh, &lengths, &cones);
             assert!((length - expected).abs() < 1e-12 * expected, "{length} is {expected}");
-            let seams = Seams::new(&mesh, &lengths, &cones).unwrap();
+            let seams = Seams::new(&mesh, &lengths, &cones, Watch::NONE).unwrap();
             assert!(seams.length <= expected * (1.0 + 1e-12), "paths may share edges, which shortens the seams");
         }
     }
@@ -366,7 +388,7 @@ mod tests {
     fn two_cones_are_joined_by_their_shortest_path() {
         let (mesh, lengths) = slab(0, 0);
         let cones = [VertexId(0), VertexId(mesh.vertex_count() as u32 - 1)];
-        let seams = Seams::new(&mesh, &lengths, &cones).unwrap();
+        let seams = Seams::new(&mesh, &lengths, &cones, Watch::NONE).unwrap();
         let distance = ShortestPaths::new(&mesh, &lengths, [(cones[0], 0)]).distance[cones[1]];
         assert!((seams.length - distance).abs() < 1e-12 * distance);
         assert_eq!(seams.chains.len(), 1);
@@ -378,7 +400,7 @@ mod tests {
         let tetrahedron = Mesh::new(4, &[[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]]).unwrap();
         let lengths = EdgeData::constant(6, 1.0);
         let cones: Vec<_> = tetrahedron.vertices().collect();
-        let seams = Seams::new(&tetrahedron, &lengths, &cones).unwrap();
+        let seams = Seams::new(&tetrahedron, &lengths, &cones, Watch::NONE).unwrap();
         check(&tetrahedron, &lengths, &cones, &seams);
         assert_eq!((seams.length, seams.chains.len()), (3.0, 3));
     }
@@ -388,7 +410,7 @@ mod tests {
         let triangle = Mesh::new(3, &[[0, 1, 2]]).unwrap();
         let lengths = EdgeData::constant(3, 1.0);
         for cones in [&[][..], &[VertexId(1)], &[VertexId(1), VertexId(2), VertexId(1)]] {
-            let seams = Seams::new(&triangle, &lengths, cones).unwrap();
+            let seams = Seams::new(&triangle, &lengths, cones, Watch::NONE).unwrap();
             assert_eq!((seams.length, seams.chains.len()), (0.0, 0));
         }
     }
@@ -396,9 +418,9 @@ mod tests {
     #[test]
     fn a_cone_named_twice_is_one_cone() {
         let (mesh, lengths) = slab(0, 0);
-        let once = Seams::new(&mesh, &lengths, &[5, 90, 44].map(VertexId));
-        assert_eq!(once, Seams::new(&mesh, &lengths, &[5, 90, 5, 44, 90].map(VertexId)));
-        let same = Seams::new(&mesh, &lengths, &[5, 5].map(VertexId));
+        let once = Seams::new(&mesh, &lengths, &[5, 90, 44].map(VertexId), Watch::NONE);
+        assert_eq!(once, Seams::new(&mesh, &lengths, &[5, 90, 5, 44, 90].map(VertexId), Watch::NONE));
+        let same = Seams::new(&mesh, &lengths, &[5, 5].map(VertexId), Watch::NONE);
         assert_eq!(same, Err(SeamError::TooFewCones { cones: 1 }));
     }
 
@@ -408,16 +430,16 @@ mod tests {
         let lengths = EdgeData::constant(6, 1.0);
         let two_balls =
             Mesh::new(8, &[[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2], [4, 5, 6], [4, 6, 7], [4, 7, 5], [5, 7, 6]]);
-        let unreachable = Seams::new(&two_balls.unwrap(), &EdgeData::constant(12, 1.0), &[VertexId(1)]);
+        let unreachable = Seams::new(&two_balls.unwrap(), &EdgeData::constant(12, 1.0), &[VertexId(1)], Watch::NONE);
         assert_eq!(unreachable, Err(SeamError::Unreachable(VertexId(4))));
-        assert_eq!(Seams::new(&two, &lengths, &[]), Err(SeamError::Unreachable(VertexId(3))));
+        assert_eq!(Seams::new(&two, &lengths, &[], Watch::NONE), Err(SeamError::Unreachable(VertexId(3))));
         let triangle = Mesh::new(3, &[[0, 1, 2]]).unwrap();
-        Seams::new(&triangle, &EdgeData::constant(3, f64::INFINITY), &[]).unwrap();
+        Seams::new(&triangle, &EdgeData::constant(3, f64::INFINITY), &[], Watch::NONE).unwrap();
         let (mesh, mut lengths) = slab(0, 0);
         edges_at(&mesh, VertexId(9)).for_each(|(e, _)| lengths[e] = f64::INFINITY);
-        let endless = Seams::new(&mesh, &lengths, &[VertexId(0), VertexId(1)]);
+        let endless = Seams::new(&mesh, &lengths, &[VertexId(0), VertexId(1)], Watch::NONE);
         assert_eq!(endless, Err(SeamError::Unreachable(VertexId(9))));
-        let beyond = Seams::new(&two, &lengths, &[VertexId(6)]);
+        let beyond = Seams::new(&two, &lengths, &[VertexId(6)], Watch::NONE);
         assert_eq!(beyond, Err(SeamError::NoSuchVertex { cone: VertexId(6), count: 6 }));
     }
 
@@ -432,7 +454,7 @@ mod tests {
             let (mesh, lengths) = slab(genus, windows);
             let cones: Vec<_> = picks.iter().map(|pick| VertexId(pick.index(mesh.vertex_count()) as u32)).collect();
             prop_assume!(cones.iter().any(|&cone| cone != cones[0]));
-            let seams = Seams::new(&mesh, &lengths, &cones).unwrap();
+            let seams = Seams::new(&mesh, &lengths, &cones, Watch::NONE).unwrap();
             check(&mesh, &lengths, &cones, &seams);
         }
     }

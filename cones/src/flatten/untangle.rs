@@ -19,6 +19,7 @@
 //! Meant for patches of a few to a few thousand triangles. It knows nothing of angle sums: whether the angles at a
 //! vertex add up to once round is the caller's to check.
 
+use geom::Watch;
 use thiserror::Error;
 
 use crate::numerics::lbfgs::minimise;
@@ -178,14 +179,14 @@ impl Patch {
     ///
     /// The same patch gives the same bits; a patch that is scaled, moved or turned gives displacements scaled and
     /// turned likewise, up to rounding.
-    pub fn untangle(&self) -> Untangled {
+    pub fn untangle(&self, watch: Watch) -> Untangled {
         let scaled = Scaled::new(self);
         let mut x = vec![0.0; 2 * self.displacement_count];
         if !scaled.has_rigid_flip(&x) {
-            x = scaled.untangled(x);
+            x = scaled.untangled(x, watch);
         }
         if scaled.least_determinant(&x) > 0.0 {
-            x = minimise(|x| scaled.energy(x, 0.0), x, STEPS);
+            x = minimise(|x| scaled.energy(x, 0.0), x, STEPS, || !watch.stops_at(f64::NAN));
         }
         let displacements: Vec<_> = x.chunks_exact(2).map(|d| [d[0] * scaled.unit, d[1] * scaled.unit]).collect();
         let positions = self.positions(&displacements);
@@ -275,7 +276,7 @@ impl<'a> Scaled<'a> {
     }
 
     /// Displacements that flip no triangle any more, or where it goes no further.
-    fn untangled(&self, mut x: Vec<f64>) -> Vec<f64> {
+    fn untangled(&self, mut x: Vec<f64>, watch: Watch) -> Vec<f64> {
         let mut worst = f64::NEG_INFINITY;
         let mut stalls = 0;
         loop {
@@ -285,11 +286,11 @@ impl<'a> Scaled<'a> {
             } else {
                 stalls += 1;
             }
-            if least > 0.0 || stalls == STALLS {
+            if least > 0.0 || stalls == STALLS || watch.stops_at(f64::NAN) {
                 return x;
             }
             let squared_epsilon = EPSILON_FLOOR + EPSILON_SLOPE * least.powi(2) * 0.25f64.powi(stalls);
-            x = minimise(|x| self.energy(x, squared_epsilon), x, STEPS);
+            x = minimise(|x| self.energy(x, squared_epsilon), x, STEPS, || !watch.stops_at(f64::NAN));
         }
     }
 
@@ -419,7 +420,7 @@ mod tests {
         for centre in [[2.0, 0.3], [-0.1, 5.0], [0.9, 0.9], [30.0, -20.0], [1.0, 0.0]] {
             let patch = star(centre);
             assert!(Scaled::new(&patch).least_determinant(&[0.0; 2]) <= 1e-3);
-            let untangled = patch.untangle();
+            let untangled = patch.untangle(Watch::NONE);
             assert!(untangled.succeeded && untangled.least_determinant > 0.5, "{centre:?} gives {untangled:?}");
             let [x, y] = patch.positions(&untangled.displacements)[6];
             assert!(x.abs() < 1e-3 && y.abs() < 1e-3, "the centre comes to ({x}, {y})");
@@ -431,10 +432,10 @@ mod tests {
     fn a_good_patch_stays_good_and_its_distortion_falls() {
         let patch = star([0.4, -0.3]);
         let before = Scaled::new(&patch).energy(&[0.0; 2], 0.0).0;
-        let after = patch.untangle();
+        let after = patch.untangle(Watch::NONE);
         assert!(after.succeeded);
         assert!(after.distortion < before, "{} falls from {before}", after.distortion);
-        let best = star([0.0; 2]).untangle();
+        let best = star([0.0; 2]).untangle(Watch::NONE);
         assert!(best.succeeded && best.displacements[0].iter().all(|d| d.abs() < 1e-3));
     }
 
@@ -452,12 +453,12 @@ mod tests {
         let triangles = [[8, 0, 1], [8, 1, 2], [8, 2, 3], [9, 4, 5], [9, 5, 6], [9, 6, 7]];
         let triangles = triangles.map(|corners| PatchTriangle { corners, lengths: [1.0; 3], weight: 1.0 });
         let patch = Patch::new(corners, triangles.into(), 1).unwrap();
-        let untangled = patch.untangle();
+        let untangled = patch.untangle(Watch::NONE);
         assert!(untangled.succeeded);
         let after = patch.positions(&untangled.displacements);
         let copy = elsewhere(after[8]);
         assert!((copy[0] - after[9][0]).abs() < 1e-12 && (copy[1] - after[9][1]).abs() < 1e-12);
-        let whole = star(centre).untangle();
+        let whole = star(centre).untangle(Watch::NONE);
         assert!((0..2).all(|k| (whole.displacements[0][k] - untangled.displacements[0][k]).abs() < 1e-5));
     }
 
@@ -483,15 +484,15 @@ mod tests {
     #[test]
     fn the_scale_and_place_of_a_patch_do_not_matter() {
         let offsets = [[0.3, -1.2], [-2.0, 0.7], [0.9, 0.4], [1.5, 1.5]];
-        let plain = grid(6, &offsets, 1.0).untangle();
+        let plain = grid(6, &offsets, 1.0).untangle(Watch::NONE);
         assert!(plain.succeeded);
         for scale in [1e-6, 1e5, 1e12] {
-            let scaled = grid(6, &offsets, scale).untangle();
+            let scaled = grid(6, &offsets, scale).untangle(Watch::NONE);
             assert!(scaled.succeeded && (scaled.distortion - plain.distortion).abs() < 1e-3, "scaled {scale}");
         }
         let mut patch = grid(6, &offsets, 1.0);
         patch.corners.iter_mut().for_each(|corner| corner.position[0] += 1e6);
-        assert!(patch.untangle().succeeded);
+        assert!(patch.untangle(Watch::NONE).succeeded);
     }
 
     #[test]
@@ -504,7 +505,7 @@ mod tests {
             lengths: lengths(corners.map(at)),
             weight: 1.0,
         });
-        assert!(Patch::new(corners, triangles.into(), 1).unwrap().untangle().succeeded);
+        assert!(Patch::new(corners, triangles.into(), 1).unwrap().untangle(Watch::NONE).succeeded);
     }
 
     #[test]
@@ -513,7 +514,7 @@ mod tests {
         corners.push(Corner::free([5.0, 5.0], 0));
         let flipped = PatchTriangle { corners: [0, 1, 2], lengths: [1.0; 3], weight: 1.0 };
         let patch = Patch::new(corners.clone(), vec![flipped], 1).unwrap();
-        assert!(!patch.untangle().succeeded);
+        assert!(!patch.untangle(Watch::NONE).succeeded);
         let new = |triangle| Patch::new(corners.clone(), vec![triangle], 1).unwrap_err();
         assert_eq!(new(PatchTriangle { corners: [0, 1, 4], ..flipped }), PatchError::NoSuchCorner { triangle: 0 });
         let flat = PatchTriangle { lengths: [1.0, 0.0, 1.0], ..flipped };
@@ -521,7 +522,7 @@ mod tests {
         assert_eq!(Patch::new(corners, vec![], 0), Err(PatchError::NoSuchDisplacement { corner: 3 }));
         let nowhere = vec![Corner::fixed([f64::NAN, 0.0])];
         assert_eq!(Patch::new(nowhere, vec![], 0), Err(PatchError::CornerNotFinite { corner: 0 }));
-        assert!(Patch::new(vec![], vec![], 0).unwrap().untangle().succeeded, "nothing is flipped in nothing");
+        assert!(Patch::new(vec![], vec![], 0).unwrap().untangle(Watch::NONE).succeeded, "nothing is flipped in nothing");
     }
 
     proptest! {
@@ -531,7 +532,7 @@ mod tests {
             size in 3u32..9,
             offsets in prop::collection::vec([-4.0..4.0f64, -4.0..4.0f64], 49),
         ) {
-            let untangled = grid(size, &offsets, 1.0).untangle();
+            let untangled = grid(size, &offsets, 1.0).untangle(Watch::NONE);
             prop_assert!(untangled.succeeded, "least determinant {}", untangled.least_determinant);
             prop_assert!(untangled.distortion < 1.5);
         }

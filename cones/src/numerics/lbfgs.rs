@@ -29,13 +29,21 @@ struct Point {
     gradient: Vec<f64>,
 }
 
-/// Goes downhill from `x` for at most so many steps, and returns where that leads: nowhere, where the value is not
-/// finite.
-pub(crate) fn minimise(function: impl Fn(&[f64]) -> (f64, Vec<f64>), x: Vec<f64>, steps: usize) -> Vec<f64> {
+/// Goes downhill from `x` for at most so many steps, as long as it may, and returns where that leads: nowhere, where the
+/// value is not finite.
+pub(crate) fn minimise(
+    function: impl Fn(&[f64]) -> (f64, Vec<f64>),
+    x: Vec<f64>,
+    steps: usize,
+    may_go_on: impl Fn() -> bool,
+) -> Vec<f64> {
     let (value, gradient) = function(&x);
     let mut here = Point { x, value, gradient };
     let mut memory = Memory::default();
     for _ in 0..steps {
+        if !may_go_on() {
+            break;
+        }
         let direction = memory.direction(&here.gradient);
         match line_search(&function, &here, &direction) {
             Some(next) => {
@@ -148,7 +156,7 @@ mod tests {
             let (a, b) = (1.0 - x[0], x[1] - x[0] * x[0]);
             (a * a + 100.0 * b * b, vec![-2.0 * a - 400.0 * x[0] * b, 200.0 * b])
         };
-        let x = minimise(valley, vec![-1.2, 1.0], 200);
+        let x = minimise(valley, vec![-1.2, 1.0], 200, || true);
         assert!((x[0] - 1.0).abs() < 1e-6 && (x[1] - 1.0).abs() < 1e-6, "{x:?}");
     }
 
@@ -159,7 +167,7 @@ mod tests {
             (value, vec![1.0 - 1.0 / x[0]])
         };
         for start in [1e-6, 0.5, 30.0] {
-            let x = minimise(well, vec![start], 200);
+            let x = minimise(well, vec![start], 200, || true);
             assert!((x[0] - 1.0).abs() < 1e-5, "{x:?} from {start}");
         }
     }
@@ -171,14 +179,14 @@ mod tests {
             let value = x.iter().enumerate().map(|(i, x)| weight(i) * (x - 1.0).powi(2)).sum();
             (value, x.iter().enumerate().map(|(i, x)| 2.0 * weight(i) * (x - 1.0)).collect())
         };
-        let x = minimise(bowl, vec![0.0; 30], 2000);
+        let x = minimise(bowl, vec![0.0; 30], 2000, || true);
         assert!(bowl(&x).0 < 1e-9, "{}", bowl(&x).0);
     }
 
     #[test]
     fn nowhere_to_go_is_no_failure() {
-        assert_eq!(minimise(|_| (3.0, vec![]), vec![], 10), []);
-        assert_eq!(minimise(|_| (3.0, vec![0.0]), vec![2.0], 10), [2.0]);
-        assert_eq!(minimise(|_| (f64::NAN, vec![1.0]), vec![2.0], 10), [2.0]);
+        assert_eq!(minimise(|_| (3.0, vec![]), vec![], 10, || true), []);
+        assert_eq!(minimise(|_| (3.0, vec![0.0]), vec![2.0], 10, || true), [2.0]);
+        assert_eq!(minimise(|_| (f64::NAN, vec![1.0]), vec![2.0], 10, || true), [2.0]);
     }
 }

@@ -2,7 +2,7 @@
 //!
 //! Optimal curvatures leave every boundary loop its own best constant; harmonic ones pin the log scale to one value at all
 //! cones and on all of the boundary. Harmonic curvatures that no cone can have are replaced by optimal ones, as
-//! [`cone_curvatures`](crate::cone_curvatures) does.
+//! [`cone_curvatures`](crate::curvature::cone_curvatures) does.
 
 use geom::{VertexData, VertexId};
 

@@ -135,7 +135,7 @@ impl<'a> EnergyModel<'a> {
 
     /// Whether searches must end; see [`with_terms`](Self::with_terms).
     pub(crate) fn is_stopped(&self) -> bool {
-        self.watch.stops_at(0.0)
+        self.watch.stops_at(f64::NAN)
     }
 
     /// What the curvatures must sum to; nothing with a boundary.

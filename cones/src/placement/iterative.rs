@@ -12,9 +12,7 @@
 use geom::{VertexData, VertexId, Watch};
 
 use super::separation::Separation;
-use crate::field::ConformalFactor;
-use crate::field::Operators;
-use crate::field::PinnedFactor;
+use crate::field::{Operators, PinnedFactor};
 
 /// The first `count` cones of the iterative method; fewer only where there is no room for more. One factorization serves
 /// all levels.

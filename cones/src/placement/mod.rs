@@ -32,7 +32,7 @@ pub use energy_model::{ConeSet, EnergyModel};
 pub use nested::Nested;
 pub(crate) use nested::{ComponentOrder, cones_of_sequence, curve_of_sequence};
 pub use prediction::{Prediction, area_distortion};
-pub(crate) use prediction::{Predictor, area_ratios, distortion_of};
+pub(crate) use prediction::{Predictor, distortion_of};
 pub(crate) use pursuit::BLOCK;
 pub use pursuit::pursuit;
 pub use refined::refined;

@@ -42,7 +42,7 @@ pub fn area_distortion(operators: &Operators, u: &[f64]) -> f64 {
 }
 
 /// The area of each triangle, and by what it is multiplied.
-pub(crate) fn area_ratios(operators: &Operators, u: &[f64]) -> Vec<(f64, f64)> {
+fn area_ratios(operators: &Operators, u: &[f64]) -> Vec<(f64, f64)> {
     assert_eq!(u.len(), operators.mesh.vertex_count(), "a log scale factor has one value a vertex");
     // e^(2/3 u): three of them make a triangle's ratio.
     let share: VertexData<f64> = u.iter().map(|u| (u * (2.0 / 3.0)).exp()).collect();

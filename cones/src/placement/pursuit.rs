@@ -19,7 +19,7 @@ use super::exchange::{TRIALS, drop_cheapest, exchange};
 use super::matching_pursuit::{Rule, grow, start};
 use super::energy_model::{ConeSet, EnergyModel};
 use super::nested::Nested;
-use super::swap_table::{Row, SwapTable, norms};
+use super::swap_table::{Row, STRIDE, SwapTable, norms};
 
 /// An order is found so many cones at a time.
 pub(crate) const BLOCK: usize = 32;
@@ -152,6 +152,9 @@ impl Order {
         let mut from = self.held;
         for to in self.levels.iter().map(|level| level.cones.len()).filter(|&to| to > self.held) {
             for last in (from + 1..to).rev() {
+                if model.is_stopped() {
+                    break;
+                }
                 let without = |place: usize| {
                     let mut fewer = cones[..=last].to_vec();
                     fewer.remove(place);
@@ -241,6 +244,9 @@ impl Order {
         let mut rows: Vec<Row> = tables.iter().map(|_| Row::default()).collect();
         let mut best: Vec<Option<Move>> = vec![None; self.cones.len()];
         for vertex in model.operators().mesh.vertices().filter(|&v| separation.is_open(v) && !model.knows(v)) {
+            if vertex.0.is_multiple_of(STRIDE) && model.is_stopped() {
+                return Vec::new();
+            }
             for ((table, norms), row) in tables.iter().zip(&norms).zip(&mut rows) {
                 table.fill_for_vertex(vertex, norms[vertex], row);
             }

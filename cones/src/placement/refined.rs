@@ -8,7 +8,7 @@
 
 use geom::VertexId;
 
-use crate::curvature::{COMFORTABLE_CORNER, LARGEST_CORNER, general_bounds};
+use crate::curvature::{COMFORTABLE_CORNER, general_bounds};
 use super::separation::Separation;
 use super::exchange::{eliminate, exchange, exchange_deeply};
 use crate::numerics::quadratic_program::Held;

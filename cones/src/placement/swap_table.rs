@@ -30,6 +30,9 @@ const FARTHEST: f64 = 1e3;
 /// The most steps that a descent along edges takes.
 const LONGEST_DESCENT: usize = 200;
 
+/// So many vertices are looked at between two looks at the watch.
+pub(super) const STRIDE: u32 = 1024;
+
 /// A change of a set of cones: what it is estimated to do to the energy, which cone leaves, and who comes.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Swap {
@@ -223,6 +226,9 @@ impl<'a> SwapTable<'a> {
         let mut best: Vec<Option<Swap>> = vec![None; self.set.cones.len()];
         let mut row = Row::default();
         for v in self.model.operators().mesh.vertices().filter(|&v| separation.is_open(v)) {
+            if v.0.is_multiple_of(STRIDE) && self.model.is_stopped() {
+                return Vec::new();
+            }
             self.fill_for_vertex(v, norms[v], &mut row);
             for (leaving, &change) in row.change.iter().enumerate() {
                 if best[leaving].is_none_or(|best| change < best.change) && separation.admits(v, leaving) {
