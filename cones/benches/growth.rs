@@ -9,14 +9,12 @@ use std::hint::black_box;
 use std::path::Path;
 use std::time::Instant;
 
-use cones::{ConeChoice, ConeHierarchy, ConformalFactor, Method, Operators, Options};
-use geom::{Model, Poisson, Surface, VertexId, prepare, shapes};
+use cones::{Analysis, ConeChoice, Options, Placement, unwrap_model};
+use geom::{Model, Poisson, VertexId, delaunay, laplacian, prepare, shapes};
 
 const RUNS: usize = 5;
 /// In seconds: work that takes longer than a fifth of it is done once.
 const PATIENCE: f64 = 30.0;
-const METHODS: [Method; 6] =
-    [Method::Alternating, Method::Persistence, Method::Greedy, Method::Iterative, Method::Pursuit, Method::Refined];
 
 /// What one piece of work took on one mesh.
 #[derive(Clone, Copy)]
@@ -65,37 +63,32 @@ fn main() {
 impl Table {
     /// Measures everything on a mesh.
     fn add(&mut self, name: String, model: &Model) {
-        let prepared = match prepare(model, false) {
-            Ok(prepared) => prepared,
-            Err(error) => return eprintln!("{name}: {error}"),
+        let (prepared, analysis) = match (prepare(model, false), Analysis::new(model)) {
+            (Ok(prepared), Ok(analysis)) => (prepared, analysis),
+            (Err(error), _) => return eprintln!("{name}: {error}"),
+            (_, Err(error)) => return eprintln!("{name}: {error}"),
         };
-        let surface: &Surface = &prepared.surfaces[0];
-        let (mesh, metric) = (&surface.mesh, surface.metric());
-        let operators = match Operators::with_points(mesh, &metric, &surface.points) {
-            Ok(operators) => operators,
-            Err(error) => return eprintln!("{name}: {error}"),
-        };
-        self.meshes.push((name, mesh.vertex_count()));
+        let surface = &prepared.surfaces[0];
+        let intrinsic = delaunay(&surface.mesh, &surface.metric());
+        let matrix = laplacian(&intrinsic.triangulation, &intrinsic.metric);
+        self.meshes.push((name, surface.mesh.vertex_count()));
+        let mesh = &surface.mesh;
         let boundary: Vec<VertexId> = mesh.vertices().filter(|&v| mesh.is_boundary_vertex(v)).collect();
         self.row("order and factor (floor)", || {
-            drop(black_box(Poisson::with_points(&operators.laplacian, &boundary, &surface.points)));
+            drop(black_box(Poisson::with_points(&matrix, &boundary, &surface.points)));
         });
-        self.row("prepare", || drop(black_box(prepare(model, false))));
+        self.row("analyse", || drop(black_box(Analysis::new(model))));
         for count in [16, 64] {
-            for method in METHODS {
-                self.row(&format!("detect {count} by {method:?}").to_lowercase(), || {
-                    let hierarchy = ConeHierarchy::new(&operators, &ConformalFactor::new(&operators));
-                    black_box(hierarchy.cones(&operators, mesh, method, count));
+            for placement in Placement::ALL {
+                self.row(&format!("place {count} by {}", placement.name()), || {
+                    let _ = black_box(analysis.place(placement, count));
                 });
             }
-            self.row(&format!("detect {count} by refactoring"), || {
-                let _ = black_box(cones::iterative_refactoring(&operators, count));
-            });
         }
-        for method in [Method::Persistence, Method::Refined] {
-            let options = Options { cones: ConeChoice::Count(16), method, ..Options::default() };
-            self.row(&format!("unwrap 16 by {method:?}").to_lowercase(), || {
-                let _ = black_box(cones::unwrap(model, &options, &mut |_| ()));
+        for placement in [Placement::Persistence, Placement::Refined] {
+            let options = Options { cones: ConeChoice::Count(16), placement, ..Options::default() };
+            self.row(&format!("unwrap 16 by {}", placement.name()), || {
+                let _ = black_box(unwrap_model(model, &options));
             });
         }
     }

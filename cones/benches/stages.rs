@@ -7,8 +7,8 @@ use std::hint::black_box;
 use std::path::Path;
 use std::time::Instant;
 
-use cones::{Angles, ConeChoice, ConeHierarchy, ConformalFactor, Layout, Method, Operators, Options, Seams};
-use geom::{Model, Poisson, Surface, VertexData, VertexId, laplacian, prepare, shapes};
+use cones::{Analysis, ConeChoice, Options, Placement, Stage, Times, unwrap_model};
+use geom::{Model, Poisson, VertexId, delaunay, laplacian, prepare, shapes};
 
 const RUNS: usize = 5;
 const CONES: usize = 16;
@@ -29,45 +29,43 @@ fn main() {
 }
 
 fn bench(name: &str, model: &Model) {
-    let prepared = match prepare(model, false) {
-        Ok(prepared) => prepared,
-        Err(error) => return eprintln!("{name}: {error}"),
+    let (prepared, analysis) = match (prepare(model, false), Analysis::new(model)) {
+        (Ok(prepared), Ok(analysis)) => (prepared, analysis),
+        (Err(error), _) => return eprintln!("{name}: {error}"),
+        (_, Err(error)) => return eprintln!("{name}: {error}"),
     };
-    let surface: &Surface = &prepared.surfaces[0];
-    let (mesh, metric) = (&surface.mesh, surface.metric());
-    let operators =
-        Operators::with_points(mesh, &metric, &surface.points).expect("the shape has no degenerate triangles");
-    let factor = ConformalFactor::new(&operators);
-    let hierarchy = ConeHierarchy::new(&operators, &factor);
-    let cones: Vec<VertexId> =
-        hierarchy.cones(&operators, mesh, Method::Persistence, CONES).iter().map(|cone| cone.vertex).collect();
-    let curvatures =
-        cones::cone_curvatures(&operators, mesh, &cones, Angles::Optimal).expect("sixteen cones are enough");
-    let mut target = VertexData::constant(mesh.vertex_count(), 0.0);
-    for (&v, &k) in cones.iter().zip(&curvatures.curvature) {
-        target[v] = k;
-    }
-    let seams = Seams::new(mesh, metric.lengths(), &cones).expect("sixteen cones cut any surface");
-    let scaling = cones::scale(mesh, &metric, &operators, &target, &curvatures.predicted).expect("it converges");
+    let surface = &prepared.surfaces[0];
+    let mesh = &surface.mesh;
+    let intrinsic = delaunay(mesh, &surface.metric());
+    let matrix = laplacian(&intrinsic.triangulation, &intrinsic.metric);
     let boundary: Vec<VertexId> = mesh.vertices().filter(|&v| mesh.is_boundary_vertex(v)).collect();
-    let options = |method| Options { cones: ConeChoice::Count(CONES), method, ..Options::default() };
+    let cones = analysis.place(Placement::Persistence, CONES).expect("sixteen cones are enough");
 
-    println!("\n{name}: {} vertices, {CONES} cones, {} Newton steps", mesh.vertex_count(), scaling.steps);
-    let floor = time(|| drop(Poisson::with_points(&operators.laplacian, &boundary, &surface.points)));
+    println!("\n{name}: {} vertices, {CONES} cones", mesh.vertex_count());
+    let floor = time(|| drop(Poisson::with_points(&matrix, &boundary, &surface.points)));
     let row = |stage: &str, seconds: f64| println!("{stage:32} {seconds:9.4} s  {:6.2} x floor", seconds / floor);
     row("floor: order and factor", floor);
-    row("prepare", time(|| drop(prepare(model, false))));
-    row("Delaunay, Laplacian, factor", time(|| drop(Operators::with_points(mesh, &metric, &surface.points))));
-    row("Laplacian alone", time(|| drop(laplacian(&operators.mesh, &operators.metric))));
-    row("conformal factor", time(|| drop(ConformalFactor::new(&operators))));
-    row("persistence, hierarchy", time(|| drop(ConeHierarchy::new(&operators, &factor))));
-    row("optimal curvatures", time(|| drop(cones::cone_curvatures(&operators, mesh, &cones, Angles::Optimal))));
-    row("cut", time(|| drop(Seams::new(mesh, metric.lengths(), &cones))));
-    row("scale", time(|| drop(cones::scale(mesh, &metric, &operators, &target, &curvatures.predicted))));
-    row("layout", time(|| drop(Layout::new(mesh, &scaling, &seams.cut))));
-    for (name, method) in [("all, by persistence", Method::Persistence), ("all, refined", Method::Refined)] {
-        row(name, time(|| drop(cones::unwrap(model, &options(method), &mut |_| ()))));
+    let made = best(|| Analysis::new(model).expect("it was made before").times());
+    row("prepare", made[Stage::Prepare as usize]);
+    row("Delaunay, Laplacian, factor", made[Stage::Factor as usize]);
+    row("conformal factor, extrema", made[Stage::Hierarchy as usize]);
+    let placed = best(|| analysis.place(Placement::Persistence, CONES).expect("as before").times());
+    row("cones by persistence", placed[Stage::Hierarchy as usize]);
+    row("optimal curvatures", placed[Stage::Curvature as usize]);
+    let flattened = best(|| analysis.flatten(&cones).expect("they flatten it").times);
+    row("cut", flattened[Stage::Cut as usize]);
+    row("scale", flattened[Stage::Scale as usize]);
+    row("layout", flattened[Stage::Layout as usize]);
+    let options = |placement| Options { cones: ConeChoice::Count(CONES), placement, ..Options::default() };
+    for (name, placement) in [("all, by persistence", Placement::Persistence), ("all, refined", Placement::Refined)] {
+        row(name, time(|| drop(unwrap_model(model, &options(placement)))));
     }
+}
+
+/// The best time of each stage of several runs, in seconds.
+fn best(work: impl Fn() -> Times) -> [f64; Stage::ALL.len()] {
+    let runs: Vec<Times> = (0..RUNS).map(|_| black_box(&work)()).collect();
+    Stage::ALL.map(|stage| runs.iter().map(|times| times.of(stage).as_secs_f64()).fold(f64::INFINITY, f64::min))
 }
 
 /// The best time of several runs, in seconds.

@@ -5,7 +5,7 @@
 //!
 //! `cargo run --release --example features [shape] [vertices]`, with a shape that `cones shape` knows
 
-use cones::{ConformalFactor, Operators};
+use cones::Analysis;
 use geom::shapes::{self, Shape};
 use geom::{Id, Mesh, Metric, VertexId};
 use std::error::Error;
@@ -68,7 +68,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let surface = topo::Surface::new(&mesh, |v| !mesh.is_boundary_vertex(v));
     print("mean curvature", &topo::persistence(surface, &curvature)?.hierarchy(), &shape);
 
-    let factor = ConformalFactor::new(&Operators::new(&mesh, &metric)?);
-    print("conformal factor", &topo::persistence(surface, &factor.phi)?.hierarchy(), &shape);
+    let factor = Analysis::new(&shape.clone().into())?.conformal_factor();
+    print("conformal factor", &topo::persistence(surface, &factor)?.hierarchy(), &shape);
     Ok(())
 }

@@ -3,7 +3,7 @@
 //!
 //! `cargo run --release -p cones --example figures -- FOLDER [WORD…]`, only meshes whose names contain one of the words
 
-use cones::{Operators, Reduced, pursuit, refined};
+use cones::{Analysis, CurvatureRule, Placement};
 use std::error::Error;
 use std::path::Path;
 use std::time::Instant;
@@ -59,23 +59,18 @@ fn main() -> Result<(), Box<dyn Error>> {
 /// Prints a line for each number of cones; returns what `refined` and `pursuit` reach as shares of the figures.
 fn measure(path: &Path, figures: &[(usize, f64)]) -> Result<Vec<[f64; 2]>, Box<dyn Error>> {
     let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-    let surface = geom::prepare(&geom::io::read(path)?, false)?.surfaces.swap_remove(0);
-    let operators = Operators::new(&surface.mesh, &surface.metric())?;
+    let analysis = Analysis::new(&geom::io::read(path)?)?;
     let start = Instant::now();
-    let nested = pursuit(&mut Reduced::new(&operators, &surface.mesh), 32);
-    println!("{name:22} pursuit of 32: {:.2} s", start.elapsed().as_secs_f64());
+    let order = analysis.order(Placement::Pursuit, CurvatureRule::Optimal, 32)?;
+    println!("{name:22} pursuit of 64: {:.2} s", start.elapsed().as_secs_f64());
     let mut ratios = Vec::new();
     for &(count, figure) in figures {
         let start = Instant::now();
-        let mut reduced = Reduced::new(&operators, &surface.mesh);
-        let best = refined(&mut reduced, count).log_scale_norm();
+        let best = analysis.place(Placement::Refined, count)?.prediction().log_scale_norm;
         let time = start.elapsed().as_secs_f64();
-        let ratio = [best, nested.sets[count].log_scale_norm()].map(|norm| norm / figure);
-        let solves = reduced.pool().len();
-        println!(
-            "{name:22} {count:3} cones: {best:.4}, {:.3} of {figure} (pursuit {:.3}); pool {solves}, {time:.2} s",
-            ratio[0], ratio[1]
-        );
+        let nested = order.curve.iter().find(|point| point.count == count).map_or(f64::NAN, |p| p.log_scale_norm);
+        let ratio = [best / figure, nested / figure];
+        println!("{name:22} {count:3} cones: {best:.4}, {:.3} of {figure} (pursuit {:.3}); {time:.2} s", ratio[0], ratio[1]);
         ratios.push(ratio);
     }
     Ok(ratios)

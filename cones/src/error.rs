@@ -13,19 +13,19 @@ use crate::flatten::{ScalingError, SeamError};
 pub enum Error {
     /// The model has no surface.
     #[error(transparent)]
-    Prepare(#[from] PrepareError),
+    Prepare(PrepareError),
     /// A Laplacian cannot be factored.
     #[error(transparent)]
-    Poisson(#[from] PoissonError),
+    Poisson(PoissonError),
     /// The cones cannot take the surface's curvature.
     #[error(transparent)]
-    Curvature(#[from] CurvatureError),
+    Curvature(CurvatureError),
     /// The surface cannot be cut open.
     #[error(transparent)]
-    Seams(#[from] SeamError),
+    Seams(SeamError),
     /// No metric with these cones was found.
     #[error(transparent)]
-    Scaling(#[from] ScalingError),
+    Scaling(ScalingError),
     /// There is no least-squares conformal map.
     #[error(transparent)]
     Lscm(#[from] LscmError),
@@ -69,3 +69,19 @@ pub enum Error {
     #[error("interrupted")]
     Interrupted,
 }
+
+/// What was interrupted says so in one way.
+macro_rules! from {
+    ($($error:ident => $variant:ident),*) => {
+        $(impl From<$error> for Error {
+            fn from(error: $error) -> Self {
+                match error {
+                    $error::Interrupted => Self::Interrupted,
+                    error => Self::$variant(error),
+                }
+            }
+        })*
+    };
+}
+
+from!(PrepareError => Prepare, PoissonError => Poisson, CurvatureError => Curvature, SeamError => Seams, ScalingError => Scaling);

@@ -54,7 +54,7 @@ mod numerics;
 mod placement;
 
 pub use analysis::{
-    Analysis, Atlas, ChosenNumber, Cone, ConeChoice, ConeOrder, Cones, Failure, MOST_AUTOMATIC, ModelExtremum, Note,
+    Analysis, Atlas, Baseline, BaselineMap, ChosenNumber, Cone, ConeChoice, ConeOrder, Cones, Failure, MOST_AUTOMATIC, ModelExtremum, Note,
     Observer, Options, OrderedCone, Preparation, Progress, Stage, TARGET_DISTORTION, Times, Topology, unwrap_model,
 };
 pub use curvature::{CurvatureError, CurvatureRule};

@@ -1,9 +1,7 @@
 //! The laws of choosing cones, on built-in shapes and random terrains.
 
-use cones::{
-    Angles, ConeChoice, ConeHierarchy, ConeOrder, ConformalFactor, Extraction, Method, Operators, Options, Quadratic,
-    Reduced, fit,
-};
+use cones::internals::{EnergyModel, Operators, Quadratic, minimise};
+use cones::{Analysis, ConeChoice, ConeOrder, Cones, CurvatureRule, Options, Placement};
 use geom::shapes::{self, Shape};
 use geom::{Mesh, Metric, Poisson, VertexData, VertexId};
 use proptest::prelude::*;
@@ -12,12 +10,12 @@ use tests::solids;
 
 use crate::cases;
 
-const METHODS: [Method; 6] =
-    [Method::Alternating, Method::Persistence, Method::Iterative, Method::Greedy, Method::Refined, Method::Pursuit];
+const METHODS: [Placement; 6] =
+    [Placement::Alternating, Placement::Persistence, Placement::Iterative, Placement::Greedy, Placement::Refined, Placement::Pursuit];
 
 /// Those whose cones for any number are the first ones of one order.
-const NESTED: [Method; 5] =
-    [Method::Alternating, Method::Persistence, Method::Iterative, Method::Greedy, Method::Pursuit];
+const NESTED: [Placement; 5] =
+    [Placement::Alternating, Placement::Persistence, Placement::Iterative, Placement::Greedy, Placement::Pursuit];
 
 /// A surface of a few hundred vertices: closed, of higher genus, with one boundary loop or two, or random terrain.
 fn surface() -> impl Strategy<Value = Shape> {
@@ -64,14 +62,17 @@ fn scattered(mesh: &Mesh, count: usize, seed: usize) -> Vec<VertexId> {
     (0..count).map(|k| inner[(k * inner.len() / count + seed) % inner.len()]).collect()
 }
 
-fn extracted(shape: &Shape, options: &Options) -> Extraction {
-    let model = solids::model(shape).expect("an ordinary shape");
-    cones::extract(&model, options, &mut |_| {}).expect("a sound shape")
+fn analysis(shape: &Shape) -> Analysis {
+    Analysis::new(&solids::model(shape).expect("an ordinary shape")).expect("a sound shape")
 }
 
-fn order(shape: &Shape, method: Method, angles: Angles) -> ConeOrder {
-    let options = Options { method, angles, cones: ConeChoice::Count(4), order: true, ..Options::default() };
-    extracted(shape, &options).order.expect("it was asked for")
+fn order(shape: &Shape, placement: Placement, rule: CurvatureRule) -> ConeOrder {
+    analysis(shape).order(placement, rule, 4).expect("nobody says stop")
+}
+
+fn chosen(analysis: &Analysis, placement: Placement, rule: CurvatureRule, count: usize) -> Cones {
+    let options = Options { cones: ConeChoice::Count(count), placement, rule, ..Options::default() };
+    analysis.choose(&options).expect("a sound shape")
 }
 
 fn vertices(order: &ConeOrder) -> Vec<u32> {
@@ -86,9 +87,9 @@ proptest! {
     fn bounds_on_curvatures_can_only_cost_energy(shape in surface(), count in 3usize..12, seed in 0usize..500) {
         let (mesh, operators) = operators(&shape);
         let cones = scattered(&mesh, count, seed);
-        let mut reduced = Reduced::new(&operators, &mesh);
-        reduced.add(&cones);
-        let bounded = reduced.fit(&cones);
+        let mut model = EnergyModel::new(&operators, &mesh);
+        model.add(&cones);
+        let bounded = model.fit(&cones);
         let none = operators.log_scale(&[], &[]);
         let unit = |&v: &VertexId| -> Vec<f64> {
             operators.log_scale(&[v], &[1.0]).iter().zip(none.iter()).map(|(with, without)| with - without).collect()
@@ -99,7 +100,7 @@ proptest! {
         let constant = operators.inner(&none, &none);
         let total = (!operators.is_bordered()).then(|| operators.total_curvature());
         let wide = vec![[-1e3, 1e3]; cones.len()];
-        let free = fit(&Quadratic { constant, linear: &linear, matrix: &matrix }, &wide, total).expect("wide bounds");
+        let free = minimise(&Quadratic { constant, linear: &linear, matrix: &matrix }, &wide, total).expect("wide bounds");
         prop_assert!(bounded.energy >= free.energy - 1e-9 * constant, "{} {}", bounded.energy, free.energy);
         let same = bounded.curvature.iter().zip(&free.curvatures).all(|(a, b)| (a - b).abs() < 1e-6);
         prop_assert!(!same || (bounded.energy - free.energy).abs() < 1e-8 * constant);
@@ -110,28 +111,32 @@ proptest! {
     fn the_norm_that_is_predicted_is_that_of_one_poisson_solve(shape in surface(), count in 3usize..12, seed in 0usize..500) {
         let (mesh, operators) = operators(&shape);
         let loops: Vec<Vec<VertexId>> =
-            operators.mesh.boundary_loops().iter().map(|l| l.iter().map(|&h| operators.mesh.tail(h)).collect()).collect();
+            operators.mesh().boundary_loops().iter().map(|l| l.iter().map(|&h| operators.mesh().tail(h)).collect()).collect();
         prop_assume!(loops.len() < 2);
         let cones = scattered(&mesh, count, seed);
-        let mut reduced = Reduced::new(&operators, &mesh);
-        reduced.add(&cones);
-        let set = reduced.fit(&cones);
-        let mut source: VertexData<f64> = operators.curvature.iter().map(|k| -k).collect();
+        let mut model = EnergyModel::new(&operators, &mesh);
+        model.add(&cones);
+        let set = model.fit(&cones);
+        let mut source: VertexData<f64> = operators.curvature().iter().map(|k| -k).collect();
         cones.iter().zip(&set.curvature).for_each(|(&v, k)| source[v] += k);
-        let u = Poisson::new(&operators.laplacian, &loops.concat()).expect("it is connected").solve(&source);
-        let area: f64 = operators.weight.iter().sum();
-        let mean = operators.weight.iter().zip(u.iter()).map(|(w, u)| w * u).sum::<f64>() / area;
-        let norm = operators.weight.iter().zip(u.iter()).map(|(w, u)| w * (u - mean).powi(2)).sum::<f64>().sqrt();
+        let u = Poisson::new(operators.laplacian(), &loops.concat()).expect("it is connected").solve(&source);
+        let area: f64 = operators.weight().iter().sum();
+        let mean = operators.weight().iter().zip(u.iter()).map(|(w, u)| w * u).sum::<f64>() / area;
+        let norm = operators.weight().iter().zip(u.iter()).map(|(w, u)| w * (u - mean).powi(2)).sum::<f64>().sqrt();
         prop_assert!((norm - set.log_scale_norm()).abs() < 1e-9 * (1.0 + norm), "{norm} {}", set.log_scale_norm());
     }
 
     #[test]
     fn the_cones_for_any_number_are_the_first_of_those_for_more(shape in surface(), few in 0usize..20, more in 20usize..40) {
-        let (mesh, operators) = operators(&shape);
-        let hierarchy = ConeHierarchy::new(&operators, &ConformalFactor::new(&operators));
-        for method in NESTED {
-            let [few, more] = [few, more].map(|count| hierarchy.cones(&operators, &mesh, method, count));
-            prop_assert_eq!(&few[..], &more[..few.len()], "{:?}", method);
+        let analysis = analysis(&shape);
+        let few = few.max(analysis.least_cones());
+        for placement in NESTED {
+            let cones = |count| -> Vec<u32> {
+                let cones = analysis.place(placement, count).expect("nobody says stop");
+                cones.iter().map(|cone| cone.vertex).collect()
+            };
+            let (few, more) = (cones(few), cones(more));
+            prop_assert_eq!(&few[..], &more[..few.len()], "{:?}", placement);
         }
     }
 }
@@ -142,8 +147,8 @@ proptest! {
     #[test]
     fn curvatures_sum_to_two_pi_times_the_euler_characteristic(shape in surface(), count in 3usize..16) {
         let (_, operators) = operators(&shape);
-        for (method, angles) in METHODS.iter().flat_map(|&m| [(m, Angles::Optimal), (m, Angles::Harmonic)]) {
-            let options = Options { cones: ConeChoice::Count(count), method, angles, ..Options::default() };
+        for (placement, rule) in METHODS.iter().flat_map(|&m| [(m, CurvatureRule::Optimal), (m, CurvatureRule::Harmonic)]) {
+            let options = Options { cones: ConeChoice::Count(count), placement, angles, ..Options::default() };
             let found = extracted(&shape, &options);
             let total: f64 = found.cones.iter().map(|cone| cone.curvature).sum();
             let size: f64 = found.cones.iter().map(|cone| cone.curvature.abs()).sum();
@@ -157,13 +162,13 @@ proptest! {
     #[test]
     fn with_more_cones_of_an_order_the_norm_does_not_grow(shape in surface()) {
         let (_, operators) = operators(&shape);
-        let settled = (2.5 * -(operators.mesh.euler_characteristic().min(0) as f64)).ceil() as usize;
-        for method in NESTED {
-            let curve = order(&shape, method, Angles::Optimal).curve;
+        let steady = (2.5 * -(operators.mesh().euler_characteristic().min(0) as f64)).ceil() as usize;
+        for placement in NESTED {
+            let curve = order(&shape, placement, CurvatureRule::Optimal).curve;
             prop_assert!(!curve.is_empty());
-            for two in curve.windows(2).filter(|two| two[0].count >= settled) {
+            for two in curve.windows(2).filter(|two| two[0].count >= steady) {
                 prop_assert_eq!(two[1].count, two[0].count + 1);
-                prop_assert!(two[1].log_scale_norm <= two[0].log_scale_norm * (1.0 + 1e-9) + 1e-12, "{:?} {:?}", method, two);
+                prop_assert!(two[1].log_scale_norm <= two[0].log_scale_norm * (1.0 + 1e-9) + 1e-12, "{:?} {:?}", placement, two);
             }
         }
     }
@@ -188,22 +193,22 @@ proptest! {
         turned.points.iter().enumerate().for_each(|(v, p)| points[to(v)] = *p);
         let renumbered = |t: &[u32; 3]| t.map(|v| to(v as usize) as u32);
         let other = Shape { points, triangles: turned.triangles.iter().map(renumbered).collect() };
-        for (method, angles) in NESTED.iter().flat_map(|&m| [(m, Angles::Optimal), (m, Angles::Harmonic)]) {
-            let (before, after) = (order(&shape, method, angles), order(&other, method, angles));
+        for (placement, rule) in NESTED.iter().flat_map(|&m| [(m, CurvatureRule::Optimal), (m, CurvatureRule::Harmonic)]) {
+            let (before, after) = (order(&shape, placement, rule), order(&other, placement, rule));
             // Far down the order cones are as good as each other, and so are those on a torus that stand first.
             let (first, second) = (vertices(&before), vertices(&after));
             for count in [2, 4, 8] {
                 let mapped = first[..count].iter().map(|&v| to(v as usize) as u32);
                 let (before, after) = (sorted(mapped), sorted(second[..count].iter().copied()));
-                prop_assert_eq!(before, after, "{} cones by {:?}", count, method);
+                prop_assert_eq!(before, after, "{} cones by {:?}", count, placement);
             }
             for (a, b) in before.curve.iter().zip(&after.curve).take_while(|(a, _)| a.count <= 8) {
                 prop_assert!((a.log_scale_norm - b.log_scale_norm).abs() < 1e-7 * (1.0 + a.log_scale_norm));
                 prop_assert!((a.area_distortion - b.area_distortion).abs() < 1e-7 * a.area_distortion);
             }
         }
-        let options = Options { cones: ConeChoice::Count(8), ..Options::default() };
-        let [before, after] = [&shape, &other].map(|shape| extracted(shape, &options).cones);
+        let [before, after] =
+            [&shape, &other].map(|shape| chosen(&analysis(shape), Placement::Refined, CurvatureRule::Optimal, 8));
         let mapped = sorted(before.iter().map(|cone| to(cone.vertex as usize) as u32));
         prop_assert_eq!(mapped, sorted(after.iter().map(|cone| cone.vertex)), "refined");
         for (a, b) in before.iter().zip(&after) {

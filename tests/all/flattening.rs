@@ -1,6 +1,6 @@
 //! The laws of the flattened surface.
 
-use cones::{ConeChoice, Method, Options};
+use cones::{ConeChoice, Options, Placement, unwrap_model};
 use geom::distortion;
 use geom::shapes::{self, Shape};
 use proptest::prelude::*;
@@ -37,9 +37,9 @@ proptest! {
 /// match and no curvature off the cones.
 fn assert_unwraps(name: &str, shape: &Shape, options: &Options) {
     let model = solids::model(shape).expect("an ordinary shape");
-    let atlas = cones::unwrap(&model, options, &mut |_| {}).unwrap_or_else(|error| panic!("{name}: {error}"));
+    let atlas = unwrap_model(&model, options).unwrap_or_else(|error| panic!("{name}: {error}"));
     let found = check_map(&model, &atlas);
-    assert_eq!((found.flipped, found.degenerate, found.torn), (0, 0, 0), "{name}: {:?}", atlas.warnings);
+    assert_eq!((found.flipped, found.degenerate, found.torn), (0, 0, 0), "{name}: {:?}", atlas.notes);
     assert_eq!(found.euler, [1], "{name}: one island, a disk");
     assert!(found.seam_mismatch < 1e-6, "{name}: {found:?}");
     assert!(found.curvature < 1e-6, "{name}: {found:?}");
@@ -55,8 +55,8 @@ fn assert_unwraps(name: &str, shape: &Shape, options: &Options) {
 fn every_built_in_shape_unwraps_without_flips() {
     for name in shapes::NAMES {
         let shape = shapes::by_name(name, 2500).expect("a name from the list");
-        for method in [Method::Persistence, Method::Alternating, Method::Refined] {
-            let options = Options { cones: ConeChoice::Count(8), method, ..Options::default() };
+        for placement in [Placement::Persistence, Placement::Alternating, Placement::Refined] {
+            let options = Options { cones: ConeChoice::Count(8), placement, ..Options::default() };
             assert_unwraps(name, &shape, &options);
         }
     }
@@ -84,7 +84,7 @@ fn developable_cones_are_laid_out_as_they_are() {
         let apex = mesh.vertices().find(is_apex).expect("the apex has all the curvature").0;
         for given in [Some(curvature), None] {
             let options = Options { cones: ConeChoice::Given(vec![(apex, given)]), ..Options::default() };
-            let atlas = cones::unwrap(&model, &options, &mut |_| {}).expect("it is flat already");
+            let atlas = unwrap_model(&model, &options).expect("it is flat already");
             let found = check_map(&model, &atlas);
             assert!(found.stretch < 1e-9, "{found:?}");
             assert_eq!((found.flipped, found.euler), (0, vec![1]));
@@ -98,7 +98,7 @@ fn flat_shapes_without_cones_keep_every_length() {
         let shape = shapes::by_name(name, 500).expect("a name from the list");
         let model = solids::model(&shape).expect("an ordinary shape");
         let options = Options { cones: ConeChoice::Count(0), ..Options::default() };
-        let atlas = cones::unwrap(&model, &options, &mut |_| {}).expect("it is flat already");
+        let atlas = unwrap_model(&model, &options).expect("it is flat already");
         let found = check_map(&model, &atlas);
         assert!(found.stretch < 1e-9 && atlas.cones.is_empty(), "{name}: {found:?}");
     }
@@ -110,9 +110,9 @@ fn a_surface_of_genus_zero_gets_three_cones_where_fewer_are_asked_for() {
     let model = solids::model(&shape).expect("an ordinary shape");
     for count in 0..3 {
         let options = Options { cones: ConeChoice::Count(count), ..Options::default() };
-        let atlas = cones::unwrap(&model, &options, &mut |_| {}).expect("with three cones");
+        let atlas = unwrap_model(&model, &options).expect("with three cones");
         assert_eq!(atlas.cones.len(), 3);
-        assert!(!atlas.warnings.is_empty(), "and the user is told");
+        assert!(!atlas.notes.is_empty(), "and the user is told");
     }
 }
 
@@ -122,7 +122,7 @@ fn curvatures_sum_to_what_the_topology_asks_for() {
         let shape = solids::refined(&solids::refined(&solids::slab(genus, 0)));
         let model = solids::model(&shape).expect("an ordinary shape");
         let options = Options { cones: ConeChoice::Count(10), ..Options::default() };
-        let atlas = cones::unwrap(&model, &options, &mut |_| {}).expect("it unwraps");
+        let atlas = unwrap_model(&model, &options).expect("it unwraps");
         let total: f64 = atlas.cones.iter().map(|cone| cone.curvature).sum();
         assert!((total - std::f64::consts::TAU * euler).abs() < 1e-9, "genus {genus}: {total}");
     }

@@ -3,7 +3,7 @@
 //! Bounds are some percent beyond what was measured. A disk of 5 h has a twentieth of these surfaces, so that of cones that
 //! noise threw anywhere a third would be recovered.
 
-use cones::Method;
+use cones::Placement;
 use geom::shapes::{self, Shape};
 use tests::noise::{Clean, RULES, Rule, Stability};
 
@@ -24,15 +24,15 @@ fn most_cones_are_recovered_from_noise_and_what_moves_is_as_good() {
     for (strength, recovered, norm) in [(0.1, 0.8, 1.12), (0.3, 0.7, 1.18)] {
         let found = stability(strength);
         let of = |rule: Rule| found.iter().find(|(r, _)| *r == rule).expect("all rules are tried").1;
-        for ((method, is_smooth), found) in &found {
+        for ((placement, is_smooth), found) in &found {
             println!("{strength} {method:?} {is_smooth} {found:?}");
             assert!(found.recovered >= recovered, "{strength} h, {method:?}: {found:?}");
             assert!(found.norm <= norm, "{strength} h, {method:?}: {found:?}");
         }
-        for method in [Method::Pursuit, Method::Refined] {
-            assert!(of((method, false)).norm < 1.08, "what is optimised depends on places the least");
+        for placement in [Placement::Pursuit, Placement::Refined] {
+            assert!(of((placement, false)).norm < 1.08, "what is optimised depends on places the least");
         }
-        let [plain, smooth] = [false, true].map(|smooth| of((Method::Alternating, smooth)));
+        let [plain, smooth] = [false, true].map(|smooth| of((Placement::Alternating, smooth)));
         assert!(smooth.recovered > plain.recovered, "diffused curvature keeps extrema where they are");
     }
 }

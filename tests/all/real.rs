@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use cones::{ConeChoice, Options};
+use cones::{ConeChoice, Options, unwrap_model};
 use tests::oracle::check_map;
 
 /// The collection of meshes, which is not part of the repository; a line says so where it is not there.
@@ -44,9 +44,9 @@ fn real_meshes_unwrap_to_a_disk_without_flips_and_with_matching_seams() {
         }
         let model = geom::io::read(&path).unwrap_or_else(|error| panic!("{error}"));
         let options = Options { cones: ConeChoice::Count(count), ..Options::default() };
-        let atlas = cones::unwrap(&model, &options, &mut |_| {}).unwrap_or_else(|error| panic!("{name}: {error}"));
+        let atlas = unwrap_model(&model, &options).unwrap_or_else(|error| panic!("{name}: {error}"));
         let found = check_map(&model, &atlas);
-        assert_eq!((found.flipped, found.degenerate, found.torn), (0, 0, 0), "{name}: {:?}", atlas.warnings);
+        assert_eq!((found.flipped, found.degenerate, found.torn), (0, 0, 0), "{name}: {:?}", atlas.notes);
         assert_eq!(found.euler, [1], "{name}: one island, a disk");
         assert!(found.seam_mismatch < 1e-6 && found.curvature < 1e-5, "{name}: {found:?}");
     }

@@ -9,25 +9,25 @@
 
 use std::f64::consts::TAU;
 
-use cones::{ConeHierarchy, ConformalFactor, Method, Operators, Reduced};
-use geom::{EdgeData, Mesh, Metric, PoissonError, ShortestPaths, VertexId};
+use cones::{Analysis, CurvatureRule, Error, Placement, Preparation};
+use geom::{EdgeData, Mesh, Metric, Model, ShortestPaths, VertexId};
 
 /// Cones within so many mean edge lengths count as the same.
 const NEAR: f64 = 5.0;
 
-/// A rule that chooses cones: a method, and whether the curvature is diffused first.
-pub type Rule = (Method, bool);
+/// A rule that chooses cones: a placement, and whether the curvature is diffused first.
+pub type Rule = (Placement, bool);
 
 /// All methods, and the two that read the extrema of φ also with diffused curvature, which changes nothing for the others.
 pub const RULES: [Rule; 8] = [
-    (Method::Alternating, false),
-    (Method::Alternating, true),
-    (Method::Persistence, false),
-    (Method::Persistence, true),
-    (Method::Iterative, false),
-    (Method::Greedy, false),
-    (Method::Pursuit, false),
-    (Method::Refined, false),
+    (Placement::Alternating, false),
+    (Placement::Alternating, true),
+    (Placement::Persistence, false),
+    (Placement::Persistence, true),
+    (Placement::Iterative, false),
+    (Placement::Greedy, false),
+    (Placement::Pursuit, false),
+    (Placement::Refined, false),
 ];
 
 /// What a rule's cones are after noise.
@@ -56,9 +56,9 @@ pub struct Clean {
     lengths: EdgeData<f64>,
     /// h
     mean_length: f64,
-    operators: Operators,
+    analysis: Analysis,
     count: usize,
-    cones: Vec<Vec<VertexId>>,
+    cones: Vec<Vec<u32>>,
 }
 
 impl Clean {
@@ -66,53 +66,54 @@ impl Clean {
     ///
     /// # Errors
     /// If a Laplacian cannot be factored.
-    pub fn new(mesh: Mesh, points: Vec<[f64; 3]>, count: usize) -> Result<Self, PoissonError> {
-        let metric = Metric::from_points(&mesh, &points);
-        let operators = Operators::new(&mesh, &metric)?;
-        let lengths = metric.lengths().clone();
+    ///
+    /// # Panics
+    /// If the points are no model with this mesh.
+    pub fn new(mesh: Mesh, points: Vec<[f64; 3]>, count: usize) -> Result<Self, Error> {
+        let lengths = Metric::from_points(&mesh, &points).lengths().clone();
         let mean_length = lengths.iter().sum::<f64>() / mesh.edge_count() as f64;
-        let cones = choose(&operators, &mesh, count)?;
-        Ok(Self { mesh, points, lengths, mean_length, operators, count, cones })
+        let model = model(&mesh, &points);
+        let (analysis, cones) = (Analysis::new(&model)?, choose(&model, count)?);
+        Ok(Self { mesh, points, lengths, mean_length, analysis, count, cones })
     }
 
     /// What each of [`RULES`] comes to under noise.
     ///
     /// # Errors
     /// If a Laplacian of the noisy surface cannot be factored.
-    pub fn under_noise(&self, strength: f64, seed: u64) -> Result<Vec<Stability>, PoissonError> {
+    pub fn under_noise(&self, strength: f64, seed: u64) -> Result<Vec<Stability>, Error> {
         let mut random = Random(seed);
         let deviation = strength * self.mean_length / 3.0_f64.sqrt();
         let noisy: Vec<[f64; 3]> = self.points.iter().map(|p| p.map(|x| x + deviation * random.gaussian())).collect();
-        let operators = Operators::new(&self.mesh, &Metric::from_points(&self.mesh, &noisy))?;
-        let cones = choose(&operators, &self.mesh, self.count)?;
-        let mut reduced = Reduced::new(&self.operators, &self.mesh);
-        let mut norm = |cones: &[VertexId]| {
-            reduced.add(cones);
-            reduced.fit(cones).log_scale_norm()
+        let cones = choose(&model(&self.mesh, &noisy), self.count)?;
+        let norm = |cones: &[u32]| Ok(self.analysis.predict(cones, CurvatureRule::Optimal)?.log_scale_norm);
+        let stability = |(clean, noisy): (&Vec<u32>, &Vec<u32>)| {
+            Ok(Stability { recovered: self.recovered(clean, noisy), norm: norm(noisy)? / norm(clean)? })
         };
-        let stability = |(clean, noisy): (&Vec<VertexId>, &Vec<VertexId>)| Stability {
-            recovered: self.recovered(clean, noisy),
-            norm: norm(noisy) / norm(clean),
-        };
-        Ok(self.cones.iter().zip(&cones).map(stability).collect())
+        self.cones.iter().zip(&cones).map(stability).collect()
     }
 
-    fn recovered(&self, clean: &[VertexId], noisy: &[VertexId]) -> f64 {
-        let paths = ShortestPaths::new(&self.mesh, &self.lengths, noisy.iter().map(|&v| (v, 0)));
-        let near = clean.iter().filter(|&&v| paths.distance[v] <= NEAR * self.mean_length).count();
+    fn recovered(&self, clean: &[u32], noisy: &[u32]) -> f64 {
+        let paths = ShortestPaths::new(&self.mesh, &self.lengths, noisy.iter().map(|&v| (VertexId(v), 0)));
+        let near = clean.iter().filter(|&&v| paths.distance[VertexId(v)] <= NEAR * self.mean_length).count();
         near as f64 / clean.len().max(1) as f64
     }
 }
 
+fn model(mesh: &Mesh, points: &[[f64; 3]]) -> Model {
+    let triangles: Vec<[u32; 3]> = mesh.faces().map(|f| mesh.corners(f).map(|v| v.0)).collect();
+    Model::from_triangles(points.to_vec(), &triangles).expect("a mesh with a point for each vertex")
+}
+
 /// The cones that each of [`RULES`] chooses.
-fn choose(operators: &Operators, input: &Mesh, count: usize) -> Result<Vec<Vec<VertexId>>, PoissonError> {
-    let plain = ConeHierarchy::new(operators, &ConformalFactor::new(operators));
-    let smooth = ConeHierarchy::new(operators, &ConformalFactor::smoothed(operators)?);
-    let by_rule = |&(method, is_smooth): &Rule| {
-        let hierarchy = if is_smooth { &smooth } else { &plain };
-        hierarchy.cones(operators, input, method, count).iter().map(|cone| cone.vertex).collect()
+fn choose(model: &Model, count: usize) -> Result<Vec<Vec<u32>>, Error> {
+    let plain = Analysis::new(model)?;
+    let smooth = Analysis::with(model, Preparation { smooth: true, ..Preparation::default() })?;
+    let by_rule = |&(placement, is_smooth): &Rule| {
+        let analysis = if is_smooth { &smooth } else { &plain };
+        Ok(analysis.place(placement, count)?.iter().map(|cone| cone.vertex).collect())
     };
-    Ok(RULES.iter().map(by_rule).collect())
+    RULES.iter().map(by_rule).collect()
 }
 
 /// Random numbers by `SplitMix64` (Steele, Lea and Flood 2014).

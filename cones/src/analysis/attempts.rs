@@ -5,7 +5,7 @@ use super::component::Component;
 use super::cones::Configuration;
 use super::flat::Flat;
 use super::note::{Failure, Note};
-use super::observer::{Stage, Task, Times};
+use super::observer::{Task, Times};
 use super::options::{ConeChoice, Options};
 use super::quality::Quality;
 use crate::error::Error;
@@ -71,9 +71,10 @@ impl Component {
 impl Attempts<'_> {
     /// So many cones; why there are none in the inner error.
     fn place(&mut self, count: usize) -> Result<Result<Configuration, Error>, Error> {
-        self.task.stage((Stage::Hierarchy, self.component.index), self.times, |watch| {
-            self.component.place(self.options, count, watch)
-        })
+        match self.component.place(self.options, count, self.task, self.times) {
+            Err(Error::Interrupted) => Err(Error::Interrupted),
+            placed => Ok(placed),
+        }
     }
 
     /// The first attempt if it succeeds, else the best of several.

@@ -64,7 +64,9 @@ impl Analysis {
             ConeChoice::Given(given) => {
                 self.check_given(given)?;
                 each(self.components(), &mut shared.times, |component, times| {
-                    task.stage((Stage::Hierarchy, component.index), times, |_| component.given(given, options.rule))
+                    task.stage((Stage::Curvature, component.index), times, |watch| {
+                        component.given(given, options.rule, watch)
+                    })
                 })?
             }
         };
@@ -129,8 +131,7 @@ impl Analysis {
         task: &Task,
     ) -> Result<Vec<Result<Configuration, Error>>, Error> {
         each(self.components(), &mut shared.times, |component, times| {
-            let place = |watch: Watch| component.place(options, counts[component.index], watch);
-            task.stage((Stage::Hierarchy, component.index), times, place)
+            interrupted_or(component.place(options, counts[component.index], task, times))
         })
     }
 
@@ -163,10 +164,13 @@ impl Analysis {
         let is_met = found.iter().all(|found| found.is_met);
         let Prediction { count: chosen, area_distortion: predicted, .. } = predicted;
         shared.number = Some(ChosenNumber { target, chosen, predicted, is_met, curve });
-        let configure = |(component, found): (&Component, Automatic)| Ok(component.configure(found.set.cones, rule)?);
-        let configurations = components.par_iter().zip(found).with_max_len(1).map(configure).collect();
         shared.times.add(Stage::Hierarchy, began.elapsed());
-        Ok(configurations)
+        each(components, &mut shared.times, |component, times| {
+            let vertices = found[component.index].set.cones.clone();
+            task.stage((Stage::Curvature, component.index), times, |watch| {
+                component.configure(vertices, rule, watch).map_err(Error::from)
+            })
+        })
     }
 
     /// Given cones must be vertices of a surface, each once.
@@ -190,6 +194,14 @@ impl Analysis {
             return Err(Error::SomeCurvatures { known, given: given.len() });
         }
         Ok(())
+    }
+}
+
+/// Why cones cannot be had on one component is its own affair; a stop is everybody's.
+fn interrupted_or<T>(done: Result<T, Error>) -> Result<Result<T, Error>, Error> {
+    match done {
+        Err(Error::Interrupted) => Err(Error::Interrupted),
+        done => Ok(done),
     }
 }
 

@@ -79,14 +79,25 @@ impl Component {
     }
 
     /// `asked` cones, or as many more as it takes for its curvature.
-    pub(crate) fn place(&self, options: &Options, asked: usize, watch: Watch) -> Result<Configuration, Error> {
+    pub(crate) fn place(
+        &self,
+        options: &Options,
+        asked: usize,
+        task: &Task,
+        times: &mut Times,
+    ) -> Result<Configuration, Error> {
         let mut count = asked;
         loop {
             let placement = options.placement_for(count);
-            let vertices = placement.cones(self.ground(watch), count)?;
+            let vertices = task.stage((Stage::Hierarchy, self.index), times, |watch| {
+                placement.cones(self.ground(watch), count)
+            })??;
             let placed = vertices.len();
-            let mut configuration = match self.configure(vertices, options.rule) {
-                Err(CurvatureError::TooFew { .. }) if placed == count && !watch.stops_at(f64::NAN) => {
+            let configured = task.stage((Stage::Curvature, self.index), times, |watch| {
+                self.configure(vertices, options.rule, watch)
+            })?;
+            let mut configuration = match configured {
+                Err(CurvatureError::TooFew { .. }) if placed == count => {
                     count += 1 + count / 4;
                     continue;
                 }
@@ -110,8 +121,9 @@ impl Component {
         &self,
         vertices: Vec<VertexId>,
         rule: CurvatureRule,
+        watch: Watch,
     ) -> Result<Configuration, CurvatureError> {
-        let found = cone_curvatures(&self.operators, &self.surface.mesh, &vertices, rule)?;
+        let found = cone_curvatures(&self.operators, &self.surface.mesh, &vertices, rule, watch)?;
         let mut notes = Vec::new();
         if let [first, ..] = found.out_of_bounds[..] {
             notes.push(Note::HarmonicOutOfBounds {
@@ -129,6 +141,7 @@ impl Component {
         &self,
         vertices: Vec<VertexId>,
         curvature: Vec<f64>,
+        watch: Watch,
     ) -> Result<Configuration, Error> {
         let sum: f64 = curvature.iter().sum();
         let total = self.operators.total_curvature();
@@ -138,7 +151,7 @@ impl Component {
         if let Some(k) = curvature.iter().find(|k| k.is_nan() || **k >= 2.0 * std::f64::consts::PI) {
             return Err(Error::CurvatureTooLarge(*k));
         }
-        let given = ConeCurvatures::given(&self.operators, &vertices, curvature);
+        let given = ConeCurvatures::given(&self.operators, &vertices, curvature, watch)?;
         Ok(Configuration { vertices, curvature: given.curvature, predicted: given.predicted, notes: Vec::new() })
     }
 
@@ -147,6 +160,7 @@ impl Component {
         &self,
         given: &[(u32, Option<f64>)],
         rule: CurvatureRule,
+        watch: Watch,
     ) -> Result<Configuration, Error> {
         let surface = &self.surface;
         let here = given.iter().filter_map(|&(vertex, k)| {
@@ -160,8 +174,8 @@ impl Component {
         let vertices = here.iter().map(|&(v, _, _)| v).collect();
         let curvatures: Option<Vec<f64>> = here.iter().map(|&(_, _, k)| k).collect();
         match curvatures.filter(|k| !k.is_empty()) {
-            Some(curvatures) => self.configure_given(vertices, curvatures),
-            None => Ok(self.configure(vertices, rule)?),
+            Some(curvatures) => self.configure_given(vertices, curvatures, watch),
+            None => Ok(self.configure(vertices, rule, watch)?),
         }
     }
 

@@ -11,6 +11,7 @@
 mod apportionment;
 mod atlas;
 mod attempts;
+mod baselines;
 mod choosing;
 mod component;
 mod cones;
@@ -31,6 +32,7 @@ use geom::{Model, Prepared, Repair, Triangles, prepare_watched};
 use rayon::prelude::*;
 
 pub use atlas::{Atlas, Topology};
+pub use baselines::{Baseline, BaselineMap};
 pub use choosing::{MOST_AUTOMATIC, TARGET_DISTORTION};
 pub use cones::{ChosenNumber, Cone, Cones};
 pub use note::{Failure, Note};

@@ -21,8 +21,10 @@ pub enum Stage {
     Prepare,
     /// Intrinsic Delaunay triangulation, Laplacian, its factorization.
     Factor,
-    /// The conformal factor, its persistent extrema, the cones and their curvatures.
+    /// The conformal factor, its persistent extrema, the places of the cones.
     Hierarchy,
+    /// The cones' curvatures.
+    Curvature,
     /// Seams through the cones.
     Cut,
     /// Newton's method for the metric.
@@ -33,7 +35,15 @@ pub enum Stage {
 
 impl Stage {
     /// All of them.
-    pub const ALL: [Self; 6] = [Self::Prepare, Self::Factor, Self::Hierarchy, Self::Cut, Self::Scale, Self::Layout];
+    pub const ALL: [Self; 7] = [
+        Self::Prepare,
+        Self::Factor,
+        Self::Hierarchy,
+        Self::Curvature,
+        Self::Cut,
+        Self::Scale,
+        Self::Layout,
+    ];
 
     /// Its name in reports.
     pub fn name(self) -> &'static str {
@@ -41,6 +51,7 @@ impl Stage {
             Self::Prepare => "prepare",
             Self::Factor => "factor",
             Self::Hierarchy => "hierarchy",
+            Self::Curvature => "curvature",
             Self::Cut => "cut",
             Self::Scale => "scale",
             Self::Layout => "layout",

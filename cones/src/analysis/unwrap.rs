@@ -50,9 +50,7 @@ impl Analysis {
     /// # Errors
     /// If the cones are of another analysis, if no flat metric with them is found, or if the observer has said stop.
     pub fn flatten(&self, cones: &Cones) -> Result<Atlas, Error> {
-        if cones.analysis != self.id() {
-            return Err(Error::ForeignCones);
-        }
+        self.check_own(cones)?;
         let task = self.task();
         let mut times = Times::default();
         let flats = each(self.components(), &mut times, |component, times| {
@@ -62,6 +60,11 @@ impl Analysis {
         })?;
         let own = cones.notes.iter().filter(|note| note.component().is_none()).cloned().collect();
         Ok(self.assemble(flats, own, cones.number.clone(), times))
+    }
+
+    /// Only this analysis' own cones can be flattened.
+    pub(super) fn check_own(&self, cones: &Cones) -> Result<(), Error> {
+        if cones.analysis == self.id() { Ok(()) } else { Err(Error::ForeignCones) }
     }
 
     /// Chooses cones and flattens the model with them, or on components where these fail with the best of others: see the

@@ -10,7 +10,7 @@
 
 use std::f64::consts::PI;
 
-use geom::{Mesh, VertexData, VertexId, gram};
+use geom::{Interrupted, Mesh, VertexData, VertexId, Watch, gram};
 use thiserror::Error;
 
 use crate::numerics::dense;
@@ -52,12 +52,21 @@ pub enum CurvatureError {
         /// How many it takes, by count; vertices of low degree may ask for more.
         least: usize,
     },
+    /// The watch has said stop.
+    #[error("interrupted")]
+    Interrupted,
     /// The log scale that these cones cause is no finite number.
     #[error("{cones} cones cause a log scale that is not a finite number: their surroundings have no area")]
     NotFinite {
         /// How many cones were given.
         cones: usize,
     },
+}
+
+impl From<Interrupted> for CurvatureError {
+    fn from(_: Interrupted) -> Self {
+        Self::Interrupted
+    }
 }
 
 /// Cone curvatures with what is known of them.
@@ -73,9 +82,17 @@ pub struct ConeCurvatures {
 
 impl ConeCurvatures {
     /// Curvatures that somebody gives.
-    pub fn given(operators: &Operators, cones: &[VertexId], curvature: Vec<f64>) -> Self {
-        let (p, green) = centred(operators, operators.green(cones));
-        Self { predicted: combine(&p, &green, &curvature), curvature, out_of_bounds: Vec::new() }
+    ///
+    /// # Errors
+    /// If the watch has said stop.
+    pub fn given(
+        operators: &Operators,
+        cones: &[VertexId],
+        curvature: Vec<f64>,
+        watch: Watch,
+    ) -> Result<Self, CurvatureError> {
+        let (p, green) = centred(operators, operators.green_watched(cones, watch)?);
+        Ok(Self { predicted: combine(&p, &green, &curvature), curvature, out_of_bounds: Vec::new() })
     }
 }
 
@@ -131,9 +148,10 @@ pub fn cone_curvatures(
     input: &Mesh,
     cones: &[VertexId],
     rule: CurvatureRule,
+    watch: Watch,
 ) -> Result<ConeCurvatures, CurvatureError> {
     let flattening = operators.flattening();
-    let green = operators.green(cones);
+    let green = operators.green_watched(cones, watch)?;
     let bounds = bounds(operators, input, cones);
     let mut out_of_bounds = Vec::new();
     if rule == CurvatureRule::Harmonic {
@@ -155,6 +173,9 @@ pub fn cone_curvatures(
         }
     }
     let (p, g) = centred(operators, green);
+    if watch.stops_at(0.8) {
+        return Err(CurvatureError::Interrupted);
+    }
     let curvature = optimal(operators, &p, &g, &bounds)?;
     let predicted = combine(&p, &g, &curvature);
     Ok(ConeCurvatures { curvature, predicted, out_of_bounds })

@@ -9,7 +9,7 @@
 use std::sync::OnceLock;
 
 use geom::{
-    HalfedgeId, Mesh, MeshError, Metric, Poisson, PoissonError, SymmetricMatrix, VertexData, VertexId, Watch,
+    HalfedgeId, Interrupted, Mesh, MeshError, Metric, Poisson, PoissonError, SymmetricMatrix, VertexData, VertexId, Watch,
     angle_defects, delaunay_watched, laplacian,
 };
 
@@ -180,9 +180,13 @@ impl Operators {
 
     /// The log scale factors `g_v` that a unit of curvature at each given vertex causes (Green's functions): on a closed
     /// surface taken away evenly from all vertices, with mean 0 over these. Half a solve each.
-    pub(crate) fn green(&self, vertices: &[VertexId]) -> Vec<VertexData<f64>> {
+    pub(crate) fn green_watched(
+        &self,
+        vertices: &[VertexId],
+        watch: Watch,
+    ) -> Result<Vec<VertexData<f64>>, Interrupted> {
         let sources: Vec<Vec<(VertexId, f64)>> = vertices.iter().map(|&v| vec![(v, 1.0)]).collect();
-        let mut green = self.poisson.solve_sparse(&sources);
+        let mut green = self.poisson.solve_sparse_watched(&sources, watch)?;
         if !self.bordered {
             let even = self.even();
             for g in &mut green {
@@ -190,7 +194,13 @@ impl Operators {
                 g.iter_mut().zip(even.iter()).for_each(|(g, even)| *g -= even + mean);
             }
         }
-        green
+        Ok(green)
+    }
+
+    /// The same unwatched.
+    #[cfg(test)]
+    pub(crate) fn green(&self, vertices: &[VertexId]) -> Vec<VertexData<f64>> {
+        self.green_watched(vertices, Watch::NONE).unwrap_or_default()
     }
 
     /// The log scale factor, with mean 0 over the vertices, of a closed surface that a unit of curvature causes where it is

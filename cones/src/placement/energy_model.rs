@@ -18,7 +18,7 @@
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-use geom::{Mesh, VertexData, VertexId, Watch};
+use geom::{Interrupted, Mesh, VertexData, VertexId, Watch};
 
 use crate::curvature::{LARGEST_CORNER, general_bounds, usable_degree};
 use super::distances::Distances;
@@ -183,16 +183,17 @@ impl<'a> EnergyModel<'a> {
 
     /// h of some vertices; 0 where searches must end.
     fn columns_of(&self, vertices: &[VertexId]) -> Vec<VertexData<f64>> {
-        let nothing = || vec![VertexData::constant(self.operators.mesh.vertex_count(), 0.0); vertices.len()];
-        if self.is_stopped() {
-            return nothing();
-        }
-        let mut green = self.operators.green(vertices);
-        for g in &mut green {
-            self.operators.centre(g);
-            *g = self.operators.weighted(g);
-        }
-        if self.is_stopped() { nothing() } else { self.operators.poisson.solve_many(&green) }
+        let solve = || -> Result<Vec<VertexData<f64>>, Interrupted> {
+            let watch = self.watch.within(f64::NAN, f64::NAN);
+            let mut green = self.operators.green_watched(vertices, watch)?;
+            for g in &mut green {
+                self.operators.centre(g);
+                *g = self.operators.weighted(g);
+            }
+            self.operators.poisson.solve_many_watched(&green, watch)
+        };
+        let nothing = |_| vec![VertexData::constant(self.operators.mesh.vertex_count(), 0.0); vertices.len()];
+        solve().unwrap_or_else(nothing)
     }
 
     /// h of a member of the pool, rounded.

@@ -2,10 +2,9 @@
 
 use std::f64::consts::TAU;
 
-use cones::{
-    Angles, AnglesError, ConeChoice, Error, Layout, Method, Operators, Options, Scaling, Seams, cone_curvatures, scale,
-};
-use geom::{Double, Mesh, Metric, Model, PrepareError, VertexData, VertexId, angle_defects};
+use cones::internals::{Layout, Operators, Scaling, Seams, cone_curvatures, scale};
+use cones::{ConeChoice, CurvatureError, CurvatureRule, Error, Note, Options, Placement, Preparation, unwrap_model};
+use geom::{Double, Mesh, Metric, Model, PrepareError, VertexData, VertexId, Watch, angle_defects};
 
 use super::{assert_close, metric_of};
 use crate::decode::{self, Bytes, Moves};
@@ -17,8 +16,8 @@ use crate::solids;
 const NEEDLE: f64 = 1e-9;
 
 /// All ways to a set of cones.
-const METHODS: [Method; 6] =
-    [Method::Persistence, Method::Alternating, Method::Iterative, Method::Greedy, Method::Refined, Method::Pursuit];
+const METHODS: [Placement; 6] =
+    [Placement::Persistence, Placement::Alternating, Placement::Iterative, Placement::Greedy, Placement::Refined, Placement::Pursuit];
 
 /// Any cones of any small surface give a metric that is flat but there, a layout whose seams match up to rigid motions,
 /// and each of these motions turns by the curvature that the seam encloses.
@@ -30,8 +29,8 @@ pub fn cones_flatten(bytes: &[u8]) {
     let operators = Operators::new(&mesh, &metric).expect("connected, with triangles that have area");
     let count = 3 + bytes.below(6);
     let vertices = decode::inner_vertices(bytes, &mesh, count);
-    let chosen = match cone_curvatures(&operators, &mesh, &vertices, Angles::Optimal) {
-        Err(AnglesError::TooFew { .. }) => return,
+    let chosen = match cone_curvatures(&operators, &mesh, &vertices, CurvatureRule::Optimal, Watch::NONE) {
+        Err(CurvatureError::TooFew { .. }) => return,
         chosen => chosen.expect("the only other outcome"),
     };
     let total: f64 = chosen.curvature.iter().sum();
@@ -40,15 +39,15 @@ pub fn cones_flatten(bytes: &[u8]) {
     }
     let mut target = VertexData::constant(mesh.vertex_count(), 0.0);
     vertices.iter().zip(&chosen.curvature).for_each(|(&v, &k)| target[v] = k);
-    let scaling = match scale(&mesh, &metric, &operators, &target, &chosen.predicted) {
+    let scaling = match scale(&mesh, &metric, &operators, &target, &chosen.predicted, Watch::NONE) {
         // With given log scale factors on the boundary Newton's method may get stuck, rarely.
         Err(_) if operators.is_bordered() => return,
         scaling => scaling.expect("a discretely conformal metric"),
     };
     assert_flat_but_at_cones(&mesh, &scaling, &target);
 
-    let seams = Seams::new(&mesh, metric.lengths(), &vertices).expect("cones enough to cut open");
-    let layout = Layout::new(&mesh, &scaling, &seams.cut);
+    let seams = Seams::new(&mesh, metric.lengths(), &vertices, Watch::NONE).expect("cones enough to cut open");
+    let layout = Layout::new(&mesh, &scaling, &seams.cut, Watch::NONE);
     assert!(layout.cut.is_disk());
     let size = scaling.metric.lengths().iter().fold(0.0_f64, |m, &l| m.max(l));
     for h in mesh.halfedges() {
@@ -117,7 +116,7 @@ pub fn every_vertex_a_cone_unfolds(bytes: &[u8]) {
     }
     let model = solids::model(&shape).expect("ordinary numbers");
     let options = Options { cones: ConeChoice::Given(given), ..Options::default() };
-    let atlas = cones::unwrap(&model, &options, &mut |_| {}).expect("nothing needs to be done");
+    let atlas = unwrap_model(&model, &options).expect("nothing needs to be done");
     let found = check_map(&model, &atlas);
     assert!(found.stretch < 1e-8, "{found:?}");
     assert_eq!((found.flipped, found.torn, found.euler), (0, 0, vec![1]));
@@ -152,7 +151,7 @@ pub fn files_unwrap(bytes: &[u8]) {
 /// Each face of a model gets a finite position in each corner, none flipped against its neighbours unless it is a needle, or
 /// nothing has any area.
 fn unwraps(model: &Model, options: &Options) {
-    let atlas = match cones::unwrap(model, options, &mut |_| {}) {
+    let atlas = match unwrap_model(model, options) {
         Err(Error::Prepare(PrepareError::NoArea { .. })) => return,
         atlas => atlas.expect("there is always a way"),
     };
@@ -160,10 +159,10 @@ fn unwraps(model: &Model, options: &Options) {
     assert!(atlas.uv.iter().flatten().all(|x| x.is_finite()), "a corner has no finite position");
     assert!(atlas.cones.iter().all(|cone| cone.curvature <= TAU));
     assert!(atlas.curvature_error < 1e-9);
-    let is_told = atlas.warnings.iter().any(|warning| warning.contains("unfolding it with a cone at every vertex"));
-    assert_eq!(atlas.unfolded > 0, is_told);
+    let is_told = |note: &&Note| matches!(note, Note::Unfolded { .. });
+    assert_eq!(atlas.unfolded, atlas.notes.iter().filter(is_told).count());
     let extent = atlas.uv.iter().flatten().fold(0.0_f64, |m, x| m.max(x.abs()));
-    for surface in geom::prepare(model, options.weld).expect("it was unwrapped").surfaces {
+    for surface in geom::prepare(model, options.preparation.weld).expect("it was unwrapped").surfaces {
         let metric = surface.metric();
         for f in surface.mesh.faces() {
             let sides = metric.sides(&surface.mesh, f);
@@ -183,10 +182,8 @@ pub fn options(bytes: &mut Bytes) -> Options {
             2 => ConeChoice::Count(bytes.below(40)),
             _ => ConeChoice::MinPersistence(bytes.signed().abs()),
         },
-        method: METHODS[bytes.below(METHODS.len())],
-        angles: if bytes.coin() { Angles::Harmonic } else { Angles::Optimal },
-        smooth: bytes.byte() % 4 == 3,
-        weld: bytes.byte() % 4 == 3,
-        order: bytes.byte() % 8 == 7,
+        placement: METHODS[bytes.below(METHODS.len())],
+        rule: if bytes.coin() { CurvatureRule::Harmonic } else { CurvatureRule::Optimal },
+        preparation: Preparation { smooth: bytes.byte() % 4 == 3, weld: bytes.byte() % 4 == 3 },
     }
 }

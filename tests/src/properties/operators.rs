@@ -2,7 +2,8 @@
 
 use std::f64::consts::PI;
 
-use cones::{SeamError, Seams};
+use cones::SeamError;
+use cones::internals::Seams;
 use geom::{CutMesh, Mesh, Poisson, SymmetricMatrix, VertexId, angle_defects, delaunay, edge_weights};
 
 use super::{assert_close, metric_of};
@@ -121,7 +122,7 @@ pub fn seams(bytes: &[u8]) {
     let lengths = metric_of(&mesh, &shape).lengths().clone();
     let count = bytes.below(9);
     let cones = decode::inner_vertices(bytes, &mesh, count);
-    match Seams::new(&mesh, &lengths, &cones) {
+    match Seams::new(&mesh, &lengths, &cones, geom::Watch::NONE) {
         Err(error) => {
             assert_eq!(error, SeamError::TooFewCones { cones: cones.len() });
             assert!(mesh.euler_characteristic() == 2 && cones.len() < 2);
