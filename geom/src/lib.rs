@@ -26,39 +26,18 @@
 //! assert!((total - 2.0 * std::f64::consts::PI * mesh.euler_characteristic() as f64).abs() < 1e-9);
 //! ```
 
-mod cholesky;
-mod curvature;
-mod cut;
-mod delaunay;
-mod dissection;
 pub mod distortion;
-mod elimination;
-mod front;
-mod gram;
+mod intrinsic;
 pub mod io;
-mod laplacian;
+mod linalg;
 mod mesh;
-mod metric;
-mod model;
-mod path;
-mod poisson;
-mod prepare;
 pub mod shapes;
-mod substitution;
-mod symmetric;
-mod triangulate;
+mod surface;
 mod vector;
+mod walk;
 
-pub use curvature::angle_defects;
-pub use cut::CutMesh;
-pub use delaunay::{Intrinsic, delaunay, ptolemaic_delaunay};
-pub use gram::gram;
-pub use laplacian::{edge_weights, laplacian};
+pub use intrinsic::*;
+pub use linalg::{CholeskyError, SymmetricMatrix, gram};
 pub use mesh::*;
-pub use metric::{Metric, Sides};
-pub use model::{MAX_COORDINATE, Model, ModelError, Skipped, TextureCoordinates};
-pub use path::{ShortestPaths, edges_at, kruskal, maximum_spanning_cotree, minimum_spanning_tree, other_end};
-pub use poisson::{HalfSolved, Poisson, PoissonError};
-pub use prepare::{PrepareError, Prepared, Repair, RepairKind, Surface, prepare};
-pub use symmetric::SymmetricMatrix;
-pub use triangulate::Triangles;
+pub use surface::*;
+pub use walk::*;
