@@ -4,7 +4,7 @@
 //! of the surface face each other; where more than two meet, each faces the next. They are glued where their ends' images
 //! agree.
 
-use crate::{FaceData, FaceId, Id};
+use crate::mesh::{FaceData, FaceId, Id};
 
 /// Images closer than this share of the map's extent are the same: files round.
 const SAME_IMAGE: f64 = 1e-7;

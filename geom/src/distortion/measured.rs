@@ -2,7 +2,7 @@
 
 use super::linear::Image;
 use super::{DistortionError, Percentiles};
-use crate::{FaceData, FaceId, Id};
+use crate::mesh::{FaceData, FaceId, Id};
 
 /// What can be measured: the triangles with an area on both sides, and their measures.
 pub(super) struct Measured {

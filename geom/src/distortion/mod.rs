@@ -30,8 +30,8 @@ use thiserror::Error;
 use self::chart::Charts;
 use self::linear::{Image, images};
 use self::measured::Measured;
+use crate::mesh::{FaceData, FaceId, Id, VertexData, VertexId};
 use crate::vector::distance;
-use crate::{FaceData, FaceId, Id, VertexData, VertexId};
 
 /// The measures of a map; see the module's head.
 #[derive(Clone, Debug)]

@@ -1,8 +1,7 @@
 //! The faces that are written: a model's polygons, or the triangles they were cut into.
 
 use super::error::WriteError;
-use crate::model::Model;
-use crate::triangulate::Triangles;
+use crate::surface::{Model, Triangles};
 
 /// What stands in the file for each face: lists of corners.
 pub(super) struct Cells<'a> {

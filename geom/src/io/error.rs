@@ -5,7 +5,7 @@ use std::fmt;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use crate::model::ModelError;
+use crate::surface::ModelError;
 
 /// Why a file could not be read: one sentence with the path, the line or byte, what was found and what was expected.
 ///

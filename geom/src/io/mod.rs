@@ -31,7 +31,7 @@ use std::path::Path;
 
 use flate2::read::MultiGzDecoder;
 
-use crate::model::Model;
+use crate::surface::Model;
 use error::Fault;
 use text::Lines;
 

@@ -10,7 +10,7 @@
 
 use super::error::{Fault, Place};
 use super::text::{Line, Lines, Words, integer, number};
-use crate::model::{Model, ModelError, Polygons, Skipped, TextureCoordinates};
+use crate::surface::{Model, ModelError, Polygons, Skipped, TextureCoordinates};
 
 /// Statements that are kept in the text but say nothing about the surface.
 const APPEARANCE: [&[u8]; 19] = [

@@ -9,7 +9,7 @@
 
 use super::error::{Fault, Place, Problem};
 use super::text::{Line, Lines, Words};
-use crate::model::{Model, Polygons, Skipped};
+use crate::surface::{Model, Polygons, Skipped};
 
 /// Whether the word is, or starts with, the keyword of this format.
 pub(super) fn is_keyword(word: &[u8]) -> bool {

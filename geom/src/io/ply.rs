@@ -13,7 +13,7 @@ mod header;
 mod values;
 
 use super::error::{Fault, Place, Problem};
-use crate::model::{MAX_COORDINATE, Model, Polygons, Skipped, TextureCoordinates, is_coordinate};
+use crate::surface::{MAX_COORDINATE, Model, Polygons, Skipped, TextureCoordinates, is_coordinate};
 use header::{Element, Encoding, Header, Shape};
 use values::{Binary, Text, Values};
 

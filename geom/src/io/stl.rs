@@ -14,7 +14,7 @@ use std::collections::HashMap;
 
 use super::error::{Fault, Place, Problem};
 use super::text::{Lines, Words};
-use crate::model::{Model, Polygons, Skipped, is_coordinate};
+use crate::surface::{Model, Polygons, Skipped, is_coordinate};
 
 const HEADER: usize = 84;
 const TRIANGLE: usize = 50;

@@ -1,7 +1,7 @@
 //! Lines, words and numbers of mesh files, on bytes: such files are seldom all UTF-8 and need not be.
 
 use super::error::{Fault, Place};
-use crate::model::{MAX_COORDINATE, is_coordinate};
+use crate::surface::{MAX_COORDINATE, is_coordinate};
 
 const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
 

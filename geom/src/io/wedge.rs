@@ -2,7 +2,7 @@
 //! implementation of progressive meshes*, 1998). A file lists a texture coordinate once for each of them.
 
 use super::error::WriteError;
-use crate::model::Model;
+use crate::surface::Model;
 
 /// The wedges of a map, numbered by their first corners.
 pub(super) struct Wedges {

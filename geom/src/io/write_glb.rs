@@ -11,8 +11,7 @@ use std::io::Write;
 use super::cells::Cells;
 use super::error::WriteError;
 use super::wedge::Wedges;
-use crate::model::Model;
-use crate::triangulate::Triangles;
+use crate::surface::{Model, Triangles};
 
 /// Writes a model's triangles as `.glb`, with a texture coordinate for each corner and with these a PNG as the texture.
 ///

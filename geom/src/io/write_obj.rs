@@ -16,8 +16,7 @@ use super::error::WriteError;
 use super::obj::is_face;
 use super::text::{Line, Lines};
 use super::wedge::Wedges;
-use crate::model::Model;
-use crate::triangulate::Triangles;
+use crate::surface::{Model, Triangles};
 
 /// What an OBJ is to hold besides the model.
 #[derive(Debug, Clone, Copy, Default)]

@@ -8,8 +8,7 @@ use std::io::Write;
 use super::cells::Cells;
 use super::error::WriteError;
 use super::wedge::Wedges;
-use crate::model::Model;
-use crate::triangulate::Triangles;
+use crate::surface::{Model, Triangles};
 
 /// Writes a model as binary PLY, with a texture coordinate for each corner and triangles in the place of polygons if given.
 ///

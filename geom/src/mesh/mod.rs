@@ -4,7 +4,6 @@
 //! therefore knows each vertex's ring; it is a graph for everything that takes petgraph's visit traits.
 
 mod build;
-mod double;
 mod graph;
 mod id;
 mod triangulation;
@@ -12,7 +11,6 @@ mod walk;
 
 pub use build::MeshError;
 pub(crate) use build::for_each_edge;
-pub use double::Double;
 pub use graph::VisitedVertices;
 pub use id::{
     Data, EdgeData, EdgeId, FaceData, FaceId, HalfedgeData, HalfedgeId, Id, VertexData, VertexId, WedgeData, WedgeId,

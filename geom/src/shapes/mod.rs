@@ -33,8 +33,9 @@ pub use part::part;
 pub use plain::{capsule, cone, cylinder, disk, saddle_cone, sphere, square};
 pub use terrain::terrain;
 
+use crate::mesh::Mesh;
+use crate::surface::Model;
 use crate::vector::{Vec3, length, normal};
-use crate::{Mesh, Model};
 
 /// More vertices than this no shape is given.
 pub const MAX_VERTICES: usize = 4_000_000;

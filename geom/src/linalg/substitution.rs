@@ -5,7 +5,7 @@
 
 use pulp::{Arch, Simd, WithSimd};
 
-use crate::elimination::Elimination;
+use super::elimination::Elimination;
 
 /// The number of right-hand sides is a multiple of this, which the length of any vector divides.
 pub(crate) const LANES: usize = 8;

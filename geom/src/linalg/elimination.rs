@@ -4,60 +4,14 @@
 //! Steps that follow each other and leave nearly the same rows are eliminated together, as *supernodes*, with a few zeros
 //! stored as if they were entries (Ashcraft & Grimes 1989). Steps are numbered so that each subtree is in one piece.
 
+use super::graph::Graph;
+
 /// No step, no supernode.
 pub(crate) const NONE: u32 = u32::MAX;
 
 /// Supernodes are merged with their children if of all entries no more than this share are zeros, up to a width. (With 0.8
 /// up to a width of 16 and 0.05 beyond 48, factors of 50–140 thousand vertices are larger by a seventh, and not faster.)
 const RELAXED: [(u64, f64); 4] = [(4, 1.0), (16, 0.4), (48, 0.1), (u64::MAX, 0.03)];
-
-/// A graph by its neighbours, without loops.
-#[derive(Debug)]
-pub(crate) struct Graph {
-    start: Vec<u32>,
-    neighbor: Vec<u32>,
-}
-
-impl Graph {
-    /// The graph of a symmetric matrix, from its lower triangle by columns.
-    pub(crate) fn of_lower_triangle(column_start: &[u32], row: &[u32]) -> Self {
-        let n = column_start.len() - 1;
-        let entries = |column: usize| {
-            let rows = &row[column_start[column] as usize..column_start[column + 1] as usize];
-            rows.iter().copied().filter(move |&row| row as usize != column)
-        };
-        // The start of v is counted up at v + 1 while neighbours are filled in.
-        let mut start = vec![0u32; n + 2];
-        for column in 0..n {
-            for row in entries(column) {
-                start[column + 2] += 1;
-                start[row as usize + 2] += 1;
-            }
-        }
-        for v in 0..n {
-            start[v + 2] += start[v + 1];
-        }
-        let mut neighbor = vec![0; start[n + 1] as usize];
-        for column in 0..n {
-            for row in entries(column) {
-                for (from, to) in [(column, row), (row as usize, column as u32)] {
-                    neighbor[start[from + 1] as usize] = to;
-                    start[from + 1] += 1;
-                }
-            }
-        }
-        start.truncate(n + 1);
-        Self { start, neighbor }
-    }
-
-    pub(crate) fn len(&self) -> usize {
-        self.start.len() - 1
-    }
-
-    pub(crate) fn neighbors(&self, v: u32) -> &[u32] {
-        &self.neighbor[self.start[v as usize] as usize..self.start[v as usize + 1] as usize]
-    }
-}
 
 /// An elimination of all vertices.
 #[derive(Debug)]
@@ -245,7 +199,7 @@ struct Later {
 impl Later {
     fn new(graph: &Graph, order: &[u32], step: &[u32]) -> Self {
         let mut later = Self { start: Vec::with_capacity(order.len() + 1), step: Vec::new() };
-        later.step.reserve(graph.neighbor.len() / 2);
+        later.step.reserve(graph.edge_count());
         later.start.push(0);
         for (k, &v) in order.iter().enumerate() {
             let steps = graph.neighbors(v).iter().map(|&w| step[w as usize]);
@@ -392,7 +346,7 @@ fn supernodes(parent: &[u32], count: &[u32]) -> Vec<u32> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::dissection::dissect;
+    use crate::linalg::dissection::dissect;
     use std::collections::BTreeSet;
 
     /// A square grid with one diagonal in each cell, and its points.

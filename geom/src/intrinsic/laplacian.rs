@@ -4,9 +4,9 @@
 //! (Pinkall & Polthier 1993). To first order, scaling lengths by e^φ turns the angle defects K into K + Lφ; so the
 //! paper's ∇²φ = K^T - K^O reads Lφ = K^T - K^O with this sign.
 
+use super::metric::{Metric, Sides};
+use crate::linalg::SymmetricMatrix;
 use crate::mesh::{EdgeData, Triangulation};
-use crate::metric::{Metric, Sides};
-use crate::symmetric::SymmetricMatrix;
 
 /// The weight (cot α + cot β)/2 of every edge.
 pub fn edge_weights(triangulation: &Triangulation, metric: &Metric) -> EdgeData<f64> {

@@ -10,8 +10,6 @@
 
 use std::fmt;
 
-use crate::triangulate::{Triangles, triangulate};
-
 /// The largest absolute coordinate that a [`Model`] takes: three squared differences still add up to a finite number.
 pub const MAX_COORDINATE: f64 = 1e153;
 
@@ -228,20 +226,6 @@ impl Model {
     /// The OBJ file that the model came from, byte for byte (after decompression), to be given back with a map added.
     pub fn obj_text(&self) -> Option<&[u8]> {
         self.obj_text.as_deref()
-    }
-
-    /// The polygons cut into triangles, for computing: n − 2 of them for n corners, whatever the polygon's shape.
-    ///
-    /// Quadrilaterals are cut by the shorter diagonal that keeps both triangles unflipped, larger polygons by clipping ears.
-    ///
-    /// ```
-    /// let square = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
-    /// let model = geom::Model::from_polygons(square, [[0, 1, 2, 3]])?;
-    /// assert_eq!(model.triangles().corners, [[0, 1, 2], [0, 2, 3]]);
-    /// # Ok::<(), geom::ModelError>(())
-    /// ```
-    pub fn triangles(&self) -> Triangles {
-        triangulate(self)
     }
 }
 

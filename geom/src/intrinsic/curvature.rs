@@ -5,8 +5,8 @@
 
 use std::f64::consts::PI;
 
+use super::metric::Metric;
 use crate::mesh::{Mesh, VertexData};
-use crate::metric::Metric;
 
 /// The angle defect of every vertex. O(F).
 pub fn angle_defects(mesh: &Mesh, metric: &Metric) -> VertexData<f64> {

@@ -6,7 +6,7 @@
 //! axis where a set is small. Where it is large, planes across each of the axes are tried, away from the median too, for
 //! one where the surface is narrow. Positions only guide: whatever they are, the order is complete.
 
-use crate::elimination::Graph;
+use super::graph::Graph;
 
 /// Sets of so many vertices are not split any more.
 const LEAF: usize = 16;

@@ -10,9 +10,9 @@
 //!
 //! Flips are logged by halfedge, so that they can be undone.
 
-use crate::laplacian::weights_by;
+use super::laplacian::weights_by;
+use super::metric::{Metric, Sides};
 use crate::mesh::{EdgeData, EdgeId, HalfedgeId, Triangulation};
-use crate::metric::{Metric, Sides};
 
 /// An edge counts as Delaunay down to this sum of cosines, lest a cocircular quad flip for ever.
 const TOLERANCE: f64 = 1e-12;
@@ -147,7 +147,7 @@ fn ptolemy(ij: f64, [jk, ki, il, lj]: [f64; 4]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::laplacian::edge_weights;
+    use crate::intrinsic::laplacian::edge_weights;
     use crate::mesh::Mesh;
 
     /// A bumpy sphere of slivers: poles and stretched rings.

@@ -16,12 +16,12 @@ use std::collections::{BTreeMap, HashMap, HashSet};
 
 use thiserror::Error;
 
+use super::model::Model;
+use super::triangulate::Triangles;
+use crate::intrinsic::Metric;
 use crate::mesh::{
     EdgeData, EdgeId, FaceData, HalfedgeData, HalfedgeId, Id, Mesh, VertexData, VertexId, for_each_edge,
 };
-use crate::metric::Metric;
-use crate::model::Model;
-use crate::triangulate::Triangles;
 
 /// Something that was mended.
 #[derive(Clone, Debug, PartialEq, Eq)]

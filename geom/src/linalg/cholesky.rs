@@ -10,13 +10,26 @@ use std::collections::BTreeSet;
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::sparse::SymbolicSparseColMatRef;
 use faer::sparse::linalg::amd;
+use thiserror::Error;
 
-use crate::dissection::dissect;
-use crate::elimination::{Elimination, Graph};
-use crate::front::Eliminator;
-use crate::poisson::PoissonError;
-use crate::substitution::{LANES, Passes, substitute};
-use crate::symmetric::SymmetricMatrix;
+use super::dissection::dissect;
+use super::elimination::Elimination;
+use super::front::Eliminator;
+use super::graph::Graph;
+use super::substitution::{LANES, Passes, substitute};
+use super::symmetric::SymmetricMatrix;
+
+/// Why a matrix cannot be factored.
+#[derive(Clone, Debug, Error, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum CholeskyError {
+    /// A pivot is not positive.
+    #[error("the matrix is not positive definite")]
+    NotPositiveDefinite,
+    /// The factor does not fit into memory.
+    #[error("there is not enough memory to factor a matrix of {0} rows")]
+    OutOfMemory(usize),
+}
 
 /// So many right-hand sides are solved for at once.
 const BLOCK: usize = 16;
@@ -27,13 +40,13 @@ fn graph(matrix: &SymmetricMatrix) -> Graph {
 }
 
 /// An order of elimination by approximate minimum degree (Amestoy, Davis & Duff 1996).
-fn minimum_degree(matrix: &SymmetricMatrix) -> Result<Vec<u32>, PoissonError> {
+fn minimum_degree(matrix: &SymmetricMatrix) -> Result<Vec<u32>, CholeskyError> {
     let n = matrix.dimension();
     let (mut order, mut step) = (vec![0; n], vec![0; n]);
     let mut scratch = MemBuffer::new(amd::order_scratch::<u32>(n, matrix.row.len()));
     let pattern = SymbolicSparseColMatRef::new_checked(n, n, &matrix.column_start, None, &matrix.row);
     amd::order(&mut order, &mut step, pattern, Default::default(), MemStack::new(&mut scratch))
-        .map_err(|_| PoissonError::OutOfMemory(n))?;
+        .map_err(|_| CholeskyError::OutOfMemory(n))?;
     Ok(order)
 }
 
@@ -50,7 +63,7 @@ pub(crate) struct Cholesky {
 impl Cholesky {
     /// Orders, analyses and factors a matrix: by nested dissection where points are given, one for each row; else by
     /// approximate minimum degree.
-    pub(crate) fn new(matrix: SymmetricMatrix, points: Option<&[[f32; 3]]>) -> Result<Self, PoissonError> {
+    pub(crate) fn new(matrix: SymmetricMatrix, points: Option<&[[f32; 3]]>) -> Result<Self, CholeskyError> {
         let graph = graph(&matrix);
         let order = match points {
             Some(points) => dissect(&graph, points),
@@ -60,12 +73,12 @@ impl Cholesky {
     }
 
     /// Factors another matrix of the same dimension in the same order.
-    pub(crate) fn another(&self, matrix: SymmetricMatrix) -> Result<Self, PoissonError> {
+    pub(crate) fn another(&self, matrix: SymmetricMatrix) -> Result<Self, CholeskyError> {
         let graph = graph(&matrix);
         Self::in_order(matrix, &graph, &self.elimination.order)
     }
 
-    fn in_order(matrix: SymmetricMatrix, graph: &Graph, order: &[u32]) -> Result<Self, PoissonError> {
+    fn in_order(matrix: SymmetricMatrix, graph: &Graph, order: &[u32]) -> Result<Self, CholeskyError> {
         let elimination = Elimination::new(graph, order);
         let column = |c: usize| matrix.row[matrix.range(c)].iter().map(move |&r| (c as u32, r));
         let place =
@@ -77,7 +90,7 @@ impl Cholesky {
 
     /// Factors another matrix of the same dimension: the analysis is kept where the pattern is the same, the order in any
     /// case (it stays good while a few edges flip).
-    pub(crate) fn refactor(&mut self, matrix: SymmetricMatrix) -> Result<(), PoissonError> {
+    pub(crate) fn refactor(&mut self, matrix: SymmetricMatrix) -> Result<(), CholeskyError> {
         if matrix.column_start == self.matrix.column_start && matrix.row == self.matrix.row {
             self.matrix.value = matrix.value;
             return self.factor_values();
@@ -88,9 +101,9 @@ impl Cholesky {
         Ok(())
     }
 
-    fn factor_values(&mut self) -> Result<(), PoissonError> {
+    fn factor_values(&mut self) -> Result<(), CholeskyError> {
         let Self { matrix, elimination, place, factor } = self;
-        let out_of_memory = |_| PoissonError::OutOfMemory(matrix.dimension());
+        let out_of_memory = |_| CholeskyError::OutOfMemory(matrix.dimension());
         factor.clear();
         factor.try_reserve_exact(elimination.value_count()).map_err(out_of_memory)?;
         factor.resize(elimination.value_count(), 0.0);
@@ -115,7 +128,7 @@ impl Cholesky {
                 from_children = others;
             }
             if !eliminator.eliminate(front.panel, width + rest, front.update) {
-                return Err(PoissonError::NotPositiveDefinite);
+                return Err(CholeskyError::NotPositiveDefinite);
             }
             updates.copy_within(end.., begin);
             updates.truncate(begin + rest * rest);
@@ -501,7 +514,7 @@ mod tests {
                 let diagonal = matrix.column_start[column] as usize;
                 matrix.value[diagonal] = wrong;
                 let error = Cholesky::new(matrix, Some(&points)).unwrap_err();
-                assert_eq!(error, PoissonError::NotPositiveDefinite);
+                assert_eq!(error, CholeskyError::NotPositiveDefinite);
             }
         }
         let zero = SymmetricMatrix { column_start: vec![0, 1], row: vec![0], value: vec![0.0] };

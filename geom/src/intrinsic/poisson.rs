@@ -6,9 +6,8 @@
 
 use thiserror::Error;
 
-use crate::cholesky::Cholesky;
+use crate::linalg::{Cholesky, CholeskyError, SymmetricMatrix};
 use crate::mesh::{Id, VertexData, VertexId};
-use crate::symmetric::SymmetricMatrix;
 
 /// From so many vertices on it is worth it to dissect. (Below 30 thousand approximate minimum degree takes no longer, and
 /// gives a factor smaller by a twentieth.)
@@ -23,6 +22,15 @@ pub enum PoissonError {
     /// The factor does not fit into memory.
     #[error("there is not enough memory to factor the Laplacian of {0} vertices")]
     OutOfMemory(usize),
+}
+
+impl From<CholeskyError> for PoissonError {
+    fn from(error: CholeskyError) -> Self {
+        match error {
+            CholeskyError::NotPositiveDefinite => Self::NotPositiveDefinite,
+            CholeskyError::OutOfMemory(rows) => Self::OutOfMemory(rows),
+        }
+    }
 }
 
 /// A factored Laplacian. Building costs as much as ten to twenty solves.
@@ -118,7 +126,7 @@ impl Poisson {
     /// As [`Poisson::new`]; after an error the old factor is gone, and only `refactor` may be called.
     pub fn refactor(&mut self, laplacian: &SymmetricMatrix) -> Result<(), PoissonError> {
         debug_assert_eq!(laplacian.dimension(), self.vertex_count);
-        self.cholesky.refactor(restrict(laplacian, &self.unknown))
+        Ok(self.cholesky.refactor(restrict(laplacian, &self.unknown))?)
     }
 
     /// Solves L x = b with x = 0 at the fixed vertices. On a closed surface b must sum to zero, and x is shifted to mean

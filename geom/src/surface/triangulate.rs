@@ -10,7 +10,7 @@
 //! n corners always make n − 2 triangles. Clipping is quadratic at worst, and beyond [`WORK_PER_MODEL`] comparisons the
 //! containment test is given up, for a polygon of 10⁵ corners is no mesh but must not stop the program either.
 
-use crate::model::Model;
+use super::model::Model;
 
 /// How many pairs of corners are compared in a model before ears are clipped untested: about two seconds.
 const WORK_PER_MODEL: u64 = 1 << 29;
@@ -45,7 +45,23 @@ impl Triangles {
     }
 }
 
-pub(crate) fn triangulate(model: &Model) -> Triangles {
+impl Model {
+    /// The polygons cut into triangles, for computing: n − 2 of them for n corners, whatever the polygon's shape.
+    ///
+    /// Quadrilaterals are cut by the shorter diagonal that keeps both triangles unflipped, larger polygons by clipping ears.
+    ///
+    /// ```
+    /// let square = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
+    /// let model = geom::Model::from_polygons(square, [[0, 1, 2, 3]])?;
+    /// assert_eq!(model.triangles().corners, [[0, 1, 2], [0, 2, 3]]);
+    /// # Ok::<(), geom::ModelError>(())
+    /// ```
+    pub fn triangles(&self) -> Triangles {
+        triangulate(self)
+    }
+}
+
+fn triangulate(model: &Model) -> Triangles {
     let count = model.corner_count() - 2 * model.face_count();
     let mut triangles = Triangles { corners: Vec::with_capacity(count), face_of: Vec::with_capacity(count) };
     let mut work = WORK_PER_MODEL;

@@ -1,8 +1,7 @@
 //! A surface glued to its mirror image.
 
-use super::id::{HalfedgeId, Id, VertexData, VertexId};
-use super::{Mesh, Triangulation};
-use crate::metric::Metric;
+use super::Metric;
+use crate::mesh::{HalfedgeId, Id, Mesh, Triangulation, VertexData, VertexId};
 
 /// A surface with a boundary and its mirror image, glued along the boundary: a closed surface, on which every edge can be
 /// flipped. What is mirror-symmetric stays so under flips to Delaunay (Gillespie, Springborn & Crane 2021, §4.6), cocircular

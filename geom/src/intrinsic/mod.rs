@@ -1,0 +1,15 @@
+//! What edge lengths alone determine: angles, areas and curvature, Delaunay triangulations, the Laplacian and its equation.
+
+mod curvature;
+mod delaunay;
+mod double;
+mod laplacian;
+mod metric;
+mod poisson;
+
+pub use curvature::angle_defects;
+pub use delaunay::{Intrinsic, delaunay, ptolemaic_delaunay};
+pub use double::Double;
+pub use laplacian::{edge_weights, laplacian};
+pub use metric::{Metric, Sides};
+pub use poisson::{HalfSolved, Poisson, PoissonError};

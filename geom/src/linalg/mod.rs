@@ -1,0 +1,19 @@
+//! Sparse symmetric matrices and their factorization. Nothing here knows of meshes.
+//!
+//! A [`SymmetricMatrix`] is ordered (`dissection`, or approximate minimum degree), the work of its factorization is laid out from
+//! its pattern alone (`elimination`), the values are factored front by front (`cholesky`, `front`), and the factor is asked
+//! by `substitution`.
+
+mod cholesky;
+mod dissection;
+mod elimination;
+mod front;
+mod gram;
+mod graph;
+mod substitution;
+mod symmetric;
+
+pub(crate) use cholesky::Cholesky;
+pub use cholesky::CholeskyError;
+pub use gram::gram;
+pub use symmetric::SymmetricMatrix;
