@@ -70,7 +70,10 @@ fn measure(path: &Path, figures: &[(usize, f64)]) -> Result<Vec<[f64; 2]>, Box<d
         let time = start.elapsed().as_secs_f64();
         let nested = order.curve.iter().find(|point| point.count == count).map_or(f64::NAN, |p| p.log_scale_norm);
         let ratio = [best / figure, nested / figure];
-        println!("{name:22} {count:3} cones: {best:.4}, {:.3} of {figure} (pursuit {:.3}); {time:.2} s", ratio[0], ratio[1]);
+        println!(
+            "{name:22} {count:3} cones: {best:.4}, {:.3} of {figure} (pursuit {:.3}); {time:.2} s",
+            ratio[0], ratio[1]
+        );
         ratios.push(ratio);
     }
     Ok(ratios)

@@ -76,7 +76,7 @@ macro_rules! from {
         $(impl From<$error> for Error {
             fn from(error: $error) -> Self {
                 match error {
-                    $error::Interrupted => Self::Interrupted,
+                    $error::Interrupted(_) => Self::Interrupted,
                     error => Self::$variant(error),
                 }
             }

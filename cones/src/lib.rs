@@ -54,13 +54,14 @@ mod numerics;
 mod placement;
 
 pub use analysis::{
-    Analysis, Atlas, Baseline, BaselineMap, ChosenNumber, Cone, ConeChoice, ConeOrder, Cones, Failure, MOST_AUTOMATIC, ModelExtremum, Note,
-    Observer, Options, OrderedCone, Preparation, Progress, Stage, TARGET_DISTORTION, Times, Topology, unwrap_model,
+    Analysis, Atlas, Baseline, BaselineMap, ChosenNumber, Cone, ConeChoice, ConeOrder, Cones, Failure, MOST_AUTOMATIC,
+    ModelExtremum, Note, Observer, Options, OrderedCone, Preparation, Progress, Stage, TARGET_DISTORTION, Times,
+    Topology, unwrap_model,
 };
+pub use baseline::LscmError;
 pub use curvature::{CurvatureError, CurvatureRule};
 pub use error::Error;
 pub use flatten::{ScalingError, SeamError};
-pub use baseline::LscmError;
 pub use placement::{MOST_OPTIMISED, Placement, Prediction};
 pub use topo::Kind;
 

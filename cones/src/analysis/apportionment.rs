@@ -91,9 +91,8 @@ pub(crate) fn sequence_of(
     if let [alone] = left[..] {
         return vec![0; total.min(alone)];
     }
-    let curve = |(c, nested): (&Component, &Nested)| {
-        EnergyCurve::of_order(&c.operators, nested, c.area, nested.cones().len())
-    };
+    let curve =
+        |(c, nested): (&Component, &Nested)| EnergyCurve::of_order(&c.operators, nested, c.area, nested.cones().len());
     let sequence = match placement.sharing() {
         Sharing::ByBriefCurves | Sharing::ByCurves => {
             sequence(&components.iter().zip(nested).map(curve).collect::<Vec<EnergyCurve>>(), total)
@@ -227,6 +226,8 @@ fn hull(index: usize, part: &EnergyCurve) -> Vec<Step> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::placement::{EnergyModel, pursuit};
+    use geom::Mesh;
     use geom::{Metric, shapes};
     use proptest::prelude::*;
 
@@ -302,6 +303,11 @@ mod tests {
         assert_eq!(share_out(&[torus, disk], 3), [2, 1]);
     }
 
+    fn curve(operators: &Operators, mesh: &Mesh, most: usize) -> EnergyCurve {
+        let nested = pursuit(&mut EnergyModel::new(operators, mesh), whole_blocks(operators, most));
+        EnergyCurve::of_order(operators, &nested, 1.0, most)
+    }
+
     #[test]
     fn curves_begin_with_what_a_part_needs_and_fall() {
         for (shape, allowed) in [
@@ -311,7 +317,7 @@ mod tests {
         ] {
             let mesh = shape.mesh();
             let operators = Operators::new(&mesh, &Metric::from_points(&mesh, &shape.points)).unwrap();
-            let part = EnergyCurve::new(&mut EnergyModel::new(&operators, &mesh), 1.0, 7);
+            let part = curve(&operators, &mesh, 7);
             let finite: Vec<usize> = (0..8).filter(|&count| part.energy[count].is_finite()).collect();
             assert_eq!(finite, allowed);
             assert!(finite.windows(2).all(|pair| part.energy[pair[1]] <= part.energy[pair[0]] * (1.0 + 1e-9)));
@@ -323,7 +329,7 @@ mod tests {
         let shape = shapes::square(900);
         let mesh = shape.mesh();
         let operators = Operators::new(&mesh, &Metric::from_points(&mesh, &shape.points)).unwrap();
-        let part = EnergyCurve::new(&mut EnergyModel::new(&operators, &mesh), 1.0, 100);
+        let part = curve(&operators, &mesh, 100);
         assert_eq!(part.energy.len(), 101);
     }
 

@@ -103,9 +103,8 @@ impl Attempts<'_> {
                 }
             };
             let Quality { quasi_conformal, .. } = flat.quality;
-            let is_enough = self.is_sound(&flat)
-                && flat.quality.area_distortion() <= enough
-                && quasi_conformal <= GOOD_ENOUGH;
+            let is_enough =
+                self.is_sound(&flat) && flat.quality.area_distortion() <= enough && quasi_conformal <= GOOD_ENOUGH;
             if best.as_ref().is_none_or(|best| cost(&flat) < cost(best)) {
                 best = Some(flat);
             }

@@ -73,9 +73,8 @@ impl Component {
         let mesh = &surface.mesh;
         let configuration = &cones.configurations[*index];
         let vertices = &configuration.vertices;
-        let seams = task.stage((Stage::Cut, *index), times, |watch| {
-            Seams::of_surface(surface, metric, vertices, watch)
-        })??;
+        let seams =
+            task.stage((Stage::Cut, *index), times, |watch| Seams::of_surface(surface, metric, vertices, watch))??;
         let scaling = match baseline {
             Baseline::LeastSquares => None,
             Baseline::LinearScaling => Some(task.stage((Stage::Scale, *index), times, |_| {

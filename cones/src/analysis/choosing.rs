@@ -2,9 +2,6 @@
 
 use std::time::Instant;
 
-use geom::Watch;
-use rayon::prelude::*;
-
 use super::apportionment::counts;
 use super::component::Component;
 use super::cones::{ChosenNumber, Cones, Configuration};

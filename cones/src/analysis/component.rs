@@ -89,13 +89,11 @@ impl Component {
         let mut count = asked;
         loop {
             let placement = options.placement_for(count);
-            let vertices = task.stage((Stage::Hierarchy, self.index), times, |watch| {
-                placement.cones(self.ground(watch), count)
-            })??;
+            let vertices =
+                task.stage((Stage::Hierarchy, self.index), times, |watch| placement.cones(self.ground(watch), count))??;
             let placed = vertices.len();
-            let configured = task.stage((Stage::Curvature, self.index), times, |watch| {
-                self.configure(vertices, options.rule, watch)
-            })?;
+            let configured = task
+                .stage((Stage::Curvature, self.index), times, |watch| self.configure(vertices, options.rule, watch))?;
             let mut configuration = match configured {
                 Err(CurvatureError::TooFew { .. }) if placed == count => {
                     count += 1 + count / 4;

@@ -41,9 +41,8 @@ impl Component {
         let Self { index, surface, metric, operators, .. } = self;
         let mesh = &surface.mesh;
         let Configuration { vertices, curvature, predicted, notes } = configuration;
-        let seams = task.stage((Stage::Cut, *index), times, |watch| {
-            Seams::of_surface(surface, metric, vertices, watch)
-        })??;
+        let seams =
+            task.stage((Stage::Cut, *index), times, |watch| Seams::of_surface(surface, metric, vertices, watch))??;
         let scaling = task.stage((Stage::Scale, *index), times, |watch| {
             let mut target = VertexData::constant(mesh.vertex_count(), 0.0);
             for (&v, &k) in vertices.iter().zip(curvature) {

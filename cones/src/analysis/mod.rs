@@ -112,16 +112,13 @@ impl Analysis {
     ///
     /// # Errors
     /// As [`new`](Self::new), and if the observer has said stop.
-    pub fn observed(
-        model: &Model,
-        preparation: Preparation,
-        observer: impl Observer + 'static,
-    ) -> Result<Self, Error> {
+    pub fn observed(model: &Model, preparation: Preparation, observer: impl Observer + 'static) -> Result<Self, Error> {
         static COUNT: AtomicUsize = AtomicUsize::new(0);
         let observer: Arc<dyn Observer> = Arc::new(observer);
         let mut times = Times::default();
-        let Prepared { surfaces, triangles, left_out, repairs } = Task::new(&observer, 0)
-            .stage((Stage::Prepare, 0), &mut times, |watch| prepare_watched(model, preparation.weld, watch))??;
+        let Prepared { surfaces, triangles, left_out, repairs } =
+            Task::new(&observer, 0)
+                .stage((Stage::Prepare, 0), &mut times, |watch| prepare_watched(model, preparation.weld, watch))??;
         let topology = Topology::of(&surfaces);
         let task = Task::new(&observer, surfaces.len());
         let began = Instant::now();

@@ -141,7 +141,9 @@ impl fmt::Display for Note {
             _ => format!("these {components} parts need"),
         };
         match self {
-            Self::Mollified { .. } => write!(f, "edges were lengthened by up to 1e-4 of their mean, because of needle triangles"),
+            Self::Mollified { .. } => {
+                write!(f, "edges were lengthened by up to 1e-4 of their mean, because of needle triangles")
+            }
             Self::NotSmoothed { .. } => write!(f, "the curvature could not be diffused: taking it as it is"),
             Self::FewerThanNeeded { asked, needed, components } => {
                 write!(f, "{asked} cones asked for, but {} at least {needed}: taking {needed}", needing(components))
@@ -170,7 +172,10 @@ impl fmt::Display for Note {
                 write!(f, "1 triangle folds over, near vertex {first}: it is an island of its own")
             }
             Self::Detached { triangles, first, .. } => {
-                write!(f, "{triangles} triangles fold over, the first near vertex {first}: they are islands of their own")
+                write!(
+                    f,
+                    "{triangles} triangles fold over, the first near vertex {first}: they are islands of their own"
+                )
             }
             Self::Unfolded { cause, .. } => {
                 write!(f, "no cones could flatten this surface ({cause}): unfolding it with a cone at every vertex")

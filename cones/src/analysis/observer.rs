@@ -35,15 +35,8 @@ pub enum Stage {
 
 impl Stage {
     /// All of them.
-    pub const ALL: [Self; 7] = [
-        Self::Prepare,
-        Self::Factor,
-        Self::Hierarchy,
-        Self::Curvature,
-        Self::Cut,
-        Self::Scale,
-        Self::Layout,
-    ];
+    pub const ALL: [Self; 7] =
+        [Self::Prepare, Self::Factor, Self::Hierarchy, Self::Curvature, Self::Cut, Self::Scale, Self::Layout];
 
     /// Its name in reports.
     pub fn name(self) -> &'static str {

@@ -55,6 +55,7 @@ impl Shelf {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use geom::Watch;
     use crate::flatten::Scaling;
     use geom::{EdgeData, Metric};
     use proptest::prelude::*;

@@ -89,13 +89,7 @@ impl Analysis {
     }
 
     /// Puts flattened components together.
-    fn assemble(
-        &self,
-        flats: Vec<Flat>,
-        mut notes: Vec<Note>,
-        number: Option<ChosenNumber>,
-        times: Times,
-    ) -> Atlas {
+    fn assemble(&self, flats: Vec<Flat>, mut notes: Vec<Note>, number: Option<ChosenNumber>, times: Times) -> Atlas {
         let mut uv = vec![None; self.corner_vertices().len()];
         let (mut cones, mut seams, mut detached) = (Vec::new(), Vec::new(), Vec::new());
         let number = number.map(|number| self.measured(number, &flats));

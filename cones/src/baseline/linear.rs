@@ -26,7 +26,7 @@ pub struct LinearScaling {
 /// On a closed surface the target must sum to 2πχ.
 ///
 /// ```
-/// use cones::scale_linearly;
+/// use cones::internals::scale_linearly;
 /// use geom::{Metric, VertexData, shapes};
 ///
 /// let shape = shapes::terrain(400, 4);

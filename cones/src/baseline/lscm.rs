@@ -16,8 +16,8 @@
 //! are fitted by least squares, as ABF++ does with its angles (Sheffer et al. 2005).
 
 use geom::{
-    CutMesh, EdgeData, HalfedgeData, HalfedgeId, Id, Mesh, MeshError, Metric, Poisson, PoissonError, ShortestPaths,
-    Sides, SymmetricMatrix, VertexData, VertexId,
+    Cholesky, CholeskyError, CutMesh, EdgeData, HalfedgeData, HalfedgeId, Id, Mesh, MeshError, Metric, ShortestPaths,
+    Sides, SymmetricMatrix, VertexId,
 };
 use num_complex::Complex64;
 use sprs::{CsMat, TriMat};
@@ -44,16 +44,16 @@ pub enum LscmError {
     /// The system cannot be factored: the map would shrink parts to nothing.
     #[error("the least-squares conformal map cannot be told from others: its system is not positive definite")]
     NotPositiveDefinite,
-    /// The factor does not fit into memory.
+    /// The system cannot be factored for another reason.
     #[error(transparent)]
-    Memory(PoissonError),
+    Factor(CholeskyError),
 }
 
-impl From<PoissonError> for LscmError {
-    fn from(error: PoissonError) -> Self {
+impl From<CholeskyError> for LscmError {
+    fn from(error: CholeskyError) -> Self {
         match error {
-            PoissonError::NotPositiveDefinite => Self::NotPositiveDefinite,
-            memory @ PoissonError::OutOfMemory(_) => Self::Memory(memory),
+            CholeskyError::NotPositiveDefinite => Self::NotPositiveDefinite,
+            error => Self::Factor(error),
         }
     }
 }
@@ -71,7 +71,7 @@ impl Lscm {
     /// Lays out a surface, opened along the edges of the cut, which must leave one disk. One factorization.
     ///
     /// ```
-    /// use cones::Lscm;
+    /// use cones::internals::Lscm;
     /// use geom::{EdgeData, Metric, shapes};
     ///
     /// let shape = shapes::disk(300);
@@ -117,15 +117,21 @@ fn unknowns(v: VertexId) -> [usize; 2] {
 fn least_energy(disk: &Mesh, metric: &Metric) -> Result<Vec<Complex64>, LscmError> {
     let energy = conformal_energy(disk, metric);
     let pins = far_apart(disk, metric);
-    let pinned: Vec<VertexId> = pins.into_iter().flat_map(unknowns).map(VertexId::new).collect();
+    let pinned: Vec<usize> = pins.into_iter().flat_map(unknowns).collect();
+    let free: Vec<usize> = (0..energy.rows()).filter(|i| !pinned.contains(i)).collect();
     let unit = unknowns(pins[1])[0];
-    let mut source = VertexData::constant(energy.rows(), 0.0);
     // The matrix is symmetric: its row is its column.
+    let mut source = vec![0.0; energy.rows()];
     if let Some(row) = energy.outer_view(unit) {
-        row.iter().for_each(|(i, &m)| source[VertexId::new(i)] = -m);
+        row.iter().for_each(|(i, &m)| source[i] = -m);
     }
-    let mut x = Poisson::new(&SymmetricMatrix::from(&energy), &pinned)?.solve(&source);
-    x[VertexId::new(unit)] = 1.0;
+    let system = SymmetricMatrix::from(&energy).restricted(free.iter().copied());
+    let right: Vec<f64> = free.iter().map(|&i| source[i]).collect();
+    let mut x = vec![0.0; energy.rows()];
+    x[unit] = 1.0;
+    for (&i, solved) in free.iter().zip(Cholesky::new(&system)?.solve(&right)) {
+        x[i] = solved;
+    }
     Ok(x.as_chunks().0.iter().map(|&[x, y]| Complex64::new(x, y)).collect())
 }
 
@@ -184,6 +190,7 @@ fn far_apart(disk: &Mesh, metric: &Metric) -> [VertexId; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use geom::Watch;
     use crate::flatten::Seams;
     use geom::distortion::{Distortion, measure};
     use geom::shapes::{self, Shape};

@@ -13,9 +13,9 @@ use std::f64::consts::PI;
 use geom::{Interrupted, Mesh, VertexData, VertexId, Watch, gram};
 use thiserror::Error;
 
+use crate::field::Operators;
 use crate::numerics::dense;
 use crate::numerics::quadratic_program::{ProgramError, Quadratic, minimise};
-use crate::field::Operators;
 
 /// The widest angle that the triangles at a cone have on average. Below π they can be laid out without flips. Surfaces of
 /// high genus with few cones need what there is: on casting (genus 9, 16 cones) 0.75π instead means an L2 norm 12 % larger
@@ -53,20 +53,14 @@ pub enum CurvatureError {
         least: usize,
     },
     /// The watch has said stop.
-    #[error("interrupted")]
-    Interrupted,
+    #[error(transparent)]
+    Interrupted(#[from] Interrupted),
     /// The log scale that these cones cause is no finite number.
     #[error("{cones} cones cause a log scale that is not a finite number: their surroundings have no area")]
     NotFinite {
         /// How many cones were given.
         cones: usize,
     },
-}
-
-impl From<Interrupted> for CurvatureError {
-    fn from(_: Interrupted) -> Self {
-        Self::Interrupted
-    }
 }
 
 /// Cone curvatures with what is known of them.
@@ -174,7 +168,7 @@ pub fn cone_curvatures(
     }
     let (p, g) = centred(operators, green);
     if watch.stops_at(0.8) {
-        return Err(CurvatureError::Interrupted);
+        return Err(Interrupted.into());
     }
     let curvature = optimal(operators, &p, &g, &bounds)?;
     let predicted = combine(&p, &g, &curvature);
@@ -287,12 +281,12 @@ mod tests {
         let norm = |c: &ConeCurvatures| operators.inner(&c.predicted, &c.predicted).sqrt();
         for count in [3, 4, 8, 20] {
             let cones = spread(&mesh, count);
-            let optimal = cone_curvatures(&operators, &mesh, &cones, CurvatureRule::Optimal).unwrap();
+            let optimal = cone_curvatures(&operators, &mesh, &cones, CurvatureRule::Optimal, Watch::NONE).unwrap();
             assert!((optimal.curvature.iter().sum::<f64>() - 4.0 * PI).abs() < 1e-11);
             for (k, [low, high]) in optimal.curvature.iter().zip(bounds(&operators, &mesh, &cones)) {
                 assert!(*k >= low - 1e-12 && *k <= high + 1e-12);
             }
-            let harmonic = cone_curvatures(&operators, &mesh, &cones, CurvatureRule::Harmonic).unwrap();
+            let harmonic = cone_curvatures(&operators, &mesh, &cones, CurvatureRule::Harmonic, Watch::NONE).unwrap();
             let legal = harmonic.out_of_bounds.is_empty();
             let within = harmonic.curvature.iter().zip(bounds(&operators, &mesh, &cones));
             if legal && within.clone().all(|(k, [low, high])| *k >= low && *k <= high) {
@@ -304,7 +298,7 @@ mod tests {
     #[test]
     fn too_few_cones_for_the_curvature_are_refused() {
         let (mesh, operators) = hare();
-        let error = cone_curvatures(&operators, &mesh, &spread(&mesh, 2), CurvatureRule::Optimal).unwrap_err();
+        let error = cone_curvatures(&operators, &mesh, &spread(&mesh, 2), CurvatureRule::Optimal, Watch::NONE).unwrap_err();
         assert!(matches!(error, CurvatureError::TooFew { cones: 2, least: 3, .. }), "{error}");
     }
 
@@ -314,7 +308,7 @@ mod tests {
         let mesh = shape.mesh();
         let operators = Operators::new(&mesh, &Metric::from_points(&mesh, &shape.points)).unwrap();
         let tip = mesh.vertices().find(|&v| operators.curvature[v].abs() > 0.5 && !mesh.is_boundary_vertex(v)).unwrap();
-        let curvatures = cone_curvatures(&operators, &mesh, &[tip], CurvatureRule::Optimal).unwrap();
+        let curvatures = cone_curvatures(&operators, &mesh, &[tip], CurvatureRule::Optimal, Watch::NONE).unwrap();
         assert!((curvatures.curvature[0] - operators.curvature[tip]).abs() < 1e-9);
         assert!(curvatures.predicted.iter().all(|u| u.abs() < 1e-9));
     }

@@ -9,8 +9,8 @@
 use std::sync::OnceLock;
 
 use geom::{
-    HalfedgeId, Interrupted, Mesh, MeshError, Metric, Poisson, PoissonError, SymmetricMatrix, VertexData, VertexId, Watch,
-    angle_defects, delaunay_watched, laplacian,
+    HalfedgeId, Interrupted, Mesh, MeshError, Metric, Poisson, PoissonError, SymmetricMatrix, VertexData, VertexId,
+    Watch, angle_defects, delaunay_watched, laplacian,
 };
 
 /// So many boundary loops get a constant of their own, the longest ones; the others stay at the value of the longest.
@@ -63,24 +63,14 @@ impl Operators {
     ///
     /// # Panics
     /// If there are fewer points than vertices.
-    pub fn with_points(
-        mesh: &Mesh,
-        metric: &Metric,
-        points: &[[f64; 3]],
-        watch: Watch,
-    ) -> Result<Self, PoissonError> {
+    pub fn with_points(mesh: &Mesh, metric: &Metric, points: &[[f64; 3]], watch: Watch) -> Result<Self, PoissonError> {
         Self::prepared(mesh, metric, Some(points), watch)
     }
 
-    fn prepared(
-        mesh: &Mesh,
-        metric: &Metric,
-        points: Option<&[[f64; 3]]>,
-        watch: Watch,
-    ) -> Result<Self, PoissonError> {
+    fn prepared(mesh: &Mesh, metric: &Metric, points: Option<&[[f64; 3]]>, watch: Watch) -> Result<Self, PoissonError> {
         let intrinsic = delaunay_watched(mesh, metric, watch.within(0.0, 0.3));
         if watch.stops_at(0.3) {
-            return Err(PoissonError::Interrupted);
+            return Err(Interrupted.into());
         }
         let metric = intrinsic.metric;
         let mesh = Mesh::from_triangulation(intrinsic.triangulation)
@@ -90,7 +80,7 @@ impl Operators {
         let area: f64 = weight.iter().sum();
         weight.iter_mut().for_each(|w| *w /= area);
         if watch.stops_at(0.4) {
-            return Err(PoissonError::Interrupted);
+            return Err(Interrupted.into());
         }
         let laplacian = laplacian(&mesh, &metric);
         let mut loops: Vec<Vec<VertexId>> =
@@ -115,7 +105,7 @@ impl Operators {
         loops.sort_by_key(|around| std::cmp::Reverse(around.len()));
         for around in loops.iter().skip(1).take(FREE_LOOPS - 1) {
             if watch.stops_at(0.95) {
-                return Err(PoissonError::Interrupted);
+                return Err(Interrupted.into());
             }
             let extension = operators.harmonic_extension(around);
             operators.add_free(extension);

@@ -8,15 +8,15 @@
 //! ```
 //!
 //! and it is what solving the Laplacian with the cones pinned gives, which takes a new factorization for each set. Entries
-//! of G come from half solves ([`geom::Poisson::half_solve`]), a small part of a solve each, and a new cone adds a row to a
+//! of G come from sparse forward substitutions ([`geom::Poisson::solve_forward`]), a small part of a solve each, and a new cone adds a row to a
 //! Cholesky factor of `G_SS`. The grounded vertex, where G is 0, can be a cone too: it fixes s, and has the curvature that
 //! is left.
 
-use geom::{HalfSolved, VertexData, VertexId};
+use geom::{ForwardSolution, VertexData, VertexId};
 
-use crate::numerics::dense::Growing;
 use super::conformal_factor::ConformalFactor;
 use super::operators::Operators;
+use crate::numerics::dense::Growing;
 
 /// Cones at which the conformal factor is pinned to 0.
 pub(crate) struct PinnedFactor<'a> {
@@ -24,8 +24,8 @@ pub(crate) struct PinnedFactor<'a> {
     cones: Vec<VertexId>,
     /// p: all curvature taken to the grounded vertex or the boundary.
     flattening: VertexData<f64>,
-    /// The half solves of the cones.
-    half: Vec<HalfSolved>,
+    /// The forward substitutions of the cones' unit vectors.
+    forward: Vec<ForwardSolution>,
     /// The factor of `G_SS`, the grounded vertex left out; none where cones coincide.
     green: Option<Growing>,
 }
@@ -37,7 +37,7 @@ impl<'a> PinnedFactor<'a> {
             source[grounded] += operators.total_curvature();
         }
         let flattening = operators.poisson.solve(&source);
-        Self { operators, cones: Vec::new(), flattening, half: Vec::new(), green: Some(Growing::default()) }
+        Self { operators, cones: Vec::new(), flattening, forward: Vec::new(), green: Some(Growing::default()) }
     }
 
     pub(crate) fn operators(&self) -> &'a Operators {
@@ -48,13 +48,13 @@ impl<'a> PinnedFactor<'a> {
         &self.cones
     }
 
-    /// Pins more vertices. A half solve each.
+    /// Pins more vertices. A sparse forward substitution each.
     pub(crate) fn add(&mut self, cones: &[VertexId]) {
-        for (&cone, half) in cones.iter().zip(self.operators.poisson.half_solve(cones)) {
+        for (&cone, forward) in cones.iter().zip(self.operators.poisson.solve_forward(cones)) {
             self.cones.push(cone);
-            self.half.push(half);
-            let Some(last) = self.half.last().filter(|_| !self.is_grounded(cone)) else { continue };
-            let others = self.cones.iter().zip(&self.half).filter(|(c, _)| !self.is_grounded(**c));
+            self.forward.push(forward);
+            let Some(last) = self.forward.last().filter(|_| !self.is_grounded(cone)) else { continue };
+            let others = self.cones.iter().zip(&self.forward).filter(|(c, _)| !self.is_grounded(**c));
             let row = others.map(|(_, other)| last.dot(other)).collect();
             self.green = self.green.take().and_then(|green| green.with(row));
         }
@@ -69,7 +69,7 @@ impl<'a> PinnedFactor<'a> {
     pub(crate) fn factor(&self) -> VertexData<f64> {
         let curvature = if self.cones.is_empty() { None } else { self.curvature() };
         let Some(curvature) = curvature else { return ConformalFactor::new(self.operators).phi };
-        let mut phi = self.operators.poisson.finish(self.half.iter().zip(curvature));
+        let mut phi = self.operators.poisson.solve_backward(self.forward.iter().zip(curvature));
         phi.iter_mut().zip(self.flattening.iter()).for_each(|(phi, p)| *phi += p);
         if !self.operators.is_bordered() {
             let at_cones = phi[self.cones[0]];

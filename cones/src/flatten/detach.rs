@@ -130,7 +130,9 @@ impl Unfolding<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Operators, scale};
+    use geom::Watch;
+    use crate::field::Operators;
+    use crate::flatten::scale;
     use geom::{VertexId, shapes};
 
     #[test]

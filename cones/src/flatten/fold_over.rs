@@ -34,7 +34,7 @@ const MAX_PATCH: usize = 20_000;
 /// Triangles of the layout could not be turned the right way round.
 #[derive(Clone, Debug, Error)]
 #[error("{faces} triangles of the layout stay flipped, and {vertices} vertices wound, the first at vertex {}", near[0])]
-pub struct FoldOvers {
+pub(crate) struct FoldOvers {
     /// How many triangles are flipped.
     pub faces: usize,
     /// How many vertices have a wrong angle.
@@ -375,7 +375,8 @@ fn cross(a: Complex64, b: Complex64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Operators, Seams, scale};
+    use crate::field::Operators;
+    use crate::flatten::{Seams, scale};
     use geom::shapes;
 
     #[test]
@@ -392,10 +393,10 @@ mod tests {
             is_cone[v] = true;
         }
         let zero = VertexData::constant(mesh.vertex_count(), 0.0);
-        let scaling = scale(&mesh, &metric, &operators, &target, &zero).unwrap();
-        let seams = Seams::new(&mesh, metric.lengths(), &cones).unwrap();
-        let mut layout = Layout::new(&mesh, &scaling, &seams.cut);
-        remove_fold_overs(&mesh, &metric, &scaling, &is_cone, &mut layout).unwrap();
+        let scaling = scale(&mesh, &metric, &operators, &target, &zero, Watch::NONE).unwrap();
+        let seams = Seams::new(&mesh, metric.lengths(), &cones, Watch::NONE).unwrap();
+        let mut layout = Layout::new(&mesh, &scaling, &seams.cut, Watch::NONE);
+        remove_fold_overs(&mesh, &metric, &scaling, &is_cone, &mut layout, Watch::NONE).unwrap();
         // Fold plain vertices over an edge of their stars: one inside, one on a seam.
         let plain = |wedges: usize| {
             let layout = &layout;
@@ -411,7 +412,7 @@ mod tests {
             let spoke = untangler.layout.corner(mesh.next(h)) - untangler.layout.corner(h);
             untangler.displace(h, 1.5 * spoke);
             assert!(!untangler.bad(mesh.faces()).is_empty());
-            assert!(remove_fold_overs(&mesh, &metric, &scaling, &is_cone, &mut folded).unwrap() > 0);
+            assert!(remove_fold_overs(&mesh, &metric, &scaling, &is_cone, &mut folded, Watch::NONE).unwrap() > 0);
             let untangler = Untangler::new(&mesh, &metric, &scaling, &is_cone, &mut folded);
             assert!(untangler.bad(mesh.faces()).is_empty());
             for h in mesh.halfedges() {

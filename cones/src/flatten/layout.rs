@@ -8,7 +8,9 @@
 //! positions along the tree of shortest edges, so that an error made somewhere stays as small as the region it was made in.
 //! Similarities are never chained: lengths come from the metric alone.
 
-use geom::{CutMesh, EdgeData, FaceData, FaceId, HalfedgeData, HalfedgeId, Id, Mesh, Triangulation, Watch, WedgeId, kruskal};
+use geom::{
+    CutMesh, EdgeData, FaceData, FaceId, HalfedgeData, HalfedgeId, Id, Mesh, Triangulation, Watch, WedgeId, kruskal,
+};
 use num_complex::Complex64;
 
 use super::scaling::Scaling;
@@ -250,7 +252,7 @@ mod tests {
             let zero = VertexData::constant(mesh.vertex_count(), 0.0);
             let scaling = scale(&mesh, &metric, &operators, &target, &zero, Watch::NONE).unwrap();
             let seams = Seams::new(&mesh, metric.lengths(), &[tip], Watch::NONE).unwrap();
-            let layout = Layout::new(&mesh, &scaling, &seams.cut, Watch::NONE, Watch::NONE);
+            let layout = Layout::new(&mesh, &scaling, &seams.cut, Watch::NONE);
             for h in mesh.halfedges() {
                 let length = (layout.corner(mesh.next(h)) - layout.corner(h)).norm();
                 assert!((length / metric.length(mesh.edge(h)) - 1.0).abs() < 1e-10);
@@ -272,7 +274,7 @@ mod tests {
         let zero = VertexData::constant(mesh.vertex_count(), 0.0);
         let scaling = scale(&mesh, &metric, &operators, &target, &zero, Watch::NONE).unwrap();
         let seams = Seams::new(&mesh, metric.lengths(), &cones, Watch::NONE).unwrap();
-        let layout = Layout::new(&mesh, &scaling, &seams.cut, Watch::NONE, Watch::NONE);
+        let layout = Layout::new(&mesh, &scaling, &seams.cut, Watch::NONE);
         let extent = layout.position.iter().map(|z| z.norm()).fold(0.0, f64::max);
         for h in mesh.halfedges() {
             let g = mesh.twin(h).expect("it is closed");

@@ -9,7 +9,7 @@ mod seams;
 mod untangle;
 
 pub(crate) use detach::detach;
-pub use fold_over::FoldOvers;
+pub(crate) use fold_over::FoldOvers;
 pub(crate) use fold_over::remove_fold_overs;
 pub use layout::Layout;
 pub use scaling::{Scaling, ScalingError, scale};

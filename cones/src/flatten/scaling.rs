@@ -11,8 +11,8 @@
 //! the input's triangulation on, so that the layout can undo them.
 
 use geom::{
-    Double, HalfedgeId, Id, Intrinsic, Mesh, Metric, Poisson, PoissonError, SymmetricMatrix, Triangulation, VertexData,
-    VertexId, Watch, delaunay_watched, laplacian, ptolemaic_delaunay_watched,
+    Double, HalfedgeId, Id, Interrupted, Intrinsic, Mesh, Metric, Poisson, PoissonError, SymmetricMatrix,
+    Triangulation, VertexData, VertexId, Watch, delaunay_watched, laplacian, ptolemaic_delaunay_watched,
 };
 use sprs::TriMat;
 use thiserror::Error;
@@ -55,14 +55,14 @@ pub enum ScalingError {
     #[error(transparent)]
     Poisson(PoissonError),
     /// The watch has said stop.
-    #[error("the scaling was interrupted")]
-    Interrupted,
+    #[error(transparent)]
+    Interrupted(#[from] Interrupted),
 }
 
 impl From<PoissonError> for ScalingError {
     fn from(error: PoissonError) -> Self {
         match error {
-            PoissonError::Interrupted => Self::Interrupted,
+            PoissonError::Interrupted(stop) => Self::Interrupted(stop),
             error => Self::Poisson(error),
         }
     }
@@ -138,7 +138,7 @@ pub fn scale(
         flips: operators.flips.clone(),
     };
     let may_go_otherwise = |error: &ScalingError| {
-        !matches!(error, ScalingError::Poisson(PoissonError::OutOfMemory(_)) | ScalingError::Interrupted)
+        !matches!(error, ScalingError::Poisson(PoissonError::OutOfMemory(_)) | ScalingError::Interrupted(_))
     };
     let mut error = match newton.run(intrinsic) {
         Err(error) if may_go_otherwise(&error) => error,
@@ -146,9 +146,7 @@ pub fn scale(
     };
     let double = (!newton.fixed.is_empty()).then(|| Double::new(input));
     let run = |metric: &Metric| match &double {
-        None => {
-            Newton { starts_from_factor: false, ..newton.clone() }.run(delaunay_watched(input, metric, watch))
-        }
+        None => Newton { starts_from_factor: false, ..newton.clone() }.run(delaunay_watched(input, metric, watch)),
         Some(double) => {
             let newton = Newton { starts_from_factor: false, original: Some(&double.original), ..newton.clone() };
             newton.run(delaunay_watched(&double.mesh, &double.metric(input, metric), watch))
@@ -199,7 +197,7 @@ impl Newton<'_> {
             // How much of the way from the first error to the last is done, in logarithms.
             let done = ((error / first).ln() / (GOAL / first).ln()).clamp(0.0, 1.0);
             if self.watch.stops_at(done) {
-                return Err(ScalingError::Interrupted);
+                return Err(Interrupted.into());
             }
             if error <= GOAL || last || steps >= MAX_STEPS {
                 return self.finish(state, u, metric, steps, error, vertex);
@@ -232,7 +230,7 @@ impl Newton<'_> {
                 metric = self.scaled(&mut state, &u);
                 residual = self.residual(&state.triangulation, &metric);
                 if self.watch.stops_at(done) {
-                    return Err(ScalingError::Interrupted);
+                    return Err(Interrupted.into());
                 }
                 let new_slope = dot(&step, &residual);
                 let left = largest(&residual).1;

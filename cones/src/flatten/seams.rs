@@ -18,8 +18,8 @@
 //! along loops through its first vertex; a closed sphere needs two cones at least.
 
 use geom::{
-    CutMesh, EdgeData, EdgeId, Interrupted, Mesh, Metric, ShortestPaths, Surface, VertexData, VertexId, Watch, edges_at,
-    kruskal, maximum_spanning_cotree_watched, other_end,
+    CutMesh, EdgeData, EdgeId, Interrupted, Mesh, Metric, ShortestPaths, Surface, VertexData, VertexId, Watch,
+    edges_at, kruskal, maximum_spanning_cotree_watched, other_end,
 };
 use thiserror::Error;
 
@@ -45,14 +45,8 @@ pub enum SeamError {
         count: usize,
     },
     /// The watch has said stop.
-    #[error("the cut was interrupted")]
-    Interrupted,
-}
-
-impl From<Interrupted> for SeamError {
-    fn from(_: Interrupted) -> Self {
-        Self::Interrupted
-    }
+    #[error(transparent)]
+    Interrupted(#[from] Interrupted),
 }
 
 /// Edges along which a connected surface opens to one disk.
@@ -85,12 +79,7 @@ impl Seams {
     ///
     /// # Panics
     /// If there is an edge without a length.
-    pub fn new(
-        mesh: &Mesh,
-        lengths: &EdgeData<f64>,
-        cones: &[VertexId],
-        watch: Watch,
-    ) -> Result<Self, SeamError> {
+    pub fn new(mesh: &Mesh, lengths: &EdgeData<f64>, cones: &[VertexId], watch: Watch) -> Result<Self, SeamError> {
         let count = mesh.vertex_count();
         if let Some(&cone) = cones.iter().find(|cone| cone.0 as usize >= count) {
             return Err(SeamError::NoSuchVertex { cone, count });
@@ -128,12 +117,7 @@ impl Seams {
     ///
     /// # Panics
     /// If there is an edge without a length.
-    pub fn of_surface(
-        surface: &Surface,
-        metric: &Metric,
-        cones: &[VertexId],
-        watch: Watch,
-    ) -> Result<Self, SeamError> {
+    pub fn of_surface(surface: &Surface, metric: &Metric, cones: &[VertexId], watch: Watch) -> Result<Self, SeamError> {
         Self::new(&surface.mesh, &seam_lengths(surface, metric), cones, watch)
     }
 

@@ -522,7 +522,10 @@ mod tests {
         assert_eq!(Patch::new(corners, vec![], 0), Err(PatchError::NoSuchDisplacement { corner: 3 }));
         let nowhere = vec![Corner::fixed([f64::NAN, 0.0])];
         assert_eq!(Patch::new(nowhere, vec![], 0), Err(PatchError::CornerNotFinite { corner: 0 }));
-        assert!(Patch::new(vec![], vec![], 0).unwrap().untangle(Watch::NONE).succeeded, "nothing is flipped in nothing");
+        assert!(
+            Patch::new(vec![], vec![], 0).unwrap().untangle(Watch::NONE).succeeded,
+            "nothing is flipped in nothing"
+        );
     }
 
     proptest! {

@@ -471,13 +471,13 @@ mod tests {
 
     /// Asserts that a fit is feasible and that nothing pulls inwards.
     fn check(problem: &Problem, optimum: &Optimum) {
-        let gradient = problem.energy().half_gradient(&fit.curvatures);
+        let gradient = problem.energy().half_gradient(&optimum.curvatures);
         let scale = 1.0 + problem.linear.iter().chain(&problem.matrix).fold(0.0, |a: f64, b| a.max(b.abs()));
-        for (i, &q) in fit.curvatures.iter().enumerate() {
+        for (i, &q) in optimum.curvatures.iter().enumerate() {
             let [lower, upper] = problem.bounds[i];
             assert!(lower <= q && q <= upper);
-            let pull = gradient[i] + fit.multiplier;
-            match fit.held[i] {
+            let pull = gradient[i] + optimum.multiplier;
+            match optimum.held[i] {
                 Held::Free => assert!(pull.abs() < 1e-8 * scale, "free {i} feels {pull}"),
                 Held::Lower => {
                     assert!(q == lower && (pull > -1e-8 * scale || lower == upper), "lower {i} feels {pull}");
@@ -486,8 +486,8 @@ mod tests {
             }
         }
         if let Some(total) = problem.total {
-            let size = fit.curvatures.iter().fold(total.abs(), |size, q| size + q.abs());
-            assert!((fit.curvatures.iter().sum::<f64>() - total).abs() <= 1e-12 * size, "the sum holds");
+            let size = optimum.curvatures.iter().fold(total.abs(), |size, q| size + q.abs());
+            assert!((optimum.curvatures.iter().sum::<f64>() - total).abs() <= 1e-12 * size, "the sum holds");
         }
     }
 
@@ -503,7 +503,7 @@ mod tests {
         fn the_minimum_is_the_least_over_all_active_sets(problem in problem(5)) {
             let optimum = minimise(&problem.energy(), &problem.bounds, problem.total).unwrap();
             let expected = by_enumeration(&problem);
-            prop_assert!((fit.energy - expected).abs() < 1e-7 * (1.0 + expected.abs()), "{} is {expected}", fit.energy);
+            prop_assert!((optimum.energy - expected).abs() < 1e-7 * (1.0 + expected.abs()), "{} is {expected}", optimum.energy);
         }
 
         #[test]
@@ -537,16 +537,16 @@ mod tests {
         let linear: Vec<f64> = (0..n).map(|i| (i as f64 * 1.7).sin()).collect();
         let problem = Problem { linear, matrix, bounds: vec![[-0.5, 0.4]; n], total: Some(3.0) };
         let optimum = minimise(&problem.energy(), &problem.bounds, problem.total).unwrap();
-        check(&problem, &fit);
-        assert!(fit.held.contains(&Held::Lower) && fit.held.contains(&Held::Upper) && fit.held.contains(&Held::Free));
+        check(&problem, &optimum);
+        assert!(optimum.held.contains(&Held::Lower) && optimum.held.contains(&Held::Upper) && optimum.held.contains(&Held::Free));
     }
 
     #[test]
     fn what_has_no_quadratic_part_goes_to_its_bounds() {
         let energy = Quadratic { constant: 0.0, linear: &[1.0, -2.0, 0.5], matrix: &[0.0; 9] };
         let optimum = minimise(&energy, &[[-1.0, 1.0]; 3], Some(0.0)).unwrap();
-        assert_eq!(fit.curvatures, [-1.0, 1.0, 0.0]);
-        assert_eq!(fit.multiplier, -0.5);
+        assert_eq!(optimum.curvatures, [-1.0, 1.0, 0.0]);
+        assert_eq!(optimum.multiplier, -0.5);
     }
 
     #[test]

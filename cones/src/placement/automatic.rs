@@ -6,15 +6,15 @@
 
 use geom::{VertexData, VertexId};
 
-use crate::curvature::{CurvatureRule, least_cones};
-use crate::field::Operators;
 use super::configuration::Configuration;
-use super::prediction::{Prediction, predict};
+use super::energy_model::{ConeSet, EnergyModel};
 use super::exchange::{drop_cheapest, exchange};
 use super::nested::Nested;
+use super::prediction::{Prediction, predict};
 use super::pursuit::pursuit;
-use super::energy_model::{ConeSet, EnergyModel};
 use super::refined::{by_curvature, refined, rounds};
+use crate::curvature::{CurvatureRule, least_cones};
+use crate::field::Operators;
 
 /// A number of cones chosen by their predicted distortion.
 #[derive(Clone, Debug)]
@@ -74,7 +74,13 @@ fn first_within(curve: &[Prediction], least: usize, target: f64) -> Option<&Pred
 }
 
 /// From a set that meets the target to the smallest one near it that does.
-fn fewest(model: &mut EnergyModel, nested: &ConeSet, rule: CurvatureRule, target: f64, least: usize) -> (ConeSet, Prediction) {
+fn fewest(
+    model: &mut EnergyModel,
+    nested: &ConeSet,
+    rule: CurvatureRule,
+    target: f64,
+    least: usize,
+) -> (ConeSet, Prediction) {
     let operators = model.operators();
     let meets = |set: &ConeSet, predicted: &Prediction| set.shortfall == 0.0 && predicted.area_distortion <= target;
     let mut best = refined(model, nested.cones.len());
@@ -96,9 +102,10 @@ fn fewest(model: &mut EnergyModel, nested: &ConeSet, rule: CurvatureRule, target
 
 #[cfg(test)]
 mod tests {
+    use crate::placement::prediction::area_distortion;
     use super::*;
+    use geom::Watch;
     use crate::curvature::cone_curvatures;
-    use super::prediction::area_distortion;
     use geom::{Metric, shapes};
 
     fn choose(shape: &shapes::Shape, target: f64, most: usize) -> Automatic {
@@ -166,7 +173,7 @@ mod tests {
         let operators = Operators::new(&mesh, &Metric::from_points(&mesh, &shape.points)).unwrap();
         for rule in [CurvatureRule::Optimal, CurvatureRule::Harmonic] {
             let chosen = automatic(&mut EnergyModel::new(&operators, &mesh), rule, 1.5, 32);
-            let used = cone_curvatures(&operators, &mesh, &chosen.set.cones, rule).unwrap();
+            let used = cone_curvatures(&operators, &mesh, &chosen.set.cones, rule, Watch::NONE).unwrap();
             assert!(chosen.is_met);
             assert!((area_distortion(&operators, &used.predicted) - chosen.predicted.area_distortion).abs() < 1e-9);
         }

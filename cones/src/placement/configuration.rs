@@ -6,10 +6,10 @@
 
 use geom::{VertexData, VertexId};
 
+use super::energy_model::ConeSet;
 use crate::curvature::{CurvatureRule, is_buildable};
 use crate::field::Operators;
 use crate::field::PinnedFactor;
-use super::energy_model::ConeSet;
 
 /// See the module's head.
 #[derive(Clone, Debug)]
@@ -77,9 +77,10 @@ impl Configuration {
 
 #[cfg(test)]
 mod tests {
+    use crate::placement::energy_model::EnergyModel;
     use super::*;
+    use geom::Watch;
     use crate::curvature::cone_curvatures;
-    use super::energy_model::EnergyModel;
     use geom::{Metric, shapes};
 
     #[test]
@@ -100,7 +101,7 @@ mod tests {
             let sets: Vec<ConeSet> = (0..=cones.len()).map(|count| model.fit(&cones[..count])).collect();
             for rule in [CurvatureRule::Optimal, CurvatureRule::Harmonic] {
                 for (set, configuration) in sets.iter().zip(Configuration::nested(&operators, &sets, rule)) {
-                    let used = cone_curvatures(&operators, &mesh, &set.cones, rule);
+                    let used = cone_curvatures(&operators, &mesh, &set.cones, rule, Watch::NONE);
                     let Some(configuration) = configuration else { continue };
                     let used = used.expect("they can take the curvature");
                     let near = |a: &[f64], b: &[f64]| a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-7);

@@ -20,10 +20,10 @@ use std::sync::Arc;
 
 use geom::{Interrupted, Mesh, VertexData, VertexId, Watch};
 
-use crate::curvature::{LARGEST_CORNER, general_bounds, usable_degree};
 use super::distances::Distances;
-use crate::numerics::quadratic_program::{Held, Quadratic, minimise};
+use crate::curvature::{LARGEST_CORNER, general_bounds, usable_degree};
 use crate::field::Operators;
+use crate::numerics::quadratic_program::{Held, Quadratic, minimise};
 
 /// Vertices that are solved for at once: enough to keep the factor in the cache, few enough for memory.
 const BLOCK: usize = 16;
@@ -351,7 +351,7 @@ mod tests {
                 let mut model = EnergyModel::new(&operators, &mesh);
                 model.add(&cones);
                 let set = model.fit(&cones);
-                let Ok(optimal) = cone_curvatures(&operators, &mesh, &cones, CurvatureRule::Optimal) else {
+                let Ok(optimal) = cone_curvatures(&operators, &mesh, &cones, CurvatureRule::Optimal, Watch::NONE) else {
                     prop_assert!(set.shortfall > 0.0);
                     continue;
                 };

@@ -1,7 +1,7 @@
 //! Better sets of cones from the pool, without solves.
 
-use super::separation::Separation;
 use super::energy_model::{ConeSet, EnergyModel};
+use super::separation::Separation;
 use super::swap_table::{Row, Swap, SwapTable};
 
 /// So many of the best swaps are fitted before an exchange is over.

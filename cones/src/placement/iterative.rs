@@ -22,11 +22,18 @@ pub(crate) fn iterative(operators: &Operators, count: usize, watch: Watch) -> Ve
 
 /// The first `count` cones where |φ| is largest, one after the other.
 pub(crate) fn greedy(operators: &Operators, count: usize, watch: Watch) -> Vec<VertexId> {
-    grow(PinnedFactor::new(operators), count, watch, |phi, separation| extreme(phi, separation, f64::abs).into_iter().collect())
+    grow(PinnedFactor::new(operators), count, watch, |phi, separation| {
+        extreme(phi, separation, f64::abs).into_iter().collect()
+    })
 }
 
 /// Adds cones by a rule on the pinned conformal factor, level by level.
-fn grow(mut pinned: PinnedFactor, count: usize, watch: Watch, rule: impl Fn(&VertexData<f64>, &Separation) -> Vec<VertexId>) -> Vec<VertexId> {
+fn grow(
+    mut pinned: PinnedFactor,
+    count: usize,
+    watch: Watch,
+    rule: impl Fn(&VertexData<f64>, &Separation) -> Vec<VertexId>,
+) -> Vec<VertexId> {
     while pinned.cones().len() < count && !watch.stops_at(pinned.cones().len() as f64 / count as f64) {
         let separation = Separation::new(pinned.operators(), pinned.cones());
         let new = rule(&pinned.factor(), &separation);

@@ -3,8 +3,8 @@
 
 use geom::{VertexData, VertexId};
 
-use super::separation::Separation;
 use super::energy_model::{ConeSet, EnergyModel};
+use super::separation::Separation;
 use super::swap_table::norms;
 
 /// How the next cone is chosen.

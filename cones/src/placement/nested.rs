@@ -2,11 +2,11 @@
 
 use geom::VertexId;
 
-use crate::curvature::CurvatureRule;
-use crate::field::Operators;
 use super::configuration::Configuration;
 use super::energy_model::{ConeSet, EnergyModel};
 use super::prediction::{Prediction, Predictor};
+use crate::curvature::CurvatureRule;
+use crate::field::Operators;
 
 /// An order of cones, with the best curvatures of every prefix.
 #[derive(Clone, Debug)]
@@ -83,7 +83,10 @@ pub(crate) fn curve_of_sequence(components: &[ComponentOrder], sequence: &[usize
 
 /// The cones of a sequence: component, vertex of it, and curvature, which is none where the cones so far are too few to take
 /// the component's curvature.
-pub(crate) fn cones_of_sequence(components: &[ComponentOrder], sequence: &[usize]) -> Vec<(usize, VertexId, Option<f64>)> {
+pub(crate) fn cones_of_sequence(
+    components: &[ComponentOrder],
+    sequence: &[usize],
+) -> Vec<(usize, VertexId, Option<f64>)> {
     let mut counts = vec![0; components.len()];
     let cone = |&p: &usize| {
         let at = counts[p];

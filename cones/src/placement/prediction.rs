@@ -2,10 +2,10 @@
 
 use geom::VertexData;
 
+use super::configuration::Configuration;
+use super::energy_model::ConeSet;
 use crate::curvature::CurvatureRule;
 use crate::field::Operators;
-use super::energy_model::ConeSet;
-use super::configuration::Configuration;
 
 /// What linear theory predicts for a set of cones.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -37,7 +37,7 @@ pub(crate) fn predict(operators: &Operators, set: &ConeSet, rule: CurvatureRule)
 ///
 /// # Panics
 /// If `u` has not a value for each vertex.
-pub fn area_distortion(operators: &Operators, u: &[f64]) -> f64 {
+pub(crate) fn area_distortion(operators: &Operators, u: &[f64]) -> f64 {
     distortion_of(&area_ratios(operators, u))
 }
 
@@ -84,7 +84,14 @@ impl Predictor {
     }
 
     /// A component's number of cones and log scale factor; `area` is that in the model.
-    pub(crate) fn put(&mut self, component: usize, operators: &Operators, area: f64, count: usize, mut u: VertexData<f64>) {
+    pub(crate) fn put(
+        &mut self,
+        component: usize,
+        operators: &Operators,
+        area: f64,
+        count: usize,
+        mut u: VertexData<f64>,
+    ) {
         operators.subtract_mean(&mut u);
         let mut faces = area_ratios(operators, &u);
         let own: f64 = faces.iter().map(|(area, _)| area).sum();

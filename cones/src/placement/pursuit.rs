@@ -13,13 +13,13 @@ use std::cmp::Ordering;
 
 use geom::VertexId;
 
-use crate::curvature::COMFORTABLE_CORNER;
-use super::separation::Separation;
+use super::energy_model::{ConeSet, EnergyModel};
 use super::exchange::{TRIALS, drop_cheapest, exchange};
 use super::matching_pursuit::{Rule, grow, start};
-use super::energy_model::{ConeSet, EnergyModel};
 use super::nested::Nested;
+use super::separation::Separation;
 use super::swap_table::{Row, STRIDE, SwapTable, norms};
+use crate::curvature::COMFORTABLE_CORNER;
 
 /// An order is found so many cones at a time.
 pub(crate) const BLOCK: usize = 32;
@@ -160,7 +160,8 @@ impl Order {
                     fewer.remove(place);
                     (place, model.fit(&fewer))
                 };
-                let better = |a: (usize, ConeSet), b: (usize, ConeSet)| if b.1.is_better_than(&a.1, 0.0) { b } else { a };
+                let better =
+                    |a: (usize, ConeSet), b: (usize, ConeSet)| if b.1.is_better_than(&a.1, 0.0) { b } else { a };
                 if let Some((place, _)) = (from..=last).map(without).reduce(better) {
                     cones[place..=last].rotate_left(1);
                 }
@@ -276,8 +277,10 @@ fn worth(model: &EnergyModel, level: &ConeSet) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use crate::curvature::CurvatureRule;
+    use crate::field::Operators;
+    use crate::placement::refined::refined;
     use super::*;
-    use super::refined::refined;
     use geom::{Metric, shapes};
 
     fn with_nested<T>(shape: &shapes::Shape, count: usize, then: impl Fn(&mut EnergyModel, Nested) -> T) -> T {
@@ -305,8 +308,7 @@ mod tests {
     fn nested_sets_are_not_much_worse_than_the_best_of_their_size() {
         for shape in [shapes::hare(1200), shapes::torus(2, 900), shapes::terrain(900, 5)] {
             with_nested(&shape, 16, |model, nested| {
-                let ratio =
-                    |count: usize| nested.sets[count].log_scale_norm() / refined(model, count).log_scale_norm();
+                let ratio = |count: usize| nested.sets[count].log_scale_norm() / refined(model, count).log_scale_norm();
                 let ratios = [4, 8, 16].map(ratio);
                 assert!(ratios.iter().product::<f64>().cbrt() < 1.15, "{ratios:?}");
             });

@@ -2,9 +2,9 @@
 
 use geom::{PoissonError, VertexData, VertexId, Watch};
 
-use crate::field::{ConformalFactor, Operators};
 use super::iterative::highest_and_lowest;
 use super::separation::Separation;
+use crate::field::{ConformalFactor, Operators};
 
 /// The cones of [`Placement::Iterative`](crate::Placement::Iterative), with a factorization for each level but the first: the
 /// method of Ben-Chen, Gotsman & Bunin (2008) as published, for comparison.
@@ -33,13 +33,12 @@ pub(crate) fn iterative_refactoring(
     Ok(cones)
 }
 
-
 #[cfg(test)]
 mod tests {
     use std::path::Path;
 
+    use crate::placement::iterative::iterative;
     use super::*;
-    use super::iterative::iterative;
     use geom::{Metric, shapes};
 
     #[test]
@@ -47,7 +46,10 @@ mod tests {
         for shape in [shapes::hare(1500), shapes::torus(2, 1200), shapes::part(1500), shapes::terrain(900, 4)] {
             let mesh = shape.mesh();
             let operators = Operators::new(&mesh, &Metric::from_points(&mesh, &shape.points)).unwrap();
-            assert_eq!(iterative(&operators, 16, Watch::NONE), iterative_refactoring(&operators, 16, Watch::NONE).unwrap());
+            assert_eq!(
+                iterative(&operators, 16, Watch::NONE),
+                iterative_refactoring(&operators, 16, Watch::NONE).unwrap()
+            );
         }
     }
 
@@ -62,7 +64,11 @@ mod tests {
             let model = geom::io::read(folder.join(name)).unwrap();
             let surface = geom::prepare(&model, false).unwrap().surfaces.swap_remove(0);
             let operators = Operators::new(&surface.mesh, &surface.metric()).unwrap();
-            assert_eq!(iterative(&operators, 32, Watch::NONE), iterative_refactoring(&operators, 32, Watch::NONE).unwrap(), "{name}");
+            assert_eq!(
+                iterative(&operators, 32, Watch::NONE),
+                iterative_refactoring(&operators, 32, Watch::NONE).unwrap(),
+                "{name}"
+            );
         }
     }
 

@@ -8,13 +8,13 @@
 
 use geom::VertexId;
 
-use crate::curvature::{COMFORTABLE_CORNER, general_bounds};
-use super::separation::Separation;
-use super::exchange::{eliminate, exchange, exchange_deeply};
-use crate::numerics::quadratic_program::Held;
-use super::matching_pursuit::{Rule, grow, start};
 use super::energy_model::{ConeSet, EnergyModel};
+use super::exchange::{eliminate, exchange, exchange_deeply};
+use super::matching_pursuit::{Rule, grow, start};
+use super::separation::Separation;
 use super::swap_table::SwapTable;
+use crate::curvature::{COMFORTABLE_CORNER, general_bounds};
+use crate::numerics::quadratic_program::Held;
 
 /// Rounds end when the energy falls by less than this share.
 const LEAST_GAIN: f64 = 0.003;
@@ -37,7 +37,7 @@ const LEAST_BACKWARD: usize = 12;
 /// The cones come in the order of their curvature's size.
 ///
 /// ```
-/// use cones::{Operators, EnergyModel, refined};
+/// use cones::internals::{EnergyModel, Operators, refined};
 /// use geom::{Metric, shapes};
 ///
 /// let shape = shapes::hare(800);

@@ -71,9 +71,9 @@ impl Separation {
 
 #[cfg(test)]
 mod tests {
+    use crate::placement::energy_model::EnergyModel;
+    use crate::placement::refined::refined;
     use super::*;
-    use super::energy_model::EnergyModel;
-    use super::refined::refined;
     use geom::{Mesh, Metric};
     use std::f64::consts::TAU;
 

@@ -20,10 +20,10 @@ use std::f64::consts::PI;
 
 use geom::{Id, VertexData, VertexId};
 
+use super::energy_model::{ConeSet, EnergyModel};
 use super::separation::Separation;
 use crate::numerics::dense;
 use crate::numerics::quadratic_program::Held;
-use super::energy_model::{ConeSet, EnergyModel};
 
 /// Distances count up to here, so that norms are finite where there is no cone at all.
 const FARTHEST: f64 = 1e3;
