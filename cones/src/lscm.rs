@@ -53,7 +53,7 @@ impl From<PoissonError> for LscmError {
     fn from(error: PoissonError) -> Self {
         match error {
             PoissonError::NotPositiveDefinite => Self::NotPositiveDefinite,
-            memory @ PoissonError::OutOfMemory(_) => Self::Memory(memory),
+            memory => Self::Memory(memory),
         }
     }
 }

@@ -8,11 +8,11 @@
 //! ```
 //!
 //! and it is what solving the Laplacian with the cones pinned gives, which takes a new factorization for each set. Entries
-//! of G come from half solves ([`geom::Poisson::half_solve`]), a small part of a solve each, and a new cone adds a row to a
+//! of G come from half solves ([`geom::Poisson::solve_forward`]), a small part of a solve each, and a new cone adds a row to a
 //! Cholesky factor of `G_SS`. The grounded vertex, where G is 0, can be a cone too: it fixes s, and has the curvature that
 //! is left.
 
-use geom::{HalfSolved, VertexData, VertexId};
+use geom::{ForwardSolution, VertexData, VertexId};
 
 use crate::dense::Growing;
 use crate::factor::ConformalFactor;
@@ -25,7 +25,7 @@ pub(crate) struct Pinned<'a> {
     /// p: all curvature taken to the grounded vertex or the boundary.
     flattening: VertexData<f64>,
     /// The half solves of the cones.
-    half: Vec<HalfSolved>,
+    half: Vec<ForwardSolution>,
     /// The factor of `G_SS`, the grounded vertex left out; none where cones coincide.
     green: Option<Growing>,
 }
@@ -50,7 +50,7 @@ impl<'a> Pinned<'a> {
 
     /// Pins more vertices. A half solve each.
     pub(crate) fn add(&mut self, cones: &[VertexId]) {
-        for (&cone, half) in cones.iter().zip(self.operators.poisson.half_solve(cones)) {
+        for (&cone, half) in cones.iter().zip(self.operators.poisson.solve_forward(cones)) {
             self.cones.push(cone);
             self.half.push(half);
             let Some(last) = self.half.last().filter(|_| !self.is_grounded(cone)) else { continue };
@@ -69,7 +69,7 @@ impl<'a> Pinned<'a> {
     pub(crate) fn factor(&self) -> VertexData<f64> {
         let curvature = if self.cones.is_empty() { None } else { self.curvature() };
         let Some(curvature) = curvature else { return ConformalFactor::new(self.operators).phi };
-        let mut phi = self.operators.poisson.finish(self.half.iter().zip(curvature));
+        let mut phi = self.operators.poisson.solve_backward(self.half.iter().zip(curvature));
         phi.iter_mut().zip(self.flattening.iter()).for_each(|(phi, p)| *phi += p);
         if !self.operators.is_bordered() {
             let at_cones = phi[self.cones[0]];

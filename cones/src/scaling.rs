@@ -183,10 +183,10 @@ impl Newton<'_> {
                 false => {
                     if !keep_factor || factored.is_none() {
                         let hessian = self.hessian(&state.triangulation, &metric);
-                        match &mut factored {
+                        factored = Some(match factored.take() {
                             Some(poisson) => poisson.refactor(&hessian)?,
-                            None => factored = Some(self.poisson.another(&hessian)?),
-                        }
+                            None => self.poisson.another(&hessian)?,
+                        });
                     }
                     factored.as_ref().expect("it was just factored").solve(&residual)
                 }

@@ -35,9 +35,11 @@ pub mod shapes;
 mod surface;
 mod vector;
 mod walk;
+mod watch;
 
 pub use intrinsic::*;
-pub use linalg::{CholeskyError, SymmetricMatrix, gram};
+pub use linalg::{Cholesky, CholeskyError, SymmetricMatrix, gram};
 pub use mesh::*;
 pub use surface::*;
 pub use walk::*;
+pub use watch::{Interrupted, Watch};

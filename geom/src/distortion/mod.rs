@@ -32,6 +32,7 @@ use self::linear::{Image, images};
 use self::measured::Measured;
 use crate::mesh::{FaceData, FaceId, Id, VertexData, VertexId};
 use crate::vector::distance;
+use crate::watch::{Interrupted, Watch};
 
 /// The measures of a map; see the module's head.
 #[derive(Clone, Debug)]
@@ -131,6 +132,7 @@ impl Island {
 
 /// Why a map cannot be measured.
 #[derive(Clone, Debug, Error, PartialEq)]
+#[non_exhaustive]
 pub enum DistortionError {
     /// The lists do not belong together.
     #[error("there are {triangles} triangles but texture coordinates for {uv}")]
@@ -159,6 +161,9 @@ pub enum DistortionError {
     /// There is nothing to measure.
     #[error("no triangle has an area both on the surface and in texture space, so that there is nothing to measure")]
     NoArea,
+    /// The work was stopped.
+    #[error(transparent)]
+    Interrupted(#[from] Interrupted),
 }
 
 /// Measures a map, given by the images of the corners of each triangle. Linear but for two sorts of the triangles.
@@ -183,6 +188,20 @@ pub fn measure(
     triangles: &[[u32; 3]],
     uv: &[[[f64; 2]; 3]],
 ) -> Result<Distortion, DistortionError> {
+    measure_watched(points, triangles, uv, Watch::NONE)
+}
+
+/// [`measure`], watched.
+///
+/// # Errors
+/// As [`measure`], and if it is stopped.
+pub fn measure_watched(
+    points: &[[f64; 3]],
+    triangles: &[[u32; 3]],
+    uv: &[[[f64; 2]; 3]],
+    watch: Watch,
+) -> Result<Distortion, DistortionError> {
+    watch.ask(0.0)?;
     check(points, triangles, uv)?;
     let points = unit_size(points, || triangles.as_flattened().iter().map(|&v| points[v as usize]));
     let uv = unit_size(uv.as_flattened(), || uv.as_flattened().iter().copied());

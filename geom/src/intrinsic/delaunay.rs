@@ -13,6 +13,7 @@
 use super::laplacian::weights_by;
 use super::metric::{Metric, Sides};
 use crate::mesh::{EdgeData, EdgeId, HalfedgeId, Triangulation};
+use crate::watch::Watch;
 
 /// An edge counts as Delaunay down to this sum of cosines, lest a cocircular quad flip for ever.
 const TOLERANCE: f64 = 1e-12;
@@ -42,10 +43,15 @@ pub struct Intrinsic {
 /// # Ok::<(), geom::MeshError>(())
 /// ```
 pub fn delaunay(triangulation: &Triangulation, metric: &Metric) -> Intrinsic {
+    delaunay_watched(triangulation, metric, Watch::NONE)
+}
+
+/// [`delaunay`], watched. Stopped, it returns a triangulation of the same surface that is not Delaunay everywhere.
+pub fn delaunay_watched(triangulation: &Triangulation, metric: &Metric, watch: Watch) -> Intrinsic {
     let mut triangulation = triangulation.clone();
     let mut metric = metric.clone();
     let mut flips = Vec::new();
-    flip_to_delaunay(&mut triangulation, &mut metric, &mut flips, |length, e, quad| {
+    flip_to_delaunay(&mut triangulation, &mut metric, &mut flips, watch, |length, e, quad| {
         length[e] = other_diagonal(length[e], quad.map(|side| length[side]));
     });
     Intrinsic { triangulation, metric, flips }
@@ -59,8 +65,20 @@ pub fn ptolemaic_delaunay(
     u: &[f64],
     flips: &mut Vec<HalfedgeId>,
 ) -> Metric {
+    ptolemaic_delaunay_watched(triangulation, metric, u, flips, Watch::NONE)
+}
+
+/// [`ptolemaic_delaunay`], watched. Stopped, it leaves a triangulation and a metric of the same discrete conformal class, with
+/// the log of all flips, which scaled is not Delaunay everywhere.
+pub fn ptolemaic_delaunay_watched(
+    triangulation: &mut Triangulation,
+    metric: &mut Metric,
+    u: &[f64],
+    flips: &mut Vec<HalfedgeId>,
+    watch: Watch,
+) -> Metric {
     let mut scaled = metric.scaled(triangulation, u);
-    flip_to_delaunay(triangulation, &mut scaled, flips, |scaled, e, quad| {
+    flip_to_delaunay(triangulation, &mut scaled, flips, watch, |scaled, e, quad| {
         for length in [scaled, metric.lengths_mut()] {
             length[e] = ptolemy(length[e], quad.map(|side| length[side]));
         }
@@ -74,14 +92,26 @@ fn flip_to_delaunay(
     triangulation: &mut Triangulation,
     metric: &mut Metric,
     flips: &mut Vec<HalfedgeId>,
+    watch: Watch,
     mut set_diagonal: impl FnMut(&mut EdgeData<f64>, EdgeId, [EdgeId; 4]),
 ) {
+    if watch.stops_at(0.0) {
+        return;
+    }
     let mut queued = suspects(triangulation, metric);
     let mut queue: Vec<EdgeId> = triangulation.edges().rev().filter(|&e| queued[e]).collect();
+    // How far the queue will grow again is not known: its least length tells how far the work is.
+    let (first_length, mut least_length) = (queue.len(), queue.len());
+    let mut looked_at = 0;
     let length = metric.lengths_mut();
     // The flips of a Delaunay triangulation end in exact arithmetic; on needles rounding may disagree.
     let mut budget = 64 * triangulation.edge_count() + 1024;
     while let Some(e) = queue.pop() {
+        looked_at += 1;
+        least_length = least_length.min(queue.len());
+        if looked_at % 4096 == 0 && watch.stops_at(1.0 - least_length as f64 / first_length as f64) {
+            return;
+        }
         queued[e] = false;
         if budget == 0 || !triangulation.is_flippable(e) {
             continue;

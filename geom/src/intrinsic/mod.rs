@@ -8,8 +8,8 @@ mod metric;
 mod poisson;
 
 pub use curvature::angle_defects;
-pub use delaunay::{Intrinsic, delaunay, ptolemaic_delaunay};
+pub use delaunay::{Intrinsic, delaunay, delaunay_watched, ptolemaic_delaunay, ptolemaic_delaunay_watched};
 pub use double::Double;
 pub use laplacian::{edge_weights, laplacian};
 pub use metric::{Metric, Sides};
-pub use poisson::{HalfSolved, Poisson, PoissonError};
+pub use poisson::{ForwardSolution, Poisson, PoissonError};

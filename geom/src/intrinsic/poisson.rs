@@ -8,13 +8,15 @@ use thiserror::Error;
 
 use crate::linalg::{Cholesky, CholeskyError, SymmetricMatrix};
 use crate::mesh::{Id, VertexData, VertexId};
+use crate::watch::{Interrupted, Watch, unwatched};
 
 /// From so many vertices on it is worth it to dissect. (Below 30 thousand approximate minimum degree takes no longer, and
 /// gives a factor smaller by a twentieth.)
 const DISSECTED: usize = 35_000;
 
-/// Why a Laplacian cannot be factored.
+/// Why a Laplacian is not factored.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum PoissonError {
     /// A pivot is not positive: degenerate triangles, or a surface in several pieces.
     #[error("the Laplacian is not positive definite; the mesh has degenerate triangles or several components")]
@@ -22,6 +24,9 @@ pub enum PoissonError {
     /// The factor does not fit into memory.
     #[error("there is not enough memory to factor the Laplacian of {0} vertices")]
     OutOfMemory(usize),
+    /// The work was stopped.
+    #[error(transparent)]
+    Interrupted(#[from] Interrupted),
 }
 
 impl From<CholeskyError> for PoissonError {
@@ -29,6 +34,7 @@ impl From<CholeskyError> for PoissonError {
         match error {
             CholeskyError::NotPositiveDefinite => Self::NotPositiveDefinite,
             CholeskyError::OutOfMemory(rows) => Self::OutOfMemory(rows),
+            CholeskyError::Interrupted(interrupted) => Self::Interrupted(interrupted),
         }
     }
 }
@@ -60,7 +66,7 @@ impl Poisson {
     /// # Errors
     /// If the matrix is not positive definite off the kernel, or memory does not suffice.
     pub fn new(laplacian: &SymmetricMatrix, fixed: &[VertexId]) -> Result<Self, PoissonError> {
-        Self::ordered(laplacian, fixed, None)
+        Self::new_watched(laplacian, fixed, None, Watch::NONE)
     }
 
     /// The same where the positions of the vertices are known: they tell an order of elimination that is found
@@ -76,13 +82,21 @@ impl Poisson {
         fixed: &[VertexId],
         points: &[[f64; 3]],
     ) -> Result<Self, PoissonError> {
-        Self::ordered(laplacian, fixed, Some(points).filter(|points| points.len() >= DISSECTED))
+        Self::new_watched(laplacian, fixed, Some(points), Watch::NONE)
     }
 
-    fn ordered(
+    /// [`Poisson::with_points`] where there are points, else [`Poisson::new`]; watched.
+    ///
+    /// # Errors
+    /// As [`Poisson::new`], and if it is stopped.
+    ///
+    /// # Panics
+    /// If there are fewer points than vertices.
+    pub fn new_watched(
         laplacian: &SymmetricMatrix,
         fixed: &[VertexId],
         points: Option<&[[f64; 3]]>,
+        watch: Watch,
     ) -> Result<Self, PoissonError> {
         let vertex_count = laplacian.dimension();
         let mut known = VertexData::constant(vertex_count, false);
@@ -93,9 +107,10 @@ impl Poisson {
             known[VertexId::new(vertex_count - 1)] = true;
         }
         let unknown: Vec<VertexId> = known.iter_ids().filter(|(_, known)| !**known).map(|(v, _)| v).collect();
-        let point = |points: &[[f64; 3]]| unknown.iter().map(|v| points[v.index()].map(|x| x as f32)).collect();
-        let points: Option<Vec<[f32; 3]>> = points.map(point);
-        let cholesky = Cholesky::new(restrict(laplacian, &unknown), points.as_deref())?;
+        let points = points.filter(|points| points.len() >= DISSECTED);
+        let points: Option<Vec<[f64; 3]>> = points.map(|points| unknown.iter().map(|v| points[v.index()]).collect());
+        watch.ask(0.0)?;
+        let cholesky = Cholesky::of(restrict(laplacian, &unknown), points.as_deref(), watch)?;
         Ok(Self { cholesky, unknown, vertex_count, closed: fixed.is_empty() })
     }
 
@@ -104,9 +119,17 @@ impl Poisson {
     /// # Errors
     /// If it is not positive definite, or memory does not suffice.
     pub fn definite(matrix: &SymmetricMatrix) -> Result<Self, PoissonError> {
+        Self::definite_watched(matrix, Watch::NONE)
+    }
+
+    /// [`Poisson::definite`], watched.
+    ///
+    /// # Errors
+    /// As [`Poisson::definite`], and if it is stopped.
+    pub fn definite_watched(matrix: &SymmetricMatrix, watch: Watch) -> Result<Self, PoissonError> {
         let vertex_count = matrix.dimension();
         let unknown: Vec<VertexId> = (0..vertex_count).map(VertexId::new).collect();
-        let cholesky = Cholesky::new(restrict(matrix, &unknown), None)?;
+        let cholesky = Cholesky::new_watched(matrix, None, watch)?;
         Ok(Self { cholesky, unknown, vertex_count, closed: false })
     }
 
@@ -115,18 +138,36 @@ impl Poisson {
     /// # Errors
     /// As [`Poisson::new`].
     pub fn another(&self, laplacian: &SymmetricMatrix) -> Result<Self, PoissonError> {
+        self.another_watched(laplacian, Watch::NONE)
+    }
+
+    /// [`Poisson::another`], watched.
+    ///
+    /// # Errors
+    /// As [`Poisson::new`], and if it is stopped.
+    pub fn another_watched(&self, laplacian: &SymmetricMatrix, watch: Watch) -> Result<Self, PoissonError> {
         debug_assert_eq!(laplacian.dimension(), self.vertex_count);
-        let cholesky = self.cholesky.another(restrict(laplacian, &self.unknown))?;
+        let cholesky = self.cholesky.another(restrict(laplacian, &self.unknown), watch)?;
         Ok(Self { cholesky, unknown: self.unknown.clone(), ..*self })
     }
 
-    /// Factors another Laplacian of the same surface, with the same vertices fixed; what can be kept is.
+    /// Factors another Laplacian of the same surface in place of this one, with the same vertices fixed: what can be kept is,
+    /// and there are never two factors.
     ///
     /// # Errors
-    /// As [`Poisson::new`]; after an error the old factor is gone, and only `refactor` may be called.
-    pub fn refactor(&mut self, laplacian: &SymmetricMatrix) -> Result<(), PoissonError> {
+    /// As [`Poisson::new`].
+    pub fn refactor(self, laplacian: &SymmetricMatrix) -> Result<Self, PoissonError> {
+        self.refactor_watched(laplacian, Watch::NONE)
+    }
+
+    /// [`Poisson::refactor`], watched.
+    ///
+    /// # Errors
+    /// As [`Poisson::new`], and if it is stopped.
+    pub fn refactor_watched(self, laplacian: &SymmetricMatrix, watch: Watch) -> Result<Self, PoissonError> {
         debug_assert_eq!(laplacian.dimension(), self.vertex_count);
-        Ok(self.cholesky.refactor(restrict(laplacian, &self.unknown))?)
+        let cholesky = self.cholesky.refactor(restrict(laplacian, &self.unknown), watch)?;
+        Ok(Self { cholesky, ..self })
     }
 
     /// Solves L x = b with x = 0 at the fixed vertices. On a closed surface b must sum to zero, and x is shifted to mean
@@ -135,18 +176,7 @@ impl Poisson {
     /// # Panics
     /// If `b` is not as long as there are vertices.
     pub fn solve(&self, b: &[f64]) -> VertexData<f64> {
-        let restricted = self.gather(b);
-        let mut x = restricted.clone();
-        self.cholesky.solve_in_place(&mut x);
-        let product = self.cholesky.multiply(&x);
-        let mut residual: Vec<f64> = restricted.iter().zip(&product).map(|(b, p)| b - p).collect();
-        if norm(&residual) > 1e-13 * norm(&restricted) {
-            self.cholesky.solve_in_place(&mut residual);
-            for (x, correction) in x.iter_mut().zip(&residual) {
-                *x += correction;
-            }
-        }
-        self.shifted(self.scatter(&x))
+        self.shifted(self.scatter(&self.cholesky.solve(&self.gather(b))))
     }
 
     /// Solves for several right-hand sides at once, which is 4–5 times cheaper for each than one by one; without
@@ -155,13 +185,28 @@ impl Poisson {
     /// # Panics
     /// If a right-hand side is not as long as there are vertices.
     pub fn solve_many(&self, right_hand_sides: &[VertexData<f64>]) -> Vec<VertexData<f64>> {
+        unwatched(self.solve_many_watched(right_hand_sides, Watch::NONE))
+    }
+
+    /// [`Poisson::solve_many`], watched.
+    ///
+    /// # Errors
+    /// If it is stopped.
+    ///
+    /// # Panics
+    /// If a right-hand side is not as long as there are vertices.
+    pub fn solve_many_watched(
+        &self,
+        right_hand_sides: &[VertexData<f64>],
+        watch: Watch,
+    ) -> Result<Vec<VertexData<f64>>, Interrupted> {
         let n = self.unknown.len();
         if n == 0 {
-            return vec![VertexData::constant(self.vertex_count, 0.0); right_hand_sides.len()];
+            return Ok(vec![VertexData::constant(self.vertex_count, 0.0); right_hand_sides.len()]);
         }
         let mut block: Vec<f64> = right_hand_sides.iter().flat_map(|b| self.gather(b)).collect();
-        self.cholesky.solve_in_place(&mut block);
-        block.chunks_exact(n).map(|x| self.shifted(self.scatter(x))).collect()
+        self.cholesky.solve_in_place(&mut block, watch)?;
+        Ok(block.chunks_exact(n).map(|x| self.shifted(self.scatter(x))).collect())
     }
 
     /// On a closed surface, the vertex that was left out to make the Laplacian definite.
@@ -169,42 +214,55 @@ impl Poisson {
         (self.closed && self.vertex_count > 0).then(|| VertexId::new(self.vertex_count - 1))
     }
 
-    /// For each given vertex, half of the solve that gives its Green's function `G e_v`, where G is the inverse of the
-    /// Laplacian that was factored: without the fixed vertices, and on a closed surface without the grounded one. At those
-    /// G is 0.
+    /// For each given vertex the forward substitution of the solve that gives its Green's function `G e_v`, where G is the
+    /// inverse of the Laplacian that was factored: without the fixed vertices, and on a closed surface without the
+    /// grounded one. At those G is 0.
     ///
     /// With the factor, L = C Cᵀ, this is `C⁻¹ e_v`, which is 0 but on the way from v to the root of the elimination tree:
-    /// a few thousand entries, for a small share of a solve. [`HalfSolved::dot`] gives the entries of G.
-    pub fn half_solve(&self, vertices: &[VertexId]) -> Vec<HalfSolved> {
+    /// a few thousand entries, for a small share of a solve. [`ForwardSolution::dot`] gives the entries of G.
+    pub fn solve_forward(&self, vertices: &[VertexId]) -> Vec<ForwardSolution> {
         let mut scratch = Vec::new();
-        let half = |v: &VertexId| match self.unknown.binary_search(v) {
-            Ok(k) => HalfSolved { entries: self.cholesky.half_solve(k as u32, &mut scratch) },
-            Err(_) => HalfSolved { entries: Vec::new() },
+        let solution = |v: &VertexId| match self.unknown.binary_search(v) {
+            Ok(k) => ForwardSolution { entries: self.cholesky.solve_forward(k as u32, &mut scratch) },
+            Err(_) => ForwardSolution { entries: Vec::new() },
         };
-        vertices.iter().map(half).collect()
+        vertices.iter().map(solution).collect()
     }
 
     /// `G b` for right-hand sides b that are 0 but at the vertices given with their values: for a single vertex its
-    /// Green's function. Little more than half as expensive as [`solve_many`](Self::solve_many), since the first half of the
-    /// solve is as in [`half_solve`](Self::half_solve). Values at fixed vertices do not count; on a closed surface the
+    /// Green's function. Little more than half as expensive as [`solve_many`](Self::solve_many), since the forward
+    /// substitution is sparse, as in [`solve_forward`](Self::solve_forward). Values at fixed vertices do not count; on a closed surface the
     /// grounded vertex takes what is missing from a sum of zero, and has the solution 0.
     pub fn solve_sparse(&self, right_hand_sides: &[Vec<(VertexId, f64)>]) -> Vec<VertexData<f64>> {
+        unwatched(self.solve_sparse_watched(right_hand_sides, Watch::NONE))
+    }
+
+    /// [`Poisson::solve_sparse`], watched.
+    ///
+    /// # Errors
+    /// If it is stopped.
+    pub fn solve_sparse_watched(
+        &self,
+        right_hand_sides: &[Vec<(VertexId, f64)>],
+        watch: Watch,
+    ) -> Result<Vec<VertexData<f64>>, Interrupted> {
         let row = |&(v, value): &(VertexId, f64)| Some((self.unknown.binary_search(&v).ok()? as u32, value));
         let rows: Vec<Vec<(u32, f64)>> = right_hand_sides.iter().map(|b| b.iter().filter_map(row).collect()).collect();
         let n = self.unknown.len();
         if n == 0 {
-            return vec![VertexData::constant(self.vertex_count, 0.0); rows.len()];
+            return Ok(vec![VertexData::constant(self.vertex_count, 0.0); rows.len()]);
         }
-        self.cholesky.solve_sparse(&rows).chunks_exact(n).map(|x| self.scatter(x)).collect()
+        Ok(self.cholesky.solve_sparse(&rows, watch)?.chunks_exact(n).map(|x| self.scatter(x)).collect())
     }
 
-    /// The other half: `Σ k_v G e_v`, 0 at fixed vertices and at the grounded one. Costs half a solve, however many there are.
-    pub fn finish<'a>(&self, halves: impl IntoIterator<Item = (&'a HalfSolved, f64)>) -> VertexData<f64> {
+    /// The backward substitution: `Σ k_v G e_v`, 0 at fixed vertices and at the grounded one. Costs half a solve, however many
+    /// there are.
+    pub fn solve_backward<'a>(&self, forward: impl IntoIterator<Item = (&'a ForwardSolution, f64)>) -> VertexData<f64> {
         let mut y = vec![0.0; self.unknown.len()];
-        for (half, k) in halves {
-            half.entries.iter().for_each(|&(step, entry)| y[step as usize] += k * entry);
+        for (solution, k) in forward {
+            solution.entries.iter().for_each(|&(step, entry)| y[step as usize] += k * entry);
         }
-        self.scatter(&self.cholesky.half_solve_back(y))
+        self.scatter(&self.cholesky.solve_backward(y))
     }
 
     /// The number of stored entries of the factor: eight bytes each.
@@ -239,15 +297,15 @@ impl Poisson {
     }
 }
 
-/// A vertex's half of a solve; see [`Poisson::half_solve`].
+/// The forward substitution for a vertex; see [`Poisson::solve_forward`].
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct HalfSolved {
+pub struct ForwardSolution {
     /// The nonzero entries of `C⁻¹ e_v` by step of the elimination, ascending.
     entries: Vec<(u32, f64)>,
 }
 
-impl HalfSolved {
-    /// The entry of G for the vertices of two halves of the same factor.
+impl ForwardSolution {
+    /// The entry of G for the vertices of two forward substitutions with the same factor.
     pub fn dot(&self, other: &Self) -> f64 {
         let mut others = other.entries.iter().peekable();
         let mut sum = 0.0;
@@ -261,10 +319,6 @@ impl HalfSolved {
     }
 }
 
-fn norm(x: &[f64]) -> f64 {
-    x.iter().map(|x| x * x).sum::<f64>().sqrt()
-}
-
 /// The rows and columns of the unknowns.
 fn restrict(matrix: &SymmetricMatrix, unknown: &[VertexId]) -> SymmetricMatrix {
     matrix.restricted(unknown.iter().map(|v| v.index()))
@@ -276,30 +330,31 @@ mod tests {
     use crate::{Metric, laplacian, shapes};
 
     #[test]
-    fn half_solves_make_up_whole_ones() {
+    fn forward_and_backward_substitution_make_up_a_solve() {
         for (shape, fixed) in [(shapes::hare(900), vec![]), (shapes::hare(900), vec![VertexId(5), VertexId(600)])] {
             let mesh = shape.mesh();
             let matrix = laplacian(&mesh, &Metric::from_points(&mesh, &shape.points));
             let poisson = Poisson::with_points(&matrix, &fixed, &shape.points).unwrap();
             let (v, w) = (VertexId(17), VertexId(300));
-            let halves = poisson.half_solve(&[v, w, fixed.first().copied().or(poisson.grounded()).unwrap()]);
-            assert_eq!(halves[2], HalfSolved::default());
+            let forward = poisson.solve_forward(&[v, w, fixed.first().copied().or(poisson.grounded()).unwrap()]);
+            assert_eq!(forward[2], ForwardSolution::default());
             // A dipole sums to zero.
             let mut source = VertexData::constant(mesh.vertex_count(), 0.0);
             (source[v], source[w]) = (1.0, -1.0);
-            let (half, whole) = (poisson.finish([(&halves[0], 1.0), (&halves[1], -1.0)]), poisson.solve(&source));
+            let (half, whole) =
+                (poisson.solve_backward([(&forward[0], 1.0), (&forward[1], -1.0)]), poisson.solve(&source));
             let shift = whole[v] - half[v];
             assert!(mesh.vertices().all(|x| (whole[x] - half[x] - shift).abs() < 1e-11));
             let sparse = poisson.solve_sparse(&[vec![(v, 1.0), (w, -1.0)], vec![(w, 1.0)], vec![]]);
             assert!(mesh.vertices().all(|x| (sparse[0][x] - half[x]).abs() < 1e-11 && sparse[2][x] == 0.0));
             let [alone] = &poisson.solve_sparse(&[vec![(w, 1.0)]])[..] else { panic!("one for one") };
             assert!(mesh.vertices().all(|x| (sparse[1][x] - alone[x]).abs() < 1e-11));
-            assert!((alone[v] - halves[0].dot(&halves[1])).abs() < 1e-11);
-            let across = halves[0].dot(&halves[0]) - halves[0].dot(&halves[1]);
+            assert!((alone[v] - forward[0].dot(&forward[1])).abs() < 1e-11);
+            let across = forward[0].dot(&forward[0]) - forward[0].dot(&forward[1]);
             assert!((across - half[v]).abs() < 1e-11);
             assert_eq!(
-                poisson.finish([(&halves[1], 1.0)])[v],
-                poisson.another(&matrix).unwrap().finish([(&halves[1], 1.0)])[v]
+                poisson.solve_backward([(&forward[1], 1.0)])[v],
+                poisson.another(&matrix).unwrap().solve_backward([(&forward[1], 1.0)])[v]
             );
         }
     }

@@ -18,6 +18,7 @@ use super::front::Eliminator;
 use super::graph::Graph;
 use super::substitution::{LANES, Passes, substitute};
 use super::symmetric::SymmetricMatrix;
+use crate::watch::{Interrupted, Watch};
 
 /// Why a matrix cannot be factored.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
@@ -29,10 +30,15 @@ pub enum CholeskyError {
     /// The factor does not fit into memory.
     #[error("there is not enough memory to factor a matrix of {0} rows")]
     OutOfMemory(usize),
+    /// The work was stopped.
+    #[error(transparent)]
+    Interrupted(#[from] Interrupted),
 }
 
 /// So many right-hand sides are solved for at once.
 const BLOCK: usize = 16;
+/// After so much arithmetic in fronts the watch is asked again: about a millisecond.
+const ASKED_AFTER: usize = 4_000_000;
 
 /// The graph of a matrix.
 fn graph(matrix: &SymmetricMatrix) -> Graph {
@@ -50,9 +56,20 @@ fn minimum_degree(matrix: &SymmetricMatrix) -> Result<Vec<u32>, CholeskyError> {
     Ok(order)
 }
 
-/// C Cᵀ = P A Pᵀ.
+/// A factored symmetric positive definite matrix: C Cᵀ = P A Pᵀ, P the order of elimination. Factoring costs as much as ten
+/// to twenty solves.
+///
+/// ```
+/// # use geom::{Cholesky, Mesh, Metric, laplacian};
+/// let triangle = Mesh::new(3, &[[0, 1, 2]])?;
+/// let mut matrix = laplacian(&triangle, &Metric::new(vec![1.0; 3].into()));
+/// (0..3).for_each(|i| *matrix.diagonal_mut(i) += 1.0);
+/// let x = Cholesky::new(&matrix)?.solve(&[3.0, 2.0, 1.0]);
+/// assert!((matrix.multiply(&x)[0] - 3.0).abs() < 1e-14);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug)]
-pub(crate) struct Cholesky {
+pub struct Cholesky {
     matrix: SymmetricMatrix,
     elimination: Elimination,
     /// Where each entry of the matrix is in the factor.
@@ -61,47 +78,85 @@ pub(crate) struct Cholesky {
 }
 
 impl Cholesky {
-    /// Orders, analyses and factors a matrix: by nested dissection where points are given, one for each row; else by
-    /// approximate minimum degree.
-    pub(crate) fn new(matrix: SymmetricMatrix, points: Option<&[[f32; 3]]>) -> Result<Self, CholeskyError> {
+    /// Factors a matrix, eliminating in an order of approximate minimum degree.
+    ///
+    /// # Errors
+    /// If it is not positive definite, or memory does not suffice.
+    pub fn new(matrix: &SymmetricMatrix) -> Result<Self, CholeskyError> {
+        Self::new_watched(matrix, None, Watch::NONE)
+    }
+
+    /// Factors a matrix whose rows have positions, and entries mostly between near ones: nested dissection finds an order that
+    /// is better from some ten thousand rows on. Positions only guide.
+    ///
+    /// # Errors
+    /// As [`Cholesky::new`].
+    ///
+    /// # Panics
+    /// If there are fewer points than rows.
+    pub fn with_points(matrix: &SymmetricMatrix, points: &[[f64; 3]]) -> Result<Self, CholeskyError> {
+        Self::new_watched(matrix, Some(points), Watch::NONE)
+    }
+
+    /// [`Cholesky::with_points`] where there are points, else [`Cholesky::new`]; watched.
+    ///
+    /// # Errors
+    /// As [`Cholesky::new`], and if it is stopped.
+    ///
+    /// # Panics
+    /// If there are fewer points than rows.
+    pub fn new_watched(
+        matrix: &SymmetricMatrix,
+        points: Option<&[[f64; 3]]>,
+        watch: Watch,
+    ) -> Result<Self, CholeskyError> {
+        Self::of(matrix.clone(), points, watch)
+    }
+
+    /// Orders, analyses and factors a matrix.
+    pub(crate) fn of(
+        matrix: SymmetricMatrix,
+        points: Option<&[[f64; 3]]>,
+        watch: Watch,
+    ) -> Result<Self, CholeskyError> {
         let graph = graph(&matrix);
         let order = match points {
-            Some(points) => dissect(&graph, points),
+            Some(points) => dissect(&graph, points, watch.within(0.0, 0.2))?,
             None => minimum_degree(&matrix)?,
         };
-        Self::in_order(matrix, &graph, &order)
+        Self::in_order(matrix, &graph, &order, watch.within(0.2, 1.0))
     }
 
     /// Factors another matrix of the same dimension in the same order.
-    pub(crate) fn another(&self, matrix: SymmetricMatrix) -> Result<Self, CholeskyError> {
+    pub(crate) fn another(&self, matrix: SymmetricMatrix, watch: Watch) -> Result<Self, CholeskyError> {
         let graph = graph(&matrix);
-        Self::in_order(matrix, &graph, &self.elimination.order)
+        Self::in_order(matrix, &graph, &self.elimination.order, watch)
     }
 
-    fn in_order(matrix: SymmetricMatrix, graph: &Graph, order: &[u32]) -> Result<Self, CholeskyError> {
-        let elimination = Elimination::new(graph, order);
+    fn in_order(matrix: SymmetricMatrix, graph: &Graph, order: &[u32], watch: Watch) -> Result<Self, CholeskyError> {
+        let elimination = Elimination::new(graph, order, watch.within(0.0, 0.15))?;
         let column = |c: usize| matrix.row[matrix.range(c)].iter().map(move |&r| (c as u32, r));
         let place =
             (0..matrix.dimension()).flat_map(column).map(|(column, row)| elimination.place(column, row)).collect();
         let mut cholesky = Self { matrix, elimination, place, factor: Vec::new() };
-        cholesky.factor_values()?;
+        cholesky.factor_values(watch.within(0.15, 1.0))?;
         Ok(cholesky)
     }
 
-    /// Factors another matrix of the same dimension: the analysis is kept where the pattern is the same, the order in any
-    /// case (it stays good while a few edges flip).
-    pub(crate) fn refactor(&mut self, matrix: SymmetricMatrix) -> Result<(), CholeskyError> {
+    /// Factors another matrix of the same dimension in place of this one: the analysis is kept where the pattern is the same,
+    /// the order in any case (it stays good while a few edges flip).
+    pub(crate) fn refactor(mut self, matrix: SymmetricMatrix, watch: Watch) -> Result<Self, CholeskyError> {
         if matrix.column_start == self.matrix.column_start && matrix.row == self.matrix.row {
             self.matrix.value = matrix.value;
-            return self.factor_values();
+            self.factor_values(watch)?;
+            return Ok(self);
         }
         // The old factor goes before the new one is made: at peak there is one.
         self.factor = Vec::new();
-        *self = self.another(matrix)?;
-        Ok(())
+        self.another(matrix, watch)
     }
 
-    fn factor_values(&mut self) -> Result<(), CholeskyError> {
+    fn factor_values(&mut self, watch: Watch) -> Result<(), CholeskyError> {
         let Self { matrix, elimination, place, factor } = self;
         let out_of_memory = |_| CholeskyError::OutOfMemory(matrix.dimension());
         factor.clear();
@@ -114,8 +169,14 @@ impl Cholesky {
         updates.try_reserve_exact(most_updates(elimination)).map_err(out_of_memory)?;
         let mut waiting: Vec<usize> = Vec::new();
         let mut eliminator = Eliminator::new();
+        let mut work = usize::MAX;
         for s in 0..elimination.len() {
             let (width, rest) = (elimination.width(s), elimination.rows(s).len());
+            work = work.saturating_add(width * (width + rest).pow(2));
+            if work > ASKED_AFTER {
+                watch.ask(elimination.values(s).start as f64 / elimination.value_count() as f64)?;
+                work = 0;
+            }
             let children = waiting.partition_point(|&child| elimination.parent(child) != Some(s));
             let begin = updates.len() - waiting[children..].iter().map(|&c| update_len(elimination, c)).sum::<usize>();
             let end = updates.len();
@@ -139,31 +200,62 @@ impl Cholesky {
         Ok(())
     }
 
-    /// Solves A x = b for each of the columns of `b`, in place.
-    pub(crate) fn solve_in_place(&self, b: &mut [f64]) {
-        let n = self.matrix.dimension();
-        if n == 0 {
-            return;
-        }
-        for block in b.chunks_mut(n * BLOCK) {
-            if block.len() == n {
-                let mut x: Vec<f64> = self.elimination.order.iter().map(|&v| block[v as usize]).collect();
-                self.forward(&mut x, 0..self.elimination.len());
-                self.backward(&mut x);
-                self.elimination.order.iter().zip(x).for_each(|(&v, x)| block[v as usize] = x);
-            } else {
-                self.solve_block(block);
+    /// Solves A x = b. One step of refinement is added where the residual asks for it.
+    ///
+    /// # Panics
+    /// If `b` is not as long as the matrix.
+    pub fn solve(&self, b: &[f64]) -> Vec<f64> {
+        assert_eq!(b.len(), self.matrix.dimension(), "a right-hand side has one value a row");
+        let mut x = b.to_vec();
+        self.solve_one(&mut x);
+        let product = self.matrix.multiply(&x);
+        let mut residual: Vec<f64> = b.iter().zip(&product).map(|(b, p)| b - p).collect();
+        if norm(&residual) > 1e-13 * norm(b) {
+            self.solve_one(&mut residual);
+            for (x, correction) in x.iter_mut().zip(&residual) {
+                *x += correction;
             }
         }
+        x
+    }
+
+    /// Solves A x = b in place, for one right-hand side.
+    fn solve_one(&self, b: &mut [f64]) {
+        let mut x: Vec<f64> = self.elimination.order.iter().map(|&v| b[v as usize]).collect();
+        self.forward(&mut x, 0..self.elimination.len());
+        self.backward(&mut x);
+        self.elimination.order.iter().zip(x).for_each(|(&v, x)| b[v as usize] = x);
+    }
+
+    /// Solves A x = b for each of the columns of `b`, in place, without refinement.
+    pub(crate) fn solve_in_place(&self, b: &mut [f64], watch: Watch) -> Result<(), Interrupted> {
+        let n = self.matrix.dimension();
+        if n == 0 {
+            return Ok(());
+        }
+        let columns = b.len() / n;
+        for (k, block) in b.chunks_mut(n * BLOCK).enumerate() {
+            let watch = watch_of_block(watch, k, columns);
+            if block.len() == n {
+                watch.ask(0.0)?;
+                self.solve_one(block);
+            } else {
+                self.solve_block(block, watch)?;
+            }
+        }
+        Ok(())
     }
 
     /// Solves A x = b for right-hand sides with few entries that are not 0, given as (row, value); the columns of x one
     /// after the other. Costs little more than half as much as other right-hand sides.
-    pub(crate) fn solve_sparse(&self, b: &[Vec<(u32, f64)>]) -> Vec<f64> {
+    pub(crate) fn solve_sparse(&self, b: &[Vec<(u32, f64)>], watch: Watch) -> Result<Vec<f64>, Interrupted> {
         let n = self.matrix.dimension();
-        let mut x = vec![0.0; n * b.len()];
+        let columns = b.len();
+        let mut x = vec![0.0; n * columns];
         let mut half = vec![0.0; n];
-        for (x, b) in x.chunks_mut((n * BLOCK).max(1)).zip(b.chunks(BLOCK)) {
+        for (k, (x, b)) in x.chunks_mut((n * BLOCK).max(1)).zip(b.chunks(BLOCK)).enumerate() {
+            let watch = watch_of_block(watch, k, columns);
+            watch.ask(0.0)?;
             if let [b] = b {
                 self.forward_sparse(b, &mut half);
                 self.backward(&mut half);
@@ -178,14 +270,14 @@ impl Cholesky {
                     steps.for_each(|step| block[step * padded + k] = std::mem::take(&mut half[step]));
                 }
             }
-            substitute(&self.elimination, &self.factor, Passes::Backward, padded, &mut block);
+            substitute(&self.elimination, &self.factor, Passes::Backward, padded, &mut block, watch)?;
             self.unpack(&block, x);
         }
-        x
+        Ok(x)
     }
 
     /// C⁻¹ e for a unit vector: its nonzero entries, by step.
-    pub(crate) fn half_solve(&self, row: u32, x: &mut Vec<f64>) -> Vec<(u32, f64)> {
+    pub(crate) fn solve_forward(&self, row: u32, x: &mut Vec<f64>) -> Vec<(u32, f64)> {
         x.resize(self.matrix.dimension(), 0.0);
         let mut entries = Vec::new();
         for s in self.forward_sparse(&[(row, 1.0)], x) {
@@ -219,7 +311,7 @@ impl Cholesky {
     }
 
     /// C⁻ᵀ y.
-    pub(crate) fn half_solve_back(&self, mut y: Vec<f64>) -> Vec<f64> {
+    pub(crate) fn solve_backward(&self, mut y: Vec<f64>) -> Vec<f64> {
         self.backward(&mut y);
         self.elimination.step.iter().map(|&k| y[k as usize]).collect()
     }
@@ -261,7 +353,7 @@ impl Cholesky {
     }
 
     /// Solves for several columns at once.
-    fn solve_block(&self, b: &mut [f64]) {
+    fn solve_block(&self, b: &mut [f64], watch: Watch) -> Result<(), Interrupted> {
         let order = &self.elimination.order;
         let n = order.len();
         let columns = b.len() / n;
@@ -271,8 +363,9 @@ impl Cholesky {
         for (row, &v) in x.chunks_exact_mut(padded).zip(order) {
             row.iter_mut().zip(b.iter().skip(v as usize).step_by(n)).for_each(|(x, b)| *x = *b);
         }
-        substitute(&self.elimination, &self.factor, Passes::Both, padded, &mut x);
+        substitute(&self.elimination, &self.factor, Passes::Both, padded, &mut x, watch)?;
         self.unpack(&x, b);
+        Ok(())
     }
 
     /// The columns of what lies row by row in the order of the elimination.
@@ -288,13 +381,8 @@ impl Cholesky {
         (self.elimination.first(s), self.elimination.width(s), self.elimination.rows(s))
     }
 
-    /// A x
-    pub(crate) fn multiply(&self, x: &[f64]) -> Vec<f64> {
-        self.matrix.multiply(x)
-    }
-
     /// The number of stored entries of the factor, zeros within supernodes included.
-    pub(crate) fn factor_len(&self) -> usize {
+    pub fn factor_len(&self) -> usize {
         self.factor.len()
     }
 }
@@ -325,6 +413,12 @@ impl Front<'_> {
     }
 }
 
+/// The watch of a block of right-hand sides.
+fn watch_of_block(watch: Watch<'_>, block: usize, columns: usize) -> Watch<'_> {
+    let done = |block: usize| (block * BLOCK).min(columns) as f64 / columns.max(1) as f64;
+    watch.within(done(block), done(block + 1))
+}
+
 fn update_len(elimination: &Elimination, s: usize) -> usize {
     elimination.rows(s).len().pow(2)
 }
@@ -342,6 +436,10 @@ fn most_updates(elimination: &Elimination) -> usize {
         now += update_len(elimination, s);
     }
     most
+}
+
+fn norm(x: &[f64]) -> f64 {
+    x.iter().map(|x| x * x).sum::<f64>().sqrt()
 }
 
 fn dot(a: &[f64], b: &[f64]) -> f64 {
@@ -369,11 +467,11 @@ mod tests {
     use faer::{Conj, MatMut, Par, Side};
 
     /// The Laplacian of a shape plus a little on the diagonal, and the points.
-    fn matrix(shape: &Shape) -> (SymmetricMatrix, Vec<[f32; 3]>) {
+    fn matrix(shape: &Shape) -> (SymmetricMatrix, Vec<[f64; 3]>) {
         let mesh = shape.mesh();
         let mut matrix = laplacian(&mesh, &Metric::from_points(&mesh, &shape.points));
         (0..matrix.dimension()).for_each(|v| *matrix.diagonal_mut(v) += 1e-3);
-        (matrix, shape.points.iter().map(|p| p.map(|x| x as f32)).collect())
+        (matrix, shape.points.clone())
     }
 
     fn right_hand_side(n: usize) -> Vec<f64> {
@@ -429,7 +527,7 @@ mod tests {
             let expected = solved_by_faer(&matrix, b.clone());
             for points in [None, Some(&points[..])] {
                 let mut x = b.clone();
-                Cholesky::new(matrix.clone(), points).unwrap().solve_in_place(&mut x);
+                Cholesky::of(matrix.clone(), points, Watch::NONE).unwrap().solve_in_place(&mut x, Watch::NONE).unwrap();
                 assert_near(&x, &expected);
             }
         }
@@ -439,14 +537,14 @@ mod tests {
     fn many_right_hand_sides_are_solved_for_as_one_is() {
         let (matrix, points) = matrix(&shapes::hare(900));
         let n = points.len();
-        let cholesky = Cholesky::new(matrix, Some(&points)).unwrap();
+        let cholesky = Cholesky::of(matrix, Some(&points), Watch::NONE).unwrap();
         for columns in [2, 16, 17, 35] {
             let right = right_hand_side(columns * n);
             let mut all = right.clone();
-            cholesky.solve_in_place(&mut all);
+            cholesky.solve_in_place(&mut all, Watch::NONE).unwrap();
             for (x, b) in all.chunks_exact(n).zip(right.chunks_exact(n)) {
                 let mut one = b.to_vec();
-                cholesky.solve_in_place(&mut one);
+                cholesky.solve_in_place(&mut one, Watch::NONE).unwrap();
                 assert_near(x, &one);
             }
         }
@@ -462,18 +560,18 @@ mod tests {
                 matrix.value[k] *= if (matrix.row[k] as usize + column).is_multiple_of(2) { 1.0 } else { -1.0 };
             }
         }
-        let cholesky = Cholesky::new(matrix, Some(&points)).unwrap();
+        let cholesky = Cholesky::of(matrix, Some(&points), Watch::NONE).unwrap();
         let mut scratch = Vec::new();
         for row in [0, 17, n - 1] {
             let mut whole = vec![0.0; n];
             whole[row] = 1.0;
-            cholesky.solve_in_place(&mut whole);
+            cholesky.solve_in_place(&mut whole, Watch::NONE).unwrap();
             let mut half = vec![0.0; n];
-            cholesky.half_solve(row as u32, &mut scratch).iter().for_each(|&(step, x)| half[step as usize] = x);
+            cholesky.solve_forward(row as u32, &mut scratch).iter().for_each(|&(step, x)| half[step as usize] = x);
             assert!(scratch.iter().all(|x| *x == 0.0));
             let square: f64 = half.iter().map(|x| x * x).sum();
             assert!((square / whole[row] - 1.0).abs() < 1e-12);
-            assert_near(&cholesky.half_solve_back(half), &whole);
+            assert_near(&cholesky.solve_backward(half), &whole);
         }
     }
 
@@ -482,9 +580,9 @@ mod tests {
         let (matrix, points) = matrix(&shapes::hare(900));
         let mut doubled = matrix.clone();
         doubled.value.iter_mut().for_each(|value| *value *= 2.0);
-        let mut cholesky = Cholesky::new(matrix, Some(&points)).unwrap();
-        let other = cholesky.another(doubled.clone()).unwrap();
-        cholesky.refactor(doubled).unwrap();
+        let cholesky = Cholesky::of(matrix, Some(&points), Watch::NONE).unwrap();
+        let other = cholesky.another(doubled.clone(), Watch::NONE).unwrap();
+        let cholesky = cholesky.refactor(doubled, Watch::NONE).unwrap();
         assert_eq!((&cholesky.factor, &cholesky.elimination.order), (&other.factor, &other.elimination.order));
     }
 
@@ -498,10 +596,10 @@ mod tests {
         let first = || path([0, 1, 1, 2, 2, 3, 3], [0, 2, 4, 6, 7]);
         let second = || path([0, 2, 1, 3, 2, 3, 3], [0, 2, 4, 6, 7]);
         let b = right_hand_side(4);
-        let mut cholesky = Cholesky::new(first(), None).unwrap();
-        cholesky.refactor(second()).unwrap();
+        let cholesky = Cholesky::of(first(), None, Watch::NONE).unwrap();
+        let cholesky = cholesky.refactor(second(), Watch::NONE).unwrap();
         let mut x = b.clone();
-        cholesky.solve_in_place(&mut x);
+        cholesky.solve_in_place(&mut x, Watch::NONE).unwrap();
         assert_near(&x, &solved_by_faer(&second(), b));
     }
 
@@ -513,20 +611,20 @@ mod tests {
                 let mut matrix = matrix.clone();
                 let diagonal = matrix.column_start[column] as usize;
                 matrix.value[diagonal] = wrong;
-                let error = Cholesky::new(matrix, Some(&points)).unwrap_err();
+                let error = Cholesky::of(matrix, Some(&points), Watch::NONE).unwrap_err();
                 assert_eq!(error, CholeskyError::NotPositiveDefinite);
             }
         }
         let zero = SymmetricMatrix { column_start: vec![0, 1], row: vec![0], value: vec![0.0] };
-        assert!(Cholesky::new(zero, None).is_err());
+        assert!(Cholesky::of(zero, None, Watch::NONE).is_err());
     }
 
     #[test]
     fn a_matrix_without_rows_is_factored() {
         let empty = || SymmetricMatrix { column_start: vec![0], row: Vec::new(), value: Vec::new() };
         for points in [None, Some(&[][..])] {
-            let cholesky = Cholesky::new(empty(), points).unwrap();
-            cholesky.solve_in_place(&mut []);
+            let cholesky = Cholesky::of(empty(), points, Watch::NONE).unwrap();
+            cholesky.solve_in_place(&mut [], Watch::NONE).unwrap();
             assert_eq!(cholesky.factor_len(), 0);
         }
     }

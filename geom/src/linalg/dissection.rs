@@ -7,6 +7,7 @@
 //! one where the surface is narrow. Positions only guide: whatever they are, the order is complete.
 
 use super::graph::Graph;
+use crate::watch::{Interrupted, Watch};
 
 /// Sets of so many vertices are not split any more.
 const LEAF: usize = 16;
@@ -35,12 +36,13 @@ struct Plane {
 }
 
 /// The vertices in an order of elimination.
-pub(crate) fn dissect(graph: &Graph, points: &[[f32; 3]]) -> Vec<u32> {
-    let mut places = places(graph, points);
+pub(crate) fn dissect(graph: &Graph, points: &[[f64; 3]], watch: Watch) -> Result<Vec<u32>, Interrupted> {
+    let points: Vec<[f32; 3]> = points.iter().map(|p| p.map(|x| x as f32)).collect();
+    let mut places = places(graph, &points);
     let mut dissection = Dissection { graph, part: vec![0; graph.len()], parts: 0, order: Vec::new() };
     dissection.order.reserve(graph.len());
-    dissection.split(&mut places);
-    dissection.order
+    dissection.split(&mut places, watch)?;
+    Ok(dissection.order)
 }
 
 /// Each vertex with its position and its reach.
@@ -65,15 +67,19 @@ struct Dissection<'a> {
 
 impl Dissection<'_> {
     /// Appends a set of vertices to the order.
-    fn split(&mut self, places: &mut [Place]) {
+    fn split(&mut self, places: &mut [Place], watch: Watch) -> Result<(), Interrupted> {
         if places.len() <= LEAF {
             self.order.extend(places.iter().map(|place| place.vertex));
-            return;
+            return Ok(());
+        }
+        if places.len() > LARGE {
+            watch.ask(self.order.len() as f64 / self.graph.len() as f64)?;
         }
         let (low, high, separator) = self.separate(places);
-        self.split(low);
-        self.split(high);
+        self.split(low, watch)?;
+        self.split(high, watch)?;
         self.order.extend(separator.iter().map(|place| place.vertex));
+        Ok(())
     }
 
     /// Sorts a set into two parts without edges between them, and the separator.

@@ -5,6 +5,7 @@
 //! stored as if they were entries (Ashcraft & Grimes 1989). Steps are numbered so that each subtree is in one piece.
 
 use super::graph::Graph;
+use crate::watch::{Interrupted, Watch};
 
 /// No step, no supernode.
 pub(crate) const NONE: u32 = u32::MAX;
@@ -34,11 +35,15 @@ pub(crate) struct Elimination {
 
 impl Elimination {
     /// Analyses an elimination in the given order, or one that comes to the same.
-    pub(crate) fn new(graph: &Graph, order: &[u32]) -> Self {
+    pub(crate) fn new(graph: &Graph, order: &[u32], watch: Watch) -> Result<Self, Interrupted> {
+        watch.ask(0.0)?;
         let (order, parent) = postordered(graph, order);
+        watch.ask(0.3)?;
         let step = inverse(&order);
         let later = Later::new(graph, &order, &step);
+        watch.ask(0.5)?;
         let first = supernodes(&parent, &column_counts(&later, &parent));
+        watch.ask(0.7)?;
         let mut supernode = vec![0; order.len()];
         for (s, steps) in first.windows(2).enumerate() {
             supernode[steps[0] as usize..steps[1] as usize].fill(s as u32);
@@ -57,8 +62,9 @@ impl Elimination {
             value_start: vec![0],
         };
         elimination.find_rows(&later);
+        watch.ask(0.9)?;
         elimination.find_rows_in_parents();
-        elimination
+        Ok(elimination)
     }
 
     /// The number of supernodes.
@@ -350,7 +356,7 @@ mod tests {
     use std::collections::BTreeSet;
 
     /// A square grid with one diagonal in each cell, and its points.
-    fn grid(side: u32) -> (Graph, Vec<[f32; 3]>) {
+    fn grid(side: u32) -> (Graph, Vec<[f64; 3]>) {
         let mut start = vec![0];
         let mut row = Vec::new();
         for v in 0..side * side {
@@ -361,7 +367,7 @@ mod tests {
             row.extend((right && below).then_some(v + side + 1));
             start.push(row.len() as u32);
         }
-        let points = (0..side * side).map(|v| [(v % side) as f32, (v / side) as f32, 0.0]).collect();
+        let points = (0..side * side).map(|v| [f64::from(v % side), f64::from(v / side), 0.0]).collect();
         (Graph::of_lower_triangle(&start, &row), points)
     }
 
@@ -412,8 +418,8 @@ mod tests {
     #[test]
     fn supernodes_hold_every_entry_of_the_factor() {
         let (graph, points) = grid(30);
-        for order in [shuffled(900), dissect(&graph, &points)] {
-            let elimination = Elimination::new(&graph, &order);
+        for order in [shuffled(900), dissect(&graph, &points, Watch::NONE).unwrap()] {
+            let elimination = Elimination::new(&graph, &order, Watch::NONE).unwrap();
             for (k, rows) in eliminate(&graph, &elimination.order).iter().enumerate() {
                 let s = elimination.supernode[k] as usize;
                 let end = (elimination.first(s) + elimination.width(s)) as u32;
@@ -425,8 +431,8 @@ mod tests {
     #[test]
     fn dissection_orders_each_vertex_once_whatever_the_points() {
         let (graph, points) = grid(50);
-        for points in [points, vec![[0.0; 3]; 2500], vec![[f32::NAN, f32::INFINITY, 1.0]; 2500]] {
-            let mut order = dissect(&graph, &points);
+        for points in [points, vec![[0.0; 3]; 2500], vec![[f64::NAN, f64::INFINITY, 1.0]; 2500]] {
+            let mut order = dissect(&graph, &points, Watch::NONE).unwrap();
             order.sort_unstable();
             assert!(order.into_iter().eq(0..2500));
         }
@@ -437,14 +443,15 @@ mod tests {
         let (graph, points) = grid(50);
         let given: Vec<u32> = (0..2500).collect();
         let entries = |order: &[u32]| eliminate(&graph, order).iter().map(BTreeSet::len).sum::<usize>();
-        assert!(2 * entries(&dissect(&graph, &points)) < entries(&given));
+        assert!(2 * entries(&dissect(&graph, &points, Watch::NONE).unwrap()) < entries(&given));
     }
 
     #[test]
     fn what_nothing_joins_is_eliminated_too() {
         let loose = Graph::of_lower_triangle(&(0..=300).collect::<Vec<u32>>(), &(0..300).collect::<Vec<u32>>());
-        let elimination = Elimination::new(&loose, &dissect(&loose, &vec![[0.0; 3]; 300]));
+        let elimination =
+            Elimination::new(&loose, &dissect(&loose, &[[0.0; 3]; 300], Watch::NONE).unwrap(), Watch::NONE).unwrap();
         assert_eq!((elimination.order.len(), elimination.value_count() >= 300), (300, true));
-        assert_eq!(Elimination::new(&Graph::of_lower_triangle(&[0], &[]), &[]).len(), 0);
+        assert_eq!(Elimination::new(&Graph::of_lower_triangle(&[0], &[]), &[], Watch::NONE).unwrap().len(), 0);
     }
 }

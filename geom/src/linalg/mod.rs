@@ -13,7 +13,6 @@ mod graph;
 mod substitution;
 mod symmetric;
 
-pub(crate) use cholesky::Cholesky;
-pub use cholesky::CholeskyError;
+pub use cholesky::{Cholesky, CholeskyError};
 pub use gram::gram;
 pub use symmetric::SymmetricMatrix;

@@ -6,15 +6,26 @@
 use pulp::{Arch, Simd, WithSimd};
 
 use super::elimination::Elimination;
+use crate::watch::{Interrupted, Watch};
 
 /// The number of right-hand sides is a multiple of this, which the length of any vector divides.
 pub(crate) const LANES: usize = 8;
 
 /// Solves C Cᵀ x = b in place, or Cᵀ x = b alone; `x` holds `columns` values for each step.
-pub(crate) fn substitute(elimination: &Elimination, factor: &[f64], passes: Passes, columns: usize, x: &mut [f64]) {
+pub(crate) fn substitute(
+    elimination: &Elimination,
+    factor: &[f64],
+    passes: Passes,
+    columns: usize,
+    x: &mut [f64],
+    watch: Watch,
+) -> Result<(), Interrupted> {
     debug_assert_eq!(columns % LANES, 0);
-    Arch::new().dispatch(Substitution { elimination, factor, passes, columns, x });
+    Arch::new().dispatch(Substitution { elimination, factor, passes, columns, x, watch })
 }
+
+/// The watch is asked again after so many values of the factor.
+const ASKED_AFTER: usize = 1 << 16;
 
 /// What is to be done.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -31,6 +42,7 @@ struct Substitution<'a> {
     passes: Passes,
     columns: usize,
     x: &'a mut [f64],
+    watch: Watch<'a>,
 }
 
 /// A supernode's part of the factor.
@@ -50,11 +62,11 @@ impl<'a> Panel<'a> {
 }
 
 impl WithSimd for Substitution<'_> {
-    type Output = ();
+    type Output = Result<(), Interrupted>;
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) {
-        let Self { elimination, factor, passes, columns, x } = self;
+    fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
+        let Self { elimination, factor, passes, columns, x, watch } = self;
         let parts = columns / S::F64_LANES;
         let x = S::as_mut_simd_f64s(x).0;
         // The values in the rows of a supernode, part after part.
@@ -65,14 +77,25 @@ impl WithSimd for Substitution<'_> {
             rows: elimination.rows(s),
             values: &factor[elimination.values(s)],
         };
+        // Whether a supernode has values beyond the next multiple of so many.
+        let asks = |s: usize| elimination.values(s).start / ASKED_AFTER != elimination.values(s).end / ASKED_AFTER;
+        let share = |s: usize| s as f64 / elimination.len() as f64;
+        let (first, second) = (watch.within(0.0, 0.5), watch.within(0.5, 1.0));
         if passes == Passes::Both {
             for s in 0..elimination.len() {
+                if asks(s) {
+                    first.ask(share(s))?;
+                }
                 forward(simd, panel(s), parts, x, &mut below);
             }
         }
         for s in (0..elimination.len()).rev() {
+            if asks(s) {
+                second.ask(1.0 - share(s))?;
+            }
             backward(simd, panel(s), parts, x, &mut below);
         }
+        Ok(())
     }
 }
 

@@ -151,8 +151,13 @@ impl SymmetricMatrix {
         y
     }
 
-    /// The rows and columns with the given indices, which rise.
-    pub(crate) fn restricted(&self, kept: impl ExactSizeIterator<Item = usize> + Clone) -> Self {
+    /// The rows and columns with the given indices, which must rise.
+    ///
+    /// # Panics
+    /// If there is no such row.
+    #[must_use]
+    pub fn restricted(&self, kept: impl ExactSizeIterator<Item = usize> + Clone) -> Self {
+        debug_assert!(kept.clone().is_sorted_by(|a, b| a < b), "the rows that are kept rise");
         const NONE: u32 = u32::MAX;
         let mut index = vec![NONE; self.dimension()];
         kept.clone().zip(0..).for_each(|(i, k)| index[i] = k);

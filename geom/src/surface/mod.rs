@@ -6,5 +6,5 @@ mod triangulate;
 
 pub use model::{MAX_COORDINATE, Model, ModelError, Skipped, TextureCoordinates};
 pub(crate) use model::{Polygons, is_coordinate};
-pub use prepare::{PrepareError, Prepared, Repair, RepairKind, Surface, prepare};
+pub use prepare::{PrepareError, Prepared, Repair, RepairKind, Surface, prepare, prepare_watched};
 pub use triangulate::Triangles;

@@ -22,6 +22,7 @@ use crate::intrinsic::Metric;
 use crate::mesh::{
     EdgeData, EdgeId, FaceData, HalfedgeData, HalfedgeId, Id, Mesh, VertexData, VertexId, for_each_edge,
 };
+use crate::watch::{Interrupted, Watch};
 
 /// Something that was mended.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -95,6 +96,7 @@ impl RepairKind {
 
 /// Why a model has no surface to compute with.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum PrepareError {
     /// All faces lie in lines or points.
     #[error("the mesh has no area: all of its {faces} faces are points or lines")]
@@ -102,6 +104,9 @@ pub enum PrepareError {
         /// How many faces there are.
         faces: usize,
     },
+    /// The work was stopped.
+    #[error(transparent)]
+    Interrupted(#[from] Interrupted),
 }
 
 /// A connected, oriented manifold surface with the way back to the model.
@@ -151,15 +156,29 @@ pub struct Prepared {
 /// # Errors
 /// If nothing has any area.
 pub fn prepare(model: &Model, weld: bool) -> Result<Prepared, PrepareError> {
+    prepare_watched(model, weld, Watch::NONE)
+}
+
+/// [`prepare()`], watched.
+///
+/// # Errors
+/// If nothing has any area, or the work is stopped.
+pub fn prepare_watched(model: &Model, weld: bool, watch: Watch) -> Result<Prepared, PrepareError> {
     let mut log = RepairLog::default();
     let triangles = model.triangles();
+    watch.ask(0.02)?;
     let place = if weld { weld_vertices(model.points(), &mut log) } else { (0..model.vertex_count() as u32).collect() };
+    watch.ask(0.05)?;
     note_isolated(model, &mut log);
     let mut soup = Soup::new(model, &triangles, &place, &mut log);
+    watch.ask(0.1)?;
     soup.leave_out_duplicates(&mut log);
+    watch.ask(0.2)?;
     soup.glue(&mut log);
+    watch.ask(0.35)?;
     soup.orient(&mut log);
-    let surfaces = soup.into_surfaces(model.points(), &mut log);
+    watch.ask(0.5)?;
+    let surfaces = soup.into_surfaces(model.points(), &mut log, watch.within(0.5, 0.95))?;
     if surfaces.is_empty() {
         return Err(PrepareError::NoArea { faces: model.face_count() });
     }
@@ -431,12 +450,22 @@ impl Soup {
         lists
     }
 
-    fn into_surfaces(self, points: &[[f64; 3]], log: &mut RepairLog) -> Vec<Surface> {
+    fn into_surfaces(
+        self,
+        points: &[[f64; 3]],
+        log: &mut RepairLog,
+        watch: Watch,
+    ) -> Result<Vec<Surface>, Interrupted> {
         let (fan, fan_vertex) = self.fans(log);
         let mut local = vec![NONE; fan_vertex.len()];
         let mut new_face = vec![NONE; self.triangle.len()];
         let mut surfaces = Vec::new();
+        let mut done = 0;
         for faces in self.components() {
+            let share = |faces: usize| faces as f64 / new_face.len() as f64;
+            let watch = watch.within(share(done), share(done + faces.len()));
+            watch.ask(0.0)?;
+            done += faces.len();
             for (k, &f) in faces.iter().enumerate() {
                 new_face[f as usize] = k as u32;
             }
@@ -447,10 +476,13 @@ impl Soup {
             for (k, &fan) in fans.iter().enumerate() {
                 local[fan as usize] = k as u32;
             }
+            watch.ask(0.2)?;
             let tail: Vec<VertexId> = sides().map(|h| VertexId(local[fan[h] as usize])).collect();
             let renumber = |g: u32| if g == NONE { NONE } else { 3 * new_face[g as usize / 3] + g % 3 };
             let twin: Vec<u32> = sides().map(|h| renumber(self.twin[h])).collect();
+            watch.ask(0.4)?;
             let mesh = Mesh::from_twins(fans.len(), tail, twin).expect("every fan is a vertex of its own");
+            watch.ask(0.6)?;
             let vertex: VertexData<u32> = fans.iter().map(|&fan| fan_vertex[fan as usize].0).collect();
             let corner = sides().map(|h| self.corner[h]).collect();
             let places: Vec<[f64; 3]> = vertex.iter().map(|&v| points[v as usize]).collect();
@@ -460,6 +492,7 @@ impl Soup {
                 continue;
             };
             let metric = Metric::from_points(&mesh, &points);
+            watch.ask(0.8)?;
             let mut zero_area = 0;
             for f in mesh.faces().filter(|&f| metric.sides(&mesh, f).area() <= 0.0) {
                 log.note(RepairKind::ZeroArea, face_of(mesh.sides(f)[0]) as usize);
@@ -477,7 +510,7 @@ impl Soup {
             let triangle = faces.iter().map(|&f| self.triangle[f as usize].0).collect();
             surfaces.push(Surface { mesh, points, vertex, corner, triangle, diagonal, scale, zero_area });
         }
-        surfaces
+        Ok(surfaces)
     }
 }
 

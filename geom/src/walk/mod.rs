@@ -4,4 +4,7 @@ mod cut;
 mod path;
 
 pub use cut::CutMesh;
-pub use path::{ShortestPaths, edges_at, kruskal, maximum_spanning_cotree, minimum_spanning_tree, other_end};
+pub use path::{
+    ShortestPaths, edges_at, kruskal, maximum_spanning_cotree, maximum_spanning_cotree_watched, minimum_spanning_tree,
+    minimum_spanning_tree_watched, other_end,
+};

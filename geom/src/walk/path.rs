@@ -15,6 +15,7 @@ use std::collections::BinaryHeap;
 use petgraph::unionfind::UnionFind;
 
 use crate::mesh::{EdgeData, EdgeId, Mesh, VertexData, VertexId};
+use crate::watch::{Interrupted, Watch, unwatched};
 
 /// The forest of shortest paths from a set of sources.
 ///
@@ -45,6 +46,22 @@ impl ShortestPaths {
     /// # Panics
     /// If there is an edge without a length, or a source is no vertex of the mesh.
     pub fn new(mesh: &Mesh, lengths: &EdgeData<f64>, sources: impl IntoIterator<Item = (VertexId, u32)>) -> Self {
+        unwatched(Self::new_watched(mesh, lengths, sources, Watch::NONE))
+    }
+
+    /// [`ShortestPaths::new`], watched.
+    ///
+    /// # Errors
+    /// If it is stopped.
+    ///
+    /// # Panics
+    /// As [`ShortestPaths::new`].
+    pub fn new_watched(
+        mesh: &Mesh,
+        lengths: &EdgeData<f64>,
+        sources: impl IntoIterator<Item = (VertexId, u32)>,
+        watch: Watch,
+    ) -> Result<Self, Interrupted> {
         let count = mesh.vertex_count();
         let mut paths = Self {
             distance: VertexData::constant(count, f64::INFINITY),
@@ -59,10 +76,13 @@ impl ShortestPaths {
                 queue.push(Reverse((0, source)));
             }
         }
+        let mut reached = 0;
         while let Some(Reverse((key, v))) = queue.pop() {
             if key != sort_key(paths.distance[v]) {
                 continue; // a shorter way to v was found after this one was queued
             }
+            watch.ask_at_step(reached, count)?;
+            reached += 1;
             for (e, w) in edges_at(mesh, v) {
                 let distance = paths.distance[v] + lengths[e].max(0.0);
                 if distance < paths.distance[w] {
@@ -73,7 +93,7 @@ impl ShortestPaths {
                 }
             }
         }
-        paths
+        Ok(paths)
     }
 
     /// The shortest path from a vertex back to its source: each edge with the vertex it leads to.
@@ -122,9 +142,26 @@ pub fn kruskal<E>(node_count: usize, edges: impl IntoIterator<Item = (E, [u32; 2
 /// # Panics
 /// If there is an edge without a cost.
 pub fn minimum_spanning_tree(mesh: &Mesh, cost: &EdgeData<f64>) -> EdgeData<bool> {
+    unwatched(minimum_spanning_tree_watched(mesh, cost, Watch::NONE))
+}
+
+/// [`minimum_spanning_tree`], watched.
+///
+/// # Errors
+/// If it is stopped.
+///
+/// # Panics
+/// If there is an edge without a cost.
+pub fn minimum_spanning_tree_watched(
+    mesh: &Mesh,
+    cost: &EdgeData<f64>,
+    watch: Watch,
+) -> Result<EdgeData<bool>, Interrupted> {
     let mut order: Vec<EdgeId> = mesh.edges().collect();
+    watch.ask(0.0)?;
     order.sort_unstable_by(|&a, &b| cost[a].total_cmp(&cost[b]).then(a.cmp(&b)));
-    mark(mesh, kruskal(mesh.vertex_count(), order.into_iter().map(|e| (e, mesh.ends(e).map(|v| v.0)))))
+    watch.ask(0.5)?;
+    Ok(mark(mesh, kruskal(mesh.vertex_count(), order.into_iter().map(|e| (e, mesh.ends(e).map(|v| v.0))))))
 }
 
 /// The edges crossed by a maximum spanning tree of the faces that crosses no edge of `tree` (a forest, where `tree`
@@ -133,13 +170,31 @@ pub fn minimum_spanning_tree(mesh: &Mesh, cost: &EdgeData<f64>) -> EdgeData<bool
 /// # Panics
 /// If there is an edge without a weight, or without a mark whether it is in the tree.
 pub fn maximum_spanning_cotree(mesh: &Mesh, weight: &EdgeData<f64>, tree: &EdgeData<bool>) -> EdgeData<bool> {
+    unwatched(maximum_spanning_cotree_watched(mesh, weight, tree, Watch::NONE))
+}
+
+/// [`maximum_spanning_cotree`], watched.
+///
+/// # Errors
+/// If it is stopped.
+///
+/// # Panics
+/// If there is an edge without a weight, or without a mark whether it is in the tree.
+pub fn maximum_spanning_cotree_watched(
+    mesh: &Mesh,
+    weight: &EdgeData<f64>,
+    tree: &EdgeData<bool>,
+    watch: Watch,
+) -> Result<EdgeData<bool>, Interrupted> {
     let mut order: Vec<EdgeId> = mesh.edges().filter(|&e| !tree[e] && !mesh.is_boundary_edge(e)).collect();
+    watch.ask(0.0)?;
     order.sort_unstable_by(|&a, &b| weight[b].total_cmp(&weight[a]).then(a.cmp(&b)));
+    watch.ask(0.5)?;
     let crossings = order.into_iter().filter_map(|e| {
         let h = mesh.halfedge(e);
         Some((e, [mesh.face(h).0, mesh.face(mesh.twin(h)?).0]))
     });
-    mark(mesh, kruskal(mesh.face_count(), crossings))
+    Ok(mark(mesh, kruskal(mesh.face_count(), crossings)))
 }
 
 fn mark(mesh: &Mesh, edges: Vec<EdgeId>) -> EdgeData<bool> {
