@@ -10,8 +10,14 @@ use tests::solids;
 
 use crate::cases;
 
-const METHODS: [Placement; 6] =
-    [Placement::Alternating, Placement::Persistence, Placement::Iterative, Placement::Greedy, Placement::Refined, Placement::Pursuit];
+const METHODS: [Placement; 6] = [
+    Placement::Alternating,
+    Placement::Persistence,
+    Placement::Iterative,
+    Placement::Greedy,
+    Placement::Refined,
+    Placement::Pursuit,
+];
 
 /// Those whose cones for any number are the first ones of one order.
 const NESTED: [Placement; 5] =

@@ -5,6 +5,7 @@ mod corpus;
 mod files;
 mod flattening;
 mod invariance;
+mod layers;
 mod noise;
 mod operators;
 mod persistence;

@@ -56,7 +56,8 @@ fn cuts_open_to_a_disk_for_every_genus_and_number_of_boundaries() {
             for count in [2, 3, 8, 20] {
                 let vertex = |k: u32| VertexId((k * 37 + 11) % mesh.vertex_count() as u32);
                 let cones: Vec<_> = (0..count).map(vertex).collect();
-                let seams = cones::internals::Seams::new(&mesh, &lengths, &cones, geom::Watch::NONE).expect("two terminals at least");
+                let seams = cones::internals::Seams::new(&mesh, &lengths, &cones, geom::Watch::NONE)
+                    .expect("two terminals at least");
                 let open = CutMesh::open(&mesh, &seams.cut);
                 assert!(open.is_disk(), "genus {genus}, {boundaries} boundaries, {count} cones");
                 assert!(

@@ -55,8 +55,8 @@ impl Shelf {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use geom::Watch;
     use crate::flatten::Scaling;
+    use geom::Watch;
     use geom::{EdgeData, Metric};
     use proptest::prelude::*;
 

@@ -190,8 +190,8 @@ fn far_apart(disk: &Mesh, metric: &Metric) -> [VertexId; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use geom::Watch;
     use crate::flatten::Seams;
+    use geom::Watch;
     use geom::distortion::{Distortion, measure};
     use geom::shapes::{self, Shape};
 

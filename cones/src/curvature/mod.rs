@@ -298,7 +298,8 @@ mod tests {
     #[test]
     fn too_few_cones_for_the_curvature_are_refused() {
         let (mesh, operators) = hare();
-        let error = cone_curvatures(&operators, &mesh, &spread(&mesh, 2), CurvatureRule::Optimal, Watch::NONE).unwrap_err();
+        let error =
+            cone_curvatures(&operators, &mesh, &spread(&mesh, 2), CurvatureRule::Optimal, Watch::NONE).unwrap_err();
         assert!(matches!(error, CurvatureError::TooFew { cones: 2, least: 3, .. }), "{error}");
     }
 

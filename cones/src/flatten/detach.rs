@@ -130,9 +130,9 @@ impl Unfolding<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use geom::Watch;
     use crate::field::Operators;
     use crate::flatten::scale;
+    use geom::Watch;
     use geom::{VertexId, shapes};
 
     #[test]

@@ -133,8 +133,8 @@ pub enum ProgramError {
 /// // (q₀ - 3)² + (q₁ - 1)² with q₀ + q₁ = 2 and q₀ ≤ 1.5
 /// let energy = Quadratic { constant: 10.0, linear: &[-3.0, -1.0], matrix: &[1.0, 0.0, 0.0, 1.0] };
 /// let optimum = minimise(&energy, &[[-5.0, 1.5], [-5.0, 5.0]], Some(2.0))?;
-/// assert_eq!(fit.curvatures, [1.5, 0.5]);
-/// assert_eq!(fit.held, [Held::Upper, Held::Free]);
+/// assert_eq!(optimum.curvatures, [1.5, 0.5]);
+/// assert_eq!(optimum.held, [Held::Upper, Held::Free]);
 /// # Ok::<(), cones::internals::ProgramError>(())
 /// ```
 ///
@@ -538,7 +538,11 @@ mod tests {
         let problem = Problem { linear, matrix, bounds: vec![[-0.5, 0.4]; n], total: Some(3.0) };
         let optimum = minimise(&problem.energy(), &problem.bounds, problem.total).unwrap();
         check(&problem, &optimum);
-        assert!(optimum.held.contains(&Held::Lower) && optimum.held.contains(&Held::Upper) && optimum.held.contains(&Held::Free));
+        assert!(
+            optimum.held.contains(&Held::Lower)
+                && optimum.held.contains(&Held::Upper)
+                && optimum.held.contains(&Held::Free)
+        );
     }
 
     #[test]

@@ -102,10 +102,10 @@ fn fewest(
 
 #[cfg(test)]
 mod tests {
-    use crate::placement::prediction::area_distortion;
     use super::*;
-    use geom::Watch;
     use crate::curvature::cone_curvatures;
+    use crate::placement::prediction::area_distortion;
+    use geom::Watch;
     use geom::{Metric, shapes};
 
     fn choose(shape: &shapes::Shape, target: f64, most: usize) -> Automatic {

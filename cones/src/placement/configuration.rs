@@ -77,10 +77,10 @@ impl Configuration {
 
 #[cfg(test)]
 mod tests {
-    use crate::placement::energy_model::EnergyModel;
     use super::*;
-    use geom::Watch;
     use crate::curvature::cone_curvatures;
+    use crate::placement::energy_model::EnergyModel;
+    use geom::Watch;
     use geom::{Metric, shapes};
 
     #[test]

@@ -277,10 +277,10 @@ fn worth(model: &EnergyModel, level: &ConeSet) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use super::*;
     use crate::curvature::CurvatureRule;
     use crate::field::Operators;
     use crate::placement::refined::refined;
-    use super::*;
     use geom::{Metric, shapes};
 
     fn with_nested<T>(shape: &shapes::Shape, count: usize, then: impl Fn(&mut EnergyModel, Nested) -> T) -> T {

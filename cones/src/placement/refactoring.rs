@@ -37,8 +37,8 @@ pub(crate) fn iterative_refactoring(
 mod tests {
     use std::path::Path;
 
-    use crate::placement::iterative::iterative;
     use super::*;
+    use crate::placement::iterative::iterative;
     use geom::{Metric, shapes};
 
     #[test]

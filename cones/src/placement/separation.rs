@@ -71,9 +71,9 @@ impl Separation {
 
 #[cfg(test)]
 mod tests {
+    use super::*;
     use crate::placement::energy_model::EnergyModel;
     use crate::placement::refined::refined;
-    use super::*;
     use geom::{Mesh, Metric};
     use std::f64::consts::TAU;
 

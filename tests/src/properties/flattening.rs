@@ -16,8 +16,14 @@ use crate::solids;
 const NEEDLE: f64 = 1e-9;
 
 /// All ways to a set of cones.
-const METHODS: [Placement; 6] =
-    [Placement::Persistence, Placement::Alternating, Placement::Iterative, Placement::Greedy, Placement::Refined, Placement::Pursuit];
+const METHODS: [Placement; 6] = [
+    Placement::Persistence,
+    Placement::Alternating,
+    Placement::Iterative,
+    Placement::Greedy,
+    Placement::Refined,
+    Placement::Pursuit,
+];
 
 /// Any cones of any small surface give a metric that is flat but there, a layout whose seams match up to rigid motions,
 /// and each of these motions turns by the curvature that the seam encloses.
