@@ -4,7 +4,8 @@
 //! read backwards, so that a tie is broken alike in both: `superlevel(f)` equals `sublevel(-f)` with indices reversed.
 //! Everything below is written once, against [`Filtration::precedes`], and never asks which of the two it is.
 
-use crate::{Scalar, parallel};
+use crate::parallel;
+use crate::scalar::Scalar;
 use core::cmp::Ordering;
 use core::fmt;
 use core::marker::PhantomData;

@@ -148,47 +148,23 @@
 //! time that sorting its values takes, and 5 bytes a vertex; see `benches/persistence`. The plain method is there too
 //! ([`Options::plain_sweep`]), and both are tested to agree vertex by vertex.
 
-mod adjacency;
-mod basins;
-mod boruvka;
-mod branches;
-mod descent;
-mod diagram;
 mod domain;
+mod features;
 mod filtration;
-mod grid;
-mod hierarchy;
-mod isolation;
-mod merge_tree;
-mod merges;
 mod options;
+mod pairing;
 mod parallel;
-mod path;
 mod persistence;
 mod scalar;
-mod segmentation;
-mod simplify;
-mod stencil;
-mod surface;
-mod sweep;
-mod triangulation;
-mod union_find;
 
-pub use adjacency::{Adjacency, DomainError};
-pub use diagram::Diagram;
-pub use domain::Domain;
+pub use domain::{Adjacency, Connectivity, Domain, DomainError, Grid, Path, Surface, Triangulation};
+pub use features::{
+    Branch, Component, Diagram, Extremum, Hierarchy, MergeTree, Node, Segmentation, isolation, merge_tree,
+    segmentation, simplify,
+};
 pub use filtration::{Direction, Falling, FieldError, Filtration, Kind, NanPolicy, Rising};
-pub use grid::{Connectivity, Grid};
-pub use hierarchy::{Extremum, Hierarchy};
-pub use isolation::isolation;
-pub use merge_tree::{Branch, Component, MergeTree, Node, merge_tree};
-#[doc(hidden)]
-pub use merges::Merges;
 pub use options::Options;
-pub use path::Path;
+#[doc(hidden)]
+pub use pairing::Merges;
 pub use persistence::{Pair, Pairs, Persistence, persistence, sublevel, superlevel};
 pub use scalar::Scalar;
-pub use segmentation::{Segmentation, segmentation};
-pub use simplify::simplify;
-pub use surface::Surface;
-pub use triangulation::Triangulation;

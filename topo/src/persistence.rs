@@ -1,8 +1,10 @@
 //! The pairs of a field: extremum and saddle, birth and death.
 
-use crate::merges::Merges;
-use crate::scalar::wider_first;
-use crate::{Direction, Domain, FieldError, Filtration, Hierarchy, Kind, Options, Scalar};
+use crate::domain::Domain;
+use crate::filtration::{Direction, Falling, FieldError, Filtration, Kind, Rising};
+use crate::options::Options;
+use crate::pairing::{Merges, sweep};
+use crate::scalar::{Scalar, wider_first};
 use core::cmp::Ordering;
 use core::ops::Deref;
 use num_traits::{ToPrimitive, Zero};
@@ -173,10 +175,43 @@ pub struct Persistence<V, S> {
     pub maxima: Pairs<V, S>,
 }
 
-impl<V: Copy, S: Scalar> Persistence<V, S> {
-    /// Minima and maxima together, by their persistence.
-    pub fn hierarchy(&self) -> Hierarchy<V, S> {
-        Hierarchy::new(self)
+impl Options {
+    /// [`sublevel`](fn@crate::sublevel) with these options.
+    ///
+    /// # Errors
+    /// If the field does not fit the domain, see [`FieldError`].
+    pub fn sublevel<G: Domain, S: Scalar>(self, domain: G, field: &[S]) -> Result<Pairs<G::Vertex, S>, FieldError> {
+        self.pairs::<G, S, Rising>(domain, field)
+    }
+
+    /// [`superlevel`](fn@crate::superlevel) with these options.
+    ///
+    /// # Errors
+    /// If the field does not fit the domain, see [`FieldError`].
+    pub fn superlevel<G: Domain, S: Scalar>(self, domain: G, field: &[S]) -> Result<Pairs<G::Vertex, S>, FieldError> {
+        self.pairs::<G, S, Falling>(domain, field)
+    }
+
+    /// [`persistence`](fn@crate::persistence) with these options.
+    ///
+    /// # Errors
+    /// If the field does not fit the domain, see [`FieldError`].
+    pub fn persistence<G: Domain, S: Scalar>(
+        self,
+        domain: G,
+        field: &[S],
+    ) -> Result<Persistence<G::Vertex, S>, FieldError> {
+        Ok(Persistence { minima: self.sublevel(domain, field)?, maxima: self.superlevel(domain, field)? })
+    }
+
+    fn pairs<G: Domain, S: Scalar, D: Direction>(
+        self,
+        domain: G,
+        field: &[S],
+    ) -> Result<Pairs<G::Vertex, S>, FieldError> {
+        let filtration = Filtration::<S, D>::new(field, domain.vertex_count(), self.nan)?;
+        let merges = if self.plain { sweep(domain, &filtration) } else { domain.merges(&filtration) };
+        Ok(Pairs::from_merges(domain, &filtration, &merges, self.keep_zeros))
     }
 }
 

@@ -3,10 +3,10 @@
 //! Merge trees, segmentations and simplified fields are all read off from it. Extrema are numbered by vertex index.
 //! Pascucci, Cole-McLaughlin & Scorzelli (2004), "Multi-resolution computation and presentation of contour trees".
 
-use crate::basins;
-use crate::merges::{Merge, Merges};
-use crate::union_find::UnionFind;
-use crate::{Direction, Domain, Filtration, Scalar};
+use crate::domain::Domain;
+use crate::filtration::{Direction, Filtration};
+use crate::pairing::{Merge, Merges, UnionFind, steepest_descent};
+use crate::scalar::Scalar;
 
 /// A branch ends at a saddle.
 #[derive(Debug, Clone, Copy)]
@@ -36,7 +36,7 @@ pub(crate) struct Branches {
 impl Branches {
     pub(crate) fn new<G: Domain, S: Scalar, D: Direction>(domain: G, filtration: &Filtration<'_, S, D>) -> Self {
         let Merges { finite, essential } = domain.merges(filtration);
-        let descent = basins::steepest(domain, filtration);
+        let descent = steepest_descent(domain, filtration);
         let basins: Vec<_> = (0..domain.vertex_count() as u32).map(|v| descent.basin_if_any(v)).collect();
         let extrema = descent.extrema().to_vec();
         let number = |vertex| extrema.binary_search(&vertex).expect("what merges is an extremum") as u32;

@@ -12,12 +12,14 @@
 //! due to Chiang, Lenz, Lu & Rote (2005), "Simple and optimal output-sensitive construction of contour trees using
 //! monotone paths". Step 4 with the elder rule in place of sorting is ours. Nothing here is proportional to n log n.
 
-use crate::boruvka::{self, Join};
-use crate::descent::{Descent, OUTSIDE};
-use crate::merges::Merges;
+use super::boruvka::{self, Join};
+use super::descent::{Descent, OUTSIDE};
+use super::graph::Graph;
+use super::merges::Merges;
+use super::union_find::UnionFind;
+use crate::filtration::{Direction, Filtration};
 use crate::parallel;
-use crate::union_find::UnionFind;
-use crate::{Direction, Domain, Filtration, Scalar};
+use crate::scalar::Scalar;
 
 /// What a scan finds, ranges of vertices apart.
 #[derive(Debug, Default)]
@@ -49,12 +51,15 @@ pub(crate) struct Fork {
 }
 
 /// Pairs the extrema of a graph of which nothing more is known.
-pub(crate) fn of_graph<G: Domain, S: Scalar, D: Direction>(domain: G, filtration: &Filtration<'_, S, D>) -> Merges {
-    let mut next = vec![OUTSIDE; domain.vertex_count()];
+pub(crate) fn merges_of_graph<G: Graph, S: Scalar, D: Direction>(
+    graph: G,
+    filtration: &Filtration<'_, S, D>,
+) -> Merges {
+    let mut next = vec![OUTSIDE; graph.vertex_count()];
     let (mut extrema, mut candidates) = (Vec::new(), Vec::new());
     for (v, next) in (0..).zip(&mut next) {
         let mut earlier = 0;
-        domain.for_each_neighbor(v as usize, |u| {
+        graph.for_each_neighbor(v as usize, |u| {
             if filtration.precedes(u as u32, v) {
                 *next = u as u32;
                 earlier += 1;
@@ -67,17 +72,20 @@ pub(crate) fn of_graph<G: Domain, S: Scalar, D: Direction>(domain: G, filtration
         }
     }
     let descent = Descent::new(next, extrema);
-    let joins = joins_of_graph(domain, filtration, &descent, &candidates);
+    let joins = joins_of_graph(graph, filtration, &descent, &candidates);
     pair(filtration, &descent, joins)
 }
 
 /// The basins of steepest descent: every vertex points to its earliest neighbour.
-pub(crate) fn steepest<G: Domain, S: Scalar, D: Direction>(domain: G, filtration: &Filtration<'_, S, D>) -> Descent {
-    let mut next = vec![OUTSIDE; domain.vertex_count()];
+pub(crate) fn steepest_descent<G: Graph, S: Scalar, D: Direction>(
+    graph: G,
+    filtration: &Filtration<'_, S, D>,
+) -> Descent {
+    let mut next = vec![OUTSIDE; graph.vertex_count()];
     let mut extrema = Vec::new();
     for (v, next) in (0..).zip(&mut next) {
         let mut earliest = v;
-        domain.for_each_neighbor(v as usize, |u| {
+        graph.for_each_neighbor(v as usize, |u| {
             if filtration.precedes(u as u32, earliest) {
                 earliest = u as u32;
             }
@@ -92,8 +100,8 @@ pub(crate) fn steepest<G: Domain, S: Scalar, D: Direction>(domain: G, filtration
 }
 
 /// The joins between the basins of all earlier neighbours of each candidate.
-fn joins_of_graph<G: Domain, S: Scalar, D: Direction>(
-    domain: G,
+fn joins_of_graph<G: Graph, S: Scalar, D: Direction>(
+    graph: G,
     filtration: &Filtration<'_, S, D>,
     descent: &Descent,
     candidates: &[u32],
@@ -101,7 +109,7 @@ fn joins_of_graph<G: Domain, S: Scalar, D: Direction>(
     let mut joins = Vec::new();
     for &saddle in candidates {
         let own = descent.basin(saddle);
-        domain.for_each_neighbor(saddle as usize, |u| {
+        graph.for_each_neighbor(saddle as usize, |u| {
             if filtration.precedes(u as u32, saddle) {
                 let basin = descent.basin(u as u32);
                 if basin != own {
@@ -114,7 +122,7 @@ fn joins_of_graph<G: Domain, S: Scalar, D: Direction>(
 }
 
 /// Pairs the extrema given what a scan has found and where vertices point to.
-pub(crate) fn of_scan<S: Scalar, D: Direction>(
+pub(crate) fn merges_of_scan<S: Scalar, D: Direction>(
     filtration: &Filtration<'_, S, D>,
     next: Vec<u32>,
     Scan { extrema, forks }: Scan,

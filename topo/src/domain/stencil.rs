@@ -8,8 +8,19 @@
 //! like saddles. So the stencil also has the vertices diagonally across a square: not neighbours, but adjacent to two
 //! of them, and if earlier they show that both lie in one component. The same table does it.
 
-use crate::grid::Connectivity;
 use std::sync::OnceLock;
+
+/// Which vertices of a grid are neighbours.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Connectivity {
+    /// Along one axis: 2, 4 or 6 neighbours.
+    Axis,
+    /// Along any number of axes: 2, 8 or 26 neighbours.
+    Full,
+    /// Edges of the Freudenthal triangulation, whose offsets are {0, 1}ᵈ and their opposites: 2, 6 or 14 neighbours.
+    /// The choice for sampled smooth functions, as sub- and superlevel sets then fit together.
+    Freudenthal,
+}
 
 /// A step along (z, y, x).
 pub(crate) type Offset = [i8; 3];

@@ -1,12 +1,14 @@
 //! Triangle meshes with their neighbours in cyclic order.
 //!
 //! The triangles need be no surface. At a boundary the ring is an open chain; where sheets meet there are several chains.
-//! Chains that share a vertex are counted as different parts, which costs time and changes no pair (see [`surface`]).
+//! Chains that share a vertex are counted as different parts, which costs time and changes no pair (see [`rings`]).
 
-use crate::adjacency::{DomainError, check_count};
-use crate::merges::Merges;
-use crate::surface::{self, Linked};
-use crate::{Direction, Domain, Filtration, Scalar};
+use super::adjacency::{DomainError, check_count};
+use super::graph::Domain;
+use super::rings::{self, Linked};
+use crate::filtration::{Direction, Filtration};
+use crate::pairing::Merges;
+use crate::scalar::Scalar;
 
 /// Marks the last vertex of an open chain. A ring without a mark is closed.
 const END: u32 = 1 << 31;
@@ -72,7 +74,7 @@ impl Domain for &Triangulation {
     }
 
     fn merges<S: Scalar, D: Direction>(&self, filtration: &Filtration<'_, S, D>) -> Merges {
-        surface::merges(*self, filtration)
+        rings::merges(*self, filtration)
     }
 }
 

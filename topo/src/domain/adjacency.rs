@@ -1,6 +1,6 @@
 //! Graphs given as lists of neighbours or of edges, for those who have no petgraph graph.
 
-use crate::Domain;
+use super::graph::Domain;
 use core::fmt;
 
 /// Why lists of vertices do not describe a domain.

@@ -6,8 +6,9 @@
 //! first `n + 1`. On a connected domain the hierarchy begins with the global maximum and the global minimum, which
 //! have the whole range for their persistence.
 
-use crate::scalar::wider_first;
-use crate::{Kind, Pair, Pairs, Persistence, Scalar};
+use crate::filtration::Kind;
+use crate::persistence::{Pair, Pairs, Persistence};
+use crate::scalar::{Scalar, wider_first};
 
 /// An extremum with its rank's reason.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -47,6 +48,13 @@ impl<V: Copy, S: Scalar> Extremum<V, S> {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Hierarchy<V, S: Scalar> {
     extrema: Vec<Extremum<V, S>>,
+}
+
+impl<V: Copy, S: Scalar> Persistence<V, S> {
+    /// Minima and maxima together, by their persistence.
+    pub fn hierarchy(&self) -> Hierarchy<V, S> {
+        Hierarchy::new(self)
+    }
 }
 
 impl<V: Copy, S: Scalar> Hierarchy<V, S> {

@@ -3,10 +3,13 @@
 //! Leaves are extrema, inner nodes saddles, and the root of each connected component of the domain is the last vertex to
 //! enter it. For minima this is called the join tree, for maxima the split tree (usage varies; this is TTK's).
 
-use crate::branches::{Branches, Ending};
-use crate::scalar::wider_first;
-use crate::union_find::UnionFind;
-use crate::{Direction, Domain, FieldError, Filtration, Kind, Options, Pair, Scalar};
+use super::branches::{Branches, Ending};
+use crate::domain::Domain;
+use crate::filtration::{Direction, Falling, FieldError, Filtration, Kind, Rising};
+use crate::options::Options;
+use crate::pairing::UnionFind;
+use crate::persistence::Pair;
+use crate::scalar::{Scalar, wider_first};
 use core::cmp::Ordering;
 
 /// A place in a [`MergeTree`].
@@ -232,6 +235,25 @@ impl<V: Copy, S: Scalar> MergeTree<V, S> {
             Kind::Minimum => value <= level,
             Kind::Maximum => value >= level,
         }
+    }
+}
+
+impl Options {
+    /// [`merge_tree`](fn@crate::merge_tree) with these options.
+    ///
+    /// # Errors
+    /// If the field does not fit the domain, see [`FieldError`].
+    pub fn merge_tree<G: Domain, S: Scalar>(
+        self,
+        domain: G,
+        field: &[S],
+        kind: Kind,
+    ) -> Result<MergeTree<G::Vertex, S>, FieldError> {
+        let count = domain.vertex_count();
+        Ok(match kind {
+            Kind::Minimum => MergeTree::new(domain, &Filtration::<S, Rising>::new(field, count, self.nan)?),
+            Kind::Maximum => MergeTree::new(domain, &Filtration::<S, Falling>::new(field, count, self.nan)?),
+        })
     }
 }
 

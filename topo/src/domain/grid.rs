@@ -4,25 +4,13 @@
 //! it leads to, which are vector instructions; the resulting set of earlier neighbours is looked up, and most vertices
 //! are done. Rows are independent, so blocks of them can be scanned in parallel.
 
-use crate::basins::{self, Fork, Scan};
-use crate::descent::OUTSIDE;
-use crate::merges::Merges;
+use super::graph::Domain;
+use super::stencil::{Connectivity, Offset, Stencil};
+use crate::filtration::{Direction, Filtration};
+use crate::pairing::{Fork, Merges, OUTSIDE, Scan, merges_of_scan};
 use crate::parallel;
-use crate::stencil::{Offset, Stencil};
-use crate::{Direction, Domain, Filtration, Scalar};
+use crate::scalar::Scalar;
 use core::ops::{Range, RangeInclusive};
-
-/// Which vertices of a grid are neighbours.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Connectivity {
-    /// Along one axis: 2, 4 or 6 neighbours.
-    Axis,
-    /// Along any number of axes: 2, 8 or 26 neighbours.
-    Full,
-    /// Edges of the Freudenthal triangulation, whose offsets are {0, 1}ᵈ and their opposites: 2, 6 or 14 neighbours.
-    /// The choice for sampled smooth functions, as sub- and superlevel sets then fit together.
-    Freudenthal,
-}
 
 /// A grid of `D` = 1, 2 or 3 axes, the slowest first as in C and `NumPy`: `[rows, columns]`, `[z, y, x]`.
 ///
@@ -163,7 +151,7 @@ impl<const D: usize> Domain for &Grid<D> {
             }
             scanner.found
         });
-        basins::of_scan(filtration, next, Scan::concat(scans))
+        merges_of_scan(filtration, next, Scan::concat(scans))
     }
 }
 

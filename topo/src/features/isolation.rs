@@ -5,7 +5,10 @@
 //! are searched. Of the extrema that have to search beyond r no two are nearer to each other than that, so there are few
 //! of them: O(n log n) in all for n vertices.
 
-use crate::{Direction, Domain, Falling, FieldError, Filtration, Grid, Kind, NanPolicy, Pairs, Rising, Scalar};
+use crate::domain::{Domain, Grid};
+use crate::filtration::{Direction, Falling, FieldError, Filtration, Kind, NanPolicy, Rising};
+use crate::persistence::Pairs;
+use crate::scalar::Scalar;
 use core::ops::RangeInclusive;
 
 /// For each pair of a field on a grid the distance from its extremum to the nearest vertex that comes before it in the order of

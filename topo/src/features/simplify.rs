@@ -7,8 +7,11 @@
 //! Bauer, Lange & Wardetzky (2012), "Optimal topological simplification of discrete functions on surfaces", do twice as
 //! well on a surface; this works on any graph.
 
-use crate::branches::Branches;
-use crate::{Direction, Domain, Falling, FieldError, Filtration, NanPolicy, Options, Rising, Scalar};
+use super::branches::Branches;
+use crate::domain::Domain;
+use crate::filtration::{Direction, Falling, FieldError, Filtration, NanPolicy, Rising};
+use crate::options::Options;
+use crate::scalar::Scalar;
 
 /// A field at most `threshold` away from the given one everywhere, all of whose finite pairs are more persistent than
 /// that, except pairs of zero persistence on the plateaus that this leaves.
@@ -26,8 +29,23 @@ pub fn simplify<G: Domain, S: Scalar>(domain: G, field: &[S], threshold: S::Widt
     Options::new().simplify(domain, field, threshold)
 }
 
+impl Options {
+    /// [`simplify`](fn@crate::simplify) with these options.
+    ///
+    /// # Errors
+    /// If the field does not fit the domain, see [`FieldError`].
+    pub fn simplify<G: Domain, S: Scalar>(
+        self,
+        domain: G,
+        field: &[S],
+        threshold: S::Width,
+    ) -> Result<Vec<S>, FieldError> {
+        until_settled(domain, field, threshold, self.nan)
+    }
+}
+
 /// Fills and cuts in turn until nothing changes. Every round but the last removes an extremum for good.
-pub(crate) fn until_settled<G: Domain, S: Scalar>(
+fn until_settled<G: Domain, S: Scalar>(
     domain: G,
     field: &[S],
     threshold: S::Width,

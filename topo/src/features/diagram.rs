@@ -15,7 +15,9 @@
 //! Points with an infinite coordinate and essential classes have no diagonal to go to: they are matched among each
 //! other, by rising coordinate, and if their numbers differ the distance is infinite.
 
-use crate::{Kind, Pair, Pairs, Scalar};
+use crate::filtration::Kind;
+use crate::persistence::{Pair, Pairs};
+use crate::scalar::Scalar;
 
 /// Points (birth, death) of finite pairs, and births of essential classes.
 #[derive(Debug, Clone, PartialEq)]

@@ -3,9 +3,12 @@
 //! Every vertex belongs to the extremum at the end of its steepest descent (or ascent). Basins of extrema that are no
 //! more persistent than a threshold are given to the basin beyond their saddle, into which a flood would spill.
 
-use crate::branches::Branches;
-use crate::union_find::UnionFind;
-use crate::{Direction, Domain, FieldError, Filtration, Kind, Options, Scalar};
+use super::branches::Branches;
+use crate::domain::Domain;
+use crate::filtration::{Direction, Falling, FieldError, Filtration, Kind, Rising};
+use crate::options::Options;
+use crate::pairing::UnionFind;
+use crate::scalar::Scalar;
 
 /// Every vertex with its extremum.
 ///
@@ -74,6 +77,30 @@ impl<V: Copy> Segmentation<V> {
         let mut sizes = vec![0; self.extrema.len()];
         self.labels().flatten().for_each(|segment| sizes[segment] += 1);
         sizes
+    }
+}
+
+impl Options {
+    /// [`segmentation`](fn@crate::segmentation) with these options.
+    ///
+    /// # Errors
+    /// If the field does not fit the domain, see [`FieldError`].
+    pub fn segmentation<G: Domain, S: Scalar>(
+        self,
+        domain: G,
+        field: &[S],
+        kind: Kind,
+        threshold: S::Width,
+    ) -> Result<Segmentation<G::Vertex>, FieldError> {
+        let count = domain.vertex_count();
+        Ok(match kind {
+            Kind::Minimum => {
+                Segmentation::new(domain, &Filtration::<S, Rising>::new(field, count, self.nan)?, threshold)
+            }
+            Kind::Maximum => {
+                Segmentation::new(domain, &Filtration::<S, Falling>::new(field, count, self.nan)?, threshold)
+            }
+        })
     }
 }
 

@@ -7,11 +7,11 @@
 
 use core::fmt;
 
-use crate::basins::{self, Fork, Scan};
-use crate::descent::OUTSIDE;
-use crate::merges::Merges;
+use super::graph::Domain;
+use crate::filtration::{Direction, Filtration};
+use crate::pairing::{Fork, Merges, OUTSIDE, Scan, merges_of_scan};
 use crate::parallel;
-use crate::{Direction, Domain, Filtration, Scalar};
+use crate::scalar::Scalar;
 
 /// A graph whose neighbours come in the order in which they lie round a vertex, as those of a triangle mesh do in most
 /// mesh libraries: about three times faster than the graph by itself, without a copy.
@@ -124,7 +124,7 @@ pub(crate) fn merges<S: Scalar, D: Direction>(domain: impl Linked, filtration: &
         }
         found
     });
-    basins::of_scan(filtration, next, Scan::concat(scans))
+    merges_of_scan(filtration, next, Scan::concat(scans))
 }
 
 /// Points a vertex to an earlier neighbour; notes it if it is an extremum or a fork.
