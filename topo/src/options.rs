@@ -5,21 +5,21 @@ use crate::filtration::NanPolicy;
 /// How to compute persistence where the defaults will not do.
 ///
 /// ```
-/// use topo::{NanPolicy, Options};
+/// use topo::{NanPolicy, PersistenceOptions};
 ///
 /// let path = petgraph::graph::UnGraph::<(), ()>::from_edges([(0, 1), (1, 2), (2, 3)]);
-/// let masked = Options::new().nan(NanPolicy::Mask).sublevel(&path, &[1.0, f64::NAN, 2.0, 2.0])?;
+/// let masked = PersistenceOptions::new().nan(NanPolicy::Mask).sublevel(&path, &[1.0, f64::NAN, 2.0, 2.0])?;
 /// assert_eq!(masked.essential().count(), 2); // the masked vertex cuts the path in two
-/// # Ok::<(), topo::FieldError>(())
+/// # Ok::<(), topo::Error>(())
 /// ```
 #[derive(Debug, Clone, Copy, Default)]
-pub struct Options {
+pub struct PersistenceOptions {
     pub(crate) nan: NanPolicy,
     pub(crate) keep_zeros: bool,
     pub(crate) plain: bool,
 }
 
-impl Options {
+impl PersistenceOptions {
     /// NaN is refused, pairs of zero persistence are dropped, the fastest algorithm is used.
     pub fn new() -> Self {
         Self::default()

@@ -1,8 +1,9 @@
 //! The pairs of a field: extremum and saddle, birth and death.
 
 use crate::domain::Domain;
-use crate::filtration::{Direction, Falling, FieldError, Filtration, Kind, Rising};
-use crate::options::Options;
+use crate::error::Error;
+use crate::filtration::{Direction, Falling, Filtration, Kind, Rising};
+use crate::options::PersistenceOptions;
 use crate::pairing::{Merges, sweep};
 use crate::scalar::{Scalar, wider_first};
 use core::cmp::Ordering;
@@ -175,40 +176,32 @@ pub struct Persistence<V, S> {
     pub maxima: Pairs<V, S>,
 }
 
-impl Options {
+impl PersistenceOptions {
     /// [`sublevel`](fn@crate::sublevel) with these options.
     ///
     /// # Errors
-    /// If the field does not fit the domain, see [`FieldError`].
-    pub fn sublevel<G: Domain, S: Scalar>(self, domain: G, field: &[S]) -> Result<Pairs<G::Vertex, S>, FieldError> {
+    /// If the field does not fit the domain, see [`Error`].
+    pub fn sublevel<G: Domain, S: Scalar>(self, domain: G, field: &[S]) -> Result<Pairs<G::Vertex, S>, Error> {
         self.pairs::<G, S, Rising>(domain, field)
     }
 
     /// [`superlevel`](fn@crate::superlevel) with these options.
     ///
     /// # Errors
-    /// If the field does not fit the domain, see [`FieldError`].
-    pub fn superlevel<G: Domain, S: Scalar>(self, domain: G, field: &[S]) -> Result<Pairs<G::Vertex, S>, FieldError> {
+    /// If the field does not fit the domain, see [`Error`].
+    pub fn superlevel<G: Domain, S: Scalar>(self, domain: G, field: &[S]) -> Result<Pairs<G::Vertex, S>, Error> {
         self.pairs::<G, S, Falling>(domain, field)
     }
 
     /// [`persistence`](fn@crate::persistence) with these options.
     ///
     /// # Errors
-    /// If the field does not fit the domain, see [`FieldError`].
-    pub fn persistence<G: Domain, S: Scalar>(
-        self,
-        domain: G,
-        field: &[S],
-    ) -> Result<Persistence<G::Vertex, S>, FieldError> {
+    /// If the field does not fit the domain, see [`Error`].
+    pub fn persistence<G: Domain, S: Scalar>(self, domain: G, field: &[S]) -> Result<Persistence<G::Vertex, S>, Error> {
         Ok(Persistence { minima: self.sublevel(domain, field)?, maxima: self.superlevel(domain, field)? })
     }
 
-    fn pairs<G: Domain, S: Scalar, D: Direction>(
-        self,
-        domain: G,
-        field: &[S],
-    ) -> Result<Pairs<G::Vertex, S>, FieldError> {
+    fn pairs<G: Domain, S: Scalar, D: Direction>(self, domain: G, field: &[S]) -> Result<Pairs<G::Vertex, S>, Error> {
         let filtration = Filtration::<S, D>::new(field, domain.vertex_count(), self.nan)?;
         let merges = if self.plain { sweep(domain, &filtration) } else { domain.merges(&filtration) };
         Ok(Pairs::from_merges(domain, &filtration, &merges, self.keep_zeros))
@@ -218,23 +211,23 @@ impl Options {
 /// The minima of a field, paired with the saddles at which the components of its sublevel sets merge.
 ///
 /// # Errors
-/// If the field does not fit the domain, see [`FieldError`].
-pub fn sublevel<G: Domain, S: Scalar>(domain: G, field: &[S]) -> Result<Pairs<G::Vertex, S>, FieldError> {
-    Options::new().sublevel(domain, field)
+/// If the field does not fit the domain, see [`Error`].
+pub fn sublevel<G: Domain, S: Scalar>(domain: G, field: &[S]) -> Result<Pairs<G::Vertex, S>, Error> {
+    PersistenceOptions::new().sublevel(domain, field)
 }
 
 /// The maxima of a field, paired with the saddles at which the components of its superlevel sets merge.
 ///
 /// # Errors
-/// If the field does not fit the domain, see [`FieldError`].
-pub fn superlevel<G: Domain, S: Scalar>(domain: G, field: &[S]) -> Result<Pairs<G::Vertex, S>, FieldError> {
-    Options::new().superlevel(domain, field)
+/// If the field does not fit the domain, see [`Error`].
+pub fn superlevel<G: Domain, S: Scalar>(domain: G, field: &[S]) -> Result<Pairs<G::Vertex, S>, Error> {
+    PersistenceOptions::new().superlevel(domain, field)
 }
 
 /// The pairs of both directions.
 ///
 /// # Errors
-/// If the field does not fit the domain, see [`FieldError`].
-pub fn persistence<G: Domain, S: Scalar>(domain: G, field: &[S]) -> Result<Persistence<G::Vertex, S>, FieldError> {
-    Options::new().persistence(domain, field)
+/// If the field does not fit the domain, see [`Error`].
+pub fn persistence<G: Domain, S: Scalar>(domain: G, field: &[S]) -> Result<Persistence<G::Vertex, S>, Error> {
+    PersistenceOptions::new().persistence(domain, field)
 }

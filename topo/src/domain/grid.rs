@@ -27,7 +27,7 @@ use core::ops::{Range, RangeInclusive};
 /// assert_eq!(grid.position(minima[0].extremum), [2, 1]); // value 0, essential
 /// assert_eq!(grid.position(minima[1].extremum), [0, 1]); // value 1, joins the other …
 /// assert_eq!(minima[1].death(), Some(3)); // … over a 3
-/// # Ok::<(), topo::FieldError>(())
+/// # Ok::<(), topo::Error>(())
 /// ```
 ///
 /// Four axes do not compile:

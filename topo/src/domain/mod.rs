@@ -8,10 +8,10 @@ mod rings;
 mod stencil;
 mod triangle_mesh;
 
-pub use adjacency::{Adjacency, DomainError};
+pub use adjacency::Adjacency;
 pub use graph::Domain;
 pub use grid::Grid;
 pub use path::Path;
-pub use rings::Surface;
+pub use rings::Rings;
 pub use stencil::Connectivity;
-pub use triangle_mesh::Triangulation;
+pub use triangle_mesh::TriangleMesh;

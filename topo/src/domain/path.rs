@@ -18,7 +18,7 @@ use core::ops::Range;
 /// let warm = topo::superlevel(&topo::Path::new(6), &temperatures)?;
 /// let peaks: Vec<_> = warm.iter().map(|peak| (peak.extremum, peak.persistence())).collect();
 /// assert_eq!(peaks, [(4, 12.0), (2, 5.0), (0, 2.5)]);
-/// # Ok::<(), topo::FieldError>(())
+/// # Ok::<(), topo::Error>(())
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Path {

@@ -40,34 +40,34 @@ use crate::scalar::Scalar;
 /// let around = |v: usize| vec![poles[0], equator[(v + 2) % 4], poles[1], equator[v % 4]];
 /// let rings = vec![vec![1, 2, 3, 4], around(1), around(2), around(3), around(4), vec![4, 3, 2, 1]];
 /// let octahedron = Mesh { rings };
-/// let surface = topo::Surface::new(&octahedron, |_| true);
+/// let surface = topo::Rings::new(&octahedron, |_| true);
 /// let field = [0.0, 3.0, 1.0, 4.0, 2.0, 5.0];
 /// assert_eq!(topo::persistence(surface, &field), topo::persistence(&octahedron, &field));
 /// ```
 ///
 /// The contract: of the neighbours that the graph reports for a vertex, consecutive ones are joined by an edge of the
 /// graph, and where `is_closed` says so, the last and the first are too. Where that is not so, joins may be missed and
-/// pairs be wrong; take the graph itself then, or [`Triangulation`](crate::Triangulation), which finds the order.
+/// pairs be wrong; take the graph itself then, or [`TriangleMesh`](crate::TriangleMesh), which finds the order.
 #[derive(Clone, Copy)]
-pub struct Surface<G, C> {
+pub struct Rings<G, C> {
     graph: G,
     is_closed: C,
 }
 
-impl<G: Domain, C: Fn(G::Vertex) -> bool> Surface<G, C> {
+impl<G: Domain, C: Fn(G::Vertex) -> bool> Rings<G, C> {
     /// A graph with what tells whether the neighbours of a vertex go all round it. (On a boundary they do not.)
     pub fn new(graph: G, is_closed: C) -> Self {
         Self { graph, is_closed }
     }
 }
 
-impl<G: fmt::Debug, C> fmt::Debug for Surface<G, C> {
+impl<G: fmt::Debug, C> fmt::Debug for Rings<G, C> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("Surface").field("graph", &self.graph).finish_non_exhaustive()
+        f.debug_struct("Rings").field("graph", &self.graph).finish_non_exhaustive()
     }
 }
 
-impl<G: Domain + Sync, C: Fn(G::Vertex) -> bool + Copy + Sync> Domain for Surface<G, C> {
+impl<G: Domain + Sync, C: Fn(G::Vertex) -> bool + Copy + Sync> Domain for Rings<G, C> {
     type Vertex = G::Vertex;
 
     fn vertex_count(&self) -> usize {
@@ -88,7 +88,7 @@ impl<G: Domain + Sync, C: Fn(G::Vertex) -> bool + Copy + Sync> Domain for Surfac
     }
 }
 
-impl<G: Domain + Sync, C: Fn(G::Vertex) -> bool + Copy + Sync> Linked for &Surface<G, C> {
+impl<G: Domain + Sync, C: Fn(G::Vertex) -> bool + Copy + Sync> Linked for &Rings<G, C> {
     fn vertex_count(&self) -> usize {
         self.graph.vertex_count()
     }

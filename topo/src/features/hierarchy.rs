@@ -43,7 +43,7 @@ impl<V: Copy, S: Scalar> Extremum<V, S> {
 /// let first: Vec<_> = hierarchy.alternating(3).map(|extremum| (extremum.vertex.index(), extremum.persistence)).collect();
 /// assert_eq!(first, [(1, 9.0), (4, 9.0), (3, 2.0)]);
 /// assert_eq!(hierarchy.above(5.0).iter().filter(|extremum| extremum.kind == Kind::Minimum).count(), 2);
-/// # Ok::<(), topo::FieldError>(())
+/// # Ok::<(), topo::Error>(())
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Hierarchy<V, S: Scalar> {

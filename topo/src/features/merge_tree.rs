@@ -5,8 +5,9 @@
 
 use super::branches::{Branches, Ending};
 use crate::domain::Domain;
-use crate::filtration::{Direction, Falling, FieldError, Filtration, Kind, Rising};
-use crate::options::Options;
+use crate::error::Error;
+use crate::filtration::{Direction, Falling, Filtration, Kind, Rising};
+use crate::options::PersistenceOptions;
 use crate::pairing::UnionFind;
 use crate::persistence::Pair;
 use crate::scalar::{Scalar, wider_first};
@@ -35,7 +36,7 @@ pub struct Branch<V, S> {
 
 /// A connected component of a sublevel or superlevel set.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Component<V> {
+pub struct LevelComponent<V> {
     /// Its eldest extremum.
     pub extremum: V,
     /// Number of its vertices.
@@ -64,7 +65,7 @@ pub struct Component<V> {
 /// let below_5: Vec<_> = tree.at(5.0).iter().map(|component| (component.extremum, component.size)).collect();
 /// assert_eq!(below_5, [(1, 1), (3, 1)]);
 /// assert_eq!(tree.simplify(2.0).nodes().len(), 2); // only 1 and 9 are left
-/// # Ok::<(), topo::FieldError>(())
+/// # Ok::<(), topo::Error>(())
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct MergeTree<V, S> {
@@ -154,7 +155,7 @@ impl<V: Copy, S: Scalar> MergeTree<V, S> {
     /// let tree = topo::merge_tree(&topo::Path::new(6), &heights, topo::Kind::Maximum)?;
     /// let family: Vec<_> = tree.branches().iter().map(|peak| (peak.pair.extremum, peak.parent)).collect();
     /// assert_eq!(family, [(5, None), (1, Some(5)), (3, Some(5))]);
-    /// # Ok::<(), topo::FieldError>(())
+    /// # Ok::<(), topo::Error>(())
     /// ```
     pub fn branches(&self) -> Vec<Branch<V, S>> {
         let leaf = |leaf: u32| self.leaves[leaf as usize];
@@ -208,7 +209,7 @@ impl<V: Copy, S: Scalar> MergeTree<V, S> {
 
     /// The components of the set of vertices up to a level (for maxima: from it upwards), by index of their extrema.
     /// O(vertices).
-    pub fn at(&self, level: S) -> Vec<Component<V>> {
+    pub fn at(&self, level: S) -> Vec<LevelComponent<V>> {
         let mut components = UnionFind::new(self.leaves.len());
         for end in self.endings.iter().take_while(|end| self.is_at(end.saddle.value, level)) {
             components.join(end.leaf, end.elder);
@@ -220,7 +221,7 @@ impl<V: Copy, S: Scalar> MergeTree<V, S> {
             }
         }
         let components = self.leaves.iter().zip(sizes).filter(|&(_, size)| size > 0);
-        components.map(|(leaf, size)| Component { extremum: leaf.vertex, size }).collect()
+        components.map(|(leaf, size)| LevelComponent { extremum: leaf.vertex, size }).collect()
     }
 
     /// The order in which two vertices enter.
@@ -238,17 +239,17 @@ impl<V: Copy, S: Scalar> MergeTree<V, S> {
     }
 }
 
-impl Options {
+impl PersistenceOptions {
     /// [`merge_tree`](fn@crate::merge_tree) with these options.
     ///
     /// # Errors
-    /// If the field does not fit the domain, see [`FieldError`].
+    /// If the field does not fit the domain, see [`Error`].
     pub fn merge_tree<G: Domain, S: Scalar>(
         self,
         domain: G,
         field: &[S],
         kind: Kind,
-    ) -> Result<MergeTree<G::Vertex, S>, FieldError> {
+    ) -> Result<MergeTree<G::Vertex, S>, Error> {
         let count = domain.vertex_count();
         Ok(match kind {
             Kind::Minimum => MergeTree::new(domain, &Filtration::<S, Rising>::new(field, count, self.nan)?),
@@ -260,11 +261,7 @@ impl Options {
 /// The merge tree of a field, with minima or maxima for leaves.
 ///
 /// # Errors
-/// If the field does not fit the domain, see [`FieldError`].
-pub fn merge_tree<G: Domain, S: Scalar>(
-    domain: G,
-    field: &[S],
-    kind: Kind,
-) -> Result<MergeTree<G::Vertex, S>, FieldError> {
-    Options::new().merge_tree(domain, field, kind)
+/// If the field does not fit the domain, see [`Error`].
+pub fn merge_tree<G: Domain, S: Scalar>(domain: G, field: &[S], kind: Kind) -> Result<MergeTree<G::Vertex, S>, Error> {
+    PersistenceOptions::new().merge_tree(domain, field, kind)
 }

@@ -11,6 +11,6 @@ mod simplify;
 pub use diagram::Diagram;
 pub use hierarchy::{Extremum, Hierarchy};
 pub use isolation::isolation;
-pub use merge_tree::{Branch, Component, MergeTree, Node, merge_tree};
+pub use merge_tree::{Branch, LevelComponent, MergeTree, Node, merge_tree};
 pub use segmentation::{Segmentation, segmentation};
 pub use simplify::simplify;

@@ -5,8 +5,9 @@
 
 use super::branches::Branches;
 use crate::domain::Domain;
-use crate::filtration::{Direction, Falling, FieldError, Filtration, Kind, Rising};
-use crate::options::Options;
+use crate::error::Error;
+use crate::filtration::{Direction, Falling, Filtration, Kind, Rising};
+use crate::options::PersistenceOptions;
 use crate::pairing::UnionFind;
 use crate::scalar::Scalar;
 
@@ -19,7 +20,7 @@ use crate::scalar::Scalar;
 /// let valleys = segmentation(&Path::new(7), &field, Kind::Minimum, 1.0)?;
 /// assert_eq!(valleys.extrema(), [0, 4, 6]); // vertex 2 is a valley only 1 deep
 /// assert_eq!(valleys.labels().collect::<Vec<_>>(), [Some(0), Some(0), Some(1), Some(1), Some(1), Some(2), Some(2)]);
-/// # Ok::<(), topo::FieldError>(())
+/// # Ok::<(), topo::Error>(())
 /// ```
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Segmentation<V> {
@@ -80,18 +81,18 @@ impl<V: Copy> Segmentation<V> {
     }
 }
 
-impl Options {
+impl PersistenceOptions {
     /// [`segmentation`](fn@crate::segmentation) with these options.
     ///
     /// # Errors
-    /// If the field does not fit the domain, see [`FieldError`].
+    /// If the field does not fit the domain, see [`Error`].
     pub fn segmentation<G: Domain, S: Scalar>(
         self,
         domain: G,
         field: &[S],
         kind: Kind,
         threshold: S::Width,
-    ) -> Result<Segmentation<G::Vertex>, FieldError> {
+    ) -> Result<Segmentation<G::Vertex>, Error> {
         let count = domain.vertex_count();
         Ok(match kind {
             Kind::Minimum => {
@@ -107,12 +108,12 @@ impl Options {
 /// The basins of all minima or maxima that are more persistent than a threshold.
 ///
 /// # Errors
-/// If the field does not fit the domain, see [`FieldError`].
+/// If the field does not fit the domain, see [`Error`].
 pub fn segmentation<G: Domain, S: Scalar>(
     domain: G,
     field: &[S],
     kind: Kind,
     threshold: S::Width,
-) -> Result<Segmentation<G::Vertex>, FieldError> {
-    Options::new().segmentation(domain, field, kind, threshold)
+) -> Result<Segmentation<G::Vertex>, Error> {
+    PersistenceOptions::new().segmentation(domain, field, kind, threshold)
 }

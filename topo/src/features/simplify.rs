@@ -9,8 +9,9 @@
 
 use super::branches::Branches;
 use crate::domain::Domain;
-use crate::filtration::{Direction, Falling, FieldError, Filtration, NanPolicy, Rising};
-use crate::options::Options;
+use crate::error::Error;
+use crate::filtration::{Direction, Falling, Filtration, NanPolicy, Rising};
+use crate::options::PersistenceOptions;
 use crate::scalar::Scalar;
 
 /// A field at most `threshold` away from the given one everywhere, all of whose finite pairs are more persistent than
@@ -20,26 +21,21 @@ use crate::scalar::Scalar;
 /// let field = [0.0, 5.0, 3.0, 4.0, 2.0, 9.0, 1.0];
 /// let smooth = topo::simplify(&topo::Path::new(7), &field, 1.0)?;
 /// assert_eq!(smooth, [0.0, 5.0, 4.0, 4.0, 2.0, 9.0, 1.0]);
-/// # Ok::<(), topo::FieldError>(())
+/// # Ok::<(), topo::Error>(())
 /// ```
 ///
 /// # Errors
-/// If the field does not fit the domain, see [`FieldError`].
-pub fn simplify<G: Domain, S: Scalar>(domain: G, field: &[S], threshold: S::Width) -> Result<Vec<S>, FieldError> {
-    Options::new().simplify(domain, field, threshold)
+/// If the field does not fit the domain, see [`Error`].
+pub fn simplify<G: Domain, S: Scalar>(domain: G, field: &[S], threshold: S::Width) -> Result<Vec<S>, Error> {
+    PersistenceOptions::new().simplify(domain, field, threshold)
 }
 
-impl Options {
+impl PersistenceOptions {
     /// [`simplify`](fn@crate::simplify) with these options.
     ///
     /// # Errors
-    /// If the field does not fit the domain, see [`FieldError`].
-    pub fn simplify<G: Domain, S: Scalar>(
-        self,
-        domain: G,
-        field: &[S],
-        threshold: S::Width,
-    ) -> Result<Vec<S>, FieldError> {
+    /// If the field does not fit the domain, see [`Error`].
+    pub fn simplify<G: Domain, S: Scalar>(self, domain: G, field: &[S], threshold: S::Width) -> Result<Vec<S>, Error> {
         until_settled(domain, field, threshold, self.nan)
     }
 }
@@ -50,7 +46,7 @@ fn until_settled<G: Domain, S: Scalar>(
     field: &[S],
     threshold: S::Width,
     nan: NanPolicy,
-) -> Result<Vec<S>, FieldError> {
+) -> Result<Vec<S>, Error> {
     let mut simplified = field.to_vec();
     loop {
         let filled = fill::<G, S, Rising>(domain, &simplified, threshold, nan)?;
@@ -68,7 +64,7 @@ fn fill<G: Domain, S: Scalar, D: Direction>(
     field: &[S],
     threshold: S::Width,
     nan: NanPolicy,
-) -> Result<Vec<S>, FieldError> {
+) -> Result<Vec<S>, Error> {
     let filtration = Filtration::<S, D>::new(field, domain.vertex_count(), nan)?;
     Ok(Branches::new(domain, &filtration).filled(&filtration, threshold))
 }

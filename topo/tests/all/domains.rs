@@ -2,14 +2,14 @@
 
 use crate::inputs::field;
 use proptest::prelude::*;
-use topo::{Adjacency, Connectivity, Domain, Grid, Kind, NanPolicy, Options, Path, Scalar, Triangulation};
+use topo::{Adjacency, Connectivity, Domain, Grid, Kind, NanPolicy, Path, PersistenceOptions, Scalar, TriangleMesh};
 
 fn connectivity() -> impl Strategy<Value = Connectivity> {
     prop_oneof![Just(Connectivity::Axis), Just(Connectivity::Full), Just(Connectivity::Freudenthal)]
 }
 
 fn assert_fast_equals_plain<G: Domain<Vertex = usize>, S: Scalar>(domain: G, field: &[S]) {
-    let options = Options::new().keep_zeros().nan(NanPolicy::Mask);
+    let options = PersistenceOptions::new().keep_zeros().nan(NanPolicy::Mask);
     let fast = options.persistence(domain, field).expect("the field fits");
     let plain = options.plain_sweep().persistence(domain, field).expect("the field fits");
     assert_eq!(fast.minima[..], plain.minima[..]);
@@ -62,7 +62,7 @@ proptest! {
         let grid = Grid::new(shape, Connectivity::Axis).periodic(periodic);
         let mut field = values[..(&grid).vertex_count()].to_vec();
         field.iter_mut().skip(masked).step_by(3).for_each(|value| *value = f64::NAN);
-        let pairs = Options::new().nan(NanPolicy::Mask).persistence(&grid, &field).expect("fits");
+        let pairs = PersistenceOptions::new().nan(NanPolicy::Mask).persistence(&grid, &field).expect("fits");
         for pairs in [pairs.minima, pairs.maxima] {
             let isolation = topo::isolation(&grid, &field, &pairs).expect("fits");
             for (pair, isolation) in pairs.iter().zip(isolation) {
@@ -81,7 +81,7 @@ proptest! {
     fn triangles_are_paired_as_by_the_sweep_and_as_their_edges(
         ((count, triangles), field) in triangles().prop_flat_map(|mesh| { let count = mesh.0; (Just(mesh), field(count)) })
     ) {
-        let mesh = Triangulation::new(count, &triangles).expect("corners exist");
+        let mesh = TriangleMesh::new(count, &triangles).expect("corners exist");
         assert_fast_equals_plain(&mesh, &field);
         let edges: Vec<_> = triangles.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]).map(|edge| edge.map(|v| v as usize)).collect();
         let graph = Adjacency::from_edges(count, &edges).expect("ends exist");

@@ -4,7 +4,7 @@ use crate::inputs::{field, graph};
 use petgraph::graph::UnGraph;
 use petgraph::unionfind::UnionFind;
 use proptest::prelude::*;
-use topo::{Component, Connectivity, Diagram, Domain, Grid, Kind, Scalar};
+use topo::{Connectivity, Diagram, Domain, Grid, Kind, LevelComponent, Scalar};
 
 fn graph_and_field() -> impl Strategy<Value = (UnGraph<(), ()>, Vec<f64>)> {
     graph(120).prop_flat_map(|graph| {
@@ -32,7 +32,7 @@ fn component_sizes(graph: &UnGraph<(), ()>, holds: impl Fn(usize) -> bool) -> Ve
     sizes
 }
 
-fn sorted_sizes<V>(components: &[Component<V>]) -> Vec<usize> {
+fn sorted_sizes<V>(components: &[LevelComponent<V>]) -> Vec<usize> {
     let mut sizes: Vec<usize> = components.iter().map(|component| component.size).collect();
     sizes.sort_unstable();
     sizes
@@ -201,7 +201,7 @@ proptest! {
 #[test]
 fn masked_vertices_have_no_segment() {
     let path = topo::Path::new(3);
-    let options = topo::Options::new().nan(topo::NanPolicy::Mask);
+    let options = topo::PersistenceOptions::new().nan(topo::NanPolicy::Mask);
     let segments = options.segmentation(&path, &[1.0, f64::NAN, 2.0], Kind::Minimum, 9.0).expect("fits");
     assert_eq!(segments.labels().collect::<Vec<_>>(), [Some(0), None, Some(1)]);
     assert_eq!((&path).vertex_count(), segments.labels().len());

@@ -3,7 +3,7 @@
 use crate::inputs::{field, graph, matrix_reduction, relabelled};
 use petgraph::graph::{NodeIndex, UnGraph};
 use proptest::prelude::*;
-use topo::{Hierarchy, Kind, Options, Pair, Pairs, Path, Scalar};
+use topo::{Hierarchy, Kind, Pair, Pairs, Path, PersistenceOptions, Scalar};
 
 type Graph = UnGraph<(), ()>;
 type Indices = Vec<(usize, Option<usize>)>;
@@ -17,11 +17,11 @@ fn indices<S: Scalar>(pairs: &Pairs<NodeIndex, S>) -> Indices {
 }
 
 fn sublevel(graph: &Graph, field: &[f64]) -> Pairs<NodeIndex, f64> {
-    Options::new().keep_zeros().sublevel(graph, field).expect("one value for every vertex")
+    PersistenceOptions::new().keep_zeros().sublevel(graph, field).expect("one value for every vertex")
 }
 
 fn superlevel(graph: &Graph, field: &[f64]) -> Pairs<NodeIndex, f64> {
-    Options::new().keep_zeros().superlevel(graph, field).expect("one value for every vertex")
+    PersistenceOptions::new().keep_zeros().superlevel(graph, field).expect("one value for every vertex")
 }
 
 fn graph_and_field() -> impl Strategy<Value = (Graph, Vec<f64>)> {
@@ -47,13 +47,13 @@ fn finite_field(count: usize) -> impl Strategy<Value = Vec<f64>> {
 proptest! {
     #[test]
     fn the_fast_way_agrees_with_the_plain_sweep((graph, field) in graph_and_field()) {
-        let options = Options::new().keep_zeros();
+        let options = PersistenceOptions::new().keep_zeros();
         prop_assert_eq!(options.persistence(&graph, &field), options.plain_sweep().persistence(&graph, &field));
     }
 
     #[test]
     fn the_sweep_agrees_with_reduction_of_the_boundary_matrix((graph, field) in graph_and_field()) {
-        let pairs = Options::new().keep_zeros().plain_sweep().sublevel(&graph, &field).expect("fits");
+        let pairs = PersistenceOptions::new().keep_zeros().plain_sweep().sublevel(&graph, &field).expect("fits");
         prop_assert_eq!(indices(&pairs), matrix_reduction(&graph, &field));
     }
 
@@ -114,7 +114,7 @@ proptest! {
         let mut sorted = field.clone();
         sorted.sort_by(f64::total_cmp);
         let ranks: Vec<i16> = field.iter().map(|value| sorted.partition_point(|other| other < value) as i16 - 100).collect();
-        let of_ranks = Options::new().keep_zeros().sublevel(&graph, &ranks).expect("fits");
+        let of_ranks = PersistenceOptions::new().keep_zeros().sublevel(&graph, &ranks).expect("fits");
         prop_assert_eq!(indices(&of_ranks), indices(&sublevel(&graph, &field)));
     }
 
