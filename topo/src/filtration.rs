@@ -13,6 +13,9 @@ use core::marker::PhantomData;
 
 /// What to do with vertices whose value is NaN.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "lowercase"))]
+#[non_exhaustive]
 pub enum NanPolicy {
     /// Fail with [`Error::NotANumber`].
     #[default]
@@ -23,6 +26,8 @@ pub enum NanPolicy {
 
 /// Which extrema a filtration pairs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "lowercase"))]
 pub enum Kind {
     /// Of sublevel sets.
     Minimum,

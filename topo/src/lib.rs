@@ -141,6 +141,9 @@
 //! - Differences of integers do not overflow; `f32` differences are taken in `f64`.
 //! - Results are the same with the feature `rayon` and without, for any number of threads.
 //!
+//! With the feature `serde` results and options are written and read. JSON has no infinities: values that are infinite need
+//! a format that has.
+//!
 //! # How fast
 //!
 //! Nothing sorts all vertices. Most of them are found to be regular by a look at their neighbours; the rest is a graph
@@ -170,3 +173,8 @@ pub use options::PersistenceOptions;
 pub use pairing::Merges;
 pub use persistence::{Pair, Pairs, Persistence, persistence, sublevel, superlevel};
 pub use scalar::Scalar;
+
+/// The example of the README.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

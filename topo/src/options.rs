@@ -12,11 +12,14 @@ use crate::filtration::NanPolicy;
 /// assert_eq!(masked.essential().count(), 2); // the masked vertex cuts the path in two
 /// # Ok::<(), topo::Error>(())
 /// ```
-#[derive(Debug, Clone, Copy, Default)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
+#[must_use = "options are made anew, not changed"]
 pub struct PersistenceOptions {
     pub(crate) nan: NanPolicy,
     pub(crate) keep_zeros: bool,
-    pub(crate) plain: bool,
+    pub(crate) plain_sweep: bool,
 }
 
 impl PersistenceOptions {
@@ -37,6 +40,6 @@ impl PersistenceOptions {
 
     /// Uses the plain sweep over all sorted vertices: slower, with the same result. For tests and comparisons.
     pub fn plain_sweep(self) -> Self {
-        Self { plain: true, ..self }
+        Self { plain_sweep: true, ..self }
     }
 }

@@ -36,6 +36,7 @@ use core::ops::{Range, RangeInclusive};
 /// topo::Grid::new([2, 2, 2, 2], topo::Connectivity::Axis);
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[must_use = "it is made anew, not changed"]
 pub struct Grid<const D: usize> {
     /// Along (z, y, x); missing axes are of length 1.
     shape: [usize; 3],

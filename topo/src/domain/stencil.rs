@@ -12,6 +12,9 @@ use std::sync::OnceLock;
 
 /// Which vertices of a grid are neighbours.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "lowercase"))]
+#[non_exhaustive]
 pub enum Connectivity {
     /// Along one axis: 2, 4 or 6 neighbours.
     Axis,

@@ -21,6 +21,7 @@ use crate::scalar::Scalar;
 
 /// Points (birth, death) of finite pairs, and births of essential classes.
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Diagram {
     /// Whether components are born at minima and die higher up, or at maxima and die lower down.
     pub kind: Kind,

@@ -12,6 +12,7 @@ use crate::scalar::{Scalar, wider_first};
 
 /// An extremum with its rank's reason.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Extremum<V, S: Scalar> {
     /// Where it is.
     pub vertex: V,
@@ -46,7 +47,16 @@ impl<V: Copy, S: Scalar> Extremum<V, S> {
 /// # Ok::<(), topo::Error>(())
 /// ```
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    serde(bound(
+        serialize = "V: serde::Serialize, S: serde::Serialize, S::Width: serde::Serialize",
+        deserialize = "V: serde::Deserialize<'de>, S: serde::Deserialize<'de>, S::Width: serde::Deserialize<'de>"
+    ))
+)]
 pub struct Hierarchy<V, S: Scalar> {
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "ranked_extrema"))]
     extrema: Vec<Extremum<V, S>>,
 }
 
@@ -106,6 +116,16 @@ impl<V: Copy, S: Scalar> Hierarchy<V, S> {
 
 fn ranked<V: Copy, S: Scalar>(pairs: &Pairs<V, S>) -> impl Iterator<Item = Extremum<V, S>> {
     pairs.iter().map(|pair| Extremum::new(pair, pairs.kind()))
+}
+
+#[cfg(feature = "serde")]
+fn ranked_extrema<'de, V, S, R>(reader: R) -> Result<Vec<Extremum<V, S>>, R::Error>
+where
+    V: serde::Deserialize<'de>,
+    S: Scalar<Width: serde::Deserialize<'de>> + serde::Deserialize<'de>,
+    R: serde::Deserializer<'de>,
+{
+    crate::persistence::ranked(reader, |extremum: &Extremum<V, S>| extremum.persistence)
 }
 
 #[cfg(test)]

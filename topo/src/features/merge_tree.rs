@@ -15,6 +15,7 @@ use core::cmp::Ordering;
 
 /// A place in a [`MergeTree`].
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Node<V, S> {
     /// The extremum, saddle or last vertex.
     pub vertex: V,
@@ -26,6 +27,7 @@ pub struct Node<V, S> {
 
 /// An extremum with the extremum whose component its own joins.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Branch<V, S> {
     /// Birth and death.
     pub pair: Pair<V, S>,
@@ -36,6 +38,7 @@ pub struct Branch<V, S> {
 
 /// A connected component of a sublevel or superlevel set.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct LevelComponent<V> {
     /// Its eldest extremum.
     pub extremum: V,
@@ -182,6 +185,7 @@ impl<V: Copy, S: Scalar> MergeTree<V, S> {
 
     /// The tree without branches that live no longer than a threshold: that of the field with their basins filled up
     /// (or, for maxima, cut off) to the saddle.
+    #[must_use = "the tree itself is left as it is"]
     pub fn simplify(&self, threshold: S::Width) -> Self {
         let is_short = |end: &End<V, S>| self.leaves[end.leaf as usize].value.width(end.saddle.value) <= threshold;
         // Where vertices of a basin go, and from which value on. A short branch on a short branch goes where that does.
