@@ -170,6 +170,18 @@ mod tests {
     }
 
     #[test]
+    fn a_table_says_what_flooding_says() {
+        for connectivity in [Axis, Full, Freudenthal] {
+            for dimensions in 1..=3 {
+                let stencil = Stencil::of(connectivity, dimensions);
+                assert_eq!(stencil.forks.is_empty(), stencil.offsets.len() > MAX_TABLE_BITS);
+                let sets = 0..1u32 << stencil.offsets.len().min(MAX_TABLE_BITS);
+                assert!(sets.into_iter().all(|set| stencil.forks(set) == stencil.floods_apart(set)));
+            }
+        }
+    }
+
+    #[test]
     fn neighbors_across_an_earlier_square_hang_together() {
         let stencil = Stencil::of(Axis, 2);
         let bit = |offset| 1 << stencil.offsets.iter().position(|&other| other == offset).expect("in the square");

@@ -174,3 +174,19 @@ fn last_of_each<S: Scalar, D: Direction>(
     }
     eldest.iter().map(|&basin| last[basin as usize]).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn findings_of_consecutive_ranges_come_one_after_the_other() {
+        let scan = |first: u32| Scan {
+            extrema: vec![first, first + 2],
+            forks: vec![Fork { saddle: first + 1, sides: [first, first + 2] }],
+        };
+        let all = Scan::concat(vec![scan(0), scan(10), Scan::default(), scan(20)]);
+        assert_eq!(all.extrema, [0, 2, 10, 12, 20, 22]);
+        assert_eq!(all.forks.iter().map(|fork| fork.saddle).collect::<Vec<_>>(), [1, 11, 21]);
+    }
+}

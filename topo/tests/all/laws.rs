@@ -84,6 +84,21 @@ proptest! {
     }
 
     #[test]
+    fn equally_persistent_pairs_come_as_their_extrema_enter((graph, field) in graph_and_field()) {
+        let is_before = |kind: Kind, u: usize, v: usize| match kind {
+            Kind::Minimum => field[u] < field[v] || field[u] == field[v] && u < v,
+            Kind::Maximum => field[u] > field[v] || field[u] == field[v] && u > v,
+        };
+        for pairs in [sublevel(&graph, &field), superlevel(&graph, &field)] {
+            for pair in pairs.windows(2).filter(|pair| pair[0].persistence() == pair[1].persistence()) {
+                let [a, b] = [&pair[0], &pair[1]];
+                let enters_first = is_before(pairs.kind(), a.extremum.index(), b.extremum.index());
+                prop_assert!(a.is_essential() > b.is_essential() || a.is_essential() == b.is_essential() && enters_first);
+            }
+        }
+    }
+
+    #[test]
     fn negation_with_indices_reversed_swaps_minima_and_maxima((graph, field) in graph_and_field()) {
         let last = field.len() - 1;
         let reversed: Vec<usize> = (0..field.len()).rev().collect();
@@ -167,6 +182,10 @@ proptest! {
         for n in 0..count {
             prop_assert!(hierarchy.alternating(n).eq(all[..n].iter().copied()));
             prop_assert_eq!(hierarchy.by_persistence(n), &hierarchy.extrema()[..n]);
+        }
+        for threshold in [0.0, 1.0, 2.5, f64::INFINITY] {
+            let above: Vec<_> = hierarchy.extrema().iter().copied().filter(|e| e.persistence > threshold).collect();
+            prop_assert_eq!(hierarchy.above(threshold), above);
         }
         prop_assert!(hierarchy.of_kind(Kind::Maximum).count() > 0);
     }
