@@ -7,7 +7,7 @@
 use super::graph::Domain;
 use super::stencil::{Connectivity, Offset, Stencil};
 use crate::filtration::{Direction, Filtration};
-use crate::pairing::{Fork, Merges, OUTSIDE, Scan, merges_of_scan};
+use crate::pairing::{Merges, OUTSIDE, SaddleCandidate, Scan, merges_of_scan};
 use crate::parallel;
 use crate::scalar::Scalar;
 use core::ops::{Range, RangeInclusive};
@@ -98,7 +98,7 @@ impl<const D: usize> Grid<D> {
     }
 
     /// The vertex one offset within [reach](Self::reach) away.
-    pub(crate) fn far(&self, vertex: usize, offset: [isize; 3]) -> usize {
+    pub(crate) fn at_offset(&self, vertex: usize, offset: [isize; 3]) -> usize {
         let position = padded(self.position(vertex), 0);
         self.index(core::array::from_fn(|axis| {
             (position[axis] as isize + offset[axis]).rem_euclid(self.shape[axis] as isize) as usize
@@ -189,7 +189,7 @@ impl<'a, S: Scalar, F: Direction, const D: usize> Scanner<'a, S, F, D> {
             let span = start..length.min(start + SPAN);
             self.find_earlier(span.clone());
             self.point_and_collect(span.clone(), &mut next[span.clone()]);
-            self.mend_ends(span, next);
+            self.point_periodic_ends(span, next);
         }
     }
 
@@ -233,7 +233,7 @@ impl<'a, S: Scalar, F: Direction, const D: usize> Scanner<'a, S, F, D> {
         }
     }
 
-    /// Points each vertex of a span to an earlier neighbour; notes extrema and forks.
+    /// Points each vertex of a span to an earlier neighbour; notes extrema and candidates for saddles.
     fn point_and_collect(&mut self, span: Range<usize>, next: &mut [u32]) {
         let mut leaps = [0u32; 32];
         for (leap, (&[_, _, dx], &there)) in leaps.iter_mut().zip(self.stencil.offsets.iter().zip(&self.there)) {
@@ -251,14 +251,14 @@ impl<'a, S: Scalar, F: Direction, const D: usize> Scanner<'a, S, F, D> {
                 continue;
             }
             *next = v.wrapping_add(leaps[neighbors.trailing_zeros() as usize % leaps.len()]);
-            if self.stencil.forks(set) {
-                note_forks(self.grid, self.stencil, &mut self.found.forks, v, set);
+            if self.stencil.splits(set) {
+                note_candidates(self.grid, self.stencil, &mut self.found.candidates, v, set);
             }
         }
     }
 
     /// Points the ends of a periodic row where they should.
-    fn mend_ends(&self, span: Range<usize>, next: &mut [u32]) {
+    fn point_periodic_ends(&self, span: Range<usize>, next: &mut [u32]) {
         for x in self.periodic_ends(&span) {
             let neighbors = self.stencil.neighbors(self.sets[x - span.start]);
             if neighbors != 0 {
@@ -284,15 +284,21 @@ fn mark<S: Scalar>(sets: &mut [u32], others: &[S], centres: &[S], bit: usize, is
 
 /// Notes one neighbour of each part of a set against one of the first part.
 #[cold]
-fn note_forks<const D: usize>(grid: &Grid<D>, stencil: &Stencil, forks: &mut Vec<Fork>, saddle: u32, set: u32) {
+fn note_candidates<const D: usize>(
+    grid: &Grid<D>,
+    stencil: &Stencil,
+    candidates: &mut Vec<SaddleCandidate>,
+    saddle: u32,
+    set: u32,
+) {
     let mut rest = stencil.neighbors(set);
     let first = rest.trailing_zeros();
-    rest &= !stencil.part(set, first);
+    rest &= !stencil.component(set, first);
     while rest != 0 {
         let other = rest.trailing_zeros();
         let sides = [first, other].map(|bit| neighbor(grid, stencil, saddle, bit));
-        forks.push(Fork { saddle, sides });
-        rest &= !stencil.part(set, other);
+        candidates.push(SaddleCandidate { saddle, sides });
+        rest &= !stencil.component(set, other);
     }
 }
 

@@ -9,7 +9,7 @@ use core::fmt;
 
 use super::graph::Domain;
 use crate::filtration::{Direction, Filtration};
-use crate::pairing::{Fork, Merges, OUTSIDE, Scan, merges_of_scan};
+use crate::pairing::{Merges, OUTSIDE, SaddleCandidate, Scan, merges_of_scan};
 use crate::parallel;
 use crate::scalar::Scalar;
 
@@ -127,7 +127,7 @@ pub(crate) fn merges<S: Scalar, D: Direction>(domain: impl Linked, filtration: &
     merges_of_scan(filtration, next, Scan::concat(scans))
 }
 
-/// Points a vertex to an earlier neighbour; notes it if it is an extremum or a fork.
+/// Points a vertex to an earlier neighbour; notes it if it is an extremum or may be a saddle.
 fn scan<S: Scalar, D: Direction>(
     domain: impl Linked,
     filtration: &Filtration<'_, S, D>,
@@ -153,7 +153,7 @@ fn scan<S: Scalar, D: Direction>(
         // The last run may go on with the first.
         runs -= u32::from(starts && was_earlier && domain.is_closed(v as usize));
         if runs > 1 {
-            note_forks(domain, filtration, v, runs as usize, &mut found.forks);
+            note_candidates(domain, filtration, v, runs as usize, &mut found.candidates);
         }
     }
 }
@@ -161,12 +161,12 @@ fn scan<S: Scalar, D: Direction>(
 /// Notes the first vertex of each run but the first against that of the first; there may be one more run in the link, a
 /// part of the first one.
 #[cold]
-fn note_forks<S: Scalar, D: Direction>(
+fn note_candidates<S: Scalar, D: Direction>(
     domain: impl Linked,
     filtration: &Filtration<'_, S, D>,
     saddle: u32,
     runs: usize,
-    forks: &mut Vec<Fork>,
+    candidates: &mut Vec<SaddleCandidate>,
 ) {
     let mut sides = Vec::with_capacity(runs + 1);
     let mut was_earlier = false;
@@ -177,5 +177,5 @@ fn note_forks<S: Scalar, D: Direction>(
         }
         was_earlier = is_earlier && is_joined;
     });
-    forks.extend(sides[1..runs].iter().map(|&side| Fork { saddle, sides: [sides[0], side] }));
+    candidates.extend(sides[1..runs].iter().map(|&side| SaddleCandidate { saddle, sides: [sides[0], side] }));
 }

@@ -71,7 +71,7 @@ fn nearest<const D: usize>(grid: &Grid<D>, from: usize, holds: impl Fn(usize) ->
         }
         on_cube(&reach, radius as isize, |offset| {
             let square = offset.iter().map(|&step| (step * step) as u64).sum();
-            if best.is_none_or(|best| square < best) && holds(grid.far(from, offset)) {
+            if best.is_none_or(|best| square < best) && holds(grid.at_offset(from, offset)) {
                 best = Some(square);
             }
         });

@@ -3,7 +3,7 @@
 //! Leaves are extrema, inner nodes saddles, and the root of each connected component of the domain is the last vertex to
 //! enter it. For minima this is called the join tree, for maxima the split tree (usage varies; this is TTK's).
 
-use super::branches::{Branches, Ending};
+use super::branches::{BranchEnd, Branches};
 use crate::domain::Domain;
 use crate::error::Error;
 use crate::filtration::{Direction, Falling, Filtration, Kind, Rising};
@@ -73,18 +73,18 @@ pub struct LevelComponent<V> {
 #[derive(Debug, Clone, PartialEq)]
 pub struct MergeTree<V, S> {
     kind: Kind,
-    leaves: Vec<Place<V, S>>,
+    leaves: Vec<TreeVertex<V, S>>,
     /// In the order in which branches end.
     endings: Vec<End<V, S>>,
     /// The leaf of each branch that does not end, and the last vertex.
-    roots: Vec<(u32, Place<V, S>)>,
+    roots: Vec<(u32, TreeVertex<V, S>)>,
     /// For each vertex its leaf and the value at which it enters; `None` if it never does.
     entries: Vec<Option<(u32, S)>>,
 }
 
-/// A vertex in all its forms.
+/// A vertex with its index and value.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Place<V, S> {
+struct TreeVertex<V, S> {
     index: u32,
     vertex: V,
     value: S,
@@ -95,19 +95,20 @@ struct Place<V, S> {
 struct End<V, S> {
     leaf: u32,
     elder: u32,
-    saddle: Place<V, S>,
+    saddle: TreeVertex<V, S>,
 }
 
 impl<V: Copy, S: Scalar> MergeTree<V, S> {
     pub(crate) fn new<G: Domain<Vertex = V>, D: Direction>(domain: G, filtration: &Filtration<'_, S, D>) -> Self {
         let branches = Branches::new(domain, filtration);
-        let place = |index: u32| Place { index, vertex: domain.vertex(index as usize), value: filtration.value(index) };
-        let end = |ending: &Ending| End { leaf: ending.extremum, elder: ending.elder, saddle: place(ending.saddle) };
+        let place =
+            |index: u32| TreeVertex { index, vertex: domain.vertex(index as usize), value: filtration.value(index) };
+        let end = |end: &BranchEnd| End { leaf: end.extremum, elder: end.elder, saddle: place(end.saddle) };
         let entry = |(basin, &value): (&Option<u32>, &S)| Some(((*basin)?, value));
         Self {
             kind: D::KIND,
             leaves: branches.extrema.iter().map(|&extremum| place(extremum)).collect(),
-            endings: branches.endings.iter().map(end).collect(),
+            endings: branches.ends.iter().map(end).collect(),
             roots: branches.essential.iter().map(|&(leaf, last)| (leaf, place(last))).collect(),
             entries: branches.basins.iter().zip(filtration.field()).map(entry).collect(),
         }
@@ -125,7 +126,7 @@ impl<V: Copy, S: Scalar> MergeTree<V, S> {
 
     /// Leaves, then saddles in the order in which they enter, then roots that are neither.
     pub fn nodes(&self) -> Vec<Node<V, S>> {
-        let node = |place: &Place<V, S>| Node { vertex: place.vertex, value: place.value, parent: None };
+        let node = |place: &TreeVertex<V, S>| Node { vertex: place.vertex, value: place.value, parent: None };
         let mut nodes: Vec<_> = self.leaves.iter().map(node).collect();
         // For each branch its last node so far.
         let mut tops: Vec<usize> = (0..nodes.len()).collect();
@@ -165,12 +166,12 @@ impl<V: Copy, S: Scalar> MergeTree<V, S> {
         let finite = self.endings.iter().map(|end| (leaf(end.leaf), end.saddle, Some(leaf(end.elder).vertex)));
         let essential = self.roots.iter().map(|&(root, last)| (leaf(root), last, None));
         let mut branches: Vec<_> = finite.chain(essential).collect();
-        let persistence = |(born, end, _): &(Place<V, S>, Place<V, S>, _)| born.value.width(end.value);
+        let persistence = |(born, end, _): &(TreeVertex<V, S>, TreeVertex<V, S>, _)| born.value.width(end.value);
         branches.sort_by(|a, b| {
             let by_persistence = wider_first(&persistence(a), &persistence(b));
             by_persistence.then(a.2.is_some().cmp(&b.2.is_some())).then_with(|| self.compare(&a.0, &b.0))
         });
-        let branch = |(born, end, parent): (Place<V, S>, Place<V, S>, Option<V>)| {
+        let branch = |(born, end, parent): (TreeVertex<V, S>, TreeVertex<V, S>, Option<V>)| {
             let saddle = parent.map(|_| end.vertex);
             Branch { pair: Pair { extremum: born.vertex, saddle, birth: born.value, end: end.value }, parent }
         };
@@ -229,7 +230,7 @@ impl<V: Copy, S: Scalar> MergeTree<V, S> {
     }
 
     /// The order in which two vertices enter.
-    fn compare(&self, a: &Place<V, S>, b: &Place<V, S>) -> Ordering {
+    fn compare(&self, a: &TreeVertex<V, S>, b: &TreeVertex<V, S>) -> Ordering {
         let rising = a.value.key().cmp(&b.value.key()).then(a.index.cmp(&b.index));
         if self.kind == Kind::Minimum { rising } else { rising.reverse() }
     }

@@ -37,9 +37,9 @@ impl<V: Copy> Segmentation<V> {
         let branches = Branches::new(domain, filtration);
         let mut groups = UnionFind::new(branches.extrema.len());
         let mut survives = vec![true; branches.extrema.len()];
-        for ending in branches.short(filtration, threshold) {
-            survives[ending.extremum as usize] = false;
-            let (from, to) = (groups.find(ending.extremum), groups.find(ending.beyond));
+        for end in branches.short(filtration, threshold) {
+            survives[end.extremum as usize] = false;
+            let (from, to) = (groups.find(end.extremum), groups.find(end.beyond));
             groups.join(from, to);
         }
         // Every branch spills into another component, so spills close no circle: each group is a tree of them, with one

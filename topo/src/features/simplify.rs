@@ -36,12 +36,12 @@ impl PersistenceOptions {
     /// # Errors
     /// If the field does not fit the domain, see [`Error`].
     pub fn simplify<G: Domain, S: Scalar>(self, domain: G, field: &[S], threshold: S::Width) -> Result<Vec<S>, Error> {
-        until_settled(domain, field, threshold, self.nan)
+        until_stable(domain, field, threshold, self.nan)
     }
 }
 
 /// Fills and cuts in turn until nothing changes. Every round but the last removes an extremum for good.
-fn until_settled<G: Domain, S: Scalar>(
+fn until_stable<G: Domain, S: Scalar>(
     domain: G,
     field: &[S],
     threshold: S::Width,
@@ -51,9 +51,9 @@ fn until_settled<G: Domain, S: Scalar>(
     loop {
         let filled = fill::<G, S, Rising>(domain, &simplified, threshold, nan)?;
         let cut = fill::<G, S, Falling>(domain, &filled, threshold, nan)?;
-        let is_settled = cut.iter().zip(&simplified).all(|(new, old)| new.key() == old.key());
+        let is_stable = cut.iter().zip(&simplified).all(|(new, old)| new.key() == old.key());
         simplified = cut;
-        if is_settled {
+        if is_stable {
             return Ok(simplified);
         }
     }

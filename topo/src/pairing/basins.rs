@@ -1,9 +1,9 @@
 //! The fast algorithm: pairs without sorting the vertices.
 //!
 //! 1. *Scan.* Each vertex looks at its neighbours once and points to one that enters before it; a vertex without such a
-//!    neighbour is an extremum. Nothing merges at a vertex whose earlier neighbours hang together (its *lower link* is
-//!    connected); the others are candidates. A domain that knows how neighbours hang together leaves few of them: on a
-//!    smooth field about as many as there are extrema. A mere graph has to suspect every vertex with two.
+//!    neighbour is an extremum. Nothing merges at a vertex whose earlier neighbours are connected (they are its *lower
+//!    link*); the others are candidates for saddles. A domain that knows which neighbours are adjacent leaves few of
+//!    them: on a smooth field about as many as there are extrema. A mere graph has to suspect every vertex with two.
 //! 2. *Descend.* Candidates follow the pointers to see which basins their sides belong to; see [`Descent`].
 //! 3. *Join.* A candidate between different basins joins them.
 //! 4. *Pair.* The elder rule on basins and joins; see [`boruvka`].
@@ -28,7 +28,7 @@ pub(crate) struct Scan {
     pub(crate) extrema: Vec<u32>,
     /// Vertices at which something may merge, by rising index, with two earlier neighbours in different parts of the
     /// lower link. A vertex with more than two parts has more than one entry.
-    pub(crate) forks: Vec<Fork>,
+    pub(crate) candidates: Vec<SaddleCandidate>,
 }
 
 impl Scan {
@@ -36,7 +36,7 @@ impl Scan {
     pub(crate) fn concat(scans: Vec<Self>) -> Self {
         let join = |mut all: Self, scan: Self| {
             all.extrema.extend(scan.extrema);
-            all.forks.extend(scan.forks);
+            all.candidates.extend(scan.candidates);
             all
         };
         scans.into_iter().reduce(join).unwrap_or_default()
@@ -45,7 +45,7 @@ impl Scan {
 
 /// A vertex with two earlier neighbours that may belong to different basins.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Fork {
+pub(crate) struct SaddleCandidate {
     pub(crate) saddle: u32,
     pub(crate) sides: [u32; 2],
 }
@@ -125,14 +125,14 @@ fn joins_of_graph<G: Graph, S: Scalar, D: Direction>(
 pub(crate) fn merges_of_scan<S: Scalar, D: Direction>(
     filtration: &Filtration<'_, S, D>,
     next: Vec<u32>,
-    Scan { extrema, forks }: Scan,
+    Scan { extrema, candidates }: Scan,
 ) -> Merges {
     let descent = Descent::new(next, extrema);
-    let joins = parallel::filter_map(&forks, |&Fork { saddle, sides }| {
+    let joins = parallel::filter_map(&candidates, |&SaddleCandidate { saddle, sides }| {
         let basins = sides.map(|side| descent.basin(side));
         (basins[0] != basins[1]).then_some(Join { saddle, basins })
     });
-    drop(forks);
+    drop(candidates);
     pair(filtration, &descent, joins)
 }
 
@@ -183,10 +183,10 @@ mod tests {
     fn findings_of_consecutive_ranges_come_one_after_the_other() {
         let scan = |first: u32| Scan {
             extrema: vec![first, first + 2],
-            forks: vec![Fork { saddle: first + 1, sides: [first, first + 2] }],
+            candidates: vec![SaddleCandidate { saddle: first + 1, sides: [first, first + 2] }],
         };
         let all = Scan::concat(vec![scan(0), scan(10), Scan::default(), scan(20)]);
         assert_eq!(all.extrema, [0, 2, 10, 12, 20, 22]);
-        assert_eq!(all.forks.iter().map(|fork| fork.saddle).collect::<Vec<_>>(), [1, 11, 21]);
+        assert_eq!(all.candidates.iter().map(|candidate| candidate.saddle).collect::<Vec<_>>(), [1, 11, 21]);
     }
 }

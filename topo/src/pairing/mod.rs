@@ -11,7 +11,7 @@ mod merges;
 mod sweep;
 mod union_find;
 
-pub(crate) use basins::{Fork, Scan, merges_of_graph, merges_of_scan, steepest_descent};
+pub(crate) use basins::{SaddleCandidate, Scan, merges_of_graph, merges_of_scan, steepest_descent};
 pub(crate) use descent::OUTSIDE;
 pub(crate) use graph::Graph;
 pub(crate) use merges::Merge;

@@ -93,7 +93,8 @@ proptest! {
             for pair in pairs.windows(2).filter(|pair| pair[0].persistence() == pair[1].persistence()) {
                 let [a, b] = [&pair[0], &pair[1]];
                 let enters_first = is_before(pairs.kind(), a.extremum.index(), b.extremum.index());
-                prop_assert!(a.is_essential() > b.is_essential() || a.is_essential() == b.is_essential() && enters_first);
+                let is_in_order = if a.is_essential() == b.is_essential() { enters_first } else { a.is_essential() };
+                prop_assert!(is_in_order);
             }
         }
     }
