@@ -54,9 +54,9 @@ pub(crate) enum Failure {
     #[error("{}: the value of vertex {vertex} is NaN: replace it, or leave such vertices out with --nan mask", path.display())]
     NotANumber { path: PathBuf, vertex: usize },
     #[error("{}: {error}", path.display())]
-    Domain { path: PathBuf, error: topo::DomainError },
+    Domain { path: PathBuf, error: topo::Error },
     #[error("{}: {error}", path.display())]
-    Persistence { path: PathBuf, error: topo::FieldError },
+    Persistence { path: PathBuf, error: topo::Error },
     #[error("{} cannot be written, as a network's nodes are nowhere in space: write .csv or .json", .0.display())]
     NoPlaces(PathBuf),
     #[error("{} can be written for {of} only: end it in .npy", path.display())]

@@ -65,7 +65,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     println!("{name}: {} vertices", shape.points.len());
 
     let curvature = mean_curvature(&shape, &mesh, &metric);
-    let surface = topo::Surface::new(&mesh, |v| !mesh.is_boundary_vertex(v));
+    let surface = topo::Rings::new(&mesh, |v| !mesh.is_boundary_vertex(v));
     print("mean curvature", &topo::persistence(surface, &curvature)?.hierarchy(), &shape);
 
     let factor = Analysis::new(&shape.clone().into())?.conformal_factor();

@@ -5,7 +5,7 @@ use proptest::collection::vec;
 use proptest::prelude::*;
 use proptest::sample::Index;
 use tests::properties;
-use topo::{Connectivity, Grid, NanPolicy, Options};
+use topo::{Connectivity, Grid, NanPolicy, PersistenceOptions};
 
 use crate::{bytes, cases};
 
@@ -94,9 +94,9 @@ proptest! {
             }
         }
         let mesh = Mesh::from_triangulation(triangulation).expect("flips keep a manifold one");
-        let surface = topo::Surface::new(&mesh, |v| !mesh.is_boundary_vertex(v));
+        let surface = topo::Rings::new(&mesh, |v| !mesh.is_boundary_vertex(v));
         let field: Vec<f64> = field.into_iter().cycle().take(mesh.vertex_count()).collect();
-        let options = Options::new().keep_zeros().nan(NanPolicy::Mask);
+        let options = PersistenceOptions::new().keep_zeros().nan(NanPolicy::Mask);
         prop_assert_eq!(options.persistence(surface, &field), options.persistence(&mesh, &field));
     }
 }
@@ -106,9 +106,9 @@ fn a_terrain_mesh_has_the_pairs_of_its_graph_whichever_way_it_is_given() {
     let terrain = shapes::terrain(3000, 7);
     let mesh = terrain.mesh();
     let height: Vec<f64> = terrain.points.iter().map(|p| p[2]).collect();
-    let triangulation = topo::Triangulation::new(mesh.vertex_count(), &terrain.triangles).expect("a surface");
+    let triangulation = topo::TriangleMesh::new(mesh.vertex_count(), &terrain.triangles).expect("a surface");
     let by_mesh = topo::persistence(&mesh, &height).expect("a height for each vertex");
-    let surface = topo::Surface::new(&mesh, |v| !mesh.is_boundary_vertex(v));
+    let surface = topo::Rings::new(&mesh, |v| !mesh.is_boundary_vertex(v));
     assert_eq!(topo::persistence(surface, &height).as_ref(), Ok(&by_mesh));
     let by_rings = topo::persistence(&triangulation, &height).expect("a height for each vertex");
     let indices = |pairs: &topo::Pairs<geom::VertexId, f64>| -> Vec<(usize, Option<usize>)> {

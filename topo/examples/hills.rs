@@ -29,7 +29,7 @@ fn noise(seed: u64) -> impl Iterator<Item = f64> {
     })
 }
 
-fn main() -> Result<(), topo::FieldError> {
+fn main() -> Result<(), topo::Error> {
     let seed = std::env::args().nth(1).and_then(|seed| seed.parse().ok()).unwrap_or(42);
     let at = |index: usize| (index as f64 + 0.5) / SIDE as f64 * 2.2 - 1.1;
     let smooth = (0..SIDE).flat_map(|row| (0..SIDE).map(move |column| hills(at(column), at(row))));

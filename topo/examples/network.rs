@@ -44,7 +44,7 @@ const ROADS: [(&str, &str); 17] = [
     ("Nuremberg", "Donauwörth"),
 ];
 
-fn main() -> Result<(), topo::FieldError> {
+fn main() -> Result<(), topo::Error> {
     let mut roads = UnGraphMap::<&str, ()>::new();
     // Nodes are numbered as they are added.
     for (town, _) in TOWNS {

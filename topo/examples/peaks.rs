@@ -7,7 +7,7 @@
 
 use std::collections::HashMap;
 use std::error::Error;
-use topo::{Connectivity, Grid, Kind, NanPolicy, Options};
+use topo::{Connectivity, Grid, Kind, NanPolicy, PersistenceOptions};
 
 struct Elevation {
     rows: usize,
@@ -51,7 +51,7 @@ fn island() -> Elevation {
 fn main() -> Result<(), Box<dyn Error>> {
     let elevation = std::env::args().nth(1).map_or_else(|| Ok(island()), |path| read_asc(&path))?;
     let grid = Grid::new([elevation.rows, elevation.columns], Connectivity::Full);
-    let options = Options::new().nan(NanPolicy::Mask);
+    let options = PersistenceOptions::new().nan(NanPolicy::Mask);
     let peaks = options.superlevel(&grid, &elevation.heights)?;
     let isolation = topo::isolation(&grid, &elevation.heights, &peaks)?;
     let tree = options.merge_tree(&grid, &elevation.heights, Kind::Maximum)?;

@@ -4,59 +4,20 @@
 //! read backwards, so that a tie is broken alike in both: `superlevel(f)` equals `sublevel(-f)` with indices reversed.
 //! Everything below is written once, against [`Filtration::precedes`], and never asks which of the two it is.
 
-use crate::{Scalar, parallel};
+use crate::error::{Error, check_vertex_count};
+use crate::parallel;
+use crate::scalar::Scalar;
 use core::cmp::Ordering;
-use core::fmt;
+use core::fmt::Debug;
 use core::marker::PhantomData;
-
-/// Why a field cannot be worked on.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum FieldError {
-    /// The field has not one value for every vertex.
-    Length {
-        /// Number of values in the field.
-        values: usize,
-        /// Number of vertices of the domain.
-        vertices: usize,
-    },
-    /// A value is NaN and the policy is [`NanPolicy::Refuse`].
-    NotANumber {
-        /// Index of the first such vertex.
-        vertex: usize,
-    },
-    /// The domain has more vertices than can be numbered, which are 2³¹ - 1.
-    TooLarge {
-        /// Number of vertices of the domain.
-        vertices: usize,
-    },
-}
-
-impl fmt::Display for FieldError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Length { values, vertices } => {
-                write!(f, "the field has {values} values for {vertices} vertices; it needs one for each")
-            }
-            Self::NotANumber { vertex } => {
-                write!(f, "the value of vertex {vertex} is NaN; replace it, or mask such vertices out of the domain")
-            }
-            Self::TooLarge { vertices } => {
-                write!(f, "the domain has {vertices} vertices, more than {MAX_VERTICES}; coarsen or split it")
-            }
-        }
-    }
-}
-
-impl core::error::Error for FieldError {}
-
-/// Vertices are `u32`s whose top bit marks finished labels.
-const MAX_VERTICES: usize = (1 << 31) - 1;
 
 /// What to do with vertices whose value is NaN.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "lowercase"))]
+#[non_exhaustive]
 pub enum NanPolicy {
-    /// Fail with [`FieldError::NotANumber`].
+    /// Fail with [`Error::NotANumber`].
     #[default]
     Refuse,
     /// Leave such vertices and their edges out of the domain. This is also how to restrict a field to a part of it.
@@ -65,6 +26,8 @@ pub enum NanPolicy {
 
 /// Which extrema a filtration pairs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "lowercase"))]
 pub enum Kind {
     /// Of sublevel sets.
     Minimum,
@@ -73,7 +36,7 @@ pub enum Kind {
 }
 
 /// One of the two ways through the order of the vertices: [`Rising`] or [`Falling`].
-pub trait Direction: Copy + fmt::Debug + Send + Sync + 'static {
+pub trait Direction: Copy + Debug + Send + Sync + 'static {
     /// The extrema at which components of this direction are born.
     const KIND: Kind;
 
@@ -127,17 +90,15 @@ pub struct Filtration<'a, S, D> {
 
 impl<'a, S: Scalar, D: Direction> Filtration<'a, S, D> {
     /// Checks a field for a domain of `vertices` vertices.
-    pub(crate) fn new(field: &'a [S], vertices: usize, nan: NanPolicy) -> Result<Self, FieldError> {
+    pub(crate) fn new(field: &'a [S], vertices: usize, nan: NanPolicy) -> Result<Self, Error> {
         if field.len() != vertices {
-            return Err(FieldError::Length { values: field.len(), vertices });
+            return Err(Error::Length { values: field.len(), vertices });
         }
-        if vertices > MAX_VERTICES {
-            return Err(FieldError::TooLarge { vertices });
-        }
+        check_vertex_count(vertices)?;
         if nan == NanPolicy::Refuse
             && let Some(vertex) = first_nan(field)
         {
-            return Err(FieldError::NotANumber { vertex });
+            return Err(Error::NotANumber { vertex });
         }
         Ok(Self { field, direction: PhantomData })
     }
@@ -249,10 +210,10 @@ mod tests {
     #[test]
     fn a_wrong_field_is_named() {
         let short = Filtration::<f64, Rising>::new(&[0.0], 2, NanPolicy::Refuse).expect_err("too short");
-        assert_eq!(short, FieldError::Length { values: 1, vertices: 2 });
+        assert_eq!(short, Error::Length { values: 1, vertices: 2 });
         let mut field = [0.0; 200];
         field[131] = f64::NAN;
         let nan = Filtration::<f64, Rising>::new(&field, 200, NanPolicy::Refuse).expect_err("NaN");
-        assert_eq!(nan, FieldError::NotANumber { vertex: 131 });
+        assert_eq!(nan, Error::NotANumber { vertex: 131 });
     }
 }

@@ -38,7 +38,7 @@
 //! let valleys = topo::sublevel(&topo::Path::new(7), &[c, d, x, a_top, a, b_top, b])?;
 //! let lives: Vec<_> = valleys.iter().map(|valley| (valley.birth, valley.death(), valley.persistence())).collect();
 //! assert_eq!(lives, [(x, None, 9.0), (c, Some(d), 6.0), (b, Some(b_top), 4.0), (a, Some(a_top), 3.0)]);
-//! # Ok::<(), topo::FieldError>(())
+//! # Ok::<(), topo::Error>(())
 //! ```
 //!
 //! Downwards the same happens to *superlevel sets* and maxima; there persistence is what mountaineers call prominence.
@@ -77,7 +77,7 @@
 //! // How far apart the two are as diagrams: the valley from 1 to 4 has gone, half its depth from the diagonal.
 //! let [before, after] = [&landscape[..], &simple].map(|field| topo::sublevel(&path, field).map(|pairs| pairs.diagram()));
 //! assert_eq!(before?.bottleneck(&after?), 1.5);
-//! # Ok::<(), topo::FieldError>(())
+//! # Ok::<(), topo::Error>(())
 //! ```
 //!
 //! | to get | call |
@@ -90,7 +90,7 @@
 //! | the basin of each extremum | [`segmentation`](fn@segmentation) |
 //! | a field without small extrema | [`simplify`](fn@simplify) |
 //! | diagrams, curves, distances | [`Pairs::diagram`], [`Diagram`] |
-//! | the same with NaN masked, with zero persistence | [`Options`] |
+//! | the same with NaN masked, with zero persistence | [`PersistenceOptions`] |
 //!
 //! # On what
 //!
@@ -125,11 +125,11 @@
 //! let compact = UnGraph::from(stable);
 //! let field: Vec<i32> = compact.node_weights().copied().collect();
 //! assert_eq!(topo::sublevel(&compact, &field)?.len(), 1);
-//! # Ok::<(), topo::FieldError>(())
+//! # Ok::<(), topo::Error>(())
 //! ```
 //!
 //! And on domains of this crate that are faster for what they know: [`Grid`] (series, pictures, volumes), [`Path`],
-//! [`Triangulation`], [`Surface`], [`Adjacency`]. A mask is a field with NaN where the domain ends, see [`NanPolicy::Mask`].
+//! [`TriangleMesh`], [`Rings`], [`Adjacency`]. A mask is a field with NaN where the domain ends, see [`NanPolicy::Mask`].
 //!
 //! # What is fixed
 //!
@@ -141,54 +141,40 @@
 //! - Differences of integers do not overflow; `f32` differences are taken in `f64`.
 //! - Results are the same with the feature `rayon` and without, for any number of threads.
 //!
+//! With the feature `serde` results and options are written and read. JSON has no infinities: values that are infinite need
+//! a format that has.
+//!
 //! # How fast
 //!
 //! Nothing sorts all vertices. Most of them are found to be regular by a look at their neighbours; the rest is a graph
 //! of basins, paired by Borůvka's method with the elder rule. On smooth fields a grid takes a quarter to a half of the
 //! time that sorting its values takes, and 5 bytes a vertex; see `benches/persistence`. The plain method is there too
-//! ([`Options::plain_sweep`]), and both are tested to agree vertex by vertex.
+//! ([`PersistenceOptions::plain_sweep`]), and both are tested to agree vertex by vertex.
 
-mod adjacency;
-mod basins;
-mod boruvka;
-mod branches;
-mod descent;
-mod diagram;
 mod domain;
+mod error;
+mod features;
 mod filtration;
-mod grid;
-mod hierarchy;
-mod isolation;
-mod merge_tree;
-mod merges;
 mod options;
+mod pairing;
 mod parallel;
-mod path;
 mod persistence;
 mod scalar;
-mod segmentation;
-mod simplify;
-mod stencil;
-mod surface;
-mod sweep;
-mod triangulation;
-mod union_find;
 
-pub use adjacency::{Adjacency, DomainError};
-pub use diagram::Diagram;
-pub use domain::Domain;
-pub use filtration::{Direction, Falling, FieldError, Filtration, Kind, NanPolicy, Rising};
-pub use grid::{Connectivity, Grid};
-pub use hierarchy::{Extremum, Hierarchy};
-pub use isolation::isolation;
-pub use merge_tree::{Branch, Component, MergeTree, Node, merge_tree};
+pub use domain::{Adjacency, Connectivity, Domain, Grid, Path, Rings, TriangleMesh};
+pub use error::Error;
+pub use features::{
+    Branch, Diagram, Extremum, Hierarchy, LevelComponent, MergeTree, Node, Segmentation, isolation, merge_tree,
+    segmentation, simplify,
+};
+pub use filtration::{Direction, Falling, Filtration, Kind, NanPolicy, Rising};
+pub use options::PersistenceOptions;
 #[doc(hidden)]
-pub use merges::Merges;
-pub use options::Options;
-pub use path::Path;
+pub use pairing::Merges;
 pub use persistence::{Pair, Pairs, Persistence, persistence, sublevel, superlevel};
 pub use scalar::Scalar;
-pub use segmentation::{Segmentation, segmentation};
-pub use simplify::simplify;
-pub use surface::Surface;
-pub use triangulation::Triangulation;
+
+/// The example of the README.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -1,8 +1,11 @@
 //! The pairs of a field: extremum and saddle, birth and death.
 
-use crate::merges::Merges;
-use crate::scalar::wider_first;
-use crate::{Direction, Domain, FieldError, Filtration, Hierarchy, Kind, Options, Scalar};
+use crate::domain::Domain;
+use crate::error::Error;
+use crate::filtration::{Direction, Falling, Filtration, Kind, Rising};
+use crate::options::PersistenceOptions;
+use crate::pairing::{Merges, sweep};
+use crate::scalar::{Scalar, wider_first};
 use core::cmp::Ordering;
 use core::ops::Deref;
 use num_traits::{ToPrimitive, Zero};
@@ -12,6 +15,7 @@ use num_traits::{ToPrimitive, Zero};
 /// The eldest extremum of a connected component of the domain joins nothing: its class is *essential* and has no
 /// saddle. Its persistence is the range of the field on its component, so that it comes first there.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Pair<V, S> {
     /// The vertex at which the component is born.
     pub extremum: V,
@@ -44,8 +48,14 @@ impl<V, S: Scalar> Pair<V, S> {
 ///
 /// Equally persistent pairs stand in the order in which their extrema enter, essential classes before others.
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    serde(bound(deserialize = "V: serde::Deserialize<'de>, S: Scalar + serde::Deserialize<'de>"))
+)]
 pub struct Pairs<V, S> {
     kind: Kind,
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "ranked_pairs"))]
     pairs: Vec<Pair<V, S>>,
     zero_count: usize,
 }
@@ -135,6 +145,31 @@ impl<V: Copy, S: Scalar> Pairs<V, S> {
     }
 }
 
+/// Reads what persists; what does not come by falling persistence is refused, as the order is relied upon.
+#[cfg(feature = "serde")]
+pub(crate) fn ranked<'de, T, W, R>(reader: R, persistence: impl Fn(&T) -> W) -> Result<Vec<T>, R::Error>
+where
+    T: serde::Deserialize<'de>,
+    W: PartialOrd + Zero,
+    R: serde::Deserializer<'de>,
+{
+    let ranked: Vec<T> = serde::Deserialize::deserialize(reader)?;
+    let is_ranked = ranked.is_sorted_by(|a, b| persistence(a) >= persistence(b));
+    // NaN is not.
+    let is_valid = is_ranked && ranked.iter().all(|entry| persistence(entry) >= W::zero());
+    is_valid.then_some(ranked).ok_or_else(|| serde::de::Error::custom("the list is not sorted by falling persistence"))
+}
+
+#[cfg(feature = "serde")]
+fn ranked_pairs<'de, V, S, R>(reader: R) -> Result<Vec<Pair<V, S>>, R::Error>
+where
+    V: serde::Deserialize<'de>,
+    S: Scalar + serde::Deserialize<'de>,
+    R: serde::Deserializer<'de>,
+{
+    ranked(reader, Pair::persistence)
+}
+
 /// A pair in vertex indices with what it is sorted by.
 struct Ranked<W> {
     persistence: W,
@@ -166,6 +201,11 @@ impl<W: Copy + PartialOrd> Ranked<W> {
 
 /// The pairs of both directions.
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    serde(bound(deserialize = "V: serde::Deserialize<'de>, S: Scalar + serde::Deserialize<'de>"))
+)]
 pub struct Persistence<V, S> {
     /// Minima with the saddles at which their sublevel components merge.
     pub minima: Pairs<V, S>,
@@ -173,33 +213,58 @@ pub struct Persistence<V, S> {
     pub maxima: Pairs<V, S>,
 }
 
-impl<V: Copy, S: Scalar> Persistence<V, S> {
-    /// Minima and maxima together, by their persistence.
-    pub fn hierarchy(&self) -> Hierarchy<V, S> {
-        Hierarchy::new(self)
+impl PersistenceOptions {
+    /// [`sublevel`](fn@crate::sublevel) with these options.
+    ///
+    /// # Errors
+    /// If the field does not fit the domain, see [`Error`].
+    pub fn sublevel<G: Domain, S: Scalar>(self, domain: G, field: &[S]) -> Result<Pairs<G::Vertex, S>, Error> {
+        self.pairs::<G, S, Rising>(domain, field)
+    }
+
+    /// [`superlevel`](fn@crate::superlevel) with these options.
+    ///
+    /// # Errors
+    /// If the field does not fit the domain, see [`Error`].
+    pub fn superlevel<G: Domain, S: Scalar>(self, domain: G, field: &[S]) -> Result<Pairs<G::Vertex, S>, Error> {
+        self.pairs::<G, S, Falling>(domain, field)
+    }
+
+    /// [`persistence`](fn@crate::persistence) with these options.
+    ///
+    /// # Errors
+    /// If the field does not fit the domain, see [`Error`].
+    pub fn persistence<G: Domain, S: Scalar>(self, domain: G, field: &[S]) -> Result<Persistence<G::Vertex, S>, Error> {
+        Ok(Persistence { minima: self.sublevel(domain, field)?, maxima: self.superlevel(domain, field)? })
+    }
+
+    fn pairs<G: Domain, S: Scalar, D: Direction>(self, domain: G, field: &[S]) -> Result<Pairs<G::Vertex, S>, Error> {
+        let filtration = Filtration::<S, D>::new(field, domain.vertex_count(), self.nan)?;
+        let merges = if self.plain_sweep { sweep(domain, &filtration) } else { domain.merges(&filtration) };
+        Ok(Pairs::from_merges(domain, &filtration, &merges, self.keep_zeros))
     }
 }
 
 /// The minima of a field, paired with the saddles at which the components of its sublevel sets merge.
 ///
 /// # Errors
-/// If the field does not fit the domain, see [`FieldError`].
-pub fn sublevel<G: Domain, S: Scalar>(domain: G, field: &[S]) -> Result<Pairs<G::Vertex, S>, FieldError> {
-    Options::new().sublevel(domain, field)
+/// If the field does not fit the domain, see [`Error`].
+pub fn sublevel<G: Domain, S: Scalar>(domain: G, field: &[S]) -> Result<Pairs<G::Vertex, S>, Error> {
+    PersistenceOptions::new().sublevel(domain, field)
 }
 
 /// The maxima of a field, paired with the saddles at which the components of its superlevel sets merge.
 ///
 /// # Errors
-/// If the field does not fit the domain, see [`FieldError`].
-pub fn superlevel<G: Domain, S: Scalar>(domain: G, field: &[S]) -> Result<Pairs<G::Vertex, S>, FieldError> {
-    Options::new().superlevel(domain, field)
+/// If the field does not fit the domain, see [`Error`].
+pub fn superlevel<G: Domain, S: Scalar>(domain: G, field: &[S]) -> Result<Pairs<G::Vertex, S>, Error> {
+    PersistenceOptions::new().superlevel(domain, field)
 }
 
 /// The pairs of both directions.
 ///
 /// # Errors
-/// If the field does not fit the domain, see [`FieldError`].
-pub fn persistence<G: Domain, S: Scalar>(domain: G, field: &[S]) -> Result<Persistence<G::Vertex, S>, FieldError> {
-    Options::new().persistence(domain, field)
+/// If the field does not fit the domain, see [`Error`].
+pub fn persistence<G: Domain, S: Scalar>(domain: G, field: &[S]) -> Result<Persistence<G::Vertex, S>, Error> {
+    PersistenceOptions::new().persistence(domain, field)
 }

@@ -12,7 +12,7 @@ use clap::{Args, ValueEnum};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
-use topo::{Kind, NanPolicy, Options};
+use topo::{Kind, NanPolicy, PersistenceOptions};
 
 #[derive(Args, Debug)]
 pub(crate) struct Arguments {
@@ -127,7 +127,7 @@ fn pairs(args: &Arguments, subject: &Subject, kind: Kind, times: &mut Seconds) -
     let start = Instant::now();
     // A computed field is NaN where a mesh has no surface, which is no mistake of anyone's.
     let nan = if args.field.leaves_gaps() { NanPolicy::Mask } else { args.nan.policy() };
-    let options = Options::new().nan(nan);
+    let options = PersistenceOptions::new().nan(nan);
     let wanted = Wanted { options, min_persistence: args.min_persistence.unwrap_or(0.0), top: None };
     let mut list = PairList::new(subject, kind, &wanted).map_err(|error| explain(&subject.path, error))?;
     // A vertex on its own, or a part where the field is constant, is no feature.

@@ -32,7 +32,7 @@ impl ConeHierarchy {
     /// If φ has not one value, not NaN, for each vertex.
     pub fn new(operators: &Operators, factor: &ConformalFactor) -> Self {
         let mesh = &operators.mesh;
-        let surface = topo::Surface::new(mesh, |v| !mesh.is_boundary_vertex(v));
+        let surface = topo::Rings::new(mesh, |v| !mesh.is_boundary_vertex(v));
         let persistence = topo::persistence(surface, &factor.phi).expect("φ has one finite value a vertex");
         Self { extrema: persistence.hierarchy() }
     }

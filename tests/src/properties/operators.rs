@@ -40,7 +40,7 @@ pub fn flips(bytes: &[u8]) {
     // With its loops and repeated edges the triangulation is a surface to topo.
     let field: Vec<u8> = bytes.iter().copied().chain(0..=u8::MAX).cycle().take(mesh.vertex_count()).collect();
     let flipped = Mesh::from_triangulation(intrinsic.triangulation).expect("flips keep a manifold one");
-    let surface = topo::Surface::new(&flipped, |v| !flipped.is_boundary_vertex(v));
+    let surface = topo::Rings::new(&flipped, |v| !flipped.is_boundary_vertex(v));
     assert_eq!(topo::persistence(surface, &field), topo::persistence(&flipped, &field));
 }
 

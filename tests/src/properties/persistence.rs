@@ -5,7 +5,7 @@ use std::cmp::Ordering;
 use petgraph::graph::{NodeIndex, UnGraph};
 use petgraph::unionfind::UnionFind;
 use petgraph::visit::EdgeRef;
-use topo::{Connectivity, Domain, Grid, Kind, NanPolicy, Options, Pairs, Path, Scalar, Triangulation};
+use topo::{Connectivity, Domain, Grid, Kind, NanPolicy, Pairs, Path, PersistenceOptions, Scalar, TriangleMesh};
 
 use crate::decode::{self, Bytes};
 use crate::oracle;
@@ -19,7 +19,7 @@ pub fn pairing(bytes: &[u8]) {
     let bytes = &mut Bytes::new(bytes);
     let graph = decode::graph(bytes);
     let field = decode::field(bytes, graph.node_count());
-    let all = Options::new().keep_zeros();
+    let all = PersistenceOptions::new().keep_zeros();
     let pairs = all.persistence(&graph, &field).expect("a value for each vertex, and no NaN");
     assert_eq!(Ok(&pairs), all.plain_sweep().persistence(&graph, &field).as_ref(), "fast and plain agree");
     assert_eq!(indices(&pairs.minima), oracle::pairs_by_reduction(&graph, &field));
@@ -155,7 +155,7 @@ pub fn domains(bytes: &[u8]) {
             let corner = |bytes: &mut Bytes| bytes.below(count) as u32;
             let triangles: Vec<_> =
                 (0..bytes.below(96)).map(|_| [corner(bytes), corner(bytes), corner(bytes)]).collect();
-            domain(&Triangulation::new(count, &triangles).expect("corners exist"), bytes);
+            domain(&TriangleMesh::new(count, &triangles).expect("corners exist"), bytes);
         }
     }
 }
@@ -172,7 +172,7 @@ fn domain<G: Domain<Vertex = usize>>(domain: G, bytes: &mut Bytes) {
 }
 
 fn domain_with<G: Domain<Vertex = usize>, S: Scalar>(domain: G, field: &[S], bound: S::Width) {
-    let options = Options::new().keep_zeros().nan(NanPolicy::Mask);
+    let options = PersistenceOptions::new().keep_zeros().nan(NanPolicy::Mask);
     let fast = options.persistence(domain, field).expect("a value for each vertex");
     assert_eq!(Ok(&fast), options.plain_sweep().persistence(domain, field).as_ref(), "fast and plain agree");
     let inside = field.iter().filter(|value| !value.is_nan()).count();
@@ -186,7 +186,7 @@ fn domain_with<G: Domain<Vertex = usize>, S: Scalar>(domain: G, field: &[S], bou
     for (before, after) in field.iter().zip(&simple).filter(|(before, _)| !before.is_nan()) {
         assert!(before.width(*after) <= bound, "{after:?} is further than {bound:?} from {before:?}");
     }
-    let left = Options::new().nan(NanPolicy::Mask).persistence(domain, &simple).expect("as before");
+    let left = PersistenceOptions::new().nan(NanPolicy::Mask).persistence(domain, &simple).expect("as before");
     let is_larger = |pair: &topo::Pair<usize, S>| pair.persistence() > bound;
     assert!(left.minima.finite().chain(left.maxima.finite()).all(is_larger), "no smaller pair is left");
 }

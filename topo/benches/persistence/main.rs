@@ -9,7 +9,7 @@ mod terrain;
 use divan::counter::ItemsCount;
 use divan::{Bencher, black_box};
 use std::sync::OnceLock;
-use topo::{Connectivity, Domain, Grid, Options, Path, Scalar, Triangulation};
+use topo::{Connectivity, Domain, Grid, Path, PersistenceOptions, Scalar, TriangleMesh};
 
 #[global_allocator]
 static ALLOCATIONS: divan::AllocProfiler = divan::AllocProfiler::system();
@@ -88,7 +88,7 @@ fn plain_sweep(bencher: Bencher<'_, '_>, shape: Shape) {
     let [_, ny, nx] = SHAPES[shape.0];
     let grid = Grid::new([ny, nx], Connectivity::Freudenthal);
     let field = field(shape.0);
-    let options = Options::new().plain_sweep();
+    let options = PersistenceOptions::new().plain_sweep();
     bencher.counter(ItemsCount::new(field.len())).bench_local(|| options.sublevel(&grid, black_box(field)));
 }
 
@@ -148,7 +148,7 @@ mod mesh {
     #[divan::bench(sample_count = 5, sample_size = 1)]
     fn sublevel_rings(bencher: Bencher<'_, '_>) {
         let field = mesh_field();
-        let mesh = Triangulation::new(field.len(), &triangles()).expect("corners exist");
+        let mesh = TriangleMesh::new(field.len(), &triangles()).expect("corners exist");
         bench_sublevel(bencher, &mesh, &field);
     }
 

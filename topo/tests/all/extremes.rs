@@ -3,8 +3,8 @@
 use petgraph::graph::UnGraph;
 use std::fmt::Debug;
 use topo::{
-    Adjacency, Connectivity, Domain, FieldError, Grid, Kind, NanPolicy, Options, Path, Persistence, Scalar,
-    Triangulation,
+    Adjacency, Connectivity, Domain, Error, Grid, Kind, NanPolicy, Path, Persistence, PersistenceOptions, Scalar,
+    TriangleMesh,
 };
 
 fn persistence<G: Domain<Vertex = usize>, S: Scalar>(domain: G, field: &[S]) -> Persistence<usize, S> {
@@ -17,12 +17,12 @@ where
     G: Domain<Vertex: PartialEq + Debug>,
     S: Scalar,
 {
-    let masked = Options::new().keep_zeros().nan(NanPolicy::Mask);
+    let masked = PersistenceOptions::new().keep_zeros().nan(NanPolicy::Mask);
     let persistence = masked.persistence(domain, field).expect("the field fits");
     assert_eq!(persistence, masked.plain_sweep().persistence(domain, field).expect("the field fits"));
-    let refused = Options::new().keep_zeros().persistence(domain, field);
+    let refused = PersistenceOptions::new().keep_zeros().persistence(domain, field);
     match field.iter().position(|value| value.is_nan()) {
-        Some(vertex) => assert_eq!(refused, Err(FieldError::NotANumber { vertex })),
+        Some(vertex) => assert_eq!(refused, Err(Error::NotANumber { vertex })),
         None => assert_eq!(refused.as_ref(), Ok(&persistence)),
     }
     let hierarchy = persistence.hierarchy();
@@ -71,7 +71,7 @@ fn ask_on_all_domains<S: Scalar>(field: &[S], threshold: S::Width) {
     let twisted: Vec<[u32; 3]> =
         strip.iter().chain(&strip).map(|&[a, b, c]| [b, a, c]).chain(strip.first().map(|t| [t[0]; 3])).collect();
     for triangles in [vec![], strip, twisted] {
-        ask_everything(&Triangulation::new(n, &triangles).expect("corners exist"), field, threshold);
+        ask_everything(&TriangleMesh::new(n, &triangles).expect("corners exist"), field, threshold);
     }
     let path: Vec<[usize; 2]> = (1..n).map(|v| [v - 1, v]).collect();
     let star: Vec<[usize; 2]> = (1..n).map(|v| [0, v]).collect();
@@ -127,7 +127,7 @@ fn an_empty_domain_has_no_pairs() {
     let empty: [f64; 0] = [];
     assert!(persistence(&Path::new(0), &empty).minima.is_empty());
     assert!(persistence(&Adjacency::from_edges(0, &[]).expect("no edges"), &empty).maxima.is_empty());
-    assert!(persistence(&Triangulation::new(0, &[]).expect("no corners"), &empty).maxima.is_empty());
+    assert!(persistence(&TriangleMesh::new(0, &[]).expect("no corners"), &empty).maxima.is_empty());
     assert_eq!(persistence(&Path::new(0), &empty).hierarchy().alternating(3).count(), 0);
 }
 
@@ -155,8 +155,8 @@ fn infinities_are_values() {
 #[test]
 fn nan_is_refused_with_its_vertex_or_masked() {
     let path = Path::new(3);
-    assert_eq!(topo::sublevel(&path, &[0.0, f64::NAN, 0.0]), Err(FieldError::NotANumber { vertex: 1 }));
-    let all_masked = Options::new().nan(NanPolicy::Mask).persistence(&path, &[f64::NAN; 3]).expect("masked");
+    assert_eq!(topo::sublevel(&path, &[0.0, f64::NAN, 0.0]), Err(Error::NotANumber { vertex: 1 }));
+    let all_masked = PersistenceOptions::new().nan(NanPolicy::Mask).persistence(&path, &[f64::NAN; 3]).expect("masked");
     assert!(all_masked.minima.is_empty() && all_masked.maxima.is_empty());
 }
 
@@ -168,7 +168,7 @@ fn a_field_of_the_wrong_length_is_refused() {
 
 #[test]
 fn zeros_of_both_signs_are_equal() {
-    let pairs = Options::new().keep_zeros().sublevel(&Path::new(3), &[0.0, 1.0, -0.0]).expect("fits");
+    let pairs = PersistenceOptions::new().keep_zeros().sublevel(&Path::new(3), &[0.0, 1.0, -0.0]).expect("fits");
     assert_eq!((pairs[0].extremum, pairs[0].is_essential()), (0, true));
 }
 

@@ -5,7 +5,7 @@
 
 use std::fs;
 use std::path::PathBuf;
-use topo::{Adjacency, Connectivity, Domain, Grid, NanPolicy, Options, Pairs, Path, Scalar, Triangulation};
+use topo::{Adjacency, Connectivity, Domain, Grid, NanPolicy, Pairs, Path, PersistenceOptions, Scalar, TriangleMesh};
 
 fn folder() -> PathBuf {
     [env!("CARGO_MANIFEST_DIR"), "..", "..", "shared", "fields"].iter().collect()
@@ -94,14 +94,14 @@ fn check_array<S: Scalar>(row: &Row, shape: &[usize], field: &[S]) {
 }
 
 /// The mesh all vertex data of the table belong to.
-fn mesh(vertices: usize) -> Triangulation {
+fn mesh(vertices: usize) -> TriangleMesh {
     let text = fs::read_to_string(folder().join("conte69_lh_32492.obj")).expect("the mesh is there");
     let corner = |word: &str| word.split('/').next().and_then(|index| index.parse::<u32>().ok()).expect("an index") - 1;
     let faces = text.lines().filter_map(|line| line.strip_prefix("f "));
     let triangles: Vec<[u32; 3]> = faces
         .map(|face| face.split_whitespace().map(corner).collect::<Vec<_>>().try_into().expect("three corners"))
         .collect();
-    Triangulation::new(vertices, &triangles).expect("corners exist")
+    TriangleMesh::new(vertices, &triangles).expect("corners exist")
 }
 
 fn check_network(row: &Row) {
@@ -118,7 +118,7 @@ fn check_network(row: &Row) {
 }
 
 fn check_domain<G: Domain<Vertex = usize>, S: Scalar>(row: &Row, domain: G, field: &[S]) {
-    let options = Options::new().nan(NanPolicy::Mask);
+    let options = PersistenceOptions::new().nan(NanPolicy::Mask);
     let fast = options.persistence(domain, field).expect("the field fits");
     for (pairs, expected) in [&fast.minima, &fast.maxima].into_iter().zip(row.expected) {
         check_figures(row, pairs, expected);

@@ -3,7 +3,7 @@
 use crate::inputs::{field, graph, matrix_reduction, relabelled};
 use petgraph::graph::{NodeIndex, UnGraph};
 use proptest::prelude::*;
-use topo::{Hierarchy, Kind, Options, Pair, Pairs, Path, Scalar};
+use topo::{Hierarchy, Kind, Pair, Pairs, Path, PersistenceOptions, Scalar};
 
 type Graph = UnGraph<(), ()>;
 type Indices = Vec<(usize, Option<usize>)>;
@@ -17,11 +17,11 @@ fn indices<S: Scalar>(pairs: &Pairs<NodeIndex, S>) -> Indices {
 }
 
 fn sublevel(graph: &Graph, field: &[f64]) -> Pairs<NodeIndex, f64> {
-    Options::new().keep_zeros().sublevel(graph, field).expect("one value for every vertex")
+    PersistenceOptions::new().keep_zeros().sublevel(graph, field).expect("one value for every vertex")
 }
 
 fn superlevel(graph: &Graph, field: &[f64]) -> Pairs<NodeIndex, f64> {
-    Options::new().keep_zeros().superlevel(graph, field).expect("one value for every vertex")
+    PersistenceOptions::new().keep_zeros().superlevel(graph, field).expect("one value for every vertex")
 }
 
 fn graph_and_field() -> impl Strategy<Value = (Graph, Vec<f64>)> {
@@ -47,13 +47,13 @@ fn finite_field(count: usize) -> impl Strategy<Value = Vec<f64>> {
 proptest! {
     #[test]
     fn the_fast_way_agrees_with_the_plain_sweep((graph, field) in graph_and_field()) {
-        let options = Options::new().keep_zeros();
+        let options = PersistenceOptions::new().keep_zeros();
         prop_assert_eq!(options.persistence(&graph, &field), options.plain_sweep().persistence(&graph, &field));
     }
 
     #[test]
     fn the_sweep_agrees_with_reduction_of_the_boundary_matrix((graph, field) in graph_and_field()) {
-        let pairs = Options::new().keep_zeros().plain_sweep().sublevel(&graph, &field).expect("fits");
+        let pairs = PersistenceOptions::new().keep_zeros().plain_sweep().sublevel(&graph, &field).expect("fits");
         prop_assert_eq!(indices(&pairs), matrix_reduction(&graph, &field));
     }
 
@@ -81,6 +81,22 @@ proptest! {
         prop_assert_eq!(kept.len() + kept.zero_count(), all.len());
         prop_assert_eq!(kept.zero_count(), all.finite().filter(|pair| pair.persistence() == 0.0).count());
         prop_assert_eq!(kept.above(1.0).len(), all.iter().filter(|pair| pair.persistence() > 1.0).count());
+    }
+
+    #[test]
+    fn equally_persistent_pairs_come_as_their_extrema_enter((graph, field) in graph_and_field()) {
+        let is_before = |kind: Kind, u: usize, v: usize| match kind {
+            Kind::Minimum => field[u] < field[v] || field[u] == field[v] && u < v,
+            Kind::Maximum => field[u] > field[v] || field[u] == field[v] && u > v,
+        };
+        for pairs in [sublevel(&graph, &field), superlevel(&graph, &field)] {
+            for pair in pairs.windows(2).filter(|pair| pair[0].persistence() == pair[1].persistence()) {
+                let [a, b] = [&pair[0], &pair[1]];
+                let enters_first = is_before(pairs.kind(), a.extremum.index(), b.extremum.index());
+                let is_in_order = if a.is_essential() == b.is_essential() { enters_first } else { a.is_essential() };
+                prop_assert!(is_in_order);
+            }
+        }
     }
 
     #[test]
@@ -114,7 +130,7 @@ proptest! {
         let mut sorted = field.clone();
         sorted.sort_by(f64::total_cmp);
         let ranks: Vec<i16> = field.iter().map(|value| sorted.partition_point(|other| other < value) as i16 - 100).collect();
-        let of_ranks = Options::new().keep_zeros().sublevel(&graph, &ranks).expect("fits");
+        let of_ranks = PersistenceOptions::new().keep_zeros().sublevel(&graph, &ranks).expect("fits");
         prop_assert_eq!(indices(&of_ranks), indices(&sublevel(&graph, &field)));
     }
 
@@ -167,6 +183,10 @@ proptest! {
         for n in 0..count {
             prop_assert!(hierarchy.alternating(n).eq(all[..n].iter().copied()));
             prop_assert_eq!(hierarchy.by_persistence(n), &hierarchy.extrema()[..n]);
+        }
+        for threshold in [0.0, 1.0, 2.5, f64::INFINITY] {
+            let above: Vec<_> = hierarchy.extrema().iter().copied().filter(|e| e.persistence > threshold).collect();
+            prop_assert_eq!(hierarchy.above(threshold), above);
         }
         prop_assert!(hierarchy.of_kind(Kind::Maximum).count() > 0);
     }

@@ -6,3 +6,6 @@ mod features;
 mod fields;
 mod inputs;
 mod laws;
+#[cfg(feature = "serde")]
+mod serialized;
+mod threads;

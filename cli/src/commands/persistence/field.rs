@@ -5,7 +5,7 @@ use crate::failure::Failure;
 use crate::input::{Array, Form, Network, Source, Surface, Values, edges_beside, six_digits};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
-use topo::{Adjacency, Connectivity, Domain as _, Grid, Triangulation};
+use topo::{Adjacency, Connectivity, Domain as _, Grid, TriangleMesh};
 
 /// What is asked about.
 #[derive(Debug)]
@@ -25,7 +25,7 @@ pub(crate) enum Domain {
     /// Pictures, and rings as pictures of one row.
     Plane(Grid<2>),
     Volume(Grid<3>),
-    Mesh(Triangulation),
+    Mesh(TriangleMesh),
     Network(Adjacency),
 }
 
@@ -112,7 +112,7 @@ impl Subject {
     /// A mesh with a field.
     pub(crate) fn mesh(path: &Path, source: &Source) -> Result<Self, Failure> {
         let Surface { model, triangles, values } = Surface::read(path, source)?;
-        let domain = Triangulation::new(model.vertex_count(), &triangles).map_err(domain_failure(path))?;
+        let domain = TriangleMesh::new(model.vertex_count(), &triangles).map_err(domain_failure(path))?;
         let places = Places::Mesh { points: model.points().to_vec(), triangles };
         Ok(Self { path: path.to_owned(), domain: Domain::Mesh(domain), values, places, grid: None })
     }
@@ -153,7 +153,7 @@ impl Subject {
 /// The names of (z, y, x).
 const AXES: [&str; 3] = ["z", "y", "x"];
 
-fn domain_failure(path: &Path) -> impl Fn(topo::DomainError) -> Failure + '_ {
+fn domain_failure(path: &Path) -> impl Fn(topo::Error) -> Failure + '_ {
     |error| Failure::Domain { path: path.to_owned(), error }
 }
 

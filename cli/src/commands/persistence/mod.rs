@@ -19,7 +19,7 @@ use crate::output;
 use report::Report;
 use std::path::Path;
 use std::time::Instant;
-use topo::{FieldError, Kind, NanPolicy, Options};
+use topo::{Kind, NanPolicy, PersistenceOptions};
 
 /// Rows of the table for each direction, where nothing else is asked.
 const ROWS: usize = 10;
@@ -49,18 +49,18 @@ pub(crate) fn run(args: &Arguments) -> Result<(), Failure> {
 }
 
 /// The library's options.
-fn options(args: &Arguments) -> Options {
+fn options(args: &Arguments) -> PersistenceOptions {
     // A computed field is NaN where a mesh has no surface, which is no mistake of anyone's.
     let has_gaps = args.field.as_ref().is_some_and(Source::leaves_gaps);
     let nan = if has_gaps { NanPolicy::Mask } else { args.nan.policy() };
-    let options = Options::new().nan(nan);
+    let options = PersistenceOptions::new().nan(nan);
     if args.keep_zero { options.keep_zeros() } else { options }
 }
 
 /// What the library refuses, in the command's words.
-pub(crate) fn explain(path: &Path, error: FieldError) -> Failure {
+pub(crate) fn explain(path: &Path, error: topo::Error) -> Failure {
     match error {
-        FieldError::NotANumber { vertex } => Failure::NotANumber { path: path.to_owned(), vertex },
+        topo::Error::NotANumber { vertex } => Failure::NotANumber { path: path.to_owned(), vertex },
         error => Failure::Persistence { path: path.to_owned(), error },
     }
 }

@@ -2,7 +2,7 @@
 
 use super::subject::{Subject, on};
 use crate::input::{FieldScalar, Number, each};
-use topo::{FieldError, Kind, Options};
+use topo::{Kind, PersistenceOptions};
 
 /// An extremum with the saddle at which it joins an elder one.
 #[derive(Clone, Copy, Debug)]
@@ -36,7 +36,7 @@ pub(crate) struct PairList {
 /// Which pairs are wanted.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Wanted {
-    pub(crate) options: Options,
+    pub(crate) options: PersistenceOptions,
     /// Zero keeps what the options keep.
     pub(crate) min_persistence: f64,
     pub(crate) top: Option<usize>,
@@ -44,7 +44,7 @@ pub(crate) struct Wanted {
 
 impl PairList {
     /// The pairs of a subject.
-    pub(crate) fn new(subject: &Subject, kind: Kind, wanted: &Wanted) -> Result<Self, FieldError> {
+    pub(crate) fn new(subject: &Subject, kind: Kind, wanted: &Wanted) -> Result<Self, topo::Error> {
         each!(&subject.values, field => on!(&subject.domain, domain => {
             let pairs = match kind {
                 Kind::Minimum => wanted.options.sublevel(domain, field)?,

@@ -8,7 +8,7 @@ use crate::output;
 use crate::render::{Picture, encode_hue};
 use std::io::{self, Write};
 use std::path::Path;
-use topo::{FieldError, Kind, Options, Segmentation};
+use topo::{Kind, PersistenceOptions, Segmentation};
 
 /// Whether segments can be written in the form a path asks for: colours need a mesh or a picture.
 pub(super) fn check(path: &Path, places: &Places) -> Result<(), Failure> {
@@ -26,7 +26,7 @@ pub(super) fn write(
     path: &Path,
     subject: &Subject,
     kind: Kind,
-    options: Options,
+    options: PersistenceOptions,
     threshold: f64,
 ) -> Result<(), Failure> {
     let segments = segments(subject, kind, options, threshold).map_err(|error| explain(&subject.path, error))?;
@@ -50,9 +50,9 @@ pub(super) fn write(
 fn segments(
     subject: &Subject,
     kind: Kind,
-    options: Options,
+    options: PersistenceOptions,
     threshold: f64,
-) -> Result<Segmentation<usize>, FieldError> {
+) -> Result<Segmentation<usize>, topo::Error> {
     fn threshold_of<S: FieldScalar>(_: &[S], threshold: f64) -> S::Width {
         S::threshold(threshold)
     }

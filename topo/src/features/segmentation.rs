@@ -3,9 +3,13 @@
 //! Every vertex belongs to the extremum at the end of its steepest descent (or ascent). Basins of extrema that are no
 //! more persistent than a threshold are given to the basin beyond their saddle, into which a flood would spill.
 
-use crate::branches::Branches;
-use crate::union_find::UnionFind;
-use crate::{Direction, Domain, FieldError, Filtration, Kind, Options, Scalar};
+use super::branches::Branches;
+use crate::domain::Domain;
+use crate::error::Error;
+use crate::filtration::{Direction, Falling, Filtration, Kind, Rising};
+use crate::options::PersistenceOptions;
+use crate::pairing::UnionFind;
+use crate::scalar::Scalar;
 
 /// Every vertex with its extremum.
 ///
@@ -16,7 +20,7 @@ use crate::{Direction, Domain, FieldError, Filtration, Kind, Options, Scalar};
 /// let valleys = segmentation(&Path::new(7), &field, Kind::Minimum, 1.0)?;
 /// assert_eq!(valleys.extrema(), [0, 4, 6]); // vertex 2 is a valley only 1 deep
 /// assert_eq!(valleys.labels().collect::<Vec<_>>(), [Some(0), Some(0), Some(1), Some(1), Some(1), Some(2), Some(2)]);
-/// # Ok::<(), topo::FieldError>(())
+/// # Ok::<(), topo::Error>(())
 /// ```
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Segmentation<V> {
@@ -33,9 +37,9 @@ impl<V: Copy> Segmentation<V> {
         let branches = Branches::new(domain, filtration);
         let mut groups = UnionFind::new(branches.extrema.len());
         let mut survives = vec![true; branches.extrema.len()];
-        for ending in branches.short(filtration, threshold) {
-            survives[ending.extremum as usize] = false;
-            let (from, to) = (groups.find(ending.extremum), groups.find(ending.beyond));
+        for end in branches.short(filtration, threshold) {
+            survives[end.extremum as usize] = false;
+            let (from, to) = (groups.find(end.extremum), groups.find(end.beyond));
             groups.join(from, to);
         }
         // Every branch spills into another component, so spills close no circle: each group is a tree of them, with one
@@ -77,15 +81,39 @@ impl<V: Copy> Segmentation<V> {
     }
 }
 
+impl PersistenceOptions {
+    /// [`segmentation`](fn@crate::segmentation) with these options.
+    ///
+    /// # Errors
+    /// If the field does not fit the domain, see [`Error`].
+    pub fn segmentation<G: Domain, S: Scalar>(
+        self,
+        domain: G,
+        field: &[S],
+        kind: Kind,
+        threshold: S::Width,
+    ) -> Result<Segmentation<G::Vertex>, Error> {
+        let count = domain.vertex_count();
+        Ok(match kind {
+            Kind::Minimum => {
+                Segmentation::new(domain, &Filtration::<S, Rising>::new(field, count, self.nan)?, threshold)
+            }
+            Kind::Maximum => {
+                Segmentation::new(domain, &Filtration::<S, Falling>::new(field, count, self.nan)?, threshold)
+            }
+        })
+    }
+}
+
 /// The basins of all minima or maxima that are more persistent than a threshold.
 ///
 /// # Errors
-/// If the field does not fit the domain, see [`FieldError`].
+/// If the field does not fit the domain, see [`Error`].
 pub fn segmentation<G: Domain, S: Scalar>(
     domain: G,
     field: &[S],
     kind: Kind,
     threshold: S::Width,
-) -> Result<Segmentation<G::Vertex>, FieldError> {
-    Options::new().segmentation(domain, field, kind, threshold)
+) -> Result<Segmentation<G::Vertex>, Error> {
+    PersistenceOptions::new().segmentation(domain, field, kind, threshold)
 }

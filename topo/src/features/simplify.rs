@@ -7,8 +7,12 @@
 //! Bauer, Lange & Wardetzky (2012), "Optimal topological simplification of discrete functions on surfaces", do twice as
 //! well on a surface; this works on any graph.
 
-use crate::branches::Branches;
-use crate::{Direction, Domain, Falling, FieldError, Filtration, NanPolicy, Options, Rising, Scalar};
+use super::branches::Branches;
+use crate::domain::Domain;
+use crate::error::Error;
+use crate::filtration::{Direction, Falling, Filtration, NanPolicy, Rising};
+use crate::options::PersistenceOptions;
+use crate::scalar::Scalar;
 
 /// A field at most `threshold` away from the given one everywhere, all of whose finite pairs are more persistent than
 /// that, except pairs of zero persistence on the plateaus that this leaves.
@@ -17,29 +21,39 @@ use crate::{Direction, Domain, Falling, FieldError, Filtration, NanPolicy, Optio
 /// let field = [0.0, 5.0, 3.0, 4.0, 2.0, 9.0, 1.0];
 /// let smooth = topo::simplify(&topo::Path::new(7), &field, 1.0)?;
 /// assert_eq!(smooth, [0.0, 5.0, 4.0, 4.0, 2.0, 9.0, 1.0]);
-/// # Ok::<(), topo::FieldError>(())
+/// # Ok::<(), topo::Error>(())
 /// ```
 ///
 /// # Errors
-/// If the field does not fit the domain, see [`FieldError`].
-pub fn simplify<G: Domain, S: Scalar>(domain: G, field: &[S], threshold: S::Width) -> Result<Vec<S>, FieldError> {
-    Options::new().simplify(domain, field, threshold)
+/// If the field does not fit the domain, see [`Error`].
+pub fn simplify<G: Domain, S: Scalar>(domain: G, field: &[S], threshold: S::Width) -> Result<Vec<S>, Error> {
+    PersistenceOptions::new().simplify(domain, field, threshold)
+}
+
+impl PersistenceOptions {
+    /// [`simplify`](fn@crate::simplify) with these options.
+    ///
+    /// # Errors
+    /// If the field does not fit the domain, see [`Error`].
+    pub fn simplify<G: Domain, S: Scalar>(self, domain: G, field: &[S], threshold: S::Width) -> Result<Vec<S>, Error> {
+        until_stable(domain, field, threshold, self.nan)
+    }
 }
 
 /// Fills and cuts in turn until nothing changes. Every round but the last removes an extremum for good.
-pub(crate) fn until_settled<G: Domain, S: Scalar>(
+fn until_stable<G: Domain, S: Scalar>(
     domain: G,
     field: &[S],
     threshold: S::Width,
     nan: NanPolicy,
-) -> Result<Vec<S>, FieldError> {
+) -> Result<Vec<S>, Error> {
     let mut simplified = field.to_vec();
     loop {
         let filled = fill::<G, S, Rising>(domain, &simplified, threshold, nan)?;
         let cut = fill::<G, S, Falling>(domain, &filled, threshold, nan)?;
-        let is_settled = cut.iter().zip(&simplified).all(|(new, old)| new.key() == old.key());
+        let is_stable = cut.iter().zip(&simplified).all(|(new, old)| new.key() == old.key());
         simplified = cut;
-        if is_settled {
+        if is_stable {
             return Ok(simplified);
         }
     }
@@ -50,7 +64,7 @@ fn fill<G: Domain, S: Scalar, D: Direction>(
     field: &[S],
     threshold: S::Width,
     nan: NanPolicy,
-) -> Result<Vec<S>, FieldError> {
+) -> Result<Vec<S>, Error> {
     let filtration = Filtration::<S, D>::new(field, domain.vertex_count(), nan)?;
     Ok(Branches::new(domain, &filtration).filled(&filtration, threshold))
 }

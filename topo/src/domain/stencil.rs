@@ -1,15 +1,29 @@
-//! The neighbourhood of a grid vertex, and how neighbours hang together.
+//! The neighbourhood of a grid vertex, and which neighbours are connected.
 //!
 //! A stencil is a list of offsets. The vertices earlier than the centre are a set of bits, one an offset, and two of
-//! them hang together if their difference is an edge of the grid. A vertex is *regular* if its earlier neighbours are
-//! one connected part; that is all a scan asks, and it is looked up in a table of one bit for each set.
+//! them are adjacent if their difference is an edge of the grid. A vertex is *regular* if its earlier neighbours are
+//! connected (they are its *lower link*); that is all a scan asks, and it is looked up in a table of one bit for each set.
 //!
 //! With [`Connectivity::Axis`] no two neighbours are adjacent, and half of all vertices of a smooth field would look
 //! like saddles. So the stencil also has the vertices diagonally across a square: not neighbours, but adjacent to two
 //! of them, and if earlier they show that both lie in one component. The same table does it.
 
-use crate::grid::Connectivity;
 use std::sync::OnceLock;
+
+/// Which vertices of a grid are neighbours.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "lowercase"))]
+#[non_exhaustive]
+pub enum Connectivity {
+    /// Along one axis: 2, 4 or 6 neighbours.
+    Axis,
+    /// Along any number of axes: 2, 8 or 26 neighbours.
+    Full,
+    /// Edges of the Freudenthal triangulation, whose offsets are {0, 1}ᵈ and their opposites: 2, 6 or 14 neighbours.
+    /// The choice for sampled smooth functions, as sub- and superlevel sets then fit together.
+    Freudenthal,
+}
 
 /// A step along (z, y, x).
 pub(crate) type Offset = [i8; 3];
@@ -24,8 +38,8 @@ pub(crate) struct Stencil {
     neighbor_bits: u32,
     /// For each offset the set of those adjacent to it.
     adjacent: Vec<u32>,
-    /// One bit for each set of offsets: whether its neighbours fall into two parts or more.
-    forks: Vec<u64>,
+    /// One bit for each set of offsets: whether its neighbours are not connected.
+    splits: Vec<u64>,
 }
 
 impl Stencil {
@@ -47,7 +61,7 @@ impl Stencil {
             adjacent.fold(0, |set, (bit, _)| set | 1 << bit)
         };
         let adjacent = offsets.iter().map(adjacent_to).collect();
-        let mut stencil = Self { offsets, neighbor_bits, adjacent, forks: Vec::new() };
+        let mut stencil = Self { offsets, neighbor_bits, adjacent, splits: Vec::new() };
         if stencil.offsets.len() <= MAX_TABLE_BITS {
             stencil.fill_table();
         }
@@ -55,11 +69,11 @@ impl Stencil {
     }
 
     fn fill_table(&mut self) {
-        let mut forks = vec![0; (1 << self.offsets.len()).max(64) / 64];
+        let mut splits = vec![0; (1 << self.offsets.len()).max(64) / 64];
         for set in 0..1u32 << self.offsets.len() {
-            forks[set as usize / 64] |= u64::from(self.floods_apart(set)) << (set % 64);
+            splits[set as usize / 64] |= u64::from(self.splits_by_flooding(set)) << (set % 64);
         }
-        self.forks = forks;
+        self.splits = splits;
     }
 
     /// The true neighbours of a set of offsets.
@@ -67,25 +81,25 @@ impl Stencil {
         set & self.neighbor_bits
     }
 
-    /// Whether the neighbours in a set fall into two parts or more.
+    /// Whether the neighbours in a set are not connected: whether something may merge there.
     #[inline]
-    pub(crate) fn forks(&self, set: u32) -> bool {
-        match self.forks.get(set as usize / 64) {
+    pub(crate) fn splits(&self, set: u32) -> bool {
+        match self.splits.get(set as usize / 64) {
             Some(word) => word >> (set % 64) & 1 != 0,
-            None => self.floods_apart(set),
+            None => self.splits_by_flooding(set),
         }
     }
 
-    fn floods_apart(&self, set: u32) -> bool {
+    fn splits_by_flooding(&self, set: u32) -> bool {
         let neighbors = self.neighbors(set);
-        neighbors != 0 && neighbors & !self.part(set, neighbors.trailing_zeros()) != 0
+        neighbors != 0 && neighbors & !self.component(set, neighbors.trailing_zeros()) != 0
     }
 
-    /// The part of a set that hangs together with one of its bits.
-    pub(crate) fn part(&self, set: u32, bit: u32) -> u32 {
+    /// The connected component of one of the bits of a set.
+    pub(crate) fn component(&self, set: u32, bit: u32) -> u32 {
         let mut reached = 1u32 << bit;
         let mut spread = 0;
-        // Mostly the set is one part, and found to be so after very few of its bits.
+        // Mostly the set is connected, and found to be so after very few of its bits.
         while reached != set && reached != spread {
             let fresh = (reached & !spread).trailing_zeros();
             spread |= 1 << fresh;
@@ -143,14 +157,26 @@ mod tests {
     }
 
     #[test]
-    fn opposite_neighbors_fork() {
+    fn opposite_neighbors_split() {
         for connectivity in [Axis, Full, Freudenthal] {
             for dimensions in 1..=3 {
                 let stencil = Stencil::of(connectivity, dimensions);
                 let bit = |offset| 1 << stencil.offsets.iter().position(|&other| other == offset).expect("an axis");
-                assert!(stencil.forks(bit([0, 0, 1]) | bit([0, 0, -1])));
-                assert!(!stencil.forks(bit([0, 0, 1])));
-                assert!(!stencil.forks(0));
+                assert!(stencil.splits(bit([0, 0, 1]) | bit([0, 0, -1])));
+                assert!(!stencil.splits(bit([0, 0, 1])));
+                assert!(!stencil.splits(0));
+            }
+        }
+    }
+
+    #[test]
+    fn a_table_says_what_flooding_says() {
+        for connectivity in [Axis, Full, Freudenthal] {
+            for dimensions in 1..=3 {
+                let stencil = Stencil::of(connectivity, dimensions);
+                assert_eq!(stencil.splits.is_empty(), stencil.offsets.len() > MAX_TABLE_BITS);
+                let sets = 0..1u32 << stencil.offsets.len().min(MAX_TABLE_BITS);
+                assert!(sets.into_iter().all(|set| stencil.splits(set) == stencil.splits_by_flooding(set)));
             }
         }
     }
@@ -160,7 +186,7 @@ mod tests {
         let stencil = Stencil::of(Axis, 2);
         let bit = |offset| 1 << stencil.offsets.iter().position(|&other| other == offset).expect("in the square");
         let (right, below, across) = (bit([0, 0, 1]), bit([0, 1, 0]), bit([0, 1, 1]));
-        assert!(stencil.forks(right | below));
-        assert!(!stencil.forks(right | below | across));
+        assert!(stencil.splits(right | below));
+        assert!(!stencil.splits(right | below | across));
     }
 }

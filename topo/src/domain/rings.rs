@@ -7,11 +7,11 @@
 
 use core::fmt;
 
-use crate::basins::{self, Fork, Scan};
-use crate::descent::OUTSIDE;
-use crate::merges::Merges;
+use super::graph::Domain;
+use crate::filtration::{Direction, Filtration};
+use crate::pairing::{Merges, OUTSIDE, SaddleCandidate, Scan, merges_of_scan};
 use crate::parallel;
-use crate::{Direction, Domain, Filtration, Scalar};
+use crate::scalar::Scalar;
 
 /// A graph whose neighbours come in the order in which they lie round a vertex, as those of a triangle mesh do in most
 /// mesh libraries: about three times faster than the graph by itself, without a copy.
@@ -40,34 +40,34 @@ use crate::{Direction, Domain, Filtration, Scalar};
 /// let around = |v: usize| vec![poles[0], equator[(v + 2) % 4], poles[1], equator[v % 4]];
 /// let rings = vec![vec![1, 2, 3, 4], around(1), around(2), around(3), around(4), vec![4, 3, 2, 1]];
 /// let octahedron = Mesh { rings };
-/// let surface = topo::Surface::new(&octahedron, |_| true);
+/// let surface = topo::Rings::new(&octahedron, |_| true);
 /// let field = [0.0, 3.0, 1.0, 4.0, 2.0, 5.0];
 /// assert_eq!(topo::persistence(surface, &field), topo::persistence(&octahedron, &field));
 /// ```
 ///
 /// The contract: of the neighbours that the graph reports for a vertex, consecutive ones are joined by an edge of the
 /// graph, and where `is_closed` says so, the last and the first are too. Where that is not so, joins may be missed and
-/// pairs be wrong; take the graph itself then, or [`Triangulation`](crate::Triangulation), which finds the order.
+/// pairs be wrong; take the graph itself then, or [`TriangleMesh`](crate::TriangleMesh), which finds the order.
 #[derive(Clone, Copy)]
-pub struct Surface<G, C> {
+pub struct Rings<G, C> {
     graph: G,
     is_closed: C,
 }
 
-impl<G: Domain, C: Fn(G::Vertex) -> bool> Surface<G, C> {
+impl<G: Domain, C: Fn(G::Vertex) -> bool> Rings<G, C> {
     /// A graph with what tells whether the neighbours of a vertex go all round it. (On a boundary they do not.)
     pub fn new(graph: G, is_closed: C) -> Self {
         Self { graph, is_closed }
     }
 }
 
-impl<G: fmt::Debug, C> fmt::Debug for Surface<G, C> {
+impl<G: fmt::Debug, C> fmt::Debug for Rings<G, C> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("Surface").field("graph", &self.graph).finish_non_exhaustive()
+        f.debug_struct("Rings").field("graph", &self.graph).finish_non_exhaustive()
     }
 }
 
-impl<G: Domain + Sync, C: Fn(G::Vertex) -> bool + Copy + Sync> Domain for Surface<G, C> {
+impl<G: Domain + Sync, C: Fn(G::Vertex) -> bool + Copy + Sync> Domain for Rings<G, C> {
     type Vertex = G::Vertex;
 
     fn vertex_count(&self) -> usize {
@@ -88,7 +88,7 @@ impl<G: Domain + Sync, C: Fn(G::Vertex) -> bool + Copy + Sync> Domain for Surfac
     }
 }
 
-impl<G: Domain + Sync, C: Fn(G::Vertex) -> bool + Copy + Sync> Linked for &Surface<G, C> {
+impl<G: Domain + Sync, C: Fn(G::Vertex) -> bool + Copy + Sync> Linked for &Rings<G, C> {
     fn vertex_count(&self) -> usize {
         self.graph.vertex_count()
     }
@@ -124,10 +124,10 @@ pub(crate) fn merges<S: Scalar, D: Direction>(domain: impl Linked, filtration: &
         }
         found
     });
-    basins::of_scan(filtration, next, Scan::concat(scans))
+    merges_of_scan(filtration, next, Scan::concat(scans))
 }
 
-/// Points a vertex to an earlier neighbour; notes it if it is an extremum or a fork.
+/// Points a vertex to an earlier neighbour; notes it if it is an extremum or may be a saddle.
 fn scan<S: Scalar, D: Direction>(
     domain: impl Linked,
     filtration: &Filtration<'_, S, D>,
@@ -153,7 +153,7 @@ fn scan<S: Scalar, D: Direction>(
         // The last run may go on with the first.
         runs -= u32::from(starts && was_earlier && domain.is_closed(v as usize));
         if runs > 1 {
-            note_forks(domain, filtration, v, runs as usize, &mut found.forks);
+            note_candidates(domain, filtration, v, runs as usize, &mut found.candidates);
         }
     }
 }
@@ -161,12 +161,12 @@ fn scan<S: Scalar, D: Direction>(
 /// Notes the first vertex of each run but the first against that of the first; there may be one more run in the link, a
 /// part of the first one.
 #[cold]
-fn note_forks<S: Scalar, D: Direction>(
+fn note_candidates<S: Scalar, D: Direction>(
     domain: impl Linked,
     filtration: &Filtration<'_, S, D>,
     saddle: u32,
     runs: usize,
-    forks: &mut Vec<Fork>,
+    candidates: &mut Vec<SaddleCandidate>,
 ) {
     let mut sides = Vec::with_capacity(runs + 1);
     let mut was_earlier = false;
@@ -177,5 +177,5 @@ fn note_forks<S: Scalar, D: Direction>(
         }
         was_earlier = is_earlier && is_joined;
     });
-    forks.extend(sides[1..runs].iter().map(|&side| Fork { saddle, sides: [sides[0], side] }));
+    candidates.extend(sides[1..runs].iter().map(|&side| SaddleCandidate { saddle, sides: [sides[0], side] }));
 }

@@ -4,25 +4,13 @@
 //! it leads to, which are vector instructions; the resulting set of earlier neighbours is looked up, and most vertices
 //! are done. Rows are independent, so blocks of them can be scanned in parallel.
 
-use crate::basins::{self, Fork, Scan};
-use crate::descent::OUTSIDE;
-use crate::merges::Merges;
+use super::graph::Domain;
+use super::stencil::{Connectivity, Offset, Stencil};
+use crate::filtration::{Direction, Filtration};
+use crate::pairing::{Merges, OUTSIDE, SaddleCandidate, Scan, merges_of_scan};
 use crate::parallel;
-use crate::stencil::{Offset, Stencil};
-use crate::{Direction, Domain, Filtration, Scalar};
+use crate::scalar::Scalar;
 use core::ops::{Range, RangeInclusive};
-
-/// Which vertices of a grid are neighbours.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Connectivity {
-    /// Along one axis: 2, 4 or 6 neighbours.
-    Axis,
-    /// Along any number of axes: 2, 8 or 26 neighbours.
-    Full,
-    /// Edges of the Freudenthal triangulation, whose offsets are {0, 1}ᵈ and their opposites: 2, 6 or 14 neighbours.
-    /// The choice for sampled smooth functions, as sub- and superlevel sets then fit together.
-    Freudenthal,
-}
 
 /// A grid of `D` = 1, 2 or 3 axes, the slowest first as in C and `NumPy`: `[rows, columns]`, `[z, y, x]`.
 ///
@@ -39,7 +27,7 @@ pub enum Connectivity {
 /// assert_eq!(grid.position(minima[0].extremum), [2, 1]); // value 0, essential
 /// assert_eq!(grid.position(minima[1].extremum), [0, 1]); // value 1, joins the other …
 /// assert_eq!(minima[1].death(), Some(3)); // … over a 3
-/// # Ok::<(), topo::FieldError>(())
+/// # Ok::<(), topo::Error>(())
 /// ```
 ///
 /// Four axes do not compile:
@@ -48,6 +36,7 @@ pub enum Connectivity {
 /// topo::Grid::new([2, 2, 2, 2], topo::Connectivity::Axis);
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[must_use = "it is made anew, not changed"]
 pub struct Grid<const D: usize> {
     /// Along (z, y, x); missing axes are of length 1.
     shape: [usize; 3],
@@ -109,7 +98,7 @@ impl<const D: usize> Grid<D> {
     }
 
     /// The vertex one offset within [reach](Self::reach) away.
-    pub(crate) fn far(&self, vertex: usize, offset: [isize; 3]) -> usize {
+    pub(crate) fn at_offset(&self, vertex: usize, offset: [isize; 3]) -> usize {
         let position = padded(self.position(vertex), 0);
         self.index(core::array::from_fn(|axis| {
             (position[axis] as isize + offset[axis]).rem_euclid(self.shape[axis] as isize) as usize
@@ -163,7 +152,7 @@ impl<const D: usize> Domain for &Grid<D> {
             }
             scanner.found
         });
-        basins::of_scan(filtration, next, Scan::concat(scans))
+        merges_of_scan(filtration, next, Scan::concat(scans))
     }
 }
 
@@ -200,7 +189,7 @@ impl<'a, S: Scalar, F: Direction, const D: usize> Scanner<'a, S, F, D> {
             let span = start..length.min(start + SPAN);
             self.find_earlier(span.clone());
             self.point_and_collect(span.clone(), &mut next[span.clone()]);
-            self.mend_ends(span, next);
+            self.point_periodic_ends(span, next);
         }
     }
 
@@ -244,7 +233,7 @@ impl<'a, S: Scalar, F: Direction, const D: usize> Scanner<'a, S, F, D> {
         }
     }
 
-    /// Points each vertex of a span to an earlier neighbour; notes extrema and forks.
+    /// Points each vertex of a span to an earlier neighbour; notes extrema and candidates for saddles.
     fn point_and_collect(&mut self, span: Range<usize>, next: &mut [u32]) {
         let mut leaps = [0u32; 32];
         for (leap, (&[_, _, dx], &there)) in leaps.iter_mut().zip(self.stencil.offsets.iter().zip(&self.there)) {
@@ -262,14 +251,14 @@ impl<'a, S: Scalar, F: Direction, const D: usize> Scanner<'a, S, F, D> {
                 continue;
             }
             *next = v.wrapping_add(leaps[neighbors.trailing_zeros() as usize % leaps.len()]);
-            if self.stencil.forks(set) {
-                note_forks(self.grid, self.stencil, &mut self.found.forks, v, set);
+            if self.stencil.splits(set) {
+                note_candidates(self.grid, self.stencil, &mut self.found.candidates, v, set);
             }
         }
     }
 
     /// Points the ends of a periodic row where they should.
-    fn mend_ends(&self, span: Range<usize>, next: &mut [u32]) {
+    fn point_periodic_ends(&self, span: Range<usize>, next: &mut [u32]) {
         for x in self.periodic_ends(&span) {
             let neighbors = self.stencil.neighbors(self.sets[x - span.start]);
             if neighbors != 0 {
@@ -295,15 +284,21 @@ fn mark<S: Scalar>(sets: &mut [u32], others: &[S], centres: &[S], bit: usize, is
 
 /// Notes one neighbour of each part of a set against one of the first part.
 #[cold]
-fn note_forks<const D: usize>(grid: &Grid<D>, stencil: &Stencil, forks: &mut Vec<Fork>, saddle: u32, set: u32) {
+fn note_candidates<const D: usize>(
+    grid: &Grid<D>,
+    stencil: &Stencil,
+    candidates: &mut Vec<SaddleCandidate>,
+    saddle: u32,
+    set: u32,
+) {
     let mut rest = stencil.neighbors(set);
     let first = rest.trailing_zeros();
-    rest &= !stencil.part(set, first);
+    rest &= !stencil.component(set, first);
     while rest != 0 {
         let other = rest.trailing_zeros();
         let sides = [first, other].map(|bit| neighbor(grid, stencil, saddle, bit));
-        forks.push(Fork { saddle, sides });
-        rest &= !stencil.part(set, other);
+        candidates.push(SaddleCandidate { saddle, sides });
+        rest &= !stencil.component(set, other);
     }
 }
 

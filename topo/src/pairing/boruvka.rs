@@ -8,9 +8,10 @@
 //! Each round pairs at least one basin, the first ones more than half. Young basins in a row can make rounds slow; so
 //! when one pairs less than half, the remaining joins are sorted and paired one by one.
 
-use crate::merges::Merge;
-use crate::union_find::UnionFind;
-use crate::{Direction, Filtration, Scalar};
+use super::merges::Merge;
+use super::union_find::UnionFind;
+use crate::filtration::{Direction, Filtration};
+use crate::scalar::Scalar;
 
 /// A vertex at which two basins touch.
 #[derive(Debug, Clone, Copy)]

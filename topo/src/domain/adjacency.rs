@@ -1,69 +1,7 @@
 //! Graphs given as lists of neighbours or of edges, for those who have no petgraph graph.
 
-use crate::Domain;
-use core::fmt;
-
-/// Why lists of vertices do not describe a domain.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum DomainError {
-    /// A neighbour does not exist.
-    Neighbor {
-        /// The vertex in whose list it stands.
-        of: usize,
-        /// What stands there.
-        vertex: usize,
-        /// Number of vertices.
-        vertices: usize,
-    },
-    /// An end of an edge does not exist.
-    Edge {
-        /// Number of the edge, from 0.
-        edge: usize,
-        /// What it names.
-        vertex: usize,
-        /// Number of vertices.
-        vertices: usize,
-    },
-    /// A corner of a triangle does not exist.
-    Triangle {
-        /// Number of the triangle, from 0.
-        triangle: usize,
-        /// What it names.
-        vertex: usize,
-        /// Number of vertices.
-        vertices: usize,
-    },
-    /// There are more vertices than can be numbered, which are 2³¹ - 1.
-    TooLarge {
-        /// Number of vertices.
-        vertices: usize,
-    },
-}
-
-impl fmt::Display for DomainError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let (what, number, vertex, vertices) = match *self {
-            Self::Neighbor { of, vertex, vertices } => ("the neighbour list of vertex", of, vertex, vertices),
-            Self::Edge { edge, vertex, vertices } => ("edge", edge, vertex, vertices),
-            Self::Triangle { triangle, vertex, vertices } => ("triangle", triangle, vertex, vertices),
-            Self::TooLarge { vertices } => {
-                return write!(
-                    f,
-                    "there are {vertices} vertices, more than can be numbered; coarsen or split the domain"
-                );
-            }
-        };
-        write!(f, "{what} {number} names vertex {vertex}, but there are only {vertices}, counted from 0")
-    }
-}
-
-impl core::error::Error for DomainError {}
-
-/// Refuses more vertices than fit into 31 bits.
-pub(crate) fn check_count(vertices: usize) -> Result<(), DomainError> {
-    if vertices >= 1 << 31 { Err(DomainError::TooLarge { vertices }) } else { Ok(()) }
-}
+use super::graph::Domain;
+use crate::error::{Error, check_vertex_count};
 
 /// An undirected graph as sorted neighbour lists, one behind the other.
 ///
@@ -86,13 +24,13 @@ impl Adjacency {
     ///
     /// # Errors
     /// If a neighbour is not a vertex.
-    pub fn new(lists: &[impl AsRef<[usize]>]) -> Result<Self, DomainError> {
+    pub fn new(lists: &[impl AsRef<[usize]>]) -> Result<Self, Error> {
         let vertices = lists.len();
         let mut edges = Vec::with_capacity(lists.iter().map(|list| list.as_ref().len()).sum());
         for (of, list) in lists.iter().enumerate() {
             for &vertex in list.as_ref() {
                 if vertex >= vertices {
-                    return Err(DomainError::Neighbor { of, vertex, vertices });
+                    return Err(Error::Neighbor { of, vertex, vertices });
                 }
                 edges.push([of, vertex]);
             }
@@ -104,11 +42,11 @@ impl Adjacency {
     ///
     /// # Errors
     /// If an end of an edge is not a vertex.
-    pub fn from_edges(vertices: usize, edges: &[[usize; 2]]) -> Result<Self, DomainError> {
-        check_count(vertices)?;
+    pub fn from_edges(vertices: usize, edges: &[[usize; 2]]) -> Result<Self, Error> {
+        check_vertex_count(vertices)?;
         for (edge, ends) in edges.iter().enumerate() {
             if let Some(&vertex) = ends.iter().find(|&&end| end >= vertices) {
-                return Err(DomainError::Edge { edge, vertex, vertices });
+                return Err(Error::Edge { edge, vertex, vertices });
             }
         }
         let mut starts = vec![0; vertices + 1];
@@ -186,7 +124,7 @@ mod tests {
     #[test]
     fn a_stranger_is_named() {
         let error = Adjacency::new(&[[1], [2]]).expect_err("vertex 2 does not exist");
-        assert_eq!(error, DomainError::Neighbor { of: 1, vertex: 2, vertices: 2 });
+        assert_eq!(error, Error::Neighbor { of: 1, vertex: 2, vertices: 2 });
         assert_eq!(
             error.to_string(),
             "the neighbour list of vertex 1 names vertex 2, but there are only 2, counted from 0"

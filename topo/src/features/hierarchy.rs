@@ -6,11 +6,13 @@
 //! first `n + 1`. On a connected domain the hierarchy begins with the global maximum and the global minimum, which
 //! have the whole range for their persistence.
 
-use crate::scalar::wider_first;
-use crate::{Kind, Pair, Pairs, Persistence, Scalar};
+use crate::filtration::Kind;
+use crate::persistence::{Pair, Pairs, Persistence};
+use crate::scalar::{Scalar, wider_first};
 
 /// An extremum with its rank's reason.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Extremum<V, S: Scalar> {
     /// Where it is.
     pub vertex: V,
@@ -42,11 +44,27 @@ impl<V: Copy, S: Scalar> Extremum<V, S> {
 /// let first: Vec<_> = hierarchy.alternating(3).map(|extremum| (extremum.vertex.index(), extremum.persistence)).collect();
 /// assert_eq!(first, [(1, 9.0), (4, 9.0), (3, 2.0)]);
 /// assert_eq!(hierarchy.above(5.0).iter().filter(|extremum| extremum.kind == Kind::Minimum).count(), 2);
-/// # Ok::<(), topo::FieldError>(())
+/// # Ok::<(), topo::Error>(())
 /// ```
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    serde(bound(
+        serialize = "V: serde::Serialize, S: serde::Serialize, S::Width: serde::Serialize",
+        deserialize = "V: serde::Deserialize<'de>, S: serde::Deserialize<'de>, S::Width: serde::Deserialize<'de>"
+    ))
+)]
 pub struct Hierarchy<V, S: Scalar> {
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "ranked_extrema"))]
     extrema: Vec<Extremum<V, S>>,
+}
+
+impl<V: Copy, S: Scalar> Persistence<V, S> {
+    /// Minima and maxima together, by their persistence.
+    pub fn hierarchy(&self) -> Hierarchy<V, S> {
+        Hierarchy::new(self)
+    }
 }
 
 impl<V: Copy, S: Scalar> Hierarchy<V, S> {
@@ -98,6 +116,16 @@ impl<V: Copy, S: Scalar> Hierarchy<V, S> {
 
 fn ranked<V: Copy, S: Scalar>(pairs: &Pairs<V, S>) -> impl Iterator<Item = Extremum<V, S>> {
     pairs.iter().map(|pair| Extremum::new(pair, pairs.kind()))
+}
+
+#[cfg(feature = "serde")]
+fn ranked_extrema<'de, V, S, R>(reader: R) -> Result<Vec<Extremum<V, S>>, R::Error>
+where
+    V: serde::Deserialize<'de>,
+    S: Scalar<Width: serde::Deserialize<'de>> + serde::Deserialize<'de>,
+    R: serde::Deserializer<'de>,
+{
+    crate::persistence::ranked(reader, |extremum: &Extremum<V, S>| extremum.persistence)
 }
 
 #[cfg(test)]

@@ -1,12 +1,14 @@
 //! Triangle meshes with their neighbours in cyclic order.
 //!
 //! The triangles need be no surface. At a boundary the ring is an open chain; where sheets meet there are several chains.
-//! Chains that share a vertex are counted as different parts, which costs time and changes no pair (see [`surface`]).
+//! Chains that share a vertex are counted as different parts, which costs time and changes no pair (see [`rings`]).
 
-use crate::adjacency::{DomainError, check_count};
-use crate::merges::Merges;
-use crate::surface::{self, Linked};
-use crate::{Direction, Domain, Filtration, Scalar};
+use super::graph::Domain;
+use super::rings::{self, Linked};
+use crate::error::{Error, check_vertex_count};
+use crate::filtration::{Direction, Filtration};
+use crate::pairing::Merges;
+use crate::scalar::Scalar;
 
 /// Marks the last vertex of an open chain. A ring without a mark is closed.
 const END: u32 = 1 << 31;
@@ -17,28 +19,28 @@ const NONE: u32 = u32::MAX;
 ///
 /// ```
 /// // A tetrahedron. Its lowest and highest corner live for ever.
-/// let mesh = topo::Triangulation::new(4, &[[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]])?;
+/// let mesh = topo::TriangleMesh::new(4, &[[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]])?;
 /// let persistence = topo::persistence(&mesh, &[0.0, 1.0, 2.0, 3.0])?;
 /// assert_eq!((persistence.minima.len(), persistence.maxima.len()), (1, 1));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Triangulation {
+pub struct TriangleMesh {
     /// Where the ring of each vertex begins, and the end of the last.
     starts: Vec<usize>,
     rings: Vec<u32>,
 }
 
-impl Triangulation {
+impl TriangleMesh {
     /// From the corners of the triangles, in any orientation. O(vertices + triangles).
     ///
     /// # Errors
     /// If a corner is not a vertex.
-    pub fn new(vertices: usize, triangles: &[[u32; 3]]) -> Result<Self, DomainError> {
-        check_count(vertices)?;
+    pub fn new(vertices: usize, triangles: &[[u32; 3]]) -> Result<Self, Error> {
+        check_vertex_count(vertices)?;
         for (triangle, corners) in triangles.iter().enumerate() {
             if let Some(vertex) = corners.iter().map(|&corner| corner as usize).find(|&corner| corner >= vertices) {
-                return Err(DomainError::Triangle { triangle, vertex, vertices });
+                return Err(Error::Triangle { triangle, vertex, vertices });
             }
         }
         let links = Links::new(vertices, triangles);
@@ -56,7 +58,7 @@ impl Triangulation {
     }
 }
 
-impl Domain for &Triangulation {
+impl Domain for &TriangleMesh {
     type Vertex = usize;
 
     fn vertex_count(&self) -> usize {
@@ -72,11 +74,11 @@ impl Domain for &Triangulation {
     }
 
     fn merges<S: Scalar, D: Direction>(&self, filtration: &Filtration<'_, S, D>) -> Merges {
-        surface::merges(*self, filtration)
+        rings::merges(*self, filtration)
     }
 }
 
-impl Linked for &Triangulation {
+impl Linked for &TriangleMesh {
     fn vertex_count(&self) -> usize {
         self.starts.len() - 1
     }

@@ -5,9 +5,9 @@
 //! else implements petgraph's visit traits); by measurement this costs nothing against a hand-written adjacency loop.
 //! The domains of this crate ([`Grid`](crate::Grid), …) know more about themselves and use it to be faster.
 
-use crate::basins;
-use crate::merges::Merges;
-use crate::{Direction, Filtration, Scalar};
+use crate::filtration::{Direction, Filtration};
+use crate::pairing::{Graph, Merges, merges_of_graph};
+use crate::scalar::Scalar;
 use petgraph::Undirected;
 use petgraph::visit::{GraphProp, IntoNeighbors, NodeCompactIndexable};
 
@@ -39,7 +39,7 @@ pub trait Domain: Copy {
     /// Pairs the extrema in the way that is fastest on this domain.
     #[doc(hidden)]
     fn merges<S: Scalar, D: Direction>(&self, filtration: &Filtration<'_, S, D>) -> Merges {
-        basins::of_graph(*self, filtration)
+        merges_of_graph(*self, filtration)
     }
 }
 
@@ -62,5 +62,16 @@ where
         for neighbor in self.neighbors(self.from_index(index)) {
             visit(self.to_index(neighbor));
         }
+    }
+}
+
+impl<G: Domain> Graph for G {
+    fn vertex_count(&self) -> usize {
+        Domain::vertex_count(self)
+    }
+
+    #[inline]
+    fn for_each_neighbor(&self, index: usize, visit: impl FnMut(usize)) {
+        Domain::for_each_neighbor(self, index, visit);
     }
 }

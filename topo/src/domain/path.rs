@@ -5,8 +5,10 @@
 //! basin dies. The idea is the one behind building a Cartesian tree (Vuillemin 1980, "A unifying look at data
 //! structures") and rainflow counting.
 
-use crate::merges::{Merge, Merges};
-use crate::{Direction, Domain, Filtration, Scalar};
+use super::graph::Domain;
+use crate::filtration::{Direction, Filtration};
+use crate::pairing::{Merge, Merges};
+use crate::scalar::Scalar;
 use core::ops::Range;
 
 /// `n` vertices in a row, each a neighbour of the next.
@@ -16,7 +18,7 @@ use core::ops::Range;
 /// let warm = topo::superlevel(&topo::Path::new(6), &temperatures)?;
 /// let peaks: Vec<_> = warm.iter().map(|peak| (peak.extremum, peak.persistence())).collect();
 /// assert_eq!(peaks, [(4, 12.0), (2, 5.0), (0, 2.5)]);
-/// # Ok::<(), topo::FieldError>(())
+/// # Ok::<(), topo::Error>(())
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Path {

@@ -6,17 +6,19 @@
 //!
 //! This is the reference: the faster ways elsewhere in the crate are tested to agree with it, vertex by vertex.
 
-use crate::merges::{Merge, Merges};
-use crate::union_find::UnionFind;
-use crate::{Direction, Domain, Filtration, Scalar};
+use super::graph::Graph;
+use super::merges::{Merge, Merges};
+use super::union_find::UnionFind;
+use crate::filtration::{Direction, Filtration};
+use crate::scalar::Scalar;
 
 /// Pairs every extremum of a filtration by sorting all vertices.
-pub(crate) fn merges<G: Domain, S: Scalar, D: Direction>(domain: G, filtration: &Filtration<'_, S, D>) -> Merges {
+pub(crate) fn sweep<G: Graph, S: Scalar, D: Direction>(graph: G, filtration: &Filtration<'_, S, D>) -> Merges {
     let order = filtration.order();
-    let mut components = UnionFind::new(domain.vertex_count());
+    let mut components = UnionFind::new(graph.vertex_count());
     let mut finite = Vec::new();
     for &v in &order {
-        domain.for_each_neighbor(v as usize, |u| {
+        graph.for_each_neighbor(v as usize, |u| {
             let u = u as u32;
             if !filtration.precedes(u, v) {
                 return;

@@ -1,9 +1,9 @@
 //! The fast algorithm: pairs without sorting the vertices.
 //!
 //! 1. *Scan.* Each vertex looks at its neighbours once and points to one that enters before it; a vertex without such a
-//!    neighbour is an extremum. Nothing merges at a vertex whose earlier neighbours hang together (its *lower link* is
-//!    connected); the others are candidates. A domain that knows how neighbours hang together leaves few of them: on a
-//!    smooth field about as many as there are extrema. A mere graph has to suspect every vertex with two.
+//!    neighbour is an extremum. Nothing merges at a vertex whose earlier neighbours are connected (they are its *lower
+//!    link*); the others are candidates for saddles. A domain that knows which neighbours are adjacent leaves few of
+//!    them: on a smooth field about as many as there are extrema. A mere graph has to suspect every vertex with two.
 //! 2. *Descend.* Candidates follow the pointers to see which basins their sides belong to; see [`Descent`].
 //! 3. *Join.* A candidate between different basins joins them.
 //! 4. *Pair.* The elder rule on basins and joins; see [`boruvka`].
@@ -12,12 +12,14 @@
 //! due to Chiang, Lenz, Lu & Rote (2005), "Simple and optimal output-sensitive construction of contour trees using
 //! monotone paths". Step 4 with the elder rule in place of sorting is ours. Nothing here is proportional to n log n.
 
-use crate::boruvka::{self, Join};
-use crate::descent::{Descent, OUTSIDE};
-use crate::merges::Merges;
+use super::boruvka::{self, Join};
+use super::descent::{Descent, OUTSIDE};
+use super::graph::Graph;
+use super::merges::Merges;
+use super::union_find::UnionFind;
+use crate::filtration::{Direction, Filtration};
 use crate::parallel;
-use crate::union_find::UnionFind;
-use crate::{Direction, Domain, Filtration, Scalar};
+use crate::scalar::Scalar;
 
 /// What a scan finds, ranges of vertices apart.
 #[derive(Debug, Default)]
@@ -26,7 +28,7 @@ pub(crate) struct Scan {
     pub(crate) extrema: Vec<u32>,
     /// Vertices at which something may merge, by rising index, with two earlier neighbours in different parts of the
     /// lower link. A vertex with more than two parts has more than one entry.
-    pub(crate) forks: Vec<Fork>,
+    pub(crate) candidates: Vec<SaddleCandidate>,
 }
 
 impl Scan {
@@ -34,7 +36,7 @@ impl Scan {
     pub(crate) fn concat(scans: Vec<Self>) -> Self {
         let join = |mut all: Self, scan: Self| {
             all.extrema.extend(scan.extrema);
-            all.forks.extend(scan.forks);
+            all.candidates.extend(scan.candidates);
             all
         };
         scans.into_iter().reduce(join).unwrap_or_default()
@@ -43,18 +45,21 @@ impl Scan {
 
 /// A vertex with two earlier neighbours that may belong to different basins.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Fork {
+pub(crate) struct SaddleCandidate {
     pub(crate) saddle: u32,
     pub(crate) sides: [u32; 2],
 }
 
 /// Pairs the extrema of a graph of which nothing more is known.
-pub(crate) fn of_graph<G: Domain, S: Scalar, D: Direction>(domain: G, filtration: &Filtration<'_, S, D>) -> Merges {
-    let mut next = vec![OUTSIDE; domain.vertex_count()];
+pub(crate) fn merges_of_graph<G: Graph, S: Scalar, D: Direction>(
+    graph: G,
+    filtration: &Filtration<'_, S, D>,
+) -> Merges {
+    let mut next = vec![OUTSIDE; graph.vertex_count()];
     let (mut extrema, mut candidates) = (Vec::new(), Vec::new());
     for (v, next) in (0..).zip(&mut next) {
         let mut earlier = 0;
-        domain.for_each_neighbor(v as usize, |u| {
+        graph.for_each_neighbor(v as usize, |u| {
             if filtration.precedes(u as u32, v) {
                 *next = u as u32;
                 earlier += 1;
@@ -67,17 +72,20 @@ pub(crate) fn of_graph<G: Domain, S: Scalar, D: Direction>(domain: G, filtration
         }
     }
     let descent = Descent::new(next, extrema);
-    let joins = joins_of_graph(domain, filtration, &descent, &candidates);
+    let joins = joins_of_graph(graph, filtration, &descent, &candidates);
     pair(filtration, &descent, joins)
 }
 
 /// The basins of steepest descent: every vertex points to its earliest neighbour.
-pub(crate) fn steepest<G: Domain, S: Scalar, D: Direction>(domain: G, filtration: &Filtration<'_, S, D>) -> Descent {
-    let mut next = vec![OUTSIDE; domain.vertex_count()];
+pub(crate) fn steepest_descent<G: Graph, S: Scalar, D: Direction>(
+    graph: G,
+    filtration: &Filtration<'_, S, D>,
+) -> Descent {
+    let mut next = vec![OUTSIDE; graph.vertex_count()];
     let mut extrema = Vec::new();
     for (v, next) in (0..).zip(&mut next) {
         let mut earliest = v;
-        domain.for_each_neighbor(v as usize, |u| {
+        graph.for_each_neighbor(v as usize, |u| {
             if filtration.precedes(u as u32, earliest) {
                 earliest = u as u32;
             }
@@ -92,8 +100,8 @@ pub(crate) fn steepest<G: Domain, S: Scalar, D: Direction>(domain: G, filtration
 }
 
 /// The joins between the basins of all earlier neighbours of each candidate.
-fn joins_of_graph<G: Domain, S: Scalar, D: Direction>(
-    domain: G,
+fn joins_of_graph<G: Graph, S: Scalar, D: Direction>(
+    graph: G,
     filtration: &Filtration<'_, S, D>,
     descent: &Descent,
     candidates: &[u32],
@@ -101,7 +109,7 @@ fn joins_of_graph<G: Domain, S: Scalar, D: Direction>(
     let mut joins = Vec::new();
     for &saddle in candidates {
         let own = descent.basin(saddle);
-        domain.for_each_neighbor(saddle as usize, |u| {
+        graph.for_each_neighbor(saddle as usize, |u| {
             if filtration.precedes(u as u32, saddle) {
                 let basin = descent.basin(u as u32);
                 if basin != own {
@@ -114,17 +122,17 @@ fn joins_of_graph<G: Domain, S: Scalar, D: Direction>(
 }
 
 /// Pairs the extrema given what a scan has found and where vertices point to.
-pub(crate) fn of_scan<S: Scalar, D: Direction>(
+pub(crate) fn merges_of_scan<S: Scalar, D: Direction>(
     filtration: &Filtration<'_, S, D>,
     next: Vec<u32>,
-    Scan { extrema, forks }: Scan,
+    Scan { extrema, candidates }: Scan,
 ) -> Merges {
     let descent = Descent::new(next, extrema);
-    let joins = parallel::filter_map(&forks, |&Fork { saddle, sides }| {
+    let joins = parallel::filter_map(&candidates, |&SaddleCandidate { saddle, sides }| {
         let basins = sides.map(|side| descent.basin(side));
         (basins[0] != basins[1]).then_some(Join { saddle, basins })
     });
-    drop(forks);
+    drop(candidates);
     pair(filtration, &descent, joins)
 }
 
@@ -165,4 +173,20 @@ fn last_of_each<S: Scalar, D: Direction>(
         }
     }
     eldest.iter().map(|&basin| last[basin as usize]).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn findings_of_consecutive_ranges_come_one_after_the_other() {
+        let scan = |first: u32| Scan {
+            extrema: vec![first, first + 2],
+            candidates: vec![SaddleCandidate { saddle: first + 1, sides: [first, first + 2] }],
+        };
+        let all = Scan::concat(vec![scan(0), scan(10), Scan::default(), scan(20)]);
+        assert_eq!(all.extrema, [0, 2, 10, 12, 20, 22]);
+        assert_eq!(all.candidates.iter().map(|candidate| candidate.saddle).collect::<Vec<_>>(), [1, 11, 21]);
+    }
 }

@@ -3,14 +3,14 @@
 //! Merge trees, segmentations and simplified fields are all read off from it. Extrema are numbered by vertex index.
 //! Pascucci, Cole-McLaughlin & Scorzelli (2004), "Multi-resolution computation and presentation of contour trees".
 
-use crate::basins;
-use crate::merges::{Merge, Merges};
-use crate::union_find::UnionFind;
-use crate::{Direction, Domain, Filtration, Scalar};
+use crate::domain::Domain;
+use crate::filtration::{Direction, Filtration};
+use crate::pairing::{Merge, Merges, UnionFind, steepest_descent};
+use crate::scalar::Scalar;
 
 /// A branch ends at a saddle.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Ending {
+pub(crate) struct BranchEnd {
     /// The extremum whose branch it is.
     pub(crate) extremum: u32,
     pub(crate) saddle: u32,
@@ -28,7 +28,7 @@ pub(crate) struct Branches {
     /// For each vertex the extremum whose basin it is in, if it enters.
     pub(crate) basins: Vec<Option<u32>>,
     /// The branches that end, in the order in which they do.
-    pub(crate) endings: Vec<Ending>,
+    pub(crate) ends: Vec<BranchEnd>,
     /// The others, with the last vertex to enter.
     pub(crate) essential: Vec<(u32, u32)>,
 }
@@ -36,7 +36,7 @@ pub(crate) struct Branches {
 impl Branches {
     pub(crate) fn new<G: Domain, S: Scalar, D: Direction>(domain: G, filtration: &Filtration<'_, S, D>) -> Self {
         let Merges { finite, essential } = domain.merges(filtration);
-        let descent = basins::steepest(domain, filtration);
+        let descent = steepest_descent(domain, filtration);
         let basins: Vec<_> = (0..domain.vertex_count() as u32).map(|v| descent.basin_if_any(v)).collect();
         let extrema = descent.extrema().to_vec();
         let number = |vertex| extrema.binary_search(&vertex).expect("what merges is an extremum") as u32;
@@ -44,10 +44,10 @@ impl Branches {
         let mut components = UnionFind::new(extrema.len());
         // Of several that end at one saddle the elder first, so that each finds the eldest of all.
         let merges = filtration.sorted(&filtration.sorted(&finite, |merge| merge.extremum), |merge| merge.saddle);
-        let (mut sides, mut looked_round) = (vec![None; extrema.len()], None);
-        let endings = merges.into_iter().map(|Merge { extremum, saddle, towards }| {
-            if looked_round.replace(saddle) != Some(saddle) {
-                look_round(domain, filtration, saddle, &mut sides, |u| Some(components.find(basins[u as usize]?)));
+        let (mut sides, mut noted) = (vec![None; extrema.len()], None);
+        let ends = merges.into_iter().map(|Merge { extremum, saddle, towards }| {
+            if noted.replace(saddle) != Some(saddle) {
+                note_sides(domain, filtration, saddle, &mut sides, |u| Some(components.find(basins[u as usize]?)));
             }
             let (extremum, elder) = (number(extremum), components.find(number(towards)));
             let side = sides[elder as usize];
@@ -56,19 +56,19 @@ impl Branches {
             sides[elder as usize] =
                 side.into_iter().chain(sides[extremum as usize]).reduce(|u, v| filtration.earlier(u, v));
             components.join(extremum, elder);
-            Ending { extremum, saddle, elder, beyond }
+            BranchEnd { extremum, saddle, elder, beyond }
         });
-        let endings = endings.collect();
+        let ends = ends.collect();
         let essential = essential.into_iter().map(|(extremum, last)| (number(extremum), last)).collect();
-        Self { endings, essential, basins, extrema }
+        Self { ends, essential, basins, extrema }
     }
 
     /// How long a branch lives.
-    pub(crate) fn persistence<S: Scalar, D>(&self, filtration: &Filtration<'_, S, D>, ending: &Ending) -> S::Width
+    pub(crate) fn persistence<S: Scalar, D>(&self, filtration: &Filtration<'_, S, D>, end: &BranchEnd) -> S::Width
     where
         D: Direction,
     {
-        filtration.value(self.extrema[ending.extremum as usize]).width(filtration.value(ending.saddle))
+        filtration.value(self.extrema[end.extremum as usize]).width(filtration.value(end.saddle))
     }
 
     /// The branches that end after living no longer than a threshold.
@@ -76,8 +76,8 @@ impl Branches {
         &self,
         filtration: &Filtration<'_, S, D>,
         threshold: S::Width,
-    ) -> impl DoubleEndedIterator<Item = &Ending> {
-        self.endings.iter().filter(move |ending| self.persistence(filtration, ending) <= threshold)
+    ) -> impl DoubleEndedIterator<Item = &BranchEnd> {
+        self.ends.iter().filter(move |end| self.persistence(filtration, end) <= threshold)
     }
 
     /// For each extremum the saddle up to which its basin must be filled so that no short branch is left.
@@ -88,8 +88,8 @@ impl Branches {
     ) -> Vec<Option<u32>> {
         let mut levels = vec![None; self.extrema.len()];
         // Later saddles first: a short branch on a short branch is filled as far as that.
-        for ending in self.short(filtration, threshold).rev() {
-            levels[ending.extremum as usize] = levels[ending.elder as usize].or(Some(ending.saddle));
+        for end in self.short(filtration, threshold).rev() {
+            levels[end.extremum as usize] = levels[end.elder as usize].or(Some(end.saddle));
         }
         levels
     }
@@ -110,7 +110,7 @@ impl Branches {
 }
 
 /// Notes for each component that touches a vertex, by its eldest extremum, where it does: at the earliest neighbour.
-fn look_round<G: Domain, S: Scalar, D: Direction>(
+fn note_sides<G: Domain, S: Scalar, D: Direction>(
     domain: G,
     filtration: &Filtration<'_, S, D>,
     vertex: u32,

@@ -15,10 +15,13 @@
 //! Points with an infinite coordinate and essential classes have no diagonal to go to: they are matched among each
 //! other, by rising coordinate, and if their numbers differ the distance is infinite.
 
-use crate::{Kind, Pair, Pairs, Scalar};
+use crate::filtration::Kind;
+use crate::persistence::{Pair, Pairs};
+use crate::scalar::Scalar;
 
 /// Points (birth, death) of finite pairs, and births of essential classes.
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Diagram {
     /// Whether components are born at minima and die higher up, or at maxima and die lower down.
     pub kind: Kind,

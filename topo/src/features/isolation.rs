@@ -5,7 +5,11 @@
 //! are searched. Of the extrema that have to search beyond r no two are nearer to each other than that, so there are few
 //! of them: O(n log n) in all for n vertices.
 
-use crate::{Direction, Domain, Falling, FieldError, Filtration, Grid, Kind, NanPolicy, Pairs, Rising, Scalar};
+use crate::domain::{Domain, Grid};
+use crate::error::Error;
+use crate::filtration::{Direction, Falling, Filtration, Kind, NanPolicy, Rising};
+use crate::persistence::Pairs;
+use crate::scalar::Scalar;
 use core::ops::RangeInclusive;
 
 /// For each pair of a field on a grid the distance from its extremum to the nearest vertex that comes before it in the order of
@@ -23,7 +27,7 @@ use core::ops::RangeInclusive;
 /// let peaks = topo::superlevel(&grid, &heights)?;
 /// let isolation = topo::isolation(&grid, &heights, &peaks)?;
 /// assert_eq!(isolation, [None, Some(2f64.sqrt()), Some(10f64.sqrt())]); // of 9, 7 and 4
-/// # Ok::<(), topo::FieldError>(())
+/// # Ok::<(), topo::Error>(())
 /// ```
 ///
 /// # Errors
@@ -35,7 +39,7 @@ pub fn isolation<const D: usize, S: Scalar>(
     grid: &Grid<D>,
     field: &[S],
     pairs: &Pairs<usize, S>,
-) -> Result<Vec<Option<f64>>, FieldError> {
+) -> Result<Vec<Option<f64>>, Error> {
     match pairs.kind() {
         Kind::Minimum => of_each::<D, S, Rising>(grid, field, pairs),
         Kind::Maximum => of_each::<D, S, Falling>(grid, field, pairs),
@@ -46,7 +50,7 @@ fn of_each<const N: usize, S: Scalar, D: Direction>(
     grid: &Grid<N>,
     field: &[S],
     pairs: &Pairs<usize, S>,
-) -> Result<Vec<Option<f64>>, FieldError> {
+) -> Result<Vec<Option<f64>>, Error> {
     let filtration = Filtration::<S, D>::new(field, grid.vertex_count(), NanPolicy::Mask)?;
     let isolation = |extremum| {
         let precedes = |vertex| filtration.precedes(vertex as u32, extremum as u32);
@@ -67,7 +71,7 @@ fn nearest<const D: usize>(grid: &Grid<D>, from: usize, holds: impl Fn(usize) ->
         }
         on_cube(&reach, radius as isize, |offset| {
             let square = offset.iter().map(|&step| (step * step) as u64).sum();
-            if best.is_none_or(|best| square < best) && holds(grid.far(from, offset)) {
+            if best.is_none_or(|best| square < best) && holds(grid.at_offset(from, offset)) {
                 best = Some(square);
             }
         });

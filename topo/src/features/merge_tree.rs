@@ -3,14 +3,19 @@
 //! Leaves are extrema, inner nodes saddles, and the root of each connected component of the domain is the last vertex to
 //! enter it. For minima this is called the join tree, for maxima the split tree (usage varies; this is TTK's).
 
-use crate::branches::{Branches, Ending};
-use crate::scalar::wider_first;
-use crate::union_find::UnionFind;
-use crate::{Direction, Domain, FieldError, Filtration, Kind, Options, Pair, Scalar};
+use super::branches::{BranchEnd, Branches};
+use crate::domain::Domain;
+use crate::error::Error;
+use crate::filtration::{Direction, Falling, Filtration, Kind, Rising};
+use crate::options::PersistenceOptions;
+use crate::pairing::UnionFind;
+use crate::persistence::Pair;
+use crate::scalar::{Scalar, wider_first};
 use core::cmp::Ordering;
 
 /// A place in a [`MergeTree`].
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Node<V, S> {
     /// The extremum, saddle or last vertex.
     pub vertex: V,
@@ -22,6 +27,7 @@ pub struct Node<V, S> {
 
 /// An extremum with the extremum whose component its own joins.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Branch<V, S> {
     /// Birth and death.
     pub pair: Pair<V, S>,
@@ -32,7 +38,8 @@ pub struct Branch<V, S> {
 
 /// A connected component of a sublevel or superlevel set.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Component<V> {
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct LevelComponent<V> {
     /// Its eldest extremum.
     pub extremum: V,
     /// Number of its vertices.
@@ -61,23 +68,23 @@ pub struct Component<V> {
 /// let below_5: Vec<_> = tree.at(5.0).iter().map(|component| (component.extremum, component.size)).collect();
 /// assert_eq!(below_5, [(1, 1), (3, 1)]);
 /// assert_eq!(tree.simplify(2.0).nodes().len(), 2); // only 1 and 9 are left
-/// # Ok::<(), topo::FieldError>(())
+/// # Ok::<(), topo::Error>(())
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct MergeTree<V, S> {
     kind: Kind,
-    leaves: Vec<Place<V, S>>,
+    leaves: Vec<TreeVertex<V, S>>,
     /// In the order in which branches end.
     endings: Vec<End<V, S>>,
     /// The leaf of each branch that does not end, and the last vertex.
-    roots: Vec<(u32, Place<V, S>)>,
+    roots: Vec<(u32, TreeVertex<V, S>)>,
     /// For each vertex its leaf and the value at which it enters; `None` if it never does.
     entries: Vec<Option<(u32, S)>>,
 }
 
-/// A vertex in all its forms.
+/// A vertex with its index and value.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Place<V, S> {
+struct TreeVertex<V, S> {
     index: u32,
     vertex: V,
     value: S,
@@ -88,19 +95,20 @@ struct Place<V, S> {
 struct End<V, S> {
     leaf: u32,
     elder: u32,
-    saddle: Place<V, S>,
+    saddle: TreeVertex<V, S>,
 }
 
 impl<V: Copy, S: Scalar> MergeTree<V, S> {
     pub(crate) fn new<G: Domain<Vertex = V>, D: Direction>(domain: G, filtration: &Filtration<'_, S, D>) -> Self {
         let branches = Branches::new(domain, filtration);
-        let place = |index: u32| Place { index, vertex: domain.vertex(index as usize), value: filtration.value(index) };
-        let end = |ending: &Ending| End { leaf: ending.extremum, elder: ending.elder, saddle: place(ending.saddle) };
+        let place =
+            |index: u32| TreeVertex { index, vertex: domain.vertex(index as usize), value: filtration.value(index) };
+        let end = |end: &BranchEnd| End { leaf: end.extremum, elder: end.elder, saddle: place(end.saddle) };
         let entry = |(basin, &value): (&Option<u32>, &S)| Some(((*basin)?, value));
         Self {
             kind: D::KIND,
             leaves: branches.extrema.iter().map(|&extremum| place(extremum)).collect(),
-            endings: branches.endings.iter().map(end).collect(),
+            endings: branches.ends.iter().map(end).collect(),
             roots: branches.essential.iter().map(|&(leaf, last)| (leaf, place(last))).collect(),
             entries: branches.basins.iter().zip(filtration.field()).map(entry).collect(),
         }
@@ -118,7 +126,7 @@ impl<V: Copy, S: Scalar> MergeTree<V, S> {
 
     /// Leaves, then saddles in the order in which they enter, then roots that are neither.
     pub fn nodes(&self) -> Vec<Node<V, S>> {
-        let node = |place: &Place<V, S>| Node { vertex: place.vertex, value: place.value, parent: None };
+        let node = |place: &TreeVertex<V, S>| Node { vertex: place.vertex, value: place.value, parent: None };
         let mut nodes: Vec<_> = self.leaves.iter().map(node).collect();
         // For each branch its last node so far.
         let mut tops: Vec<usize> = (0..nodes.len()).collect();
@@ -151,19 +159,19 @@ impl<V: Copy, S: Scalar> MergeTree<V, S> {
     /// let tree = topo::merge_tree(&topo::Path::new(6), &heights, topo::Kind::Maximum)?;
     /// let family: Vec<_> = tree.branches().iter().map(|peak| (peak.pair.extremum, peak.parent)).collect();
     /// assert_eq!(family, [(5, None), (1, Some(5)), (3, Some(5))]);
-    /// # Ok::<(), topo::FieldError>(())
+    /// # Ok::<(), topo::Error>(())
     /// ```
     pub fn branches(&self) -> Vec<Branch<V, S>> {
         let leaf = |leaf: u32| self.leaves[leaf as usize];
         let finite = self.endings.iter().map(|end| (leaf(end.leaf), end.saddle, Some(leaf(end.elder).vertex)));
         let essential = self.roots.iter().map(|&(root, last)| (leaf(root), last, None));
         let mut branches: Vec<_> = finite.chain(essential).collect();
-        let persistence = |(born, end, _): &(Place<V, S>, Place<V, S>, _)| born.value.width(end.value);
+        let persistence = |(born, end, _): &(TreeVertex<V, S>, TreeVertex<V, S>, _)| born.value.width(end.value);
         branches.sort_by(|a, b| {
             let by_persistence = wider_first(&persistence(a), &persistence(b));
             by_persistence.then(a.2.is_some().cmp(&b.2.is_some())).then_with(|| self.compare(&a.0, &b.0))
         });
-        let branch = |(born, end, parent): (Place<V, S>, Place<V, S>, Option<V>)| {
+        let branch = |(born, end, parent): (TreeVertex<V, S>, TreeVertex<V, S>, Option<V>)| {
             let saddle = parent.map(|_| end.vertex);
             Branch { pair: Pair { extremum: born.vertex, saddle, birth: born.value, end: end.value }, parent }
         };
@@ -178,6 +186,7 @@ impl<V: Copy, S: Scalar> MergeTree<V, S> {
 
     /// The tree without branches that live no longer than a threshold: that of the field with their basins filled up
     /// (or, for maxima, cut off) to the saddle.
+    #[must_use = "the tree itself is left as it is"]
     pub fn simplify(&self, threshold: S::Width) -> Self {
         let is_short = |end: &End<V, S>| self.leaves[end.leaf as usize].value.width(end.saddle.value) <= threshold;
         // Where vertices of a basin go, and from which value on. A short branch on a short branch goes where that does.
@@ -205,7 +214,7 @@ impl<V: Copy, S: Scalar> MergeTree<V, S> {
 
     /// The components of the set of vertices up to a level (for maxima: from it upwards), by index of their extrema.
     /// O(vertices).
-    pub fn at(&self, level: S) -> Vec<Component<V>> {
+    pub fn at(&self, level: S) -> Vec<LevelComponent<V>> {
         let mut components = UnionFind::new(self.leaves.len());
         for end in self.endings.iter().take_while(|end| self.is_at(end.saddle.value, level)) {
             components.join(end.leaf, end.elder);
@@ -217,11 +226,11 @@ impl<V: Copy, S: Scalar> MergeTree<V, S> {
             }
         }
         let components = self.leaves.iter().zip(sizes).filter(|&(_, size)| size > 0);
-        components.map(|(leaf, size)| Component { extremum: leaf.vertex, size }).collect()
+        components.map(|(leaf, size)| LevelComponent { extremum: leaf.vertex, size }).collect()
     }
 
     /// The order in which two vertices enter.
-    fn compare(&self, a: &Place<V, S>, b: &Place<V, S>) -> Ordering {
+    fn compare(&self, a: &TreeVertex<V, S>, b: &TreeVertex<V, S>) -> Ordering {
         let rising = a.value.key().cmp(&b.value.key()).then(a.index.cmp(&b.index));
         if self.kind == Kind::Minimum { rising } else { rising.reverse() }
     }
@@ -235,14 +244,29 @@ impl<V: Copy, S: Scalar> MergeTree<V, S> {
     }
 }
 
+impl PersistenceOptions {
+    /// [`merge_tree`](fn@crate::merge_tree) with these options.
+    ///
+    /// # Errors
+    /// If the field does not fit the domain, see [`Error`].
+    pub fn merge_tree<G: Domain, S: Scalar>(
+        self,
+        domain: G,
+        field: &[S],
+        kind: Kind,
+    ) -> Result<MergeTree<G::Vertex, S>, Error> {
+        let count = domain.vertex_count();
+        Ok(match kind {
+            Kind::Minimum => MergeTree::new(domain, &Filtration::<S, Rising>::new(field, count, self.nan)?),
+            Kind::Maximum => MergeTree::new(domain, &Filtration::<S, Falling>::new(field, count, self.nan)?),
+        })
+    }
+}
+
 /// The merge tree of a field, with minima or maxima for leaves.
 ///
 /// # Errors
-/// If the field does not fit the domain, see [`FieldError`].
-pub fn merge_tree<G: Domain, S: Scalar>(
-    domain: G,
-    field: &[S],
-    kind: Kind,
-) -> Result<MergeTree<G::Vertex, S>, FieldError> {
-    Options::new().merge_tree(domain, field, kind)
+/// If the field does not fit the domain, see [`Error`].
+pub fn merge_tree<G: Domain, S: Scalar>(domain: G, field: &[S], kind: Kind) -> Result<MergeTree<G::Vertex, S>, Error> {
+    PersistenceOptions::new().merge_tree(domain, field, kind)
 }

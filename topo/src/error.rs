@@ -1,0 +1,99 @@
+//! Why a field or a domain is refused.
+
+use core::fmt;
+
+/// What is wrong with a field, or with the lists that a domain is made from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Error {
+    /// The field has not one value for every vertex.
+    Length {
+        /// Number of values in the field.
+        values: usize,
+        /// Number of vertices of the domain.
+        vertices: usize,
+    },
+    /// A value is NaN and the policy is [`NanPolicy::Refuse`](crate::NanPolicy::Refuse).
+    NotANumber {
+        /// Index of the first such vertex.
+        vertex: usize,
+    },
+    /// The domain has more vertices than can be numbered, which are 2³¹ - 1.
+    TooLarge {
+        /// Number of vertices of the domain.
+        vertices: usize,
+    },
+    /// A neighbour does not exist.
+    Neighbor {
+        /// The vertex in whose list it stands.
+        of: usize,
+        /// What stands there.
+        vertex: usize,
+        /// Number of vertices.
+        vertices: usize,
+    },
+    /// An end of an edge does not exist.
+    Edge {
+        /// Number of the edge, from 0.
+        edge: usize,
+        /// What it names.
+        vertex: usize,
+        /// Number of vertices.
+        vertices: usize,
+    },
+    /// A corner of a triangle does not exist.
+    Triangle {
+        /// Number of the triangle, from 0.
+        triangle: usize,
+        /// What it names.
+        vertex: usize,
+        /// Number of vertices.
+        vertices: usize,
+    },
+}
+
+impl fmt::Display for Error {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (what, number, vertex, vertices) = match *self {
+            Self::Length { values, vertices } => {
+                return write!(f, "the field has {values} values for {vertices} vertices; it needs one for each");
+            }
+            Self::NotANumber { vertex } => {
+                return write!(
+                    f,
+                    "the value of vertex {vertex} is NaN; replace it, or mask such vertices out of the domain"
+                );
+            }
+            Self::TooLarge { vertices } => {
+                return write!(f, "the domain has {vertices} vertices, more than {MAX_VERTICES}; coarsen or split it");
+            }
+            Self::Neighbor { of, vertex, vertices } => ("the neighbour list of vertex", of, vertex, vertices),
+            Self::Edge { edge, vertex, vertices } => ("edge", edge, vertex, vertices),
+            Self::Triangle { triangle, vertex, vertices } => ("triangle", triangle, vertex, vertices),
+        };
+        write!(f, "{what} {number} names vertex {vertex}, but there are only {vertices}, counted from 0")
+    }
+}
+
+impl core::error::Error for Error {}
+
+/// Vertices are `u32`s whose top bit marks finished labels.
+const MAX_VERTICES: usize = (1 << 31) - 1;
+
+/// Refuses more vertices than fit into 31 bits.
+pub(crate) fn check_vertex_count(vertices: usize) -> Result<(), Error> {
+    if vertices > MAX_VERTICES { Err(Error::TooLarge { vertices }) } else { Ok(()) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn vertices_have_31_bits() {
+        let most = (1 << 31) - 1;
+        assert_eq!(check_vertex_count(most), Ok(()));
+        let error = check_vertex_count(most + 1).expect_err("one too many");
+        assert_eq!(error.to_string(), "the domain has 2147483648 vertices, more than 2147483647; coarsen or split it");
+    }
+}

@@ -1,0 +1,44 @@
+//! What the feature `serde` writes can be read again, and what could not have been written is refused.
+
+use topo::{Connectivity, Hierarchy, Kind, NanPolicy, Pairs, Path, Persistence, PersistenceOptions, merge_tree};
+
+const LANDSCAPE: [f64; 7] = [3.0, 9.0, 0.0, 4.0, 1.0, 6.0, 2.0];
+
+fn again<T: serde::Serialize + serde::de::DeserializeOwned>(value: &T) -> T {
+    let text = serde_json::to_string(value).expect("it can be written");
+    serde_json::from_str(&text).expect("it can be read")
+}
+
+#[test]
+fn results_come_back_as_they_were() {
+    let persistence: Persistence<usize, f64> = topo::persistence(&Path::new(7), &LANDSCAPE).expect("fits");
+    assert_eq!(again(&persistence), persistence);
+    assert_eq!(again(&persistence.hierarchy()), persistence.hierarchy());
+    assert_eq!(again(&persistence.minima.diagram()), persistence.minima.diagram());
+    let tree = merge_tree(&Path::new(7), &LANDSCAPE, Kind::Maximum).expect("fits");
+    assert_eq!(again(&tree.nodes()), tree.nodes());
+    assert_eq!(again(&tree.branches()), tree.branches());
+    assert_eq!(again(&tree.at(3.0)), tree.at(3.0));
+}
+
+#[test]
+fn kinds_and_options_are_written_in_words() {
+    let options = PersistenceOptions::new().nan(NanPolicy::Mask).keep_zeros();
+    assert_eq!(again(&options), options);
+    let text = serde_json::to_string(&(options, Kind::Minimum, Connectivity::Freudenthal)).expect("it can be written");
+    assert_eq!(text, r#"[{"nan":"mask","keep_zeros":true,"plain_sweep":false},"minimum","freudenthal"]"#);
+    assert_eq!(serde_json::from_str::<PersistenceOptions>("{}").expect("all has a default"), PersistenceOptions::new());
+}
+
+#[test]
+fn what_is_out_of_order_is_refused() {
+    let pair = |end: f64| format!(r#"{{"extremum":0,"saddle":null,"birth":0.0,"end":{end:?}}}"#);
+    let pairs = |ends: [f64; 2]| {
+        format!(r#"{{"kind":"minimum","pairs":[{},{}],"zero_count":0}}"#, pair(ends[0]), pair(ends[1]))
+    };
+    assert!(serde_json::from_str::<Pairs<usize, f64>>(&pairs([2.0, 1.0])).is_ok());
+    let error = serde_json::from_str::<Pairs<usize, f64>>(&pairs([1.0, 2.0])).expect_err("it rises");
+    assert!(error.to_string().starts_with("the list is not sorted by falling persistence"));
+    let extremum = r#"{"vertex":0,"kind":"maximum","value":1,"persistence":-1,"saddle":null}"#;
+    assert!(serde_json::from_str::<Hierarchy<usize, f64>>(&format!(r#"{{"extrema":[{extremum}]}}"#)).is_err());
+}
