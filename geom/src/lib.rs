@@ -31,15 +31,17 @@ mod intrinsic;
 pub mod io;
 mod linalg;
 mod mesh;
+mod rows;
 pub mod shapes;
 mod surface;
-mod vector;
+pub mod vector;
 mod walk;
 mod watch;
 
 pub use intrinsic::*;
 pub use linalg::{Cholesky, CholeskyError, SymmetricMatrix, gram};
 pub use mesh::*;
+pub use rows::Rows;
 pub use surface::*;
 pub use walk::*;
 pub use watch::{Interrupted, Watch};
