@@ -36,6 +36,7 @@ use crate::watch::{Interrupted, Watch};
 
 /// The measures of a map; see the module's head.
 #[derive(Clone, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct Distortion {
     /// σ₁/σ₂.
@@ -95,6 +96,7 @@ impl Distortion {
 
 /// How a measure is spread over the surface, by area.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Percentiles {
     /// The mean.
     pub mean: f64,
@@ -110,6 +112,7 @@ pub struct Percentiles {
 
 /// A connected piece of a map.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Island {
     /// How many triangles it has.
     pub faces: usize,

@@ -8,6 +8,7 @@ use crate::rows::Rows;
 
 /// Why triangles do not form an oriented manifold.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum MeshError {
     /// There is nothing to glue.
     #[error("the mesh has no faces")]

@@ -7,6 +7,7 @@ mod triangulate;
 
 pub use curvature::{gaussian_curvature, mean_curvature};
 pub use model::{MAX_COORDINATE, Model, ModelError, Skipped, TextureCoordinates};
+#[cfg(feature = "files")]
 pub(crate) use model::{Polygons, is_coordinate};
 pub use prepare::{PrepareError, Prepared, Repair, RepairKind, Surface, prepare, prepare_watched};
 pub use triangulate::Triangles;
