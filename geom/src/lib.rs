@@ -27,19 +27,48 @@
 //! ```
 
 pub mod distortion;
+mod error;
 mod intrinsic;
+#[cfg(feature = "files")]
 pub mod io;
 mod linalg;
 mod mesh;
+mod rows;
 pub mod shapes;
 mod surface;
-mod vector;
+pub mod vector;
 mod walk;
 mod watch;
 
+pub use error::Error;
 pub use intrinsic::*;
 pub use linalg::{Cholesky, CholeskyError, SymmetricMatrix, gram};
 pub use mesh::*;
+pub use rows::Rows;
 pub use surface::*;
 pub use walk::*;
 pub use watch::{Interrupted, Watch};
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn values_are_shared_and_sent_between_threads() {
+        fn is_shared<T: Send + Sync>() {}
+        is_shared::<(Mesh, Triangulation, CutMesh, Double, Metric, Intrinsic, SymmetricMatrix)>();
+        is_shared::<(Model, Prepared, Surface, Poisson, Cholesky, ForwardSolution, ShortestPaths, EdgeDistances)>();
+        is_shared::<(distortion::Distortion, shapes::Shape, Rows<VertexId>, Watch<'static>, Error)>();
+    }
+
+    #[cfg(feature = "serde")]
+    #[test]
+    fn reports_come_back_as_they_were_serialized() {
+        let repair = Repair { kind: RepairKind::ZeroArea, count: 2, first: 7 };
+        let text = serde_json::to_string(&repair).unwrap();
+        assert_eq!(text, r#"{"kind":"zero_area","count":2,"first":7}"#);
+        assert_eq!(serde_json::from_str::<Repair>(&text).unwrap(), repair);
+        let values: FaceData<f64> = vec![1.0, 0.5].into();
+        assert_eq!(serde_json::to_string(&values).unwrap(), "[1.0,0.5]");
+    }
+}

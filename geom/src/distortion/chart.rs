@@ -4,7 +4,11 @@
 //! of the surface face each other; where more than two meet, each faces the next. They are glued where their ends' images
 //! agree.
 
+use petgraph::unionfind::UnionFind;
+
 use crate::mesh::{FaceData, FaceId, Id};
+use crate::rows::Rows;
+use crate::watch::{Interrupted, Watch};
 
 /// Images closer than this share of the map's extent are the same: files round.
 const SAME_IMAGE: f64 = 1e-7;
@@ -40,26 +44,37 @@ pub(super) fn end(side: u32) -> u32 {
 }
 
 impl Charts {
-    pub(super) fn new(vertex_count: usize, triangles: &[[u32; 3]], uv: &[[[f64; 2]; 3]]) -> Self {
-        let mut facing = face_sides(vertex_count, triangles.as_flattened());
+    pub(super) fn new(
+        vertex_count: usize,
+        triangles: &[[u32; 3]],
+        uv: &[[[f64; 2]; 3]],
+        watch: Watch,
+    ) -> Result<Self, Interrupted> {
+        let mut facing = face_sides(vertex_count, triangles.as_flattened(), watch.within(0.0, 0.4))?;
+        let watch = watch.within(0.4, 1.0);
         let mut is_boundary = vec![true; 3 * triangles.len()];
         let is_same = same_image(uv.as_flattened());
-        let mut vertices = Sets::new(3 * triangles.len());
-        let mut islands = Sets::new(triangles.len());
-        for pair in &mut facing {
+        let mut vertices = UnionFind::new(3 * triangles.len());
+        let mut islands = UnionFind::new(triangles.len());
+        let sides = 3 * triangles.len();
+        for (k, pair) in facing.iter_mut().enumerate() {
+            watch.ask_at_step(k, sides)?;
             let ends = pair.corners_at_ends();
             is_boundary[pair.sides[0] as usize] = false;
             is_boundary[pair.sides[1] as usize] = false;
             pair.is_glued = ends.iter().all(|&[c, d]| is_same(c, d));
             if pair.is_glued {
-                ends.into_iter().for_each(|[c, d]| vertices.unite(c, d));
-                islands.unite(pair.sides[0] / 3, pair.sides[1] / 3);
+                ends.into_iter().for_each(|[c, d]| _ = vertices.union(c, d));
+                islands.union(pair.sides[0] / 3, pair.sides[1] / 3);
             }
         }
-        let (island, count) = islands.numbered();
-        let vertex = (0..3 * triangles.len() as u32).map(|corner| vertices.root(corner)).collect();
+        watch.ask(0.6)?;
+        let (island, count) = numbered(&mut islands);
+        watch.ask(0.7)?;
+        let vertex = vertices.into_labeling();
+        watch.ask(0.8)?;
         let is_turned = turned(triangles.len(), &facing);
-        Self { facing, vertex, is_boundary, is_turned, island: island.into(), count }
+        Ok(Self { facing, vertex, is_boundary, is_turned, island: island.into(), count })
     }
 
     /// The sides that face each other and are not glued.
@@ -97,14 +112,14 @@ impl Charts {
             pair.sides.into_iter().for_each(|side| open[side as usize] = false);
         }
         let open_sides = || (0..self.vertex.len() as u32).filter(|&side| open[side as usize]);
-        let mut loops = Sets::new(self.vertex.len());
+        let mut loops = UnionFind::new(self.vertex.len());
         for side in open_sides() {
-            loops.unite(self.vertex[side as usize], self.vertex[end(side) as usize]);
+            loops.union(self.vertex[side as usize], self.vertex[end(side) as usize]);
         }
         let mut counts = vec![0; self.count];
         let mut is_counted = vec![false; self.vertex.len()];
         for side in open_sides() {
-            let root = loops.root(self.vertex[side as usize]);
+            let root = loops.find_mut(self.vertex[side as usize]);
             if !std::mem::replace(&mut is_counted[root as usize], true) {
                 counts[self.island_of(side)] += 1;
             }
@@ -126,22 +141,16 @@ impl Facing {
 }
 
 /// Pairs the sides on each edge, which are found by buckets of its lower end.
-fn face_sides(vertex_count: usize, corner_vertex: &[u32]) -> Vec<Facing> {
+fn face_sides(vertex_count: usize, corner_vertex: &[u32], watch: Watch) -> Result<Vec<Facing>, Interrupted> {
     let ends = |side: usize| [corner_vertex[side], corner_vertex[end(side as u32) as usize]];
     let lower = |side: usize| ends(side)[0].min(ends(side)[1]) as usize;
-    let mut start = vec![0usize; vertex_count + 1];
-    (0..corner_vertex.len()).for_each(|side| start[lower(side) + 1] += 1);
-    (0..vertex_count).for_each(|v| start[v + 1] += start[v]);
-    let mut fill = start.clone();
-    let mut bucket = vec![(0, 0); corner_vertex.len()];
-    for side in 0..corner_vertex.len() {
-        let at = &mut fill[lower(side)];
-        bucket[*at] = (ends(side)[0].max(ends(side)[1]), side as u32);
-        *at += 1;
-    }
+    let upper = |side: usize| ends(side)[0].max(ends(side)[1]);
+    let sides = (0..corner_vertex.len()).map(|side| (lower(side), (upper(side), side as u32)));
+    let mut stars = Rows::sorted(vertex_count, sides);
     let mut facing = Vec::with_capacity(corner_vertex.len() / 2);
     for v in 0..vertex_count {
-        let star = &mut bucket[start[v]..start[v + 1]];
+        watch.ask_at_step(v, vertex_count)?;
+        let star = stars.row_mut(v);
         star.sort_unstable();
         for pair in star.windows(2).filter(|pair| pair[0].0 == pair[1].0) {
             let sides = [pair[0].1, pair[1].1];
@@ -149,7 +158,7 @@ fn face_sides(vertex_count: usize, corner_vertex: &[u32]) -> Vec<Facing> {
             facing.push(Facing { sides, is_parallel, is_glued: false });
         }
     }
-    facing
+    Ok(facing)
 }
 
 /// Whether two corners have the same image.
@@ -205,41 +214,19 @@ fn turned(face_count: usize, facing: &[Facing]) -> Vec<bool> {
     is_turned
 }
 
-/// Disjoint sets of 0 .. n, the root of each its least element.
-struct Sets(Vec<u32>);
-
-impl Sets {
-    fn new(count: usize) -> Self {
-        Self((0..count as u32).collect())
-    }
-
-    fn root(&mut self, mut x: u32) -> u32 {
-        while self.0[x as usize] != x {
-            let up = self.0[self.0[x as usize] as usize];
-            self.0[x as usize] = up;
-            x = up;
+/// The number of each element's set, in the order of their least elements, and how many there are.
+fn numbered(sets: &mut UnionFind<u32>) -> (Vec<u32>, usize) {
+    let elements = 0..sets.len() as u32;
+    let mut of_root = vec![u32::MAX; elements.len()];
+    let mut count = 0;
+    let number = |x| {
+        let number = &mut of_root[sets.find_mut(x) as usize];
+        if *number == u32::MAX {
+            *number = count;
+            count += 1;
         }
-        x
-    }
-
-    fn unite(&mut self, x: u32, y: u32) {
-        let (x, y) = (self.root(x), self.root(y));
-        self.0[x.max(y) as usize] = x.min(y);
-    }
-
-    /// The number of each element's set, in the order of their least elements, and how many there are.
-    fn numbered(mut self) -> (Vec<u32>, usize) {
-        let mut number = vec![0; self.0.len()];
-        let mut count = 0;
-        for x in 0..self.0.len() {
-            let root = self.root(x as u32) as usize;
-            if root == x {
-                number[x] = count;
-                count += 1;
-            } else {
-                number[x] = number[root];
-            }
-        }
-        (number, count as usize)
-    }
+        *number
+    };
+    let numbers = elements.map(number).collect();
+    (numbers, count as usize)
 }

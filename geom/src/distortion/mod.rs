@@ -36,6 +36,7 @@ use crate::watch::{Interrupted, Watch};
 
 /// The measures of a map; see the module's head.
 #[derive(Clone, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct Distortion {
     /// σ₁/σ₂.
@@ -95,6 +96,7 @@ impl Distortion {
 
 /// How a measure is spread over the surface, by area.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Percentiles {
     /// The mean.
     pub mean: f64,
@@ -110,6 +112,7 @@ pub struct Percentiles {
 
 /// A connected piece of a map.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Island {
     /// How many triangles it has.
     pub faces: usize,
@@ -204,18 +207,28 @@ pub fn measure_watched(
     watch.ask(0.0)?;
     check(points, triangles, uv)?;
     let points = unit_size(points, || triangles.as_flattened().iter().map(|&v| points[v as usize]));
+    watch.ask(0.05)?;
     let uv = unit_size(uv.as_flattened(), || uv.as_flattened().iter().copied());
     let uv = uv.as_chunks().0;
-    let charts = Charts::new(points.len(), triangles, uv);
+    let charts = Charts::new(points.len(), triangles, uv, watch.within(0.1, 0.5))?;
+    watch.ask(0.5)?;
     let mut images = images(&points, triangles, uv);
+    watch.ask(0.55)?;
     orient(&mut images, &charts);
+    watch.ask(0.58)?;
     let measured = Measured::new(&images)?;
-    let (curvature, seam) =
-        (curvature(&charts, triangles, uv, &images, points.len()), seam(&charts, triangles, &points, uv));
+    watch.ask(0.6)?;
+    let curvature = curvature(&charts, triangles, uv, &images, points.len());
+    watch.ask(0.7)?;
+    let seam = seam(&charts, triangles, &points, uv);
+    let quasi_conformal = measured.percentiles(&measured.quasi_conformal);
+    watch.ask(0.8)?;
+    let area = measured.percentiles(&measured.area_ratio.iter().map(|r| r.max(1.0 / r)).collect::<Vec<_>>());
+    watch.ask(0.9)?;
     let total_area: f64 = images.iter().map(|image| image.surface_area).sum();
     Ok(Distortion {
-        quasi_conformal: measured.percentiles(&measured.quasi_conformal),
-        area: measured.percentiles(&measured.area_ratio.iter().map(|r| r.max(1.0 / r)).collect::<Vec<_>>()),
+        quasi_conformal,
+        area,
         area_inverse_mean: measured.mean(measured.area_ratio.iter().map(|r| 1.0 / r)),
         u_l2: measured.mean(measured.log_scale.iter().map(|u| u * u)).sqrt(),
         u_linf: measured.log_scale.iter().fold(0.0, |most, u| u.abs().max(most)),

@@ -9,6 +9,7 @@
 use std::f64::consts::PI;
 
 use crate::mesh::{EdgeData, EdgeId, FaceId, HalfedgeId, Triangulation, VertexData};
+use crate::vector::distance;
 
 /// An edge length for every edge of a triangulation.
 #[derive(Clone, Debug, PartialEq)]
@@ -30,8 +31,7 @@ impl Metric {
     pub fn from_points(triangulation: &Triangulation, points: &[[f64; 3]]) -> Self {
         let length = |e| {
             let [p, q] = triangulation.ends(e).map(|v| points[v.0 as usize]);
-            let d = [q[0] - p[0], q[1] - p[1], q[2] - p[2]];
-            (d[0] * d[0] + d[1] * d[1] + d[2] * d[2]).sqrt()
+            distance(p, q)
         };
         Self::new(triangulation.edges().map(length).collect())
     }

@@ -204,9 +204,13 @@ impl Poisson {
         if n == 0 {
             return Ok(vec![VertexData::constant(self.vertex_count, 0.0); right_hand_sides.len()]);
         }
-        let mut block: Vec<f64> = right_hand_sides.iter().flat_map(|b| self.gather(b)).collect();
-        self.cholesky.solve_in_place(&mut block, watch)?;
-        Ok(block.chunks_exact(n).map(|x| self.shifted(self.scatter(x))).collect())
+        let mut block = Vec::with_capacity(n * right_hand_sides.len());
+        for (k, b) in right_hand_sides.iter().enumerate() {
+            watch.within(0.0, 0.1).ask(k as f64 / right_hand_sides.len() as f64)?;
+            block.extend(self.gather(b));
+        }
+        self.cholesky.solve_in_place(&mut block, watch.within(0.1, 0.9))?;
+        self.spread(&block, |x| self.shifted(x), watch.within(0.9, 1.0))
     }
 
     /// On a closed surface, the vertex that was left out to make the Laplacian definite.
@@ -252,7 +256,21 @@ impl Poisson {
         if n == 0 {
             return Ok(vec![VertexData::constant(self.vertex_count, 0.0); rows.len()]);
         }
-        Ok(self.cholesky.solve_sparse(&rows, watch)?.chunks_exact(n).map(|x| self.scatter(x)).collect())
+        self.spread(&self.cholesky.solve_sparse(&rows, watch.within(0.0, 0.9))?, |x| x, watch.within(0.9, 1.0))
+    }
+
+    /// The columns of a block of solutions, each finished.
+    fn spread(
+        &self,
+        block: &[f64],
+        finished: impl Fn(VertexData<f64>) -> VertexData<f64>,
+        watch: Watch,
+    ) -> Result<Vec<VertexData<f64>>, Interrupted> {
+        let column = |(k, x): (usize, &[f64])| {
+            watch.ask((k * x.len()) as f64 / block.len() as f64)?;
+            Ok(finished(self.scatter(x)))
+        };
+        block.chunks_exact(self.unknown.len()).enumerate().map(column).collect()
     }
 
     /// The backward substitution: `Σ k_v G e_v`, 0 at fixed vertices and at the grounded one. Costs half a solve, however many

@@ -37,8 +37,8 @@ pub enum CholeskyError {
 
 /// So many right-hand sides are solved for at once.
 const BLOCK: usize = 16;
-/// After so much arithmetic in fronts the watch is asked again: about a millisecond.
-const ASKED_AFTER: usize = 4_000_000;
+/// After so many entries, or so many multiplications in fronts, the watch is asked again: about a millisecond.
+const ASKED_AFTER: usize = 1 << 20;
 
 /// The graph of a matrix.
 fn graph(matrix: &SymmetricMatrix) -> Graph {
@@ -134,10 +134,12 @@ impl Cholesky {
     }
 
     fn in_order(matrix: SymmetricMatrix, graph: &Graph, order: &[u32], watch: Watch) -> Result<Self, CholeskyError> {
-        let elimination = Elimination::new(graph, order, watch.within(0.0, 0.15))?;
-        let column = |c: usize| matrix.row[matrix.range(c)].iter().map(move |&r| (c as u32, r));
-        let place =
-            (0..matrix.dimension()).flat_map(column).map(|(column, row)| elimination.place(column, row)).collect();
+        let elimination = Elimination::new(graph, order, watch.within(0.0, 0.12))?;
+        let mut place = Vec::with_capacity(matrix.stored());
+        for column in 0..matrix.dimension() {
+            watch.within(0.12, 0.15).ask_at_step(column, matrix.dimension())?;
+            place.extend(matrix.row[matrix.range(column)].iter().map(|&row| elimination.place(column as u32, row)));
+        }
         let mut cholesky = Self { matrix, elimination, place, factor: Vec::new() };
         cholesky.factor_values(watch.within(0.15, 1.0))?;
         Ok(cholesky)
@@ -161,8 +163,14 @@ impl Cholesky {
         let out_of_memory = |_| CholeskyError::OutOfMemory(matrix.dimension());
         factor.clear();
         factor.try_reserve_exact(elimination.value_count()).map_err(out_of_memory)?;
-        factor.resize(elimination.value_count(), 0.0);
-        for (&place, value) in place.iter().zip(&matrix.value) {
+        while factor.len() < elimination.value_count() {
+            watch.ask(0.0)?;
+            factor.resize(elimination.value_count().min(factor.len() + ASKED_AFTER), 0.0);
+        }
+        for (k, (&place, value)) in place.iter().zip(&matrix.value).enumerate() {
+            if k % ASKED_AFTER == 0 {
+                watch.ask(0.0)?;
+            }
             factor[place] += value;
         }
         let mut updates: Vec<f64> = Vec::new();

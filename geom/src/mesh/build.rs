@@ -4,9 +4,11 @@ use thiserror::Error;
 
 use super::id::{EdgeId, FaceId, HalfedgeId, Id, VertexId};
 use super::{Mesh, Triangulation};
+use crate::rows::Rows;
 
 /// Why triangles do not form an oriented manifold.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum MeshError {
     /// There is nothing to glue.
     #[error("the mesh has no faces")]
@@ -117,24 +119,12 @@ fn match_twins(vertex_count: usize, tail: &[VertexId]) -> Result<Vec<u32>, MeshE
 pub(crate) fn for_each_edge(vertex_count: usize, tail: &[VertexId], mut visit: impl FnMut([VertexId; 2], &[u32])) {
     let head = |h: usize| tail[if h % 3 == 2 { h - 2 } else { h + 1 }];
     let lower_end = |h: usize| tail[h].min(head(h)).index();
-    // Halfedges bucketed by the lower end of their edge, each bucket sorted by the upper end.
-    let mut start = vec![0u32; vertex_count + 1];
-    for h in 0..tail.len() {
-        start[lower_end(h) + 1] += 1;
-    }
-    for v in 0..vertex_count {
-        start[v + 1] += start[v];
-    }
-    let mut fill = start.clone();
-    let mut bucket = vec![(VertexId(0), 0u32); tail.len()];
-    for h in 0..tail.len() {
-        let at = &mut fill[lower_end(h)];
-        bucket[*at as usize] = (tail[h].max(head(h)), h as u32);
-        *at += 1;
-    }
+    // Halfedges in rows by the lower end of their edge, each row sorted by the upper end.
+    let sides = (0..tail.len()).map(|h| (lower_end(h), (tail[h].max(head(h)), h as u32)));
+    let mut stars = Rows::sorted(vertex_count, sides);
     let mut sides = Vec::new();
     for v in 0..vertex_count {
-        let star = &mut bucket[start[v] as usize..start[v + 1] as usize];
+        let star = stars.row_mut(v);
         star.sort_unstable();
         for edge in star.chunk_by(|a, b| a.0 == b.0) {
             sides.clear();

@@ -118,23 +118,6 @@ impl Model {
         model.check().map(|()| model)
     }
 
-    /// The same model with what a file said besides its points and faces.
-    pub(crate) fn with_uv(mut self, uv: Option<TextureCoordinates>) -> Self {
-        debug_assert!(uv.as_ref().is_none_or(|uv| uv.corners.len() == self.corners.len()));
-        self.uv = uv;
-        self
-    }
-
-    pub(crate) fn with_skipped(mut self, skipped: Skipped) -> Self {
-        self.skipped = skipped;
-        self
-    }
-
-    pub(crate) fn with_obj_text(mut self, text: Vec<u8>) -> Self {
-        self.obj_text = Some(text);
-        self
-    }
-
     fn check(&self) -> Result<(), ModelError> {
         let vertices = self.points.len();
         if vertices == 0 {
@@ -229,6 +212,26 @@ impl Model {
     }
 }
 
+#[cfg(feature = "files")]
+impl Model {
+    /// The same model with what a file said besides its points and faces.
+    pub(crate) fn with_uv(mut self, uv: Option<TextureCoordinates>) -> Self {
+        debug_assert!(uv.as_ref().is_none_or(|uv| uv.corners.len() == self.corners.len()));
+        self.uv = uv;
+        self
+    }
+
+    pub(crate) fn with_skipped(mut self, skipped: Skipped) -> Self {
+        self.skipped = skipped;
+        self
+    }
+
+    pub(crate) fn with_obj_text(mut self, text: Vec<u8>) -> Self {
+        self.obj_text = Some(text);
+        self
+    }
+}
+
 /// Whether `x` may be a coordinate of a [`Model`].
 pub(crate) fn is_coordinate(x: f64) -> bool {
     x.abs() <= MAX_COORDINATE
@@ -242,6 +245,7 @@ pub(crate) struct Polygons {
 }
 
 impl Polygons {
+    #[cfg(feature = "files")]
     pub(crate) fn with_capacity(faces: usize) -> Self {
         Self { face_end: Vec::with_capacity(faces), corners: Vec::with_capacity(3 * faces) }
     }
@@ -257,6 +261,7 @@ impl Polygons {
         self.face_end.push(self.corners.len() as u32);
     }
 
+    #[cfg(feature = "files")]
     pub(crate) fn face_count(&self) -> usize {
         self.face_end.len()
     }
@@ -280,6 +285,7 @@ pub struct TextureCoordinates {
     corners: Vec<u32>,
 }
 
+#[cfg(feature = "files")]
 impl TextureCoordinates {
     /// Stands for a corner without texture coordinate.
     pub(crate) const NONE: u32 = u32::MAX;
@@ -288,7 +294,9 @@ impl TextureCoordinates {
     pub(crate) fn new(points: Vec<[f64; 2]>, corners: Vec<u32>) -> Self {
         Self { points, corners }
     }
+}
 
+impl TextureCoordinates {
     /// The points of the plane, in the order of the file.
     pub fn points(&self) -> &[[f64; 2]] {
         &self.points
@@ -316,6 +324,7 @@ impl TextureCoordinates {
 
 /// How much of a file is not in its [`Model`]. Printed, it reads `2 lines, 1 point`; nothing at all prints nothing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct Skipped {
     /// Polylines (`l`).

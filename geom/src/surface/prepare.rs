@@ -26,6 +26,7 @@ use crate::watch::{Interrupted, Watch};
 
 /// Something that was mended.
 #[derive(Clone, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Repair {
     /// What it was.
     pub kind: RepairKind,
@@ -37,6 +38,9 @@ pub struct Repair {
 
 /// What can be mended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
+#[non_exhaustive]
 pub enum RepairKind {
     /// A face that uses a vertex twice; left out.
     RepeatedVertex,

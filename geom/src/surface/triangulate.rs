@@ -11,6 +11,7 @@
 //! containment test is given up, for a polygon of 10⁵ corners is no mesh but must not stop the program either.
 
 use super::model::Model;
+use crate::vector::{cross, dot, sub};
 
 /// How many pairs of corners are compared in a model before ears are clipped untested: about two seconds.
 const WORK_PER_MODEL: u64 = 1 << 29;
@@ -237,18 +238,6 @@ fn is_inside(p: [f64; 2], [a, b, c]: [[f64; 2]; 3]) -> bool {
 
 fn orientation(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> f64 {
     (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
-}
-
-fn sub(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
-}
-
-fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
 fn norm2(a: [f64; 3]) -> f64 {

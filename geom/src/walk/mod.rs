@@ -1,9 +1,12 @@
 //! Ways over a mesh along its edges: shortest paths, spanning trees, cuts.
 
 mod cut;
+mod dijkstra;
+mod distance;
 mod path;
 
 pub use cut::CutMesh;
+pub use distance::{EdgeDistances, distance_along_edges};
 pub use path::{
     ShortestPaths, edges_at, kruskal, maximum_spanning_cotree, maximum_spanning_cotree_watched, minimum_spanning_tree,
     minimum_spanning_tree_watched, other_end,

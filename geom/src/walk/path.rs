@@ -1,6 +1,6 @@
 //! Shortest paths along edges, and spanning trees.
 //!
-//! [`ShortestPaths`] is Dijkstra's algorithm (1959) from several sources at once: what grows is a forest that divides
+//! [`ShortestPaths`] is Dijkstra's algorithm from several sources at once: what grows is a forest that divides
 //! the mesh into the sources' Voronoi regions along edges. [`minimum_spanning_tree`] and [`maximum_spanning_cotree`]
 //! are Kruskal's algorithm (1956) on the vertices and on the faces: a tree of edges, and a tree of the dual graph that
 //! crosses none of them. On a closed surface of genus g exactly 2g edges are in neither, and they carry its handles
@@ -9,11 +9,9 @@
 //! Lengths are those of edges; a path never crosses a triangle. All ties are broken by index, so that the same input
 //! gives the same trees. A negative or missing (NaN) length counts as zero.
 
-use std::cmp::Reverse;
-use std::collections::BinaryHeap;
-
 use petgraph::unionfind::UnionFind;
 
+use super::dijkstra::dijkstra;
 use crate::mesh::{EdgeData, EdgeId, Mesh, VertexData, VertexId};
 use crate::watch::{Interrupted, Watch, unwatched};
 
@@ -68,31 +66,20 @@ impl ShortestPaths {
             predecessor: VertexData::constant(count, None),
             owner: VertexData::constant(count, None),
         };
-        let mut queue = BinaryHeap::new();
+        let mut starts = Vec::new();
         for (source, owner) in sources {
             if paths.owner[source].is_none() {
-                paths.distance[source] = 0.0;
                 paths.owner[source] = Some(owner);
-                queue.push(Reverse((0, source)));
+                starts.push(source.0);
             }
         }
-        let mut reached = 0;
-        while let Some(Reverse((key, v))) = queue.pop() {
-            if key != sort_key(paths.distance[v]) {
-                continue; // a shorter way to v was found after this one was queued
-            }
-            watch.ask_at_step(reached, count)?;
-            reached += 1;
-            for (e, w) in edges_at(mesh, v) {
-                let distance = paths.distance[v] + lengths[e].max(0.0);
-                if distance < paths.distance[w] {
-                    paths.distance[w] = distance;
-                    paths.predecessor[w] = Some(e);
-                    paths.owner[w] = paths.owner[v];
-                    queue.push(Reverse((sort_key(distance), w)));
-                }
-            }
-        }
+        let edges = |v: u32| edges_at(mesh, VertexId(v)).map(|(e, w)| (e, w.0, lengths[e].max(0.0)));
+        let Self { distance, predecessor, owner } = &mut paths;
+        let reached = |from: u32, e: EdgeId, to: u32| {
+            predecessor[VertexId(to)] = Some(e);
+            owner[VertexId(to)] = owner[VertexId(from)];
+        };
+        dijkstra(distance, starts.into_iter(), edges, reached, watch)?;
         Ok(paths)
     }
 
@@ -105,11 +92,6 @@ impl ShortestPaths {
             Some((e, at))
         })
     }
-}
-
-/// Integers in the order of the non-negative floats that they are made from.
-fn sort_key(distance: f64) -> u64 {
-    distance.to_bits()
 }
 
 /// The edges at a vertex, each with its other end.

@@ -17,6 +17,7 @@ pub fn preparing(bytes: &[u8]) {
     assert_eq!(triangles.len(), model.corner_count() - 2 * model.face_count());
     let prepared = match prepare(&model, weld) {
         Err(PrepareError::NoArea { faces }) => return assert_eq!(faces, model.face_count()),
+        Err(error) => unreachable!("nobody stops it: {error}"),
         Ok(prepared) => prepared,
     };
     let mut seen: HashSet<u32> = prepared.left_out.iter().copied().collect();

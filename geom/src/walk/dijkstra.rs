@@ -1,0 +1,74 @@
+//! Dijkstra's algorithm (1959, "A note on two problems in connexion with graphs").
+//!
+//! A queue holds the vertices that were reached, the nearest first, ties by index. A vertex is queued again when a shorter way
+//! to it is found; what is queued with a longer one is passed over. Non-negative floats are in the order of their bits, so
+//! that the queue compares integers; for f32 a distance and its vertex are one.
+
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+use std::ops::Add;
+
+use crate::watch::{Interrupted, Watch};
+
+/// A length that is not negative.
+pub(crate) trait Length: Copy + Default + PartialOrd + Add<Output = Self> {
+    /// A vertex behind its distance, in the order of distances.
+    type Entry: Copy + Ord;
+    fn entry(self, vertex: u32) -> Self::Entry;
+    fn vertex(entry: Self::Entry) -> u32;
+}
+
+impl Length for f64 {
+    type Entry = (u64, u32);
+    fn entry(self, vertex: u32) -> (u64, u32) {
+        (self.to_bits(), vertex)
+    }
+    fn vertex((_, vertex): (u64, u32)) -> u32 {
+        vertex
+    }
+}
+
+impl Length for f32 {
+    type Entry = u64;
+    fn entry(self, vertex: u32) -> u64 {
+        u64::from(self.to_bits()) << 32 | u64::from(vertex)
+    }
+    fn vertex(entry: u64) -> u32 {
+        entry as u32
+    }
+}
+
+/// Lowers distances, infinite to begin with, to those along edges from the sources. `edges` gives the edges at a vertex: each
+/// with its other end and its length. `reached` is told of each edge that makes a way shorter, with the ends of it.
+pub(crate) fn dijkstra<L: Length, E, I: Iterator<Item = (E, u32, L)>>(
+    distance: &mut [L],
+    sources: impl Iterator<Item = u32>,
+    edges: impl Fn(u32) -> I,
+    mut reached: impl FnMut(u32, E, u32),
+    watch: Watch,
+) -> Result<(), Interrupted> {
+    let mut queue = BinaryHeap::new();
+    for source in sources {
+        distance[source as usize] = L::default();
+        queue.push(Reverse(L::default().entry(source)));
+    }
+    let mut done = 0;
+    while let Some(Reverse(first)) = queue.pop() {
+        let v = L::vertex(first);
+        let to_here = distance[v as usize];
+        if first != to_here.entry(v) {
+            continue; // a shorter way to v was found after this one was queued
+        }
+        watch.ask_at_step(done, distance.len())?;
+        done += 1;
+        for (edge, w, length) in edges(v) {
+            let along = to_here + length;
+            if along < distance[w as usize] {
+                distance[w as usize] = along;
+                reached(v, edge, w);
+                queue.push(Reverse(along.entry(w)));
+            }
+        }
+    }
+    Ok(())
+}
