@@ -91,19 +91,25 @@ impl Serialize for Number {
     }
 }
 
-/// A number to six significant digits, as C's `%g` writes it.
+/// A number to six significant digits.
 pub(crate) fn six_digits(x: f64) -> String {
+    significant(x, 6)
+}
+
+/// A number to so many significant digits, as C's `%g` writes it.
+pub(crate) fn significant(x: f64, digits: usize) -> String {
     if x == 0.0 || !x.is_finite() {
         return format!("{x}").replace("-0", "0");
     }
-    let scientific = format!("{x:.5e}");
+    let last = digits as i32 - 1;
+    let scientific = format!("{x:.*e}", digits - 1);
     let exponent: i32 = scientific.split_once('e').and_then(|(_, e)| e.parse().ok()).unwrap_or(0);
     let trimmed = |digits: &str| match digits.contains('.') {
         true => digits.trim_end_matches('0').trim_end_matches('.').to_owned(),
         false => digits.to_owned(),
     };
-    if (-5..6).contains(&exponent) {
-        trimmed(&format!("{x:.*}", (5 - exponent) as usize))
+    if (-last..=last).contains(&exponent) {
+        trimmed(&format!("{x:.*}", (last - exponent) as usize))
     } else {
         let digits = scientific.split('e').next().unwrap_or_default();
         format!("{}e{exponent}", trimmed(digits))

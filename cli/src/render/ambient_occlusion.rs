@@ -14,7 +14,7 @@ const FLAT: f64 = 0.03;
 /// How dark the deepest hollow gets.
 const STRENGTH: f64 = 0.62;
 
-/// Darkens hollows. `pixel` is the size of a pixel in space at distance one.
+/// Darkens ambient_occlusion. `pixel` is the size of a pixel in space at distance one.
 pub(crate) fn darken(canvas: &mut Canvas, pixel: f64) {
     let (width, height) = canvas.size();
     let depth = Depth { nearness: canvas.nearness(), width, height };

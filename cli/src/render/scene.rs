@@ -1,7 +1,7 @@
 //! What the pictures are drawn of: a surface, its texture coordinates, its seams and its cones.
 
 use super::checker::Checker;
-use super::space::{Vector, minus};
+use super::vector::{Vector, minus};
 use std::collections::HashMap;
 
 /// A cone as it is drawn.
@@ -14,7 +14,7 @@ pub(crate) struct Mark {
 
 /// A surface scaled to unit size, with its texture coordinates scaled to the unit square.
 #[derive(Debug)]
-pub(crate) struct Chart {
+pub(crate) struct Scene {
     pub(crate) points: Vec<Vector>,
     pub(crate) triangles: Vec<[u32; 3]>,
     /// For each triangle the texture coordinates of its corners.
@@ -24,7 +24,7 @@ pub(crate) struct Chart {
     pub(crate) cones: Vec<Mark>,
 }
 
-impl Chart {
+impl Scene {
     pub(crate) fn new(
         points: &[Vector],
         triangles: Vec<[u32; 3]>,
@@ -146,10 +146,10 @@ mod tests {
         let at = |v: u32| [points[v as usize][0], points[v as usize][1]];
         let mut uv: Vec<[[f64; 2]; 3]> = triangles.iter().map(|t| t.map(at)).collect();
         uv[3][2] = [1.0, -0.1];
-        let chart = Chart::new(&points, triangles, uv, vec![], vec![]);
-        let outline = chart.outline();
+        let scene = Scene::new(&points, triangles, uv, vec![], vec![]);
+        let outline = scene.outline();
         assert_eq!(outline.len(), 1);
         assert_eq!(outline[0].len(), 6);
-        assert!(!(0..4).any(|t| chart.is_flipped(t)));
+        assert!(!(0..4).any(|t| scene.is_flipped(t)));
     }
 }

@@ -1,11 +1,10 @@
 //! A report as a few lines of text.
 
-use super::{CurvePoint, DistortionReport, Input, Report};
-use crate::args::{angles_name, method_name};
+use super::{CurvePoint, DistortionReport, InputReport, UnwrapReport, angles_name, method_name};
 use crate::report::table::thousands;
 use cones::{ConeChoice, Method, Options};
 
-impl Report {
+impl UnwrapReport {
     /// What a user wants to know first, line by line.
     pub(crate) fn text(&self) -> String {
         let times: Vec<String> = self.times.stages().map(|(name, time)| format!("{name} {time:.2}")).collect();
@@ -56,7 +55,7 @@ pub(super) fn rule(options: &Options) -> String {
     format!("{places}, {curvatures} curvatures")
 }
 
-impl Report {
+impl UnwrapReport {
     /// Points of the curve to compare with: the powers of two nearest to the number of cones, at most four, from four on.
     fn beside(&self) -> Vec<&CurvePoint> {
         let taken = self.cones.len();
@@ -70,7 +69,7 @@ impl Report {
     }
 }
 
-impl Input {
+impl InputReport {
     fn text(&self) -> String {
         let mut parts = vec![
             format!("{} vertices", thousands(self.vertices)),

@@ -141,7 +141,7 @@ fn without_a_mesh_built_in_shapes_are_compared() {
 #[test]
 fn every_column_is_defined() {
     let folder = Folder::with_shapes();
-    let args = ["compare", "sphere.obj", "--best-of", "1", "--method", "persistence"];
+    let args = ["compare", "sphere.obj", "--best-of", "1", "--method", "persistence", "--format", "md"];
     let table = stdout(&folder.run(&args).success());
     let head = table.lines().next().expect("a head").trim_matches('|');
     for column in head.split(" | ").map(|c| c.trim().replace("\\|", "|")) {
