@@ -3,7 +3,7 @@
 use crate::commands::persistence::{DomainField, NanName, Pair, PairList, PairingTimes, Places, Wanted, explain};
 use crate::commands::shared::non_negative;
 use crate::error::CommandError;
-use crate::input::{Number, Source};
+use crate::input::{Number, Source, significant};
 use crate::output;
 use crate::render::{Mark, Scene, draw_values};
 use crate::report::table::{columns, thousands};
@@ -194,19 +194,19 @@ fn shares(values: &[f64]) -> Vec<f64> {
     values.iter().map(|&value| if value.is_nan() { value } else { share(value) }).collect()
 }
 
+/// A table that fits 80 columns with a million vertices; saddles are in the files.
 fn text(report: &FeaturesReport) -> String {
-    let head = ["#", "vertex", "kind", "value", "persistence", "saddle", "x", "y", "z"].map(String::from).to_vec();
+    let head = ["#", "vertex", "kind", "value", "persistence", "x", "y", "z"].map(String::from).to_vec();
     let mut rows = vec![head];
     for (i, extremum) in report.extrema.iter().enumerate() {
         let mut row = vec![
             (i + 1).to_string(),
             extremum.vertex.to_string(),
             extremum.kind.to_owned(),
-            extremum.value.short(),
+            significant(extremum.value.to_f64(), 4),
             extremum.persistence.short(),
-            extremum.saddle.map_or_else(|| "–".to_owned(), |saddle| saddle.to_string()),
         ];
-        row.extend(extremum.position.map(|x| format!("{x:.6}")));
+        row.extend(extremum.position.map(|x| significant(x, 5)));
         rows.push(row);
     }
     format!("{}{} feature points of {} extrema\n", columns(&rows), report.extrema.len(), thousands(report.count))

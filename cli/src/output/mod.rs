@@ -181,6 +181,9 @@ pub(crate) fn check(inputs: &[&Path], outputs: &[&Path]) -> Result<(), CommandEr
         if path.is_dir() {
             return Err(CommandError::OutputIsFolder(path.to_owned()));
         }
+        if file::is_written_directly(path) {
+            continue;
+        }
         let folder = folder_of(path);
         if !folder.is_dir() {
             return Err(CommandError::NoFolder { folder: folder.to_owned(), path: path.to_owned() });

@@ -13,12 +13,13 @@ pub(crate) struct CompareArgs {
     /// How many cones, such as 4,8,16
     #[arg(short = 'n', value_name = "N,…", value_delimiter = ',', default_value = "8", value_parser = cone_count, conflicts_with = "paper")]
     pub(super) counts: Vec<usize>,
-    /// Which methods: RULE[+smooth][+ANGLES][+FLATTENING]
+    /// Which methods: RULE[+smooth][+ANGLES][+FLATTENING] [default: the paper's two, persistence, refined, linear, lscm]
     #[arg(
         long,
         value_name = "M,…",
         value_delimiter = ',',
         default_value = "alternating+harmonic,refactoring+harmonic,persistence,refined,linear,lscm",
+        hide_default_value = true,
         value_parser = Variant::parse,
         long_help = Variant::help(),
         conflicts_with = "paper"

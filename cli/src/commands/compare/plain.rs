@@ -63,12 +63,17 @@ fn cells(row: &Row) -> Vec<String> {
             significant(*quasi_conformal, 5),
             significant(*area, 4),
             flipped.to_string(),
-            significant(seconds.detection, 3),
-            significant(seconds.flattening, 3),
+            short(seconds.detection),
+            short(seconds.flattening),
         ]),
         Err(_) => cells.extend(["–"; 6].map(str::to_owned)),
     }
     cells
+}
+
+/// Seconds in six letters.
+fn short(seconds: f64) -> String {
+    if seconds < 9.999 { format!("{seconds:.4}") } else { significant(seconds, 4) }
 }
 
 fn note(row: &Row) -> Option<String> {
