@@ -6,6 +6,7 @@ use crate::input::{self, cone_file};
 use crate::output;
 use crate::progress::Progress;
 use crate::render::{self, Scene};
+use crate::report::table::labelled;
 use crate::report::{HierarchyFile, Times, UnwrapReport};
 use clap::Args;
 use cones::{ConeChoice, Options};
@@ -156,5 +157,5 @@ fn write_layout(path: &Path, scene: &Scene) -> Result<(), CommandError> {
 
 fn summary(report: &UnwrapReport, args: &UnwrapArgs) -> String {
     let written: Vec<String> = outputs(args).iter().map(|p| p.display().to_string()).collect();
-    format!("{}written   {}\n", report.text(), written.join(", "))
+    report.text() + &labelled("written", &written.join(", "))
 }

@@ -168,7 +168,7 @@ pub(crate) fn explain(error: &CommandError) {
     say("error", ERROR, &text);
 }
 
-/// Says something under a coloured word. Where stderr is no terminal, or NO_COLOR is set, it is not coloured.
+/// Says something under a coloured word. Where stderr is no terminal, or `NO_COLOR` is set, it is not coloured.
 fn say(word: &str, style: Style, message: &str) {
     // There is nobody to tell when stderr is closed, too.
     let _ = writeln!(anstream::stderr(), "{style}{word}:{style:#} {message}");

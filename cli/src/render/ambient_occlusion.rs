@@ -1,4 +1,4 @@
-//! Hollows are darkened, as light reaches them from few sides.
+//! Ambient occlusion: hollows are darkened, as light reaches them from few sides.
 //!
 //! Nearness is linear on the screen over every plane, so the mean of two opposite neighbours tells at once whether the
 //! surface is hollow between them, however it is tilted (unsharp masking of the depth buffer: Luft, Colditz & Deussen
@@ -14,7 +14,7 @@ const FLAT: f64 = 0.03;
 /// How dark the deepest hollow gets.
 const STRENGTH: f64 = 0.62;
 
-/// Darkens ambient_occlusion. `pixel` is the size of a pixel in space at distance one.
+/// Darkens hollows. `pixel` is the size of a pixel in space at distance one.
 pub(crate) fn darken(canvas: &mut Canvas, pixel: f64) {
     let (width, height) = canvas.size();
     let depth = Depth { nearness: canvas.nearness(), width, height };

@@ -30,14 +30,24 @@ const WIDTH: usize = 80;
 
 /// A paragraph in lines that fit a terminal, all but the first indented.
 pub(crate) fn wrapped(text: &str, indent: usize) -> String {
+    wrapped_from(0, text, indent)
+}
+
+/// A paragraph that begins behind a label, its lines one under the other.
+pub(crate) fn labelled(label: &str, text: &str) -> String {
+    const LABEL: usize = 10;
+    format!("{label:<LABEL$}{}", wrapped_from(LABEL, text, LABEL))
+}
+
+fn wrapped_from(start: usize, text: &str, indent: usize) -> String {
     let mut lines = String::new();
-    let mut column = 0;
+    let mut column = start;
     for word in text.split_whitespace() {
         let letters = word.chars().count();
-        if column > 0 && column + 1 + letters > WIDTH {
+        if !lines.is_empty() && column + 1 + letters > WIDTH {
             lines += &format!("\n{}", " ".repeat(indent));
             column = indent;
-        } else if column > 0 {
+        } else if !lines.is_empty() {
             lines.push(' ');
             column += 1;
         }
@@ -100,6 +110,9 @@ mod tests {
         let text = wrapped(&"word ".repeat(40), 2);
         assert!(text.lines().all(|line| line.chars().count() <= WIDTH) && text.lines().count() == 3, "{text}");
         assert!(text.lines().skip(1).all(|line| line.starts_with("  word")));
+        let text = labelled("label", &"word ".repeat(40));
+        assert!(text.starts_with("label     word word") && text.contains("\n          word"), "{text}");
+        assert!(text.lines().all(|line| line.chars().count() <= WIDTH), "{text}");
     }
 
     #[test]

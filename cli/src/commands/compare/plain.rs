@@ -32,7 +32,8 @@ pub(super) fn text(comparison: &Comparison) -> String {
         let meaning = COLUMNS.iter().find(|column| column.key == key).map_or("", |column| column.meaning);
         text += &wrapped(&format!("{head}: {meaning}"), 2);
     }
-    text += &wrapped(&format!("Times are the least of {} rounds; --format md has all columns.", comparison.rounds), 2);
+    let rounds = if comparison.rounds == 1 { "one round".to_owned() } else { format!("{} rounds", comparison.rounds) };
+    text += &wrapped(&format!("Times are the least of {rounds}; --format md has all columns."), 2);
     for claim in &comparison.claims {
         let verdict = if claim.holds { "holds" } else { "does not hold" };
         text += &format!("\n{}", wrapped(&format!("The paper: {}. It {verdict}: {}.", claim.claim, claim.measured), 2));
@@ -60,8 +61,8 @@ fn cells(row: &Row) -> Vec<String> {
     match &row.result {
         Ok(Outcome { cones, quasi_conformal, area, flipped, seconds, .. }) => cells.extend([
             cones.to_string(),
-            significant(*quasi_conformal, 5),
-            significant(*area, 4),
+            short(*quasi_conformal),
+            short(*area),
             flipped.to_string(),
             short(seconds.detection),
             short(seconds.flattening),
@@ -71,9 +72,9 @@ fn cells(row: &Row) -> Vec<String> {
     cells
 }
 
-/// Seconds in six letters.
-fn short(seconds: f64) -> String {
-    if seconds < 9.999 { format!("{seconds:.4}") } else { significant(seconds, 4) }
+/// A number in six letters.
+fn short(x: f64) -> String {
+    if x < 9.9999 { format!("{x:.4}") } else { significant(x, if x < 9999.0 { 5 } else { 2 }) }
 }
 
 fn note(row: &Row) -> Option<String> {

@@ -24,7 +24,7 @@ pub(super) enum TrialError {
     Measure(#[from] DistortionError),
 }
 
-/// TrialTimes.
+/// The seconds that the steps of a run took.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct TrialTimes {
     pub(super) preparing: f64,
