@@ -2,7 +2,7 @@
 
 /// Rows in columns two spaces apart, the first row over a rule; numbers to the right, words to the left.
 pub(crate) fn columns(rows: &[Vec<String>]) -> String {
-    let rows: Vec<Vec<String>> = rows.iter().map(|row| row.iter().map(|cell| cut(cell)).collect()).collect();
+    let rows: Vec<Vec<String>> = rows.iter().map(|row| row.iter().map(|cell| cut(cell, LONGEST)).collect()).collect();
     let count = rows.iter().map(Vec::len).max().unwrap_or(0);
     let width = |c: usize| rows.iter().filter_map(|r| r.get(c)).map(|s| s.chars().count()).max().unwrap_or(0);
     let widths: Vec<usize> = (0..count).map(width).collect();
@@ -61,9 +61,9 @@ fn wrapped_from(start: usize, text: &str, indent: usize) -> String {
 const LONGEST: usize = 34;
 
 /// A cell on one line and not too long.
-fn cut(cell: &str) -> String {
+pub(crate) fn cut(cell: &str, longest: usize) -> String {
     let mut letters = cell.chars().map(|letter| if letter.is_control() { ' ' } else { letter });
-    let mut text: String = letters.by_ref().take(LONGEST).collect();
+    let mut text: String = letters.by_ref().take(longest).collect();
     if letters.next().is_some() {
         text.pop();
         text.push('…');

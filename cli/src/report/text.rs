@@ -104,7 +104,7 @@ impl DistortionReport {
             labelled(
                 "layout",
                 &format!(
-                    "{islands}, {flipped} flipped, {degenerate} degenerate, {overlap} of it overlapping, seams {seam_length:.2} √area"
+                    "{islands}, {flipped} flipped, {degenerate} degenerate, {overlap} overlapping, seams {seam_length:.2} √area"
                 ),
             ),
         ]

@@ -11,7 +11,7 @@ fn a_name_of_any_length_is_told_in_a_table_that_fits() {
     folder.write("x.edges.csv", "a,b\n0,1\n1,2\n");
     let table = stdout(&folder.run(&["persistence", "x.nodes.csv"]).success());
     assert!(table.contains("xxx…") && table.contains("two lines"), "{table}");
-    assert!(table.lines().all(|line| line.chars().count() <= 100), "{table}");
+    assert!(table.lines().all(|line| line.chars().count() <= 80), "{table}");
     folder.run(&["persistence", "x.nodes.csv", "--pairs", "pairs.csv"]).success();
     assert!(folder.read("pairs.csv").contains(&"x".repeat(70_000)), "files have it all");
 }

@@ -42,6 +42,7 @@ fn every_table_fits_80_columns_with_wide_numbers() {
     for method in ["refined", "persistence"] {
         assert_fits(&says(&["extract", "wide.obj", "-n", "12", "--method", method]), "extract");
     }
+    assert_fits(&says(&["persistence", "hare.obj", "--field", "phi"]), "persistence");
     assert_fits(&says(&["features", "wide.obj"]), "features");
     folder.run(&["unwrap", "wide.obj", "-n", "4", "-o", "out.obj"]).success();
     assert_fits(&says(&["measure", "out.obj"]), "measure");

@@ -2,7 +2,8 @@
 
 use super::args::{ConnectivityName, PersistenceArgs};
 use crate::error::CommandError;
-use crate::input::{Array, Form, Network, Source, Values, edges_beside, six_digits};
+use crate::input::{Array, Form, Network, Source, Values, edges_beside, significant};
+use crate::report::table::cut;
 use crate::{commands::shared::warn, input};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -164,6 +165,9 @@ fn conformal_factor(path: &Path, model: &geom::Model) -> Result<Vec<f64>, Comman
     Ok(found.factor)
 }
 
+/// The most letters of a name in a table.
+const NAME: usize = 16;
+
 /// The names of (z, y, x).
 const AXES: [&str; 3] = ["z", "y", "x"];
 
@@ -222,8 +226,10 @@ impl Places {
     pub(crate) fn told(&self, vertex: usize) -> String {
         match self {
             Self::Array(shape) => index(shape, vertex).iter().map(usize::to_string).collect::<Vec<_>>().join(", "),
-            Self::Mesh { points, .. } => points[vertex].iter().map(|&x| six_digits(x)).collect::<Vec<_>>().join(", "),
-            Self::Network(names) => names[vertex].clone(),
+            Self::Mesh { points, .. } => {
+                points[vertex].iter().map(|&x| significant(x, 4)).collect::<Vec<_>>().join(", ")
+            }
+            Self::Network(names) => cut(&names[vertex], NAME),
         }
     }
 
@@ -232,9 +238,9 @@ impl Places {
         if let Self::Network(names) = self { Some(&names[vertex]) } else { None }
     }
 
-    /// A vertex's name, or else its number.
+    /// A vertex's name, or else its number, for people.
     pub(crate) fn short(&self, vertex: usize) -> String {
-        self.name(vertex).map_or_else(|| vertex.to_string(), str::to_owned)
+        self.name(vertex).map_or_else(|| vertex.to_string(), |name| cut(name, NAME))
     }
 
     /// Whether vertices are anywhere in space.
