@@ -1,6 +1,9 @@
 //! Limits that the system sets: on the size of files, on memory, on threads. They end in an exit code, not in a signal.
 
+use std::io;
 use std::num::NonZeroUsize;
+use std::sync::RwLock;
+use std::thread;
 
 /// From here on a file that grows beyond its limit is an error like a full disk, and where memory cannot be had the command
 /// ends with exit code 1.
@@ -19,11 +22,25 @@ pub(crate) fn end_cleanly_at_limits() {
 #[cfg(not(unix))]
 pub(crate) fn end_cleanly_at_limits() {}
 
-/// Starts the threads to work on; where none can be started the main thread does all the work.
+/// Starts the threads to work on; where they cannot be started the main thread does all the work, with the same results.
 pub(crate) fn start_threads(count: Option<NonZeroUsize>) {
     let threads = |count| rayon::ThreadPoolBuilder::new().num_threads(count);
-    if threads(count.map_or(0, NonZeroUsize::get)).build_global().is_err() {
-        // Results do not depend on it, so there is nothing to tell.
-        let _ = threads(1).use_current_thread().build_global();
-    }
+    let wanted = count.or_else(|| thread::available_parallelism().ok()).map_or(1, NonZeroUsize::get);
+    // A pool that fails once is not built again, so this is tried without it.
+    let pool = if can_start(wanted) { threads(wanted) } else { threads(1).use_current_thread() };
+    // It fails only where the pool is there already.
+    let _ = pool.build_global();
+}
+
+/// Whether so many threads can run at the same time.
+fn can_start(count: usize) -> bool {
+    let gate = RwLock::new(());
+    let closed = gate.write();
+    thread::scope(|scope| {
+        let wait = || drop(gate.read());
+        let started: io::Result<Vec<_>> =
+            (0..count).map(|_| thread::Builder::new().spawn_scoped(scope, wait)).collect();
+        drop(closed);
+        started.map(|threads| threads.into_iter().for_each(|thread| drop(thread.join()))).is_ok()
+    })
 }
