@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use thiserror::Error;
 
 #[derive(Debug, Error)]
-pub(crate) enum Failure {
+pub(crate) enum CommandError {
     #[error(transparent)]
     Read(#[from] geom::io::ReadError),
     #[error("{}: {error}", path.display())]
@@ -29,16 +29,16 @@ pub(crate) enum Failure {
     Extension { path: PathBuf, wanted: String },
     #[error("{} holds other files than a demo's: name a new folder", .0.display())]
     NotADemo(PathBuf),
+    #[error("{} cannot be written", path.display())]
+    WriteFile { path: PathBuf, source: io::Error },
     #[error(transparent)]
     Write(#[from] geom::io::WriteError),
+    #[error("there is no subcommand {0}: cones --help lists them")]
+    NoSubcommand(String),
     #[error("the folder {} cannot be made", path.display())]
     MakeFolder { path: PathBuf, source: io::Error },
-    #[error("{} cannot be read", path.display())]
-    ReadCones { path: PathBuf, source: io::Error },
-    #[error("{}, line {line}: {text:?} is not a cone: write a vertex's index from 0, then its curvature or nothing", path.display())]
-    NotACone { path: PathBuf, line: usize, text: String },
-    #[error("{} lists no cone: write lines of a vertex's index from 0 and its curvature", .0.display())]
-    NoCones(PathBuf),
+    #[error(transparent)]
+    ConeFile(#[from] crate::input::ConeFileError),
     #[error(transparent)]
     Field(#[from] crate::input::ReadError),
     #[error("{} is a mesh without values: name a field with --field, such as --field phi", .0.display())]
@@ -49,8 +49,6 @@ pub(crate) enum Failure {
     Misplaced { path: PathBuf, option: &'static str, of: &'static str },
     #[error("{} has no axis {axis}, only {axes}: x is the last, y the one before", path.display())]
     NoAxis { path: PathBuf, axis: &'static str, axes: usize },
-    #[error("{} has no vertex {vertex}: it has {vertices}, counted from 0", path.display())]
-    NoVertex { path: PathBuf, vertex: usize, vertices: usize },
     #[error("{}: the value of vertex {vertex} is NaN: replace it, or leave such vertices out with --nan mask", path.display())]
     NotANumber { path: PathBuf, vertex: usize },
     #[error("{}: {error}", path.display())]
@@ -69,7 +67,7 @@ pub(crate) enum Failure {
     Stdout(#[source] io::Error),
 }
 
-impl Failure {
+impl CommandError {
     /// Whether the reader of standard output left, as `head` does: no fault of anyone's.
     pub(crate) fn is_closed_pipe(&self) -> bool {
         matches!(self, Self::Stdout(error) if error.kind() == io::ErrorKind::BrokenPipe)

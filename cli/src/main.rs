@@ -5,60 +5,47 @@
 
 mod args;
 mod commands;
-mod failure;
+mod error;
 mod input;
-mod job;
+mod limits;
 mod output;
 mod progress;
 mod render;
 mod report;
 
-use args::{Arguments, Command};
-use clap::Parser;
-use commands::{compare, demo, extract, features, measure, persistence, shape, unwrap};
-use failure::Failure;
-use std::error::Error;
-use std::io::{self, Write};
+use args::{Arguments, Subcommand};
+use clap::{CommandFactory, Parser};
+use commands::{compare, completions, demo, extract, features, man, measure, persistence, shape, unwrap};
+use error::CommandError;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
     let arguments = Arguments::parse();
+    output::speak(arguments.volume());
     output::end_cleanly_on_interrupt();
-    if let Some(threads) = arguments.threads {
-        // It fails only where the pool is there already.
-        let _ = rayon::ThreadPoolBuilder::new().num_threads(threads.get()).build_global();
-    }
+    limits::end_cleanly_at_limits();
+    limits::start_threads(arguments.threads);
     match run(&arguments.command) {
         Ok(()) => ExitCode::SUCCESS,
-        Err(failure) if failure.is_closed_pipe() => ExitCode::SUCCESS,
-        Err(failure) => {
-            // There is nobody to tell when stderr is closed, too.
-            let _ = write!(io::stderr(), "{}", explain(&failure));
+        Err(error) if error.is_closed_pipe() => ExitCode::SUCCESS,
+        Err(error) => {
+            output::explain(&error);
             ExitCode::FAILURE
         }
     }
 }
 
-fn run(command: &Command) -> Result<(), Failure> {
+fn run(command: &Subcommand) -> Result<(), CommandError> {
     match command {
-        Command::Unwrap(args) => unwrap::run(args),
-        Command::Extract(args) => extract::run(args),
-        Command::Compare(args) => compare::run(args),
-        Command::Measure(args) => measure::run(args),
-        Command::Persistence(args) => persistence::run(args),
-        Command::Features(args) => features::run(args),
-        Command::Shape(args) => shape::run(args),
-        Command::Demo(args) => demo::run(args),
+        Subcommand::Unwrap(args) => unwrap::run(args),
+        Subcommand::Extract(args) => extract::run(args),
+        Subcommand::Compare(args) => compare::run(args),
+        Subcommand::Measure(args) => measure::run(args),
+        Subcommand::Persistence(args) => persistence::run(args),
+        Subcommand::Features(args) => features::run(args),
+        Subcommand::Shape(args) => shape::run(args),
+        Subcommand::Demo(args) => demo::run(args),
+        Subcommand::Completions(args) => completions::run(args, Arguments::command()),
+        Subcommand::Man(args) => man::run(args, Arguments::command()),
     }
-}
-
-/// The failure and what lies behind it, a line each.
-fn explain(failure: &Failure) -> String {
-    let mut text = format!("error: {failure}\n");
-    let mut behind = failure.source();
-    while let Some(error) = behind {
-        text += &format!("  because {error}\n");
-        behind = error.source();
-    }
-    text
 }

@@ -1,11 +1,11 @@
 //! `cones features`: the feature points of a mesh, which are the extrema of a field by their persistence.
 
-use crate::args::non_negative;
-use crate::commands::persistence::{NanName, Pair, PairList, Places, Seconds, Subject, Wanted, explain};
-use crate::failure::Failure;
-use crate::input::{Number, Source};
+use crate::commands::persistence::{DomainField, NanName, Pair, PairList, PairingTimes, Places, Wanted, explain};
+use crate::commands::shared::non_negative;
+use crate::error::CommandError;
+use crate::input::{Number, Source, significant};
 use crate::output;
-use crate::render::{Chart, Mark, draw_values};
+use crate::render::{Mark, Scene, draw_values};
 use crate::report::table::{columns, thousands};
 use crate::report::{SCHEMA, kind_name};
 use clap::{Args, ValueEnum};
@@ -15,7 +15,7 @@ use std::time::Instant;
 use topo::{Kind, NanPolicy, PersistenceOptions};
 
 #[derive(Args, Debug)]
-pub(crate) struct Arguments {
+pub(crate) struct FeaturesArgs {
     /// The surface: OBJ, OFF, PLY or STL
     #[arg(value_name = "IN")]
     input: PathBuf,
@@ -29,8 +29,8 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "P", group = "which", value_parser = non_negative, allow_negative_numbers = true)]
     min_persistence: Option<f64>,
     /// In what order extrema become feature points
-    #[arg(long, value_enum, default_value_t = Method::Persistence)]
-    method: Method,
+    #[arg(long, value_enum, default_value_t = OrderName::Persistence)]
+    method: OrderName,
     /// What to do with NaN in a file of values
     #[arg(long, value_enum, default_value_t = NanName::Refuse)]
     nan: NanName,
@@ -53,7 +53,7 @@ const TAIL: f64 = 0.02;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, ValueEnum)]
 #[serde(rename_all = "lowercase")]
-enum Method {
+enum OrderName {
     /// By persistence, whatever their kind
     Persistence,
     /// The most persistent maximum, minimum, maximum, …
@@ -62,25 +62,25 @@ enum Method {
 
 /// The report of `cones features`. Its keys are stable.
 #[derive(Debug, Serialize)]
-struct Report {
+struct FeaturesReport {
     schema: u32,
-    input: Input,
-    method: Method,
+    input: MeshInput,
+    method: OrderName,
     /// How many extrema of some persistence the field has.
     count: usize,
-    extrema: Vec<Extremum>,
-    times: Seconds,
+    extrema: Vec<FeaturePoint>,
+    times: PairingTimes,
 }
 
 #[derive(Debug, Serialize)]
-struct Input {
+struct MeshInput {
     path: String,
     vertices: usize,
     faces: usize,
 }
 
 #[derive(Clone, Debug, Serialize)]
-struct Extremum {
+struct FeaturePoint {
     vertex: usize,
     position: [f64; 3],
     kind: &'static str,
@@ -91,11 +91,11 @@ struct Extremum {
     saddle: Option<usize>,
 }
 
-pub(crate) fn run(args: &Arguments) -> Result<(), Failure> {
+pub(crate) fn run(args: &FeaturesArgs) -> Result<(), CommandError> {
     check_outputs(args)?;
     let start = Instant::now();
-    let subject = Subject::mesh(&args.input, &args.field)?;
-    let mut times = Seconds { read: Some(start.elapsed().as_secs_f64()), ..Seconds::default() };
+    let subject = DomainField::mesh(&args.input, &args.field)?;
+    let mut times = PairingTimes { read: Some(start.elapsed().as_secs_f64()), ..PairingTimes::default() };
     let minima = pairs(args, &subject, Kind::Minimum, &mut times)?;
     let maxima = pairs(args, &subject, Kind::Maximum, &mut times)?;
     let count = minima.pairs.len() + maxima.pairs.len();
@@ -104,18 +104,18 @@ pub(crate) fn run(args: &Arguments) -> Result<(), Failure> {
         extrema.truncate(args.count.unwrap_or(COUNT));
     }
     let start = Instant::now();
-    let input = Input {
+    let input = MeshInput {
         path: args.input.display().to_string(),
         vertices: subject.vertex_count(),
         faces: faces(&subject.places),
     };
-    let mut report = Report { schema: SCHEMA, input, method: args.method, count, extrema, times };
+    let mut report = FeaturesReport { schema: SCHEMA, input, method: args.method, count, extrema, times };
     write(args, &subject, &report)?;
     report.times.write = Some(start.elapsed().as_secs_f64());
     if args.json { output::print_json(&report) } else { output::print(&text(&report)) }
 }
 
-fn check_outputs(args: &Arguments) -> Result<(), Failure> {
+fn check_outputs(args: &FeaturesArgs) -> Result<(), CommandError> {
     args.output.as_deref().map_or(Ok(""), |path| output::extension(path, &["csv", "json"]))?;
     args.picture.as_deref().map_or(Ok(""), |path| output::extension(path, &["png"]))?;
     let inputs: Vec<&Path> = [Some(args.input.as_path()), args.field.file()].into_iter().flatten().collect();
@@ -123,7 +123,12 @@ fn check_outputs(args: &Arguments) -> Result<(), Failure> {
     output::check(&inputs, &outputs)
 }
 
-fn pairs(args: &Arguments, subject: &Subject, kind: Kind, times: &mut Seconds) -> Result<PairList, Failure> {
+fn pairs(
+    args: &FeaturesArgs,
+    subject: &DomainField,
+    kind: Kind,
+    times: &mut PairingTimes,
+) -> Result<PairList, CommandError> {
     let start = Instant::now();
     // A computed field is NaN where a mesh has no surface, which is no mistake of anyone's.
     let nan = if args.field.leaves_gaps() { NanPolicy::Mask } else { args.nan.policy() };
@@ -136,8 +141,8 @@ fn pairs(args: &Arguments, subject: &Subject, kind: Kind, times: &mut Seconds) -
     Ok(list)
 }
 
-fn extrema(list: &PairList, places: &Places) -> Vec<Extremum> {
-    let extremum = |pair: &Pair| Extremum {
+fn extrema(list: &PairList, places: &Places) -> Vec<FeaturePoint> {
+    let extremum = |pair: &Pair| FeaturePoint {
         vertex: pair.extremum,
         position: places.point(pair.extremum).expect("a mesh's vertices are in space"),
         kind: kind_name(list.kind),
@@ -149,12 +154,12 @@ fn extrema(list: &PairList, places: &Places) -> Vec<Extremum> {
 }
 
 /// The extrema of both kinds in one order, each kind given most persistent first; a maximum comes first.
-fn ordered(method: Method, minima: Vec<Extremum>, maxima: Vec<Extremum>) -> Vec<Extremum> {
-    let mut ranked: Vec<(usize, Extremum)> =
+fn ordered(method: OrderName, minima: Vec<FeaturePoint>, maxima: Vec<FeaturePoint>) -> Vec<FeaturePoint> {
+    let mut ranked: Vec<(usize, FeaturePoint)> =
         maxima.into_iter().enumerate().chain(minima.into_iter().enumerate()).collect();
     match method {
-        Method::Persistence => ranked.sort_by(|a, b| b.1.persistence.to_f64().total_cmp(&a.1.persistence.to_f64())),
-        Method::Alternating => ranked.sort_by_key(|(rank, _)| *rank),
+        OrderName::Persistence => ranked.sort_by(|a, b| b.1.persistence.to_f64().total_cmp(&a.1.persistence.to_f64())),
+        OrderName::Alternating => ranked.sort_by_key(|(rank, _)| *rank),
     }
     ranked.into_iter().map(|(_, extremum)| extremum).collect()
 }
@@ -163,16 +168,18 @@ fn faces(places: &Places) -> usize {
     if let Places::Mesh { triangles, .. } = places { triangles.len() } else { 0 }
 }
 
-fn write(args: &Arguments, subject: &Subject, report: &Report) -> Result<(), Failure> {
+fn write(args: &FeaturesArgs, subject: &DomainField, report: &FeaturesReport) -> Result<(), CommandError> {
     if let Some(path) = &args.output {
-        let text = if output::extension(path, &["csv", "json"])? == "csv" { csv(report) } else { output::json(report) };
-        output::write_text(path, &text)?;
+        match output::extension(path, &["csv", "json"])? {
+            "csv" => output::write_csv(path, &rows(report))?,
+            _ => output::write_json(path, report)?,
+        }
     }
     if let (Some(path), Places::Mesh { points, triangles }) = (&args.picture, &subject.places) {
-        let mark = |e: &Extremum| Mark { vertex: e.vertex as u32, positive: e.kind == kind_name(Kind::Minimum) };
+        let mark = |e: &FeaturePoint| Mark { vertex: e.vertex as u32, positive: e.kind == kind_name(Kind::Minimum) };
         let marks = report.extrema.iter().map(mark).collect();
-        let chart = Chart::new(points, triangles.clone(), vec![[[0.0; 2]; 3]; triangles.len()], vec![], marks);
-        output::write_png(path, &draw_values(&chart, &shares(&subject.values.to_f64())))?;
+        let scene = Scene::new(points, triangles.clone(), vec![[[0.0; 2]; 3]; triangles.len()], vec![], marks);
+        output::write_png(path, &draw_values(&scene, &shares(&subject.values.to_f64())))?;
     }
     Ok(())
 }
@@ -187,31 +194,34 @@ fn shares(values: &[f64]) -> Vec<f64> {
     values.iter().map(|&value| if value.is_nan() { value } else { share(value) }).collect()
 }
 
-fn text(report: &Report) -> String {
-    let head = ["#", "vertex", "kind", "value", "persistence", "saddle", "x", "y", "z"].map(String::from).to_vec();
+/// A table that fits 80 columns with a million vertices; saddles are in the files.
+fn text(report: &FeaturesReport) -> String {
+    let head = ["#", "vertex", "kind", "value", "persistence", "x", "y", "z"].map(String::from).to_vec();
     let mut rows = vec![head];
     for (i, extremum) in report.extrema.iter().enumerate() {
         let mut row = vec![
             (i + 1).to_string(),
             extremum.vertex.to_string(),
             extremum.kind.to_owned(),
-            extremum.value.short(),
+            significant(extremum.value.to_f64(), 4),
             extremum.persistence.short(),
-            extremum.saddle.map_or_else(|| "–".to_owned(), |saddle| saddle.to_string()),
         ];
-        row.extend(extremum.position.map(|x| format!("{x:.6}")));
+        row.extend(extremum.position.map(|x| significant(x, 5)));
         rows.push(row);
     }
     format!("{}{} feature points of {} extrema\n", columns(&rows), report.extrema.len(), thousands(report.count))
 }
 
-fn csv(report: &Report) -> String {
-    let mut text = "vertex,kind,value,persistence,saddle,x,y,z\n".to_owned();
-    for Extremum { vertex, position: [x, y, z], kind, value, persistence, saddle } in &report.extrema {
+/// The feature points as rows of a table under a head.
+fn rows(report: &FeaturesReport) -> Vec<Vec<String>> {
+    let head = ["vertex", "kind", "value", "persistence", "saddle", "x", "y", "z"].map(str::to_owned).to_vec();
+    let row = |FeaturePoint { vertex, position, kind, value, persistence, saddle }: &FeaturePoint| {
         let saddle = saddle.map_or_else(String::new, |saddle| saddle.to_string());
-        text += &format!("{vertex},{kind},{value},{persistence},{saddle},{x:?},{y:?},{z:?}\n");
-    }
-    text
+        let mut row = vec![vertex.to_string(), (*kind).to_owned(), value.to_string(), persistence.to_string(), saddle];
+        row.extend(position.map(|x| format!("{x:?}")));
+        row
+    };
+    std::iter::once(head).chain(report.extrema.iter().map(row)).collect()
 }
 
 #[cfg(test)]

@@ -1,10 +1,14 @@
 //! The subcommands, a file or a folder each: what may be asked of it, and what it does.
 
 pub(crate) mod compare;
+pub(crate) mod completions;
 pub(crate) mod demo;
 pub(crate) mod extract;
 pub(crate) mod features;
+pub(crate) mod man;
 pub(crate) mod measure;
 pub(crate) mod persistence;
 pub(crate) mod shape;
 pub(crate) mod unwrap;
+
+mod shared;

@@ -1,20 +1,45 @@
 //! `cones shape`: a built-in shape as a file.
 
-use crate::args::Shape;
-use crate::failure::Failure;
+use crate::commands::shared::vertex_count;
+use crate::error::CommandError;
 use crate::output;
 use crate::report::table::thousands;
+use clap::Args;
 use geom::Model;
 use geom::io::{ObjContent, write_obj};
 use geom::shapes;
+use std::path::PathBuf;
 
-pub(crate) fn run(args: &Shape) -> Result<(), Failure> {
+#[derive(Args, Debug)]
+pub(crate) struct ShapeArgs {
+    /// Which shape
+    #[arg(value_name = "NAME", value_parser = shape_name, long_help = shape_help())]
+    name: String,
+    /// About how many vertices
+    #[arg(long, value_name = "N", default_value_t = 10_000, value_parser = vertex_count)]
+    vertices: usize,
+    /// Where to write it: .obj
+    #[arg(short, long, value_name = "OUT")]
+    output: PathBuf,
+}
+
+fn shape_name(text: &str) -> Result<String, String> {
+    // A shape of few vertices is made in no time, and tells whether the name is known.
+    let known = shapes::by_name(text, 1).is_some();
+    if known { Ok(text.to_owned()) } else { Err(format!("known are {}", shapes::NAMES.join(", "))) }
+}
+
+fn shape_help() -> String {
+    format!("Which shape: {}, or torus-G of genus G", shapes::NAMES.join(", "))
+}
+
+pub(crate) fn run(args: &ShapeArgs) -> Result<(), CommandError> {
     output::extension(&args.output, &["obj"])?;
     output::check(&[], &[&args.output])?;
     let model = model(&args.name, args.vertices);
     output::write(&args.output, |out| write_obj(&model, &ObjContent::default(), out))?;
     let (vertices, faces) = (thousands(model.vertex_count()), thousands(model.face_count()));
-    output::print(&format!(
+    output::summary(&format!(
         "{}: {vertices} vertices, {faces} triangles, written to {}\n",
         args.name,
         args.output.display()

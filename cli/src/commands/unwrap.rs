@@ -1,40 +1,88 @@
 //! `cones unwrap`: a surface in, its texture coordinates out.
 
-use crate::args::Unwrap;
-use crate::failure::Failure;
-use crate::input::cone_file;
-use crate::job::{self, Job};
+use crate::commands::shared::{CandidateArgs, Scale, Unwrapped, warn};
+use crate::error::CommandError;
+use crate::input::{self, cone_file};
 use crate::output;
 use crate::progress::Progress;
-use crate::render::{self, Chart};
-use crate::report::hierarchy_file;
-use crate::report::{Report, Times};
-use cones::Options;
+use crate::render::{self, Scene};
+use crate::report::table::labelled;
+use crate::report::{HierarchyFile, Times, UnwrapReport};
+use clap::Args;
+use cones::{ConeChoice, Options};
 use geom::io::{ObjContent, write_glb, write_obj, write_ply};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-pub(crate) fn run(args: &Unwrap) -> Result<(), Failure> {
+#[derive(Args, Debug)]
+pub(crate) struct UnwrapArgs {
+    /// The surface: OBJ, OFF, PLY or STL, gzipped or not
+    #[arg(value_name = "IN")]
+    input: PathBuf,
+    /// Where to write it with texture coordinates: .obj, .ply or .glb
+    #[arg(short, long, value_name = "OUT")]
+    output: PathBuf,
+    #[command(flatten)]
+    candidates: CandidateArgs,
+    /// Given cones: a file of lines `vertex curvature` or `vertex`, vertices counted from 0
+    #[arg(long, value_name = "FILE", group = "which")]
+    cones: Option<PathBuf>,
+    /// Size of the texture coordinates
+    #[arg(long, value_enum, default_value_t = Scale::Unit)]
+    scale: Scale,
+    /// Write the triangles that were computed with in place of the input's polygons
+    #[arg(long)]
+    triangulate: bool,
+    /// Write a report: .json
+    #[arg(long, value_name = "FILE")]
+    report: Option<PathBuf>,
+    /// Write the cones and their curvatures, as --cones reads them
+    #[arg(long, value_name = "FILE")]
+    cones_out: Option<PathBuf>,
+    /// Write the order of cones for every number of them, with what is predicted for each: .json
+    #[arg(long, value_name = "FILE")]
+    hierarchy: Option<PathBuf>,
+    /// Draw the model with checkerboard, seams and cones: .png
+    #[arg(long, value_name = "FILE")]
+    picture: Option<PathBuf>,
+    /// Draw the layout: .png or .svg
+    #[arg(long, value_name = "FILE")]
+    layout: Option<PathBuf>,
+    /// Print the report as JSON in place of the text
+    #[arg(long)]
+    json: bool,
+}
+
+pub(crate) fn run(args: &UnwrapArgs) -> Result<(), CommandError> {
     check_outputs(args)?;
-    let options = Options { order: args.hierarchy.is_some(), ..args.choice.options()? };
+    let options = options(args)?;
     let mut progress = Progress::begin(&args.input.display().to_string());
     let began = Instant::now();
-    let (model, read) = job::read(&args.input)?;
-    let job = Job::new(&args.input, model, options, args.scale, &mut progress)?;
+    let (model, read) = input::read_model(&args.input)?;
+    let unwrapped = Unwrapped::new(&args.input, model, options, args.scale, &mut progress)?;
     progress.step("write");
     let start = Instant::now();
-    write_surface(&job, &args.output, args.triangulate)?;
+    write_surface(&unwrapped, &args.output, args.triangulate)?;
     let [write, total] = [start, began].map(|since| Some(since.elapsed().as_secs_f64()));
     let times = Times { read: Some(read), write, total, ..Times::default() };
-    let report = job.report(&args.input, times);
-    write_extras(args, &job, &report)?;
+    let report = unwrapped.report(&args.input, times);
+    write_extras(args, &unwrapped, &report)?;
     drop(progress);
-    job::warn(&job.atlas.repairs, &job.atlas.warnings);
-    if args.json { output::print_json(&report) } else { output::print(&summary(&report, args)) }
+    warn(&unwrapped.atlas.repairs, &unwrapped.atlas.warnings);
+    if args.json { output::print_json(&report) } else { output::summary(&summary(&report, args)) }
+}
+
+/// The library's options.
+fn options(args: &UnwrapArgs) -> Result<Options, CommandError> {
+    let options = Options { order: args.hierarchy.is_some(), ..args.candidates.options() };
+    Ok(match &args.cones {
+        Some(file) => Options { cones: ConeChoice::Given(cone_file::read(file)?), ..options },
+        None => options,
+    })
 }
 
 /// Endings and places of the outputs, before anything is computed.
-fn check_outputs(args: &Unwrap) -> Result<(), Failure> {
+fn check_outputs(args: &UnwrapArgs) -> Result<(), CommandError> {
     output::extension(&args.output, &["obj", "ply", "glb"])?;
     let endings: [(&Option<_>, &[&str]); 4] = [
         (&args.report, &["json"]),
@@ -47,12 +95,11 @@ fn check_outputs(args: &Unwrap) -> Result<(), Failure> {
             output::extension(path, wanted)?;
         }
     }
-    let inputs: Vec<&Path> =
-        [Some(&args.input), args.choice.cones.as_ref()].into_iter().flatten().map(|p| &**p).collect();
+    let inputs: Vec<&Path> = [Some(&args.input), args.cones.as_ref()].into_iter().flatten().map(|p| &**p).collect();
     output::check(&inputs, &outputs(args))
 }
 
-fn outputs(args: &Unwrap) -> Vec<&Path> {
+fn outputs(args: &UnwrapArgs) -> Vec<&Path> {
     let all = [
         Some(&args.output),
         args.report.as_ref(),
@@ -64,48 +111,51 @@ fn outputs(args: &Unwrap) -> Vec<&Path> {
     all.into_iter().flatten().map(|p| &**p).collect()
 }
 
-fn write_surface(job: &Job, path: &Path, triangulate: bool) -> Result<(), Failure> {
-    let triangles = job.model.triangles();
+fn write_surface(unwrapped: &Unwrapped, path: &Path, triangulate: bool) -> Result<(), CommandError> {
+    let triangles = unwrapped.model.triangles();
     let asked = triangulate.then_some(&triangles);
-    let uv = Some(job.uv.as_slice());
+    let uv = Some(unwrapped.uv.as_slice());
     match output::extension(path, &["obj", "ply", "glb"])? {
-        "ply" => output::write(path, |out| write_ply(&job.model, uv, asked, out)),
-        "glb" => output::write(path, |out| {
-            write_glb(&job.model, uv, &triangles, Some(&render::Checker::texture().png()?), out)
-        }),
+        "ply" => output::write(path, |out| write_ply(&unwrapped.model, uv, asked, out)),
+        "glb" => {
+            let texture = render::Checker::texture().png();
+            output::write(path, |out| write_glb(&unwrapped.model, uv, &triangles, Some(&texture?), out))
+        }
         _ => {
             let content = ObjContent { uv, triangles: asked, material: None };
-            output::write(path, |out| write_obj(&job.model, &content, out))
+            output::write(path, |out| write_obj(&unwrapped.model, &content, out))
         }
     }
 }
 
-fn write_extras(args: &Unwrap, job: &Job, report: &Report) -> Result<(), Failure> {
+fn write_extras(args: &UnwrapArgs, unwrapped: &Unwrapped, report: &UnwrapReport) -> Result<(), CommandError> {
     if let Some(path) = &args.report {
-        output::write_text(path, &output::json(report))?;
+        output::write_json(path, report)?;
     }
     if let Some(path) = &args.cones_out {
-        output::write_text(path, &cone_file::text(&job.atlas.cones))?;
+        output::write_text(path, &cone_file::text(&unwrapped.atlas.cones))?;
     }
-    hierarchy_file::write(args.hierarchy.as_deref(), job.atlas.order.as_ref())?;
+    if let (Some(path), Some(order)) = (&args.hierarchy, &unwrapped.atlas.order) {
+        output::write_json(path, &HierarchyFile::from(order))?;
+    }
     if args.picture.is_none() && args.layout.is_none() {
         return Ok(());
     }
-    let chart = job.chart();
+    let scene = unwrapped.scene();
     if let Some(path) = &args.picture {
-        output::write_png(path, &render::draw_model(&chart))?;
+        output::write_png(path, &render::draw_model(&scene))?;
     }
-    args.layout.as_ref().map_or(Ok(()), |path| write_layout(path, &chart))
+    args.layout.as_ref().map_or(Ok(()), |path| write_layout(path, &scene))
 }
 
-fn write_layout(path: &Path, chart: &Chart) -> Result<(), Failure> {
+fn write_layout(path: &Path, scene: &Scene) -> Result<(), CommandError> {
     match output::extension(path, &["png", "svg"])? {
-        "svg" => output::write_text(path, &render::draw_layout_svg(chart)),
-        _ => output::write_png(path, &render::draw_layout(chart)),
+        "svg" => output::write_text(path, &render::draw_layout_svg(scene)),
+        _ => output::write_png(path, &render::draw_layout(scene)),
     }
 }
 
-fn summary(report: &Report, args: &Unwrap) -> String {
+fn summary(report: &UnwrapReport, args: &UnwrapArgs) -> String {
     let written: Vec<String> = outputs(args).iter().map(|p| p.display().to_string()).collect();
-    format!("{}written   {}\n", report.text(), written.join(", "))
+    report.text() + &labelled("written", &written.join(", "))
 }

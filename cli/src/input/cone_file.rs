@@ -2,23 +2,35 @@
 //!
 //! The curvature, in radians, may be missing: then it is chosen by `--angles`.
 
-use crate::failure::Failure;
 use cones::Cone;
 use std::fmt::Write;
-use std::path::Path;
+use std::io;
+use std::path::{Path, PathBuf};
+use thiserror::Error;
+
+/// Why a file of cones cannot be used.
+#[derive(Debug, Error)]
+pub(crate) enum ConeFileError {
+    #[error("{} cannot be read", path.display())]
+    Io { path: PathBuf, source: io::Error },
+    #[error("{}, line {line}: {text:?} is not a cone: write a vertex's index from 0, then its curvature or nothing", path.display())]
+    NotACone { path: PathBuf, line: usize, text: String },
+    #[error("{} lists no cone: write lines of a vertex's index from 0 and its curvature", .0.display())]
+    Empty(PathBuf),
+}
 
 /// A vertex and, where it is given, its curvature.
 type Given = (u32, Option<f64>);
 
 /// Reads the cones of a file.
-pub(crate) fn read(path: &Path) -> Result<Vec<Given>, Failure> {
-    let bytes = std::fs::read(path).map_err(|source| Failure::ReadCones { path: path.to_owned(), source })?;
-    let cones = parse(&String::from_utf8_lossy(&bytes)).map_err(|(line, text)| Failure::NotACone {
+pub(crate) fn read(path: &Path) -> Result<Vec<Given>, ConeFileError> {
+    let bytes = std::fs::read(path).map_err(|source| ConeFileError::Io { path: path.to_owned(), source })?;
+    let cones = parse(&String::from_utf8_lossy(&bytes)).map_err(|(line, text)| ConeFileError::NotACone {
         path: path.to_owned(),
         line,
         text,
     })?;
-    if cones.is_empty() { Err(Failure::NoCones(path.to_owned())) } else { Ok(cones) }
+    if cones.is_empty() { Err(ConeFileError::Empty(path.to_owned())) } else { Ok(cones) }
 }
 
 /// The cones, or the number and text of the first line that is none.

@@ -1,6 +1,6 @@
 //! Numbers written in decimal: one a line in a text, or a column of a table.
 
-use super::error::{Place, Problem, ReadError};
+use super::error::{FilePosition, Problem, ReadError};
 use super::values::Values;
 use std::path::Path;
 
@@ -41,7 +41,7 @@ pub(super) fn read(path: &Path) -> Result<Values, ReadError> {
         let text = String::from_utf8_lossy(text);
         let text = text.trim_start_matches('\u{feff}').trim();
         if !text.is_empty() && !text.starts_with('#') {
-            numbers.push(text).map_err(|problem| problem.at(Place::Line(line), path))?;
+            numbers.push(text).map_err(|problem| problem.at(FilePosition::Line(line), path))?;
         }
     }
     let values = numbers.into_values();

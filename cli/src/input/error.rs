@@ -10,13 +10,13 @@ use thiserror::Error;
 #[error("{}{place}: {problem}", path.display())]
 pub(crate) struct ReadError {
     path: PathBuf,
-    place: Place,
+    place: FilePosition,
     problem: Problem,
 }
 
 /// Where in a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Place {
+pub(crate) enum FilePosition {
     File,
     /// Counted from 1.
     Line(u64),
@@ -51,6 +51,10 @@ pub(crate) enum Problem {
     Memory { vertices: u64, needed: u64, free: u64 },
     #[error("has {0} values, and 2147483646 are the most that can be numbered: take a part of it or every other value")]
     TooMany(u64),
+    #[error(
+        "claims {pixels} pixels in {length} bytes, which is more than a picture of anything: if it is one, save it as .npy or .pgm"
+    )]
+    Expansion { pixels: u64, length: u64 },
     #[error("is no PNG picture that can be read ({0})")]
     Png(#[from] png::DecodingError),
     #[error("{0}")]
@@ -63,16 +67,21 @@ pub(crate) enum Problem {
     NoNode(String),
     #[error("has {values} values where the mesh has {vertices} vertices: it needs one for each, in the mesh's order")]
     Count { values: usize, vertices: usize },
+    #[error("has no vertex {vertex}: it has {vertices}, counted from 0")]
+    NoVertex { vertex: usize, vertices: usize },
     #[error("holds no values")]
     Empty,
 }
 
+/// A problem and where it is, before the file is known.
+pub(super) type Fault = (FilePosition, Problem);
+
 impl Problem {
     pub(crate) fn in_file(self, path: &Path) -> ReadError {
-        self.at(Place::File, path)
+        self.at(FilePosition::File, path)
     }
 
-    pub(crate) fn at(self, place: Place, path: &Path) -> ReadError {
+    pub(crate) fn at(self, place: FilePosition, path: &Path) -> ReadError {
         ReadError { path: path.to_owned(), place, problem: self }
     }
 
@@ -81,7 +90,7 @@ impl Problem {
     }
 }
 
-impl fmt::Display for Place {
+impl fmt::Display for FilePosition {
     /// Between the file's name and the colon.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {

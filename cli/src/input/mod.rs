@@ -1,4 +1,4 @@
-//! Scalar fields and what they live on, from files: arrays, pictures, meshes and networks.
+//! What is read: models, files of cones, and scalar fields with what they live on: arrays, pictures, meshes and networks.
 //!
 //! A file is known by its ending. Every message names the file and the line, byte or vertex. Memory is asked for as data
 //! comes in, never because a header claims it, and a field that cannot be worked on in the memory that is free is refused
@@ -16,17 +16,26 @@ mod memory;
 mod network;
 mod npy;
 mod pgm;
-mod surface;
+mod source;
 mod values;
 
 pub(crate) use array::{Array, Axes};
+pub(crate) use cone_file::ConeFileError;
 pub(crate) use error::{Problem, ReadError};
 pub(crate) use network::{Network, edges_beside};
 pub(crate) use npy::write_labels;
-pub(crate) use surface::{Source, Surface};
-pub(crate) use values::{FieldScalar, Number, Values, each, six_digits};
+pub(crate) use source::Source;
+pub(crate) use values::{FieldScalar, Number, Values, each, significant, six_digits};
 
+use geom::Model;
 use std::path::Path;
+use std::time::Instant;
+
+/// Reads a model, and how many seconds that took.
+pub(crate) fn read_model(path: &Path) -> Result<(Model, f64), geom::io::ReadError> {
+    let start = Instant::now();
+    Ok((geom::io::read(path)?, start.elapsed().as_secs_f64()))
+}
 
 /// What a file holds, by its ending.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

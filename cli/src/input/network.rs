@@ -1,7 +1,7 @@
 //! Networks: a table of nodes and a table of edges.
 
 use super::decimal::Decimals;
-use super::error::{Place, Problem, ReadError};
+use super::error::{FilePosition, Problem, ReadError};
 use super::values::Values;
 use csv::{ReaderBuilder, StringRecord, Trim};
 use std::collections::HashMap;
@@ -104,12 +104,12 @@ impl<'a> Table<'a> {
 
     /// A problem in the row read last.
     fn fault(&self, problem: Problem) -> ReadError {
-        problem.at(Place::Line(self.line), self.path)
+        problem.at(FilePosition::Line(self.line), self.path)
     }
 }
 
 fn fault(error: &csv::Error, path: &Path) -> ReadError {
-    let place = error.position().map_or(Place::File, |position| Place::Line(position.line()));
+    let place = error.position().map_or(FilePosition::File, |position| FilePosition::Line(position.line()));
     let message = match error.kind() {
         csv::ErrorKind::UnequalLengths { expected_len, len, .. } => {
             format!("there are {len} cells where the first line names {expected_len} columns")

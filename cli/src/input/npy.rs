@@ -6,7 +6,7 @@
 //! doubles, dates, records, objects.
 
 use super::array::{Array, to_c_order};
-use super::error::{Place, Problem, ReadError};
+use super::error::{Fault, FilePosition, Problem, ReadError};
 use super::memory;
 use super::values::Values;
 use std::fs::File;
@@ -55,16 +55,14 @@ enum Class {
     Float,
 }
 
-type Fault = (Place, Problem);
-
 impl Header {
     /// The header and how many bytes it takes.
     fn read(reader: &mut impl Read) -> Result<(Self, u64), Fault> {
-        let unreadable = |error: io::Error| (Place::File, error.into());
+        let unreadable = |error: io::Error| (FilePosition::File, error.into());
         let mut start = [0; 10];
         let got = fill(reader, &mut start).map_err(unreadable)?;
         if got < start.len() || start[..6] != *MAGIC {
-            return Err((Place::File, Problem::unexpected("another content", "a NumPy array")));
+            return Err((FilePosition::File, Problem::unexpected("another content", "a NumPy array")));
         }
         let mut length = usize::from(u16::from_le_bytes([start[8], start[9]]));
         let mut before = start.len();
@@ -78,16 +76,16 @@ impl Header {
             }
             version => {
                 let found = format!("version {version} of the format");
-                return Err((Place::Byte(6), Problem::unexpected(found, "1, 2 or 3")));
+                return Err((FilePosition::Byte(6), Problem::unexpected(found, "1, 2 or 3")));
             }
         }
         if length > LONGEST_HEADER {
             let expected = format!("no more than {LONGEST_HEADER}");
-            return Err((Place::Byte(8), Problem::unexpected(format!("a header of {length} bytes"), expected)));
+            return Err((FilePosition::Byte(8), Problem::unexpected(format!("a header of {length} bytes"), expected)));
         }
         let mut text = vec![0; length];
         if fill(reader, &mut text).map_err(unreadable)? < length {
-            return Err((Place::File, Problem::unexpected("the end of the file", "the rest of the header")));
+            return Err((FilePosition::File, Problem::unexpected("the end of the file", "the rest of the header")));
         }
         let header = Scanner { text: &text, at: 0, before }.header()?;
         Ok((header, (before + length) as u64))
@@ -213,7 +211,7 @@ impl Scanner<'_> {
             Some(count) => count,
             // An axis without vertices leaves none, however long the others are.
             None if shape.contains(&0) => 0,
-            None => return Err((Place::File, Problem::Shape(shape))),
+            None => return Err((FilePosition::File, Problem::Shape(shape))),
         };
         Ok(Header { item, is_fortran, shape, count })
     }
@@ -289,8 +287,8 @@ impl Scanner<'_> {
         &self.text[self.at..]
     }
 
-    fn place(&self) -> Place {
-        Place::Byte((self.before + self.at) as u64)
+    fn place(&self) -> FilePosition {
+        FilePosition::Byte((self.before + self.at) as u64)
     }
 
     fn fault(&self, found: impl Into<String>, expected: &str) -> Fault {
@@ -379,7 +377,7 @@ mod tests {
         ] {
             let (place, problem) = header(text).expect_err(text);
             assert!(problem.to_string().contains(told), "{text}: {problem}");
-            assert!(matches!(place, Place::Byte(10..)), "{text}");
+            assert!(matches!(place, FilePosition::Byte(10..)), "{text}");
         }
     }
 

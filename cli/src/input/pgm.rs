@@ -3,7 +3,7 @@
 //! Format: the manual page `pgm(5)` of Netpbm. Only the first picture of a file is read.
 
 use super::array::Array;
-use super::error::{Place, Problem, ReadError};
+use super::error::{Fault, FilePosition, Problem, ReadError};
 use super::memory;
 use super::values::Values;
 use std::path::Path;
@@ -14,13 +14,11 @@ pub(super) fn read(path: &Path) -> Result<Array, ReadError> {
     parse(&bytes).map_err(|(place, problem)| problem.at(place, path))
 }
 
-type Fault = (Place, Problem);
-
 fn parse(bytes: &[u8]) -> Result<Array, Fault> {
     let is_binary = match bytes.get(..2) {
         Some(b"P5") => true,
         Some(b"P2") => false,
-        _ => return Err((Place::Byte(0), Problem::unexpected("another content", "P2 or P5, a grey map"))),
+        _ => return Err((FilePosition::Byte(0), Problem::unexpected("another content", "P2 or P5, a grey map"))),
     };
     let mut words = Words { bytes, at: 2 };
     let width = words.number("the width", u32::MAX)?;
@@ -36,9 +34,9 @@ fn parse(bytes: &[u8]) -> Result<Array, Fault> {
     let rest = bytes.get(start..).unwrap_or_default();
     let present = (rest.len() + usize::from(!is_binary)) as u64 / room;
     if present < claimed {
-        return Err((Place::File, Problem::CutShort { claimed, present }));
+        return Err((FilePosition::File, Problem::CutShort { claimed, present }));
     }
-    memory::check(claimed, 4).map_err(|problem| (Place::File, problem))?;
+    memory::check(claimed, 4).map_err(|problem| (FilePosition::File, problem))?;
     let values = match (is_binary, size) {
         (false, _) => (0..claimed).map(|_| Ok(words.number("a value", most)? as i32)).collect::<Result<_, Fault>>()?,
         (true, 1) => rest.iter().take(claimed as usize).map(|&value| value.into()).collect(),
@@ -84,7 +82,7 @@ impl Words<'_> {
     }
 
     fn fault(&self, found: impl Into<String>, expected: &str) -> Fault {
-        (Place::Byte(self.at as u64), Problem::unexpected(found, expected))
+        (FilePosition::Byte(self.at as u64), Problem::unexpected(found, expected))
     }
 }
 

@@ -1,4 +1,4 @@
-//! Meshes with a value for each vertex, from a file or computed.
+//! Where the values of a mesh come from: a file, or they are computed.
 
 use super::computed::Computed;
 use super::decimal;
@@ -6,9 +6,6 @@ use super::ending;
 use super::error::{Problem, ReadError};
 use super::npy;
 use super::values::Values;
-use crate::failure::Failure;
-use crate::job;
-use cones::Options;
 use geom::Model;
 use std::path::{Path, PathBuf};
 
@@ -45,43 +42,28 @@ impl Source {
         if let Self::File(path) = self { Some(path) } else { None }
     }
 
+    /// The values on a mesh, read or computed; none for the conformal factor, which takes a solver.
+    pub(crate) fn values(
+        &self,
+        path: &Path,
+        model: &Model,
+        triangles: &[[u32; 3]],
+    ) -> Result<Option<Values>, ReadError> {
+        let vertices = model.vertex_count();
+        match self {
+            Self::Factor => Ok(None),
+            Self::Computed(Computed::Distance(Some(vertex))) if *vertex >= vertices => {
+                Err(Problem::NoVertex { vertex: *vertex, vertices }.in_file(path))
+            }
+            Self::Computed(computed) => Ok(Some(Values::F64(computed.on(model, triangles)))),
+            Self::File(file) => read_values(file, vertices).map(Some),
+        }
+    }
+
     /// Whether NaN stands for vertices that are on no surface, and not for a mistake.
     pub(crate) fn leaves_gaps(&self) -> bool {
         !matches!(self, Self::File(_))
     }
-}
-
-/// A mesh with a field.
-#[derive(Debug)]
-pub(crate) struct Surface {
-    pub(crate) model: Model,
-    pub(crate) triangles: Vec<[u32; 3]>,
-    pub(crate) values: Values,
-}
-
-impl Surface {
-    /// Reads a mesh and reads or computes its values. Polygons are cut into triangles.
-    pub(crate) fn read(path: &Path, source: &Source) -> Result<Self, Failure> {
-        let (model, _) = job::read(path)?;
-        let triangles = model.triangles().vertices(&model);
-        let values = match source {
-            Source::Factor => Values::F64(factor(path, &model)?),
-            Source::Computed(Computed::Distance(Some(from))) if *from >= model.vertex_count() => {
-                return Err(Failure::NoVertex { path: path.to_owned(), vertex: *from, vertices: model.vertex_count() });
-            }
-            Source::Computed(computed) => Values::F64(computed.on(&model, &triangles)),
-            Source::File(file) => read_values(file, model.vertex_count())?,
-        };
-        Ok(Self { model, triangles, values })
-    }
-}
-
-/// The conformal factor φ of each vertex; NaN where it is on no surface.
-fn factor(path: &Path, model: &Model) -> Result<Vec<f64>, Failure> {
-    let found = cones::extract(model, &Options::default(), &mut |_| {})
-        .map_err(|error| Failure::Unwrap { path: path.to_owned(), error })?;
-    job::warn(&found.repairs, &[]);
-    Ok(found.factor)
 }
 
 fn read_values(path: &Path, vertices: usize) -> Result<Values, ReadError> {

@@ -91,23 +91,30 @@ impl Serialize for Number {
     }
 }
 
-/// A number to six significant digits, as C's `%g` writes it.
+/// A number to six significant digits and without idle zeros, as C's `%g` writes it.
 pub(crate) fn six_digits(x: f64) -> String {
+    let text = with_digits(x, 6, -5);
+    let (digits, exponent) = text.find('e').map_or((&*text, ""), |at| text.split_at(at));
+    match digits.contains('.') {
+        true => format!("{}{exponent}", digits.trim_end_matches('0').trim_end_matches('.')),
+        false => text,
+    }
+}
+
+/// A number to so many significant digits, with at most four letters and a sign beside them.
+pub(crate) fn significant(x: f64, digits: usize) -> String {
+    with_digits(x, digits, -3)
+}
+
+/// A number to so many significant digits, with an exponent where it is less than `least` or the digits do not reach the point.
+fn with_digits(x: f64, digits: usize, least: i32) -> String {
     if x == 0.0 || !x.is_finite() {
         return format!("{x}").replace("-0", "0");
     }
-    let scientific = format!("{x:.5e}");
+    let last = digits as i32 - 1;
+    let scientific = format!("{x:.*e}", digits - 1);
     let exponent: i32 = scientific.split_once('e').and_then(|(_, e)| e.parse().ok()).unwrap_or(0);
-    let trimmed = |digits: &str| match digits.contains('.') {
-        true => digits.trim_end_matches('0').trim_end_matches('.').to_owned(),
-        false => digits.to_owned(),
-    };
-    if (-5..6).contains(&exponent) {
-        trimmed(&format!("{x:.*}", (5 - exponent) as usize))
-    } else {
-        let digits = scientific.split('e').next().unwrap_or_default();
-        format!("{}e{exponent}", trimmed(digits))
-    }
+    if (least..=last).contains(&exponent) { format!("{x:.*}", (last - exponent) as usize) } else { scientific }
 }
 
 /// A number that a field may consist of here.
@@ -150,6 +157,12 @@ mod tests {
     fn six_digits_are_kept_and_no_idle_zeros() {
         let told = [0.0, -0.0, 1.0, -2.5, 123_456.7, 1e-7, 1.5e20, 0.1 + 0.2, f64::INFINITY].map(six_digits);
         assert_eq!(told, ["0", "0", "1", "-2.5", "123457", "1e-7", "1.5e20", "0.3", "inf"]);
+    }
+
+    #[test]
+    fn columns_of_numbers_have_as_many_digits() {
+        let told = [0.0, 1.0, -0.0123, 98_765.4, 987_654.3, 2e-4].map(|x| significant(x, 5));
+        assert_eq!(told, ["0", "1.0000", "-0.012300", "98765", "9.8765e5", "2.0000e-4"]);
     }
 
     #[test]

@@ -3,12 +3,16 @@
 //! Every file is written under another name and renamed. An interrupt that comes meanwhile waits for that file, then
 //! ends the command with exit code 130; at any other moment it ends it at once.
 
-use crate::failure::Failure;
+mod file;
+
+use crate::error::CommandError;
 use crate::render::Picture;
+use anstyle::{AnsiColor, Style};
 use geom::io::WriteError;
+use std::error::Error;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
-use std::sync::{Mutex, MutexGuard, PoisonError, TryLockError};
+use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError, TryLockError};
 use std::time::Duration;
 
 /// Held while a file is being written.
@@ -40,34 +44,91 @@ fn busy() -> MutexGuard<'static, ()> {
     WRITING.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
+/// The style that clap gives its errors.
+const ERROR: Style = AnsiColor::Red.on_default().bold();
+const WARNING: Style = AnsiColor::Yellow.on_default().bold();
+
+/// How much is said.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) enum Volume {
+    /// Results and errors.
+    Quiet,
+    /// Warnings, progress and a summary as well.
+    #[default]
+    Normal,
+    /// Each stage as well.
+    Verbose,
+}
+
+/// Set once, from the arguments.
+static VOLUME: OnceLock<Volume> = OnceLock::new();
+
+/// Sets how much is said; without it it is [`Volume::Normal`].
+pub(crate) fn speak(volume: Volume) {
+    // It is set once, at the beginning.
+    let _ = VOLUME.set(volume);
+}
+
+pub(crate) fn volume() -> Volume {
+    VOLUME.get().copied().unwrap_or_default()
+}
+
 /// Writes a file, whole or not at all.
 pub(crate) fn write(
     path: &Path,
     content: impl FnOnce(&mut dyn Write) -> Result<(), WriteError>,
-) -> Result<(), Failure> {
+) -> Result<(), CommandError> {
     let _busy = busy();
-    Ok(geom::io::write_atomically(path, content)?)
+    file::write(path, content)
 }
 
 /// Writes a text file.
-pub(crate) fn write_text(path: &Path, text: &str) -> Result<(), Failure> {
+pub(crate) fn write_text(path: &Path, text: &str) -> Result<(), CommandError> {
     write(path, |out| Ok(out.write_all(text.as_bytes())?))
 }
 
+/// Writes a value as JSON.
+pub(crate) fn write_json(path: &Path, value: &impl serde::Serialize) -> Result<(), CommandError> {
+    write_text(path, &json(value))
+}
+
+/// Writes rows of comma-separated values.
+pub(crate) fn write_csv(path: &Path, rows: &[Vec<String>]) -> Result<(), CommandError> {
+    write_text(path, &csv(rows))
+}
+
 /// Writes a picture.
-pub(crate) fn write_png(path: &Path, picture: &Picture) -> Result<(), Failure> {
+pub(crate) fn write_png(path: &Path, picture: &Picture) -> Result<(), CommandError> {
     write(path, |out| Ok(picture.write_png(out)?))
 }
 
-/// Writes text to standard output.
-pub(crate) fn print(text: &str) -> Result<(), Failure> {
+/// Writes a result to standard output.
+pub(crate) fn print(text: &str) -> Result<(), CommandError> {
+    print_bytes(text.as_bytes())
+}
+
+/// Writes a result to standard output.
+pub(crate) fn print_bytes(bytes: &[u8]) -> Result<(), CommandError> {
     let mut out = io::stdout().lock();
-    out.write_all(text.as_bytes()).and_then(|()| out.flush()).map_err(Failure::Stdout)
+    out.write_all(bytes).and_then(|()| out.flush()).map_err(CommandError::Stdout)
 }
 
 /// Writes a value to standard output as JSON.
-pub(crate) fn print_json(value: &impl serde::Serialize) -> Result<(), Failure> {
+pub(crate) fn print_json(value: &impl serde::Serialize) -> Result<(), CommandError> {
     print(&json(value))
+}
+
+/// Says what was done where the results are files: on standard output, or on standard error where one of the files is
+/// standard output.
+pub(crate) fn summary(text: &str) -> Result<(), CommandError> {
+    match volume() {
+        Volume::Quiet => Ok(()),
+        _ if file::is_standard_output_taken() => {
+            note(text);
+            Ok(())
+        }
+        _ => print(text),
+    }
 }
 
 /// A value as JSON that people can read, too.
@@ -75,46 +136,80 @@ pub(crate) fn json(value: &impl serde::Serialize) -> String {
     serde_json::to_string_pretty(value).expect("reports have string keys and no failing parts") + "\n"
 }
 
+/// Rows, all of one length, as comma-separated values.
+pub(crate) fn csv(rows: &[Vec<String>]) -> String {
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    for row in rows {
+        writer.write_record(row).expect("memory can be written to, and all rows are as long as the first");
+    }
+    String::from_utf8(writer.into_inner().expect("memory can be written to")).expect("it was text")
+}
+
 /// A message for the user that is no part of the result.
 pub(crate) fn warn(message: &str) {
-    let _ = writeln!(io::stderr(), "warning: {message}");
+    if volume() != Volume::Quiet {
+        say("warning", WARNING, message);
+    }
 }
 
 /// Text for the user that is no part of the result.
 pub(crate) fn note(text: &str) {
-    let _ = write!(io::stderr(), "{text}");
+    let _ = write!(anstream::stderr(), "{text}");
+}
+
+/// An error and what lies behind it, a line each.
+pub(crate) fn explain(error: &CommandError) {
+    let mut text = error.to_string();
+    let mut behind = error.source();
+    while let Some(error) = behind {
+        text += &format!("\n  because {error}");
+        behind = error.source();
+    }
+    say("error", ERROR, &text);
+}
+
+/// Says something under a coloured word. Where stderr is no terminal, or `NO_COLOR` is set, it is not coloured.
+fn say(word: &str, style: Style, message: &str) {
+    // There is nobody to tell when stderr is closed, too.
+    let _ = writeln!(anstream::stderr(), "{style}{word}:{style:#} {message}");
 }
 
 /// Makes sure, before anything is computed, that the outputs can be written: into folders that are there and let files be
 /// made in them, each to a file of its own that is none of the inputs, by whatever name.
-pub(crate) fn check(inputs: &[&Path], outputs: &[&Path]) -> Result<(), Failure> {
+pub(crate) fn check(inputs: &[&Path], outputs: &[&Path]) -> Result<(), CommandError> {
     for (i, &path) in outputs.iter().enumerate() {
         if path.is_dir() {
-            return Err(Failure::OutputIsFolder(path.to_owned()));
+            return Err(CommandError::OutputIsFolder(path.to_owned()));
+        }
+        if file::is_written_directly(path) {
+            continue;
         }
         let folder = folder_of(path);
         if !folder.is_dir() {
-            return Err(Failure::NoFolder { folder: folder.to_owned(), path: path.to_owned() });
+            return Err(CommandError::NoFolder { folder: folder.to_owned(), path: path.to_owned() });
         }
         if inputs.iter().any(|&input| same_file(input, path)) {
-            return Err(Failure::OutputIsInput(path.to_owned()));
+            return Err(CommandError::OutputIsInput(path.to_owned()));
         }
         if outputs[..i].iter().any(|&other| same_file(other, path)) {
-            return Err(Failure::OutputTwice(path.to_owned()));
+            return Err(CommandError::OutputTwice(path.to_owned()));
         }
     }
     let _busy = busy();
-    Ok(outputs.iter().try_for_each(geom::io::check_writable)?)
+    outputs.iter().try_for_each(|path| file::check(path))
 }
 
-/// The ending of a file's name in lower case, if it is one of those wanted.
-pub(crate) fn extension(path: &Path, wanted: &[&'static str]) -> Result<&'static str, Failure> {
+/// The ending of a file's name in lower case, if it is one of those wanted; a device or a pipe needs none and gets the first.
+pub(crate) fn extension(path: &Path, wanted: &[&'static str]) -> Result<&'static str, CommandError> {
+    if path.extension().is_none() && file::is_written_directly(path) {
+        return Ok(wanted[0]);
+    }
     let ending = path.extension().and_then(|e| e.to_str()).unwrap_or("").to_lowercase();
     wanted
         .iter()
         .find(|&&w| w == ending)
         .copied()
-        .ok_or_else(|| Failure::Extension { path: path.to_owned(), wanted: alternatives(wanted) })
+        .ok_or_else(|| CommandError::Extension { path: path.to_owned(), wanted: alternatives(wanted) })
 }
 
 /// `.a, .b or .c`

@@ -1,4 +1,4 @@
-//! Hollows are darkened, as light reaches them from few sides.
+//! Ambient occlusion: hollows are darkened, as light reaches them from few sides.
 //!
 //! Nearness is linear on the screen over every plane, so the mean of two opposite neighbours tells at once whether the
 //! surface is hollow between them, however it is tilted (unsharp masking of the depth buffer: Luft, Colditz & Deussen
@@ -28,10 +28,10 @@ pub(crate) fn darken(canvas: &mut Canvas, pixel: f64) {
 }
 
 /// Half the distance between two opposite neighbours, in pixels: across, down, along.
-type Pair = (isize, isize, f64);
+type Samples = (isize, isize, f64);
 
 /// Where to look from each pixel: rings, each turned against the one before it.
-fn pairs(height: usize) -> Vec<Pair> {
+fn pairs(height: usize) -> Vec<Samples> {
     let mut pairs = Vec::new();
     for (ring, reach) in REACHES.iter().map(|r| r * height as f64).enumerate() {
         for direction in 0..DIRECTIONS {
@@ -59,7 +59,7 @@ impl Depth {
     }
 
     /// How hollow the surface is at a pixel, from 0 to 1.
-    fn hollow(&self, x: usize, y: usize, pairs: &[Pair], pixel: f64) -> f64 {
+    fn hollow(&self, x: usize, y: usize, pairs: &[Samples], pixel: f64) -> f64 {
         let own = self.at(x, 0, y, 0);
         let mut sum = 0.0;
         for &(dx, dy, reach) in pairs {

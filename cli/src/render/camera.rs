@@ -1,7 +1,7 @@
 //! Where the eye stands: three quarters from above, near enough to fill the picture.
 
-use super::canvas::Place;
-use super::space::{Vector, cross, dot, minus, plus, unit};
+use super::canvas::ScreenPoint;
+use super::vector::{Vector, cross, dot, minus, plus, unit};
 
 /// The vertical field of view's half, as its tangent: a long lens, so that shapes are not distorted.
 const HALF_HEIGHT: f64 = 0.19;
@@ -45,7 +45,7 @@ impl Camera {
     }
 
     /// Where a point is seen.
-    pub(crate) fn place(&self, p: Vector) -> Place {
+    pub(crate) fn place(&self, p: Vector) -> ScreenPoint {
         let [x, y, z] = self.turn(minus(p, self.eye));
         let nearness = -1.0 / z;
         let scale = self.focal * nearness;
@@ -53,7 +53,7 @@ impl Camera {
     }
 
     /// Pixels of a unit length at a place.
-    pub(crate) fn scale(&self, place: Place) -> f64 {
+    pub(crate) fn scale(&self, place: ScreenPoint) -> f64 {
         self.focal * place[2]
     }
 
@@ -98,7 +98,7 @@ mod tests {
             })
             .collect();
         let camera = Camera::framing(&points, [0.4, 0.5, 1.0], [0.0, 1.0, 0.0], 400, 300);
-        let places: Vec<Place> = points.iter().map(|&p| camera.place(p)).collect();
+        let places: Vec<ScreenPoint> = points.iter().map(|&p| camera.place(p)).collect();
         let (x, y) = (400.0 * MARGIN - 1e-6, 300.0 * MARGIN - 1e-6);
         assert!(places.iter().all(|p| p[0] >= x && p[0] <= 400.0 - x && p[1] >= y && p[1] <= 300.0 - y));
         assert!(places.iter().any(|p| p[0] < x + 1.0 || p[1] < y + 1.0));

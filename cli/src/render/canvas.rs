@@ -11,7 +11,7 @@ use std::ops::Range;
 const SAMPLES: usize = 3;
 
 /// x, y in pixels, and nearness.
-pub(crate) type Place = [f64; 3];
+pub(crate) type ScreenPoint = [f64; 3];
 
 /// Samples of depth and colour. 7 bytes each: colours as the square roots of linear light, in 8 bits.
 #[derive(Debug)]
@@ -37,14 +37,15 @@ impl Canvas {
     }
 
     /// Paints a triangle; `shade` is given the barycentric coordinates in space (perspective undone).
-    pub(crate) fn triangle(&mut self, corners: [Place; 3], mut shade: impl FnMut([f64; 3]) -> Colour) {
+    pub(crate) fn triangle(&mut self, corners: [ScreenPoint; 3], mut shade: impl FnMut([f64; 3]) -> Colour) {
         self.triangle_over(corners, |weights, _| shade(weights));
     }
 
     /// Paints a triangle; `shade` is told as well whether it covers something.
-    pub(crate) fn triangle_over(&mut self, corners: [Place; 3], shade: impl FnMut([f64; 3], bool) -> Colour) {
+    pub(crate) fn triangle_over(&mut self, corners: [ScreenPoint; 3], shade: impl FnMut([f64; 3], bool) -> Colour) {
         let [a, b, c] = corners;
-        let side = |p: Place, q: Place, x: f64, y: f64| (q[0] - p[0]) * (y - p[1]) - (q[1] - p[1]) * (x - p[0]);
+        let side =
+            |p: ScreenPoint, q: ScreenPoint, x: f64, y: f64| (q[0] - p[0]) * (y - p[1]) - (q[1] - p[1]) * (x - p[0]);
         let area = side(a, b, c[0], c[1]);
         if area == 0.0 || !area.is_finite() {
             return;
@@ -67,7 +68,7 @@ impl Canvas {
     }
 
     /// Paints a line with round ends.
-    pub(crate) fn line(&mut self, from: Place, to: Place, width: f64, colour: Colour) {
+    pub(crate) fn line(&mut self, from: ScreenPoint, to: ScreenPoint, width: f64, colour: Colour) {
         let radius = 0.5 * width;
         let along = [to[0] - from[0], to[1] - from[1]];
         let length2 = along[0] * along[0] + along[1] * along[1];
@@ -89,7 +90,13 @@ impl Canvas {
 
     /// Paints a ball seen from afar: `radius` in space, `scale` the pixels of a unit length at its centre. `shade` is
     /// given the normal in the camera's frame (right, up, towards the eye).
-    pub(crate) fn ball(&mut self, centre: Place, radius: f64, scale: f64, mut shade: impl FnMut([f64; 3]) -> Colour) {
+    pub(crate) fn ball(
+        &mut self,
+        centre: ScreenPoint,
+        radius: f64,
+        scale: f64,
+        mut shade: impl FnMut([f64; 3]) -> Colour,
+    ) {
         let r = radius * scale;
         let distance = 1.0 / centre[2];
         self.samples(
@@ -203,7 +210,7 @@ impl Canvas {
     }
 }
 
-fn bounds(places: &[Place]) -> ([f64; 2], [f64; 2]) {
+fn bounds(places: &[ScreenPoint]) -> ([f64; 2], [f64; 2]) {
     let fold = |i: usize, start: f64, pick: fn(f64, f64) -> f64| places.iter().map(|p| p[i]).fold(start, pick);
     let (least, greatest) = (f64::INFINITY, f64::NEG_INFINITY);
     ([fold(0, least, f64::min), fold(1, least, f64::min)], [fold(0, greatest, f64::max), fold(1, greatest, f64::max)])

@@ -1,8 +1,8 @@
 //! The layout in the plane: checkerboard, outline, cones; what lies over something else and flipped triangles stand out.
 
-use super::canvas::{Canvas, Picture, Place};
-use super::chart::{Chart, Mark};
+use super::canvas::{Canvas, Picture, ScreenPoint};
 use super::colour::{Colour, FLIPPED, INK, MAXIMUM, MINIMUM, OVERLAP, PAPER, mix};
+use super::scene::{Mark, Scene};
 use std::collections::BTreeMap;
 
 /// The layout's longer side in pixels.
@@ -17,29 +17,29 @@ const DISCS: f64 = 0.05;
 const LEAST: f64 = 4.0;
 
 /// Draws the layout, its proportions kept.
-pub(crate) fn draw(chart: &Chart) -> Picture {
-    let (width, height) = size(chart);
+pub(crate) fn draw(scene: &Scene) -> Picture {
+    let (width, height) = size(scene);
     let mut canvas = Canvas::new(width as usize, height as usize, PAPER);
-    let checker = chart.checker();
+    let checker = scene.checker();
     let place = |uv: [f64; 2]| to_page(uv, height);
-    let (flipped, upright): (Vec<usize>, Vec<usize>) = (0..chart.uv.len()).partition(|&t| chart.is_flipped(t));
+    let (flipped, upright): (Vec<usize>, Vec<usize>) = (0..scene.uv.len()).partition(|&t| scene.is_flipped(t));
     for t in upright {
-        let corners = chart.uv[t];
+        let corners = scene.uv[t];
         canvas.triangle_over(corners.map(place), |w, over| {
             let colour = checker.colour([0, 1].map(|i| (0..3).map(|k| w[k] * corners[k][i]).sum()));
             if over { overlapping(colour) } else { colour }
         });
     }
     for t in flipped {
-        canvas.triangle(chart.uv[t].map(place), |_| FLIPPED);
+        canvas.triangle(scene.uv[t].map(place), |_| FLIPPED);
     }
-    for outline in chart.outline() {
+    for outline in scene.outline() {
         for (i, &from) in outline.iter().enumerate() {
             canvas.line(place(from), place(outline[(i + 1) % outline.len()]), OUTLINE, INK);
         }
     }
-    let copies = cone_copies(chart);
-    let disc = disc(chart, copies.len());
+    let copies = cone_copies(scene);
+    let disc = disc(scene, copies.len());
     for (uv, cone) in copies {
         canvas.line(place(uv), place(uv), disc * (1.0 + 2.0 * OUTLINE / CONE), PAPER);
         canvas.line(place(uv), place(uv), disc, colour_of(&cone));
@@ -48,16 +48,16 @@ pub(crate) fn draw(chart: &Chart) -> Picture {
 }
 
 /// The page's size in pixels.
-pub(crate) fn size(chart: &Chart) -> (f64, f64) {
+pub(crate) fn size(scene: &Scene) -> (f64, f64) {
     let side = |i: usize| {
-        let longest = chart.uv.iter().flatten().map(|uv| uv[i]).fold(0.0, f64::max);
+        let longest = scene.uv.iter().flatten().map(|uv| uv[i]).fold(0.0, f64::max);
         (LONG_SIDE * longest + 2.0 * MARGIN).ceil()
     };
     (side(0), side(1))
 }
 
 /// From the unit square to the page, whose y runs downwards.
-pub(crate) fn to_page(uv: [f64; 2], height: f64) -> Place {
+pub(crate) fn to_page(uv: [f64; 2], height: f64) -> ScreenPoint {
     [MARGIN + LONG_SIDE * uv[0], height - MARGIN - LONG_SIDE * uv[1], 1.0]
 }
 
@@ -67,8 +67,8 @@ pub(crate) fn overlapping(colour: Colour) -> Colour {
 }
 
 /// The diameter of each of so many discs, in pixels.
-pub(crate) fn disc(chart: &Chart, count: usize) -> f64 {
-    let covered = DISCS * chart.covered() * LONG_SIDE * LONG_SIDE;
+pub(crate) fn disc(scene: &Scene, count: usize) -> f64 {
+    let covered = DISCS * scene.covered() * LONG_SIDE * LONG_SIDE;
     (covered / count.max(1) as f64 / std::f64::consts::FRAC_PI_4).sqrt().clamp(LEAST, CONE)
 }
 
@@ -78,10 +78,10 @@ pub(crate) fn colour_of(cone: &Mark) -> Colour {
 }
 
 /// Each place in the layout where a cone came to lie: one for each of its copies.
-pub(crate) fn cone_copies(chart: &Chart) -> Vec<([f64; 2], Mark)> {
-    let cones: BTreeMap<u32, Mark> = chart.cones.iter().map(|c| (c.vertex, *c)).collect();
+pub(crate) fn cone_copies(scene: &Scene) -> Vec<([f64; 2], Mark)> {
+    let cones: BTreeMap<u32, Mark> = scene.cones.iter().map(|c| (c.vertex, *c)).collect();
     let mut copies = BTreeMap::new();
-    for (t, uv) in chart.triangles.iter().zip(&chart.uv) {
+    for (t, uv) in scene.triangles.iter().zip(&scene.uv) {
         for (v, &uv) in t.iter().zip(uv) {
             if let Some(cone) = cones.get(v) {
                 copies.insert((*v, uv.map(f64::to_bits)), (uv, *cone));
@@ -96,16 +96,16 @@ mod tests {
     use super::*;
 
     /// Two triangles of a strip, the second folded over the first or laid beside it, either way upright.
-    fn two(second: [[f64; 2]; 3], cones: Vec<Mark>) -> Chart {
+    fn two(second: [[f64; 2]; 3], cones: Vec<Mark>) -> Scene {
         let points: Vec<[f64; 3]> = (0..6).map(|i| [f64::from(i), f64::from(i % 2), 0.0]).collect();
         let first = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]];
-        Chart::new(&points, vec![[0, 1, 2], [3, 4, 5]], vec![first, second], vec![], cones)
+        Scene::new(&points, vec![[0, 1, 2], [3, 4, 5]], vec![first, second], vec![], cones)
     }
 
     #[test]
     fn what_lies_over_something_else_stands_out() {
         let is_warm = |p: &&[u8; 3]| p[0] > p[2].saturating_add(60);
-        let warm = |chart: &Chart| draw(chart).pixels.iter().filter(is_warm).count();
+        let warm = |scene: &Scene| draw(scene).pixels.iter().filter(is_warm).count();
         let beside = two([[1.0, 1.0], [0.0, 1.0], [1.0, 0.0]], vec![]);
         assert!(warm(&beside) < 100, "{}", warm(&beside));
         let over = two([[0.5, 0.0], [1.0, 0.0], [0.5, 0.5]], vec![]);
@@ -116,10 +116,10 @@ mod tests {
 
     #[test]
     fn discs_of_many_cones_leave_the_layout_in_sight() {
-        let chart = two([[1.0, 1.0], [0.0, 1.0], [1.0, 0.0]], vec![]);
-        assert_eq!(disc(&chart, 0), CONE);
-        assert_eq!(disc(&chart, 12), CONE);
-        assert!(disc(&chart, 1000) < 0.7 * CONE);
-        assert_eq!(disc(&chart, 1_000_000), LEAST);
+        let scene = two([[1.0, 1.0], [0.0, 1.0], [1.0, 0.0]], vec![]);
+        assert_eq!(disc(&scene, 0), CONE);
+        assert_eq!(disc(&scene, 12), CONE);
+        assert!(disc(&scene, 1000) < 0.7 * CONE);
+        assert_eq!(disc(&scene, 1_000_000), LEAST);
     }
 }

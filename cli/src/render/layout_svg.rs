@@ -1,8 +1,8 @@
 //! The layout as SVG: a few shapes, whatever the number of triangles.
 
-use super::chart::Chart;
 use super::colour::{CHECKER, Colour, INK, hex};
 use super::layout::{colour_of, cone_copies, disc, overlapping, size, to_page};
+use super::scene::Scene;
 use std::fmt::Write;
 
 /// Up to so many triangles their sides are drawn as well; more would be a grey fog and a large file.
@@ -10,8 +10,8 @@ const FINE: usize = 20_000;
 
 /// The layout as an SVG document: checkerboard, triangles where they are few, outline, cones. What lies over something else
 /// stands out: the outline is filled in that colour, and then in the checkerboard's where it winds an odd number of times.
-pub(crate) fn draw(chart: &Chart) -> String {
-    let (width, height) = size(chart);
+pub(crate) fn draw(scene: &Scene) -> String {
+    let (width, height) = size(scene);
     let point = |uv: [f64; 2]| {
         let [x, y, _] = to_page(uv, height);
         format!("{x:.2} {y:.2}")
@@ -20,14 +20,14 @@ pub(crate) fn draw(chart: &Chart) -> String {
         let points: Vec<String> = outline.iter().map(|&uv| point(uv)).collect();
         format!("M{}Z", points.join("L"))
     };
-    let outline: String = chart.outline().iter().map(|o| path(o)).collect();
+    let outline: String = scene.outline().iter().map(|o| path(o)).collect();
     let mut svg = format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" width=\"{width}\" height=\"{height}\">\n{}\
          <path d=\"{outline}\" fill=\"url(#over)\"/>\n<path d=\"{outline}\" fill=\"url(#checker)\" fill-rule=\"evenodd\"/>\n",
-        patterns(chart, height)
+        patterns(scene, height)
     );
-    if chart.triangles.len() <= FINE {
-        let sides: String = chart.uv.iter().map(|corners| path(corners)).collect();
+    if scene.triangles.len() <= FINE {
+        let sides: String = scene.uv.iter().map(|corners| path(corners)).collect();
         svg += &format!(
             "<path d=\"{sides}\" fill=\"none\" stroke=\"{}\" stroke-width=\".4\" opacity=\".35\"/>\n",
             hex(INK)
@@ -37,8 +37,8 @@ pub(crate) fn draw(chart: &Chart) -> String {
         "<path d=\"{outline}\" fill=\"none\" stroke=\"{}\" stroke-width=\"2.2\" stroke-linejoin=\"round\"/>\n",
         hex(INK)
     );
-    let copies = cone_copies(chart);
-    let disc = disc(chart, copies.len());
+    let copies = cone_copies(scene);
+    let disc = disc(scene, copies.len());
     for (uv, cone) in copies {
         let [x, y, _] = to_page(uv, height);
         let _ = writeln!(
@@ -54,9 +54,9 @@ pub(crate) fn draw(chart: &Chart) -> String {
 }
 
 /// Two by two squares, repeated: as they are, and where the layout lies over itself.
-fn patterns(chart: &Chart, height: f64) -> String {
+fn patterns(scene: &Scene, height: f64) -> String {
     let [x, y, _] = to_page([0.0, 0.0], height);
-    let side = to_page([1.0 / f64::from(chart.checker().squares), 0.0], height)[0] - x;
+    let side = to_page([1.0 / f64::from(scene.checker().squares), 0.0], height)[0] - x;
     let tile = 2.0 * side;
     let pattern = |name: &str, [light, dark]: [Colour; 2]| {
         let (light, dark) = (hex(light), hex(dark));

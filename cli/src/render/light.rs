@@ -3,7 +3,7 @@
 //! Everything happens in the camera's frame (right, up, towards the eye), so that a shape is lit alike from every side.
 
 use super::colour::Colour;
-use super::space::{Vector, dot, plus, unit};
+use super::vector::{Vector, dot, plus, unit};
 
 const KEY: Vector = [-0.50, 0.64, 0.58];
 const KEY_STRENGTH: f64 = 0.74;

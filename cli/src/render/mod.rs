@@ -2,30 +2,29 @@
 //!
 //! A small rasteriser of our own draws them, so that a picture needs no window system and is the same on every machine.
 
+mod ambient_occlusion;
 mod camera;
 mod canvas;
-mod chart;
 mod checker;
 mod colour;
-mod hollows;
 mod layout;
-mod lettering;
+mod layout_svg;
 mod light;
 mod model;
-mod sketch;
-mod space;
+mod scene;
 mod svg;
+mod vector;
 mod view;
 
 pub(crate) use canvas::Picture;
-pub(crate) use chart::{Chart, Mark, extent};
 pub(crate) use checker::Checker;
 pub(crate) use colour::{Colour, INK, MAXIMUM, MINIMUM, PAPER, encode_hue, mix};
 pub(crate) use layout::draw as draw_layout;
+pub(crate) use layout_svg::draw as draw_layout_svg;
 pub(crate) use model::draw as draw_model;
 pub(crate) use model::draw_values;
-pub(crate) use sketch::{Anchor, Sketch};
-pub(crate) use svg::draw as draw_layout_svg;
+pub(crate) use scene::{Mark, Scene, extent};
+pub(crate) use svg::{Anchor, Svg};
 
 use std::io::{self, Write};
 

@@ -1,12 +1,12 @@
 //! The model in space: checkerboard by texture coordinates, seams, cones.
 
+use super::ambient_occlusion;
 use super::camera::Camera;
-use super::canvas::{Canvas, Picture, Place};
-use super::chart::Chart;
+use super::canvas::{Canvas, Picture, ScreenPoint};
 use super::colour::{Colour, INK, INSIDE, MAXIMUM, MINIMUM, PAPER, mix};
-use super::hollows;
 use super::light::Light;
-use super::space::{Vector, cross, dot, minus, plus, unit};
+use super::scene::Scene;
+use super::vector::{Vector, cross, dot, minus, plus, unit};
 use super::view;
 
 const WIDTH: usize = 1280;
@@ -25,40 +25,40 @@ const LIFT: f64 = 2e-3;
 const BANDS: f64 = 15.0;
 
 /// Draws the model three quarters from the side and from above.
-pub(crate) fn draw(chart: &Chart) -> Picture {
-    let checker = chart.checker();
-    draw_coloured(chart, |f, w| checker.colour([0, 1].map(|i| (0..3).map(|k| w[k] * chart.uv[f][k][i]).sum())))
+pub(crate) fn draw(scene: &Scene) -> Picture {
+    let checker = scene.checker();
+    draw_coloured(scene, |f, w| checker.colour([0, 1].map(|i| (0..3).map(|k| w[k] * scene.uv[f][k][i]).sum())))
 }
 
 /// Draws the model coloured by the values at its vertices, which range from 0 to 1; grey where one is NaN.
-pub(crate) fn draw_values(chart: &Chart, values: &[f64]) -> Picture {
-    draw_coloured(chart, |f, w| value_colour((0..3).map(|k| w[k] * values[chart.triangles[f][k] as usize]).sum()))
+pub(crate) fn draw_values(scene: &Scene, values: &[f64]) -> Picture {
+    draw_coloured(scene, |f, w| value_colour((0..3).map(|k| w[k] * values[scene.triangles[f][k] as usize]).sum()))
 }
 
 /// Draws the model; `colour` is given a triangle and a place in it.
-fn draw_coloured(chart: &Chart, colour: impl Fn(usize, [f64; 3]) -> Colour) -> Picture {
-    let camera = view::camera(chart, WIDTH, HEIGHT);
+fn draw_coloured(scene: &Scene, colour: impl Fn(usize, [f64; 3]) -> Colour) -> Picture {
+    let camera = view::camera(scene, WIDTH, HEIGHT);
     let mut canvas = Canvas::new(WIDTH, HEIGHT, PAPER);
-    let places: Vec<Place> = chart.points.iter().map(|&p| camera.place(p)).collect();
-    draw_surface(&mut canvas, chart, &camera, &places, colour);
-    draw_seams(&mut canvas, chart, &places);
-    hollows::darken(&mut canvas, camera.pixel());
-    draw_cones(&mut canvas, chart, &camera, &places);
+    let places: Vec<ScreenPoint> = scene.points.iter().map(|&p| camera.place(p)).collect();
+    draw_surface(&mut canvas, scene, &camera, &places, colour);
+    draw_seams(&mut canvas, scene, &places);
+    ambient_occlusion::darken(&mut canvas, camera.pixel());
+    draw_cones(&mut canvas, scene, &camera, &places);
     canvas.develop_trimmed(MARGIN)
 }
 
 fn draw_surface(
     canvas: &mut Canvas,
-    chart: &Chart,
+    scene: &Scene,
     camera: &Camera,
-    places: &[Place],
+    places: &[ScreenPoint],
     colour: impl Fn(usize, [f64; 3]) -> Colour,
 ) {
-    let normals = corner_normals(chart);
-    for f in front_to_back(chart, places) {
-        let t = chart.triangles[f];
-        let sights = t.map(|v| camera.sight(chart.points[v as usize]));
-        let outside = dot(camera.turn(face_normal(chart, &t)), sights[0]) >= 0.0;
+    let normals = corner_normals(scene);
+    for f in front_to_back(scene, places) {
+        let t = scene.triangles[f];
+        let sights = t.map(|v| camera.sight(scene.points[v as usize]));
+        let outside = dot(camera.turn(face_normal(scene, &t)), sights[0]) >= 0.0;
         let light: [Light; 3] = std::array::from_fn(|k| {
             let normal = camera.turn(normals[f][k]);
             Light::on(facing(normal, sights[k], outside), sights[k])
@@ -82,9 +82,9 @@ fn value_colour(value: f64) -> Colour {
 }
 
 /// The triangles, nearest first: then little is painted that is hidden later.
-fn front_to_back(chart: &Chart, places: &[Place]) -> Vec<usize> {
-    let nearness = |f: usize| chart.triangles[f].map(|v| places[v as usize][2]).into_iter().fold(0.0, f64::max);
-    let mut order: Vec<usize> = (0..chart.triangles.len()).collect();
+fn front_to_back(scene: &Scene, places: &[ScreenPoint]) -> Vec<usize> {
+    let nearness = |f: usize| scene.triangles[f].map(|v| places[v as usize][2]).into_iter().fold(0.0, f64::max);
+    let mut order: Vec<usize> = (0..scene.triangles.len()).collect();
     order.sort_by_cached_key(|&f| std::cmp::Reverse((nearness(f) * 1e6) as i64));
     order
 }
@@ -96,18 +96,18 @@ fn facing(normal: Vector, sight: Vector, outside: bool) -> Vector {
     if towards < 0.0 { unit(plus(normal, -towards, sight)) } else { normal }
 }
 
-fn draw_seams(canvas: &mut Canvas, chart: &Chart, places: &[Place]) {
+fn draw_seams(canvas: &mut Canvas, scene: &Scene, places: &[ScreenPoint]) {
     let lifted = |v: u32| {
         let [x, y, nearness] = places[v as usize];
         [x, y, nearness * (1.0 + LIFT)]
     };
-    for side in chart.seams.iter().flat_map(|seam| seam.windows(2)) {
+    for side in scene.seams.iter().flat_map(|seam| seam.windows(2)) {
         canvas.line(lifted(side[0]), lifted(side[1]), SEAM, INK);
     }
 }
 
-fn draw_cones(canvas: &mut Canvas, chart: &Chart, camera: &Camera, places: &[Place]) {
-    for cone in &chart.cones {
+fn draw_cones(canvas: &mut Canvas, scene: &Scene, camera: &Camera, places: &[ScreenPoint]) {
+    for cone in &scene.cones {
         let place = places[cone.vertex as usize];
         let colour: Colour = if cone.positive { MINIMUM } else { MAXIMUM };
         canvas.ball(place, CONE, camera.scale(place), |n| Light::on(n, [0.0, 0.0, 1.0]).apply(colour));
@@ -116,29 +116,29 @@ fn draw_cones(canvas: &mut Canvas, chart: &Chart, camera: &Camera, places: &[Pla
 
 /// For each corner the mean normal of the faces round its vertex that lie nearly in its own face's direction, weighted
 /// by area: smooth surfaces look smooth and sharp edges stay sharp.
-fn corner_normals(chart: &Chart) -> Vec<[Vector; 3]> {
-    let normals: Vec<Vector> = chart.triangles.iter().map(|t| face_normal(chart, t)).collect();
-    let (start, faces) = faces_round(chart);
+fn corner_normals(scene: &Scene) -> Vec<[Vector; 3]> {
+    let normals: Vec<Vector> = scene.triangles.iter().map(|t| face_normal(scene, t)).collect();
+    let (start, faces) = faces_round(scene);
     let mean = |f: usize, v: u32| {
         let own = unit(normals[f]);
         let round = &faces[start[v as usize] as usize..start[v as usize + 1] as usize];
         let alike = round.iter().map(|&g| normals[g as usize]).filter(|&n| dot(unit(n), own) > SMOOTH);
         unit(alike.fold(normals[f].map(|x| x * 1e-9), |sum, n| plus(sum, 1.0, n)))
     };
-    chart.triangles.iter().enumerate().map(|(f, t)| t.map(|v| mean(f, v))).collect()
+    scene.triangles.iter().enumerate().map(|(f, t)| t.map(|v| mean(f, v))).collect()
 }
 
 /// The faces round each vertex: those of v are `faces[start[v]..start[v + 1]]`.
-fn faces_round(chart: &Chart) -> (Vec<u32>, Vec<u32>) {
-    let mut start = vec![0u32; chart.points.len() + 2];
-    for &v in chart.triangles.iter().flatten() {
+fn faces_round(scene: &Scene) -> (Vec<u32>, Vec<u32>) {
+    let mut start = vec![0u32; scene.points.len() + 2];
+    for &v in scene.triangles.iter().flatten() {
         start[v as usize + 2] += 1;
     }
     for v in 1..start.len() {
         start[v] += start[v - 1];
     }
-    let mut faces = vec![0; 3 * chart.triangles.len()];
-    for (f, t) in (0u32..).zip(&chart.triangles) {
+    let mut faces = vec![0; 3 * scene.triangles.len()];
+    for (f, t) in (0u32..).zip(&scene.triangles) {
         for &v in t {
             let next = &mut start[v as usize + 1];
             faces[*next as usize] = f;
@@ -149,7 +149,7 @@ fn faces_round(chart: &Chart) -> (Vec<u32>, Vec<u32>) {
 }
 
 /// The face's normal, as long as twice its area.
-pub(crate) fn face_normal(chart: &Chart, t: &[u32; 3]) -> Vector {
-    let [a, b, c] = t.map(|v| chart.points[v as usize]);
+pub(crate) fn face_normal(scene: &Scene, t: &[u32; 3]) -> Vector {
+    let [a, b, c] = t.map(|v| scene.points[v as usize]);
     cross(minus(b, a), minus(c, a))
 }

@@ -1,7 +1,7 @@
 //! What the pictures are drawn of: a surface, its texture coordinates, its seams and its cones.
 
 use super::checker::Checker;
-use super::space::{Vector, minus};
+use super::vector::{Vector, minus};
 use std::collections::HashMap;
 
 /// A cone as it is drawn.
@@ -14,7 +14,7 @@ pub(crate) struct Mark {
 
 /// A surface scaled to unit size, with its texture coordinates scaled to the unit square.
 #[derive(Debug)]
-pub(crate) struct Chart {
+pub(crate) struct Scene {
     pub(crate) points: Vec<Vector>,
     pub(crate) triangles: Vec<[u32; 3]>,
     /// For each triangle the texture coordinates of its corners.
@@ -24,7 +24,7 @@ pub(crate) struct Chart {
     pub(crate) cones: Vec<Mark>,
 }
 
-impl Chart {
+impl Scene {
     pub(crate) fn new(
         points: &[Vector],
         triangles: Vec<[u32; 3]>,
@@ -63,7 +63,7 @@ impl Chart {
     /// The outline of the layout as closed loops: where the surface ends or is cut. Pinched points are passed as they come.
     pub(crate) fn outline(&self) -> Vec<Vec<[f64; 2]>> {
         let mut open = self.open_sides();
-        let mut starts: Vec<Side> = open.values().flatten().copied().collect();
+        let mut starts: Vec<SeamSide> = open.values().flatten().copied().collect();
         starts.sort_unstable_by_key(|side| (side.triangle, side.corner));
         let mut loops = Vec::new();
         for start in starts {
@@ -81,15 +81,15 @@ impl Chart {
     }
 
     /// The sides that no other triangle continues across with the same texture coordinates, by where they begin.
-    fn open_sides(&self) -> HashMap<Key, Vec<Side>> {
+    fn open_sides(&self) -> HashMap<Key, Vec<SeamSide>> {
         let sides =
-            || (0..self.triangles.len()).flat_map(|triangle| (0..3).map(move |corner| Side { triangle, corner }));
-        let ends = |s: Side| (self.key(s.triangle, s.corner), self.key(s.triangle, (s.corner + 1) % 3));
+            || (0..self.triangles.len()).flat_map(|triangle| (0..3).map(move |corner| SeamSide { triangle, corner }));
+        let ends = |s: SeamSide| (self.key(s.triangle, s.corner), self.key(s.triangle, (s.corner + 1) % 3));
         let mut count: HashMap<(Key, Key), i32> = HashMap::with_capacity(3 * self.triangles.len());
         for side in sides() {
             *count.entry(ends(side)).or_default() += 1;
         }
-        let mut open: HashMap<Key, Vec<Side>> = HashMap::new();
+        let mut open: HashMap<Key, Vec<SeamSide>> = HashMap::new();
         for side in sides() {
             let (from, to) = ends(side);
             if !count.contains_key(&(to, from)) {
@@ -109,7 +109,7 @@ type Key = (u32, [u64; 2]);
 
 /// The side of a triangle that begins at a corner.
 #[derive(Clone, Copy, Debug)]
-struct Side {
+struct SeamSide {
     triangle: usize,
     corner: usize,
 }
@@ -146,10 +146,10 @@ mod tests {
         let at = |v: u32| [points[v as usize][0], points[v as usize][1]];
         let mut uv: Vec<[[f64; 2]; 3]> = triangles.iter().map(|t| t.map(at)).collect();
         uv[3][2] = [1.0, -0.1];
-        let chart = Chart::new(&points, triangles, uv, vec![], vec![]);
-        let outline = chart.outline();
+        let scene = Scene::new(&points, triangles, uv, vec![], vec![]);
+        let outline = scene.outline();
         assert_eq!(outline.len(), 1);
         assert_eq!(outline[0].len(), 6);
-        assert!(!(0..4).any(|t| chart.is_flipped(t)));
+        assert!(!(0..4).any(|t| scene.is_flipped(t)));
     }
 }

@@ -1,9 +1,9 @@
 //! From where a model is looked at: from above, at a corner of its box.
 
 use super::camera::Camera;
-use super::chart::Chart;
 use super::model::face_normal;
-use super::space::{Vector, dot, plus, unit};
+use super::scene::Scene;
+use super::vector::{Vector, dot, plus, unit};
 use std::collections::BTreeMap;
 
 /// Degrees to the right of the front, in order of preference.
@@ -14,14 +14,14 @@ const RISE: f64 = 0.42;
 const SEEN: f64 = 0.15;
 
 /// The camera at the corner from which most cones are seen: limbs and faces have many.
-pub(crate) fn camera(chart: &Chart, width: usize, height: usize) -> Camera {
-    let used: Vec<Vector> = chart.triangles.iter().flatten().map(|&v| chart.points[v as usize]).collect();
+pub(crate) fn camera(scene: &Scene, width: usize, height: usize) -> Camera {
+    let used: Vec<Vector> = scene.triangles.iter().flatten().map(|&v| scene.points[v as usize]).collect();
     let (up, front, side) = axes(&used);
     let from = |turn: f64| {
         let (sin, cos) = turn.to_radians().sin_cos();
         unit(plus(plus(front.map(|x| x * cos), sin, side), RISE, up))
     };
-    let normals = cone_normals(chart);
+    let normals = cone_normals(scene);
     let seen = |from: Vector| normals.iter().filter(|&&n| dot(unit(n), from) > SEEN).count();
     let mut best = from(TURNS[0]);
     for other in TURNS.map(from) {
@@ -33,12 +33,12 @@ pub(crate) fn camera(chart: &Chart, width: usize, height: usize) -> Camera {
 }
 
 /// The surface's normals at the cones.
-fn cone_normals(chart: &Chart) -> Vec<Vector> {
-    let mut normals: BTreeMap<u32, Vector> = chart.cones.iter().map(|cone| (cone.vertex, [0.0; 3])).collect();
-    for t in &chart.triangles {
+fn cone_normals(scene: &Scene) -> Vec<Vector> {
+    let mut normals: BTreeMap<u32, Vector> = scene.cones.iter().map(|cone| (cone.vertex, [0.0; 3])).collect();
+    for t in &scene.triangles {
         for v in t {
             if let Some(normal) = normals.get_mut(v) {
-                *normal = plus(*normal, 1.0, face_normal(chart, t));
+                *normal = plus(*normal, 1.0, face_normal(scene, t));
             }
         }
     }

@@ -16,21 +16,17 @@
 //! and `persistence` where more cones were asked for than are optimised. Vertices are counted from 0 as in the input file
 //! (as they are after joining for STL), components in the order of their first faces.
 
-use crate::args::{angles_name, method_name};
-use crate::failure::Failure;
-use crate::output;
-use crate::report::{CurvePoint, SCHEMA, kind_name};
+use super::{CurvePoint, SCHEMA, angles_name, kind_name, method_name};
 use cones::ConeOrder;
 use serde::Serialize;
-use std::path::Path;
 
 #[derive(Debug, Serialize)]
-struct HierarchyFile {
+pub(crate) struct HierarchyFile {
     schema: u32,
     method: &'static str,
     angles: &'static str,
     extrema: Vec<Extremum>,
-    order: Vec<Place>,
+    order: Vec<NthCone>,
     curve: Vec<CurvePoint>,
 }
 
@@ -45,19 +41,11 @@ struct Extremum {
 }
 
 #[derive(Debug, Serialize)]
-struct Place {
+struct NthCone {
     n: usize,
     component: usize,
     vertex: u32,
     curvature_at_n: Option<f64>,
-}
-
-/// Writes an order of cones, if a file is asked for and the order was found.
-pub(crate) fn write(path: Option<&Path>, order: Option<&ConeOrder>) -> Result<(), Failure> {
-    match (path, order) {
-        (Some(path), Some(order)) => output::write_text(path, &output::json(&HierarchyFile::from(order))),
-        _ => Ok(()),
-    }
 }
 
 impl From<&ConeOrder> for HierarchyFile {
@@ -70,7 +58,7 @@ impl From<&ConeOrder> for HierarchyFile {
             persistence: e.persistence,
             saddle: e.saddle,
         };
-        let place = |(n, cone): (usize, &cones::OrderedCone)| Place {
+        let place = |(n, cone): (usize, &cones::OrderedCone)| NthCone {
             n,
             component: cone.component,
             vertex: cone.vertex,

@@ -1,15 +1,17 @@
 //! The report: what went in, what was done, how good the result is. Its keys are stable; `schema` counts changes.
 
-pub(crate) mod hierarchy_file;
+mod hierarchy_file;
+mod names;
 mod quality;
 pub(crate) mod table;
 mod text;
 
+pub(crate) use hierarchy_file::HierarchyFile;
 pub(crate) use quality::{DistortionReport, IslandReport, Quality};
 
-use crate::args::{angles_name, method_name};
-use cones::{Atlas, Cone, Kind, NumberOfCones, Options, Predicted, Stage, Topology};
+use cones::{Atlas, Cone, NumberOfCones, Options, Predicted, Stage, Topology};
 use geom::Repair;
+pub(crate) use names::{angles_name, kind_name, method_name, repair_text};
 use serde::Serialize;
 use std::path::Path;
 use std::time::Duration;
@@ -19,16 +21,16 @@ pub(crate) const SCHEMA: u32 = 1;
 
 /// The report of an unwrapping.
 #[derive(Debug, Serialize)]
-pub(crate) struct Report {
+pub(crate) struct UnwrapReport {
     pub(crate) schema: u32,
-    pub(crate) input: Input,
+    pub(crate) input: InputReport,
     pub(crate) repairs: Vec<RepairReport>,
     pub(crate) cones: Vec<ConeReport>,
     pub(crate) method: &'static str,
     pub(crate) angles: &'static str,
-    pub(crate) hierarchy: Hierarchy,
+    pub(crate) hierarchy: HierarchyReport,
     /// How the number of cones was found; nothing where it was given.
-    pub(crate) number: Option<Number>,
+    pub(crate) number: Option<NumberReport>,
     /// Predicted distortion by number of cones, where that number was found.
     pub(crate) curve: Vec<CurvePoint>,
     pub(crate) distortion: DistortionReport,
@@ -43,7 +45,7 @@ pub(crate) struct Report {
 }
 
 #[derive(Clone, Debug, Serialize)]
-pub(crate) struct Input {
+pub(crate) struct InputReport {
     pub(crate) path: String,
     pub(crate) vertices: usize,
     pub(crate) faces: usize,
@@ -59,13 +61,13 @@ pub(crate) struct RepairReport {
     pub(crate) kind: &'static str,
     pub(crate) count: usize,
     /// The first one.
-    pub(crate) first: Place,
+    pub(crate) first: Element,
 }
 
 /// An element of the input, counted from 0.
 #[derive(Clone, Copy, Debug, Serialize)]
 #[serde(rename_all = "lowercase")]
-pub(crate) enum Place {
+pub(crate) enum Element {
     Vertex(usize),
     Face(usize),
 }
@@ -82,7 +84,7 @@ pub(crate) struct ConeReport {
 }
 
 #[derive(Clone, Debug, Serialize)]
-pub(crate) struct Hierarchy {
+pub(crate) struct HierarchyReport {
     /// How many extrema the conformal factor has.
     pub(crate) extrema: usize,
     /// Their persistences, largest first.
@@ -91,7 +93,7 @@ pub(crate) struct Hierarchy {
 
 /// What led to the number of cones.
 #[derive(Clone, Debug, Serialize)]
-pub(crate) struct Number {
+pub(crate) struct NumberReport {
     /// The area distortion that was aimed at.
     pub(crate) target: f64,
     /// How many cones were chosen for it.
@@ -122,18 +124,18 @@ pub(crate) struct Times {
     pub(crate) total: Option<f64>,
 }
 
-impl Report {
+impl UnwrapReport {
     /// The report of an atlas made from the file at `path`.
     pub(crate) fn new(path: &Path, atlas: &Atlas, options: &Options, quality: &Quality, times: Times) -> Self {
         Self {
             schema: SCHEMA,
-            input: Input::new(path, &atlas.topology),
+            input: InputReport::new(path, &atlas.topology),
             repairs: atlas.repairs.iter().map(RepairReport::from).collect(),
             cones: atlas.cones.iter().map(ConeReport::from).collect(),
             method: method_name(options.method),
             angles: angles_name(options.angles),
-            hierarchy: Hierarchy::new(&atlas.persistence),
-            number: atlas.number.as_ref().map(Number::from),
+            hierarchy: HierarchyReport::new(&atlas.persistence),
+            number: atlas.number.as_ref().map(NumberReport::from),
             curve: curve(atlas.number.as_ref()),
             distortion: quality.distortion.clone(),
             islands: quality.islands.clone(),
@@ -145,7 +147,7 @@ impl Report {
     }
 }
 
-impl Input {
+impl InputReport {
     pub(crate) fn new(path: &Path, topology: &Topology) -> Self {
         Self {
             path: path.display().to_string(),
@@ -159,7 +161,7 @@ impl Input {
     }
 }
 
-impl Hierarchy {
+impl HierarchyReport {
     pub(crate) fn new(persistence: &[f64]) -> Self {
         Self { extrema: persistence.len(), persistence: persistence.to_vec() }
     }
@@ -167,7 +169,7 @@ impl Hierarchy {
 
 impl From<&Repair> for RepairReport {
     fn from(repair: &Repair) -> Self {
-        let place = if repair.kind.is_of_faces() { Place::Face } else { Place::Vertex };
+        let place = if repair.kind.is_of_faces() { Element::Face } else { Element::Vertex };
         Self { kind: repair.kind.description(), count: repair.count, first: place(repair.first) }
     }
 }
@@ -179,7 +181,7 @@ fn peak_memory() -> Option<u64> {
     Some(1024 * kilobytes.trim().strip_suffix("kB")?.trim().parse::<u64>().ok()?)
 }
 
-impl From<&NumberOfCones> for Number {
+impl From<&NumberOfCones> for NumberReport {
     fn from(number: &NumberOfCones) -> Self {
         Self { target: number.target, chosen: number.chosen, predicted_area: number.predicted, met: number.is_met }
     }
@@ -205,14 +207,6 @@ impl From<&Cone> for ConeReport {
             persistence: cone.persistence.filter(|p| p.is_finite()),
             curvature: cone.curvature,
         }
-    }
-}
-
-/// A cone's kind in reports and tables.
-pub(crate) fn kind_name(kind: Kind) -> &'static str {
-    match kind {
-        Kind::Minimum => "minimum",
-        Kind::Maximum => "maximum",
     }
 }
 

@@ -2,6 +2,7 @@
 
 /// Rows in columns two spaces apart, the first row over a rule; numbers to the right, words to the left.
 pub(crate) fn columns(rows: &[Vec<String>]) -> String {
+    let rows: Vec<Vec<String>> = rows.iter().map(|row| row.iter().map(|cell| cut(cell, LONGEST)).collect()).collect();
     let count = rows.iter().map(Vec::len).max().unwrap_or(0);
     let width = |c: usize| rows.iter().filter_map(|r| r.get(c)).map(|s| s.chars().count()).max().unwrap_or(0);
     let widths: Vec<usize> = (0..count).map(width).collect();
@@ -9,7 +10,8 @@ pub(crate) fn columns(rows: &[Vec<String>]) -> String {
     let right: Vec<bool> = (0..count).map(numeric).collect();
     let line = |row: &Vec<String>| {
         let cell = |(c, s): (usize, &String)| {
-            if right[c] { format!("{s:>w$}", w = widths[c]) } else { format!("{s:<w$}", w = widths[c]) }
+            let gap = " ".repeat(widths[c] - s.chars().count());
+            if right[c] { gap + s } else { s.clone() + &gap }
         };
         row.iter().enumerate().map(cell).collect::<Vec<_>>().join("  ").trim_end().to_owned() + "\n"
     };
@@ -19,6 +21,52 @@ pub(crate) fn columns(rows: &[Vec<String>]) -> String {
         if i == 0 {
             text += &("─".repeat(widths.iter().sum::<usize>() + 2 * count.saturating_sub(1)) + "\n");
         }
+    }
+    text
+}
+
+/// The width of a terminal that nobody has made wider.
+const WIDTH: usize = 80;
+
+/// A paragraph in lines that fit a terminal, all but the first indented.
+pub(crate) fn wrapped(text: &str, indent: usize) -> String {
+    wrapped_from(0, text, indent)
+}
+
+/// A paragraph that begins behind a label, its lines one under the other.
+pub(crate) fn labelled(label: &str, text: &str) -> String {
+    const LABEL: usize = 10;
+    format!("{label:<LABEL$}{}", wrapped_from(LABEL, text, LABEL))
+}
+
+fn wrapped_from(start: usize, text: &str, indent: usize) -> String {
+    let mut lines = String::new();
+    let mut column = start;
+    for word in text.split_whitespace() {
+        let letters = word.chars().count();
+        if !lines.is_empty() && column + 1 + letters > WIDTH {
+            lines += &format!("\n{}", " ".repeat(indent));
+            column = indent;
+        } else if !lines.is_empty() {
+            lines.push(' ');
+            column += 1;
+        }
+        lines += word;
+        column += letters;
+    }
+    lines + "\n"
+}
+
+/// The most letters of a cell: names in files can be of any length.
+const LONGEST: usize = 34;
+
+/// A cell on one line and not too long.
+pub(crate) fn cut(cell: &str, longest: usize) -> String {
+    let mut letters = cell.chars().map(|letter| if letter.is_control() { ' ' } else { letter });
+    let mut text: String = letters.by_ref().take(longest).collect();
+    if letters.next().is_some() {
+        text.pop();
+        text.push('…');
     }
     text
 }
@@ -48,6 +96,23 @@ mod tests {
     fn numbers_stand_to_the_right_and_words_to_the_left() {
         let rows = [["name", "n"], ["a", "1"], ["bcd", "20"]].map(|r| r.map(String::from).to_vec());
         assert_eq!(columns(&rows), "name   n\n────────\na      1\nbcd   20\n");
+    }
+
+    #[test]
+    fn cells_of_any_length_fit() {
+        let text = columns(&[vec!["name".to_owned()], vec!["x".repeat(70_000)], vec!["two\nlines".to_owned()]]);
+        assert_eq!(text.lines().count(), 4);
+        assert!(text.lines().all(|line| line.chars().count() <= LONGEST));
+    }
+
+    #[test]
+    fn paragraphs_fit_a_terminal() {
+        let text = wrapped(&"word ".repeat(40), 2);
+        assert!(text.lines().all(|line| line.chars().count() <= WIDTH) && text.lines().count() == 3, "{text}");
+        assert!(text.lines().skip(1).all(|line| line.starts_with("  word")));
+        let text = labelled("label", &"word ".repeat(40));
+        assert!(text.starts_with("label     word word") && text.contains("\n          word"), "{text}");
+        assert!(text.lines().all(|line| line.chars().count() <= WIDTH), "{text}");
     }
 
     #[test]

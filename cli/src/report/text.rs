@@ -1,26 +1,24 @@
 //! A report as a few lines of text.
 
-use super::{CurvePoint, DistortionReport, Input, Report};
-use crate::args::{angles_name, method_name};
-use crate::report::table::thousands;
+use super::table::{labelled, thousands};
+use super::{CurvePoint, DistortionReport, InputReport, UnwrapReport, angles_name, method_name};
 use cones::{ConeChoice, Method, Options};
 
-impl Report {
+impl UnwrapReport {
     /// What a user wants to know first, line by line.
     pub(crate) fn text(&self) -> String {
         let times: Vec<String> = self.times.stages().map(|(name, time)| format!("{name} {time:.2}")).collect();
         let total = self.times.total();
         let memory = self.peak_memory.map_or_else(String::new, |peak| format!("; {} MB at most", peak / 1_000_000));
-        format!(
-            "surface   {}\ncones     {} ({}; φ has {} extrema)\n{}{}time      {total:.2} s: {}{memory}\n",
-            self.input.text(),
-            thousands(self.cones.len()),
-            self.rule,
-            thousands(self.hierarchy.extrema),
+        let (cones, extrema) = (thousands(self.cones.len()), thousands(self.hierarchy.extrema));
+        [
+            labelled("surface", &self.input.text()),
+            labelled("cones", &format!("{cones} ({}; φ has {extrema} extrema)", self.rule)),
             self.number_text(),
             self.distortion.text(self.islands.len()),
-            times.join(", "),
-        )
+            labelled("time", &format!("{total:.2} s: {}{memory}", times.join(", "))),
+        ]
+        .concat()
     }
 
     /// Why so many cones, if nobody has said how many.
@@ -35,10 +33,10 @@ impl Report {
         } else {
             format!(" with {} cones, but other cones were taken", number.chosen)
         };
-        format!(
-            "number    automatic: area distortion {:.2} predicted{failed}, target {}{missed}{others}\n",
-            number.predicted_area, number.target
-        )
+        let (predicted, target) = (number.predicted_area, number.target);
+        let text =
+            format!("automatic: area distortion {predicted:.2} predicted{failed}, target {target}{missed}{others}");
+        labelled("number", &text)
     }
 }
 
@@ -56,7 +54,7 @@ pub(super) fn rule(options: &Options) -> String {
     format!("{places}, {curvatures} curvatures")
 }
 
-impl Report {
+impl UnwrapReport {
     /// Points of the curve to compare with: the powers of two nearest to the number of cones, at most four, from four on.
     fn beside(&self) -> Vec<&CurvePoint> {
         let taken = self.cones.len();
@@ -70,7 +68,7 @@ impl Report {
     }
 }
 
-impl Input {
+impl InputReport {
     fn text(&self) -> String {
         let mut parts = vec![
             format!("{} vertices", thousands(self.vertices)),
@@ -94,21 +92,23 @@ impl DistortionReport {
     pub(crate) fn text(&self, islands: usize) -> String {
         let qc = &self.quasi_conformal;
         let islands = if islands == 1 { "1 island".to_owned() } else { format!("{} islands", thousands(islands)) };
-        format!(
-            "area      distortion {:.3} (log scale: L2 {:.3}, largest {:.2})\n\
-             angles    quasi-conformal {:.4} (95 % up to {:.3}, largest {:.2})\n\
-             layout    {islands}, {} flipped, {} degenerate, {} of it overlapping, seams {:.2} √area\n",
-            self.area_mean,
-            self.u_l2,
-            self.u_linf,
-            qc.mean,
-            qc.p95,
-            qc.max,
-            thousands(self.flipped),
-            thousands(self.degenerate),
-            percent(self.overlap),
-            self.seam_length,
-        )
+        let Self { area_mean, u_l2, u_linf, seam_length, .. } = self;
+        let [flipped, degenerate] = [self.flipped, self.degenerate].map(thousands);
+        let overlap = percent(self.overlap);
+        [
+            labelled("area", &format!("distortion {area_mean:.3} (log scale: L2 {u_l2:.3}, largest {u_linf:.2})")),
+            labelled(
+                "angles",
+                &format!("quasi-conformal {:.4} (95 % up to {:.3}, largest {:.2})", qc.mean, qc.p95, qc.max),
+            ),
+            labelled(
+                "layout",
+                &format!(
+                    "{islands}, {flipped} flipped, {degenerate} degenerate, {overlap} overlapping, seams {seam_length:.2} √area"
+                ),
+            ),
+        ]
+        .concat()
     }
 }
 

@@ -7,4 +7,6 @@ mod comparing;
 mod fields;
 mod folder;
 mod hierarchy;
+mod limits;
+mod terminal;
 mod unwrapping;

@@ -158,15 +158,7 @@ impl From<Problem> for Fault {
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum WriteError {
-    /// The system refuses: no such folder, no permission, disk full.
-    #[error("{path} cannot be written", path = path.display())]
-    File {
-        /// The file that was to be written.
-        path: PathBuf,
-        /// What the system says.
-        source: io::Error,
-    },
-    /// The same, where no file name is known.
+    /// The system refuses: no permission, disk full.
     #[error("the output cannot be written")]
     Io(#[from] io::Error),
     /// Texture coordinates that belong to another model.

@@ -4,13 +4,11 @@
 //! faces keep their order and polygons stay polygons. A file is known by its content; its extension is asked only where the
 //! content does not tell. Memory is bounded by what a file holds, not by what its header claims.
 //!
-//! [`write_obj`] gives an OBJ back line for line with texture coordinates added. [`write_atomically`] sees to it that a
-//! file is there whole or not at all.
+//! [`write_obj`] gives an OBJ back line for line with texture coordinates added.
 //!
 //! Not read: binary OFF, vertices in more than three dimensions, curves and free-form surfaces (they are counted in
 //! [`Model::skipped`]).
 
-mod atomic;
 mod cells;
 mod error;
 mod obj;
@@ -35,7 +33,6 @@ use crate::surface::Model;
 use error::Fault;
 use text::Lines;
 
-pub use atomic::{check_writable, write_atomically};
 pub use error::{Place, Problem, ReadError, WriteError};
 pub use write_glb::write_glb;
 pub use write_obj::{Material, ObjContent, write_obj};

@@ -22,7 +22,7 @@ pub(super) struct Claim {
 }
 
 /// A row of the table with what its methods reached.
-struct Case<'a> {
+struct ClaimCase<'a> {
     name: String,
     row: &'a Row,
     paper: &'a Outcome,
@@ -45,11 +45,11 @@ pub(super) fn claims(rows: &[Row]) -> Vec<Claim> {
     ]
 }
 
-fn cases(rows: &[Row]) -> Vec<Case<'_>> {
+fn cases(rows: &[Row]) -> Vec<ClaimCase<'_>> {
     let case = |row| {
         let paper = outcome(rows, row, Variant::PAPER)?;
         let published = outcome(rows, row, Variant::PUBLISHED)?;
-        Some(Case { name: format!("{} {}", row.mesh, row.asked), row, paper, published })
+        Some(ClaimCase { name: format!("{} {}", row.mesh, row.asked), row, paper, published })
     };
     rows.iter().filter(|row| row.variant == Variant::PAPER).filter_map(case).collect()
 }
@@ -60,8 +60,8 @@ fn outcome<'a>(rows: &'a [Row], of: &Row, variant: Variant) -> Option<&'a Outcom
     rows.iter().find(same)?.result.as_ref().ok()
 }
 
-fn quasi_conformal(cases: &[Case<'_>]) -> Claim {
-    let difference = |case: &Case<'_>| (case.paper.quasi_conformal - case.published.quasi_conformal).abs();
+fn quasi_conformal(cases: &[ClaimCase<'_>]) -> Claim {
+    let difference = |case: &ClaimCase<'_>| (case.paper.quasi_conformal - case.published.quasi_conformal).abs();
     let (worst, most) = extreme(cases, difference);
     Claim {
         claim: format!(
@@ -72,7 +72,7 @@ fn quasi_conformal(cases: &[Case<'_>]) -> Claim {
     }
 }
 
-fn areal(cases: &[Case<'_>]) -> Claim {
+fn areal(cases: &[ClaimCase<'_>]) -> Claim {
     let worse: Vec<String> = cases
         .iter()
         .filter(|case| case.paper.area_inverse > case.published.area_inverse)
@@ -87,9 +87,9 @@ fn areal(cases: &[Case<'_>]) -> Claim {
     }
 }
 
-fn areal_as_printed(cases: &[Case<'_>]) -> Claim {
-    let printed = |case: &Case<'_>| case.row.printed.map_or(f64::NAN, |printed| printed.areal);
-    let far = |case: &&Case<'_>| (case.paper.area_inverse / printed(case) - 1.0).abs() > AGREEMENT;
+fn areal_as_printed(cases: &[ClaimCase<'_>]) -> Claim {
+    let printed = |case: &ClaimCase<'_>| case.row.printed.map_or(f64::NAN, |printed| printed.areal);
+    let far = |case: &&ClaimCase<'_>| (case.paper.area_inverse / printed(case) - 1.0).abs() > AGREEMENT;
     let off: Vec<String> = cases
         .iter()
         .filter(far)
@@ -102,12 +102,12 @@ fn areal_as_printed(cases: &[Case<'_>]) -> Claim {
     }
 }
 
-fn speed_up(cases: &[Case<'_>], rows: &[Row]) -> Claim {
-    let mean = |ratio: &dyn Fn(&Case<'_>) -> Option<f64>| {
+fn speed_up(cases: &[ClaimCase<'_>], rows: &[Row]) -> Claim {
+    let mean = |ratio: &dyn Fn(&ClaimCase<'_>) -> Option<f64>| {
         let ratios: Vec<f64> = cases.iter().filter_map(ratio).collect();
         ratios.iter().sum::<f64>() / ratios.len() as f64
     };
-    let ratio = |case: &Case<'_>| case.published.seconds.detection / case.paper.seconds.detection;
+    let ratio = |case: &ClaimCase<'_>| case.published.seconds.detection / case.paper.seconds.detection;
     let refactoring = mean(&|case| Some(ratio(case)));
     let reusing =
         mean(&|case| Some(outcome(rows, case.row, Variant::REUSING)?.seconds.detection / case.paper.seconds.detection));
@@ -125,8 +125,8 @@ fn speed_up(cases: &[Case<'_>], rows: &[Row]) -> Claim {
 }
 
 /// Whether the hierarchy always takes less time than flattening.
-fn faster_than(cases: &[Case<'_>], rows: &[Row], variant: Variant, what: &str) -> Claim {
-    let ratio = |case: &Case<'_>| {
+fn faster_than(cases: &[ClaimCase<'_>], rows: &[Row], variant: Variant, what: &str) -> Claim {
+    let ratio = |case: &ClaimCase<'_>| {
         outcome(rows, case.row, variant).map_or(f64::NAN, |o| case.paper.seconds.detection / o.seconds.flattening)
     };
     let slower: Vec<String> = cases.iter().filter(|case| ratio(case) >= 1.0).map(|case| case.name.clone()).collect();
@@ -139,7 +139,7 @@ fn faster_than(cases: &[Case<'_>], rows: &[Row], variant: Variant, what: &str) -
 }
 
 /// The case in which something is largest.
-fn extreme(cases: &[Case<'_>], measure: impl Fn(&Case<'_>) -> f64) -> (String, f64) {
+fn extreme(cases: &[ClaimCase<'_>], measure: impl Fn(&ClaimCase<'_>) -> f64) -> (String, f64) {
     let measured = cases.iter().map(|case| (case.name.clone(), measure(case))).filter(|(_, x)| !x.is_nan());
     measured.max_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or(("no row".to_owned(), f64::NAN))
 }

@@ -6,28 +6,29 @@
 
 mod args;
 mod claims;
+mod plain;
 mod plan;
+mod prepared;
 mod printed;
 mod row;
-mod subject;
 mod text;
 mod trial;
 mod variant;
 
-pub(crate) use args::Arguments;
+pub(crate) use args::CompareArgs;
 
 use crate::commands::shape;
-use crate::failure::Failure;
+use crate::error::CommandError;
 use crate::progress::Progress;
-use crate::{job, output};
+use crate::{input, output};
 use args::Format;
 use claims::{Claim, claims};
 use plan::{Plan, Plans};
+use prepared::PreparedModel;
 use printed::{MODELS, PaperModel, Printed};
 use row::{Outcome, Row};
 use serde::Serialize;
 use std::path::Path;
-use subject::Subject;
 use trial::Trial;
 use variant::Variant;
 
@@ -44,13 +45,13 @@ struct Comparison {
     rounds: u16,
     rows: Vec<Row>,
     /// The paper's models and what stands in for them.
-    files: Vec<File>,
+    files: Vec<StandIn>,
     claims: Vec<Claim>,
 }
 
 /// A file that stands in for one of the paper's models.
 #[derive(Debug, Serialize)]
-struct File {
+struct StandIn {
     model: &'static str,
     paper_vertices: &'static str,
     file: String,
@@ -61,7 +62,7 @@ struct File {
 /// A method with a number of cones, and what the paper prints for that.
 type Entry = (usize, Variant, Option<Printed>);
 
-pub(crate) fn run(args: &Arguments) -> Result<(), Failure> {
+pub(crate) fn run(args: &CompareArgs) -> Result<(), CommandError> {
     let inputs: Vec<&Path> = args.meshes.iter().map(|path| &**path).collect();
     output::check(&inputs, args.output.as_deref().as_slice())?;
     let mut comparison = Comparison { rounds: args.best_of, rows: Vec::new(), files: Vec::new(), claims: Vec::new() };
@@ -69,12 +70,13 @@ pub(crate) fn run(args: &Arguments) -> Result<(), Failure> {
         Some(folder) => comparison.run_paper(folder)?,
         None => comparison.run_meshes(args)?,
     }
-    let written = match args.format {
+    let written = match args.format() {
+        Format::Text => plain::text(&comparison),
         Format::Md => text::markdown(&comparison),
         Format::Csv => text::csv(&comparison),
         Format::Json => output::json(&text::json(&comparison)),
     };
-    if let Format::Csv = args.format {
+    if let Format::Csv = args.format() {
         output::note(&text::legend(&comparison));
     }
     match &args.output {
@@ -84,31 +86,32 @@ pub(crate) fn run(args: &Arguments) -> Result<(), Failure> {
 }
 
 impl Comparison {
-    fn run_meshes(&mut self, args: &Arguments) -> Result<(), Failure> {
+    fn run_meshes(&mut self, args: &CompareArgs) -> Result<(), CommandError> {
         let variants = args.variants();
         let entries: Vec<Entry> =
             args.counts.iter().flat_map(|&n| variants.iter().map(move |&variant| (n, variant, None))).collect();
         if args.meshes.is_empty() {
             for name in SHAPES {
-                self.rows
-                    .extend(self.compete(&Subject::new(name.to_owned(), shape::model(name, args.vertices))?, &entries));
+                self.rows.extend(
+                    self.compete(&PreparedModel::new(name.to_owned(), shape::model(name, args.vertices))?, &entries),
+                );
             }
         }
         for path in &args.meshes {
-            let (model, _) = job::read(path)?;
-            self.rows.extend(self.compete(&Subject::new(path.display().to_string(), model)?, &entries));
+            let (model, _) = input::read_model(path)?;
+            self.rows.extend(self.compete(&PreparedModel::new(path.display().to_string(), model)?, &entries));
         }
         Ok(())
     }
 
     /// Table 1 of the paper.
-    fn run_paper(&mut self, folder: &Path) -> Result<(), Failure> {
+    fn run_paper(&mut self, folder: &Path) -> Result<(), CommandError> {
         let exists = |model: &PaperModel| model.file.is_some_and(|file| folder.join(file).is_file());
         if !MODELS.iter().any(exists) {
-            return Err(Failure::NoPaperMeshes(folder.to_owned()));
+            return Err(CommandError::NoPaperMeshes(folder.to_owned()));
         }
         for model in &MODELS {
-            let mut file = File {
+            let mut file = StandIn {
                 model: model.name,
                 paper_vertices: model.vertices,
                 file: model.file.unwrap_or_default().to_owned(),
@@ -117,8 +120,8 @@ impl Comparison {
             };
             if let Some(path) = model.file.map(|file| folder.join(file)) {
                 if path.is_file() {
-                    let (surface, _) = job::read(&path)?;
-                    let subject = Subject::new(model.name.to_owned(), surface)?;
+                    let (surface, _) = input::read_model(&path)?;
+                    let subject = PreparedModel::new(model.name.to_owned(), surface)?;
                     file.vertices = Some(subject.vertex_count());
                     self.rows.extend(self.compete(&subject, &entries(model)));
                 } else {
@@ -132,7 +135,7 @@ impl Comparison {
     }
 
     /// Runs methods on a mesh, in rounds.
-    fn compete(&self, subject: &Subject, entries: &[Entry]) -> Vec<Row> {
+    fn compete(&self, subject: &PreparedModel, entries: &[Entry]) -> Vec<Row> {
         let mut progress = Progress::begin(&subject.name);
         let row = |&(asked, variant, printed): &Entry| Row {
             mesh: subject.name.clone(),
@@ -165,7 +168,7 @@ impl Comparison {
 }
 
 /// A method's first run, which is measured.
-fn first(subject: &Subject, variant: Variant, plan: &Plan) -> Result<Outcome, String> {
+fn first(subject: &PreparedModel, variant: Variant, plan: &Plan) -> Result<Outcome, String> {
     let run = || {
         let trial = Trial::run(subject, variant, plan)?;
         let map = trial.distortion(subject)?;
@@ -175,7 +178,7 @@ fn first(subject: &Subject, variant: Variant, plan: &Plan) -> Result<Outcome, St
 }
 
 /// A further run, which gives the same and is only timed.
-fn again(subject: &Subject, row: &mut Row, plan: &Result<Plan, String>) {
+fn again(subject: &PreparedModel, row: &mut Row, plan: &Result<Plan, String>) {
     if let (Ok(outcome), Ok(plan)) = (&mut row.result, plan)
         && let Ok(trial) = Trial::run(subject, row.variant, plan)
     {

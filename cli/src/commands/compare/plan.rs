@@ -6,7 +6,7 @@
 use cones::{ConeChoice, Options};
 use thiserror::Error;
 
-use super::subject::Subject;
+use super::prepared::PreparedModel;
 use super::variant::Variant;
 
 /// How many cones a method is run with.
@@ -32,7 +32,7 @@ enum PlanError {
 
 impl Plan {
     /// Unwraps a mesh, with cones by a method that `cones unwrap` has.
-    fn new(subject: &Subject, method: Variant, asked: usize) -> Result<Self, PlanError> {
+    fn new(subject: &PreparedModel, method: Variant, asked: usize) -> Result<Self, PlanError> {
         let options = Options { cones: ConeChoice::Count(asked), ..method.options() };
         let atlas = cones::unwrap(&subject.model, &options, &mut |_| ())?;
         if atlas.unfolded > 0 {
@@ -60,12 +60,12 @@ impl Plan {
 
 /// The plans of all methods on a mesh, each found once.
 pub(super) struct Plans<'a> {
-    subject: &'a Subject,
+    subject: &'a PreparedModel,
     known: Vec<(Variant, usize, Result<Plan, String>)>,
 }
 
 impl<'a> Plans<'a> {
-    pub(super) fn new(subject: &'a Subject) -> Self {
+    pub(super) fn new(subject: &'a PreparedModel) -> Self {
         Self { subject, known: Vec::new() }
     }
 

@@ -1,7 +1,7 @@
 //! A mesh to compare methods on.
 
-use crate::failure::Failure;
-use crate::job;
+use crate::commands::shared::warn;
+use crate::error::CommandError;
 use cones::Operators;
 use geom::{Metric, Model, Poisson, PoissonError, Surface, VertexId, prepare};
 use std::path::Path;
@@ -9,7 +9,7 @@ use std::time::Instant;
 
 /// A mesh with its surfaces made ready.
 #[derive(Debug)]
-pub(super) struct Subject {
+pub(super) struct PreparedModel {
     pub(super) name: String,
     pub(super) model: Model,
     pub(super) parts: Vec<Part>,
@@ -24,12 +24,12 @@ pub(super) struct Part {
     operators: Operators,
 }
 
-impl Subject {
+impl PreparedModel {
     /// Makes a model ready, and says on stderr what was mended.
-    pub(super) fn new(name: String, model: Model) -> Result<Self, Failure> {
-        let failed = |error: cones::Error| Failure::Unwrap { path: Path::new(&name).to_owned(), error };
+    pub(super) fn new(name: String, model: Model) -> Result<Self, CommandError> {
+        let failed = |error: cones::Error| CommandError::Unwrap { path: Path::new(&name).to_owned(), error };
         let prepared = prepare(&model, false).map_err(|error| failed(error.into()))?;
-        job::warn(&prepared.repairs, &[]);
+        warn(&prepared.repairs, &[]);
         let parts: Result<Vec<Part>, PoissonError> = prepared.surfaces.into_iter().map(Part::new).collect();
         let parts = parts.map_err(|error| failed(error.into()))?;
         Ok(Self { name, model, parts })

@@ -4,7 +4,7 @@ use geom::distortion::Distortion;
 use serde_json::{Map, Value, json};
 
 use super::printed::Printed;
-use super::trial::{Seconds, Trial};
+use super::trial::{Trial, TrialTimes};
 use super::variant::Variant;
 
 /// A method on a mesh.
@@ -33,7 +33,7 @@ pub(super) struct Outcome {
     pub(super) u_l2: f64,
     pub(super) flipped: usize,
     pub(super) curvature_left: Option<f64>,
-    pub(super) seconds: Seconds,
+    pub(super) seconds: TrialTimes,
     pub(super) note: String,
 }
 
@@ -57,8 +57,8 @@ impl Outcome {
     }
 
     /// Keeps the least of each time.
-    pub(super) fn keep_best(&mut self, other: Seconds) {
-        let Seconds { preparing, detection, flattening, whole } = &mut self.seconds;
+    pub(super) fn keep_best(&mut self, other: TrialTimes) {
+        let TrialTimes { preparing, detection, flattening, whole } = &mut self.seconds;
         *preparing = preparing.min(other.preparing);
         *detection = detection.min(other.detection);
         *flattening = flattening.min(other.flattening);

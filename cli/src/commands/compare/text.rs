@@ -2,7 +2,8 @@
 
 use super::Comparison;
 use super::claims::Claim;
-use super::row::{COLUMNS, Column, PRINTED, object};
+use super::row::{COLUMNS, Cell, Column, PRINTED, object};
+use crate::output;
 use crate::report::SCHEMA;
 use serde_json::json;
 
@@ -17,7 +18,7 @@ pub(super) fn markdown(comparison: &Comparison) -> String {
     let mut text = String::new();
     if !comparison.files.is_empty() {
         let head = ["model", "the paper's vertices", "file", "vertices", "remark"];
-        let row = |file: &super::File| {
+        let row = |file: &super::StandIn| {
             [
                 file.model,
                 file.paper_vertices,
@@ -64,23 +65,17 @@ pub(super) fn legend(comparison: &Comparison) -> String {
     )
 }
 
+/// The rows alone, numbers with all their digits.
 pub(super) fn csv(comparison: &Comparison) -> String {
     let columns = columns(comparison);
-    let mut writer = csv::Writer::from_writer(Vec::new());
-    let rows = comparison.rows.iter().map(|row| {
-        let exact = |column: &&Column| match (column.value)(row).json() {
-            serde_json::Value::Null => String::new(),
-            serde_json::Value::String(text) => text,
-            number => number.to_string(),
-        };
-        columns.iter().map(exact).collect::<Vec<_>>()
-    });
+    let exact = |cell: Cell| match cell.json() {
+        serde_json::Value::Null => String::new(),
+        serde_json::Value::String(text) => text,
+        number => number.to_string(),
+    };
+    let row = |row| columns.iter().map(|column| exact((column.value)(row))).collect();
     let head = columns.iter().map(|column| column.key.to_owned()).collect();
-    for record in std::iter::once(head).chain(rows) {
-        writer.write_record(&record).expect("memory can be written to, and all rows are as long as the first");
-    }
-    let bytes = writer.into_inner().expect("memory can be written to");
-    String::from_utf8(bytes).expect("it was text")
+    output::csv(&std::iter::once(head).chain(comparison.rows.iter().map(row)).collect::<Vec<_>>())
 }
 
 pub(super) fn json(comparison: &Comparison) -> serde_json::Value {

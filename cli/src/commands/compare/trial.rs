@@ -7,8 +7,10 @@ use geom::distortion::{self, Distortion, DistortionError};
 use geom::{VertexData, VertexId};
 use thiserror::Error;
 
+use crate::commands::shared::corner_uv;
+
 use super::plan::Plan;
-use super::subject::{Part, Subject};
+use super::prepared::{Part, PreparedModel};
 use super::variant::{Flattening, Variant};
 
 /// Why a method has no result.
@@ -22,9 +24,9 @@ pub(super) enum TrialError {
     Measure(#[from] DistortionError),
 }
 
-/// Seconds.
+/// The seconds that the steps of a run took.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Seconds {
+pub(super) struct TrialTimes {
     pub(super) preparing: f64,
     pub(super) detection: f64,
     pub(super) flattening: f64,
@@ -35,7 +37,7 @@ pub(super) struct Seconds {
 #[derive(Debug)]
 pub(super) struct Trial {
     pub(super) cones: usize,
-    pub(super) seconds: Seconds,
+    pub(super) seconds: TrialTimes,
     /// How far the metric's curvature is from what it should be, at most; none where no metric was computed.
     pub(super) curvature_left: Option<f64>,
     /// Triangles that the scaled metric breaks.
@@ -52,10 +54,10 @@ struct Curved {
 
 impl Trial {
     /// Runs a method with as many cones on each part as its plan has.
-    pub(super) fn run(subject: &Subject, variant: Variant, plan: &Plan) -> Result<Self, TrialError> {
+    pub(super) fn run(subject: &PreparedModel, variant: Variant, plan: &Plan) -> Result<Self, TrialError> {
         let mut trial = Self {
             cones: 0,
-            seconds: Seconds { preparing: subject.preparing(), detection: 0.0, flattening: 0.0, whole: 0.0 },
+            seconds: TrialTimes { preparing: subject.preparing(), detection: 0.0, flattening: 0.0, whole: 0.0 },
             curvature_left: None,
             broken: 0,
             uv: vec![[0.0; 2]; subject.model.corner_count()],
@@ -72,7 +74,7 @@ impl Trial {
                 }
             }
         }
-        let Seconds { preparing, detection, flattening, .. } = trial.seconds;
+        let TrialTimes { preparing, detection, flattening, .. } = trial.seconds;
         trial.seconds.whole = preparing + detection + flattening;
         Ok(trial)
     }
@@ -92,7 +94,7 @@ impl Trial {
     }
 
     /// Flattens as `cones unwrap` does.
-    fn unwrap(&mut self, subject: &Subject, all: &[Curved]) -> Result<(), TrialError> {
+    fn unwrap(&mut self, subject: &PreparedModel, all: &[Curved]) -> Result<(), TrialError> {
         let of_model = |(part, curved): (&Part, &Curved)| -> Vec<(u32, Option<f64>)> {
             let pairs = curved.cones.iter().zip(&curved.curvature);
             pairs.map(|(&v, &k)| (part.surface.vertex[v], Some(k))).collect()
@@ -144,7 +146,7 @@ impl Trial {
     }
 
     /// Measures the map, on the surfaces as they were opened.
-    pub(super) fn distortion(&self, subject: &Subject) -> Result<Distortion, TrialError> {
+    pub(super) fn distortion(&self, subject: &PreparedModel) -> Result<Distortion, TrialError> {
         let (mut points, mut triangles, mut corners) = (Vec::new(), Vec::new(), Vec::new());
         for Part { surface, .. } in &subject.parts {
             let first = points.len() as u32;
@@ -154,7 +156,7 @@ impl Trial {
                 corners.push(surface.mesh.sides(f).map(|h| surface.corner[h]));
             }
         }
-        Ok(distortion::measure(&points, &triangles, &crate::job::corner_uv(&corners, &self.uv))?)
+        Ok(distortion::measure(&points, &triangles, &corner_uv(&corners, &self.uv))?)
     }
 }
 
@@ -195,7 +197,7 @@ mod tests {
 
     #[test]
     fn baselines_are_cut_as_what_they_are_compared_with_and_between_polygons_only() {
-        let subject = Subject::new("torus".to_owned(), torus(24, 12)).unwrap();
+        let subject = PreparedModel::new("torus".to_owned(), torus(24, 12)).unwrap();
         let [part] = &subject.parts[..] else { panic!("a torus is in one piece") };
         let mut plans = Plans::new(&subject);
         let mut cut_of = |name: &str| {

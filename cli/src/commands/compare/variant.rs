@@ -128,12 +128,17 @@ impl Variant {
 
     pub(super) fn help() -> String {
         "Which methods, each RULE[+smooth][+ANGLES][+FLATTENING]:\n\n\
-         RULE        alternating (the paper), persistence, greedy, refined, pursuit, iterative [BCGB08] with one\n\
-         \x20           factorization, or refactoring: iterative as published, with a factorization a level\n\
-         smooth      for alternating and persistence: diffuse the curvature before extrema are looked for\n\
+         RULE        alternating (the paper), persistence, greedy, refined,\n\
+         \x20           pursuit, iterative [BCGB08] with one factorization, or\n\
+         \x20           refactoring: as published, a factorization a level\n\
+         smooth      for alternating and persistence: diffuse the curvature\n\
+         \x20           before extrema are looked for\n\
          ANGLES      optimal curvatures, or harmonic ones, as in the paper\n\
-         FLATTENING  newton, which leaves no curvature; linear, one solve as in the paper; or lscm, no metric scaling\n\n\
-         linear alone is alternating+harmonic+linear; lscm alone is refined+lscm"
+         FLATTENING  newton, which leaves no curvature; linear, one solve as\n\
+         \x20           in the paper; or lscm, no metric scaling\n\n\
+         linear alone is alternating+harmonic+linear, lscm refined+lscm\n\n\
+         [default: alternating+harmonic, refactoring+harmonic, persistence,\n\
+         refined, linear, lscm]"
             .to_owned()
     }
 

@@ -1,20 +1,30 @@
 //! `cones demo`: built-in shapes unwrapped into a folder, to be looked at.
 
-mod page;
+mod gallery;
 
-use crate::args::{Demo, Scale};
 use crate::commands::shape;
-use crate::failure::Failure;
-use crate::job::{self, Job};
+use crate::commands::shared::{Scale, Unwrapped, warn};
+use crate::error::CommandError;
 use crate::output;
 use crate::progress::Progress;
 use crate::render;
 use crate::report::table;
-use crate::report::{Report, Times};
+use crate::report::{Times, UnwrapReport};
+use clap::Args;
 use cones::{ConeChoice, Options};
 use geom::io::{Material, ObjContent, write_obj};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
+
+#[derive(Args, Debug)]
+pub(crate) struct DemoArgs {
+    /// The folder to write
+    #[arg(value_name = "FOLDER", default_value = "cones-demo")]
+    folder: PathBuf,
+    /// Print the reports as JSON in place of the table
+    #[arg(long)]
+    json: bool,
+}
 
 /// A shape to show, with how many vertices and cones.
 struct Exhibit {
@@ -36,57 +46,57 @@ const EXHIBITS: [Exhibit; 6] = [
 const MATERIAL: Material<'_> = Material { library: "checker.mtl", name: "checker" };
 const MATERIAL_TEXT: &str = "newmtl checker\nKa 0 0 0\nKd 1 1 1\nKs 0 0 0\nillum 1\nmap_Kd checker.png\n";
 
-pub(crate) fn run(args: &Demo) -> Result<(), Failure> {
+pub(crate) fn run(args: &DemoArgs) -> Result<(), CommandError> {
     let folder = &args.folder;
     make_folder(folder)?;
     // The page first: it marks the folder as a demo's, should the rest be interrupted.
-    output::write_text(&folder.join(page::NAME), &page::text(&EXHIBITS.map(|e| e.shape)))?;
+    output::write_text(&folder.join(gallery::NAME), &gallery::text(&EXHIBITS.map(|e| e.shape)))?;
     output::write_text(&folder.join(MATERIAL.library), MATERIAL_TEXT)?;
     output::write_png(&folder.join("checker.png"), &render::Checker::texture())?;
     let reports = EXHIBITS.iter().map(|exhibit| show(exhibit, folder)).collect::<Result<Vec<_>, _>>()?;
     if args.json {
         return output::print_json(&reports);
     }
-    output::print(&format!(
+    output::summary(&format!(
         "{}\nWritten to {}: for each shape .obj (with checker.mtl), .png, -layout.png and .json; open {} to see them all.\n",
         overview(&reports),
         folder.display(),
-        folder.join(page::NAME).display()
+        folder.join(gallery::NAME).display()
     ))
 }
 
 /// Makes the folder, or takes one that is empty or that a demo has written before.
-fn make_folder(folder: &Path) -> Result<(), Failure> {
-    let failed = |source| Failure::MakeFolder { path: folder.to_owned(), source };
+fn make_folder(folder: &Path) -> Result<(), CommandError> {
+    let failed = |source| CommandError::MakeFolder { path: folder.to_owned(), source };
     std::fs::create_dir_all(folder).map_err(failed)?;
     let empty = std::fs::read_dir(folder).map_err(failed)?.next().is_none();
-    if empty || page::is_ours(folder) { Ok(()) } else { Err(Failure::NotADemo(folder.to_owned())) }
+    if empty || gallery::is_ours(folder) { Ok(()) } else { Err(CommandError::NotADemo(folder.to_owned())) }
 }
 
 /// Unwraps a shape and writes all its files.
-fn show(exhibit: &Exhibit, folder: &Path) -> Result<Report, Failure> {
+fn show(exhibit: &Exhibit, folder: &Path) -> Result<UnwrapReport, CommandError> {
     let mut progress = Progress::begin(exhibit.shape);
     let model = shape::model(exhibit.shape, exhibit.vertices);
     let file = |ending: &str| folder.join(format!("{}{ending}", exhibit.shape));
     let options = Options { cones: ConeChoice::Count(exhibit.cones), ..Options::default() };
-    let job = Job::new(Path::new(exhibit.shape), model, options, Scale::Unit, &mut progress)?;
+    let unwrapped = Unwrapped::new(Path::new(exhibit.shape), model, options, Scale::Unit, &mut progress)?;
     progress.step("write");
     let start = Instant::now();
-    let content = ObjContent { uv: Some(&job.uv), material: Some(MATERIAL), ..ObjContent::default() };
-    output::write(&file(".obj"), |out| write_obj(&job.model, &content, out))?;
+    let content = ObjContent { uv: Some(&unwrapped.uv), material: Some(MATERIAL), ..ObjContent::default() };
+    output::write(&file(".obj"), |out| write_obj(&unwrapped.model, &content, out))?;
     let times = Times { write: Some(start.elapsed().as_secs_f64()), ..Times::default() };
-    let report = job.report(Path::new(exhibit.shape), times);
-    output::write_text(&file(".json"), &output::json(&report))?;
-    let chart = job.chart();
-    output::write_png(&file(".png"), &render::draw_model(&chart))?;
-    output::write_png(&file("-layout.png"), &render::draw_layout(&chart))?;
+    let report = unwrapped.report(Path::new(exhibit.shape), times);
+    output::write_json(&file(".json"), &report)?;
+    let scene = unwrapped.scene();
+    output::write_png(&file(".png"), &render::draw_model(&scene))?;
+    output::write_png(&file("-layout.png"), &render::draw_layout(&scene))?;
     drop(progress);
-    job::warn(&job.atlas.repairs, &job.atlas.warnings);
+    warn(&unwrapped.atlas.repairs, &unwrapped.atlas.warnings);
     Ok(report)
 }
 
 /// A line a shape: how large, how good, how long each stage took in seconds.
-fn overview(reports: &[Report]) -> String {
+fn overview(reports: &[UnwrapReport]) -> String {
     let mut head = ["shape", "vertices", "cones", "area D", "u L2", "quasi-conf.", "flips"].map(String::from).to_vec();
     head.extend(reports[0].times.stages().map(|(name, _)| name.to_owned()));
     let mut rows = vec![head];

@@ -1,13 +1,13 @@
 //! What may be asked of `cones persistence`.
 
-use crate::args::non_negative;
+use crate::commands::shared::non_negative;
 use crate::input::{Axes, Source};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 use topo::{Connectivity, Kind, NanPolicy};
 
 #[derive(Args, Debug)]
-pub(crate) struct Arguments {
+pub(crate) struct PersistenceArgs {
     /// An array or picture (.npy, .pgm, .png, whose colours become grey; .txt, a number a line), a mesh with --field, or a
     /// network's nodes (.csv with columns id, name, value)
     #[arg(value_name = "FIELD")]
@@ -42,10 +42,10 @@ pub(crate) struct Arguments {
     /// Write the pairs: .csv, .json, or .vtp (extrema and saddles as points, pairs as lines)
     #[arg(long, value_name = "FILE")]
     pub(crate) pairs: Option<PathBuf>,
-    /// Draw the persistence diagram: .svg or .png
+    /// Draw the persistence diagram: .svg
     #[arg(long, value_name = "FILE")]
     pub(crate) diagram: Option<PathBuf>,
-    /// Draw the longest pairs as bars: .svg or .png
+    /// Draw the longest pairs as bars: .svg
     #[arg(long, value_name = "FILE")]
     pub(crate) barcode: Option<PathBuf>,
     /// Write the extremum that each vertex descends or climbs to, of those above --min-persistence: .npy, .ply (mesh) or

@@ -1,15 +1,17 @@
 //! A field with its domain, as `topo` takes it, and where its vertices are, as people look for them.
 
-use super::args::{Arguments, ConnectivityName};
-use crate::failure::Failure;
-use crate::input::{Array, Form, Network, Source, Surface, Values, edges_beside, six_digits};
+use super::args::{ConnectivityName, PersistenceArgs};
+use crate::error::CommandError;
+use crate::input::{Array, Form, Network, Source, Values, edges_beside, significant};
+use crate::report::table::cut;
+use crate::{commands::shared::warn, input};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use topo::{Adjacency, Connectivity, Domain as _, Grid, TriangleMesh};
 
 /// What is asked about.
 #[derive(Debug)]
-pub(crate) struct Subject {
+pub(crate) struct DomainField {
     pub(crate) path: PathBuf,
     pub(crate) domain: Domain,
     pub(crate) values: Values,
@@ -33,11 +35,11 @@ pub(crate) enum Domain {
 macro_rules! on {
     ($domain:expr, $name:ident => $body:expr) => {
         match $domain {
-            $crate::commands::persistence::subject::Domain::Path($name) => $body,
-            $crate::commands::persistence::subject::Domain::Plane($name) => $body,
-            $crate::commands::persistence::subject::Domain::Volume($name) => $body,
-            $crate::commands::persistence::subject::Domain::Mesh($name) => $body,
-            $crate::commands::persistence::subject::Domain::Network($name) => $body,
+            $crate::commands::persistence::field::Domain::Path($name) => $body,
+            $crate::commands::persistence::field::Domain::Plane($name) => $body,
+            $crate::commands::persistence::field::Domain::Volume($name) => $body,
+            $crate::commands::persistence::field::Domain::Mesh($name) => $body,
+            $crate::commands::persistence::field::Domain::Network($name) => $body,
         }
     };
 }
@@ -62,9 +64,9 @@ pub(crate) struct GridReport {
     pub(crate) periodic: Vec<&'static str>,
 }
 
-impl Subject {
+impl DomainField {
     /// Reads what the arguments name.
-    pub(crate) fn read(args: &Arguments) -> Result<Self, Failure> {
+    pub(crate) fn read(args: &PersistenceArgs) -> Result<Self, CommandError> {
         let path = &args.input;
         let form = Form::of(path)?;
         let misplaced = [
@@ -74,20 +76,20 @@ impl Subject {
             (args.periodic.is_some() && form != Form::Array, "--periodic", "an array"),
         ];
         if let Some(&(_, option, of)) = misplaced.iter().find(|(is_misplaced, ..)| *is_misplaced) {
-            return Err(Failure::Misplaced { path: path.clone(), option, of });
+            return Err(CommandError::Misplaced { path: path.clone(), option, of });
         }
         match form {
             Form::Array => Self::array(args),
             Form::Network => Self::network(path, args.edges.as_deref()),
-            Form::Mesh => Self::mesh(path, args.field.as_ref().ok_or_else(|| Failure::NoField(path.clone()))?),
+            Form::Mesh => Self::mesh(path, args.field.as_ref().ok_or_else(|| CommandError::NoField(path.clone()))?),
         }
     }
 
-    fn array(args: &Arguments) -> Result<Self, Failure> {
+    fn array(args: &PersistenceArgs) -> Result<Self, CommandError> {
         let Array { values, shape } = Array::read(&args.input)?;
         let periodic = args.periodic.unwrap_or_default().zyx;
         if let Some(axis) = (0..3 - shape.len()).find(|&axis| periodic[axis]) {
-            return Err(Failure::NoAxis { path: args.input.clone(), axis: AXES[axis], axes: shape.len() });
+            return Err(CommandError::NoAxis { path: args.input.clone(), axis: AXES[axis], axes: shape.len() });
         }
         let name = args.connectivity.unwrap_or(ConnectivityName::Freudenthal);
         let domain = grid(&shape, name.connectivity(), periodic);
@@ -101,17 +103,22 @@ impl Subject {
         Ok(Self { path: args.input.clone(), domain, values, places: Places::Array(shape), grid: Some(grid) })
     }
 
-    fn network(path: &Path, edges: Option<&Path>) -> Result<Self, Failure> {
+    fn network(path: &Path, edges: Option<&Path>) -> Result<Self, CommandError> {
         let beside = edges_beside(path);
-        let edges = edges.or(beside.as_deref()).ok_or_else(|| Failure::NoEdges(path.to_owned()))?;
+        let edges = edges.or(beside.as_deref()).ok_or_else(|| CommandError::NoEdges(path.to_owned()))?;
         let Network { values, names, edges } = Network::read(path, edges)?;
         let domain = Domain::Network(Adjacency::from_edges(names.len(), &edges).map_err(domain_failure(path))?);
         Ok(Self { path: path.to_owned(), domain, values, places: Places::Network(names), grid: None })
     }
 
     /// A mesh with a field.
-    pub(crate) fn mesh(path: &Path, source: &Source) -> Result<Self, Failure> {
-        let Surface { model, triangles, values } = Surface::read(path, source)?;
+    pub(crate) fn mesh(path: &Path, source: &Source) -> Result<Self, CommandError> {
+        let (model, _) = input::read_model(path)?;
+        let triangles = model.triangles().vertices(&model);
+        let values = match source.values(path, &model, &triangles)? {
+            Some(values) => values,
+            None => Values::F64(conformal_factor(path, &model)?),
+        };
         let domain = TriangleMesh::new(model.vertex_count(), &triangles).map_err(domain_failure(path))?;
         let places = Places::Mesh { points: model.points().to_vec(), triangles };
         Ok(Self { path: path.to_owned(), domain: Domain::Mesh(domain), values, places, grid: None })
@@ -150,11 +157,22 @@ impl Subject {
     }
 }
 
+/// The conformal factor φ of each vertex; NaN where it is on no surface.
+fn conformal_factor(path: &Path, model: &geom::Model) -> Result<Vec<f64>, CommandError> {
+    let found = cones::extract(model, &cones::Options::default(), &mut |_| {})
+        .map_err(|error| CommandError::Unwrap { path: path.to_owned(), error })?;
+    warn(&found.repairs, &[]);
+    Ok(found.factor)
+}
+
+/// The most letters of a name in a table.
+const NAME: usize = 16;
+
 /// The names of (z, y, x).
 const AXES: [&str; 3] = ["z", "y", "x"];
 
-fn domain_failure(path: &Path) -> impl Fn(topo::Error) -> Failure + '_ {
-    |error| Failure::Domain { path: path.to_owned(), error }
+fn domain_failure(path: &Path) -> impl Fn(topo::Error) -> CommandError + '_ {
+    |error| CommandError::Domain { path: path.to_owned(), error }
 }
 
 fn grid(shape: &[usize], connectivity: Connectivity, [z, y, x]: [bool; 3]) -> Domain {
@@ -208,8 +226,10 @@ impl Places {
     pub(crate) fn told(&self, vertex: usize) -> String {
         match self {
             Self::Array(shape) => index(shape, vertex).iter().map(usize::to_string).collect::<Vec<_>>().join(", "),
-            Self::Mesh { points, .. } => points[vertex].iter().map(|&x| six_digits(x)).collect::<Vec<_>>().join(", "),
-            Self::Network(names) => names[vertex].clone(),
+            Self::Mesh { points, .. } => {
+                points[vertex].iter().map(|&x| significant(x, 4)).collect::<Vec<_>>().join(", ")
+            }
+            Self::Network(names) => cut(&names[vertex], NAME),
         }
     }
 
@@ -218,9 +238,9 @@ impl Places {
         if let Self::Network(names) = self { Some(&names[vertex]) } else { None }
     }
 
-    /// A vertex's name, or else its number.
+    /// A vertex's name, or else its number, for people.
     pub(crate) fn short(&self, vertex: usize) -> String {
-        self.name(vertex).map_or_else(|| vertex.to_string(), str::to_owned)
+        self.name(vertex).map_or_else(|| vertex.to_string(), |name| cut(name, NAME))
     }
 
     /// Whether vertices are anywhere in space.
@@ -277,7 +297,7 @@ mod tests {
             for (name, connectivity) in names {
                 for periodic in [[false; 3], [false, false, true]] {
                     let axes = if periodic[2] { vec!["x"] } else { vec![] };
-                    let subject = Subject {
+                    let subject = DomainField {
                         path: PathBuf::new(),
                         domain: grid(shape, connectivity, periodic),
                         values: Values::I32(vec![0; shape.iter().product()]),

@@ -1,22 +1,22 @@
 //! `cones persistence`: the pairs of any scalar field.
 
 mod args;
-mod chart;
+mod diagram;
+mod field;
 mod pairs;
 mod report;
 mod segments;
-mod subject;
 mod vtp;
 
-pub(crate) use args::{Arguments, NanName};
+pub(crate) use args::{NanName, PersistenceArgs};
+pub(crate) use field::{DomainField, Places};
 pub(crate) use pairs::{Pair, PairList, Wanted};
-pub(crate) use report::Seconds;
-pub(crate) use subject::{Places, Subject};
+pub(crate) use report::PairingTimes;
 
-use crate::failure::Failure;
+use crate::error::CommandError;
 use crate::input::Source;
 use crate::output;
-use report::Report;
+use report::PersistenceReport;
 use std::path::Path;
 use std::time::Instant;
 use topo::{Kind, NanPolicy, PersistenceOptions};
@@ -24,12 +24,12 @@ use topo::{Kind, NanPolicy, PersistenceOptions};
 /// Rows of the table for each direction, where nothing else is asked.
 const ROWS: usize = 10;
 
-pub(crate) fn run(args: &Arguments) -> Result<(), Failure> {
+pub(crate) fn run(args: &PersistenceArgs) -> Result<(), CommandError> {
     check_outputs(args)?;
     let start = Instant::now();
-    let subject = Subject::read(args)?;
+    let subject = DomainField::read(args)?;
     check_forms(args, &subject.places)?;
-    let mut report = Report::new(&subject, args, start.elapsed());
+    let mut report = PersistenceReport::new(&subject, args, start.elapsed());
     let wanted = Wanted { options: options(args), min_persistence: args.min_persistence, top: args.top };
     let mut lists = Vec::new();
     for &kind in args.direction.kinds() {
@@ -49,7 +49,7 @@ pub(crate) fn run(args: &Arguments) -> Result<(), Failure> {
 }
 
 /// The library's options.
-fn options(args: &Arguments) -> PersistenceOptions {
+fn options(args: &PersistenceArgs) -> PersistenceOptions {
     // A computed field is NaN where a mesh has no surface, which is no mistake of anyone's.
     let has_gaps = args.field.as_ref().is_some_and(Source::leaves_gaps);
     let nan = if has_gaps { NanPolicy::Mask } else { args.nan.policy() };
@@ -58,19 +58,19 @@ fn options(args: &Arguments) -> PersistenceOptions {
 }
 
 /// What the library refuses, in the command's words.
-pub(crate) fn explain(path: &Path, error: topo::Error) -> Failure {
+pub(crate) fn explain(path: &Path, error: topo::Error) -> CommandError {
     match error {
-        topo::Error::NotANumber { vertex } => Failure::NotANumber { path: path.to_owned(), vertex },
-        error => Failure::Persistence { path: path.to_owned(), error },
+        topo::Error::NotANumber { vertex } => CommandError::NotANumber { path: path.to_owned(), vertex },
+        error => CommandError::Persistence { path: path.to_owned(), error },
     }
 }
 
 /// Makes sure, before anything is read, that all outputs can be written.
-fn check_outputs(args: &Arguments) -> Result<(), Failure> {
+fn check_outputs(args: &PersistenceArgs) -> Result<(), CommandError> {
     let outputs = [
         (&args.pairs, &["csv", "json", "vtp"][..]),
-        (&args.diagram, &["svg", "png"]),
-        (&args.barcode, &["svg", "png"]),
+        (&args.diagram, &["svg"]),
+        (&args.barcode, &["svg"]),
         (&args.segmentation, &["npy", "ply", "png"]),
     ];
     for (output, endings) in outputs {
@@ -81,37 +81,38 @@ fn check_outputs(args: &Arguments) -> Result<(), Failure> {
     let outputs: Vec<&Path> = outputs.iter().filter_map(|(output, _)| output.as_deref()).collect();
     output::check(&inputs, &outputs)?;
     match (&args.segmentation, args.direction.kinds()) {
-        (Some(path), [_, _]) => Err(Failure::WhichSegments(path.clone())),
+        (Some(path), [_, _]) => Err(CommandError::WhichSegments(path.clone())),
         _ => Ok(()),
     }
 }
 
 /// Makes sure, before anything is written, that the outputs can tell of vertices where these are.
-fn check_forms(args: &Arguments, places: &Places) -> Result<(), Failure> {
+fn check_forms(args: &PersistenceArgs, places: &Places) -> Result<(), CommandError> {
     match &args.pairs {
         Some(path) if output::extension(path, &["csv", "json", "vtp"])? == "vtp" && !places.are_in_space() => {
-            return Err(Failure::NoPlaces(path.clone()));
+            return Err(CommandError::NoPlaces(path.clone()));
         }
         _ => {}
     }
     args.segmentation.as_deref().map_or(Ok(()), |path| segments::check(path, places))
 }
 
-fn write(args: &Arguments, subject: &Subject, lists: &[PairList], report: &Report) -> Result<(), Failure> {
+fn write(
+    args: &PersistenceArgs,
+    subject: &DomainField,
+    lists: &[PairList],
+    report: &PersistenceReport,
+) -> Result<(), CommandError> {
     if let Some(path) = &args.pairs {
         match output::extension(path, &["csv", "json", "vtp"])? {
-            "csv" => output::write_text(path, &report::csv(lists, &subject.places))?,
-            "json" => output::write_text(path, &output::json(report))?,
+            "csv" => output::write_csv(path, &report::rows(lists, &subject.places))?,
+            "json" => output::write_json(path, report)?,
             _ => output::write_text(path, &vtp::text(lists, &subject.places))?,
         }
     }
-    for (path, sketch) in [(&args.diagram, chart::diagram as fn(&[PairList]) -> _), (&args.barcode, chart::barcode)] {
+    for (path, draw) in [(&args.diagram, diagram::diagram as fn(&[PairList]) -> _), (&args.barcode, diagram::barcode)] {
         if let Some(path) = path {
-            let sketch = sketch(lists);
-            match output::extension(path, &["svg", "png"])? {
-                "svg" => output::write_text(path, &sketch.svg())?,
-                _ => output::write_png(path, &sketch.picture())?,
-            }
+            output::write_text(path, &draw(lists))?;
         }
     }
     if let (Some(path), &[kind]) = (&args.segmentation, args.direction.kinds()) {

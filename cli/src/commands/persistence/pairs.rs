@@ -1,6 +1,6 @@
 //! The pairs of one direction, told in one form whatever the field's numbers and domain.
 
-use super::subject::{Subject, on};
+use super::field::{DomainField, on};
 use crate::input::{FieldScalar, Number, each};
 use topo::{Kind, PersistenceOptions};
 
@@ -44,7 +44,7 @@ pub(crate) struct Wanted {
 
 impl PairList {
     /// The pairs of a subject.
-    pub(crate) fn new(subject: &Subject, kind: Kind, wanted: &Wanted) -> Result<Self, topo::Error> {
+    pub(crate) fn new(subject: &DomainField, kind: Kind, wanted: &Wanted) -> Result<Self, topo::Error> {
         each!(&subject.values, field => on!(&subject.domain, domain => {
             let pairs = match kind {
                 Kind::Minimum => wanted.options.sublevel(domain, field)?,

@@ -1,9 +1,9 @@
 //! The pairs as JSON, as a table of comma-separated values, and as text.
 
-use super::args::Arguments;
+use super::args::PersistenceArgs;
 use super::direction;
+use super::field::{DomainField, GridReport, Places};
 use super::pairs::{Pair, PairList};
-use super::subject::{GridReport, Places, Subject};
 use crate::input::{Number, six_digits};
 use crate::report::table::{columns, thousands};
 use crate::report::{SCHEMA, kind_name};
@@ -13,16 +13,16 @@ use topo::Kind;
 
 /// The report of `cones persistence`. Its keys are stable.
 #[derive(Debug, Serialize)]
-pub(super) struct Report {
+pub(super) struct PersistenceReport {
     schema: u32,
-    input: Input,
+    input: FieldInput,
     sublevel: Option<Direction>,
     superlevel: Option<Direction>,
-    pub(super) times: Seconds,
+    pub(super) times: PairingTimes,
 }
 
 #[derive(Debug, Serialize)]
-struct Input {
+struct FieldInput {
     path: String,
     vertices: usize,
     edges: usize,
@@ -75,14 +75,14 @@ struct Names {
 
 /// What each step took; nothing for one that did not run.
 #[derive(Clone, Debug, Default, Serialize)]
-pub(crate) struct Seconds {
+pub(crate) struct PairingTimes {
     pub(crate) read: Option<f64>,
     pub(crate) sublevel: Option<f64>,
     pub(crate) superlevel: Option<f64>,
     pub(crate) write: Option<f64>,
 }
 
-impl Seconds {
+impl PairingTimes {
     /// Notes what a direction took.
     pub(crate) fn add(&mut self, kind: Kind, time: Duration) {
         let slot = match kind {
@@ -93,12 +93,12 @@ impl Seconds {
     }
 }
 
-impl Report {
+impl PersistenceReport {
     /// A report without pairs.
-    pub(super) fn new(subject: &Subject, args: &Arguments, read: Duration) -> Self {
+    pub(super) fn new(subject: &DomainField, args: &PersistenceArgs, read: Duration) -> Self {
         Self {
             schema: SCHEMA,
-            input: Input {
+            input: FieldInput {
                 path: args.input.display().to_string(),
                 vertices: subject.vertex_count(),
                 edges: subject.edge_count(),
@@ -107,7 +107,7 @@ impl Report {
             },
             sublevel: None,
             superlevel: None,
-            times: Seconds { read: Some(read.as_secs_f64()), ..Seconds::default() },
+            times: PairingTimes { read: Some(read.as_secs_f64()), ..PairingTimes::default() },
         }
     }
 
@@ -123,7 +123,7 @@ impl Report {
 
     /// The report for people: what went in, and the first rows of each direction.
     pub(super) fn text(&self, places: &Places, lists: &[PairList], rows: usize) -> String {
-        let Input { path, vertices, edges, .. } = &self.input;
+        let FieldInput { path, vertices, edges, .. } = &self.input;
         let mut text =
             format!("{path}: {}, {} vertices, {} edges\n", self.domain(), thousands(*vertices), thousands(*edges));
         for list in lists {
@@ -221,53 +221,45 @@ impl Direction {
     }
 }
 
-/// All pairs, a line each; saddle and death of an essential class are empty.
-pub(super) fn csv(lists: &[PairList], places: &Places) -> String {
-    let (of_extremum, of_saddle) = places.columns();
-    let mut text = format!("kind,extremum,saddle,birth,death,persistence{of_extremum}{of_saddle}\n");
-    for list in lists {
-        for pair in &list.pairs {
-            let saddle = pair.saddle.map_or_else(String::new, |saddle| saddle.to_string());
-            let death = pair.death.map_or_else(String::new, |death| death.to_string());
-            text += &format!(
-                "{},{},{saddle},{},{death},{}",
-                kind_name(list.kind),
-                pair.extremum,
-                pair.birth,
-                pair.persistence
-            );
-            text += &places.cells(Some(pair.extremum));
-            text += &places.cells(pair.saddle);
-            text.push('\n');
-        }
-    }
-    text
+/// All pairs as rows of a table under a head; saddle and death of an essential class are empty.
+pub(super) fn rows(lists: &[PairList], places: &Places) -> Vec<Vec<String>> {
+    let names = ["kind", "extremum", "saddle", "birth", "death", "persistence"];
+    let heads = |of: &'static str| places.axes().iter().map(move |axis| format!("{of}_{axis}"));
+    let head = names.iter().map(|&name| name.to_owned()).chain(heads("extremum")).chain(heads("saddle")).collect();
+    let row = |kind, pair: &Pair| {
+        let mut row = vec![
+            kind_name(kind).to_owned(),
+            pair.extremum.to_string(),
+            pair.saddle.map_or_else(String::new, |saddle| saddle.to_string()),
+            pair.birth.to_string(),
+            pair.death.map_or_else(String::new, |death| death.to_string()),
+            pair.persistence.to_string(),
+        ];
+        row.extend(places.cells(Some(pair.extremum)));
+        row.extend(places.cells(pair.saddle));
+        row
+    };
+    let rows = lists.iter().flat_map(|list| list.pairs.iter().map(move |pair| row(list.kind, pair)));
+    std::iter::once(head).chain(rows).collect()
 }
 
 impl Places {
-    /// The heads of the columns that tell where extremum and saddle are.
-    fn columns(&self) -> (String, String) {
-        let names: &[&str] = match self {
+    /// What tells where a vertex is.
+    fn axes(&self) -> &'static [&'static str] {
+        match self {
             Self::Array(shape) => &["z", "y", "x"][3 - shape.len().clamp(1, 3)..],
             Self::Mesh { .. } => &["x", "y", "z"],
             Self::Network(_) => &["name"],
-        };
-        let heads = |of: &str| names.iter().map(|name| format!(",{of}_{name}")).collect();
-        (heads("extremum"), heads("saddle"))
-    }
-
-    /// Cells of where a vertex is; empty ones for none.
-    fn cells(&self, vertex: Option<usize>) -> String {
-        let Some(vertex) = vertex else { return self.columns().0.matches(',').collect() };
-        match self {
-            Self::Array(_) => format!(",{}", self.told(vertex).replace(' ', "")),
-            Self::Mesh { points, .. } => points[vertex].iter().map(|x| format!(",{x:?}")).collect(),
-            Self::Network(names) => format!(",{}", quoted(&names[vertex])),
         }
     }
-}
 
-/// A cell in quotes, if it needs them.
-fn quoted(cell: &str) -> String {
-    if cell.contains([',', '"', '\n', '\r']) { format!("\"{}\"", cell.replace('"', "\"\"")) } else { cell.to_owned() }
+    /// Where a vertex is, axis by axis; nothing for none.
+    fn cells(&self, vertex: Option<usize>) -> Vec<String> {
+        let Some(vertex) = vertex else { return vec![String::new(); self.axes().len()] };
+        match self {
+            Self::Array(_) => self.told(vertex).split(", ").map(str::to_owned).collect(),
+            Self::Mesh { points, .. } => points[vertex].iter().map(|x| format!("{x:?}")).collect(),
+            Self::Network(names) => vec![names[vertex].clone()],
+        }
+    }
 }

@@ -1,8 +1,8 @@
 //! The segmentation: each vertex with the extremum it belongs to.
 
 use super::explain;
-use super::subject::{Places, Subject, on};
-use crate::failure::Failure;
+use super::field::{DomainField, Places, on};
+use crate::error::CommandError;
 use crate::input::{FieldScalar, each, write_labels};
 use crate::output;
 use crate::render::{Picture, encode_hue};
@@ -11,8 +11,8 @@ use std::path::Path;
 use topo::{Kind, PersistenceOptions, Segmentation};
 
 /// Whether segments can be written in the form a path asks for: colours need a mesh or a picture.
-pub(super) fn check(path: &Path, places: &Places) -> Result<(), Failure> {
-    let refused = |of| Err(Failure::SegmentsAs { path: path.to_owned(), of });
+pub(super) fn check(path: &Path, places: &Places) -> Result<(), CommandError> {
+    let refused = |of| Err(CommandError::SegmentsAs { path: path.to_owned(), of });
     match (output::extension(path, &["npy", "ply", "png"])?, places) {
         ("ply", Places::Array(_) | Places::Network(_)) => refused("a mesh"),
         ("png", Places::Array(shape)) if shape.len() == 2 && !shape.contains(&0) => Ok(()),
@@ -24,11 +24,11 @@ pub(super) fn check(path: &Path, places: &Places) -> Result<(), Failure> {
 /// Writes the segments of the extrema that are more persistent than a threshold, in a form that was [checked](check).
 pub(super) fn write(
     path: &Path,
-    subject: &Subject,
+    subject: &DomainField,
     kind: Kind,
     options: PersistenceOptions,
     threshold: f64,
-) -> Result<(), Failure> {
+) -> Result<(), CommandError> {
     let segments = segments(subject, kind, options, threshold).map_err(|error| explain(&subject.path, error))?;
     let extremum = |segment: Option<usize>| segment.map(|segment| segments.extrema()[segment]);
     match (output::extension(path, &["npy", "ply", "png"])?, &subject.places) {
@@ -48,7 +48,7 @@ pub(super) fn write(
 }
 
 fn segments(
-    subject: &Subject,
+    subject: &DomainField,
     kind: Kind,
     options: PersistenceOptions,
     threshold: f64,

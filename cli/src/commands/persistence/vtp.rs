@@ -3,18 +3,18 @@
 //! Format: "VTK File Formats" of the VTK User's Guide. Points carry `vertex`, `value` and `kind`, where 0 is a minimum, 1 a saddle that
 //! joins minima, 2 a saddle that joins maxima, 3 a maximum; points and cells both carry the `persistence` of their pair.
 
+use super::field::Places;
 use super::pairs::{Pair, PairList};
-use super::subject::Places;
 use std::fmt::Write;
 use topo::Kind;
 
 /// The document; vertices must be somewhere in space.
 pub(super) fn text(lists: &[PairList], places: &Places) -> String {
-    let points: Vec<Point> =
+    let points: Vec<MarkedVertex> =
         lists.iter().flat_map(|list| list.pairs.iter().flat_map(|pair| ends(list.kind, pair))).collect();
     let positions = points.iter().filter_map(|point| places.point(point.vertex));
     let lines: Vec<usize> = (1..points.len()).filter(|&i| points[i].is_saddle()).collect();
-    let of_points = |number: fn(&Point) -> f64| points.iter().map(number).collect::<Vec<_>>();
+    let of_points = |number: fn(&MarkedVertex) -> f64| points.iter().map(number).collect::<Vec<_>>();
     let persistence = of_points(|point| point.persistence);
     let of_cells = persistence.iter().copied().chain(lines.iter().map(|&i| persistence[i]));
     let mut text = format!(
@@ -43,26 +43,26 @@ pub(super) fn text(lists: &[PairList], places: &Places) -> String {
 
 /// An extremum or a saddle.
 #[derive(Clone, Copy, Debug)]
-struct Point {
+struct MarkedVertex {
     vertex: usize,
     kind: usize,
     value: f64,
     persistence: f64,
 }
 
-impl Point {
+impl MarkedVertex {
     fn is_saddle(&self) -> bool {
         matches!(self.kind, 1 | 2)
     }
 }
 
 /// The extremum of a pair and, behind it, the saddle if it has one.
-fn ends(kind: Kind, pair: &Pair) -> impl Iterator<Item = Point> + use<> {
+fn ends(kind: Kind, pair: &Pair) -> impl Iterator<Item = MarkedVertex> + use<> {
     let (extremum, saddle) = match kind {
         Kind::Minimum => (0, 1),
         Kind::Maximum => (3, 2),
     };
-    let point = |vertex, kind, value| Point { vertex, kind, value, persistence: pair.persistence.to_f64() };
+    let point = |vertex, kind, value| MarkedVertex { vertex, kind, value, persistence: pair.persistence.to_f64() };
     let first = point(pair.extremum, extremum, pair.birth.to_f64());
     let second = pair.saddle.zip(pair.death).map(|(vertex, death)| point(vertex, saddle, death.to_f64()));
     std::iter::once(first).chain(second)

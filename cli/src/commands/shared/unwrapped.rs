@@ -1,19 +1,28 @@
-//! One surface through the library: unwrapped, scaled, measured.
+//! One surface through the library: unwrapped, its texture coordinates scaled, its map measured.
 
-use crate::args::Scale;
-use crate::failure::Failure;
-use crate::output;
+use crate::error::CommandError;
 use crate::progress::Progress;
-use crate::render::{Chart, Mark};
-use crate::report::{Quality, Report, Times};
+use crate::render::{Mark, Scene, extent};
+use crate::report::{Quality, Times, UnwrapReport};
+use clap::ValueEnum;
 use cones::{Atlas, Options};
-use geom::{Model, Repair};
+use geom::Model;
 use std::path::Path;
-use std::time::Instant;
+
+/// Size of the texture coordinates.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub(crate) enum Scale {
+    /// From 0 to 1: the layout's longer side is 1
+    Unit,
+    /// Areas in the layout are areas on the surface
+    Area,
+    /// As computed
+    None,
+}
 
 /// An unwrapped surface with its texture coordinates as they are written, and what they are worth.
 #[derive(Debug)]
-pub(crate) struct Job {
+pub(crate) struct Unwrapped {
     pub(crate) model: Model,
     pub(crate) options: Options,
     pub(crate) atlas: Atlas,
@@ -22,7 +31,7 @@ pub(crate) struct Job {
     pub(crate) quality: Quality,
 }
 
-impl Job {
+impl Unwrapped {
     /// Unwraps a model. `path` is how messages call it.
     pub(crate) fn new(
         path: &Path,
@@ -30,24 +39,24 @@ impl Job {
         options: Options,
         scale: Scale,
         progress: &mut Progress,
-    ) -> Result<Self, Failure> {
+    ) -> Result<Self, CommandError> {
         let atlas = cones::unwrap(&model, &options, &mut |stage| progress.stage(stage))
-            .map_err(|error| Failure::Unwrap { path: path.to_owned(), error })?;
+            .map_err(|error| CommandError::Unwrap { path: path.to_owned(), error })?;
         progress.step("measure");
         let uv = scaled(&atlas.uv, scale);
         let triangles = kept(&atlas);
         let cones: Vec<u32> = atlas.cones.iter().map(|cone| cone.vertex).collect();
         let (triangles, corners) = (vertices(&model, &triangles), corner_uv(&triangles, &uv));
         let quality = Quality::measure(model.points(), &triangles, &corners, Some(&cones))
-            .map_err(|error| Failure::Measure { path: path.to_owned(), error })?;
+            .map_err(|error| CommandError::Measure { path: path.to_owned(), error })?;
         Ok(Self { model, options, atlas, uv, quality })
     }
 
     /// What pictures of it are drawn from.
-    pub(crate) fn chart(&self) -> Chart {
+    pub(crate) fn scene(&self) -> Scene {
         let triangles = kept(&self.atlas);
         let cones = self.atlas.cones.iter().map(|c| Mark { vertex: c.vertex, positive: c.curvature >= 0.0 }).collect();
-        Chart::new(
+        Scene::new(
             self.model.points(),
             vertices(&self.model, &triangles),
             corner_uv(&triangles, &self.uv),
@@ -57,31 +66,9 @@ impl Job {
     }
 
     /// Its report; `times` are those of reading and writing.
-    pub(crate) fn report(&self, path: &Path, times: Times) -> Report {
-        Report::new(path, &self.atlas, &self.options, &self.quality, times)
+    pub(crate) fn report(&self, path: &Path, times: Times) -> UnwrapReport {
+        UnwrapReport::new(path, &self.atlas, &self.options, &self.quality, times)
     }
-}
-
-/// Reads a model, and how many seconds that took.
-pub(crate) fn read(path: &Path) -> Result<(Model, f64), Failure> {
-    let start = Instant::now();
-    Ok((geom::io::read(path)?, start.elapsed().as_secs_f64()))
-}
-
-/// Says on stderr what the library mended and had to decide.
-pub(crate) fn warn(repairs: &[Repair], warnings: &[String]) {
-    for repair in repairs {
-        output::warn(&repair_text(repair));
-    }
-    for warning in warnings {
-        output::warn(warning);
-    }
-}
-
-/// A repair as a sentence.
-fn repair_text(repair: &Repair) -> String {
-    let element = if repair.kind.is_of_faces() { "face" } else { "vertex" };
-    format!("{} {} (first {element} {}, counted from 0)", repair.count, repair.kind.description(), repair.first)
 }
 
 /// The triangles that lie on a surface, as corners of the model.
@@ -103,7 +90,7 @@ pub(crate) fn corner_uv(triangles: &[[u32; 3]], uv: &[[f64; 2]]) -> Vec<[[f64; 2
 
 /// The texture coordinates as they are to be written: from (0, 0) on, and in the unit square where that is asked.
 fn scaled(uv: &[[f64; 2]], scale: Scale) -> Vec<[f64; 2]> {
-    let (low, size) = crate::render::extent(uv.iter().copied());
+    let (low, size) = extent(uv.iter().copied());
     let place = |uv: [f64; 2]| -> [f64; 2] {
         match scale {
             Scale::Unit => std::array::from_fn(|i| (uv[i] - low[i]) / size),

@@ -1,0 +1,79 @@
+//! The options of looking for cones.
+
+use super::numbers::{distortion, non_negative};
+use clap::{Args, ValueEnum};
+use cones::{Angles, ConeChoice, Method, Options};
+
+/// How many cones, by which method, and what curvatures they get.
+#[derive(Args, Debug)]
+pub(crate) struct CandidateArgs {
+    /// How many cones [default: as few as keep the area distortion within 1.25, at most 32 a part]
+    #[arg(short = 'n', value_name = "N", group = "which")]
+    count: Option<usize>,
+    /// As few cones as keep the area distortion within this, as predicted; `unwrap` makes sure by flattening
+    #[arg(long, value_name = "D", group = "which", value_parser = distortion)]
+    max_distortion: Option<f64>,
+    /// All extrema of the conformal factor that are at least so persistent
+    #[arg(long, value_name = "P", group = "which", value_parser = non_negative)]
+    min_persistence: Option<f64>,
+    /// How cones are chosen; `refined` and `pursuit` choose more than 64 by persistence
+    #[arg(long, value_enum, default_value_t = MethodName::Refined)]
+    method: MethodName,
+    /// How curvature is shared among the cones
+    #[arg(long, value_enum, default_value_t = AnglesName::Optimal)]
+    angles: AnglesName,
+    /// Diffuse the curvature before extrema are looked for: steadier on noisy scans
+    #[arg(long)]
+    smooth: bool,
+    /// Merge vertices that are at exactly the same place, as those along a seam of another unwrapping are
+    #[arg(long)]
+    weld: bool,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum MethodName {
+    /// By persistence, whatever their kind
+    Persistence,
+    /// As in the paper: the most persistent maximum, minimum, maximum, …
+    Alternating,
+    /// Highest and lowest point of the conformal factor, again and again
+    Iterative,
+    /// Where the conformal factor is farthest from 0, again and again
+    Greedy,
+    /// The best set for this number of cones
+    Refined,
+    /// The best order, good for every number of cones
+    Pursuit,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum AnglesName {
+    /// By least squares: the least variation of scale with these cones
+    Optimal,
+    /// As in the paper: no change of scale at the cones
+    Harmonic,
+}
+
+impl CandidateArgs {
+    /// The library's options.
+    pub(crate) fn options(&self) -> Options {
+        let cones = match (self.min_persistence, self.count) {
+            (Some(persistence), _) => ConeChoice::MinPersistence(persistence),
+            (_, Some(count)) => ConeChoice::Count(count),
+            (None, None) => self.max_distortion.map_or(ConeChoice::Automatic, ConeChoice::WithinDistortion),
+        };
+        let method = match self.method {
+            MethodName::Persistence => Method::Persistence,
+            MethodName::Alternating => Method::Alternating,
+            MethodName::Iterative => Method::Iterative,
+            MethodName::Greedy => Method::Greedy,
+            MethodName::Refined => Method::Refined,
+            MethodName::Pursuit => Method::Pursuit,
+        };
+        let angles = match self.angles {
+            AnglesName::Optimal => Angles::Optimal,
+            AnglesName::Harmonic => Angles::Harmonic,
+        };
+        Options { cones, method, angles, smooth: self.smooth, order: false, weld: self.weld }
+    }
+}

@@ -1,0 +1,107 @@
+//! What a user of a terminal expects: how much is said, how wide it is, help, completions, manual pages.
+
+use crate::folder::{Folder, stderr, stdout};
+
+const SUBCOMMANDS: [&str; 10] =
+    ["unwrap", "extract", "compare", "measure", "persistence", "features", "shape", "demo", "completions", "man"];
+
+fn assert_fits(text: &str, what: &str) {
+    for line in text.lines() {
+        assert!(line.chars().count() <= 80, "{what}: {} columns in {line:?}", line.chars().count());
+    }
+}
+
+#[test]
+fn every_help_fits_80_columns() {
+    let folder = Folder::new();
+    for option in ["-h", "--help"] {
+        assert_fits(&stdout(&folder.run(&[option]).success()), option);
+        for subcommand in SUBCOMMANDS {
+            assert_fits(&stdout(&folder.run(&[subcommand, option]).success()), subcommand);
+        }
+    }
+}
+
+#[test]
+fn every_table_fits_80_columns_with_wide_numbers() {
+    let folder = Folder::new();
+    // Far out and turned, so that coordinates have signs and many digits; vertices from a million on.
+    folder.run(&["shape", "hare", "--vertices", "600", "-o", "hare.obj"]).success();
+    let mut text = "v 0 0 0\n".repeat(1_000_000);
+    for line in folder.read("hare.obj").lines() {
+        if let Some(point) = line.strip_prefix("v ") {
+            let point: Vec<f64> = point.split_whitespace().map(|x| x.parse().expect("a number")).collect();
+            text += &format!("v {} {} {}\n", -1234.5 * point[0], 1e-9 * point[1] - 98765.4, -12345.6 + 1e3 * point[2]);
+        } else if let Some(face) = line.strip_prefix("f ") {
+            let face: Vec<u64> = face.split_whitespace().map(|c| c.parse().expect("an index")).collect();
+            text += &format!("f {} {} {}\n", face[0] + 1_000_000, face[1] + 1_000_000, face[2] + 1_000_000);
+        }
+    }
+    folder.write("wide.obj", &text);
+    let says = |args: &[&str]| stdout(&folder.run(args).success());
+    for method in ["refined", "persistence"] {
+        assert_fits(&says(&["extract", "wide.obj", "-n", "12", "--method", method]), "extract");
+    }
+    assert_fits(&says(&["persistence", "hare.obj", "--field", "phi"]), "persistence");
+    assert_fits(&says(&["features", "wide.obj"]), "features");
+    folder.run(&["unwrap", "wide.obj", "-n", "4", "-o", "out.obj"]).success();
+    assert_fits(&says(&["measure", "out.obj"]), "measure");
+}
+
+#[test]
+fn comparisons_fit_80_columns() {
+    let folder = Folder::with_shapes();
+    let methods = "alternating+smooth+harmonic+linear,persistence,lscm";
+    let text = stdout(
+        &folder
+            .run(&["compare", "hare.obj", "sphere.obj", "-n", "1,6", "--best-of", "1", "--method", methods])
+            .success(),
+    );
+    assert_fits(&text, "compare");
+    for told in ["alternating+smooth+harmonic+linear", "hare.obj: ", "1 cones asked for", "qc: "] {
+        assert!(text.contains(told), "{told}: {text}");
+    }
+}
+
+#[test]
+fn quiet_says_results_and_errors_alone_and_verbose_says_stages() {
+    let folder = Folder::with_shapes();
+    // A sphere needs three, which is warned of.
+    let run = |options: &[&str]| {
+        folder.run(&[options, &["unwrap", "sphere.obj", "-n", "1", "-o", "out.obj"]].concat()).success()
+    };
+    let quiet = run(&["--quiet"]);
+    assert_eq!((stdout(&quiet), stderr(&quiet)), (String::new(), String::new()));
+    assert!(stderr(&run(&[])).starts_with("warning: "));
+    let verbose = stderr(&run(&["--verbose"]));
+    for stage in ["read", "prepare", "factor", "hierarchy", "cut", "scale", "layout", "measure", "write"] {
+        assert!(verbose.contains(&format!("sphere.obj: {stage} (")), "{stage}: {verbose}");
+    }
+    assert!(!stdout(&folder.run(&["extract", "-q", "hare.obj", "-n", "6"]).success()).is_empty());
+    assert!(folder.complaint(&["-q", "extract", "missing.obj"]).contains("missing.obj"));
+    folder.run(&["-q", "-v", "demo"]).code(2);
+}
+
+#[test]
+fn shells_complete_the_command_and_man_has_its_pages() {
+    let folder = Folder::new();
+    for shell in ["bash", "zsh", "fish", "elvish", "powershell"] {
+        let script = stdout(&folder.run(&["completions", shell]).success());
+        assert!(script.contains("max-distortion"), "{shell}");
+    }
+    folder.run(&["completions", "abacus"]).code(2);
+    let page = stdout(&folder.run(&["man"]).success());
+    assert!(page.contains(".TH") && page.contains("unwrap"), "{page}");
+    assert!(stdout(&folder.run(&["man", "unwrap"]).success()).contains("max\\-distortion"));
+    assert!(folder.complaint(&["man", "view"]).contains("no subcommand view"));
+}
+
+#[test]
+fn extracting_offers_only_what_it_does() {
+    let folder = Folder::with_shapes();
+    let help = stdout(&folder.run(&["extract", "--help"]).success());
+    for option in ["--cones <", "--scale", "--triangulate", "--picture", "--layout"] {
+        assert!(!help.contains(option), "{option}");
+    }
+    folder.run(&["extract", "hare.obj", "--cones", "cones.txt"]).code(2);
+}
