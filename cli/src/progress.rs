@@ -1,17 +1,24 @@
-//! Progress on stderr while the stages run: a bar on a terminal, a line a stage where that is asked for.
+//! Progress on stderr while the work goes on: a bar on a terminal, a line a stage where that is asked for.
 
 use crate::output::{self, Volume};
-use cones::Stage;
+use cones::{Observer, Stage};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use std::ops::ControlFlow;
+use std::sync::{Arc, Mutex};
 
-/// Reading and writing come on top of the library's stages.
-const STEPS: u64 = 8;
+/// What the command does itself comes on top of the library's stages: reading first, measuring, writing and drawing last.
+const STEPS: u64 = Stage::ALL.len() as u64 + 4;
+/// The bar's length for each step.
+const LENGTH: u64 = 1000;
 
-#[derive(Debug)]
+/// The progress on one surface; clones share it.
+#[derive(Clone, Debug)]
 pub(crate) struct Progress {
     bar: ProgressBar,
     /// The surface, in lines that say a stage.
-    name: Option<String>,
+    name: Option<Arc<str>>,
+    /// The step that was said last.
+    said: Arc<Mutex<&'static str>>,
 }
 
 impl Progress {
@@ -24,29 +31,48 @@ impl Progress {
             Volume::Normal => ProgressDrawTarget::stderr(),
             Volume::Quiet | Volume::Verbose => ProgressDrawTarget::hidden(),
         };
-        let bar = ProgressBar::with_draw_target(Some(STEPS), target).with_style(style);
+        let bar = ProgressBar::with_draw_target(Some(STEPS * LENGTH), target).with_style(style);
         bar.set_prefix(name.to_owned());
-        let progress = Self { bar, name: (output::volume() == Volume::Verbose).then(|| name.to_owned()) };
+        let name = (output::volume() == Volume::Verbose).then(|| name.into());
+        let progress = Self { bar, name, said: Arc::default() };
         progress.say("read");
         progress
     }
 
-    /// A stage begins, in some part of the surface.
-    pub(crate) fn stage(&mut self, stage: Stage) {
-        let done = Stage::ALL.iter().position(|&s| s == stage).unwrap_or(0) as u64 + 1;
-        if done >= self.bar.position() {
-            self.bar.set_position(done);
-            self.say(stage.name());
+    /// What hears of the library's stages, on any component. The bar never goes back.
+    pub(crate) fn observer(&self) -> impl Observer + use<> {
+        let progress = self.clone();
+        move |at: cones::Progress| {
+            let steps = 1 + Stage::ALL.iter().position(|&s| s == at.stage).unwrap_or(0) as u64;
+            let components = at.components.max(1) as f64;
+            let share = (at.component as f64 + at.fraction.unwrap_or(0.0)) / components;
+            progress.reach(steps * LENGTH + (share * LENGTH as f64) as u64, at.stage.name());
+            ControlFlow::Continue(())
         }
     }
 
     /// A step begins that is none of the library's stages.
-    pub(crate) fn step(&mut self, name: &'static str) {
-        self.bar.inc(1);
-        self.say(name);
+    pub(crate) fn step(&self, name: &'static str) {
+        self.reach((self.bar.position() / LENGTH + 1) * LENGTH, name);
+    }
+
+    /// Nothing more is to be shown.
+    pub(crate) fn finish(&self) {
+        self.bar.finish_and_clear();
+    }
+
+    fn reach(&self, position: u64, stage: &'static str) {
+        if position >= self.bar.position() {
+            self.bar.set_position(position);
+            self.say(stage);
+        }
     }
 
     fn say(&self, stage: &'static str) {
+        let Ok(mut said) = self.said.lock() else { return };
+        if std::mem::replace(&mut *said, stage) == stage {
+            return;
+        }
         self.bar.set_message(stage);
         if let Some(name) = &self.name {
             output::note(&format!("{name}: {stage} ({:.2} s)\n", self.bar.elapsed().as_secs_f64()));
@@ -56,6 +82,9 @@ impl Progress {
 
 impl Drop for Progress {
     fn drop(&mut self) {
-        self.bar.finish_and_clear();
+        // The last of the clones clears the bar, also where an error ends the work.
+        if Arc::strong_count(&self.said) == 1 {
+            self.finish();
+        }
     }
 }

@@ -86,7 +86,9 @@ impl Clean {
         let deviation = strength * self.mean_length / 3.0_f64.sqrt();
         let noisy: Vec<[f64; 3]> = self.points.iter().map(|p| p.map(|x| x + deviation * random.gaussian())).collect();
         let cones = choose(&model(&self.mesh, &noisy), self.count)?;
-        let norm = |cones: &[u32]| Ok(self.analysis.predict(cones, CurvatureRule::Optimal)?.log_scale_norm);
+        let norm = |cones: &[u32]| -> Result<f64, Error> {
+            Ok(self.analysis.predict(cones, CurvatureRule::Optimal)?.log_scale_norm)
+        };
         let stability = |(clean, noisy): (&Vec<u32>, &Vec<u32>)| {
             Ok(Stability { recovered: self.recovered(clean, noisy), norm: norm(noisy)? / norm(clean)? })
         };

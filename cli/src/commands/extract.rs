@@ -7,11 +7,10 @@ use crate::output;
 use crate::progress::Progress;
 use crate::report::table::{columns, thousands};
 use crate::report::{
-    ConeReport, CurvePoint, HierarchyFile, HierarchyReport, InputReport, NumberReport, RepairReport, SCHEMA, Times,
-    angles_name, curve, kind_name, method_name,
+    HierarchyFile, HierarchyReport, InputReport, RepairReport, SCHEMA, Times, angles_name, curve, kind_name, warnings,
 };
 use clap::Args;
-use cones::{Extraction, Options};
+use cones::{Analysis, ChosenNumber, Cone, Cones, Note, Prediction};
 use serde::Serialize;
 use std::f64::consts::PI;
 use std::path::{Path, PathBuf};
@@ -36,16 +35,16 @@ pub(crate) struct ExtractArgs {
 
 /// The part of an unwrapping's report that is known before flattening.
 #[derive(Debug, Serialize)]
-struct ExtractReport {
+struct ExtractReport<'a> {
     schema: u32,
     input: InputReport,
     repairs: Vec<RepairReport>,
-    cones: Vec<ConeReport>,
+    cones: &'a [Cone],
     method: &'static str,
     angles: &'static str,
     hierarchy: HierarchyReport,
-    number: Option<NumberReport>,
-    curve: Vec<CurvePoint>,
+    number: Option<&'a ChosenNumber>,
+    curve: &'a [Prediction],
     times: Times,
     warnings: Vec<String>,
 }
@@ -56,42 +55,48 @@ pub(crate) fn run(args: &ExtractArgs) -> Result<(), CommandError> {
     }
     let outputs: Vec<&Path> = [&args.cones_out, &args.hierarchy].into_iter().flatten().map(|p| &**p).collect();
     output::check(&[&args.input], &outputs)?;
-    let options = Options { order: args.hierarchy.is_some(), ..args.candidates.options() };
-    let mut progress = Progress::begin(&args.input.display().to_string());
+    let options = args.candidates.options();
+    let progress = Progress::begin(&args.input.display().to_string());
     let (model, read) = input::read_model(&args.input)?;
-    let found = cones::extract(&model, &options, &mut |stage| progress.stage(stage))
-        .map_err(|error| CommandError::Unwrap { path: args.input.clone(), error })?;
-    drop(progress);
-    warn(&found.repairs, &found.warnings);
+    let failed = |error| CommandError::Unwrap { path: args.input.clone(), error };
+    let analysis = Analysis::observed(&model, options.preparation, progress.observer()).map_err(failed)?;
+    let found = analysis.choose(&options).map_err(failed)?;
+    let order = args.hierarchy.as_ref().map(|path| Ok((path, args.candidates.order(&analysis, found.len())?)));
+    let order = order.transpose().map_err(failed)?;
+    progress.finish();
+    let topology = analysis.topology();
+    let notes: Vec<Note> = analysis.notes().iter().chain(found.notes()).cloned().collect();
+    warn(analysis.repairs(), &notes, topology.components);
     if let Some(path) = &args.cones_out {
-        output::write_text(path, &cone_file::text(&found.cones))?;
+        output::write_text(path, &cone_file::text(found.as_slice()))?;
     }
-    if let (Some(path), Some(order)) = (&args.hierarchy, &found.order) {
-        output::write_json(path, &HierarchyFile::from(order))?;
+    if let Some((path, order)) = order {
+        output::write_json(path, &HierarchyFile::new(order))?;
     }
+    let hierarchy = HierarchyReport::new(&analysis);
     if !args.json {
-        return output::print(&table(&found));
+        return output::print(&table(&found, hierarchy.extrema));
     }
     output::print_json(&ExtractReport {
         schema: SCHEMA,
-        input: InputReport::new(&args.input, &found.topology),
-        repairs: found.repairs.iter().map(RepairReport::from).collect(),
-        cones: found.cones.iter().map(ConeReport::from).collect(),
-        method: method_name(options.method),
-        angles: angles_name(options.angles),
-        hierarchy: HierarchyReport::new(&found.persistence),
-        number: found.number.as_ref().map(NumberReport::from),
-        curve: curve(found.number.as_ref()),
-        times: Times { read: Some(read), ..Times::default() }.with(&found.times),
-        warnings: found.warnings.clone(),
+        input: InputReport::new(&args.input, topology),
+        repairs: analysis.repairs().iter().map(RepairReport::from).collect(),
+        cones: found.as_slice(),
+        method: options.placement.name(),
+        angles: angles_name(options.rule),
+        hierarchy,
+        number: found.number(),
+        curve: curve(found.number()),
+        times: Times { read: Some(read), ..Times::default() }.with(analysis.times()).with(found.times()),
+        warnings: warnings(&notes, topology.components),
     })
 }
 
 /// A table that fits 80 columns with a million vertices.
-fn table(found: &Extraction) -> String {
+fn table(found: &Cones, extrema: usize) -> String {
     let head = ["#", "vertex", "kind", "persistence", "curvature", "x", "y", "z"].map(String::from).to_vec();
     let mut rows = vec![head];
-    for (i, cone) in found.cones.iter().enumerate() {
+    for (i, cone) in found.iter().enumerate() {
         let mut row = vec![
             (i + 1).to_string(),
             cone.vertex.to_string(),
@@ -102,6 +107,6 @@ fn table(found: &Extraction) -> String {
         row.extend(cone.position.map(|x| significant(x, 5)));
         rows.push(row);
     }
-    let (cones, extrema) = (thousands(found.cones.len()), thousands(found.persistence.len()));
+    let (cones, extrema) = (thousands(found.len()), thousands(extrema));
     format!("{}{cones} cones; φ has {extrema} extrema\n", columns(&rows))
 }

@@ -56,25 +56,29 @@ pub(crate) struct UnwrapArgs {
 pub(crate) fn run(args: &UnwrapArgs) -> Result<(), CommandError> {
     check_outputs(args)?;
     let options = options(args)?;
-    let mut progress = Progress::begin(&args.input.display().to_string());
+    let progress = Progress::begin(&args.input.display().to_string());
     let began = Instant::now();
     let (model, read) = input::read_model(&args.input)?;
-    let unwrapped = Unwrapped::new(&args.input, model, options, args.scale, &mut progress)?;
+    let unwrapped = Unwrapped::new(&args.input, model, options, args.scale, &progress)?;
     progress.step("write");
     let start = Instant::now();
     write_surface(&unwrapped, &args.output, args.triangulate)?;
-    let [write, total] = [start, began].map(|since| Some(since.elapsed().as_secs_f64()));
-    let times = Times { read: Some(read), write, total, ..Times::default() };
-    let report = unwrapped.report(&args.input, times);
-    write_extras(args, &unwrapped, &report)?;
-    drop(progress);
-    warn(&unwrapped.atlas.repairs, &unwrapped.atlas.warnings);
+    write_extras(args, &unwrapped)?;
+    let write = Some(start.elapsed().as_secs_f64());
+    let draw = draw(args, &unwrapped, &progress)?;
+    let total = Some(began.elapsed().as_secs_f64());
+    let report = unwrapped.report(&args.input, Times { read: Some(read), write, draw, total, ..Times::default() });
+    if let Some(path) = &args.report {
+        output::write_json(path, &report)?;
+    }
+    progress.finish();
+    warn(unwrapped.analysis.repairs(), &unwrapped.atlas.notes, unwrapped.analysis.topology().components);
     if args.json { output::print_json(&report) } else { output::summary(&summary(&report, args)) }
 }
 
 /// The library's options.
 fn options(args: &UnwrapArgs) -> Result<Options, CommandError> {
-    let options = Options { order: args.hierarchy.is_some(), ..args.candidates.options() };
+    let options = args.candidates.options();
     Ok(match &args.cones {
         Some(file) => Options { cones: ConeChoice::Given(cone_file::read(file)?), ..options },
         None => options,
@@ -128,24 +132,33 @@ fn write_surface(unwrapped: &Unwrapped, path: &Path, triangulate: bool) -> Resul
     }
 }
 
-fn write_extras(args: &UnwrapArgs, unwrapped: &Unwrapped, report: &UnwrapReport) -> Result<(), CommandError> {
-    if let Some(path) = &args.report {
-        output::write_json(path, report)?;
-    }
+fn write_extras(args: &UnwrapArgs, unwrapped: &Unwrapped) -> Result<(), CommandError> {
     if let Some(path) = &args.cones_out {
         output::write_text(path, &cone_file::text(&unwrapped.atlas.cones))?;
     }
-    if let (Some(path), Some(order)) = (&args.hierarchy, &unwrapped.atlas.order) {
-        output::write_json(path, &HierarchyFile::from(order))?;
+    if let Some(path) = &args.hierarchy {
+        let order = args.candidates.order(&unwrapped.analysis, unwrapped.atlas.cones.len());
+        let order = order.map_err(|error| CommandError::Unwrap { path: args.input.clone(), error })?;
+        output::write_json(path, &HierarchyFile::new(order))?;
     }
+    Ok(())
+}
+
+/// Draws what is asked for; how many seconds that took.
+fn draw(args: &UnwrapArgs, unwrapped: &Unwrapped, progress: &Progress) -> Result<Option<f64>, CommandError> {
     if args.picture.is_none() && args.layout.is_none() {
-        return Ok(());
+        return Ok(None);
     }
+    progress.step("draw");
+    let start = Instant::now();
     let scene = unwrapped.scene();
     if let Some(path) = &args.picture {
         output::write_png(path, &render::draw_model(&scene))?;
     }
-    args.layout.as_ref().map_or(Ok(()), |path| write_layout(path, &scene))
+    if let Some(path) = &args.layout {
+        write_layout(path, &scene)?;
+    }
+    Ok(Some(start.elapsed().as_secs_f64()))
 }
 
 fn write_layout(path: &Path, scene: &Scene) -> Result<(), CommandError> {

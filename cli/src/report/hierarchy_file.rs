@@ -16,61 +16,19 @@
 //! and `persistence` where more cones were asked for than are optimised. Vertices are counted from 0 as in the input file
 //! (as they are after joining for STL), components in the order of their first faces.
 
-use super::{CurvePoint, SCHEMA, angles_name, kind_name, method_name};
+use super::SCHEMA;
 use cones::ConeOrder;
 use serde::Serialize;
 
 #[derive(Debug, Serialize)]
 pub(crate) struct HierarchyFile {
     schema: u32,
-    method: &'static str,
-    angles: &'static str,
-    extrema: Vec<Extremum>,
-    order: Vec<NthCone>,
-    curve: Vec<CurvePoint>,
+    #[serde(flatten)]
+    order: ConeOrder,
 }
 
-#[derive(Debug, Serialize)]
-struct Extremum {
-    component: usize,
-    vertex: u32,
-    kind: &'static str,
-    value: f64,
-    persistence: f64,
-    saddle: Option<u32>,
-}
-
-#[derive(Debug, Serialize)]
-struct NthCone {
-    n: usize,
-    component: usize,
-    vertex: u32,
-    curvature_at_n: Option<f64>,
-}
-
-impl From<&ConeOrder> for HierarchyFile {
-    fn from(order: &ConeOrder) -> Self {
-        let extremum = |e: &cones::ModelExtremum| Extremum {
-            component: e.component,
-            vertex: e.vertex,
-            kind: kind_name(e.kind),
-            value: e.value,
-            persistence: e.persistence,
-            saddle: e.saddle,
-        };
-        let place = |(n, cone): (usize, &cones::OrderedCone)| NthCone {
-            n,
-            component: cone.component,
-            vertex: cone.vertex,
-            curvature_at_n: cone.curvature,
-        };
-        Self {
-            schema: SCHEMA,
-            method: method_name(order.method),
-            angles: angles_name(order.angles),
-            extrema: order.extrema.iter().map(extremum).collect(),
-            order: (1..).zip(&order.cones).map(place).collect(),
-            curve: order.curve.iter().map(CurvePoint::from).collect(),
-        }
+impl HierarchyFile {
+    pub(crate) fn new(order: ConeOrder) -> Self {
+        Self { schema: SCHEMA, order }
     }
 }

@@ -9,12 +9,11 @@ mod text;
 pub(crate) use hierarchy_file::HierarchyFile;
 pub(crate) use quality::{DistortionReport, IslandReport, Quality};
 
-use cones::{Atlas, Cone, NumberOfCones, Options, Predicted, Stage, Topology};
+use cones::{Analysis, Atlas, ChosenNumber, Cone, Note, Options, Prediction, Stage, Topology};
 use geom::Repair;
-pub(crate) use names::{angles_name, kind_name, method_name, repair_text};
+pub(crate) use names::{angles_name, kind_name, repair_text};
 use serde::Serialize;
 use std::path::Path;
-use std::time::Duration;
 
 /// The version of the reports' keys.
 pub(crate) const SCHEMA: u32 = 1;
@@ -25,14 +24,14 @@ pub(crate) struct UnwrapReport {
     pub(crate) schema: u32,
     pub(crate) input: InputReport,
     pub(crate) repairs: Vec<RepairReport>,
-    pub(crate) cones: Vec<ConeReport>,
+    pub(crate) cones: Vec<Cone>,
     pub(crate) method: &'static str,
     pub(crate) angles: &'static str,
     pub(crate) hierarchy: HierarchyReport,
     /// How the number of cones was found; nothing where it was given.
-    pub(crate) number: Option<NumberReport>,
+    pub(crate) number: Option<ChosenNumber>,
     /// Predicted distortion by number of cones, where that number was found.
-    pub(crate) curve: Vec<CurvePoint>,
+    pub(crate) curve: Vec<Prediction>,
     pub(crate) distortion: DistortionReport,
     pub(crate) islands: Vec<IslandReport>,
     pub(crate) times: Times,
@@ -47,12 +46,8 @@ pub(crate) struct UnwrapReport {
 #[derive(Clone, Debug, Serialize)]
 pub(crate) struct InputReport {
     pub(crate) path: String,
-    pub(crate) vertices: usize,
-    pub(crate) faces: usize,
-    pub(crate) components: usize,
-    pub(crate) boundary_loops: usize,
-    pub(crate) genus: usize,
-    pub(crate) euler: i64,
+    #[serde(flatten)]
+    pub(crate) topology: Topology,
 }
 
 #[derive(Clone, Debug, Serialize)]
@@ -73,17 +68,6 @@ pub(crate) enum Element {
 }
 
 #[derive(Clone, Debug, Serialize)]
-pub(crate) struct ConeReport {
-    pub(crate) vertex: u32,
-    pub(crate) position: [f64; 3],
-    pub(crate) kind: &'static str,
-    /// Nothing where the cone is no extremum, or essential.
-    pub(crate) persistence: Option<f64>,
-    /// In radians.
-    pub(crate) curvature: f64,
-}
-
-#[derive(Clone, Debug, Serialize)]
 pub(crate) struct HierarchyReport {
     /// How many extrema the conformal factor has.
     pub(crate) extrema: usize,
@@ -91,79 +75,74 @@ pub(crate) struct HierarchyReport {
     pub(crate) persistence: Vec<f64>,
 }
 
-/// What led to the number of cones.
-#[derive(Clone, Debug, Serialize)]
-pub(crate) struct NumberReport {
-    /// The area distortion that was aimed at.
-    pub(crate) target: f64,
-    /// How many cones were chosen for it.
-    pub(crate) chosen: usize,
-    pub(crate) predicted_area: f64,
-    pub(crate) met: bool,
-}
-
-#[derive(Clone, Debug, Serialize)]
-pub(crate) struct CurvePoint {
-    pub(crate) n: usize,
-    pub(crate) predicted_l2: f64,
-    pub(crate) predicted_area: f64,
-}
-
-/// Seconds for each stage; nothing for one that did not run. Parts that are worked on at the same time add up.
+/// Seconds for each stage; nothing for one that did not run. They add up to the time on the clock, but for what lies between
+/// them: where parts are worked on at the same time, that time is divided among their stages.
 #[derive(Clone, Debug, Default, Serialize)]
 pub(crate) struct Times {
     pub(crate) read: Option<f64>,
     pub(crate) prepare: Option<f64>,
     pub(crate) factor: Option<f64>,
     pub(crate) hierarchy: Option<f64>,
+    pub(crate) curvature: Option<f64>,
     pub(crate) cut: Option<f64>,
     pub(crate) scale: Option<f64>,
     pub(crate) layout: Option<f64>,
+    pub(crate) measure: Option<f64>,
     pub(crate) write: Option<f64>,
-    /// On the clock, from reading to writing; measuring the map is part of it.
+    pub(crate) draw: Option<f64>,
+    /// On the clock, from reading to drawing.
     pub(crate) total: Option<f64>,
 }
 
 impl UnwrapReport {
-    /// The report of an atlas made from the file at `path`.
-    pub(crate) fn new(path: &Path, atlas: &Atlas, options: &Options, quality: &Quality, times: Times) -> Self {
+    /// The report of a model that came from the file at `path`.
+    pub(crate) fn new(
+        path: &Path,
+        options: &Options,
+        analysis: &Analysis,
+        atlas: &Atlas,
+        quality: &Quality,
+        times: Times,
+    ) -> Self {
         Self {
             schema: SCHEMA,
-            input: InputReport::new(path, &atlas.topology),
-            repairs: atlas.repairs.iter().map(RepairReport::from).collect(),
-            cones: atlas.cones.iter().map(ConeReport::from).collect(),
-            method: method_name(options.method),
-            angles: angles_name(options.angles),
-            hierarchy: HierarchyReport::new(&atlas.persistence),
-            number: atlas.number.as_ref().map(NumberReport::from),
-            curve: curve(atlas.number.as_ref()),
+            input: InputReport::new(path, analysis.topology()),
+            repairs: analysis.repairs().iter().map(RepairReport::from).collect(),
+            cones: atlas.cones.clone(),
+            method: options.placement.name(),
+            angles: angles_name(options.rule),
+            hierarchy: HierarchyReport::new(analysis),
+            number: atlas.number.clone(),
+            curve: curve(atlas.number.as_ref()).to_vec(),
             distortion: quality.distortion.clone(),
             islands: quality.islands.clone(),
-            times: times.with(&atlas.times),
+            times,
             peak_memory: peak_memory(),
-            warnings: atlas.warnings.clone(),
+            warnings: warnings(&atlas.notes, analysis.topology().components),
             rule: text::rule(options),
         }
     }
 }
 
+/// All notes as sentences, those of one part of several with its number.
+pub(crate) fn warnings(notes: &[Note], components: usize) -> Vec<String> {
+    let sentence = |note: &Note| match (note.component(), components) {
+        (Some(component), 2..) => format!("part {}: {note}", component + 1),
+        _ => note.to_string(),
+    };
+    notes.iter().map(sentence).collect()
+}
+
 impl InputReport {
-    pub(crate) fn new(path: &Path, topology: &Topology) -> Self {
-        Self {
-            path: path.display().to_string(),
-            vertices: topology.vertices,
-            faces: topology.faces,
-            components: topology.components,
-            boundary_loops: topology.boundary_loops,
-            genus: topology.genus,
-            euler: topology.euler,
-        }
+    pub(crate) fn new(path: &Path, topology: Topology) -> Self {
+        Self { path: path.display().to_string(), topology }
     }
 }
 
 impl HierarchyReport {
-    pub(crate) fn new(persistence: &[f64]) -> Self {
-        Self { extrema: persistence.len(), persistence: persistence.to_vec() }
+    pub(crate) fn new(analysis: &Analysis) -> Self {
+        let persistence: Vec<f64> = analysis.extrema().iter().map(|extremum| extremum.persistence).collect();
+        Self { extrema: persistence.len(), persistence }
     }
 }
 
@@ -181,48 +160,29 @@ fn peak_memory() -> Option<u64> {
     Some(1024 * kilobytes.trim().strip_suffix("kB")?.trim().parse::<u64>().ok()?)
 }
 
-impl From<&NumberOfCones> for NumberReport {
-    fn from(number: &NumberOfCones) -> Self {
-        Self { target: number.target, chosen: number.chosen, predicted_area: number.predicted, met: number.is_met }
-    }
-}
-
 /// The curve that a number of cones was read from.
-pub(crate) fn curve(number: Option<&NumberOfCones>) -> Vec<CurvePoint> {
-    number.map_or_else(Vec::new, |number| number.curve.iter().map(CurvePoint::from).collect())
-}
-
-impl From<&Predicted> for CurvePoint {
-    fn from(of: &Predicted) -> Self {
-        Self { n: of.count, predicted_l2: of.log_scale_norm, predicted_area: of.area_distortion }
-    }
-}
-
-impl From<&Cone> for ConeReport {
-    fn from(cone: &Cone) -> Self {
-        Self {
-            vertex: cone.vertex,
-            position: cone.position,
-            kind: kind_name(cone.kind),
-            persistence: cone.persistence.filter(|p| p.is_finite()),
-            curvature: cone.curvature,
-        }
-    }
+pub(crate) fn curve(number: Option<&ChosenNumber>) -> &[Prediction] {
+    number.map_or(&[], |number| &number.curve)
 }
 
 impl Times {
     /// The library's stages added to what the command took itself.
-    pub(crate) fn with(mut self, stages: &[(Stage, Duration)]) -> Self {
-        for &(stage, time) in stages {
+    pub(crate) fn with(mut self, stages: cones::Times) -> Self {
+        for stage in Stage::ALL {
             let slot = match stage {
                 Stage::Prepare => &mut self.prepare,
                 Stage::Factor => &mut self.factor,
                 Stage::Hierarchy => &mut self.hierarchy,
+                Stage::Curvature => &mut self.curvature,
                 Stage::Cut => &mut self.cut,
                 Stage::Scale => &mut self.scale,
                 Stage::Layout => &mut self.layout,
+                _ => continue,
             };
-            *slot = Some(slot.unwrap_or(0.0) + time.as_secs_f64());
+            let time = stages.of(stage).as_secs_f64();
+            if time > 0.0 {
+                *slot = Some(slot.unwrap_or(0.0) + time);
+            }
         }
         self
     }
@@ -239,10 +199,13 @@ impl Times {
             ("prepare", self.prepare),
             ("factor", self.factor),
             ("hierarchy", self.hierarchy),
+            ("curvature", self.curvature),
             ("cut", self.cut),
             ("scale", self.scale),
             ("layout", self.layout),
+            ("measure", self.measure),
             ("write", self.write),
+            ("draw", self.draw),
         ];
         all.into_iter().filter_map(|(name, time)| Some((name, time?)))
     }

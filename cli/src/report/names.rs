@@ -1,25 +1,13 @@
-//! What methods, curvature rules, extrema and repairs are called in reports.
+//! What curvature rules, extrema and repairs are called in reports.
 
-use cones::{Angles, Kind, Method};
+use cones::{CurvatureRule, Kind};
 use geom::Repair;
 
-/// A method's name, as the command line takes it and reports give it.
-pub(crate) fn method_name(method: Method) -> &'static str {
-    match method {
-        Method::Persistence => "persistence",
-        Method::Alternating => "alternating",
-        Method::Iterative => "iterative",
-        Method::Greedy => "greedy",
-        Method::Refined => "refined",
-        Method::Pursuit => "pursuit",
-    }
-}
-
 /// A curvature rule's name, as the command line takes it and reports give it.
-pub(crate) fn angles_name(angles: Angles) -> &'static str {
-    match angles {
-        Angles::Optimal => "optimal",
-        Angles::Harmonic => "harmonic",
+pub(crate) fn angles_name(rule: CurvatureRule) -> &'static str {
+    match rule {
+        CurvatureRule::Harmonic => "harmonic",
+        _ => "optimal",
     }
 }
 

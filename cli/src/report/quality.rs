@@ -44,8 +44,8 @@ pub(crate) struct DistortionReport {
     pub(crate) area_inverse_mean: f64,
     pub(crate) u_l2: f64,
     pub(crate) u_linf: f64,
-    pub(crate) quasi_conformal: Spread,
-    pub(crate) area: Spread,
+    pub(crate) quasi_conformal: Percentiles,
+    pub(crate) area: Percentiles,
     pub(crate) flipped: usize,
     pub(crate) degenerate: usize,
     /// The share of the layout that is covered more than once.
@@ -54,16 +54,6 @@ pub(crate) struct DistortionReport {
     pub(crate) seam_length: f64,
     /// The largest curvature off the cones, in radians.
     pub(crate) curvature_error: f64,
-}
-
-/// How a measure is spread over the surface, weighted by area.
-#[derive(Clone, Copy, Debug, Serialize)]
-pub(crate) struct Spread {
-    pub(crate) mean: f64,
-    pub(crate) median: f64,
-    pub(crate) p95: f64,
-    pub(crate) p99: f64,
-    pub(crate) max: f64,
 }
 
 /// A connected piece of a layout.
@@ -81,20 +71,14 @@ impl DistortionReport {
             area_inverse_mean: map.area_inverse_mean,
             u_l2: map.u_l2,
             u_linf: map.u_linf,
-            quasi_conformal: Spread::from(map.quasi_conformal),
-            area: Spread::from(map.area),
+            quasi_conformal: map.quasi_conformal,
+            area: map.area,
             flipped: map.flipped,
             degenerate: map.degenerate,
             overlap,
             seam_length: map.seam_length,
             curvature_error,
         }
-    }
-}
-
-impl From<Percentiles> for Spread {
-    fn from(of: Percentiles) -> Self {
-        Self { mean: of.mean, median: of.median, p95: of.p95, p99: of.p99, max: of.max }
     }
 }
 

@@ -1,8 +1,8 @@
 //! A report as a few lines of text.
 
 use super::table::{labelled, thousands};
-use super::{CurvePoint, DistortionReport, InputReport, UnwrapReport, angles_name, method_name};
-use cones::{ConeChoice, Method, Options};
+use super::{DistortionReport, InputReport, UnwrapReport, angles_name};
+use cones::{ConeChoice, Options, Placement, Prediction};
 
 impl UnwrapReport {
     /// What a user wants to know first, line by line.
@@ -25,15 +25,15 @@ impl UnwrapReport {
     fn number_text(&self) -> String {
         let Some(number) = &self.number else { return String::new() };
         let others: Vec<String> =
-            self.beside().iter().map(|p| format!("{} cones {:.2}", p.n, p.predicted_area)).collect();
+            self.beside().iter().map(|p| format!("{} cones {:.2}", p.count, p.area_distortion)).collect();
         let others = if others.is_empty() { String::new() } else { format!("; {}", others.join(", ")) };
-        let missed = if number.met { "" } else { ", not met" };
+        let missed = if number.is_met { "" } else { ", not met" };
         let failed = if number.chosen == self.cones.len() {
             String::new()
         } else {
             format!(" with {} cones, but other cones were taken", number.chosen)
         };
-        let (predicted, target) = (number.predicted_area, number.target);
+        let (predicted, target) = (number.predicted, number.target);
         let text =
             format!("automatic: area distortion {predicted:.2} predicted{failed}, target {target}{missed}{others}");
         labelled("number", &text)
@@ -44,26 +44,26 @@ impl UnwrapReport {
 pub(super) fn rule(options: &Options) -> String {
     let curvatures = match &options.cones {
         ConeChoice::Given(given) if given.iter().any(|(_, curvature)| curvature.is_some()) => "given",
-        _ => angles_name(options.angles),
+        _ => angles_name(options.rule),
     };
     let places = match options.cones {
         ConeChoice::Given(_) => "given".to_owned(),
-        ConeChoice::MinPersistence(_) => format!("method {}", method_name(Method::Persistence)),
-        _ => format!("method {}", method_name(options.method)),
+        ConeChoice::MinPersistence(_) => format!("method {}", Placement::Persistence.name()),
+        _ => format!("method {}", options.placement.name()),
     };
     format!("{places}, {curvatures} curvatures")
 }
 
 impl UnwrapReport {
     /// Points of the curve to compare with: the powers of two nearest to the number of cones, at most four, from four on.
-    fn beside(&self) -> Vec<&CurvePoint> {
+    fn beside(&self) -> Vec<&Prediction> {
         let taken = self.cones.len();
-        let powers = self.curve.iter().filter(|p| p.n >= 4 && p.n.is_power_of_two() && p.n != taken);
-        let mut nearest: Vec<&CurvePoint> = powers.collect();
-        let far = |p: &&CurvePoint| (p.n.ilog2() as f64 - (taken.max(1) as f64).log2()).abs();
+        let powers = self.curve.iter().filter(|p| p.count >= 4 && p.count.is_power_of_two() && p.count != taken);
+        let mut nearest: Vec<&Prediction> = powers.collect();
+        let far = |p: &&Prediction| (p.count.ilog2() as f64 - (taken.max(1) as f64).log2()).abs();
         nearest.sort_by(|p, q| far(p).total_cmp(&far(q)));
         nearest.truncate(4);
-        nearest.sort_by_key(|p| p.n);
+        nearest.sort_by_key(|p| p.count);
         nearest
     }
 }
@@ -71,17 +71,17 @@ impl UnwrapReport {
 impl InputReport {
     fn text(&self) -> String {
         let mut parts = vec![
-            format!("{} vertices", thousands(self.vertices)),
-            format!("{} triangles", thousands(self.faces)),
-            format!("genus {}", self.genus),
+            format!("{} vertices", thousands(self.topology.vertices)),
+            format!("{} triangles", thousands(self.topology.faces)),
+            format!("genus {}", self.topology.genus),
         ];
-        parts.push(match self.boundary_loops {
+        parts.push(match self.topology.boundary_loops {
             0 => "closed".to_owned(),
             1 => "1 boundary loop".to_owned(),
             loops => format!("{loops} boundary loops"),
         });
-        if self.components > 1 {
-            parts.push(format!("{} parts", self.components));
+        if self.topology.components > 1 {
+            parts.push(format!("{} parts", self.topology.components));
         }
         parts.join(", ")
     }

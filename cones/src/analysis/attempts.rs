@@ -103,9 +103,9 @@ impl Attempts<'_> {
                     continue;
                 }
             };
-            let Quality { quasi_conformal, .. } = flat.quality;
-            let is_enough =
-                self.is_sound(&flat) && flat.quality.area_distortion() <= enough && quasi_conformal <= GOOD_ENOUGH;
+            let is_enough = flat.quality.area_distortion() <= enough
+                && flat.quality.quasi_conformal <= GOOD_ENOUGH
+                && detached_share(&flat) <= MOST_DETACHED;
             if best.as_ref().is_none_or(|best| cost(&flat) < cost(best)) {
                 best = Some(flat);
             }

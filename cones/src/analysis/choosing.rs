@@ -54,6 +54,11 @@ impl Analysis {
                 let counts = self.share(&mut shared, options, *total, task)?;
                 self.placed(&mut shared, options, &counts, task)?
             }
+            ConeChoice::Each(counts) => {
+                let of_component = |c: &Component| counts.get(c.index).copied().unwrap_or(0).max(c.least());
+                let counts: Vec<usize> = self.components().iter().map(of_component).collect();
+                self.placed(&mut shared, options, &counts, task)?
+            }
             ConeChoice::MinPersistence(threshold) => {
                 let counts = self.above(&mut shared, *threshold);
                 self.placed(&mut shared, options, &counts, task)?

@@ -44,10 +44,13 @@ pub struct ChosenNumber {
     /// How many cones were chosen for it.
     pub chosen: usize,
     /// The area distortion that is predicted for them, in all connected components together.
+    #[cfg_attr(feature = "serde", serde(rename = "predicted_area"))]
     pub predicted: f64,
     /// Whether the target is met: in every component by what is predicted, and once the model is flattened by the map.
+    #[cfg_attr(feature = "serde", serde(rename = "met"))]
     pub is_met: bool,
     /// What is predicted for every number of cones in a nested order, as far as they are enough for all components.
+    #[cfg_attr(feature = "serde", serde(skip))]
     pub curve: Vec<Prediction>,
 }
 

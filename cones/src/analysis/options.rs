@@ -41,6 +41,8 @@ pub enum ConeChoice {
     WithinDistortion(f64),
     /// So many, on all connected components together.
     Count(usize),
+    /// So many on each connected component, in the order of their first faces; none where the list ends.
+    Each(Vec<usize>),
     /// All extrema of the conformal factor with a persistence above this.
     MinPersistence(f64),
     /// These vertices of the model, each with its curvature if that is given too (for all or for none).

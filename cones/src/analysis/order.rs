@@ -30,12 +30,15 @@ const CURVE_WORK: usize = 200_000_000;
 #[non_exhaustive]
 pub struct ConeOrder {
     /// How the order was found; see [`Analysis::order`].
+    #[cfg_attr(feature = "serde", serde(rename = "method"))]
     pub placement: Placement,
     /// How curvatures were found.
+    #[cfg_attr(feature = "serde", serde(rename = "angles"))]
     pub rule: CurvatureRule,
     /// All extrema of the conformal factor, the most persistent first.
     pub extrema: Vec<ModelExtremum>,
     /// The cones.
+    #[cfg_attr(feature = "serde", serde(rename = "order"))]
     pub cones: Vec<OrderedCone>,
     /// What is predicted for each number of cones that can take the curvature of all components.
     pub curve: Vec<Prediction>,
@@ -66,12 +69,15 @@ pub struct ModelExtremum {
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[non_exhaustive]
 pub struct OrderedCone {
+    /// Its place in the order, counted from 1: how many cones there are up to it.
+    pub n: usize,
     /// The connected component that it is on.
     pub component: usize,
     /// Its vertex of the model.
     pub vertex: u32,
     /// The curvature that it has where it is the last one, with all before it; with more cones it changes. None where those
     /// on its part are too few to take the part's curvature.
+    #[cfg_attr(feature = "serde", serde(rename = "curvature_at_n"))]
     pub curvature: Option<f64>,
 }
 
@@ -129,15 +135,15 @@ fn cone_order(
 ) -> ConeOrder {
     let sequence = sequence_of(components, nested, placement, total);
     let orders = component_orders(components, nested, rule);
-    let cone = |(component, v, curvature): (usize, VertexId, _)| {
+    let cone = |(n, (component, v, curvature)): (usize, (usize, VertexId, _))| {
         let vertex = components[component].surface.vertex[v];
-        OrderedCone { component, vertex, curvature }
+        OrderedCone { n, component, vertex, curvature }
     };
     ConeOrder {
         placement,
         rule,
         extrema: extrema(components),
-        cones: cones_of_sequence(&orders, &sequence).into_iter().map(cone).collect(),
+        cones: (1..).zip(cones_of_sequence(&orders, &sequence)).map(cone).collect(),
         curve: curve_of_sequence(&orders, &sequence),
     }
 }

@@ -13,10 +13,13 @@ use crate::field::Operators;
 #[non_exhaustive]
 pub struct Prediction {
     /// The number of cones.
+    #[cfg_attr(feature = "serde", serde(rename = "n"))]
     pub count: usize,
     /// The L2 norm of the log scale factor, weighted by area.
+    #[cfg_attr(feature = "serde", serde(rename = "predicted_l2"))]
     pub log_scale_norm: f64,
     /// The area distortion D, see [`area_distortion`].
+    #[cfg_attr(feature = "serde", serde(rename = "predicted_area"))]
     pub area_distortion: f64,
 }
 

@@ -1,8 +1,9 @@
 //! What may be asked of `cones compare`.
 
-use super::variant::{MOST_CONES, Variant};
+use super::variant::Variant;
 use crate::commands::shared::vertex_count;
 use clap::{Args, ValueEnum};
+use cones::MOST_OPTIMISED;
 use std::path::{Path, PathBuf};
 
 #[derive(Args, Debug)]
@@ -72,5 +73,5 @@ pub(super) enum Format {
 }
 
 fn cone_count(text: &str) -> Result<usize, String> {
-    text.parse().ok().filter(|n| *n <= MOST_CONES).ok_or_else(|| format!("not a number from 0 to {MOST_CONES}"))
+    text.parse().ok().filter(|n| *n <= MOST_OPTIMISED).ok_or_else(|| format!("not a number from 0 to {MOST_OPTIMISED}"))
 }

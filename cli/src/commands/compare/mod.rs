@@ -136,7 +136,7 @@ impl Comparison {
 
     /// Runs methods on a mesh, in rounds.
     fn compete(&self, subject: &PreparedModel, entries: &[Entry]) -> Vec<Row> {
-        let mut progress = Progress::begin(&subject.name);
+        let progress = Progress::begin(&subject.name);
         let row = |&(asked, variant, printed): &Entry| Row {
             mesh: subject.name.clone(),
             vertices: subject.vertex_count(),

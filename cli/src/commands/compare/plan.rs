@@ -3,7 +3,8 @@
 //! A surface may need more cones, or have a method's cones fail and others tried. A comparison follows: all methods with the
 //! same cones follow the same plan, so that a baseline is flattened with the cones, and along the cut, of what it is compared with.
 
-use cones::{ConeChoice, Options};
+use crate::report::warnings;
+use cones::{ConeChoice, Options, unwrap_model};
 use thiserror::Error;
 
 use super::prepared::PreparedModel;
@@ -34,18 +35,15 @@ impl Plan {
     /// Unwraps a mesh, with cones by a method that `cones unwrap` has.
     fn new(subject: &PreparedModel, method: Variant, asked: usize) -> Result<Self, PlanError> {
         let options = Options { cones: ConeChoice::Count(asked), ..method.options() };
-        let atlas = cones::unwrap(&subject.model, &options, &mut |_| ())?;
+        let atlas = unwrap_model(&subject.model, &options)?;
+        let all = subject.surfaces.len();
+        let warnings = warnings(&atlas.notes, all);
         if atlas.unfolded > 0 {
-            let (parts, all) = (atlas.unfolded, subject.parts.len());
-            return Err(PlanError::Unfolded { parts, all, warnings: atlas.warnings.join("; ") });
+            return Err(PlanError::Unfolded { parts: atlas.unfolded, all, warnings: warnings.join("; ") });
         }
-        let mut part_of = vec![0; subject.model.vertex_count()];
-        for (p, part) in subject.parts.iter().enumerate() {
-            part.surface.vertex.iter().for_each(|&v| part_of[v as usize] = p);
-        }
-        let mut counts = vec![0; subject.parts.len()];
-        atlas.cones.iter().for_each(|cone| counts[part_of[cone.vertex as usize]] += 1);
-        Ok(Self { counts, warnings: atlas.warnings })
+        let mut counts = vec![0; all];
+        atlas.cones.iter().for_each(|cone| counts[cone.component] += 1);
+        Ok(Self { counts, warnings })
     }
 
     /// What there is to know about a method that follows this plan.

@@ -1,16 +1,13 @@
 //! One run of one method on one mesh: its map, and how long each step took.
 
-use std::time::Instant;
-
-use cones::{Atlas, ConeChoice, Lscm, LscmError, Operators, Options, Seams, Stage, cone_curvatures, scale_linearly};
+use cones::{Analysis, ConeChoice, Options, Stage, Times};
 use geom::distortion::{self, Distortion, DistortionError};
-use geom::{VertexData, VertexId};
 use thiserror::Error;
 
 use crate::commands::shared::corner_uv;
 
 use super::plan::Plan;
-use super::prepared::{Part, PreparedModel};
+use super::prepared::PreparedModel;
 use super::variant::{Flattening, Variant};
 
 /// Why a method has no result.
@@ -18,8 +15,6 @@ use super::variant::{Flattening, Variant};
 pub(super) enum TrialError {
     #[error(transparent)]
     Unwrap(#[from] cones::Error),
-    #[error(transparent)]
-    Lscm(#[from] LscmError),
     #[error(transparent)]
     Measure(#[from] DistortionError),
 }
@@ -46,109 +41,30 @@ pub(super) struct Trial {
     uv: Vec<[f64; 2]>,
 }
 
-/// The cones of a part with their curvatures.
-struct Curved {
-    cones: Vec<VertexId>,
-    curvature: Vec<f64>,
-}
-
 impl Trial {
     /// Runs a method with as many cones on each part as its plan has.
     pub(super) fn run(subject: &PreparedModel, variant: Variant, plan: &Plan) -> Result<Self, TrialError> {
-        let mut trial = Self {
-            cones: 0,
-            seconds: TrialTimes { preparing: subject.preparing(), detection: 0.0, flattening: 0.0, whole: 0.0 },
-            curvature_left: None,
-            broken: 0,
-            uv: vec![[0.0; 2]; subject.model.corner_count()],
-        };
-        let mut all = Vec::new();
-        for (part, &count) in subject.parts.iter().zip(&plan.counts) {
-            all.push(trial.detect(part, variant, count)?);
-        }
-        match variant.flattening {
-            Flattening::Exact => trial.unwrap(subject, &all)?,
-            Flattening::Linear | Flattening::Lscm => {
-                for (part, curved) in subject.parts.iter().zip(&all) {
-                    trial.lay_out(part, curved, variant.flattening)?;
-                }
+        let options = Options { cones: ConeChoice::Each(plan.counts.clone()), ..variant.options() };
+        let analysis = Analysis::with(&subject.model, options.preparation)?;
+        let cones = analysis.choose(&options)?;
+        let (uv, curvature_left, broken, times) = match variant.flattening {
+            Flattening::Exact => {
+                let atlas = analysis.flatten(&cones)?;
+                (atlas.uv, Some(atlas.curvature_error), 0, atlas.times)
             }
-        }
-        let TrialTimes { preparing, detection, flattening, .. } = trial.seconds;
-        trial.seconds.whole = preparing + detection + flattening;
-        Ok(trial)
-    }
-
-    /// Finds the cones of a part. Their curvatures are counted to the flattening, as in the paper.
-    fn detect(&mut self, part: &Part, variant: Variant, count: usize) -> Result<Curved, TrialError> {
-        let mesh = &part.surface.mesh;
-        let start = Instant::now();
-        let operators = Operators::with_points(mesh, &part.metric, &part.surface.points).map_err(cones::Error::from)?;
-        let cones = variant.cones(&operators, mesh, count).map_err(cones::Error::from)?;
-        self.seconds.detection += start.elapsed().as_secs_f64();
-        let start = Instant::now();
-        let curvatures = cone_curvatures(&operators, mesh, &cones, variant.angles).map_err(cones::Error::from)?;
-        self.seconds.flattening += start.elapsed().as_secs_f64();
-        self.cones += cones.len();
-        Ok(Curved { cones, curvature: curvatures.curvature })
-    }
-
-    /// Flattens as `cones unwrap` does.
-    fn unwrap(&mut self, subject: &PreparedModel, all: &[Curved]) -> Result<(), TrialError> {
-        let of_model = |(part, curved): (&Part, &Curved)| -> Vec<(u32, Option<f64>)> {
-            let pairs = curved.cones.iter().zip(&curved.curvature);
-            pairs.map(|(&v, &k)| (part.surface.vertex[v], Some(k))).collect()
+            Flattening::By(baseline) => {
+                let map = analysis.flatten_by(baseline, &cones)?;
+                (map.uv, map.curvature_error, map.broken, map.times)
+            }
         };
-        let given = subject.parts.iter().zip(all).flat_map(of_model).collect();
-        let options = Options { cones: ConeChoice::Given(given), ..Options::default() };
-        let Atlas { uv, times, curvature_error, .. } = cones::unwrap(&subject.model, &options, &mut |_| ())?;
-        let is_flattening = |stage| matches!(stage, Stage::Cut | Stage::Scale | Stage::Layout);
-        let flattening = times.iter().filter(|(stage, _)| is_flattening(*stage));
-        self.seconds.flattening += flattening.map(|(_, time)| time.as_secs_f64()).sum::<f64>();
-        self.curvature_left = Some(curvature_error);
-        self.uv = uv;
-        Ok(())
-    }
-
-    /// Flattens a part by a baseline, cut open as `cones unwrap` does it.
-    fn lay_out(&mut self, part: &Part, curved: &Curved, flattening: Flattening) -> Result<(), TrialError> {
-        let (surface, metric) = (&part.surface, &part.metric);
-        let start = Instant::now();
-        let seams = Seams::of_surface(surface, metric, &curved.cones).map_err(cones::Error::from)?;
-        let map = if flattening == Flattening::Linear {
-            let mut target = VertexData::constant(surface.mesh.vertex_count(), 0.0);
-            curved.cones.iter().zip(&curved.curvature).for_each(|(&v, &k)| target[v] = k);
-            let scaling = scale_linearly(&surface.mesh, metric, &target).map_err(cones::Error::from)?;
-            self.curvature_left = Some(self.curvature_left.unwrap_or(0.0).max(scaling.error));
-            self.broken += scaling.broken;
-            Lscm::new(&surface.mesh, &scaling.metric, &seams.cut)?
-        } else {
-            Lscm::new(&surface.mesh, metric, &seams.cut)?
-        };
-        self.seconds.flattening += start.elapsed().as_secs_f64();
-        self.place(part, &map);
-        Ok(())
-    }
-
-    /// Takes over the texture coordinates of a part, in the size of its surface.
-    fn place(&mut self, part: &Part, map: &Lscm) {
-        let mesh = &part.surface.mesh;
-        let signed_area = |f| {
-            let [a, b, c] = mesh.sides(f).map(|h| map.corner(h));
-            0.5 * ((b - a).conj() * (c - a)).im
-        };
-        let image: f64 = mesh.faces().map(signed_area).sum();
-        let size = (part.metric.area(mesh) / image.abs().max(f64::MIN_POSITIVE)).sqrt() / part.surface.scale;
-        for h in mesh.halfedges() {
-            let z = map.corner(h) * size;
-            self.uv[part.surface.corner[h] as usize] = [z.re, z.im];
-        }
+        let times: Times = [analysis.times(), cones.times(), times].into_iter().sum();
+        Ok(Self { cones: cones.len(), seconds: TrialTimes::new(times), curvature_left, broken, uv })
     }
 
     /// Measures the map, on the surfaces as they were opened.
     pub(super) fn distortion(&self, subject: &PreparedModel) -> Result<Distortion, TrialError> {
         let (mut points, mut triangles, mut corners) = (Vec::new(), Vec::new(), Vec::new());
-        for Part { surface, .. } in &subject.parts {
+        for surface in &subject.surfaces {
             let first = points.len() as u32;
             points.extend(surface.points.iter().map(|point| point.map(|x| x / surface.scale)));
             for f in surface.mesh.faces() {
@@ -160,11 +76,24 @@ impl Trial {
     }
 }
 
+impl TrialTimes {
+    /// The cones' curvatures are counted to the flattening, as in the paper.
+    fn new(times: Times) -> Self {
+        let sum = |stages: &[Stage]| stages.iter().map(|&stage| times.of(stage).as_secs_f64()).sum();
+        Self {
+            preparing: sum(&[Stage::Prepare]),
+            detection: sum(&[Stage::Factor, Stage::Hierarchy]),
+            flattening: sum(&[Stage::Curvature, Stage::Cut, Stage::Scale, Stage::Layout]),
+            whole: times.total().as_secs_f64(),
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::super::plan::Plans;
     use super::*;
-    use geom::{CutMesh, EdgeData, Model};
+    use geom::{CutMesh, EdgeData, Model, Surface};
     use std::f64::consts::TAU;
 
     /// A torus of quadrilaterals with a bump.
@@ -185,7 +114,7 @@ mod tests {
     }
 
     /// Where a map is torn.
-    fn cut(Part { surface, .. }: &Part, uv: &[[f64; 2]]) -> EdgeData<bool> {
+    fn cut(surface: &Surface, uv: &[[f64; 2]]) -> EdgeData<bool> {
         let mesh = &surface.mesh;
         let is_torn = |e| {
             let h = mesh.halfedge(e);
@@ -198,17 +127,17 @@ mod tests {
     #[test]
     fn baselines_are_cut_as_what_they_are_compared_with_and_between_polygons_only() {
         let subject = PreparedModel::new("torus".to_owned(), torus(24, 12)).unwrap();
-        let [part] = &subject.parts[..] else { panic!("a torus is in one piece") };
+        let [surface] = &subject.surfaces[..] else { panic!("a torus is in one piece") };
         let mut plans = Plans::new(&subject);
         let mut cut_of = |name: &str| {
             let variant = Variant::parse(name).unwrap();
             let trial = Trial::run(&subject, variant, &plans.of(variant, 6).unwrap()).unwrap();
             assert_eq!(trial.distortion(&subject).unwrap().islands.len(), 1);
-            cut(part, &trial.uv)
+            cut(surface, &trial.uv)
         };
         for rule in ["refined", "alternating+harmonic"] {
             let exact = cut_of(rule);
-            assert!(CutMesh::open(&part.surface.mesh, &exact).is_disk());
+            assert!(CutMesh::open(&surface.mesh, &exact).is_disk());
             assert_eq!(exact, cut_of(&format!("{rule}+linear")));
             assert_eq!(exact, cut_of(&format!("{rule}+lscm")));
         }

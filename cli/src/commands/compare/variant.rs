@@ -1,86 +1,45 @@
 //! A method to compare: a rule for cones, a rule for their curvatures, a way of flattening.
 
-use cones::{
-    Angles, ConeHierarchy, ConformalFactor, Method, Operators, Options, Reduced, greedy, iterative,
-    iterative_refactoring, pursuit, refined,
-};
-use geom::{Mesh, PoissonError, VertexId};
-
-/// A rule for cones.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Rule {
-    /// One that the library has.
-    Of(Method),
-    /// The iterative method as published: a factorization for each level.
-    Refactoring,
-}
-
-impl Rule {
-    /// The library's method that finds the same cones.
-    fn method(self) -> Method {
-        match self {
-            Self::Of(method) => method,
-            Self::Refactoring => Method::Iterative,
-        }
-    }
-
-    fn looks_for_extrema(self) -> bool {
-        matches!(self, Self::Of(Method::Alternating | Method::Persistence))
-    }
-}
+use cones::{Baseline, CurvatureRule, Options, Placement, Preparation};
 
 /// A way from cones with curvatures to the plane.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Flattening {
     /// Newton's method, as in `cones unwrap`.
     Exact,
-    /// Lengths scaled by one linear solve.
-    Linear,
-    /// No metric scaling: the least conformal energy with this cut.
-    Lscm,
+    /// As others do it, along the same cut.
+    By(Baseline),
 }
 
 /// A method to compare.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Variant {
-    pub(super) rule: Rule,
+    pub(super) placement: Placement,
     /// Whether the curvature is diffused before extrema are looked for.
     pub(super) smooth: bool,
-    pub(super) angles: Angles,
+    pub(super) rule: CurvatureRule,
     pub(super) flattening: Flattening,
 }
-
-/// Optimising more cones than this takes minutes, so more are chosen by persistence, as in `cones unwrap`.
-pub(super) const MOST_CONES: usize = 64;
-
-const RULES: [(&str, Rule); 7] = [
-    ("alternating", Rule::Of(Method::Alternating)),
-    ("persistence", Rule::Of(Method::Persistence)),
-    ("iterative", Rule::Of(Method::Iterative)),
-    ("refactoring", Rule::Refactoring),
-    ("greedy", Rule::Of(Method::Greedy)),
-    ("refined", Rule::Of(Method::Refined)),
-    ("pursuit", Rule::Of(Method::Pursuit)),
-];
 
 impl Variant {
     /// The paper.
     pub(super) const PAPER: Self = Self {
-        rule: Rule::Of(Method::Alternating),
+        placement: Placement::Alternating,
         smooth: false,
-        angles: Angles::Harmonic,
+        rule: CurvatureRule::Harmonic,
         flattening: Flattening::Exact,
     };
     /// The paper with the metric scaling of its time.
-    pub(super) const PAPER_LINEAR: Self = Self { flattening: Flattening::Linear, ..Self::PAPER };
+    pub(super) const PAPER_LINEAR: Self = Self { flattening: Flattening::By(Baseline::LinearScaling), ..Self::PAPER };
     /// The method that the paper compares with.
-    pub(super) const PUBLISHED: Self = Self { rule: Rule::Refactoring, ..Self::PAPER };
+    pub(super) const PUBLISHED: Self = Self { placement: Placement::Refactoring, ..Self::PAPER };
     /// The same with one factorization.
-    pub(super) const REUSING: Self = Self { rule: Rule::Of(Method::Iterative), ..Self::PAPER };
+    pub(super) const REUSING: Self = Self { placement: Placement::Iterative, ..Self::PAPER };
     /// Ours.
-    pub(super) const REFINED: Self = Self { rule: Rule::Of(Method::Refined), angles: Angles::Optimal, ..Self::PAPER };
+    pub(super) const REFINED: Self =
+        Self { placement: Placement::Refined, rule: CurvatureRule::Optimal, ..Self::PAPER };
     /// No metric scaling, on the cut of ours.
-    const LSCM: Self = Self { flattening: Flattening::Lscm, ..Self::REFINED };
+    const LSCM: Self = Self { flattening: Flattening::By(Baseline::LeastSquares), ..Self::REFINED };
 
     pub(super) fn parse(text: &str) -> Result<Self, String> {
         match text {
@@ -90,23 +49,23 @@ impl Variant {
         }
         let mut words = text.split('+');
         let name = words.next().unwrap_or_default();
-        let Some(&(_, rule)) = RULES.iter().find(|(known, _)| *known == name) else {
-            return Err(format!("known are {}, linear and lscm", RULES.map(|(name, _)| name).join(", ")));
+        let Some(placement) = Placement::ALL.into_iter().find(|placement| placement.name() == name) else {
+            return Err(format!("known are {}, linear and lscm", Placement::ALL.map(Placement::name).join(", ")));
         };
-        let mut variant = Self { rule, ..Self::REFINED };
+        let mut variant = Self { placement, ..Self::REFINED };
         for word in words {
             match word {
-                "smooth" if rule.looks_for_extrema() => variant.smooth = true,
+                "smooth" if placement.reads_extrema() => variant.smooth = true,
                 "smooth" => {
                     return Err(format!(
                         "{name} looks for no extrema: leave \"+smooth\" to alternating and persistence"
                     ));
                 }
-                "harmonic" => variant.angles = Angles::Harmonic,
-                "optimal" => variant.angles = Angles::Optimal,
+                "harmonic" => variant.rule = CurvatureRule::Harmonic,
+                "optimal" => variant.rule = CurvatureRule::Optimal,
                 "newton" => variant.flattening = Flattening::Exact,
-                "linear" => variant.flattening = Flattening::Linear,
-                "lscm" => variant.flattening = Flattening::Lscm,
+                "linear" => variant.flattening = Flattening::By(Baseline::LinearScaling),
+                "lscm" => variant.flattening = Flattening::By(Baseline::LeastSquares),
                 _ => return Err(format!("{word:?} is none of smooth, harmonic, optimal, newton, linear, lscm")),
             }
         }
@@ -115,15 +74,15 @@ impl Variant {
 
     /// Its name, which [`parse`](Self::parse) takes. Optimal curvatures and Newton's method go without saying.
     pub(super) fn name(self) -> String {
-        let rule = RULES.iter().find(|(_, rule)| *rule == self.rule).map_or("", |(name, _)| name);
+        let placement = self.placement.name();
         let smooth = if self.smooth { "+smooth" } else { "" };
-        let angles = if self.angles == Angles::Harmonic { "+harmonic" } else { "" };
+        let rule = if self.rule == CurvatureRule::Harmonic { "+harmonic" } else { "" };
         let flattening = match self.flattening {
             Flattening::Exact => "",
-            Flattening::Linear => "+linear",
-            Flattening::Lscm => "+lscm",
+            Flattening::By(Baseline::LinearScaling) => "+linear",
+            Flattening::By(_) => "+lscm",
         };
-        format!("{rule}{smooth}{angles}{flattening}")
+        format!("{placement}{smooth}{rule}{flattening}")
     }
 
     pub(super) fn help() -> String {
@@ -144,43 +103,23 @@ impl Variant {
 
     /// This method with the curvature diffused first, where it looks for extrema.
     pub(super) fn smoothed(self) -> Self {
-        Self { smooth: self.rule.looks_for_extrema(), ..self }
+        Self { smooth: self.placement.reads_extrema(), ..self }
     }
 
     /// The method of `cones unwrap` that has the same cones: flattened exactly, and with one factorization.
     pub(super) fn leader(self) -> Self {
-        Self { rule: Rule::Of(self.rule.method()), flattening: Flattening::Exact, ..self }
+        Self { placement: self.one_factorization(), flattening: Flattening::Exact, ..self }
     }
 
     /// The library's options for it, but for the number of cones.
     pub(super) fn options(self) -> Options {
-        Options { method: self.rule.method(), angles: self.angles, smooth: self.smooth, ..Options::default() }
+        let preparation = Preparation { smooth: self.smooth, ..Preparation::default() };
+        Options { placement: self.placement, rule: self.rule, preparation, ..Options::default() }
     }
 
-    /// The cones of a surface.
-    pub(super) fn cones(self, operators: &Operators, mesh: &Mesh, count: usize) -> Result<Vec<VertexId>, PoissonError> {
-        Ok(match self.rule {
-            Rule::Refactoring => iterative_refactoring(operators, count)?,
-            Rule::Of(Method::Iterative) => iterative(operators, count),
-            Rule::Of(Method::Greedy) => greedy(operators, count),
-            Rule::Of(Method::Refined | Method::Pursuit) if count > MOST_CONES => {
-                self.extrema(operators, mesh, Method::Persistence, count)
-            }
-            Rule::Of(Method::Refined) => refined(&mut Reduced::new(operators, mesh), count).cones,
-            Rule::Of(Method::Pursuit) => pursuit(&mut Reduced::new(operators, mesh), count).cones().to_vec(),
-            Rule::Of(method @ (Method::Alternating | Method::Persistence)) => {
-                self.extrema(operators, mesh, method, count)
-            }
-        })
-    }
-
-    /// The first extrema of the conformal factor.
-    fn extrema(self, operators: &Operators, mesh: &Mesh, method: Method, count: usize) -> Vec<VertexId> {
-        let smoothed = self.smooth.then(|| ConformalFactor::smoothed(operators));
-        // What cannot be diffused is taken as it is, as in `cones unwrap`, which says so.
-        let factor = smoothed.and_then(Result::ok).unwrap_or_else(|| ConformalFactor::new(operators));
-        let hierarchy = ConeHierarchy::new(operators, &factor);
-        hierarchy.cones(operators, mesh, method, count).iter().map(|cone| cone.vertex).collect()
+    /// The method that finds the same cones with one factorization.
+    fn one_factorization(self) -> Placement {
+        if self.placement == Placement::Refactoring { Placement::Iterative } else { self.placement }
     }
 }
 
@@ -190,14 +129,14 @@ mod tests {
 
     #[test]
     fn names_are_parsed_to_what_they_name() {
-        for (name, rule) in RULES {
+        for (name, placement) in Placement::ALL.map(|placement| (placement.name(), placement)) {
             for angles in ["", "+harmonic"] {
                 for flattening in ["", "+linear", "+lscm"] {
                     let plain = format!("{name}{angles}{flattening}");
                     let variant = Variant::parse(&plain).unwrap();
                     assert_eq!(variant.name(), plain);
                     let smooth = Variant::parse(&format!("{name}+smooth{angles}{flattening}"));
-                    if rule.looks_for_extrema() {
+                    if placement.reads_extrema() {
                         assert_eq!(smooth, Ok(variant.smoothed()));
                         assert_eq!(Variant::parse(&variant.smoothed().name()), smooth);
                     } else {

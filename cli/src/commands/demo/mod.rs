@@ -75,23 +75,26 @@ fn make_folder(folder: &Path) -> Result<(), CommandError> {
 
 /// Unwraps a shape and writes all its files.
 fn show(exhibit: &Exhibit, folder: &Path) -> Result<UnwrapReport, CommandError> {
-    let mut progress = Progress::begin(exhibit.shape);
+    let progress = Progress::begin(exhibit.shape);
     let model = shape::model(exhibit.shape, exhibit.vertices);
     let file = |ending: &str| folder.join(format!("{}{ending}", exhibit.shape));
     let options = Options { cones: ConeChoice::Count(exhibit.cones), ..Options::default() };
-    let unwrapped = Unwrapped::new(Path::new(exhibit.shape), model, options, Scale::Unit, &mut progress)?;
+    let unwrapped = Unwrapped::new(Path::new(exhibit.shape), model, options, Scale::Unit, &progress)?;
     progress.step("write");
     let start = Instant::now();
     let content = ObjContent { uv: Some(&unwrapped.uv), material: Some(MATERIAL), ..ObjContent::default() };
     output::write(&file(".obj"), |out| write_obj(&unwrapped.model, &content, out))?;
-    let times = Times { write: Some(start.elapsed().as_secs_f64()), ..Times::default() };
-    let report = unwrapped.report(Path::new(exhibit.shape), times);
-    output::write_json(&file(".json"), &report)?;
+    let write = Some(start.elapsed().as_secs_f64());
+    progress.step("draw");
+    let start = Instant::now();
     let scene = unwrapped.scene();
     output::write_png(&file(".png"), &render::draw_model(&scene))?;
     output::write_png(&file("-layout.png"), &render::draw_layout(&scene))?;
-    drop(progress);
-    warn(&unwrapped.atlas.repairs, &unwrapped.atlas.warnings);
+    let draw = Some(start.elapsed().as_secs_f64());
+    let report = unwrapped.report(Path::new(exhibit.shape), Times { write, draw, ..Times::default() });
+    output::write_json(&file(".json"), &report)?;
+    progress.finish();
+    warn(unwrapped.analysis.repairs(), &unwrapped.atlas.notes, unwrapped.analysis.topology().components);
     Ok(report)
 }
 
@@ -104,7 +107,7 @@ fn overview(reports: &[UnwrapReport]) -> String {
         let d = &report.distortion;
         let mut row = vec![
             report.input.path.clone(),
-            table::thousands(report.input.vertices),
+            table::thousands(report.input.topology.vertices),
             report.cones.len().to_string(),
             format!("{:.3}", d.area_mean),
             format!("{:.3}", d.u_l2),

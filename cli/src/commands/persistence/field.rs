@@ -159,10 +159,10 @@ impl DomainField {
 
 /// The conformal factor φ of each vertex; NaN where it is on no surface.
 fn conformal_factor(path: &Path, model: &geom::Model) -> Result<Vec<f64>, CommandError> {
-    let found = cones::extract(model, &cones::Options::default(), &mut |_| {})
-        .map_err(|error| CommandError::Unwrap { path: path.to_owned(), error })?;
-    warn(&found.repairs, &[]);
-    Ok(found.factor)
+    let analysis =
+        cones::Analysis::new(model).map_err(|error| CommandError::Unwrap { path: path.to_owned(), error })?;
+    warn(analysis.repairs(), analysis.notes(), analysis.topology().components);
+    Ok(analysis.conformal_factor())
 }
 
 /// The most letters of a name in a table.

@@ -2,7 +2,7 @@
 
 use super::numbers::{distortion, non_negative};
 use clap::{Args, ValueEnum};
-use cones::{Angles, ConeChoice, Method, Options};
+use cones::{Analysis, ConeChoice, ConeOrder, CurvatureRule, Options, Placement, Preparation};
 
 /// How many cones, by which method, and what curvatures they get.
 #[derive(Args, Debug)]
@@ -55,6 +55,16 @@ enum AnglesName {
 }
 
 impl CandidateArgs {
+    /// The order of cones that a hierarchy file holds: of the method that was asked for, for as many cones as were taken.
+    pub(crate) fn order(&self, analysis: &Analysis, taken: usize) -> Result<ConeOrder, cones::Error> {
+        let Options { placement, rule, cones, .. } = self.options();
+        match cones {
+            ConeChoice::Count(asked) => analysis.order(placement, rule, asked),
+            ConeChoice::MinPersistence(_) => analysis.order(Placement::Persistence, rule, taken),
+            _ => analysis.order(placement, rule, taken),
+        }
+    }
+
     /// The library's options.
     pub(crate) fn options(&self) -> Options {
         let cones = match (self.min_persistence, self.count) {
@@ -62,18 +72,18 @@ impl CandidateArgs {
             (_, Some(count)) => ConeChoice::Count(count),
             (None, None) => self.max_distortion.map_or(ConeChoice::Automatic, ConeChoice::WithinDistortion),
         };
-        let method = match self.method {
-            MethodName::Persistence => Method::Persistence,
-            MethodName::Alternating => Method::Alternating,
-            MethodName::Iterative => Method::Iterative,
-            MethodName::Greedy => Method::Greedy,
-            MethodName::Refined => Method::Refined,
-            MethodName::Pursuit => Method::Pursuit,
+        let placement = match self.method {
+            MethodName::Persistence => Placement::Persistence,
+            MethodName::Alternating => Placement::Alternating,
+            MethodName::Iterative => Placement::Iterative,
+            MethodName::Greedy => Placement::Greedy,
+            MethodName::Refined => Placement::Refined,
+            MethodName::Pursuit => Placement::Pursuit,
         };
-        let angles = match self.angles {
-            AnglesName::Optimal => Angles::Optimal,
-            AnglesName::Harmonic => Angles::Harmonic,
+        let rule = match self.angles {
+            AnglesName::Optimal => CurvatureRule::Optimal,
+            AnglesName::Harmonic => CurvatureRule::Harmonic,
         };
-        Options { cones, method, angles, smooth: self.smooth, order: false, weld: self.weld }
+        Options { cones, placement, rule, preparation: Preparation { smooth: self.smooth, weld: self.weld } }
     }
 }

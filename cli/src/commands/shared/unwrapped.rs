@@ -5,9 +5,10 @@ use crate::progress::Progress;
 use crate::render::{Mark, Scene, extent};
 use crate::report::{Quality, Times, UnwrapReport};
 use clap::ValueEnum;
-use cones::{Atlas, Options};
+use cones::{Analysis, Atlas, Options};
 use geom::Model;
 use std::path::Path;
+use std::time::Instant;
 
 /// Size of the texture coordinates.
 #[derive(Clone, Copy, Debug, ValueEnum)]
@@ -25,10 +26,13 @@ pub(crate) enum Scale {
 pub(crate) struct Unwrapped {
     pub(crate) model: Model,
     pub(crate) options: Options,
+    pub(crate) analysis: Analysis,
     pub(crate) atlas: Atlas,
     /// For each corner of the model.
     pub(crate) uv: Vec<[f64; 2]>,
     pub(crate) quality: Quality,
+    /// The seconds that measuring it took.
+    measuring: f64,
 }
 
 impl Unwrapped {
@@ -38,18 +42,20 @@ impl Unwrapped {
         model: Model,
         options: Options,
         scale: Scale,
-        progress: &mut Progress,
+        progress: &Progress,
     ) -> Result<Self, CommandError> {
-        let atlas = cones::unwrap(&model, &options, &mut |stage| progress.stage(stage))
-            .map_err(|error| CommandError::Unwrap { path: path.to_owned(), error })?;
+        let failed = |error| CommandError::Unwrap { path: path.to_owned(), error };
+        let analysis = Analysis::observed(&model, options.preparation, progress.observer()).map_err(failed)?;
+        let atlas = analysis.atlas(&options).map_err(failed)?;
         progress.step("measure");
+        let start = Instant::now();
         let uv = scaled(&atlas.uv, scale);
         let triangles = kept(&atlas);
         let cones: Vec<u32> = atlas.cones.iter().map(|cone| cone.vertex).collect();
         let (triangles, corners) = (vertices(&model, &triangles), corner_uv(&triangles, &uv));
         let quality = Quality::measure(model.points(), &triangles, &corners, Some(&cones))
             .map_err(|error| CommandError::Measure { path: path.to_owned(), error })?;
-        Ok(Self { model, options, atlas, uv, quality })
+        Ok(Self { model, options, analysis, atlas, uv, quality, measuring: start.elapsed().as_secs_f64() })
     }
 
     /// What pictures of it are drawn from.
@@ -65,9 +71,11 @@ impl Unwrapped {
         )
     }
 
-    /// Its report; `times` are those of reading and writing.
+    /// Its report; `times` are those of reading, writing and drawing.
     pub(crate) fn report(&self, path: &Path, times: Times) -> UnwrapReport {
-        UnwrapReport::new(path, &self.atlas, &self.options, &self.quality, times)
+        let Self { options, analysis, atlas, quality, .. } = self;
+        let times = Times { measure: Some(self.measuring), ..times }.with(analysis.times()).with(atlas.times);
+        UnwrapReport::new(path, options, analysis, atlas, quality, times)
     }
 }
 
