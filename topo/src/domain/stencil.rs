@@ -1,8 +1,8 @@
 //! The neighbourhood of a grid vertex, and which neighbours are connected.
 //!
 //! A stencil is a list of offsets. The vertices earlier than the centre are a set of bits, one an offset, and two of
-//! them are adjacent if their difference is an edge of the grid. A vertex is *regular* if its earlier neighbours are
-//! connected (they are its *lower link*); that is all a scan asks, and it is looked up in a table of one bit for each set.
+//! them are adjacent if their difference is an edge of the grid. A vertex is *regular* if its earlier neighbours, its
+//! *lower link*, are connected; that is all a scan asks, and it is looked up in a table of one bit for each set.
 //!
 //! With [`Connectivity::Axis`] no two neighbours are adjacent, and half of all vertices of a smooth field would look
 //! like saddles. So the stencil also has the vertices diagonally across a square: not neighbours, but adjacent to two

@@ -1,7 +1,7 @@
 //! Which extremum dies at which saddle: the ways to find it, on vertex indices.
 //!
-//! The plain one sorts all vertices ([`sweep`](mod@sweep)); the fast one lets every vertex look at its neighbours once and pairs the
-//! basins that it finds ([`basins`], [`descent`], [`boruvka`]). Both end in [`Merges`].
+//! The plain one sorts all vertices ([`sweep`](mod@sweep)); the fast one lets every vertex look at its neighbours once
+//! and pairs the basins that it finds ([`basins`], [`descent`], [`boruvka`]). Both end in [`Merges`].
 
 mod basins;
 mod boruvka;
