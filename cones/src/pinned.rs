@@ -8,7 +8,7 @@
 //! ```
 //!
 //! and it is what solving the Laplacian with the cones pinned gives, which takes a new factorization for each set. Entries
-//! of G come from half solves ([`geom::Poisson::solve_forward`]), a small part of a solve each, and a new cone adds a row to a
+//! of G come from sparse forward substitution ([`geom::Poisson::solve_forward`]), a small part of a solve each, and a new cone adds a row to a
 //! Cholesky factor of `G_SS`. The grounded vertex, where G is 0, can be a cone too: it fixes s, and has the curvature that
 //! is left.
 
@@ -24,7 +24,7 @@ pub(crate) struct Pinned<'a> {
     cones: Vec<VertexId>,
     /// p: all curvature taken to the grounded vertex or the boundary.
     flattening: VertexData<f64>,
-    /// The half solves of the cones.
+    /// The forward substitutions for the cones.
     half: Vec<ForwardSolution>,
     /// The factor of `G_SS`, the grounded vertex left out; none where cones coincide.
     green: Option<Growing>,
@@ -48,7 +48,7 @@ impl<'a> Pinned<'a> {
         &self.cones
     }
 
-    /// Pins more vertices. A half solve each.
+    /// Pins more vertices. A sparse forward substitution each.
     pub(crate) fn add(&mut self, cones: &[VertexId]) {
         for (&cone, half) in cones.iter().zip(self.operators.poisson.solve_forward(cones)) {
             self.cones.push(cone);
