@@ -21,18 +21,17 @@ impl<T: Copy + Default> Rows<T> {
     pub fn sorted(row_count: usize, items: impl Iterator<Item = (usize, T)> + Clone) -> Self {
         // The start of row r is counted up at r + 1 while items are filled in.
         let mut start = vec![0u32; row_count + 2];
-        for (row, _) in items.clone() {
-            start[row + 2] += 1;
-        }
+        // By `for_each`, which takes nested iterators apart into loops.
+        items.clone().for_each(|(row, _)| start[row + 2] += 1);
         for row in 0..row_count {
             start[row + 2] = start[row + 2].checked_add(start[row + 1]).expect("rows have fewer than 2³² items");
         }
         let mut item = vec![T::default(); start[row_count + 1] as usize];
-        for (row, new) in items {
+        items.for_each(|(row, new)| {
             let end = &mut start[row + 1];
             item[*end as usize] = new;
             *end += 1;
-        }
+        });
         start.truncate(row_count + 1);
         Self { start, item }
     }

@@ -25,9 +25,9 @@ fn most_cones_are_recovered_from_noise_and_what_moves_is_as_good() {
         let found = stability(strength);
         let of = |rule: Rule| found.iter().find(|(r, _)| *r == rule).expect("all rules are tried").1;
         for ((placement, is_smooth), found) in &found {
-            println!("{strength} {method:?} {is_smooth} {found:?}");
-            assert!(found.recovered >= recovered, "{strength} h, {method:?}: {found:?}");
-            assert!(found.norm <= norm, "{strength} h, {method:?}: {found:?}");
+            println!("{strength} {placement:?} {is_smooth} {found:?}");
+            assert!(found.recovered >= recovered, "{strength} h, {placement:?}: {found:?}");
+            assert!(found.norm <= norm, "{strength} h, {placement:?}: {found:?}");
         }
         for placement in [Placement::Pursuit, Placement::Refined] {
             assert!(of((placement, false)).norm < 1.08, "what is optimised depends on places the least");

@@ -123,6 +123,11 @@ impl Operators {
         &self.curvature
     }
 
+    /// The lumped area of each vertex as a share of the whole.
+    pub fn weight(&self) -> &VertexData<f64> {
+        &self.weight
+    }
+
     /// The cotangent Laplacian.
     pub fn laplacian(&self) -> &SymmetricMatrix {
         &self.laplacian

@@ -307,3 +307,26 @@ proptest! {
         }
     }
 }
+
+#[test]
+fn a_vertex_that_left_its_fan_has_lost_the_whole_turn() {
+    // The middle of a square is moved out of it: the angles of the flipped triangle undo those of the others.
+    let square = [[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [1.0, 1.0, 0.0], [-1.0, 1.0, 0.0], [0.0; 3]];
+    let triangles = [[0, 1, 4], [1, 2, 4], [2, 3, 4], [3, 0, 4]];
+    for (x, curvature) in [(0.0, 0.0), (0.5, 0.0), (1.5, 2.0 * PI)] {
+        let uv = triangles
+            .map(|t| t.map(|v| if v == 4 { [x, 0.0] } else { [square[v as usize][0], square[v as usize][1]] }));
+        let distortion = measure(&square, &triangles, &uv).unwrap();
+        assert!((distortion.curvature[VertexId(4)] - curvature).abs() < 1e-14, "{}", distortion.curvature[VertexId(4)]);
+        assert_eq!(distortion.flipped, usize::from(x > 1.0));
+    }
+}
+
+#[test]
+fn the_median_is_what_half_of_the_surface_does_not_exceed() {
+    let points =
+        [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [9.0, 0.0, 0.0], [10.0, 0.0, 0.0], [9.0, 1.0, 0.0]];
+    let uv = [[[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]], [[5.0, 0.0], [7.0, 0.0], [5.0, 1.0]]];
+    let quasi_conformal = measure(&points, &[[0, 1, 2], [3, 4, 5]], &uv).unwrap().quasi_conformal;
+    assert_eq!((quasi_conformal.median, quasi_conformal.p95, quasi_conformal.max), (1.0, 2.0, 2.0));
+}

@@ -239,4 +239,35 @@ mod tests {
             assert!((again.length(e) / scaled.length(e) - 1.0).abs() < 1e-12);
         }
     }
+
+    #[test]
+    fn an_edge_beside_a_side_of_length_zero_is_left_alone() {
+        let mesh = Mesh::new(4, &[[0, 1, 2], [0, 3, 1]]).unwrap();
+        let metric = Metric::from_points(&mesh, &[[0.0; 3], [1.0, 0.0, 0.0], [0.0; 3], [0.5, -0.1, 0.0]]);
+        assert!(delaunay(&mesh, &metric).flips.is_empty());
+    }
+
+    #[test]
+    fn stopped_flips_leave_a_valid_triangulation_of_the_same_surface() {
+        let shape = crate::shapes::hare(12_000);
+        let mesh = shape.mesh();
+        let metric = Metric::from_points(&mesh, &shape.points);
+        let u: Vec<f64> = (0..mesh.vertex_count()).map(|v| 1.5 * (v as f64 * 0.01).sin()).collect();
+        let begin = delaunay(&mesh, &metric);
+        let asked = std::sync::atomic::AtomicUsize::new(0);
+        let at_the_third_question = |_: f64| match asked.fetch_add(1, std::sync::atomic::Ordering::Relaxed) {
+            0..2 => std::ops::ControlFlow::Continue(()),
+            _ => std::ops::ControlFlow::Break(()),
+        };
+        let (mut triangulation, mut changed, mut flips) = (begin.triangulation.clone(), begin.metric.clone(), vec![]);
+        let watch = Watch::new(&at_the_third_question);
+        ptolemaic_delaunay_watched(&mut triangulation, &mut changed, &u, &mut flips, watch);
+        triangulation.check();
+        let first = flips.len();
+        let scaled = ptolemaic_delaunay(&mut triangulation, &mut changed, &u, &mut flips);
+        assert!(0 < first && first < flips.len(), "stopped after {first} of {} flips", flips.len());
+        assert!(edge_weights(&triangulation, &scaled).iter().all(|&w| w > -1e-9));
+        flips.iter().rev().for_each(|&h| _ = triangulation.unflip(h));
+        assert_eq!(triangulation, begin.triangulation);
+    }
 }

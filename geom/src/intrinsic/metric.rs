@@ -197,7 +197,7 @@ fn falling(a: f64, b: f64) -> [f64; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::Mesh;
+    use crate::mesh::{Mesh, VertexId};
 
     #[test]
     fn angles_of_every_triangle_sum_to_pi() {
@@ -239,5 +239,37 @@ mod tests {
                 assert_eq!((angle - PI / 2.0).abs() < 1e-15, right);
             }
         }
+    }
+
+    #[test]
+    fn vertex_areas_are_thirds_of_triangles_and_sum_to_the_area() {
+        let mesh = Mesh::new(4, &[[0, 1, 2], [2, 1, 3]]).unwrap();
+        let metric = Metric::from_points(&mesh, &[[0.0, 0.0, 0.0], [3.0, 0.0, 0.0], [0.0, 4.0, 0.0], [9.0, 4.0, 0.0]]);
+        let areas = metric.vertex_areas(&mesh);
+        assert!((areas[VertexId(0)] - 2.0).abs() < 1e-14 && (areas[VertexId(1)] - 8.0).abs() < 1e-14);
+        assert!((areas.iter().sum::<f64>() - metric.area(&mesh)).abs() < 1e-13);
+    }
+
+    #[test]
+    fn needles_keep_all_digits_of_their_area() {
+        for sides in [[1.0, 1.0, 1e-9], [1.0, 1e-9, 1.0], [1e-9, 1.0, 1.0]] {
+            assert!((Sides(sides).area() / 5e-10 - 1.0).abs() < 1e-15);
+        }
+        assert!(Sides([0.0, 1.0, 1.0]).unfold().as_flattened().iter().all(|x| x.is_finite()));
+    }
+
+    #[test]
+    fn a_mollified_metric_has_the_slack_asked_for_and_one_that_has_it_already_stays() {
+        let mesh = Mesh::new(3, &[[0, 1, 2]]).unwrap();
+        for longest in 0..3 {
+            let mut lengths = [1.0; 3];
+            lengths[longest] = 2.0;
+            let metric = Metric::new(lengths.to_vec().into());
+            let sides = metric.mollified(&mesh, 0.03).sides(&mesh, FaceId(0));
+            let slack = (0..3).map(|k| sides.slack(k)).fold(f64::INFINITY, f64::min);
+            assert!((slack - 0.03 * 4.0 / 3.0).abs() < 1e-15, "{sides:?}");
+        }
+        let equilateral = Metric::new(vec![1.0; 3].into());
+        assert_eq!(equilateral.mollified(&mesh, 1e-4), equilateral);
     }
 }

@@ -473,6 +473,7 @@ mod tests {
     };
     use faer::sparse::{SparseColMatRef, linalg::SupernodalThreshold};
     use faer::{Conj, MatMut, Par, Side};
+    use std::ops::ControlFlow;
 
     /// The Laplacian of a shape plus a little on the diagonal, and the points.
     fn matrix(shape: &Shape) -> (SymmetricMatrix, Vec<[f64; 3]>) {
@@ -635,5 +636,47 @@ mod tests {
             cholesky.solve_in_place(&mut [], Watch::NONE).unwrap();
             assert_eq!(cholesky.factor_len(), 0);
         }
+    }
+
+    #[test]
+    fn wide_fronts_are_refused_too_where_they_are_not_definite() {
+        // A full matrix is one front.
+        let n = 60;
+        let full = |diagonal: f64| {
+            let row: Vec<u32> = (0..n).flat_map(|column| column..n).collect();
+            let column_start: Vec<u32> = (0..=n).map(|c| c * n - c * c.saturating_sub(1) / 2).collect();
+            let mut value = vec![-1.0; row.len()];
+            column_start[..n as usize].iter().for_each(|&start| value[start as usize] = f64::from(n) + 1.0);
+            value[column_start[n as usize - 2] as usize] = diagonal;
+            SymmetricMatrix { column_start, row, value }
+        };
+        let matrix = full(f64::from(n) + 1.0);
+        let x = Cholesky::new(&matrix).unwrap().solve(&[2.0; 60]);
+        assert!(x.iter().all(|x| (x - 1.0).abs() < 1e-13));
+        for wrong in [-1.0, f64::NAN, f64::INFINITY] {
+            assert_eq!(Cholesky::new(&full(wrong)).unwrap_err(), CholeskyError::NotPositiveDefinite);
+        }
+    }
+
+    #[test]
+    fn a_factorization_stops_wherever_it_is_told_to() {
+        let (matrix, points) = matrix(&shapes::hare(3000));
+        for points in [None, Some(&points[..])] {
+            for stop in [0.0, 0.1, 0.25, 0.6, 0.9] {
+                let told = std::sync::Mutex::new(0.0);
+                let observer = |fraction: f64| {
+                    let before = std::mem::replace(&mut *told.lock().unwrap(), fraction);
+                    assert!(before <= fraction && fraction <= 1.0, "{before} {fraction}");
+                    if fraction < stop { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
+                };
+                let error = Cholesky::new_watched(&matrix, points, Watch::new(&observer)).unwrap_err();
+                assert_eq!(error, CholeskyError::Interrupted(Interrupted));
+            }
+        }
+        let b = right_hand_side(3 * points.len());
+        let cholesky = Cholesky::with_points(&matrix, &points).unwrap();
+        let never: &(dyn Fn(f64) -> ControlFlow<()> + Sync) = &|_| ControlFlow::Break(());
+        assert_eq!(cholesky.solve_in_place(&mut b.clone(), Watch::new(never)), Err(Interrupted));
+        assert_eq!(cholesky.solve_sparse(&[vec![(0, 1.0)]], Watch::new(never)), Err(Interrupted));
     }
 }

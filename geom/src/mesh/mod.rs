@@ -164,11 +164,16 @@ mod tests {
                 flipped.unflip(h);
                 flipped.check();
             }
-            let same = flipped.halfedges().all(|h| {
-                flipped.tail(h) == mesh.tail(h) && flipped.twin(h) == mesh.twin(h) && flipped.edge(h) == mesh.edge(h)
-            });
-            assert!(same);
+            assert_eq!(flipped, *mesh.triangulation());
         }
+    }
+
+    #[test]
+    fn boundary_loops_do_not_count_as_handles() {
+        assert_eq!([tetrahedron(), crate::shapes::cylinder(100).mesh()].map(|mesh| mesh.genus()), [0, 0]);
+        let torus = crate::shapes::torus(1, 300);
+        let opened = Mesh::new(torus.points.len(), &torus.triangles[1..]).unwrap();
+        assert_eq!((opened.genus(), opened.boundary_loops().len()), (1, 1));
     }
 
     #[test]
@@ -187,7 +192,11 @@ mod tests {
         assert_eq!(new(3, &[]), NoFaces);
         assert_eq!(new(3, &[[0, 1, 3]]), VertexOutOfRange { face: FaceId(0), vertex: 3, count: 3 });
         assert_eq!(new(3, &[[0, 1, 1]]), RepeatedVertex { face: FaceId(0), vertex: VertexId(1) });
+        assert_eq!(new(3, &[[0, 1, 0]]), RepeatedVertex { face: FaceId(0), vertex: VertexId(0) });
         assert_eq!(new(4, &[[0, 1, 2]]), IsolatedVertex(VertexId(3)));
+        let tetrahedron = |a, b, c| [[0, a, b], [0, b, c], [0, c, a], [a, c, b]];
+        let two = [tetrahedron(1, 2, 3), tetrahedron(4, 5, 6)].concat();
+        assert_eq!(new(7, &two), NonManifoldVertex(VertexId(0)));
         assert_eq!(new(5, &[[0, 1, 2], [0, 3, 4]]), NonManifoldVertex(VertexId(0)));
         assert_eq!(new(5, &[[0, 1, 2], [1, 0, 3], [0, 1, 4]]), NonManifoldEdge { ends: [VertexId(0), VertexId(1)] });
         assert!(matches!(new(4, &[[0, 1, 2], [0, 1, 3]]), Misoriented { .. }));

@@ -177,4 +177,12 @@ mod tests {
         assert!(gaussian_curvature(&points, &[[0, 1, 2]]).iter().all(|k| k.is_nan()));
         assert!(mean_curvature(&points, &[[0, 1, 2]]).iter().all(|h| h.is_nan()));
     }
+
+    #[test]
+    fn an_edge_of_three_triangles_is_no_boundary() {
+        let points = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        let triangles = [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3], [0, 2, 1]];
+        let sum = total(&gaussian_curvature(&points, &triangles), &points, &triangles);
+        assert!((sum - (4.0 * 2.0 * PI - 5.0 * PI)).abs() < 1e-13);
+    }
 }

@@ -11,3 +11,23 @@ pub use model::{MAX_COORDINATE, Model, ModelError, Skipped, TextureCoordinates};
 pub(crate) use model::{Polygons, is_coordinate};
 pub use prepare::{PrepareError, Prepared, Repair, RepairKind, Surface, prepare, prepare_watched};
 pub use triangulate::Triangles;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn of_two_triangles_against_each_other_the_second_is_turned() {
+        let points = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
+        let model = Model::from_triangles(points, &[[0, 1, 2], [0, 3, 2]]).unwrap();
+        let repairs = prepare(&model, false).unwrap().repairs;
+        assert_eq!(repairs, [Repair { kind: RepairKind::FlippedFace, count: 1, first: 1 }]);
+    }
+
+    #[test]
+    fn what_is_too_small_to_be_scaled_to_unit_size_has_no_area() {
+        let points = vec![[0.0; 3], [1e-320, 0.0, 0.0], [0.0, 1e-320, 0.0]];
+        let model = Model::from_triangles(points, &[[0, 1, 2]]).unwrap();
+        assert_eq!(prepare(&model, false).unwrap_err(), PrepareError::NoArea { faces: 1 });
+    }
+}

@@ -263,4 +263,15 @@ mod tests {
         let open = CutMesh::open(&mesh, &EdgeData::constant(mesh.edge_count(), true));
         assert_eq!((open.wedge_count(), open.island_count()), (24, 8));
     }
+
+    #[test]
+    fn a_disk_and_a_ring_are_no_disk() {
+        let [disk, ring] = [crate::shapes::disk(50), crate::shapes::cylinder(50)];
+        let shift = disk.points.len() as u32;
+        let faces: Vec<[u32; 3]> =
+            disk.triangles.iter().copied().chain(ring.triangles.iter().map(|t| t.map(|v| v + shift))).collect();
+        let mesh = Mesh::new(disk.points.len() + ring.points.len(), &faces).unwrap();
+        let open = CutMesh::open(&mesh, &EdgeData::constant(mesh.edge_count(), false));
+        assert_eq!((open.euler_characteristic(), open.island_count(), open.is_disk()), (1, 2, false));
+    }
 }

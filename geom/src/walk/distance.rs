@@ -81,7 +81,7 @@ pub fn distance_along_edges(points: &[Vec3], triangles: &[[u32; 3]], from: Optio
     along.iter().map(|d| if d.is_finite() { *d } else { f64::NAN }).collect()
 }
 
-/// The point in use that is farthest from the mean of all corners; the last of several.
+/// The point in use that is farthest from the mean of all corners; the lowest of several.
 fn farthest_out(points: &[Vec3], triangles: &[[u32; 3]]) -> Option<usize> {
     let used = || triangles.iter().flatten().map(|&v| v as usize);
     let share = 1.0 / used().count() as f64;
@@ -126,6 +126,8 @@ mod tests {
         let points = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 3.0, 0.0], [99.0, 0.0, 0.0]];
         let distance = distance_along_edges(&points, &[[0, 1, 2]], None);
         assert_eq!(distance[..3], [3.0, 10.0_f64.sqrt(), 0.0]);
+        let square = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
+        assert_eq!(distance_along_edges(&square, &[[0, 1, 2], [2, 3, 0]], None)[0], 0.0);
         assert!(distance_along_edges(&points, &[], None).iter().all(|d| d.is_nan()));
     }
 }

@@ -291,5 +291,30 @@ mod tests {
         assert_eq!(cotree.iter().filter(|&&crossed| crossed).count(), mesh.face_count() - 1);
         assert_eq!(mesh.edges().filter(|&e| !tree[e] && !cotree[e]).count(), 2);
         assert!(mesh.edges().all(|e| !(tree[e] && cotree[e])));
+        for off in mesh.edges().filter(|&e| !tree[e] && !cotree[e]) {
+            let faces = |e| [mesh.halfedge(e), mesh.twin(mesh.halfedge(e)).unwrap()].map(|h| mesh.face(h).0);
+            let mut trees = UnionFind::<u32>::new(mesh.face_count());
+            for e in mesh.edges().filter(|&e| cotree[e] && lengths[e] >= lengths[off]) {
+                trees.union(faces(e)[0], faces(e)[1]);
+            }
+            assert!(trees.equiv(faces(off)[0], faces(off)[1]), "the cotree joins the sides of {off:?} by none lighter");
+        }
+    }
+
+    #[test]
+    fn equal_edges_are_taken_by_index_and_owners_by_their_order() {
+        let strip = Mesh::new(4, &[[0, 1, 2], [2, 1, 3]]).unwrap();
+        let ones = EdgeData::constant(strip.edge_count(), 1.0);
+        let tree = minimum_spanning_tree(&strip, &ones);
+        assert!(tree[EdgeId(0)] && tree[EdgeId(1)] && !tree[EdgeId(2)]);
+        let paths = ShortestPaths::new(&strip, &ones, [(VertexId(0), 8), (VertexId(0), 9)]);
+        assert!(strip.vertices().all(|v| paths.owner[v] == Some(8)));
+    }
+
+    #[test]
+    fn negative_and_missing_lengths_count_as_zero() {
+        let triangle = Mesh::new(3, &[[0, 1, 2]]).unwrap();
+        let paths = ShortestPaths::new(&triangle, &vec![-1.0, 5.0, f64::NAN].into(), [(VertexId(0), 0)]);
+        assert_eq!(paths.distance.to_vec(), [0.0; 3]);
     }
 }
