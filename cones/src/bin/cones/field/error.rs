@@ -51,6 +51,11 @@ pub(crate) enum Problem {
     Memory { vertices: u64, needed: u64, free: u64 },
     #[error("has {0} values, and 2147483646 are the most that can be numbered: take a part of it or every other value")]
     TooMany(u64),
+    #[error(
+        "has {pixels} pixels in {size} bytes, as no picture of a field has that is not made to fill the memory: if this \
+         one is to be read, save it as .pgm or .npy first"
+    )]
+    Expansion { pixels: u64, size: u64 },
     #[error("is no PNG picture that can be read ({0})")]
     Png(#[from] png::DecodingError),
     #[error("{0}")]

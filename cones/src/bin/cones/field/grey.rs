@@ -12,19 +12,31 @@ use std::path::Path;
 /// The weights of red, green and blue in the luma of sRGB (ITU-R BT.709), times 10,000.
 const LUMA: [u32; 3] = [2126, 7152, 722];
 
+/// So many pixels are read from a file however small it is.
+const FREE_PIXELS: u64 = 1 << 24;
+/// Beyond that it has at most so many for each of its bytes. Heights have one or two, drawings in black and white some
+/// fifty; a picture of one colour has 8000, and computing with it fills the memory.
+const MOST_PIXELS_PER_BYTE: u64 = 100;
+
 /// Reads a picture.
 pub(super) fn read(path: &Path) -> Result<Array, ReadError> {
     decode(path).map_err(|problem| problem.in_file(path))
 }
 
 fn decode(path: &Path) -> Result<Array, Problem> {
-    let mut decoder = Decoder::new(BufReader::new(File::open(path)?));
+    let file = File::open(path)?;
+    let size = file.metadata()?.len();
+    let mut decoder = Decoder::new(BufReader::new(file));
     decoder.set_transformations(Transformations::EXPAND);
     let mut reader = decoder.read_info()?;
     let (width, height) = reader.info().size();
     let (colours, depth) = reader.output_color_type();
     let bytes = colours.samples() * if depth == BitDepth::Sixteen { 2 } else { 1 };
-    memory::check(u64::from(width) * u64::from(height), 4 + bytes)?;
+    let pixels = u64::from(width) * u64::from(height);
+    if pixels > FREE_PIXELS.max(MOST_PIXELS_PER_BYTE.saturating_mul(size)) {
+        return Err(Problem::Expansion { pixels, size });
+    }
+    memory::check(pixels, 4 + bytes)?;
     let size = reader.output_buffer_size().ok_or(Problem::Shape(vec![height.into(), width.into()]))?;
     let mut buffer = vec![0; size];
     reader.next_frame(&mut buffer)?;
