@@ -80,7 +80,7 @@ fn fewest(reduced: &mut Reduced, nested: &Fitted, angles: Angles, target: f64, l
     if !meets(&best, &predicted) {
         return (nested.clone(), predict(operators, nested, angles));
     }
-    while best.cones.len() > least {
+    while best.cones.len() > least && !reduced.is_spent() {
         let fewer = exchange(reduced, drop_cheapest(reduced, &best));
         let fewer = rounds(reduced, fewer, 2);
         let after = predict(operators, &fewer, angles);

@@ -29,6 +29,9 @@ pub(crate) fn exchange_deeply(reduced: &Reduced, set: Fitted) -> Fitted {
 }
 
 fn best_swap(reduced: &Reduced, set: &Fitted) -> Option<Fitted> {
+    if reduced.is_spent() {
+        return None;
+    }
     let swaps = swaps(reduced, set);
     let helpful = swaps.iter().take(TRIALS).take_while(|swap| swap.change < -LEAST_GAIN * set.energy);
     let mut fitted = helpful.map(|swap| apply(reduced, set, swap));
@@ -36,8 +39,11 @@ fn best_swap(reduced: &Reduced, set: &Fitted) -> Option<Fitted> {
 }
 
 fn best_detour(reduced: &Reduced, set: &Fitted) -> Option<Fitted> {
+    if reduced.is_spent() {
+        return None;
+    }
     let swaps = swaps(reduced, set);
-    let mut ends = swaps.iter().take(DETOURS).map(|swap| exchange(reduced, apply(reduced, set, swap)));
+    let mut ends = swaps.iter().take(DETOURS).take_while(|_| !reduced.is_spent()).map(|swap| exchange(reduced, apply(reduced, set, swap)));
     ends.find(|end| end.is_better_than(set, LEAST_GAIN))
 }
 
@@ -75,11 +81,12 @@ pub(crate) fn drop_cheapest(reduced: &Reduced, set: &Fitted) -> Fitted {
     let table = SwapTable::new(reduced, set);
     let mut order: Vec<usize> = (0..set.cones.len()).collect();
     order.sort_by(|&i, &j| table.removal(i).total_cmp(&table.removal(j)));
+    order.truncate(if reduced.is_spent() { 1 } else { 3 });
     let without = |&leaving: &usize| {
         let mut cones = set.cones.clone();
         cones.remove(leaving);
         reduced.fit(&cones)
     };
-    let candidates = order.iter().take(3).map(without);
+    let candidates = order.iter().map(without);
     candidates.reduce(|a, b| if b.is_better_than(&a, 0.0) { b } else { a }).unwrap_or_else(|| set.clone())
 }

@@ -17,11 +17,13 @@
 
 use std::f64::consts::PI;
 
+use std::sync::atomic::{AtomicU64, Ordering};
+
 use geom::{Mesh, VertexData, VertexId};
 
 use crate::angles::{WIDEST, general_bounds, usable_degree};
 use crate::distance::Distances;
-use crate::fit::{Held, Quadratic, fit};
+use crate::fit::{Held, Quadratic, fit_and_count};
 use crate::operators::Operators;
 
 /// Vertices that are solved for at once: enough to keep the factor in the cache, few enough for memory.
@@ -29,6 +31,11 @@ const BLOCK: usize = 16;
 
 /// By so much, in radians, sums of bounds may miss the total curvature.
 const SUM_TOLERANCE: f64 = 1e-9;
+
+/// Fits may take so much work in all, the sum of the third powers of what they factor, before the search for better cones
+/// ends with what it has: about two seconds. The heaviest of ordinary surfaces take a quarter. Where triangles are needles
+/// nearly all curvatures end at bounds that they come to one by one, and what is looked for is rounding.
+const MOST_WORK: u64 = 4_000_000_000;
 
 /// A surface's reduced model; see the module's head.
 #[derive(Debug)]
@@ -51,6 +58,8 @@ pub struct Reduced<'a> {
     column: Vec<Vec<f32>>,
     /// H between members of the pool, row by row up to the diagonal.
     products: Vec<Vec<f64>>,
+    /// What fits have taken so far.
+    work: AtomicU64,
 }
 
 /// Cones with the best curvatures that they can have.
@@ -90,6 +99,7 @@ impl<'a> Reduced<'a> {
             place: VertexData::constant(count, None),
             column: Vec::new(),
             products: Vec::new(),
+            work: AtomicU64::new(0),
             operators,
         }
     }
@@ -193,6 +203,11 @@ impl<'a> Reduced<'a> {
         1.0 + 10.0 * self.constant
     }
 
+    /// Whether fits have taken so much that sets of cones should be improved no further.
+    pub(crate) fn is_spent(&self) -> bool {
+        self.work.load(Ordering::Relaxed) > MOST_WORK
+    }
+
     /// The best curvatures of cones that are in the pool. Where they cannot take the surface's curvature the bounds give
     /// way evenly, and the shortfall tells by how much.
     pub fn fit(&self, cones: &[VertexId]) -> Fitted {
@@ -203,16 +218,19 @@ impl<'a> Reduced<'a> {
         let total = self.total();
         let shortfall = self.relax(&mut bounds);
         let energy = Quadratic { constant: self.constant, linear: &linear, matrix: &matrix };
-        match fit(&energy, &bounds, total) {
-            Ok(fit) => Fitted {
-                cones: cones.to_vec(),
-                curvature: fit.curvatures,
-                energy: fit.energy.max(0.0),
-                shortfall,
-                held: fit.held,
-                multiplier: fit.multiplier,
-                bounds,
-            },
+        match fit_and_count(&energy, &bounds, total) {
+            Ok((fit, work)) => {
+                self.work.fetch_add(work, Ordering::Relaxed);
+                Fitted {
+                    cones: cones.to_vec(),
+                    curvature: fit.curvatures,
+                    energy: fit.energy.max(0.0),
+                    shortfall,
+                    held: fit.held,
+                    multiplier: fit.multiplier,
+                    bounds,
+                }
+            }
             // No cones on a surface that needs some.
             Err(_) => Fitted {
                 cones: cones.to_vec(),

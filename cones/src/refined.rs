@@ -53,12 +53,14 @@ pub fn refined(reduced: &mut Reduced, count: usize) -> Fitted {
     let mut best = search(reduced, count);
     let is_held = is_held_by_degree(reduced, &best);
     reduced.set_room(WIDEST);
-    if is_held {
+    if is_held && !reduced.is_spent() {
         best = reduced.fit(&best.cones);
         let wider = search(reduced, count);
         best = better(best, wider);
-        let settled = settled(reduced, count);
-        best = better(best, settled);
+        if !reduced.is_spent() {
+            let settled = settled(reduced, count);
+            best = better(best, settled);
+        }
     }
     by_curvature(reduced, &best)
 }
@@ -75,6 +77,9 @@ fn search(reduced: &mut Reduced, count: usize) -> Fitted {
 /// Adds cones and eliminates as many again, as long as that helps.
 fn restarted(reduced: &mut Reduced, mut best: Fitted) -> Fitted {
     for _ in 0..RESTARTS {
+        if reduced.is_spent() {
+            break;
+        }
         let next = around(reduced, best.clone());
         let helps = next.is_better_than(&best, LEAST_GAIN);
         best = better(best, next);
@@ -153,6 +158,9 @@ pub(crate) fn by_curvature(reduced: &Reduced, set: &Fitted) -> Fitted {
 /// Pursued by gradient and by gain, and pursued beyond the number and eliminated back to it.
 fn starts(reduced: &mut Reduced, first: Fitted, count: usize) -> [Fitted; 3] {
     let forward = grow(reduced, first.clone(), count, Rule::Gradient);
+    if reduced.is_spent() {
+        return [forward.clone(), forward.clone(), forward];
+    }
     let least = if reduced.operators().is_bordered() { LEAST_BACKWARD } else { 0 };
     let beyond = grow(reduced, forward.clone(), (2 * count).max(least), Rule::Gradient);
     let backward = eliminate(reduced, exchange(reduced, beyond), count);
@@ -163,6 +171,9 @@ fn starts(reduced: &mut Reduced, first: Fitted, count: usize) -> [Fitted; 3] {
 pub(crate) fn rounds(reduced: &mut Reduced, set: Fitted, most: usize) -> Fitted {
     let mut set = exchange_deeply(reduced, set);
     for _ in 0..most {
+        if reduced.is_spent() {
+            break;
+        }
         let proposals = SwapTable::new(reduced, &set).proposals();
         let helpful = proposals.iter().filter(|swap| swap.change < 0.0).map(|swap| swap.coming);
         let mut new = Vec::new();
