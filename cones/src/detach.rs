@@ -3,7 +3,8 @@
 //! Where mending fails, a few triangles of a flat metric stay flipped: at slits of a scan that almost touch, at needles
 //! round a cone of negative curvature. They are taken out of the layout, unfolded in one piece or several as they lie in
 //! space, and put beside it. What is left of the layout stays as it is; so that it stays a disk, a hole that does not reach
-//! a seam or the boundary is joined to the nearest by a further seam.
+//! a seam or the boundary is joined to the nearest by a further seam. A polygon goes as a whole, for its triangles share
+//! their corners' positions.
 
 use std::collections::VecDeque;
 
@@ -16,7 +17,7 @@ use crate::layout::Layout;
 use crate::seams::Seams;
 
 /// Takes triangles out of a layout; `u` are the log scale factors that the flat metric has. The seams' `lengths` say which
-/// way further seams go. O(V log V).
+/// way further seams go; diagonals of polygons are infinitely long. O(V log V).
 pub(crate) fn detach(
     input: &Mesh,
     metric: &Metric,
@@ -27,12 +28,13 @@ pub(crate) fn detach(
     layout: &mut Layout,
 ) {
     let mut is_out = FaceData::constant(input.face_count(), false);
+    let faces = &whole_polygons(input, lengths, faces);
     faces.iter().for_each(|&f| is_out[f] = true);
     let was_cut = seams.cut.clone();
     join_holes(input, lengths, &is_out, &mut seams.cut);
     faces.iter().flat_map(|&f| input.sides(f)).for_each(|h| seams.cut[input.edge(h)] |= input.twin(h).is_some());
     let position = input.halfedges().map(|h| layout.corner(h)).collect();
-    let mut unfolding = Unfolding { input, metric, was_cut: &was_cut, is_out, cut: &mut seams.cut, position };
+    let mut unfolding = Unfolding { input, metric, lengths, was_cut: &was_cut, is_out, cut: &mut seams.cut, position };
     for &seed in faces {
         let scale = (input.corners(seed).iter().map(|&v| u[v]).sum::<f64>() / 3.0).exp();
         unfolding.unfold(seed, scale);
@@ -46,6 +48,21 @@ pub(crate) fn detach(
     layout.cut = cut;
     layout.position = opened;
     seams.string(input, lengths);
+}
+
+/// The triangles, and those that hang together with them by diagonals.
+fn whole_polygons(input: &Mesh, lengths: &EdgeData<f64>, faces: &[FaceId]) -> Vec<FaceId> {
+    let mut whole = faces.to_vec();
+    let mut is_in = FaceData::constant(input.face_count(), false);
+    faces.iter().for_each(|&f| is_in[f] = true);
+    let mut at = 0;
+    while at < whole.len() {
+        let diagonals = input.sides(whole[at]).into_iter().filter(|&h| lengths[input.edge(h)].is_infinite());
+        let across = diagonals.filter_map(|h| input.twin(h)).map(|g| input.face(g));
+        whole.extend(across.filter(|&f| !std::mem::replace(&mut is_in[f], true)));
+        at += 1;
+    }
+    whole
 }
 
 /// Cuts along a shortest path from each hole that touches no seam and no boundary to one that does.
@@ -83,6 +100,8 @@ fn join_holes(input: &Mesh, lengths: &EdgeData<f64>, is_out: &FaceData<bool>, cu
 struct Unfolding<'a> {
     input: &'a Mesh,
     metric: &'a Metric,
+    /// Infinite at the diagonals of polygons.
+    lengths: &'a EdgeData<f64>,
     /// The cut before anything was detached.
     was_cut: &'a EdgeData<bool>,
     /// The triangles that are to be unfolded yet.
@@ -100,7 +119,8 @@ impl Unfolding<'_> {
         }
         let input = self.input;
         let first = self.place(input.sides(seed)[0], Complex64::ZERO, Complex64::from(scale));
-        let mut queue = VecDeque::from(first);
+        let mut queue = VecDeque::new();
+        self.enqueue(first, &mut queue);
         while let Some(h) = queue.pop_front() {
             let Some(g) = input.twin(h).filter(|_| !self.was_cut[input.edge(h)]) else { continue };
             if std::mem::replace(&mut self.is_out[input.face(g)], false) {
@@ -108,7 +128,18 @@ impl Unfolding<'_> {
                 let [tail, head] = [self.position[h], self.position[input.next(h)]];
                 let along = tail - head;
                 let direction = if along.norm() > 0.0 { along / along.norm() } else { Complex64::ONE };
-                queue.extend(self.place(g, head, direction * scale));
+                let sides = self.place(g, head, direction * scale);
+                self.enqueue(sides, &mut queue);
+            }
+        }
+    }
+
+    /// Sides to go across, diagonals before all others: so a polygon is placed as a whole before its neighbours are.
+    fn enqueue(&self, sides: [HalfedgeId; 3], queue: &mut VecDeque<HalfedgeId>) {
+        for side in sides {
+            match self.lengths[self.input.edge(side)].is_infinite() {
+                true => queue.push_front(side),
+                false => queue.push_back(side),
             }
         }
     }

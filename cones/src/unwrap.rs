@@ -3,6 +3,7 @@
 //! Connected components are worked on at the same time, on the threads of the current rayon pool; what comes out does not
 //! depend on how many there are.
 
+use std::collections::HashMap;
 use std::sync::Mutex;
 
 use geom::{Model, Prepared, Repair, VertexId, prepare};
@@ -53,10 +54,11 @@ pub fn unwrap(model: &Model, options: &Options, on_stage: &mut (dyn FnMut(Stage)
             seams.extend(flat.seams.chains.iter().map(of_model));
             found.take(model, component, &flat.cones, &flat.curvatures);
         }
+        let uv = fill_corners(model, &prepared, uv);
         let Extraction { cones, factor, persistence, number, order, topology, times, repairs, warnings } =
             found.extraction(prepared.repairs);
         Ok(Atlas {
-            uv: fill_corners(model, uv),
+            uv,
             triangles: prepared.triangles,
             left_out: prepared.left_out,
             cones,
@@ -325,8 +327,29 @@ fn subject(parts: usize) -> String {
     if parts == 1 { "this surface needs".to_owned() } else { format!("these {parts} parts need") }
 }
 
-/// Corners that no surface has get the position of another corner at their vertex, or the origin.
-fn fill_corners(model: &Model, uv: Vec<Option<[f64; 2]>>) -> Vec<[f64; 2]> {
+/// Corners that no surface has get the positions of a triangle on the same three vertices, of another corner at their
+/// vertex, or the origin.
+fn fill_corners(model: &Model, prepared: &Prepared, mut uv: Vec<Option<[f64; 2]>>) -> Vec<[f64; 2]> {
+    let vertex = |corner: &u32| model.corners()[*corner as usize];
+    let sorted = |t: usize| {
+        let mut corners = prepared.triangles.corners[t];
+        corners.sort_unstable_by_key(vertex);
+        corners
+    };
+    let place = |t: usize| sorted(t).map(|corner| vertex(&corner));
+    let mut original: HashMap<[u32; 3], Option<[u32; 3]>> =
+        prepared.left_out.iter().map(|&t| (place(t as usize), None)).collect();
+    if !original.is_empty() {
+        for t in prepared.surfaces.iter().flat_map(|surface| surface.triangle.iter().map(|&t| t as usize)) {
+            original.entry(place(t)).and_modify(|first| _ = first.get_or_insert_with(|| sorted(t)));
+        }
+    }
+    for &t in &prepared.left_out {
+        let Some(Some(from)) = original.get(&place(t as usize)) else { continue };
+        for (to, from) in sorted(t as usize).into_iter().zip(from) {
+            uv[to as usize] = uv[to as usize].or(uv[*from as usize]);
+        }
+    }
     let mut of_vertex = vec![[0.0; 2]; model.vertex_count()];
     for (uv, &v) in uv.iter().zip(model.corners()) {
         if let Some(uv) = uv {

@@ -22,6 +22,7 @@ use crate::mesh::{
 use crate::metric::Metric;
 use crate::model::Model;
 use crate::triangulate::Triangles;
+use crate::vector::{cross, length, sub};
 
 /// Something that was mended.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -188,6 +189,9 @@ impl RepairLog {
     }
 }
 
+/// A triangle's height in a surface of size 1 that may be rounding alone.
+const ROUNDED_HEIGHT: f64 = 1e-14;
+
 /// Stands for "no twin".
 const NONE: u32 = u32::MAX;
 
@@ -243,7 +247,8 @@ impl Soup {
         crowded.sort_unstable();
         crowded.dedup();
         let mut first = HashSet::new();
-        let doubled: Vec<usize> = crowded.into_iter().filter(|&f| !first.insert(self.sorted_vertices(f))).collect();
+        let mut doubled: Vec<usize> = crowded.into_iter().filter(|&f| !first.insert(self.sorted_vertices(f))).collect();
+        self.retain_whole_faces(&mut doubled);
         if doubled.is_empty() {
             return;
         }
@@ -258,6 +263,18 @@ impl Soup {
         self.corner.retain(|_| side.next().is_some_and(|h| keep[h / 3]));
         let mut face = keep.iter();
         self.triangle.retain(|_| face.next() == Some(&true));
+    }
+
+    /// Of ascending triangles those whose faces have no others: a polygon without one of its triangles would fall apart, and
+    /// its pieces share its corners.
+    fn retain_whole_faces(&self, triangles: &mut Vec<usize>) {
+        let face = |f: usize| self.triangle[f].1;
+        let size = |of: u32| {
+            let from = self.triangle.partition_point(|&(_, face)| face < of);
+            self.triangle[from..].iter().take_while(|&&(_, face)| face == of).count()
+        };
+        let whole = triangles.chunk_by(|&f, &g| face(f) == face(g)).filter(|chunk| chunk.len() == size(face(chunk[0])));
+        *triangles = whole.flatten().copied().collect();
     }
 
     /// Makes twins of the two sides of each edge that has just two. The diagonals of polygons are edges of their own: a
@@ -465,7 +482,7 @@ impl Soup {
                 log.note(RepairKind::ZeroArea, face_of(mesh.sides(f)[0]) as usize);
                 zero_area += 1;
             }
-            if zero_area == mesh.face_count() {
+            if zero_area == mesh.face_count() || mesh.faces().all(|f| is_line(mesh.corners(f).map(|v| points[v.index()]))) {
                 log.note(RepairKind::ComponentWithoutArea, self.triangle[faces[0] as usize].1 as usize);
                 continue;
             }
@@ -507,6 +524,13 @@ fn to_unit_size(points: &[[f64; 3]]) -> Option<(Vec<[f64; 3]>, f64)> {
     }
     let middle = [0, 1, 2].map(|k| 0.5 * low[k] + 0.5 * high[k]);
     Some((points.iter().map(|p| [0, 1, 2].map(|k| (p[k] - middle[k]) * scale)).collect(), scale))
+}
+
+/// Whether a triangle is so flat, in a surface of size 1, that rounding gave it all the height it has.
+fn is_line([a, b, c]: [[f64; 3]; 3]) -> bool {
+    let [first, second, third] = [sub(b, a), sub(c, a), sub(c, b)];
+    let longest = [first, second, third].map(length).into_iter().fold(0.0, f64::max);
+    length(cross(first, second)) <= ROUNDED_HEIGHT * longest
 }
 
 /// For each vertex the first one at the same place.

@@ -31,16 +31,44 @@ impl Job {
         scale: Scale,
         progress: &mut Progress,
     ) -> Result<Self, Failure> {
-        let atlas = cones::unwrap(&model, &options, &mut |stage| progress.stage(stage))
+        let mut atlas = cones::unwrap(&model, &options, &mut |stage| progress.stage(stage))
             .map_err(|error| Failure::Unwrap { path: path.to_owned(), error })?;
         progress.step("measure");
         let uv = scaled(&atlas.uv, scale);
         let triangles = kept(&atlas);
         let cones: Vec<u32> = atlas.cones.iter().map(|cone| cone.vertex).collect();
-        let (triangles, corners) = (vertices(&model, &triangles), corner_uv(&triangles, &uv));
-        let quality = Quality::measure(model.points(), &triangles, &corners, Some(&cones))
+        let (kept, corners) = (vertices(&model, &triangles), corner_uv(&triangles, &uv));
+        let quality = Quality::measure(model.points(), &kept, &corners, Some(&cones))
             .map_err(|error| Failure::Measure { path: path.to_owned(), error })?;
+        atlas.warnings.extend(flaws(&model, &quality, &triangles));
         Ok(Self { model, options, atlas, uv, quality })
+    }
+
+    /// What is wrong with the polygons of the map where another program cuts them into triangles in its own way: it may see
+    /// triangles flipped, as the polygons are not convex.
+    pub(crate) fn polygon_warning(&self) -> Option<String> {
+        let mut turned = vec![[false; 2]; self.model.face_count()];
+        for (&face, &corners) in self.atlas.triangles.face_of.iter().zip(&self.atlas.triangles.corners) {
+            turned[face as usize][usize::from(area(corners.map(|c| self.uv[c as usize])) < 0.0)] = true;
+        }
+        let is_torn = |&face: &usize| {
+            let [first, ..] = self.model.face_corners(face).collect::<Vec<_>>()[..] else { return false };
+            let fan = self.model.face_corners(face).skip(1).zip(self.model.face_corners(face).skip(2));
+            let mut areas = fan.map(|(b, c)| area([first, b, c].map(|c| self.uv[c])));
+            match turned[face] {
+                [true, false] => areas.any(|area| area <= 0.0),
+                [false, true] => areas.any(|area| area >= 0.0),
+                _ => false,
+            }
+        };
+        let polygons = (0..self.model.face_count()).filter(|&face| self.model.face(face).len() > 3);
+        let torn: Vec<usize> = polygons.filter(is_torn).collect();
+        let first = torn.first()?;
+        Some(format!(
+            "{} polygons are not convex in the map (first face {first}, counted from 0): programs that cut them in another \
+             way show flipped triangles; write triangles with --triangulate",
+            torn.len()
+        ))
     }
 
     /// What pictures of it are drawn from.
@@ -60,6 +88,21 @@ impl Job {
     pub(crate) fn report(&self, path: &Path, times: Times) -> Report {
         Report::new(path, &self.atlas, &self.options, &self.quality, times)
     }
+}
+
+/// What is wrong with the triangles of a map.
+fn flaws(model: &Model, quality: &Quality, triangles: &[[u32; 3]]) -> Option<String> {
+    let corner = triangles[quality.first_flaw?][0];
+    let face = model.face_start().partition_point(|&start| start <= corner) - 1;
+    let [flipped, degenerate] = [quality.distortion.flipped, quality.distortion.degenerate];
+    Some(format!(
+        "{flipped} triangles of the map are flipped, and {degenerate} have no area there (first face {face}, counted from 0)"
+    ))
+}
+
+/// Twice the signed area of a triangle of the map.
+fn area([a, b, c]: [[f64; 2]; 3]) -> f64 {
+    (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
 }
 
 /// Reads a model, and how many seconds that took.

@@ -18,6 +18,7 @@ mod output;
 mod page;
 mod persistence;
 mod picture;
+mod pool;
 mod progress;
 mod report;
 mod shape;
@@ -34,10 +35,7 @@ use std::process::ExitCode;
 fn main() -> ExitCode {
     let arguments = Arguments::parse();
     output::end_cleanly_on_interrupt();
-    if let Some(threads) = arguments.threads {
-        // It fails only where the pool is there already.
-        let _ = rayon::ThreadPoolBuilder::new().num_threads(threads.get()).build_global();
-    }
+    pool::make(arguments.threads);
     match run(&arguments.command) {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) if failure.is_closed_pipe() => ExitCode::SUCCESS,

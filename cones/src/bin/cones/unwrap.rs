@@ -18,7 +18,11 @@ pub(crate) fn run(args: &Unwrap) -> Result<(), Failure> {
     let mut progress = Progress::begin(&args.input.display().to_string());
     let began = Instant::now();
     let (model, read) = job::read(&args.input)?;
-    let job = Job::new(&args.input, model, options, args.scale, &mut progress)?;
+    let mut job = Job::new(&args.input, model, options, args.scale, &mut progress)?;
+    if !args.triangulate && output::extension(&args.output, &["obj", "ply", "glb"])? != "glb" {
+        let polygons = job.polygon_warning();
+        job.atlas.warnings.extend(polygons);
+    }
     progress.step("write");
     let start = Instant::now();
     write_surface(&job, &args.output, args.triangulate)?;
