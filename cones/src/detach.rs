@@ -219,6 +219,38 @@ mod tests {
     }
 
     #[test]
+    fn a_polygon_is_detached_as_a_whole() {
+        let shape = shapes::hare(900);
+        let mesh = shape.mesh();
+        let metric = Metric::from_points(&mesh, &shape.points);
+        let operators = Operators::new(&mesh, &metric).unwrap();
+        let cones = [20, 170, 290, 410].map(VertexId);
+        let mut target = VertexData::constant(mesh.vertex_count(), 0.0);
+        cones.iter().for_each(|&v| target[v] = 0.25 * operators.total_curvature());
+        let zero = VertexData::constant(mesh.vertex_count(), 0.0);
+        let scaling = scale(&mesh, &metric, &operators, &target, &zero).unwrap();
+        let mut seams = Seams::new(&mesh, metric.lengths(), &cones).unwrap();
+        let mut layout = Layout::new(&mesh, &scaling, &seams.cut);
+        let before = layout.clone();
+        // All round a vertex a fan of quadrilaterals: every other spoke is a diagonal.
+        let is_plain = |v: &VertexId| {
+            let mut around = mesh.outgoing(*v);
+            mesh.face_degree(*v) == 6 && around.all(|h| !seams.cut[mesh.edge(h)])
+        };
+        let middle = mesh.vertices().find(is_plain).expect("most vertices are such");
+        let spokes: Vec<HalfedgeId> = mesh.outgoing(middle).collect();
+        let mut lengths = metric.lengths().clone();
+        spokes.iter().step_by(2).for_each(|&h| lengths[mesh.edge(h)] = f64::INFINITY);
+        let halves: Vec<FaceId> = spokes.iter().step_by(2).map(|&h| mesh.face(h)).collect();
+        detach(&mesh, &metric, &scaling.u, &lengths, &halves, &mut seams, &mut layout);
+        for (k, &h) in spokes.iter().enumerate() {
+            let corners = |layout: &Layout| mesh.sides(mesh.face(h)).map(|side| layout.corner(side));
+            assert_ne!(corners(&layout), corners(&before), "the other halves go, too");
+            assert!(k % 2 == 1 || !seams.cut[mesh.edge(h)], "no diagonal is cut");
+        }
+    }
+
+    #[test]
     fn a_hole_is_joined_by_the_shortest_way_to_a_seam() {
         let shape = shapes::terrain(900, 2);
         let mesh = shape.mesh();

@@ -43,7 +43,11 @@ fn best_detour(reduced: &Reduced, set: &Fitted) -> Option<Fitted> {
         return None;
     }
     let swaps = swaps(reduced, set);
-    let mut ends = swaps.iter().take(DETOURS).take_while(|_| !reduced.is_spent()).map(|swap| exchange(reduced, apply(reduced, set, swap)));
+    let mut ends = swaps
+        .iter()
+        .take(DETOURS)
+        .take_while(|_| !reduced.is_spent())
+        .map(|swap| exchange(reduced, apply(reduced, set, swap)));
     ends.find(|end| end.is_better_than(set, LEAST_GAIN))
 }
 

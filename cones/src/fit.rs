@@ -217,7 +217,13 @@ impl<'a> ActiveSet<'a> {
                 let blocked = self.step(&gradient);
                 // A step that leads nowhere would not when repeated.
                 let is_last = self.q == before;
-                repeats = if blocked { 0 } else if is_last { REPEATS } else { repeats + 1 };
+                repeats = if blocked {
+                    0
+                } else if is_last {
+                    REPEATS
+                } else {
+                    repeats + 1
+                };
             } else if self.release(&gradient, multiplier, tolerance) {
                 repeats = 0;
             } else {

@@ -208,6 +208,12 @@ impl<'a> Reduced<'a> {
         self.work.load(Ordering::Relaxed) > MOST_WORK
     }
 
+    /// Takes all the work that fits may take.
+    #[cfg(test)]
+    pub(crate) fn spend_all(&self) {
+        self.work.store(MOST_WORK + 1, Ordering::Relaxed);
+    }
+
     /// The best curvatures of cones that are in the pool. Where they cannot take the surface's curvature the bounds give
     /// way evenly, and the shortfall tells by how much.
     pub fn fit(&self, cones: &[VertexId]) -> Fitted {

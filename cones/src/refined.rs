@@ -287,6 +287,19 @@ mod tests {
     }
 
     #[test]
+    fn where_fits_have_taken_too_much_as_many_cones_are_found_without_a_search() {
+        let shape = shapes::hare(800);
+        let mesh = shape.mesh();
+        let operators = Operators::new(&mesh, &Metric::from_points(&mesh, &shape.points)).unwrap();
+        let [mut fresh, mut spent] = [(); 2].map(|()| Reduced::new(&operators, &mesh));
+        spent.spend_all();
+        let [best, quick] = [refined(&mut fresh, 16), refined(&mut spent, 16)];
+        assert_eq!((quick.cones.len(), quick.shortfall), (16, 0.0));
+        assert!(spent.pool().len() <= 20, "each cone was solved for once: {}", spent.pool().len());
+        assert!(best.energy < quick.energy);
+    }
+
+    #[test]
     fn a_tetrahedron_has_four_cones_at_most() {
         let mesh = Mesh::new(4, &[[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]]).unwrap();
         let metric = Metric::new(vec![1.0; 6].into());

@@ -482,7 +482,9 @@ impl Soup {
                 log.note(RepairKind::ZeroArea, face_of(mesh.sides(f)[0]) as usize);
                 zero_area += 1;
             }
-            if zero_area == mesh.face_count() || mesh.faces().all(|f| is_line(mesh.corners(f).map(|v| points[v.index()]))) {
+            if zero_area == mesh.face_count()
+                || mesh.faces().all(|f| is_line(mesh.corners(f).map(|v| points[v.index()])))
+            {
                 log.note(RepairKind::ComponentWithoutArea, self.triangle[faces[0] as usize].1 as usize);
                 continue;
             }
@@ -678,6 +680,30 @@ mod tests {
         assert_eq!(prepared.surfaces.iter().map(of_quad).filter(|&sides| sides > 0).collect::<Vec<_>>(), [6]);
         assert!(prepared.surfaces.iter().any(|s| s.diagonal.iter().any(|&inside| inside)));
         assert_eq!(count(&prepared, RepairKind::NonManifoldEdge), 0);
+    }
+
+    #[test]
+    fn a_polygon_stays_in_one_piece_where_a_triangle_covers_a_part_of_it() {
+        let points = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0], [0.5, 0.5, 1.0]];
+        let faces: [&[u32]; 3] = [&[0, 1, 2], &[0, 2, 4], &[0, 1, 2, 3]];
+        let model = Model::from_polygons(points.clone(), faces).unwrap();
+        let prepared = prepare(&model, false).unwrap();
+        check(&prepared, &model);
+        let of_quad = |s: &Surface| s.corner.iter().filter(|&&c| c >= 6).count();
+        assert_eq!(prepared.surfaces.iter().map(of_quad).filter(|&sides| sides > 0).collect::<Vec<_>>(), [6]);
+        assert!(prepared.left_out.is_empty());
+        // A copy of the whole polygon is left out as before.
+        let faces: [&[u32]; 3] = [&[0, 1, 2, 3], &[0, 2, 4], &[0, 1, 2, 3]];
+        let copied = prepare(&Model::from_polygons(points, faces).unwrap(), false).unwrap();
+        assert_eq!((count(&copied, RepairKind::DuplicateFace), &copied.left_out[..]), (2, &[3, 4][..]));
+    }
+
+    #[test]
+    fn points_on_a_slanted_line_are_no_surface_however_they_are_rounded() {
+        let points: Vec<[f64; 3]> = (0..12).map(|k| [0.1, 0.7, 0.3].map(|x| x * f64::from(k))).collect();
+        let faces: Vec<[u32; 3]> = (0..10).map(|k| [k, k + 1, k + 2]).collect();
+        let line = Model::from_triangles(points, &faces).unwrap();
+        assert_eq!(prepare(&line, false).unwrap_err(), PrepareError::NoArea { faces: 10 });
     }
 
     #[test]

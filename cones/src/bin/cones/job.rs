@@ -2,6 +2,7 @@
 
 use crate::args::Scale;
 use crate::failure::Failure;
+use crate::limit;
 use crate::output;
 use crate::picture::{Chart, Mark};
 use crate::progress::Progress;
@@ -31,6 +32,7 @@ impl Job {
         scale: Scale,
         progress: &mut Progress,
     ) -> Result<Self, Failure> {
+        limit::check(path, model.vertex_count())?;
         let mut atlas = cones::unwrap(&model, &options, &mut |stage| progress.stage(stage))
             .map_err(|error| Failure::Unwrap { path: path.to_owned(), error })?;
         progress.step("measure");

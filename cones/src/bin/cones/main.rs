@@ -13,6 +13,7 @@ mod features;
 mod field;
 mod hierarchy_file;
 mod job;
+mod limit;
 mod measure;
 mod output;
 mod page;

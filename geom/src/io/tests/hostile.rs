@@ -134,7 +134,9 @@ fn a_gzip_file_that_expands_as_no_mesh_does_is_refused_and_a_regular_one_is_read
     let compressed = gzipped(&regular);
     assert!(regular.len() > 20 * compressed.len(), "regular text compresses well");
     assert!(read_bytes(compressed, "a.stl.gz").is_ok());
-    for text in [format!("{TETRAHEDRON}f{}\n", " 1 2 3".repeat(1 << 20)), format!("{TETRAHEDRON}{}", "\n".repeat(1 << 20))] {
+    for text in
+        [format!("{TETRAHEDRON}f{}\n", " 1 2 3".repeat(1 << 20)), format!("{TETRAHEDRON}{}", "\n".repeat(1 << 20))]
+    {
         let message = message(gzipped(&text), "a.obj.gz");
         assert!(message.contains("more than 100 times") && message.ends_with("decompress it first"), "{message}");
     }
@@ -144,5 +146,8 @@ fn a_gzip_file_that_expands_as_no_mesh_does_is_refused_and_a_regular_one_is_read
 fn corners_without_end_on_a_few_vertices_are_refused_where_they_stand() {
     let text = format!("{TETRAHEDRON}f 1 2 3\nf{}\nf 1 2 3\n", " 1 2 3".repeat(1 << 19));
     let message = message(text.into_bytes(), "a.obj");
-    assert!(message.starts_with("a.obj, line 10: there are 1572882 corners of faces, 1572864 of them at face 5"), "{message}");
+    assert!(
+        message.starts_with("a.obj, line 10: there are 1572882 corners of faces, 1572864 of them at face 5"),
+        "{message}"
+    );
 }
