@@ -11,6 +11,14 @@ pub(crate) enum CommandError {
     Read(#[from] geom::io::ReadError),
     #[error("{}: {error}", path.display())]
     Unwrap { path: PathBuf, error: cones::Error },
+    #[error(
+        "{} has {vertices} vertices, which need more than {} MB of memory where {} MB are allowed: raise the limit (ulimit -v) \
+         or take a coarser mesh",
+        path.display(),
+        needed / 1_000_000,
+        allowed / 1_000_000
+    )]
+    Memory { path: PathBuf, vertices: usize, needed: u64, allowed: u64 },
     #[error("{} has no texture coordinates to measure: unwrap it first, or name the unwrapped file", .0.display())]
     NoTexture(PathBuf),
     #[error("{} and {} do not have the same faces in the same order: name the mesh that was unwrapped", .0.display(), .1.display())]

@@ -1,8 +1,11 @@
 //! Limits that the system sets: on the size of files, on memory, on threads. They end in an exit code, not in a signal.
 
+use crate::error::CommandError;
+use rayon::{ThreadBuilder, ThreadPoolBuilder};
 use std::io;
 use std::num::NonZeroUsize;
-use std::sync::RwLock;
+use std::path::Path;
+use std::sync::mpsc::{Sender, channel};
 use std::thread;
 
 /// From here on a file that grows beyond its limit is an error like a full disk, and where memory cannot be had the command
@@ -22,25 +25,70 @@ pub(crate) fn end_cleanly_at_limits() {
 #[cfg(not(unix))]
 pub(crate) fn end_cleanly_at_limits() {}
 
-/// Starts the threads to work on; where they cannot be started the main thread does all the work, with the same results.
-pub(crate) fn start_threads(count: Option<NonZeroUsize>) {
-    let threads = |count| rayon::ThreadPoolBuilder::new().num_threads(count);
-    let wanted = count.or_else(|| thread::available_parallelism().ok()).map_or(1, NonZeroUsize::get);
-    // A pool that fails once is not built again, so this is tried without it.
-    let pool = if can_start(wanted) { threads(wanted) } else { threads(1).use_current_thread() };
-    // It fails only where the pool is there already.
-    let _ = pool.build_global();
+/// What the program needs by itself.
+const BASE: u64 = 24_000_000;
+/// What unwrapping takes for a vertex at least: 2600 to 3600 bytes were measured from 20 to 134 thousand vertices.
+const PER_VERTEX: u64 = 2000;
+
+/// Refuses a surface of so many vertices where the limit of the address space (`ulimit -v`) is sure to be too low: an
+/// allocation that fails ends the program with less of a sentence, wherever it is.
+pub(crate) fn check_memory(path: &Path, vertices: usize) -> Result<(), CommandError> {
+    let needed = BASE + PER_VERTEX * vertices as u64;
+    match std::fs::read_to_string("/proc/self/limits").ok().as_deref().and_then(address_space) {
+        Some(allowed) if allowed < needed => {
+            Err(CommandError::Memory { path: path.to_owned(), vertices, needed, allowed })
+        }
+        _ => Ok(()),
+    }
 }
 
-/// Whether so many threads can run at the same time.
-fn can_start(count: usize) -> bool {
-    let gate = RwLock::new(());
-    let closed = gate.write();
-    thread::scope(|scope| {
-        let wait = || drop(gate.read());
-        let started: io::Result<Vec<_>> =
-            (0..count).map(|_| thread::Builder::new().spawn_scoped(scope, wait)).collect();
-        drop(closed);
-        started.map(|threads| threads.into_iter().for_each(|thread| drop(thread.join()))).is_ok()
-    })
+/// The limit of the address space in bytes, as Linux tells it.
+fn address_space(limits: &str) -> Option<u64> {
+    let line = limits.lines().find_map(|line| line.strip_prefix("Max address space"))?;
+    line.split_whitespace().next()?.parse().ok()
+}
+
+/// Makes the pool of threads to work on: this one and as many others as can be had, in all so many or one for each core.
+/// A limit on processes (`ulimit -u`) may allow fewer, or none. Rayon gives up where one cannot be started, so they are
+/// started here, each to wait for the work that rayon hands to it.
+pub(crate) fn start_threads(count: Option<NonZeroUsize>) {
+    let wanted = count.or_else(from_environment).or_else(|| thread::available_parallelism().ok());
+    let others: Vec<Sender<ThreadBuilder>> = (1..wanted.map_or(1, NonZeroUsize::get)).map_while(|_| wait()).collect();
+    let builder = ThreadPoolBuilder::new().num_threads(1 + others.len()).use_current_thread();
+    let mut others = others.into_iter();
+    let builder = builder.spawn_handler(move |work| match others.next() {
+        Some(other) => other.send(work).map_err(|_| io::Error::other("a thread has ended before its work began")),
+        None => Err(io::Error::other("there are as many threads as were asked for")),
+    });
+    // It fails only where the pool is there already.
+    let _ = builder.build_global();
+}
+
+/// The number of threads that rayon takes where it is not told.
+fn from_environment() -> Option<NonZeroUsize> {
+    std::env::var("RAYON_NUM_THREADS").ok()?.parse().ok()
+}
+
+/// A thread that waits for work, if there is one to be had.
+fn wait() -> Option<Sender<ThreadBuilder>> {
+    let (sender, receiver) = channel::<ThreadBuilder>();
+    let work = move || {
+        if let Ok(work) = receiver.recv() {
+            work.run();
+        }
+    };
+    thread::Builder::new().spawn(work).ok().map(|_| sender)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_limit_is_read_where_there_is_one() {
+        let text = |limit: &str| format!("Max locked memory 1 1 bytes\nMax address space {limit}  unlimited  bytes\n");
+        assert_eq!(address_space(&text("40960000")), Some(40_960_000));
+        assert_eq!(address_space(&text("unlimited")), None);
+        assert_eq!(address_space(""), None);
+    }
 }

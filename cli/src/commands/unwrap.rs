@@ -1,6 +1,6 @@
 //! `cones unwrap`: a surface in, its texture coordinates out.
 
-use crate::commands::shared::{CandidateArgs, Scale, Unwrapped, warn};
+use crate::commands::shared::{CandidateArgs, Scale, Unwrapped};
 use crate::error::CommandError;
 use crate::input::{self, cone_file};
 use crate::output;
@@ -59,7 +59,10 @@ pub(crate) fn run(args: &UnwrapArgs) -> Result<(), CommandError> {
     let progress = Progress::begin(&args.input.display().to_string());
     let began = Instant::now();
     let (model, read) = input::read_model(&args.input)?;
-    let unwrapped = Unwrapped::new(&args.input, model, options, args.scale, &progress)?;
+    let mut unwrapped = Unwrapped::new(&args.input, model, options, args.scale, &progress)?;
+    if !args.triangulate && output::extension(&args.output, &["obj", "ply", "glb"])? != "glb" {
+        unwrapped.note_polygons();
+    }
     progress.step("write");
     let start = Instant::now();
     write_surface(&unwrapped, &args.output, args.triangulate)?;
@@ -72,7 +75,7 @@ pub(crate) fn run(args: &UnwrapArgs) -> Result<(), CommandError> {
         output::write_json(path, &report)?;
     }
     progress.finish();
-    warn(unwrapped.analysis.repairs(), &unwrapped.atlas.notes, unwrapped.analysis.topology().components);
+    unwrapped.warn();
     if args.json { output::print_json(&report) } else { output::summary(&summary(&report, args)) }
 }
 

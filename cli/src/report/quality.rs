@@ -14,6 +14,8 @@ const CONE: f64 = 0.1;
 pub(crate) struct Quality {
     pub(crate) distortion: DistortionReport,
     pub(crate) islands: Vec<IslandReport>,
+    /// The first triangle that is flipped or degenerate.
+    pub(crate) first_flaw: Option<usize>,
 }
 
 impl Quality {
@@ -32,6 +34,7 @@ impl Quality {
         Ok(Self {
             distortion: DistortionReport::new(&map, distortion::overlap(uv, OVERLAP_GRID), map.curvature_error(&cones)),
             islands: map.islands.iter().map(IslandReport::from).collect(),
+            first_flaw: map.first_flaw.map(Id::index),
         })
     }
 }

@@ -5,6 +5,7 @@
 
 mod comparing;
 mod fields;
+mod finds;
 mod folder;
 mod hierarchy;
 mod limits;

@@ -1,5 +1,7 @@
 //! From cones on every component to texture coordinates for the model.
 
+use std::collections::HashMap;
+
 use geom::Model;
 
 use super::atlas::Atlas;
@@ -141,8 +143,10 @@ impl Analysis {
         ChosenNumber { is_met: distortion_of(&all) <= number.target + ROUNDING, ..number }
     }
 
-    /// Corners that no surface has get the position of another corner at their vertex, or the origin.
-    fn fill_corners(&self, uv: Vec<Option<[f64; 2]>>) -> Vec<[f64; 2]> {
+    /// Corners that no surface has get the positions of a triangle on the same three vertices, of another corner at their
+    /// vertex, or the origin.
+    fn fill_corners(&self, mut uv: Vec<Option<[f64; 2]>>) -> Vec<[f64; 2]> {
+        self.fill_copies(&mut uv);
         let mut of_vertex = vec![[0.0; 2]; self.points().len()];
         for (uv, &v) in uv.iter().zip(self.corner_vertices()) {
             if let Some(uv) = uv {
@@ -150,5 +154,30 @@ impl Analysis {
             }
         }
         uv.into_iter().zip(self.corner_vertices()).map(|(uv, &v)| uv.unwrap_or(of_vertex[v as usize])).collect()
+    }
+
+    /// Gives copies of triangles the positions of the triangle that they are copies of.
+    fn fill_copies(&self, uv: &mut [Option<[f64; 2]>]) {
+        let vertex = |corner: &u32| self.corner_vertices()[*corner as usize];
+        let sorted = |t: u32| {
+            let mut corners = self.triangles().corners[t as usize];
+            corners.sort_unstable_by_key(vertex);
+            corners
+        };
+        let place = |t: u32| sorted(t).map(|corner| vertex(&corner));
+        let mut original: HashMap<[u32; 3], Option<[u32; 3]>> =
+            self.left_out().iter().map(|&t| (place(t), None)).collect();
+        if original.is_empty() {
+            return;
+        }
+        for &t in self.components().iter().flat_map(|component| component.surface.triangle.iter()) {
+            original.entry(place(t)).and_modify(|first| _ = first.get_or_insert_with(|| sorted(t)));
+        }
+        for &t in self.left_out() {
+            let Some(Some(from)) = original.get(&place(t)) else { continue };
+            for (to, from) in sorted(t).into_iter().zip(from) {
+                uv[to as usize] = uv[to as usize].or(uv[*from as usize]);
+            }
+        }
     }
 }

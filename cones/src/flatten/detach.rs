@@ -3,7 +3,8 @@
 //! Where mending fails, a few triangles of a flat metric stay flipped: at slits of a scan that almost touch, at needles
 //! round a cone of negative curvature. They are taken out of the layout, unfolded in one piece or several as they lie in
 //! space, and put beside it. What is left of the layout stays as it is; so that it stays a disk, a hole that does not reach
-//! a seam or the boundary is joined to the nearest by a further seam.
+//! a seam or the boundary is joined to the nearest by a further seam. A polygon goes as a whole, for its triangles share
+//! their corners' positions.
 
 use std::collections::VecDeque;
 
@@ -16,7 +17,7 @@ use super::layout::Layout;
 use super::seams::Seams;
 
 /// Takes triangles out of a layout; `u` are the log scale factors that the flat metric has. The seams' `lengths` say which
-/// way further seams go. O(V log V).
+/// way further seams go; diagonals of polygons are infinitely long. O(V log V).
 pub(crate) fn detach(
     input: &Mesh,
     metric: &Metric,
@@ -27,12 +28,13 @@ pub(crate) fn detach(
     layout: &mut Layout,
 ) {
     let mut is_out = FaceData::constant(input.face_count(), false);
+    let faces = &whole_polygons(input, lengths, faces);
     faces.iter().for_each(|&f| is_out[f] = true);
     let was_cut = seams.cut.clone();
     join_holes(input, lengths, &is_out, &mut seams.cut);
     faces.iter().flat_map(|&f| input.sides(f)).for_each(|h| seams.cut[input.edge(h)] |= input.twin(h).is_some());
     let position = input.halfedges().map(|h| layout.corner(h)).collect();
-    let mut unfolding = Unfolding { input, metric, was_cut: &was_cut, is_out, cut: &mut seams.cut, position };
+    let mut unfolding = Unfolding { input, metric, lengths, was_cut: &was_cut, is_out, cut: &mut seams.cut, position };
     for &seed in faces {
         let scale = (input.corners(seed).iter().map(|&v| u[v]).sum::<f64>() / 3.0).exp();
         unfolding.unfold(seed, scale);
@@ -46,6 +48,21 @@ pub(crate) fn detach(
     layout.cut = cut;
     layout.position = opened;
     seams.string(input, lengths);
+}
+
+/// The triangles, and those that hang together with them by diagonals.
+fn whole_polygons(input: &Mesh, lengths: &EdgeData<f64>, faces: &[FaceId]) -> Vec<FaceId> {
+    let mut whole = faces.to_vec();
+    let mut is_in = FaceData::constant(input.face_count(), false);
+    faces.iter().for_each(|&f| is_in[f] = true);
+    let mut at = 0;
+    while at < whole.len() {
+        let diagonals = input.sides(whole[at]).into_iter().filter(|&h| lengths[input.edge(h)].is_infinite());
+        let across = diagonals.filter_map(|h| input.twin(h)).map(|g| input.face(g));
+        whole.extend(across.filter(|&f| !std::mem::replace(&mut is_in[f], true)));
+        at += 1;
+    }
+    whole
 }
 
 /// Cuts along a shortest path from each hole that touches no seam and no boundary to one that does.
@@ -83,6 +100,8 @@ fn join_holes(input: &Mesh, lengths: &EdgeData<f64>, is_out: &FaceData<bool>, cu
 struct Unfolding<'a> {
     input: &'a Mesh,
     metric: &'a Metric,
+    /// Infinite at the diagonals of polygons.
+    lengths: &'a EdgeData<f64>,
     /// The cut before anything was detached.
     was_cut: &'a EdgeData<bool>,
     /// The triangles that are to be unfolded yet.
@@ -100,7 +119,8 @@ impl Unfolding<'_> {
         }
         let input = self.input;
         let first = self.place(input.sides(seed)[0], Complex64::ZERO, Complex64::from(scale));
-        let mut queue = VecDeque::from(first);
+        let mut queue = VecDeque::new();
+        self.enqueue(first, &mut queue);
         while let Some(h) = queue.pop_front() {
             let Some(g) = input.twin(h).filter(|_| !self.was_cut[input.edge(h)]) else { continue };
             if std::mem::replace(&mut self.is_out[input.face(g)], false) {
@@ -108,7 +128,18 @@ impl Unfolding<'_> {
                 let [tail, head] = [self.position[h], self.position[input.next(h)]];
                 let along = tail - head;
                 let direction = if along.norm() > 0.0 { along / along.norm() } else { Complex64::ONE };
-                queue.extend(self.place(g, head, direction * scale));
+                let sides = self.place(g, head, direction * scale);
+                self.enqueue(sides, &mut queue);
+            }
+        }
+    }
+
+    /// Sides to go across, diagonals before all others: so a polygon is placed as a whole before its neighbours are.
+    fn enqueue(&self, sides: [HalfedgeId; 3], queue: &mut VecDeque<HalfedgeId>) {
+        for side in sides {
+            match self.lengths[self.input.edge(side)].is_infinite() {
+                true => queue.push_front(side),
+                false => queue.push_back(side),
             }
         }
     }
@@ -186,6 +217,38 @@ mod tests {
                     assert!((scales[0].ln() - mean).abs() < 1e-9, "alone, it has the size that it had on the mean");
                 }
             }
+        }
+    }
+
+    #[test]
+    fn a_polygon_is_detached_as_a_whole() {
+        let shape = shapes::hare(900);
+        let mesh = shape.mesh();
+        let metric = Metric::from_points(&mesh, &shape.points);
+        let operators = Operators::new(&mesh, &metric).unwrap();
+        let cones = [20, 170, 290, 410].map(VertexId);
+        let mut target = VertexData::constant(mesh.vertex_count(), 0.0);
+        cones.iter().for_each(|&v| target[v] = 0.25 * operators.total_curvature());
+        let zero = VertexData::constant(mesh.vertex_count(), 0.0);
+        let scaling = scale(&mesh, &metric, &operators, &target, &zero, Watch::NONE).unwrap();
+        let mut seams = Seams::new(&mesh, metric.lengths(), &cones, Watch::NONE).unwrap();
+        let mut layout = Layout::new(&mesh, &scaling, &seams.cut, Watch::NONE);
+        let before = layout.clone();
+        // All round a vertex a fan of quadrilaterals: every other spoke is a diagonal.
+        let is_plain = |v: &VertexId| {
+            let mut around = mesh.outgoing(*v);
+            mesh.face_degree(*v) == 6 && around.all(|h| !seams.cut[mesh.edge(h)])
+        };
+        let middle = mesh.vertices().find(is_plain).expect("most vertices are such");
+        let spokes: Vec<HalfedgeId> = mesh.outgoing(middle).collect();
+        let mut lengths = metric.lengths().clone();
+        spokes.iter().step_by(2).for_each(|&h| lengths[mesh.edge(h)] = f64::INFINITY);
+        let halves: Vec<FaceId> = spokes.iter().step_by(2).map(|&h| mesh.face(h)).collect();
+        detach(&mesh, &metric, &scaling.u, &lengths, &halves, &mut seams, &mut layout);
+        for (k, &h) in spokes.iter().enumerate() {
+            let corners = |layout: &Layout| mesh.sides(mesh.face(h)).map(|side| layout.corner(side));
+            assert_ne!(corners(&layout), corners(&before), "the other halves go, too");
+            assert!(k % 2 == 1 || !seams.cut[mesh.edge(h)], "no diagonal is cut");
         }
     }
 

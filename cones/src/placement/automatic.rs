@@ -88,7 +88,7 @@ fn fewest(
     if !meets(&best, &predicted) {
         return (nested.clone(), predict(operators, nested, rule));
     }
-    while best.cones.len() > least {
+    while best.cones.len() > least && !model.is_over() {
         let fewer = exchange(model, drop_cheapest(model, &best));
         let fewer = rounds(model, fewer, 2);
         let after = predict(operators, &fewer, rule);

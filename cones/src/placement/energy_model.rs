@@ -17,19 +17,25 @@
 
 use std::f64::consts::PI;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use geom::{Interrupted, Mesh, VertexData, VertexId, Watch};
 
 use super::distances::Distances;
 use crate::curvature::{LARGEST_CORNER, general_bounds, usable_degree};
 use crate::field::Operators;
-use crate::numerics::quadratic_program::{Held, Quadratic, minimise};
+use crate::numerics::quadratic_program::{Held, Quadratic, minimise_and_count};
 
 /// Vertices that are solved for at once: enough to keep the factor in the cache, few enough for memory.
 const BLOCK: usize = 16;
 
 /// By so much, in radians, sums of bounds may miss the total curvature.
 const SUM_TOLERANCE: f64 = 1e-9;
+
+/// Fits may take so much work in all, the sum of the third powers of what they factor, before the search for better cones
+/// ends with what it has: about two seconds. The heaviest of ordinary surfaces take a quarter. Where triangles are needles
+/// nearly all curvatures end at bounds that they come to one by one, and what is looked for is rounding.
+const MOST_WORK: u64 = 4_000_000_000;
 
 /// What the energy model of a surface knows before any vertex is solved for.
 #[derive(Debug)]
@@ -76,6 +82,8 @@ pub struct EnergyModel<'a> {
     column: Vec<Vec<f32>>,
     /// H between members of the pool, row by row up to the diagonal.
     products: Vec<Vec<f64>>,
+    /// What fits have taken so far.
+    work: AtomicU64,
 }
 
 /// Cones with the best curvatures that they can have.
@@ -115,6 +123,7 @@ impl<'a> EnergyModel<'a> {
             place: VertexData::constant(operators.mesh.vertex_count(), None),
             column: Vec::new(),
             products: Vec::new(),
+            work: AtomicU64::new(0),
         }
     }
 
@@ -235,6 +244,17 @@ impl<'a> EnergyModel<'a> {
         1.0 + 10.0 * self.terms.constant
     }
 
+    /// Whether sets of cones should be improved no further: fits have taken too much, or searches must end.
+    pub(crate) fn is_over(&self) -> bool {
+        self.work.load(Ordering::Relaxed) > MOST_WORK || self.is_stopped()
+    }
+
+    /// Takes all the work that fits may take.
+    #[cfg(test)]
+    pub(crate) fn spend_all(&self) {
+        self.work.store(MOST_WORK + 1, Ordering::Relaxed);
+    }
+
     /// The best curvatures of cones that are in the pool. Where they cannot take the surface's curvature the bounds give
     /// way evenly, and the shortfall tells by how much.
     pub fn fit(&self, cones: &[VertexId]) -> ConeSet {
@@ -245,16 +265,19 @@ impl<'a> EnergyModel<'a> {
         let total = self.total();
         let shortfall = self.relax(&mut bounds);
         let energy = Quadratic { constant: self.terms.constant, linear: &linear, matrix: &matrix };
-        match minimise(&energy, &bounds, total) {
-            Ok(optimum) => ConeSet {
-                cones: cones.to_vec(),
-                curvature: optimum.curvatures,
-                energy: optimum.energy.max(0.0),
-                shortfall,
-                held: optimum.held,
-                multiplier: optimum.multiplier,
-                bounds,
-            },
+        match minimise_and_count(&energy, &bounds, total) {
+            Ok((optimum, work)) => {
+                self.work.fetch_add(work, Ordering::Relaxed);
+                ConeSet {
+                    cones: cones.to_vec(),
+                    curvature: optimum.curvatures,
+                    energy: optimum.energy.max(0.0),
+                    shortfall,
+                    held: optimum.held,
+                    multiplier: optimum.multiplier,
+                    bounds,
+                }
+            }
             // No cones on a surface that needs some.
             Err(_) => ConeSet {
                 cones: cones.to_vec(),

@@ -29,7 +29,7 @@ pub(crate) fn exchange_deeply(model: &EnergyModel, set: ConeSet) -> ConeSet {
 }
 
 fn best_swap(model: &EnergyModel, set: &ConeSet) -> Option<ConeSet> {
-    if model.is_stopped() {
+    if model.is_over() {
         return None;
     }
     let swaps = swaps(model, set);
@@ -39,11 +39,15 @@ fn best_swap(model: &EnergyModel, set: &ConeSet) -> Option<ConeSet> {
 }
 
 fn best_detour(model: &EnergyModel, set: &ConeSet) -> Option<ConeSet> {
-    if model.is_stopped() {
+    if model.is_over() {
         return None;
     }
     let swaps = swaps(model, set);
-    let mut ends = swaps.iter().take(DETOURS).map(|swap| exchange(model, apply(model, set, swap)));
+    let mut ends = swaps
+        .iter()
+        .take(DETOURS)
+        .take_while(|_| !model.is_over())
+        .map(|swap| exchange(model, apply(model, set, swap)));
     ends.find(|end| end.is_better_than(set, LEAST_GAIN))
 }
 
@@ -81,11 +85,12 @@ pub(crate) fn drop_cheapest(model: &EnergyModel, set: &ConeSet) -> ConeSet {
     let table = SwapTable::new(model, set);
     let mut order: Vec<usize> = (0..set.cones.len()).collect();
     order.sort_by(|&i, &j| table.removal(i).total_cmp(&table.removal(j)));
+    order.truncate(if model.is_over() { 1 } else { 3 });
     let without = |&leaving: &usize| {
         let mut cones = set.cones.clone();
         cones.remove(leaving);
         model.fit(&cones)
     };
-    let candidates = order.iter().take(3).map(without);
+    let candidates = order.iter().map(without);
     candidates.reduce(|a, b| if b.is_better_than(&a, 0.0) { b } else { a }).unwrap_or_else(|| set.clone())
 }

@@ -49,7 +49,7 @@ fn extremes(field: &VertexData<f64>) -> (VertexId, VertexId) {
 
 /// Adds cones until there are so many, or no vertex is left.
 pub(crate) fn grow(model: &mut EnergyModel, mut set: ConeSet, count: usize, rule: Rule) -> ConeSet {
-    while set.cones.len() < count {
+    while set.cones.len() < count && !model.is_stopped() {
         let Some(next) = steepest(model, &set, rule) else { break };
         let mut cones = set.cones;
         cones.push(next);

@@ -63,7 +63,9 @@ pub(crate) fn distortion_of<'a>(faces: impl IntoIterator<Item = &'a (f64, f64)> 
         let r = r * before / after;
         area / before * r.max(1.0 / r)
     };
-    faces.into_iter().map(distortion).sum()
+    let sum: f64 = faces.into_iter().map(distortion).sum();
+    // Log scale factors beyond what e^u can hold.
+    if sum.is_nan() { f64::INFINITY } else { sum }
 }
 
 /// What is predicted for several components that are laid out side by side, each with a mean log scale of 0.

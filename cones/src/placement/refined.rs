@@ -54,12 +54,14 @@ pub fn refined(model: &mut EnergyModel, count: usize) -> ConeSet {
         let is_held = is_held_by_degree(model, &best);
         (best, is_held)
     });
-    if is_held {
+    if is_held && !model.is_over() {
         best = model.fit(&best.cones);
         let wider = search(model, count);
         best = better(best, wider);
-        let moved = moved_to_wider(model, count);
-        best = better(best, moved);
+        if !model.is_over() {
+            let moved = moved_to_wider(model, count);
+            best = better(best, moved);
+        }
     }
     by_curvature(model, &best)
 }
@@ -76,7 +78,7 @@ fn search(model: &mut EnergyModel, count: usize) -> ConeSet {
 /// Adds cones and eliminates as many again, as long as that helps.
 fn restarted(model: &mut EnergyModel, mut best: ConeSet) -> ConeSet {
     for _ in 0..RESTARTS {
-        if model.is_stopped() {
+        if model.is_over() {
             break;
         }
         let next = around(model, best.clone());
@@ -155,6 +157,9 @@ pub(crate) fn by_curvature(model: &EnergyModel, set: &ConeSet) -> ConeSet {
 /// Pursued by gradient and by gain, and pursued beyond the number and eliminated back to it.
 fn starts(model: &mut EnergyModel, first: ConeSet, count: usize) -> [ConeSet; 3] {
     let forward = grow(model, first.clone(), count, Rule::Gradient);
+    if model.is_over() {
+        return [forward.clone(), forward.clone(), forward];
+    }
     let least = if model.operators().is_bordered() { LEAST_BACKWARD } else { 0 };
     let beyond = grow(model, forward.clone(), (2 * count).max(least), Rule::Gradient);
     let backward = eliminate(model, exchange(model, beyond), count);
@@ -165,7 +170,7 @@ fn starts(model: &mut EnergyModel, first: ConeSet, count: usize) -> [ConeSet; 3]
 pub(crate) fn rounds(model: &mut EnergyModel, set: ConeSet, most: usize) -> ConeSet {
     let mut set = exchange_deeply(model, set);
     for _ in 0..most {
-        if model.is_stopped() {
+        if model.is_over() {
             break;
         }
         let proposals = SwapTable::new(model, &set).proposals();
@@ -278,6 +283,19 @@ mod tests {
                 assert_eq!(set.shortfall, 0.0);
             }
         }
+    }
+
+    #[test]
+    fn where_fits_have_taken_too_much_as_many_cones_are_found_without_a_search() {
+        let shape = shapes::hare(800);
+        let mesh = shape.mesh();
+        let operators = Operators::new(&mesh, &Metric::from_points(&mesh, &shape.points)).unwrap();
+        let [mut fresh, mut spent] = [(); 2].map(|()| EnergyModel::new(&operators, &mesh));
+        spent.spend_all();
+        let [best, quick] = [refined(&mut fresh, 16), refined(&mut spent, 16)];
+        assert_eq!((quick.cones.len(), quick.shortfall), (16, 0.0));
+        assert!(spent.pool().len() <= 20, "each cone was solved for once: {}", spent.pool().len());
+        assert!(best.energy < quick.energy);
     }
 
     #[test]

@@ -54,6 +54,8 @@ pub struct Distortion {
     /// How many triangles that have an area on the surface have none in the plane, or nearly none. They take no part in
     /// the measures.
     pub degenerate: usize,
+    /// The first triangle that is flipped or has no area in the plane but one on the surface.
+    pub first_flaw: Option<FaceId>,
     /// How many triangles have no area on the surface. They take no part in the measures either.
     pub degenerate_on_surface: usize,
     /// The connected pieces of the map, ordered by their first triangles.
@@ -234,6 +236,10 @@ pub fn measure_watched(
         u_linf: measured.log_scale.iter().fold(0.0, |most, u| u.abs().max(most)),
         flipped: images.iter().filter(|image| image.has_surface && image.area < 0.0).count(),
         degenerate: images.iter().filter(|image| image.has_surface).count() - measured.faces.len(),
+        first_flaw: (0..images.len()).map(FaceId::new).find(|f| {
+            let image = &images[f.index()];
+            image.has_surface && (image.area < 0.0 || measured.faces.binary_search(f).is_err())
+        }),
         degenerate_on_surface: images.iter().filter(|image| !image.has_surface).count(),
         islands: islands(&charts, &images),
         seam_edges: charts.seam().count(),

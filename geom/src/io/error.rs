@@ -5,6 +5,7 @@ use std::fmt;
 use std::io;
 use std::path::{Path, PathBuf};
 
+use super::MOST_EXPANSION;
 use crate::surface::ModelError;
 
 /// Why a file could not be read: one sentence with the path, the line or byte, what was found and what was expected.
@@ -86,6 +87,15 @@ pub enum Problem {
     /// Damaged compression.
     #[error("the gzip data are damaged or cut short")]
     Gzip(#[source] io::Error),
+    /// Compressed data that become far more than a mesh would.
+    #[error(
+        "its {compressed} bytes of gzip data expand more than {MOST_EXPANSION} times, as no mesh does that is not made to \
+         fill the memory: if this one is to be read, decompress it first"
+    )]
+    Expansion {
+        /// How many bytes there are compressed.
+        compressed: usize,
+    },
     /// No bytes at all.
     #[error("the file is empty")]
     Empty,

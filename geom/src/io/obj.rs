@@ -69,6 +69,7 @@ pub(super) fn read(text: Vec<u8>) -> Result<Model, Fault> {
         Err(ModelError::NoVertices) if faces > 0 => {
             Err(Fault::unexpected(line_of_face(&text, 0), "a face", "vertices (`v x y z`) for it"))
         }
+        Err(error @ ModelError::ManyCorners { face, .. }) => Err(Fault::new(line_of_face(&text, face), error.into())),
         Err(error) => Err(error.into()),
     }
 }

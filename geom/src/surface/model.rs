@@ -13,6 +13,13 @@ use std::fmt;
 /// The largest absolute coordinate that a [`Model`] takes: three squared differences still add up to a finite number.
 pub const MAX_COORDINATE: f64 = 1e153;
 
+/// A model may have so many corners for each of its vertices, and [`FREE_CORNERS`] besides. Surfaces have about six, and
+/// ones that cross themselves everywhere not ten times as many; what has more is a few bytes repeated, whose triangles would
+/// fill the memory.
+const MOST_CORNERS_PER_VERTEX: usize = 100;
+/// So many corners are harmless however few vertices they have.
+const FREE_CORNERS: usize = 1 << 20;
+
 /// Why points and polygons do not make a [`Model`]. Vertices, faces and corners are counted from 0.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -51,6 +58,21 @@ pub enum ModelError {
         face: usize,
         /// How many corners it has.
         corners: usize,
+    },
+    /// The same vertices over and over.
+    #[error(
+        "there are {corners} corners of faces, {largest} of them at face {face}, but only {vertices} vertices: a surface has \
+         at most {MOST_CORNERS_PER_VERTEX} for each"
+    )]
+    ManyCorners {
+        /// How many corners there are.
+        corners: usize,
+        /// How many vertices there are.
+        vertices: usize,
+        /// The face with the most corners.
+        face: usize,
+        /// How many it has.
+        largest: usize,
     },
     /// Indices are 32 bits wide.
     #[error("there are {count} {what}, more than 32-bit indices can count")]
@@ -128,6 +150,12 @@ impl Model {
         }
         if self.face_count() == 0 {
             return Err(ModelError::NoFaces { vertices });
+        }
+        let corners = self.corners.len();
+        if corners > FREE_CORNERS + MOST_CORNERS_PER_VERTEX * vertices {
+            let size = |face: usize| self.face_corners(face).len();
+            let face = (0..self.face_count()).rev().max_by_key(|&face| size(face)).expect("there is a face");
+            return Err(ModelError::ManyCorners { corners, vertices, face, largest: size(face) });
         }
         for (vertex, point) in self.points.iter().enumerate() {
             if let Some(&value) = point.iter().find(|&&x| !is_coordinate(x)) {

@@ -22,6 +22,7 @@ use crate::intrinsic::Metric;
 use crate::mesh::{
     EdgeData, EdgeId, FaceData, HalfedgeData, HalfedgeId, Id, Mesh, VertexData, VertexId, for_each_edge,
 };
+use crate::vector::{cross, length, sub};
 use crate::watch::{Interrupted, Watch};
 
 /// Something that was mended.
@@ -211,6 +212,9 @@ impl RepairLog {
     }
 }
 
+/// A triangle's height in a surface of size 1 that may be rounding alone.
+const ROUNDED_HEIGHT: f64 = 1e-14;
+
 /// Stands for "no twin".
 const NONE: u32 = u32::MAX;
 
@@ -266,7 +270,8 @@ impl Soup {
         crowded.sort_unstable();
         crowded.dedup();
         let mut first = HashSet::new();
-        let doubled: Vec<usize> = crowded.into_iter().filter(|&f| !first.insert(self.sorted_vertices(f))).collect();
+        let mut doubled: Vec<usize> = crowded.into_iter().filter(|&f| !first.insert(self.sorted_vertices(f))).collect();
+        self.retain_whole_faces(&mut doubled);
         if doubled.is_empty() {
             return;
         }
@@ -281,6 +286,18 @@ impl Soup {
         self.corner.retain(|_| side.next().is_some_and(|h| keep[h / 3]));
         let mut face = keep.iter();
         self.triangle.retain(|_| face.next() == Some(&true));
+    }
+
+    /// Of ascending triangles those whose faces have no others: a polygon without one of its triangles would fall apart, and
+    /// its pieces share its corners.
+    fn retain_whole_faces(&self, triangles: &mut Vec<usize>) {
+        let face = |f: usize| self.triangle[f].1;
+        let size = |of: u32| {
+            let from = self.triangle.partition_point(|&(_, face)| face < of);
+            self.triangle[from..].iter().take_while(|&&(_, face)| face == of).count()
+        };
+        let whole = triangles.chunk_by(|&f, &g| face(f) == face(g)).filter(|chunk| chunk.len() == size(face(chunk[0])));
+        *triangles = whole.flatten().copied().collect();
     }
 
     /// Makes twins of the two sides of each edge that has just two. The diagonals of polygons are edges of their own: a
@@ -502,7 +519,9 @@ impl Soup {
                 log.note(RepairKind::ZeroArea, face_of(mesh.sides(f)[0]) as usize);
                 zero_area += 1;
             }
-            if zero_area == mesh.face_count() {
+            if zero_area == mesh.face_count()
+                || mesh.faces().all(|f| is_line(mesh.corners(f).map(|v| points[v.index()])))
+            {
                 log.note(RepairKind::ComponentWithoutArea, self.triangle[faces[0] as usize].1 as usize);
                 continue;
             }
@@ -544,6 +563,13 @@ fn to_unit_size(points: &[[f64; 3]]) -> Option<(Vec<[f64; 3]>, f64)> {
     }
     let middle = [0, 1, 2].map(|k| 0.5 * low[k] + 0.5 * high[k]);
     Some((points.iter().map(|p| [0, 1, 2].map(|k| (p[k] - middle[k]) * scale)).collect(), scale))
+}
+
+/// Whether a triangle is so flat, in a surface of size 1, that rounding gave it all the height it has.
+fn is_line([a, b, c]: [[f64; 3]; 3]) -> bool {
+    let [first, second, third] = [sub(b, a), sub(c, a), sub(c, b)];
+    let longest = [first, second, third].map(length).into_iter().fold(0.0, f64::max);
+    length(cross(first, second)) <= ROUNDED_HEIGHT * longest
 }
 
 /// For each vertex the first one at the same place.
@@ -691,6 +717,30 @@ mod tests {
         assert_eq!(prepared.surfaces.iter().map(of_quad).filter(|&sides| sides > 0).collect::<Vec<_>>(), [6]);
         assert!(prepared.surfaces.iter().any(|s| s.diagonal.iter().any(|&inside| inside)));
         assert_eq!(count(&prepared, RepairKind::NonManifoldEdge), 0);
+    }
+
+    #[test]
+    fn a_polygon_stays_in_one_piece_where_a_triangle_covers_a_part_of_it() {
+        let points = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0], [0.5, 0.5, 1.0]];
+        let faces: [&[u32]; 3] = [&[0, 1, 2], &[0, 2, 4], &[0, 1, 2, 3]];
+        let model = Model::from_polygons(points.clone(), faces).unwrap();
+        let prepared = prepare(&model, false).unwrap();
+        check(&prepared, &model);
+        let of_quad = |s: &Surface| s.corner.iter().filter(|&&c| c >= 6).count();
+        assert_eq!(prepared.surfaces.iter().map(of_quad).filter(|&sides| sides > 0).collect::<Vec<_>>(), [6]);
+        assert!(prepared.left_out.is_empty());
+        // A copy of the whole polygon is left out as before.
+        let faces: [&[u32]; 3] = [&[0, 1, 2, 3], &[0, 2, 4], &[0, 1, 2, 3]];
+        let copied = prepare(&Model::from_polygons(points, faces).unwrap(), false).unwrap();
+        assert_eq!((count(&copied, RepairKind::DuplicateFace), &copied.left_out[..]), (2, &[3, 4][..]));
+    }
+
+    #[test]
+    fn points_on_a_slanted_line_are_no_surface_however_they_are_rounded() {
+        let points: Vec<[f64; 3]> = (0..12).map(|k| [0.1, 0.7, 0.3].map(|x| x * f64::from(k))).collect();
+        let faces: Vec<[u32; 3]> = (0..10).map(|k| [k, k + 1, k + 2]).collect();
+        let line = Model::from_triangles(points, &faces).unwrap();
+        assert_eq!(prepare(&line, false).unwrap_err(), PrepareError::NoArea { faces: 10 });
     }
 
     #[test]

@@ -3,7 +3,7 @@
 mod gallery;
 
 use crate::commands::shape;
-use crate::commands::shared::{Scale, Unwrapped, warn};
+use crate::commands::shared::{Scale, Unwrapped};
 use crate::error::CommandError;
 use crate::output;
 use crate::progress::Progress;
@@ -94,7 +94,7 @@ fn show(exhibit: &Exhibit, folder: &Path) -> Result<UnwrapReport, CommandError> 
     let report = unwrapped.report(Path::new(exhibit.shape), Times { write, draw, ..Times::default() });
     output::write_json(&file(".json"), &report)?;
     progress.finish();
-    warn(unwrapped.analysis.repairs(), &unwrapped.atlas.notes, unwrapped.analysis.topology().components);
+    unwrapped.warn();
     Ok(report)
 }
 

@@ -1,6 +1,9 @@
 //! One surface through the library: unwrapped, its texture coordinates scaled, its map measured.
 
+use super::warn::warn;
 use crate::error::CommandError;
+use crate::limits;
+use crate::output;
 use crate::progress::Progress;
 use crate::render::{Mark, Scene, extent};
 use crate::report::{Quality, Times, UnwrapReport};
@@ -31,6 +34,8 @@ pub(crate) struct Unwrapped {
     /// For each corner of the model.
     pub(crate) uv: Vec<[f64; 2]>,
     pub(crate) quality: Quality,
+    /// What is wrong with the map as it is written, in sentences.
+    pub(crate) flaws: Vec<String>,
     /// The seconds that measuring it took.
     measuring: f64,
 }
@@ -44,6 +49,7 @@ impl Unwrapped {
         scale: Scale,
         progress: &Progress,
     ) -> Result<Self, CommandError> {
+        limits::check_memory(path, model.vertex_count())?;
         let failed = |error| CommandError::Unwrap { path: path.to_owned(), error };
         let analysis = Analysis::observed(&model, options.preparation, progress.observer()).map_err(failed)?;
         let atlas = analysis.atlas(&options).map_err(failed)?;
@@ -52,10 +58,46 @@ impl Unwrapped {
         let uv = scaled(&atlas.uv, scale);
         let triangles = kept(&atlas);
         let cones: Vec<u32> = atlas.cones.iter().map(|cone| cone.vertex).collect();
-        let (triangles, corners) = (vertices(&model, &triangles), corner_uv(&triangles, &uv));
-        let quality = Quality::measure(model.points(), &triangles, &corners, Some(&cones))
+        let (kept, corners) = (vertices(&model, &triangles), corner_uv(&triangles, &uv));
+        let quality = Quality::measure(model.points(), &kept, &corners, Some(&cones))
             .map_err(|error| CommandError::Measure { path: path.to_owned(), error })?;
-        Ok(Self { model, options, analysis, atlas, uv, quality, measuring: start.elapsed().as_secs_f64() })
+        let flaws = flaws(&model, &quality, &triangles).into_iter().collect();
+        let measuring = start.elapsed().as_secs_f64();
+        Ok(Self { model, options, analysis, atlas, uv, quality, flaws, measuring })
+    }
+
+    /// Notes what is wrong with the polygons of the map where another program cuts them into triangles in its own way: it may
+    /// see triangles flipped, as the polygons are not convex.
+    pub(crate) fn note_polygons(&mut self) {
+        let mut turned = vec![[false; 2]; self.model.face_count()];
+        for (&face, &corners) in self.atlas.triangles.face_of.iter().zip(&self.atlas.triangles.corners) {
+            turned[face as usize][usize::from(area(corners.map(|c| self.uv[c as usize])) < 0.0)] = true;
+        }
+        let is_torn = |&face: &usize| {
+            let first = self.model.face_corners(face).start;
+            let fan = self.model.face_corners(face).skip(1).zip(self.model.face_corners(face).skip(2));
+            let mut areas = fan.map(|(b, c)| area([first, b, c].map(|c| self.uv[c])));
+            match turned[face] {
+                [true, false] => areas.any(|area| area <= 0.0),
+                [false, true] => areas.any(|area| area >= 0.0),
+                _ => false,
+            }
+        };
+        let polygons = (0..self.model.face_count()).filter(|&face| self.model.face(face).len() > 3);
+        let torn: Vec<usize> = polygons.filter(is_torn).collect();
+        if let Some(first) = torn.first() {
+            self.flaws.push(format!(
+                "{} polygons are not convex in the map (first face {first}, counted from 0): programs that cut them in \
+                 another way show flipped triangles; write triangles with --triangulate",
+                torn.len()
+            ));
+        }
+    }
+
+    /// Says on stderr what was repaired, what had to be decided, and what is wrong with the map.
+    pub(crate) fn warn(&self) {
+        warn(self.analysis.repairs(), &self.atlas.notes, self.analysis.topology().components);
+        self.flaws.iter().for_each(|flaw| output::warn(flaw));
     }
 
     /// What pictures of it are drawn from.
@@ -75,7 +117,9 @@ impl Unwrapped {
     pub(crate) fn report(&self, path: &Path, times: Times) -> UnwrapReport {
         let Self { options, analysis, atlas, quality, .. } = self;
         let times = Times { measure: Some(self.measuring), ..times }.with(analysis.times()).with(atlas.times);
-        UnwrapReport::new(path, options, analysis, atlas, quality, times)
+        let mut report = UnwrapReport::new(path, options, analysis, atlas, quality, times);
+        report.warnings.extend(self.flaws.iter().cloned());
+        report
     }
 }
 
@@ -107,4 +151,19 @@ fn scaled(uv: &[[f64; 2]], scale: Scale) -> Vec<[f64; 2]> {
         }
     };
     uv.iter().map(|&uv| place(uv)).collect()
+}
+
+/// What is wrong with the triangles of a map.
+fn flaws(model: &Model, quality: &Quality, triangles: &[[u32; 3]]) -> Option<String> {
+    let corner = triangles[quality.first_flaw?][0];
+    let face = model.face_start().partition_point(|&start| start <= corner) - 1;
+    let [flipped, degenerate] = [quality.distortion.flipped, quality.distortion.degenerate];
+    Some(format!(
+        "{flipped} triangles of the map are flipped, and {degenerate} have no area there (first face {face}, counted from 0)"
+    ))
+}
+
+/// Twice the signed area of a triangle of the map.
+fn area([a, b, c]: [[f64; 2]; 3]) -> f64 {
+    (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
 }

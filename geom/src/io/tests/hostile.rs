@@ -1,5 +1,8 @@
 //! Bytes that mean harm: no panic, no memory beyond the file's size, and an answer that is a model or a sentence.
 
+use std::io::Write;
+
+use flate2::write::GzEncoder;
 use proptest::prelude::*;
 
 use super::*;
@@ -116,4 +119,35 @@ fn a_polygon_of_many_corners_that_is_no_polygon_ends() {
     let text = format!("{TETRAHEDRON}f{}\n", " 1 2 3 4 2".repeat(4000));
     let model = obj(&text);
     assert_eq!(model.triangles().len(), model.corner_count() - 2 * model.face_count());
+}
+
+#[test]
+fn a_gzip_file_that_expands_as_no_mesh_does_is_refused_and_a_regular_one_is_read() {
+    let gzipped = |text: &str| {
+        let mut out = GzEncoder::new(Vec::new(), flate2::Compression::best());
+        out.write_all(text.as_bytes()).unwrap();
+        out.finish().unwrap()
+    };
+    let facet = "facet normal 0 0 1\n  outer loop\n    vertex 0.000000 0.000000 0.000000\n    vertex 1.000000 0.000000 0.000000\n    vertex 0.000000 1.000000 0.000000\n  endloop\nendfacet\n";
+    let soup: String = (0..2000).map(|k| facet.replace("0.000000\n", &format!("{k}.000000\n"))).collect();
+    let regular = format!("solid x\n{soup}endsolid\n");
+    let compressed = gzipped(&regular);
+    assert!(regular.len() > 20 * compressed.len(), "regular text compresses well");
+    assert!(read_bytes(compressed, "a.stl.gz").is_ok());
+    for text in
+        [format!("{TETRAHEDRON}f{}\n", " 1 2 3".repeat(1 << 20)), format!("{TETRAHEDRON}{}", "\n".repeat(1 << 20))]
+    {
+        let message = message(gzipped(&text), "a.obj.gz");
+        assert!(message.contains("more than 100 times") && message.ends_with("decompress it first"), "{message}");
+    }
+}
+
+#[test]
+fn corners_without_end_on_a_few_vertices_are_refused_where_they_stand() {
+    let text = format!("{TETRAHEDRON}f 1 2 3\nf{}\nf 1 2 3\n", " 1 2 3".repeat(1 << 19));
+    let message = message(text.into_bytes(), "a.obj");
+    assert!(
+        message.starts_with("a.obj, line 10: there are 1572882 corners of faces, 1572864 of them at face 5"),
+        "{message}"
+    );
 }
