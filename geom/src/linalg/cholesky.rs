@@ -647,7 +647,7 @@ mod tests {
             let column_start: Vec<u32> = (0..=n).map(|c| c * n - c * c.saturating_sub(1) / 2).collect();
             let mut value = vec![-1.0; row.len()];
             column_start[..n as usize].iter().for_each(|&start| value[start as usize] = f64::from(n) + 1.0);
-            value[column_start[n as usize - 2] as usize] = diagonal;
+            value[column_start[n as usize - 1] as usize] = diagonal;
             SymmetricMatrix { column_start, row, value }
         };
         let matrix = full(f64::from(n) + 1.0);
