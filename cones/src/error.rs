@@ -1,6 +1,6 @@
 //! Why something that was asked for cannot be had.
 
-use geom::{PoissonError, PrepareError};
+use geom::{Interrupted, PoissonError, PrepareError};
 use thiserror::Error;
 
 use crate::baseline::LscmError;
@@ -68,6 +68,12 @@ pub enum Error {
     /// The observer has said stop.
     #[error("interrupted")]
     Interrupted,
+}
+
+impl From<Interrupted> for Error {
+    fn from(_: Interrupted) -> Self {
+        Self::Interrupted
+    }
 }
 
 /// What was interrupted says so in one way.

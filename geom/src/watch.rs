@@ -58,8 +58,11 @@ impl<'a> Watch<'a> {
         self.observer.is_some_and(|observer| observer(place()).is_break())
     }
 
-    /// The same as an error.
-    pub(crate) fn ask(self, fraction: f64) -> Result<(), Interrupted> {
+    /// The same for work that returns a result.
+    ///
+    /// # Errors
+    /// If the work must end.
+    pub fn ask(self, fraction: f64) -> Result<(), Interrupted> {
         if self.stops_at(fraction) { Err(Interrupted) } else { Ok(()) }
     }
 

@@ -12,9 +12,10 @@ use crate::placement::{MOST_OPTIMISED, area_distortion};
 
 /// So many times cones are added where a measured distortion is above the one that was asked for.
 const MAX_ADDITIONS: usize = 6;
-/// Where the cones that were asked for have failed, others are not tried if linear theory predicts that with them somewhere
+/// Where the cones that were asked for have failed, others are put off if linear theory predicts that with them somewhere
 /// lengths change by more than this factor against the mean. A scan whose noise has made tiny handles comes there, and
-/// Newton's method would take long to fail again.
+/// Newton's method would take long to fail again: only those that would change lengths least are tried, and only where
+/// nothing better is found.
 const MOST_STRETCH: f64 = 3000.0;
 /// Where no more than one triangle in so many stays folded over, it is better to detach these than to try other cones.
 const DETACHED_AT_ONCE: usize = 1000;
@@ -95,8 +96,9 @@ impl Attempts<'_> {
         let count = configuration.vertices.len();
         let enough = GOOD_ENOUGH * area_distortion(&self.component.operators, &configuration.predicted);
         let mut last = cause;
+        let mut stretched: Option<(f64, Configuration)> = None;
         for other in other_counts(count, &cause) {
-            let flat = match self.other(other)? {
+            let flat = match self.other(other, &mut stretched)? {
                 Ok(flat) => flat,
                 Err(failure) => {
                     last = failure;
@@ -113,6 +115,13 @@ impl Attempts<'_> {
                 break;
             }
         }
+        if best.as_ref().is_none_or(|best| detached_share(best) > MOST_DETACHED)
+            && let Some((_, configuration)) = stretched
+            && let Ok(flat) = self.attempt(&configuration)?
+            && best.as_ref().is_none_or(|best| cost(&flat) < cost(best))
+        {
+            best = Some(flat);
+        }
         let Some(mut best) = best else { return self.unfold(last) };
         let taken = best.cones.len();
         if taken != count {
@@ -121,14 +130,25 @@ impl Attempts<'_> {
         Ok(best)
     }
 
-    /// An attempt with another number of cones.
-    fn other(&mut self, count: usize) -> Result<Result<Flat, Failure>, Error> {
+    /// An attempt with another number of cones. Where lengths would change too much there is none yet; the configuration that
+    /// would change them least is kept.
+    fn other(
+        &mut self,
+        count: usize,
+        stretched: &mut Option<(f64, Configuration)>,
+    ) -> Result<Result<Flat, Failure>, Error> {
         let configuration = match self.place(count)? {
             Ok(configuration) => configuration,
             Err(error) => return Ok(Err(failure(error)?)),
         };
         let log = stretch(self.component, &configuration);
-        if log > MOST_STRETCH.ln() { Ok(Err(Failure::Stretched { log })) } else { self.attempt(&configuration) }
+        if log <= MOST_STRETCH.ln() {
+            return self.attempt(&configuration);
+        }
+        if stretched.as_ref().is_none_or(|(least, _)| log < *least) {
+            *stretched = Some((log, configuration));
+        }
+        Ok(Err(Failure::Stretched { log }))
     }
 
     /// A flattening, what folds over detached; why there is none in the inner error.

@@ -1,7 +1,5 @@
 //! From what a user wants to cones on every component.
 
-use std::time::Instant;
-
 use super::apportionment::counts;
 use super::component::Component;
 use super::cones::{ChosenNumber, Cones, Configuration};
@@ -154,19 +152,18 @@ impl Analysis {
             })?
             .map_err(Error::from)
         })?;
-        let began = Instant::now();
         let (predicted, curve) = match &found[..] {
             [alone] => (alone.predicted, alone.curve.clone()),
-            _ => {
+            _ => task.stage((Stage::Hierarchy, 0), &mut shared.times, |watch| {
                 let predicted = predict_together(components, &found, rule);
                 let nested: Vec<Nested> = found.iter().map(|found| found.nested.clone()).collect();
-                (predicted, whole_curve(components, &nested, (placement, rule), (2 * predicted.count).max(most)))
-            }
+                let most = (2 * predicted.count).max(most);
+                (predicted, whole_curve(components, &nested, (placement, rule), most, watch))
+            })?,
         };
         let is_met = found.iter().all(|found| found.is_met);
         let Prediction { count: chosen, area_distortion: predicted, .. } = predicted;
         shared.number = Some(ChosenNumber { target, chosen, predicted, is_met, curve });
-        shared.times.add(Stage::Hierarchy, began.elapsed());
         each(components, &mut shared.times, |component, times| {
             let vertices = found[component.index].set.cones.clone();
             task.stage((Stage::Curvature, component.index), times, |watch| {

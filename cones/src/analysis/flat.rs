@@ -50,20 +50,19 @@ impl Component {
             }
             scale(mesh, metric, operators, &target, predicted, watch)
         })??;
-        let (layout, fold_overs) = task.stage((Stage::Layout, *index), times, |watch| {
-            let mut layout = Layout::new(mesh, &scaling, &seams.cut, watch.within(0.0, 0.3));
-            let mut is_cone = VertexData::constant(mesh.vertex_count(), false);
-            vertices.iter().for_each(|&v| is_cone[v] = true);
-            let removed = remove_fold_overs(mesh, metric, &scaling, &is_cone, &mut layout, watch.within(0.3, 1.0));
-            (layout, removed.err())
-        })?;
         let mut notes = notes.clone();
         if scaling.mollified {
             notes.push(Note::Mollified { component: *index });
         }
-        let mut flat = self.flat((vertices.clone(), curvature.clone()), seams, layout, scaling, notes);
-        flat.fold_overs = fold_overs;
-        Ok(flat)
+        task.stage((Stage::Layout, *index), times, |watch| -> Result<Flat, Error> {
+            let mut layout = Layout::new(mesh, &scaling, &seams.cut, watch.within(0.0, 0.3))?;
+            let mut is_cone = VertexData::constant(mesh.vertex_count(), false);
+            vertices.iter().for_each(|&v| is_cone[v] = true);
+            let removed = remove_fold_overs(mesh, metric, &scaling, &is_cone, &mut layout, watch.within(0.3, 0.9));
+            watch.ask(0.9)?;
+            let flat = self.flat((vertices.clone(), curvature.clone()), seams, layout, scaling, notes);
+            Ok(Flat { fold_overs: removed.err(), ..flat })
+        })?
     }
 
     /// The last resort: with a cone of its own curvature at every inner vertex a metric is flat as it is. Always there, not
@@ -78,13 +77,12 @@ impl Component {
         let seams = task.stage((Stage::Cut, self.index), times, |watch| {
             Seams::of_surface(&self.surface, &self.metric, &inner, watch)
         })??;
-        let (scaling, layout) = task.stage((Stage::Layout, self.index), times, |watch| {
+        task.stage((Stage::Layout, self.index), times, |watch| -> Result<Flat, Error> {
             let scaling = Scaling::none(mesh, &self.metric);
-            let layout = Layout::new(mesh, &scaling, &seams.cut, watch);
-            (scaling, layout)
-        })?;
-        let curvature = inner.iter().map(|&v| defects[v]).collect();
-        Ok(Flat { is_unfolded: true, ..self.flat((inner, curvature), seams, layout, scaling, Vec::new()) })
+            let layout = Layout::new(mesh, &scaling, &seams.cut, watch)?;
+            let curvature = inner.iter().map(|&v| defects[v]).collect();
+            Ok(Flat { is_unfolded: true, ..self.flat((inner, curvature), seams, layout, scaling, Vec::new()) })
+        })?
     }
 
     fn flat(

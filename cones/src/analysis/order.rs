@@ -7,7 +7,7 @@
 use rayon::prelude::*;
 use topo::Kind;
 
-use geom::VertexId;
+use geom::{VertexId, Watch};
 
 use super::apportionment::sequence_of;
 use super::component::Component;
@@ -88,12 +88,13 @@ pub(super) fn whole_curve(
     nested: &[Nested],
     (placement, rule): (Placement, CurvatureRule),
     total: usize,
+    watch: Watch,
 ) -> Vec<Prediction> {
     let least: usize = components.iter().map(Component::least).sum();
     let faces: usize = components.iter().map(|c| c.surface.mesh.face_count()).sum();
     let total = total.min(least + (CURVE_WORK / faces).max(64));
     let sequence = sequence_of(components, nested, placement, total);
-    curve_of_sequence(&component_orders(components, nested, rule), &sequence)
+    curve_of_sequence(&component_orders(components, nested, rule, watch), &sequence, watch)
 }
 
 impl Analysis {
@@ -118,7 +119,9 @@ impl Analysis {
             })?;
             Ok(order?)
         })?;
-        task.stage((Stage::Hierarchy, 0), &mut times, |_| cone_order(components, &nested, (placement, rule), total))
+        task.stage((Stage::Hierarchy, 0), &mut times, |watch| {
+            cone_order(components, &nested, (placement, rule), total, watch)
+        })
     }
 
     /// All extrema of the conformal factor, the most persistent first.
@@ -132,9 +135,10 @@ fn cone_order(
     nested: &[Nested],
     (placement, rule): (Placement, CurvatureRule),
     total: usize,
+    watch: Watch,
 ) -> ConeOrder {
     let sequence = sequence_of(components, nested, placement, total);
-    let orders = component_orders(components, nested, rule);
+    let orders = component_orders(components, nested, rule, watch);
     let cone = |(n, (component, v, curvature)): (usize, (usize, VertexId, _))| {
         let vertex = components[component].surface.vertex[v];
         OrderedCone { n, component, vertex, curvature }
@@ -144,7 +148,7 @@ fn cone_order(
         rule,
         extrema: extrema(components),
         cones: (1..).zip(cones_of_sequence(&orders, &sequence)).map(cone).collect(),
-        curve: curve_of_sequence(&orders, &sequence),
+        curve: curve_of_sequence(&orders, &sequence, watch),
     }
 }
 
@@ -170,7 +174,8 @@ fn component_orders<'a>(
     components: &'a [Component],
     nested: &[Nested],
     rule: CurvatureRule,
+    watch: Watch,
 ) -> Vec<ComponentOrder<'a>> {
-    let order = |(c, nested): (&'a Component, &Nested)| ComponentOrder::new(&c.operators, c.area, nested, rule);
+    let order = |(c, nested): (&'a Component, &Nested)| ComponentOrder::new(&c.operators, c.area, nested, rule, watch);
     components.iter().zip(nested).map(order).collect()
 }

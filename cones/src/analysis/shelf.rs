@@ -80,7 +80,7 @@ mod tests {
         let points = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0]];
         let metric = Metric::from_points(&mesh, &points);
         let cut = EdgeData::constant(mesh.edge_count(), true);
-        let layout = Layout::new(&mesh, &Scaling::none(&mesh, &metric), &cut, Watch::NONE);
+        let layout = Layout::new(&mesh, &Scaling::none(&mesh, &metric), &cut, Watch::NONE).unwrap();
         for size in [0.01, 1.0, 70.0] {
             let place = Shelf::new(0.9 * size * size).place(&layout, &mesh, size);
             let corners = [0, 1].map(|f| mesh.sides(geom::FaceId(f)).map(|h| place[h]));

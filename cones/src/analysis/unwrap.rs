@@ -1,6 +1,7 @@
 //! From cones on every component to texture coordinates for the model.
 
 use std::collections::HashMap;
+use std::time::Instant;
 
 use geom::Model;
 
@@ -10,7 +11,7 @@ use super::component::Component;
 use super::cones::{ChosenNumber, Cones};
 use super::flat::Flat;
 use super::note::Note;
-use super::observer::Times;
+use super::observer::{Stage, Times};
 use super::options::{ConeChoice, Options};
 use super::shelf::Shelf;
 use super::{Analysis, each};
@@ -116,8 +117,10 @@ impl Analysis {
                 }
             }
         }
+        let uv = self.fill_corners(uv);
+        times.add(Stage::Layout, began.elapsed());
         Atlas {
-            uv: self.fill_corners(uv),
+            uv,
             triangles: self.triangles().clone(),
             left_out: self.left_out().to_vec(),
             detached,

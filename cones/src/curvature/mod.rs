@@ -145,7 +145,9 @@ pub fn cone_curvatures(
     watch: Watch,
 ) -> Result<ConeCurvatures, CurvatureError> {
     let flattening = operators.flattening();
-    let green = operators.green_watched(cones, watch)?;
+    watch.ask(0.1)?;
+    let green = operators.green_watched(cones, watch.within(0.1, 0.6))?;
+    watch.ask(0.6)?;
     let bounds = bounds(operators, input, cones);
     let mut out_of_bounds = Vec::new();
     if rule == CurvatureRule::Harmonic {
@@ -167,9 +169,7 @@ pub fn cone_curvatures(
         }
     }
     let (p, g) = centred(operators, green);
-    if watch.stops_at(0.8) {
-        return Err(Interrupted.into());
-    }
+    watch.ask(0.8)?;
     let curvature = optimal(operators, &p, &g, &bounds)?;
     let predicted = combine(&p, &g, &curvature);
     Ok(ConeCurvatures { curvature, predicted, out_of_bounds })

@@ -179,7 +179,7 @@ mod tests {
             let zero = VertexData::constant(mesh.vertex_count(), 0.0);
             let scaling = scale(&mesh, &metric, &operators, &target, &zero, Watch::NONE).unwrap();
             let mut seams = Seams::new(&mesh, metric.lengths(), &cones, Watch::NONE).unwrap();
-            let mut layout = Layout::new(&mesh, &scaling, &seams.cut, Watch::NONE);
+            let mut layout = Layout::new(&mesh, &scaling, &seams.cut, Watch::NONE).unwrap();
             let before = layout.clone();
             let was_cut = seams.cut.clone();
             // The rings of some vertices, lone triangles, and the two beside a seam.
@@ -232,7 +232,7 @@ mod tests {
         let zero = VertexData::constant(mesh.vertex_count(), 0.0);
         let scaling = scale(&mesh, &metric, &operators, &target, &zero, Watch::NONE).unwrap();
         let mut seams = Seams::new(&mesh, metric.lengths(), &cones, Watch::NONE).unwrap();
-        let mut layout = Layout::new(&mesh, &scaling, &seams.cut, Watch::NONE);
+        let mut layout = Layout::new(&mesh, &scaling, &seams.cut, Watch::NONE).unwrap();
         let before = layout.clone();
         // All round a vertex a fan of quadrilaterals: every other spoke is a diagonal.
         let is_plain = |v: &VertexId| {

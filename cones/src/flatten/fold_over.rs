@@ -58,6 +58,9 @@ pub(crate) fn remove_fold_overs(
     watch: Watch,
 ) -> Result<usize, FoldOvers> {
     let mut untangler = Untangler::new(input, metric, scaling, is_cone, layout);
+    if watch.stops_at(0.0) {
+        return Ok(0);
+    }
     let mut bad = untangler.bad(input.faces());
     if bad.is_empty() {
         return Ok(0);
@@ -395,7 +398,7 @@ mod tests {
         let zero = VertexData::constant(mesh.vertex_count(), 0.0);
         let scaling = scale(&mesh, &metric, &operators, &target, &zero, Watch::NONE).unwrap();
         let seams = Seams::new(&mesh, metric.lengths(), &cones, Watch::NONE).unwrap();
-        let mut layout = Layout::new(&mesh, &scaling, &seams.cut, Watch::NONE);
+        let mut layout = Layout::new(&mesh, &scaling, &seams.cut, Watch::NONE).unwrap();
         remove_fold_overs(&mesh, &metric, &scaling, &is_cone, &mut layout, Watch::NONE).unwrap();
         // Fold plain vertices over an edge of their stars: one inside, one on a seam.
         let plain = |wedges: usize| {

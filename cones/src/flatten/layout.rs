@@ -9,7 +9,8 @@
 //! Similarities are never chained: lengths come from the metric alone.
 
 use geom::{
-    CutMesh, EdgeData, FaceData, FaceId, HalfedgeData, HalfedgeId, Id, Mesh, Triangulation, Watch, WedgeId, kruskal,
+    CutMesh, EdgeData, FaceData, FaceId, HalfedgeData, HalfedgeId, Id, Interrupted, Mesh, Triangulation, Watch,
+    WedgeId, kruskal,
 };
 use num_complex::Complex64;
 
@@ -31,11 +32,16 @@ pub struct Layout {
 }
 
 impl Layout {
-    /// Lays out the input's triangles, opened along the edges of the cut, which must leave one disk. Once the watch says stop
-    /// positions mean nothing.
-    pub fn new(input: &Mesh, scaling: &Scaling, cut: &EdgeData<bool>, watch: Watch) -> Self {
-        let connection = Connection::new(scaling).undo(&scaling.flips, watch.within(0.0, 0.3)).of_input(input);
+    /// Lays out the input's triangles, opened along the edges of the cut, which must leave one disk.
+    ///
+    /// # Errors
+    /// If the watch has said stop.
+    pub fn new(input: &Mesh, scaling: &Scaling, cut: &EdgeData<bool>, watch: Watch) -> Result<Self, Interrupted> {
+        let connection = Connection::new(scaling);
+        let connection = connection.undo(&scaling.flips, watch.within(0.1, 0.3))?.of_input(input);
+        watch.ask(0.3)?;
         let rotation = connection.face_rotations(cut);
+        watch.ask(0.35)?;
         let vector: HalfedgeData<Complex64> =
             input.halfedges().map(|h| rotation[input.face(h)] * connection.vector[h]).collect();
         let seam_rotation = input
@@ -47,9 +53,11 @@ impl Layout {
                 _ => Complex64::ONE,
             })
             .collect();
+        watch.ask(0.4)?;
         let opened = CutMesh::open(input, cut);
-        let position = positions(input, cut, &opened, &vector, watch.within(0.4, 1.0));
-        Self { cut: opened, position, seam_rotation }
+        watch.ask(0.5)?;
+        let position = positions(input, cut, &opened, &vector, watch.within(0.5, 1.0))?;
+        Ok(Self { cut: opened, position, seam_rotation })
     }
 
     /// The position of a triangle's corner, named by the halfedge that starts there.
@@ -82,15 +90,14 @@ impl Connection {
         Self { triangulation, vector, transport }
     }
 
-    /// With all flips undone, watched or not: what comes after relies on that.
-    fn undo(mut self, flips: &[HalfedgeId], watch: Watch) -> Self {
+    fn undo(mut self, flips: &[HalfedgeId], watch: Watch) -> Result<Self, Interrupted> {
         for (count, &h) in flips.iter().rev().enumerate() {
             if count.is_multiple_of(STRIDE) {
-                let _ = watch.stops_at(count as f64 / flips.len() as f64);
+                watch.ask(count as f64 / flips.len() as f64)?;
             }
             self.unflip(h);
         }
-        self
+        Ok(self)
     }
 
     /// What belongs to the input, once all flips are undone: all of it, or one half of a double.
@@ -166,23 +173,15 @@ fn positions(
     cut: &CutMesh,
     vector: &HalfedgeData<Complex64>,
     watch: Watch,
-) -> Vec<Complex64> {
-    let nowhere = || vec![Complex64::ZERO; cut.wedge_count()];
-    if watch.stops_at(0.0) {
-        return nowhere();
-    }
+) -> Result<Vec<Complex64>, Interrupted> {
     let one_a_side = |&h: &HalfedgeId| is_cut[input.edge(h)] || input.halfedge(input.edge(h)) == h;
     let mut edges: Vec<(f64, HalfedgeId)> =
         input.halfedges().filter(one_a_side).map(|h| (vector[h].norm_sqr(), h)).collect();
     edges.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
     let ends = |h: HalfedgeId| [cut.wedge(h), cut.wedge(input.next(h))];
-    if watch.stops_at(0.5) {
-        return nowhere();
-    }
+    watch.ask(0.5)?;
     let tree = kruskal(cut.wedge_count(), edges.iter().map(|&(_, h)| (h, ends(h).map(|w| w.0))));
-    if watch.stops_at(0.8) {
-        return nowhere();
-    }
+    watch.ask(0.8)?;
     // The tree's edges by their ends, in rows.
     let mut start = vec![0usize; cut.wedge_count() + 1];
     for &h in &tree {
@@ -219,7 +218,7 @@ fn positions(
             }
         }
     }
-    position.into_iter().flatten().collect()
+    Ok(position.into_iter().flatten().collect())
 }
 
 /// A number of modulus 1 in the direction of `z`; 1 where `z` is 0.
@@ -252,7 +251,7 @@ mod tests {
             let zero = VertexData::constant(mesh.vertex_count(), 0.0);
             let scaling = scale(&mesh, &metric, &operators, &target, &zero, Watch::NONE).unwrap();
             let seams = Seams::new(&mesh, metric.lengths(), &[tip], Watch::NONE).unwrap();
-            let layout = Layout::new(&mesh, &scaling, &seams.cut, Watch::NONE);
+            let layout = Layout::new(&mesh, &scaling, &seams.cut, Watch::NONE).unwrap();
             for h in mesh.halfedges() {
                 let length = (layout.corner(mesh.next(h)) - layout.corner(h)).norm();
                 assert!((length / metric.length(mesh.edge(h)) - 1.0).abs() < 1e-10);
@@ -274,7 +273,7 @@ mod tests {
         let zero = VertexData::constant(mesh.vertex_count(), 0.0);
         let scaling = scale(&mesh, &metric, &operators, &target, &zero, Watch::NONE).unwrap();
         let seams = Seams::new(&mesh, metric.lengths(), &cones, Watch::NONE).unwrap();
-        let layout = Layout::new(&mesh, &scaling, &seams.cut, Watch::NONE);
+        let layout = Layout::new(&mesh, &scaling, &seams.cut, Watch::NONE).unwrap();
         let extent = layout.position.iter().map(|z| z.norm()).fold(0.0, f64::max);
         for h in mesh.halfedges() {
             let g = mesh.twin(h).expect("it is closed");

@@ -196,9 +196,7 @@ impl Newton<'_> {
             let (vertex, error) = largest(&residual);
             // How much of the way from the first error to the last is done, in logarithms.
             let done = ((error / first).ln() / (GOAL / first).ln()).clamp(0.0, 1.0);
-            if self.watch.stops_at(done) {
-                return Err(Interrupted.into());
-            }
+            self.watch.ask(done)?;
             if error <= GOAL || last || steps >= MAX_STEPS {
                 return self.finish(state, u, metric, steps, error, vertex);
             }
@@ -207,6 +205,7 @@ impl Newton<'_> {
                 false => {
                     if !keep_factor || factored.is_none() {
                         let hessian = self.hessian(&state.triangulation, &metric);
+                        self.watch.ask(done)?;
                         let watch = self.watch.within(done, done);
                         factored = Some(match factored.take() {
                             Some(poisson) => poisson.refactor_watched(&hessian, watch)?,
@@ -216,6 +215,7 @@ impl Newton<'_> {
                     factored.as_ref().expect("it was just factored").solve(&residual)
                 }
             };
+            self.watch.ask(done)?;
             steps += 1;
             last = error <= LAST_STEP;
             let slope = dot(&step, &residual);
@@ -228,10 +228,9 @@ impl Newton<'_> {
             loop {
                 u = from.iter().zip(step.iter()).map(|(u, d)| u + length * d).collect();
                 metric = self.scaled(&mut state, &u);
+                self.watch.ask(done)?;
                 residual = self.residual(&state.triangulation, &metric);
-                if self.watch.stops_at(done) {
-                    return Err(Interrupted.into());
-                }
+                self.watch.ask(done)?;
                 let new_slope = dot(&step, &residual);
                 let left = largest(&residual).1;
                 keep_factor = left <= GOOD_STEP * error;
@@ -414,7 +413,7 @@ mod tests {
         assert!(mesh.vertices().filter(|&v| mesh.is_boundary_vertex(v)).all(|v| scaling.u[v] == start[v]));
         // The half that is laid out has these angles, up to full turns.
         let seams = crate::flatten::Seams::new(&mesh, metric.lengths(), &[], Watch::NONE).unwrap();
-        let layout = crate::flatten::Layout::new(&mesh, &scaling, &seams.cut, Watch::NONE);
+        let layout = crate::flatten::Layout::new(&mesh, &scaling, &seams.cut, Watch::NONE).unwrap();
         for (v, angle) in scaling.angles(&mesh).iter_ids() {
             let corner = |h| {
                 let at = layout.corner(h);

@@ -88,6 +88,7 @@ impl Seams {
         let root = terminals.is_empty().then_some((VertexId(0), 0));
         let sources = terminals.iter().copied().chain(root);
         let paths = ShortestPaths::new_watched(mesh, lengths, sources, watch.within(0.0, 0.6))?;
+        watch.ask(0.6)?;
         let (component, _) = mesh.components();
         if let Some(v) = mesh.vertices().find(|&v| component[v] != 0 || paths.owner[v].is_none()) {
             return Err(SeamError::Unreachable(v));
@@ -101,8 +102,11 @@ impl Seams {
             return Err(SeamError::TooFewCones { cones: terminal_vertices });
         }
         let detours = Detours { mesh, lengths, paths: &paths };
+        watch.ask(0.65)?;
         let mut cut = detours.spanning_tree();
-        detours.add_handles(&mut cut, watch.within(0.6, 0.9))?;
+        watch.ask(0.75)?;
+        detours.add_handles(&mut cut, watch.within(0.75, 0.9))?;
+        watch.ask(0.9)?;
         prune(mesh, &mut cut, &is_terminal);
         debug_assert!(CutMesh::open(mesh, &cut).is_disk(), "tree, cotree and 2g edges leave a disk");
         let length = mesh.edges().filter(|&e| cut[e]).map(|e| lengths[e]).sum();

@@ -44,7 +44,7 @@ pub(crate) fn automatic(model: &mut EnergyModel, rule: CurvatureRule, target: f6
     let operators = model.operators();
     let least = least_cones(operators);
     let nested = pursuit(model, most.max(least));
-    let curve = nested.curve(operators, rule);
+    let curve = nested.curve(operators, rule, model.watch());
     let (set, predicted) = match first_within(&curve, least, target) {
         Some(point) => fewest(model, &nested.sets[point.count], rule, target, least),
         None => {
@@ -61,7 +61,7 @@ pub(crate) fn automatic(model: &mut EnergyModel, rule: CurvatureRule, target: f6
 pub(crate) fn shortest(model: &mut EnergyModel, order: &[VertexId], rule: CurvatureRule, target: f64) -> Automatic {
     let nested = Nested::new(model, order);
     let operators = model.operators();
-    let curve = nested.curve(operators, rule);
+    let curve = nested.curve(operators, rule, model.watch());
     let enough = first_within(&curve, least_cones(operators), target).copied();
     let set = nested.sets[enough.map_or(order.len(), |point| point.count)].clone();
     let predicted = enough.unwrap_or_else(|| predict(operators, &set, rule));
@@ -158,7 +158,7 @@ mod tests {
         let mut model = EnergyModel::new(&operators, &mesh);
         let nested = pursuit(&mut model, 12);
         for rule in [CurvatureRule::Optimal, CurvatureRule::Harmonic] {
-            for point in nested.curve(&operators, rule) {
+            for point in nested.curve(&operators, rule, geom::Watch::NONE) {
                 let chosen = automatic(&mut EnergyModel::new(&operators, &mesh), rule, point.area_distortion, 12);
                 assert!(chosen.is_met, "{rule:?}: {point:?} is possible, {:?} was taken", chosen.predicted);
                 assert!(chosen.set.cones.len() <= point.count);

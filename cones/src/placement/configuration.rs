@@ -4,7 +4,7 @@
 //! cones and on all of the boundary. Harmonic curvatures that no cone can have are replaced by optimal ones, as
 //! [`cone_curvatures`](crate::curvature::cone_curvatures) does.
 
-use geom::{VertexData, VertexId};
+use geom::{VertexData, VertexId, Watch};
 
 use super::energy_model::ConeSet;
 use crate::curvature::{CurvatureRule, is_buildable};
@@ -36,13 +36,21 @@ impl Configuration {
 
     /// The curvatures of sets each of which begins with the one before, as long as they can take the surface's curvature;
     /// no more solves than for the last of them.
-    pub(crate) fn nested(operators: &Operators, sets: &[ConeSet], rule: CurvatureRule) -> Vec<Option<Self>> {
+    pub(crate) fn nested(
+        operators: &Operators,
+        sets: &[ConeSet],
+        rule: CurvatureRule,
+        watch: Watch,
+    ) -> Vec<Option<Self>> {
         let able = |set: &ConeSet| set.shortfall == 0.0;
         match rule {
             CurvatureRule::Optimal => sets.iter().map(|set| able(set).then(|| Self::optimal(set))).collect(),
             CurvatureRule::Harmonic => {
                 let mut pinned = PinnedFactor::new(operators);
                 let mut settle = |set: &ConeSet| {
+                    if watch.stops_at(f64::NAN) {
+                        return None;
+                    }
                     let known = pinned.cones().len();
                     pinned.add(&set.cones[known..]);
                     able(set).then(|| Self::harmonic(set, &pinned))
@@ -100,7 +108,8 @@ mod tests {
             model.add(&cones);
             let sets: Vec<ConeSet> = (0..=cones.len()).map(|count| model.fit(&cones[..count])).collect();
             for rule in [CurvatureRule::Optimal, CurvatureRule::Harmonic] {
-                for (set, configuration) in sets.iter().zip(Configuration::nested(&operators, &sets, rule)) {
+                for (set, configuration) in sets.iter().zip(Configuration::nested(&operators, &sets, rule, Watch::NONE))
+                {
                     let used = cone_curvatures(&operators, &mesh, &set.cones, rule, Watch::NONE);
                     let Some(configuration) = configuration else { continue };
                     let used = used.expect("they can take the curvature");

@@ -142,6 +142,11 @@ impl<'a> EnergyModel<'a> {
         &self.pool
     }
 
+    /// Watches work on this model whose progress is not known.
+    pub(crate) fn watch(&self) -> Watch<'a> {
+        self.watch.within(f64::NAN, f64::NAN)
+    }
+
     /// Whether searches must end; see [`with_terms`](Self::with_terms).
     pub(crate) fn is_stopped(&self) -> bool {
         self.watch.stops_at(f64::NAN)
@@ -193,7 +198,7 @@ impl<'a> EnergyModel<'a> {
     /// h of some vertices; 0 where searches must end.
     fn columns_of(&self, vertices: &[VertexId]) -> Vec<VertexData<f64>> {
         let solve = || -> Result<Vec<VertexData<f64>>, Interrupted> {
-            let watch = self.watch.within(f64::NAN, f64::NAN);
+            let watch = self.watch();
             let mut green = self.operators.green_watched(vertices, watch)?;
             for g in &mut green {
                 self.operators.centre(g);

@@ -1,6 +1,6 @@
 //! Orders of cones every prefix of which is a set of cones, and what is predicted for all of them.
 
-use geom::VertexId;
+use geom::{VertexId, Watch};
 
 use super::configuration::Configuration;
 use super::energy_model::{ConeSet, EnergyModel};
@@ -29,8 +29,8 @@ impl Nested {
 
     /// What is predicted for every number of cones that can take the surface's curvature, with curvatures by a rule. Half
     /// a solve for each.
-    pub fn curve(&self, operators: &Operators, rule: CurvatureRule) -> Vec<Prediction> {
-        ComponentOrder::new(operators, 1.0, self, rule).curve()
+    pub(crate) fn curve(&self, operators: &Operators, rule: CurvatureRule, watch: Watch) -> Vec<Prediction> {
+        ComponentOrder::new(operators, 1.0, self, rule, watch).curve(watch)
     }
 }
 
@@ -46,20 +46,21 @@ pub(crate) struct ComponentOrder<'a> {
 
 impl<'a> ComponentOrder<'a> {
     /// Costs no solves, or one for each cone if curvatures are harmonic.
-    pub(crate) fn new(operators: &'a Operators, area: f64, nested: &Nested, rule: CurvatureRule) -> Self {
-        let prefixes = Configuration::nested(operators, &nested.sets, rule);
+    pub(crate) fn new(operators: &'a Operators, area: f64, nested: &Nested, rule: CurvatureRule, watch: Watch) -> Self {
+        let prefixes = Configuration::nested(operators, &nested.sets, rule, watch);
         Self { operators, area, cones: nested.cones().to_vec(), prefixes }
     }
 
     /// The curve of this component alone.
-    pub(crate) fn curve(self) -> Vec<Prediction> {
+    fn curve(self, watch: Watch) -> Vec<Prediction> {
         let sequence = vec![0; self.cones.len()];
-        curve_of_sequence(&[self], &sequence)
+        curve_of_sequence(&[self], &sequence, watch)
     }
 }
 
-/// What is predicted for each number of cones that can take the curvature of all components. Half a solve for each.
-pub(crate) fn curve_of_sequence(components: &[ComponentOrder], sequence: &[usize]) -> Vec<Prediction> {
+/// What is predicted for each number of cones that can take the curvature of all components. Half a solve for each. Once the
+/// watch says stop it ends early.
+pub(crate) fn curve_of_sequence(components: &[ComponentOrder], sequence: &[usize], watch: Watch) -> Vec<Prediction> {
     let mut predictor = Predictor::new(components.len());
     let mut counts = vec![0; components.len()];
     let put = |predictor: &mut Predictor, p: usize, count: usize| {
@@ -71,7 +72,10 @@ pub(crate) fn curve_of_sequence(components: &[ComponentOrder], sequence: &[usize
     let is_able = |counts: &[usize]| components.iter().zip(counts).all(|(part, &count)| part.prefixes[count].is_some());
     (0..components.len()).for_each(|p| put(&mut predictor, p, 0));
     let mut curve: Vec<Prediction> = is_able(&counts).then(|| predictor.prediction()).into_iter().collect();
-    for &p in sequence {
+    for (k, &p) in sequence.iter().enumerate() {
+        if watch.stops_at(k as f64 / sequence.len() as f64) {
+            break;
+        }
         counts[p] += 1;
         put(&mut predictor, p, counts[p]);
         if is_able(&counts) {

@@ -329,7 +329,9 @@ mod tests {
 
     #[test]
     fn the_curve_begins_with_what_the_surface_needs() {
-        let curve = |model: &mut EnergyModel, nested: Nested| nested.curve(model.operators(), CurvatureRule::Optimal);
+        let curve = |model: &mut EnergyModel, nested: Nested| {
+            nested.curve(model.operators(), CurvatureRule::Optimal, geom::Watch::NONE)
+        };
         let first = |shape: shapes::Shape| with_nested(&shape, 6, |model, nested| curve(model, nested)[0]);
         assert_eq!(first(shapes::hare(600)).count, 3);
         assert_eq!(first(shapes::torus(1, 600)).count, 0);

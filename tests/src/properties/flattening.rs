@@ -53,7 +53,7 @@ pub fn cones_flatten(bytes: &[u8]) {
     assert_flat_but_at_cones(&mesh, &scaling, &target);
 
     let seams = Seams::new(&mesh, metric.lengths(), &vertices, Watch::NONE).expect("cones enough to cut open");
-    let layout = Layout::new(&mesh, &scaling, &seams.cut, Watch::NONE);
+    let layout = Layout::new(&mesh, &scaling, &seams.cut, Watch::NONE).expect("nobody says stop");
     assert!(layout.cut.is_disk());
     let size = scaling.metric.lengths().iter().fold(0.0_f64, |m, &l| m.max(l));
     for h in mesh.halfedges() {
