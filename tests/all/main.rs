@@ -6,6 +6,7 @@ mod files;
 mod flattening;
 mod invariance;
 mod layers;
+mod licences;
 mod noise;
 mod operators;
 mod persistence;

@@ -1,30 +1,12 @@
 //! Arrays of one to three axes: series, pictures, volumes.
 
-use super::error::ReadError;
 use super::values::Values;
-use super::{decimal, ending, grey, npy, pgm};
-use std::path::Path;
 
 /// Values in C order, the slowest axis first.
 #[derive(Debug)]
 pub(crate) struct Array {
     pub(crate) values: Values,
     pub(crate) shape: Vec<usize>,
-}
-
-impl Array {
-    /// Reads an array, a picture or a column of numbers.
-    pub(crate) fn read(path: &Path) -> Result<Self, ReadError> {
-        match ending(path).as_str() {
-            "pgm" => pgm::read(path),
-            "png" => grey::read(path),
-            "txt" => {
-                let values = decimal::read(path)?;
-                Ok(Self { shape: vec![values.len()], values })
-            }
-            _ => npy::read(path),
-        }
-    }
 }
 
 /// Which axes are meant: x is the fastest.

@@ -1,7 +1,6 @@
 //! Fields that are computed from a mesh.
 
-use super::{curvature, distance};
-use geom::Model;
+use geom::{Model, distance_along_edges, gaussian_curvature, mean_curvature};
 
 /// Which field, of those that need no solver.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -35,10 +34,10 @@ impl Computed {
     pub(super) fn on(self, model: &Model, triangles: &[[u32; 3]]) -> Vec<f64> {
         let points = model.points();
         match self {
-            Self::Gaussian => curvature::gaussian(points, triangles),
-            Self::Mean => curvature::mean(points, triangles),
+            Self::Gaussian => gaussian_curvature(points, triangles),
+            Self::Mean => mean_curvature(points, triangles),
             Self::Height(axis) => points.iter().map(|point| point[axis]).collect(),
-            Self::Distance(from) => distance::along_edges(points, triangles, from),
+            Self::Distance(from) => distance_along_edges(points, triangles, from),
         }
     }
 }

@@ -5,11 +5,10 @@
 //! with the size it needs.
 
 mod array;
+mod array_file;
 mod computed;
 pub(crate) mod cone_file;
-mod curvature;
 mod decimal;
-mod distance;
 mod error;
 mod grey;
 mod memory;
@@ -20,6 +19,7 @@ mod source;
 mod values;
 
 pub(crate) use array::{Array, Axes};
+pub(crate) use array_file::read_array;
 pub(crate) use cone_file::ConeFileError;
 pub(crate) use error::{Problem, ReadError};
 pub(crate) use network::{Network, edges_beside};

@@ -1,7 +1,7 @@
 //! Where the eye stands: three quarters from above, near enough to fill the picture.
 
 use super::canvas::ScreenPoint;
-use super::vector::{Vector, cross, dot, minus, plus, unit};
+use geom::vector::{Vec3, cross, dot, step, sub, unit};
 
 /// The vertical field of view's half, as its tangent: a long lens, so that shapes are not distorted.
 const HALF_HEIGHT: f64 = 0.19;
@@ -11,11 +11,11 @@ const MARGIN: f64 = 0.04;
 /// A perspective camera.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Camera {
-    eye: Vector,
-    right: Vector,
-    up: Vector,
+    eye: Vec3,
+    right: Vec3,
+    up: Vec3,
     /// From the scene to the eye.
-    towards: Vector,
+    towards: Vec3,
     /// Pixels of a unit length at distance one.
     focal: f64,
     middle: [f64; 2],
@@ -23,17 +23,17 @@ pub(crate) struct Camera {
 
 impl Camera {
     /// A camera that sees all the points, from the direction `towards`, with `up` upwards.
-    pub(crate) fn framing(points: &[Vector], towards: Vector, up: Vector, width: usize, height: usize) -> Self {
+    pub(crate) fn framing(points: &[Vec3], towards: Vec3, up: Vec3, width: usize, height: usize) -> Self {
         let towards = unit(towards);
         let right = unit(cross(up, towards));
         let up = cross(towards, right);
         let half = [HALF_HEIGHT * width as f64 / height as f64, HALF_HEIGHT].map(|h| h * (1.0 - 2.0 * MARGIN));
-        let seen: Vec<Vector> = points.iter().map(|&p| [dot(p, right), dot(p, up), dot(p, towards)]).collect();
+        let seen: Vec<Vec3> = points.iter().map(|&p| [dot(p, right), dot(p, up), dot(p, towards)]).collect();
         let centred = |axis: usize, half: f64| frame(&seen, axis, half);
         let (x, dx) = centred(0, half[0]);
         let (y, dy) = centred(1, half[1]);
         let from = dx.max(dy);
-        let eye = plus(plus(right.map(|a| a * x), y, up), from, towards);
+        let eye = step(step(right.map(|a| a * x), y, up), from, towards);
         Self {
             eye,
             right,
@@ -45,8 +45,8 @@ impl Camera {
     }
 
     /// Where a point is seen.
-    pub(crate) fn place(&self, p: Vector) -> ScreenPoint {
-        let [x, y, z] = self.turn(minus(p, self.eye));
+    pub(crate) fn place(&self, p: Vec3) -> ScreenPoint {
+        let [x, y, z] = self.turn(sub(p, self.eye));
         let nearness = -1.0 / z;
         let scale = self.focal * nearness;
         [self.middle[0] + scale * x, self.middle[1] - scale * y, nearness]
@@ -63,19 +63,19 @@ impl Camera {
     }
 
     /// A direction in the camera's frame: right, up, towards the eye.
-    pub(crate) fn turn(&self, d: Vector) -> Vector {
+    pub(crate) fn turn(&self, d: Vec3) -> Vec3 {
         [dot(d, self.right), dot(d, self.up), dot(d, self.towards)]
     }
 
     /// The direction in which a point looks at the eye, in the camera's frame.
-    pub(crate) fn sight(&self, p: Vector) -> Vector {
-        unit(self.turn(minus(self.eye, p)))
+    pub(crate) fn sight(&self, p: Vec3) -> Vec3 {
+        unit(self.turn(sub(self.eye, p)))
     }
 }
 
 /// The coordinate and the least distance from which all points are within the half field of view along one axis: the
 /// extreme rays touch the scene on both sides.
-fn frame(seen: &[Vector], axis: usize, half: f64) -> (f64, f64) {
+fn frame(seen: &[Vec3], axis: usize, half: f64) -> (f64, f64) {
     // From x at distance d a point is inside when |p - x| ≤ half·(d - z): the two sides give x - half·d ≤ min(p - half·z)
     // … so the greatest of p + half·z and the least of p - half·z decide.
     let high = seen.iter().map(|p| p[axis] + half * p[2]).fold(f64::NEG_INFINITY, f64::max);
@@ -91,7 +91,7 @@ mod tests {
 
     #[test]
     fn every_point_lands_within_the_margins_and_some_point_on_them() {
-        let points: Vec<Vector> = (0..200)
+        let points: Vec<Vec3> = (0..200)
             .map(|i| {
                 let t = f64::from(i);
                 [7.0 + (1.3 * t).sin() * 5.0, (0.7 * t).cos() * 0.5, -3.0 + (2.1 * t).sin() * 2.0]

@@ -3,9 +3,9 @@
 //! Everything happens in the camera's frame (right, up, towards the eye), so that a shape is lit alike from every side.
 
 use super::colour::Colour;
-use super::vector::{Vector, dot, plus, unit};
+use geom::vector::{Vec3, dot, step, unit};
 
-const KEY: Vector = [-0.50, 0.64, 0.58];
+const KEY: Vec3 = [-0.50, 0.64, 0.58];
 const KEY_STRENGTH: f64 = 0.74;
 const SKY: f64 = 0.33;
 const GROUND: f64 = 0.13;
@@ -20,14 +20,14 @@ pub(crate) struct Light {
 
 impl Light {
     /// The light that comes from a surface to the eye. `normal` and `sight` are unit vectors, `normal` on the eye's side.
-    pub(crate) fn on(normal: Vector, sight: Vector) -> Self {
+    pub(crate) fn on(normal: Vec3, sight: Vec3) -> Self {
         let key = unit(KEY);
         // Wrapped round the terminator, so that the dark side keeps its shape.
         let direct = ((dot(normal, key) + 0.25) / 1.25).max(0.0);
         let ambient = GROUND + (SKY - GROUND) * 0.5 * (1.0 + normal[1]);
         // A rim a little darker than the face, so that outlines stand off white paper.
         let rim = 0.68 + 0.32 * dot(normal, sight).clamp(0.0, 1.0).sqrt();
-        let half = unit(plus(key, 1.0, sight));
+        let half = unit(step(key, 1.0, sight));
         Self { diffuse: (KEY_STRENGTH * direct + ambient) * rim, shine: SHINE * dot(normal, half).max(0.0).powi(40) }
     }
 

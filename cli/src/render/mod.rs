@@ -13,7 +13,6 @@ mod light;
 mod model;
 mod scene;
 mod svg;
-mod vector;
 mod view;
 
 pub(crate) use canvas::Picture;

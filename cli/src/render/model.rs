@@ -5,9 +5,9 @@ use super::camera::Camera;
 use super::canvas::{Canvas, Picture, ScreenPoint};
 use super::colour::{Colour, INK, INSIDE, MAXIMUM, MINIMUM, PAPER, mix};
 use super::light::Light;
-use super::scene::Scene;
-use super::vector::{Vector, cross, dot, minus, plus, unit};
+use super::scene::{Scene, face_normal};
 use super::view;
+use geom::vector::{Vec3, dot, step, unit};
 
 const WIDTH: usize = 1280;
 const HEIGHT: usize = 1024;
@@ -90,10 +90,10 @@ fn front_to_back(scene: &Scene, places: &[ScreenPoint]) -> Vec<usize> {
 }
 
 /// The normal on the eye's side of the surface; one that leans away, as interpolated ones do, is bent back to the rim.
-fn facing(normal: Vector, sight: Vector, outside: bool) -> Vector {
+fn facing(normal: Vec3, sight: Vec3, outside: bool) -> Vec3 {
     let normal = if outside { normal } else { normal.map(|x| -x) };
     let towards = dot(normal, sight);
-    if towards < 0.0 { unit(plus(normal, -towards, sight)) } else { normal }
+    if towards < 0.0 { unit(step(normal, -towards, sight)) } else { normal }
 }
 
 fn draw_seams(canvas: &mut Canvas, scene: &Scene, places: &[ScreenPoint]) {
@@ -116,14 +116,14 @@ fn draw_cones(canvas: &mut Canvas, scene: &Scene, camera: &Camera, places: &[Scr
 
 /// For each corner the mean normal of the faces round its vertex that lie nearly in its own face's direction, weighted
 /// by area: smooth surfaces look smooth and sharp edges stay sharp.
-fn corner_normals(scene: &Scene) -> Vec<[Vector; 3]> {
-    let normals: Vec<Vector> = scene.triangles.iter().map(|t| face_normal(scene, t)).collect();
+fn corner_normals(scene: &Scene) -> Vec<[Vec3; 3]> {
+    let normals: Vec<Vec3> = scene.triangles.iter().map(|t| face_normal(scene, t)).collect();
     let (start, faces) = faces_round(scene);
     let mean = |f: usize, v: u32| {
         let own = unit(normals[f]);
         let round = &faces[start[v as usize] as usize..start[v as usize + 1] as usize];
         let alike = round.iter().map(|&g| normals[g as usize]).filter(|&n| dot(unit(n), own) > SMOOTH);
-        unit(alike.fold(normals[f].map(|x| x * 1e-9), |sum, n| plus(sum, 1.0, n)))
+        unit(alike.fold(normals[f].map(|x| x * 1e-9), |sum, n| step(sum, 1.0, n)))
     };
     scene.triangles.iter().enumerate().map(|(f, t)| t.map(|v| mean(f, v))).collect()
 }
@@ -146,10 +146,4 @@ fn faces_round(scene: &Scene) -> (Vec<u32>, Vec<u32>) {
         }
     }
     (start, faces)
-}
-
-/// The face's normal, as long as twice its area.
-pub(crate) fn face_normal(scene: &Scene, t: &[u32; 3]) -> Vector {
-    let [a, b, c] = t.map(|v| scene.points[v as usize]);
-    cross(minus(b, a), minus(c, a))
 }

@@ -1,7 +1,7 @@
 //! What the pictures are drawn of: a surface, its texture coordinates, its seams and its cones.
 
 use super::checker::Checker;
-use super::vector::{Vector, minus};
+use geom::vector::{Vec3, cross, sub};
 use std::collections::HashMap;
 
 /// A cone as it is drawn.
@@ -15,7 +15,7 @@ pub(crate) struct Mark {
 /// A surface scaled to unit size, with its texture coordinates scaled to the unit square.
 #[derive(Debug)]
 pub(crate) struct Scene {
-    pub(crate) points: Vec<Vector>,
+    pub(crate) points: Vec<Vec3>,
     pub(crate) triangles: Vec<[u32; 3]>,
     /// For each triangle the texture coordinates of its corners.
     pub(crate) uv: Vec<[[f64; 2]; 3]>,
@@ -26,7 +26,7 @@ pub(crate) struct Scene {
 
 impl Scene {
     pub(crate) fn new(
-        points: &[Vector],
+        points: &[Vec3],
         triangles: Vec<[u32; 3]>,
         uv: Vec<[[f64; 2]; 3]>,
         seams: Vec<Vec<u32>>,
@@ -34,7 +34,7 @@ impl Scene {
     ) -> Self {
         let used = || triangles.iter().flatten().map(|&v| points[v as usize]);
         let (low, extent) = extent(used());
-        let points = points.iter().map(|&p| minus(p, low).map(|x| x / extent)).collect();
+        let points = points.iter().map(|&p| sub(p, low).map(|x| x / extent)).collect();
         let uv = to_unit_square(uv);
         Self { points, triangles, uv, seams, cones }
     }
@@ -121,6 +121,12 @@ pub(crate) fn to_unit_square(mut uv: Vec<[[f64; 2]; 3]>) -> Vec<[[f64; 2]; 3]> {
         *corner = std::array::from_fn(|i| (corner[i] - low[i]) / size);
     }
     uv
+}
+
+/// The face's normal, as long as twice its area.
+pub(crate) fn face_normal(scene: &Scene, t: &[u32; 3]) -> Vec3 {
+    let [a, b, c] = t.map(|v| scene.points[v as usize]);
+    cross(sub(b, a), sub(c, a))
 }
 
 /// The least corner and the longest side of the points' box; 0 and 1 where there is none.

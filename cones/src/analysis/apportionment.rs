@@ -66,9 +66,9 @@ pub(crate) fn counts(components: &[Component], placement: Placement, total: usiz
         components.par_iter().with_max_len(1).map(curve).collect()
     };
     let sequence = match placement.sharing() {
-        Sharing::ByBriefCurves => return at_least(share_out(&curves(true), total), &least),
-        Sharing::ByCurves => sequence(&curves(false), total),
-        Sharing::ByPersistence => by_persistence(components, total),
+        Sharing::BriefCurves => return at_least(share_out(&curves(true), total), &least),
+        Sharing::Curves => sequence(&curves(false), total),
+        Sharing::Persistence => by_persistence(components, total),
     };
     let mut counts = vec![0; components.len()];
     sequence.into_iter().for_each(|p| counts[p] += 1);
@@ -94,10 +94,10 @@ pub(crate) fn sequence_of(
     let curve =
         |(c, nested): (&Component, &Nested)| EnergyCurve::of_order(&c.operators, nested, c.area, nested.cones().len());
     let sequence = match placement.sharing() {
-        Sharing::ByBriefCurves | Sharing::ByCurves => {
+        Sharing::BriefCurves | Sharing::Curves => {
             sequence(&components.iter().zip(nested).map(curve).collect::<Vec<EnergyCurve>>(), total)
         }
-        Sharing::ByPersistence => by_persistence(components, total),
+        Sharing::Persistence => by_persistence(components, total),
     };
     let is_all = |p: usize| nested[p].cones().len() == components[p].inner_vertices();
     let mut known = Vec::new();

@@ -36,7 +36,7 @@ pub struct BaselineMap {
 }
 
 /// The map of a component.
-struct Part {
+struct ComponentMap {
     map: Lscm,
     curvature_error: Option<f64>,
     broken: usize,
@@ -68,7 +68,13 @@ impl Analysis {
 }
 
 impl Component {
-    fn flatten_by(&self, baseline: Baseline, cones: &Cones, task: &Task, times: &mut Times) -> Result<Part, Error> {
+    fn flatten_by(
+        &self,
+        baseline: Baseline,
+        cones: &Cones,
+        task: &Task,
+        times: &mut Times,
+    ) -> Result<ComponentMap, Error> {
         let Self { index, surface, metric, .. } = self;
         let mesh = &surface.mesh;
         let configuration = &cones.configurations[*index];
@@ -86,7 +92,7 @@ impl Component {
         let scaled = scaling.as_ref().map_or(metric, |scaling| &scaling.metric);
         let map = task.stage((Stage::Layout, *index), times, |_| Lscm::new(mesh, scaled, &seams.cut))??;
         let (error, broken) = scaling.map_or((None, 0), |scaling| (Some(scaling.error), scaling.broken));
-        Ok(Part { map, curvature_error: error, broken })
+        Ok(ComponentMap { map, curvature_error: error, broken })
     }
 
     /// What makes a map as large as the surface is in the model.

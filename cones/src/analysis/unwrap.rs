@@ -92,7 +92,14 @@ impl Analysis {
     }
 
     /// Puts flattened components together.
-    fn assemble(&self, flats: Vec<Flat>, mut notes: Vec<Note>, number: Option<ChosenNumber>, times: Times) -> Atlas {
+    fn assemble(
+        &self,
+        flats: Vec<Flat>,
+        mut notes: Vec<Note>,
+        number: Option<ChosenNumber>,
+        mut times: Times,
+    ) -> Atlas {
+        let began = Instant::now();
         let mut uv = vec![None; self.corner_vertices().len()];
         let (mut cones, mut seams, mut detached) = (Vec::new(), Vec::new(), Vec::new());
         let number = number.map(|number| self.measured(number, &flats));

@@ -174,7 +174,7 @@ impl Operators {
     }
 
     /// The log scale factors `g_v` that a unit of curvature at each given vertex causes (Green's functions): on a closed
-    /// surface taken away evenly from all vertices, with mean 0 over these. Half a solve each.
+    /// surface taken away evenly from all vertices, with mean 0 over these. A back-substitution each.
     pub(crate) fn green_watched(
         &self,
         vertices: &[VertexId],
@@ -216,7 +216,7 @@ impl Operators {
         self.weight.iter().zip(x).map(|(w, x)| w * x).collect()
     }
 
-    /// The log scale factor that linear theory predicts for cones with given curvatures, centred. Half a solve.
+    /// The log scale factor that linear theory predicts for cones with given curvatures, centred. A back-substitution.
     pub fn log_scale(&self, cones: &[VertexId], curvature: &[f64]) -> VertexData<f64> {
         let mut u = self.uncentred_log_scale(cones, curvature);
         self.centre(&mut u);

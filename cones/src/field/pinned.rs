@@ -65,7 +65,7 @@ impl<'a> PinnedFactor<'a> {
     }
 
     /// φ: the log scale factor that is 0 at all cones and leaves curvature nowhere else; the paper's conformal factor where
-    /// there are none. Half a solve.
+    /// there are none. A back-substitution.
     pub(crate) fn factor(&self) -> VertexData<f64> {
         let curvature = if self.cones.is_empty() { None } else { self.curvature() };
         let Some(curvature) = curvature else { return ConformalFactor::new(self.operators).phi };

@@ -1,6 +1,6 @@
 //! What cannot be laid out with its neighbours becomes an island of its own.
 //!
-//! Where mending fails, a few triangles of a flat metric stay flipped: at slits of a scan that almost touch, at needles
+//! Where fold-overs cannot be removed, a few triangles of a flat metric stay flipped: at slits of a scan that almost touch, at needles
 //! round a cone of negative curvature. They are taken out of the layout, unfolded in one piece or several as they lie in
 //! space, and put beside it. What is left of the layout stays as it is; so that it stays a disk, a hole that does not reach
 //! a seam or the boundary is joined to the nearest by a further seam. A polygon goes as a whole, for its triangles share

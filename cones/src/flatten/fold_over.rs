@@ -356,7 +356,7 @@ fn wedge_turns(input: &Mesh, layout: &Layout) -> Vec<Complex64> {
     turn.into_iter().map(|turn| turn.unwrap_or(Complex64::ONE)).collect()
 }
 
-/// CurvatureRule moved by a common amount and clipped, such that they sum to `sum`: found by bisection, the sum being monotone.
+/// Angles moved by a common amount and clipped, such that they sum to `sum`: found by bisection, the sum being monotone.
 fn clipped_to_sum(angles: &[f64], low: f64, high: f64, sum: f64) -> Vec<f64> {
     let clipped = |shift: f64| angles.iter().map(|a| (a + shift).clamp(low, high)).collect::<Vec<f64>>();
     let (mut from, mut to) = (-2.0 * PI, 2.0 * PI);

@@ -32,14 +32,14 @@ pub(crate) struct Automatic {
 }
 
 impl Automatic {
-    /// The log scale factor that is predicted for the cones. Half a solve, one more for each cone if curvatures are harmonic.
+    /// The log scale factor that is predicted for the cones. A back-substitution, one more for each cone if curvatures are harmonic.
     pub(crate) fn log_scale(&self, operators: &Operators, rule: CurvatureRule) -> VertexData<f64> {
         Configuration::new(operators, &self.set, rule).log_scale(operators)
     }
 }
 
 /// Chooses as few cones as keep the predicted area distortion within `target`, at most `most`, at least as many as the
-/// surface needs. They will get their curvatures by the rule `rule`; where they are is chosen for optimal ones.
+/// surface needs. They will get their curvatures by `rule`; where they are is chosen for optimal ones.
 pub(crate) fn automatic(model: &mut EnergyModel, rule: CurvatureRule, target: f64, most: usize) -> Automatic {
     let operators = model.operators();
     let least = least_cones(operators);
@@ -57,7 +57,7 @@ pub(crate) fn automatic(model: &mut EnergyModel, rule: CurvatureRule, target: f6
 }
 
 /// The shortest prefix of an order of cones that keeps the predicted area distortion within `target`; all of it where
-/// none does. One and a half back-solves for each cone and half a one for each prefix, one more for each cone if curvatures are harmonic.
+/// none does. One and a half back-solves for each cone and a back-substitution for each prefix, one more for each cone if curvatures are harmonic.
 pub(crate) fn shortest(model: &mut EnergyModel, order: &[VertexId], rule: CurvatureRule, target: f64) -> Automatic {
     let nested = Nested::new(model, order);
     let operators = model.operators();

@@ -72,7 +72,7 @@ impl Configuration {
         }
     }
 
-    /// The log scale factor, centred. Half a solve.
+    /// The log scale factor, centred. A back-substitution.
     pub(crate) fn log_scale(&self, operators: &Operators) -> VertexData<f64> {
         let mut u = operators.uncentred_log_scale(&self.cones, &self.curvature);
         match self.rule {

@@ -19,9 +19,8 @@ use std::f64::consts::PI;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use geom::{Interrupted, Mesh, VertexData, VertexId, Watch};
+use geom::{EdgeDistances, Interrupted, Mesh, VertexData, VertexId, Watch};
 
-use super::distances::Distances;
 use crate::curvature::{LARGEST_CORNER, general_bounds, usable_degree};
 use crate::field::Operators;
 use crate::numerics::quadratic_program::{Held, Quadratic, minimise_and_count};
@@ -46,7 +45,7 @@ pub(crate) struct EnergyTerms {
     linear: VertexData<f64>,
     /// E₀
     constant: f64,
-    distances: Distances,
+    distances: EdgeDistances,
     /// How many triangles of each vertex can open up.
     triangles: VertexData<f64>,
 }
@@ -58,11 +57,12 @@ impl EnergyTerms {
         let mut flattening = operators.flattening().clone();
         operators.centre(&mut flattening);
         let linear = operators.poisson.solve(&operators.weighted(&flattening));
+        let unit = operators.metric.area(&operators.mesh).sqrt().recip();
         Self {
             constant: operators.inner(&flattening, &flattening),
             flattening,
             linear,
-            distances: Distances::new(&operators.mesh, &operators.metric),
+            distances: EdgeDistances::new(&operators.mesh, |e| (operators.metric.length(e) * unit) as f32),
             triangles: input.vertices().map(|v| usable_degree(input, &[], v) as f64).collect(),
         }
     }
@@ -163,7 +163,7 @@ impl<'a> EnergyModel<'a> {
     }
 
     /// Distances on the surface scaled to area 1.
-    pub(crate) fn distances(&self) -> &Distances {
+    pub(crate) fn distances(&self) -> &EdgeDistances {
         &self.terms.distances
     }
 
@@ -310,7 +310,7 @@ impl<'a> EnergyModel<'a> {
         missing.abs()
     }
 
-    /// The log scale factor that linear theory predicts for cones with given curvatures, centred. Half a solve.
+    /// The log scale factor that linear theory predicts for cones with given curvatures, centred. A back-substitution.
     pub fn log_scale(&self, cones: &[VertexId], curvature: &[f64]) -> VertexData<f64> {
         self.operators.log_scale(cones, curvature)
     }

@@ -5,7 +5,6 @@
 
 mod automatic;
 pub(crate) mod configuration;
-mod distances;
 mod energy_model;
 mod exchange;
 mod iterative;
@@ -68,11 +67,11 @@ pub enum Placement {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Sharing {
     /// By what cones bring, from curves that serve one number only.
-    ByBriefCurves,
+    BriefCurves,
     /// By what cones bring, for every number.
-    ByCurves,
+    Curves,
     /// By the persistence of their extrema.
-    ByPersistence,
+    Persistence,
 }
 
 /// A connected surface that cones are placed on.
@@ -146,9 +145,9 @@ impl Placement {
 
     pub(crate) fn sharing(self) -> Sharing {
         match self {
-            Self::Refined => Sharing::ByBriefCurves,
-            Self::Pursuit => Sharing::ByCurves,
-            _ => Sharing::ByPersistence,
+            Self::Refined => Sharing::BriefCurves,
+            Self::Pursuit => Sharing::Curves,
+            _ => Sharing::Persistence,
         }
     }
 

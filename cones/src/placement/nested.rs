@@ -27,8 +27,8 @@ impl Nested {
         self.sets.last().map_or(&[], |set| &set.cones)
     }
 
-    /// What is predicted for every number of cones that can take the surface's curvature, with curvatures by a rule. Half
-    /// a solve for each.
+    /// What is predicted for every number of cones that can take the surface's curvature, with curvatures by a rule. A
+    /// back-substitution for each.
     pub(crate) fn curve(&self, operators: &Operators, rule: CurvatureRule, watch: Watch) -> Vec<Prediction> {
         ComponentOrder::new(operators, 1.0, self, rule, watch).curve(watch)
     }
@@ -58,7 +58,7 @@ impl<'a> ComponentOrder<'a> {
     }
 }
 
-/// What is predicted for each number of cones that can take the curvature of all components. Half a solve for each. Once the
+/// What is predicted for each number of cones that can take the curvature of all components. A back-substitution for each. Once the
 /// watch says stop it ends early.
 pub(crate) fn curve_of_sequence(components: &[ComponentOrder], sequence: &[usize], watch: Watch) -> Vec<Prediction> {
     let mut predictor = Predictor::new(components.len());

@@ -18,12 +18,12 @@ pub struct Prediction {
     /// The L2 norm of the log scale factor, weighted by area.
     #[cfg_attr(feature = "serde", serde(rename = "predicted_l2"))]
     pub log_scale_norm: f64,
-    /// The area distortion D, see [`area_distortion`].
+    /// The area distortion D: the mean of max(r, 1/r), weighted by area, r the ratio of areas after one global scaling.
     #[cfg_attr(feature = "serde", serde(rename = "predicted_area"))]
     pub area_distortion: f64,
 }
 
-/// What linear theory predicts for a set of cones that get their curvatures by a rule. Half a solve; one more for each cone
+/// What linear theory predicts for a set of cones that get their curvatures by a rule. A back-substitution; one more for each cone
 /// where they are harmonic.
 pub(crate) fn predict(operators: &Operators, set: &ConeSet, rule: CurvatureRule) -> Prediction {
     let u = Configuration::new(operators, set, rule).log_scale(operators);

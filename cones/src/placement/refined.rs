@@ -33,7 +33,7 @@ const LEAST_BACKWARD: usize = 12;
 /// vertices. About 45, 100, 225 and 375 back-solves for 4, 8, 16 and 32 cones.
 ///
 /// On a closed surface too few cones cannot take its curvature: see [`ConeSet::shortfall`] and
-/// [`least_cones`](crate::least_cones).
+/// [`least_cones`](crate::internals::least_cones).
 /// The cones come in the order of their curvature's size.
 ///
 /// ```

@@ -1,4 +1,4 @@
-//! What it would bring to move any one cone to any vertex, from the columns of the model model alone.
+//! What it would bring to move any one cone to any vertex, from the columns of the energy model alone.
 //!
 //! Take the cones' best curvatures q, F those between their bounds, and the inverse of their optimality conditions,
 //!
@@ -14,7 +14,7 @@
 //!
 //! s is known in the pool. Elsewhere it follows from the distance d to the nearest free cone, on the surface scaled to
 //! area 1, as for Green's function of the bilaplacian in the plane: s = d²/4π · max(log(R/d), ½), with R = 0.9/√|F|.
-//! Without this norm cones would separation.
+//! Without this norm cones would crowd.
 
 use std::f64::consts::PI;
 

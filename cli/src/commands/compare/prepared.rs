@@ -24,7 +24,7 @@ impl PreparedModel {
         let analysis = Analysis::new(&model).map_err(failed)?;
         warn(analysis.repairs(), analysis.notes(), analysis.topology().components);
         let surfaces = prepare(&model, false).map_err(|error| failed(error.into()))?.surfaces;
-        let laplacians = surfaces.iter().map(|surface| factorable(surface)).collect();
+        let laplacians = surfaces.iter().map(factorable).collect();
         Ok(Self { name, model, surfaces, laplacians })
     }
 

@@ -2,7 +2,7 @@
 
 use super::args::{ConnectivityName, PersistenceArgs};
 use crate::error::CommandError;
-use crate::input::{Array, Form, Network, Source, Values, edges_beside, significant};
+use crate::input::{Array, Form, Network, Source, Values, edges_beside, read_array, significant};
 use crate::report::table::cut;
 use crate::{commands::shared::warn, input};
 use serde::Serialize;
@@ -86,7 +86,7 @@ impl DomainField {
     }
 
     fn array(args: &PersistenceArgs) -> Result<Self, CommandError> {
-        let Array { values, shape } = Array::read(&args.input)?;
+        let Array { values, shape } = read_array(&args.input)?;
         let periodic = args.periodic.unwrap_or_default().zyx;
         if let Some(axis) = (0..3 - shape.len()).find(|&axis| periodic[axis]) {
             return Err(CommandError::NoAxis { path: args.input.clone(), axis: AXES[axis], axes: shape.len() });
