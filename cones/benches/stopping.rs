@@ -13,7 +13,7 @@ use cones::{Analysis, ConeChoice, Error, Options, Placement, Preparation, Progre
 use geom::{Model, shapes};
 
 /// Work is stopped at so many different moments.
-const STOPS: u32 = 24;
+const STOPS: u32 = 12;
 
 /// What an observer has seen.
 #[derive(Default)]

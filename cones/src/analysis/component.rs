@@ -49,15 +49,17 @@ impl Component {
             notes.push(Note::Mollified { component: index });
             Operators::with_points(&surface.mesh, &metric, &surface.points, watch)
         })??;
-        let (factor, hierarchy) = task.stage((Stage::Hierarchy, index), &mut times, |_| {
-            let smoothed = preparation.smooth.then(|| ConformalFactor::smoothed(&operators));
-            if let Some(Err(_)) = &smoothed {
-                notes.push(Note::NotSmoothed { component: index });
-            }
-            let factor = smoothed.and_then(Result::ok).unwrap_or_else(|| ConformalFactor::new(&operators));
-            let hierarchy = ConeHierarchy::new(&operators, &factor);
-            (factor, hierarchy)
-        })?;
+        let (factor, hierarchy) =
+            task.stage((Stage::Hierarchy, index), &mut times, |watch| -> Result<_, Error> {
+                let smoothed = preparation.smooth.then(|| ConformalFactor::smoothed(&operators));
+                if let Some(Err(_)) = &smoothed {
+                    notes.push(Note::NotSmoothed { component: index });
+                }
+                let factor = smoothed.and_then(Result::ok).unwrap_or_else(|| ConformalFactor::new(&operators));
+                watch.ask(0.5)?;
+                let hierarchy = ConeHierarchy::new(&operators, &factor);
+                Ok((factor, hierarchy))
+            })??;
         let area = metric.area(&surface.mesh) / surface.scale / surface.scale;
         let terms = OnceLock::new();
         Ok(Self { index, surface, metric, area, operators, factor, hierarchy, terms, notes, times })

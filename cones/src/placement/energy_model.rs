@@ -264,6 +264,9 @@ impl<'a> EnergyModel<'a> {
     /// way evenly, and the shortfall tells by how much.
     pub fn fit(&self, cones: &[VertexId]) -> ConeSet {
         let n = cones.len();
+        if self.is_stopped() {
+            return self.unfitted(cones);
+        }
         let linear: Vec<f64> = cones.iter().map(|&v| self.terms.linear[v]).collect();
         let matrix: Vec<f64> = cones.iter().flat_map(|&v| cones.iter().map(move |&x| self.product(v, x))).collect();
         let mut bounds: Vec<[f64; 2]> = cones.iter().map(|&v| self.bounds(v, n)).collect();
@@ -293,6 +296,19 @@ impl<'a> EnergyModel<'a> {
                 multiplier: 0.0,
                 bounds,
             },
+        }
+    }
+
+    /// What stands for a fit once searches must end.
+    fn unfitted(&self, cones: &[VertexId]) -> ConeSet {
+        ConeSet {
+            cones: cones.to_vec(),
+            curvature: vec![0.0; cones.len()],
+            energy: self.terms.constant,
+            shortfall: 0.0,
+            held: vec![Held::Free; cones.len()],
+            multiplier: 0.0,
+            bounds: vec![[0.0; 2]; cones.len()],
         }
     }
 

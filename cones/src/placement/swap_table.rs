@@ -262,13 +262,15 @@ impl<'a> SwapTable<'a> {
     }
 }
 
-/// s at every vertex, estimated from distances along edges.
+/// s at every vertex, estimated from distances along edges; 0 once searches must end.
 pub(crate) fn norms(model: &EnergyModel, set: &ConeSet) -> VertexData<f64> {
     let operators = model.operators();
     let free = set.cones.iter().zip(&set.held).filter(|(_, held)| **held == Held::Free).map(|(&c, _)| c);
     let cones: Vec<VertexId> = if set.held.contains(&Held::Free) { free.collect() } else { set.cones.clone() };
     let boundary = operators.mesh.vertices().filter(|&v| operators.mesh.is_boundary_vertex(v));
-    let distance = model.distances().from(cones.iter().copied().chain(boundary));
+    let sources = cones.iter().copied().chain(boundary);
+    let nowhere = |_| VertexData::constant(operators.mesh.vertex_count(), 0.0);
+    let distance = model.distances().from_watched(sources, model.watch()).unwrap_or_else(nowhere);
     let parts = cones.len() + usize::from(operators.is_bordered());
     let radius = 0.9 / (parts.max(1) as f64).sqrt();
     let norm = |&d: &f32| {
