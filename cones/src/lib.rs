@@ -76,3 +76,8 @@ pub mod internals {
     pub use crate::numerics::quadratic_program::{Held, ProgramError, Quadratic, minimise};
     pub use crate::placement::{ConeSet, EnergyModel, Nested, pursuit, refined};
 }
+
+/// The example of the README.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -49,6 +49,11 @@ pub use surface::*;
 pub use walk::*;
 pub use watch::{Interrupted, Watch};
 
+/// The example of the README.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -4,6 +4,7 @@
 //! only.
 
 mod comparing;
+mod documented;
 mod fields;
 mod finds;
 mod folder;
