@@ -257,3 +257,18 @@ fn each<T: Send>(
     *times += Times::on_clock(done.iter().map(|(_, times)| *times), began.elapsed());
     done.into_iter().map(|(done, _)| done).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_analysis_and_what_comes_of_it_can_be_shared_by_threads() {
+        fn is_shared<T: Send + Sync + Clone + 'static>() {}
+        is_shared::<Analysis>();
+        is_shared::<Cones>();
+        is_shared::<Atlas>();
+        is_shared::<ConeOrder>();
+        is_shared::<Error>();
+    }
+}
