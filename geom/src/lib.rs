@@ -49,6 +49,12 @@ pub use surface::*;
 pub use walk::*;
 pub use watch::{Interrupted, Watch};
 
+/// What the tests of this workspace ask beyond the library. No part of it: it changes without notice.
+#[doc(hidden)]
+pub mod internals {
+    pub use crate::linalg::factorizations;
+}
+
 /// The example of the README.
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]

@@ -1,26 +1,44 @@
 //! The laws of the flattened surface.
 
+use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
+
 use cones::{ConeChoice, Options, Placement, unwrap_model};
 use geom::distortion;
 use geom::shapes::{self, Shape};
 use proptest::prelude::*;
 use tests::oracle::check_map;
+use tests::properties::Reached;
 use tests::{properties, solids};
 
 use crate::{bytes, cases};
 
+/// A law on random inputs, of which it must reach so large shares: closed surfaces, bordered ones; and be stuck on none but
+/// one in fifty.
+fn reaches(law: fn(&[u8]) -> Reached, closed: f64, bordered: f64) {
+    let found =
+        [Reached::Nothing, Reached::Stuck, Reached::Closed, Reached::Bordered].map(|of| (of, AtomicUsize::new(0)));
+    proptest!(cases(96), |(bytes in bytes(120))| {
+        let reached = law(&bytes);
+        found.iter().filter(|(of, _)| *of == reached).for_each(|(_, count)| _ = count.fetch_add(1, Relaxed));
+    });
+    let counts = found.each_ref().map(|(_, count)| count.load(Relaxed));
+    let all = counts.iter().sum::<usize>() as f64;
+    let [_, stuck, on_closed, on_bordered] = counts.map(|count| count as f64 / all);
+    assert!(all >= 90.0 && on_closed >= closed && on_bordered >= bordered && stuck <= 0.02, "{found:?}");
+}
+
+#[test]
+fn cones_flatten_and_seams_turn_by_what_they_enclose() {
+    reaches(properties::cones_flatten, 0.4, 0.2);
+}
+
+#[test]
+fn where_every_vertex_is_a_cone_the_surface_just_unfolds() {
+    reaches(properties::every_vertex_a_cone_unfolds, 0.35, 0.2);
+}
+
 proptest! {
     #![proptest_config(cases(96))]
-
-    #[test]
-    fn cones_flatten_and_seams_turn_by_what_they_enclose(bytes in bytes(120)) {
-        properties::cones_flatten(&bytes);
-    }
-
-    #[test]
-    fn where_every_vertex_is_a_cone_the_surface_just_unfolds(bytes in bytes(120)) {
-        properties::every_vertex_a_cone_unfolds(&bytes);
-    }
 
     #[test]
     fn whatever_is_done_to_a_mesh_its_faces_come_back(bytes in bytes(160)) {

@@ -1,5 +1,6 @@
 //! What holds across the crates, one module a subject.
 
+mod analysis;
 mod choosing;
 mod corpus;
 mod files;

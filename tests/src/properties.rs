@@ -11,7 +11,7 @@ mod persistence;
 mod preparing;
 
 pub use files::{obj_is_given_back, reading};
-pub use flattening::{cones_flatten, every_vertex_a_cone_unfolds, files_unwrap, insults_unwrap, options};
+pub use flattening::{Reached, cones_flatten, every_vertex_a_cone_unfolds, files_unwrap, insults_unwrap, options};
 pub use operators::{flips, laplacian, poisson, seams};
 pub use persistence::{domains, hierarchy, pairing, relabelled};
 pub use preparing::preparing;

@@ -29,6 +29,17 @@ pub fn refined(shape: &Shape) -> Shape {
     Shape { points, triangles }
 }
 
+/// Several shapes as one, each nine further along the first axis than the one before it.
+pub fn side_by_side(shapes: &[Shape]) -> Shape {
+    let mut all = Shape { points: Vec::new(), triangles: Vec::new() };
+    for (k, shape) in shapes.iter().enumerate() {
+        let first = all.points.len() as u32;
+        all.points.extend(shape.points.iter().map(|p| [p[0] + 9.0 * k as f64, p[1], p[2]]));
+        all.triangles.extend(shape.triangles.iter().map(|t| t.map(|v| v + first)));
+    }
+    all
+}
+
 /// The model that a file of this content gives.
 ///
 /// # Errors

@@ -6,6 +6,7 @@
 //! factorization, which is the oracle in the tests; both run on one thread (more gain nothing at these sizes).
 
 use std::collections::BTreeSet;
+use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::sparse::SymbolicSparseColMatRef;
@@ -39,6 +40,14 @@ pub enum CholeskyError {
 const BLOCK: usize = 16;
 /// After so many entries, or so many multiplications in fronts, the watch is asked again: about a millisecond.
 const ASKED_AFTER: usize = 1 << 20;
+
+/// How many matrices have been factored.
+static FACTORIZATIONS: AtomicUsize = AtomicUsize::new(0);
+
+/// How many matrices this process has begun to factor, to check what costs a factorization and what does not.
+pub fn factorizations() -> usize {
+    FACTORIZATIONS.load(Relaxed)
+}
 
 /// The graph of a matrix.
 fn graph(matrix: &SymmetricMatrix) -> Graph {
@@ -159,6 +168,7 @@ impl Cholesky {
     }
 
     fn factor_values(&mut self, watch: Watch) -> Result<(), CholeskyError> {
+        FACTORIZATIONS.fetch_add(1, Relaxed);
         let Self { matrix, elimination, place, factor } = self;
         let out_of_memory = |_| CholeskyError::OutOfMemory(matrix.dimension());
         factor.clear();

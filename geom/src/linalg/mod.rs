@@ -13,6 +13,6 @@ mod graph;
 mod substitution;
 mod symmetric;
 
-pub use cholesky::{Cholesky, CholeskyError};
+pub use cholesky::{Cholesky, CholeskyError, factorizations};
 pub use gram::gram;
 pub use symmetric::SymmetricMatrix;

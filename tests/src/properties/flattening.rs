@@ -25,9 +25,28 @@ const METHODS: [Placement; 6] = [
     Placement::Pursuit,
 ];
 
+/// What a law came to on its input.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Reached {
+    /// It says nothing of this input.
+    Nothing,
+    /// Newton's method got stuck on a surface with a boundary, and so nothing was checked.
+    Stuck,
+    /// It was checked on a surface without a boundary.
+    Closed,
+    /// It was checked on a surface with a boundary.
+    Bordered,
+}
+
+impl Reached {
+    fn on(mesh: &Mesh) -> Self {
+        if mesh.boundary_loops().is_empty() { Self::Closed } else { Self::Bordered }
+    }
+}
+
 /// Any cones of any small surface give a metric that is flat but there, a layout whose seams match up to rigid motions,
 /// and each of these motions turns by the curvature that the seam encloses.
-pub fn cones_flatten(bytes: &[u8]) {
+pub fn cones_flatten(bytes: &[u8]) -> Reached {
     let bytes = &mut Bytes::new(bytes);
     let shape = decode::surface(bytes);
     let mesh = shape.mesh();
@@ -36,7 +55,7 @@ pub fn cones_flatten(bytes: &[u8]) {
     let count = 3 + bytes.below(6);
     let vertices = decode::inner_vertices(bytes, &mesh, count);
     let chosen = match cone_curvatures(&operators, &mesh, &vertices, CurvatureRule::Optimal, Watch::NONE) {
-        Err(CurvatureError::TooFew { .. }) => return,
+        Err(CurvatureError::TooFew { .. }) => return Reached::Nothing,
         chosen => chosen.expect("the only other outcome"),
     };
     let total: f64 = chosen.curvature.iter().sum();
@@ -47,7 +66,7 @@ pub fn cones_flatten(bytes: &[u8]) {
     vertices.iter().zip(&chosen.curvature).for_each(|(&v, &k)| target[v] = k);
     let scaling = match scale(&mesh, &metric, &operators, &target, &chosen.predicted, Watch::NONE) {
         // With given log scale factors on the boundary Newton's method may get stuck, rarely.
-        Err(_) if operators.is_bordered() => return,
+        Err(_) if operators.is_bordered() => return Reached::Stuck,
         scaling => scaling.expect("a discretely conformal metric"),
     };
     assert_flat_but_at_cones(&mesh, &scaling, &target);
@@ -65,6 +84,7 @@ pub fn cones_flatten(bytes: &[u8]) {
     if mesh.euler_characteristic() == 2 {
         assert_holonomy(&mesh, &seams, &layout, &target);
     }
+    Reached::on(&mesh)
 }
 
 /// |K - K^T| < 1e-9 inside, by the angle defects of the metric itself; its triangulation goes back to the input's.
@@ -109,7 +129,7 @@ fn curvature_behind(mesh: &Mesh, seams: &Seams, v: VertexId, from: VertexId, tar
 
 /// Where every inner vertex is a cone with the curvature that it has, nothing needs to be scaled: the layout is the surface
 /// unfolded, every edge as long as in space.
-pub fn every_vertex_a_cone_unfolds(bytes: &[u8]) {
+pub fn every_vertex_a_cone_unfolds(bytes: &[u8]) -> Reached {
     let shape = decode::surface(&mut Bytes::new(bytes));
     let mesh = shape.mesh();
     let metric = Metric::from_points(&mesh, &shape.points);
@@ -118,7 +138,7 @@ pub fn every_vertex_a_cone_unfolds(bytes: &[u8]) {
     let given: Vec<_> = mesh.vertices().filter(inner).map(|v| (v.0, Some(defects[v]))).collect();
     let longest = metric.lengths().iter().fold(0.0_f64, |m, &l| m.max(l));
     if mesh.faces().any(|f| metric.sides(&mesh, f).area() < 1e-5 * longest * longest) {
-        return; // what a sliver does to angles is another law's subject
+        return Reached::Nothing; // what a sliver does to angles is another law's subject
     }
     let model = solids::model(&shape).expect("ordinary numbers");
     let options = Options { cones: ConeChoice::Given(given), ..Options::default() };
@@ -126,6 +146,7 @@ pub fn every_vertex_a_cone_unfolds(bytes: &[u8]) {
     let found = check_map(&model, &atlas);
     assert!(found.stretch < 1e-8, "{found:?}");
     assert_eq!((found.flipped, found.torn, found.euler), (0, 0, vec![1]));
+    Reached::on(&mesh)
 }
 
 /// Whatever is done to a good mesh, it unwraps.
