@@ -15,7 +15,8 @@ use crate::{bytes, cases};
 /// A law on random inputs, of which it must reach so large shares: closed surfaces, bordered ones; and be stuck on none but
 /// one in fifty.
 fn reaches(law: fn(&[u8]) -> Reached, closed: f64, bordered: f64) {
-    let found = [Reached::Nothing, Reached::Stuck, Reached::Closed, Reached::Bordered].map(|of| (of, AtomicUsize::new(0)));
+    let found =
+        [Reached::Nothing, Reached::Stuck, Reached::Closed, Reached::Bordered].map(|of| (of, AtomicUsize::new(0)));
     proptest!(cases(96), |(bytes in bytes(120))| {
         let reached = law(&bytes);
         found.iter().filter(|(of, _)| *of == reached).for_each(|(_, count)| _ = count.fetch_add(1, Relaxed));

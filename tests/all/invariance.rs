@@ -117,12 +117,8 @@ fn the_same_input_gives_the_same_bits() {
 
 #[test]
 fn any_number_of_threads_gives_the_same_bits() {
-    let all = solids::side_by_side(&[
-        shapes::hare(700),
-        shapes::torus(1, 500),
-        shapes::terrain(400, 3),
-        shapes::square(100),
-    ]);
+    let all =
+        solids::side_by_side(&[shapes::hare(700), shapes::torus(1, 500), shapes::terrain(400, 3), shapes::square(100)]);
     let model = solids::model(&all).expect("an ordinary shape");
     for cones in [ConeChoice::Count(14), ConeChoice::Automatic] {
         let options = Options { cones, ..Options::default() };
