@@ -236,12 +236,18 @@ fn where_parts_need_more_cones_than_were_asked_for_it_is_said_for_all_of_them() 
     let (told, atlas) = notes(&two, &count(5));
     assert_eq!(told, [Note::FewerThanNeeded { asked: 5, needed: 6, components: 2 }]);
     assert_eq!((atlas.cones.len(), told[0].component()), (6, None));
+    let analysis = Analysis::new(&model(&two)).expect("sound shapes");
+    let cones = analysis.place(Placement::Refined, 5).expect("sound shapes");
+    assert_eq!((cones.notes(), analysis.flatten(&cones).expect("they unwrap").notes), (&told[..], told.clone()));
     let threshold = Options { cones: ConeChoice::MinPersistence(1e9), ..Options::default() };
     let (told, atlas) = notes(&two, &threshold);
     // The highest and the lowest point of a part have a saddle at no height at all.
     assert_eq!(told, [Note::FewExtrema { threshold: 1e9, above: 0, taken: 6, components: 2 }]);
     assert_eq!(atlas.cones.len(), 6);
     assert_eq!(notes(&two, &count(6)).0, []);
+    let threshold = Options { cones: ConeChoice::MinPersistence(0.05), ..Options::default() };
+    let (told, atlas) = notes(&shapes::hare(600), &threshold);
+    assert!(told.is_empty() && atlas.cones.len() > 3, "{told:?}");
 }
 
 #[test]
@@ -300,6 +306,47 @@ fn harmonic_curvatures_out_of_bounds_are_replaced_and_it_is_said() {
         assert!((sum + 2.0 * std::f64::consts::TAU).abs() < 1e-9, "{harmonic:?}");
     }
     assert!(kept >= 5 && replaced >= 2, "{kept} pairs keep the rule, {replaced} do not");
+}
+
+#[test]
+fn given_cones_are_taken_as_they_are_or_refused() {
+    let closed = Analysis::new(&model(&shapes::hare(400))).expect("a sound shape");
+    let open = Analysis::new(&model(&shapes::square(100))).expect("a sound shape");
+    let choose = |analysis: &Analysis, given: &[(u32, Option<f64>)]| {
+        analysis.choose(&Options { cones: ConeChoice::Given(given.to_vec()), ..Options::default() })
+    };
+    let optimal = closed.place(Placement::Refined, 6).expect("a sound shape");
+    let given: Vec<(u32, Option<f64>)> = optimal.iter().map(|cone| (cone.vertex, Some(cone.curvature))).collect();
+    let again = choose(&closed, &given).expect("they are possible");
+    assert_eq!((again.placement(), again.len()), (None, 6));
+    let [before, after] = [&optimal, &again].map(|cones| cones.prediction().log_scale_norm);
+    assert!((before - after).abs() < 1e-9 * before, "what is predicted is for the curvatures: {before} {after}");
+    let options = Options { cones: ConeChoice::Given(given.clone()), ..Options::default() };
+    let times = closed.atlas(&options).expect("it unwraps").times;
+    assert!(times.of(cones::Stage::Curvature) > Duration::ZERO, "placing them counts too: {times:?}");
+
+    let with = |change: f64| [&[(given[0].0, given[0].1.map(|k| k + change))], &given[1..]].concat();
+    assert!(choose(&closed, &with(1e-9)).is_ok());
+    assert!(matches!(choose(&closed, &with(1e-3)), Err(Error::CurvatureSum { .. })));
+    assert!(matches!(choose(&closed, &[(1, None), (2, None), (1, None)]), Err(Error::RepeatedCone(1))));
+    assert!(matches!(choose(&closed, &[(1, None), (2, Some(1.0))]), Err(Error::SomeCurvatures { known: 1, given: 2 })));
+    assert!(matches!(choose(&closed, &[(1, None), (99_999, None)]), Err(Error::NoSuchCone { vertex: 99_999, .. })));
+    let mesh = shapes::square(100).mesh();
+    let [inner, outer] = [false, true]
+        .map(|is_outer| mesh.vertices().find(|&v| mesh.is_boundary_vertex(v) == is_outer).expect("there are both").0);
+    assert!(matches!(choose(&open, &[(outer, None)]), Err(Error::ConeOnBoundary(v)) if v == outer));
+    assert!(choose(&open, &[(inner, Some(6.2))]).is_ok());
+    assert!(matches!(choose(&open, &[(inner, Some(6.3))]), Err(Error::CurvatureTooLarge(k)) if k == 6.3));
+}
+
+#[test]
+fn each_part_gets_what_it_was_given_or_what_it_needs() {
+    let two = solids::side_by_side(&[solids::bumpy_sphere(3), solids::bumpy_sphere(2), shapes::square(100)]);
+    let analysis = Analysis::new(&model(&two)).expect("sound shapes");
+    let options = Options { cones: ConeChoice::Each(vec![5, 0]), ..Options::default() };
+    let cones = analysis.choose(&options).expect("sound shapes");
+    let of = |part: usize| cones.iter().filter(|cone| cone.component == part).count();
+    assert_eq!([0, 1, 2].map(of), [5, 3, 0]);
 }
 
 /// The mean of max(r, 1/r) over a map.

@@ -164,6 +164,9 @@ mod tests {
         let mut alone = Predictor::new(1);
         alone.put(0, &operators, 3.0, 4, u.clone());
         let alone = alone.prediction();
+        let mut centred = u.clone();
+        operators.subtract_mean(&mut centred);
+        assert!((alone.log_scale_norm - operators.inner(&centred, &centred).sqrt()).abs() < 1e-12);
         let mut both = Predictor::new(2);
         both.put(0, &operators, 3.0, 4, u);
         both.put(1, &operators, 1.0, 2, VertexData::constant(mesh.vertex_count(), 7.0));
