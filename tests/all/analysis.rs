@@ -236,12 +236,18 @@ fn where_parts_need_more_cones_than_were_asked_for_it_is_said_for_all_of_them() 
     let (told, atlas) = notes(&two, &count(5));
     assert_eq!(told, [Note::FewerThanNeeded { asked: 5, needed: 6, components: 2 }]);
     assert_eq!((atlas.cones.len(), told[0].component()), (6, None));
+    let analysis = Analysis::new(&model(&two)).expect("sound shapes");
+    let cones = analysis.place(Placement::Refined, 5).expect("sound shapes");
+    assert_eq!((cones.notes(), analysis.flatten(&cones).expect("they unwrap").notes), (&told[..], told.clone()));
     let threshold = Options { cones: ConeChoice::MinPersistence(1e9), ..Options::default() };
     let (told, atlas) = notes(&two, &threshold);
     // The highest and the lowest point of a part have a saddle at no height at all.
     assert_eq!(told, [Note::FewExtrema { threshold: 1e9, above: 0, taken: 6, components: 2 }]);
     assert_eq!(atlas.cones.len(), 6);
     assert_eq!(notes(&two, &count(6)).0, []);
+    let threshold = Options { cones: ConeChoice::MinPersistence(0.05), ..Options::default() };
+    let (told, atlas) = notes(&shapes::hare(600), &threshold);
+    assert!(told.is_empty() && atlas.cones.len() > 3, "{told:?}");
 }
 
 #[test]
@@ -276,29 +282,73 @@ fn more_cones_than_are_optimised_are_placed_by_persistence_and_it_is_said() {
     assert_eq!(notes(&shape, &count(cones::MOST_OPTIMISED)).0, []);
 }
 
-/// Each end of a long tube needs 2π: too much for the cone that is alone there.
+/// Two cones of a double torus have -4π between them; pinned to 0, one may be asked for more than its triangles allow.
 #[test]
-fn harmonic_curvatures_that_leave_no_angle_are_replaced_and_it_is_said() {
-    let shape = solids::bumpy_sphere(3);
-    let long = solids::mapped(&shape, |[x, y, z]| [12.0 * x, y, z]);
-    let mesh = long.mesh();
-    let analysis = Analysis::new(&model(&long)).expect("a sound shape");
-    let along = |v: &geom::VertexId| long.points[v.0 as usize][0];
-    let first = mesh.vertices().min_by(|v, w| along(v).total_cmp(&along(w))).expect("it has vertices");
-    let last = mesh.vertices().max_by(|v, w| along(v).total_cmp(&along(w))).expect("it has vertices");
-    let two = [last, mesh.neighbors(last)[0]];
-    let cones = [two[0].0, first.0, two[1].0];
-    let harmonic = analysis.given(&cones, CurvatureRule::Harmonic).expect("there are optimal ones");
-    let optimal = analysis.given(&cones, CurvatureRule::Optimal).expect("there are optimal ones");
-    assert_eq!(harmonic.notes(), [Note::HarmonicOutOfBounds { component: 0, count: 1, cones: 3, first: first.0 }]);
-    assert_eq!(harmonic.as_slice(), optimal.as_slice());
-    assert!(harmonic.iter().all(|cone| cone.curvature < std::f64::consts::TAU - 0.02));
-    // With two at each end all have angle enough, and the rule is kept.
-    let cones = [&cones[..], &[mesh.neighbors(first)[0].0]].concat();
-    let harmonic = analysis.given(&cones, CurvatureRule::Harmonic).expect("each end has two");
-    let optimal = analysis.given(&cones, CurvatureRule::Optimal).expect("each end has two");
-    assert_eq!(harmonic.notes(), []);
-    assert_ne!(harmonic.as_slice(), optimal.as_slice());
+fn harmonic_curvatures_out_of_bounds_are_replaced_and_it_is_said() {
+    let shape = shapes::torus(2, 400);
+    let vertices = shape.points.len() as u32;
+    let analysis = Analysis::new(&model(&shape)).expect("a sound shape");
+    let (mut kept, mut replaced) = (0, 0);
+    for k in 0..60 {
+        let cones = [7 * k % vertices, (8 * k + 1) % vertices];
+        let Ok(harmonic) = analysis.given(&cones, CurvatureRule::Harmonic) else { continue };
+        match harmonic.notes() {
+            [] => kept += 1,
+            &[Note::HarmonicOutOfBounds { component: 0, count: 1, cones: 2, first }] => {
+                assert!(cones.contains(&first));
+                let optimal = analysis.given(&cones, CurvatureRule::Optimal).expect("they can take it");
+                assert_eq!(harmonic.as_slice(), optimal.as_slice());
+                replaced += 1;
+            }
+            other => panic!("{other:?}"),
+        }
+        let sum: f64 = harmonic.iter().map(|cone| cone.curvature).sum();
+        assert!((sum + 2.0 * std::f64::consts::TAU).abs() < 1e-9, "{harmonic:?}");
+    }
+    assert!(kept >= 5 && replaced >= 2, "{kept} pairs keep the rule, {replaced} do not");
+}
+
+#[test]
+fn given_cones_are_taken_as_they_are_or_refused() {
+    let closed = Analysis::new(&model(&shapes::hare(400))).expect("a sound shape");
+    let open = Analysis::new(&model(&shapes::square(100))).expect("a sound shape");
+    let choose = |analysis: &Analysis, given: &[(u32, Option<f64>)]| {
+        analysis.choose(&Options { cones: ConeChoice::Given(given.to_vec()), ..Options::default() })
+    };
+    let optimal = closed.place(Placement::Refined, 6).expect("a sound shape");
+    let given: Vec<(u32, Option<f64>)> = optimal.iter().map(|cone| (cone.vertex, Some(cone.curvature))).collect();
+    let again = choose(&closed, &given).expect("they are possible");
+    assert_eq!((again.placement(), again.len()), (None, 6));
+    let [before, after] = [&optimal, &again].map(|cones| cones.prediction().log_scale_norm);
+    assert!((before - after).abs() < 1e-9 * before, "what is predicted is for the curvatures: {before} {after}");
+    let options = Options { cones: ConeChoice::Given(given.clone()), ..Options::default() };
+    let times = closed.atlas(&options).expect("it unwraps").times;
+    assert!(times.of(cones::Stage::Curvature) > Duration::ZERO, "placing them counts too: {times:?}");
+
+    let with = |change: f64| [&[(given[0].0, given[0].1.map(|k| k + change))], &given[1..]].concat();
+    assert!(choose(&closed, &with(1e-9)).is_ok());
+    assert!(matches!(choose(&closed, &with(1e-3)), Err(Error::CurvatureSum { .. })));
+    assert!(matches!(choose(&closed, &[(1, None), (2, None), (1, None)]), Err(Error::RepeatedCone(1))));
+    assert!(matches!(choose(&closed, &[(1, None), (2, Some(1.0))]), Err(Error::SomeCurvatures { known: 1, given: 2 })));
+    assert!(matches!(choose(&closed, &[(1, None), (99_999, None)]), Err(Error::NoSuchCone { vertex: 99_999, .. })));
+    let mesh = shapes::square(100).mesh();
+    let [inner, outer] = [false, true]
+        .map(|is_outer| mesh.vertices().find(|&v| mesh.is_boundary_vertex(v) == is_outer).expect("there are both").0);
+    assert!(matches!(choose(&open, &[(outer, None)]), Err(Error::ConeOnBoundary(v)) if v == outer));
+    assert!(choose(&open, &[(inner, Some(6.2))]).is_ok());
+    assert!(matches!(choose(&open, &[(inner, Some(6.3))]), Err(Error::CurvatureTooLarge(k)) if k == 6.3));
+}
+
+#[test]
+fn each_part_gets_what_it_was_given_or_what_it_needs() {
+    let two = solids::side_by_side(&[solids::bumpy_sphere(3), solids::bumpy_sphere(2), shapes::square(100)]);
+    let analysis = Analysis::new(&model(&two)).expect("sound shapes");
+    let options = Options { cones: ConeChoice::Each(vec![5, 0]), ..Options::default() };
+    let cones = analysis.choose(&options).expect("sound shapes");
+    let of = |part: usize| cones.iter().filter(|cone| cone.component == part).count();
+    assert_eq!(([0, 1, 2].map(of), cones.notes()), ([5, 3, 0], &[][..]));
+    let by_sign = |cone: &&cones::Cone| (cone.kind == cones::Kind::Minimum) == (cone.curvature >= 0.0);
+    assert!(cones.iter().filter(|cone| cone.persistence.is_none()).all(|cone| by_sign(&cone)), "{cones:?}");
 }
 
 /// The mean of max(r, 1/r) over a map.

@@ -292,6 +292,8 @@ mod tests {
         let limits = [[1, 3], [1, 5]];
         assert_eq!(sequence_by_persistence(&parts, &limits, 20), [1, 0, 1, 0, 1, 0, 1, 1]);
         assert_eq!(sequence_by_persistence(&parts, &limits, 3), [1, 0, 1]);
+        let alike = [(1.0, vec![2.0, 1.0]), (1.0, vec![2.0, 1.0])];
+        assert_eq!(sequence_by_persistence(&alike, &[[0, 2]; 2], 9), [0, 1, 0, 1], "of equals the first comes first");
     }
 
     #[test]
@@ -331,6 +333,11 @@ mod tests {
         let operators = Operators::new(&mesh, &Metric::from_points(&mesh, &shape.points)).unwrap();
         let part = curve(&operators, &mesh, 100);
         assert_eq!(part.energy.len(), 101);
+        let shape = shapes::terrain(900, 3);
+        let mesh = shape.mesh();
+        let operators = Operators::new(&mesh, &Metric::from_points(&mesh, &shape.points)).unwrap();
+        let energy = curve(&operators, &mesh, 100).energy;
+        assert!(energy[64] > 0.0 && (energy[100] - energy[64] * 0.64).abs() < 1e-12 * energy[64], "like 1/N");
     }
 
     #[test]

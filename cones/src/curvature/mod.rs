@@ -313,4 +313,33 @@ mod tests {
         assert!((curvatures.curvature[0] - operators.curvature[tip]).abs() < 1e-9);
         assert!(curvatures.predicted.iter().all(|u| u.abs() < 1e-9));
     }
+
+    #[test]
+    fn harmonic_curvatures_must_leave_an_angle_and_may_go_lower_than_optimal_ones() {
+        assert!(is_buildable(2.0 * PI - 0.03, -2.0 * PI) && !is_buildable(2.0 * PI - 0.01, -2.0 * PI));
+        assert!(is_buildable(-2.0 * PI, 0.0) && !is_buildable(-2.1 * PI, 0.0));
+        assert!(is_buildable(-2.1 * PI, -2.2 * PI) && !is_buildable(-2.3 * PI, -2.2 * PI));
+    }
+
+    #[test]
+    fn a_flat_neighbour_of_degree_three_makes_three_triangles_one() {
+        // Vertex 4 is inside the triangle 0 1 2 of a tetrahedron.
+        let mesh = Mesh::new(5, &[[0, 1, 4], [1, 2, 4], [2, 0, 4], [0, 3, 1], [1, 3, 2], [2, 3, 0]]).unwrap();
+        let [corner, tip, inside] = [VertexId(0), VertexId(3), VertexId(4)];
+        assert_eq!([corner, tip, inside].map(|v| mesh.face_degree(v)), [4, 3, 3]);
+        assert_eq!(usable_degree(&mesh, &[corner], corner), 2, "both other tips are of degree three");
+        assert_eq!(usable_degree(&mesh, &[corner, inside], corner), 3, "a cone is not flat");
+        assert_eq!(usable_degree(&mesh, &[corner, inside, tip], corner), 4);
+        assert_eq!(usable_degree(&mesh, &[inside], inside), 3, "neighbours of degree four are not stuck");
+    }
+
+    #[test]
+    fn on_surfaces_of_high_genus_few_cones_take_more_curvature_than_a_turn_each() {
+        let shape = shapes::torus(3, 900);
+        let mesh = shape.mesh();
+        let operators = Operators::new(&mesh, &Metric::from_points(&mesh, &shape.points)).unwrap();
+        let wide: Vec<VertexId> = mesh.vertices().filter(|&v| mesh.face_degree(v) >= 6).step_by(97).take(3).collect();
+        let found = cone_curvatures(&operators, &mesh, &wide, CurvatureRule::Optimal, Watch::NONE).unwrap();
+        assert!((found.curvature.iter().sum::<f64>() + 8.0 * PI).abs() < 1e-9);
+    }
 }

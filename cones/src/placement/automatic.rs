@@ -184,5 +184,7 @@ mod tests {
         let chosen = choose(&shapes::hare(1200), 1.0001, 5);
         assert!(!chosen.is_met);
         assert_eq!(chosen.set.cones.len(), 5);
+        let near = choose(&shapes::hare(1200), 0.95 * chosen.predicted.area_distortion, 5);
+        assert!(!near.is_met && near.predicted == chosen.predicted);
     }
 }

@@ -122,4 +122,25 @@ mod tests {
             }
         }
     }
+
+    #[test]
+    fn harmonic_curvatures_out_of_bounds_are_replaced_as_they_will_be() {
+        let shape = shapes::torus(2, 400);
+        let mesh = shape.mesh();
+        let operators = Operators::new(&mesh, &Metric::from_points(&mesh, &shape.points)).unwrap();
+        let mut model = EnergyModel::new(&operators, &mesh);
+        let mut replaced = 0;
+        for k in 0..60 {
+            let cones = [7 * k, 8 * k + 1].map(|v| VertexId(v % mesh.vertex_count() as u32));
+            let Ok(used) = cone_curvatures(&operators, &mesh, &cones, CurvatureRule::Harmonic, Watch::NONE) else {
+                continue;
+            };
+            model.add(&cones);
+            let configuration = Configuration::new(&operators, &model.fit(&cones), CurvatureRule::Harmonic);
+            let near = configuration.curvature.iter().zip(&used.curvature).all(|(a, b)| (a - b).abs() < 1e-7);
+            assert!(near, "{configuration:?} {used:?}");
+            replaced += usize::from(!used.out_of_bounds.is_empty());
+        }
+        assert!(replaced >= 2, "{replaced}");
+    }
 }

@@ -133,4 +133,46 @@ mod tests {
         let uneven: VertexData<f64> = mesh.vertices().map(|v| f64::from(v.0 % 3)).collect();
         assert!(area_distortion(&operators, &uneven) > 1.0);
     }
+
+    #[test]
+    fn the_area_distortion_is_that_of_each_triangle_scaled_by_the_square_of_its_mean_scale() {
+        let shape = shapes::hare(300);
+        let mesh = shape.mesh();
+        let operators = Operators::new(&mesh, &Metric::from_points(&mesh, &shape.points)).unwrap();
+        let u: VertexData<f64> = mesh.vertices().map(|v| 0.3 * f64::from(v.0 % 5)).collect();
+        let faces: Vec<(f64, f64)> = operators
+            .mesh
+            .faces()
+            .map(|f| {
+                let mean = operators.mesh.corners(f).iter().map(|&v| u[v]).sum::<f64>() / 3.0;
+                (operators.metric.sides(&operators.mesh, f).area(), (2.0 * mean).exp())
+            })
+            .collect();
+        let whole: f64 = faces.iter().map(|(area, _)| area).sum();
+        let image: f64 = faces.iter().map(|(area, r)| area * r).sum();
+        let ratio = |r: f64| r * whole / image;
+        let expected: f64 = faces.iter().map(|&(area, r)| area / whole * ratio(r).max(1.0 / ratio(r))).sum();
+        assert!((area_distortion(&operators, &u) - expected).abs() < 1e-12 * expected);
+    }
+
+    #[test]
+    fn components_count_by_their_areas() {
+        let shape = shapes::hare(300);
+        let mesh = shape.mesh();
+        let operators = Operators::new(&mesh, &Metric::from_points(&mesh, &shape.points)).unwrap();
+        let u: VertexData<f64> = mesh.vertices().map(|v| f64::from(v.0 % 3)).collect();
+        let mut alone = Predictor::new(1);
+        alone.put(0, &operators, 3.0, 4, u.clone());
+        let alone = alone.prediction();
+        let mut centred = u.clone();
+        operators.subtract_mean(&mut centred);
+        assert!((alone.log_scale_norm - operators.inner(&centred, &centred).sqrt()).abs() < 1e-12);
+        let mut both = Predictor::new(2);
+        both.put(0, &operators, 3.0, 4, u);
+        both.put(1, &operators, 1.0, 2, VertexData::constant(mesh.vertex_count(), 7.0));
+        let both = both.prediction();
+        assert_eq!((alone.count, both.count), (4, 6));
+        assert!((both.log_scale_norm - (0.75 * alone.log_scale_norm.powi(2)).sqrt()).abs() < 1e-12);
+        assert!(both.area_distortion < alone.area_distortion && both.area_distortion > 1.0);
+    }
 }
