@@ -29,6 +29,7 @@ const LEAST_SLACK: f64 = 1e-6;
 
 /// Why there is no least-squares conformal map.
 #[derive(Clone, Debug, Error)]
+#[non_exhaustive]
 pub enum LscmError {
     /// The cut leaves more than one piece, or one with handles or holes.
     #[error("the surface cut open has an Euler characteristic of {euler} in {islands} pieces, but must be one disk")]
@@ -38,6 +39,9 @@ pub enum LscmError {
         /// How many pieces there are.
         islands: usize,
     },
+    /// Lengths to lay out are infinite or NaN, as linear metric scaling can make them.
+    #[error("the scaled lengths are too large to be laid out")]
+    NotFinite,
     /// The surface is so coarse that two edges join the same vertices.
     #[error(transparent)]
     Mesh(#[from] MeshError),
@@ -91,6 +95,9 @@ impl Lscm {
         let cut = CutMesh::open(input, cut);
         if !cut.is_disk() {
             return Err(LscmError::NoDisk { euler: cut.euler_characteristic(), islands: cut.island_count() });
+        }
+        if !metric.lengths().iter().all(|length| length.is_finite()) {
+            return Err(LscmError::NotFinite);
         }
         let triangles: Vec<[u32; 3]> = input.faces().map(|f| cut.corners(f).map(|w| w.0)).collect();
         let opened = Mesh::new(cut.wedge_count(), &triangles)?;

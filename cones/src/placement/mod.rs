@@ -119,6 +119,19 @@ impl Placement {
         }
     }
 
+    /// What it does, in a line.
+    pub fn description(self) -> &'static str {
+        match self {
+            Self::Alternating => "As in the paper: the most persistent maximum, minimum, maximum, …",
+            Self::Persistence => "By persistence, whatever their kind",
+            Self::Iterative => "Highest and lowest point of the conformal factor, again and again",
+            Self::Refactoring => "The same with a factorization for each level, as published: to compare with",
+            Self::Greedy => "Where the conformal factor is farthest from 0, again and again",
+            Self::Refined => "The best set for this number of cones",
+            Self::Pursuit => "The best order, good for every number of cones",
+        }
+    }
+
     /// Whether the first cones of a number are those of each smaller one.
     pub fn is_nested(self) -> bool {
         self != Self::Refined

@@ -1,6 +1,7 @@
 //! The options of looking for cones.
 
 use super::numbers::{distortion, non_negative};
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum};
 use cones::{Analysis, ConeChoice, ConeOrder, CurvatureRule, Options, Placement, Preparation};
 
@@ -17,8 +18,8 @@ pub(crate) struct CandidateArgs {
     #[arg(long, value_name = "P", group = "which", value_parser = non_negative)]
     min_persistence: Option<f64>,
     /// How cones are chosen; `refined` and `pursuit` choose more than 64 by persistence
-    #[arg(long, value_enum, default_value_t = MethodName::Refined)]
-    method: MethodName,
+    #[arg(long, value_parser = placements(), default_value = Placement::default().name())]
+    method: Placement,
     /// How curvature is shared among the cones
     #[arg(long, value_enum, default_value_t = AnglesName::Optimal)]
     angles: AnglesName,
@@ -31,27 +32,18 @@ pub(crate) struct CandidateArgs {
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
-enum MethodName {
-    /// By persistence, whatever their kind
-    Persistence,
-    /// As in the paper: the most persistent maximum, minimum, maximum, …
-    Alternating,
-    /// Highest and lowest point of the conformal factor, again and again
-    Iterative,
-    /// Where the conformal factor is farthest from 0, again and again
-    Greedy,
-    /// The best set for this number of cones
-    Refined,
-    /// The best order, good for every number of cones
-    Pursuit,
-}
-
-#[derive(Clone, Copy, Debug, ValueEnum)]
 enum AnglesName {
     /// By least squares: the least variation of scale with these cones
     Optimal,
     /// As in the paper: no change of scale at the cones
     Harmonic,
+}
+
+/// The library's methods by their names.
+fn placements() -> impl TypedValueParser<Value = Placement> {
+    let values = Placement::ALL.map(|placement| PossibleValue::new(placement.name()).help(placement.description()));
+    let named = |name: String| Placement::ALL.into_iter().find(|placement| placement.name() == name);
+    PossibleValuesParser::new(values).map(move |name| named(name).expect("it is one of their names"))
 }
 
 impl CandidateArgs {
@@ -72,18 +64,15 @@ impl CandidateArgs {
             (_, Some(count)) => ConeChoice::Count(count),
             (None, None) => self.max_distortion.map_or(ConeChoice::Automatic, ConeChoice::WithinDistortion),
         };
-        let placement = match self.method {
-            MethodName::Persistence => Placement::Persistence,
-            MethodName::Alternating => Placement::Alternating,
-            MethodName::Iterative => Placement::Iterative,
-            MethodName::Greedy => Placement::Greedy,
-            MethodName::Refined => Placement::Refined,
-            MethodName::Pursuit => Placement::Pursuit,
-        };
         let rule = match self.angles {
             AnglesName::Optimal => CurvatureRule::Optimal,
             AnglesName::Harmonic => CurvatureRule::Harmonic,
         };
-        Options { cones, placement, rule, preparation: Preparation { smooth: self.smooth, weld: self.weld } }
+        Options {
+            cones,
+            placement: self.method,
+            rule,
+            preparation: Preparation { smooth: self.smooth, weld: self.weld },
+        }
     }
 }
