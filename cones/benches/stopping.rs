@@ -13,7 +13,7 @@ use cones::{Analysis, ConeChoice, Error, Options, Placement, Preparation, Progre
 use geom::{Model, shapes};
 
 /// Work is stopped at so many different moments.
-const STOPS: u32 = 12;
+const STOPS: u32 = 10;
 
 /// What an observer has seen.
 #[derive(Default)]
