@@ -9,7 +9,7 @@
 //! [`Placement::Refined`], which has no order, up to a block of cones cheaper curves are found that
 //! do depend on how far they go: there a part may get fewer cones of a larger total.
 
-use geom::Watch;
+use geom::{Interrupted, Watch};
 use rayon::prelude::*;
 
 use super::component::Component;
@@ -48,31 +48,39 @@ impl EnergyCurve {
 }
 
 /// How many cones each component gets, `total` in all, or as many as all of them need.
-pub(crate) fn counts(components: &[Component], placement: Placement, total: usize, watch: Watch) -> Vec<usize> {
+///
+/// # Errors
+/// If the watch has said stop.
+pub(crate) fn counts(
+    components: &[Component],
+    placement: Placement,
+    total: usize,
+    watch: Watch,
+) -> Result<Vec<usize>, Interrupted> {
     let least: Vec<usize> = components.iter().map(Component::least).collect();
     let spare = total.saturating_sub(least.iter().sum());
     if let [alone] = least[..] {
-        return vec![total.max(alone)];
+        return Ok(vec![total.max(alone)]);
     }
     if spare == 0 {
-        return least;
+        return Ok(least);
     }
-    let curves = |is_brief: bool| -> Vec<EnergyCurve> {
+    let curves = |is_brief: bool| -> Result<Vec<EnergyCurve>, Interrupted> {
         let curve = |component: &Component| {
             let most = component.least() + spare;
-            let nested = optimised_order(component.ground(watch), most, is_brief);
-            EnergyCurve::of_order(&component.operators, &nested, component.area, most)
+            let nested = optimised_order(component.ground(watch), most, is_brief)?;
+            Ok(EnergyCurve::of_order(&component.operators, &nested, component.area, most))
         };
         components.par_iter().with_max_len(1).map(curve).collect()
     };
     let sequence = match placement.sharing() {
-        Sharing::BriefCurves => return at_least(share_out(&curves(true), total), &least),
-        Sharing::Curves => sequence(&curves(false), total),
+        Sharing::BriefCurves => return Ok(at_least(share_out(&curves(true)?, total), &least)),
+        Sharing::Curves => sequence(&curves(false)?, total),
         Sharing::Persistence => by_persistence(components, total),
     };
     let mut counts = vec![0; components.len()];
     sequence.into_iter().for_each(|p| counts[p] += 1);
-    at_least(counts, &least)
+    Ok(at_least(counts, &least))
 }
 
 fn at_least(counts: Vec<usize>, least: &[usize]) -> Vec<usize> {

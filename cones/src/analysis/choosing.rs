@@ -107,7 +107,7 @@ impl Analysis {
             shared.notes.push(Note::FewerThanNeeded { asked: total, needed, components: components.len() });
         }
         let placement = options.placement_for(total.saturating_sub(needed));
-        task.stage((Stage::Hierarchy, 0), &mut shared.times, |watch| counts(components, placement, total, watch))
+        Ok(task.stage((Stage::Hierarchy, 0), &mut shared.times, |watch| counts(components, placement, total, watch))??)
     }
 
     /// How many cones each component gets by a threshold of persistence.

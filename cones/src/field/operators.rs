@@ -166,11 +166,21 @@ impl Operators {
     /// The log scale factor that takes away all curvature, up to a constant: on a closed surface all but the mean, 2πχ/n at
     /// each of n vertices. One solve, when it is first asked for.
     pub(crate) fn flattening(&self) -> &VertexData<f64> {
-        self.flattening.get_or_init(|| {
-            let mean = if self.bordered { 0.0 } else { self.total_curvature() / self.mesh.vertex_count() as f64 };
-            let source: VertexData<f64> = self.curvature.iter().map(|k| mean - k).collect();
-            self.poisson.solve(&source)
-        })
+        self.flattening.get_or_init(|| self.poisson.solve(&self.flattening_source()))
+    }
+
+    /// The same, watched.
+    pub(crate) fn flattening_watched(&self, watch: Watch) -> Result<&VertexData<f64>, Interrupted> {
+        if self.flattening.get().is_none() {
+            let solved = self.poisson.solve_watched(&self.flattening_source(), watch)?;
+            return Ok(self.flattening.get_or_init(|| solved));
+        }
+        Ok(self.flattening())
+    }
+
+    fn flattening_source(&self) -> VertexData<f64> {
+        let mean = if self.bordered { 0.0 } else { self.total_curvature() / self.mesh.vertex_count() as f64 };
+        self.curvature.iter().map(|k| mean - k).collect()
     }
 
     /// The log scale factors `g_v` that a unit of curvature at each given vertex causes (Green's functions): on a closed

@@ -16,7 +16,7 @@
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
-use geom::{FaceData, FaceId, HalfedgeId, Id, Mesh, Metric, Sides, VertexData, VertexId, Watch, WedgeId};
+use geom::{FaceData, FaceId, HalfedgeId, Id, Interrupted, Mesh, Metric, Sides, VertexData, VertexId, Watch, WedgeId};
 use num_complex::Complex64;
 use thiserror::Error;
 
@@ -57,10 +57,9 @@ pub(crate) fn remove_fold_overs(
     layout: &mut Layout,
     watch: Watch,
 ) -> Result<usize, FoldOvers> {
-    let mut untangler = Untangler::new(input, metric, scaling, is_cone, layout);
-    if watch.stops_at(0.0) {
+    let Ok(mut untangler) = Untangler::new(input, metric, scaling, is_cone, layout, watch) else {
         return Ok(0);
-    }
+    };
     let mut bad = untangler.bad(input.faces());
     if bad.is_empty() {
         return Ok(0);
@@ -142,10 +141,14 @@ impl<'a> Untangler<'a> {
         scaling: &'a Scaling,
         is_cone: &'a VertexData<bool>,
         layout: &'a mut Layout,
-    ) -> Self {
+        watch: Watch,
+    ) -> Result<Self, Interrupted> {
+        watch.ask(0.0)?;
         let angle = scaling.angles(input);
+        watch.ask(0.0)?;
         let turn = wedge_turns(input, layout);
-        Self { input, metric, scaling, angle, is_cone, layout, turn, fanned: Vec::new() }
+        watch.ask(0.0)?;
+        Ok(Self { input, metric, scaling, angle, is_cone, layout, turn, fanned: Vec::new() })
     }
 
     fn positions(&self, f: FaceId) -> [Complex64; 3] {
@@ -410,13 +413,13 @@ mod tests {
         let seam = plain(2).nth(3).unwrap();
         for v in [inside, seam] {
             let mut folded = layout.clone();
-            let mut untangler = Untangler::new(&mesh, &metric, &scaling, &is_cone, &mut folded);
+            let mut untangler = Untangler::new(&mesh, &metric, &scaling, &is_cone, &mut folded, Watch::NONE).unwrap();
             let h = mesh.outgoing(v).next().unwrap();
             let spoke = untangler.layout.corner(mesh.next(h)) - untangler.layout.corner(h);
             untangler.displace(h, 1.5 * spoke);
             assert!(!untangler.bad(mesh.faces()).is_empty());
             assert!(remove_fold_overs(&mesh, &metric, &scaling, &is_cone, &mut folded, Watch::NONE).unwrap() > 0);
-            let untangler = Untangler::new(&mesh, &metric, &scaling, &is_cone, &mut folded);
+            let untangler = Untangler::new(&mesh, &metric, &scaling, &is_cone, &mut folded, Watch::NONE).unwrap();
             assert!(untangler.bad(mesh.faces()).is_empty());
             for h in mesh.halfedges() {
                 let g = mesh.twin(h).unwrap();

@@ -37,7 +37,7 @@ impl Layout {
     /// # Errors
     /// If the watch has said stop.
     pub fn new(input: &Mesh, scaling: &Scaling, cut: &EdgeData<bool>, watch: Watch) -> Result<Self, Interrupted> {
-        let connection = Connection::new(scaling);
+        let connection = Connection::new(scaling, watch.within(0.0, 0.1))?;
         let connection = connection.undo(&scaling.flips, watch.within(0.1, 0.3))?.of_input(input);
         watch.ask(0.3)?;
         let rotation = connection.face_rotations(cut);
@@ -76,18 +76,20 @@ struct Connection {
 }
 
 impl Connection {
-    fn new(scaling: &Scaling) -> Self {
+    fn new(scaling: &Scaling, watch: Watch) -> Result<Self, Interrupted> {
+        watch.ask(0.0)?;
         let triangulation = scaling.triangulation.clone();
         let vector: HalfedgeData<Complex64> = triangulation
             .faces()
             .flat_map(|f| scaling.metric.sides(&triangulation, f).unfold())
             .map(|[x, y]| Complex64::new(x, y))
             .collect();
+        watch.ask(0.5)?;
         let transport = triangulation
             .halfedges()
             .map(|h| triangulation.twin(h).map_or(Complex64::ONE, |g| unit(-vector[h] * vector[g].conj())))
             .collect();
-        Self { triangulation, vector, transport }
+        Ok(Self { triangulation, vector, transport })
     }
 
     fn undo(mut self, flips: &[HalfedgeId], watch: Watch) -> Result<Self, Interrupted> {
@@ -177,9 +179,10 @@ fn positions(
     let one_a_side = |&h: &HalfedgeId| is_cut[input.edge(h)] || input.halfedge(input.edge(h)) == h;
     let mut edges: Vec<(f64, HalfedgeId)> =
         input.halfedges().filter(one_a_side).map(|h| (vector[h].norm_sqr(), h)).collect();
+    watch.ask(0.1)?;
     edges.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
     let ends = |h: HalfedgeId| [cut.wedge(h), cut.wedge(input.next(h))];
-    watch.ask(0.5)?;
+    watch.ask(0.3)?;
     let tree = kruskal(cut.wedge_count(), edges.iter().map(|&(_, h)| (h, ends(h).map(|w| w.0))));
     watch.ask(0.8)?;
     // The tree's edges by their ends, in rows.

@@ -186,6 +186,7 @@ impl Newton<'_> {
         let starts_at_zero = self.fixed.is_empty();
         let mut u = if starts_at_zero { VertexData::constant(self.start.len(), 0.0) } else { self.start.clone() };
         let mut metric = self.scaled(&mut state, &u);
+        self.watch.ask(0.0)?;
         let mut residual = self.residual(&state.triangulation, &metric);
         let mut factored: Option<Poisson> = None;
         let mut steps = 0;
@@ -201,7 +202,7 @@ impl Newton<'_> {
                 return self.finish(state, u, metric, steps, error, vertex);
             }
             let step = match self.starts_from_factor && steps == 0 && starts_at_zero {
-                true => self.poisson.solve(&residual),
+                true => self.poisson.solve_watched(&residual, self.watch.within(done, done))?,
                 false => {
                     if !keep_factor || factored.is_none() {
                         let hessian = self.hessian(&state.triangulation, &metric);
@@ -212,7 +213,8 @@ impl Newton<'_> {
                             None => self.poisson.another_watched(&hessian, watch)?,
                         });
                     }
-                    factored.as_ref().expect("it was just factored").solve(&residual)
+                    let factored = factored.as_ref().expect("it was just factored");
+                    factored.solve_watched(&residual, self.watch.within(done, done))?
                 }
             };
             self.watch.ask(done)?;

@@ -53,18 +53,20 @@ pub(crate) struct EnergyTerms {
 impl EnergyTerms {
     /// The terms of a surface whose layout will use the triangles of `input`. Two solves, one of them where the surface was
     /// asked before.
-    pub(crate) fn new(operators: &Operators, input: &Mesh) -> Self {
-        let mut flattening = operators.flattening().clone();
+    pub(crate) fn new(operators: &Operators, input: &Mesh, watch: Watch) -> Result<Self, Interrupted> {
+        let mut flattening = operators.flattening_watched(watch)?.clone();
         operators.centre(&mut flattening);
-        let linear = operators.poisson.solve(&operators.weighted(&flattening));
+        let linear = operators.poisson.solve_watched(&operators.weighted(&flattening), watch)?;
         let unit = operators.metric.area(&operators.mesh).sqrt().recip();
-        Self {
+        let distances = EdgeDistances::new(&operators.mesh, |e| (operators.metric.length(e) * unit) as f32);
+        watch.ask(f64::NAN)?;
+        Ok(Self {
             constant: operators.inner(&flattening, &flattening),
             flattening,
             linear,
-            distances: EdgeDistances::new(&operators.mesh, |e| (operators.metric.length(e) * unit) as f32),
+            distances,
             triangles: input.vertices().map(|v| usable_degree(input, &[], v) as f64).collect(),
-        }
+        })
     }
 }
 
@@ -108,7 +110,10 @@ pub struct ConeSet {
 impl<'a> EnergyModel<'a> {
     /// The model of a surface whose layout will use the triangles of `input`, with an empty pool. Two solves.
     pub fn new(operators: &'a Operators, input: &Mesh) -> Self {
-        Self::with_terms(operators, Arc::new(EnergyTerms::new(operators, input)), Watch::NONE)
+        let Ok(terms) = EnergyTerms::new(operators, input, Watch::NONE) else {
+            unreachable!("only a watch interrupts");
+        };
+        Self::with_terms(operators, Arc::new(terms), Watch::NONE)
     }
 
     /// The same where its terms are known. Once the watch says stop, nothing is solved any more, searches end early, and what

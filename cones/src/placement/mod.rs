@@ -19,7 +19,7 @@ mod swap_table;
 
 use std::sync::{Arc, OnceLock};
 
-use geom::{Mesh, PoissonError, VertexId, Watch};
+use geom::{Interrupted, Mesh, PoissonError, VertexId, Watch};
 
 use crate::curvature::CurvatureRule;
 use crate::field::Operators;
@@ -88,9 +88,19 @@ pub(crate) struct Ground<'a> {
 
 impl<'a> Ground<'a> {
     /// The energy model, with an empty pool: what is found never depends on what was asked before.
-    pub(crate) fn energy_model(&self) -> EnergyModel<'a> {
-        let terms = self.terms.get_or_init(|| Arc::new(EnergyTerms::new(self.operators, self.input)));
-        EnergyModel::with_terms(self.operators, Arc::clone(terms), self.watch)
+    ///
+    /// # Errors
+    /// If the watch has said stop.
+    pub(crate) fn energy_model(&self) -> Result<EnergyModel<'a>, Interrupted> {
+        let terms = match self.terms.get() {
+            Some(terms) => terms,
+            None => {
+                let watch = self.watch.within(f64::NAN, f64::NAN);
+                let found = EnergyTerms::new(self.operators, self.input, watch)?;
+                self.terms.get_or_init(|| Arc::new(found))
+            }
+        };
+        Ok(EnergyModel::with_terms(self.operators, Arc::clone(terms), self.watch))
     }
 }
 
@@ -176,8 +186,8 @@ impl Placement {
             Self::Iterative => iterative::iterative(operators, count, watch),
             Self::Refactoring => refactoring::iterative_refactoring(operators, count, watch)?,
             Self::Greedy => iterative::greedy(operators, count, watch),
-            Self::Refined => refined(&mut ground.energy_model(), count).cones,
-            Self::Pursuit => pursuit(&mut ground.energy_model(), count).cones().to_vec(),
+            Self::Refined => refined(&mut ground.energy_model()?, count).cones,
+            Self::Pursuit => pursuit(&mut ground.energy_model()?, count).cones().to_vec(),
         })
     }
 
@@ -188,10 +198,10 @@ impl Placement {
     /// As [`cones`](Self::cones).
     pub(crate) fn order(self, ground: Ground, count: usize) -> Result<Nested, PoissonError> {
         if self.is_optimised() {
-            return Ok(optimised_order(ground, count, false));
+            return Ok(optimised_order(ground, count, false)?);
         }
         let order = self.cones(ground, count)?;
-        Ok(Nested::new(&mut ground.energy_model(), &order))
+        Ok(Nested::new(&mut ground.energy_model()?, &order))
     }
 
     /// As few cones as keep the predicted area distortion within `target`, at most `most`.
@@ -205,7 +215,7 @@ impl Placement {
         target: f64,
         most: usize,
     ) -> Result<Automatic, PoissonError> {
-        let mut model = ground.energy_model();
+        let mut model = ground.energy_model()?;
         if self == Self::Refined {
             return Ok(automatic::automatic(&mut model, rule, target, most));
         }
@@ -216,14 +226,17 @@ impl Placement {
 
 /// The best nested order found, in whole blocks, or for few cones up to just so many: that is cheaper, but orders of different
 /// lengths may differ.
-pub(crate) fn optimised_order(ground: Ground, count: usize, is_brief: bool) -> Nested {
-    let model = &mut ground.energy_model();
+///
+/// # Errors
+/// If the watch has said stop.
+pub(crate) fn optimised_order(ground: Ground, count: usize, is_brief: bool) -> Result<Nested, Interrupted> {
+    let model = &mut ground.energy_model()?;
     let least = count.max(crate::curvature::least_cones(ground.operators));
-    if is_brief && least <= BLOCK {
+    Ok(if is_brief && least <= BLOCK {
         pursuit::brief_pursuit(model, least)
     } else {
         pursuit(model, whole_blocks(ground.operators, count))
-    }
+    })
 }
 
 /// The length of the order that a curve up to `most` cones is read from.

@@ -176,7 +176,18 @@ impl Poisson {
     /// # Panics
     /// If `b` is not as long as there are vertices.
     pub fn solve(&self, b: &[f64]) -> VertexData<f64> {
-        self.shifted(self.scatter(&self.cholesky.solve(&self.gather(b))))
+        unwatched(self.solve_watched(b, Watch::NONE))
+    }
+
+    /// [`Poisson::solve`], watched.
+    ///
+    /// # Errors
+    /// If it is stopped.
+    ///
+    /// # Panics
+    /// If `b` is not as long as there are vertices.
+    pub fn solve_watched(&self, b: &[f64], watch: Watch) -> Result<VertexData<f64>, Interrupted> {
+        Ok(self.shifted(self.scatter(&self.cholesky.solve_watched(&self.gather(b), watch)?)))
     }
 
     /// Solves for several right-hand sides at once, which is 4–5 times cheaper for each than one by one; without

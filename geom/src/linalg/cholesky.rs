@@ -19,7 +19,7 @@ use super::front::Eliminator;
 use super::graph::Graph;
 use super::substitution::{LANES, Passes, substitute};
 use super::symmetric::SymmetricMatrix;
-use crate::watch::{Interrupted, Watch};
+use crate::watch::{Interrupted, Watch, unwatched};
 
 /// Why a matrix cannot be factored.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
@@ -223,26 +223,39 @@ impl Cholesky {
     /// # Panics
     /// If `b` is not as long as the matrix.
     pub fn solve(&self, b: &[f64]) -> Vec<f64> {
+        unwatched(self.solve_watched(b, Watch::NONE))
+    }
+
+    /// [`Cholesky::solve`], watched.
+    ///
+    /// # Errors
+    /// If it is stopped.
+    ///
+    /// # Panics
+    /// If `b` is not as long as the matrix.
+    pub fn solve_watched(&self, b: &[f64], watch: Watch) -> Result<Vec<f64>, Interrupted> {
         assert_eq!(b.len(), self.matrix.dimension(), "a right-hand side has one value a row");
         let mut x = b.to_vec();
-        self.solve_one(&mut x);
+        self.solve_one(&mut x, watch.within(0.0, 0.4))?;
         let product = self.matrix.multiply(&x);
         let mut residual: Vec<f64> = b.iter().zip(&product).map(|(b, p)| b - p).collect();
         if norm(&residual) > 1e-13 * norm(b) {
-            self.solve_one(&mut residual);
+            self.solve_one(&mut residual, watch.within(0.5, 0.9))?;
             for (x, correction) in x.iter_mut().zip(&residual) {
                 *x += correction;
             }
         }
-        x
+        Ok(x)
     }
 
     /// Solves A x = b in place, for one right-hand side.
-    fn solve_one(&self, b: &mut [f64]) {
+    fn solve_one(&self, b: &mut [f64], watch: Watch) -> Result<(), Interrupted> {
+        watch.ask(0.0)?;
         let mut x: Vec<f64> = self.elimination.order.iter().map(|&v| b[v as usize]).collect();
-        self.forward(&mut x, 0..self.elimination.len());
-        self.backward(&mut x);
+        self.forward(&mut x, 0..self.elimination.len(), watch.within(0.0, 0.5))?;
+        self.backward(&mut x, watch.within(0.5, 1.0))?;
         self.elimination.order.iter().zip(x).for_each(|(&v, x)| b[v as usize] = x);
+        Ok(())
     }
 
     /// Solves A x = b for each of the columns of `b`, in place, without refinement.
@@ -255,8 +268,7 @@ impl Cholesky {
         for (k, block) in b.chunks_mut(n * BLOCK).enumerate() {
             let watch = watch_of_block(watch, k, columns);
             if block.len() == n {
-                watch.ask(0.0)?;
-                self.solve_one(block);
+                self.solve_one(block, watch)?;
             } else {
                 self.solve_block(block, watch)?;
             }
@@ -276,7 +288,7 @@ impl Cholesky {
             watch.ask(0.0)?;
             if let [b] = b {
                 self.forward_sparse(b, &mut half);
-                self.backward(&mut half);
+                self.backward(&mut half, watch)?;
                 self.elimination.order.iter().zip(&mut half).for_each(|(&v, y)| x[v as usize] = std::mem::take(y));
                 continue;
             }
@@ -324,20 +336,23 @@ impl Cholesky {
             }
         }
         let supernodes: Vec<usize> = supernodes.into_iter().collect();
-        self.forward(x, supernodes.iter().copied());
+        unwatched(self.forward(x, supernodes.iter().copied(), Watch::NONE));
         supernodes
     }
 
     /// C⁻ᵀ y.
     pub(crate) fn solve_backward(&self, mut y: Vec<f64>) -> Vec<f64> {
-        self.backward(&mut y);
+        unwatched(self.backward(&mut y, Watch::NONE));
         self.elimination.step.iter().map(|&k| y[k as usize]).collect()
     }
 
     /// x := C⁻¹ x through the given supernodes.
-    fn forward(&self, x: &mut [f64], supernodes: impl Iterator<Item = usize>) {
+    fn forward(&self, x: &mut [f64], supernodes: impl Iterator<Item = usize>, watch: Watch) -> Result<(), Interrupted> {
         let mut change = Vec::new();
         for s in supernodes {
+            if self.is_asked_at(s) {
+                watch.ask(self.elimination.values(s).start as f64 / self.factor.len() as f64)?;
+            }
             let (first, width, rows) = self.steps_and_rows(s);
             change.clear();
             change.resize(rows.len(), 0.0);
@@ -351,12 +366,22 @@ impl Cholesky {
             }
             rows.iter().zip(&change).for_each(|(&r, change)| x[r as usize] -= change);
         }
+        Ok(())
+    }
+
+    /// Whether a supernode has entries beyond the next multiple of so many.
+    fn is_asked_at(&self, s: usize) -> bool {
+        let values = self.elimination.values(s);
+        values.start / ASKED_AFTER != values.end / ASKED_AFTER
     }
 
     /// x := C⁻ᵀ x
-    fn backward(&self, x: &mut [f64]) {
+    fn backward(&self, x: &mut [f64], watch: Watch) -> Result<(), Interrupted> {
         let mut below = Vec::new();
         for s in (0..self.elimination.len()).rev() {
+            if self.is_asked_at(s) {
+                watch.ask(1.0 - self.elimination.values(s).start as f64 / self.factor.len() as f64)?;
+            }
             let (first, width, rows) = self.steps_and_rows(s);
             below.clear();
             below.extend(rows.iter().map(|&r| x[r as usize]));
@@ -368,6 +393,7 @@ impl Cholesky {
                 own[j] = (own[j] - sum) / column[j];
             }
         }
+        Ok(())
     }
 
     /// Solves for several columns at once.
