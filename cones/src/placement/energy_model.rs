@@ -21,7 +21,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use geom::{EdgeDistances, Interrupted, Mesh, VertexData, VertexId, Watch};
 
-use crate::curvature::{LARGEST_CORNER, general_bounds, usable_degree};
+use crate::curvature::{LARGEST_CORNER, LARGEST_CURVATURE, general_bounds, usable_degree};
 use crate::field::Operators;
 use crate::numerics::quadratic_program::{Held, Quadratic, minimise_and_count};
 
@@ -78,6 +78,8 @@ pub struct EnergyModel<'a> {
     watch: Watch<'a>,
     /// The widest angle that the triangles at a cone have on average.
     largest_corner: f64,
+    /// The largest curvature of a cone, unless it takes more.
+    largest_curvature: f64,
     pool: Vec<VertexId>,
     /// Where a vertex is in the pool.
     place: VertexData<Option<u32>>,
@@ -124,6 +126,7 @@ impl<'a> EnergyModel<'a> {
             terms,
             watch,
             largest_corner: LARGEST_CORNER,
+            largest_curvature: LARGEST_CURVATURE,
             pool: Vec::new(),
             place: VertexData::constant(operators.mesh.vertex_count(), None),
             column: Vec::new(),
@@ -232,8 +235,13 @@ impl<'a> EnergyModel<'a> {
 
     /// The bounds of the curvature at a vertex where there are `count` cones in all.
     pub(crate) fn bounds(&self, v: VertexId, count: usize) -> [f64; 2] {
-        let [low, high] = general_bounds(self.operators, count);
+        let [low, high] = general_bounds(self.operators, count, self.largest_curvature);
         [low.max(self.lowest(v)).min(high), high]
+    }
+
+    /// The least curvature that any of so many cones can have.
+    pub(crate) fn lowest_of(&self, count: usize) -> f64 {
+        general_bounds(self.operators, count, self.largest_curvature)[0]
     }
 
     /// The least curvature that a vertex can have, from the number of its triangles.
@@ -246,6 +254,14 @@ impl<'a> EnergyModel<'a> {
         let before = std::mem::replace(&mut self.largest_corner, angle);
         let done = work(self);
         self.largest_corner = before;
+        done
+    }
+
+    /// Works with another largest curvature of a cone.
+    pub(crate) fn with_largest_curvature<T>(&mut self, curvature: f64, work: impl FnOnce(&mut Self) -> T) -> T {
+        let before = std::mem::replace(&mut self.largest_curvature, curvature);
+        let done = work(self);
+        self.largest_curvature = before;
         done
     }
 

@@ -13,7 +13,7 @@ use super::exchange::{eliminate, exchange, exchange_deeply};
 use super::matching_pursuit::{Rule, grow, start};
 use super::separation::Separation;
 use super::swap_table::SwapTable;
-use crate::curvature::{COMFORTABLE_CORNER, general_bounds};
+use crate::curvature::{COMFORTABLE_CORNER, COMFORTABLE_CURVATURE};
 use crate::numerics::quadratic_program::Held;
 
 /// Rounds end when the energy falls by less than this share.
@@ -49,6 +49,17 @@ const LEAST_BACKWARD: usize = 12;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn refined(model: &mut EnergyModel, count: usize) -> ConeSet {
+    let mut best = model.with_largest_curvature(COMFORTABLE_CURVATURE, |model| comfortable(model, count));
+    if is_held_by_sharpness(&best) && !model.is_over() {
+        best = model.fit(&best.cones);
+        let sharper = search(model, count);
+        best = better(best, sharper);
+    }
+    by_curvature(model, &best)
+}
+
+/// The best cones with corners that are comfortably wide, or wider ones where these hold a cone.
+fn comfortable(model: &mut EnergyModel, count: usize) -> ConeSet {
     let (mut best, is_held) = model.with_largest_corner(COMFORTABLE_CORNER, |model| {
         let best = search(model, count);
         let is_held = is_held_by_degree(model, &best);
@@ -63,7 +74,7 @@ pub fn refined(model: &mut EnergyModel, count: usize) -> ConeSet {
             best = better(best, moved);
         }
     }
-    by_curvature(model, &best)
+    best
 }
 
 fn search(model: &mut EnergyModel, count: usize) -> ConeSet {
@@ -101,8 +112,14 @@ fn around(model: &mut EnergyModel, set: ConeSet) -> ConeSet {
 
 /// Whether a cone would take less curvature if it had more triangles.
 fn is_held_by_degree(model: &EnergyModel, set: &ConeSet) -> bool {
-    let [lowest, _] = general_bounds(model.operators(), set.cones.len());
+    let lowest = model.lowest_of(set.cones.len());
     set.held.iter().zip(&set.bounds).any(|(&held, bound)| held == Held::Lower && bound[0] > lowest)
+}
+
+/// Whether a cone would take more curvature if that were comfortable.
+fn is_held_by_sharpness(set: &ConeSet) -> bool {
+    let is_held = |(&held, bound): (&Held, &[f64; 2])| held == Held::Upper && bound[1] <= COMFORTABLE_CURVATURE;
+    set.held.iter().zip(&set.bounds).any(is_held)
 }
 
 /// The best cones if all vertices had triangles enough, those that lack some moved to vertices nearby that have more.
@@ -204,6 +221,7 @@ mod tests {
     use std::path::Path;
 
     use super::*;
+    use crate::curvature::LARGEST_CURVATURE;
     use crate::field::Operators;
     use geom::{Mesh, Metric, shapes};
 
@@ -223,6 +241,24 @@ mod tests {
         assert!(best.cones.iter().all(|&v| is_corner(v)), "{:?}", best.cones);
         assert!(best.energy < 1e-12, "a cube is developable off its corners");
         assert!(best.curvature.iter().all(|k| (k - std::f64::consts::FRAC_PI_2).abs() < 1e-6));
+    }
+
+    #[test]
+    fn a_cone_held_at_what_is_comfortable_gets_sharper() {
+        for (shape, count) in [(shapes::hare(900), 3), (shapes::hare(900), 5), (shapes::capsule(600), 3)] {
+            let mesh = shape.mesh();
+            let operators = Operators::new(&mesh, &Metric::from_points(&mesh, &shape.points)).unwrap();
+            let mut model = EnergyModel::new(&operators, &mesh);
+            let sharp = refined(&mut model, count);
+            let comfortable = model.with_largest_curvature(COMFORTABLE_CURVATURE, |model| comfortable(model, count));
+            assert!(is_held_by_sharpness(&comfortable));
+            assert!(sharp.energy < comfortable.energy && sharp.energy <= model.fit(&comfortable.cones).energy);
+            assert_eq!(sharp.curvature.iter().copied().fold(0.0, f64::max), LARGEST_CURVATURE);
+        }
+        let shape = shapes::hare(900);
+        let mesh = shape.mesh();
+        let (_, set) = best(&mesh, &Metric::from_points(&mesh, &shape.points), 4);
+        assert!(set.curvature.iter().all(|&k| k < COMFORTABLE_CURVATURE), "none is held");
     }
 
     /// The surface of a cube of side × side × side unit cubes.
