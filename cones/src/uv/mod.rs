@@ -1,0 +1,15 @@
+//! Maps to the plane as they are painted on: what lies over itself, and how it is taken apart.
+mod attach;
+mod chains;
+mod divide;
+mod map;
+mod motion;
+mod overlap;
+mod separate;
+mod triangle;
+
+pub use map::UvMap;
+pub use motion::Motion;
+pub use overlap::{NEGLIGIBLE_DEPTH, Overlap, Overlaps, overlaps, overlaps_watched};
+pub use separate::{Separation, separate};
+pub use triangle::Triangle;
