@@ -15,7 +15,7 @@ use geom::{CutMesh, EdgeData, FaceData, FaceId, HalfedgeData, HalfedgeId, Id, In
 use super::chains::{Chain, Loops};
 use super::map::UvMap;
 use super::motion::Motion;
-use super::overlap::{Boxes, NEGLIGIBLE_DEPTH};
+use super::overlap::{Boxes, NEGLIGIBLE_DEPTH, Overlap};
 use super::triangle;
 
 /// Glued islands may overlap by this share of [`NEGLIGIBLE_DEPTH`], so that they do not overlap after some rounding.
@@ -24,6 +24,7 @@ const ALLOWED: f64 = 0.5;
 const STRIDE: usize = 29;
 
 /// What a map is put together from.
+#[derive(Clone)]
 pub(super) struct Pieces<'a> {
     mesh: &'a Mesh,
     map: &'a UvMap,
@@ -71,20 +72,14 @@ impl<'a> Pieces<'a> {
         }
     }
 
-    /// Glues what can be glued; how many chains that were.
-    pub(super) fn attach(&mut self, watch: Watch) -> Result<usize, Interrupted> {
+    /// Glues what can be glued.
+    pub(super) fn attach(&mut self, watch: Watch) -> Result<(), Interrupted> {
         let mut glued = 0;
         // Chains that were tried, with the numbers of pieces that their islands had.
         let mut tried: HashSet<(HalfedgeId, HalfedgeId, [usize; 2])> = HashSet::new();
         let all = self.pieces.len().max(2) - 1;
         'next: loop {
-            let chains = self.loops.chains(
-                |h| self.island_of(h),
-                |h| self.motion[self.piece[self.mesh.face(h)] as usize].of(self.map.position[h]),
-                self.lengths,
-                self.boxes.extent,
-            );
-            for chain in chains {
+            for chain in self.chains() {
                 watch.ask(glued as f64 / all as f64)?;
                 let sizes = chain.islands.map(|island| self.pieces[island as usize].len());
                 let key = (chain.sides[0], chain.sides[chain.sides.len() - 1], sizes);
@@ -94,8 +89,18 @@ impl<'a> Pieces<'a> {
                     continue 'next;
                 }
             }
-            return Ok(glued);
+            return Ok(());
         }
+    }
+
+    /// The chains between different islands, longest first.
+    pub(super) fn chains(&self) -> Vec<Chain> {
+        self.loops.chains(
+            |h| self.island_of(h),
+            |h| self.motion[self.piece[self.mesh.face(h)] as usize].of(self.map.position[h]),
+            self.lengths,
+            self.boxes.extent,
+        )
     }
 
     fn island_of(&self, h: HalfedgeId) -> u32 {
@@ -106,17 +111,38 @@ impl<'a> Pieces<'a> {
         self.pieces[island as usize].iter().map(|&p| self.faces[p as usize].len()).sum()
     }
 
-    /// Whether the two islands of a chain lie beside each other when it is glued.
-    fn can_glue(&self, chain: &Chain) -> bool {
+    /// The smaller of a chain's islands, the larger, and the motion that takes the smaller to it.
+    fn gluing(&self, chain: &Chain) -> (u32, u32, Motion) {
         let [left, right] = chain.islands;
-        let (small, large, motion) = match self.size(left) < self.size(right) {
+        match self.size(left) < self.size(right) {
             true => (left, right, chain.motion.inverse()),
             false => (right, left, chain.motion),
-        };
+        }
+    }
+
+    /// Whether the two islands of a chain lie beside each other when it is glued.
+    fn can_glue(&self, chain: &Chain) -> bool {
+        self.meetings(chain, |_| false)
+    }
+
+    /// The pairs of triangles that lie over each other when a chain is glued; none if there are too many.
+    pub(super) fn overlaps_when_glued(&self, chain: &Chain, most: usize) -> Option<Vec<Overlap>> {
+        let mut pairs = Vec::new();
+        let is_all = self.meetings(chain, |pair| {
+            pairs.push(pair);
+            pairs.len() <= most
+        });
+        is_all.then_some(pairs)
+    }
+
+    /// Visits the pairs of triangles that lie over each other when a chain is glued, as long as the visitor says to go on;
+    /// whether it always has.
+    fn meetings(&self, chain: &Chain, mut visit: impl FnMut(Overlap) -> bool) -> bool {
+        let (small, large, motion) = self.gluing(chain);
         for &p in &self.pieces[small as usize] {
             for &q in &self.pieces[large as usize] {
                 let [to_place, place] = [p, q].map(|piece| self.motion[piece as usize]);
-                if self.do_meet(p, q, &place.inverse().after(&motion.after(&to_place))) {
+                if !self.meetings_of([p, q], &place.inverse().after(&motion.after(&to_place)), &mut visit) {
                     return false;
                 }
             }
@@ -124,32 +150,34 @@ impl<'a> Pieces<'a> {
         true
     }
 
-    /// Whether piece `p`, moved, lies over piece `q` as it lay at first.
-    fn do_meet(&self, p: u32, q: u32, motion: &Motion) -> bool {
+    /// The same for piece `p`, moved, and piece `q` as it lay at first.
+    fn meetings_of(&self, [p, q]: [u32; 2], motion: &Motion, visit: &mut impl FnMut(Overlap) -> bool) -> bool {
         let faces = &self.faces[p as usize];
         let least = ALLOWED * NEGLIGIBLE_DEPTH * self.boxes.extent;
-        let mut meets = false;
+        let mut goes_on = true;
         for &f in (0..STRIDE).flat_map(|first| faces.iter().skip(first).step_by(STRIDE)) {
             let Some(one) = self.boxes.upright[f.index()].map(|corners| motion.of_triangle(corners)) else { continue };
             self.boxes.meeting(&one, |g| {
-                meets = self.piece[FaceId(g)] == q
-                    && self.boxes.upright[g as usize]
-                        .is_some_and(|other| triangle::depth(&one, &other).is_some_and(|depth| depth > least));
-                !meets
+                let other = self.boxes.upright[g as usize].filter(|_| self.piece[FaceId(g)] == q);
+                if let Some(other) = other
+                    && let Some(depth) = triangle::depth(&one, &other).filter(|&depth| depth > least)
+                {
+                    let triangles = [f.0.min(g), f.0.max(g)];
+                    let area = triangle::common_area(&one, &other);
+                    goes_on = visit(Overlap { triangles, depth: depth / self.boxes.extent, area });
+                }
+                goes_on
             });
-            if meets {
-                return true;
+            if !goes_on {
+                return false;
             }
         }
-        false
+        true
     }
 
-    fn glue(&mut self, chain: &Chain) {
-        let [left, right] = chain.islands;
-        let (small, large, motion) = match self.size(left) < self.size(right) {
-            true => (left, right, chain.motion.inverse()),
-            false => (right, left, chain.motion),
-        };
+    /// Glues a chain.
+    pub(super) fn glue(&mut self, chain: &Chain) {
+        let (small, large, motion) = self.gluing(chain);
         let moved = std::mem::take(&mut self.pieces[small as usize]);
         for &p in &moved {
             self.motion[p as usize] = motion.after(&self.motion[p as usize]);
@@ -184,14 +212,5 @@ impl<'a> Pieces<'a> {
             })
             .collect();
         UvMap { position, cut: self.cut.clone() }
-    }
-
-    /// How many triangles each island has.
-    pub(super) fn sizes(&self) -> Vec<usize> {
-        (0..self.pieces.len() as u32).map(|island| self.size(island)).filter(|&size| size > 0).collect()
-    }
-
-    pub(super) fn cut(&self) -> &EdgeData<bool> {
-        &self.cut
     }
 }

@@ -6,10 +6,12 @@ mod map;
 mod motion;
 mod overlap;
 mod separate;
+mod shelf;
 mod triangle;
 
 pub use map::UvMap;
 pub use motion::Motion;
 pub use overlap::{NEGLIGIBLE_DEPTH, Overlap, Overlaps, overlaps, overlaps_watched};
 pub use separate::{Separation, separate};
+pub use shelf::shelve;
 pub use triangle::Triangle;
