@@ -73,7 +73,7 @@ pub(crate) struct OverlapReport {
     /// How many pairs of triangles lie over each other.
     #[serde(rename = "overlap_pairs")]
     pub(crate) pairs: usize,
-    /// How far a triangle must be moved at most to leave another, over the layout's extent.
+    /// How far two triangles reach into each other at most, over the layout's extent.
     #[serde(rename = "overlap_depth")]
     pub(crate) depth: f64,
 }

@@ -10,7 +10,7 @@
 
 use std::collections::HashSet;
 
-use geom::{CutMesh, EdgeData, FaceData, FaceId, HalfedgeData, HalfedgeId, Id, Interrupted, Mesh, Watch, WedgeData};
+use geom::{CutMesh, EdgeData, FaceData, FaceId, HalfedgeId, Id, Interrupted, Mesh, Watch};
 
 use super::chains::{Chain, Loops};
 use super::map::UvMap;
@@ -188,29 +188,19 @@ impl<'a> Pieces<'a> {
         self.loops.glue(chain);
     }
 
-    /// The map as it is put together.
+    /// The map as it is put together; where pieces meet, positions agree but for rounding ([`UvMap::snapped`]).
     pub(super) fn map(&self) -> UvMap {
-        let opened = CutMesh::open(self.mesh, &self.cut);
-        // Where pieces meet, the positions are those of the largest.
-        let mut from: WedgeData<Option<HalfedgeId>> = WedgeData::constant(opened.wedge_count(), None);
-        let rank = |h: HalfedgeId| {
-            let p = self.piece[self.mesh.face(h)];
-            (std::cmp::Reverse(self.faces[p as usize].len()), p)
-        };
-        for h in self.mesh.halfedges() {
-            let best = &mut from[opened.wedge(h)];
-            if best.is_none_or(|best| rank(h) < rank(best)) {
-                *best = Some(h);
-            }
-        }
-        let position: HalfedgeData<[f64; 2]> = self
-            .mesh
-            .halfedges()
-            .map(|h| {
-                let h = from[opened.wedge(h)].expect("each wedge has corners");
-                self.motion[self.piece[self.mesh.face(h)] as usize].of(self.map.position[h])
-            })
-            .collect();
-        UvMap { position, cut: self.cut.clone() }
+        let place = |h: HalfedgeId| self.motion[self.piece[self.mesh.face(h)] as usize].of(self.map.position[h]);
+        UvMap { position: self.mesh.halfedges().map(place).collect(), cut: self.cut.clone() }
+    }
+
+    /// How many triangles each island has.
+    pub(super) fn sizes(&self) -> Vec<usize> {
+        (0..self.pieces.len() as u32).map(|island| self.size(island)).filter(|&size| size > 0).collect()
+    }
+
+    /// Where the map is open.
+    pub(super) fn cut(&self) -> &EdgeData<bool> {
+        &self.cut
     }
 }

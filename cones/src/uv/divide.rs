@@ -18,9 +18,7 @@
 //! Edges of infinite length (diagonals of polygons) are never cut. An island that is no disk is first cut to one, by the edges
 //! that are in neither tree, with their shortest paths.
 
-use geom::{
-    CutMesh, EdgeData, EdgeId, FaceData, FaceId, Interrupted, Mesh, ShortestPaths, VertexData, VertexId, Watch,
-};
+use geom::{EdgeData, EdgeId, FaceData, FaceId, Interrupted, Mesh, ShortestPaths, VertexData, VertexId, Watch};
 use geom::{kruskal, other_end};
 
 /// What is preferred among cuts.
@@ -92,19 +90,25 @@ fn weights(
     pairs: &[Pair],
     within_overlap: f64,
 ) -> EdgeData<f64> {
-    let opened = CutMesh::open(mesh, cut);
-    let mut has_pairs = vec![false; opened.island_count()];
+    let mut has_pairs = FaceData::constant(mesh.face_count(), false);
     let mut overlaps = FaceData::constant(mesh.face_count(), false);
+    let mut stack = Vec::new();
     for f in pairs.iter().flat_map(|pair| pair.triangles) {
-        has_pairs[opened.island(f) as usize] = true;
         overlaps[f] = true;
+        stack.push(f);
+        while let Some(f) = stack.pop() {
+            if !std::mem::replace(&mut has_pairs[f], true) {
+                let across = mesh.sides(f).into_iter().filter(|&h| !cut[mesh.edge(h)]).filter_map(|h| mesh.twin(h));
+                stack.extend(across.map(|g| mesh.face(g)));
+            }
+        }
     }
     let finite = lengths.iter().filter(|l| l.is_finite());
     let mean = finite.clone().sum::<f64>() / finite.count().max(1) as f64;
     let weight = |e: EdgeId| {
         let h = mesh.halfedge(e);
         let f = mesh.face(h);
-        if !has_pairs[opened.island(f) as usize] {
+        if !has_pairs[f] {
             return f64::INFINITY;
         }
         // Paths must get longer edge by edge, also along edges without length.

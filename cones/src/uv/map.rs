@@ -1,6 +1,6 @@
 //! A map of a surface to the plane: positions of corners, and the edges where it is open.
 
-use geom::{CutMesh, EdgeData, FaceId, HalfedgeData, Mesh};
+use geom::{CutMesh, EdgeData, FaceId, HalfedgeData, HalfedgeId, Mesh, WedgeData};
 
 use super::triangle::Triangle;
 
@@ -25,6 +25,23 @@ impl UvMap {
             mesh.twin(h).is_some_and(|g| at(h) != at(mesh.next(g)) || at(mesh.next(h)) != at(g))
         });
         Self { cut: cut.collect(), position }
+    }
+
+    /// The same map with one position for each vertex of an island: where its corners' positions are not the same to the bit, one
+    /// that it had in `before`, if there is any.
+    pub(super) fn snapped(mut self, mesh: &Mesh, before: &Self) -> Self {
+        let opened = self.opened(mesh);
+        let is_as_before = |h: HalfedgeId| self.position[h].map(f64::to_bits) == before.position[h].map(f64::to_bits);
+        let mut from: WedgeData<Option<HalfedgeId>> = WedgeData::constant(opened.wedge_count(), None);
+        for h in mesh.halfedges() {
+            let chosen = &mut from[opened.wedge(h)];
+            if chosen.is_none_or(|first| !is_as_before(first) && is_as_before(h)) {
+                *chosen = Some(h);
+            }
+        }
+        let position = mesh.halfedges().map(|h| self.position[from[opened.wedge(h)].expect("each wedge has corners")]);
+        self.position = position.collect();
+        self
     }
 
     /// The images of the triangles.

@@ -8,6 +8,8 @@ mod overlap;
 mod part;
 mod separate;
 mod shelf;
+#[cfg(test)]
+mod tests;
 mod triangle;
 
 pub use map::UvMap;

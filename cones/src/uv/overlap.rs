@@ -33,7 +33,7 @@ const BLOCK: usize = 1 << 10;
 pub struct Overlap {
     /// The triangles, the lower number first.
     pub triangles: [u32; 2],
-    /// How far one must be moved to leave the other, over the map's extent.
+    /// How far they reach into each other, over the map's extent: at least so far one must be moved to leave the other.
     pub depth: f64,
     /// The area that they have in common, in the map's units and up to rounding.
     pub area: f64,

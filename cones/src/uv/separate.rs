@@ -32,7 +32,7 @@ const GLUED: [Preference; 2] = [
     Preference { within_overlap: 10.0, power: 0.3, least_share: 0.0 },
 ];
 /// So many triangles are gone through in search of fewer islands.
-const TRIANGLES: usize = 600_000;
+const TRIANGLES: usize = 400_000;
 /// So often at most is another gluing tried.
 const MOST_RUNS: usize = 48;
 /// So many at the same time, of which the best is taken.
@@ -132,8 +132,9 @@ struct Cost {
 impl Task<'_> {
     /// The best map, and the pairs that could not be parted.
     fn best(&self, watch: Watch) -> Result<(UvMap, Overlaps), Interrupted> {
-        let mut states = self.starts(watch.within(0.0, 0.5))?;
-        let before = self.cost(&self.map.cut).0.islands;
+        let boxes = self.boxes(self.map);
+        let mut states = self.starts(&boxes, watch.within(0.0, 0.5))?;
+        let before = self.cost(&Pieces::new(self.mesh, self.map, self.lengths, &boxes, self.map.cut.clone())).0.islands;
         let runs = (TRIANGLES / self.mesh.face_count().max(1)).min(MOST_RUNS);
         let mut tried = 0;
         while tried < runs && states.iter().all(|state| state.cost.islands > before) {
@@ -157,18 +158,17 @@ impl Task<'_> {
             }
         }
         let best = states.into_iter().min_by(|a, b| a.cost.partial_cmp(&b.cost).expect("no NaN"));
-        let map = best.expect("there are preferences").map;
+        let map = best.expect("there are preferences").map.snapped(self.mesh, self.map);
         let left = on_one_island(self.mesh, &map, &map.cut, watch)?;
         Ok((map, left))
     }
 
     /// What comes of the preferences, the best first.
-    fn starts(&self, watch: Watch) -> Result<Vec<State>, Interrupted> {
-        let boxes = self.boxes(self.map);
+    fn starts(&self, boxes: &Boxes, watch: Watch) -> Result<Vec<State>, Interrupted> {
         let pairs = weighed(&self.overlaps.pairs);
         let run = |preference: &Preference| {
             let cut = self.cut(&pairs, preference, watch)?;
-            self.attached(Pieces::new(self.mesh, self.map, self.lengths, &boxes, cut), watch)
+            self.attached(Pieces::new(self.mesh, self.map, self.lengths, boxes, cut), watch)
         };
         let most = (TRIANGLES / self.mesh.face_count().max(1)).max(1);
         let states: Vec<Result<State, Interrupted>> = PREFERENCES.par_iter().take(most).map(run).collect();
@@ -210,9 +210,8 @@ impl Task<'_> {
 
     fn attached(&self, mut pieces: Pieces, watch: Watch) -> Result<State, Interrupted> {
         pieces.attach(watch)?;
-        let map = pieces.map();
-        let (cost, beside) = self.cost(&map.cut);
-        Ok(State { cost, map, beside, tried: 0, is_done: false })
+        let (cost, beside) = self.cost(&pieces);
+        Ok(State { cost, map: pieces.map(), beside, tried: 0, is_done: false })
     }
 
     /// Cuts by a preference until all pairs are parted, those too that were not kept at first.
@@ -228,13 +227,12 @@ impl Task<'_> {
         Ok(cut)
     }
 
-    fn cost(&self, cut: &EdgeData<bool>) -> (Cost, f64) {
-        let opened = CutMesh::open(self.mesh, cut);
-        let mut size = vec![0; opened.island_count()];
-        self.mesh.faces().for_each(|f| size[opened.island(f) as usize] += 1);
-        let slivers = size.iter().filter(|&&size| size < SLIVER).count();
-        let largest = f64::from(size.iter().copied().max().unwrap_or(0));
-        let cost = Cost { islands: size.len() + 2 * slivers, seam: seam(self.mesh, self.lengths, cut) };
-        (cost, 1.0 - largest / self.mesh.face_count().max(1) as f64)
+    /// What a map costs, and the share of triangles that are not on its largest island.
+    fn cost(&self, pieces: &Pieces) -> (Cost, f64) {
+        let sizes = pieces.sizes();
+        let slivers = sizes.iter().filter(|&&size| size < SLIVER as usize).count();
+        let largest = sizes.iter().copied().max().unwrap_or(0);
+        let cost = Cost { islands: sizes.len() + 2 * slivers, seam: seam(self.mesh, self.lengths, pieces.cut()) };
+        (cost, 1.0 - largest as f64 / self.mesh.face_count().max(1) as f64)
     }
 }

@@ -6,8 +6,9 @@
 //! floating-point arithmetic and fast robust geometric predicates*, 1997); nothing is constructed. Neighbours need no
 //! exception: the side that they share separates them if its ends have the same coordinates in both.
 //!
-//! The *depth* of an overlap is how far one of them must be moved to leave the other: the least over the six sides of the
-//! greatest distance by which the other triangle lies inside.
+//! The *depth* of an overlap is the least over the six sides of how far the other triangle reaches across the side, at most as far as
+//! the triangle itself does: no more than the way one must be moved to leave the other, and no more than the height of either. A
+//! triangle that is as thin as rounding overlaps nothing deeper.
 
 use robust::{Coord, orient2d};
 
@@ -43,8 +44,9 @@ pub(super) fn depth(one: &Triangle, other: &Triangle) -> Option<f64> {
     Some(depth_inside(one, other)?.min(depth_inside(other, one)?))
 }
 
-/// The least over the sides of `one` of the greatest distance by which the other lies inside; none if a side separates them.
+/// The least over the sides of `one` of how far the other reaches inside, at most the height of `one`; none if a side separates them.
 fn depth_inside(one: &Triangle, other: &Triangle) -> Option<f64> {
+    let across = orientation(*one);
     let mut least = f64::INFINITY;
     for k in 0..3 {
         let (p, q) = (one[k], one[(k + 1) % 3]);
@@ -52,7 +54,7 @@ fn depth_inside(one: &Triangle, other: &Triangle) -> Option<f64> {
         if inside <= 0.0 {
             return None;
         }
-        least = least.min(inside / (q[0] - p[0]).hypot(q[1] - p[1]));
+        least = least.min(inside.min(across) / (q[0] - p[0]).hypot(q[1] - p[1]));
     }
     Some(least)
 }
@@ -179,23 +181,22 @@ mod tests {
         }
 
         #[test]
-        fn moved_by_its_depth_along_some_side_one_leaves_the_other(one in lattice(9), other in lattice(9)) {
+        fn moved_by_less_than_the_depth_none_leaves_the_other(
+            one in lattice(9),
+            other in lattice(9),
+            angle in 0.0..6.3f64,
+        ) {
             let (Some(x), Some(y)) = (upright(real(one, 1.0)), upright(real(other, 1.0))) else { return Ok(()) };
-            let Some(depth_before) = depth(&x, &y) else { return Ok(()) };
-            let leaves = |(t, direction): (&Triangle, f64)| (0..3).any(|k| {
-                let (p, q) = (t[k], t[(k + 1) % 3]);
-                let far = direction * depth_before * (1.0 + 1e-9) / (q[0] - p[0]).hypot(q[1] - p[1]);
-                let moved = y.map(|c| [c[0] + far * (q[1] - p[1]), c[1] - far * (q[0] - p[0])]);
-                depth(&x, &moved).is_none()
-            });
-            prop_assert!([(&x, 1.0), (&y, -1.0)].into_iter().any(leaves));
-            let less = |(t, direction): (&Triangle, f64)| (0..3).any(|k| {
-                let (p, q) = (t[k], t[(k + 1) % 3]);
-                let far = direction * depth_before * 0.99 / (q[0] - p[0]).hypot(q[1] - p[1]);
-                let moved = y.map(|c| [c[0] + far * (q[1] - p[1]), c[1] - far * (q[0] - p[0])]);
-                depth(&x, &moved).is_none()
-            });
-            prop_assert!(![(&x, 1.0), (&y, -1.0)].into_iter().any(less));
+            let Some(deep) = depth(&x, &y) else { return Ok(()) };
+            let far = 0.99 * deep;
+            prop_assert!(depth(&x, &y.map(|[u, v]| [u + far * angle.cos(), v + far * angle.sin()])).is_some());
+            for triangle in [x, y] {
+                let height = |k: usize| {
+                    let (p, q) = (triangle[k], triangle[(k + 1) % 3]);
+                    twice_area(triangle) / (q[0] - p[0]).hypot(q[1] - p[1])
+                };
+                prop_assert!((0..3).all(|k| deep <= height(k) * (1.0 + 1e-12)));
+            }
         }
     }
 
