@@ -1,6 +1,8 @@
 //! The command line: what may be asked for, and nothing that is not built.
 
-use crate::commands::{compare, completions, demo, extract, features, man, measure, persistence, shape, unwrap};
+use crate::commands::{
+    compare, completions, demo, extract, features, islands, man, measure, persistence, shape, unwrap,
+};
 use crate::output::Volume;
 use clap::Parser;
 use std::num::NonZeroUsize;
@@ -43,6 +45,8 @@ pub(crate) enum Subcommand {
     Compare(compare::CompareArgs),
     /// Measure the distortion of an unwrapped OBJ or PLY, whoever made it
     Measure(measure::MeasureArgs),
+    /// Take a map apart where it lies over itself, whoever made it
+    Islands(islands::IslandsArgs),
     /// Pair the extrema of a scalar field with saddles: an array, a picture, a mesh with values, a network
     Persistence(persistence::PersistenceArgs),
     /// Find the feature points of a surface: the persistent extrema of a field on it

@@ -52,11 +52,12 @@ mod flatten;
 mod hierarchy;
 mod numerics;
 mod placement;
+pub mod uv;
 
 pub use analysis::{
-    Analysis, Atlas, Baseline, BaselineMap, ChosenNumber, Cone, ConeChoice, ConeOrder, Cones, Failure, MOST_AUTOMATIC,
-    ModelExtremum, Note, Observer, Options, OrderedCone, Preparation, Progress, Stage, TARGET_DISTORTION, Times,
-    Topology, unwrap_model,
+    Analysis, Atlas, Baseline, BaselineMap, ChosenNumber, Cone, ConeChoice, ConeOrder, Cones, Failure, Islands,
+    MOST_AUTOMATIC, ModelExtremum, Note, Observer, Options, OrderedCone, Preparation, Progress, Stage,
+    TARGET_DISTORTION, Times, Topology, unwrap_model,
 };
 pub use baseline::LscmError;
 pub use curvature::{CurvatureError, CurvatureRule};

@@ -1,7 +1,8 @@
 //! `cones measure`: the distortion of any unwrapped OBJ.
 
-use crate::commands::shared::corner_uv;
+use crate::commands::shared::{corner_uv, split_vertices, welded};
 use crate::error::CommandError;
+use crate::render::{self, Scene};
 use crate::report::table::thousands;
 use crate::report::{DistortionReport, IslandReport, Quality, SCHEMA};
 use crate::{input, output};
@@ -18,6 +19,15 @@ pub(crate) struct MeasureArgs {
     /// Measure against this surface, which has the same faces in the same order
     #[arg(long, value_name = "IN")]
     reference: Option<PathBuf>,
+    /// Merge vertices that are at exactly the same place, as those along the seams of many files are
+    #[arg(long)]
+    weld: bool,
+    /// Write the faces that lie over or under another, counted from 0, a line each
+    #[arg(long, value_name = "FILE")]
+    overlap_faces: Option<PathBuf>,
+    /// Draw the layout, what lies over itself in red: .png or .svg
+    #[arg(long, value_name = "FILE")]
+    layout: Option<PathBuf>,
     /// Print JSON in place of the text
     #[arg(long)]
     json: bool,
@@ -39,10 +49,26 @@ struct MeasuredInput {
     faces: usize,
 }
 
+/// What is measured: the triangles of the surface with their images.
+struct Measured {
+    /// The face that each triangle is part of.
+    face_of: Vec<u32>,
+    vertices: Vec<[u32; 3]>,
+    uv: Vec<[[f64; 2]; 3]>,
+    quality: Quality,
+}
+
 pub(crate) fn run(args: &MeasureArgs) -> Result<(), CommandError> {
+    check_outputs(args)?;
     let (model, _) = input::read_model(&args.input)?;
     let reference = args.reference.as_deref().map(|path| reference(path, &args.input, &model)).transpose()?;
-    let report = measure(args, &model, reference.as_ref().unwrap_or(&model))?;
+    let surface = reference.as_ref().unwrap_or(&model);
+    let measured = measure(args, &model, surface)?;
+    write_extras(args, surface, &measured)?;
+    let report = report(args, surface, &measured.quality);
+    if !args.weld {
+        warn_of_split(split_vertices(surface));
+    }
     if args.json {
         return output::print_json(&report);
     }
@@ -53,6 +79,43 @@ pub(crate) fn run(args: &MeasureArgs) -> Result<(), CommandError> {
     ))
 }
 
+/// Endings and places of the outputs, before anything is computed.
+fn check_outputs(args: &MeasureArgs) -> Result<(), CommandError> {
+    if let Some(path) = &args.layout {
+        output::extension(path, &["png", "svg"])?;
+    }
+    let inputs: Vec<&Path> = [Some(&args.input), args.reference.as_ref()].into_iter().flatten().map(|p| &**p).collect();
+    let outputs: Vec<&Path> = [&args.overlap_faces, &args.layout].into_iter().flatten().map(|p| &**p).collect();
+    output::check(&inputs, &outputs)
+}
+
+fn write_extras(args: &MeasureArgs, surface: &Model, measured: &Measured) -> Result<(), CommandError> {
+    if let Some(path) = &args.overlap_faces {
+        let mut faces: Vec<u32> = measured.quality.overlapping.iter().map(|&t| measured.face_of[t as usize]).collect();
+        faces.dedup();
+        output::write_text(path, &faces.iter().map(|face| format!("{face}\n")).collect::<String>())?;
+    }
+    if let Some(path) = &args.layout {
+        let (vertices, uv) = (measured.vertices.clone(), measured.uv.clone());
+        let scene = Scene::new(surface.points(), vertices, uv, Vec::new(), Vec::new());
+        match output::extension(path, &["png", "svg"])? {
+            "svg" => output::write_text(path, &render::draw_layout_svg(&scene))?,
+            _ => output::write_png(path, &render::draw_layout(&scene))?,
+        }
+    }
+    Ok(())
+}
+
+/// Says that seams cannot be told from boundaries where the surface is split along them.
+fn warn_of_split(vertices: usize) {
+    if vertices > 0 {
+        output::warn(&format!(
+            "{vertices} vertices on the boundary lie at the place of another one, and what meets there counts as cut already: if the \
+             file was split along its seams, islands and seams are right with --weld"
+        ));
+    }
+}
+
 /// The surface to measure against, if it is the same mesh: the same numbers of corners face by face.
 fn reference(path: &Path, input: &Path, model: &Model) -> Result<Model, CommandError> {
     let (reference, _) = input::read_model(path)?;
@@ -61,14 +124,22 @@ fn reference(path: &Path, input: &Path, model: &Model) -> Result<Model, CommandE
 }
 
 /// Measures the model's texture coordinates on the surface of `reference`.
-fn measure(args: &MeasureArgs, model: &Model, reference: &Model) -> Result<MeasureReport, CommandError> {
+fn measure(args: &MeasureArgs, model: &Model, reference: &Model) -> Result<Measured, CommandError> {
     let no_texture = || CommandError::NoTexture(args.input.clone());
     let uv = model.uv().ok_or_else(no_texture)?.all().map_err(|_| no_texture())?;
     let triangles = reference.triangles();
-    let (vertices, corners) = (triangles.vertices(reference), corner_uv(&triangles.corners, &uv));
-    let quality = Quality::measure(reference.points(), &vertices, &corners, None)
+    let (mut vertices, uv) = (triangles.vertices(reference), corner_uv(&triangles.corners, &uv));
+    if args.weld {
+        let first = welded(reference);
+        vertices.iter_mut().flatten().for_each(|v| *v = first[*v as usize]);
+    }
+    let quality = Quality::measure(reference.points(), &vertices, &uv, None)
         .map_err(|error| CommandError::Measure { path: args.input.clone(), error })?;
-    Ok(MeasureReport {
+    Ok(Measured { face_of: triangles.face_of, vertices, uv, quality })
+}
+
+fn report(args: &MeasureArgs, reference: &Model, quality: &Quality) -> MeasureReport {
+    MeasureReport {
         schema: SCHEMA,
         input: MeasuredInput {
             path: args.input.display().to_string(),
@@ -76,7 +147,7 @@ fn measure(args: &MeasureArgs, model: &Model, reference: &Model) -> Result<Measu
             vertices: reference.vertex_count(),
             faces: reference.face_count(),
         },
-        distortion: quality.distortion,
-        islands: quality.islands,
-    })
+        distortion: quality.distortion.clone(),
+        islands: quality.islands.clone(),
+    }
 }

@@ -8,8 +8,8 @@ use crate::progress::Progress;
 use crate::render::{self, Scene};
 use crate::report::table::labelled;
 use crate::report::{HierarchyFile, Times, UnwrapReport};
-use clap::Args;
-use cones::{ConeChoice, Options};
+use clap::{Args, ValueEnum};
+use cones::{ConeChoice, Islands, Options};
 use geom::io::{ObjContent, write_glb, write_obj, write_ply};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -27,6 +27,9 @@ pub(crate) struct UnwrapArgs {
     /// Given cones: a file of lines `vertex curvature` or `vertex`, vertices counted from 0
     #[arg(long, value_name = "FILE", group = "which")]
     cones: Option<PathBuf>,
+    /// What to do where the layout lies over itself
+    #[arg(long, value_enum, default_value_t = IslandsName::OverlapFree)]
+    islands: IslandsName,
     /// Size of the texture coordinates
     #[arg(long, value_enum, default_value_t = Scale::Unit)]
     scale: Scale,
@@ -51,6 +54,14 @@ pub(crate) struct UnwrapArgs {
     /// Print the report as JSON in place of the text
     #[arg(long)]
     json: bool,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum IslandsName {
+    /// Leave it: each part of the surface is one island
+    Single,
+    /// Cut it and attach what is cut off across other seams, until nothing lies over itself
+    OverlapFree,
 }
 
 pub(crate) fn run(args: &UnwrapArgs) -> Result<(), CommandError> {
@@ -81,7 +92,11 @@ pub(crate) fn run(args: &UnwrapArgs) -> Result<(), CommandError> {
 
 /// The library's options.
 fn options(args: &UnwrapArgs) -> Result<Options, CommandError> {
-    let options = args.candidates.options();
+    let islands = match args.islands {
+        IslandsName::Single => Islands::Single,
+        IslandsName::OverlapFree => Islands::OverlapFree,
+    };
+    let options = Options { islands, ..args.candidates.options() };
     Ok(match &args.cones {
         Some(file) => Options { cones: ConeChoice::Given(cone_file::read(file)?), ..options },
         None => options,

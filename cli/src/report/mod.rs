@@ -7,11 +7,11 @@ pub(crate) mod table;
 mod text;
 
 pub(crate) use hierarchy_file::HierarchyFile;
-pub(crate) use quality::{DistortionReport, IslandReport, Quality};
+pub(crate) use quality::{DistortionReport, IslandReport, OverlapReport, Quality};
 
 use cones::{Analysis, Atlas, ChosenNumber, Cone, Note, Options, Prediction, Stage, Topology};
 use geom::Repair;
-pub(crate) use names::{angles_name, kind_name, repair_text};
+pub(crate) use names::{angles_name, kind_name, policy_name, repair_text};
 use serde::Serialize;
 use std::path::Path;
 
@@ -27,6 +27,8 @@ pub(crate) struct UnwrapReport {
     pub(crate) cones: Vec<Cone>,
     pub(crate) method: &'static str,
     pub(crate) angles: &'static str,
+    /// What was done where the layout lay over itself.
+    pub(crate) policy: &'static str,
     pub(crate) hierarchy: HierarchyReport,
     /// How the number of cones was found; nothing where it was given.
     pub(crate) number: Option<ChosenNumber>,
@@ -87,6 +89,7 @@ pub(crate) struct Times {
     pub(crate) cut: Option<f64>,
     pub(crate) scale: Option<f64>,
     pub(crate) layout: Option<f64>,
+    pub(crate) islands: Option<f64>,
     pub(crate) measure: Option<f64>,
     pub(crate) write: Option<f64>,
     pub(crate) draw: Option<f64>,
@@ -111,6 +114,7 @@ impl UnwrapReport {
             cones: atlas.cones.clone(),
             method: options.placement.name(),
             angles: angles_name(options.rule),
+            policy: policy_name(options.islands),
             hierarchy: HierarchyReport::new(analysis),
             number: atlas.number.clone(),
             curve: curve(atlas.number.as_ref()).to_vec(),
@@ -177,6 +181,7 @@ impl Times {
                 Stage::Cut => &mut self.cut,
                 Stage::Scale => &mut self.scale,
                 Stage::Layout => &mut self.layout,
+                Stage::Islands => &mut self.islands,
                 _ => continue,
             };
             let time = stages.of(stage).as_secs_f64();
@@ -203,6 +208,7 @@ impl Times {
             ("cut", self.cut),
             ("scale", self.scale),
             ("layout", self.layout),
+            ("islands", self.islands),
             ("measure", self.measure),
             ("write", self.write),
             ("draw", self.draw),

@@ -1,6 +1,6 @@
 //! What curvature rules, extrema and repairs are called in reports.
 
-use cones::{CurvatureRule, Kind};
+use cones::{CurvatureRule, Islands, Kind};
 use geom::Repair;
 
 /// A curvature rule's name, as the command line takes it and reports give it.
@@ -8,6 +8,14 @@ pub(crate) fn angles_name(rule: CurvatureRule) -> &'static str {
     match rule {
         CurvatureRule::Harmonic => "harmonic",
         _ => "optimal",
+    }
+}
+
+/// The name of what is done where a layout lies over itself, as the command line takes it and reports give it.
+pub(crate) fn policy_name(islands: Islands) -> &'static str {
+    match islands {
+        Islands::Single => "single",
+        _ => "overlap-free",
     }
 }
 

@@ -1,5 +1,6 @@
 //! The part of a report that says how good a map is.
 
+use cones::uv;
 use geom::distortion::{self, Distortion, DistortionError, Island, Percentiles};
 use geom::{Id, VertexId};
 use serde::Serialize;
@@ -16,6 +17,8 @@ pub(crate) struct Quality {
     pub(crate) islands: Vec<IslandReport>,
     /// The first triangle that is flipped or degenerate.
     pub(crate) first_flaw: Option<usize>,
+    /// The triangles that lie over or under another.
+    pub(crate) overlapping: Vec<u32>,
 }
 
 impl Quality {
@@ -31,8 +34,10 @@ impl Quality {
             Some(known) => known.iter().map(|&v| VertexId::new(v as usize)).collect(),
             None => map.cones(CONE).into_iter().map(|(v, _)| v).collect(),
         };
+        let overlaps = uv::overlaps(uv);
         Ok(Self {
-            distortion: DistortionReport::new(&map, distortion::overlap(uv, OVERLAP_GRID), map.curvature_error(&cones)),
+            distortion: DistortionReport::new(&map, OverlapReport::new(&overlaps, uv), map.curvature_error(&cones)),
+            overlapping: overlaps.triangles(),
             islands: map.islands.iter().map(IslandReport::from).collect(),
             first_flaw: map.first_flaw.map(Id::index),
         })
@@ -51,12 +56,40 @@ pub(crate) struct DistortionReport {
     pub(crate) area: Percentiles,
     pub(crate) flipped: usize,
     pub(crate) degenerate: usize,
-    /// The share of the layout that is covered more than once.
-    pub(crate) overlap: f64,
+    #[serde(flatten)]
+    pub(crate) overlap: OverlapReport,
     /// Relative to the square root of the surface's area.
     pub(crate) seam_length: f64,
     /// The largest curvature off the cones, in radians.
     pub(crate) curvature_error: f64,
+}
+
+/// How much of a layout lies over itself.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub(crate) struct OverlapReport {
+    /// The share of the layout that is covered more than once.
+    #[serde(rename = "overlap")]
+    pub(crate) share: f64,
+    /// How many pairs of triangles lie over each other.
+    #[serde(rename = "overlap_pairs")]
+    pub(crate) pairs: usize,
+    /// How far two triangles reach into each other at most, over the layout's extent.
+    #[serde(rename = "overlap_depth")]
+    pub(crate) depth: f64,
+}
+
+impl OverlapReport {
+    /// How much of a map lies over itself.
+    pub(crate) fn of(uv: &[uv::Triangle]) -> Self {
+        Self::new(&uv::overlaps(uv), uv)
+    }
+
+    fn new(overlaps: &uv::Overlaps, uv: &[uv::Triangle]) -> Self {
+        let pairs = overlaps.pairs.len();
+        // What the grid finds where no pair is, is rounding.
+        let share = if pairs == 0 { 0.0 } else { distortion::overlap(uv, OVERLAP_GRID) };
+        Self { share, pairs, depth: overlaps.depth() }
+    }
 }
 
 /// A connected piece of a layout.
@@ -68,7 +101,7 @@ pub(crate) struct IslandReport {
 }
 
 impl DistortionReport {
-    fn new(map: &Distortion, overlap: f64, curvature_error: f64) -> Self {
+    fn new(map: &Distortion, overlap: OverlapReport, curvature_error: f64) -> Self {
         Self {
             area_mean: map.area.mean,
             area_inverse_mean: map.area_inverse_mean,

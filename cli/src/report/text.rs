@@ -1,7 +1,7 @@
 //! A report as a few lines of text.
 
 use super::table::{labelled, thousands};
-use super::{DistortionReport, InputReport, UnwrapReport, angles_name};
+use super::{DistortionReport, InputReport, OverlapReport, UnwrapReport, angles_name};
 use cones::{ConeChoice, Options, Placement, Prediction};
 
 impl UnwrapReport {
@@ -94,7 +94,7 @@ impl DistortionReport {
         let islands = if islands == 1 { "1 island".to_owned() } else { format!("{} islands", thousands(islands)) };
         let Self { area_mean, u_l2, u_linf, seam_length, .. } = self;
         let [flipped, degenerate] = [self.flipped, self.degenerate].map(thousands);
-        let overlap = percent(self.overlap);
+        let overlap = self.overlap.text();
         [
             labelled("area", &format!("distortion {area_mean:.3} (log scale: L2 {u_l2:.3}, largest {u_linf:.2})")),
             labelled(
@@ -112,6 +112,14 @@ impl DistortionReport {
     }
 }
 
-fn percent(share: f64) -> String {
-    if share == 0.0 { "none".to_owned() } else { format!("{:.2} %", 100.0 * share) }
+impl OverlapReport {
+    /// The share, and pairs where the grid sees none.
+    pub(crate) fn text(self) -> String {
+        match self.pairs {
+            0 => "none".to_owned(),
+            1 if self.share == 0.0 => "1 pair".to_owned(),
+            pairs if self.share == 0.0 => format!("{} pairs", thousands(pairs)),
+            _ => format!("{:.2} %", 100.0 * self.share),
+        }
+    }
 }

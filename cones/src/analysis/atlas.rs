@@ -49,6 +49,8 @@ pub struct Atlas {
     pub triangles: Triangles,
     /// The triangles that belong to no surface (repeated vertices, copies); their corners have their vertices' positions.
     pub left_out: Vec<u32>,
+    /// The island of each triangle, numbered from 0 component by component; none for those that belong to no surface.
+    pub islands: Vec<Option<u32>>,
     /// The triangles that folded over and are islands of their own.
     pub detached: Vec<u32>,
     /// The cones that were used, component by component.

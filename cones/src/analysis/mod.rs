@@ -16,12 +16,12 @@ mod choosing;
 mod component;
 mod cones;
 mod flat;
+mod islands;
 mod note;
 mod observer;
 mod options;
 mod order;
 mod quality;
-mod shelf;
 mod unwrap;
 
 use std::sync::Arc;
@@ -37,7 +37,7 @@ pub use choosing::{MOST_AUTOMATIC, TARGET_DISTORTION};
 pub use cones::{ChosenNumber, Cone, Cones};
 pub use note::{Failure, Note};
 pub use observer::{Observer, Progress, Stage, Times};
-pub use options::{ConeChoice, Options, Preparation};
+pub use options::{ConeChoice, Islands, Options, Preparation};
 pub use order::{ConeOrder, ModelExtremum, OrderedCone};
 pub use unwrap::unwrap_model;
 

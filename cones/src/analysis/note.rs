@@ -113,6 +113,15 @@ pub enum Note {
         /// With how many cones.
         cones: usize,
     },
+    /// A component's layout lies over itself.
+    Overlap {
+        /// The component.
+        component: usize,
+        /// How many pairs of triangles lie over each other.
+        pairs: usize,
+        /// How much of its area they have in common, at most 1.
+        share: f64,
+    },
 }
 
 impl Note {
@@ -129,7 +138,8 @@ impl Note {
             | Self::OtherNumber { component, .. }
             | Self::Detached { component, .. }
             | Self::Unfolded { component, .. }
-            | Self::TargetMissed { component, .. } => Some(component),
+            | Self::TargetMissed { component, .. }
+            | Self::Overlap { component, .. } => Some(component),
         }
     }
 }
@@ -182,6 +192,10 @@ impl fmt::Display for Note {
             }
             Self::TargetMissed { target, reached, cones, .. } => {
                 write!(f, "an area distortion of {target} was not reached: {reached:.3} with {cones} cones")
+            }
+            Self::Overlap { pairs: 1, .. } => write!(f, "two triangles of the layout lie over each other"),
+            Self::Overlap { pairs, share, .. } => {
+                write!(f, "{:.2} % of the layout lies over itself: {pairs} pairs of triangles", 100.0 * share)
             }
         }
     }

@@ -31,12 +31,22 @@ pub enum Stage {
     Scale,
     /// Positions in the plane, fold-overs removed.
     Layout,
+    /// What lies over itself, and how it is taken apart.
+    Islands,
 }
 
 impl Stage {
     /// All of them.
-    pub const ALL: [Self; 7] =
-        [Self::Prepare, Self::Factor, Self::Hierarchy, Self::Curvature, Self::Cut, Self::Scale, Self::Layout];
+    pub const ALL: [Self; 8] = [
+        Self::Prepare,
+        Self::Factor,
+        Self::Hierarchy,
+        Self::Curvature,
+        Self::Cut,
+        Self::Scale,
+        Self::Layout,
+        Self::Islands,
+    ];
 
     /// Its name in reports.
     pub fn name(self) -> &'static str {
@@ -48,6 +58,7 @@ impl Stage {
             Self::Cut => "cut",
             Self::Scale => "scale",
             Self::Layout => "layout",
+            Self::Islands => "islands",
         }
     }
 }

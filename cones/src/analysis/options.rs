@@ -25,6 +25,23 @@ pub struct Options {
     pub placement: Placement,
     /// How cones get their curvatures.
     pub rule: CurvatureRule,
+    /// What is done where the layout lies over itself.
+    pub islands: Islands,
+}
+
+/// What is done where a layout lies over itself. A flat metric can be laid out without a single fold-over and still do so, as a
+/// long spiral does.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
+#[non_exhaustive]
+pub enum Islands {
+    /// Nothing: each connected component is one island, but for triangles that fold over; a note says how much lies over
+    /// itself.
+    Single,
+    /// It is cut and put together again across other seams until nothing lies over itself, in as few islands as can be
+    /// ([`uv`](crate::uv)).
+    #[default]
+    OverlapFree,
 }
 
 /// Which cones to use.

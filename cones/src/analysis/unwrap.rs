@@ -12,11 +12,11 @@ use super::cones::{ChosenNumber, Cones};
 use super::flat::Flat;
 use super::note::Note;
 use super::observer::{Stage, Times};
-use super::options::{ConeChoice, Options};
-use super::shelf::Shelf;
+use super::options::{ConeChoice, Islands, Options};
 use super::{Analysis, each};
 use crate::error::Error;
 use crate::placement::distortion_of;
+use crate::uv::{Motion, Triangle, shelve};
 
 /// A measured area distortion counts as within a target if it is when printed with two decimals.
 const ROUNDING: f64 = 0.005;
@@ -48,17 +48,26 @@ pub fn unwrap_model(model: &Model, options: &Options) -> Result<Atlas, Error> {
 
 impl Analysis {
     /// Flattens the model with given cones. Fold-overs are removed as far as possible; triangles that stay folded over are
-    /// detached and named. No other cones are tried.
+    /// detached and named. No other cones are tried. Where the layout lies over itself it is taken apart.
     ///
     /// # Errors
     /// If the cones are of another analysis, if no flat metric with them is found, or if the observer has said stop.
     pub fn flatten(&self, cones: &Cones) -> Result<Atlas, Error> {
+        self.flatten_as(cones, Islands::default())
+    }
+
+    /// [`flatten`](Self::flatten), with the islands as is said.
+    ///
+    /// # Errors
+    /// As [`flatten`](Self::flatten).
+    pub fn flatten_as(&self, cones: &Cones, islands: Islands) -> Result<Atlas, Error> {
         self.check_own(cones)?;
         let task = self.task();
         let mut times = Times::default();
         let flats = each(self.components(), &mut times, |component, times| {
             let mut flat = component.flatten(&cones.configurations[component.index], &task, times)?;
             component.detach_fold_overs(&mut flat);
+            component.part_islands(&mut flat, islands, &task, times)?;
             Ok(flat)
         })?;
         let own = cones.notes.iter().filter(|note| note.component().is_none()).cloned().collect();
@@ -78,7 +87,7 @@ impl Analysis {
     pub fn atlas(&self, options: &Options) -> Result<Atlas, Error> {
         if matches!(options.cones, ConeChoice::Given(_)) {
             let cones = self.choose(options)?;
-            let mut atlas = self.flatten(&cones)?;
+            let mut atlas = self.flatten_as(&cones, options.islands)?;
             atlas.times += cones.times;
             return Ok(atlas);
         }
@@ -86,7 +95,9 @@ impl Analysis {
         let (shared, configurations) = self.configurations(options, &task)?;
         let Shared { notes, number, mut times } = shared;
         let flats = each(self.components(), &mut times, |component, times| {
-            component.flatten_well(&configurations[component.index], options, &task, times)
+            let mut flat = component.flatten_well(&configurations[component.index], options, &task, times)?;
+            component.part_islands(&mut flat, options.islands, &task, times)?;
+            Ok(flat)
         })?;
         Ok(self.assemble(flats, notes, number, times))
     }
@@ -102,18 +113,26 @@ impl Analysis {
         let began = Instant::now();
         let mut uv = vec![None; self.corner_vertices().len()];
         let (mut cones, mut seams, mut detached) = (Vec::new(), Vec::new(), Vec::new());
+        let mut islands = vec![None; self.triangles().len()];
         let number = number.map(|number| self.measured(number, &flats));
         let mut curvature_error = 0.0_f64;
         let mut unfolded = 0;
-        let mut shelf = Shelf::new(self.components().iter().map(|c| c.area).sum());
+        let mut places = shelve(&self.islands(&flats)).into_iter();
+        let mut count = 0;
         notes.splice(0..0, self.notes().iter().cloned());
         for (component, flat) in self.components().iter().zip(flats) {
             let surface = &component.surface;
             curvature_error = curvature_error.max(flat.error);
             unfolded += usize::from(flat.is_unfolded);
-            for (h, position) in shelf.place(&flat.layout, &surface.mesh, flat.size).iter_ids() {
-                uv[surface.corner[h] as usize] = Some(*position);
+            let motions: Vec<Motion> = places.by_ref().take(flat.layout.cut.island_count()).collect();
+            for (f, &triangle) in surface.triangle.iter_ids() {
+                let island = flat.layout.cut.island(f);
+                islands[triangle as usize] = Some(count + island);
+                for h in surface.mesh.sides(f) {
+                    uv[surface.corner[h] as usize] = Some(motions[island as usize].of(flat.position(h)));
+                }
             }
+            count += motions.len() as u32;
             let of_model = |vertices: &[geom::VertexId]| vertices.iter().map(|&v| surface.vertex[v]).collect();
             seams.extend(flat.seams.chains.iter().map(|chain| -> Vec<u32> { of_model(&chain.vertices) }));
             detached.extend(flat.detached.iter().map(|&f| surface.triangle[f]));
@@ -130,6 +149,7 @@ impl Analysis {
             uv,
             triangles: self.triangles().clone(),
             left_out: self.left_out().to_vec(),
+            islands,
             detached,
             cones,
             seams,
@@ -139,6 +159,19 @@ impl Analysis {
             times,
             notes,
         }
+    }
+
+    /// The triangles of each island, component by component.
+    fn islands(&self, flats: &[Flat]) -> Vec<Vec<Triangle>> {
+        let of_component = |(component, flat): (&Component, &Flat)| {
+            let mesh = &component.surface.mesh;
+            let mut islands = vec![Vec::new(); flat.layout.cut.island_count()];
+            for f in mesh.faces() {
+                islands[flat.layout.cut.island(f) as usize].push(mesh.sides(f).map(|h| flat.position(h)));
+            }
+            islands
+        };
+        self.components().iter().zip(flats).flat_map(of_component).collect()
     }
 
     /// Whether the map that was made meets the target that its number of cones was chosen for.

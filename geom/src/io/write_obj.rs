@@ -2,9 +2,9 @@
 //!
 //! A model that came from an OBJ goes back as its own text: every line in its place with its own digits, line ends and
 //! comments. Faces change in one respect, the texture index of each corner. The new `vt` lines stand before the first face,
-//! so that readers in one pass know them, and old `vt` lines stay, no longer used by faces. If polylines or surfaces
-//! refer to the old ones too, their numbers must stay true: then the new lines come after the last old one and after the
-//! last reference counted backwards.
+//! so that readers in one pass know them, and old `vt` lines, which nothing uses any more, are left out. If polylines or
+//! surfaces refer to the old ones too, they stay and their numbers must stay true: then the new lines come after the last old
+//! one and after the last reference counted backwards.
 //!
 //! Other models are written with the shortest digits that read back as the same f64.
 
@@ -111,12 +111,20 @@ impl Job<'_> {
         let addition = Addition::place(text);
         let line_end = line_end_of(text);
         let mut copy = Copy { text, at: 0, out };
-        let (mut face, mut added) = (0, false);
+        let (mut face, mut added, mut is_dropped) = (0, false, false);
         for line in Lines::joined(text) {
+            if std::mem::take(&mut is_dropped) {
+                copy.at = line.start;
+            }
             if !added && line.start >= addition.at {
                 copy.until(addition.at)?;
                 self.addition(line_end, &mut copy.out)?;
                 added = true;
+            }
+            if addition.drops_old && self.wedges.is_some() && line.words().next() == Some(b"vt") {
+                copy.until(line.start)?;
+                copy.at = text.len();
+                is_dropped = true;
             }
             if line.words().next().is_some_and(is_face) {
                 self.face(&line, face, cells.triangles_of(face), &addition, &mut copy)?;
@@ -215,6 +223,8 @@ struct Addition {
     at: usize,
     /// How many `vt` lines come before.
     known: u64,
+    /// Whether old `vt` lines are left out.
+    drops_old: bool,
 }
 
 impl Addition {
@@ -237,14 +247,15 @@ impl Addition {
                     }
                 }
                 Some(word) if first_face.is_none() && is_face(word) => {
-                    first_face = Some(Self { at: line.start, known });
+                    first_face = Some(Self { at: line.start, known, drops_old: false });
                 }
                 _ => {}
             }
         }
         match first_face {
-            Some(first_face) if !is_used_elsewhere || first_face.at >= last_use => first_face,
-            _ => Self { at: last_use, known },
+            Some(first_face) if !is_used_elsewhere => Self { known: 0, drops_old: true, ..first_face },
+            Some(first_face) if first_face.at >= last_use => first_face,
+            _ => Self { at: last_use, known, drops_old: false },
         }
     }
 }

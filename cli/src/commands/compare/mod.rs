@@ -172,7 +172,7 @@ fn first(subject: &PreparedModel, variant: Variant, plan: &Plan) -> Result<Outco
     let run = || {
         let trial = Trial::run(subject, variant, plan)?;
         let map = trial.distortion(subject)?;
-        Ok(Outcome::new(&trial, &map, plan.notes(variant)))
+        Ok(Outcome::new(&trial, &map, trial.overlap(subject), plan.notes(variant)))
     };
     run().map_err(|error: trial::TrialError| error.to_string())
 }

@@ -32,6 +32,7 @@ pub(super) struct Outcome {
     pub(super) area_inverse: f64,
     pub(super) u_l2: f64,
     pub(super) flipped: usize,
+    pub(super) overlap: f64,
     pub(super) curvature_left: Option<f64>,
     pub(super) seconds: TrialTimes,
     pub(super) note: String,
@@ -39,7 +40,7 @@ pub(super) struct Outcome {
 
 impl Outcome {
     /// What a trial has reached, and what its plan notes.
-    pub(super) fn new(trial: &Trial, map: &Distortion, mut notes: Vec<String>) -> Self {
+    pub(super) fn new(trial: &Trial, map: &Distortion, overlap: f64, mut notes: Vec<String>) -> Self {
         if trial.broken > 0 {
             notes.push(format!("the metric breaks {} triangles", trial.broken));
         }
@@ -50,6 +51,7 @@ impl Outcome {
             area_inverse: map.area_inverse_mean,
             u_l2: map.u_l2,
             flipped: map.flipped,
+            overlap,
             curvature_left: trial.curvature_left,
             seconds: trial.seconds,
             note: notes.join("; "),
@@ -117,7 +119,7 @@ fn printed(row: &Row, value: impl Fn(&Printed) -> Option<f64>) -> Cell {
     row.printed.as_ref().and_then(value).map_or(Cell::Empty, |x| Cell::Number(x, 3))
 }
 
-pub(super) const COLUMNS: [Column; 17] = [
+pub(super) const COLUMNS: [Column; 18] = [
     Column {
         key: "mesh",
         head: "mesh",
@@ -175,6 +177,12 @@ pub(super) const COLUMNS: [Column; 17] = [
         head: "flipped",
         meaning: "triangles turned over in the plane",
         value: |row| of(row, |o| Cell::Count(o.flipped)),
+    },
+    Column {
+        key: "overlap",
+        head: "overlap",
+        meaning: "share of the layout, each part in one island, that is covered more than once; `cones unwrap` takes it apart",
+        value: |row| of(row, |o| Cell::Number(o.overlap, 4)),
     },
     Column {
         key: "curvature_left",

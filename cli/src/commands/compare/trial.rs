@@ -1,10 +1,12 @@
 //! One run of one method on one mesh: its map, and how long each step took.
 
-use cones::{Analysis, ConeChoice, Options, Stage, Times};
+use cones::{Analysis, ConeChoice, Islands, Options, Stage, Times};
+use geom::Surface;
 use geom::distortion::{self, Distortion, DistortionError};
 use thiserror::Error;
 
 use crate::commands::shared::corner_uv;
+use crate::report::OverlapReport;
 
 use super::plan::Plan;
 use super::prepared::PreparedModel;
@@ -49,7 +51,7 @@ impl Trial {
         let cones = analysis.choose(&options)?;
         let (uv, curvature_left, broken, times) = match variant.flattening {
             Flattening::Exact => {
-                let atlas = analysis.flatten(&cones)?;
+                let atlas = analysis.flatten_as(&cones, Islands::Single)?;
                 (atlas.uv, Some(atlas.curvature_error), 0, atlas.times)
             }
             Flattening::By(baseline) => {
@@ -59,6 +61,15 @@ impl Trial {
         };
         let times: Times = [analysis.times(), cones.times(), times].into_iter().sum();
         Ok(Self { cones: cones.len(), seconds: TrialTimes::new(times), curvature_left, broken, uv })
+    }
+
+    /// The share of the layout that is covered more than once.
+    pub(super) fn overlap(&self, subject: &PreparedModel) -> f64 {
+        let corners = |surface: &Surface| -> Vec<[u32; 3]> {
+            surface.mesh.faces().map(|f| surface.mesh.sides(f).map(|h| surface.corner[h])).collect()
+        };
+        let uv = corner_uv(&subject.surfaces.iter().flat_map(corners).collect::<Vec<_>>(), &self.uv);
+        OverlapReport::of(&uv).share
     }
 
     /// Measures the map, on the surfaces as they were opened.
@@ -93,7 +104,7 @@ impl TrialTimes {
 mod tests {
     use super::super::plan::Plans;
     use super::*;
-    use geom::{CutMesh, EdgeData, Model, Surface};
+    use geom::{CutMesh, EdgeData, Model};
     use std::f64::consts::TAU;
 
     /// A torus of quadrilaterals with a bump.

@@ -4,8 +4,10 @@ mod choice;
 mod numbers;
 mod unwrapped;
 mod warn;
+mod welded;
 
 pub(crate) use choice::CandidateArgs;
 pub(crate) use numbers::{non_negative, vertex_count};
-pub(crate) use unwrapped::{Scale, Unwrapped, corner_uv};
+pub(crate) use unwrapped::{Scale, Unwrapped, corner_uv, scaled};
 pub(crate) use warn::warn;
+pub(crate) use welded::{split_vertices, welded};

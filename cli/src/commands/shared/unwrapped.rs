@@ -1,6 +1,7 @@
 //! One surface through the library: unwrapped, its texture coordinates scaled, its map measured.
 
 use super::warn::warn;
+use super::welded::welded;
 use crate::error::CommandError;
 use crate::limits;
 use crate::output;
@@ -57,8 +58,12 @@ impl Unwrapped {
         let start = Instant::now();
         let uv = scaled(&atlas.uv, scale);
         let triangles = kept(&atlas);
-        let cones: Vec<u32> = atlas.cones.iter().map(|cone| cone.vertex).collect();
-        let (kept, corners) = (vertices(&model, &triangles), corner_uv(&triangles, &uv));
+        let mut cones: Vec<u32> = atlas.cones.iter().map(|cone| cone.vertex).collect();
+        let (mut kept, corners) = (vertices(&model, &triangles), corner_uv(&triangles, &uv));
+        if options.preparation.weld {
+            let first = welded(&model);
+            kept.iter_mut().flatten().chain(&mut cones).for_each(|v| *v = first[*v as usize]);
+        }
         let quality = Quality::measure(model.points(), &kept, &corners, Some(&cones))
             .map_err(|error| CommandError::Measure { path: path.to_owned(), error })?;
         let flaws = flaws(&model, &quality, &triangles).into_iter().collect();
@@ -141,7 +146,7 @@ pub(crate) fn corner_uv(triangles: &[[u32; 3]], uv: &[[f64; 2]]) -> Vec<[[f64; 2
 }
 
 /// The texture coordinates as they are to be written: from (0, 0) on, and in the unit square where that is asked.
-fn scaled(uv: &[[f64; 2]], scale: Scale) -> Vec<[f64; 2]> {
+pub(crate) fn scaled(uv: &[[f64; 2]], scale: Scale) -> Vec<[f64; 2]> {
     let (low, size) = extent(uv.iter().copied());
     let place = |uv: [f64; 2]| -> [f64; 2] {
         match scale {

@@ -20,14 +20,18 @@ pub(super) fn assert_obj_comes_back(model: &Model) {
     assert_eq!(back.uv().unwrap().all().unwrap(), uv);
 }
 
-/// The old text's lines that are no faces must be a subsequence of the new text's, and the rest be `vt` lines.
+/// The old text's lines that are no faces must be a subsequence of the new text's, and the rest be `vt` lines. Old `vt` lines are
+/// kept only if something else than faces refers to them.
 fn assert_lines_are_kept(old: &[u8], new: &[u8]) {
-    let others = |text| -> Vec<&[u8]> {
+    let begins = |line: &text::Line, words: &[&[u8]]| line.words().next().is_some_and(|word| words.contains(&word));
+    let is_used = Lines::joined(old).any(|line| begins(&line, &[b"l", b"surf"]) && line.text.contains(&b'/'));
+    let others = |text, without_texture: bool| -> Vec<&[u8]> {
         let is_face = |line: &text::Line| line.words().next().is_some_and(obj::is_face);
-        Lines::joined(text).filter(|line| !is_face(line)).map(|line| line.text).collect()
+        let is_other = |line: &text::Line| !is_face(line) && !(without_texture && begins(line, &[b"vt"]));
+        Lines::joined(text).filter(is_other).map(|line| line.text).collect()
     };
-    let mut old_lines = others(old).into_iter().peekable();
-    for line in others(new) {
+    let mut old_lines = others(old, !is_used).into_iter().peekable();
+    for line in others(new, false) {
         if old_lines.next_if_eq(&line).is_none() {
             assert!(line.starts_with(b"vt "), "{}", line.escape_ascii());
         }
@@ -100,7 +104,17 @@ fn new_texture_coordinates_stand_before_the_faces_that_use_them() {
     let model = obj(&format!("vt 7 7\n{TETRAHEDRON}vt 8 8\nf 1/1 2/1 3/2\n"));
     let text = String::from_utf8(obj_with_map(&model, &some_uv(&model))).unwrap();
     let (first_face, own) = (text.find("\nf ").unwrap(), text.find("vt 0.0333").unwrap());
-    assert!(own < first_face && text.contains("\nf 1/2 3/3 2/4\n"));
+    assert!(own < first_face && text.contains("\nf 1/1 3/2 2/3\n"));
+}
+
+#[test]
+fn texture_coordinates_that_nothing_uses_are_left_out() {
+    let model = obj(&format!("vt 7 7\n{TETRAHEDRON}vt 8 8\nf 1/1 2/1 3/2\nvt 9 9"));
+    let text = String::from_utf8(obj_with_map(&model, &some_uv(&model))).unwrap();
+    assert!(["vt 7 7", "vt 8 8", "vt 9 9"].iter().all(|old| !text.contains(old)), "{text}");
+    let mut same = Vec::new();
+    write_obj(&model, &ObjContent::default(), &mut same).unwrap();
+    assert!(String::from_utf8(same).unwrap().contains("vt 7 7"), "without a new map the old one stays");
 }
 
 #[test]

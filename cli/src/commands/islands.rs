@@ -1,0 +1,129 @@
+//! `cones islands`: a map that somebody made, taken apart where it lies over itself.
+
+use crate::commands::shared::{Scale, corner_uv, scaled, split_vertices, welded};
+use crate::error::CommandError;
+use crate::report::table::{labelled, thousands};
+use crate::report::{OverlapReport, Quality, SCHEMA};
+use crate::{input, output};
+use clap::Args;
+use cones::uv::{Parted, part, shelve};
+use geom::io::{ObjContent, write_obj, write_ply};
+use geom::{Model, Watch};
+use serde::Serialize;
+use std::path::{Path, PathBuf};
+
+#[derive(Args, Debug)]
+pub(crate) struct IslandsArgs {
+    /// A surface with texture coordinates: OBJ or PLY
+    #[arg(value_name = "UV")]
+    input: PathBuf,
+    /// Where to write it with islands that lie neither over themselves nor over each other: .obj or .ply
+    #[arg(short, long, value_name = "OUT")]
+    output: PathBuf,
+    /// Merge vertices that are at exactly the same place, as those along the seams of many files are
+    #[arg(long)]
+    weld: bool,
+    /// Size of the texture coordinates; a map without overlap stays as it is
+    #[arg(long, value_enum, default_value_t = Scale::Unit)]
+    scale: Scale,
+    /// Print JSON in place of the text
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Debug, Serialize)]
+struct IslandsReport {
+    schema: u32,
+    input: PartedInput,
+    before: MapReport,
+    after: MapReport,
+    /// How many pairs of triangles could not be parted.
+    left: usize,
+}
+
+#[derive(Debug, Serialize)]
+struct PartedInput {
+    path: String,
+    vertices: usize,
+    faces: usize,
+}
+
+/// What matters here of a map.
+#[derive(Debug, Serialize)]
+struct MapReport {
+    islands: usize,
+    #[serde(flatten)]
+    overlap: OverlapReport,
+    seam_length: f64,
+    flipped: usize,
+}
+
+pub(crate) fn run(args: &IslandsArgs) -> Result<(), CommandError> {
+    output::extension(&args.output, &["obj", "ply"])?;
+    output::check(&[&args.input], &[&args.output])?;
+    let (model, _) = input::read_model(&args.input)?;
+    let no_texture = || CommandError::NoTexture(args.input.clone());
+    let uv = model.uv().ok_or_else(no_texture)?.all().map_err(|_| no_texture())?;
+    let before = measured(args, &model, &uv)?;
+    let parted = part(&model, &uv, args.weld, shelve, Watch::NONE)
+        .map_err(|error| CommandError::Unwrap { path: args.input.clone(), error: error.into() })?;
+    let Parted { uv: placed, left, overlaps, .. } = parted;
+    let placed = if overlaps.pairs.is_empty() { placed } else { scaled(&placed, args.scale) };
+    let after = measured(args, &model, &placed)?;
+    write(&model, &placed, &args.output)?;
+    if !args.weld && split_vertices(&model) > 0 {
+        output::warn("the surface is split along its seams: with --weld what is cut off can be attached across them");
+    }
+    let input = PartedInput {
+        path: args.input.display().to_string(),
+        vertices: model.vertex_count(),
+        faces: model.face_count(),
+    };
+    let report = IslandsReport { schema: SCHEMA, input, before, after, left };
+    if args.json { output::print_json(&report) } else { output::summary(&summary(&report, &args.output)) }
+}
+
+fn measured(args: &IslandsArgs, model: &Model, uv: &[[f64; 2]]) -> Result<MapReport, CommandError> {
+    let triangles = model.triangles();
+    let (mut vertices, corners) = (triangles.vertices(model), corner_uv(&triangles.corners, uv));
+    if args.weld {
+        let first = welded(model);
+        vertices.iter_mut().flatten().for_each(|v| *v = first[*v as usize]);
+    }
+    let Quality { distortion, islands, .. } = Quality::measure(model.points(), &vertices, &corners, None)
+        .map_err(|error| CommandError::Measure { path: args.input.clone(), error })?;
+    Ok(MapReport {
+        islands: islands.len(),
+        overlap: distortion.overlap,
+        seam_length: distortion.seam_length,
+        flipped: distortion.flipped,
+    })
+}
+
+fn write(model: &Model, uv: &[[f64; 2]], path: &Path) -> Result<(), CommandError> {
+    match output::extension(path, &["obj", "ply"])? {
+        "ply" => output::write(path, |out| write_ply(model, Some(uv), None, out)),
+        _ => output::write(path, |out| write_obj(model, &ObjContent { uv: Some(uv), ..ObjContent::default() }, out)),
+    }
+}
+
+fn summary(report: &IslandsReport, path: &Path) -> String {
+    let IslandsReport { input, before, after, left, .. } = report;
+    let map = |map: &MapReport| {
+        let islands =
+            if map.islands == 1 { "1 island".to_owned() } else { format!("{} islands", thousands(map.islands)) };
+        format!("{islands}, {} overlapping, seams {:.2} √area", map.overlap.text(), map.seam_length)
+    };
+    let left = match left {
+        0 => String::new(),
+        left => labelled("left", &format!("{} pairs of triangles of one polygon each", thousands(*left))),
+    };
+    [
+        labelled("surface", &format!("{} vertices, {} faces", thousands(input.vertices), thousands(input.faces))),
+        labelled("before", &map(before)),
+        labelled("after", &map(after)),
+        left,
+        labelled("written", &path.display().to_string()),
+    ]
+    .concat()
+}

@@ -1,0 +1,72 @@
+//! What is done where a component's layout lies over itself.
+
+use geom::{HalfedgeData, Id};
+use num_complex::Complex64;
+
+use super::component::Component;
+use super::flat::Flat;
+use super::note::Note;
+use super::observer::{Stage, Task, Times};
+use super::options::Islands;
+use crate::error::Error;
+use crate::flatten::seam_lengths;
+use crate::uv::{NEGLIGIBLE_DEPTH, Overlaps, UvMap, overlaps_watched, separate};
+
+impl Component {
+    /// Takes the layout apart where it lies over itself, or says that it does.
+    ///
+    /// # Errors
+    /// If the observer has said stop.
+    pub(crate) fn part_islands(
+        &self,
+        flat: &mut Flat,
+        islands: Islands,
+        task: &Task,
+        times: &mut Times,
+    ) -> Result<(), Error> {
+        let mesh = &self.surface.mesh;
+        let at = |z: Complex64| [z.re, z.im];
+        let position: HalfedgeData<[f64; 2]> = mesh.halfedges().map(|h| at(flat.layout.corner(h))).collect();
+        let map = UvMap { position, cut: flat.seams.cut.clone() };
+        let stage = (Stage::Islands, self.index);
+        if islands == Islands::Single {
+            let cut = &flat.layout.cut;
+            let asked = |[f, g]: [u32; 2]| cut.island(geom::FaceId(f)) == cut.island(geom::FaceId(g));
+            let overlaps = task.stage(stage, times, |watch| {
+                overlaps_watched(&map.triangles(mesh), NEGLIGIBLE_DEPTH, asked, watch)
+            })??;
+            self.note_overlap(flat, &overlaps);
+            return Ok(());
+        }
+        let lengths = seam_lengths(&self.surface, &self.metric);
+        let done = task.stage(stage, times, |watch| separate(mesh, &lengths, map, watch))??;
+        if done.overlaps.pairs.is_empty() {
+            return Ok(());
+        }
+        self.note_overlap(flat, &done.left);
+        let cut = done.map.opened(mesh);
+        let mut opened = vec![Complex64::ZERO; cut.wedge_count()];
+        for (h, [x, y]) in done.map.position.iter_ids() {
+            opened[cut.wedge(h).index()] = Complex64::new(*x, *y);
+        }
+        flat.layout.cut = cut;
+        flat.layout.position = opened;
+        flat.seams.cut = done.map.cut;
+        flat.seams.string(mesh, &lengths);
+        Ok(())
+    }
+
+    fn note_overlap(&self, flat: &mut Flat, overlaps: &Overlaps) {
+        let pairs = overlaps.pairs.len();
+        if pairs > 0 {
+            let area = |corners: [Complex64; 3]| {
+                let [a, b, c] = corners;
+                0.5 * ((b - a).conj() * (c - a)).im.abs()
+            };
+            let mesh = &self.surface.mesh;
+            let whole: f64 = mesh.faces().map(|f| area(mesh.sides(f).map(|h| flat.layout.corner(h)))).sum();
+            let common: f64 = overlaps.pairs.iter().map(|pair| pair.area).sum();
+            flat.notes.push(Note::Overlap { component: self.index, pairs, share: (common / whole).min(1.0) });
+        }
+    }
+}

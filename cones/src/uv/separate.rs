@@ -1,0 +1,238 @@
+//! A map taken apart until nothing lies over itself, and put together again as far as that goes.
+//!
+//! Overlapping pairs within an island are found once ([`overlap`](super::overlap)); cuts part them ([`divide`](super::divide)), which moves
+//! nothing and so makes no new ones; what was cut off is attached elsewhere ([`attach`](super::attach)), which is tested where
+//! something moved. Which cuts are best depends on what can be attached afterwards, so several preferences are tried while the
+//! result is not one island, and the best is kept: few islands, no slivers, short seams. Islands may still lie over *each other*:
+//! that is for whoever places them.
+//!
+//! An island without overlap keeps its positions to the bit, and so does the largest piece of each other island.
+
+use geom::{CutMesh, EdgeData, FaceId, Interrupted, Mesh, Watch};
+use rayon::prelude::*;
+
+use super::attach::Pieces;
+use super::chains::Chain;
+use super::divide::{Pair, Preference, SLIVER, divide};
+use super::map::UvMap;
+use super::overlap::{Boxes, NEGLIGIBLE_DEPTH, Overlap, Overlaps, overlaps_watched};
+use super::triangle;
+
+/// What is tried. Of 48 such preferences these four give the fewest islands on 105 layouts that lie over themselves: each alone
+/// leaves one island on 41 to 48 of them, all four together on 60.
+const PREFERENCES: [Preference; 4] = [
+    Preference { within_overlap: 3.0, power: 0.3, least_share: 0.03 },
+    Preference { within_overlap: 3.0, power: 1.0, least_share: 0.0 },
+    Preference { within_overlap: 1.0, power: 1.0, least_share: 0.03 },
+    Preference { within_overlap: 10.0, power: 1.0, least_share: 0.01 },
+];
+/// What is tried where islands were glued all the same.
+const GLUED: [Preference; 2] = [
+    Preference { within_overlap: 3.0, power: 1.0, least_share: 0.0 },
+    Preference { within_overlap: 10.0, power: 0.3, least_share: 0.0 },
+];
+/// So many triangles are gone through in search of fewer islands.
+const TRIANGLES: usize = 400_000;
+/// So often at most is another gluing tried.
+const MOST_RUNS: usize = 48;
+/// So many at the same time, of which the best is taken.
+const AT_ONCE: usize = 8;
+/// A gluing that was tried without gain counts as so much seam.
+const PATIENCE: f64 = 0.01;
+/// A gluing that brings about more pairs for each triangle is not tried.
+const MOST_PAIRS: usize = 4;
+
+/// A map whose islands do not lie over themselves.
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub struct Separation {
+    /// The map.
+    pub map: UvMap,
+    /// The pairs of triangles on one island that lay over each other.
+    pub overlaps: Overlaps,
+    /// How much longer the seams are now, in the unit of the lengths given.
+    pub added_seam: f64,
+    /// The pairs that could not be parted, as triangles of one polygon cannot.
+    pub left: Overlaps,
+}
+
+/// Takes a map apart and puts it together again until no island lies over itself. Edges of infinite length are not cut. `lengths`
+/// are those of the edges in space. A map without overlap comes back as it is, to the bit.
+///
+/// O(n log n), and O(n + pairs) for each cut.
+///
+/// # Errors
+/// If it is stopped.
+pub fn separate(mesh: &Mesh, lengths: &EdgeData<f64>, map: UvMap, watch: Watch) -> Result<Separation, Interrupted> {
+    let overlaps = on_one_island(mesh, &map, &map.cut, watch.within(0.0, 0.3))?;
+    if overlaps.pairs.is_empty() {
+        let left = overlaps.clone();
+        return Ok(Separation { map, overlaps, added_seam: 0.0, left });
+    }
+    let task = Task { mesh, lengths, map: &map, overlaps: &overlaps };
+    let (separated, left) = task.best(watch.within(0.3, 1.0))?;
+    let added_seam = seam(mesh, lengths, &separated.cut) - seam(mesh, lengths, &map.cut);
+    Ok(Separation { map: separated, overlaps, added_seam, left })
+}
+
+/// The pairs of triangles that overlap on an island of the map opened along `cut`.
+fn on_one_island(mesh: &Mesh, map: &UvMap, cut: &EdgeData<bool>, watch: Watch) -> Result<Overlaps, Interrupted> {
+    let opened = CutMesh::open(mesh, cut);
+    let asked = |pair: [u32; 2]| opened.island(FaceId(pair[0])) == opened.island(FaceId(pair[1]));
+    overlaps_watched(&map.triangles(mesh), NEGLIGIBLE_DEPTH, asked, watch)
+}
+
+fn seam(mesh: &Mesh, lengths: &EdgeData<f64>, cut: &EdgeData<bool>) -> f64 {
+    mesh.edges().filter(|&e| cut[e]).map(|e| lengths[e]).filter(|l| l.is_finite()).sum()
+}
+
+/// Pairs with whole numbers for areas, so that sums are exact; a pair without area counts, too.
+fn weighed(pairs: &[Overlap]) -> Vec<Pair> {
+    let total: f64 = pairs.iter().map(|pair| pair.area).sum();
+    let unit = if total > 0.0 { f64::from(1 << 30) / total } else { 0.0 };
+    let weight = |pair: &Overlap| Pair { triangles: pair.triangles.map(FaceId), weight: 1 + (pair.area * unit) as i64 };
+    pairs.iter().map(weight).collect()
+}
+
+/// What is tried on.
+struct Task<'a> {
+    mesh: &'a Mesh,
+    lengths: &'a EdgeData<f64>,
+    map: &'a UvMap,
+    overlaps: &'a Overlaps,
+}
+
+/// A map without overlap and what it costs.
+struct State {
+    cost: Cost,
+    map: UvMap,
+    /// The share of triangles that are not on the largest island.
+    beside: f64,
+    /// How many other gluings were tried.
+    tried: usize,
+    /// Whether these are all.
+    is_done: bool,
+}
+
+impl State {
+    /// States of few islands first, and of these such with short seams on which little was tried.
+    fn rank(&self) -> f64 {
+        self.cost.islands as f64 + self.beside + PATIENCE * self.tried as f64
+    }
+}
+
+/// What maps are compared by; less is better.
+#[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
+struct Cost {
+    /// Islands, those of a few triangles three times.
+    islands: usize,
+    seam: f64,
+}
+
+impl Task<'_> {
+    /// The best map, and the pairs that could not be parted.
+    fn best(&self, watch: Watch) -> Result<(UvMap, Overlaps), Interrupted> {
+        let boxes = self.boxes(self.map);
+        let mut states = self.starts(&boxes, watch.within(0.0, 0.5))?;
+        let before = self.cost(&Pieces::new(self.mesh, self.map, self.lengths, &boxes, self.map.cut.clone())).0.islands;
+        let runs = (TRIANGLES / self.mesh.face_count().max(1)).min(MOST_RUNS);
+        let mut tried = 0;
+        while tried < runs && states.iter().all(|state| state.cost.islands > before) {
+            watch.ask(0.5 + 0.5 * tried as f64 / runs as f64)?;
+            let open = (0..states.len()).filter(|&k| !states[k].is_done);
+            let Some(k) = open.min_by(|&j, &k| states[j].rank().partial_cmp(&states[k].rank()).expect("no NaN")) else {
+                break;
+            };
+            let others = self.glued_otherwise(&states[k], AT_ONCE.min(runs - tried), watch)?;
+            tried += AT_ONCE;
+            states[k].tried += AT_ONCE;
+            states[k].is_done = others.is_none();
+            for other in others.into_iter().flatten() {
+                let is_new = states.iter().all(|state| state.cost != other.cost);
+                if is_new && other.cost.islands <= states[k].cost.islands + 1 {
+                    if std::env::var("TRIAL").is_ok() {
+                        println!("  {tried} {:?}", other.cost);
+                    }
+                    states.push(other);
+                }
+            }
+        }
+        let best = states.into_iter().min_by(|a, b| a.cost.partial_cmp(&b.cost).expect("no NaN"));
+        let map = best.expect("there are preferences").map.snapped(self.mesh, self.map);
+        let left = on_one_island(self.mesh, &map, &map.cut, watch)?;
+        Ok((map, left))
+    }
+
+    /// What comes of the preferences, the best first.
+    fn starts(&self, boxes: &Boxes, watch: Watch) -> Result<Vec<State>, Interrupted> {
+        let pairs = weighed(&self.overlaps.pairs);
+        let run = |preference: &Preference| {
+            let cut = self.cut(&pairs, preference, watch)?;
+            self.attached(Pieces::new(self.mesh, self.map, self.lengths, boxes, cut), watch)
+        };
+        let most = (TRIANGLES / self.mesh.face_count().max(1)).max(1);
+        let states: Vec<Result<State, Interrupted>> = PREFERENCES.par_iter().take(most).map(run).collect();
+        states.into_iter().collect()
+    }
+
+    /// What comes of gluing one of the longest chains all the same, and parting what lies over each other then; none if all have
+    /// been tried.
+    fn glued_otherwise(&self, state: &State, count: usize, watch: Watch) -> Result<Option<Vec<State>>, Interrupted> {
+        let boxes = self.boxes(&state.map);
+        let pieces = Pieces::new(self.mesh, &state.map, self.lengths, &boxes, state.map.cut.clone());
+        let chains = pieces.chains();
+        let gluings: Vec<(&Chain, &Preference)> = chains
+            .iter()
+            .flat_map(|chain| GLUED.iter().map(move |p| (chain, p)))
+            .skip(state.tried)
+            .take(count)
+            .collect();
+        if gluings.is_empty() {
+            return Ok(None);
+        }
+        let run = |&(chain, preference): &(&Chain, &Preference)| -> Result<Option<State>, Interrupted> {
+            let most = MOST_PAIRS * self.mesh.face_count();
+            let Some(pairs) = pieces.overlaps_when_glued(chain, most) else { return Ok(None) };
+            let mut glued = pieces.clone();
+            glued.glue(chain);
+            let map = glued.map();
+            let boxes = self.boxes(&map);
+            let cut = divide(self.mesh, self.lengths, &map.cut, &weighed(&pairs), preference, watch)?;
+            self.attached(Pieces::new(self.mesh, &map, self.lengths, &boxes, cut), watch).map(Some)
+        };
+        let states: Vec<Result<Option<State>, Interrupted>> = gluings.par_iter().map(run).collect();
+        Ok(Some(states.into_iter().collect::<Result<Vec<_>, _>>()?.into_iter().flatten().collect()))
+    }
+
+    fn boxes(&self, map: &UvMap) -> Boxes {
+        Boxes::new(map.triangles(self.mesh).into_iter().map(triangle::upright))
+    }
+
+    fn attached(&self, mut pieces: Pieces, watch: Watch) -> Result<State, Interrupted> {
+        pieces.attach(watch)?;
+        let (cost, beside) = self.cost(&pieces);
+        Ok(State { cost, map: pieces.map(), beside, tried: 0, is_done: false })
+    }
+
+    /// Cuts by a preference until all pairs are parted, those too that were not kept at first.
+    fn cut(&self, pairs: &[Pair], preference: &Preference, watch: Watch) -> Result<EdgeData<bool>, Interrupted> {
+        let mut cut = divide(self.mesh, self.lengths, &self.map.cut, pairs, preference, watch)?;
+        let mut is_complete = self.overlaps.is_complete;
+        while !is_complete {
+            let more = on_one_island(self.mesh, self.map, &cut, watch)?;
+            let further = divide(self.mesh, self.lengths, &cut, &weighed(&more.pairs), preference, watch)?;
+            is_complete = more.is_complete || further == cut;
+            cut = further;
+        }
+        Ok(cut)
+    }
+
+    /// What a map costs, and the share of triangles that are not on its largest island.
+    fn cost(&self, pieces: &Pieces) -> (Cost, f64) {
+        let sizes = pieces.sizes();
+        let slivers = sizes.iter().filter(|&&size| size < SLIVER as usize).count();
+        let largest = sizes.iter().copied().max().unwrap_or(0);
+        let cost = Cost { islands: sizes.len() + 2 * slivers, seam: seam(self.mesh, self.lengths, pieces.cut()) };
+        (cost, 1.0 - largest as f64 / self.mesh.face_count().max(1) as f64)
+    }
+}
