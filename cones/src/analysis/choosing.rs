@@ -96,6 +96,7 @@ impl Analysis {
             times,
             configurations,
             analysis: self.id(),
+            quantize: options.quantize,
         }
     }
 

@@ -1,6 +1,7 @@
 //! What a user may choose.
 
 use crate::curvature::CurvatureRule;
+use crate::cut::{SeamOptions, Symmetry};
 use crate::placement::Placement;
 
 /// How a model is made ready.
@@ -25,6 +26,10 @@ pub struct Options {
     pub placement: Placement,
     /// How cones get their curvatures.
     pub rule: CurvatureRule,
+    /// Where seams should run.
+    pub seams: SeamOptions,
+    /// Whether curvatures are rounded to multiples of a texture's angle, so that it runs on across seams; those that are given are not.
+    pub quantize: Option<Symmetry>,
 }
 
 /// Which cones to use.

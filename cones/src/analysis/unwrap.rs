@@ -11,10 +11,11 @@ use super::component::Component;
 use super::cones::{ChosenNumber, Cones};
 use super::flat::Flat;
 use super::note::Note;
-use super::observer::{Stage, Times};
+use super::observer::{Stage, Task, Times};
 use super::options::{ConeChoice, Options};
 use super::shelf::Shelf;
 use super::{Analysis, each};
+use crate::cut::{ModelEdges, SeamFigures, SeamOptions, SeamPlan, Symmetry, Tiling};
 use crate::error::Error;
 use crate::placement::distortion_of;
 
@@ -53,16 +54,40 @@ impl Analysis {
     /// # Errors
     /// If the cones are of another analysis, if no flat metric with them is found, or if the observer has said stop.
     pub fn flatten(&self, cones: &Cones) -> Result<Atlas, Error> {
+        self.flatten_along(cones, &SeamOptions::default())
+    }
+
+    /// [`flatten`](Self::flatten), with a say in where seams run.
+    ///
+    /// ```
+    /// use cones::{Analysis, Placement, SeamOptions};
+    ///
+    /// let model = geom::shapes::hare(700).into();
+    /// let analysis = Analysis::new(&model)?;
+    /// let cones = analysis.place(Placement::Refined, 4)?;
+    /// let [a, b, ..] = model.face(0) else { unreachable!("a face has three corners") };
+    /// let seams = SeamOptions { given: vec![[*a, *b]], ..SeamOptions::default() };
+    /// let atlas = analysis.flatten_along(&cones, &seams)?;
+    /// let is_cut = |seam: &Vec<u32>| seam.windows(2).any(|edge| edge == [*a, *b] || edge == [*b, *a]);
+    /// assert!(atlas.seams.iter().any(is_cut));
+    /// # Ok::<(), cones::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// As [`flatten`](Self::flatten), and if an edge is none of the model's, or one to be cut is open already.
+    pub fn flatten_along(&self, cones: &Cones, seams: &SeamOptions) -> Result<Atlas, Error> {
         self.check_own(cones)?;
+        self.check_seams(seams)?;
         let task = self.task();
         let mut times = Times::default();
         let flats = each(self.components(), &mut times, |component, times| {
-            let mut flat = component.flatten(&cones.configurations[component.index], &task, times)?;
+            let plan = self.plan(component, seams, &task, times)?;
+            let mut flat = component.flatten(&cones.configurations[component.index], &plan, &task, times)?;
             component.detach_fold_overs(&mut flat);
             Ok(flat)
         })?;
         let own = cones.notes.iter().filter(|note| note.component().is_none()).cloned().collect();
-        Ok(self.assemble(flats, own, cones.number.clone(), times))
+        Ok(self.assemble(flats, own, (cones.number.clone(), cones.quantize), times))
     }
 
     /// Only this analysis' own cones can be flattened.
@@ -76,9 +101,10 @@ impl Analysis {
     /// # Errors
     /// As [`choose`](Self::choose); given cones are never replaced.
     pub fn atlas(&self, options: &Options) -> Result<Atlas, Error> {
+        self.check_seams(&options.seams)?;
         if matches!(options.cones, ConeChoice::Given(_)) {
             let cones = self.choose(options)?;
-            let mut atlas = self.flatten(&cones)?;
+            let mut atlas = self.flatten_along(&cones, &options.seams)?;
             atlas.times += cones.times;
             return Ok(atlas);
         }
@@ -86,9 +112,41 @@ impl Analysis {
         let (shared, configurations) = self.configurations(options, &task)?;
         let Shared { notes, number, mut times } = shared;
         let flats = each(self.components(), &mut times, |component, times| {
-            component.flatten_well(&configurations[component.index], options, &task, times)
+            let plan = self.plan(component, &options.seams, &task, times)?;
+            component.flatten_well(&configurations[component.index], (options, &plan), &task, times)
         })?;
-        Ok(self.assemble(flats, notes, number, times))
+        Ok(self.assemble(flats, notes, (number, options.quantize), times))
+    }
+
+    /// Where the seams of a component go.
+    fn plan(
+        &self,
+        component: &Component,
+        seams: &SeamOptions,
+        task: &Task,
+        times: &mut Times,
+    ) -> Result<SeamPlan, Error> {
+        let Component { index, surface, metric, .. } = component;
+        let plan = |_: geom::Watch| SeamPlan::new(surface, metric, self.corner_vertices(), seams);
+        Ok(task.stage((Stage::Cut, *index), times, plan)?)
+    }
+
+    /// Edges must be edges of the model, and those that are to be cut not open already.
+    fn check_seams(&self, seams: &SeamOptions) -> Result<(), Error> {
+        if seams.given.is_empty() && seams.avoid.is_empty() {
+            return Ok(());
+        }
+        let surfaces = self.components().iter().map(|component| &component.surface);
+        let edges = ModelEdges::new(surfaces, self.corner_vertices());
+        for &ends in seams.given.iter().chain(&seams.avoid) {
+            if !edges.has(ends) {
+                return Err(Error::NoSuchEdge { ends });
+            }
+        }
+        match seams.given.iter().find(|ends| edges.is_open(**ends)) {
+            Some(&ends) => Err(Error::OpenEdge { ends }),
+            None => Ok(()),
+        }
     }
 
     /// Puts flattened components together.
@@ -96,7 +154,7 @@ impl Analysis {
         &self,
         flats: Vec<Flat>,
         mut notes: Vec<Note>,
-        number: Option<ChosenNumber>,
+        (number, quantize): (Option<ChosenNumber>, Option<Symmetry>),
         mut times: Times,
     ) -> Atlas {
         let began = Instant::now();
@@ -105,12 +163,18 @@ impl Analysis {
         let number = number.map(|number| self.measured(number, &flats));
         let mut curvature_error = 0.0_f64;
         let mut unfolded = 0;
+        let mut seam_figures = SeamFigures::default();
+        let mut tiling = quantize.map(Tiling::none);
         let mut shelf = Shelf::new(self.components().iter().map(|c| c.area).sum());
         notes.splice(0..0, self.notes().iter().cloned());
         for (component, flat) in self.components().iter().zip(flats) {
             let surface = &component.surface;
             curvature_error = curvature_error.max(flat.error);
             unfolded += usize::from(flat.is_unfolded);
+            seam_figures += SeamFigures::new(surface, &component.metric, &flat.seams);
+            if let Some(tiling) = &mut tiling {
+                *tiling += Tiling::new(&surface.mesh, &flat.seams, &flat.layout, tiling.symmetry);
+            }
             for (h, position) in shelf.place(&flat.layout, &surface.mesh, flat.size).iter_ids() {
                 uv[surface.corner[h] as usize] = Some(*position);
             }
@@ -124,6 +188,9 @@ impl Analysis {
                 }
             }
         }
+        if let Some(Tiling { symmetry, seams, broken: broken @ 1.., .. }) = tiling {
+            notes.push(Note::SeamsDoNotTile { symmetry, seams, broken });
+        }
         let uv = self.fill_corners(uv);
         times.add(Stage::Layout, began.elapsed());
         Atlas {
@@ -133,6 +200,8 @@ impl Analysis {
             detached,
             cones,
             seams,
+            seam_figures,
+            tiling,
             number,
             curvature_error,
             unfolded,
