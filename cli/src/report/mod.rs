@@ -3,10 +3,12 @@
 mod hierarchy_file;
 mod names;
 mod quality;
+mod seams;
 pub(crate) mod table;
 mod text;
 
 pub(crate) use hierarchy_file::HierarchyFile;
+use seams::SeamReport;
 pub(crate) use quality::{DistortionReport, IslandReport, Quality};
 
 use cones::{Analysis, Atlas, ChosenNumber, Cone, Note, Options, Prediction, Stage, Topology};
@@ -34,6 +36,7 @@ pub(crate) struct UnwrapReport {
     pub(crate) curve: Vec<Prediction>,
     pub(crate) distortion: DistortionReport,
     pub(crate) islands: Vec<IslandReport>,
+    pub(crate) seams: SeamReport,
     pub(crate) times: Times,
     /// The most memory that the program has held so far, in bytes; nothing where the system does not tell.
     pub(crate) peak_memory: Option<u64>,
@@ -116,6 +119,7 @@ impl UnwrapReport {
             curve: curve(atlas.number.as_ref()).to_vec(),
             distortion: quality.distortion.clone(),
             islands: quality.islands.clone(),
+            seams: SeamReport::new(atlas),
             times,
             peak_memory: peak_memory(),
             warnings: warnings(&atlas.notes, analysis.topology().components),

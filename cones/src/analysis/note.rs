@@ -123,6 +123,15 @@ pub enum Note {
         /// The vertices of one of them.
         first: [u32; 2],
     },
+    /// Rounded for a texture, the curvatures of some cones are 0: they are left out.
+    RoundedAway {
+        /// The component.
+        component: usize,
+        /// How many cones were placed.
+        placed: usize,
+        /// How many are left.
+        left: usize,
+    },
     /// A texture does not run on across all seams, though curvatures were rounded for it.
     SeamsDoNotTile {
         /// What the texture is like.
@@ -149,6 +158,7 @@ impl Note {
             | Self::Detached { component, .. }
             | Self::Unfolded { component, .. }
             | Self::AvoidedCut { component, .. }
+            | Self::RoundedAway { component, .. }
             | Self::TargetMissed { component, .. } => Some(component),
         }
     }
@@ -207,6 +217,9 @@ impl fmt::Display for Note {
                 f,
                 "seams run along {edges} edges that were to be avoided, one from vertex {a} to {b}: there is hardly another way"
             ),
+            Self::RoundedAway { placed, left, .. } => {
+                write!(f, "with curvatures in steps {left} cones do better than all {placed}: taking {left}")
+            }
             Self::SeamsDoNotTile { symmetry, seams, broken } => write!(
                 f,
                 "a texture that looks the same after 1/{} of a turn does not run on across {broken} of {seams} seams: no \

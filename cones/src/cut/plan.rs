@@ -36,8 +36,8 @@ pub struct SeamPlan {
 
 impl SeamPlan {
     /// What the options mean on a surface; edges that it does not have are passed over. `metric` has the lengths in space,
-    /// `corners` the vertex of each corner of the model. O(F), and 32 small pictures of the surface
-    /// ([`exposure`](geom::exposure)).
+    /// `corners` the vertex of each corner of the model. O(F), and the
+    /// time of [`exposure`](geom::exposure).
     pub fn new(surface: &Surface, metric: &Metric, corners: &[u32], options: &SeamOptions) -> Self {
         let weight = if options.weight > 0.0 { options.weight.min(1.0) } else { 0.0 };
         let given = marked(surface, corners, options.given.iter().chain(&options.kept));

@@ -10,7 +10,7 @@ use std::f64::consts::PI;
 use crate::vector::{Vec3, add, cross, dot, length, scale, sub, unit};
 
 /// So many directions, spread evenly over the sphere.
-const DIRECTIONS: usize = 32;
+const DIRECTIONS: usize = 16;
 /// Pixels of a depth buffer for each vertex. A view shows half of the vertices on about half of its pixels, so that each has
 /// some five.
 const PIXELS_PER_POINT: f64 = 0.2;
@@ -20,7 +20,7 @@ const MOST_PIXELS: usize = 256;
 const BIAS: f64 = 2.5;
 
 /// The share of the sky that each vertex sees, from 0 (hidden) to 1 (on a convex surface). What is behind other vertices is
-/// hidden, whichever way these are turned. A vertex without a normal sees 1. O(F + 32 V).
+/// hidden, whichever way these are turned. A vertex without a normal sees 1. O(F + 16 V).
 ///
 /// ```
 /// let sphere = geom::shapes::sphere(1000);
