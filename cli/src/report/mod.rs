@@ -8,8 +8,8 @@ pub(crate) mod table;
 mod text;
 
 pub(crate) use hierarchy_file::HierarchyFile;
-use seams::SeamReport;
 pub(crate) use quality::{DistortionReport, IslandReport, Quality};
+use seams::SeamReport;
 
 use cones::{Analysis, Atlas, ChosenNumber, Cone, Note, Options, Prediction, Stage, Topology};
 use geom::Repair;

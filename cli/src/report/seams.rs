@@ -40,7 +40,10 @@ impl SeamReport {
     pub(crate) fn text(&self) -> String {
         let Some(TilingReport { order, seams, broken, error }) = self.tiling else { return String::new() };
         let tiled = seams - broken;
-        labelled("tiling", &format!("{tiled} of {seams} seams turn by multiples of 1/{order} of a turn, to {error:.0e} rad"))
+        labelled(
+            "tiling",
+            &format!("{tiled} of {seams} seams turn by multiples of 1/{order} of a turn, to {error:.0e} rad"),
+        )
     }
 }
 

@@ -211,7 +211,10 @@ impl fmt::Display for Note {
                 write!(f, "no cones could flatten this surface ({cause}): unfolding it with a cone at every vertex")
             }
             Self::AvoidedCut { edges: 1, first: [a, b], .. } => {
-                write!(f, "a seam runs along an edge that was to be avoided, from vertex {a} to {b}: there is hardly another way")
+                write!(
+                    f,
+                    "a seam runs along an edge that was to be avoided, from vertex {a} to {b}: there is hardly another way"
+                )
             }
             Self::AvoidedCut { edges, first: [a, b], .. } => write!(
                 f,

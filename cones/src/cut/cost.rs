@@ -9,7 +9,8 @@ use std::f64::consts::PI;
 use geom::vector::{Vec3, angle, normal};
 use geom::{EdgeData, EdgeId, Mesh, Surface, exposure};
 
-/// What a sharp edge is cheaper by at full weight, as a share of its length.
+/// What a sharp edge is cheaper by at full weight, as a share of its length. At half the weight, the default, a way along sharp
+/// edges is taken that is up to 14 % longer.
 const SHARP: f64 = 0.25;
 /// What a wholly hidden edge is cheaper by.
 const HIDDEN: f64 = 0.15;

@@ -126,12 +126,7 @@ impl Seams {
     }
 
     /// Seams of edges that are cut; chains end where it is said, and where seams end or branch.
-    pub(crate) fn of_cut(
-        mesh: &Mesh,
-        lengths: &EdgeData<f64>,
-        cut: EdgeData<bool>,
-        is_end: &VertexData<bool>,
-    ) -> Self {
+    pub(crate) fn of_cut(mesh: &Mesh, lengths: &EdgeData<f64>, cut: EdgeData<bool>, is_end: &VertexData<bool>) -> Self {
         let length = mesh.edges().filter(|&e| cut[e]).map(|e| lengths[e]).sum();
         Self { chains: chains(mesh, &cut, is_end), cut, length }
     }

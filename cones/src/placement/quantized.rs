@@ -19,7 +19,7 @@ use crate::curvature::{CurvatureError, least_cones};
 use crate::numerics::lattice::minimise_on_lattice;
 use crate::numerics::quadratic_program::{ProgramError, Quadratic};
 
-/// So often all is tried in turn. On hare, bunny and fandisk nothing changed after the fourth time.
+/// So often all is tried in turn, at most.
 const ROUNDS: usize = 6;
 /// A move must lower the energy by this share.
 const LEAST_GAIN: f64 = 1e-3;
@@ -141,7 +141,8 @@ impl Search<'_> {
             let cost = |w: VertexId| 2.0 * t * (residual[w.0 as usize] - t * f64::from(column[w.0 as usize]));
             let separation = Separation::new(self.ground.operators, &set.cones);
             let may_go = |w: &VertexId| separation.admits(*w, i) && self.model.lowest(*w) <= t;
-            let best = self.ground.operators.mesh.vertices().filter(may_go).min_by(|&a, &b| cost(a).total_cmp(&cost(b)));
+            let best =
+                self.ground.operators.mesh.vertices().filter(may_go).min_by(|&a, &b| cost(a).total_cmp(&cost(b)));
             if let Some(w) = best.filter(|&w| w != v) {
                 let mut other = set.clone();
                 other.cones[i] = w;

@@ -49,9 +49,9 @@ pub fn texture_seams(model: &Model, weld: bool) -> Vec<[u32; 2]> {
         if ends(one)[0] != ends(other)[0] {
             other.reverse();
         }
-        one.into_iter().zip(other).any(|(a, b)| {
-            matches!([uv.corner(a as usize), uv.corner(b as usize)], [Some(a), Some(b)] if a != b)
-        })
+        one.into_iter()
+            .zip(other)
+            .any(|(a, b)| matches!([uv.corner(a as usize), uv.corner(b as usize)], [Some(a), Some(b)] if a != b))
     };
     let named = |[one, _]: [Side; 2]| {
         let mut ends = one.map(|corner| model.corners()[corner as usize]);

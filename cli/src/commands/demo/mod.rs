@@ -50,7 +50,8 @@ pub(crate) fn run(args: &DemoArgs) -> Result<(), CommandError> {
     // The texture that the written shapes refer to.
     let checker = CheckerFiles::beside(&folder.join("checker.obj"));
     checker.write()?;
-    let reports = EXHIBITS.iter().map(|exhibit| show(exhibit, folder, checker.material())).collect::<Result<Vec<_>, _>>()?;
+    let reports =
+        EXHIBITS.iter().map(|exhibit| show(exhibit, folder, checker.material())).collect::<Result<Vec<_>, _>>()?;
     if args.json {
         return output::print_json(&reports);
     }
