@@ -48,6 +48,8 @@ pub(crate) enum CommandError {
     #[error(transparent)]
     ConeFile(#[from] crate::input::ConeFileError),
     #[error(transparent)]
+    EdgeFile(#[from] crate::input::EdgeFileError),
+    #[error(transparent)]
     Field(#[from] crate::input::ReadError),
     #[error("{} is a mesh without values: name a field with --field, such as --field phi", .0.display())]
     NoField(PathBuf),

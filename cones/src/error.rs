@@ -65,6 +65,18 @@ pub enum Error {
     /// Cones were asked about that another analysis has placed.
     #[error("these cones are of another analysis: give their vertices to this one")]
     ForeignCones,
+    /// An edge for seams, or without, is none of the model's.
+    #[error("there is no edge from vertex {} to {} (counted from 0): seams run along edges of faces", ends[0], ends[1])]
+    NoSuchEdge {
+        /// Its vertices.
+        ends: [u32; 2],
+    },
+    /// An edge was given for a seam where the surface ends.
+    #[error("the edge from vertex {} to {} (counted from 0) is on the boundary, where the surface is open already", ends[0], ends[1])]
+    OpenEdge {
+        /// Its vertices.
+        ends: [u32; 2],
+    },
     /// The observer has said stop.
     #[error("interrupted")]
     Interrupted,

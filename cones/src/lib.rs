@@ -46,6 +46,7 @@
 mod analysis;
 mod baseline;
 mod curvature;
+mod cut;
 mod error;
 mod field;
 mod flatten;
@@ -61,6 +62,7 @@ pub use analysis::{
 };
 pub use baseline::LscmError;
 pub use curvature::{CurvatureError, CurvatureRule};
+pub use cut::{SeamFigures, SeamOptions, Symmetry, Tiling};
 pub use error::Error;
 pub use flatten::{ScalingError, SeamError};
 pub use placement::{MOST_OPTIMISED, Placement, Prediction};
@@ -71,6 +73,7 @@ pub use topo::Kind;
 pub mod internals {
     pub use crate::baseline::{Lscm, scale_linearly};
     pub use crate::curvature::{ConeCurvatures, cone_curvatures, least_cones};
+    pub use crate::cut::SeamPlan;
     pub use crate::field::{ConformalFactor, Operators};
     pub use crate::flatten::{Chain, Corner, Layout, Patch, PatchTriangle, Scaling, Seams, scale};
     pub use crate::hierarchy::ConeHierarchy;

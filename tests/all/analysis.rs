@@ -6,8 +6,8 @@ use std::sync::{Arc, Barrier};
 use std::time::{Duration, Instant};
 
 use cones::{
-    Analysis, Atlas, Baseline, ConeChoice, Cones, CurvatureRule, Error, Note, Options, Placement, Preparation,
-    Progress, unwrap_model,
+    Analysis, Atlas, Baseline, ConeChoice, Cones, CurvatureRule, Error, Islands, Note, Options, Placement, Preparation,
+    Progress, SeamOptions, Symmetry, unwrap_model,
 };
 use geom::shapes::{self, Shape};
 use geom::{Model, distortion};
@@ -418,7 +418,17 @@ fn options_come_back_as_they_were_serialized_and_what_is_left_out_is_the_default
     for (k, cones) in choices.into_iter().enumerate() {
         for placement in Placement::ALL {
             let preparation = Preparation { weld: k % 2 == 0, smooth: k % 3 == 0 };
-            let options = Options { preparation, cones: cones.clone(), placement, rule: rules[k % 2] };
+            let edges = vec![[k as u32, 9]];
+            let options = Options {
+                preparation,
+                cones: cones.clone(),
+                placement,
+                rule: rules[k % 2],
+                seams: SeamOptions { weight: 0.25, given: edges.clone(), kept: edges.clone(), avoid: edges },
+                quantize: [None, Some(Symmetry::Fourfold), Some(Symmetry::Sixfold)][k % 3],
+                islands: [Islands::Single, Islands::OverlapFree][k % 2],
+                ..Options::default()
+            };
             let text = serde_json::to_string(&options).expect("plain values");
             assert_eq!(serde_json::from_str::<Options>(&text).expect("what was written"), options);
             assert!(text.contains(&format!(r#""placement":"{}""#, placement.name())), "{text}");

@@ -13,6 +13,7 @@ mod operators;
 mod persistence;
 mod preparing;
 mod real;
+mod seams;
 
 use proptest::collection::vec;
 use proptest::prelude::{ProptestConfig, Strategy, any};

@@ -1,6 +1,6 @@
 //! `cones unwrap`: a surface in, its texture coordinates out.
 
-use crate::commands::shared::{CandidateArgs, Scale, Unwrapped};
+use crate::commands::shared::{CandidateArgs, CheckerFiles, Scale, SeamArgs, Unwrapped};
 use crate::error::CommandError;
 use crate::input::{self, cone_file};
 use crate::output;
@@ -24,6 +24,8 @@ pub(crate) struct UnwrapArgs {
     output: PathBuf,
     #[command(flatten)]
     candidates: CandidateArgs,
+    #[command(flatten)]
+    seams: SeamArgs,
     /// Given cones: a file of lines `vertex curvature` or `vertex`, vertices counted from 0
     #[arg(long, value_name = "FILE", group = "which")]
     cones: Option<PathBuf>,
@@ -51,6 +53,9 @@ pub(crate) struct UnwrapArgs {
     /// Draw the layout: .png or .svg
     #[arg(long, value_name = "FILE")]
     layout: Option<PathBuf>,
+    /// Give an OBJ a checkerboard to see: a material (.mtl) and its picture (.png) beside it
+    #[arg(long)]
+    checker: bool,
     /// Print the report as JSON in place of the text
     #[arg(long)]
     json: bool,
@@ -66,17 +71,20 @@ enum IslandsName {
 
 pub(crate) fn run(args: &UnwrapArgs) -> Result<(), CommandError> {
     check_outputs(args)?;
-    let options = options(args)?;
+    let mut options = options(args)?;
+    let edges = args.seams.read(&mut options)?;
     let progress = Progress::begin(&args.input.display().to_string());
     let began = Instant::now();
     let (model, read) = input::read_model(&args.input)?;
-    let mut unwrapped = Unwrapped::new(&args.input, model, options, args.scale, &progress)?;
+    args.seams.keep(&args.input, &model, &mut options)?;
+    let unwrapped = Unwrapped::new(&args.input, model, options, args.scale, &progress);
+    let mut unwrapped = unwrapped.map_err(|error| edges.place(error))?;
     if !args.triangulate && output::extension(&args.output, &["obj", "ply", "glb"])? != "glb" {
         unwrapped.note_polygons();
     }
     progress.step("write");
     let start = Instant::now();
-    write_surface(&unwrapped, &args.output, args.triangulate)?;
+    write_surface(&unwrapped, args)?;
     write_extras(args, &unwrapped)?;
     let write = Some(start.elapsed().as_secs_f64());
     let draw = draw(args, &unwrapped, &progress)?;
@@ -117,8 +125,23 @@ fn check_outputs(args: &UnwrapArgs) -> Result<(), CommandError> {
             output::extension(path, wanted)?;
         }
     }
-    let inputs: Vec<&Path> = [Some(&args.input), args.cones.as_ref()].into_iter().flatten().map(|p| &**p).collect();
-    output::check(&inputs, &outputs(args))
+    let inputs = [Some(&args.input), args.cones.as_ref()].into_iter().flatten().map(|p| &**p);
+    let inputs: Vec<&Path> = inputs.chain(args.seams.files()).collect();
+    if args.checker && output::extension(&args.output, &["obj", "ply", "glb"])? != "obj" {
+        let (path, option, of) = (args.output.clone(), "--checker", "an .obj");
+        return Err(CommandError::Misplaced { path, option, of });
+    }
+    let checker = args.checker();
+    let mut outputs = outputs(args);
+    outputs.extend(checker.iter().flat_map(CheckerFiles::paths));
+    output::check(&inputs, &outputs)
+}
+
+impl UnwrapArgs {
+    /// The files of the checkerboard, if it is asked for.
+    fn checker(&self) -> Option<CheckerFiles> {
+        self.checker.then(|| CheckerFiles::beside(&self.output))
+    }
 }
 
 fn outputs(args: &UnwrapArgs) -> Vec<&Path> {
@@ -133,9 +156,10 @@ fn outputs(args: &UnwrapArgs) -> Vec<&Path> {
     all.into_iter().flatten().map(|p| &**p).collect()
 }
 
-fn write_surface(unwrapped: &Unwrapped, path: &Path, triangulate: bool) -> Result<(), CommandError> {
+fn write_surface(unwrapped: &Unwrapped, args: &UnwrapArgs) -> Result<(), CommandError> {
+    let UnwrapArgs { output: path, triangulate, .. } = args;
     let triangles = unwrapped.model.triangles();
-    let asked = triangulate.then_some(&triangles);
+    let asked = (*triangulate).then_some(&triangles);
     let uv = Some(unwrapped.uv.as_slice());
     match output::extension(path, &["obj", "ply", "glb"])? {
         "ply" => output::write(path, |out| write_ply(&unwrapped.model, uv, asked, out)),
@@ -144,8 +168,11 @@ fn write_surface(unwrapped: &Unwrapped, path: &Path, triangulate: bool) -> Resul
             output::write(path, |out| write_glb(&unwrapped.model, uv, &triangles, Some(&texture?), out))
         }
         _ => {
-            let content = ObjContent { uv, triangles: asked, material: None };
-            output::write(path, |out| write_obj(&unwrapped.model, &content, out))
+            let checker = args.checker();
+            let material = checker.as_ref().map(|checker| checker.material());
+            let content = ObjContent { uv, triangles: asked, material };
+            output::write(path, |out| write_obj(&unwrapped.model, &content, out))?;
+            checker.map_or(Ok(()), |checker| checker.write())
         }
     }
 }
@@ -187,6 +214,8 @@ fn write_layout(path: &Path, scene: &Scene) -> Result<(), CommandError> {
 }
 
 fn summary(report: &UnwrapReport, args: &UnwrapArgs) -> String {
-    let written: Vec<String> = outputs(args).iter().map(|p| p.display().to_string()).collect();
+    let checker = args.checker();
+    let all = outputs(args).into_iter().chain(checker.iter().flat_map(CheckerFiles::paths));
+    let written: Vec<String> = all.map(|p| p.display().to_string()).collect();
     report.text() + &labelled("written", &written.join(", "))
 }

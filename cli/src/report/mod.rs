@@ -3,11 +3,13 @@
 mod hierarchy_file;
 mod names;
 mod quality;
+mod seams;
 pub(crate) mod table;
 mod text;
 
 pub(crate) use hierarchy_file::HierarchyFile;
 pub(crate) use quality::{DistortionReport, IslandReport, OverlapReport, Quality};
+use seams::SeamReport;
 
 use cones::{Analysis, Atlas, ChosenNumber, Cone, Note, Options, Prediction, Stage, Topology};
 use geom::Repair;
@@ -36,6 +38,7 @@ pub(crate) struct UnwrapReport {
     pub(crate) curve: Vec<Prediction>,
     pub(crate) distortion: DistortionReport,
     pub(crate) islands: Vec<IslandReport>,
+    pub(crate) seams: SeamReport,
     pub(crate) times: Times,
     /// The most memory that the program has held so far, in bytes; nothing where the system does not tell.
     pub(crate) peak_memory: Option<u64>,
@@ -120,6 +123,7 @@ impl UnwrapReport {
             curve: curve(atlas.number.as_ref()).to_vec(),
             distortion: quality.distortion.clone(),
             islands: quality.islands.clone(),
+            seams: SeamReport::new(atlas),
             times,
             peak_memory: peak_memory(),
             warnings: warnings(&atlas.notes, analysis.topology().components),

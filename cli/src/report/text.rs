@@ -16,6 +16,7 @@ impl UnwrapReport {
             labelled("cones", &format!("{cones} ({}; φ has {extrema} extrema)", self.rule)),
             self.number_text(),
             self.distortion.text(self.islands.len()),
+            self.seams.text(),
             labelled("time", &format!("{total:.2} s: {}{memory}", times.join(", "))),
         ]
         .concat()

@@ -60,6 +60,8 @@ fn every_key_of_every_json_output_is_on_the_page() {
     assert_documented("persistence", &printed(&["persistence", "net.nodes.csv", "--json"]));
     let compare = ["compare", "hare.obj", "-n", "4", "--method", "refined,lscm", "--best-of", "1", "--format", "json"];
     assert_documented("compare", &printed(&compare));
+    let tiled = ["unwrap", "hare.obj", "-n", "8", "-o", "out.obj", "--quantize", "4", "--json"];
+    assert_documented("Report", &printed(&tiled));
     // What is mended is told with places of vertices and of faces.
     folder.write("torn.obj", &format!("v 9 9 9\n{}f 1 2 2\nf 2 2 3\n", folder.read("sphere.obj")));
     assert_documented("Report", &printed(&["unwrap", "torn.obj", "-n", "4", "-o", "torn-out.obj", "--json"]));

@@ -10,5 +10,6 @@ mod finds;
 mod folder;
 mod hierarchy;
 mod limits;
+mod seams;
 mod terminal;
 mod unwrapping;

@@ -5,6 +5,7 @@ use geom::{Surface, Triangles};
 use super::cones::{ChosenNumber, Cone};
 use super::note::Note;
 use super::observer::Times;
+use crate::cut::{SeamFigures, Tiling};
 
 /// The topology of a model's surfaces, added up.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -57,6 +58,10 @@ pub struct Atlas {
     pub cones: Vec<Cone>,
     /// The seams as chains of vertices of the model.
     pub seams: Vec<Vec<u32>>,
+    /// What the seams are like.
+    pub seam_figures: SeamFigures,
+    /// Across which seams a texture runs on, where curvatures were to be [rounded](crate::Options::quantize) for it.
+    pub tiling: Option<Tiling>,
     /// How the number of cones was found, where none was given.
     pub number: Option<ChosenNumber>,
     /// The largest curvature off the cones that the metric has, in radians.

@@ -7,6 +7,7 @@ use super::flat::Flat;
 use super::note::{Failure, Note};
 use super::observer::{Task, Times};
 use super::options::{ConeChoice, Options};
+use crate::cut::SeamPlan;
 use crate::error::Error;
 use crate::placement::{MOST_OPTIMISED, area_distortion};
 
@@ -32,6 +33,7 @@ const DETACHED_COST: f64 = 25.0;
 struct Attempts<'a> {
     component: &'a Component,
     options: &'a Options,
+    plan: &'a SeamPlan,
     task: &'a Task,
     times: &'a mut Times,
 }
@@ -41,11 +43,11 @@ impl Component {
     pub(crate) fn flatten_well(
         &self,
         chosen: &Result<Configuration, Error>,
-        options: &Options,
+        (options, plan): (&Options, &SeamPlan),
         task: &Task,
         times: &mut Times,
     ) -> Result<Flat, Error> {
-        let mut attempts = Attempts { component: self, options, task, times };
+        let mut attempts = Attempts { component: self, options, plan, task, times };
         let mut flat = attempts.flatten(chosen.as_ref().map_err(Clone::clone))?;
         let ConeChoice::WithinDistortion(target) = options.cones else { return Ok(flat) };
         let mut count = flat.cones.len();
@@ -152,7 +154,7 @@ impl Attempts<'_> {
 
     /// A flattening, what folds over detached; why there is none in the inner error.
     fn attempt(&mut self, configuration: &Configuration) -> Result<Result<Flat, Failure>, Error> {
-        match self.component.flatten(configuration, self.task, self.times) {
+        match self.component.flatten(configuration, self.plan, self.task, self.times) {
             Err(error) => Ok(Err(failure(error)?)),
             Ok(mut flat) => {
                 self.component.detach_fold_overs(&mut flat);
@@ -167,7 +169,7 @@ impl Attempts<'_> {
     }
 
     fn unfold(&mut self, cause: Failure) -> Result<Flat, Error> {
-        let mut flat = self.component.unfold(self.task, self.times)?;
+        let mut flat = self.component.unfold(self.plan, self.task, self.times)?;
         flat.notes.push(Note::Unfolded { component: self.component.index, cause });
         Ok(flat)
     }

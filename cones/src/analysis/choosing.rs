@@ -65,7 +65,7 @@ impl Analysis {
                 self.check_given(given)?;
                 each(self.components(), &mut shared.times, |component, times| {
                     task.stage((Stage::Curvature, component.index), times, |watch| {
-                        component.given(given, options.rule, watch)
+                        component.given(given, options, watch)
                     })
                 })?
             }
@@ -96,6 +96,7 @@ impl Analysis {
             times,
             configurations,
             analysis: self.id(),
+            quantize: options.quantize,
         }
     }
 
@@ -167,7 +168,7 @@ impl Analysis {
         each(components, &mut shared.times, |component, times| {
             let vertices = found[component.index].set.cones.clone();
             task.stage((Stage::Curvature, component.index), times, |watch| {
-                component.configure(vertices, rule, watch).map_err(Error::from)
+                component.settle(vertices, options, watch).map_err(Error::from)
             })
         })
     }

@@ -12,10 +12,11 @@ use super::note::Note;
 use super::observer::{Stage, Task, Times};
 use super::options::{Options, Preparation};
 use crate::curvature::{ConeCurvatures, CurvatureError, CurvatureRule, cone_curvatures, least_cones};
+use crate::cut::Symmetry;
 use crate::error::Error;
 use crate::field::{ConformalFactor, Operators};
 use crate::hierarchy::ConeHierarchy;
-use crate::placement::{EnergyTerms, Ground};
+use crate::placement::{EnergyTerms, Ground, quantized};
 
 /// What is found once; see the module's head. It is never changed.
 #[derive(Debug)]
@@ -94,8 +95,8 @@ impl Component {
             let vertices =
                 task.stage((Stage::Hierarchy, self.index), times, |watch| placement.cones(self.ground(watch), count))??;
             let placed = vertices.len();
-            let configured = task
-                .stage((Stage::Curvature, self.index), times, |watch| self.configure(vertices, options.rule, watch))?;
+            let configured =
+                task.stage((Stage::Curvature, self.index), times, |watch| self.settle(vertices, options, watch))?;
             let mut configuration = match configured {
                 Err(CurvatureError::TooFew { .. }) if placed == count => {
                     count += 1 + count / 4;
@@ -114,6 +115,37 @@ impl Component {
             }
             return Ok(configuration);
         }
+    }
+
+    /// Gives cones that were placed their curvatures: by a rule, or on a lattice, for which they may go elsewhere.
+    pub(crate) fn settle(
+        &self,
+        vertices: Vec<VertexId>,
+        options: &Options,
+        watch: Watch,
+    ) -> Result<Configuration, CurvatureError> {
+        match options.quantize {
+            Some(symmetry) => self.quantize(vertices, symmetry, true, watch),
+            None => self.configure(vertices, options.rule, watch),
+        }
+    }
+
+    /// Gives cones curvatures that are multiples of a texture's angle.
+    fn quantize(
+        &self,
+        vertices: Vec<VertexId>,
+        symmetry: Symmetry,
+        is_free: bool,
+        watch: Watch,
+    ) -> Result<Configuration, CurvatureError> {
+        let placed = vertices.len();
+        let (vertices, curvature) = quantized(self.ground(watch), &vertices, symmetry.angle(), is_free)?;
+        let given = ConeCurvatures::given(&self.operators, &vertices, curvature, watch)?;
+        let mut notes = Vec::new();
+        if vertices.len() < placed {
+            notes.push(Note::RoundedAway { component: self.index, placed, left: vertices.len() });
+        }
+        Ok(Configuration { vertices, curvature: given.curvature, predicted: given.predicted, notes })
     }
 
     /// Gives cones their curvatures by a rule.
@@ -159,7 +191,7 @@ impl Component {
     pub(crate) fn given(
         &self,
         given: &[(u32, Option<f64>)],
-        rule: CurvatureRule,
+        options: &Options,
         watch: Watch,
     ) -> Result<Configuration, Error> {
         let surface = &self.surface;
@@ -175,7 +207,10 @@ impl Component {
         let curvatures: Option<Vec<f64>> = here.iter().map(|&(_, _, k)| k).collect();
         match curvatures.filter(|k| !k.is_empty()) {
             Some(curvatures) => self.configure_given(vertices, curvatures, watch),
-            None => Ok(self.configure(vertices, rule, watch)?),
+            None => match options.quantize {
+                Some(symmetry) => Ok(self.quantize(vertices, symmetry, false, watch)?),
+                None => Ok(self.configure(vertices, options.rule, watch)?),
+            },
         }
     }
 

@@ -6,6 +6,7 @@ use topo::Kind;
 use super::note::Note;
 use super::observer::Times;
 use crate::curvature::CurvatureRule;
+use crate::cut::Symmetry;
 use crate::placement::{Placement, Prediction};
 
 /// A cone: a vertex that keeps curvature.
@@ -73,6 +74,9 @@ pub struct Cones {
     pub(crate) configurations: Vec<Configuration>,
     #[cfg_attr(feature = "serde", serde(skip))]
     pub(crate) analysis: usize,
+    /// What their curvatures were rounded for.
+    #[cfg_attr(feature = "serde", serde(skip))]
+    pub(crate) quantize: Option<Symmetry>,
 }
 
 /// The cones of one component.

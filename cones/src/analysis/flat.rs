@@ -7,6 +7,7 @@ use super::cones::Configuration;
 use super::note::Note;
 use super::observer::{Stage, Task, Times};
 use super::quality::Quality;
+use crate::cut::SeamPlan;
 use crate::error::Error;
 use crate::flatten::{FoldOvers, Layout, Scaling, Seams, detach, remove_fold_overs, scale, seam_lengths};
 
@@ -45,12 +46,17 @@ impl Component {
     ///
     /// # Errors
     /// If the surface cannot be cut open, no metric is found, or the observer has said stop.
-    pub(crate) fn flatten(&self, configuration: &Configuration, task: &Task, times: &mut Times) -> Result<Flat, Error> {
+    pub(crate) fn flatten(
+        &self,
+        configuration: &Configuration,
+        plan: &SeamPlan,
+        task: &Task,
+        times: &mut Times,
+    ) -> Result<Flat, Error> {
         let Self { index, surface, metric, operators, .. } = self;
         let mesh = &surface.mesh;
         let Configuration { vertices, curvature, predicted, notes } = configuration;
-        let seams =
-            task.stage((Stage::Cut, *index), times, |watch| Seams::of_surface(surface, metric, vertices, watch))??;
+        let seams = task.stage((Stage::Cut, *index), times, |watch| plan.cut(mesh, vertices, watch))??;
         let scaling = task.stage((Stage::Scale, *index), times, |watch| {
             let mut target = VertexData::constant(mesh.vertex_count(), 0.0);
             for (&v, &k) in vertices.iter().zip(curvature) {
@@ -62,6 +68,7 @@ impl Component {
         if scaling.mollified {
             notes.push(Note::Mollified { component: *index });
         }
+        notes.extend(self.note_avoided(plan, &seams));
         task.stage((Stage::Layout, *index), times, |watch| -> Result<Flat, Error> {
             let mut layout = Layout::new(mesh, &scaling, &seams.cut, watch.within(0.0, 0.3))?;
             let mut is_cone = VertexData::constant(mesh.vertex_count(), false);
@@ -78,19 +85,25 @@ impl Component {
     ///
     /// # Errors
     /// If the surface cannot be cut open.
-    pub(crate) fn unfold(&self, task: &Task, times: &mut Times) -> Result<Flat, Error> {
+    pub(crate) fn unfold(&self, plan: &SeamPlan, task: &Task, times: &mut Times) -> Result<Flat, Error> {
         let mesh = &self.surface.mesh;
         let defects = angle_defects(mesh, &self.metric);
         let inner: Vec<VertexId> = mesh.vertices().filter(|&v| !mesh.is_boundary_vertex(v)).collect();
-        let seams = task.stage((Stage::Cut, self.index), times, |watch| {
-            Seams::of_surface(&self.surface, &self.metric, &inner, watch)
-        })??;
+        let seams = task.stage((Stage::Cut, self.index), times, |watch| plan.cut(mesh, &inner, watch))??;
+        let notes = self.note_avoided(plan, &seams).into_iter().collect();
         task.stage((Stage::Layout, self.index), times, |watch| -> Result<Flat, Error> {
             let scaling = Scaling::none(mesh, &self.metric);
             let layout = Layout::new(mesh, &scaling, &seams.cut, watch)?;
             let curvature = inner.iter().map(|&v| defects[v]).collect();
-            Ok(Flat { is_unfolded: true, ..self.flat((inner, curvature), seams, layout, scaling, Vec::new()) })
+            Ok(Flat { is_unfolded: true, ..self.flat((inner, curvature), seams, layout, scaling, notes) })
         })?
+    }
+
+    /// Says where seams run that were to be avoided.
+    fn note_avoided(&self, plan: &SeamPlan, seams: &Seams) -> Option<Note> {
+        let (edges, first) = plan.avoided(seams)?;
+        let ends = self.surface.mesh.ends(first).map(|v| self.surface.vertex[v]);
+        Some(Note::AvoidedCut { component: self.index, edges, first: ends })
     }
 
     fn flat(

@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use crate::cut::Symmetry;
 use crate::placement::MOST_OPTIMISED;
 
 /// Something that was decided or could not be had; its `Display` is one sentence without an end. Components are counted from
@@ -122,13 +123,40 @@ pub enum Note {
         /// How much of its area they have in common, at most 1.
         share: f64,
     },
+    /// Edges that were to be avoided are cut, since there is hardly another way.
+    AvoidedCut {
+        /// The component.
+        component: usize,
+        /// How many edges.
+        edges: usize,
+        /// The vertices of one of them.
+        first: [u32; 2],
+    },
+    /// Rounded for a texture, the curvatures of some cones are 0: they are left out.
+    RoundedAway {
+        /// The component.
+        component: usize,
+        /// How many cones were placed.
+        placed: usize,
+        /// How many are left.
+        left: usize,
+    },
+    /// A texture does not run on across all seams, though curvatures were rounded for it.
+    SeamsDoNotTile {
+        /// What the texture is like.
+        symmetry: Symmetry,
+        /// How many seams there are, pieces without branches.
+        seams: usize,
+        /// Across how many of them it does not run on.
+        broken: usize,
+    },
 }
 
 impl Note {
     /// The component that it is about, unless it is about all of them.
     pub fn component(&self) -> Option<usize> {
         match *self {
-            Self::FewerThanNeeded { .. } | Self::FewExtrema { .. } => None,
+            Self::FewerThanNeeded { .. } | Self::FewExtrema { .. } | Self::SeamsDoNotTile { .. } => None,
             Self::Mollified { component }
             | Self::NotSmoothed { component }
             | Self::PlacedByPersistence { component, .. }
@@ -138,6 +166,8 @@ impl Note {
             | Self::OtherNumber { component, .. }
             | Self::Detached { component, .. }
             | Self::Unfolded { component, .. }
+            | Self::AvoidedCut { component, .. }
+            | Self::RoundedAway { component, .. }
             | Self::TargetMissed { component, .. }
             | Self::Overlap { component, .. } => Some(component),
         }
@@ -190,6 +220,25 @@ impl fmt::Display for Note {
             Self::Unfolded { cause, .. } => {
                 write!(f, "no cones could flatten this surface ({cause}): unfolding it with a cone at every vertex")
             }
+            Self::AvoidedCut { edges: 1, first: [a, b], .. } => {
+                write!(
+                    f,
+                    "a seam runs along an edge that was to be avoided, from vertex {a} to {b}: there is hardly another way"
+                )
+            }
+            Self::AvoidedCut { edges, first: [a, b], .. } => write!(
+                f,
+                "seams run along {edges} edges that were to be avoided, one from vertex {a} to {b}: there is hardly another way"
+            ),
+            Self::RoundedAway { placed, left, .. } => {
+                write!(f, "with curvatures in steps {left} cones do better than all {placed}: taking {left}")
+            }
+            Self::SeamsDoNotTile { symmetry, seams, broken } => write!(
+                f,
+                "a texture that looks the same after 1/{} of a turn does not run on across {broken} of {seams} seams: no \
+                 cone sets how handles and boundaries turn",
+                symmetry.order()
+            ),
             Self::TargetMissed { target, reached, cones, .. } => {
                 write!(f, "an area distortion of {target} was not reached: {reached:.3} with {cones} cones")
             }

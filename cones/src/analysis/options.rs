@@ -1,6 +1,7 @@
 //! What a user may choose.
 
 use crate::curvature::CurvatureRule;
+use crate::cut::{SeamOptions, Symmetry};
 use crate::placement::Placement;
 
 /// How a model is made ready.
@@ -27,6 +28,10 @@ pub struct Options {
     pub rule: CurvatureRule,
     /// What is done where the layout lies over itself.
     pub islands: Islands,
+    /// Where seams should run.
+    pub seams: SeamOptions,
+    /// Whether curvatures are rounded to multiples of a texture's angle, so that it runs on across seams; those that are given are not.
+    pub quantize: Option<Symmetry>,
 }
 
 /// What is done where a layout lies over itself. A flat metric can be laid out without a single fold-over and still do so, as a

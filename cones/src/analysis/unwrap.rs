@@ -11,9 +11,10 @@ use super::component::Component;
 use super::cones::{ChosenNumber, Cones};
 use super::flat::Flat;
 use super::note::Note;
-use super::observer::{Stage, Times};
-use super::options::{ConeChoice, Islands, Options};
+use super::observer::{Stage, Task, Times};
+use super::options::{ConeChoice, Options};
 use super::{Analysis, each};
+use crate::cut::{ModelEdges, SeamFigures, SeamOptions, SeamPlan, Symmetry, Tiling};
 use crate::error::Error;
 use crate::placement::distortion_of;
 use crate::uv::{Motion, Triangle, shelve};
@@ -53,25 +54,42 @@ impl Analysis {
     /// # Errors
     /// If the cones are of another analysis, if no flat metric with them is found, or if the observer has said stop.
     pub fn flatten(&self, cones: &Cones) -> Result<Atlas, Error> {
-        self.flatten_as(cones, Islands::default())
+        self.flatten_with(cones, &Options::default())
     }
 
-    /// [`flatten`](Self::flatten), with the islands as is said.
+    /// [`flatten`](Self::flatten), with a say in where seams run and what becomes of the islands: of the options what is said of a map, not
+    /// what is said of cones.
+    ///
+    /// ```
+    /// use cones::{Analysis, Options, Placement, SeamOptions};
+    ///
+    /// let model = geom::shapes::hare(700).into();
+    /// let analysis = Analysis::new(&model)?;
+    /// let cones = analysis.place(Placement::Refined, 4)?;
+    /// let [a, b, ..] = model.face(0) else { unreachable!("a face has three corners") };
+    /// let seams = SeamOptions { given: vec![[*a, *b]], ..SeamOptions::default() };
+    /// let atlas = analysis.flatten_with(&cones, &Options { seams, ..Options::default() })?;
+    /// let is_cut = |seam: &Vec<u32>| seam.windows(2).any(|edge| edge == [*a, *b] || edge == [*b, *a]);
+    /// assert!(atlas.seams.iter().any(is_cut));
+    /// # Ok::<(), cones::Error>(())
+    /// ```
     ///
     /// # Errors
-    /// As [`flatten`](Self::flatten).
-    pub fn flatten_as(&self, cones: &Cones, islands: Islands) -> Result<Atlas, Error> {
+    /// As [`flatten`](Self::flatten), and if an edge is none of the model's, or one to be cut is open already.
+    pub fn flatten_with(&self, cones: &Cones, options: &Options) -> Result<Atlas, Error> {
         self.check_own(cones)?;
+        self.check_seams(&options.seams)?;
         let task = self.task();
         let mut times = Times::default();
         let flats = each(self.components(), &mut times, |component, times| {
-            let mut flat = component.flatten(&cones.configurations[component.index], &task, times)?;
+            let plan = self.plan(component, &options.seams, &task, times)?;
+            let mut flat = component.flatten(&cones.configurations[component.index], &plan, &task, times)?;
             component.detach_fold_overs(&mut flat);
-            component.part_islands(&mut flat, islands, &task, times)?;
+            component.part_islands(&mut flat, options.islands, &task, times)?;
             Ok(flat)
         })?;
         let own = cones.notes.iter().filter(|note| note.component().is_none()).cloned().collect();
-        Ok(self.assemble(flats, own, cones.number.clone(), times))
+        Ok(self.assemble(flats, own, (cones.number.clone(), cones.quantize), times))
     }
 
     /// Only this analysis' own cones can be flattened.
@@ -85,9 +103,10 @@ impl Analysis {
     /// # Errors
     /// As [`choose`](Self::choose); given cones are never replaced.
     pub fn atlas(&self, options: &Options) -> Result<Atlas, Error> {
+        self.check_seams(&options.seams)?;
         if matches!(options.cones, ConeChoice::Given(_)) {
             let cones = self.choose(options)?;
-            let mut atlas = self.flatten_as(&cones, options.islands)?;
+            let mut atlas = self.flatten_with(&cones, options)?;
             atlas.times += cones.times;
             return Ok(atlas);
         }
@@ -95,11 +114,43 @@ impl Analysis {
         let (shared, configurations) = self.configurations(options, &task)?;
         let Shared { notes, number, mut times } = shared;
         let flats = each(self.components(), &mut times, |component, times| {
-            let mut flat = component.flatten_well(&configurations[component.index], options, &task, times)?;
+            let plan = self.plan(component, &options.seams, &task, times)?;
+            let mut flat = component.flatten_well(&configurations[component.index], (options, &plan), &task, times)?;
             component.part_islands(&mut flat, options.islands, &task, times)?;
             Ok(flat)
         })?;
-        Ok(self.assemble(flats, notes, number, times))
+        Ok(self.assemble(flats, notes, (number, options.quantize), times))
+    }
+
+    /// Where the seams of a component go.
+    fn plan(
+        &self,
+        component: &Component,
+        seams: &SeamOptions,
+        task: &Task,
+        times: &mut Times,
+    ) -> Result<SeamPlan, Error> {
+        let Component { index, surface, metric, .. } = component;
+        let plan = |_: geom::Watch| SeamPlan::new(surface, metric, self.corner_vertices(), seams);
+        Ok(task.stage((Stage::Cut, *index), times, plan)?)
+    }
+
+    /// Edges must be edges of the model, and those that are to be cut not open already.
+    fn check_seams(&self, seams: &SeamOptions) -> Result<(), Error> {
+        if seams.given.is_empty() && seams.avoid.is_empty() {
+            return Ok(());
+        }
+        let surfaces = self.components().iter().map(|component| &component.surface);
+        let edges = ModelEdges::new(surfaces, self.corner_vertices());
+        for &ends in seams.given.iter().chain(&seams.avoid) {
+            if !edges.has(ends) {
+                return Err(Error::NoSuchEdge { ends });
+            }
+        }
+        match seams.given.iter().find(|ends| edges.is_open(**ends)) {
+            Some(&ends) => Err(Error::OpenEdge { ends }),
+            None => Ok(()),
+        }
     }
 
     /// Puts flattened components together.
@@ -107,7 +158,7 @@ impl Analysis {
         &self,
         flats: Vec<Flat>,
         mut notes: Vec<Note>,
-        number: Option<ChosenNumber>,
+        (number, quantize): (Option<ChosenNumber>, Option<Symmetry>),
         mut times: Times,
     ) -> Atlas {
         let began = Instant::now();
@@ -119,6 +170,8 @@ impl Analysis {
         let mut unfolded = 0;
         let mut places = shelve(&self.islands(&flats)).into_iter();
         let mut count = 0;
+        let mut seam_figures = SeamFigures::default();
+        let mut tiling = quantize.map(Tiling::none);
         notes.splice(0..0, self.notes().iter().cloned());
         for (component, flat) in self.components().iter().zip(flats) {
             let surface = &component.surface;
@@ -132,6 +185,10 @@ impl Analysis {
                     uv[surface.corner[h] as usize] = Some(motions[island as usize].of(flat.position(h)));
                 }
             }
+            seam_figures += SeamFigures::new(surface, &component.metric, &flat.seams);
+            if let Some(tiling) = &mut tiling {
+                *tiling += Tiling::new(&surface.mesh, &flat.seams, &flat.layout, tiling.symmetry);
+            }
             count += motions.len() as u32;
             let of_model = |vertices: &[geom::VertexId]| vertices.iter().map(|&v| surface.vertex[v]).collect();
             seams.extend(flat.seams.chains.iter().map(|chain| -> Vec<u32> { of_model(&chain.vertices) }));
@@ -143,6 +200,9 @@ impl Analysis {
                 }
             }
         }
+        if let Some(Tiling { symmetry, seams, broken: broken @ 1.., .. }) = tiling {
+            notes.push(Note::SeamsDoNotTile { symmetry, seams, broken });
+        }
         let uv = self.fill_corners(uv);
         times.add(Stage::Layout, began.elapsed());
         Atlas {
@@ -153,6 +213,8 @@ impl Analysis {
             detached,
             cones,
             seams,
+            seam_figures,
+            tiling,
             number,
             curvature_error,
             unfolded,

@@ -8,6 +8,8 @@
 //! positions along the tree of shortest edges, so that an error made somewhere stays as small as the region it was made in.
 //! Similarities are never chained: lengths come from the metric alone.
 
+use std::collections::VecDeque;
+
 use geom::{
     CutMesh, EdgeData, FaceData, FaceId, HalfedgeData, HalfedgeId, Id, Interrupted, Mesh, Triangulation, Watch,
     WedgeId, kruskal,
@@ -137,22 +139,27 @@ impl Connection {
         self.vector[g] = -self.vector[h];
     }
 
-    /// The rotation of each triangle's frame into the plane, carried across edges that are not cut.
+    /// The rotation of each triangle's frame into the plane, carried across edges that are not cut, and from island to
+    /// island across one that is.
     fn face_rotations(&self, cut: &EdgeData<bool>) -> FaceData<Complex64> {
         let mut rotation: FaceData<Option<Complex64>> = FaceData::constant(self.triangulation.face_count(), None);
-        let mut queue = std::collections::VecDeque::new();
+        let mut queue = VecDeque::new();
+        // Where islands that are to come begin: across the edges of those that are done.
+        let mut shores = VecDeque::new();
         for seed in self.triangulation.faces() {
-            if rotation[seed].is_some() {
-                continue;
-            }
-            rotation[seed] = Some(Complex64::ONE);
-            queue.push_back((seed, Complex64::ONE));
-            while let Some((f, turn)) = queue.pop_front() {
-                for (g, across) in self.neighbours(f, cut) {
-                    if rotation[g].is_none() {
-                        let turn = unit(turn * across);
-                        rotation[g] = Some(turn);
-                        queue.push_back((g, turn));
+            shores.push_back((seed, Complex64::ONE));
+            while let Some((seed, turn)) = shores.pop_front() {
+                queue.push_back((seed, turn));
+                while let Some((f, turn)) = queue.pop_front() {
+                    if rotation[f].is_some() {
+                        continue;
+                    }
+                    rotation[f] = Some(turn);
+                    for (g, across, is_cut) in self.neighbours(f, cut) {
+                        if rotation[g].is_none() {
+                            let next = if is_cut { &mut shores } else { &mut queue };
+                            next.push_back((g, unit(turn * across)));
+                        }
                     }
                 }
             }
@@ -160,10 +167,11 @@ impl Connection {
         rotation.iter().map(|turn| turn.unwrap_or(Complex64::ONE)).collect()
     }
 
-    fn neighbours(&self, f: FaceId, cut: &EdgeData<bool>) -> impl Iterator<Item = (FaceId, Complex64)> {
-        self.triangulation.sides(f).into_iter().filter(|&h| !cut[self.triangulation.edge(h)]).filter_map(|h| {
+    /// The triangles at a triangle's sides, each with the rotation from its frame and whether the edge between is cut.
+    fn neighbours(&self, f: FaceId, cut: &EdgeData<bool>) -> impl Iterator<Item = (FaceId, Complex64, bool)> {
+        self.triangulation.sides(f).into_iter().filter_map(|h| {
             let g = self.triangulation.twin(h)?;
-            Some((self.triangulation.face(g), self.transport[h]))
+            Some((self.triangulation.face(g), self.transport[h], cut[self.triangulation.edge(h)]))
         })
     }
 }

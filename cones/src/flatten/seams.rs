@@ -125,6 +125,12 @@ impl Seams {
         Self::new(&surface.mesh, &seam_lengths(surface, metric), cones, watch)
     }
 
+    /// Seams of edges that are cut; chains end where it is said, and where seams end or branch.
+    pub(crate) fn of_cut(mesh: &Mesh, lengths: &EdgeData<f64>, cut: EdgeData<bool>, is_end: &VertexData<bool>) -> Self {
+        let length = mesh.edges().filter(|&e| cut[e]).map(|e| lengths[e]).sum();
+        Self { chains: chains(mesh, &cut, is_end), cut, length }
+    }
+
     /// Strings the chains anew, after edges were added to the cut. Where chains ended they still do.
     pub(crate) fn string(&mut self, mesh: &Mesh, lengths: &EdgeData<f64>) {
         let mut is_end = VertexData::constant(mesh.vertex_count(), false);
@@ -215,13 +221,15 @@ fn prune(mesh: &Mesh, cut: &mut EdgeData<bool>, is_terminal: &VertexData<bool>) 
     }
 }
 
-/// The cut edges, strung together from each terminal or branch to the next.
+/// The cut edges, strung together from each terminal or branch to the next, and loops without either.
 fn chains(mesh: &Mesh, cut: &EdgeData<bool>, is_terminal: &VertexData<bool>) -> Vec<Chain> {
     let cut_edges = |v: VertexId| edges_at(mesh, v).filter(|&(e, _)| cut[e]);
     let is_end = |v: VertexId| is_terminal[v] || cut_edges(v).count() != 2;
     let mut strung = EdgeData::constant(mesh.edge_count(), false);
     let mut chains = Vec::new();
-    for end in mesh.vertices().filter(|&v| is_end(v)) {
+    let ends = mesh.vertices().filter(|&v| is_end(v));
+    let on_loops = mesh.vertices().filter(|&v| cut_edges(v).next().is_some());
+    for end in ends.chain(on_loops) {
         for (first, _) in cut_edges(end) {
             let mut chain = Chain { vertices: vec![end], edges: Vec::new() };
             let (mut v, mut next) = (end, Some(first));
@@ -230,7 +238,8 @@ fn chains(mesh: &Mesh, cut: &EdgeData<bool>, is_terminal: &VertexData<bool>) -> 
                 v = other_end(mesh, e, v);
                 chain.vertices.push(v);
                 chain.edges.push(e);
-                next = if is_end(v) { None } else { cut_edges(v).map(|(e, _)| e).find(|&e| !strung[e]) };
+                let is_last = is_end(v) || v == end;
+                next = if is_last { None } else { cut_edges(v).map(|(e, _)| e).find(|&e| !strung[e]) };
             }
             if !chain.edges.is_empty() {
                 chains.push(chain);

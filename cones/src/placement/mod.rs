@@ -12,6 +12,7 @@ mod matching_pursuit;
 mod nested;
 mod prediction;
 mod pursuit;
+mod quantized;
 mod refactoring;
 mod refined;
 mod separation;
@@ -34,6 +35,7 @@ pub use prediction::Prediction;
 pub(crate) use prediction::{Predictor, area_distortion, distortion_of};
 pub(crate) use pursuit::BLOCK;
 pub use pursuit::pursuit;
+pub(crate) use quantized::quantized;
 pub use refined::refined;
 
 /// More cones than this are not optimised: `refined` takes a time that grows with the third power of their number.

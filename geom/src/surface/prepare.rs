@@ -198,7 +198,7 @@ pub fn prepare_watched(model: &Model, weld: bool, watch: Watch) -> Result<Prepar
 
 /// What has been mended so far.
 #[derive(Default)]
-struct RepairLog(BTreeMap<RepairKind, (usize, usize)>);
+pub(super) struct RepairLog(BTreeMap<RepairKind, (usize, usize)>);
 
 impl RepairLog {
     fn note(&mut self, kind: RepairKind, place: usize) {
@@ -573,7 +573,7 @@ fn is_line([a, b, c]: [[f64; 3]; 3]) -> bool {
 }
 
 /// For each vertex the first one at the same place.
-fn weld_vertices(points: &[[f64; 3]], log: &mut RepairLog) -> Vec<u32> {
+pub(super) fn weld_vertices(points: &[[f64; 3]], log: &mut RepairLog) -> Vec<u32> {
     let mut first = HashMap::with_capacity(points.len());
     let weld = |(v, p): (usize, &[f64; 3])| {
         let place = *first.entry(place_key(p)).or_insert(v as u32);

@@ -3,10 +3,12 @@
 mod cut;
 mod dijkstra;
 mod distance;
+mod island;
 mod path;
 
 pub use cut::CutMesh;
 pub use distance::{EdgeDistances, distance_along_edges};
+pub use island::{OpenedIsland, open_islands};
 pub use path::{
     ShortestPaths, edges_at, kruskal, maximum_spanning_cotree, maximum_spanning_cotree_watched, minimum_spanning_tree,
     minimum_spanning_tree_watched, other_end,

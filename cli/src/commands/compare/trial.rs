@@ -51,7 +51,7 @@ impl Trial {
         let cones = analysis.choose(&options)?;
         let (uv, curvature_left, broken, times) = match variant.flattening {
             Flattening::Exact => {
-                let atlas = analysis.flatten_as(&cones, Islands::Single)?;
+                let atlas = analysis.flatten_with(&cones, &Options { islands: Islands::Single, ..options })?;
                 (atlas.uv, Some(atlas.curvature_error), 0, atlas.times)
             }
             Flattening::By(baseline) => {

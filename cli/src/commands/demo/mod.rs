@@ -3,7 +3,7 @@
 mod gallery;
 
 use crate::commands::shape;
-use crate::commands::shared::{Scale, Unwrapped};
+use crate::commands::shared::{CheckerFiles, Scale, Unwrapped};
 use crate::error::CommandError;
 use crate::output;
 use crate::progress::Progress;
@@ -42,18 +42,16 @@ const EXHIBITS: [Exhibit; 6] = [
     Exhibit { shape: "sphere", vertices: 5_000, cones: 6 },
 ];
 
-/// The texture that the written shapes refer to.
-const MATERIAL: Material<'_> = Material { library: "checker.mtl", name: "checker" };
-const MATERIAL_TEXT: &str = "newmtl checker\nKa 0 0 0\nKd 1 1 1\nKs 0 0 0\nillum 1\nmap_Kd checker.png\n";
-
 pub(crate) fn run(args: &DemoArgs) -> Result<(), CommandError> {
     let folder = &args.folder;
     make_folder(folder)?;
     // The page first: it marks the folder as a demo's, should the rest be interrupted.
     output::write_text(&folder.join(gallery::NAME), &gallery::text(&EXHIBITS.map(|e| e.shape)))?;
-    output::write_text(&folder.join(MATERIAL.library), MATERIAL_TEXT)?;
-    output::write_png(&folder.join("checker.png"), &render::Checker::texture())?;
-    let reports = EXHIBITS.iter().map(|exhibit| show(exhibit, folder)).collect::<Result<Vec<_>, _>>()?;
+    // The texture that the written shapes refer to.
+    let checker = CheckerFiles::beside(&folder.join("checker.obj"));
+    checker.write()?;
+    let reports =
+        EXHIBITS.iter().map(|exhibit| show(exhibit, folder, checker.material())).collect::<Result<Vec<_>, _>>()?;
     if args.json {
         return output::print_json(&reports);
     }
@@ -74,7 +72,7 @@ fn make_folder(folder: &Path) -> Result<(), CommandError> {
 }
 
 /// Unwraps a shape and writes all its files.
-fn show(exhibit: &Exhibit, folder: &Path) -> Result<UnwrapReport, CommandError> {
+fn show(exhibit: &Exhibit, folder: &Path, material: Material) -> Result<UnwrapReport, CommandError> {
     let progress = Progress::begin(exhibit.shape);
     let model = shape::model(exhibit.shape, exhibit.vertices);
     let file = |ending: &str| folder.join(format!("{}{ending}", exhibit.shape));
@@ -82,7 +80,7 @@ fn show(exhibit: &Exhibit, folder: &Path) -> Result<UnwrapReport, CommandError> 
     let unwrapped = Unwrapped::new(Path::new(exhibit.shape), model, options, Scale::Unit, &progress)?;
     progress.step("write");
     let start = Instant::now();
-    let content = ObjContent { uv: Some(&unwrapped.uv), material: Some(MATERIAL), ..ObjContent::default() };
+    let content = ObjContent { uv: Some(&unwrapped.uv), material: Some(material), ..ObjContent::default() };
     output::write(&file(".obj"), |out| write_obj(&unwrapped.model, &content, out))?;
     let write = Some(start.elapsed().as_secs_f64());
     progress.step("draw");

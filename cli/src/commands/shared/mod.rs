@@ -1,13 +1,17 @@
 //! What several subcommands share.
 
+mod checker;
 mod choice;
 mod numbers;
+mod seams;
 mod unwrapped;
 mod warn;
 mod welded;
 
+pub(crate) use checker::CheckerFiles;
 pub(crate) use choice::CandidateArgs;
 pub(crate) use numbers::{non_negative, vertex_count};
+pub(crate) use seams::SeamArgs;
 pub(crate) use unwrapped::{Scale, Unwrapped, corner_uv, scaled};
 pub(crate) use warn::warn;
 pub(crate) use welded::{split_vertices, welded};

@@ -12,6 +12,14 @@ pub(crate) fn non_negative(text: &str) -> Result<f64, String> {
     }
 }
 
+/// A number from 0 to 1.
+pub(super) fn share(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(x) if (0.0..=1.0).contains(&x) => Ok(x),
+        _ => Err("not a number from 0 to 1".into()),
+    }
+}
+
 /// An area distortion.
 pub(super) fn distortion(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {

@@ -1,0 +1,92 @@
+//! The options of seams.
+
+use super::numbers::share;
+use crate::error::CommandError;
+use crate::input::EdgeFile;
+use clap::{Args, ValueEnum};
+use cones::{Options, SeamOptions, Symmetry};
+use geom::{Model, texture_seams};
+use std::path::{Path, PathBuf};
+
+/// Where seams run, and what is to run on across them.
+#[derive(Args, Debug)]
+#[command(next_help_heading = "Seams")]
+pub(crate) struct SeamArgs {
+    /// How much seams may lengthen to run straight, along sharp edges and in hidden places: 0 (shortest) to 1
+    #[arg(long, value_name = "W", value_parser = share, default_value_t = SeamOptions::default().weight)]
+    seam_weight: f64,
+    /// Edges to cut: a file of lines of two vertices, counted from 0
+    #[arg(long, value_name = "FILE")]
+    seams: Option<PathBuf>,
+    /// Cut where the input's texture coordinates are cut
+    #[arg(long)]
+    keep_seams: bool,
+    /// Edges not to cut if there is another way: a file as for --seams
+    #[arg(long, value_name = "FILE")]
+    avoid: Option<PathBuf>,
+    /// Round cones for a texture that looks the same after 1/4 or 1/6 of a turn, so that it runs on across seams
+    #[arg(long, value_name = "4|6")]
+    quantize: Option<SymmetryName>,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum SymmetryName {
+    /// Squares
+    #[value(name = "4")]
+    Fourfold,
+    /// Triangles and hexagons
+    #[value(name = "6")]
+    Sixfold,
+}
+
+/// The edges of files, to name the line of one that is refused.
+#[derive(Debug)]
+pub(crate) struct EdgeFiles(Vec<EdgeFile>);
+
+impl SeamArgs {
+    /// The files that are read.
+    pub(crate) fn files(&self) -> impl Iterator<Item = &Path> {
+        [&self.seams, &self.avoid].into_iter().flatten().map(|path| &**path)
+    }
+
+    /// Reads the files into the library's options.
+    pub(crate) fn read(&self, options: &mut Options) -> Result<EdgeFiles, CommandError> {
+        let read = |path: &Option<PathBuf>| path.as_deref().map(EdgeFile::read).transpose();
+        let (given, avoid) = (read(&self.seams)?, read(&self.avoid)?);
+        let edges = |file: &Option<EdgeFile>| file.as_ref().map(EdgeFile::edges).unwrap_or_default();
+        let (given_edges, avoided) = (edges(&given), edges(&avoid));
+        options.seams =
+            SeamOptions { weight: self.seam_weight, given: given_edges, avoid: avoided, ..SeamOptions::default() };
+        options.quantize = self.quantize.map(|name| match name {
+            SymmetryName::Fourfold => Symmetry::Fourfold,
+            SymmetryName::Sixfold => Symmetry::Sixfold,
+        });
+        Ok(EdgeFiles([given, avoid].into_iter().flatten().collect()))
+    }
+
+    /// Takes over the seams that a model has, where that is asked.
+    pub(crate) fn keep(&self, path: &Path, model: &Model, options: &mut Options) -> Result<(), CommandError> {
+        if self.keep_seams {
+            if model.uv().is_none() {
+                let (option, of) = ("--keep-seams", "a mesh with texture coordinates");
+                return Err(CommandError::Misplaced { path: path.to_owned(), option, of });
+            }
+            options.seams.kept = texture_seams(model, options.preparation.weld);
+        }
+        Ok(())
+    }
+}
+
+impl EdgeFiles {
+    /// An error with the line of the edge that it is about.
+    pub(crate) fn place(&self, error: CommandError) -> CommandError {
+        let CommandError::Unwrap { path, mut error } = error else { return error };
+        for file in &self.0 {
+            match file.place(error) {
+                Ok(placed) => return placed.into(),
+                Err(same) => error = same,
+            }
+        }
+        CommandError::Unwrap { path, error }
+    }
+}

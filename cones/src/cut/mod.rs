@@ -1,0 +1,20 @@
+//! Seams where people want them.
+//!
+//! [`flatten`](crate::flatten) cuts a surface to a disk along seams as short as edges allow. Here is what people ask beyond that:
+//! seams along sharp edges and in hidden places ([`cost`]), straight ones ([`straighten`]), through edges that are given and
+//! round edges that are to be avoided ([`plan`]), and whether a texture of hatches or bricks runs on across them ([`tiling`]). The
+//! metric knows nothing of the cut, so that all of this costs length and nothing else.
+
+mod cost;
+mod figures;
+mod options;
+mod plan;
+mod straighten;
+mod tiling;
+mod turning;
+
+pub use figures::SeamFigures;
+pub use options::{SeamOptions, Symmetry};
+pub(crate) use plan::ModelEdges;
+pub use plan::SeamPlan;
+pub use tiling::Tiling;

@@ -1,0 +1,54 @@
+//! What a user may say about seams.
+
+use std::f64::consts::PI;
+
+/// The weight that nobody has to ask for; see [`SeamOptions::weight`].
+pub(crate) const DEFAULT_WEIGHT: f64 = 0.5;
+
+/// Where seams should run. Edges are named by two vertices of the model, in either order.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default))]
+pub struct SeamOptions {
+    /// How much seams may lengthen to run straight, along sharp edges and in hidden places: from 0, as short as they can be, to 1.
+    pub weight: f64,
+    /// Edges that are cut. Others are cut besides, until each island is a disk with all cones on its boundary. A cut that ends
+    /// away from cones and from other seams lies closed in the plane: there is no curvature to open it.
+    pub given: Vec<[u32; 2]>,
+    /// Edges that are cut as well, such as the [seams that a file has](geom::texture_seams), but passed over where they are none of
+    /// the surface's or it is open there.
+    pub kept: Vec<[u32; 2]>,
+    /// Edges that are cut only where there is hardly another way; those that are given, too, are cut.
+    pub avoid: Vec<[u32; 2]>,
+}
+
+impl Default for SeamOptions {
+    fn default() -> Self {
+        Self { weight: DEFAULT_WEIGHT, given: Vec::new(), kept: Vec::new(), avoid: Vec::new() }
+    }
+}
+
+/// The rotations that a texture of hatches or bricks, which is to cross seams, looks the same after.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
+#[non_exhaustive]
+pub enum Symmetry {
+    /// By a quarter of a turn: squares.
+    Fourfold,
+    /// By a sixth of a turn: triangles and hexagons.
+    Sixfold,
+}
+
+impl Symmetry {
+    /// How often it is in a turn.
+    pub fn order(self) -> u32 {
+        match self {
+            Self::Fourfold => 4,
+            Self::Sixfold => 6,
+        }
+    }
+
+    /// The least rotation, in radians: what cones' curvatures are multiples of.
+    pub fn angle(self) -> f64 {
+        2.0 * PI / f64::from(self.order())
+    }
+}

@@ -1,0 +1,172 @@
+//! Where the seams of a surface go: what was asked for, put to work.
+//!
+//! The surface is opened along the edges that are given; each island of that is cut to a disk by itself ([`Seams::new`]), with
+//! its boundary, the given cuts' sides, as terminals like any other boundary. So a given loop that separates makes two islands,
+//! each a disk in the end, and given edges that touch no other seam are joined to the rest. Edges that are to be avoided
+//! cost [`AVOIDED`] times their length. Then chains are made straight.
+
+use std::collections::{HashMap, HashSet};
+
+use geom::{
+    EdgeData, EdgeId, HalfedgeId, Id, Mesh, Metric, Surface, VertexData, VertexId, Watch, edges_at, open_islands,
+};
+
+use super::cost::shares;
+use super::options::SeamOptions;
+use super::straighten::{PathCost, straighten};
+use super::turning::Turning;
+use crate::flatten::{SeamError, Seams, seam_lengths};
+
+/// What an edge that is to be avoided costs, over its length: more than any way round it that a surface has, and little enough to
+/// add up with others without loss.
+const AVOIDED: f64 = 1e4;
+
+/// Where seams go on one surface.
+#[derive(Clone, Debug)]
+pub struct SeamPlan {
+    /// Infinite inside polygons.
+    lengths: EdgeData<f64>,
+    cost: EdgeData<f64>,
+    given: EdgeData<bool>,
+    avoided: EdgeData<bool>,
+    has_given: bool,
+    /// How straight seams are to be.
+    straightness: Option<(f64, Turning)>,
+}
+
+impl SeamPlan {
+    /// What the options mean on a surface; edges that it does not have are passed over. `metric` has the lengths in space,
+    /// `corners` the vertex of each corner of the model. O(F), and the
+    /// time of [`exposure`](geom::exposure).
+    pub fn new(surface: &Surface, metric: &Metric, corners: &[u32], options: &SeamOptions) -> Self {
+        let weight = if options.weight > 0.0 { options.weight.min(1.0) } else { 0.0 };
+        let given = marked(surface, corners, options.given.iter().chain(&options.kept));
+        let mut avoided = marked(surface, corners, options.avoid.iter());
+        avoided.iter_mut().zip(given.iter()).for_each(|(avoided, given)| *avoided &= !given);
+        let lengths = seam_lengths(surface, metric);
+        let mut cost = shares(surface, weight);
+        for (e, length) in lengths.iter_ids() {
+            cost[e] *= if avoided[e] { AVOIDED * length } else { *length };
+        }
+        Self {
+            has_given: given.iter().any(|&given| given),
+            straightness: (weight > 0.0).then(|| (weight, Turning::new(&surface.mesh, metric))),
+            lengths,
+            cost,
+            given,
+            avoided,
+        }
+    }
+
+    /// The seams of the surface with the cones given: each island that they leave is a disk. O(V log V), O(E log E) where there
+    /// are handles.
+    ///
+    /// # Errors
+    /// As [`Seams::new`].
+    pub fn cut(&self, mesh: &Mesh, cones: &[VertexId], watch: Watch) -> Result<Seams, SeamError> {
+        let mut seams = match self.has_given {
+            false => Seams::new(mesh, &self.cost, cones, watch.within(0.0, 0.8))?,
+            true => self.cut_islands(mesh, cones, watch.within(0.0, 0.8))?,
+        };
+        seams.length = mesh.edges().filter(|&e| seams.cut[e]).map(|e| self.lengths[e]).sum();
+        if let Some((weight, turning)) = &self.straightness {
+            let Self { lengths, cost, .. } = self;
+            let costs = PathCost { mesh, lengths, cost, turning, weight: *weight };
+            straighten(&costs, &self.given, &mut seams, watch.within(0.8, 1.0))?;
+        }
+        Ok(seams)
+    }
+
+    /// How many edges are cut that were to be avoided, and one of them.
+    pub fn avoided(&self, seams: &Seams) -> Option<(usize, EdgeId)> {
+        let mut cut = self.avoided.iter_ids().filter(|&(e, avoided)| *avoided && seams.cut[e]).map(|(e, _)| e);
+        let first = cut.next()?;
+        Some((1 + cut.count(), first))
+    }
+
+    /// Seams through the given edges.
+    fn cut_islands(&self, mesh: &Mesh, cones: &[VertexId], watch: Watch) -> Result<Seams, SeamError> {
+        let mut is_cone = VertexData::constant(mesh.vertex_count(), false);
+        for &cone in cones {
+            let known = is_cone.get_mut(cone.index());
+            *known.ok_or(SeamError::NoSuchVertex { cone, count: mesh.vertex_count() })? = true;
+        }
+        let mut cut = self.given.clone();
+        for island in open_islands(mesh, &self.given) {
+            let whole = |h: HalfedgeId| island.halfedge[h];
+            let edge = |e: EdgeId| mesh.edge(whole(island.mesh.halfedge(e)));
+            let cost = island.mesh.edges().map(|e| self.cost[edge(e)]).collect();
+            let inside = |v: &VertexId| {
+                let first = island.mesh.outgoing(*v).next();
+                !island.mesh.is_boundary_vertex(*v) && first.is_some_and(|h| is_cone[mesh.tail(whole(h))])
+            };
+            let cones: Vec<VertexId> = island.mesh.vertices().filter(inside).collect();
+            let seams = Seams::new(&island.mesh, &cost, &cones, watch)?;
+            island.mesh.edges().filter(|&e| seams.cut[e]).for_each(|e| cut[edge(e)] = true);
+        }
+        // Chains end, too, where they go on as given edges.
+        let is_joint = |v: VertexId| {
+            let mut seams = edges_at(mesh, v).filter(|&(e, _)| cut[e]).map(|(e, _)| self.given[e]);
+            seams.next().is_some_and(|first| seams.any(|given| given != first))
+        };
+        let is_end = mesh.vertices().map(|v| is_cone[v] || mesh.is_boundary_vertex(v) || is_joint(v)).collect();
+        Ok(Seams::of_cut(mesh, &self.lengths, cut, &is_end))
+    }
+}
+
+/// The edges that a model's faces have, by their vertices.
+pub(crate) struct ModelEdges {
+    /// For each whether it is inside the surface, and so can be cut.
+    is_inner: HashMap<[u32; 2], bool>,
+}
+
+impl ModelEdges {
+    /// The edges of all surfaces of a model; `corners` has the vertex of each of its corners.
+    pub(crate) fn new<'a>(surfaces: impl Iterator<Item = &'a Surface>, corners: &[u32]) -> Self {
+        let mut is_inner = HashMap::new();
+        for surface in surfaces {
+            for e in surface.mesh.edges().filter(|&e| !surface.diagonal[e]) {
+                for name in names(surface, corners, e) {
+                    *is_inner.entry(name).or_insert(false) |= !surface.mesh.is_boundary_edge(e);
+                }
+            }
+        }
+        Self { is_inner }
+    }
+
+    /// Whether there is such an edge.
+    pub(crate) fn has(&self, ends: [u32; 2]) -> bool {
+        self.is_inner.contains_key(&ascending(ends))
+    }
+
+    /// Whether the surface is open at that edge.
+    pub(crate) fn is_open(&self, ends: [u32; 2]) -> bool {
+        self.is_inner.get(&ascending(ends)) == Some(&false)
+    }
+}
+
+/// The inner edges of a surface that are named by vertices of the model; none inside a polygon.
+fn marked<'a>(surface: &Surface, corners: &[u32], edges: impl Iterator<Item = &'a [u32; 2]>) -> EdgeData<bool> {
+    let mesh = &surface.mesh;
+    let named: HashSet<[u32; 2]> = edges.map(|&ends| ascending(ends)).collect();
+    if named.is_empty() {
+        return EdgeData::constant(mesh.edge_count(), false);
+    }
+    let is_named = |e: EdgeId| names(surface, corners, e).any(|name| named.contains(&name));
+    mesh.edges().map(|e| !surface.diagonal[e] && !mesh.is_boundary_edge(e) && is_named(e)).collect()
+}
+
+/// What each side of an edge calls it: vertices of the model in ascending order. Where vertices were welded they differ.
+/// `corners` has the vertex of each corner of the model.
+fn names(surface: &Surface, corners: &[u32], e: EdgeId) -> impl Iterator<Item = [u32; 2]> {
+    let mesh = &surface.mesh;
+    let h = mesh.halfedge(e);
+    let vertex = |h: HalfedgeId| corners[surface.corner[h] as usize];
+    let name = |h: HalfedgeId| ascending([h, mesh.next(h)].map(vertex));
+    [Some(h), mesh.twin(h)].map(|side| side.map(name)).into_iter().flatten()
+}
+
+/// The name of an edge, whichever way it runs.
+fn ascending([a, b]: [u32; 2]) -> [u32; 2] {
+    [a.min(b), a.max(b)]
+}
