@@ -52,6 +52,7 @@ mod flatten;
 mod hierarchy;
 mod numerics;
 mod placement;
+pub mod uv;
 
 pub use analysis::{
     Analysis, Atlas, Baseline, BaselineMap, ChosenNumber, Cone, ConeChoice, ConeOrder, Cones, Failure, MOST_AUTOMATIC,

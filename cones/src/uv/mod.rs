@@ -1,0 +1,5 @@
+//! Maps to the plane, of any origin: what is done with them once they are there.
+
+mod pack;
+
+pub use pack::{Motion, PackError, PackOptions, Packing, Rotations, Tiles, pack};
