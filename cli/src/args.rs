@@ -1,6 +1,6 @@
 //! The command line: what may be asked for, and nothing that is not built.
 
-use crate::commands::{compare, completions, demo, extract, features, man, measure, persistence, shape, unwrap};
+use crate::commands::{compare, completions, demo, extract, features, man, measure, pack, persistence, shape, unwrap};
 use crate::output::Volume;
 use clap::Parser;
 use std::num::NonZeroUsize;
@@ -43,6 +43,8 @@ pub(crate) enum Subcommand {
     Compare(compare::CompareArgs),
     /// Measure the distortion of an unwrapped OBJ or PLY, whoever made it
     Measure(measure::MeasureArgs),
+    /// Pack the islands of an unwrapped OBJ or PLY into the unit square, or onto tiles
+    Pack(pack::PackCommandArgs),
     /// Pair the extrema of a scalar field with saddles: an array, a picture, a mesh with values, a network
     Persistence(persistence::PersistenceArgs),
     /// Find the feature points of a surface: the persistent extrema of a field on it
@@ -78,7 +80,7 @@ mod tests {
 
     #[test]
     fn what_is_not_built_is_not_accepted() {
-        for option in ["--islands=pack", "--udim", "--threads=0"] {
+        for option in ["--islands=pack", "--udim", "--threads=0", "--texel-density=9"] {
             assert!(Arguments::try_parse_from(["cones", "unwrap", "a", "-o", "b", option]).is_err(), "{option}");
         }
     }

@@ -15,7 +15,7 @@ mod report;
 
 use args::{Arguments, Subcommand};
 use clap::{CommandFactory, Parser};
-use commands::{compare, completions, demo, extract, features, man, measure, persistence, shape, unwrap};
+use commands::{compare, completions, demo, extract, features, man, measure, pack, persistence, shape, unwrap};
 use error::CommandError;
 use std::process::ExitCode;
 
@@ -41,6 +41,7 @@ fn run(command: &Subcommand) -> Result<(), CommandError> {
         Subcommand::Extract(args) => extract::run(args),
         Subcommand::Compare(args) => compare::run(args),
         Subcommand::Measure(args) => measure::run(args),
+        Subcommand::Pack(args) => pack::run(args),
         Subcommand::Persistence(args) => persistence::run(args),
         Subcommand::Features(args) => features::run(args),
         Subcommand::Shape(args) => shape::run(args),

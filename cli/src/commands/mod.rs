@@ -7,6 +7,7 @@ pub(crate) mod extract;
 pub(crate) mod features;
 pub(crate) mod man;
 pub(crate) mod measure;
+pub(crate) mod pack;
 pub(crate) mod persistence;
 pub(crate) mod shape;
 pub(crate) mod unwrap;

@@ -1,6 +1,6 @@
 //! `cones unwrap`: a surface in, its texture coordinates out.
 
-use crate::commands::shared::{CandidateArgs, Scale, Unwrapped};
+use crate::commands::shared::{CandidateArgs, PackArgs, Scale, Unwrapped};
 use crate::error::CommandError;
 use crate::input::{self, cone_file};
 use crate::output;
@@ -27,6 +27,8 @@ pub(crate) struct UnwrapArgs {
     /// Given cones: a file of lines `vertex curvature` or `vertex`, vertices counted from 0
     #[arg(long, value_name = "FILE", group = "which")]
     cones: Option<PathBuf>,
+    #[command(flatten)]
+    packing: PackArgs,
     /// Size of the texture coordinates
     #[arg(long, value_enum, default_value_t = Scale::Unit)]
     scale: Scale,
@@ -81,7 +83,7 @@ pub(crate) fn run(args: &UnwrapArgs) -> Result<(), CommandError> {
 
 /// The library's options.
 fn options(args: &UnwrapArgs) -> Result<Options, CommandError> {
-    let options = args.candidates.options();
+    let options = Options { packing: args.packing.options(1.0), ..args.candidates.options() };
     Ok(match &args.cones {
         Some(file) => Options { cones: ConeChoice::Given(cone_file::read(file)?), ..options },
         None => options,

@@ -87,6 +87,7 @@ pub(crate) struct Times {
     pub(crate) cut: Option<f64>,
     pub(crate) scale: Option<f64>,
     pub(crate) layout: Option<f64>,
+    pub(crate) pack: Option<f64>,
     pub(crate) measure: Option<f64>,
     pub(crate) write: Option<f64>,
     pub(crate) draw: Option<f64>,
@@ -177,6 +178,7 @@ impl Times {
                 Stage::Cut => &mut self.cut,
                 Stage::Scale => &mut self.scale,
                 Stage::Layout => &mut self.layout,
+                Stage::Pack => &mut self.pack,
                 _ => continue,
             };
             let time = stages.of(stage).as_secs_f64();
@@ -203,6 +205,7 @@ impl Times {
             ("cut", self.cut),
             ("scale", self.scale),
             ("layout", self.layout),
+            ("pack", self.pack),
             ("measure", self.measure),
             ("write", self.write),
             ("draw", self.draw),

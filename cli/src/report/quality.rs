@@ -1,5 +1,6 @@
 //! The part of a report that says how good a map is.
 
+use cones::uv::fill;
 use geom::distortion::{self, Distortion, DistortionError, Island, Percentiles};
 use geom::{Id, VertexId};
 use serde::Serialize;
@@ -32,7 +33,10 @@ impl Quality {
             None => map.cones(CONE).into_iter().map(|(v, _)| v).collect(),
         };
         Ok(Self {
-            distortion: DistortionReport::new(&map, distortion::overlap(uv, OVERLAP_GRID), map.curvature_error(&cones)),
+            distortion: DistortionReport {
+                fill: fill(uv),
+                ..DistortionReport::new(&map, distortion::overlap(uv, OVERLAP_GRID), map.curvature_error(&cones))
+            },
             islands: map.islands.iter().map(IslandReport::from).collect(),
             first_flaw: map.first_flaw.map(Id::index),
         })
@@ -53,6 +57,8 @@ pub(crate) struct DistortionReport {
     pub(crate) degenerate: usize,
     /// The share of the layout that is covered more than once.
     pub(crate) overlap: f64,
+    /// The triangles' areas over that of the tiles they are on, or of the smallest square about them.
+    pub(crate) fill: f64,
     /// Relative to the square root of the surface's area.
     pub(crate) seam_length: f64,
     /// The largest curvature off the cones, in radians.
@@ -79,6 +85,7 @@ impl DistortionReport {
             flipped: map.flipped,
             degenerate: map.degenerate,
             overlap,
+            fill: 0.0,
             seam_length: map.seam_length,
             curvature_error,
         }

@@ -20,8 +20,8 @@ mod note;
 mod observer;
 mod options;
 mod order;
+mod packed;
 mod quality;
-mod shelf;
 mod unwrap;
 
 use std::sync::Arc;

@@ -31,12 +31,22 @@ pub enum Stage {
     Scale,
     /// Positions in the plane, fold-overs removed.
     Layout,
+    /// Islands packed into the square; it is told of as on the first component.
+    Pack,
 }
 
 impl Stage {
     /// All of them.
-    pub const ALL: [Self; 7] =
-        [Self::Prepare, Self::Factor, Self::Hierarchy, Self::Curvature, Self::Cut, Self::Scale, Self::Layout];
+    pub const ALL: [Self; 8] = [
+        Self::Prepare,
+        Self::Factor,
+        Self::Hierarchy,
+        Self::Curvature,
+        Self::Cut,
+        Self::Scale,
+        Self::Layout,
+        Self::Pack,
+    ];
 
     /// Its name in reports.
     pub fn name(self) -> &'static str {
@@ -48,6 +58,7 @@ impl Stage {
             Self::Cut => "cut",
             Self::Scale => "scale",
             Self::Layout => "layout",
+            Self::Pack => "pack",
         }
     }
 }

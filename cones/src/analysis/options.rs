@@ -2,6 +2,7 @@
 
 use crate::curvature::CurvatureRule;
 use crate::placement::Placement;
+use crate::uv::PackOptions;
 
 /// How a model is made ready.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -25,6 +26,8 @@ pub struct Options {
     pub placement: Placement,
     /// How cones get their curvatures.
     pub rule: CurvatureRule,
+    /// How islands are packed.
+    pub packing: PackOptions,
 }
 
 /// Which cones to use.

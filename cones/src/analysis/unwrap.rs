@@ -11,12 +11,13 @@ use super::component::Component;
 use super::cones::{ChosenNumber, Cones};
 use super::flat::Flat;
 use super::note::Note;
-use super::observer::{Stage, Times};
+use super::observer::{Stage, Task, Times};
 use super::options::{ConeChoice, Options};
-use super::shelf::Shelf;
+use super::packed::{Packed, packed};
 use super::{Analysis, each};
 use crate::error::Error;
 use crate::placement::distortion_of;
+use crate::uv::PackOptions;
 
 /// A measured area distortion counts as within a target if it is when printed with two decimals.
 const ROUNDING: f64 = 0.005;
@@ -53,6 +54,14 @@ impl Analysis {
     /// # Errors
     /// If the cones are of another analysis, if no flat metric with them is found, or if the observer has said stop.
     pub fn flatten(&self, cones: &Cones) -> Result<Atlas, Error> {
+        self.flatten_and_pack(cones, &PackOptions::default())
+    }
+
+    /// The same, its islands packed as is said.
+    ///
+    /// # Errors
+    /// As [`flatten`](Self::flatten), and if the islands cannot be packed so.
+    pub fn flatten_and_pack(&self, cones: &Cones, packing: &PackOptions) -> Result<Atlas, Error> {
         self.check_own(cones)?;
         let task = self.task();
         let mut times = Times::default();
@@ -62,7 +71,7 @@ impl Analysis {
             Ok(flat)
         })?;
         let own = cones.notes.iter().filter(|note| note.component().is_none()).cloned().collect();
-        Ok(self.assemble(flats, own, cones.number.clone(), times))
+        self.assemble(flats, (own, cones.number.clone()), packing, &task, times)
     }
 
     /// Only this analysis' own cones can be flattened.
@@ -78,7 +87,7 @@ impl Analysis {
     pub fn atlas(&self, options: &Options) -> Result<Atlas, Error> {
         if matches!(options.cones, ConeChoice::Given(_)) {
             let cones = self.choose(options)?;
-            let mut atlas = self.flatten(&cones)?;
+            let mut atlas = self.flatten_and_pack(&cones, &options.packing)?;
             atlas.times += cones.times;
             return Ok(atlas);
         }
@@ -88,32 +97,31 @@ impl Analysis {
         let flats = each(self.components(), &mut times, |component, times| {
             component.flatten_well(&configurations[component.index], options, &task, times)
         })?;
-        Ok(self.assemble(flats, notes, number, times))
+        self.assemble(flats, (notes, number), &options.packing, &task, times)
     }
 
     /// Puts flattened components together.
     fn assemble(
         &self,
         flats: Vec<Flat>,
-        mut notes: Vec<Note>,
-        number: Option<ChosenNumber>,
+        (mut notes, number): (Vec<Note>, Option<ChosenNumber>),
+        packing: &PackOptions,
+        task: &Task,
         mut times: Times,
-    ) -> Atlas {
+    ) -> Result<Atlas, Error> {
+        let Packed { corners, packing } = packed(self.components(), &flats, packing, task, &mut times)?;
         let began = Instant::now();
         let mut uv = vec![None; self.corner_vertices().len()];
+        corners.into_iter().for_each(|(corner, position)| uv[corner as usize] = Some(position));
         let (mut cones, mut seams, mut detached) = (Vec::new(), Vec::new(), Vec::new());
         let number = number.map(|number| self.measured(number, &flats));
         let mut curvature_error = 0.0_f64;
         let mut unfolded = 0;
-        let mut shelf = Shelf::new(self.components().iter().map(|c| c.area).sum());
         notes.splice(0..0, self.notes().iter().cloned());
         for (component, flat) in self.components().iter().zip(flats) {
             let surface = &component.surface;
             curvature_error = curvature_error.max(flat.error);
             unfolded += usize::from(flat.is_unfolded);
-            for (h, position) in shelf.place(&flat.layout, &surface.mesh, flat.size).iter_ids() {
-                uv[surface.corner[h] as usize] = Some(*position);
-            }
             let of_model = |vertices: &[geom::VertexId]| vertices.iter().map(|&v| surface.vertex[v]).collect();
             seams.extend(flat.seams.chains.iter().map(|chain| -> Vec<u32> { of_model(&chain.vertices) }));
             detached.extend(flat.detached.iter().map(|&f| surface.triangle[f]));
@@ -125,9 +133,12 @@ impl Analysis {
             }
         }
         let uv = self.fill_corners(uv);
-        times.add(Stage::Layout, began.elapsed());
-        Atlas {
+        times.add(Stage::Pack, began.elapsed());
+        Ok(Atlas {
             uv,
+            scale: packing.scale,
+            tiles: packing.tiles,
+            fill: packing.fill,
             triangles: self.triangles().clone(),
             left_out: self.left_out().to_vec(),
             detached,
@@ -138,7 +149,7 @@ impl Analysis {
             unfolded,
             times,
             notes,
-        }
+        })
     }
 
     /// Whether the map that was made meets the target that its number of cones was chosen for.

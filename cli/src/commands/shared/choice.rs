@@ -73,6 +73,7 @@ impl CandidateArgs {
             placement: self.method,
             rule,
             preparation: Preparation { smooth: self.smooth, weld: self.weld },
+            ..Options::default()
         }
     }
 }

@@ -11,6 +11,7 @@
 
 mod bin;
 mod block;
+mod fill;
 mod hull;
 mod motion;
 mod options;
@@ -24,6 +25,7 @@ mod tiles;
 use geom::Watch;
 use num_complex::Complex64;
 
+pub use fill::fill;
 pub use motion::Motion;
 pub use options::{PackError, PackOptions, Rotations, Tiles};
 
@@ -61,9 +63,18 @@ impl Packing {
     /// If there is no such island.
     pub fn place(&self, island: usize, p: [f64; 2]) -> [f64; 2] {
         let motion = &self.motions[island];
-        let corner = [motion.tile % 10, motion.tile / 10];
         let q = motion.apply(p);
-        [0, 1].map(|k| self.scale * q[k] + f64::from(corner[k]))
+        [0, 1].map(|k| self.scale * q[k] + motion.corner()[k])
+    }
+
+    /// The same in the size of the islands: a tile's side is 1 / [`scale`](Self::scale).
+    ///
+    /// # Panics
+    /// If there is no such island.
+    pub fn unscaled(&self, island: usize, p: [f64; 2]) -> [f64; 2] {
+        let motion = &self.motions[island];
+        let q = motion.apply(p);
+        [0, 1].map(|k| q[k] + motion.corner()[k] / self.scale)
     }
 }
 

@@ -31,6 +31,11 @@ impl Motion {
         self.turn[1].atan2(self.turn[0])
     }
 
+    /// The lower left corner of the tile.
+    pub fn corner(&self) -> [f64; 2] {
+        [self.tile % 10, self.tile / 10].map(f64::from)
+    }
+
     /// The tile's number by UDIM.
     pub fn udim(&self) -> u32 {
         1001 + self.tile
