@@ -2,4 +2,4 @@
 
 mod pack;
 
-pub use pack::{Motion, PackError, PackOptions, Packing, Rotations, Tiles, fill, pack};
+pub use pack::{IslandPlace, PackError, PackOptions, Packing, Rotations, Tiles, fill, pack};

@@ -5,7 +5,7 @@
 
 use num_complex::Complex64;
 
-use super::motion::quarter;
+use super::island_place::quarter;
 use super::options::Rotations;
 use super::outline::Outline;
 use super::piece::{Piece, Rectangle, rectangle};

@@ -13,7 +13,7 @@ mod bin;
 mod block;
 mod fill;
 mod hull;
-mod motion;
+mod island_place;
 mod options;
 mod outline;
 mod piece;
@@ -26,7 +26,7 @@ use geom::Watch;
 use num_complex::Complex64;
 
 pub use fill::fill;
-pub use motion::Motion;
+pub use island_place::IslandPlace;
 pub use options::{PackError, PackOptions, Rotations, Tiles};
 
 use block::{Block, blocks};
@@ -45,7 +45,7 @@ const GUESSES: u32 = 20;
 #[non_exhaustive]
 pub struct Packing {
     /// The motion of each island.
-    pub motions: Vec<Motion>,
+    pub places: Vec<IslandPlace>,
     /// What lengths are multiplied by after that: on its tile everything is between 0 and 1.
     pub scale: f64,
     /// How many tiles there are.
@@ -62,7 +62,7 @@ impl Packing {
     /// # Panics
     /// If there is no such island.
     pub fn place(&self, island: usize, p: [f64; 2]) -> [f64; 2] {
-        let motion = &self.motions[island];
+        let motion = &self.places[island];
         let q = motion.apply(p);
         [0, 1].map(|k| self.scale * q[k] + motion.corner()[k])
     }
@@ -72,7 +72,7 @@ impl Packing {
     /// # Panics
     /// If there is no such island.
     pub fn unscaled(&self, island: usize, p: [f64; 2]) -> [f64; 2] {
-        let motion = &self.motions[island];
+        let motion = &self.places[island];
         let q = motion.apply(p);
         [0, 1].map(|k| q[k] + motion.corner()[k] / self.scale)
     }
@@ -113,7 +113,7 @@ pub fn pack(
     let count = outlines.iter().filter(|outline| !outline.edges.is_empty()).count();
     if count == 0 {
         return Ok(Packing {
-            motions: vec![Motion::NONE; outlines.len()],
+            places: vec![IslandPlace::NONE; outlines.len()],
             scale: 1.0,
             tiles: 0,
             fill: 0.0,
@@ -133,7 +133,7 @@ pub fn pack(
     let tiles = puts.iter().map(|put| put.tile as usize + 1).max().unwrap_or(0);
     let area: f64 = outlines.iter().map(|outline| outline.area).sum();
     Ok(Packing {
-        motions: motions(&outlines, unit, &blocks, &puts),
+        places: places(&outlines, unit, &blocks, &puts),
         scale: 1.0 / (side * unit),
         tiles,
         fill: area / (side * side) / tiles as f64,
@@ -196,17 +196,17 @@ fn on_tiles(
     }
 }
 
-fn motions(outlines: &[Outline], unit: f64, blocks: &[Block], puts: &[Put]) -> Vec<Motion> {
-    let mut motions = vec![Motion::NONE; outlines.len()];
+fn places(outlines: &[Outline], unit: f64, blocks: &[Block], puts: &[Put]) -> Vec<IslandPlace> {
+    let mut places = vec![IslandPlace::NONE; outlines.len()];
     for (block, put) in blocks.iter().zip(puts) {
         for member in &block.members {
             let turn: Complex64 = put.turn * member.turn;
             let to = (put.turn * member.to + put.to) * unit;
             let from = outlines[member.island].centre;
-            motions[member.island] = Motion { turn: [turn.re, turn.im], from, to: [to.re, to.im], tile: put.tile };
+            places[member.island] = IslandPlace { turn: [turn.re, turn.im], from, to: [to.re, to.im], tile: put.tile };
         }
     }
-    motions
+    places
 }
 
 #[cfg(test)]

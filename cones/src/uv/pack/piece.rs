@@ -5,7 +5,7 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 use num_complex::Complex64;
 
 use super::hull::{Enclosing, convex_hull, enclosing};
-use super::motion::{quarter, turn};
+use super::island_place::{quarter, turn};
 use super::options::Rotations;
 use super::outline::Outline;
 

@@ -49,11 +49,11 @@ fn check(triangles: &[Triangle], island: &[u32], options: &PackOptions) -> (Pack
     let texel = 1.0 / f64::from(options.texture_size);
     let border = 0.5 * packing.margin * texel - 1e-9;
     for (t, &i) in placed.iter().zip(island) {
-        let tile = packing.motions[i as usize].tile;
+        let tile = packing.places[i as usize].tile;
         let corner = [tile % 10, tile / 10].map(f64::from);
         let inside = |p: &[f64; 2]| (0..2).all(|k| p[k] - corner[k] >= border && p[k] - corner[k] <= 1.0 - border);
         assert!(t.iter().all(inside), "{t:?} leaves tile {tile}");
-        let [c, s] = packing.motions[i as usize].turn;
+        let [c, s] = packing.places[i as usize].turn;
         assert!((c.hypot(s) - 1.0).abs() < 1e-12);
     }
     for (k, (t, i)) in placed.iter().zip(island).enumerate() {
@@ -125,7 +125,7 @@ proptest! {
         };
         let (packing, _) = check(&triangles, &island, &options);
         prop_assert!((packing.scale * 1024.0 / density - 1.0).abs() < 1e-12);
-        let mut tiles: Vec<u32> = packing.motions.iter().map(|motion| motion.tile).collect();
+        let mut tiles: Vec<u32> = packing.places.iter().map(|motion| motion.tile).collect();
         tiles.sort_unstable();
         tiles.dedup();
         prop_assert_eq!(tiles, (0..packing.tiles as u32).collect::<Vec<_>>());
@@ -194,10 +194,10 @@ fn islands_without_area_have_a_place_too() {
 #[test]
 fn nothing_packs_into_nothing() {
     let packing = pack(&[], &[], &PackOptions::default(), Watch::NONE).unwrap();
-    assert_eq!((packing.motions.len(), packing.fill, packing.tiles), (0, 0.0, 0));
+    assert_eq!((packing.places.len(), packing.fill, packing.tiles), (0, 0.0, 0));
     // Numbers that no triangle has are islands without anything.
     let (packing, _) = check(&[[[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]], &[2], &PackOptions::default());
-    assert_eq!(packing.motions.len(), 3);
+    assert_eq!(packing.places.len(), 3);
 }
 
 #[test]

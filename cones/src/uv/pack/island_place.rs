@@ -4,7 +4,7 @@ use num_complex::Complex64;
 
 /// Where an island goes: a rotation about a point and a translation, never a mirror.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Motion {
+pub struct IslandPlace {
     /// Cosine and sine of the angle that it is turned by.
     pub turn: [f64; 2],
     /// The point that it is turned about.
@@ -15,7 +15,7 @@ pub struct Motion {
     pub tile: u32,
 }
 
-impl Motion {
+impl IslandPlace {
     /// What leaves everything where it is.
     pub const NONE: Self = Self { turn: [1.0, 0.0], from: [0.0; 2], to: [0.0; 2], tile: 0 };
 
@@ -68,11 +68,11 @@ mod tests {
 
     #[test]
     fn a_motion_turns_about_its_point_and_moves_it() {
-        let motion = Motion { turn: [0.0, 1.0], from: [1.0, 1.0], to: [5.0, 0.0], tile: 12 };
+        let motion = IslandPlace { turn: [0.0, 1.0], from: [1.0, 1.0], to: [5.0, 0.0], tile: 12 };
         assert_eq!(motion.apply([1.0, 1.0]), [5.0, 0.0]);
         assert_eq!(motion.apply([2.0, 1.0]), [5.0, 1.0]);
         assert_eq!((motion.angle(), motion.udim()), (PI / 2.0, 1013));
-        assert_eq!(Motion::NONE.apply([0.3, -7.0]), [0.3, -7.0]);
+        assert_eq!(IslandPlace::NONE.apply([0.3, -7.0]), [0.3, -7.0]);
     }
 
     #[test]
