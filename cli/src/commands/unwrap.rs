@@ -1,6 +1,6 @@
 //! `cones unwrap`: a surface in, its texture coordinates out.
 
-use crate::commands::shared::{CandidateArgs, PackArgs, Scale, Unwrapped};
+use crate::commands::shared::{CandidateArgs, PackArgs, Scale, Unwrapped, non_negative};
 use crate::error::CommandError;
 use crate::input::{self, cone_file};
 use crate::output;
@@ -9,6 +9,7 @@ use crate::render::{self, Scene};
 use crate::report::table::labelled;
 use crate::report::{HierarchyFile, Times, UnwrapReport};
 use clap::Args;
+use cones::uv::PackOptions;
 use cones::{ConeChoice, Options};
 use geom::io::{ObjContent, write_glb, write_obj, write_ply};
 use std::path::{Path, PathBuf};
@@ -29,6 +30,9 @@ pub(crate) struct UnwrapArgs {
     cones: Option<PathBuf>,
     #[command(flatten)]
     packing: PackArgs,
+    /// Cut islands further so that they fill more, by at most this share of the seams' length; .1 is a good one
+    #[arg(long, value_name = "SHARE", value_parser = non_negative, default_value_t = 0.0)]
+    max_seam: f64,
     /// Size of the texture coordinates
     #[arg(long, value_enum, default_value_t = Scale::Unit)]
     scale: Scale,
@@ -83,7 +87,8 @@ pub(crate) fn run(args: &UnwrapArgs) -> Result<(), CommandError> {
 
 /// The library's options.
 fn options(args: &UnwrapArgs) -> Result<Options, CommandError> {
-    let options = Options { packing: args.packing.options(1.0), ..args.candidates.options() };
+    let packing = PackOptions { max_seam: args.max_seam, ..args.packing.options(1.0) };
+    let options = Options { packing, ..args.candidates.options() };
     Ok(match &args.cones {
         Some(file) => Options { cones: ConeChoice::Given(cone_file::read(file)?), ..options },
         None => options,

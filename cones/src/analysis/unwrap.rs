@@ -109,7 +109,7 @@ impl Analysis {
         task: &Task,
         mut times: Times,
     ) -> Result<Atlas, Error> {
-        let Packed { corners, packing } = packed(self.components(), &flats, packing, task, &mut times)?;
+        let Packed { corners, packing, added } = packed(self.components(), &flats, packing, task, &mut times)?;
         let began = Instant::now();
         let mut uv = vec![None; self.corner_vertices().len()];
         corners.into_iter().for_each(|(corner, position)| uv[corner as usize] = Some(position));
@@ -132,6 +132,7 @@ impl Analysis {
                 }
             }
         }
+        seams.extend(added.into_iter().map(|edge| edge.to_vec()));
         let uv = self.fill_corners(uv);
         times.add(Stage::Pack, began.elapsed());
         Ok(Atlas {

@@ -46,6 +46,6 @@ impl PackArgs {
             Some(density) => Tiles::Udim { texel_density: density * unit },
             None => Tiles::One,
         };
-        PackOptions { texture_size: self.texture_size, margin: self.margin, rotations, tiles }
+        PackOptions { texture_size: self.texture_size, margin: self.margin, rotations, tiles, ..PackOptions::default() }
     }
 }

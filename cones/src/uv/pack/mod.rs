@@ -29,16 +29,19 @@ pub use fill::fill;
 pub use island_place::IslandPlace;
 pub use options::{PackError, PackOptions, Rotations, Tiles};
 
+use super::across::Side;
 use block::{Block, blocks};
 use outline::{Outline, outlines};
 use piece::Piece;
-use search::{Put, smallest_square};
+use search::{Effort, Put, smallest_square};
 use tiles::{MOST_TILES, Tiled, tiled};
 
 /// The margins of all islands may take this share of the square; where they would take more, they are narrower.
 const MOST_MARGINS: f64 = 0.15;
 /// The side of the square is guessed for the margins inside of blocks, at most so often; it takes two or three.
 const GUESSES: u32 = 20;
+/// Rough packings turn pieces as if there were so many.
+const ROUGH_TURNS: usize = 100;
 
 /// Where islands go.
 #[derive(Clone, Debug, PartialEq)]
@@ -141,6 +144,23 @@ pub fn pack(
     })
 }
 
+/// How much of a square outlines fill, packed roughly: for comparing.
+pub(super) fn rough_fill(sides: &[&Side], options: &PackOptions) -> f64 {
+    let area: f64 = sides.iter().map(|side| side.area).sum();
+    let unit = area.sqrt();
+    let point = |[x, y]: [f64; 2]| Complex64::new(x / unit, y / unit);
+    let piece = |side: &&Side| {
+        let edges = side.edges.iter().map(|edge| edge.map(point)).collect();
+        let outline = Outline { edges, centre: [0.0; 2], area: side.area / area };
+        Piece::new(&outline, options.rotations, ROUGH_TURNS)
+    };
+    let pieces: Vec<Piece> = sides.iter().map(piece).collect();
+    match smallest_square(&pieces, share(options, pieces.len()), Effort::ROUGH, Watch::NONE) {
+        Ok((_, side)) if area > 0.0 => 1.0 / (side * side),
+        _ => 0.0,
+    }
+}
+
 /// The margin as a share of a tile's side.
 fn share(options: &PackOptions, islands: usize) -> f64 {
     let asked = options.margin / f64::from(options.texture_size);
@@ -164,7 +184,7 @@ fn in_square(
     for round in 1.. {
         let blocks = blocks(outlines, options.rotations, share * guess);
         let pieces: Vec<Piece> = blocks.iter().map(|block| block.piece.clone()).collect();
-        let (puts, side) = smallest_square(&pieces, share, watch)?;
+        let (puts, side) = smallest_square(&pieces, share, Effort::FULL, watch)?;
         let is_simple = blocks.iter().all(|block| block.members.len() == 1);
         let is_enough = side <= guess && (side > 0.9 * guess || round > 2);
         if is_simple || is_enough || round == GUESSES {

@@ -16,11 +16,14 @@ pub struct PackOptions {
     pub rotations: Rotations,
     /// How large they become, and on how many tiles.
     pub tiles: Tiles,
+    /// The share by which seams may become longer so that islands fill more of the square; for
+    /// [`Analysis`](crate::Analysis), which knows them.
+    pub max_seam: f64,
 }
 
 impl Default for PackOptions {
     fn default() -> Self {
-        Self { texture_size: 1024, margin: 4.0, rotations: Rotations::Any, tiles: Tiles::One }
+        Self { texture_size: 1024, margin: 4.0, rotations: Rotations::Any, tiles: Tiles::One, max_seam: 0.0 }
     }
 }
 
@@ -83,6 +86,9 @@ pub enum PackError {
         /// The side of the texture.
         texture_size: u32,
     },
+    /// The share of the seams is negative or no number.
+    #[error("seams can become longer by a share of their length that is at least 0, but {0} is given")]
+    MaxSeam(f64),
     /// The density is no positive number.
     #[error("a texel density must be a positive number, but {0} is given")]
     Density(f64),
@@ -110,6 +116,9 @@ impl PackOptions {
         let Self { texture_size, margin, tiles, .. } = *self;
         if !(margin >= 0.0 && 4.0 * margin < f64::from(texture_size)) {
             return Err(PackError::Margin { margin, texture_size });
+        }
+        if !(self.max_seam >= 0.0 && self.max_seam.is_finite()) {
+            return Err(PackError::MaxSeam(self.max_seam));
         }
         match tiles {
             Tiles::Udim { texel_density: d } if !(d > 0.0 && d.is_finite()) => Err(PackError::Density(d)),

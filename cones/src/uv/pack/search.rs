@@ -21,12 +21,25 @@ const COARSE: f64 = 18.0;
 const COARSE_RANGE: [f64; 2] = [128.0, 384.0];
 /// The side of the fine grid. (Islands lose about a cell where they meet: .3 points of fill between 1024 and 2048 cells.)
 const FINE: f64 = 1024.0;
-/// Plans are tried while no more words of bits were looked at: about .2 s.
-const WORK: u64 = 150_000_000;
 /// So many plans are tried at a time; a number of its own, so that what is found does not depend on that of threads.
 const BATCH: usize = 8;
 /// The share of the square that islands are expected to fill at first.
 const EXPECTED: f64 = 0.6;
+
+/// How much is tried.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Effort {
+    /// Plans are tried while no more words of bits were looked at.
+    work: u64,
+    is_fine: bool,
+}
+
+impl Effort {
+    /// For what is kept: about .2 s.
+    pub(super) const FULL: Self = Self { work: 150_000_000, is_fine: true };
+    /// For comparing: a few milliseconds.
+    pub(super) const ROUGH: Self = Self { work: 1_500_000, is_fine: false };
+}
 
 /// Where a piece goes: z ↦ `turn` z + `to` in the pieces' unit, on a tile.
 #[derive(Clone, Copy, Debug)]
@@ -154,7 +167,12 @@ impl Level {
 }
 
 /// Places pieces in a square that is as small as is found, and its side; margins are the `share` of that.
-pub(super) fn smallest_square(pieces: &[Piece], share: f64, watch: Watch) -> Result<(Vec<Put>, f64), Interrupted> {
+pub(super) fn smallest_square(
+    pieces: &[Piece],
+    share: f64,
+    effort: Effort,
+    watch: Watch,
+) -> Result<(Vec<Put>, f64), Interrupted> {
     let largest = pieces.iter().map(|piece| piece.side).fold(0.0, f64::max) / (1.0 - share);
     if let [piece] = pieces {
         return Ok(alone(piece, share));
@@ -171,8 +189,11 @@ pub(super) fn smallest_square(pieces: &[Piece], share: f64, watch: Watch) -> Res
             Err(_) => side = 1.08 * side_or_one(side),
         }
     };
-    let best = explore(&coarse, pieces, first, watch.within(0.05, 0.8))?;
+    let best = explore(&coarse, pieces, first, effort.work, watch.within(0.05, 0.8))?;
     let side = coarse.side(best.side);
+    if !effort.is_fine {
+        return Ok((coarse.put(&best), side));
+    }
     let fine = refine(pieces, &best, side, share, watch.within(0.8, 1.0))?;
     Ok(fine.filter(|fine| fine.1 < side).unwrap_or_else(|| (coarse.put(&best), side)))
 }
@@ -199,12 +220,18 @@ fn order(pieces: &[Piece], size: impl Fn(&Piece) -> f64) -> Vec<usize> {
 }
 
 /// Tries plans.
-fn explore(level: &Level, pieces: &[Piece], mut best: Found, watch: Watch) -> Result<Found, Interrupted> {
+fn explore(
+    level: &Level,
+    pieces: &[Piece],
+    mut best: Found,
+    most_work: u64,
+    watch: Watch,
+) -> Result<Found, Interrupted> {
     let mut queue = VecDeque::from(plans(pieces));
     let mut seen: HashSet<Plan> = queue.iter().cloned().collect();
     let mut work = 0;
-    while !queue.is_empty() && work < WORK {
-        watch.ask(work as f64 / WORK as f64)?;
+    while !queue.is_empty() && work < most_work {
+        watch.ask(work as f64 / most_work as f64)?;
         let batch: Vec<Plan> = queue.drain(..BATCH.min(queue.len())).collect();
         let most = best.side - 1;
         let tried = |plan: &Plan| {

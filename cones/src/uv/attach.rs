@@ -1,0 +1,197 @@
+//! Islands put together again across seams.
+//!
+//! Whatever [`divide`](super::divide) has cut off is glued to an island next to it on the surface where the two sides of a seam are congruent
+//! ([`chains`](super::chains)), longest chain first, as long as no two triangles come to lie over each other. Scale
+//! stays untouched, the larger of two islands where it is, and two disks glued along one chain are a disk.
+//!
+//! An island is a list of pieces, each with the rigid motion that takes it from where it lay at first. Positions are
+//! computed once, from the first ones, and one tree of the triangles as they lay at first serves all tests: a triangle of one
+//! piece is taken into the place where the other piece lay.
+
+use std::collections::HashSet;
+
+use geom::{CutMesh, EdgeData, FaceData, FaceId, HalfedgeData, HalfedgeId, Id, Interrupted, Mesh, Watch, WedgeData};
+
+use super::chains::{Chain, Loops};
+use super::map::UvMap;
+use super::motion::Motion;
+use super::overlap::{Boxes, NEGLIGIBLE_DEPTH};
+use super::triangle;
+
+/// Glued islands may overlap by this share of [`NEGLIGIBLE_DEPTH`], so that they do not overlap after some rounding.
+const ALLOWED: f64 = 0.5;
+/// Triangles of an island are tried in steps of so many, so that an overlap anywhere is soon found.
+const STRIDE: usize = 29;
+
+/// What a map is put together from.
+pub(super) struct Pieces<'a> {
+    mesh: &'a Mesh,
+    map: &'a UvMap,
+    lengths: &'a EdgeData<f64>,
+    /// The triangles as they lay at first.
+    boxes: &'a Boxes,
+    /// The piece of each triangle, by breadth of islands.
+    piece: FaceData<u32>,
+    faces: Vec<Vec<FaceId>>,
+    motion: Vec<Motion>,
+    /// The island of each piece.
+    island: Vec<u32>,
+    /// The pieces of each island.
+    pieces: Vec<Vec<u32>>,
+    cut: EdgeData<bool>,
+    loops: Loops<'a>,
+}
+
+impl<'a> Pieces<'a> {
+    /// Each island of the map opened further along `cut` is a piece.
+    pub(super) fn new(
+        mesh: &'a Mesh,
+        map: &'a UvMap,
+        lengths: &'a EdgeData<f64>,
+        boxes: &'a Boxes,
+        cut: EdgeData<bool>,
+    ) -> Self {
+        let opened = CutMesh::open(mesh, &cut);
+        let count = opened.island_count();
+        let piece: FaceData<u32> = mesh.faces().map(|f| opened.island(f)).collect();
+        let mut faces = vec![Vec::new(); count];
+        mesh.faces().for_each(|f| faces[piece[f] as usize].push(f));
+        Self {
+            mesh,
+            map,
+            lengths,
+            boxes,
+            piece,
+            faces,
+            motion: vec![Motion::NONE; count],
+            island: (0..count as u32).collect(),
+            pieces: (0..count as u32).map(|p| vec![p]).collect(),
+            cut,
+            loops: Loops::new(mesh, &opened),
+        }
+    }
+
+    /// Glues what can be glued; how many chains that were.
+    pub(super) fn attach(&mut self, watch: Watch) -> Result<usize, Interrupted> {
+        let mut glued = 0;
+        // Chains that were tried, with the numbers of pieces that their islands had.
+        let mut tried: HashSet<(HalfedgeId, HalfedgeId, [usize; 2])> = HashSet::new();
+        let all = self.pieces.len().max(2) - 1;
+        'next: loop {
+            let chains = self.loops.chains(
+                |h| self.island_of(h),
+                |h| self.motion[self.piece[self.mesh.face(h)] as usize].of(self.map.position[h]),
+                self.lengths,
+                self.boxes.extent,
+            );
+            for chain in chains {
+                watch.ask(glued as f64 / all as f64)?;
+                let sizes = chain.islands.map(|island| self.pieces[island as usize].len());
+                let key = (chain.sides[0], chain.sides[chain.sides.len() - 1], sizes);
+                if tried.insert(key) && self.can_glue(&chain) {
+                    self.glue(&chain);
+                    glued += 1;
+                    continue 'next;
+                }
+            }
+            return Ok(glued);
+        }
+    }
+
+    fn island_of(&self, h: HalfedgeId) -> u32 {
+        self.island[self.piece[self.mesh.face(h)] as usize]
+    }
+
+    fn size(&self, island: u32) -> usize {
+        self.pieces[island as usize].iter().map(|&p| self.faces[p as usize].len()).sum()
+    }
+
+    /// Whether the two islands of a chain lie beside each other when it is glued.
+    fn can_glue(&self, chain: &Chain) -> bool {
+        let [left, right] = chain.islands;
+        let (small, large, motion) = match self.size(left) < self.size(right) {
+            true => (left, right, chain.motion.inverse()),
+            false => (right, left, chain.motion),
+        };
+        for &p in &self.pieces[small as usize] {
+            for &q in &self.pieces[large as usize] {
+                let [to_place, place] = [p, q].map(|piece| self.motion[piece as usize]);
+                if self.do_meet(p, q, &place.inverse().after(&motion.after(&to_place))) {
+                    return false;
+                }
+            }
+        }
+        true
+    }
+
+    /// Whether piece `p`, moved, lies over piece `q` as it lay at first.
+    fn do_meet(&self, p: u32, q: u32, motion: &Motion) -> bool {
+        let faces = &self.faces[p as usize];
+        let least = ALLOWED * NEGLIGIBLE_DEPTH * self.boxes.extent;
+        let mut meets = false;
+        for &f in (0..STRIDE).flat_map(|first| faces.iter().skip(first).step_by(STRIDE)) {
+            let Some(one) = self.boxes.upright[f.index()].map(|corners| motion.of_triangle(corners)) else { continue };
+            self.boxes.meeting(&one, |g| {
+                meets = self.piece[FaceId(g)] == q
+                    && self.boxes.upright[g as usize]
+                        .is_some_and(|other| triangle::depth(&one, &other).is_some_and(|depth| depth > least));
+                !meets
+            });
+            if meets {
+                return true;
+            }
+        }
+        false
+    }
+
+    fn glue(&mut self, chain: &Chain) {
+        let [left, right] = chain.islands;
+        let (small, large, motion) = match self.size(left) < self.size(right) {
+            true => (left, right, chain.motion.inverse()),
+            false => (right, left, chain.motion),
+        };
+        let moved = std::mem::take(&mut self.pieces[small as usize]);
+        for &p in &moved {
+            self.motion[p as usize] = motion.after(&self.motion[p as usize]);
+            self.island[p as usize] = large;
+        }
+        self.pieces[large as usize].extend(moved);
+        chain.sides.iter().for_each(|&h| self.cut[self.mesh.edge(h)] = false);
+        self.loops.glue(chain);
+    }
+
+    /// The map as it is put together.
+    pub(super) fn map(&self) -> UvMap {
+        let opened = CutMesh::open(self.mesh, &self.cut);
+        // Where pieces meet, the positions are those of the largest.
+        let mut from: WedgeData<Option<HalfedgeId>> = WedgeData::constant(opened.wedge_count(), None);
+        let rank = |h: HalfedgeId| {
+            let p = self.piece[self.mesh.face(h)];
+            (std::cmp::Reverse(self.faces[p as usize].len()), p)
+        };
+        for h in self.mesh.halfedges() {
+            let best = &mut from[opened.wedge(h)];
+            if best.is_none_or(|best| rank(h) < rank(best)) {
+                *best = Some(h);
+            }
+        }
+        let position: HalfedgeData<[f64; 2]> = self
+            .mesh
+            .halfedges()
+            .map(|h| {
+                let h = from[opened.wedge(h)].expect("each wedge has corners");
+                self.motion[self.piece[self.mesh.face(h)] as usize].of(self.map.position[h])
+            })
+            .collect();
+        UvMap { position, cut: self.cut.clone() }
+    }
+
+    /// How many triangles each island has.
+    pub(super) fn sizes(&self) -> Vec<usize> {
+        (0..self.pieces.len() as u32).map(|island| self.size(island)).filter(|&size| size > 0).collect()
+    }
+
+    pub(super) fn cut(&self) -> &EdgeData<bool> {
+        &self.cut
+    }
+}

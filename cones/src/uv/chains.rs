@@ -1,0 +1,170 @@
+//! Chains: runs of open edges whose two sides differ by one rigid motion.
+//!
+//! Along a seam of a cone metric the two sides of the map are congruent, from one cone or branch to the next. There an island
+//! can be glued to its neighbour. Boundaries are kept as linked loops of halfedges, the map on their left, so that
+//! gluing a chain is a change at its two ends.
+
+use geom::{CutMesh, EdgeData, HalfedgeData, HalfedgeId, Mesh};
+
+use super::motion::{Fit, Motion};
+
+/// The two sides of an edge are congruent if no end is farther off, in shares of the map's extent. What Newton's method leaves of
+/// curvature, and positions along a tree, make up to 1e-11.
+const CONGRUENT: f64 = 1e-10;
+/// And in shares of the edge's length: a point that is moved so far turns no triangle that is not a needle.
+const CONGRUENT_EDGE: f64 = 1e-3;
+
+/// A run of open edges.
+#[derive(Clone, Debug)]
+pub(super) struct Chain {
+    /// The halfedges on one side, in order along the boundary; their twins are on the other.
+    pub(super) sides: Vec<HalfedgeId>,
+    /// The islands on the side of the halfedges and on that of their twins.
+    pub(super) islands: [u32; 2],
+    /// What takes the twins' island to the halfedges'.
+    pub(super) motion: Motion,
+    /// Its length in space.
+    pub(super) length: f64,
+}
+
+/// The boundary loops of the islands of a map.
+#[derive(Clone, Debug)]
+pub(super) struct Loops<'a> {
+    mesh: &'a Mesh,
+    /// The halfedges at the boundary, each loop in order.
+    all: Vec<HalfedgeId>,
+    /// What comes after a halfedge on the boundary; none inside.
+    next: HalfedgeData<Option<HalfedgeId>>,
+    previous: HalfedgeData<Option<HalfedgeId>>,
+}
+
+impl<'a> Loops<'a> {
+    pub(super) fn new(mesh: &'a Mesh, opened: &CutMesh) -> Self {
+        let none = HalfedgeData::constant(mesh.halfedge_count(), None);
+        let mut loops = Self { mesh, all: Vec::new(), next: none.clone(), previous: none };
+        for around in opened.boundary_loops() {
+            for (k, &h) in around.iter().enumerate() {
+                loops.link(h, around[(k + 1) % around.len()]);
+            }
+            loops.all.extend(around);
+        }
+        loops
+    }
+
+    fn link(&mut self, h: HalfedgeId, next: HalfedgeId) {
+        self.next[h] = Some(next);
+        self.previous[next] = Some(h);
+    }
+
+    /// Takes the sides of a chain off the boundary.
+    pub(super) fn glue(&mut self, chain: &Chain) {
+        for &h in &chain.sides {
+            let Some(g) = self.mesh.twin(h) else { continue };
+            // What comes before one side goes on with what comes after the other.
+            for (before, after) in [(self.previous[h], self.next[g]), (self.previous[g], self.next[h])] {
+                if let (Some(before), Some(after)) = (before, after) {
+                    self.link(before, after);
+                }
+            }
+            for side in [h, g] {
+                self.next[side] = None;
+                self.previous[side] = None;
+            }
+        }
+        let next = &self.next;
+        self.all.retain(|&h| next[h].is_some());
+    }
+
+    /// The chains between two different islands, longest first; of each chain one of its sides. `position` gives the corners as
+    /// they lie now.
+    pub(super) fn chains(
+        &self,
+        island: impl Fn(HalfedgeId) -> u32,
+        position: impl Fn(HalfedgeId) -> [f64; 2],
+        lengths: &EdgeData<f64>,
+        extent: f64,
+    ) -> Vec<Chain> {
+        let mesh = self.mesh;
+        let islands = |h: HalfedgeId| mesh.twin(h).map(|g| [island(h), island(g)]).filter(|[a, b]| a < b);
+        // Whether the edges of a halfedge and of the next one on the boundary also follow each other on the other side.
+        let goes_on = |h: HalfedgeId, next: HalfedgeId| {
+            islands(h).is_some()
+                && islands(h) == islands(next)
+                && mesh.twin(next).is_some_and(|g| self.next[g].is_some() && self.next[g] == mesh.twin(h))
+        };
+        let mut is_done = std::collections::HashSet::new();
+        let mut chains = Vec::new();
+        for &first in &self.all {
+            if islands(first).is_none() || is_done.contains(&first) {
+                continue;
+            }
+            let mut start = first;
+            while let Some(before) = self.previous[start].filter(|&before| before != first && goes_on(before, start)) {
+                start = before;
+            }
+            let mut run = vec![start];
+            while let Some(next) = self.next[run[run.len() - 1]]
+                && next != start
+                && goes_on(run[run.len() - 1], next)
+            {
+                run.push(next);
+            }
+            is_done.extend(run.iter().copied());
+            let islands = islands(first).expect("it was asked for");
+            chains.extend(self.congruent(&run, islands, &position, lengths, extent));
+        }
+        chains.sort_by(|a, b| b.length.total_cmp(&a.length).then(a.sides[0].cmp(&b.sides[0])));
+        chains
+    }
+
+    /// A run of edges in chains that have one motion each. Edges whose sides are not congruent are in none.
+    fn congruent(
+        &self,
+        run: &[HalfedgeId],
+        islands: [u32; 2],
+        position: impl Fn(HalfedgeId) -> [f64; 2],
+        lengths: &EdgeData<f64>,
+        extent: f64,
+    ) -> Vec<Chain> {
+        let mesh = self.mesh;
+        // The tail and the head of an edge on the other side, and on this one.
+        let ends = |h: HalfedgeId| {
+            let g = mesh.twin(h).expect("a chain has two sides");
+            [(position(mesh.next(g)), position(h)), (position(g), position(mesh.next(h)))]
+        };
+        let distance = |p: [f64; 2], q: [f64; 2]| (p[0] - q[0]).hypot(p[1] - q[1]);
+        let fits = |motion: &Motion, h: HalfedgeId| {
+            let [(tail, to_tail), (head, to_head)] = ends(h);
+            let most = (CONGRUENT * extent).min(CONGRUENT_EDGE * distance(to_tail, to_head));
+            distance(motion.of(tail), to_tail) <= most && distance(motion.of(head), to_head) <= most
+        };
+        let mut chains: Vec<Chain> = Vec::new();
+        let mut begun: Option<(Fit, Chain)> = None;
+        for &h in run {
+            let [(tail, to_tail), (head, to_head)] = ends(h);
+            let longer = begun.take().map(|(mut fit, chain)| {
+                fit.add(head, to_head);
+                let motion = fit.motion();
+                if fits(&motion, h) && fits(&motion, chain.sides[0]) { Ok((fit, motion, chain)) } else { Err(chain) }
+            });
+            match longer {
+                Some(Ok((fit, motion, mut chain))) => {
+                    chain.sides.push(h);
+                    chain.length += lengths[mesh.edge(h)];
+                    begun = Some((fit, Chain { motion, ..chain }));
+                    continue;
+                }
+                Some(Err(chain)) => chains.push(chain),
+                None => {}
+            }
+            let mut fit = Fit::new(tail, to_tail);
+            fit.add(head, to_head);
+            let motion = fit.motion();
+            if fits(&motion, h) {
+                begun = Some((fit, Chain { sides: vec![h], islands, motion, length: lengths[mesh.edge(h)] }));
+            }
+        }
+        chains.extend(begun.map(|(_, chain)| chain));
+        chains
+    }
+}

@@ -1,0 +1,409 @@
+//! Cuts that part what lies over each other.
+//!
+//! An island is a disk. A path along its edges from boundary to boundary divides it in two, and parts those overlapping
+//! pairs of triangles that have one triangle on each side. With all boundary shrunk to a point, let T be the tree of shortest
+//! paths to it. Each edge e = (u, v) that is not in T closes such a path, of length d(u) + l(e) + d(v); and the edges that are
+//! not in T are a spanning tree of the triangles (tree and cotree; Eppstein 2003), in which the two sides of that path are what
+//! is left when e is taken out. Two facts follow:
+//!
+//! - the shortest path that parts two triangles f and g is among these (of its edges one closes a path that parts them, and that
+//!   one is not longer), so there is no need of a maximum flow for each pair or cluster of pairs;
+//! - the pairs that e parts are those whose way in the cotree leads over e, so that one sweep counts for *all* paths at once how
+//!   much overlap each resolves, and how much lies on either side of it.
+//!
+//! So one run of Dijkstra's algorithm serves for all cuts. The path that costs least for what it resolves is taken; what is
+//! cut already is free for the next, and the counts are made again, until no pair is left. O(V log V) and O(V + pairs) for
+//! each cut.
+//!
+//! Edges of infinite length (diagonals of polygons) are never cut. An island that is no disk is first cut to one, by the edges
+//! that are in neither tree, with their shortest paths.
+
+use geom::{
+    CutMesh, EdgeData, EdgeId, FaceData, FaceId, Interrupted, Mesh, ShortestPaths, VertexData, VertexId, Watch,
+};
+use geom::{kruskal, other_end};
+
+/// What is preferred among cuts.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Preference {
+    /// An edge between two triangles that overlap something is so many times longer: above 1 cuts run beside overlaps rather
+    /// than through them.
+    pub(super) within_overlap: f64,
+    /// The cost of a cut is its length over this power of what it resolves: the higher, the more each cut is to resolve.
+    pub(super) power: f64,
+    /// A side with a smaller share of the island's triangles makes a cut [`SMALL_SIDE`] times dearer.
+    pub(super) least_share: f64,
+}
+
+/// An island of fewer triangles is a sliver.
+pub(super) const SLIVER: u32 = 20;
+/// A cut that leaves a small side is so many times dearer.
+const SMALL_SIDE: f64 = 3.0;
+/// A cut that leaves a sliver is so many times dearer.
+const SLIVER_SIDE: f64 = 30.0;
+/// After so many cuts one at a time, several are made between two counts: a surface unfolded at every vertex needs thousands.
+const ONE_AT_A_TIME: usize = 64;
+
+/// Two triangles of one island, and how much it is worth to part them.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Pair {
+    pub(super) triangles: [FaceId; 2],
+    pub(super) weight: i64,
+}
+
+/// Adds cuts until no pair is on one island. `lengths` are those of space, infinite where nothing may be cut.
+pub(super) fn divide(
+    mesh: &Mesh,
+    lengths: &EdgeData<f64>,
+    cut: &EdgeData<bool>,
+    pairs: &[Pair],
+    preference: &Preference,
+    watch: Watch,
+) -> Result<EdgeData<bool>, Interrupted> {
+    let weights = weights(mesh, lengths, cut, pairs, preference.within_overlap);
+    let mut paths = Paths::new(mesh, cut.clone(), &weights, watch.within(0.0, 0.5))?;
+    let cotree = Cotree::new(mesh, &mut paths, pairs);
+    watch.ask(0.6)?;
+    let mut division = Division::new(&cotree, pairs);
+    let mut cuts = 0_usize;
+    while division.has_pairs() {
+        watch.ask(0.6 + 0.4 * (1.0 - division.left() as f64 / pairs.len() as f64))?;
+        paths.measure();
+        let wanted = if cuts < ONE_AT_A_TIME { 1 } else { cuts / 8 };
+        let chosen = division.best(&paths, preference, wanted);
+        if chosen.is_empty() {
+            break;
+        }
+        cuts += chosen.len();
+        for i in chosen {
+            paths.cut(cotree.crossing[i]);
+            division.part(i);
+        }
+        division.count();
+    }
+    Ok(paths.cut)
+}
+
+/// What cutting an edge costs: its length, on islands that have pairs; elsewhere nothing is cut.
+fn weights(
+    mesh: &Mesh,
+    lengths: &EdgeData<f64>,
+    cut: &EdgeData<bool>,
+    pairs: &[Pair],
+    within_overlap: f64,
+) -> EdgeData<f64> {
+    let opened = CutMesh::open(mesh, cut);
+    let mut has_pairs = vec![false; opened.island_count()];
+    let mut overlaps = FaceData::constant(mesh.face_count(), false);
+    for f in pairs.iter().flat_map(|pair| pair.triangles) {
+        has_pairs[opened.island(f) as usize] = true;
+        overlaps[f] = true;
+    }
+    let finite = lengths.iter().filter(|l| l.is_finite());
+    let mean = finite.clone().sum::<f64>() / finite.count().max(1) as f64;
+    let weight = |e: EdgeId| {
+        let h = mesh.halfedge(e);
+        let f = mesh.face(h);
+        if !has_pairs[opened.island(f) as usize] {
+            return f64::INFINITY;
+        }
+        // Paths must get longer edge by edge, also along edges without length.
+        let length = lengths[e].max(1e-9 * mean);
+        let is_within = overlaps[f] && mesh.twin(h).is_some_and(|g| overlaps[mesh.face(g)]);
+        if is_within { length * within_overlap } else { length }
+    };
+    mesh.edges().map(weight).collect()
+}
+
+/// Shortest paths to what is open, as cuts are added.
+struct Paths<'a> {
+    mesh: &'a Mesh,
+    weights: &'a EdgeData<f64>,
+    cut: EdgeData<bool>,
+    is_open: VertexData<bool>,
+    predecessor: VertexData<Option<EdgeId>>,
+    /// The vertices that are reached, nearer ones first.
+    order: Vec<VertexId>,
+    /// The length of the path to what is open.
+    distance: VertexData<f64>,
+}
+
+impl<'a> Paths<'a> {
+    fn new(mesh: &'a Mesh, cut: EdgeData<bool>, weights: &'a EdgeData<f64>, watch: Watch) -> Result<Self, Interrupted> {
+        let mut is_open: VertexData<bool> = mesh.vertices().map(|v| mesh.is_boundary_vertex(v)).collect();
+        for v in mesh.edges().filter(|&e| cut[e]).flat_map(|e| mesh.ends(e)) {
+            is_open[v] = true;
+        }
+        if let (false, Some(first)) = (is_open.iter().any(|&open| open), mesh.vertices().next()) {
+            is_open[first] = true; // a closed surface: any point will do
+        }
+        let sources = mesh.vertices().filter(|&v| is_open[v]).map(|v| (v, 0));
+        let ShortestPaths { distance, predecessor, .. } = ShortestPaths::new_watched(mesh, weights, sources, watch)?;
+        let mut order: Vec<VertexId> = mesh.vertices().filter(|&v| predecessor[v].is_some()).collect();
+        order.sort_unstable_by(|a, b| distance[*a].total_cmp(&distance[*b]).then(a.cmp(b)));
+        Ok(Self { mesh, weights, cut, is_open, predecessor, order, distance })
+    }
+
+    /// Finds the lengths anew after cuts.
+    fn measure(&mut self) {
+        for &v in &self.order {
+            let Some(e) = self.predecessor[v] else { continue };
+            let before = self.distance[other_end(self.mesh, e, v)];
+            self.distance[v] = if self.is_open[v] { 0.0 } else { before + self.weights[e] };
+        }
+    }
+
+    /// The length of the path that an edge closes.
+    fn length(&self, e: EdgeId) -> f64 {
+        let [u, v] = self.mesh.ends(e);
+        self.distance[u] + self.weights[e] + self.distance[v]
+    }
+
+    /// Cuts along the path that an edge closes.
+    fn cut(&mut self, e: EdgeId) {
+        self.cut[e] = true;
+        for mut v in self.mesh.ends(e) {
+            while !std::mem::replace(&mut self.is_open[v], true) {
+                let Some(e) = self.predecessor[v] else { break };
+                self.cut[e] = true;
+                v = other_end(self.mesh, e, v);
+            }
+        }
+    }
+}
+
+/// A spanning tree of the triangles of each island with pairs, over edges that are not in the tree of shortest paths. Triangles
+/// are numbered such that each comes after the one that it hangs from.
+struct Cotree {
+    /// The number of each triangle; `NONE` on islands without pairs.
+    number: FaceData<u32>,
+    /// What each hangs from; roots from themselves.
+    parent: Vec<u32>,
+    /// The edge to what it hangs from; any at roots.
+    crossing: Vec<EdgeId>,
+    depth: Vec<u32>,
+    /// A further one on the way to the root (E. W. Myers, *An applicative random-access stack*, 1983).
+    jump: Vec<u32>,
+}
+
+const NONE: u32 = u32::MAX;
+
+impl Cotree {
+    /// Cuts islands that are no disks, too.
+    fn new(mesh: &Mesh, paths: &mut Paths, pairs: &[Pair]) -> Self {
+        let mut is_tree: EdgeData<bool> = EdgeData::constant(mesh.edge_count(), false);
+        for &v in &paths.order {
+            is_tree[paths.predecessor[v].expect("it is reached")] = true;
+        }
+        let is_between =
+            |paths: &Paths, e: EdgeId| !is_tree[e] && !paths.cut[e] && mesh.twin(mesh.halfedge(e)).is_some();
+        let cotree = Self::spanning(mesh, pairs, |e| is_between(paths, e));
+        let spare = mesh.edges().any(|e| {
+            let f = mesh.face(mesh.halfedge(e));
+            is_between(paths, e) && cotree.number[f] != NONE && !cotree.crosses(mesh, e)
+        });
+        if !spare {
+            return cotree;
+        }
+        // The edges that close the longest paths are kept, the others cut.
+        let mut edges: Vec<EdgeId> = mesh.edges().filter(|&e| is_between(paths, e)).collect();
+        edges.sort_by(|a, b| paths.length(*b).total_cmp(&paths.length(*a)));
+        let faces = |e: EdgeId| {
+            let h = mesh.halfedge(e);
+            [mesh.face(h).0, mesh.twin(h).map_or(mesh.face(h).0, |g| mesh.face(g).0)]
+        };
+        let mut is_kept = EdgeData::constant(mesh.edge_count(), false);
+        for e in kruskal(mesh.face_count(), edges.iter().map(|&e| (e, faces(e)))) {
+            is_kept[e] = true;
+        }
+        for &e in &edges {
+            if !is_kept[e] && paths.length(e).is_finite() && cotree.number[mesh.face(mesh.halfedge(e))] != NONE {
+                paths.cut(e);
+            }
+        }
+        Self::spanning(mesh, pairs, |e| is_kept[e])
+    }
+
+    /// By breadth, from the first triangle of each pair.
+    fn spanning(mesh: &Mesh, pairs: &[Pair], may_cross: impl Fn(EdgeId) -> bool) -> Self {
+        let mut number = FaceData::constant(mesh.face_count(), NONE);
+        let mut cotree =
+            Self { number: FaceData::constant(0, NONE), parent: vec![], crossing: vec![], depth: vec![], jump: vec![] };
+        let mut faces: Vec<FaceId> = Vec::new();
+        for root in pairs.iter().map(|pair| pair.triangles[0]) {
+            if number[root] != NONE {
+                continue;
+            }
+            number[root] = faces.len() as u32;
+            let mut at = faces.len();
+            faces.push(root);
+            cotree.hang(None);
+            while at < faces.len() {
+                for h in mesh.sides(faces[at]) {
+                    let Some(g) = mesh.twin(h).filter(|_| may_cross(mesh.edge(h))).map(|g| mesh.face(g)) else {
+                        continue;
+                    };
+                    if number[g] == NONE {
+                        number[g] = faces.len() as u32;
+                        faces.push(g);
+                        cotree.hang(Some((at as u32, mesh.edge(h))));
+                    }
+                }
+                at += 1;
+            }
+        }
+        cotree.number = number;
+        cotree
+    }
+
+    /// Adds a triangle.
+    fn hang(&mut self, from: Option<(u32, EdgeId)>) {
+        let new = self.parent.len() as u32;
+        let (parent, crossing) = from.unwrap_or((new, EdgeId(0)));
+        self.parent.push(parent);
+        self.crossing.push(crossing);
+        if from.is_none() {
+            self.depth.push(0);
+            self.jump.push(new);
+            return;
+        }
+        let depth = |i: u32| self.depth[i as usize];
+        let [far, farther] = [self.jump[parent as usize], self.jump[self.jump[parent as usize] as usize]];
+        let is_even = depth(parent) - depth(far) == depth(far) - depth(farther);
+        let (depth, jump) = (depth(parent) + 1, if is_even { farther } else { parent });
+        self.depth.push(depth);
+        self.jump.push(jump);
+    }
+
+    fn crosses(&self, mesh: &Mesh, e: EdgeId) -> bool {
+        let h = mesh.halfedge(e);
+        let sides = [Some(h), mesh.twin(h)].into_iter().flatten().map(|h| self.number[mesh.face(h)]);
+        sides.filter(|&i| i != NONE).any(|i| self.parent[i as usize] != i && self.crossing[i as usize] == e)
+    }
+
+    /// Where the ways of two triangles to the root meet; none if they are in different trees. O(log n).
+    fn meeting(&self, mut a: u32, mut b: u32) -> Option<u32> {
+        let [parent, jump] = [&self.parent, &self.jump].map(|next| |i: u32| next[i as usize]);
+        let depth = |i: u32| self.depth[i as usize];
+        if depth(a) < depth(b) {
+            (a, b) = (b, a);
+        }
+        while depth(a) > depth(b) {
+            a = if depth(jump(a)) >= depth(b) { jump(a) } else { parent(a) };
+        }
+        while a != b {
+            if parent(a) == a {
+                return None;
+            }
+            (a, b) = if jump(a) != jump(b) { (jump(a), jump(b)) } else { (parent(a), parent(b)) };
+        }
+        Some(a)
+    }
+}
+
+/// A pair as numbers of the cotree.
+#[derive(Clone, Copy)]
+struct Way {
+    ends: [u32; 2],
+    meeting: u32,
+    weight: i64,
+}
+
+/// The pieces that a cotree falls into, and what further cuts would resolve.
+struct Division<'a> {
+    cotree: &'a Cotree,
+    ways: Vec<Way>,
+    is_parted: Vec<bool>,
+    /// The root of the piece that each triangle is in.
+    piece: Vec<u32>,
+    /// How many triangles hang from each in its piece, itself included.
+    size: Vec<u32>,
+    /// What parting each from what it hangs from would resolve.
+    resolved: Vec<i64>,
+}
+
+impl<'a> Division<'a> {
+    fn new(cotree: &'a Cotree, pairs: &[Pair]) -> Self {
+        let ways = pairs.iter().filter_map(|pair| {
+            let ends = pair.triangles.map(|f| cotree.number[f]);
+            let meeting = (ends[0] != NONE && ends[1] != NONE).then(|| cotree.meeting(ends[0], ends[1]))??;
+            Some(Way { ends, meeting, weight: pair.weight })
+        });
+        let count = cotree.parent.len();
+        let mut division = Self {
+            cotree,
+            ways: ways.collect(),
+            is_parted: vec![false; count],
+            piece: vec![0; count],
+            size: vec![0; count],
+            resolved: vec![0; count],
+        };
+        division.count();
+        division
+    }
+
+    fn has_pairs(&self) -> bool {
+        !self.ways.is_empty()
+    }
+
+    fn left(&self) -> usize {
+        self.ways.len()
+    }
+
+    fn part(&mut self, i: usize) {
+        self.is_parted[i] = true;
+    }
+
+    /// Counts anew after cuts.
+    fn count(&mut self) {
+        let parent = &self.cotree.parent;
+        for i in 0..parent.len() {
+            self.piece[i] =
+                if self.is_parted[i] || parent[i] as usize == i { i as u32 } else { self.piece[parent[i] as usize] };
+        }
+        let piece = &self.piece;
+        self.ways.retain(|way| piece[way.ends[0] as usize] == piece[way.ends[1] as usize]);
+        self.resolved.fill(0);
+        for way in &self.ways {
+            way.ends.iter().for_each(|&end| self.resolved[end as usize] += way.weight);
+            self.resolved[way.meeting as usize] -= 2 * way.weight;
+        }
+        self.size.fill(1);
+        for i in (0..parent.len()).rev() {
+            if piece[i] as usize != i {
+                self.size[parent[i] as usize] += self.size[i];
+                self.resolved[parent[i] as usize] += self.resolved[i];
+            }
+        }
+    }
+
+    /// The cheapest cuts, at most so many; further ones only if they cost little more than the best.
+    fn best(&self, paths: &Paths, preference: &Preference, wanted: usize) -> Vec<usize> {
+        let candidates = (0..self.piece.len()).filter(|&i| self.piece[i] as usize != i && self.resolved[i] > 0);
+        let with_cost = |i: usize| {
+            let cost = self.cost(i, paths.length(self.cotree.crossing[i]), preference);
+            cost.is_finite().then_some((cost, i))
+        };
+        let is_less = |a: &(f64, usize), b: &(f64, usize)| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1));
+        if wanted == 1 {
+            return candidates.filter_map(with_cost).min_by(is_less).map(|(_, i)| i).into_iter().collect();
+        }
+        let mut all: Vec<(f64, usize)> = candidates.filter_map(with_cost).collect();
+        all.sort_unstable_by(is_less);
+        let worst = all.first().map_or(0.0, |(least, _)| 2.0 * least);
+        all.into_iter().take(wanted).take_while(|(cost, _)| *cost <= worst).map(|(_, i)| i).collect()
+    }
+
+    fn cost(&self, i: usize, length: f64, preference: &Preference) -> f64 {
+        let whole = self.size[self.piece[i] as usize];
+        let side = self.size[i].min(whole - self.size[i]);
+        let smallness = if side < SLIVER {
+            SLIVER_SIDE
+        } else if f64::from(side) < preference.least_share * f64::from(whole) {
+            SMALL_SIDE
+        } else {
+            1.0
+        };
+        smallness * length / (self.resolved[i] as f64).powf(preference.power)
+    }
+}
