@@ -10,5 +10,6 @@ mod finds;
 mod folder;
 mod hierarchy;
 mod limits;
+mod packing;
 mod terminal;
 mod unwrapping;

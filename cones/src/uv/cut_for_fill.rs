@@ -26,8 +26,10 @@ const NEAR: f64 = 0.06;
 /// A cut must raise the fill by so much, and by so much more if it takes all of the seam that is left.
 const LEAST_GAIN: f64 = 0.012;
 const PRICE: f64 = 0.03;
-/// Where there are more islands, none of them matters enough.
-const MOST_ISLANDS: usize = 64;
+/// Where there are more islands, or so much is filled, cuts gain too little for what they cost: bones, 26 islands that fill
+/// .75, took 5 s for nothing.
+const MOST_ISLANDS: usize = 16;
+const ENOUGH: f64 = 0.72;
 
 /// A map of a part of a model, with the lengths of its edges in space: infinite where nothing may be cut.
 #[derive(Clone, Copy, Debug)]
@@ -101,6 +103,9 @@ fn best_cut(parts: &[Part], maps: &[UvMap], left: f64, options: &PackOptions) ->
     }
     let outlines: Vec<&Side> = islands.iter().map(|(_, _, _, side)| side).collect();
     let before = rough_fill(&outlines, options);
+    if before > ENOUGH {
+        return None;
+    }
     let gain = |trial: &Trial| {
         let sides = paths[trial.part].sides(trial.sweep, &trial.across);
         let mut outlines = outlines.clone();
@@ -133,4 +138,77 @@ fn promising(mut across: Vec<Across>, extent: f64, left: f64) -> Vec<Across> {
         }
     }
     chosen
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::uv::{fill, pack};
+
+    /// Three quarters of a ring, a grid of `n` by `m` squares, in the plane and in space.
+    fn arc(n: u32, m: u32) -> (Mesh, EdgeData<f64>, UvMap) {
+        let vertex = |i: u32, j: u32| i * (m + 1) + j;
+        let at = |v: u32| {
+            let angle = 4.7 * f64::from(v / (m + 1)) / f64::from(n);
+            let r = 0.7 + 0.3 * f64::from(v % (m + 1)) / f64::from(m);
+            [r * angle.cos(), r * angle.sin()]
+        };
+        let squares = (0..n).flat_map(|i| (0..m).map(move |j| (i, j)));
+        let triangles: Vec<[u32; 3]> = squares
+            .flat_map(|(i, j)| {
+                let [a, b, c, d] = [vertex(i, j), vertex(i, j + 1), vertex(i + 1, j + 1), vertex(i + 1, j)];
+                [[a, b, c], [a, c, d]]
+            })
+            .collect();
+        let mesh = Mesh::new(((n + 1) * (m + 1)) as usize, &triangles).unwrap();
+        let position: geom::HalfedgeData<[f64; 2]> = mesh.halfedges().map(|h| at(mesh.tail(h).0)).collect();
+        let length = |e: EdgeId| {
+            let [p, q] = mesh.ends(e).map(|v| at(v.0));
+            (p[0] - q[0]).hypot(p[1] - q[1])
+        };
+        let lengths = mesh.edges().map(length).collect();
+        let map = UvMap::new(&mesh, position);
+        (mesh, lengths, map)
+    }
+
+    fn packed(mesh: &Mesh, map: &UvMap, cut: &EdgeData<bool>) -> (usize, f64) {
+        let opened = geom::CutMesh::open(mesh, cut);
+        let island: Vec<u32> = mesh.faces().map(|f| opened.island(f)).collect();
+        let packing = pack(&map.triangles(mesh), &island, &PackOptions::default(), Watch::NONE).unwrap();
+        let placed = map
+            .triangles(mesh)
+            .iter()
+            .zip(&island)
+            .map(|(t, &i)| t.map(|p| packing.place(i as usize, p)))
+            .collect::<Vec<_>>();
+        assert!((fill(&placed) - packing.fill).abs() < 1e-9);
+        (opened.island_count(), packing.fill)
+    }
+
+    #[test]
+    fn a_bent_strip_is_cut_across_and_fills_more_within_what_may_be_added() {
+        let (mesh, lengths, map) = arc(120, 8);
+        let part = Part { mesh: &mesh, lengths: &lengths, map: &map };
+        let none = cut_for_fill(&[part], 0.0, &PackOptions::default(), Watch::NONE).unwrap();
+        assert_eq!(none, [map.cut.clone()]);
+        let (_, before) = packed(&mesh, &map, &none[0]);
+        for most in [0.4, 0.8, 1.6] {
+            let cut = &cut_for_fill(&[part], most, &PackOptions::default(), Watch::NONE).unwrap()[0];
+            let added: f64 = mesh.edges().filter(|&e| cut[e]).map(|e| lengths[e]).sum();
+            assert!(added <= most * (1.0 + 1e-12), "{added}");
+            let (islands, after) = packed(&mesh, &map, cut);
+            // Each cut is as long as the strip is wide, .3.
+            assert_eq!(islands, 1 + (added / 0.3 + 0.5) as usize);
+            assert!(after > before + 0.1, "{before} {after}");
+        }
+    }
+
+    #[test]
+    fn edges_of_infinite_length_are_not_cut() {
+        let (mesh, lengths, map) = arc(60, 4);
+        let lengths: EdgeData<f64> = lengths.iter().map(|_| f64::INFINITY).collect();
+        let part = Part { mesh: &mesh, lengths: &lengths, map: &map };
+        let cut = cut_for_fill(&[part], 100.0, &PackOptions::default(), Watch::NONE).unwrap();
+        assert_eq!(cut, [map.cut.clone()]);
+    }
 }

@@ -104,13 +104,9 @@ impl Unwrapped {
     pub(crate) fn scene(&self) -> Scene {
         let triangles = kept(&self.atlas);
         let cones = self.atlas.cones.iter().map(|c| Mark { vertex: c.vertex, positive: c.curvature >= 0.0 }).collect();
-        Scene::new(
-            self.model.points(),
-            vertices(&self.model, &triangles),
-            corner_uv(&triangles, &self.uv),
-            self.atlas.seams.clone(),
-            cones,
-        )
+        let uv = corner_uv(&triangles, &scaled(&self.atlas, Scale::Unit));
+        let (triangles, seams) = (vertices(&self.model, &triangles), self.atlas.seams.clone());
+        Scene::new(self.model.points(), triangles, uv.clone(), seams, cones).packed(uv, self.atlas.fill)
     }
 
     /// Its report; `times` are those of reading, writing and drawing.

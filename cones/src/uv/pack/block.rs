@@ -33,8 +33,9 @@ pub(super) struct Block {
     pub(super) members: Vec<Member>,
 }
 
-/// The pieces that islands are placed as: themselves, or blocks in which they are `gap` apart.
-pub(super) fn blocks(outlines: &[Outline], rotations: Rotations, gap: f64) -> Vec<Block> {
+/// The pieces that islands are placed as: themselves, or blocks in which they are `gap` apart, of no more area than a square of
+/// side `most` where that can be.
+pub(super) fn blocks(outlines: &[Outline], rotations: Rotations, gap: f64, most: f64) -> Vec<Block> {
     let mut islands: Vec<usize> = (0..outlines.len()).filter(|&i| !outlines[i].edges.is_empty()).collect();
     if islands.len() <= BY_SHAPE {
         return alone(outlines, &islands, rotations);
@@ -45,7 +46,7 @@ pub(super) fn blocks(outlines: &[Outline], rotations: Rotations, gap: f64) -> Ve
     let size = |i: usize| extent(i)[0] * extent(i)[1];
     islands.sort_by(|&a, &b| size(b).total_cmp(&size(a)));
     let mut blocks = alone(outlines, &islands[..LARGEST], rotations);
-    for members in evenly(&islands[LARGEST..], size) {
+    for members in evenly(&islands[LARGEST..], most * most, size) {
         let mut members = members.to_vec();
         members.sort_by(|&a, &b| extent(b)[1].total_cmp(&extent(a)[1]));
         let widest = members.iter().map(|&i| extent(i)[0]).fold(0.0, f64::max);
@@ -77,9 +78,10 @@ fn alone(outlines: &[Outline], islands: &[usize], rotations: Rotations) -> Vec<B
     islands.iter().map(block).collect()
 }
 
-/// Cuts a list into so many pieces of about equal size.
-fn evenly(islands: &[usize], size: impl Fn(usize) -> f64) -> Vec<&[usize]> {
+/// Cuts a list into pieces of about equal size, [`BLOCKS`] or as many more as it takes for `most`.
+fn evenly(islands: &[usize], most: f64, size: impl Fn(usize) -> f64) -> Vec<&[usize]> {
     let share = islands.iter().map(|&i| size(i)).sum::<f64>() / BLOCKS as f64;
+    let share = share.min(most);
     let mut parts = Vec::new();
     let (mut from, mut sum) = (0, 0.0);
     for (k, &island) in islands.iter().enumerate() {

@@ -40,6 +40,8 @@ use tiles::{MOST_TILES, Tiled, tiled};
 const MOST_MARGINS: f64 = 0.15;
 /// The side of the square is guessed for the margins inside of blocks, at most so often; it takes two or three.
 const GUESSES: u32 = 20;
+/// The side of a block of small islands over that of the tile that it goes on.
+const BLOCK_SIDE: f64 = 0.25;
 /// Rough packings turn pieces as if there were so many.
 const ROUGH_TURNS: usize = 100;
 
@@ -129,6 +131,9 @@ pub fn pack(
         Tiles::One => in_square(&outlines, options, share, watch)?,
         Tiles::Udim { texel_density } => {
             let side = f64::from(options.texture_size) / texel_density / unit;
+            if !side.is_finite() {
+                return Err(PackError::Density(texel_density));
+            }
             let (blocks, puts) = on_tiles(&outlines, options, (side, share), watch)?;
             (blocks, puts, [side, share])
         }
@@ -182,7 +187,7 @@ fn in_square(
     let mut guess = 1.5 * area.sqrt();
     let mut growth = 1.0;
     for round in 1.. {
-        let blocks = blocks(outlines, options.rotations, share * guess);
+        let blocks = blocks(outlines, options.rotations, share * guess, f64::INFINITY);
         let pieces: Vec<Piece> = blocks.iter().map(|block| block.piece.clone()).collect();
         let (puts, side) = smallest_square(&pieces, share, Effort::FULL, watch)?;
         let is_simple = blocks.iter().all(|block| block.members.len() == 1);
@@ -204,7 +209,7 @@ fn on_tiles(
     (side, share): (f64, f64),
     watch: Watch,
 ) -> Result<(Vec<Block>, Vec<Put>), PackError> {
-    let blocks = blocks(outlines, options.rotations, share * side);
+    let blocks = blocks(outlines, options.rotations, share * side, BLOCK_SIDE * side);
     let pieces: Vec<Piece> = blocks.iter().map(|block| block.piece.clone()).collect();
     match tiled(&pieces, side, share, watch)? {
         Tiled::All(puts) => Ok((blocks, puts)),

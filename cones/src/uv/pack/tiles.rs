@@ -27,6 +27,9 @@ pub(super) enum Tiled {
 /// Places pieces, largest first, each on the first of the last tiles that has room; tiles have the given side in the pieces'
 /// unit, margins being the `share` of it.
 pub(super) fn tiled(pieces: &[Piece], side: f64, share: f64, watch: Watch) -> Result<Tiled, Interrupted> {
+    if let Some(k) = pieces.iter().position(|piece| piece.side > (1.0 - share) * side) {
+        return Ok(Tiled::TooLarge(k));
+    }
     let cells = CELLS[usize::from(pieces.len() > FEW)];
     let level = Level::new(pieces, None, cells, side, share);
     let mut order: Vec<usize> = (0..pieces.len()).collect();
