@@ -164,7 +164,7 @@ fn an_observer_hears_every_stage_of_every_part_in_fractions_that_rise() {
     let of = |stage, component| heard.iter().filter(move |told| told.stage == stage && told.component == component);
     for stage in cones::Stage::ALL {
         for component in 0..4 {
-            let is_one_for_all = stage == cones::Stage::Prepare;
+            let is_one_for_all = matches!(stage, cones::Stage::Prepare | cones::Stage::Pack);
             assert_eq!(of(stage, component).count() > 0, component == 0 || !is_one_for_all, "{stage:?} {component}");
         }
     }
@@ -418,7 +418,8 @@ fn options_come_back_as_they_were_serialized_and_what_is_left_out_is_the_default
     for (k, cones) in choices.into_iter().enumerate() {
         for placement in Placement::ALL {
             let preparation = Preparation { weld: k % 2 == 0, smooth: k % 3 == 0 };
-            let options = Options { preparation, cones: cones.clone(), placement, rule: rules[k % 2], ..Options::default() };
+            let options =
+                Options { preparation, cones: cones.clone(), placement, rule: rules[k % 2], ..Options::default() };
             let text = serde_json::to_string(&options).expect("plain values");
             assert_eq!(serde_json::from_str::<Options>(&text).expect("what was written"), options);
             assert!(text.contains(&format!(r#""placement":"{}""#, placement.name())), "{text}");

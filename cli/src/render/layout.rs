@@ -16,6 +16,8 @@ const DOT: f64 = 2.0;
 /// How much of an island's colour is in its checkerboard.
 const TINT: f64 = 0.45;
 const FRAME: f64 = 1.6;
+/// The legend tells of overlaps of more than one sample in so many: triangles that touch may share some.
+const NOTICED: usize = 500;
 const OUTLINE: f64 = 2.6;
 /// The diameter of a cone's disc, where few are drawn.
 const CONE: f64 = 15.0;
@@ -31,13 +33,14 @@ pub(crate) fn draw(scene: &Scene) -> Picture {
     let checker = scene.checker();
     let place = |uv: [f64; 2]| to_page(uv, height);
     let (island, count) = scene.islands();
-    let mut lies_over = false;
+    let (mut samples, mut covered_again) = (0_usize, 0_usize);
     let (flipped, upright): (Vec<usize>, Vec<usize>) = (0..scene.uv.len()).partition(|&t| scene.is_flipped(t));
     for t in upright {
         let corners = scene.uv[t];
         canvas.triangle_over(corners.map(place), |w, over| {
             let colour = checker.colour([0, 1].map(|i| (0..3).map(|k| w[k] * corners[k][i]).sum()));
-            lies_over |= over;
+            samples += 1;
+            covered_again += usize::from(over);
             let colour = tinted(colour, island[t], count);
             if over { overlapping(colour) } else { colour }
         });
@@ -54,7 +57,7 @@ pub(crate) fn draw(scene: &Scene) -> Picture {
         canvas.line(place(side[0]), place(side[1]), FRAME, mix(INK, PAPER, 0.5));
     }
     let copies = cone_copies(scene);
-    draw_legend(&mut canvas, &legend(scene, count, lies_over), height);
+    draw_legend(&mut canvas, &legend(scene, count, covered_again > samples / NOTICED), height);
     let disc = disc(scene, copies.len());
     for (uv, cone) in copies {
         canvas.line(place(uv), place(uv), disc * (1.0 + 2.0 * OUTLINE / CONE), PAPER);

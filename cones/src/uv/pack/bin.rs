@@ -77,7 +77,7 @@ impl Bin {
     fn first_free(&self, shape: &Shape, y: usize, blocked: &mut [u64], work: &mut u64) -> Option<usize> {
         let positions = self.side - shape.size[0] + 1;
         blocked.fill(0);
-        if positions % 64 != 0 {
+        if !positions.is_multiple_of(64) {
             blocked[positions / 64] = u64::MAX << (positions % 64);
         }
         for runs in shape.taken.chunks(8) {

@@ -175,14 +175,12 @@ fn share(options: &PackOptions, islands: usize) -> f64 {
     }
 }
 
+/// What is packed and where; the side of the square, and the share of it that margins take.
+type InSquare = (Vec<Block>, Vec<Put>, [f64; 2]);
+
 /// Packs into the smallest square. The margin inside of blocks depends on the side that comes out, so that is guessed until
-/// the guess is neither too small nor much too large. The side, and the share of it that margins take, come last.
-fn in_square(
-    outlines: &[Outline],
-    options: &PackOptions,
-    share: f64,
-    watch: Watch,
-) -> Result<(Vec<Block>, Vec<Put>, [f64; 2]), PackError> {
+/// the guess is neither too small nor much too large.
+fn in_square(outlines: &[Outline], options: &PackOptions, share: f64, watch: Watch) -> Result<InSquare, PackError> {
     let area: f64 = outlines.iter().map(|outline| outline.area).sum();
     let mut guess = 1.5 * area.sqrt();
     let mut growth = 1.0;

@@ -31,7 +31,7 @@ pub(super) fn outlines(
     island: &[u32],
     watch: Watch,
 ) -> Result<(Vec<Outline>, f64), PackError> {
-    let wrong = |t: &[[f64; 2]; 3]| t.as_flattened().iter().any(|x| !(x.abs() <= MOST));
+    let wrong = |t: &[[f64; 2]; 3]| t.as_flattened().iter().any(|x| x.is_nan() || x.abs() > MOST);
     if let Some(triangle) = triangles.iter().position(wrong) {
         return Err(PackError::NotFinite { triangle });
     }

@@ -67,14 +67,14 @@ fn fill(cells: &mut Bitmap, edges: impl Iterator<Item = [Complex64; 2]>) {
         let (low, high, way) = if a.im <= b.im { (a, b, 1) } else { (b, a, -1) };
         // Rows whose centre line is crossed, the lower end included.
         let rows = (low.im + 0.5).floor().max(0.0) as usize..(high.im + 0.5).floor().max(0.0) as usize;
-        for row in rows.start..rows.end.min(height) {
+        for (row, steps) in steps.iter_mut().enumerate().take(rows.end.min(height)).skip(rows.start) {
             let y = row as f64 + 0.5;
             if !(low.im <= y && y < high.im) {
                 continue;
             }
             let x = low.re + (y - low.im) * ((high.re - low.re) / (high.im - low.im));
             // The first cell whose centre is not left of the crossing.
-            steps[row].push((((x - 0.5).ceil().max(0.0) as usize).min(width), way));
+            steps.push((((x - 0.5).ceil().max(0.0) as usize).min(width), way));
         }
     }
     for (row, steps) in steps.iter_mut().enumerate() {
