@@ -11,8 +11,8 @@ use super::outline::Outline;
 use super::piece::{Piece, Rectangle, rectangle};
 use super::skyline::skyline;
 
-/// Up to so many islands are all placed by their shape. (Shapes fill about ten points more than rectangles, but the time
-/// grows with their number: .7 s for 400, 2 s for 1,500.)
+/// Up to so many islands are all placed by their shape: shapes go into each other's bays, but each takes a search through the
+/// whole square. The number is a choice, not the best of several.
 const BY_SHAPE: usize = 400;
 /// Of more than that so many are.
 const LARGEST: usize = 256;

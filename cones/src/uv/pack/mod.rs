@@ -38,7 +38,7 @@ use tiles::{MOST_TILES, Tiled, tiled};
 
 /// The margins of all islands may take this share of the square; where they would take more, they are narrower.
 const MOST_MARGINS: f64 = 0.15;
-/// The side of the square is guessed for the margins inside of blocks, at most so often; it takes two or three.
+/// The side of the square is guessed for the margins inside of blocks, at most so often.
 const GUESSES: u32 = 20;
 /// The side of a block of small islands over that of the tile that it goes on.
 const BLOCK_SIDE: f64 = 0.25;

@@ -19,7 +19,7 @@ use super::raster::Shape;
 /// The side of the coarse grid for each square root of a piece, and its bounds.
 const COARSE: f64 = 18.0;
 const COARSE_RANGE: [f64; 2] = [128.0, 384.0];
-/// The side of the fine grid. (Islands lose about a cell where they meet: .3 points of fill between 1024 and 2048 cells.)
+/// The side of the fine grid. Islands lose up to two cells where they meet, .2 % of the side.
 const FINE: f64 = 1024.0;
 /// So many plans are tried at a time; a number of its own, so that what is found does not depend on that of threads.
 const BATCH: usize = 8;
@@ -35,9 +35,9 @@ pub(super) struct Effort {
 }
 
 impl Effort {
-    /// For what is kept: about .2 s.
+    /// For what is kept: .26 s on two threads for bones, 26 islands.
     pub(super) const FULL: Self = Self { work: 150_000_000, is_fine: true };
-    /// For comparing: a few milliseconds.
+    /// For comparing.
     pub(super) const ROUGH: Self = Self { work: 1_500_000, is_fine: false };
 }
 
