@@ -1,7 +1,7 @@
 //! The command line: what may be asked for, and nothing that is not built.
 
 use crate::commands::{
-    compare, completions, demo, extract, features, islands, man, measure, persistence, shape, unwrap,
+    compare, completions, demo, extract, features, islands, man, measure, pack, persistence, shape, unwrap,
 };
 use crate::output::Volume;
 use clap::Parser;
@@ -47,6 +47,8 @@ pub(crate) enum Subcommand {
     Measure(measure::MeasureArgs),
     /// Take a map apart where it lies over itself, whoever made it
     Islands(islands::IslandsArgs),
+    /// Pack the islands of an unwrapped OBJ or PLY into the unit square, or onto tiles
+    Pack(pack::PackCommandArgs),
     /// Pair the extrema of a scalar field with saddles: an array, a picture, a mesh with values, a network
     Persistence(persistence::PersistenceArgs),
     /// Find the feature points of a surface: the persistent extrema of a field on it
@@ -82,7 +84,7 @@ mod tests {
 
     #[test]
     fn what_is_not_built_is_not_accepted() {
-        for option in ["--islands=pack", "--udim", "--threads=0"] {
+        for option in ["--islands=pack", "--udim", "--threads=0", "--texel-density=9"] {
             assert!(Arguments::try_parse_from(["cones", "unwrap", "a", "-o", "b", option]).is_err(), "{option}");
         }
     }

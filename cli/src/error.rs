@@ -25,6 +25,8 @@ pub(crate) enum CommandError {
     OtherMesh(PathBuf, PathBuf),
     #[error("{}: {error}", path.display())]
     Measure { path: PathBuf, error: DistortionError },
+    #[error("{}: {error}", path.display())]
+    Pack { path: PathBuf, error: cones::uv::PackError },
     #[error("{} is the input, which is never overwritten: name another file", .0.display())]
     OutputIsInput(PathBuf),
     #[error("{} is named for two outputs: give each its own file", .0.display())]

@@ -15,7 +15,9 @@ mod report;
 
 use args::{Arguments, Subcommand};
 use clap::{CommandFactory, Parser};
-use commands::{compare, completions, demo, extract, features, islands, man, measure, persistence, shape, unwrap};
+use commands::{
+    compare, completions, demo, extract, features, islands, man, measure, pack, persistence, shape, unwrap,
+};
 use error::CommandError;
 use std::process::ExitCode;
 
@@ -42,6 +44,7 @@ fn run(command: &Subcommand) -> Result<(), CommandError> {
         Subcommand::Compare(args) => compare::run(args),
         Subcommand::Measure(args) => measure::run(args),
         Subcommand::Islands(args) => islands::run(args),
+        Subcommand::Pack(args) => pack::run(args),
         Subcommand::Persistence(args) => persistence::run(args),
         Subcommand::Features(args) => features::run(args),
         Subcommand::Shape(args) => shape::run(args),

@@ -6,6 +6,7 @@ use thiserror::Error;
 use crate::baseline::LscmError;
 use crate::curvature::CurvatureError;
 use crate::flatten::{ScalingError, SeamError};
+use crate::uv::PackError;
 
 /// Why a model cannot be analysed, its cones placed, or flattened.
 #[derive(Clone, Debug, Error)]
@@ -26,6 +27,9 @@ pub enum Error {
     /// No metric with these cones was found.
     #[error(transparent)]
     Scaling(ScalingError),
+    /// The islands cannot be packed.
+    #[error(transparent)]
+    Pack(PackError),
     /// There is no least-squares conformal map.
     #[error(transparent)]
     Lscm(#[from] LscmError),
@@ -102,4 +106,4 @@ macro_rules! from {
     };
 }
 
-from!(PrepareError => Prepare, PoissonError => Poisson, CurvatureError => Curvature, SeamError => Seams, ScalingError => Scaling);
+from!(PrepareError => Prepare, PackError => Pack, PoissonError => Poisson, CurvatureError => Curvature, SeamError => Seams, ScalingError => Scaling);

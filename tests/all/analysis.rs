@@ -164,7 +164,7 @@ fn an_observer_hears_every_stage_of_every_part_in_fractions_that_rise() {
     let of = |stage, component| heard.iter().filter(move |told| told.stage == stage && told.component == component);
     for stage in cones::Stage::ALL {
         for component in 0..4 {
-            let is_one_for_all = stage == cones::Stage::Prepare;
+            let is_one_for_all = matches!(stage, cones::Stage::Prepare | cones::Stage::Pack);
             assert_eq!(of(stage, component).count() > 0, component == 0 || !is_one_for_all, "{stage:?} {component}");
         }
     }
@@ -426,7 +426,7 @@ fn options_come_back_as_they_were_serialized_and_what_is_left_out_is_the_default
                 rule: rules[k % 2],
                 seams: SeamOptions { weight: 0.25, given: edges.clone(), kept: edges.clone(), avoid: edges },
                 quantize: [None, Some(Symmetry::Fourfold), Some(Symmetry::Sixfold)][k % 3],
-                islands: [Islands::Single, Islands::OverlapFree][k % 2],
+                islands: [Islands::Single, Islands::OverlapFree, Islands::Pack][k % 3],
                 ..Options::default()
             };
             let text = serde_json::to_string(&options).expect("plain values");

@@ -1,12 +1,12 @@
 //! `cones islands`: a map that somebody made, taken apart where it lies over itself.
 
-use crate::commands::shared::{Scale, corner_uv, scaled, split_vertices, welded};
+use crate::commands::shared::{PackArgs, corner_uv, split_vertices, welded};
 use crate::error::CommandError;
 use crate::report::table::{labelled, thousands};
 use crate::report::{OverlapReport, Quality, SCHEMA};
 use crate::{input, output};
 use clap::Args;
-use cones::uv::{Parted, part, shelve};
+use cones::uv::{Parted, pack, part};
 use geom::io::{ObjContent, write_obj, write_ply};
 use geom::{Model, Watch};
 use serde::Serialize;
@@ -23,9 +23,8 @@ pub(crate) struct IslandsArgs {
     /// Merge vertices that are at exactly the same place, as those along the seams of many files are
     #[arg(long)]
     weld: bool,
-    /// Size of the texture coordinates; a map without overlap stays as it is
-    #[arg(long, value_enum, default_value_t = Scale::Unit)]
-    scale: Scale,
+    #[command(flatten)]
+    packing: PackArgs,
     /// Print JSON in place of the text
     #[arg(long)]
     json: bool,
@@ -65,10 +64,10 @@ pub(crate) fn run(args: &IslandsArgs) -> Result<(), CommandError> {
     let no_texture = || CommandError::NoTexture(args.input.clone());
     let uv = model.uv().ok_or_else(no_texture)?.all().map_err(|_| no_texture())?;
     let before = measured(args, &model, &uv)?;
-    let parted = part(&model, &uv, args.weld, shelve, Watch::NONE)
+    let parted = part(&model, &uv, args.weld, Watch::NONE)
         .map_err(|error| CommandError::Unwrap { path: args.input.clone(), error: error.into() })?;
-    let Parted { uv: placed, left, overlaps, .. } = parted;
-    let placed = if overlaps.pairs.is_empty() { placed } else { scaled(&placed, args.scale) };
+    let left = parted.left;
+    let placed = if parted.overlaps.pairs.is_empty() { parted.uv } else { packed(args, &model, parted)? };
     let after = measured(args, &model, &placed)?;
     write(&model, &placed, &args.output)?;
     if !args.weld && split_vertices(&model) > 0 {
@@ -81,6 +80,22 @@ pub(crate) fn run(args: &IslandsArgs) -> Result<(), CommandError> {
     };
     let report = IslandsReport { schema: SCHEMA, input, before, after, left };
     if args.json { output::print_json(&report) } else { output::summary(&summary(&report, &args.output)) }
+}
+
+/// The islands in the unit square, side by side.
+fn packed(args: &IslandsArgs, model: &Model, parted: Parted) -> Result<Vec<[f64; 2]>, CommandError> {
+    let Parted { uv, islands, .. } = parted;
+    let triangles = model.triangles().corners;
+    let on_island = || triangles.iter().zip(&islands).filter_map(|(&corners, island)| Some((corners, (*island)?)));
+    let (corners, island): (Vec<[u32; 3]>, Vec<u32>) = on_island().unzip();
+    let options = args.packing.options(1.0);
+    let packing = pack(&corner_uv(&corners, &uv), &island, &options, Watch::NONE)
+        .map_err(|error| CommandError::Pack { path: args.input.clone(), error })?;
+    let mut placed = uv.clone();
+    for (corners, island) in corners.iter().zip(island) {
+        corners.iter().for_each(|&c| placed[c as usize] = packing.place(island as usize, uv[c as usize]));
+    }
+    Ok(placed)
 }
 
 fn measured(args: &IslandsArgs, model: &Model, uv: &[[f64; 2]]) -> Result<MapReport, CommandError> {

@@ -8,6 +8,7 @@ pub(crate) mod features;
 pub(crate) mod islands;
 pub(crate) mod man;
 pub(crate) mod measure;
+pub(crate) mod pack;
 pub(crate) mod persistence;
 pub(crate) mod shape;
 pub(crate) mod unwrap;

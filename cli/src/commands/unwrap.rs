@@ -1,6 +1,6 @@
 //! `cones unwrap`: a surface in, its texture coordinates out.
 
-use crate::commands::shared::{CandidateArgs, CheckerFiles, Scale, SeamArgs, Unwrapped};
+use crate::commands::shared::{CandidateArgs, CheckerFiles, PackArgs, Scale, SeamArgs, Unwrapped, non_negative};
 use crate::error::CommandError;
 use crate::input::{self, cone_file};
 use crate::output;
@@ -9,6 +9,7 @@ use crate::render::{self, Scene};
 use crate::report::table::labelled;
 use crate::report::{HierarchyFile, Times, UnwrapReport};
 use clap::{Args, ValueEnum};
+use cones::uv::PackOptions;
 use cones::{ConeChoice, Islands, Options};
 use geom::io::{ObjContent, write_glb, write_obj, write_ply};
 use std::path::{Path, PathBuf};
@@ -32,6 +33,11 @@ pub(crate) struct UnwrapArgs {
     /// What to do where the layout lies over itself
     #[arg(long, value_enum, default_value_t = IslandsName::OverlapFree)]
     islands: IslandsName,
+    #[command(flatten)]
+    packing: PackArgs,
+    /// With --islands pack, the share by which seams may become longer
+    #[arg(long, value_name = "SHARE", value_parser = non_negative, default_value_t = PackOptions::default().max_seam)]
+    max_seam: f64,
     /// Size of the texture coordinates
     #[arg(long, value_enum, default_value_t = Scale::Unit)]
     scale: Scale,
@@ -67,6 +73,8 @@ enum IslandsName {
     Single,
     /// Cut it and attach what is cut off across other seams, until nothing lies over itself
     OverlapFree,
+    /// The same, and cut further where islands then fill more of the square: see --max-seam
+    Pack,
 }
 
 pub(crate) fn run(args: &UnwrapArgs) -> Result<(), CommandError> {
@@ -103,8 +111,10 @@ fn options(args: &UnwrapArgs) -> Result<Options, CommandError> {
     let islands = match args.islands {
         IslandsName::Single => Islands::Single,
         IslandsName::OverlapFree => Islands::OverlapFree,
+        IslandsName::Pack => Islands::Pack,
     };
-    let options = Options { islands, ..args.candidates.options() };
+    let packing = PackOptions { max_seam: args.max_seam, ..args.packing.options(1.0) };
+    let options = Options { islands, packing, ..args.candidates.options() };
     Ok(match &args.cones {
         Some(file) => Options { cones: ConeChoice::Given(cone_file::read(file)?), ..options },
         None => options,

@@ -12,6 +12,17 @@ pub(crate) const CHECKER: [Colour; 2] = [srgb(0xf4, 0xf1, 0xea), srgb(0x8f, 0xa6
 pub(crate) const INSIDE: Colour = srgb(0xd9, 0xb9, 0x9b);
 /// Where a layout lies over itself, mixed with the checkerboard.
 pub(crate) const OVERLAP: Colour = srgb(0xf0, 0x8a, 0x1d);
+/// What the checkerboard of one island among several is mixed with, in turn: none of the colours of cones, overlaps and flips.
+pub(crate) const ISLANDS: [Colour; 8] = [
+    srgb(0x4c, 0x9a, 0xa8),
+    srgb(0x7f, 0xb0, 0x7a),
+    srgb(0x8d, 0x7f, 0xc4),
+    srgb(0x5b, 0xb0, 0x9a),
+    srgb(0x6b, 0x93, 0xd6),
+    srgb(0x9a, 0xa3, 0x8f),
+    srgb(0xb0, 0x7a, 0xb5),
+    srgb(0x7d, 0x8a, 0x99),
+];
 /// A triangle laid out upside down.
 pub(crate) const FLIPPED: Colour = srgb(0xe0, 0x1b, 0x84);
 /// A cone of negative curvature, a maximum of the conformal factor.

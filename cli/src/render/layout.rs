@@ -1,13 +1,23 @@
-//! The layout in the plane: checkerboard, outline, cones; what lies over something else and flipped triangles stand out.
+//! The layout in the plane: its tile, islands in a checkerboard each in its colour, outlines, cones, a legend; what lies over
+//! something else and flipped triangles stand out.
 
 use super::canvas::{Canvas, Picture, ScreenPoint};
-use super::colour::{Colour, FLIPPED, INK, MAXIMUM, MINIMUM, OVERLAP, PAPER, mix};
+use super::colour::{Colour, FLIPPED, INK, ISLANDS, MAXIMUM, MINIMUM, OVERLAP, PAPER, mix};
+use super::glyphs;
 use super::scene::{Mark, Scene};
 use std::collections::BTreeMap;
 
 /// The layout's longer side in pixels.
 const LONG_SIDE: f64 = 1024.0;
 const MARGIN: f64 = 24.0;
+/// The height of the legend below, and the side of the dots that it is written with.
+const LEGEND: f64 = 40.0;
+const DOT: f64 = 2.0;
+/// How much of an island's colour is in its checkerboard.
+const TINT: f64 = 0.45;
+const FRAME: f64 = 1.6;
+/// The legend tells of overlaps of more than one sample in so many: triangles that touch may share some.
+const NOTICED: usize = 500;
 const OUTLINE: f64 = 2.6;
 /// The diameter of a cone's disc, where few are drawn.
 const CONE: f64 = 15.0;
@@ -22,11 +32,16 @@ pub(crate) fn draw(scene: &Scene) -> Picture {
     let mut canvas = Canvas::new(width as usize, height as usize, PAPER);
     let checker = scene.checker();
     let place = |uv: [f64; 2]| to_page(uv, height);
+    let (island, count) = scene.islands();
+    let (mut samples, mut covered_again) = (0_usize, 0_usize);
     let (flipped, upright): (Vec<usize>, Vec<usize>) = (0..scene.uv.len()).partition(|&t| scene.is_flipped(t));
     for t in upright {
         let corners = scene.uv[t];
         canvas.triangle_over(corners.map(place), |w, over| {
             let colour = checker.colour([0, 1].map(|i| (0..3).map(|k| w[k] * corners[k][i]).sum()));
+            samples += 1;
+            covered_again += usize::from(over);
+            let colour = tinted(colour, island[t], count);
             if over { overlapping(colour) } else { colour }
         });
     }
@@ -38,7 +53,11 @@ pub(crate) fn draw(scene: &Scene) -> Picture {
             canvas.line(place(from), place(outline[(i + 1) % outline.len()]), OUTLINE, INK);
         }
     }
+    for side in frame(scene) {
+        canvas.line(place(side[0]), place(side[1]), FRAME, mix(INK, PAPER, 0.5));
+    }
     let copies = cone_copies(scene);
+    draw_legend(&mut canvas, &legend(scene, count, covered_again > samples / NOTICED), height);
     let disc = disc(scene, copies.len());
     for (uv, cone) in copies {
         canvas.line(place(uv), place(uv), disc * (1.0 + 2.0 * OUTLINE / CONE), PAPER);
@@ -51,14 +70,67 @@ pub(crate) fn draw(scene: &Scene) -> Picture {
 pub(crate) fn size(scene: &Scene) -> (f64, f64) {
     let side = |i: usize| {
         let longest = scene.uv.iter().flatten().map(|uv| uv[i]).fold(0.0, f64::max);
+        let longest = scene.tiles.map_or(longest, |(tiles, _)| tiles[i] as f64 / tiles[0].max(tiles[1]) as f64);
         (LONG_SIDE * longest + 2.0 * MARGIN).ceil()
     };
-    (side(0), side(1))
+    (side(0), side(1) + LEGEND)
+}
+
+/// The borders of the tiles.
+pub(crate) fn frame(scene: &Scene) -> Vec<[[f64; 2]; 2]> {
+    let Some(([across, up], _)) = scene.tiles else { return Vec::new() };
+    let at = |k: usize| k as f64 / across.max(up) as f64;
+    let upright = (0..=across).map(|k| [[at(k), 0.0], [at(k), at(up)]]);
+    let level = (0..=up).map(|k| [[0.0, at(k)], [at(across), at(k)]]);
+    upright.chain(level).collect()
+}
+
+/// An entry of the legend: the colour of a square or of a disc, and what it means.
+#[derive(Debug)]
+pub(crate) struct Entry {
+    pub(crate) colour: Option<Colour>,
+    pub(crate) text: String,
+}
+
+/// What the picture shows, in words.
+pub(crate) fn legend(scene: &Scene, islands: usize, lies_over: bool) -> Vec<Entry> {
+    let tiles = scene.tiles.map_or(1, |([across, up], _)| across * up);
+    let islands = if islands == 1 { "1 island".to_owned() } else { format!("{islands} islands") };
+    let fill = scene
+        .tiles
+        .map(|(_, fill)| format!("{:.1} % {}", 100.0 * fill, if tiles == 1 { "filled" } else { "filled on tiles" }));
+    let has = |positive: bool| scene.cones.iter().any(|cone| cone.positive == positive);
+    let cone = |positive: bool| colour_of(&Mark { vertex: 0, positive });
+    let entry = |colour, text: &str| Entry { colour, text: text.to_owned() };
+    let mut entries = vec![entry(None, &islands)];
+    entries.extend(fill.map(|text| entry(None, &text)));
+    entries.extend(has(true).then(|| entry(Some(cone(true)), "positive cone")));
+    entries.extend(has(false).then(|| entry(Some(cone(false)), "negative cone")));
+    entries.extend(lies_over.then(|| entry(Some(OVERLAP), "over itself")));
+    entries.extend((0..scene.uv.len()).any(|t| scene.is_flipped(t)).then(|| entry(Some(FLIPPED), "flipped")));
+    entries
+}
+
+fn draw_legend(canvas: &mut Canvas, entries: &[Entry], height: f64) {
+    let (mut x, y) = (MARGIN, height - LEGEND);
+    for entry in entries {
+        if let Some(colour) = entry.colour {
+            glyphs::square(canvas, [x, y], 7.0 * DOT, colour);
+            x += 10.0 * DOT;
+        }
+        glyphs::write(canvas, &entry.text, [x, y], DOT, INK);
+        x += DOT * (glyphs::width(&entry.text) + 12) as f64;
+    }
+}
+
+/// The colour of the checkerboard on an island, the quiet one where there are no others.
+pub(crate) fn tinted(colour: Colour, island: usize, count: usize) -> Colour {
+    if count > 1 { mix(colour, ISLANDS[island % ISLANDS.len()], TINT) } else { colour }
 }
 
 /// From the unit square to the page, whose y runs downwards.
 pub(crate) fn to_page(uv: [f64; 2], height: f64) -> ScreenPoint {
-    [MARGIN + LONG_SIDE * uv[0], height - MARGIN - LONG_SIDE * uv[1], 1.0]
+    [MARGIN + LONG_SIDE * uv[0], height - LEGEND - MARGIN - LONG_SIDE * uv[1], 1.0]
 }
 
 /// The colour of the checkerboard where it lies over something else.

@@ -1,7 +1,7 @@
 //! The layout as SVG: a few shapes, whatever the number of triangles.
 
-use super::colour::{CHECKER, Colour, INK, hex};
-use super::layout::{colour_of, cone_copies, disc, overlapping, size, to_page};
+use super::colour::{CHECKER, Colour, INK, ISLANDS, hex};
+use super::layout::{colour_of, cone_copies, disc, frame, legend, overlapping, size, tinted, to_page};
 use super::scene::Scene;
 use std::fmt::Write;
 
@@ -20,11 +20,21 @@ pub(crate) fn draw(scene: &Scene) -> String {
         let points: Vec<String> = outline.iter().map(|&uv| point(uv)).collect();
         format!("M{}Z", points.join("L"))
     };
-    let outline: String = scene.outline().iter().map(|o| path(o)).collect();
+    let (island, count) = scene.islands();
+    let kinds = if count > 1 { ISLANDS.len() } else { 1 };
+    let mut outlines = vec![String::new(); kinds];
+    for (triangle, outline) in scene.outlines() {
+        outlines[island[triangle] % kinds] += &path(&outline);
+    }
+    let fills: String = outlines.iter().enumerate().filter(|(_, outline)| !outline.is_empty()).map(|(k, outline)| {
+        format!(
+            "<path d=\"{outline}\" fill=\"url(#over{k})\"/>\n<path d=\"{outline}\" fill=\"url(#checker{k})\" fill-rule=\"evenodd\"/>\n"
+        )
+    }).collect();
+    let outline = outlines.concat();
     let mut svg = format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" width=\"{width}\" height=\"{height}\">\n{}\
-         <path d=\"{outline}\" fill=\"url(#over)\"/>\n<path d=\"{outline}\" fill=\"url(#checker)\" fill-rule=\"evenodd\"/>\n",
-        patterns(scene, height)
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" width=\"{width}\" height=\"{height}\">\n{}{fills}",
+        patterns(scene, height, count)
     );
     if scene.triangles.len() <= FINE {
         let sides: String = scene.uv.iter().map(|corners| path(corners)).collect();
@@ -37,6 +47,10 @@ pub(crate) fn draw(scene: &Scene) -> String {
         "<path d=\"{outline}\" fill=\"none\" stroke=\"{}\" stroke-width=\"2.2\" stroke-linejoin=\"round\"/>\n",
         hex(INK)
     );
+    for [from, to] in frame(scene) {
+        let _ = writeln!(svg, "<path d=\"M{}L{}\" stroke=\"{}\" opacity=\".5\"/>", point(from), point(to), hex(INK));
+    }
+    svg += &written_legend(scene, count, height);
     let copies = cone_copies(scene);
     let disc = disc(scene, copies.len());
     for (uv, cone) in copies {
@@ -53,12 +67,27 @@ pub(crate) fn draw(scene: &Scene) -> String {
     svg + "</svg>\n"
 }
 
-/// Two by two squares, repeated: as they are, and where the layout lies over itself.
-fn patterns(scene: &Scene, height: f64) -> String {
+/// A line of text below. Overlaps show in the picture itself, which does not know them.
+fn written_legend(scene: &Scene, islands: usize, height: f64) -> String {
+    let mut text = String::new();
+    for entry in legend(scene, islands, false) {
+        let colour = entry.colour.unwrap_or(INK);
+        let mark = if entry.colour.is_some() { "■ " } else { "" };
+        let _ = write!(text, "<tspan fill=\"{}\">{mark}</tspan><tspan>{}   </tspan>", hex(colour), entry.text);
+    }
+    format!(
+        "<text x=\"24\" y=\"{}\" font-family=\"sans-serif\" font-size=\"18\" fill=\"{}\" xml:space=\"preserve\">{text}</text>\n",
+        height - 22.0,
+        hex(INK)
+    )
+}
+
+/// Two by two squares, repeated, in the colours of islands: as they are, and where the layout lies over itself.
+fn patterns(scene: &Scene, height: f64, islands: usize) -> String {
     let [x, y, _] = to_page([0.0, 0.0], height);
     let side = to_page([1.0 / f64::from(scene.checker().squares), 0.0], height)[0] - x;
     let tile = 2.0 * side;
-    let pattern = |name: &str, [light, dark]: [Colour; 2]| {
+    let pattern = |name: String, [light, dark]: [Colour; 2]| {
         let (light, dark) = (hex(light), hex(dark));
         format!(
             "<pattern id=\"{name}\" patternUnits=\"userSpaceOnUse\" x=\"{x:.4}\" y=\"{y:.4}\" width=\"{tile:.4}\" height=\"{tile:.4}\">\
@@ -66,5 +95,10 @@ fn patterns(scene: &Scene, height: f64) -> String {
              <path fill=\"{dark}\" d=\"M0 0h{side:.4}v{side:.4}H0zM{side:.4} {side:.4}h{side:.4}v{side:.4}h-{side:.4}z\"/></pattern>\n"
         )
     };
-    format!("<defs>{}{}</defs>\n", pattern("checker", CHECKER), pattern("over", CHECKER.map(overlapping)))
+    let kinds = if islands > 1 { ISLANDS.len().min(islands) } else { 1 };
+    let both = |k: usize| {
+        let colours = CHECKER.map(|colour| tinted(colour, k, islands));
+        pattern(format!("checker{k}"), colours) + &pattern(format!("over{k}"), colours.map(overlapping))
+    };
+    format!("<defs>{}</defs>\n", (0..kinds).map(both).collect::<String>())
 }

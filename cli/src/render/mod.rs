@@ -7,6 +7,7 @@ mod camera;
 mod canvas;
 mod checker;
 mod colour;
+mod glyphs;
 mod layout;
 mod layout_svg;
 mod light;

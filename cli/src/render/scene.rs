@@ -12,7 +12,7 @@ pub(crate) struct Mark {
     pub(crate) positive: bool,
 }
 
-/// A surface scaled to unit size, with its texture coordinates scaled to the unit square.
+/// A surface scaled to unit size, with its texture coordinates scaled to the unit square, or so that its tiles fill that.
 #[derive(Debug)]
 pub(crate) struct Scene {
     pub(crate) points: Vec<Vec3>,
@@ -22,6 +22,8 @@ pub(crate) struct Scene {
     /// Chains of vertices.
     pub(crate) seams: Vec<Vec<u32>>,
     pub(crate) cones: Vec<Mark>,
+    /// How many tiles lie beside and above each other, and the islands' share of their area; nothing where it is not packed.
+    pub(crate) tiles: Option<([usize; 2], f64)>,
 }
 
 impl Scene {
@@ -36,7 +38,51 @@ impl Scene {
         let (low, extent) = extent(used());
         let points = points.iter().map(|&p| sub(p, low).map(|x| x / extent)).collect();
         let uv = to_unit_square(uv);
-        Self { points, triangles, uv, seams, cones }
+        Self { points, triangles, uv, seams, cones, tiles: None }
+    }
+
+    /// The same scene with texture coordinates that are packed: each tile is a unit square.
+    pub(crate) fn packed(self, mut uv: Vec<[[f64; 2]; 3]>, fill: f64) -> Self {
+        let count = |axis: usize| {
+            let last = uv.iter().flatten().map(|p| p[axis]).fold(0.0, f64::max);
+            (last - 1e-9).ceil().max(1.0) as usize
+        };
+        let tiles = [count(0), count(1)];
+        let size = tiles[0].max(tiles[1]) as f64;
+        uv.as_flattened_mut().iter_mut().for_each(|p| *p = p.map(|x| x / size));
+        Self { uv, tiles: Some((tiles, fill)), ..self }
+    }
+
+    /// The island of each triangle, largest first, and how many there are.
+    pub(crate) fn islands(&self) -> (Vec<usize>, usize) {
+        let mut of_side = HashMap::with_capacity(3 * self.triangles.len());
+        for triangle in 0..self.triangles.len() {
+            for corner in 0..3 {
+                of_side.insert((self.key(triangle, corner), self.key(triangle, (corner + 1) % 3)), triangle);
+            }
+        }
+        let mut island = vec![usize::MAX; self.triangles.len()];
+        let mut areas: Vec<f64> = Vec::new();
+        for seed in 0..self.triangles.len() {
+            let mut waiting = vec![seed];
+            while let Some(t) = waiting.pop() {
+                if island[t] != usize::MAX {
+                    continue;
+                }
+                if t == seed {
+                    areas.push(0.0);
+                }
+                island[t] = areas.len() - 1;
+                areas[island[t]] += self.area(t).abs();
+                let beyond = |k: usize| of_side.get(&(self.key(t, (k + 1) % 3), self.key(t, k))).copied();
+                waiting.extend((0..3).filter_map(beyond));
+            }
+        }
+        let mut order: Vec<usize> = (0..areas.len()).collect();
+        order.sort_by(|&a, &b| areas[b].total_cmp(&areas[a]));
+        let mut rank = vec![0; areas.len()];
+        order.iter().enumerate().for_each(|(k, &i)| rank[i] = k);
+        (island.into_iter().map(|i| rank[i]).collect(), areas.len())
     }
 
     /// The signed area of a triangle in the layout.
@@ -62,6 +108,11 @@ impl Scene {
 
     /// The outline of the layout as closed loops: where the surface ends or is cut. Pinched points are passed as they come.
     pub(crate) fn outline(&self) -> Vec<Vec<[f64; 2]>> {
+        self.outlines().into_iter().map(|(_, outline)| outline).collect()
+    }
+
+    /// The same, each loop with a triangle at it.
+    pub(crate) fn outlines(&self) -> Vec<(usize, Vec<[f64; 2]>)> {
         let mut open = self.open_sides();
         let mut starts: Vec<SeamSide> = open.values().flatten().copied().collect();
         starts.sort_unstable_by_key(|side| (side.triangle, side.corner));
@@ -74,7 +125,7 @@ impl Scene {
                 key = self.key(side.triangle, (side.corner + 1) % 3);
             }
             if !outline.is_empty() {
-                loops.push(outline);
+                loops.push((start.triangle, outline));
             }
         }
         loops

@@ -93,6 +93,7 @@ pub(crate) struct Times {
     pub(crate) scale: Option<f64>,
     pub(crate) layout: Option<f64>,
     pub(crate) islands: Option<f64>,
+    pub(crate) pack: Option<f64>,
     pub(crate) measure: Option<f64>,
     pub(crate) write: Option<f64>,
     pub(crate) draw: Option<f64>,
@@ -186,6 +187,7 @@ impl Times {
                 Stage::Scale => &mut self.scale,
                 Stage::Layout => &mut self.layout,
                 Stage::Islands => &mut self.islands,
+                Stage::Pack => &mut self.pack,
                 _ => continue,
             };
             let time = stages.of(stage).as_secs_f64();
@@ -213,6 +215,7 @@ impl Times {
             ("scale", self.scale),
             ("layout", self.layout),
             ("islands", self.islands),
+            ("pack", self.pack),
             ("measure", self.measure),
             ("write", self.write),
             ("draw", self.draw),

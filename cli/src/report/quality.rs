@@ -36,7 +36,10 @@ impl Quality {
         };
         let overlaps = uv::overlaps(uv);
         Ok(Self {
-            distortion: DistortionReport::new(&map, OverlapReport::new(&overlaps, uv), map.curvature_error(&cones)),
+            distortion: DistortionReport {
+                fill: uv::fill(uv),
+                ..DistortionReport::new(&map, OverlapReport::new(&overlaps, uv), map.curvature_error(&cones))
+            },
             overlapping: overlaps.triangles(),
             islands: map.islands.iter().map(IslandReport::from).collect(),
             first_flaw: map.first_flaw.map(Id::index),
@@ -58,6 +61,8 @@ pub(crate) struct DistortionReport {
     pub(crate) degenerate: usize,
     #[serde(flatten)]
     pub(crate) overlap: OverlapReport,
+    /// The triangles' areas over that of the tiles they are on, or of the smallest square about them.
+    pub(crate) fill: f64,
     /// Relative to the square root of the surface's area.
     pub(crate) seam_length: f64,
     /// The largest curvature off the cones, in radians.
@@ -112,6 +117,7 @@ impl DistortionReport {
             flipped: map.flipped,
             degenerate: map.degenerate,
             overlap,
+            fill: 0.0,
             seam_length: map.seam_length,
             curvature_error,
         }

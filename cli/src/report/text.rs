@@ -108,6 +108,7 @@ impl DistortionReport {
                     "{islands}, {flipped} flipped, {degenerate} degenerate, {overlap} overlapping, seams {seam_length:.2} √area"
                 ),
             ),
+            labelled("fill", &format!("{:.1} % of the square", 100.0 * self.fill)),
         ]
         .concat()
     }

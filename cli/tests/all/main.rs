@@ -10,6 +10,7 @@ mod finds;
 mod folder;
 mod hierarchy;
 mod limits;
+mod packing;
 mod seams;
 mod terminal;
 mod unwrapping;

@@ -46,6 +46,12 @@ impl Topology {
 pub struct Atlas {
     /// A position in the plane for each corner of the model. The total area is that of the surface.
     pub uv: Vec<[f64; 2]>,
+    /// What positions are multiplied by so that the tile is the unit square, or tiles are unit squares.
+    pub scale: f64,
+    /// How many tiles the islands are on.
+    pub tiles: usize,
+    /// The islands' areas, added up, over that of the tiles.
+    pub fill: f64,
     /// The triangles that were computed with, as corners of the model.
     pub triangles: Triangles,
     /// The triangles that belong to no surface (repeated vertices, copies); their corners have their vertices' positions.

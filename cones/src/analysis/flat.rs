@@ -1,6 +1,6 @@
 //! A component flattened with given cones: one attempt.
 
-use geom::{FaceId, HalfedgeId, VertexData, VertexId, angle_defects};
+use geom::{FaceId, VertexData, VertexId, angle_defects};
 
 use super::component::Component;
 use super::cones::Configuration;
@@ -31,14 +31,6 @@ pub(crate) struct Flat {
     /// Whether each inner vertex is a cone.
     pub(crate) is_unfolded: bool,
     pub(crate) notes: Vec<Note>,
-}
-
-impl Flat {
-    /// The position of a corner, in the model's unit of length.
-    pub(crate) fn position(&self, h: HalfedgeId) -> [f64; 2] {
-        let z = self.layout.corner(h) * self.size;
-        [z.re, z.im]
-    }
 }
 
 impl Component {

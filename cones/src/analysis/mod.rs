@@ -21,6 +21,7 @@ mod note;
 mod observer;
 mod options;
 mod order;
+mod packed;
 mod quality;
 mod unwrap;
 

@@ -33,11 +33,13 @@ pub enum Stage {
     Layout,
     /// What lies over itself, and how it is taken apart.
     Islands,
+    /// Islands packed into the square; it is told of as on the first component.
+    Pack,
 }
 
 impl Stage {
     /// All of them.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 9] = [
         Self::Prepare,
         Self::Factor,
         Self::Hierarchy,
@@ -46,6 +48,7 @@ impl Stage {
         Self::Scale,
         Self::Layout,
         Self::Islands,
+        Self::Pack,
     ];
 
     /// Its name in reports.
@@ -59,6 +62,7 @@ impl Stage {
             Self::Scale => "scale",
             Self::Layout => "layout",
             Self::Islands => "islands",
+            Self::Pack => "pack",
         }
     }
 }

@@ -3,6 +3,7 @@
 use crate::curvature::CurvatureRule;
 use crate::cut::{SeamOptions, Symmetry};
 use crate::placement::Placement;
+use crate::uv::{PackOptions, Rotations};
 
 /// How a model is made ready.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -32,6 +33,8 @@ pub struct Options {
     pub seams: SeamOptions,
     /// Whether curvatures are rounded to multiples of a texture's angle, so that it runs on across seams; those that are given are not.
     pub quantize: Option<Symmetry>,
+    /// How islands are packed.
+    pub packing: PackOptions,
 }
 
 /// What is done where a layout lies over itself. A flat metric can be laid out without a single fold-over and still do so, as a
@@ -47,6 +50,8 @@ pub enum Islands {
     /// ([`uv`](crate::uv)).
     #[default]
     OverlapFree,
+    /// The same, and it is cut further where islands then fill more of the square, within [`PackOptions::max_seam`].
+    Pack,
 }
 
 /// Which cones to use.
@@ -72,6 +77,16 @@ pub enum ConeChoice {
 }
 
 impl Options {
+    /// How islands are packed: those of a texture that runs on across seams are not turned out of its directions.
+    pub(crate) fn packing_for_texture(&self) -> PackOptions {
+        let rotations = match (self.quantize, self.packing.rotations) {
+            (Some(Symmetry::Fourfold), Rotations::Any) => Rotations::Quarter,
+            (Some(Symmetry::Sixfold), _) => Rotations::None,
+            (_, rotations) => rotations,
+        };
+        PackOptions { rotations, ..self.packing }
+    }
+
     /// The method that places so many cones on a component. A threshold of persistence speaks of extrema by persistence.
     pub(crate) fn placement_for(&self, count: usize) -> Placement {
         match self.cones {

@@ -13,11 +13,11 @@ use super::flat::Flat;
 use super::note::Note;
 use super::observer::{Stage, Task, Times};
 use super::options::{ConeChoice, Options};
+use super::packed::{Packed, packed};
 use super::{Analysis, each};
 use crate::cut::{ModelEdges, SeamFigures, SeamOptions, SeamPlan, Symmetry, Tiling};
 use crate::error::Error;
 use crate::placement::distortion_of;
-use crate::uv::{Motion, Triangle, shelve};
 
 /// A measured area distortion counts as within a target if it is when printed with two decimals.
 const ROUNDING: f64 = 0.005;
@@ -89,7 +89,7 @@ impl Analysis {
             Ok(flat)
         })?;
         let own = cones.notes.iter().filter(|note| note.component().is_none()).cloned().collect();
-        Ok(self.assemble(flats, own, (cones.number.clone(), cones.quantize), times))
+        self.assemble(flats, own, (cones.number.clone(), cones.quantize), options, &task, times)
     }
 
     /// Only this analysis' own cones can be flattened.
@@ -119,7 +119,7 @@ impl Analysis {
             component.part_islands(&mut flat, options.islands, &task, times)?;
             Ok(flat)
         })?;
-        Ok(self.assemble(flats, notes, (number, options.quantize), times))
+        self.assemble(flats, notes, (number, options.quantize), options, &task, times)
     }
 
     /// Where the seams of a component go.
@@ -159,17 +159,20 @@ impl Analysis {
         flats: Vec<Flat>,
         mut notes: Vec<Note>,
         (number, quantize): (Option<ChosenNumber>, Option<Symmetry>),
+        options: &Options,
+        task: &Task,
         mut times: Times,
-    ) -> Atlas {
+    ) -> Result<Atlas, Error> {
+        let Packed { corners, packing, islands, added } = packed(self.components(), &flats, options, task, &mut times)?;
         let began = Instant::now();
         let mut uv = vec![None; self.corner_vertices().len()];
+        corners.into_iter().for_each(|(corner, position)| uv[corner as usize] = Some(position));
         let (mut cones, mut seams, mut detached) = (Vec::new(), Vec::new(), Vec::new());
-        let mut islands = vec![None; self.triangles().len()];
+        let mut island = vec![None; self.triangles().len()];
+        islands.into_iter().for_each(|(triangle, number)| island[triangle as usize] = Some(number));
         let number = number.map(|number| self.measured(number, &flats));
         let mut curvature_error = 0.0_f64;
         let mut unfolded = 0;
-        let mut places = shelve(&self.islands(&flats)).into_iter();
-        let mut count = 0;
         let mut seam_figures = SeamFigures::default();
         let mut tiling = quantize.map(Tiling::none);
         notes.splice(0..0, self.notes().iter().cloned());
@@ -177,19 +180,10 @@ impl Analysis {
             let surface = &component.surface;
             curvature_error = curvature_error.max(flat.error);
             unfolded += usize::from(flat.is_unfolded);
-            let motions: Vec<Motion> = places.by_ref().take(flat.layout.cut.island_count()).collect();
-            for (f, &triangle) in surface.triangle.iter_ids() {
-                let island = flat.layout.cut.island(f);
-                islands[triangle as usize] = Some(count + island);
-                for h in surface.mesh.sides(f) {
-                    uv[surface.corner[h] as usize] = Some(motions[island as usize].of(flat.position(h)));
-                }
-            }
             seam_figures += SeamFigures::new(surface, &component.metric, &flat.seams);
             if let Some(tiling) = &mut tiling {
                 *tiling += Tiling::new(&surface.mesh, &flat.seams, &flat.layout, tiling.symmetry);
             }
-            count += motions.len() as u32;
             let of_model = |vertices: &[geom::VertexId]| vertices.iter().map(|&v| surface.vertex[v]).collect();
             seams.extend(flat.seams.chains.iter().map(|chain| -> Vec<u32> { of_model(&chain.vertices) }));
             detached.extend(flat.detached.iter().map(|&f| surface.triangle[f]));
@@ -203,13 +197,17 @@ impl Analysis {
         if let Some(Tiling { symmetry, seams, broken: broken @ 1.., .. }) = tiling {
             notes.push(Note::SeamsDoNotTile { symmetry, seams, broken });
         }
+        seams.extend(added.into_iter().map(|edge| edge.to_vec()));
         let uv = self.fill_corners(uv);
-        times.add(Stage::Layout, began.elapsed());
-        Atlas {
+        times.add(Stage::Pack, began.elapsed());
+        Ok(Atlas {
             uv,
+            scale: packing.scale,
+            tiles: packing.tiles,
+            fill: packing.fill,
             triangles: self.triangles().clone(),
             left_out: self.left_out().to_vec(),
-            islands,
+            islands: island,
             detached,
             cones,
             seams,
@@ -220,20 +218,7 @@ impl Analysis {
             unfolded,
             times,
             notes,
-        }
-    }
-
-    /// The triangles of each island, component by component.
-    fn islands(&self, flats: &[Flat]) -> Vec<Vec<Triangle>> {
-        let of_component = |(component, flat): (&Component, &Flat)| {
-            let mesh = &component.surface.mesh;
-            let mut islands = vec![Vec::new(); flat.layout.cut.island_count()];
-            for f in mesh.faces() {
-                islands[flat.layout.cut.island(f) as usize].push(mesh.sides(f).map(|h| flat.position(h)));
-            }
-            islands
-        };
-        self.components().iter().zip(flats).flat_map(of_component).collect()
+        })
     }
 
     /// Whether the map that was made meets the target that its number of cones was chosen for.

@@ -1,21 +1,24 @@
-//! Maps to the plane as they are painted on: what lies over itself, and how it is taken apart.
+//! Maps to the plane as they are painted on: what lies over itself, how it is taken apart, and how islands are packed.
+mod across;
 mod attach;
 mod chains;
+mod cut_for_fill;
 mod divide;
 mod map;
 mod motion;
 mod overlap;
+mod pack;
 mod part;
 mod separate;
-mod shelf;
 #[cfg(test)]
 mod tests;
 mod triangle;
 
+pub use cut_for_fill::{Part, cut_for_fill};
 pub use map::UvMap;
 pub use motion::Motion;
 pub use overlap::{NEGLIGIBLE_DEPTH, Overlap, Overlaps, overlaps, overlaps_watched};
+pub use pack::{IslandPlace, PackError, PackOptions, Packing, Rotations, Tiles, fill, pack};
 pub use part::{Parted, part};
 pub use separate::{Separation, separate};
-pub use shelf::shelve;
 pub use triangle::Triangle;

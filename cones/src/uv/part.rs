@@ -1,14 +1,13 @@
-//! A model's map, whoever made it, taken apart until nothing lies over anything else.
+//! A model's map, whoever made it, taken apart until no island lies over itself.
 
-use geom::{EdgeData, EdgeId, Mesh, Model, PrepareError, Prepared, Surface, Watch, prepare_watched};
+use geom::{EdgeData, EdgeId, Model, PrepareError, Prepared, Surface, Watch, prepare_watched};
 
 use super::map::UvMap;
-use super::motion::Motion;
 use super::overlap::{NEGLIGIBLE_DEPTH, Overlaps, overlaps_watched};
 use super::separate::separate;
 use super::triangle::Triangle;
 
-/// A model's map whose islands lie neither over themselves nor over each other.
+/// A model's map whose islands do not lie over themselves.
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct Parted {
@@ -26,19 +25,18 @@ pub struct Parted {
     pub added_seam: f64,
 }
 
-/// Cuts islands that lie over themselves, attaches what was cut off where the two sides of a seam are congruent, and places all islands
-/// anew: `place` is given the triangles of each and returns its motion, as [`shelve`](super::shelve) does. A map without any overlap
-/// comes back as it is, to the bit. `weld` merges vertices at the same place, as those along seams of many files are. Triangles that
+/// Cuts islands that lie over themselves, attaches what was cut off where the two sides of a seam are congruent. Islands stay where they were,
+/// so that they may lie over each other until they are packed ([`pack`](super::pack)). A map without any overlap comes back as it is, to the bit. `weld` merges vertices at the same place, as those along seams of many files are. Triangles that
 /// belong to no surface (of repeated vertices, copies) keep their positions unless another triangle has their corner.
 ///
 /// ```
-/// use cones::uv::{part, shelve};
+/// use cones::uv::part;
 /// use geom::Watch;
 /// // Two triangles of a strip, the second folded back over the first.
 /// let points = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0]];
 /// let model = geom::Model::from_triangles(points, &[[0, 1, 2], [2, 1, 3]])?;
 /// let [a, b, c] = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]];
-/// let parted = part(&model, &[a, b, c, c, b, a], false, shelve, Watch::NONE)?;
+/// let parted = part(&model, &[a, b, c, c, b, a], false, Watch::NONE)?;
 /// assert_eq!((parted.overlaps.pairs.len(), parted.island_count), (1, 2));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -48,13 +46,7 @@ pub struct Parted {
 ///
 /// # Panics
 /// If there is a corner without a position.
-pub fn part(
-    model: &Model,
-    uv: &[[f64; 2]],
-    weld: bool,
-    place: impl Fn(&[Vec<Triangle>]) -> Vec<Motion>,
-    watch: Watch,
-) -> Result<Parted, PrepareError> {
+pub fn part(model: &Model, uv: &[[f64; 2]], weld: bool, watch: Watch) -> Result<Parted, PrepareError> {
     let Prepared { surfaces, triangles, .. } = prepare_watched(model, weld, watch.within(0.0, 0.1))?;
     let images: Vec<Triangle> = triangles.corners.iter().map(|corners| corners.map(|c| uv[c as usize])).collect();
     let overlaps = overlaps_watched(&images, NEGLIGIBLE_DEPTH, |_| true, watch.within(0.1, 0.3))?;
@@ -79,24 +71,21 @@ pub fn part(
         parted.added_seam += done.added_seam / surface.scale;
         maps.push(done.map);
     }
-    let islands: Vec<Vec<Triangle>> = surfaces.iter().zip(&maps).flat_map(|(s, map)| islands(&s.mesh, map)).collect();
-    let moves = !parted.overlaps.pairs.is_empty();
-    let motions = if moves { place(&islands) } else { vec![Motion::NONE; islands.len()] };
     for (surface, map) in surfaces.iter().zip(&maps) {
-        parted.put(surface, map, &motions);
+        parted.put(surface, map);
     }
     Ok(parted)
 }
 
 impl Parted {
-    /// Writes down the positions of a surface's corners, its islands moved.
-    fn put(&mut self, surface: &Surface, map: &UvMap, motions: &[Motion]) {
+    /// Writes down the positions of a surface's corners.
+    fn put(&mut self, surface: &Surface, map: &UvMap) {
         let opened = map.opened(&surface.mesh);
         for (f, &triangle) in surface.triangle.iter_ids() {
             let island = self.island_count + opened.island(f) as usize;
             self.islands[triangle as usize] = Some(island as u32);
             for h in surface.mesh.sides(f) {
-                self.uv[surface.corner[h] as usize] = motions[island].of(map.position[h]);
+                self.uv[surface.corner[h] as usize] = map.position[h];
             }
         }
         self.island_count += opened.island_count();
@@ -108,12 +97,4 @@ fn lengths(surface: &Surface) -> EdgeData<f64> {
     let metric = surface.metric();
     let length = |e: EdgeId| if surface.diagonal[e] { f64::INFINITY } else { metric.length(e) };
     surface.mesh.edges().map(length).collect()
-}
-
-/// The triangles of each island.
-fn islands(mesh: &Mesh, map: &UvMap) -> Vec<Vec<Triangle>> {
-    let opened = map.opened(mesh);
-    let mut islands = vec![Vec::new(); opened.island_count()];
-    mesh.faces().for_each(|f| islands[opened.island(f) as usize].push(map.triangle(mesh, f)));
-    islands
 }

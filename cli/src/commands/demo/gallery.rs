@@ -25,7 +25,7 @@ pub(crate) fn text(shapes: &[&str]) -> String {
     let sections: String = shapes.iter().map(section).collect();
     format!(
         "{MARK}<meta charset=\"utf-8\"><title>cones demo</title><style>{STYLE}</style>\n<h1>Unwrapped by cones</h1>\n\
-         <p>Blue: cones of positive curvature; red: of negative. Dark lines: seams.</p>\n{sections}"
+         <p>Blue: cones of positive curvature; red: of negative. Dark lines: seams. Layouts: packed into the square of their texture.</p>\n{sections}"
     )
 }
 

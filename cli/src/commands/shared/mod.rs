@@ -3,6 +3,7 @@
 mod checker;
 mod choice;
 mod numbers;
+mod pack_args;
 mod seams;
 mod unwrapped;
 mod warn;
@@ -11,7 +12,8 @@ mod welded;
 pub(crate) use checker::CheckerFiles;
 pub(crate) use choice::CandidateArgs;
 pub(crate) use numbers::{non_negative, vertex_count};
+pub(crate) use pack_args::PackArgs;
 pub(crate) use seams::SeamArgs;
-pub(crate) use unwrapped::{Scale, Unwrapped, corner_uv, scaled};
+pub(crate) use unwrapped::{Scale, Unwrapped, corner_uv};
 pub(crate) use warn::warn;
 pub(crate) use welded::{split_vertices, welded};

@@ -17,7 +17,7 @@ use std::time::Instant;
 /// Size of the texture coordinates.
 #[derive(Clone, Copy, Debug, ValueEnum)]
 pub(crate) enum Scale {
-    /// From 0 to 1: the layout's longer side is 1
+    /// The islands' tile is the unit square, or their tiles are unit squares
     Unit,
     /// Areas in the layout are areas on the surface
     Area,
@@ -56,7 +56,7 @@ impl Unwrapped {
         let atlas = analysis.atlas(&options).map_err(failed)?;
         progress.step("measure");
         let start = Instant::now();
-        let uv = scaled(&atlas.uv, scale);
+        let uv = scaled(&atlas, scale);
         let triangles = kept(&atlas);
         let mut cones: Vec<u32> = atlas.cones.iter().map(|cone| cone.vertex).collect();
         let (mut kept, corners) = (vertices(&model, &triangles), corner_uv(&triangles, &uv));
@@ -109,13 +109,9 @@ impl Unwrapped {
     pub(crate) fn scene(&self) -> Scene {
         let triangles = kept(&self.atlas);
         let cones = self.atlas.cones.iter().map(|c| Mark { vertex: c.vertex, positive: c.curvature >= 0.0 }).collect();
-        Scene::new(
-            self.model.points(),
-            vertices(&self.model, &triangles),
-            corner_uv(&triangles, &self.uv),
-            self.atlas.seams.clone(),
-            cones,
-        )
+        let uv = corner_uv(&triangles, &scaled(&self.atlas, Scale::Unit));
+        let (triangles, seams) = (vertices(&self.model, &triangles), self.atlas.seams.clone());
+        Scene::new(self.model.points(), triangles, uv.clone(), seams, cones).packed(uv, self.atlas.fill)
     }
 
     /// Its report; `times` are those of reading, writing and drawing.
@@ -145,17 +141,17 @@ pub(crate) fn corner_uv(triangles: &[[u32; 3]], uv: &[[f64; 2]]) -> Vec<[[f64; 2
     triangles.iter().map(|t| t.map(|c| uv[c as usize])).collect()
 }
 
-/// The texture coordinates as they are to be written: from (0, 0) on, and in the unit square where that is asked.
-pub(crate) fn scaled(uv: &[[f64; 2]], scale: Scale) -> Vec<[f64; 2]> {
-    let (low, size) = extent(uv.iter().copied());
+/// The texture coordinates as they are to be written: in the unit square, or from (0, 0) on where that is asked.
+fn scaled(atlas: &Atlas, scale: Scale) -> Vec<[f64; 2]> {
+    let (low, _) = extent(atlas.uv.iter().copied());
     let place = |uv: [f64; 2]| -> [f64; 2] {
         match scale {
-            Scale::Unit => std::array::from_fn(|i| (uv[i] - low[i]) / size),
+            Scale::Unit => uv.map(|x| x * atlas.scale),
             Scale::Area => std::array::from_fn(|i| uv[i] - low[i]),
             Scale::None => uv,
         }
     };
-    uv.iter().map(|&uv| place(uv)).collect()
+    atlas.uv.iter().map(|&uv| place(uv)).collect()
 }
 
 /// What is wrong with the triangles of a map.

@@ -1,0 +1,116 @@
+//! `cones pack`: the islands of any unwrapped OBJ or PLY, packed.
+
+use crate::commands::shared::{PackArgs, corner_uv};
+use crate::error::CommandError;
+use crate::report::SCHEMA;
+use crate::report::table::{labelled, thousands};
+use crate::{input, output};
+use clap::Args;
+use cones::uv::{Packing, fill, pack};
+use geom::distortion::{Distortion, measure};
+use geom::io::{ObjContent, write_obj, write_ply};
+use geom::vector::normal;
+use geom::{Model, Watch};
+use serde::Serialize;
+use std::path::PathBuf;
+
+/// Islands are moved rigidly and scaled alike. Islands that lie over each other, mirrored halves that share their texture
+/// for example, get a place each.
+#[derive(Args, Debug)]
+pub(crate) struct PackCommandArgs {
+    /// A surface with texture coordinates: OBJ or PLY
+    #[arg(value_name = "UV")]
+    input: PathBuf,
+    /// Where to write it packed: .obj or .ply; an OBJ's other lines are kept
+    #[arg(short, long, value_name = "OUT")]
+    output: PathBuf,
+    #[command(flatten)]
+    packing: PackArgs,
+    /// Print JSON in place of the text
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Debug, Serialize)]
+struct PackReport {
+    schema: u32,
+    input: String,
+    islands: usize,
+    tiles: usize,
+    /// The share of the tiles that is covered, before and after.
+    fill_before: f64,
+    fill: f64,
+    /// Texels between islands.
+    margin: f64,
+}
+
+pub(crate) fn run(args: &PackCommandArgs) -> Result<(), CommandError> {
+    output::extension(&args.output, &["obj", "ply"])?;
+    output::check(&[&args.input], &[&args.output])?;
+    let (model, _) = input::read_model(&args.input)?;
+    let no_texture = || CommandError::NoTexture(args.input.clone());
+    let uv = model.uv().ok_or_else(no_texture)?.all().map_err(|_| no_texture())?;
+    let triangles = model.triangles();
+    let corners = corner_uv(&triangles.corners, &uv);
+    let measured = measure(model.points(), &triangles.vertices(&model), &corners)
+        .map_err(|error| CommandError::Measure { path: args.input.clone(), error })?;
+    let packing = packing(args, &model, &corners, &measured)?;
+    let mut placed = uv;
+    for (t, &island) in triangles.corners.iter().zip(measured.triangle_island.iter()) {
+        t.iter().zip(corner_of(&model, t)).for_each(|(&c, p)| placed[c as usize] = packing.place(island as usize, p));
+    }
+    write(args, &model, &placed)?;
+    let report = PackReport {
+        schema: SCHEMA,
+        input: args.input.display().to_string(),
+        islands: measured.islands.len(),
+        tiles: packing.tiles,
+        fill_before: fill(&corners),
+        fill: packing.fill,
+        margin: packing.margin,
+    };
+    if args.json { output::print_json(&report) } else { output::summary(&text(&report, args)) }
+}
+
+/// The texture coordinates that the file has at corners of the model.
+fn corner_of(model: &Model, corners: &[u32; 3]) -> [[f64; 2]; 3] {
+    corners.map(|c| model.uv().and_then(|uv| uv.corner(c as usize)).unwrap_or_default())
+}
+
+fn packing(
+    args: &PackCommandArgs,
+    model: &Model,
+    uv: &[[[f64; 2]; 3]],
+    measured: &Distortion,
+) -> Result<Packing, CommandError> {
+    let vertices = model.triangles().vertices(model);
+    let on_surface: f64 = vertices.iter().map(|t| area(t.map(|v| model.points()[v as usize]))).sum();
+    let in_plane: f64 = uv.iter().map(|t| area(t.map(|[x, y]| [x, y, 0.0]))).sum();
+    let options = args.packing.options((on_surface / in_plane).sqrt());
+    let failed = |error| CommandError::Pack { path: args.input.clone(), error };
+    pack(uv, &measured.triangle_island, &options, Watch::NONE).map_err(failed)
+}
+
+fn area(corners: [[f64; 3]; 3]) -> f64 {
+    0.5 * geom::vector::length(normal(corners))
+}
+
+fn write(args: &PackCommandArgs, model: &Model, uv: &[[f64; 2]]) -> Result<(), CommandError> {
+    match output::extension(&args.output, &["obj", "ply"])? {
+        "ply" => output::write(&args.output, |out| write_ply(model, Some(uv), None, out)),
+        _ => {
+            let content = ObjContent { uv: Some(uv), ..ObjContent::default() };
+            output::write(&args.output, |out| write_obj(model, &content, out))
+        }
+    }
+}
+
+fn text(report: &PackReport, args: &PackCommandArgs) -> String {
+    let tiles = if report.tiles == 1 { "the unit square".to_owned() } else { format!("{} tiles", report.tiles) };
+    let islands =
+        if report.islands == 1 { "1 island".to_owned() } else { format!("{} islands", thousands(report.islands)) };
+    let (before, after) = (100.0 * report.fill_before, 100.0 * report.fill);
+    let fill = format!("{after:.1} % of {tiles} ({before:.1} % before), {:.3} texels apart", report.margin);
+    let written = args.output.display().to_string();
+    [labelled("islands", &islands), labelled("fill", &fill), labelled("written", &written)].concat()
+}

@@ -1,0 +1,51 @@
+//! The options of packing islands.
+
+use super::numbers::non_negative;
+use clap::{Args, ValueEnum};
+use cones::uv::{PackOptions, Rotations, Tiles};
+
+/// How islands are packed.
+#[derive(Args, Debug)]
+pub(crate) struct PackArgs {
+    /// How many texels islands keep from each other, and half as many from the border
+    #[arg(long, value_name = "TEXELS", value_parser = non_negative, default_value_t = PackOptions::default().margin)]
+    margin: f64,
+    /// The side of the texture in texels
+    #[arg(long, value_name = "TEXELS", default_value_t = PackOptions::default().texture_size)]
+    texture_size: u32,
+    /// How islands may be turned
+    #[arg(long, value_enum, default_value_t = RotationsName::Any)]
+    rotations: RotationsName,
+    /// Put islands of a given size on as many tiles as they need, 1001 and on
+    #[arg(long, requires = "texel_density")]
+    udim: bool,
+    /// Texels for each unit of length on the surface, for --udim
+    #[arg(long, value_name = "D", value_parser = non_negative, requires = "udim")]
+    texel_density: Option<f64>,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum RotationsName {
+    /// By any angle
+    Any,
+    /// By quarters
+    Quarter,
+    /// Not at all
+    None,
+}
+
+impl PackArgs {
+    /// The library's options; `unit` is the length on the surface of a unit of the islands' plane.
+    pub(crate) fn options(&self, unit: f64) -> PackOptions {
+        let rotations = match self.rotations {
+            RotationsName::Any => Rotations::Any,
+            RotationsName::Quarter => Rotations::Quarter,
+            RotationsName::None => Rotations::None,
+        };
+        let tiles = match self.texel_density {
+            Some(density) => Tiles::Udim { texel_density: density * unit },
+            None => Tiles::One,
+        };
+        PackOptions { texture_size: self.texture_size, margin: self.margin, rotations, tiles, ..PackOptions::default() }
+    }
+}

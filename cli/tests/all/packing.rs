@@ -1,0 +1,63 @@
+//! `pack`, and the options of packing that `unwrap` has.
+
+use crate::folder::{Folder, stdout};
+
+/// Two squares of different sizes that share a place in texture space, one of them a quadrilateral, with what else an OBJ says.
+const SQUARES: &str = "# two squares\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 5 0 0\nv 8 0 0\nv 8 3 0\nv 5 3 0\n\
+    vt 0 0\nvt 0.1 0\nvt 0.1 0.1\nvt 0 0.1\nvt 0.3 0\nvt 0.3 0.3\nvt 0 0.3\n\
+    usemtl stone\nf 1/1 2/2 3/3 4/4\nf 5/1 6/5 7/6\nf 5/1 7/6 8/7\n";
+
+#[test]
+fn a_map_of_any_origin_is_packed_and_its_file_kept() {
+    let folder = Folder::new();
+    folder.write("in.obj", SQUARES);
+    let done = folder.run(&["pack", "in.obj", "-o", "out.obj"]).success();
+    assert!(stdout(&done).contains("2 islands") || stdout(&done).contains("islands   2"), "{}", stdout(&done));
+    let packed = folder.read("out.obj");
+    assert!(packed.contains("# two squares") && packed.contains("usemtl stone"), "{packed}");
+    let quads = packed.lines().filter(|line| line.starts_with("f ") && line.split_whitespace().count() == 5);
+    assert_eq!(quads.count(), 1, "{packed}");
+    let measured = |file: &str| -> serde_json::Value {
+        serde_json::from_str(&stdout(&folder.run(&["measure", file, "--json"]).success())).expect("it is JSON")
+    };
+    let [before, after] = ["in.obj", "out.obj"].map(|file| measured(file)["distortion"].clone());
+    assert!(before["overlap"].as_f64() > Some(0.1) && after["overlap"] == 0.0, "islands that shared a place lie apart");
+    assert!(after["fill"].as_f64() > Some(0.5), "{after}");
+    for key in ["area_mean", "u_l2", "seam_length"] {
+        let [a, b] = [&before, &after].map(|d| d[key].as_f64().expect("a number"));
+        assert!((a - b).abs() < 1e-12, "{key}: {a} {b}");
+    }
+}
+
+#[test]
+fn tiles_are_filled_at_the_density_that_is_asked_for() {
+    let folder = Folder::new();
+    folder.write("in.obj", SQUARES);
+    let report = |density: &str| -> serde_json::Value {
+        let args = ["pack", "in.obj", "-o", "out.obj", "--udim", "--texel-density", density, "--json"];
+        serde_json::from_str(&stdout(&folder.run(&args).success())).expect("it is JSON")
+    };
+    assert_eq!(report("100")["tiles"], 1);
+    assert_eq!(report("330")["tiles"], 2);
+    let complaint = folder.complaint(&["pack", "in.obj", "-o", "out.obj", "--udim", "--texel-density", "500"]);
+    assert!(complaint.contains("too large"), "{complaint}");
+    folder.run(&["pack", "in.obj", "-o", "out.obj", "--udim"]).code(2);
+}
+
+#[test]
+fn further_cuts_fill_more_and_keep_to_their_share() {
+    let folder = Folder::with_shapes();
+    let report = |share: &str| {
+        let args = ["unwrap", "hare.obj", "-n", "8", "-o", "out.obj", "--report", "r.json", "--layout", "l.svg"];
+        folder.run(&[&args[..], &["--max-seam", share]].concat()).success();
+        folder.json("r.json")["distortion"].clone()
+    };
+    let [plain, cut] = ["0", "0.2"].map(report);
+    let of = |d: &serde_json::Value, key: &str| d[key].as_f64().expect("a number");
+    assert!(of(&cut, "fill") >= of(&plain, "fill") - 0.01);
+    assert!(of(&cut, "seam_length") <= 1.2 * of(&plain, "seam_length") + 1e-9);
+    for key in ["area_mean", "u_l2"] {
+        assert!((of(&cut, key) - of(&plain, key)).abs() < 1e-12, "{key}");
+    }
+    assert!(folder.read("l.svg").contains("% filled"));
+}

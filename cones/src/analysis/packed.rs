@@ -1,0 +1,107 @@
+//! The islands of all components side by side.
+
+use geom::{CutMesh, EdgeData, Interrupted, Watch};
+
+use super::component::Component;
+use super::flat::Flat;
+use super::observer::{Stage, Task, Times};
+use super::options::{Islands, Options};
+use crate::error::Error;
+use crate::flatten::seam_lengths;
+use crate::uv::{PackOptions, Packing, Part, UvMap, cut_for_fill, pack};
+
+/// The islands of a model in the plane, each in the size of its surface.
+pub(crate) struct Packed {
+    /// The corner of the model and the position of each corner of a component's triangle.
+    pub(crate) corners: Vec<(u32, [f64; 2])>,
+    pub(crate) packing: Packing,
+    /// The island of each triangle of the model that is on a surface, numbered from 0 over all components.
+    pub(crate) islands: Vec<(u32, u32)>,
+    /// Edges that were cut for packing alone, as vertices of the model.
+    pub(crate) added: Vec<[u32; 2]>,
+}
+
+/// Packs the islands of flattened components.
+///
+/// # Errors
+/// If they cannot be packed as is asked, or the observer has said stop.
+pub(crate) fn packed(
+    components: &[Component],
+    flats: &[Flat],
+    options: &Options,
+    task: &Task,
+    times: &mut Times,
+) -> Result<Packed, Error> {
+    let cuts_further = options.islands == Islands::Pack;
+    let options = &options.packing_for_texture();
+    task.stage((Stage::Pack, 0), times, |watch| {
+        let maps: Vec<UvMap> = components.iter().zip(flats).map(|(component, flat)| map(component, flat)).collect();
+        let cuts = match cuts_further {
+            true => further_cuts(components, &maps, options, watch.within(0.0, 0.5))?,
+            false => maps.iter().map(|map| map.cut.clone()).collect(),
+        };
+        let (mut triangles, mut islands, mut corner, mut added) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+        let mut first = 0;
+        for ((component, map), cut) in components.iter().zip(&maps).zip(&cuts) {
+            let (surface, mesh) = (&component.surface, &component.surface.mesh);
+            let opened = CutMesh::open(mesh, cut);
+            triangles.extend(map.triangles(mesh));
+            islands.extend(mesh.faces().map(|f| first + opened.island(f)));
+            corner.extend(mesh.faces().map(|f| mesh.sides(f).map(|h| surface.corner[h])));
+            first += opened.island_count() as u32;
+            let new = mesh.edges().filter(|&e| cut[e] && !map.cut[e]);
+            added.extend(new.map(|e| mesh.ends(e).map(|v| surface.vertex[v])));
+        }
+        let packing = pack(&triangles, &islands, options, watch.within(0.5, 1.0))?;
+        let place = |(t, &island): (&[[f64; 2]; 3], &u32)| t.map(|p| packing.unscaled(island as usize, p));
+        let placed = triangles.iter().zip(&islands).map(place);
+        let corners = corner.into_iter().zip(placed).flat_map(|(c, t)| [0, 1, 2].map(|k| (c[k], t[k]))).collect();
+        let triangle = components.iter().flat_map(|component| component.surface.triangle.iter().copied());
+        let islands = triangle.zip(islands).collect();
+        Ok(Packed { corners, packing, islands, added })
+    })?
+}
+
+/// A component's layout in the size of its surface, open where it is cut.
+fn map(component: &Component, flat: &Flat) -> UvMap {
+    let (mesh, layout) = (&component.surface.mesh, &flat.layout);
+    let position = mesh.halfedges().map(|h| {
+        let z = layout.corner(h);
+        [flat.size * z.re, flat.size * z.im]
+    });
+    let is_cut = |e| {
+        let h = mesh.halfedge(e);
+        mesh.twin(h).is_some_and(|g| {
+            [(h, mesh.next(g)), (mesh.next(h), g)].iter().any(|&(a, b)| layout.cut.wedge(a) != layout.cut.wedge(b))
+        })
+    };
+    UvMap { position: position.collect(), cut: mesh.edges().map(is_cut).collect() }
+}
+
+/// Cuts within the share of the seams that may be added.
+fn further_cuts(
+    components: &[Component],
+    maps: &[UvMap],
+    options: &PackOptions,
+    watch: Watch,
+) -> Result<Vec<EdgeData<bool>>, Interrupted> {
+    let lengths: Vec<EdgeData<f64>> = components
+        .iter()
+        .map(|component| {
+            let lengths = seam_lengths(&component.surface, &component.metric);
+            lengths.iter().map(|l| l / component.surface.scale).collect()
+        })
+        .collect();
+    let parts: Vec<Part> = components
+        .iter()
+        .zip(maps)
+        .zip(&lengths)
+        .map(|((component, map), lengths)| Part { mesh: &component.surface.mesh, lengths, map })
+        .collect();
+    let seam = |part: &Part| -> f64 {
+        let cut = part.mesh.edges().filter(|&e| part.map.cut[e]).map(|e| part.lengths[e]);
+        cut.filter(|l| l.is_finite()).sum()
+    };
+    let whole: f64 = parts.iter().map(seam).sum();
+    cut_for_fill(&parts, options.max_seam * whole, options, watch)
+}

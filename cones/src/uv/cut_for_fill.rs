@@ -1,0 +1,214 @@
+//! Cuts that let islands fill a square better.
+//!
+//! A long bent island fills little of any square. Cut across where it is narrow, its pieces fill more. All short paths
+//! across the largest islands are compared by the rectangles about what they leave on either side ([`across`](super::across));
+//! the most promising are packed, roughly, and the one that gains most is cut, as long as it gains enough and
+//! the seam that may be added lasts. Nothing moves: whoever packs finds more islands.
+
+use geom::{EdgeData, EdgeId, Interrupted, Mesh, Watch};
+use rayon::prelude::*;
+
+use super::across::{Across, Paths, Side, Sweep};
+use super::map::UvMap;
+use super::pack::{PackOptions, rough_fill};
+
+/// So many cuts are made at most.
+const MOST_CUTS: usize = 6;
+/// So many of the largest islands may be cut, of those with at least this share of all area.
+const LARGEST: usize = 3;
+const LEAST_ISLAND: f64 = 0.1;
+/// Either side of a cut keeps at least this share of its island.
+const LEAST_SHARE: f64 = 0.04;
+/// So many paths are packed, half of them with the smallest rectangles, half with the smallest for their length.
+const TRIED: usize = 24;
+/// Of those that pass within this share of the island's extent of a better one, none is tried.
+const NEAR: f64 = 0.06;
+/// A cut must raise the fill by so much, and by so much more if it takes all of the seam that is left.
+const LEAST_GAIN: f64 = 0.012;
+const PRICE: f64 = 0.03;
+/// Where there are more islands, or so much is filled, cuts gain too little for what they cost: bones, 26 islands that fill
+/// .75, took 5 s for nothing.
+const MOST_ISLANDS: usize = 16;
+const ENOUGH: f64 = 0.72;
+
+/// A map of a part of a model, with the lengths of its edges in space: infinite where nothing may be cut.
+#[derive(Clone, Copy, Debug)]
+pub struct Part<'a> {
+    /// The surface.
+    pub mesh: &'a Mesh,
+    /// In one unit for all parts.
+    pub lengths: &'a EdgeData<f64>,
+    /// Where its triangles lie, in one unit for all parts.
+    pub map: &'a UvMap,
+}
+
+/// A cut that could be made.
+struct Trial<'a> {
+    part: usize,
+    island: usize,
+    sweep: &'a Sweep,
+    across: Across,
+}
+
+/// The edges to open maps along so that their islands, packed together, fill more of a square: those that are open, and
+/// paths across islands, up to `most` in length altogether. Islands stay disks; what is no disk is not cut.
+///
+/// Some 150 rough packings at most, and a sweep over the largest islands for each cut.
+///
+/// # Errors
+/// If it is stopped.
+pub fn cut_for_fill(
+    parts: &[Part],
+    most: f64,
+    options: &PackOptions,
+    watch: Watch,
+) -> Result<Vec<EdgeData<bool>>, Interrupted> {
+    let mut maps: Vec<UvMap> = parts.iter().map(|part| part.map.clone()).collect();
+    let mut left = most;
+    for round in 0..MOST_CUTS {
+        watch.ask(round as f64 / MOST_CUTS as f64)?;
+        let Some((part, edges, length)) = best_cut(parts, &maps, left, options) else { break };
+        edges.iter().for_each(|&e| maps[part].cut[e] = true);
+        left -= length;
+    }
+    Ok(maps.into_iter().map(|map| map.cut).collect())
+}
+
+/// The cut that gains most: its part, its edges, and its length.
+fn best_cut(parts: &[Part], maps: &[UvMap], left: f64, options: &PackOptions) -> Option<(usize, Vec<EdgeId>, f64)> {
+    let paths: Vec<Paths> =
+        parts.iter().zip(maps).map(|(part, map)| Paths::new(part.mesh, part.lengths, map)).collect();
+    if paths.iter().map(Paths::island_count).sum::<usize>() > MOST_ISLANDS {
+        return None;
+    }
+    // Each island's part and number in it, its triangles, and its outline.
+    let mut islands = Vec::new();
+    for (k, paths) in paths.iter().enumerate() {
+        for (i, faces) in paths.islands().into_iter().enumerate() {
+            let side = paths.side(&faces, |_| true);
+            islands.push((k, i, faces, side));
+        }
+    }
+    let whole: f64 = islands.iter().map(|(_, _, _, side)| side.area).sum();
+    islands.sort_by(|a, b| b.3.area.total_cmp(&a.3.area).then((a.0, a.1).cmp(&(b.0, b.1))));
+    let large = islands.iter().take(LARGEST).filter(|(_, _, _, side)| side.area > LEAST_ISLAND * whole).count();
+    let sweeps: Vec<Option<Sweep>> = islands[..large].iter().map(|(k, _, faces, _)| paths[*k].sweep(faces)).collect();
+    let mut trials = Vec::new();
+    for (island, sweep) in sweeps.iter().enumerate() {
+        let Some(sweep) = sweep else { continue };
+        let part = islands[island].0;
+        let extent = islands[island].3.area.sqrt();
+        let across = promising(paths[part].across(sweep, left, LEAST_SHARE), extent, left);
+        trials.extend(across.into_iter().map(|across| Trial { part, island, sweep, across }));
+    }
+    let outlines: Vec<&Side> = islands.iter().map(|(_, _, _, side)| side).collect();
+    let before = rough_fill(&outlines, options);
+    if before > ENOUGH {
+        return None;
+    }
+    let gain = |trial: &Trial| {
+        let sides = paths[trial.part].sides(trial.sweep, &trial.across);
+        let mut outlines = outlines.clone();
+        outlines.remove(trial.island);
+        outlines.extend(&sides);
+        rough_fill(&outlines, options) - before - PRICE * trial.across.length / left
+    };
+    let gains: Vec<f64> = trials.par_iter().map(gain).collect();
+    let best = (0..trials.len()).max_by(|&a, &b| gains[a].total_cmp(&gains[b]).then(b.cmp(&a)))?;
+    let Trial { part, across, .. } = &trials[best];
+    (gains[best] > LEAST_GAIN).then(|| (*part, paths[*part].edges(across), across.length))
+}
+
+/// The paths that are worth packing.
+fn promising(mut across: Vec<Across>, extent: f64, left: f64) -> Vec<Across> {
+    let mut chosen: Vec<Across> = Vec::new();
+    let far = |chosen: &[Across], path: &Across| {
+        let away = |q: &Across| (q.middle[0] - path.middle[0]).hypot(q.middle[1] - path.middle[1]);
+        chosen.iter().all(|q| away(q) > NEAR * extent)
+    };
+    for (is_by_length, count) in [(false, TRIED / 2), (true, TRIED)] {
+        // Half a tenth of what is left beside the length, lest the shortest of all paths win.
+        let price = |path: &Across| if is_by_length { path.length + 0.05 * left } else { 1.0 };
+        let measure = |path: &Across| (path.rectangles - 1.0) / price(path);
+        across.sort_by(|a, b| measure(a).total_cmp(&measure(b)));
+        for path in &across {
+            if chosen.len() < count && far(&chosen, path) {
+                chosen.push(path.clone());
+            }
+        }
+    }
+    chosen
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::uv::{fill, pack};
+
+    /// Three quarters of a ring, a grid of `n` by `m` squares, in the plane and in space.
+    fn arc(n: u32, m: u32) -> (Mesh, EdgeData<f64>, UvMap) {
+        let vertex = |i: u32, j: u32| i * (m + 1) + j;
+        let at = |v: u32| {
+            let angle = 4.7 * f64::from(v / (m + 1)) / f64::from(n);
+            let r = 0.7 + 0.3 * f64::from(v % (m + 1)) / f64::from(m);
+            [r * angle.cos(), r * angle.sin()]
+        };
+        let squares = (0..n).flat_map(|i| (0..m).map(move |j| (i, j)));
+        let triangles: Vec<[u32; 3]> = squares
+            .flat_map(|(i, j)| {
+                let [a, b, c, d] = [vertex(i, j), vertex(i, j + 1), vertex(i + 1, j + 1), vertex(i + 1, j)];
+                [[a, b, c], [a, c, d]]
+            })
+            .collect();
+        let mesh = Mesh::new(((n + 1) * (m + 1)) as usize, &triangles).unwrap();
+        let position: geom::HalfedgeData<[f64; 2]> = mesh.halfedges().map(|h| at(mesh.tail(h).0)).collect();
+        let length = |e: EdgeId| {
+            let [p, q] = mesh.ends(e).map(|v| at(v.0));
+            (p[0] - q[0]).hypot(p[1] - q[1])
+        };
+        let lengths = mesh.edges().map(length).collect();
+        let map = UvMap::new(&mesh, position);
+        (mesh, lengths, map)
+    }
+
+    fn packed(mesh: &Mesh, map: &UvMap, cut: &EdgeData<bool>) -> (usize, f64) {
+        let opened = geom::CutMesh::open(mesh, cut);
+        let island: Vec<u32> = mesh.faces().map(|f| opened.island(f)).collect();
+        let packing = pack(&map.triangles(mesh), &island, &PackOptions::default(), Watch::NONE).unwrap();
+        let placed = map
+            .triangles(mesh)
+            .iter()
+            .zip(&island)
+            .map(|(t, &i)| t.map(|p| packing.place(i as usize, p)))
+            .collect::<Vec<_>>();
+        assert!((fill(&placed) - packing.fill).abs() < 1e-9);
+        (opened.island_count(), packing.fill)
+    }
+
+    #[test]
+    fn a_bent_strip_is_cut_across_and_fills_more_within_what_may_be_added() {
+        let (mesh, lengths, map) = arc(120, 8);
+        let part = Part { mesh: &mesh, lengths: &lengths, map: &map };
+        let none = cut_for_fill(&[part], 0.0, &PackOptions::default(), Watch::NONE).unwrap();
+        assert_eq!(none, std::slice::from_ref(&map.cut));
+        let (_, before) = packed(&mesh, &map, &none[0]);
+        for most in [0.4, 0.8, 1.6] {
+            let cut = &cut_for_fill(&[part], most, &PackOptions::default(), Watch::NONE).unwrap()[0];
+            let added: f64 = mesh.edges().filter(|&e| cut[e]).map(|e| lengths[e]).sum();
+            assert!(added <= most * (1.0 + 1e-12), "{added}");
+            let (islands, after) = packed(&mesh, &map, cut);
+            // Each cut is as long as the strip is wide, .3.
+            assert_eq!(islands, 1 + (added / 0.3 + 0.5) as usize);
+            assert!(after > before + 0.1, "{before} {after}");
+        }
+    }
+
+    #[test]
+    fn edges_of_infinite_length_are_not_cut() {
+        let (mesh, lengths, map) = arc(60, 4);
+        let lengths: EdgeData<f64> = lengths.iter().map(|_| f64::INFINITY).collect();
+        let part = Part { mesh: &mesh, lengths: &lengths, map: &map };
+        let cut = cut_for_fill(&[part], 100.0, &PackOptions::default(), Watch::NONE).unwrap();
+        assert_eq!(cut, std::slice::from_ref(&map.cut));
+    }
+}

@@ -1,0 +1,236 @@
+//! Islands of a map, packed into the unit square or onto tiles.
+//!
+//! Each island is moved rigidly, and all are scaled alike, so that no measure of distortion changes. Where there is one, the
+//! smallest square about it is found exactly. Several are placed on a grid of bits, conservatively: islands may go into each
+//! other's holes and bays, in any of a few turns, and are a margin apart however coarse the grid. Where there are
+//! thousands, the small ones are put together to blocks first.
+//!
+//! Sources: greedy placement of bitmaps is what xatlas (J. Young) and Blender's packer do; what differs is that a whole row of places
+//! is tested with two shifted rows of bits for each run of cells ([`bin`]), that the margin is exact ([`raster`]), and that
+//! the side is searched with many orders ([`search`]). Nothing is mirrored.
+
+mod bin;
+mod block;
+mod fill;
+mod hull;
+mod island_place;
+mod options;
+mod outline;
+mod piece;
+mod raster;
+mod search;
+mod skyline;
+mod tiles;
+
+use geom::Watch;
+use num_complex::Complex64;
+
+pub use fill::fill;
+pub use island_place::IslandPlace;
+pub use options::{PackError, PackOptions, Rotations, Tiles};
+
+use super::across::Side;
+use block::{Block, blocks};
+use outline::{Outline, outlines};
+use piece::Piece;
+use search::{Effort, Put, smallest_square};
+use tiles::{MOST_TILES, Tiled, tiled};
+
+/// The margins of all islands may take this share of the square; where they would take more, they are narrower.
+const MOST_MARGINS: f64 = 0.15;
+/// The side of the square is guessed for the margins inside of blocks, at most so often.
+const GUESSES: u32 = 20;
+/// The side of a block of small islands over that of the tile that it goes on.
+const BLOCK_SIDE: f64 = 0.25;
+/// Rough packings turn pieces as if there were so many.
+const ROUGH_TURNS: usize = 100;
+
+/// Where islands go.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Packing {
+    /// The motion of each island.
+    pub places: Vec<IslandPlace>,
+    /// What lengths are multiplied by after that: on its tile everything is between 0 and 1.
+    pub scale: f64,
+    /// How many tiles there are.
+    pub tiles: usize,
+    /// The islands' areas, added up, over that of the tiles.
+    pub fill: f64,
+    /// How many texels islands are apart at least: what was asked for, or less where there are too many islands for that.
+    pub margin: f64,
+}
+
+impl Packing {
+    /// The texture coordinates of a point of an island.
+    ///
+    /// # Panics
+    /// If there is no such island.
+    pub fn place(&self, island: usize, p: [f64; 2]) -> [f64; 2] {
+        let motion = &self.places[island];
+        let q = motion.apply(p);
+        [0, 1].map(|k| self.scale * q[k] + motion.corner()[k])
+    }
+
+    /// The same in the size of the islands: a tile's side is 1 / [`scale`](Self::scale).
+    ///
+    /// # Panics
+    /// If there is no such island.
+    pub fn unscaled(&self, island: usize, p: [f64; 2]) -> [f64; 2] {
+        let motion = &self.places[island];
+        let q = motion.apply(p);
+        [0, 1].map(|k| q[k] + motion.corner()[k] / self.scale)
+    }
+}
+
+/// Packs islands, given as triangles in the plane and the number of the island of each, which count from 0.
+///
+/// ```
+/// use cones::uv::{PackOptions, pack};
+///
+/// let square = [[[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]], [[0.0, 0.0], [1.0, 1.0], [0.0, 1.0]]];
+/// let far = square.map(|t| t.map(|[x, y]| [x + 7.0, 0.25 * y]));
+/// let triangles = [square, far].concat();
+/// let packing = pack(&triangles, &[0, 0, 1, 1], &PackOptions::default(), geom::Watch::NONE)?;
+/// assert!(packing.fill > 0.6);
+/// let corner = packing.place(1, [7.0, 0.0]);
+/// assert!(corner.iter().all(|x| (0.0..=1.0).contains(x)));
+/// # Ok::<(), cones::uv::PackError>(())
+/// ```
+///
+/// Linear in the triangles but for what bounds the islands; the search takes a number of steps that depends on the number of
+/// islands only. What comes out depends on nothing but the input, not on the number of threads either.
+///
+/// # Errors
+/// If the lists differ in length, coordinates are not finite, options make no sense, an island is larger than a tile of the
+/// density that was asked for, or the work was stopped.
+pub fn pack(
+    triangles: &[[[f64; 2]; 3]],
+    island: &[u32],
+    options: &PackOptions,
+    watch: Watch,
+) -> Result<Packing, PackError> {
+    options.check()?;
+    if triangles.len() != island.len() {
+        return Err(PackError::Count { triangles: triangles.len(), islands: island.len() });
+    }
+    let (outlines, unit) = outlines(triangles, island, watch.within(0.0, 0.2))?;
+    let count = outlines.iter().filter(|outline| !outline.edges.is_empty()).count();
+    if count == 0 {
+        return Ok(Packing {
+            places: vec![IslandPlace::NONE; outlines.len()],
+            scale: 1.0,
+            tiles: 0,
+            fill: 0.0,
+            margin: options.margin,
+        });
+    }
+    let share = share(options, count);
+    let watch = watch.within(0.2, 1.0);
+    let (blocks, puts, [side, share]) = match options.tiles {
+        Tiles::One => in_square(&outlines, options, share, watch)?,
+        Tiles::Udim { texel_density } => {
+            let side = f64::from(options.texture_size) / texel_density / unit;
+            if !side.is_finite() {
+                return Err(PackError::Density(texel_density));
+            }
+            let (blocks, puts) = on_tiles(&outlines, options, (side, share), watch)?;
+            (blocks, puts, [side, share])
+        }
+    };
+    let tiles = puts.iter().map(|put| put.tile as usize + 1).max().unwrap_or(0);
+    let area: f64 = outlines.iter().map(|outline| outline.area).sum();
+    Ok(Packing {
+        places: places(&outlines, unit, &blocks, &puts),
+        scale: 1.0 / (side * unit),
+        tiles,
+        fill: area / (side * side) / tiles as f64,
+        margin: share * f64::from(options.texture_size),
+    })
+}
+
+/// How much of a square outlines fill, packed roughly: for comparing.
+pub(super) fn rough_fill(sides: &[&Side], options: &PackOptions) -> f64 {
+    let area: f64 = sides.iter().map(|side| side.area).sum();
+    let unit = area.sqrt();
+    let point = |[x, y]: [f64; 2]| Complex64::new(x / unit, y / unit);
+    let piece = |side: &&Side| {
+        let edges = side.edges.iter().map(|edge| edge.map(point)).collect();
+        let outline = Outline { edges, centre: [0.0; 2], area: side.area / area };
+        Piece::new(&outline, options.rotations, ROUGH_TURNS)
+    };
+    let pieces: Vec<Piece> = sides.iter().map(piece).collect();
+    match smallest_square(&pieces, share(options, pieces.len()), Effort::ROUGH, Watch::NONE) {
+        Ok((_, side)) if area > 0.0 => 1.0 / (side * side),
+        _ => 0.0,
+    }
+}
+
+/// The margin as a share of a tile's side.
+fn share(options: &PackOptions, islands: usize) -> f64 {
+    let asked = options.margin / f64::from(options.texture_size);
+    match options.tiles {
+        Tiles::One => asked.min((MOST_MARGINS / islands as f64).sqrt()),
+        Tiles::Udim { .. } => asked,
+    }
+}
+
+/// What is packed and where; the side of the square, and the share of it that margins take.
+type InSquare = (Vec<Block>, Vec<Put>, [f64; 2]);
+
+/// Packs into the smallest square. The margin inside of blocks depends on the side that comes out, so that is guessed until
+/// the guess is neither too small nor much too large.
+fn in_square(outlines: &[Outline], options: &PackOptions, share: f64, watch: Watch) -> Result<InSquare, PackError> {
+    let area: f64 = outlines.iter().map(|outline| outline.area).sum();
+    let mut guess = 1.5 * area.sqrt();
+    let mut growth = 1.0;
+    for round in 1.. {
+        let blocks = blocks(outlines, options.rotations, share * guess, f64::INFINITY);
+        let pieces: Vec<Piece> = blocks.iter().map(|block| block.piece.clone()).collect();
+        let (puts, side) = smallest_square(&pieces, share, Effort::FULL, watch)?;
+        let is_simple = blocks.iter().all(|block| block.members.len() == 1);
+        let is_enough = side <= guess && (side > 0.9 * guess || round > 2);
+        if is_simple || is_enough || round == GUESSES {
+            let kept = if is_simple { share } else { share * (guess / side).min(1.0) };
+            return Ok((blocks, puts, [side, kept]));
+        }
+        growth += 0.05;
+        guess = if side > guess { growth * side } else { 1.03 * side };
+    }
+    unreachable!("rounds end")
+}
+
+/// Packs onto tiles of a side in the outlines' unit.
+fn on_tiles(
+    outlines: &[Outline],
+    options: &PackOptions,
+    (side, share): (f64, f64),
+    watch: Watch,
+) -> Result<(Vec<Block>, Vec<Put>), PackError> {
+    let blocks = blocks(outlines, options.rotations, share * side, BLOCK_SIDE * side);
+    let pieces: Vec<Piece> = blocks.iter().map(|block| block.piece.clone()).collect();
+    match tiled(&pieces, side, share, watch)? {
+        Tiled::All(puts) => Ok((blocks, puts)),
+        Tiled::TooLarge(k) => Err(PackError::TooLarge {
+            island: blocks[k].members[0].island,
+            times: pieces[k].side / (1.0 - share) / side,
+        }),
+        Tiled::TooMany => Err(PackError::TooManyTiles(MOST_TILES)),
+    }
+}
+
+fn places(outlines: &[Outline], unit: f64, blocks: &[Block], puts: &[Put]) -> Vec<IslandPlace> {
+    let mut places = vec![IslandPlace::NONE; outlines.len()];
+    for (block, put) in blocks.iter().zip(puts) {
+        for member in &block.members {
+            let turn: Complex64 = put.turn * member.turn;
+            let to = (put.turn * member.to + put.to) * unit;
+            let from = outlines[member.island].centre;
+            places[member.island] = IslandPlace { turn: [turn.re, turn.im], from, to: [to.re, to.im], tile: put.tile };
+        }
+    }
+    places
+}
+
+#[cfg(test)]
+mod tests;

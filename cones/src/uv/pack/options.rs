@@ -1,0 +1,128 @@
+//! What may be asked of a packing, and why there is none.
+
+use geom::Interrupted;
+use thiserror::Error;
+
+/// How islands are packed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default))]
+pub struct PackOptions {
+    /// The side of the texture in texels, which [`margin`](Self::margin) is counted in.
+    pub texture_size: u32,
+    /// How many texels islands keep from each other; half as many from the border of their tile. 4 texels keep
+    /// bilinear filtering apart on the first three mipmaps, where they are 2, 1 and ½ a texel to either side.
+    pub margin: f64,
+    /// How islands may be turned.
+    pub rotations: Rotations,
+    /// How large they become, and on how many tiles.
+    pub tiles: Tiles,
+    /// The share by which seams may become longer so that islands fill more of the square, with
+    /// [`Islands::Pack`](crate::Islands::Pack).
+    pub max_seam: f64,
+}
+
+impl Default for PackOptions {
+    fn default() -> Self {
+        Self { texture_size: 1024, margin: 4.0, rotations: Rotations::Any, tiles: Tiles::One, max_seam: 0.1 }
+    }
+}
+
+/// How islands may be turned.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
+#[non_exhaustive]
+pub enum Rotations {
+    /// Not at all.
+    None,
+    /// By quarters.
+    Quarter,
+    /// By any angle.
+    #[default]
+    Any,
+}
+
+/// How large islands become, and on how many tiles.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
+#[non_exhaustive]
+pub enum Tiles {
+    /// As large as goes on one tile, the unit square.
+    #[default]
+    One,
+    /// Their scale is given, and they go on as many tiles as they need, numbered as UDIM does.
+    Udim {
+        /// Texels for each unit of length in the islands' plane.
+        texel_density: f64,
+    },
+}
+
+/// Why islands cannot be packed.
+#[derive(Clone, Debug, Error, PartialEq)]
+#[non_exhaustive]
+pub enum PackError {
+    /// The lists do not belong together.
+    #[error("there are {triangles} triangles but islands for {islands}")]
+    Count {
+        /// How many triangles there are.
+        triangles: usize,
+        /// For how many an island is given.
+        islands: usize,
+    },
+    /// A coordinate is infinite, NaN, or too large to measure with.
+    #[error(
+        "triangle {triangle} (counted from 0) has a texture coordinate that is not a finite number, or is beyond 1e300"
+    )]
+    NotFinite {
+        /// The triangle.
+        triangle: usize,
+    },
+    /// The margin leaves no room.
+    #[error(
+        "a margin of {margin} texels does not fit on a texture of {texture_size}: it must be at least 0 and less than a quarter of it"
+    )]
+    Margin {
+        /// What was asked for.
+        margin: f64,
+        /// The side of the texture.
+        texture_size: u32,
+    },
+    /// The share of the seams is negative or no number.
+    #[error("seams can become longer by a share of their length that is at least 0, but {0} is given")]
+    MaxSeam(f64),
+    /// The density is no positive number.
+    #[error("a texel density must be a positive number, but {0} is given")]
+    Density(f64),
+    /// An island is larger than a tile.
+    #[error(
+        "island {island} (counted from 0) does not fit on a tile: it is {times:.2} times too large; lower the texel density or cut it"
+    )]
+    TooLarge {
+        /// The island.
+        island: usize,
+        /// The side of the square that it takes over that of a tile.
+        times: f64,
+    },
+    /// More tiles than UDIM can number.
+    #[error("more than {0} tiles are needed: lower the texel density")]
+    TooManyTiles(usize),
+    /// The work was stopped.
+    #[error(transparent)]
+    Interrupted(#[from] Interrupted),
+}
+
+impl PackOptions {
+    /// Refuses what makes no sense.
+    pub(super) fn check(&self) -> Result<(), PackError> {
+        let Self { texture_size, margin, tiles, .. } = *self;
+        if !(margin >= 0.0 && 4.0 * margin < f64::from(texture_size)) {
+            return Err(PackError::Margin { margin, texture_size });
+        }
+        if !(self.max_seam >= 0.0 && self.max_seam.is_finite()) {
+            return Err(PackError::MaxSeam(self.max_seam));
+        }
+        match tiles {
+            Tiles::Udim { texel_density: d } if !(d > 0.0 && d.is_finite()) => Err(PackError::Density(d)),
+            _ => Ok(()),
+        }
+    }
+}

@@ -1,0 +1,114 @@
+//! What is moved as one: an island, or a block of small ones.
+
+use std::f64::consts::{FRAC_PI_2, TAU};
+
+use num_complex::Complex64;
+
+use super::hull::{Enclosing, convex_hull, enclosing};
+use super::island_place::{quarter, turn};
+use super::options::Rotations;
+use super::outline::Outline;
+
+/// So many turns are tried where islands are few, up to [`FEW`]; and so many where they are up to [`SOME`], or more. Time grows with
+/// them and with the islands; these keep both near the work that [`search`](super::search) allows. Other numbers were not tried.
+const TURNS: [u32; 3] = [32, 16, 8];
+const FEW: usize = 8;
+const SOME: usize = 64;
+
+/// Edges about a centre, in a common unit, and the turns that are worth trying, most promising first.
+#[derive(Clone, Debug)]
+pub(super) struct Piece {
+    pub(super) edges: Vec<[Complex64; 2]>,
+    pub(super) turns: Vec<Complex64>,
+    pub(super) area: f64,
+    /// The side of the smallest square that has it in one of its turns: the first of them.
+    pub(super) side: f64,
+}
+
+/// The turns of an island, and its rectangle in the turn where that is smallest.
+pub(super) struct Rectangle {
+    pub(super) turn: Complex64,
+    /// The lower left corner of the turned island.
+    pub(super) low: Complex64,
+    pub(super) extent: [f64; 2],
+}
+
+impl Piece {
+    /// An island among so many.
+    pub(super) fn new(outline: &Outline, rotations: Rotations, count: usize) -> Self {
+        let hull = hull(&outline.edges);
+        let turns = match rotations {
+            Rotations::None => vec![quarter(0)],
+            Rotations::Quarter => (0..4).map(quarter).collect(),
+            Rotations::Any => turns(&hull, count),
+        };
+        let [_, extent] = bounds(&hull, turns[0]);
+        Self { edges: outline.edges.clone(), turns, area: outline.area, side: extent.re.max(extent.im) }
+    }
+
+    /// A rectangle about its centre; `area` is what it holds.
+    pub(super) fn rectangle(extent: [f64; 2], area: f64, rotations: Rotations) -> Self {
+        let [w, h] = extent.map(|x| 0.5 * x);
+        let corners = [[-w, -h], [w, -h], [w, h], [-w, h]].map(|[x, y]| Complex64::new(x, y));
+        let edges = (0..4).map(|k| [corners[k], corners[(k + 1) % 4]]).collect();
+        let turns = if rotations == Rotations::None { vec![quarter(0)] } else { vec![quarter(0), quarter(1)] };
+        Self { edges, turns, area, side: extent[0].max(extent[1]) }
+    }
+}
+
+/// The smallest rectangle about an island, lying where it may be turned.
+pub(super) fn rectangle(outline: &Outline, rotations: Rotations) -> Rectangle {
+    let hull = hull(&outline.edges);
+    let mut turn = match rotations {
+        Rotations::Any => turned_to(best(&enclosing(&hull), Enclosing::area)),
+        _ => quarter(0),
+    };
+    let [low, extent] = bounds(&hull, turn);
+    if rotations != Rotations::None && extent.im > extent.re {
+        turn *= quarter(1);
+    }
+    let [low, extent] = if turn == quarter(0) { [low, extent] } else { bounds(&hull, turn) };
+    Rectangle { turn, low, extent: [extent.re, extent.im] }
+}
+
+fn hull(edges: &[[Complex64; 2]]) -> Vec<Complex64> {
+    convex_hull(edges.iter().flatten().copied().collect())
+}
+
+fn best(found: &[Enclosing], measure: fn(&Enclosing) -> f64) -> f64 {
+    found.iter().min_by(|a, b| measure(a).total_cmp(&measure(b))).map_or(0.0, |best| best.angle)
+}
+
+/// The turn after which a rectangle at an angle is upright.
+fn turned_to(angle: f64) -> Complex64 {
+    turn(-angle)
+}
+
+/// Those of the smallest square and the rectangles of least area and width, and evenly many between.
+fn turns(hull: &[Complex64], count: usize) -> Vec<Complex64> {
+    let found = enclosing(hull);
+    let number = TURNS[usize::from(count > FEW) + usize::from(count > SOME)];
+    let square = best(&found, Enclosing::side);
+    let area = best(&found, Enclosing::area);
+    let even = (0..number / 4).map(|k| area - f64::from(k) * TAU / f64::from(number));
+    let mut angles: Vec<f64> = Vec::new();
+    for angle in [square, area, best(&found, Enclosing::width)].into_iter().chain(even) {
+        let angle = angle.rem_euclid(FRAC_PI_2);
+        if angles.iter().all(|other| (other - angle).abs() > 1e-6) {
+            angles.push(angle);
+        }
+    }
+    // All of one quarter first, so that the first few are the different ones.
+    (0..4).flat_map(|k| angles.iter().map(move |&angle| quarter(k) * turned_to(angle))).collect()
+}
+
+/// The lower left corner and the extent after a turn.
+fn bounds(points: &[Complex64], turn: Complex64) -> [Complex64; 2] {
+    if points.is_empty() {
+        return [Complex64::default(); 2];
+    }
+    let turned = || points.iter().map(|z| z * turn);
+    let low = turned().fold([f64::INFINITY; 2], |low, z| [low[0].min(z.re), low[1].min(z.im)]);
+    let high = turned().fold([f64::NEG_INFINITY; 2], |high, z| [high[0].max(z.re), high[1].max(z.im)]);
+    [Complex64::new(low[0], low[1]), Complex64::new(high[0] - low[0], high[1] - low[1])]
+}
