@@ -15,11 +15,14 @@ pub(crate) enum EdgeFileError {
     Refused { path: PathBuf, line: usize, error: cones::Error },
 }
 
+/// An edge and its line.
+type Placed = ([u32; 2], usize);
+
 /// The edges of a file, each by its vertices and with its line, counted from 1.
 #[derive(Debug)]
 pub(crate) struct EdgeFile {
     path: PathBuf,
-    edges: Vec<([u32; 2], usize)>,
+    edges: Vec<Placed>,
 }
 
 impl EdgeFile {
@@ -46,7 +49,7 @@ impl EdgeFile {
 }
 
 /// The edges, or the number and text of the first line that is none.
-fn parse(text: &str) -> Result<Vec<([u32; 2], usize)>, (usize, String)> {
+fn parse(text: &str) -> Result<Vec<Placed>, (usize, String)> {
     let mut edges = Vec::new();
     for (i, line) in text.trim_start_matches('\u{feff}').lines().enumerate() {
         let words: Vec<&str> = line.split('#').next().unwrap_or("").split_whitespace().collect();

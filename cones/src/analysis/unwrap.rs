@@ -132,7 +132,7 @@ impl Analysis {
     ) -> Result<SeamPlan, Error> {
         let Component { index, surface, metric, .. } = component;
         let plan = |_: geom::Watch| SeamPlan::new(surface, metric, self.corner_vertices(), seams);
-        Ok(task.stage((Stage::Cut, *index), times, plan)?)
+        task.stage((Stage::Cut, *index), times, plan)
     }
 
     /// Edges must be edges of the model, and those that are to be cut not open already.

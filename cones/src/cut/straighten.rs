@@ -258,8 +258,8 @@ impl<'a> Straightener<'a> {
         let place = around.iter().position(|&g| g == h).expect("it starts there");
         let is_wall = |&g: &HalfedgeId| self.cut[mesh.edge(g)] || mesh.twin(g).is_none();
         if mesh.is_boundary_vertex(mesh.tail(h)) {
-            let from = around[..place].iter().rposition(|g| is_wall(g)).map_or(0, |k| k + 1);
-            let to = around[place..].iter().position(|g| is_wall(g)).map_or(around.len(), |k| place + k);
+            let from = around[..place].iter().rposition(is_wall).map_or(0, |k| k + 1);
+            let to = around[place..].iter().position(is_wall).map_or(around.len(), |k| place + k);
             return around[from..to].to_vec();
         }
         around.rotate_left(place);

@@ -6,9 +6,9 @@
 //! best with the others as they are; and in the places of those that went come pairs of one step up and one down (a single one
 //! with a boundary).
 //!
-//! Where a cone t goes from v to w the energy changes by 2 t (r(w) - r(v)) + t² (H_ww - H_vv), r the residual b + H q
-//! without the cone itself. What is not known without solving for w is H_ww; it varies little, so that w is looked for as if
-//! it were H_vv, and the change with the true one decides.
+//! Where a cone t goes from v to w the energy changes by 2 t (r(w) - r(v)) + t² (`H_ww` - `H_vv`), r the residual b + H q
+//! without the cone itself. What is not known without solving for w is `H_ww`; it varies little, so that w is looked for as if
+//! it were `H_vv`, and the change with the true one decides.
 
 use geom::{Interrupted, VertexId};
 
