@@ -56,6 +56,7 @@ fn bench(name: &str, model: &Model) {
     row("cut", flattened[Stage::Cut as usize]);
     row("scale", flattened[Stage::Scale as usize]);
     row("layout", flattened[Stage::Layout as usize]);
+    row("islands", flattened[Stage::Islands as usize]);
     let options = |placement| Options { cones: ConeChoice::Count(CONES), placement, ..Options::default() };
     for (name, placement) in [("all, by persistence", Placement::Persistence), ("all, refined", Placement::Refined)] {
         row(name, time(|| drop(unwrap_model(model, &options(placement)))));

@@ -52,6 +52,7 @@ fn every_key_of_every_json_output_is_on_the_page() {
     assert_documented("extract", &printed(&["extract", "hare.obj", "--json"]));
     assert_documented("measure", &printed(&["measure", "out.obj", "--reference", "hare.obj", "--json"]));
     assert_documented("pack", &printed(&["pack", "out.obj", "-o", "packed.obj", "--json"]));
+    assert_documented("islands", &printed(&["islands", "out.obj", "-o", "apart.obj", "--json"]));
     assert_documented("features", &printed(&["features", "hare.obj", "--json"]));
     assert_documented("persistence", &printed(&["persistence", "hare.obj", "--field", "height", "--json"]));
     folder.write("series.txt", "1\n3\n2\n4\n");

@@ -9,6 +9,7 @@ mod fields;
 mod finds;
 mod folder;
 mod hierarchy;
+mod islands;
 mod limits;
 mod packing;
 mod seams;

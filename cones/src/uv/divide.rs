@@ -361,9 +361,9 @@ impl<'a> Division<'a> {
     /// Counts anew after cuts.
     fn count(&mut self) {
         let parent = &self.cotree.parent;
-        for i in 0..parent.len() {
-            self.piece[i] =
-                if self.is_parted[i] || parent[i] as usize == i { i as u32 } else { self.piece[parent[i] as usize] };
+        for (i, &from) in parent.iter().enumerate() {
+            let is_root = self.is_parted[i] || from as usize == i;
+            self.piece[i] = if is_root { i as u32 } else { self.piece[from as usize] };
         }
         let piece = &self.piece;
         self.ways.retain(|way| piece[way.ends[0] as usize] == piece[way.ends[1] as usize]);

@@ -1,4 +1,15 @@
 //! Maps to the plane as they are painted on: what lies over itself, how it is taken apart, and how islands are packed.
+//!
+//! | for | there is |
+//! |---|---|
+//! | finding overlap | [`overlaps`]: the pairs of triangles, exactly, with depth and area |
+//! | a surface | [`separate`]: a [`UvMap`] cut and put together again until no island lies over itself |
+//! | a model | [`part`]: the same for all its surfaces |
+//! | painting | [`pack`]: islands moved rigidly into one square or onto tiles; [`cut_for_fill`]: cut further so that they fill more |
+//!
+//! Everything is for maps of any origin. Positions belong to corners. Islands move rigidly, so that scale and distortion
+//! stay.
+
 mod across;
 mod attach;
 mod chains;

@@ -76,7 +76,8 @@ impl Overlaps {
 /// assert_eq!(cones::uv::overlaps(&[lower, moved]).triangles(), [0, 1]);
 /// ```
 pub fn overlaps(uv: &[Triangle]) -> Overlaps {
-    overlaps_watched(uv, NEGLIGIBLE_DEPTH, |_| true, Watch::NONE).expect("only a watch interrupts")
+    // Only a watch interrupts.
+    overlaps_watched(uv, NEGLIGIBLE_DEPTH, |_| true, Watch::NONE).unwrap_or_default()
 }
 
 /// The pairs that overlap deeper than a share of the map's extent, of those that are `asked` for; watched. With a depth of 0
@@ -101,8 +102,9 @@ pub fn overlaps_watched(
         let mut found = Vec::new();
         if let Some(one) = tree.upright[f as usize] {
             tree.meeting(&one, |g| {
-                if g > f && asked([f, g]) {
-                    let other = tree.upright[g as usize].expect("only these are in the tree");
+                if g > f
+                    && let Some(other) = tree.upright[g as usize].filter(|_| asked([f, g]))
+                {
                     let depth = triangle::depth(&one, &other).filter(|depth| *depth > deeper_than * extent);
                     found.extend(depth.map(|depth| Overlap {
                         triangles: [f, g],

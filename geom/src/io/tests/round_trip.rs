@@ -27,7 +27,7 @@ fn assert_lines_are_kept(old: &[u8], new: &[u8]) {
     let is_used = Lines::joined(old).any(|line| begins(&line, &[b"l", b"surf"]) && line.text.contains(&b'/'));
     let others = |text, without_texture: bool| -> Vec<&[u8]> {
         let is_face = |line: &text::Line| line.words().next().is_some_and(obj::is_face);
-        let is_other = |line: &text::Line| !is_face(line) && !(without_texture && begins(line, &[b"vt"]));
+        let is_other = |line: &text::Line| !(is_face(line) || without_texture && begins(line, &[b"vt"]));
         Lines::joined(text).filter(is_other).map(|line| line.text).collect()
     };
     let mut old_lines = others(old, !is_used).into_iter().peekable();

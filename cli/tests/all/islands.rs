@@ -1,0 +1,166 @@
+//! Maps that lie over themselves: found, drawn, and taken apart; what is written is read again.
+
+use crate::folder::{Folder, stderr, stdout};
+use serde_json::Value;
+use std::fmt::Write;
+
+/// An OBJ of points in space with a map: a quadrilateral grid of `columns` by `rows`, whose vertices a function places.
+fn grid(columns: usize, rows: usize, place: impl Fn(usize, usize) -> ([f64; 3], [f64; 2])) -> String {
+    let mut text = String::new();
+    let all = || (0..=columns).flat_map(|i| (0..=rows).map(move |j| (i, j)));
+    for (i, j) in all() {
+        let [x, y, z] = place(i, j).0;
+        writeln!(text, "v {x:?} {y:?} {z:?}").unwrap();
+    }
+    for (i, j) in all() {
+        let [u, v] = place(i, j).1;
+        writeln!(text, "vt {u:?} {v:?}").unwrap();
+    }
+    for (i, j) in (0..columns).flat_map(|i| (0..rows).map(move |j| (i, j))) {
+        let corners = [(i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1)].map(|(i, j)| i * (rows + 1) + j + 1);
+        writeln!(text, "f {}", corners.map(|c| format!("{c}/{c}")).join(" ")).unwrap();
+    }
+    text
+}
+
+/// A ribbon that winds up as it goes round, and lies over itself seen from above, which is its map.
+fn spiral() -> String {
+    grid(120, 3, |i, j| {
+        let (angle, radius) = (0.17 * i as f64, 1.0 + 0.2 * j as f64);
+        let [x, y] = [radius * angle.cos(), radius * angle.sin()];
+        ([x, y, 0.1 * angle], [x, y])
+    })
+}
+
+fn printed(folder: &Folder, args: &[&str]) -> Value {
+    serde_json::from_str(&stdout(&folder.run(args).success())).expect("it is JSON")
+}
+
+#[test]
+fn a_spiral_is_found_and_taken_apart() {
+    let folder = Folder::new();
+    folder.write("spiral.obj", &spiral());
+    let args = ["measure", "spiral.obj", "--json", "--overlap-faces", "faces.txt", "--layout", "layout.svg"];
+    let measured = printed(&folder, &args);
+    let [share, pairs, depth] =
+        ["overlap", "overlap_pairs", "overlap_depth"].map(|key| measured["distortion"][key].as_f64().unwrap());
+    assert!(share > 0.9 && pairs > 100.0 && depth > 0.01, "{share} {pairs} {depth}");
+    let faces: Vec<usize> = folder.read("faces.txt").lines().map(|line| line.parse().unwrap()).collect();
+    assert!(faces.len() > 300 && faces.is_sorted() && faces.iter().all(|&face| face < 360));
+    assert!(folder.read("layout.svg").starts_with("<svg"));
+    let report = printed(&folder, &["islands", "spiral.obj", "-o", "apart.obj", "--json"]);
+    assert_eq!((&report["before"]["islands"], &report["after"]["islands"]), (&1.into(), &4.into()));
+    let after = printed(&folder, &["measure", "apart.obj", "--json"]);
+    assert_eq!(after["distortion"]["overlap_pairs"], 0);
+    assert_eq!(after["islands"].as_array().unwrap().len(), 4);
+    assert_eq!(after["distortion"]["flipped"], 0);
+    assert!(stdout(&folder.run(&["measure", "apart.obj"]).success()).contains("none overlapping"));
+}
+
+#[test]
+fn a_doubled_sheet_comes_apart_at_its_fold() {
+    let folder = Folder::new();
+    let fold = |i: usize| if i > 6 { 12 - i } else { i } as f64;
+    let sheet = grid(12, 4, |i, j| ([i as f64, j as f64, 0.0], [fold(i), j as f64]));
+    folder.write("folded.obj", &sheet);
+    let report = printed(&folder, &["islands", "folded.obj", "-o", "apart.obj", "--json"]);
+    assert_eq!((&report["after"]["islands"], &report["after"]["overlap_pairs"]), (&2.into(), &0.into()));
+    assert_eq!(report["left"], 0);
+}
+
+#[test]
+fn tiles_that_touch_stay_as_they_are() {
+    let folder = Folder::new();
+    folder.write("tiles.obj", &grid(9, 7, |i, j| ([i as f64, j as f64, 0.0], [i as f64 / 9.0, j as f64 / 7.0])));
+    let measured = printed(&folder, &["measure", "tiles.obj", "--json"]);
+    assert_eq!(
+        (&measured["distortion"]["overlap_pairs"], &measured["distortion"]["overlap"]),
+        (&0.into(), &0.0.into())
+    );
+    folder.run(&["islands", "tiles.obj", "-o", "same.obj"]).success();
+    let texture = |name: &str| -> Vec<String> {
+        folder.read(name).lines().filter(|line| line.starts_with("vt")).map(str::to_owned).collect()
+    };
+    let numbers = |lines: Vec<String>| -> Vec<f64> {
+        lines
+            .iter()
+            .flat_map(|line| line.split(' ').skip(1).map(|x| x.parse().unwrap()).collect::<Vec<f64>>())
+            .collect()
+    };
+    let (mut before, mut after) = (numbers(texture("tiles.obj")), numbers(texture("same.obj")));
+    before.sort_by(f64::total_cmp);
+    after.sort_by(f64::total_cmp);
+    assert_eq!(before, after, "to the bit");
+}
+
+#[test]
+fn unwrapping_leaves_no_overlap_unless_one_island_is_asked_for() {
+    let folder = Folder::new();
+    folder.run(&["shape", "hare", "--vertices", "900", "-o", "hare.obj"]).success();
+    let unwrap = |policy: &str| {
+        let args = ["unwrap", "hare.obj", "-n", "32", "-o", "out.obj", "--islands", policy, "--json"];
+        let done = folder.run(&args).success();
+        let report: Value = serde_json::from_str(&stdout(&done)).unwrap();
+        (report, stderr(&done))
+    };
+    let (single, said) = unwrap("single");
+    assert_eq!(single["policy"], "single");
+    assert_eq!(single["islands"].as_array().unwrap().len(), 1);
+    assert!(single["distortion"]["overlap_pairs"].as_u64().unwrap() > 0, "choose a hare that lies over itself");
+    assert!(said.contains("of the layout lies over itself"), "{said}");
+    assert_eq!(said.lines().count(), 1, "{said}");
+    let (free, said) = unwrap("overlap-free");
+    assert_eq!((&free["policy"], &free["distortion"]["overlap_pairs"]), (&"overlap-free".into(), &0.into()));
+    assert!(!said.contains("lies over itself") && free["times"]["islands"].as_f64().is_some(), "{said}");
+    let written = printed(&folder, &["measure", "out.obj", "--reference", "hare.obj", "--json"]);
+    assert_eq!(written["distortion"]["overlap_pairs"], 0);
+    assert_eq!(written["islands"], free["islands"]);
+    for key in ["flipped", "degenerate"] {
+        assert_eq!(written["distortion"][key], 0);
+    }
+    for key in ["area_mean", "u_l2"] {
+        let [a, b] = [&single, &free].map(|report| report["distortion"][key].as_f64().unwrap());
+        assert!((a - b).abs() < 1e-9, "islands move, their scale stays");
+    }
+}
+
+/// The same OBJ with a vertex of its own for each pair of a vertex and its texture coordinate, as many formats have it.
+fn split_along_seams(text: &str) -> String {
+    let of = |key: &str| -> Vec<Vec<&str>> {
+        text.lines().filter(|line| line.starts_with(key)).map(|line| line.split(' ').skip(1).collect()).collect()
+    };
+    let (points, texture, faces) = (of("v "), of("vt "), of("f "));
+    let mut pairs: Vec<&str> = faces.concat();
+    pairs.sort_unstable();
+    pairs.dedup();
+    let mut split = String::new();
+    for pair in &pairs {
+        let (v, vt) = pair.split_once('/').expect("faces have texture coordinates");
+        let [v, vt] = [v, vt].map(|index| index.parse::<usize>().expect("an index") - 1);
+        writeln!(split, "v {}\nvt {}", points[v].join(" "), texture[vt].join(" ")).unwrap();
+    }
+    for face in faces {
+        let corners = face.iter().map(|pair| pairs.binary_search(pair).expect("it is there") + 1);
+        writeln!(split, "f {}", corners.map(|c| format!("{c}/{c}")).collect::<Vec<_>>().join(" ")).unwrap();
+    }
+    split
+}
+
+#[test]
+fn figures_of_a_split_surface_are_those_of_the_welded_one() {
+    let folder = Folder::new();
+    folder.run(&["shape", "hare", "--vertices", "500", "-o", "hare.obj"]).success();
+    folder.run(&["unwrap", "hare.obj", "-n", "8", "-o", "out.obj"]).success();
+    folder.write("split.obj", &split_along_seams(&folder.read("out.obj")));
+    let whole = printed(&folder, &["measure", "out.obj", "--json"]);
+    let split = folder.run(&["measure", "split.obj", "--json"]).success();
+    assert!(stderr(&split).contains("--weld"), "it says that it cannot know");
+    let welded = printed(&folder, &["measure", "split.obj", "--weld", "--json"]);
+    let figures = |report: &Value| {
+        let faces: Vec<Value> = report["islands"].as_array().unwrap().iter().map(|i| i["faces"].clone()).collect();
+        (faces, (1e4 * report["distortion"]["seam_length"].as_f64().unwrap()).round())
+    };
+    assert_eq!(figures(&welded), figures(&whole));
+    let again = ["unwrap", "split.obj", "--weld", "-n", "8", "-o", "again.obj", "--json"];
+    assert_eq!(figures(&printed(&folder, &again)), figures(&whole), "and those of an unwrapping with --weld");
+}
