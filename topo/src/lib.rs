@@ -8,10 +8,10 @@
 //! let neighbors: Vec<Vec<usize>> = vec![vec![1], vec![0, 2], vec![1, 3], vec![2, 4], vec![3]];
 //! let height: Vec<f32> = vec![1.0, 5.0, 2.0, 9.0, 0.0];
 //! let graph = topo::Adjacency::new(&neighbors)?;
-//! for peak in &topo::superlevel(&graph, &height)? {
+//! for peak in topo::superlevel(&graph, &height)?.ranked() {
 //!     println!("vertex {} stands out by {}, saddle {:?}", peak.extremum, peak.persistence(), peak.saddle);
 //! }
-//! # assert_eq!(topo::superlevel(&graph, &height)?[1].saddle, Some(2));
+//! # assert_eq!(topo::superlevel(&graph, &height)?.ranked()[1].saddle, Some(2));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
@@ -36,7 +36,7 @@
 //! ```
 //! let [c, d, x, a_top, a, b_top, b] = [3.0, 9.0, 0.0, 4.0, 1.0, 6.0, 2.0];
 //! let valleys = topo::sublevel(&topo::Path::new(7), &[c, d, x, a_top, a, b_top, b])?;
-//! let lives: Vec<_> = valleys.iter().map(|valley| (valley.birth, valley.death(), valley.persistence())).collect();
+//! let lives: Vec<_> = valleys.ranked().iter().map(|valley| (valley.birth, valley.death(), valley.persistence())).collect();
 //! assert_eq!(lives, [(x, None, 9.0), (c, Some(d), 6.0), (b, Some(b_top), 4.0), (a, Some(a_top), 3.0)]);
 //! # Ok::<(), topo::Error>(())
 //! ```
@@ -107,15 +107,15 @@
 //!
 //! let graph = UnGraph::<(), ()>::from_edges(edges);
 //! let valleys = topo::sublevel(&graph, &field)?;
-//! assert_eq!(valleys[0].extremum, petgraph::graph::NodeIndex::new(2)); // 1, the lowest
-//! assert_eq!(valleys[1].death(), Some(7));
+//! assert_eq!(valleys[1].extremum, petgraph::graph::NodeIndex::new(2)); // 1, the lowest
+//! assert_eq!(valleys[0].death(), Some(7));
 //!
 //! let mut csr = Csr::<(), (), Undirected>::with_nodes(4);
 //! edges.into_iter().for_each(|(a, b)| drop(csr.add_edge(a, b, ())));
-//! assert_eq!(topo::sublevel(&csr, &field)?[1].saddle, Some(1));
+//! assert_eq!(topo::sublevel(&csr, &field)?[0].saddle, Some(1));
 //!
 //! let map = UnGraphMap::<&str, ()>::from_edges([("Ulm", "Bonn"), ("Bonn", "Kiel")]);
-//! assert_eq!(topo::superlevel(&map, &[478, 60, 5])?[0].extremum, "Ulm");
+//! assert_eq!(topo::superlevel(&map, &[478, 60, 5])?.top(1)[0].extremum, "Ulm");
 //!
 //! // The indices of a stable graph have holes; a plain graph made from it has none.
 //! let mut stable = StableUnGraph::<i32, ()>::default();
@@ -167,10 +167,12 @@ pub use features::{
     Branch, Diagram, Extremum, Hierarchy, LevelComponent, MergeTree, Node, Segmentation, isolation, merge_tree,
     segmentation, simplify,
 };
-pub use filtration::{Direction, Falling, Filtration, Kind, NanPolicy, Rising};
+#[doc(hidden)]
+pub use filtration::{Direction, Filtration};
+pub use filtration::{Kind, NanPolicy};
 pub use options::PersistenceOptions;
 #[doc(hidden)]
-pub use pairing::Merges;
+pub use pairing::{Basins, Merge, Pointing};
 pub use persistence::{Pair, Pairs, Persistence, persistence, sublevel, superlevel};
 pub use scalar::Scalar;
 

@@ -1,16 +1,20 @@
 //! What is made from the pairs: ranks, trees, basins, simpler fields, diagrams.
 
+mod attributes;
 mod branches;
 mod diagram;
 mod hierarchy;
 mod isolation;
+mod levels;
 mod merge_tree;
 mod segmentation;
 mod simplify;
 
+pub use attributes::Branch;
 pub use diagram::Diagram;
 pub use hierarchy::{Extremum, Hierarchy};
 pub use isolation::isolation;
-pub use merge_tree::{Branch, LevelComponent, MergeTree, Node, merge_tree};
+pub use levels::LevelComponent;
+pub use merge_tree::{MergeTree, Node, merge_tree};
 pub use segmentation::{Segmentation, segmentation};
 pub use simplify::simplify;

@@ -52,6 +52,21 @@ impl Descent {
         (self.pointer(vertex) != OUTSIDE).then(|| self.basin(vertex))
     }
 
+    /// The basin of every vertex, [`OUTSIDE`] where it never enters; and the extrema.
+    pub(crate) fn into_basins(self) -> (Vec<u32>, Vec<u32>) {
+        for v in 0..self.next.len() as u32 {
+            if self.pointer(v) != OUTSIDE {
+                self.basin(v);
+            }
+        }
+        // In place: both kinds of pointers are of one size.
+        let basin = |pointer: AtomicU32| match pointer.into_inner() {
+            OUTSIDE => OUTSIDE,
+            pointer => pointer & !BASIN,
+        };
+        (self.next.into_iter().map(basin).collect(), self.extrema)
+    }
+
     fn pointer(&self, vertex: u32) -> u32 {
         self.next[vertex as usize].load(Relaxed)
     }

@@ -9,3 +9,4 @@ mod laws;
 #[cfg(feature = "serde")]
 mod serialized;
 mod threads;
+mod trees;
