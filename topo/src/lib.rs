@@ -76,7 +76,7 @@
 //!
 //! // How far apart the two are as diagrams: the valley from 1 to 4 has gone, half its depth from the diagonal.
 //! let [before, after] = [&landscape[..], &simple].map(|field| topo::sublevel(&path, field).map(|pairs| pairs.diagram()));
-//! assert_eq!(before?.bottleneck(&after?), 1.5);
+//! assert_eq!(before?.bottleneck(&after?)?, 1.5);
 //! # Ok::<(), topo::Error>(())
 //! ```
 //!
@@ -164,8 +164,8 @@ mod scalar;
 pub use domain::{Adjacency, Connectivity, Domain, Grid, Path, Rings, TriangleMesh};
 pub use error::Error;
 pub use features::{
-    Branch, Diagram, Extremum, Hierarchy, LevelComponent, MergeTree, Node, Segmentation, isolation, merge_tree,
-    segmentation, simplify,
+    Branch, Diagram, Extremum, Hierarchy, LevelComponent, Matching, MergeTree, Node, Segmentation, Wasserstein,
+    isolation, merge_tree, segmentation, simplify,
 };
 #[doc(hidden)]
 pub use filtration::{Direction, Filtration};

@@ -116,7 +116,8 @@ impl<S: Scalar, D: Direction> Stack<'_, S, D> {
             let is_top_younger = self.filtration.precedes(below.minimum, top.minimum);
             let (elder, younger) = if is_top_younger { (*below, *top) } else { (*top, *below) };
             (below.minimum, below.place) = (elder.minimum, elder.place);
-            self.merges[younger.place as usize] = Merge { extremum: younger.minimum, end: saddle, towards: elder.minimum };
+            self.merges[younger.place as usize] =
+                Merge { extremum: younger.minimum, end: saddle, towards: elder.minimum };
             self.basins.pop();
         }
     }

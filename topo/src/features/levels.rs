@@ -63,9 +63,8 @@ impl<V: Copy, S: Scalar> MergeTree<V, S> {
         for end in self.endings.iter().take_while(|end| self.has_reached(end.saddle.value, level)) {
             components.join(end.leaf, end.elder);
         }
-        let is_eldest = |leaf: &u32| {
-            self.has_reached(self.leaves[*leaf as usize].value, level) && components.find(*leaf) == *leaf
-        };
+        let is_eldest =
+            |leaf: &u32| self.has_reached(self.leaves[*leaf as usize].value, level) && components.find(*leaf) == *leaf;
         ((0..self.leaves.len() as u32).filter(is_eldest).collect(), components)
     }
 }

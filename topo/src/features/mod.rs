@@ -11,7 +11,7 @@ mod segmentation;
 mod simplify;
 
 pub use attributes::Branch;
-pub use diagram::Diagram;
+pub use diagram::{Diagram, Matching, Wasserstein};
 pub use hierarchy::{Extremum, Hierarchy};
 pub use isolation::isolation;
 pub use levels::LevelComponent;

@@ -132,7 +132,8 @@ impl Basins {
     pub(crate) fn pair<S: Scalar, D: Direction>(self, filtration: &Filtration<'_, S, D>) -> (Vec<Merge>, Descent) {
         let Self { descent, joins } = self;
         let (mut merges, mut components) = boruvka::pair(filtration, descent.extrema(), joins);
-        let eldest: Vec<u32> = (0..).zip(&merges).filter(|(_, merge)| !merge.is_finite()).map(|(basin, _)| basin).collect();
+        let eldest: Vec<u32> =
+            (0..).zip(&merges).filter(|(_, merge)| !merge.is_finite()).map(|(basin, _)| basin).collect();
         let last = match eldest[..] {
             [_] => last_of_all(filtration),
             _ => last_of_each(filtration, &descent, &mut components, &eldest),

@@ -15,7 +15,7 @@ pub use basins::{Basins, Pointing};
 pub(crate) use basins::{SaddleCandidate, Scan, basins_of_graph};
 pub(crate) use descent::OUTSIDE;
 pub(crate) use graph::Graph;
-pub(crate) use merges::NONE;
 pub use merges::Merge;
+pub(crate) use merges::NONE;
 pub(crate) use sweep::sweep;
 pub(crate) use union_find::UnionFind;

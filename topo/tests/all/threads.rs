@@ -1,9 +1,8 @@
 //! Every public type can be sent to, and shared between, threads.
 
 use topo::{
-    Adjacency, Branch, Connectivity, Diagram, Error, Extremum, Grid, Hierarchy, Kind,
-    LevelComponent, MergeTree, NanPolicy, Node, Pair, Pairs, Path, Persistence, PersistenceOptions, Rings,
-    Segmentation, TriangleMesh,
+    Adjacency, Branch, Connectivity, Diagram, Error, Extremum, Grid, Hierarchy, Kind, LevelComponent, MergeTree,
+    NanPolicy, Node, Pair, Pairs, Path, Persistence, PersistenceOptions, Rings, Segmentation, TriangleMesh,
 };
 
 fn goes_between_threads<T: Send + Sync + 'static>() {}

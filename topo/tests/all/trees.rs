@@ -77,11 +77,13 @@ fn assert_steepest<G: Domain<Vertex = usize>>(domain: G, field: &[f64]) {
 fn grid<const D: usize>(max: usize) -> impl Strategy<Value = (Grid<D>, Vec<f64>)> {
     let connectivity = prop_oneof![Just(Connectivity::Axis), Just(Connectivity::Full), Just(Connectivity::Freudenthal)];
     let shape = proptest::array::uniform::<_, D>(1..=max);
-    (shape, proptest::array::uniform::<_, D>(any::<bool>()), connectivity).prop_flat_map(|(shape, periodic, connectivity)| {
-        let grid = Grid::new(shape, connectivity).periodic(periodic);
-        let value = prop_oneof![9 => crate::inputs::value(), 1 => Just(f64::NAN)];
-        (Just(grid), proptest::collection::vec(value, (&grid).vertex_count()))
-    })
+    (shape, proptest::array::uniform::<_, D>(any::<bool>()), connectivity).prop_flat_map(
+        |(shape, periodic, connectivity)| {
+            let grid = Grid::new(shape, connectivity).periodic(periodic);
+            let value = prop_oneof![9 => crate::inputs::value(), 1 => Just(f64::NAN)];
+            (Just(grid), proptest::collection::vec(value, (&grid).vertex_count()))
+        },
+    )
 }
 
 proptest! {
