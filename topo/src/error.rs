@@ -41,6 +41,13 @@ pub enum Error {
         /// Number of vertices.
         vertices: usize,
     },
+    /// The weight of an edge is NaN.
+    Weight {
+        /// Number of the edge, from 0.
+        edge: usize,
+    },
+    /// A grid goes round an axis, which has to have ends.
+    Periodic,
     /// One diagram is of minima and the other of maxima.
     Directions,
     /// The order of a distance, or the norm of its steps, is not 1 at least.
@@ -78,6 +85,10 @@ impl fmt::Display for Error {
             Self::TooLarge { vertices } => {
                 return write!(f, "the domain has {vertices} vertices, more than {MAX_VERTICES}; coarsen or split it");
             }
+            Self::Weight { edge } => {
+                return write!(f, "the weight of edge {edge} is NaN; replace it, or leave the edge out");
+            }
+            Self::Periodic => return f.write_str("the grid goes round an axis; holes are found on grids with ends"),
             Self::Directions => {
                 return f.write_str("one diagram is of minima and the other of maxima; compare like with like");
             }

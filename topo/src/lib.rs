@@ -164,8 +164,8 @@ mod scalar;
 pub use domain::{Adjacency, Connectivity, Domain, Grid, Path, Rings, TriangleMesh};
 pub use error::Error;
 pub use features::{
-    Branch, Diagram, Extremum, Hierarchy, LevelComponent, Matching, MergeTree, Node, Segmentation, Wasserstein,
-    isolation, merge_tree, segmentation, simplify,
+    Branch, Dendrogram, Diagram, Extremum, Hierarchy, Hole, Holes, LevelComponent, Link, Matching, MergeTree, Node,
+    Segmentation, Wasserstein, holes, isolation, merge_tree, segmentation, simplify, single_linkage,
 };
 #[doc(hidden)]
 pub use filtration::{Direction, Filtration};

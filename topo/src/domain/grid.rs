@@ -61,6 +61,16 @@ impl<const D: usize> Grid<D> {
         core::array::from_fn(|axis| self.shape[axis + 3 - D])
     }
 
+    /// Which vertices are neighbours.
+    pub fn connectivity(&self) -> Connectivity {
+        self.connectivity
+    }
+
+    /// Whether the ends of any axis are neighbours.
+    pub fn is_periodic(&self) -> bool {
+        self.periodic.contains(&true)
+    }
+
     /// Where a vertex is.
     pub fn position(&self, vertex: usize) -> [usize; D] {
         let [_, ny, nx] = self.shape.map(|length| length.max(1));

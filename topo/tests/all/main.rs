@@ -5,8 +5,10 @@ mod domains;
 mod extremes;
 mod features;
 mod fields;
+mod holes;
 mod inputs;
 mod laws;
+mod linkage;
 #[cfg(feature = "serde")]
 mod serialized;
 mod threads;

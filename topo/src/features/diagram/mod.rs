@@ -18,6 +18,7 @@ mod bottleneck;
 mod ground;
 mod kd_tree;
 mod unbounded;
+mod vectors;
 mod wasserstein;
 
 pub use wasserstein::{Matching, Wasserstein};
