@@ -125,6 +125,23 @@ fn an_auction_is_as_near_as_it_must_be() {
 }
 
 #[test]
+fn diagrams_that_hardly_differ_are_told_apart() {
+    let one = many(400, 5, |x| x);
+    for change in [1e-3, 1e-6, 1e-12] {
+        let mut random = random(9);
+        let mut moved = |(birth, death): &Point| (birth + change * random(), death + change * random());
+        let mut other = Diagram { finite: one.finite.iter().map(&mut moved).collect(), ..one.clone() };
+        other.finite.reverse();
+        for order in [1.0, 2.0] {
+            let measure = Wasserstein::new(order);
+            let near = measure.distance(&one, &other).expect("alike");
+            let exact = measure.relative_error(0.0).distance(&one, &other).expect("alike");
+            assert!((0.999..=1.011).contains(&(near / exact)), "{near} is not {exact}");
+        }
+    }
+}
+
+#[test]
 fn equal_diagrams_of_many_equal_points_are_no_distance_apart() {
     let heap = Diagram { kind: Kind::Maximum, finite: vec![(3.0, 1.0); 300], essential: vec![] };
     let flat = Diagram { kind: Kind::Maximum, finite: vec![(2.0, 2.0); 300], essential: vec![] };
