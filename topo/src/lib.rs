@@ -27,7 +27,7 @@
 //! # Ok::<(), topo::Error>(())
 //! ```
 //!
-//! **Clusters**: the basins of a density on a neighbour graph, after the idea of ToMATo (Chazal, Guibas, Oudot & Skraba 2013), or single
+//! **Clusters**: the basins of a density on a neighbour graph, after the idea of `ToMATo` (Chazal, Guibas, Oudot & Skraba 2013), or single
 //! linkage of weighted edges:
 //!
 //! ```

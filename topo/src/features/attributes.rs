@@ -36,7 +36,7 @@ impl<V: Copy, S: Scalar> MergeTree<V, S> {
     /// ```
     pub fn branches(&self) -> Vec<Branch<V, S>> {
         let sizes = self.accumulated(|_| 1);
-        let mut ends: Vec<Option<(TreeVertex<V, S>, Option<V>)>> = vec![None; self.leaves.len()];
+        let mut ends = vec![None; self.leaves.len()];
         for end in &self.endings {
             ends[end.leaf as usize] = Some((end.saddle, Some(self.leaves[end.elder as usize].vertex)));
         }
@@ -75,7 +75,7 @@ impl<V: Copy, S: Scalar> MergeTree<V, S> {
     /// ```
     #[must_use = "the tree itself is left as it is"]
     pub fn filter(&self, mut is_wanted: impl FnMut(&Branch<V, S>) -> bool) -> Self {
-        let mut kept: Vec<bool> = self.branches().iter().map(|branch| is_wanted(branch)).collect();
+        let mut kept: Vec<bool> = self.branches().iter().map(&mut is_wanted).collect();
         self.roots.iter().for_each(|root| kept[root.0 as usize] = true);
         for end in &self.endings {
             kept[end.elder as usize] |= kept[end.leaf as usize];

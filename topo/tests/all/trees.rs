@@ -183,7 +183,7 @@ fn a_long_row_of_branches_is_climbed_quickly() {
     // Each valley ends in the next deeper one; a high plain drains into the shallowest.
     const VALLEYS: usize = 60_000;
     let (row, plain) = (2 * VALLEYS, 60_000);
-    let height = |v: usize| if v % 2 == 0 { 1_000_000 - v as i64 } else { 1_000_001 + v as i64 };
+    let height = |v: usize| if v.is_multiple_of(2) { 1_000_000 - v as i64 } else { 1_000_001 + v as i64 };
     let mut field: Vec<i64> = (0..row).map(height).collect();
     field.extend(vec![10_000_000; plain]);
     let mut edges: Vec<[usize; 2]> = (1..row).map(|v| [v - 1, v]).collect();

@@ -116,7 +116,7 @@ impl Wasserstein {
         if !is_norm(self.order) || !is_norm(self.ground) {
             return Err(Error::Order);
         }
-        if !(self.relative_error >= 0.0) {
+        if self.relative_error.is_nan() || self.relative_error < 0.0 {
             return Err(Error::RelativeError);
         }
         for diagram in [a, b] {
