@@ -54,7 +54,7 @@ fn main() -> Result<(), topo::Error> {
     let inhabitants: Vec<u32> = TOWNS.iter().map(|&(_, inhabitants)| inhabitants).collect();
 
     println!("centres of their region, by prominence (thousands):");
-    for peak in &topo::superlevel(&roads, &inhabitants)? {
+    for peak in topo::superlevel(&roads, &inhabitants)?.ranked() {
         let way = match peak.saddle {
             Some(saddle) => format!("to reach a larger town pass {saddle}"),
             None => "the largest of all".to_owned(),

@@ -53,7 +53,9 @@ fn main() -> Result<(), Box<dyn Error>> {
     let grid = Grid::new([elevation.rows, elevation.columns], Connectivity::Full);
     let options = PersistenceOptions::new().nan(NanPolicy::Mask);
     let peaks = options.superlevel(&grid, &elevation.heights)?;
-    let isolation = topo::isolation(&grid, &elevation.heights, &peaks)?;
+    let first = peaks.top(12);
+    let summits: Vec<usize> = first.iter().map(|peak| peak.extremum).collect();
+    let isolation = topo::isolation(&grid, &elevation.heights, Kind::Maximum, &summits)?;
     let tree = options.merge_tree(&grid, &elevation.heights, Kind::Maximum)?;
     let parents: HashMap<usize, usize> =
         tree.branches().iter().filter_map(|peak| Some((peak.pair.extremum, peak.parent?))).collect();
@@ -64,7 +66,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     );
     println!("prominence  height  isolation  (row, column)  key saddle            parent");
     let place = |vertex: usize| format!("{:?}", grid.position(vertex));
-    for (peak, isolation) in peaks.iter().zip(isolation).take(12) {
+    for (peak, isolation) in first.iter().zip(isolation) {
         let saddle = match (peak.saddle, peak.death()) {
             (Some(saddle), Some(height)) => format!("{height:.0} at {}", place(saddle)),
             _ => "highest of its island".to_owned(),

@@ -2,7 +2,7 @@
 
 use core::fmt;
 
-/// What is wrong with a field, or with the lists that a domain is made from.
+/// What is wrong with a field, with the lists that a domain is made from, or with diagrams to be compared.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Error {
@@ -41,6 +41,24 @@ pub enum Error {
         /// Number of vertices.
         vertices: usize,
     },
+    /// The weight of an edge is NaN.
+    Weight {
+        /// Number of the edge, from 0.
+        edge: usize,
+    },
+    /// A grid goes round an axis, which has to have ends.
+    Periodic,
+    /// One diagram is of minima and the other of maxima.
+    Directions,
+    /// The order of a distance, or the norm of its steps, is not 1 at least.
+    Order,
+    /// The relative error that is allowed is negative or NaN.
+    RelativeError,
+    /// A coordinate of a diagram is NaN.
+    Point {
+        /// Number of the point, or of the essential class, from 0.
+        point: usize,
+    },
     /// A corner of a triangle does not exist.
     Triangle {
         /// Number of the triangle, from 0.
@@ -67,6 +85,16 @@ impl fmt::Display for Error {
             Self::TooLarge { vertices } => {
                 return write!(f, "the domain has {vertices} vertices, more than {MAX_VERTICES}; coarsen or split it");
             }
+            Self::Weight { edge } => {
+                return write!(f, "the weight of edge {edge} is NaN; replace it, or leave the edge out");
+            }
+            Self::Periodic => return f.write_str("the grid goes round an axis; holes are found on grids with ends"),
+            Self::Directions => {
+                return f.write_str("one diagram is of minima and the other of maxima; compare like with like");
+            }
+            Self::Order => return f.write_str("the order of a distance and the norm of its steps must be 1 at least"),
+            Self::RelativeError => return f.write_str("the relative error of a distance must be 0 at least"),
+            Self::Point { point } => return write!(f, "point {point} of a diagram has a coordinate that is NaN"),
             Self::Neighbor { of, vertex, vertices } => ("the neighbour list of vertex", of, vertex, vertices),
             Self::Edge { edge, vertex, vertices } => ("edge", edge, vertex, vertices),
             Self::Triangle { triangle, vertex, vertices } => ("triangle", triangle, vertex, vertices),

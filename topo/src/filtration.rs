@@ -7,7 +7,6 @@
 use crate::error::{Error, check_vertex_count};
 use crate::parallel;
 use crate::scalar::Scalar;
-use core::cmp::Ordering;
 use core::fmt::Debug;
 use core::marker::PhantomData;
 
@@ -49,11 +48,11 @@ pub trait Direction: Copy + Debug + Send + Sync + 'static {
 
 /// Sublevel sets: low values first.
 #[derive(Debug, Clone, Copy)]
-pub struct Rising;
+pub(crate) struct Rising;
 
 /// Superlevel sets: high values first.
 #[derive(Debug, Clone, Copy)]
-pub struct Falling;
+pub(crate) struct Falling;
 
 impl Direction for Rising {
     const KIND: Kind = Kind::Minimum;
@@ -117,15 +116,6 @@ impl<'a, S: Scalar, D: Direction> Filtration<'a, S, D> {
     pub fn precedes(&self, u: u32, v: u32) -> bool {
         let (a, b) = (self.value(u), self.value(v));
         if u < v { D::precedes_higher_index(a, b) } else { u > v && D::precedes_lower_index(a, b) }
-    }
-
-    /// The order of two vertices that enter.
-    pub(crate) fn compare(&self, u: u32, v: u32) -> Ordering {
-        match u == v {
-            true => Ordering::Equal,
-            false if self.precedes(u, v) => Ordering::Less,
-            false => Ordering::Greater,
-        }
     }
 
     /// The one of two vertices that enters later.

@@ -1,18 +1,54 @@
 //! 0-dimensional persistence of a scalar field on any graph: which hills and valleys matter, and how much.
 //!
-//! # In five lines
+//! # In five lines each
 //!
-//! An adjacency list and a number for each vertex are enough. Peaks by prominence:
+//! **Peaks** by prominence, each with its key saddle. An adjacency list and a number for each vertex are enough:
 //!
 //! ```
 //! let neighbors: Vec<Vec<usize>> = vec![vec![1], vec![0, 2], vec![1, 3], vec![2, 4], vec![3]];
 //! let height: Vec<f32> = vec![1.0, 5.0, 2.0, 9.0, 0.0];
 //! let graph = topo::Adjacency::new(&neighbors)?;
-//! for peak in &topo::superlevel(&graph, &height)? {
+//! for peak in topo::superlevel(&graph, &height)?.ranked() {
 //!     println!("vertex {} stands out by {}, saddle {:?}", peak.extremum, peak.persistence(), peak.saddle);
 //! }
-//! # assert_eq!(topo::superlevel(&graph, &height)?[1].saddle, Some(2));
+//! # assert_eq!(topo::superlevel(&graph, &height)?.ranked()[1].saddle, Some(2));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! **Segments** of a picture, one for each bright spot with a contrast above 50, as a watershed gives them:
+//!
+//! ```
+//! let picture: [u8; 12] = [9, 90, 8, 7, 80, 9, 9, 95, 8, 7, 60, 9];
+//! let grid = topo::Grid::new([2, 6], topo::Connectivity::Full);
+//! let segments = topo::segmentation(&grid, &picture, topo::Kind::Maximum, 50)?;
+//! let labels: Vec<Option<usize>> = segments.labels().collect();
+//! println!("{} segments of {:?} pixels", segments.extrema().len(), segments.sizes());
+//! # assert_eq!((labels[1], labels[4], labels.len()), (Some(1), Some(0), 12));
+//! # Ok::<(), topo::Error>(())
+//! ```
+//!
+//! **Clusters**: the basins of a density on a neighbour graph, after the idea of `ToMATo` (Chazal, Guibas, Oudot & Skraba 2013), or single
+//! linkage of weighted edges:
+//!
+//! ```
+//! let near = topo::Adjacency::from_edges(6, &[[0, 1], [1, 2], [2, 3], [3, 4], [4, 5]])?;
+//! let density = [2.0, 5.0, 1.0, 1.5, 6.0, 3.0];
+//! let dense = topo::segmentation(&near, &density, topo::Kind::Maximum, 1.0)?;
+//! let linked = topo::single_linkage(4, &[(0, 1, 0.3), (1, 2, 5.0), (2, 3, 0.4)])?.clusters(2);
+//! println!("{:?}, {linked:?}", dense.sizes());
+//! # assert_eq!((dense.sizes(), linked), (vec![3, 3], vec![0, 0, 1, 1]));
+//! # Ok::<(), topo::Error>(())
+//! ```
+//!
+//! **Distances** of fields, whatever their domains, as distances of their diagrams:
+//!
+//! ```
+//! let [one, other] = [[0.0, 6.0, 2.0, 9.0, 5.0], [0.0, 6.0, 1.5, 9.0, 8.0]];
+//! let path = topo::Path::new(5);
+//! let (a, b) = (topo::sublevel(&path, &one)?.diagram(), topo::sublevel(&path, &other)?.diagram());
+//! println!("bottleneck {}, Wasserstein {}", a.bottleneck(&b)?, a.wasserstein(&b, 2.0)?);
+//! # assert_eq!(a.bottleneck(&b)?, 2.0);
+//! # Ok::<(), topo::Error>(())
 //! ```
 //!
 //! # What is computed
@@ -36,7 +72,7 @@
 //! ```
 //! let [c, d, x, a_top, a, b_top, b] = [3.0, 9.0, 0.0, 4.0, 1.0, 6.0, 2.0];
 //! let valleys = topo::sublevel(&topo::Path::new(7), &[c, d, x, a_top, a, b_top, b])?;
-//! let lives: Vec<_> = valleys.iter().map(|valley| (valley.birth, valley.death(), valley.persistence())).collect();
+//! let lives: Vec<_> = valleys.ranked().iter().map(|valley| (valley.birth, valley.death(), valley.persistence())).collect();
 //! assert_eq!(lives, [(x, None, 9.0), (c, Some(d), 6.0), (b, Some(b_top), 4.0), (a, Some(a_top), 3.0)]);
 //! # Ok::<(), topo::Error>(())
 //! ```
@@ -76,25 +112,35 @@
 //!
 //! // How far apart the two are as diagrams: the valley from 1 to 4 has gone, half its depth from the diagonal.
 //! let [before, after] = [&landscape[..], &simple].map(|field| topo::sublevel(&path, field).map(|pairs| pairs.diagram()));
-//! assert_eq!(before?.bottleneck(&after?), 1.5);
+//! assert_eq!(before?.bottleneck(&after?)?, 1.5);
 //! # Ok::<(), topo::Error>(())
 //! ```
 //!
-//! | to get | call |
-//! |---|---|
-//! | pairs of minima or of maxima | [`sublevel`], [`superlevel`] |
-//! | both, and extrema ranked by persistence | [`persistence`](fn@persistence), [`Persistence::hierarchy`] |
-//! | the elder extremum that each one joins, as peaks have parents | [`MergeTree::branches`] |
-//! | on a grid, how far it is to a more extreme vertex | [`isolation`](fn@isolation) |
-//! | how components merge, and how large they are at a level | [`merge_tree`](fn@merge_tree) |
-//! | the basin of each extremum | [`segmentation`](fn@segmentation) |
-//! | a field without small extrema | [`simplify`](fn@simplify) |
-//! | diagrams, curves, distances | [`Pairs::diagram`], [`Diagram`] |
-//! | the same with NaN masked, with zero persistence | [`PersistenceOptions`] |
+//! For n vertices, e extrema, m edges; a scan is what the pairs take.
+//!
+//! | to get | call | takes |
+//! |---|---|---|
+//! | pairs of minima or of maxima, by index | [`sublevel`], [`superlevel`] | a scan: O(n + m), and O(e log e) |
+//! | the most persistent ones first, or some of them | [`Pairs::ranked`], [`Pairs::top`] | O(e log e), O(e) |
+//! | both kinds, and extrema ranked by persistence | [`persistence`](fn@persistence), [`Persistence::hierarchy`] | two scans |
+//! | holes of pictures, cavities of volumes | [`holes`](fn@holes) | a scan, and a copy of the field |
+//! | how components merge: nodes, arcs, parents, sizes | [`merge_tree`](fn@merge_tree), [`MergeTree::branches`] | two to three scans |
+//! | the components at a level, their vertices, heights, sums | [`MergeTree::at`], [`MergeTree::components`] | O(n) |
+//! | the tree of the branches that are large enough | [`MergeTree::simplify`], [`MergeTree::filter`] | O(n), O(n log e) |
+//! | the basin of each extremum | [`segmentation`](fn@segmentation); for many thresholds [`MergeTree::segmentation`] | two to three scans; O(n) |
+//! | a field without small extrema | [`simplify`](fn@simplify) | a tree and more, until nothing changes |
+//! | on a grid, how far it is to a more extreme vertex | [`isolation`](fn@isolation) | O(n log n) for all |
+//! | clusters of weighted edges | [`single_linkage`](fn@single_linkage) | O(m log m) |
+//! | diagrams, curves, vectors for learning | [`Pairs::diagram`], [`Diagram`] | O(e log e) |
+//! | distances, with the matching | [`Diagram::bottleneck`], [`Diagram::wasserstein`], [`Wasserstein`] | see there |
+//! | the same with NaN masked, with zero persistence | [`PersistenceOptions`] | |
+//!
+//! For mountains: prominence is [`Pair::persistence`], the key col [`Pair::saddle`], the parent [`Branch::parent`].
 //!
 //! # On what
 //!
-//! On every undirected petgraph graph with compact indices, named by its own node identifiers:
+//! On every undirected petgraph graph with compact indices, named by its own node identifiers. The field is on the vertices; weights
+//! of nodes and edges are not looked at, for those of edges see [`single_linkage`](fn@single_linkage).
 //!
 //! ```
 //! use petgraph::graph::UnGraph;
@@ -107,15 +153,15 @@
 //!
 //! let graph = UnGraph::<(), ()>::from_edges(edges);
 //! let valleys = topo::sublevel(&graph, &field)?;
-//! assert_eq!(valleys[0].extremum, petgraph::graph::NodeIndex::new(2)); // 1, the lowest
-//! assert_eq!(valleys[1].death(), Some(7));
+//! assert_eq!(valleys[1].extremum, petgraph::graph::NodeIndex::new(2)); // 1, the lowest
+//! assert_eq!(valleys[0].death(), Some(7));
 //!
 //! let mut csr = Csr::<(), (), Undirected>::with_nodes(4);
 //! edges.into_iter().for_each(|(a, b)| drop(csr.add_edge(a, b, ())));
-//! assert_eq!(topo::sublevel(&csr, &field)?[1].saddle, Some(1));
+//! assert_eq!(topo::sublevel(&csr, &field)?[0].saddle, Some(1));
 //!
 //! let map = UnGraphMap::<&str, ()>::from_edges([("Ulm", "Bonn"), ("Bonn", "Kiel")]);
-//! assert_eq!(topo::superlevel(&map, &[478, 60, 5])?[0].extremum, "Ulm");
+//! assert_eq!(topo::superlevel(&map, &[478, 60, 5])?.top(1)[0].extremum, "Ulm");
 //!
 //! // The indices of a stable graph have holes; a plain graph made from it has none.
 //! let mut stable = StableUnGraph::<i32, ()>::default();
@@ -164,13 +210,15 @@ mod scalar;
 pub use domain::{Adjacency, Connectivity, Domain, Grid, Path, Rings, TriangleMesh};
 pub use error::Error;
 pub use features::{
-    Branch, Diagram, Extremum, Hierarchy, LevelComponent, MergeTree, Node, Segmentation, isolation, merge_tree,
-    segmentation, simplify,
+    Branch, Dendrogram, Diagram, Extremum, Hierarchy, Hole, Holes, LevelComponent, Link, Matching, MergeTree, Node,
+    Segmentation, Wasserstein, holes, isolation, merge_tree, segmentation, simplify, single_linkage,
 };
-pub use filtration::{Direction, Falling, Filtration, Kind, NanPolicy, Rising};
+#[doc(hidden)]
+pub use filtration::{Direction, Filtration};
+pub use filtration::{Kind, NanPolicy};
 pub use options::PersistenceOptions;
 #[doc(hidden)]
-pub use pairing::Merges;
+pub use pairing::{Basins, Merge, Pointing};
 pub use persistence::{Pair, Pairs, Persistence, persistence, sublevel, superlevel};
 pub use scalar::Scalar;
 

@@ -4,7 +4,7 @@ use crate::domain::Domain;
 use crate::error::Error;
 use crate::filtration::{Direction, Falling, Filtration, Kind, Rising};
 use crate::options::PersistenceOptions;
-use crate::pairing::{Merges, sweep};
+use crate::pairing::{Merge, sweep};
 use crate::scalar::{Scalar, wider_first};
 use core::cmp::Ordering;
 use core::ops::Deref;
@@ -44,9 +44,10 @@ impl<V, S: Scalar> Pair<V, S> {
     }
 }
 
-/// The pairs of one direction, most persistent first; a slice of [`Pair`]s that knows what it left out.
+/// The pairs of one direction, by rising index of their extrema: a slice of [`Pair`]s that knows what it left out.
 ///
-/// Equally persistent pairs stand in the order in which their extrema enter, essential classes before others.
+/// Ranking is on request, as it may take longer than pairing: [`ranked`](Self::ranked) for all, [`top`](Self::top) for the
+/// most persistent few.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(
@@ -55,7 +56,7 @@ impl<V, S: Scalar> Pair<V, S> {
 )]
 pub struct Pairs<V, S> {
     kind: Kind,
-    #[cfg_attr(feature = "serde", serde(deserialize_with = "ranked_pairs"))]
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "valid_pairs"))]
     pairs: Vec<Pair<V, S>>,
     zero_count: usize,
 }
@@ -108,8 +109,55 @@ impl<V: Copy, S: Scalar> Pairs<V, S> {
     }
 
     /// The pairs of persistence strictly above a threshold.
-    pub fn above(&self, threshold: S::Width) -> &[Pair<V, S>] {
-        &self.pairs[..self.pairs.partition_point(|pair| pair.persistence() > threshold)]
+    pub fn above(&self, threshold: S::Width) -> impl Iterator<Item = &Pair<V, S>> {
+        self.pairs.iter().filter(move |pair| pair.persistence() > threshold)
+    }
+
+    /// All pairs, most persistent first. Equally persistent ones stand in the order in which their extrema enter, essential
+    /// classes before others. O(n log n) for n pairs.
+    pub fn ranked(&self) -> Vec<Pair<V, S>> {
+        let mut ranks = self.ranks();
+        ranks.sort_unstable_by(|a, b| self.compare(a, b));
+        self.at(&ranks)
+    }
+
+    /// The `n` most persistent pairs, or all if there are fewer: the first of what is [ranked](Self::ranked), selected
+    /// without sorting the others. O(pairs + n log n).
+    ///
+    /// ```
+    /// let peaks = topo::superlevel(&topo::Path::new(6), &[0.0, 7.0, 2.0, 5.0, 4.0, 9.0])?;
+    /// let first: Vec<usize> = peaks.top(2).iter().map(|peak| peak.extremum).collect();
+    /// assert_eq!(first, [5, 1]);
+    /// # Ok::<(), topo::Error>(())
+    /// ```
+    pub fn top(&self, n: usize) -> Vec<Pair<V, S>> {
+        let mut ranks = self.ranks();
+        if n < ranks.len() {
+            ranks.select_nth_unstable_by(n, |a, b| self.compare(a, b));
+            ranks.truncate(n);
+        }
+        ranks.sort_unstable_by(|a, b| self.compare(a, b));
+        self.at(&ranks)
+    }
+
+    /// What each pair is ranked by before all else, with its place.
+    fn ranks(&self) -> Vec<(S::Width, u32)> {
+        self.pairs.iter().map(Pair::persistence).zip(0..).collect()
+    }
+
+    /// Which of two pairs is ranked first. Of equally persistent extrema of one value the one whose index is lower enters
+    /// first if they are minima, last if they are maxima.
+    fn compare(&self, a: &(S::Width, u32), b: &(S::Width, u32)) -> Ordering {
+        wider_first(&a.0, &b.0).then_with(|| {
+            let [p, q] = [a, b].map(|rank| &self.pairs[rank.1 as usize]);
+            let entering = p.birth.key().cmp(&q.birth.key()).then(a.1.cmp(&b.1));
+            let entering = if self.kind == Kind::Minimum { entering } else { entering.reverse() };
+            q.is_essential().cmp(&p.is_essential()).then(entering)
+        })
+    }
+
+    fn at(&self, ranks: &[(S::Width, u32)]) -> Vec<Pair<V, S>> {
+        ranks.iter().map(|rank| self.pairs[rank.1 as usize]).collect()
     }
 
     /// Sum of the persistences of the finite pairs.
@@ -117,86 +165,45 @@ impl<V: Copy, S: Scalar> Pairs<V, S> {
         self.finite().filter_map(|pair| pair.persistence().to_f64()).sum()
     }
 
+    /// From what becomes of each extremum, by rising index.
     pub(crate) fn from_merges<G, D>(
         domain: G,
         filtration: &Filtration<'_, S, D>,
-        merges: &Merges,
+        merges: &[Merge],
         keep_zeros: bool,
     ) -> Self
     where
         G: Domain<Vertex = V>,
         D: Direction,
     {
-        let entry = |extremum, end, is_finite| Ranked {
-            persistence: filtration.value(extremum).width(filtration.value(end)),
-            extremum,
-            end,
-            is_finite,
+        let mut zero_count = 0;
+        let pair = |merge: &Merge| {
+            let pair = Pair {
+                extremum: domain.vertex(merge.extremum as usize),
+                saddle: merge.is_finite().then(|| domain.vertex(merge.end as usize)),
+                birth: filtration.value(merge.extremum),
+                end: filtration.value(merge.end),
+            };
+            let is_zero = merge.is_finite() && pair.persistence().is_zero();
+            zero_count += usize::from(is_zero);
+            (keep_zeros || !is_zero).then_some(pair)
         };
-        let mut ranked: Vec<_> = merges.finite.iter().map(|merge| entry(merge.extremum, merge.saddle, true)).collect();
-        let zero_count = ranked.iter().filter(|pair| pair.persistence.is_zero()).count();
-        if !keep_zeros {
-            ranked.retain(|pair| !pair.persistence.is_zero());
-        }
-        ranked.extend(merges.essential.iter().map(|&(extremum, last)| entry(extremum, last, false)));
-        ranked.sort_unstable_by(|a, b| a.rank(b, filtration));
-        let pairs = ranked.iter().map(|pair| pair.resolve(domain, filtration)).collect();
+        let pairs = merges.iter().filter_map(pair).collect();
         Self { kind: D::KIND, pairs, zero_count }
     }
 }
 
-/// Reads what persists; what does not come by falling persistence is refused, as the order is relied upon.
+/// Reads pairs; one whose persistence is no number is refused.
 #[cfg(feature = "serde")]
-pub(crate) fn ranked<'de, T, W, R>(reader: R, persistence: impl Fn(&T) -> W) -> Result<Vec<T>, R::Error>
-where
-    T: serde::Deserialize<'de>,
-    W: PartialOrd + Zero,
-    R: serde::Deserializer<'de>,
-{
-    let ranked: Vec<T> = serde::Deserialize::deserialize(reader)?;
-    let is_ranked = ranked.is_sorted_by(|a, b| persistence(a) >= persistence(b));
-    // NaN is not.
-    let is_valid = is_ranked && ranked.iter().all(|entry| persistence(entry) >= W::zero());
-    is_valid.then_some(ranked).ok_or_else(|| serde::de::Error::custom("the list is not sorted by falling persistence"))
-}
-
-#[cfg(feature = "serde")]
-fn ranked_pairs<'de, V, S, R>(reader: R) -> Result<Vec<Pair<V, S>>, R::Error>
+fn valid_pairs<'de, V, S, R>(reader: R) -> Result<Vec<Pair<V, S>>, R::Error>
 where
     V: serde::Deserialize<'de>,
     S: Scalar + serde::Deserialize<'de>,
     R: serde::Deserializer<'de>,
 {
-    ranked(reader, Pair::persistence)
-}
-
-/// A pair in vertex indices with what it is sorted by.
-struct Ranked<W> {
-    persistence: W,
-    extremum: u32,
-    end: u32,
-    is_finite: bool,
-}
-
-impl<W: Copy + PartialOrd> Ranked<W> {
-    fn rank<S: Scalar, D: Direction>(&self, other: &Self, filtration: &Filtration<'_, S, D>) -> Ordering {
-        wider_first(&self.persistence, &other.persistence)
-            .then(self.is_finite.cmp(&other.is_finite))
-            .then_with(|| filtration.compare(self.extremum, other.extremum))
-    }
-
-    fn resolve<G: Domain, S: Scalar, D: Direction>(
-        &self,
-        domain: G,
-        filtration: &Filtration<'_, S, D>,
-    ) -> Pair<G::Vertex, S> {
-        Pair {
-            extremum: domain.vertex(self.extremum as usize),
-            saddle: self.is_finite.then(|| domain.vertex(self.end as usize)),
-            birth: filtration.value(self.extremum),
-            end: filtration.value(self.end),
-        }
-    }
+    let pairs: Vec<Pair<V, S>> = serde::Deserialize::deserialize(reader)?;
+    let is_valid = pairs.iter().all(|pair| pair.persistence() >= S::Width::zero());
+    is_valid.then_some(pairs).ok_or_else(|| serde::de::Error::custom("the persistence of a pair is not a number"))
 }
 
 /// The pairs of both directions.

@@ -31,7 +31,7 @@ pub fn pairing(bytes: &[u8]) {
     assert!(strict.finite().all(|pair| pair.persistence() > 0.0));
 }
 
-/// Each local minimum once, its saddle after it, values as in the field, most persistent first.
+/// Each local minimum once, its saddle after it, values as in the field, by index, and ranked by persistence.
 fn check_pairs(graph: &Graph, field: &[f64], pairs: &Pairs<NodeIndex, f64>) {
     let before = |a: NodeIndex, b: NodeIndex| order(field, a.index(), b.index()) == Ordering::Less;
     let is_minimum = |v: &NodeIndex| graph.neighbors(*v).all(|w| w == *v || before(*v, w));
@@ -45,7 +45,8 @@ fn check_pairs(graph: &Graph, field: &[f64], pairs: &Pairs<NodeIndex, f64>) {
         assert_eq!(pair.birth.key(), field[pair.extremum.index()].key());
         assert_eq!(pair.death().map(|death| death.key()), pair.saddle.map(|saddle| field[saddle.index()].key()));
     }
-    assert!(pairs.windows(2).all(|two| two[0].persistence() >= two[1].persistence()));
+    assert!(pairs.windows(2).all(|two| two[0].extremum < two[1].extremum));
+    assert!(pairs.ranked().windows(2).all(|two| two[0].persistence() >= two[1].persistence()));
 }
 
 /// The superlevel pairs, from the sublevel pairs of the negated field on the graph with the indices reversed.

@@ -9,7 +9,7 @@ mod terrain;
 use divan::counter::ItemsCount;
 use divan::{Bencher, black_box};
 use std::sync::OnceLock;
-use topo::{Connectivity, Domain, Grid, Path, PersistenceOptions, Scalar, TriangleMesh};
+use topo::{Connectivity, Diagram, Domain, Grid, Kind, Path, PersistenceOptions, Scalar, TriangleMesh};
 
 #[global_allocator]
 static ALLOCATIONS: divan::AllocProfiler = divan::AllocProfiler::system();
@@ -90,6 +90,106 @@ fn plain_sweep(bencher: Bencher<'_, '_>, shape: Shape) {
     let field = field(shape.0);
     let options = PersistenceOptions::new().plain_sweep();
     bencher.counter(ItemsCount::new(field.len())).bench_local(|| options.sublevel(&grid, black_box(field)));
+}
+
+/// What is read off from the same scan, on the smallest picture and volume.
+mod features {
+    use super::*;
+
+    const SMALL: [Shape; 2] = [Shape(0), Shape(2)];
+
+    fn on_grid<R>(
+        bencher: Bencher<'_, '_>,
+        shape: Shape,
+        of_2d: fn(&Grid<2>, &[f64]) -> R,
+        of_3d: fn(&Grid<3>, &[f64]) -> R,
+    ) {
+        let field = field(shape.0);
+        let bencher = bencher.counter(ItemsCount::new(field.len()));
+        match SHAPES[shape.0] {
+            [1, ny, nx] => {
+                let grid = Grid::new([ny, nx], Connectivity::Freudenthal);
+                bencher.bench_local(|| of_2d(&grid, black_box(field)));
+            }
+            shape => {
+                let grid = Grid::new(shape, Connectivity::Freudenthal);
+                bencher.bench_local(|| of_3d(&grid, black_box(field)));
+            }
+        }
+    }
+
+    #[divan::bench(args = SMALL, sample_count = 5, sample_size = 1)]
+    fn merge_tree(bencher: Bencher<'_, '_>, shape: Shape) {
+        on_grid(
+            bencher,
+            shape,
+            |g, f| topo::merge_tree(g, f, Kind::Minimum),
+            |g, f| topo::merge_tree(g, f, Kind::Minimum),
+        );
+    }
+
+    #[divan::bench(args = SMALL, sample_count = 5, sample_size = 1)]
+    fn segmentation(bencher: Bencher<'_, '_>, shape: Shape) {
+        on_grid(
+            bencher,
+            shape,
+            |g, f| topo::segmentation(g, f, Kind::Minimum, 0.5),
+            |g, f| topo::segmentation(g, f, Kind::Minimum, 0.5),
+        );
+    }
+
+    #[divan::bench(args = SMALL, sample_count = 5, sample_size = 1)]
+    fn holes(bencher: Bencher<'_, '_>, shape: Shape) {
+        on_grid(bencher, shape, |g, f| topo::holes(g, f, Kind::Minimum), |g, f| topo::holes(g, f, Kind::Minimum));
+    }
+}
+
+/// White noise, where a fifth to a seventh of all vertices are minima.
+mod noise {
+    use super::*;
+
+    fn noise() -> Vec<f64> {
+        (0..1 << 20).map(|v| terrain::hash(7, [v, 0, 0])).collect()
+    }
+
+    #[divan::bench(sample_count = 5, sample_size = 1)]
+    fn floor_sort_unstable(bencher: Bencher<'_, '_>) {
+        sort_floor(bencher, &noise());
+    }
+
+    #[divan::bench(sample_count = 5, sample_size = 1)]
+    fn sublevel_freudenthal(bencher: Bencher<'_, '_>) {
+        bench_sublevel(bencher, &Grid::new([1024, 1024], Connectivity::Freudenthal), &noise());
+    }
+
+    #[divan::bench(sample_count = 5, sample_size = 1)]
+    fn ranked(bencher: Bencher<'_, '_>) {
+        let (grid, field) = (Grid::new([1024, 1024], Connectivity::Freudenthal), noise());
+        bencher.bench_local(|| topo::sublevel(&grid, &field).map(|pairs| pairs.ranked()));
+    }
+}
+
+/// Distances of diagrams of uniform points, to 1 %.
+mod distances {
+    use super::*;
+
+    fn diagram(points: usize, seed: u64) -> Diagram {
+        let point = |i: i64| (terrain::hash(seed, [i, 0, 0]), terrain::hash(seed, [i, 1, 0]));
+        let finite = (0..points as i64).map(point).map(|(birth, width)| (birth, birth + width)).collect();
+        Diagram { kind: Kind::Minimum, finite, essential: vec![] }
+    }
+
+    #[divan::bench(args = [200, 1000, 3000], sample_count = 3, sample_size = 1)]
+    fn wasserstein(bencher: Bencher<'_, '_>, points: usize) {
+        let (a, b) = (diagram(points, 1), diagram(points, 2));
+        bencher.bench_local(|| a.wasserstein(&b, 2.0));
+    }
+
+    #[divan::bench(args = [200, 1000], sample_count = 3, sample_size = 1)]
+    fn bottleneck(bencher: Bencher<'_, '_>, points: usize) {
+        let (a, b) = (diagram(points, 1), diagram(points, 2));
+        bencher.bench_local(|| a.bottleneck(&b));
+    }
 }
 
 mod path {

@@ -1,7 +1,7 @@
 //! Fields for benchmarks, the same on every machine: smooth noise with hills of many sizes.
 
 /// A number in 0..1 from a seed and lattice coordinates (the finaliser of `SplitMix64`).
-fn hash(seed: u64, at: [i64; 3]) -> f64 {
+pub(crate) fn hash(seed: u64, at: [i64; 3]) -> f64 {
     let mut bits =
         at.iter().fold(seed, |bits, &c| (bits ^ c as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15).rotate_left(29));
     bits = (bits ^ bits >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);

@@ -8,7 +8,7 @@ use crate::error::{Error, check_vertex_count};
 /// ```
 /// let neighbors = [vec![1, 2], vec![0], vec![0]]; // 1 – 0 – 2
 /// let graph = topo::Adjacency::new(&neighbors)?;
-/// let peaks = topo::superlevel(&graph, &[1.0f32, 4.0, 3.0])?;
+/// let peaks = topo::superlevel(&graph, &[1.0f32, 4.0, 3.0])?.ranked();
 /// assert_eq!((peaks[0].extremum, peaks[1].extremum, peaks[1].saddle), (1, 2, Some(0)));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```

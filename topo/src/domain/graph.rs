@@ -6,7 +6,7 @@
 //! The domains of this crate ([`Grid`](crate::Grid), …) know more about themselves and use it to be faster.
 
 use crate::filtration::{Direction, Filtration};
-use crate::pairing::{Graph, Merges, merges_of_graph};
+use crate::pairing::{Basins, Graph, Merge, Pointing, basins_of_graph};
 use crate::scalar::Scalar;
 use petgraph::Undirected;
 use petgraph::visit::{GraphProp, IntoNeighbors, NodeCompactIndexable};
@@ -36,10 +36,16 @@ pub trait Domain: Copy {
     /// Calls `visit` with the index of every neighbour of the vertex with index `index`.
     fn for_each_neighbor(&self, index: usize, visit: impl FnMut(usize));
 
-    /// Pairs the extrema in the way that is fastest on this domain.
+    /// Finds the basins of the extrema in the way that is fastest on this domain.
     #[doc(hidden)]
-    fn merges<S: Scalar, D: Direction>(&self, filtration: &Filtration<'_, S, D>) -> Merges {
-        merges_of_graph(*self, filtration)
+    fn basins<S: Scalar, D: Direction>(&self, filtration: &Filtration<'_, S, D>, pointing: Pointing) -> Basins {
+        basins_of_graph(*self, filtration, pointing)
+    }
+
+    /// Pairs the extrema in the way that is fastest on this domain; by rising index.
+    #[doc(hidden)]
+    fn merges<S: Scalar, D: Direction>(&self, filtration: &Filtration<'_, S, D>) -> Vec<Merge> {
+        self.basins(filtration, Pointing::Any).pair(filtration).0
     }
 }
 

@@ -7,7 +7,7 @@
 use super::graph::Domain;
 use super::stencil::{Connectivity, Offset, Stencil};
 use crate::filtration::{Direction, Filtration};
-use crate::pairing::{Merges, OUTSIDE, SaddleCandidate, Scan, merges_of_scan};
+use crate::pairing::{Basins, OUTSIDE, Pointing, SaddleCandidate, Scan};
 use crate::parallel;
 use crate::scalar::Scalar;
 use core::ops::{Range, RangeInclusive};
@@ -23,7 +23,7 @@ use core::ops::{Range, RangeInclusive};
 ///     3, 0, 3,
 /// ];
 /// let grid = Grid::new([3, 3], Connectivity::Axis);
-/// let minima = topo::sublevel(&grid, &picture)?;
+/// let minima = topo::sublevel(&grid, &picture)?.ranked();
 /// assert_eq!(grid.position(minima[0].extremum), [2, 1]); // value 0, essential
 /// assert_eq!(grid.position(minima[1].extremum), [0, 1]); // value 1, joins the other …
 /// assert_eq!(minima[1].death(), Some(3)); // … over a 3
@@ -59,6 +59,16 @@ impl<const D: usize> Grid<D> {
     /// Number of vertices along each axis.
     pub fn shape(&self) -> [usize; D] {
         core::array::from_fn(|axis| self.shape[axis + 3 - D])
+    }
+
+    /// Which vertices are neighbours.
+    pub fn connectivity(&self) -> Connectivity {
+        self.connectivity
+    }
+
+    /// Whether the ends of any axis are neighbours.
+    pub fn is_periodic(&self) -> bool {
+        self.periodic.contains(&true)
     }
 
     /// Where a vertex is.
@@ -140,19 +150,19 @@ impl<const D: usize> Domain for &Grid<D> {
         stencil.offsets[..count].iter().filter_map(|&offset| self.step(position, offset)).for_each(&mut visit);
     }
 
-    fn merges<S: Scalar, F: Direction>(&self, filtration: &Filtration<'_, S, F>) -> Merges {
+    fn basins<S: Scalar, F: Direction>(&self, filtration: &Filtration<'_, S, F>, pointing: Pointing) -> Basins {
         // Zeros are memory that no thread has touched yet; the scan writes every pointer.
         let mut next = vec![0; self.vertex_count()];
         let row_length = self.shape[2];
         let scans = parallel::map_blocks(&mut next, row_length, |vertices, next| {
-            let mut scanner = Scanner::new(self, filtration);
+            let mut scanner = Scanner::new(self, filtration, pointing);
             let first_row = vertices.start / row_length;
             for (row, next) in (first_row..).zip(next.chunks_mut(row_length)) {
                 scanner.scan_row(row, next);
             }
             scanner.found
         });
-        merges_of_scan(filtration, next, Scan::concat(scans))
+        Basins::new(next, Scan::concat(scans))
     }
 }
 
@@ -170,13 +180,19 @@ struct Scanner<'a, S, F, const D: usize> {
     there: Vec<Option<usize>>,
     /// For each vertex of a span the set of stencil vertices that are earlier.
     sets: [u32; SPAN],
+    pointing: Pointing,
+    /// Of steepest descent, for the row that is scanned: how far it is to each neighbour, and its step along the row.
+    leaps: Vec<(isize, i8)>,
+    /// Of steepest descent, for each vertex of a span the earliest value found so far.
+    earliest: Vec<S>,
     found: Scan,
 }
 
 impl<'a, S: Scalar, F: Direction, const D: usize> Scanner<'a, S, F, D> {
-    fn new(grid: &'a Grid<D>, filtration: &'a Filtration<'a, S, F>) -> Self {
-        let there = Vec::new();
-        Self { grid, filtration, stencil: grid.stencil(), here: 0, there, sets: [0; SPAN], found: Scan::default() }
+    fn new(grid: &'a Grid<D>, filtration: &'a Filtration<'a, S, F>, pointing: Pointing) -> Self {
+        let (there, leaps, earliest) = (Vec::new(), Vec::new(), Vec::new());
+        let (stencil, sets, found) = (grid.stencil(), [0; SPAN], Scan::default());
+        Self { grid, filtration, stencil, here: 0, there, sets, pointing, leaps, earliest, found }
     }
 
     fn scan_row(&mut self, row: usize, next: &mut [u32]) {
@@ -185,12 +201,66 @@ impl<'a, S: Scalar, F: Direction, const D: usize> Scanner<'a, S, F, D> {
         self.there.clear();
         let rows = self.stencil.offsets.iter().map(|&[z, y, _]| self.grid.step([row / ny, row % ny, 0], [z, y, 0]));
         self.there.extend(rows);
+        if self.pointing == Pointing::Steepest {
+            self.note_leaps();
+        }
         for start in (0..length).step_by(SPAN) {
             let span = start..length.min(start + SPAN);
             self.find_earlier(span.clone());
             self.point_and_collect(span.clone(), &mut next[span.clone()]);
-            self.point_periodic_ends(span, next);
+            self.point_periodic_ends(span.clone(), next);
+            if self.pointing == Pointing::Steepest {
+                self.point_steepest(span, next);
+            }
         }
+    }
+
+    /// Points each vertex of a span to its earliest neighbour instead. Neighbours come from the vertex downwards by index
+    /// and then upwards, so that each has a lower index than the earliest before it in the first part, and a higher one in
+    /// the second: ties need no care.
+    fn point_steepest(&mut self, span: Range<usize>, next: &mut [u32]) {
+        let length = self.grid.shape[2];
+        let (field, here) = (self.filtration.field(), self.here);
+        self.earliest.clear();
+        self.earliest.extend_from_slice(&field[here + span.start..here + span.end]);
+        self.sets[..span.len()].fill(0);
+        for &(leap, dx) in &self.leaps {
+            let inner = span.start.max(usize::from(dx < 0))..span.end.min(length - usize::from(dx > 0));
+            if inner.is_empty() {
+                continue;
+            }
+            let inside = inner.start - span.start..inner.end - span.start;
+            let from = (here + inner.start).wrapping_add_signed(leap);
+            let others = &field[from..from + inner.len()];
+            let (earliest, leaps) = (&mut self.earliest[inside.clone()], &mut self.sets[inside]);
+            if leap < 0 {
+                replace(earliest, leaps, others, leap as u32, F::precedes_higher_index);
+            } else {
+                replace(earliest, leaps, others, leap as u32, F::precedes_lower_index);
+            }
+        }
+        for ((v, next), &leap) in ((here + span.start) as u32..).zip(&mut next[span.clone()]).zip(&self.sets) {
+            *next = if leap == 0 { OUTSIDE } else { v.wrapping_add(leap) };
+        }
+        for x in self.periodic_ends(&span) {
+            let mut earliest = (here + x) as u32;
+            self.grid.for_each_neighbor(here + x, |u| earliest = self.filtration.earlier(u as u32, earliest));
+            next[x] = if earliest as usize == here + x { OUTSIDE } else { earliest };
+        }
+    }
+
+    /// Notes how far it is by index to each neighbour, those before the vertex first, near ones first; and their step along
+    /// the row.
+    fn note_leaps(&mut self) {
+        let count = self.stencil.neighbors(u32::MAX).count_ones() as usize;
+        self.leaps.clear();
+        for (&[_, _, dx], &there) in self.stencil.offsets[..count].iter().zip(&self.there) {
+            // An offset that leads back to the vertex itself, round an axis of length one, is no neighbour.
+            if let Some(there) = there.filter(|&there| there != self.here || dx != 0) {
+                self.leaps.push((there as isize - self.here as isize + isize::from(dx), dx));
+            }
+        }
+        self.leaps.sort_unstable_by_key(|&(leap, _)| (leap > 0, leap.abs()));
     }
 
     /// Fills in the sets of a span of the row.
@@ -279,6 +349,21 @@ impl<'a, S: Scalar, F: Direction, const D: usize> Scanner<'a, S, F, D> {
 fn mark<S: Scalar>(sets: &mut [u32], others: &[S], centres: &[S], bit: usize, is_earlier: impl Fn(S, S) -> bool) {
     for (set, (&other, &centre)) in sets.iter_mut().zip(others.iter().zip(centres)) {
         *set |= u32::from(is_earlier(other, centre)) << bit;
+    }
+}
+
+/// Where the other value is earlier than the earliest so far, takes it and how far it is.
+fn replace<S: Scalar>(
+    earliest: &mut [S],
+    leaps: &mut [u32],
+    others: &[S],
+    leap: u32,
+    is_earlier: impl Fn(S, S) -> bool,
+) {
+    for ((earliest, taken), &other) in earliest.iter_mut().zip(leaps).zip(others) {
+        let is_earlier = is_earlier(other, *earliest);
+        *earliest = if is_earlier { other } else { *earliest };
+        *taken = if is_earlier { leap } else { *taken };
     }
 }
 

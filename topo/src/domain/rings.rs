@@ -9,7 +9,7 @@ use core::fmt;
 
 use super::graph::Domain;
 use crate::filtration::{Direction, Filtration};
-use crate::pairing::{Merges, OUTSIDE, SaddleCandidate, Scan, merges_of_scan};
+use crate::pairing::{Basins, OUTSIDE, Pointing, SaddleCandidate, Scan};
 use crate::parallel;
 use crate::scalar::Scalar;
 
@@ -83,8 +83,8 @@ impl<G: Domain + Sync, C: Fn(G::Vertex) -> bool + Copy + Sync> Domain for Rings<
         self.graph.for_each_neighbor(index, visit);
     }
 
-    fn merges<S: Scalar, D: Direction>(&self, filtration: &Filtration<'_, S, D>) -> Merges {
-        merges(self, filtration)
+    fn basins<S: Scalar, D: Direction>(&self, filtration: &Filtration<'_, S, D>, pointing: Pointing) -> Basins {
+        basins(self, filtration, pointing)
     }
 }
 
@@ -114,17 +114,24 @@ pub(crate) trait Linked: Copy + Sync {
     fn is_closed(&self, index: usize) -> bool;
 }
 
-/// Pairs the extrema of what knows its links.
-pub(crate) fn merges<S: Scalar, D: Direction>(domain: impl Linked, filtration: &Filtration<'_, S, D>) -> Merges {
+/// The basins of what knows its links.
+pub(crate) fn basins<S: Scalar, D: Direction>(
+    domain: impl Linked,
+    filtration: &Filtration<'_, S, D>,
+    pointing: Pointing,
+) -> Basins {
     let mut next = vec![0; domain.vertex_count()];
     let scans = parallel::map_blocks(&mut next, 1, |vertices, next| {
         let mut found = Scan::default();
         for (v, next) in vertices.zip(next) {
             scan(domain, filtration, v as u32, next, &mut found);
+            if pointing == Pointing::Steepest && *next != OUTSIDE {
+                *next = earliest_in_link(domain, filtration, v as u32, *next);
+            }
         }
         found
     });
-    merges_of_scan(filtration, next, Scan::concat(scans))
+    Basins::new(next, Scan::concat(scans))
 }
 
 /// Points a vertex to an earlier neighbour; notes it if it is an extremum or may be a saddle.
@@ -156,6 +163,17 @@ fn scan<S: Scalar, D: Direction>(
             note_candidates(domain, filtration, v, runs as usize, &mut found.candidates);
         }
     }
+}
+
+/// The earliest neighbour of a vertex, given an earlier one.
+fn earliest_in_link<S: Scalar, D: Direction>(
+    domain: impl Linked,
+    filtration: &Filtration<'_, S, D>,
+    v: u32,
+    mut earliest: u32,
+) -> u32 {
+    domain.for_each_in_link(v as usize, |u, _| earliest = filtration.earlier(u, earliest));
+    earliest
 }
 
 /// Notes the first vertex of each run but the first against that of the first; there may be one more run in the link, a

@@ -7,7 +7,7 @@ use super::graph::Domain;
 use super::rings::{self, Linked};
 use crate::error::{Error, check_vertex_count};
 use crate::filtration::{Direction, Filtration};
-use crate::pairing::Merges;
+use crate::pairing::{Basins, Pointing};
 use crate::scalar::Scalar;
 
 /// Marks the last vertex of an open chain. A ring without a mark is closed.
@@ -73,8 +73,8 @@ impl Domain for &TriangleMesh {
         self.ring(index).iter().for_each(|&entry| visit((entry & !END) as usize));
     }
 
-    fn merges<S: Scalar, D: Direction>(&self, filtration: &Filtration<'_, S, D>) -> Merges {
-        rings::merges(*self, filtration)
+    fn basins<S: Scalar, D: Direction>(&self, filtration: &Filtration<'_, S, D>, pointing: Pointing) -> Basins {
+        rings::basins(*self, filtration, pointing)
     }
 }
 

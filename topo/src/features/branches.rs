@@ -4,12 +4,12 @@
 //! Pascucci, Cole-McLaughlin & Scorzelli (2004), "Multi-resolution computation and presentation of contour trees".
 
 use crate::domain::Domain;
-use crate::filtration::{Direction, Filtration};
-use crate::pairing::{Merge, Merges, UnionFind, steepest_descent};
+use crate::filtration::{Direction, Filtration, Kind};
+use crate::pairing::{Merge, NONE, OUTSIDE, Pointing, UnionFind};
 use crate::scalar::Scalar;
 
 /// A branch ends at a saddle.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct BranchEnd {
     /// The extremum whose branch it is.
     pub(crate) extremum: u32,
@@ -25,8 +25,8 @@ pub(crate) struct BranchEnd {
 pub(crate) struct Branches {
     /// The vertices of the extrema, rising.
     pub(crate) extrema: Vec<u32>,
-    /// For each vertex the extremum whose basin it is in, if it enters.
-    pub(crate) basins: Vec<Option<u32>>,
+    /// For each vertex the extremum whose basin it is in, [`OUTSIDE`] if it never enters.
+    pub(crate) basins: Vec<u32>,
     /// The branches that end, in the order in which they do.
     pub(crate) ends: Vec<BranchEnd>,
     /// The others, with the last vertex to enter.
@@ -35,98 +35,145 @@ pub(crate) struct Branches {
 
 impl Branches {
     pub(crate) fn new<G: Domain, S: Scalar, D: Direction>(domain: G, filtration: &Filtration<'_, S, D>) -> Self {
-        let Merges { finite, essential } = domain.merges(filtration);
-        let descent = steepest_descent(domain, filtration);
-        let basins: Vec<_> = (0..domain.vertex_count() as u32).map(|v| descent.basin_if_any(v)).collect();
-        let extrema = descent.extrema().to_vec();
-        let number = |vertex| extrema.binary_search(&vertex).expect("what merges is an extremum") as u32;
-
-        let mut components = UnionFind::new(extrema.len());
-        // Of several that end at one saddle the elder first, so that each finds the eldest of all.
-        let merges = filtration.sorted(&filtration.sorted(&finite, |merge| merge.extremum), |merge| merge.saddle);
-        let (mut sides, mut noted) = (vec![None; extrema.len()], None);
-        let ends = merges.into_iter().map(|Merge { extremum, saddle, towards }| {
-            if noted.replace(saddle) != Some(saddle) {
-                note_sides(domain, filtration, saddle, &mut sides, |u| Some(components.find(basins[u as usize]?)));
-            }
-            let (extremum, elder) = (number(extremum), components.find(number(towards)));
-            let side = sides[elder as usize];
-            let beyond = side.and_then(|u: u32| basins[u as usize]).unwrap_or(elder);
-            // From now on the younger component is a part of the elder one.
-            sides[elder as usize] =
-                side.into_iter().chain(sides[extremum as usize]).reduce(|u, v| filtration.earlier(u, v));
-            components.join(extremum, elder);
-            BranchEnd { extremum, saddle, elder, beyond }
-        });
-        let ends = ends.collect();
-        let essential = essential.into_iter().map(|(extremum, last)| (number(extremum), last)).collect();
-        Self { ends, essential, basins, extrema }
+        let (merges, descent) = domain.basins(filtration, Pointing::Steepest).pair(filtration);
+        let (basins, extrema) = descent.into_basins();
+        let essential = (0..).zip(&merges).filter(|(_, merge)| !merge.is_finite());
+        let essential = essential.map(|(extremum, merge)| (extremum, merge.end)).collect();
+        let ends = ends(domain, filtration, &basins, &merges);
+        Self { extrema, basins, ends, essential }
     }
 
-    /// How long a branch lives.
-    pub(crate) fn persistence<S: Scalar, D>(&self, filtration: &Filtration<'_, S, D>, end: &BranchEnd) -> S::Width
-    where
-        D: Direction,
-    {
-        filtration.value(self.extrema[end.extremum as usize]).width(filtration.value(end.saddle))
-    }
-
-    /// The branches that end after living no longer than a threshold.
-    pub(crate) fn short<S: Scalar, D: Direction>(
+    /// For each extremum whether its branch lives longer than a threshold.
+    pub(crate) fn longer<S: Scalar, D: Direction>(
         &self,
         filtration: &Filtration<'_, S, D>,
         threshold: S::Width,
-    ) -> impl DoubleEndedIterator<Item = &BranchEnd> {
-        self.ends.iter().filter(move |end| self.persistence(filtration, end) <= threshold)
-    }
-
-    /// For each extremum the saddle up to which its basin must be filled so that no short branch is left.
-    pub(crate) fn fill_levels<S: Scalar, D: Direction>(
-        &self,
-        filtration: &Filtration<'_, S, D>,
-        threshold: S::Width,
-    ) -> Vec<Option<u32>> {
-        let mut levels = vec![None; self.extrema.len()];
-        // Later saddles first: a short branch on a short branch is filled as far as that.
-        for end in self.short(filtration, threshold).rev() {
-            levels[end.extremum as usize] = levels[end.elder as usize].or(Some(end.saddle));
+    ) -> Vec<bool> {
+        let mut is_longer = vec![true; self.extrema.len()];
+        for end in &self.ends {
+            let born = filtration.value(self.extrema[end.extremum as usize]);
+            is_longer[end.extremum as usize] = born.width(filtration.value(end.saddle)) > threshold;
         }
-        levels
+        is_longer
     }
 
-    /// The field with all short branches filled up; every value changes by the threshold at most.
-    pub(crate) fn filled<S: Scalar, D: Direction>(
-        &self,
-        filtration: &Filtration<'_, S, D>,
-        threshold: S::Width,
-    ) -> Vec<S> {
-        let levels = self.fill_levels(filtration, threshold);
-        let fill = |(v, &basin): (u32, &Option<u32>)| {
-            let level = basin.and_then(|basin| levels[basin as usize]);
+    /// The field with all branches that are not kept filled up.
+    pub(crate) fn filled<S: Scalar, D: Direction>(&self, filtration: &Filtration<'_, S, D>, kept: &[bool]) -> Vec<S> {
+        let ends = self.ends.iter().map(|end| (end.extremum, end.elder, end.saddle));
+        let levels = fill_levels(ends, kept);
+        let fill = |(v, &basin): (u32, &u32)| {
+            let level = levels.get(basin as usize).copied().flatten();
             filtration.value(level.map_or(v, |saddle| filtration.later(v, saddle)))
         };
         (0..).zip(&self.basins).map(fill).collect()
     }
 }
 
-/// Notes for each component that touches a vertex, by its eldest extremum, where it does: at the earliest neighbour.
-fn note_sides<G: Domain, S: Scalar, D: Direction>(
+/// For each extremum the level up to which its basin must be filled so that only kept branches are left; from the branches
+/// that end, in their order: whose they are, the elder, and the level at which they do.
+pub(crate) fn fill_levels<L: Copy>(
+    ends: impl DoubleEndedIterator<Item = (u32, u32, L)>,
+    kept: &[bool],
+) -> Vec<Option<L>> {
+    let mut levels = vec![None; kept.len()];
+    // Later saddles first: a branch that goes, on one that goes, is filled as far as that.
+    for (extremum, elder, level) in ends.rev().filter(|end| !kept[end.0 as usize]) {
+        levels[extremum as usize] = levels[elder as usize].or(Some(level));
+    }
+    levels
+}
+
+/// For each extremum the place among the kept ones of that into whose basin its own spills, by way of others that are not
+/// kept; from (extremum, beyond) for all branches that end.
+///
+/// Every branch spills into another component, so spills close no circle: each group is a tree of them, with one
+/// extremum that is kept, whichever member is the root of the union-find.
+pub(crate) fn spilled(ends: impl Iterator<Item = (u32, u32)>, kept: &[bool]) -> Vec<u32> {
+    let mut groups = UnionFind::new(kept.len());
+    for (extremum, beyond) in ends.filter(|end| !kept[end.0 as usize]) {
+        let (from, to) = (groups.find(extremum), groups.find(beyond));
+        groups.join(from, to);
+    }
+    let mut place_of_group = vec![NONE; kept.len()];
+    let kept = (0..).zip(kept).filter(|&(_, &kept)| kept);
+    for (place, (extremum, _)) in (0..).zip(kept) {
+        place_of_group[groups.find(extremum) as usize] = place;
+    }
+    (0..groups.len() as u32).map(|extremum| place_of_group[groups.find(extremum) as usize]).collect()
+}
+
+/// The branches that end, in the order in which they do.
+fn ends<G: Domain, S: Scalar, D: Direction>(
     domain: G,
     filtration: &Filtration<'_, S, D>,
-    vertex: u32,
-    sides: &mut [Option<u32>],
-    mut component: impl FnMut(u32) -> Option<u32>,
-) {
-    let mut for_each_earlier = |note: &mut dyn FnMut(&mut Option<u32>, u32)| {
-        domain.for_each_neighbor(vertex as usize, |u| {
-            let u = u as u32;
-            if filtration.precedes(u, vertex)
-                && let Some(component) = component(u)
-            {
-                note(&mut sides[component as usize], u);
+    basins: &[u32],
+    merges: &[Merge],
+) -> Vec<BranchEnd> {
+    let basin = |vertex: u32| basins[vertex as usize];
+    let mut components = UnionFind::new(merges.len());
+    // Of several that end at one saddle the elder first, so that each finds the eldest of all.
+    let (finite, sides) = with_sides(domain, filtration, basins, merges);
+    let finite = filtration.sorted(&filtration.sorted(&finite, |end| end.0.extremum), |end| end.0.end);
+    // For each component that touches the saddle, where it does first.
+    let (mut first, mut noted) = (vec![NONE; merges.len()], NONE);
+    let end = |(Merge { extremum, end: saddle, towards }, list): (Merge, u32)| {
+        let around = &sides.basins[sides.starts[list as usize]..sides.starts[list as usize + 1]];
+        if noted != saddle {
+            noted = saddle;
+            for (place, &basin) in around.iter().enumerate().rev() {
+                first[components.find(basin) as usize] = place as u32;
+            }
+        }
+        let (extremum, elder) = (basin(extremum), components.find(basin(towards)));
+        let [from, to] = [extremum, elder].map(|component| first[component as usize]);
+        // From now on the younger component is a part of the elder one.
+        first[elder as usize] = from.min(to);
+        components.join(extremum, elder);
+        BranchEnd { extremum, saddle, elder, beyond: around[to as usize] }
+    };
+    finite.into_iter().map(end).collect()
+}
+
+/// The basins around each saddle, those of earlier neighbours first.
+struct Sides {
+    /// Where the list of each begins, and the end of the last.
+    starts: Vec<usize>,
+    basins: Vec<u32>,
+}
+
+/// The merges at saddles, each with the place of its saddle's list of basins. These are collected as the field lies in
+/// memory: on noise that takes half the time of looking around when saddles come by value.
+fn with_sides<G: Domain, S: Scalar, D: Direction>(
+    domain: G,
+    filtration: &Filtration<'_, S, D>,
+    basins: &[u32],
+    merges: &[Merge],
+) -> (Vec<(Merge, u32)>, Sides) {
+    let mut finite: Vec<(Merge, u32)> =
+        merges.iter().filter(|merge| merge.is_finite()).map(|&merge| (merge, 0)).collect();
+    finite.sort_unstable_by_key(|end| end.0.end);
+    let mut sides = Sides { starts: vec![0], basins: Vec::new() };
+    let mut neighbors = Vec::new();
+    for (list, at_saddle) in (0..).zip(finite.chunk_by_mut(|a, b| a.0.end == b.0.end)) {
+        let saddle = at_saddle[0].0.end;
+        at_saddle.iter_mut().for_each(|end| end.1 = list);
+        neighbors.clear();
+        domain.for_each_neighbor(saddle as usize, |u| {
+            if filtration.precedes(u as u32, saddle) {
+                neighbors.push(u as u32);
             }
         });
-    };
-    for_each_earlier(&mut |side, _| *side = None);
-    for_each_earlier(&mut |side, u| *side = Some(side.map_or(u, |v| filtration.earlier(u, v))));
+        neighbors.sort_unstable_by_key(|&u| (filtration.value(u).key(), u));
+        if D::KIND == Kind::Maximum {
+            neighbors.reverse();
+        }
+        sides.basins.extend(neighbors.iter().map(|&u| basins[u as usize]));
+        sides.starts.push(sides.basins.len());
+    }
+    (finite, sides)
+}
+
+/// Whether a vertex with this basin enters.
+pub(crate) fn enters(basin: u32) -> bool {
+    basin != OUTSIDE
 }

@@ -115,9 +115,10 @@ impl<V: Copy, S: Scalar> Hierarchy<V, S> {
 }
 
 fn ranked<V: Copy, S: Scalar>(pairs: &Pairs<V, S>) -> impl Iterator<Item = Extremum<V, S>> {
-    pairs.iter().map(|pair| Extremum::new(pair, pairs.kind()))
+    pairs.ranked().into_iter().map(|pair| Extremum::new(&pair, pairs.kind()))
 }
 
+/// Reads extrema; what does not come by falling persistence is refused, as the order is relied upon.
 #[cfg(feature = "serde")]
 fn ranked_extrema<'de, V, S, R>(reader: R) -> Result<Vec<Extremum<V, S>>, R::Error>
 where
@@ -125,7 +126,11 @@ where
     S: Scalar<Width: serde::Deserialize<'de>> + serde::Deserialize<'de>,
     R: serde::Deserializer<'de>,
 {
-    crate::persistence::ranked(reader, |extremum: &Extremum<V, S>| extremum.persistence)
+    let extrema: Vec<Extremum<V, S>> = serde::Deserialize::deserialize(reader)?;
+    let is_ranked = extrema.is_sorted_by(|a, b| a.persistence >= b.persistence);
+    // NaN is not.
+    let is_valid = is_ranked && extrema.iter().all(|extremum| extremum.persistence >= num_traits::Zero::zero());
+    is_valid.then_some(extrema).ok_or_else(|| serde::de::Error::custom("the list is not sorted by falling persistence"))
 }
 
 #[cfg(test)]

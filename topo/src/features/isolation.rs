@@ -8,15 +8,14 @@
 use crate::domain::{Domain, Grid};
 use crate::error::Error;
 use crate::filtration::{Direction, Falling, Filtration, Kind, NanPolicy, Rising};
-use crate::persistence::Pairs;
 use crate::scalar::Scalar;
 use core::ops::RangeInclusive;
 
-/// For each pair of a field on a grid the distance from its extremum to the nearest vertex that comes before it in the order of
-/// its direction, connected to it or not; `None` for the first of all. NaN is passed over.
+/// For some extrema of a field on a grid the distance from each to the nearest vertex that comes before it in the order of
+/// their direction, connected to it or not; `None` for the first of all. NaN is passed over.
 ///
 /// ```
-/// use topo::{Connectivity, Grid};
+/// use topo::{Connectivity, Grid, Kind};
 ///
 /// let heights = [
 ///     4, 0, 0, 0, 0, //
@@ -24,8 +23,8 @@ use core::ops::RangeInclusive;
 ///     0, 0, 0, 0, 9,
 /// ];
 /// let grid = Grid::new([3, 5], Connectivity::Axis);
-/// let peaks = topo::superlevel(&grid, &heights)?;
-/// let isolation = topo::isolation(&grid, &heights, &peaks)?;
+/// let peaks: Vec<usize> = topo::superlevel(&grid, &heights)?.ranked().iter().map(|peak| peak.extremum).collect();
+/// let isolation = topo::isolation(&grid, &heights, Kind::Maximum, &peaks)?;
 /// assert_eq!(isolation, [None, Some(2f64.sqrt()), Some(10f64.sqrt())]); // of 9, 7 and 4
 /// # Ok::<(), topo::Error>(())
 /// ```
@@ -34,29 +33,30 @@ use core::ops::RangeInclusive;
 /// If the field has not one value for every vertex.
 ///
 /// # Panics
-/// If the pairs are of another, larger grid.
+/// If an extremum is not on the grid.
 pub fn isolation<const D: usize, S: Scalar>(
     grid: &Grid<D>,
     field: &[S],
-    pairs: &Pairs<usize, S>,
+    kind: Kind,
+    extrema: &[usize],
 ) -> Result<Vec<Option<f64>>, Error> {
-    match pairs.kind() {
-        Kind::Minimum => of_each::<D, S, Rising>(grid, field, pairs),
-        Kind::Maximum => of_each::<D, S, Falling>(grid, field, pairs),
+    match kind {
+        Kind::Minimum => of_each::<D, S, Rising>(grid, field, extrema),
+        Kind::Maximum => of_each::<D, S, Falling>(grid, field, extrema),
     }
 }
 
 fn of_each<const N: usize, S: Scalar, D: Direction>(
     grid: &Grid<N>,
     field: &[S],
-    pairs: &Pairs<usize, S>,
+    extrema: &[usize],
 ) -> Result<Vec<Option<f64>>, Error> {
     let filtration = Filtration::<S, D>::new(field, grid.vertex_count(), NanPolicy::Mask)?;
-    let isolation = |extremum| {
+    let isolation = |&extremum: &usize| {
         let precedes = |vertex| filtration.precedes(vertex as u32, extremum as u32);
         nearest(grid, extremum, precedes).map(|square| (square as f64).sqrt())
     };
-    Ok(pairs.iter().map(|pair| isolation(pair.extremum)).collect())
+    Ok(extrema.iter().map(isolation).collect())
 }
 
 /// The square of the distance to the nearest vertex for which something holds.

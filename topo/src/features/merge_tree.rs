@@ -2,16 +2,17 @@
 //!
 //! Leaves are extrema, inner nodes saddles, and the root of each connected component of the domain is the last vertex to
 //! enter it. For minima this is called the join tree, for maxima the split tree (usage varies; this is TTK's).
+//!
+//! The tree is read off from the basins of steepest descent and the pairs, so that it costs little more than the pairs:
+//! nothing sorts all vertices. It keeps the basin and the value of each vertex, 12 bytes of an `f64` field.
 
-use super::branches::{BranchEnd, Branches};
+use super::branches::{BranchEnd, Branches, enters, fill_levels, spilled};
+use super::segmentation::Segmentation;
 use crate::domain::Domain;
 use crate::error::Error;
 use crate::filtration::{Direction, Falling, Filtration, Kind, Rising};
 use crate::options::PersistenceOptions;
-use crate::pairing::UnionFind;
-use crate::persistence::Pair;
-use crate::scalar::{Scalar, wider_first};
-use core::cmp::Ordering;
+use crate::scalar::Scalar;
 
 /// A place in a [`MergeTree`].
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -23,27 +24,6 @@ pub struct Node<V, S> {
     pub value: S,
     /// The node towards the root, as a place among the [nodes](MergeTree::nodes); `None` for a root.
     pub parent: Option<usize>,
-}
-
-/// An extremum with the extremum whose component its own joins.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Branch<V, S> {
-    /// Birth and death.
-    pub pair: Pair<V, S>,
-    /// The eldest extremum of the component that is joined at the saddle; `None` if the class is essential. Among peaks:
-    /// the highest one that can be reached without going below the saddle (the *island* or *encirclement* parent).
-    pub parent: Option<V>,
-}
-
-/// A connected component of a sublevel or superlevel set.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct LevelComponent<V> {
-    /// Its eldest extremum.
-    pub extremum: V,
-    /// Number of its vertices.
-    pub size: usize,
 }
 
 /// The tree of components of all sublevel sets (minima) or superlevel sets (maxima) of a field; a forest if the domain
@@ -68,34 +48,53 @@ pub struct LevelComponent<V> {
 /// let below_5: Vec<_> = tree.at(5.0).iter().map(|component| (component.extremum, component.size)).collect();
 /// assert_eq!(below_5, [(1, 1), (3, 1)]);
 /// assert_eq!(tree.simplify(2.0).nodes().len(), 2); // only 1 and 9 are left
+/// for threshold in [0.0, 2.0] {
+///     println!("{:?}", tree.segmentation(threshold).sizes()); // as many as one likes from one tree
+/// }
 /// # Ok::<(), topo::Error>(())
 /// ```
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub struct MergeTree<V, S> {
-    kind: Kind,
-    leaves: Vec<TreeVertex<V, S>>,
+    pub(super) kind: Kind,
+    /// By rising index.
+    pub(super) leaves: Vec<TreeVertex<V, S>>,
     /// In the order in which branches end.
-    endings: Vec<End<V, S>>,
+    pub(super) endings: Vec<End<V, S>>,
     /// The leaf of each branch that does not end, and the last vertex.
-    roots: Vec<(u32, TreeVertex<V, S>)>,
-    /// For each vertex its leaf and the value at which it enters; `None` if it never does.
-    entries: Vec<Option<(u32, S)>>,
+    pub(super) roots: Vec<(u32, TreeVertex<V, S>)>,
+    /// For each vertex its leaf, the end of its steepest descent; `NONE` if it never enters.
+    pub(super) basins: Vec<u32>,
+    /// For each vertex its value, or the level up to which it is filled.
+    pub(super) values: Vec<S>,
 }
 
 /// A vertex with its index and value.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct TreeVertex<V, S> {
-    index: u32,
-    vertex: V,
-    value: S,
+pub(super) struct TreeVertex<V, S> {
+    pub(super) index: u32,
+    pub(super) vertex: V,
+    pub(super) value: S,
 }
 
 /// Where a branch ends.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct End<V, S> {
-    leaf: u32,
-    elder: u32,
-    saddle: TreeVertex<V, S>,
+pub(super) struct End<V, S> {
+    pub(super) leaf: u32,
+    /// Whose branch goes on.
+    pub(super) elder: u32,
+    /// Into whose basin it spills.
+    pub(super) beyond: u32,
+    pub(super) saddle: TreeVertex<V, S>,
+}
+
+impl<V: PartialEq, S: Scalar> PartialEq for MergeTree<V, S> {
+    /// Values of vertices that never enter do not count.
+    fn eq(&self, other: &Self) -> bool {
+        let values = || self.values.iter().zip(&other.values).zip(&self.basins);
+        (self.kind, &self.leaves, &self.endings, &self.roots, &self.basins)
+            == (other.kind, &other.leaves, &other.endings, &other.roots, &other.basins)
+            && values().all(|((a, b), &basin)| !enters(basin) || a == b)
+    }
 }
 
 impl<V: Copy, S: Scalar> MergeTree<V, S> {
@@ -103,14 +102,19 @@ impl<V: Copy, S: Scalar> MergeTree<V, S> {
         let branches = Branches::new(domain, filtration);
         let place =
             |index: u32| TreeVertex { index, vertex: domain.vertex(index as usize), value: filtration.value(index) };
-        let end = |end: &BranchEnd| End { leaf: end.extremum, elder: end.elder, saddle: place(end.saddle) };
-        let entry = |(basin, &value): (&Option<u32>, &S)| Some(((*basin)?, value));
+        let end = |&BranchEnd { extremum, saddle, elder, beyond }: &BranchEnd| End {
+            leaf: extremum,
+            elder,
+            beyond,
+            saddle: place(saddle),
+        };
         Self {
             kind: D::KIND,
             leaves: branches.extrema.iter().map(|&extremum| place(extremum)).collect(),
             endings: branches.ends.iter().map(end).collect(),
             roots: branches.essential.iter().map(|&(leaf, last)| (leaf, place(last))).collect(),
-            entries: branches.basins.iter().zip(filtration.field()).map(entry).collect(),
+            basins: branches.basins,
+            values: filtration.field().to_vec(),
         }
     }
 
@@ -131,7 +135,7 @@ impl<V: Copy, S: Scalar> MergeTree<V, S> {
         // For each branch its last node so far.
         let mut tops: Vec<usize> = (0..nodes.len()).collect();
         let mut last_saddle = None;
-        for End { leaf, elder, saddle } in &self.endings {
+        for End { leaf, elder, saddle, .. } in &self.endings {
             let (younger, elder) = (*leaf as usize, *elder as usize);
             if last_saddle.replace(saddle.index) != Some(saddle.index) {
                 nodes[tops[elder]].parent = Some(nodes.len());
@@ -152,94 +156,88 @@ impl<V: Copy, S: Scalar> MergeTree<V, S> {
         nodes
     }
 
-    /// The extrema with their parents, in the order of [`Pairs`](crate::Pairs) and with the pairs of zero persistence.
-    ///
-    /// ```
-    /// let heights = [0.0, 7.0, 2.0, 5.0, 4.0, 9.0];
-    /// let tree = topo::merge_tree(&topo::Path::new(6), &heights, topo::Kind::Maximum)?;
-    /// let family: Vec<_> = tree.branches().iter().map(|peak| (peak.pair.extremum, peak.parent)).collect();
-    /// assert_eq!(family, [(5, None), (1, Some(5)), (3, Some(5))]);
-    /// # Ok::<(), topo::Error>(())
-    /// ```
-    pub fn branches(&self) -> Vec<Branch<V, S>> {
-        let leaf = |leaf: u32| self.leaves[leaf as usize];
-        let finite = self.endings.iter().map(|end| (leaf(end.leaf), end.saddle, Some(leaf(end.elder).vertex)));
-        let essential = self.roots.iter().map(|&(root, last)| (leaf(root), last, None));
-        let mut branches: Vec<_> = finite.chain(essential).collect();
-        let persistence = |(born, end, _): &(TreeVertex<V, S>, TreeVertex<V, S>, _)| born.value.width(end.value);
-        branches.sort_by(|a, b| {
-            let by_persistence = wider_first(&persistence(a), &persistence(b));
-            by_persistence.then(a.2.is_some().cmp(&b.2.is_some())).then_with(|| self.compare(&a.0, &b.0))
-        });
-        let branch = |(born, end, parent): (TreeVertex<V, S>, TreeVertex<V, S>, Option<V>)| {
-            let saddle = parent.map(|_| end.vertex);
-            Branch { pair: Pair { extremum: born.vertex, saddle, birth: born.value, end: end.value }, parent }
-        };
-        branches.into_iter().map(branch).collect()
-    }
-
     /// The edges of the tree: each node that is no root with its parent, as places among the [nodes](Self::nodes).
     pub fn arcs(&self) -> Vec<[usize; 2]> {
         let nodes = self.nodes();
         (0..).zip(&nodes).filter_map(|(child, node)| Some([child, node.parent?])).collect()
     }
 
+    /// The field as the tree has it: as it was given, and after [`simplify`](Self::simplify) or [`filter`](Self::filter)
+    /// without the basins (for maxima, peaks) of the branches that have gone. What never enters is as it was.
+    pub fn field(&self) -> &[S] {
+        &self.values
+    }
+
+    /// The basins of all leaves that are more persistent than a threshold, as [`segmentation`](fn@crate::segmentation)
+    /// finds them. O(vertices).
+    pub fn segmentation(&self, threshold: S::Width) -> Segmentation<V> {
+        let kept = self.longer(threshold);
+        let leaves = self.leaves.iter().zip(&kept).filter(|&(_, &kept)| kept);
+        let extrema = leaves.map(|(leaf, _)| leaf.vertex).collect();
+        Segmentation::new(extrema, self.basins.clone(), &self.spilled(&kept))
+    }
+
     /// The tree without branches that live no longer than a threshold: that of the field with their basins filled up
-    /// (or, for maxima, cut off) to the saddle.
+    /// (or, for maxima, cut off) to the saddle. O(vertices).
     #[must_use = "the tree itself is left as it is"]
     pub fn simplify(&self, threshold: S::Width) -> Self {
-        let is_short = |end: &End<V, S>| self.leaves[end.leaf as usize].value.width(end.saddle.value) <= threshold;
-        // Where vertices of a basin go, and from which value on. A short branch on a short branch goes where that does.
-        let mut filled: Vec<(u32, Option<S>)> = (0..self.leaves.len() as u32).map(|leaf| (leaf, None)).collect();
-        for end in self.endings.iter().rev().filter(|end| is_short(end)) {
-            let (elder, level) = filled[end.elder as usize];
-            filled[end.leaf as usize] = (elder, level.or(Some(end.saddle.value)));
-        }
-        let kept: Vec<u32> =
-            (0..).zip(&filled).filter(|(_, (_, level))| level.is_none()).map(|(leaf, _)| leaf).collect();
-        let renumbered = |leaf: u32| kept.partition_point(|&other| other < filled[leaf as usize].0) as u32;
-        let ends = self.endings.iter().filter(|end| !is_short(end));
-        let entry = |&(leaf, value): &(u32, S)| {
-            let level = filled[leaf as usize].1.filter(|&level| self.is_at(value, level));
-            (renumbered(leaf), level.unwrap_or(value))
+        self.pruned(&self.longer(threshold))
+    }
+
+    /// The tree with some branches only; those that end in others bring them along.
+    pub(super) fn pruned(&self, kept: &[bool]) -> Self {
+        let place = self.spilled(kept);
+        let levels = fill_levels(self.endings.iter().map(|end| (end.leaf, end.elder, end.saddle.value)), kept);
+        let renumbered = |leaf: u32| place[leaf as usize];
+        let filled = |(&basin, &value): (&u32, &S)| {
+            let level = levels.get(basin as usize).copied().flatten();
+            level.filter(|&level| self.has_reached(value, level)).unwrap_or(value)
+        };
+        let end = |end: &End<V, S>| End {
+            leaf: renumbered(end.leaf),
+            elder: renumbered(end.elder),
+            beyond: renumbered(end.beyond),
+            ..*end
         };
         Self {
             kind: self.kind,
-            leaves: kept.iter().map(|&leaf| self.leaves[leaf as usize]).collect(),
-            endings: ends.map(|end| End { leaf: renumbered(end.leaf), elder: renumbered(end.elder), ..*end }).collect(),
+            leaves: self.leaves.iter().zip(kept).filter(|&(_, &kept)| kept).map(|(leaf, _)| *leaf).collect(),
+            endings: self.endings.iter().filter(|end| kept[end.leaf as usize]).map(end).collect(),
             roots: self.roots.iter().map(|&(leaf, last)| (renumbered(leaf), last)).collect(),
-            entries: self.entries.iter().map(|vertex| vertex.as_ref().map(entry)).collect(),
+            values: self.basins.iter().zip(&self.values).map(filled).collect(),
+            basins: self.basins.iter().map(|&basin| place.get(basin as usize).copied().unwrap_or(basin)).collect(),
         }
     }
 
-    /// The components of the set of vertices up to a level (for maxima: from it upwards), by index of their extrema.
-    /// O(vertices).
-    pub fn at(&self, level: S) -> Vec<LevelComponent<V>> {
-        let mut components = UnionFind::new(self.leaves.len());
-        for end in self.endings.iter().take_while(|end| self.is_at(end.saddle.value, level)) {
-            components.join(end.leaf, end.elder);
+    /// Whether the branch of each leaf lives longer than a threshold.
+    fn longer(&self, threshold: S::Width) -> Vec<bool> {
+        let mut is_longer = vec![true; self.leaves.len()];
+        for end in &self.endings {
+            let born = self.leaves[end.leaf as usize].value;
+            is_longer[end.leaf as usize] = born.width(end.saddle.value) > threshold;
         }
-        let mut sizes = vec![0; self.leaves.len()];
-        for &(leaf, value) in self.entries.iter().flatten() {
-            if self.is_at(value, level) {
-                sizes[components.find(leaf) as usize] += 1;
-            }
-        }
-        let components = self.leaves.iter().zip(sizes).filter(|&(_, size)| size > 0);
-        components.map(|(leaf, size)| LevelComponent { extremum: leaf.vertex, size }).collect()
+        is_longer
     }
 
-    /// The order in which two vertices enter.
-    fn compare(&self, a: &TreeVertex<V, S>, b: &TreeVertex<V, S>) -> Ordering {
-        let rising = a.value.key().cmp(&b.value.key()).then(a.index.cmp(&b.index));
-        if self.kind == Kind::Minimum { rising } else { rising.reverse() }
+    fn spilled(&self, kept: &[bool]) -> Vec<u32> {
+        spilled(self.endings.iter().map(|end| (end.leaf, end.beyond)), kept)
     }
 
     /// Whether a value has been reached at a level.
-    fn is_at(&self, value: S, level: S) -> bool {
+    pub(super) fn has_reached(&self, value: S, level: S) -> bool {
         match self.kind {
             Kind::Minimum => value <= level,
             Kind::Maximum => value >= level,
+        }
+    }
+
+    /// Whether the vertex with an index and a value enters before a saddle.
+    pub(super) fn is_before(&self, index: u32, value: S, saddle: &TreeVertex<V, S>) -> bool {
+        match (self.kind, index < saddle.index) {
+            (Kind::Minimum, true) => Rising::precedes_higher_index(value, saddle.value),
+            (Kind::Minimum, false) => Rising::precedes_lower_index(value, saddle.value),
+            (Kind::Maximum, true) => Falling::precedes_higher_index(value, saddle.value),
+            (Kind::Maximum, false) => index != saddle.index && Falling::precedes_lower_index(value, saddle.value),
         }
     }
 }

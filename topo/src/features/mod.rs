@@ -1,16 +1,24 @@
 //! What is made from the pairs: ranks, trees, basins, simpler fields, diagrams.
 
+mod attributes;
 mod branches;
 mod diagram;
 mod hierarchy;
+mod holes;
 mod isolation;
+mod levels;
+mod linkage;
 mod merge_tree;
 mod segmentation;
 mod simplify;
 
-pub use diagram::Diagram;
+pub use attributes::Branch;
+pub use diagram::{Diagram, Matching, Wasserstein};
 pub use hierarchy::{Extremum, Hierarchy};
+pub use holes::{Hole, Holes, holes};
 pub use isolation::isolation;
-pub use merge_tree::{Branch, LevelComponent, MergeTree, Node, merge_tree};
+pub use levels::LevelComponent;
+pub use linkage::{Dendrogram, Link, single_linkage};
+pub use merge_tree::{MergeTree, Node, merge_tree};
 pub use segmentation::{Segmentation, segmentation};
 pub use simplify::simplify;

@@ -1,14 +1,14 @@
-//! A domain cut into the basins of its extrema.
+//! A domain cut into parts, each with an extremum: into basins, or into the components of a sublevel set.
 //!
 //! Every vertex belongs to the extremum at the end of its steepest descent (or ascent). Basins of extrema that are no
 //! more persistent than a threshold are given to the basin beyond their saddle, into which a flood would spill.
 
-use super::branches::Branches;
+use super::branches::{Branches, spilled};
 use crate::domain::Domain;
 use crate::error::Error;
 use crate::filtration::{Direction, Falling, Filtration, Kind, Rising};
 use crate::options::PersistenceOptions;
-use crate::pairing::UnionFind;
+use crate::pairing::NONE;
 use crate::scalar::Scalar;
 
 /// Every vertex with its extremum.
@@ -20,41 +20,36 @@ use crate::scalar::Scalar;
 /// let valleys = segmentation(&Path::new(7), &field, Kind::Minimum, 1.0)?;
 /// assert_eq!(valleys.extrema(), [0, 4, 6]); // vertex 2 is a valley only 1 deep
 /// assert_eq!(valleys.labels().collect::<Vec<_>>(), [Some(0), Some(0), Some(1), Some(1), Some(1), Some(2), Some(2)]);
+/// assert_eq!(valleys.vertices(1).collect::<Vec<_>>(), [2, 3, 4]);
 /// # Ok::<(), topo::Error>(())
 /// ```
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Segmentation<V> {
     extrema: Vec<V>,
-    segments: Vec<Option<u32>>,
+    /// For each vertex its segment, [`NONE`] if it has none.
+    segments: Vec<u32>,
 }
 
 impl<V: Copy> Segmentation<V> {
-    pub(crate) fn new<G: Domain<Vertex = V>, S: Scalar, D: Direction>(
+    /// From the extremum of each segment, the basin of each vertex, and the segment of each basin.
+    pub(crate) fn new(extrema: Vec<V>, mut basins: Vec<u32>, segment_of_basin: &[u32]) -> Self {
+        for basin in &mut basins {
+            *basin = segment_of_basin.get(*basin as usize).copied().unwrap_or(NONE);
+        }
+        Self { extrema, segments: basins }
+    }
+
+    fn of_field<G: Domain<Vertex = V>, S: Scalar, D: Direction>(
         domain: G,
         filtration: &Filtration<'_, S, D>,
         threshold: S::Width,
     ) -> Self {
         let branches = Branches::new(domain, filtration);
-        let mut groups = UnionFind::new(branches.extrema.len());
-        let mut survives = vec![true; branches.extrema.len()];
-        for end in branches.short(filtration, threshold) {
-            survives[end.extremum as usize] = false;
-            let (from, to) = (groups.find(end.extremum), groups.find(end.beyond));
-            groups.join(from, to);
-        }
-        // Every branch spills into another component, so spills close no circle: each group is a tree of them, with one
-        // extremum that did not spill, whichever member is the root of the union-find.
-        let mut segment_of_group = vec![None; branches.extrema.len()];
-        let survivors: Vec<u32> =
-            (0..).zip(&survives).filter(|&(_, &survives)| survives).map(|(basin, _)| basin).collect();
-        for (segment, &basin) in (0u32..).zip(&survivors) {
-            segment_of_group[groups.find(basin) as usize] = Some(segment);
-        }
-        let segments =
-            branches.basins.iter().map(|basin| basin.and_then(|basin| segment_of_group[groups.find(basin) as usize]));
-        let segments = segments.collect();
-        let vertex = |&basin: &u32| domain.vertex(branches.extrema[basin as usize] as usize);
-        Self { extrema: survivors.iter().map(vertex).collect(), segments }
+        let kept = branches.longer(filtration, threshold);
+        let segment_of_basin = spilled(branches.ends.iter().map(|end| (end.extremum, end.beyond)), &kept);
+        let survivors = branches.extrema.iter().zip(&kept).filter(|&(_, &kept)| kept);
+        let extrema = survivors.map(|(&extremum, _)| domain.vertex(extremum as usize)).collect();
+        Self::new(extrema, branches.basins, &segment_of_basin)
     }
 
     /// The extremum of each segment.
@@ -63,14 +58,19 @@ impl<V: Copy> Segmentation<V> {
     }
 
     /// The segment of the vertex with an index, as a place among the [extrema](Self::extrema); `None` if the vertex is
-    /// masked or there is none.
+    /// in no segment or there is none.
     pub fn label(&self, index: usize) -> Option<usize> {
-        self.segments.get(index).copied().flatten().map(|segment| segment as usize)
+        self.segments.get(index).copied().and_then(label)
     }
 
     /// The [label](Self::label) of every vertex by index.
     pub fn labels(&self) -> impl ExactSizeIterator<Item = Option<usize>> {
-        self.segments.iter().map(|segment| segment.map(|segment| segment as usize))
+        self.segments.iter().copied().map(label)
+    }
+
+    /// The vertices of a segment by rising index. O(all vertices).
+    pub fn vertices(&self, segment: usize) -> impl Iterator<Item = usize> {
+        self.labels().enumerate().filter(move |&(_, label)| label == Some(segment)).map(|(index, _)| index)
     }
 
     /// Number of vertices of each segment.
@@ -79,6 +79,28 @@ impl<V: Copy> Segmentation<V> {
         self.labels().flatten().for_each(|segment| sizes[segment] += 1);
         sizes
     }
+
+    /// The sum over each segment of what its vertices weigh, such as their areas.
+    ///
+    /// # Errors
+    /// If there is not one weight for every vertex.
+    pub fn sums(&self, weights: &[f64]) -> Result<Vec<f64>, Error> {
+        let vertices = self.segments.len();
+        if weights.len() != vertices {
+            return Err(Error::Length { values: weights.len(), vertices });
+        }
+        let mut sums = vec![0.0; self.extrema.len()];
+        for (label, weight) in self.labels().zip(weights) {
+            if let Some(segment) = label {
+                sums[segment] += weight;
+            }
+        }
+        Ok(sums)
+    }
+}
+
+fn label(segment: u32) -> Option<usize> {
+    (segment != NONE).then_some(segment as usize)
 }
 
 impl PersistenceOptions {
@@ -96,16 +118,17 @@ impl PersistenceOptions {
         let count = domain.vertex_count();
         Ok(match kind {
             Kind::Minimum => {
-                Segmentation::new(domain, &Filtration::<S, Rising>::new(field, count, self.nan)?, threshold)
+                Segmentation::of_field(domain, &Filtration::<S, Rising>::new(field, count, self.nan)?, threshold)
             }
             Kind::Maximum => {
-                Segmentation::new(domain, &Filtration::<S, Falling>::new(field, count, self.nan)?, threshold)
+                Segmentation::of_field(domain, &Filtration::<S, Falling>::new(field, count, self.nan)?, threshold)
             }
         })
     }
 }
 
-/// The basins of all minima or maxima that are more persistent than a threshold.
+/// The basins of all minima or maxima that are more persistent than a threshold. For several thresholds see
+/// [`MergeTree::segmentation`](crate::MergeTree::segmentation).
 ///
 /// # Errors
 /// If the field does not fit the domain, see [`Error`].

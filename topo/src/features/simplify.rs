@@ -66,5 +66,6 @@ fn fill<G: Domain, S: Scalar, D: Direction>(
     nan: NanPolicy,
 ) -> Result<Vec<S>, Error> {
     let filtration = Filtration::<S, D>::new(field, domain.vertex_count(), nan)?;
-    Ok(Branches::new(domain, &filtration).filled(&filtration, threshold))
+    let branches = Branches::new(domain, &filtration);
+    Ok(branches.filled(&filtration, &branches.longer(&filtration, threshold)))
 }

@@ -15,7 +15,7 @@
 use super::boruvka::{self, Join};
 use super::descent::{Descent, OUTSIDE};
 use super::graph::Graph;
-use super::merges::Merges;
+use super::merges::Merge;
 use super::union_find::UnionFind;
 use crate::filtration::{Direction, Filtration};
 use crate::parallel;
@@ -50,18 +50,37 @@ pub(crate) struct SaddleCandidate {
     pub(crate) sides: [u32; 2],
 }
 
-/// Pairs the extrema of a graph of which nothing more is known.
-pub(crate) fn merges_of_graph<G: Graph, S: Scalar, D: Direction>(
+/// Which of its earlier neighbours a vertex points to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Pointing {
+    /// Whichever is found first: enough for pairs.
+    Any,
+    /// The earliest: basins of steepest descent.
+    Steepest,
+}
+
+/// Every vertex with its way down to an extremum, and where the basins touch.
+#[derive(Debug)]
+pub struct Basins {
+    descent: Descent,
+    joins: Vec<Join>,
+}
+
+/// The basins of a graph of which nothing more is known.
+pub(crate) fn basins_of_graph<G: Graph, S: Scalar, D: Direction>(
     graph: G,
     filtration: &Filtration<'_, S, D>,
-) -> Merges {
+    pointing: Pointing,
+) -> Basins {
     let mut next = vec![OUTSIDE; graph.vertex_count()];
     let (mut extrema, mut candidates) = (Vec::new(), Vec::new());
     for (v, next) in (0..).zip(&mut next) {
         let mut earlier = 0;
         graph.for_each_neighbor(v as usize, |u| {
-            if filtration.precedes(u as u32, v) {
-                *next = u as u32;
+            let u = u as u32;
+            if filtration.precedes(u, v) {
+                let is_taken = pointing == Pointing::Any || earlier == 0 || filtration.precedes(u, *next);
+                *next = if is_taken { u } else { *next };
                 earlier += 1;
             }
         });
@@ -73,30 +92,7 @@ pub(crate) fn merges_of_graph<G: Graph, S: Scalar, D: Direction>(
     }
     let descent = Descent::new(next, extrema);
     let joins = joins_of_graph(graph, filtration, &descent, &candidates);
-    pair(filtration, &descent, joins)
-}
-
-/// The basins of steepest descent: every vertex points to its earliest neighbour.
-pub(crate) fn steepest_descent<G: Graph, S: Scalar, D: Direction>(
-    graph: G,
-    filtration: &Filtration<'_, S, D>,
-) -> Descent {
-    let mut next = vec![OUTSIDE; graph.vertex_count()];
-    let mut extrema = Vec::new();
-    for (v, next) in (0..).zip(&mut next) {
-        let mut earliest = v;
-        graph.for_each_neighbor(v as usize, |u| {
-            if filtration.precedes(u as u32, earliest) {
-                earliest = u as u32;
-            }
-        });
-        if earliest != v {
-            *next = earliest;
-        } else if filtration.contains(v) {
-            extrema.push(v);
-        }
-    }
-    Descent::new(next, extrema)
+    Basins { descent, joins }
 }
 
 /// The joins between the basins of all earlier neighbours of each candidate.
@@ -121,31 +117,30 @@ fn joins_of_graph<G: Graph, S: Scalar, D: Direction>(
     joins
 }
 
-/// Pairs the extrema given what a scan has found and where vertices point to.
-pub(crate) fn merges_of_scan<S: Scalar, D: Direction>(
-    filtration: &Filtration<'_, S, D>,
-    next: Vec<u32>,
-    Scan { extrema, candidates }: Scan,
-) -> Merges {
-    let descent = Descent::new(next, extrema);
-    let joins = parallel::filter_map(&candidates, |&SaddleCandidate { saddle, sides }| {
-        let basins = sides.map(|side| descent.basin(side));
-        (basins[0] != basins[1]).then_some(Join { saddle, basins })
-    });
-    drop(candidates);
-    pair(filtration, &descent, joins)
-}
+impl Basins {
+    /// From what a scan has found and where vertices point to.
+    pub(crate) fn new(next: Vec<u32>, Scan { extrema, candidates }: Scan) -> Self {
+        let descent = Descent::new(next, extrema);
+        let joins = parallel::filter_map(&candidates, |&SaddleCandidate { saddle, sides }| {
+            let basins = sides.map(|side| descent.basin(side));
+            (basins[0] != basins[1]).then_some(Join { saddle, basins })
+        });
+        Self { descent, joins }
+    }
 
-fn pair<S: Scalar, D: Direction>(filtration: &Filtration<'_, S, D>, descent: &Descent, joins: Vec<Join>) -> Merges {
-    let (finite, mut components) = boruvka::pair(filtration, descent.extrema(), joins);
-    let eldest: Vec<u32> =
-        (0..descent.extrema().len() as u32).filter(|&basin| components.find(basin) == basin).collect();
-    let last = match eldest[..] {
-        [_] => last_of_all(filtration),
-        _ => last_of_each(filtration, descent, &mut components, &eldest),
-    };
-    let eldest = eldest.into_iter().map(|basin| descent.extrema()[basin as usize]);
-    Merges { finite, essential: eldest.zip(last).collect() }
+    /// What becomes of each component, by rising index of its extremum; and the way down from each vertex.
+    pub(crate) fn pair<S: Scalar, D: Direction>(self, filtration: &Filtration<'_, S, D>) -> (Vec<Merge>, Descent) {
+        let Self { descent, joins } = self;
+        let (mut merges, mut components) = boruvka::pair(filtration, descent.extrema(), joins);
+        let eldest: Vec<u32> =
+            (0..).zip(&merges).filter(|(_, merge)| !merge.is_finite()).map(|(basin, _)| basin).collect();
+        let last = match eldest[..] {
+            [_] => last_of_all(filtration),
+            _ => last_of_each(filtration, &descent, &mut components, &eldest),
+        };
+        eldest.into_iter().zip(last).for_each(|(basin, last)| merges[basin as usize].end = last);
+        (merges, descent)
+    }
 }
 
 /// The last vertex to enter, for the only component.

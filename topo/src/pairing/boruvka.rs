@@ -8,7 +8,7 @@
 //! Each round pairs at least one basin, the first ones more than half. Young basins in a row can make rounds slow; so
 //! when one pairs less than half, the remaining joins are sorted and paired one by one.
 
-use super::merges::Merge;
+use super::merges::{Merge, NONE};
 use super::union_find::UnionFind;
 use crate::filtration::{Direction, Filtration};
 use crate::scalar::Scalar;
@@ -27,11 +27,8 @@ const FEW_JOINS: usize = 64;
 /// white noise and on smooth noise, 1024² with Freudenthal edges: by 5 and 15 % over 10, by 20 and 30 % over sorting.
 const SLOW_ROUND: usize = 2;
 
-/// No join.
-const NONE: u32 = u32::MAX;
-
-/// Pairs basins given their extrema, by rising index, and their joins, by rising index of the saddle.
-/// Also returns the basins of each connected component, the eldest at the root.
+/// Pairs basins given their extrema, by rising index, and their joins, by rising index of the saddle: what becomes of each
+/// basin, where the eldest have no end yet, and the basins of each connected component, the eldest at the root.
 pub(crate) fn pair<S: Scalar, D: Direction>(
     filtration: &Filtration<'_, S, D>,
     extrema: &[u32],
@@ -53,20 +50,20 @@ pub(crate) fn pair<S: Scalar, D: Direction>(
 
 struct Basins<'a, S, D> {
     filtration: &'a Filtration<'a, S, D>,
-    extrema: &'a [u32],
     births: Vec<S>,
     merged: UnionFind,
     /// For each basin its lowest join, as a place among the joins, and the value there.
     lowest: Vec<(u32, S)>,
+    /// What becomes of each basin.
     merges: Vec<Merge>,
 }
 
 impl<'a, S: Scalar, D: Direction> Basins<'a, S, D> {
-    fn new(filtration: &'a Filtration<'a, S, D>, extrema: &'a [u32]) -> Self {
+    fn new(filtration: &'a Filtration<'a, S, D>, extrema: &[u32]) -> Self {
         let births: Vec<S> = extrema.iter().map(|&extremum| filtration.value(extremum)).collect();
         let lowest = births.iter().map(|&birth| (NONE, birth)).collect();
-        let merged = UnionFind::new(extrema.len());
-        Self { filtration, extrema, births, merged, lowest, merges: Vec::with_capacity(extrema.len()) }
+        let merges = extrema.iter().map(|&extremum| Merge::born(extremum)).collect();
+        Self { filtration, births, merged: UnionFind::new(extrema.len()), lowest, merges }
     }
 
     /// Merges every basin whose lowest join leads to an elder one; returns how many. Basins that cannot merge any more,
@@ -76,12 +73,14 @@ impl<'a, S: Scalar, D: Direction> Basins<'a, S, D> {
             self.lowest[basin as usize].0 = NONE;
         }
         self.find_lowest(joins);
-        let before = self.merges.len();
+        let mut paired = 0;
         active.retain(|&basin| {
             let (place, _) = self.lowest[basin as usize];
-            place != NONE && !self.try_merge(basin, &joins[place as usize])
+            let merges = place != NONE && self.try_merge(basin, &joins[place as usize]);
+            paired += usize::from(merges);
+            place != NONE && !merges
         });
-        self.merges.len() - before
+        paired
     }
 
     fn find_lowest(&mut self, joins: &[Join]) {
@@ -128,8 +127,9 @@ impl<'a, S: Scalar, D: Direction> Basins<'a, S, D> {
     fn merge(&mut self, younger: u32, towards: u32, saddle: u32) {
         let elder = self.merged.find(towards);
         self.merged.join(younger, elder);
-        let (extremum, towards) = (self.extrema[younger as usize], self.extrema[towards as usize]);
-        self.merges.push(Merge { extremum, saddle, towards });
+        let towards = self.merges[towards as usize].extremum;
+        let merge = &mut self.merges[younger as usize];
+        (merge.end, merge.towards) = (saddle, towards);
     }
 
     /// Whether basin `a` is elder than basin `b`. Basins are numbered as their extrema are.

@@ -52,6 +52,22 @@ impl Descent {
         (self.pointer(vertex) != OUTSIDE).then(|| self.basin(vertex))
     }
 
+    /// The basin of every vertex, [`OUTSIDE`] where it never enters; and the extrema.
+    pub(crate) fn into_basins(self) -> (Vec<u32>, Vec<u32>) {
+        // In place: both kinds of pointers are of one size.
+        let mut next: Vec<u32> = self.next.into_iter().map(AtomicU32::into_inner).collect();
+        // Most ways end within two passes, upwards and downwards, that skip without a branch.
+        (0..next.len()).for_each(|v| skip(&mut next, v));
+        (0..next.len()).rev().for_each(|v| skip(&mut next, v));
+        for v in 0..next.len() {
+            if next[v] & BASIN == 0 {
+                next[v] = follow(&mut next, v as u32);
+            }
+        }
+        next.iter_mut().filter(|pointer| **pointer != OUTSIDE).for_each(|pointer| *pointer &= !BASIN);
+        (next, self.extrema)
+    }
+
     fn pointer(&self, vertex: u32) -> u32 {
         self.next[vertex as usize].load(Relaxed)
     }
@@ -67,4 +83,24 @@ impl Descent {
             vertex = pointer;
         }
     }
+}
+
+/// Lets a vertex point where the vertex it points to does.
+fn skip(next: &mut [u32], vertex: usize) {
+    let pointer = next[vertex];
+    let from = if pointer & BASIN == 0 { pointer as usize } else { vertex };
+    next[vertex] = next[from];
+}
+
+/// The basin to which the pointers lead from a vertex; all on the way point to it from now on.
+fn follow(next: &mut [u32], from: u32) -> u32 {
+    let mut basin = next[from as usize];
+    while basin & BASIN == 0 {
+        basin = next[basin as usize];
+    }
+    let mut vertex = from;
+    while next[vertex as usize] & BASIN == 0 {
+        vertex = core::mem::replace(&mut next[vertex as usize], basin);
+    }
+    basin
 }

@@ -1,21 +1,27 @@
 //! The common outcome of all algorithms: who dies where, in vertex indices.
 
-/// A component joins an elder one.
+/// No basin, no vertex: of an eldest component, which joins nothing.
+pub(crate) const NONE: u32 = u32::MAX;
+
+/// The end of a component.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Merge {
-    /// The extremum that dies.
+pub struct Merge {
+    /// The extremum at which it was born.
     pub(crate) extremum: u32,
-    /// The vertex at which it does.
-    pub(crate) saddle: u32,
-    /// Some extremum of an elder component that meets it there, not necessarily the eldest.
+    /// The vertex at which it joins an elder one; if it joins none, the last vertex to enter it.
+    pub(crate) end: u32,
+    /// Some extremum of an elder component that meets it there, not necessarily the eldest; [`NONE`] if it joins none.
     pub(crate) towards: u32,
 }
 
-/// All merges of a filtration.
-#[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub struct Merges {
-    /// One for every extremum but the eldest of each connected component, in no particular order.
-    pub(crate) finite: Vec<Merge>,
-    /// For each connected component its eldest extremum and the last vertex to enter it.
-    pub(crate) essential: Vec<(u32, u32)>,
+impl Merge {
+    /// A component of which only its birth is known.
+    pub(crate) fn born(extremum: u32) -> Self {
+        Self { extremum, end: NONE, towards: NONE }
+    }
+
+    /// Whether it joins an elder one.
+    pub(crate) fn is_finite(&self) -> bool {
+        self.towards != NONE
+    }
 }

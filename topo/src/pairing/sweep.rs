@@ -7,16 +7,16 @@
 //! This is the reference: the faster ways elsewhere in the crate are tested to agree with it, vertex by vertex.
 
 use super::graph::Graph;
-use super::merges::{Merge, Merges};
+use super::merges::{Merge, NONE};
 use super::union_find::UnionFind;
 use crate::filtration::{Direction, Filtration};
 use crate::scalar::Scalar;
 
-/// Pairs every extremum of a filtration by sorting all vertices.
-pub(crate) fn sweep<G: Graph, S: Scalar, D: Direction>(graph: G, filtration: &Filtration<'_, S, D>) -> Merges {
+/// Pairs every extremum of a filtration by sorting all vertices; by rising index.
+pub(crate) fn sweep<G: Graph, S: Scalar, D: Direction>(graph: G, filtration: &Filtration<'_, S, D>) -> Vec<Merge> {
     let order = filtration.order();
     let mut components = UnionFind::new(graph.vertex_count());
-    let mut finite = Vec::new();
+    let mut merges = Vec::new();
     for &v in &order {
         graph.for_each_neighbor(v as usize, |u| {
             let u = u as u32;
@@ -29,19 +29,22 @@ pub(crate) fn sweep<G: Graph, S: Scalar, D: Direction>(graph: G, filtration: &Fi
             }
             let (elder, younger) = if filtration.precedes(a, b) { (a, b) } else { (b, a) };
             if younger != v {
-                finite.push(Merge { extremum: younger, saddle: v, towards: elder });
+                merges.push(Merge { extremum: younger, end: v, towards: elder });
             }
             components.join(younger, elder);
         });
     }
-    Merges { finite, essential: essential(&order, &mut components) }
+    merges.extend(essential(&order, &mut components));
+    merges.sort_unstable_by_key(|merge| merge.extremum);
+    merges
 }
 
-/// The eldest of each component with the last vertex to enter it, eldest components first.
-fn essential(order: &[u32], components: &mut UnionFind) -> Vec<(u32, u32)> {
+/// The eldest of each component with the last vertex to enter it.
+fn essential(order: &[u32], components: &mut UnionFind) -> Vec<Merge> {
     let mut last = vec![0; components.len()];
     for &v in order {
         last[components.find(v) as usize] = v;
     }
-    order.iter().filter(|&&v| components.find(v) == v).map(|&v| (v, last[v as usize])).collect()
+    let eldest = order.iter().filter(|&&v| components.find(v) == v);
+    eldest.map(|&v| Merge { extremum: v, end: last[v as usize], towards: NONE }).collect()
 }

@@ -134,7 +134,8 @@ fn assert_isolation<const D: usize>(grid: &Grid<D>, field: &[f64]) {
     });
     let pairs = PersistenceOptions::new().nan(NanPolicy::Mask).persistence(grid, field).expect("fits");
     for pairs in [pairs.minima, pairs.maxima] {
-        let isolation = topo::isolation(grid, field, &pairs).expect("fits");
+        let extrema: Vec<usize> = pairs.iter().map(|pair| pair.extremum).collect();
+        let isolation = topo::isolation(grid, field, pairs.kind(), &extrema).expect("fits");
         for (pair, isolation) in pairs.iter().zip(isolation) {
             let from = pair.extremum;
             let is_before = |&u: &usize| match pairs.kind() {

@@ -1,11 +1,15 @@
 //! What holds of persistence on any domain, on random input and on measured fields.
 
+mod distances;
 mod domains;
 mod extremes;
 mod features;
 mod fields;
+mod holes;
 mod inputs;
 mod laws;
+mod linkage;
 #[cfg(feature = "serde")]
 mod serialized;
 mod threads;
+mod trees;

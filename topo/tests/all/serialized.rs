@@ -1,6 +1,6 @@
 //! What the feature `serde` writes can be read again, and what could not have been written is refused.
 
-use topo::{Connectivity, Hierarchy, Kind, NanPolicy, Pairs, Path, Persistence, PersistenceOptions, merge_tree};
+use topo::{Connectivity, Hierarchy, Kind, NanPolicy, Path, Persistence, PersistenceOptions, merge_tree};
 
 const LANDSCAPE: [f64; 7] = [3.0, 9.0, 0.0, 4.0, 1.0, 6.0, 2.0];
 
@@ -32,13 +32,6 @@ fn kinds_and_options_are_written_in_words() {
 
 #[test]
 fn what_is_out_of_order_is_refused() {
-    let pair = |end: f64| format!(r#"{{"extremum":0,"saddle":null,"birth":0.0,"end":{end:?}}}"#);
-    let pairs = |ends: [f64; 2]| {
-        format!(r#"{{"kind":"minimum","pairs":[{},{}],"zero_count":0}}"#, pair(ends[0]), pair(ends[1]))
-    };
-    assert!(serde_json::from_str::<Pairs<usize, f64>>(&pairs([2.0, 1.0])).is_ok());
-    let error = serde_json::from_str::<Pairs<usize, f64>>(&pairs([1.0, 2.0])).expect_err("it rises");
-    assert!(error.to_string().starts_with("the list is not sorted by falling persistence"));
     let extremum = r#"{"vertex":0,"kind":"maximum","value":1,"persistence":-1,"saddle":null}"#;
     assert!(serde_json::from_str::<Hierarchy<usize, f64>>(&format!(r#"{{"extrema":[{extremum}]}}"#)).is_err());
 }

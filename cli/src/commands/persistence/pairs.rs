@@ -60,7 +60,7 @@ impl PairList {
             pair.is_essential() || least == 0.0 || S::width_number(pair.persistence()).to_f64() > least
         };
         let essential = pairs.essential().count();
-        let kept: Vec<Pair> = pairs.iter().filter(persists).map(tell).collect();
+        let kept: Vec<Pair> = pairs.ranked().iter().filter(persists).map(tell).collect();
         let finite = || kept.iter().filter(|pair| pair.saddle.is_some());
         Self {
             kind: pairs.kind(),
