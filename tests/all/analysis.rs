@@ -418,7 +418,8 @@ fn options_come_back_as_they_were_serialized_and_what_is_left_out_is_the_default
     for (k, cones) in choices.into_iter().enumerate() {
         for placement in Placement::ALL {
             let preparation = Preparation { weld: k % 2 == 0, smooth: k % 3 == 0 };
-            let options = Options { preparation, cones: cones.clone(), placement, rule: rules[k % 2] };
+            let options =
+                Options { preparation, cones: cones.clone(), placement, rule: rules[k % 2], ..Options::default() };
             let text = serde_json::to_string(&options).expect("plain values");
             assert_eq!(serde_json::from_str::<Options>(&text).expect("what was written"), options);
             assert!(text.contains(&format!(r#""placement":"{}""#, placement.name())), "{text}");
