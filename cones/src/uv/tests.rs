@@ -193,7 +193,7 @@ fn shortest_parting(mesh: &Mesh, lengths: &EdgeData<f64>, [from, to]: [FaceId; 2
             return d;
         }
         for (e, w) in edges_at(mesh, v).filter(|&(e, _)| !mesh.is_boundary_edge(e)) {
-            let next = 2 * w.index() + (state % 2 ^ usize::from(is_crossed[e.index()]));
+            let next = 2 * w.index() + ((state % 2) ^ usize::from(is_crossed[e.index()]));
             if d + lengths[e] < distance[next] {
                 distance[next] = d + lengths[e];
                 heap.push(Reverse((distance[next].to_bits(), next)));
