@@ -378,6 +378,40 @@ fn a_target_that_cannot_be_reached_is_missed_by_what_is_said() {
 }
 
 #[test]
+fn a_prism_of_many_sides_becomes_its_net() {
+    let sides = 32;
+    let ring = |z: f64| (0..sides).map(move |k| (f64::from(k) * std::f64::consts::TAU / f64::from(sides), z));
+    let points: Vec<[f64; 3]> = ring(0.0).chain(ring(6.0)).map(|(a, z)| [a.cos(), a.sin(), z]).collect();
+    let wall = |k: u32| [[k, (k + 1) % sides, sides + k], [(k + 1) % sides, sides + (k + 1) % sides, sides + k]];
+    let caps = (1..sides - 1).flat_map(|k| [[0, k + 1, k], [sides, sides + k, sides + k + 1]]);
+    let triangles = (0..sides).flat_map(wall).chain(caps).collect();
+    let model = model(&Shape { points, triangles });
+    let atlas = unwrap_model(&model, &Options::default()).expect("it unwraps");
+    assert_eq!(atlas.cones.len(), 64);
+    assert!(measured(&model, &atlas) < 1.0 + 1e-9);
+}
+
+#[test]
+fn given_cones_are_doubted_only_where_the_map_is_bad() {
+    let shape = shapes::hare(900);
+    let analysis = Analysis::new(&model(&shape)).expect("a sound model");
+    let doubts = |cones: &Cones| -> Vec<f64> {
+        let notes = analysis.flatten(cones).expect("it unwraps").notes;
+        let area = |note: &Note| match note {
+            Note::GivenDistort { area, .. } => Some(*area),
+            _ => None,
+        };
+        notes.iter().filter_map(area).collect()
+    };
+    let good = analysis.choose(&Options::default()).expect("a sound model");
+    let vertices: Vec<u32> = good.iter().map(|cone| cone.vertex).collect();
+    assert!(doubts(&analysis.given(&vertices, CurvatureRule::Optimal).expect("as before")).is_empty());
+    let bad = analysis.given(&[0, 1, 2, 3], CurvatureRule::Optimal).expect("they take the curvature");
+    let area = doubts(&bad);
+    assert!(area.len() == 1 && area[0] > 4.0, "{area:?}");
+}
+
+#[test]
 fn whether_a_target_is_met_is_read_off_the_map() {
     let (mut seen, mut otherwise) = ([0, 0], 0);
     let small = solids::mapped(&shapes::terrain(300, 3), |p| p.map(|x| 0.3 * x));

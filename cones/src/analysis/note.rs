@@ -113,6 +113,17 @@ pub enum Note {
         /// With how many cones.
         cones: usize,
     },
+    /// The given cones make a bad map.
+    GivenDistort {
+        /// The component.
+        component: usize,
+        /// The area distortion D.
+        area: f64,
+        /// The quasi-conformal distortion.
+        angles: f64,
+        /// By this factor lengths change most against the mean, the logarithm to base e.
+        log: f64,
+    },
 }
 
 impl Note {
@@ -129,6 +140,7 @@ impl Note {
             | Self::OtherNumber { component, .. }
             | Self::Detached { component, .. }
             | Self::Unfolded { component, .. }
+            | Self::GivenDistort { component, .. }
             | Self::TargetMissed { component, .. } => Some(component),
         }
     }
@@ -183,8 +195,20 @@ impl fmt::Display for Note {
             Self::TargetMissed { target, reached, cones, .. } => {
                 write!(f, "an area distortion of {target} was not reached: {reached:.3} with {cones} cones")
             }
+            Self::GivenDistort { area, angles, log, .. } => write!(
+                f,
+                "the given cones make a bad map: area distortion {}, quasi-conformal {}, lengths changed up to {} times",
+                short(*area),
+                short(*angles),
+                short(log.exp())
+            ),
         }
     }
+}
+
+/// A factor with three digits, or its power of ten where it is large.
+fn short(factor: f64) -> String {
+    if factor < 1e4 { format!("{factor:.2}") } else { format!("{factor:.0e}") }
 }
 
 /// Why an attempt to flatten a component failed.

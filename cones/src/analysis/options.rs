@@ -33,7 +33,8 @@ pub struct Options {
 #[non_exhaustive]
 pub enum ConeChoice {
     /// In each connected component as few as keep its area distortion within [`TARGET_DISTORTION`](crate::TARGET_DISTORTION),
-    /// as predicted, at most [`MOST_AUTOMATIC`](crate::MOST_AUTOMATIC).
+    /// as predicted, at most [`MOST_AUTOMATIC`](crate::MOST_AUTOMATIC); where a few more leave nearly nothing to distort, as the
+    /// corners of a box do, these.
     #[default]
     Automatic,
     /// In each connected component as few as keep its area distortion within this, confirmed by flattening, at most
