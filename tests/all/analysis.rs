@@ -398,7 +398,7 @@ fn given_cones_are_doubted_only_where_the_map_is_bad() {
     let doubts = |cones: &Cones| -> Vec<f64> {
         let notes = analysis.flatten(cones).expect("it unwraps").notes;
         let area = |note: &Note| match note {
-            Note::GivenDistort { area, .. } => Some(*area),
+            Note::Distorted { area, .. } => Some(*area),
             _ => None,
         };
         notes.iter().filter_map(area).collect()

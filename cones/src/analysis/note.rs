@@ -113,8 +113,8 @@ pub enum Note {
         /// With how many cones.
         cones: usize,
     },
-    /// The given cones make a bad map.
-    GivenDistort {
+    /// The cones that were to be flattened, given ones for example, make a bad map.
+    Distorted {
         /// The component.
         component: usize,
         /// The area distortion D.
@@ -140,7 +140,7 @@ impl Note {
             | Self::OtherNumber { component, .. }
             | Self::Detached { component, .. }
             | Self::Unfolded { component, .. }
-            | Self::GivenDistort { component, .. }
+            | Self::Distorted { component, .. }
             | Self::TargetMissed { component, .. } => Some(component),
         }
     }
@@ -195,9 +195,9 @@ impl fmt::Display for Note {
             Self::TargetMissed { target, reached, cones, .. } => {
                 write!(f, "an area distortion of {target} was not reached: {reached:.3} with {cones} cones")
             }
-            Self::GivenDistort { area, angles, log, .. } => write!(
+            Self::Distorted { area, angles, log, .. } => write!(
                 f,
-                "the given cones make a bad map: area distortion {}, quasi-conformal {}, lengths changed up to {} times",
+                "these cones make a bad map: area distortion {}, quasi-conformal {}, lengths changed up to {} times",
                 short(*area),
                 short(*angles),
                 short(log.exp())

@@ -59,9 +59,7 @@ impl Analysis {
         let flats = each(self.components(), &mut times, |component, times| {
             let mut flat = component.flatten(&cones.configurations[component.index], &task, times)?;
             component.detach_fold_overs(&mut flat);
-            if cones.placement.is_none() {
-                flat.notes.extend(component.doubt_of_given(&flat));
-            }
+            flat.notes.extend(component.doubt(&flat));
             Ok(flat)
         })?;
         let own = cones.notes.iter().filter(|note| note.component().is_none()).cloned().collect();
