@@ -8,7 +8,7 @@ use super::common::CommonRefinement;
 use super::overlay::Overlay;
 use super::plane::{Point, minus, wedge};
 use super::Place;
-use crate::intrinsic::Metric;
+use crate::intrinsic::{Metric, Sides};
 use crate::mesh::{EdgeId, FaceId, HalfedgeId, Id, Triangulation, VertexData, VertexId};
 use crate::watch::Watch;
 
@@ -26,6 +26,8 @@ const SPARE: usize = 10_000;
 const LEAST_WEIGHT: f64 = 1e-3;
 /// The way to a circumcentre crosses few triangles of a Delaunay triangulation; where rounding leads astray it ends.
 const MOST_STEPS: usize = 1000;
+/// Triangles that a vertex may take away, as far as they are looked at for boundary edges.
+const LARGEST_CAVITY: usize = 256;
 /// Vertices between two looks at the watch.
 const STRIDE: usize = 256;
 
@@ -198,6 +200,8 @@ impl<'a> Chew<'a> {
                 sides.into_iter().flatten().for_each(|h| self.look_at(self.overlay.triangulation.face(h)));
             }
             self.flip(edges, Watch::NONE);
+            // Where a boundary edge was split it may be as it was.
+            self.look_at(face);
         }
         is_complete
     }
@@ -234,25 +238,64 @@ impl<'a> Chew<'a> {
                     && wedge(way, minus(q, middle)) >= 0.0
             };
             let Some(s) = (0..3).find(leaves) else {
+                if let Some(h) = self.encroached((sides, corners), goal) {
+                    return Goal::Boundary(h);
+                }
                 return match weights(corners, goal) {
                     Some(weights) => Goal::Inside(t.face(sides[0]), rotated(weights, sides[0])),
                     None => Goal::Lost,
                 };
             };
-            let Some(g) = t.twin(sides[s]) else { return Goal::Boundary(sides[s]) };
-            // The next triangle, unfolded at the side: its tail is the head of this one.
-            let (p, q) = (corners[(s + 1) % 3], corners[s]);
-            sides = [g, t.next(g), t.prev(g)];
-            let [along, _, back] =
-                crate::intrinsic::Sides(sides.map(|h| self.overlay.length[t.edge(h).index()])).unfold();
-            let turn = minus(q, p).map(|x| x / along[0]);
-            let apex = [-back[0], -back[1]];
-            let apex = [p[0] + turn[0] * apex[0] - turn[1] * apex[1], p[1] + turn[1] * apex[0] + turn[0] * apex[1]];
-            corners = [p, q, apex];
+            match self.across((sides, corners), s) {
+                Some(next) => (sides, corners) = next,
+                None => return Goal::Boundary(sides[s]),
+            }
             entered = Some(0);
         }
         Goal::Lost
     }
+
+    /// The triangle across a side, unfolded, that side first.
+    fn across(&self, (sides, corners): Unfolded, s: usize) -> Option<Unfolded> {
+        let t = &self.overlay.triangulation;
+        let g = t.twin(sides[s])?;
+        let (p, q) = (corners[(s + 1) % 3], corners[s]);
+        let sides = [g, t.next(g), t.prev(g)];
+        let [along, _, back] = Sides(sides.map(|h| self.overlay.length[t.edge(h).index()])).unfold();
+        let turn = minus(q, p).map(|x| x / along[0]);
+        let apex = [p[0] - turn[0] * back[0] + turn[1] * back[1], p[1] - turn[1] * back[0] - turn[0] * back[1]];
+        Some((sides, [p, q, apex]))
+    }
+
+    /// A boundary edge in whose diametral circle a point of a triangle lies; it would be one of the triangles that the point
+    /// takes away.
+    fn encroached(&self, from: Unfolded, goal: Point) -> Option<HalfedgeId> {
+        let mut seen = vec![(from, None)];
+        let mut next = 0;
+        while next < seen.len() && seen.len() < LARGEST_CAVITY {
+            let ((sides, corners), entered) = seen[next];
+            next += 1;
+            for s in (0..3).filter(|&s| Some(s) != entered) {
+                let [p, q] = [corners[s], corners[(s + 1) % 3]].map(|end| minus(end, goal));
+                match self.across((sides, corners), s) {
+                    None if p[0] * q[0] + p[1] * q[1] < 0.0 => return Some(sides[s]),
+                    None => {}
+                    Some(beyond) if is_in_circumcircle(beyond.1, goal) => seen.push((beyond, Some(0))),
+                    Some(_) => {}
+                }
+            }
+        }
+        None
+    }
+}
+
+/// A triangle's halfedges, from any of them on, with the positions of their tails.
+type Unfolded = ([HalfedgeId; 3], [Point; 3]);
+
+fn is_in_circumcircle(corners: [Point; 3], p: Point) -> bool {
+    let [a, b, c] = corners.map(|q| minus(q, p));
+    let [aa, bb, cc] = [a, b, c].map(|q| q[0] * q[0] + q[1] * q[1]);
+    aa * wedge(b, c) + bb * wedge(c, a) + cc * wedge(a, b) > 0.0
 }
 
 /// Weights in the order of a triangle's own halfedges, where they were given from one of them on.

@@ -2,9 +2,10 @@
 //!
 //! Points are put into the *intrinsic* Delaunay triangulation, at the circumcentres of bad triangles, until angles are at
 //! least [`LEAST_ANGLE`] (Chew 1993, his second algorithm; intrinsically Sharp, Soliman & Crane 2019, §4–5). The surface stays the
-//! same: only lengths are computed with. Where the edge to a circumcentre crosses the boundary, the boundary's edge is split instead.
-//! Corners that are narrow by themselves cannot have the angle and are let be. No point is taken out again where a boundary edge is
-//! split, as Chew does, so that beside boundaries his bound holds as measured, not by proof; a cap ends what does not end.
+//! same: only lengths are computed with. Where the boundary lies between, or the circumcentre in the diametral circle of a boundary
+//! edge, that edge is split instead (Ruppert 1995): Chew takes points out again there, which a correspondence does not like. So at
+//! boundaries the bound that is proven is Ruppert's, 20.7°; a cap ends what does not end. Corners that are narrow by themselves
+//! cannot have the angle and are let be.
 //!
 //! The input's edges are carried along ([`overlay`]), exactly as far as order goes, so that both triangulations cut the surface into
 //! a [`CommonRefinement`]: the same surface in space, and in each of its triangles a map of either is linear.

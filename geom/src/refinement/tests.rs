@@ -1,3 +1,5 @@
+use proptest::prelude::*;
+
 use super::*;
 use crate::intrinsic::{Metric, angle_defects, edge_weights};
 use crate::mesh::{Id, Mesh};
@@ -94,9 +96,64 @@ fn stretched_shapes_get_even_triangles() {
 
 #[test]
 fn a_needle_alone_is_cut_up() {
-    for aspect in [1e1, 1e3] {
+    for aspect in [1e1, 1e3, 1e5] {
         let points = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.4, 1.0 / aspect, 0.0]];
         let mesh = Mesh::new(3, &[[0, 1, 2]]).unwrap();
         check(&mesh, &points);
+    }
+}
+
+/// A closed bipyramid whose rim is anywhere: needles and caps of any aspect, and vertices of any angle.
+fn bipyramid(rim: &[(f64, f64, f64)], height: f64) -> (Mesh, Vec<[f64; 3]>) {
+    let count = rim.len() as u32;
+    let mut points: Vec<[f64; 3]> = Vec::new();
+    let mut turned = 0.0;
+    let whole: f64 = rim.iter().map(|(step, _, _)| step).sum();
+    for (step, radius, z) in rim {
+        turned += std::f64::consts::TAU * step / whole;
+        points.push([radius * turned.cos(), radius * turned.sin(), *z]);
+    }
+    points.extend([[0.0, 0.0, height], [0.0, 0.0, -height]]);
+    let faces: Vec<[u32; 3]> =
+        (0..count).flat_map(|k| [[k, (k + 1) % count, count], [(k + 1) % count, k, count + 1]]).collect();
+    (Mesh::new(points.len(), &faces).expect("a bipyramid"), points)
+}
+
+/// A length of any magnitude down to 10^-`digits`.
+fn magnitude(digits: f64) -> impl Strategy<Value = f64> {
+    (-digits..0.0).prop_map(|digits| 10f64.powf(digits))
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(48))]
+
+    #[test]
+    fn needles_of_any_aspect_get_even_triangles(
+        rim in prop::collection::vec((magnitude(4.0), 0.3..1.0f64, -0.2..0.2f64), 4..12),
+        height in magnitude(2.0),
+    ) {
+        let (mesh, points) = bipyramid(&rim, height);
+        check(&mesh, &points);
+    }
+
+    #[test]
+    fn patches_stretched_by_any_factor_get_even_triangles(
+        heights in prop::collection::vec(0.0..1.0f64, 25),
+        by in (magnitude(3.0), magnitude(3.0), magnitude(3.0)),
+    ) {
+        let points: Vec<[f64; 3]> =
+            heights.iter().enumerate().map(|(v, z)| [by.0 * (v % 5) as f64, by.1 * (v / 5) as f64, by.2 * z]).collect();
+        let squares = (0..16u32).map(|k| k / 4 * 5 + k % 4);
+        let faces: Vec<[u32; 3]> = squares.flat_map(|v| [[v, v + 1, v + 6], [v, v + 6, v + 5]]).collect();
+        check(&Mesh::new(25, &faces).expect("a patch"), &points);
+    }
+
+    #[test]
+    fn one_triangle_of_aspect_up_to_a_hundred_million_ends(x in 0.0..1.0f64, height in magnitude(8.0)) {
+        let mesh = Mesh::new(3, &[[0, 1, 2]]).expect("a triangle");
+        let metric = Metric::from_points(&mesh, &[[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [x, height, 0.0]]);
+        let refinement = refine(&mesh, &metric);
+        refinement.triangulation.check();
+        prop_assert!(refinement.triangulation.vertex_count() <= 3 + 10_060);
     }
 }
