@@ -55,7 +55,7 @@ mod placement;
 
 pub use analysis::{
     Analysis, Atlas, Baseline, BaselineMap, ChosenNumber, Cone, ConeChoice, ConeOrder, Cones, Failure, MOST_AUTOMATIC,
-    ModelExtremum, Note, Observer, Options, OrderedCone, Preparation, Progress, Stage, TARGET_DISTORTION, Times,
+    ModelExtremum, Note, Observer, Options, OrderedCone, Preparation, Progress, RefinedModel, Stage, TARGET_DISTORTION, Times,
     Topology, unwrap_model,
 };
 pub use baseline::LscmError;

@@ -451,7 +451,7 @@ fn options_come_back_as_they_were_serialized_and_what_is_left_out_is_the_default
     let rules = [CurvatureRule::Harmonic, CurvatureRule::Optimal];
     for (k, cones) in choices.into_iter().enumerate() {
         for placement in Placement::ALL {
-            let preparation = Preparation { weld: k % 2 == 0, smooth: k % 3 == 0 };
+            let preparation = Preparation { weld: k % 2 == 0, smooth: k % 3 == 0, ..Preparation::default() };
             let options = Options { preparation, cones: cones.clone(), placement, rule: rules[k % 2] };
             let text = serde_json::to_string(&options).expect("plain values");
             assert_eq!(serde_json::from_str::<Options>(&text).expect("what was written"), options);
@@ -460,7 +460,7 @@ fn options_come_back_as_they_were_serialized_and_what_is_left_out_is_the_default
     }
     assert_eq!(serde_json::from_str::<Options>("{}").expect("all are left out"), Options::default());
     let text = r#"{"cones":{"count":8},"rule":"harmonic","preparation":{"weld":true}}"#;
-    let preparation = Preparation { weld: true, smooth: false };
+    let preparation = Preparation { weld: true, ..Preparation::default() };
     let expected = Options { preparation, rule: CurvatureRule::Harmonic, ..count(8) };
     assert_eq!(serde_json::from_str::<Options>(text).expect("a few are given"), expected);
     assert!(serde_json::from_str::<Options>(r#"{"placement":"anyhow"}"#).is_err());

@@ -21,6 +21,7 @@ mod observer;
 mod options;
 mod order;
 mod quality;
+mod refined;
 mod shelf;
 mod unwrap;
 
@@ -39,6 +40,7 @@ pub use note::{Failure, Note};
 pub use observer::{Observer, Progress, Stage, Times};
 pub use options::{ConeChoice, Options, Preparation};
 pub use order::{ConeOrder, ModelExtremum, OrderedCone};
+pub use refined::RefinedModel;
 pub use unwrap::unwrap_model;
 
 use crate::curvature::CurvatureRule;
@@ -46,6 +48,7 @@ use crate::error::Error;
 use crate::placement::{Placement, Prediction};
 use component::Component;
 use observer::{Silent, Task};
+use refined::{Ready, refine_all};
 
 /// A model with all that is found of it once; see the [crate's documentation](crate). Clones share it.
 ///
@@ -79,6 +82,7 @@ struct Found {
     triangles: Triangles,
     left_out: Vec<u32>,
     repairs: Vec<Repair>,
+    refined: Option<RefinedModel>,
     topology: Topology,
     components: Vec<Component>,
     notes: Vec<Note>,
@@ -116,17 +120,26 @@ impl Analysis {
         static COUNT: AtomicUsize = AtomicUsize::new(0);
         let observer: Arc<dyn Observer> = Arc::new(observer);
         let mut times = Times::default();
-        let Prepared { surfaces, triangles, left_out, repairs } =
+        let mut prepared =
             Task::new(&observer, 0)
                 .stage((Stage::Prepare, 0), &mut times, |watch| prepare_watched(model, preparation.weld, watch))??;
-        let topology = Topology::of(&surfaces);
-        let task = Task::new(&observer, surfaces.len());
+        let repairs = std::mem::take(&mut prepared.repairs);
+        let task = Task::new(&observer, prepared.surfaces.len());
+        let (ready, refined, triangles, left_out) = if preparation.refine {
+            let (ready, refined, triangles, left_out) = refine_all(model, prepared, &task, &mut times)?;
+            (ready, Some(refined), triangles, left_out)
+        } else {
+            let Prepared { surfaces, triangles, left_out, .. } = prepared;
+            (surfaces.into_iter().map(Ready::as_it_is).collect(), None, triangles, left_out)
+        };
+        let topology = Topology::of(ready.iter().map(|ready: &Ready| &ready.surface));
         let began = Instant::now();
-        let make = |(index, surface)| Component::new(index, surface, preparation, &task);
-        let components = surfaces.into_par_iter().enumerate().with_max_len(1).map(make);
+        let make = |(index, ready)| Component::new(index, ready, preparation, &task);
+        let components = ready.into_par_iter().enumerate().with_max_len(1).map(make);
         let components = components.collect::<Vec<_>>().into_iter().collect::<Result<Vec<Component>, Error>>()?;
         times += Times::on_clock(components.iter().map(|component| component.times), began.elapsed());
         let notes = components.iter().flat_map(|component| component.notes.iter().cloned()).collect();
+        let model = refined.as_ref().map_or(model, |refined| &refined.model);
         let found = Found {
             id: COUNT.fetch_add(1, Relaxed),
             points: model.points().to_vec(),
@@ -134,6 +147,7 @@ impl Analysis {
             triangles,
             left_out,
             repairs,
+            refined,
             topology,
             components,
             notes,
@@ -192,6 +206,12 @@ impl Analysis {
     /// The shape of the surfaces that are computed with.
     pub fn topology(&self) -> Topology {
         self.found.topology
+    }
+
+    /// The model that maps are of, where [`Preparation::refine`] asked for another one than was given: its vertices, corners and
+    /// triangles are then meant everywhere.
+    pub fn refined(&self) -> Option<&RefinedModel> {
+        self.found.refined.as_ref()
     }
 
     /// What was repaired in the model.

@@ -11,6 +11,9 @@ pub struct Preparation {
     pub weld: bool,
     /// Diffuse the curvature before looking for extrema of the conformal factor, which helps on noisy scans.
     pub smooth: bool,
+    /// Refine surfaces until their triangles are even, whatever the model has: what is unwrapped is the
+    /// [refined model](crate::Analysis::refined).
+    pub refine: bool,
 }
 
 /// Which cones to use, and how a model is made ready for them.

@@ -112,12 +112,10 @@ impl Analysis {
             let surface = &component.surface;
             curvature_error = curvature_error.max(flat.error);
             unfolded += usize::from(flat.is_unfolded);
-            for (h, position) in shelf.place(&flat.layout, &surface.mesh, flat.size).iter_ids() {
-                uv[surface.corner[h] as usize] = Some(*position);
-            }
-            let of_model = |vertices: &[geom::VertexId]| vertices.iter().map(|&v| surface.vertex[v]).collect();
-            seams.extend(flat.seams.chains.iter().map(|chain| -> Vec<u32> { of_model(&chain.vertices) }));
-            detached.extend(flat.detached.iter().map(|&f| surface.triangle[f]));
+            let positions = shelf.place(&flat.layout, &surface.mesh, flat.size);
+            component.spread(&positions, &mut uv);
+            seams.extend(flat.seams.chains.iter().map(|chain| component.vertices_along(chain)));
+            detached.extend(flat.detached.iter().flat_map(|&f| component.triangles_of(f)));
             cones.extend(flat.cones.iter().zip(&flat.curvature).map(|(&v, &k)| component.cone(v, k, self.points())));
             for note in flat.notes {
                 if !notes.contains(&note) {

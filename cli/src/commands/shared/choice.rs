@@ -29,6 +29,10 @@ pub(crate) struct CandidateArgs {
     /// Merge vertices that are at exactly the same place, as those along a seam of another unwrapping are
     #[arg(long)]
     weld: bool,
+    /// Refine the surface until its triangles are even, whatever the file has: what is written is the same surface in more
+    /// triangles, with the exact map
+    #[arg(long)]
+    refine: bool,
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
@@ -72,7 +76,7 @@ impl CandidateArgs {
             cones,
             placement: self.method,
             rule,
-            preparation: Preparation { smooth: self.smooth, weld: self.weld },
+            preparation: Preparation { smooth: self.smooth, weld: self.weld, refine: self.refine },
         }
     }
 }

@@ -53,6 +53,7 @@ impl Unwrapped {
         let failed = |error| CommandError::Unwrap { path: path.to_owned(), error };
         let analysis = Analysis::observed(&model, options.preparation, progress.observer()).map_err(failed)?;
         let atlas = analysis.atlas(&options).map_err(failed)?;
+        let model = analysis.refined().map_or(model, |refined| refined.model.clone());
         progress.step("measure");
         let start = Instant::now();
         let uv = scaled(&atlas.uv, scale);
