@@ -55,8 +55,8 @@ mod placement;
 
 pub use analysis::{
     Analysis, Atlas, Baseline, BaselineMap, ChosenNumber, Cone, ConeChoice, ConeOrder, Cones, Failure, MOST_AUTOMATIC,
-    ModelExtremum, Note, Observer, Options, OrderedCone, Preparation, Progress, RefinedModel, Stage, TARGET_DISTORTION, Times,
-    Topology, unwrap_model,
+    MOST_NEEDLES, ModelExtremum, Note, Observer, Options, OrderedCone, Preparation, Progress, RefinedModel, Refining,
+    Stage, TARGET_DISTORTION, Times, Topology, unwrap_model,
 };
 pub use baseline::LscmError;
 pub use curvature::{CurvatureError, CurvatureRule};

@@ -8,7 +8,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         for surface in prepare(&model, false)?.surfaces {
             let metric: Metric = surface.metric();
             let began = std::time::Instant::now();
-            let refinement = refine(&surface.mesh, &metric);
+            let refinement = refine(&surface.mesh, &metric, f64::INFINITY);
             let took = began.elapsed().as_secs_f64();
             let t = &refinement.triangulation;
             let angles = t.halfedges().map(|h| refinement.metric.angle(t, h).to_degrees());

@@ -81,7 +81,7 @@ pub(crate) fn run(args: &UnwrapArgs) -> Result<(), CommandError> {
 
 /// The library's options.
 fn options(args: &UnwrapArgs) -> Result<Options, CommandError> {
-    let options = args.candidates.options();
+    let options = args.candidates.options_for(&args.input);
     Ok(match &args.cones {
         Some(file) => Options { cones: ConeChoice::Given(cone_file::read(file)?), ..options },
         None => options,

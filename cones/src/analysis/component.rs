@@ -209,9 +209,9 @@ impl Component {
     }
 
     /// The model's triangles that a triangle is.
-    pub(crate) fn triangles_of(&self, f: FaceId) -> std::ops::Range<u32> {
-        let first = self.surface.triangle[f];
-        self.way.as_ref().map_or(first..first + 1, |way| way.triangles(f))
+    pub(crate) fn triangles_of(&self, f: FaceId) -> &[u32] {
+        let alone = std::slice::from_ref(&self.surface.triangle[f]);
+        self.way.as_ref().map_or(alone, |way| way.triangles(f))
     }
 
     /// A cone as it is told of.

@@ -38,9 +38,9 @@ pub use choosing::{MOST_AUTOMATIC, TARGET_DISTORTION};
 pub use cones::{ChosenNumber, Cone, Cones};
 pub use note::{Failure, Note};
 pub use observer::{Observer, Progress, Stage, Times};
-pub use options::{ConeChoice, Options, Preparation};
+pub use options::{ConeChoice, Options, Preparation, Refining};
 pub use order::{ConeOrder, ModelExtremum, OrderedCone};
-pub use refined::RefinedModel;
+pub use refined::{MOST_NEEDLES, RefinedModel};
 pub use unwrap::unwrap_model;
 
 use crate::curvature::CurvatureRule;
@@ -48,7 +48,7 @@ use crate::error::Error;
 use crate::placement::{Placement, Prediction};
 use component::Component;
 use observer::{Silent, Task};
-use refined::{Ready, refine_all};
+use refined::{Ready, is_asked_for, refine_all};
 
 /// A model with all that is found of it once; see the [crate's documentation](crate). Clones share it.
 ///
@@ -120,12 +120,11 @@ impl Analysis {
         static COUNT: AtomicUsize = AtomicUsize::new(0);
         let observer: Arc<dyn Observer> = Arc::new(observer);
         let mut times = Times::default();
-        let mut prepared =
-            Task::new(&observer, 0)
-                .stage((Stage::Prepare, 0), &mut times, |watch| prepare_watched(model, preparation.weld, watch))??;
+        let mut prepared = Task::new(&observer, 0)
+            .stage((Stage::Prepare, 0), &mut times, |watch| prepare_watched(model, preparation.weld, watch))??;
         let repairs = std::mem::take(&mut prepared.repairs);
         let task = Task::new(&observer, prepared.surfaces.len());
-        let (ready, refined, triangles, left_out) = if preparation.refine {
+        let (ready, refined, triangles, left_out) = if is_asked_for(preparation.refine, &prepared.surfaces) {
             let (ready, refined, triangles, left_out) = refine_all(model, prepared, &task, &mut times)?;
             (ready, Some(refined), triangles, left_out)
         } else {
@@ -212,6 +211,16 @@ impl Analysis {
     /// triangles are then meant everywhere.
     pub fn refined(&self) -> Option<&RefinedModel> {
         self.found.refined.as_ref()
+    }
+
+    /// The share of the area that is in triangles with an angle below 10°, after intrinsic Delaunay flips. Above [`MOST_NEEDLES`] a model
+    /// is better [refined](Preparation::refine).
+    pub fn needle_share(&self) -> f64 {
+        let parts = self.components().iter().map(|component| {
+            let Component { operators, surface, .. } = component;
+            (operators.mesh.triangulation(), &operators.metric, surface.scale.powi(-2))
+        });
+        refined::needle_share(parts)
     }
 
     /// What was repaired in the model.

@@ -115,7 +115,7 @@ impl Analysis {
             let positions = shelf.place(&flat.layout, &surface.mesh, flat.size);
             component.spread(&positions, &mut uv);
             seams.extend(flat.seams.chains.iter().map(|chain| component.vertices_along(chain)));
-            detached.extend(flat.detached.iter().flat_map(|&f| component.triangles_of(f)));
+            detached.extend(flat.detached.iter().flat_map(|&f| component.triangles_of(f)).copied());
             cones.extend(flat.cones.iter().zip(&flat.curvature).map(|(&v, &k)| component.cone(v, k, self.points())));
             for note in flat.notes {
                 if !notes.contains(&note) {

@@ -4,10 +4,10 @@ use std::cmp::Ordering;
 use std::collections::{BinaryHeap, VecDeque};
 use std::f64::consts::PI;
 
+use super::Place;
 use super::common::CommonRefinement;
 use super::overlay::Overlay;
 use super::plane::{Point, minus, wedge};
-use super::Place;
 use crate::intrinsic::{Metric, Sides};
 use crate::mesh::{EdgeId, FaceId, HalfedgeId, Id, Triangulation, VertexData, VertexId};
 use crate::watch::Watch;
@@ -46,7 +46,8 @@ pub struct Refinement {
     pub is_complete: bool,
 }
 
-/// Refines a surface until its triangles are even. At most 20 vertices are put in for each of the input's, and 10,000 more.
+/// Refines a surface until its triangles are even, and their circumcircles no larger than with the radius `largest` (infinity
+/// where any will do). At most 20 vertices are put in for each of the input's, and 10,000 more.
 /// O(n log n) for n vertices in the end, and the number of places where edges of the two triangulations cross.
 ///
 /// ```
@@ -54,17 +55,17 @@ pub struct Refinement {
 ///
 /// let mesh = Mesh::new(3, &[[0, 1, 2]])?;
 /// let needle = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.5, 0.01, 0.0]];
-/// let refinement = refine(&mesh, &Metric::from_points(&mesh, &needle));
+/// let refinement = refine(&mesh, &Metric::from_points(&mesh, &needle), f64::INFINITY);
 /// assert!(refinement.is_complete && refinement.triangulation.vertex_count() > 3);
 /// # Ok::<(), geom::MeshError>(())
 /// ```
-pub fn refine(input: &Triangulation, metric: &Metric) -> Refinement {
-    refine_watched(input, metric, Watch::NONE)
+pub fn refine(input: &Triangulation, metric: &Metric, largest: f64) -> Refinement {
+    refine_watched(input, metric, largest, Watch::NONE)
 }
 
 /// [`refine`], watched. Stopped, it returns a triangulation of the same surface that is not refined as far.
-pub fn refine_watched(input: &Triangulation, metric: &Metric, watch: Watch) -> Refinement {
-    let mut chew = Chew::new(input, metric);
+pub fn refine_watched(input: &Triangulation, metric: &Metric, largest: f64, watch: Watch) -> Refinement {
+    let mut chew = Chew::new(input, metric, largest);
     chew.flip_all(watch.within(0.0, 0.2));
     let is_complete = chew.run(MOST_PER_VERTEX * input.vertex_count() + SPARE, watch.within(0.2, 0.9));
     let overlay = chew.overlay;
@@ -106,15 +107,17 @@ enum Goal {
 
 struct Chew<'a> {
     overlay: Overlay<'a>,
+    /// No circumcircle is larger.
+    largest: f64,
     /// Whether the angles at a vertex of the input are narrow.
     is_narrow: Vec<bool>,
     bad: BinaryHeap<Bad>,
 }
 
 impl<'a> Chew<'a> {
-    fn new(input: &'a Triangulation, metric: &Metric) -> Self {
+    fn new(input: &'a Triangulation, metric: &Metric, largest: f64) -> Self {
         let is_narrow = metric.angle_sums(input).iter().map(|sum| *sum < NARROW).collect();
-        Self { overlay: Overlay::new(input, metric), is_narrow, bad: BinaryHeap::new() }
+        Self { overlay: Overlay::new(input, metric), largest, is_narrow, bad: BinaryHeap::new() }
     }
 
     fn flip_all(&mut self, watch: Watch) {
@@ -157,7 +160,8 @@ impl<'a> Chew<'a> {
         let angles = sides.corner_angles();
         let is_bad = (0..3).any(|s| angles[s] < LEAST_ANGLE && !is_narrow(corners[s]));
         let area = sides.area();
-        (is_bad && area > 0.0).then(|| sides.0.iter().product::<f64>() / (4.0 * area))
+        let radius = sides.0.iter().product::<f64>() / (4.0 * area);
+        (area > 0.0 && (is_bad || radius > self.largest)).then_some(radius)
     }
 
     /// Inserts vertices until no triangle is bad, or so many; whether none is.

@@ -1,9 +1,9 @@
 //! The common refinement of the input's triangles and the intrinsic ones.
 
+use super::Place;
 use super::cut::{Cut, Node};
 use super::overlay::Overlay;
 use super::plane::{Point, minus, wedge};
-use super::Place;
 use crate::mesh::{EdgeId, FaceData, FaceId, HalfedgeId, Id, Triangulation, VertexData};
 
 /// Triangles each of which is part of one triangle of the input and of one intrinsic triangle: the input's surface, cut

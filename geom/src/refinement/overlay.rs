@@ -6,9 +6,9 @@
 //! integers, so that no rounding can tear the correspondence, and nothing need be traced. A flip costs what the quad's
 //! crossings count. Rounding moves a crossing along its edges by some 1e-16 of their lengths, never past another.
 
+use super::Place;
 use super::cut::{Chord, Crossing, Cut, Node};
 use super::plane::{Point, crossing, mean_value, minus};
-use super::Place;
 use crate::intrinsic::{Metric, Sides, TOLERANCE, opposite_cosines, other_diagonal};
 use crate::mesh::{EdgeId, FaceId, HalfedgeId, Id, Triangulation, VertexId};
 
@@ -224,7 +224,11 @@ impl<'a> Overlay<'a> {
             Some((s, count)) if s != 2 => {
                 // Corner j lies left of what leaves i; across the way from m to k that is from right to left where it leaves j.
                 let spokes = (0..count).map(|m| cut.spoke(s, m));
-                if s == 0 { spokes.collect() } else { spokes.rev().map(|spoke| spoke.reversed_in(self.input)).collect() }
+                if s == 0 {
+                    spokes.collect()
+                } else {
+                    spokes.rev().map(|spoke| spoke.reversed_in(self.input)).collect()
+                }
             }
             _ => Vec::new(),
         };
@@ -245,10 +249,7 @@ fn placed(cut: &Cut, corners: &[Point; 3], chord: Chord) -> (HalfedgeId, [f64; 2
 }
 
 /// Where chords, in this order, cross a way through the plane.
-fn crossed(
-    way: [Point; 2],
-    chords: impl Iterator<Item = (HalfedgeId, [f64; 2], [Point; 2])>,
-) -> Vec<Crossing> {
+fn crossed(way: [Point; 2], chords: impl Iterator<Item = (HalfedgeId, [f64; 2], [Point; 2])>) -> Vec<Crossing> {
     let mut last = 0.0_f64;
     let place = |(halfedge, [from, to], ends): (HalfedgeId, [f64; 2], [Point; 2])| {
         let [at, share] = crossing(way, ends);

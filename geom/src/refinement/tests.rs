@@ -9,7 +9,7 @@ use crate::vector;
 /// Asserts all that is true of a refinement of a surface with these positions.
 fn check(mesh: &Mesh, points: &[[f64; 3]]) -> Refinement {
     let metric = Metric::from_points(mesh, points);
-    let refinement = refine(mesh, &metric);
+    let refinement = refine(mesh, &metric, f64::INFINITY);
     check_triangulation(mesh, &metric, &refinement);
     check_common(mesh, points, &refinement);
     refinement
@@ -27,13 +27,17 @@ fn check_triangulation(mesh: &Mesh, metric: &Metric, refinement: &Refinement) {
         let expected = before.get(v.index()).copied().unwrap_or(0.0);
         assert!((after[v] - expected).abs() < 1e-7, "{v:?}: {expected} became {}", after[v]);
     }
-    assert!(edge_weights(triangulation, fine).iter().enumerate().all(|(e, w)| {
-        *w > -1e-6 || triangulation.is_boundary_edge(crate::mesh::EdgeId::new(e))
-    }));
+    assert!(
+        edge_weights(triangulation, fine)
+            .iter()
+            .enumerate()
+            .all(|(e, w)| { *w > -1e-6 || triangulation.is_boundary_edge(crate::mesh::EdgeId::new(e)) })
+    );
     if *is_complete {
         let sums = metric.angle_sums(mesh);
         for h in triangulation.halfedges() {
-            let is_narrow = sums.get(triangulation.tail(h).index()).is_some_and(|sum| *sum < std::f64::consts::PI / 3.0);
+            let is_narrow =
+                sums.get(triangulation.tail(h).index()).is_some_and(|sum| *sum < std::f64::consts::PI / 3.0);
             let angle = fine.angle(triangulation, h);
             assert!(is_narrow || angle > LEAST_ANGLE - 1e-9, "{h:?} {angle}");
         }
@@ -152,7 +156,7 @@ proptest! {
     fn one_triangle_of_aspect_up_to_a_hundred_million_ends(x in 0.0..1.0f64, height in magnitude(8.0)) {
         let mesh = Mesh::new(3, &[[0, 1, 2]]).expect("a triangle");
         let metric = Metric::from_points(&mesh, &[[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [x, height, 0.0]]);
-        let refinement = refine(&mesh, &metric);
+        let refinement = refine(&mesh, &metric, f64::INFINITY);
         refinement.triangulation.check();
         prop_assert!(refinement.triangulation.vertex_count() <= 3 + 10_060);
     }
