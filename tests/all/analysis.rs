@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 
 use cones::{
     Analysis, Atlas, Baseline, ConeChoice, Cones, CurvatureRule, Error, Note, Options, Placement, Preparation,
-    Progress, unwrap_model,
+    Progress, Refining, unwrap_model,
 };
 use geom::shapes::{self, Shape};
 use geom::{Model, distortion};
@@ -409,6 +409,44 @@ fn given_cones_are_doubted_only_where_the_map_is_bad() {
     let bad = analysis.given(&[0, 1, 2, 3], CurvatureRule::Optimal).expect("they take the curvature");
     let area = doubts(&bad);
     assert!(area.len() == 1 && area[0] > 4.0, "{area:?}");
+}
+
+#[test]
+fn a_refined_model_is_the_same_surface_with_a_map_without_a_flaw() {
+    let needles = solids::mapped(&shapes::torus(2, 400), |[x, y, z]| [x, y, 0.02 * z]);
+    let both = solids::side_by_side(&[needles, shapes::terrain(200, 3)]);
+    let given = model(&both);
+    let analysis = Analysis::with(&given, Preparation { refine: Refining::Always, ..Preparation::default() });
+    let analysis = analysis.expect("a sound model");
+    let refined = analysis.refined().expect("it was asked for");
+    assert!(refined.is_complete && refined.model.face_count() > given.face_count());
+    assert_eq!(&refined.model.points()[..given.vertex_count()], given.points());
+    assert!(refined.face.is_sorted() && refined.face.len() == refined.model.face_count());
+    for (parts, point) in refined.added.iter().zip(&refined.model.points()[given.vertex_count()..]) {
+        for c in 0..3 {
+            let mixed: f64 = parts.iter().map(|&(v, weight)| weight * given.points()[v as usize][c]).sum();
+            assert!((mixed - point[c]).abs() < 1e-12);
+        }
+    }
+    let atlas = analysis.atlas(&Options::default()).expect("it unwraps");
+    let found = check_map(&refined.model, &atlas);
+    assert_eq!((found.flipped, found.degenerate, found.torn), (0, 0, 0), "{:?}", atlas.notes);
+    assert!(found.seam_mismatch < 1e-6 && atlas.detached.is_empty());
+}
+
+#[test]
+fn only_needles_are_refined_where_needles_are_to_be() {
+    let refine = |shape: &Shape| {
+        let preparation = Preparation { refine: Refining::Needles, ..Preparation::default() };
+        let analysis = Analysis::with(&model(shape), preparation).expect("a sound model");
+        (analysis.refined().is_some(), analysis.needle_share())
+    };
+    assert_eq!(refine(&shapes::hare(600)), (false, 0.0));
+    let (is_refined, left) = refine(&solids::tube(3, 40));
+    assert!(!is_refined || left < 1e-9);
+    let prism = solids::mapped(&solids::tube(24, 1), |[x, y, z]| [x, y, 40.0 * z]);
+    let (is_refined, left) = refine(&prism);
+    assert!(is_refined && left < 1e-9, "{left}");
 }
 
 #[test]
