@@ -192,7 +192,14 @@ impl Component {
         };
         for (corner, h, along) in way.corners() {
             let (p, q) = (positions[h], positions[surface.mesh.next(h)]);
-            uv[corner as usize] = Some([0, 1].map(|c| p[c] + along * (q[c] - p[c])));
+            // From the same end whichever side it is seen from, lest the sides differ by a rounding.
+            let is_named = surface.mesh.halfedge(surface.mesh.edge(h)) == h;
+            let (from, to, share) = if is_named { (q, p, 1.0 - along) } else { (p, q, along) };
+            uv[corner as usize] = Some(match share {
+                ..=0.0 => from,
+                1.0.. => to,
+                _ => [0, 1].map(|c| from[c] + share * (to[c] - from[c])),
+            });
         }
     }
 

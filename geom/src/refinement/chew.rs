@@ -130,7 +130,7 @@ impl<'a> Chew<'a> {
         let mut budget = 64 * edges.len() + 1024;
         let mut queue: VecDeque<EdgeId> = edges.into();
         while let Some(e) = queue.pop_front() {
-            if budget == 0 || (budget % 4096 == 0 && watch.stops_at(f64::NAN)) {
+            if budget == 0 || (budget.is_multiple_of(4096) && watch.stops_at(f64::NAN)) {
                 return;
             }
             if self.overlay.flip_to_delaunay(e) {
@@ -173,7 +173,7 @@ impl<'a> Chew<'a> {
             if self.badness(face) != Some(radius) {
                 continue;
             }
-            if inserted == most || (inserted % STRIDE == 0 && watch.stops_at(f64::NAN)) {
+            if inserted == most || (inserted.is_multiple_of(STRIDE) && watch.stops_at(f64::NAN)) {
                 return false;
             }
             inserted += 1;
