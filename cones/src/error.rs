@@ -1,6 +1,6 @@
 //! Why something that was asked for cannot be had.
 
-use geom::{Interrupted, PoissonError, PrepareError};
+use geom::{Interrupted, ModelError, PoissonError, PrepareError};
 use thiserror::Error;
 
 use crate::baseline::LscmError;
@@ -15,6 +15,9 @@ pub enum Error {
     /// The model has no surface.
     #[error(transparent)]
     Prepare(PrepareError),
+    /// The refined model is too large.
+    #[error("the refined model cannot be had")]
+    Refined(#[source] ModelError),
     /// A Laplacian cannot be factored.
     #[error(transparent)]
     Poisson(PoissonError),

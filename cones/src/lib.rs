@@ -58,8 +58,8 @@ pub mod uv;
 
 pub use analysis::{
     Analysis, Atlas, Baseline, BaselineMap, ChosenNumber, Cone, ConeChoice, ConeOrder, Cones, Failure, Islands,
-    MOST_AUTOMATIC, ModelExtremum, Note, Observer, Options, OrderedCone, Preparation, Progress, Stage,
-    TARGET_DISTORTION, Times, Topology, unwrap_model,
+    MOST_AUTOMATIC, MOST_NEEDLES, ModelExtremum, Note, Observer, Options, OrderedCone, Preparation, Progress,
+    RefinedModel, Refining, Stage, TARGET_DISTORTION, Times, Topology, unwrap_model,
 };
 pub use baseline::LscmError;
 pub use curvature::{CurvatureError, CurvatureRule};

@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 
 use cones::{
     Analysis, Atlas, Baseline, ConeChoice, Cones, CurvatureRule, Error, Islands, Note, Options, Placement, Preparation,
-    Progress, SeamOptions, Symmetry, unwrap_model,
+    Progress, Refining, SeamOptions, Symmetry, unwrap_model,
 };
 use geom::shapes::{self, Shape};
 use geom::{Model, distortion};
@@ -378,6 +378,78 @@ fn a_target_that_cannot_be_reached_is_missed_by_what_is_said() {
 }
 
 #[test]
+fn a_prism_of_many_sides_becomes_its_net() {
+    let sides = 32;
+    let ring = |z: f64| (0..sides).map(move |k| (f64::from(k) * std::f64::consts::TAU / f64::from(sides), z));
+    let points: Vec<[f64; 3]> = ring(0.0).chain(ring(6.0)).map(|(a, z)| [a.cos(), a.sin(), z]).collect();
+    let wall = |k: u32| [[k, (k + 1) % sides, sides + k], [(k + 1) % sides, sides + (k + 1) % sides, sides + k]];
+    let caps = (1..sides - 1).flat_map(|k| [[0, k + 1, k], [sides, sides + k, sides + k + 1]]);
+    let triangles = (0..sides).flat_map(wall).chain(caps).collect();
+    let model = model(&Shape { points, triangles });
+    let atlas = unwrap_model(&model, &Options::default()).expect("it unwraps");
+    assert_eq!(atlas.cones.len(), 64);
+    assert!(measured(&model, &atlas) < 1.0 + 1e-9);
+}
+
+#[test]
+fn given_cones_are_doubted_only_where_the_map_is_bad() {
+    let shape = shapes::hare(900);
+    let analysis = Analysis::new(&model(&shape)).expect("a sound model");
+    let doubts = |cones: &Cones| -> Vec<f64> {
+        let notes = analysis.flatten(cones).expect("it unwraps").notes;
+        let area = |note: &Note| match note {
+            Note::Distorted { area, .. } => Some(*area),
+            _ => None,
+        };
+        notes.iter().filter_map(area).collect()
+    };
+    let good = analysis.choose(&Options::default()).expect("a sound model");
+    let vertices: Vec<u32> = good.iter().map(|cone| cone.vertex).collect();
+    assert!(doubts(&analysis.given(&vertices, CurvatureRule::Optimal).expect("as before")).is_empty());
+    let bad = analysis.given(&[0, 1, 2, 3], CurvatureRule::Optimal).expect("they take the curvature");
+    let area = doubts(&bad);
+    assert!(area.len() == 1 && area[0] > 4.0, "{area:?}");
+}
+
+#[test]
+fn a_refined_model_is_the_same_surface_with_a_map_without_a_flaw() {
+    let needles = solids::mapped(&shapes::torus(2, 400), |[x, y, z]| [x, y, 0.02 * z]);
+    let both = solids::side_by_side(&[needles, shapes::terrain(200, 3)]);
+    let given = model(&both);
+    let analysis = Analysis::with(&given, Preparation { refine: Refining::Always, ..Preparation::default() });
+    let analysis = analysis.expect("a sound model");
+    let refined = analysis.refined().expect("it was asked for");
+    assert!(refined.is_complete && refined.model.face_count() > given.face_count());
+    assert_eq!(&refined.model.points()[..given.vertex_count()], given.points());
+    assert!(refined.face.is_sorted() && refined.face.len() == refined.model.face_count());
+    for (parts, point) in refined.added.iter().zip(&refined.model.points()[given.vertex_count()..]) {
+        for c in 0..3 {
+            let mixed: f64 = parts.iter().map(|&(v, weight)| weight * given.points()[v as usize][c]).sum();
+            assert!((mixed - point[c]).abs() < 1e-12);
+        }
+    }
+    let atlas = analysis.atlas(&Options::default()).expect("it unwraps");
+    let found = check_map(&refined.model, &atlas);
+    assert_eq!((found.flipped, found.degenerate, found.torn), (0, 0, 0), "{:?}", atlas.notes);
+    assert!(found.seam_mismatch < 1e-6 && atlas.detached.is_empty());
+}
+
+#[test]
+fn only_needles_are_refined_where_needles_are_to_be() {
+    let refine = |shape: &Shape| {
+        let preparation = Preparation { refine: Refining::Needles, ..Preparation::default() };
+        let analysis = Analysis::with(&model(shape), preparation).expect("a sound model");
+        (analysis.refined().is_some(), analysis.needle_share())
+    };
+    assert_eq!(refine(&shapes::hare(600)), (false, 0.0));
+    let (is_refined, left) = refine(&solids::tube(3, 40));
+    assert!(!is_refined || left < 1e-9);
+    let prism = solids::mapped(&solids::tube(24, 1), |[x, y, z]| [x, y, 40.0 * z]);
+    let (is_refined, left) = refine(&prism);
+    assert!(is_refined && left < 1e-9, "{left}");
+}
+
+#[test]
 fn whether_a_target_is_met_is_read_off_the_map() {
     let (mut seen, mut otherwise) = ([0, 0], 0);
     let small = solids::mapped(&shapes::terrain(300, 3), |p| p.map(|x| 0.3 * x));
@@ -417,7 +489,7 @@ fn options_come_back_as_they_were_serialized_and_what_is_left_out_is_the_default
     let rules = [CurvatureRule::Harmonic, CurvatureRule::Optimal];
     for (k, cones) in choices.into_iter().enumerate() {
         for placement in Placement::ALL {
-            let preparation = Preparation { weld: k % 2 == 0, smooth: k % 3 == 0 };
+            let preparation = Preparation { weld: k % 2 == 0, smooth: k % 3 == 0, ..Preparation::default() };
             let edges = vec![[k as u32, 9]];
             let options = Options {
                 preparation,
@@ -436,7 +508,7 @@ fn options_come_back_as_they_were_serialized_and_what_is_left_out_is_the_default
     }
     assert_eq!(serde_json::from_str::<Options>("{}").expect("all are left out"), Options::default());
     let text = r#"{"cones":{"count":8},"rule":"harmonic","preparation":{"weld":true}}"#;
-    let preparation = Preparation { weld: true, smooth: false };
+    let preparation = Preparation { weld: true, ..Preparation::default() };
     let expected = Options { preparation, rule: CurvatureRule::Harmonic, ..count(8) };
     assert_eq!(serde_json::from_str::<Options>(text).expect("a few are given"), expected);
     assert!(serde_json::from_str::<Options>(r#"{"placement":"anyhow"}"#).is_err());

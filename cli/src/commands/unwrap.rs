@@ -114,7 +114,7 @@ fn options(args: &UnwrapArgs) -> Result<Options, CommandError> {
         IslandsName::Pack => Islands::Pack,
     };
     let packing = PackOptions { max_seam: args.max_seam, ..args.packing.options(1.0) };
-    let options = Options { islands, packing, ..args.candidates.options() };
+    let options = Options { islands, packing, ..args.candidates.options_for(&args.input) };
     Ok(match &args.cones {
         Some(file) => Options { cones: ConeChoice::Given(cone_file::read(file)?), ..options },
         None => options,

@@ -11,7 +11,7 @@ pub(crate) use hierarchy_file::HierarchyFile;
 pub(crate) use quality::{DistortionReport, IslandReport, OverlapReport, Quality};
 use seams::SeamReport;
 
-use cones::{Analysis, Atlas, ChosenNumber, Cone, Note, Options, Prediction, Stage, Topology};
+use cones::{Analysis, Atlas, ChosenNumber, Cone, Note, Options, Prediction, RefinedModel, Stage, Topology};
 use geom::Repair;
 pub(crate) use names::{angles_name, kind_name, policy_name, repair_text};
 use serde::Serialize;
@@ -26,6 +26,8 @@ pub(crate) struct UnwrapReport {
     pub(crate) schema: u32,
     pub(crate) input: InputReport,
     pub(crate) repairs: Vec<RepairReport>,
+    /// The refined model, if the surface was refined.
+    pub(crate) refined: Option<RefinedReport>,
     pub(crate) cones: Vec<Cone>,
     pub(crate) method: &'static str,
     pub(crate) angles: &'static str,
@@ -46,6 +48,17 @@ pub(crate) struct UnwrapReport {
     /// How cones and curvatures were chosen, in words.
     #[serde(skip)]
     pub(crate) rule: String,
+}
+
+/// The model that is written, where a surface was refined.
+#[derive(Clone, Debug, Serialize)]
+pub(crate) struct RefinedReport {
+    pub(crate) vertices: usize,
+    pub(crate) faces: usize,
+    /// Whether all triangles that are computed with are even.
+    pub(crate) complete: bool,
+    /// The input's face that each face is part of.
+    pub(crate) face: Vec<u32>,
 }
 
 #[derive(Clone, Debug, Serialize)]
@@ -115,6 +128,7 @@ impl UnwrapReport {
             schema: SCHEMA,
             input: InputReport::new(path, analysis.topology()),
             repairs: analysis.repairs().iter().map(RepairReport::from).collect(),
+            refined: analysis.refined().map(RefinedReport::from),
             cones: atlas.cones.clone(),
             method: options.placement.name(),
             angles: angles_name(options.rule),
@@ -145,6 +159,13 @@ pub(crate) fn warnings(notes: &[Note], components: usize) -> Vec<String> {
 impl InputReport {
     pub(crate) fn new(path: &Path, topology: Topology) -> Self {
         Self { path: path.display().to_string(), topology }
+    }
+}
+
+impl From<&RefinedModel> for RefinedReport {
+    fn from(refined: &RefinedModel) -> Self {
+        let RefinedModel { model, face, is_complete, .. } = refined;
+        Self { vertices: model.vertex_count(), faces: model.face_count(), complete: *is_complete, face: face.clone() }
     }
 }
 

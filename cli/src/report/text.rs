@@ -1,7 +1,7 @@
 //! A report as a few lines of text.
 
 use super::table::{labelled, thousands};
-use super::{DistortionReport, InputReport, OverlapReport, UnwrapReport, angles_name};
+use super::{DistortionReport, InputReport, OverlapReport, RefinedReport, UnwrapReport, angles_name};
 use cones::{ConeChoice, Options, Placement, Prediction};
 
 impl UnwrapReport {
@@ -13,6 +13,7 @@ impl UnwrapReport {
         let (cones, extrema) = (thousands(self.cones.len()), thousands(self.hierarchy.extrema));
         [
             labelled("surface", &self.input.text()),
+            self.refined_text(),
             labelled("cones", &format!("{cones} ({}; φ has {extrema} extrema)", self.rule)),
             self.number_text(),
             self.distortion.text(self.islands.len()),
@@ -20,6 +21,13 @@ impl UnwrapReport {
             labelled("time", &format!("{total:.2} s: {}{memory}", times.join(", "))),
         ]
         .concat()
+    }
+
+    /// What is written in place of the input, if the surface was refined.
+    fn refined_text(&self) -> String {
+        let Some(RefinedReport { vertices, faces, .. }) = &self.refined else { return String::new() };
+        let [vertices, faces] = [*vertices, *faces].map(thousands);
+        labelled("refined", &format!("to even triangles; written as {vertices} vertices, {faces} triangles"))
     }
 
     /// Why so many cones, if nobody has said how many.

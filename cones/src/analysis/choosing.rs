@@ -146,10 +146,11 @@ impl Analysis {
         task: &Task,
     ) -> Result<Vec<Result<Configuration, Error>>, Error> {
         let Options { placement, rule, .. } = *options;
+        let to_knee = options.cones == ConeChoice::Automatic;
         let components = self.components();
         let found: Vec<Automatic> = each(components, &mut shared.times, |component, times| {
             task.stage((Stage::Hierarchy, component.index), times, |watch| {
-                placement.fewest(component.ground(watch), rule, target, most)
+                placement.fewest(component.ground(watch), rule, (target, to_knee), most)
             })?
             .map_err(Error::from)
         })?;

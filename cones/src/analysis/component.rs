@@ -4,17 +4,19 @@
 
 use std::sync::{Arc, OnceLock};
 
-use geom::{Id, Metric, PoissonError, Surface, VertexId, Watch};
+use geom::{FaceId, HalfedgeData, Id, Metric, PoissonError, Surface, VertexId, Watch};
 use topo::{Extremum, Kind};
 
 use super::cones::{Cone, Configuration};
 use super::note::Note;
 use super::observer::{Stage, Task, Times};
 use super::options::{Options, Preparation};
+use super::refined::{Ready, Way};
 use crate::curvature::{ConeCurvatures, CurvatureError, CurvatureRule, cone_curvatures, least_cones};
 use crate::cut::Symmetry;
 use crate::error::Error;
 use crate::field::{ConformalFactor, Operators};
+use crate::flatten::Chain;
 use crate::hierarchy::ConeHierarchy;
 use crate::placement::{EnergyTerms, Ground, quantized};
 
@@ -24,6 +26,8 @@ pub(crate) struct Component {
     /// Its place among the model's components.
     pub(crate) index: usize,
     pub(crate) surface: Surface,
+    /// To the refined model, if it was refined.
+    pub(crate) way: Option<Way>,
     /// The edge lengths in space, mollified where they have to be.
     pub(crate) metric: Metric,
     /// The area in the model's units.
@@ -37,10 +41,10 @@ pub(crate) struct Component {
 }
 
 impl Component {
-    pub(crate) fn new(index: usize, surface: Surface, preparation: Preparation, task: &Task) -> Result<Self, Error> {
+    pub(crate) fn new(index: usize, ready: Ready, preparation: Preparation, task: &Task) -> Result<Self, Error> {
+        let Ready { surface, mut metric, way } = ready;
         let mut notes = Vec::new();
         let mut times = Times::default();
-        let mut metric = surface.metric();
         let operators = task.stage((Stage::Factor, index), &mut times, |watch| {
             let operators = Operators::with_points(&surface.mesh, &metric, &surface.points, watch);
             if !matches!(operators, Err(PoissonError::NotPositiveDefinite)) {
@@ -63,7 +67,7 @@ impl Component {
             })??;
         let area = metric.area(&surface.mesh) / surface.scale / surface.scale;
         let terms = OnceLock::new();
-        Ok(Self { index, surface, metric, area, operators, factor, hierarchy, terms, notes, times })
+        Ok(Self { index, surface, way, metric, area, operators, factor, hierarchy, terms, notes, times })
     }
 
     /// What cones are placed on.
@@ -212,6 +216,44 @@ impl Component {
                 None => Ok(self.configure(vertices, options.rule, watch)?),
             },
         }
+    }
+
+    /// Gives the model's corners their positions, those of the halfedges given.
+    pub(crate) fn spread(&self, positions: &HalfedgeData<[f64; 2]>, uv: &mut [Option<[f64; 2]>]) {
+        let Self { surface, way, .. } = self;
+        let Some(way) = way else {
+            positions.iter_ids().for_each(|(h, position)| uv[surface.corner[h] as usize] = Some(*position));
+            return;
+        };
+        for (corner, h, along) in way.corners() {
+            let (p, q) = (positions[h], positions[surface.mesh.next(h)]);
+            // From the same end whichever side it is seen from, lest the sides differ by a rounding.
+            let is_named = surface.mesh.halfedge(surface.mesh.edge(h)) == h;
+            let (from, to, share) = if is_named { (q, p, 1.0 - along) } else { (p, q, along) };
+            uv[corner as usize] = Some(match share {
+                ..=0.0 => from,
+                1.0.. => to,
+                _ => [0, 1].map(|c| from[c] + share * (to[c] - from[c])),
+            });
+        }
+    }
+
+    /// The model's vertices along a piece of seam.
+    pub(crate) fn vertices_along(&self, chain: &Chain) -> Vec<u32> {
+        let of_model = |v: VertexId| self.surface.vertex[v];
+        let Some(way) = &self.way else { return chain.vertices.iter().copied().map(of_model).collect() };
+        let mut along: Vec<u32> = chain.vertices.first().copied().map(of_model).into_iter().collect();
+        for (&e, ends) in chain.edges.iter().zip(chain.vertices.windows(2)) {
+            along.extend(way.inside(&self.surface.mesh, e, ends[0]));
+            along.push(of_model(ends[1]));
+        }
+        along
+    }
+
+    /// The model's triangles that a triangle is.
+    pub(crate) fn triangles_of(&self, f: FaceId) -> &[u32] {
+        let alone = std::slice::from_ref(&self.surface.triangle[f]);
+        self.way.as_ref().map_or(alone, |way| way.triangles(f))
     }
 
     /// A cone as it is told of.

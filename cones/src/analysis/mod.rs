@@ -23,6 +23,7 @@ mod options;
 mod order;
 mod packed;
 mod quality;
+mod refined;
 mod unwrap;
 
 use std::sync::Arc;
@@ -38,8 +39,9 @@ pub use choosing::{MOST_AUTOMATIC, TARGET_DISTORTION};
 pub use cones::{ChosenNumber, Cone, Cones};
 pub use note::{Failure, Note};
 pub use observer::{Observer, Progress, Stage, Times};
-pub use options::{ConeChoice, Islands, Options, Preparation};
+pub use options::{ConeChoice, Islands, Options, Preparation, Refining};
 pub use order::{ConeOrder, ModelExtremum, OrderedCone};
+pub use refined::{MOST_NEEDLES, RefinedModel};
 pub use unwrap::unwrap_model;
 
 use crate::curvature::CurvatureRule;
@@ -47,6 +49,7 @@ use crate::error::Error;
 use crate::placement::{Placement, Prediction};
 use component::Component;
 use observer::{Silent, Task};
+use refined::{Ready, is_asked_for, refine_all};
 
 /// A model with all that is found of it once; see the [crate's documentation](crate). Clones share it.
 ///
@@ -80,6 +83,7 @@ struct Found {
     triangles: Triangles,
     left_out: Vec<u32>,
     repairs: Vec<Repair>,
+    refined: Option<RefinedModel>,
     topology: Topology,
     components: Vec<Component>,
     notes: Vec<Note>,
@@ -117,17 +121,25 @@ impl Analysis {
         static COUNT: AtomicUsize = AtomicUsize::new(0);
         let observer: Arc<dyn Observer> = Arc::new(observer);
         let mut times = Times::default();
-        let Prepared { surfaces, triangles, left_out, repairs } =
-            Task::new(&observer, 0)
-                .stage((Stage::Prepare, 0), &mut times, |watch| prepare_watched(model, preparation.weld, watch))??;
-        let topology = Topology::of(&surfaces);
-        let task = Task::new(&observer, surfaces.len());
+        let mut prepared = Task::new(&observer, 0)
+            .stage((Stage::Prepare, 0), &mut times, |watch| prepare_watched(model, preparation.weld, watch))??;
+        let repairs = std::mem::take(&mut prepared.repairs);
+        let task = Task::new(&observer, prepared.surfaces.len());
+        let (ready, refined, triangles, left_out) = if is_asked_for(preparation.refine, &prepared.surfaces) {
+            let (ready, refined, triangles, left_out) = refine_all(model, prepared, &task, &mut times)?;
+            (ready, Some(refined), triangles, left_out)
+        } else {
+            let Prepared { surfaces, triangles, left_out, .. } = prepared;
+            (surfaces.into_iter().map(Ready::as_it_is).collect(), None, triangles, left_out)
+        };
+        let topology = Topology::of(ready.iter().map(|ready: &Ready| &ready.surface));
         let began = Instant::now();
-        let make = |(index, surface)| Component::new(index, surface, preparation, &task);
-        let components = surfaces.into_par_iter().enumerate().with_max_len(1).map(make);
+        let make = |(index, ready)| Component::new(index, ready, preparation, &task);
+        let components = ready.into_par_iter().enumerate().with_max_len(1).map(make);
         let components = components.collect::<Vec<_>>().into_iter().collect::<Result<Vec<Component>, Error>>()?;
         times += Times::on_clock(components.iter().map(|component| component.times), began.elapsed());
         let notes = components.iter().flat_map(|component| component.notes.iter().cloned()).collect();
+        let model = refined.as_ref().map_or(model, |refined| &refined.model);
         let found = Found {
             id: COUNT.fetch_add(1, Relaxed),
             points: model.points().to_vec(),
@@ -135,6 +147,7 @@ impl Analysis {
             triangles,
             left_out,
             repairs,
+            refined,
             topology,
             components,
             notes,
@@ -193,6 +206,22 @@ impl Analysis {
     /// The shape of the surfaces that are computed with.
     pub fn topology(&self) -> Topology {
         self.found.topology
+    }
+
+    /// The model that maps are of, where [`Preparation::refine`] asked for another one than was given: its vertices, corners and
+    /// triangles are then meant everywhere.
+    pub fn refined(&self) -> Option<&RefinedModel> {
+        self.found.refined.as_ref()
+    }
+
+    /// The share of the area that is in triangles with an angle below 10°, after intrinsic Delaunay flips. Above [`MOST_NEEDLES`] a model
+    /// is better [refined](Preparation::refine).
+    pub fn needle_share(&self) -> f64 {
+        let parts = self.components().iter().map(|component| {
+            let Component { operators, surface, .. } = component;
+            (operators.mesh.triangulation(), &operators.metric, surface.scale.powi(-2))
+        });
+        refined::needle_share(parts)
     }
 
     /// What was repaired in the model.

@@ -150,6 +150,17 @@ pub enum Note {
         /// Across how many of them it does not run on.
         broken: usize,
     },
+    /// The cones that were to be flattened, given ones for example, make a bad map.
+    Distorted {
+        /// The component.
+        component: usize,
+        /// The area distortion D.
+        area: f64,
+        /// The quasi-conformal distortion.
+        angles: f64,
+        /// By this factor lengths change most against the mean, the logarithm to base e.
+        log: f64,
+    },
 }
 
 impl Note {
@@ -166,6 +177,7 @@ impl Note {
             | Self::OtherNumber { component, .. }
             | Self::Detached { component, .. }
             | Self::Unfolded { component, .. }
+            | Self::Distorted { component, .. }
             | Self::AvoidedCut { component, .. }
             | Self::RoundedAway { component, .. }
             | Self::TargetMissed { component, .. }
@@ -246,8 +258,20 @@ impl fmt::Display for Note {
             Self::Overlap { pairs, share, .. } => {
                 write!(f, "{:.2} % of the layout lies over itself: {pairs} pairs of triangles", 100.0 * share)
             }
+            Self::Distorted { area, angles, log, .. } => write!(
+                f,
+                "these cones make a bad map: area distortion {}, quasi-conformal {}, lengths changed up to {} times",
+                short(*area),
+                short(*angles),
+                short(log.exp())
+            ),
         }
     }
+}
+
+/// A factor with three digits, or its power of ten where it is large.
+fn short(factor: f64) -> String {
+    if factor < 1e4 { format!("{factor:.2}") } else { format!("{factor:.0e}") }
 }
 
 /// Why an attempt to flatten a component failed.

@@ -13,6 +13,23 @@ pub struct Preparation {
     pub weld: bool,
     /// Diffuse the curvature before looking for extrema of the conformal factor, which helps on noisy scans.
     pub smooth: bool,
+    /// Whether surfaces are refined until their triangles are even, whatever the model has: what is unwrapped is then the
+    /// [refined model](crate::Analysis::refined).
+    pub refine: Refining,
+}
+
+/// Whether surfaces are refined.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
+#[non_exhaustive]
+pub enum Refining {
+    /// They stay as they are.
+    #[default]
+    Never,
+    /// Where more than [`MOST_NEEDLES`](crate::MOST_NEEDLES) of the model's area is in needles that no flip removes.
+    Needles,
+    /// Always.
+    Always,
 }
 
 /// Which cones to use, and how a model is made ready for them.
@@ -60,7 +77,8 @@ pub enum Islands {
 #[non_exhaustive]
 pub enum ConeChoice {
     /// In each connected component as few as keep its area distortion within [`TARGET_DISTORTION`](crate::TARGET_DISTORTION),
-    /// as predicted, at most [`MOST_AUTOMATIC`](crate::MOST_AUTOMATIC).
+    /// as predicted, at most [`MOST_AUTOMATIC`](crate::MOST_AUTOMATIC); where a few more leave nearly nothing to distort, as the
+    /// corners of a box do, these.
     #[default]
     Automatic,
     /// In each connected component as few as keep its area distortion within this, confirmed by flattening, at most

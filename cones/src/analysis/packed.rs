@@ -1,24 +1,24 @@
 //! The islands of all components side by side.
 
-use geom::{CutMesh, EdgeData, Interrupted, Watch};
+use geom::{CutMesh, EdgeData, FaceData, HalfedgeData, Interrupted, Watch};
 
 use super::component::Component;
 use super::flat::Flat;
 use super::observer::{Stage, Task, Times};
 use super::options::{Islands, Options};
 use crate::error::Error;
-use crate::flatten::seam_lengths;
+use crate::flatten::{Chain, seam_lengths};
 use crate::uv::{PackOptions, Packing, Part, UvMap, cut_for_fill, pack};
 
 /// The islands of a model in the plane, each in the size of its surface.
 pub(crate) struct Packed {
-    /// The corner of the model and the position of each corner of a component's triangle.
-    pub(crate) corners: Vec<(u32, [f64; 2])>,
+    /// The positions of each component's corners, by halfedge.
+    pub(crate) positions: Vec<HalfedgeData<[f64; 2]>>,
     pub(crate) packing: Packing,
-    /// The island of each triangle of the model that is on a surface, numbered from 0 over all components.
-    pub(crate) islands: Vec<(u32, u32)>,
-    /// Edges that were cut for packing alone, as vertices of the model.
-    pub(crate) added: Vec<[u32; 2]>,
+    /// The island of each component's triangles, numbered from 0 over all components.
+    pub(crate) islands: Vec<FaceData<u32>>,
+    /// Edges that were cut for packing alone, as vertices of the model along them.
+    pub(crate) added: Vec<Vec<u32>>,
 }
 
 /// Packs the islands of flattened components.
@@ -40,25 +40,29 @@ pub(crate) fn packed(
             true => further_cuts(components, &maps, options, watch.within(0.0, 0.5))?,
             false => maps.iter().map(|map| map.cut.clone()).collect(),
         };
-        let (mut triangles, mut islands, mut corner, mut added) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+        let (mut triangles, mut island, mut added) = (Vec::new(), Vec::new(), Vec::new());
+        let mut islands: Vec<FaceData<u32>> = Vec::new();
         let mut first = 0;
         for ((component, map), cut) in components.iter().zip(&maps).zip(&cuts) {
-            let (surface, mesh) = (&component.surface, &component.surface.mesh);
+            let mesh = &component.surface.mesh;
             let opened = CutMesh::open(mesh, cut);
             triangles.extend(map.triangles(mesh));
-            islands.extend(mesh.faces().map(|f| first + opened.island(f)));
-            corner.extend(mesh.faces().map(|f| mesh.sides(f).map(|h| surface.corner[h])));
+            islands.push(mesh.faces().map(|f| first + opened.island(f)).collect());
+            island.extend(islands.last().into_iter().flat_map(|islands| islands.iter().copied()));
             first += opened.island_count() as u32;
             let new = mesh.edges().filter(|&e| cut[e] && !map.cut[e]);
-            added.extend(new.map(|e| mesh.ends(e).map(|v| surface.vertex[v])));
+            added.extend(
+                new.map(|e| component.vertices_along(&Chain { vertices: mesh.ends(e).to_vec(), edges: vec![e] })),
+            );
         }
-        let packing = pack(&triangles, &islands, options, watch.within(0.5, 1.0))?;
-        let place = |(t, &island): (&[[f64; 2]; 3], &u32)| t.map(|p| packing.unscaled(island as usize, p));
-        let placed = triangles.iter().zip(&islands).map(place);
-        let corners = corner.into_iter().zip(placed).flat_map(|(c, t)| [0, 1, 2].map(|k| (c[k], t[k]))).collect();
-        let triangle = components.iter().flat_map(|component| component.surface.triangle.iter().copied());
-        let islands = triangle.zip(islands).collect();
-        Ok(Packed { corners, packing, islands, added })
+        let packing = pack(&triangles, &island, options, watch.within(0.5, 1.0))?;
+        let placed = |(component, (map, islands)): (&Component, (&UvMap, &FaceData<u32>))| {
+            let mesh = &component.surface.mesh;
+            let place = |h| packing.unscaled(islands[mesh.face(h)] as usize, map.position[h]);
+            mesh.halfedges().map(place).collect()
+        };
+        let positions = components.iter().zip(maps.iter().zip(&islands)).map(placed).collect();
+        Ok(Packed { positions, packing, islands, added })
     })?
 }
 

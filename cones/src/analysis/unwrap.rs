@@ -85,6 +85,7 @@ impl Analysis {
             let plan = self.plan(component, &options.seams, &task, times)?;
             let mut flat = component.flatten(&cones.configurations[component.index], &plan, &task, times)?;
             component.detach_fold_overs(&mut flat);
+            flat.notes.extend(component.doubt(&flat));
             component.part_islands(&mut flat, options.islands, &task, times)?;
             Ok(flat)
         })?;
@@ -163,13 +164,18 @@ impl Analysis {
         task: &Task,
         mut times: Times,
     ) -> Result<Atlas, Error> {
-        let Packed { corners, packing, islands, added } = packed(self.components(), &flats, options, task, &mut times)?;
+        let Packed { positions, packing, islands, added } =
+            packed(self.components(), &flats, options, task, &mut times)?;
         let began = Instant::now();
         let mut uv = vec![None; self.corner_vertices().len()];
-        corners.into_iter().for_each(|(corner, position)| uv[corner as usize] = Some(position));
         let (mut cones, mut seams, mut detached) = (Vec::new(), Vec::new(), Vec::new());
         let mut island = vec![None; self.triangles().len()];
-        islands.into_iter().for_each(|(triangle, number)| island[triangle as usize] = Some(number));
+        for (component, (positions, islands)) in self.components().iter().zip(positions.iter().zip(&islands)) {
+            component.spread(positions, &mut uv);
+            for (f, &number) in islands.iter_ids() {
+                component.triangles_of(f).iter().for_each(|&triangle| island[triangle as usize] = Some(number));
+            }
+        }
         let number = number.map(|number| self.measured(number, &flats));
         let mut curvature_error = 0.0_f64;
         let mut unfolded = 0;
@@ -184,9 +190,8 @@ impl Analysis {
             if let Some(tiling) = &mut tiling {
                 *tiling += Tiling::new(&surface.mesh, &flat.seams, &flat.layout, tiling.symmetry);
             }
-            let of_model = |vertices: &[geom::VertexId]| vertices.iter().map(|&v| surface.vertex[v]).collect();
-            seams.extend(flat.seams.chains.iter().map(|chain| -> Vec<u32> { of_model(&chain.vertices) }));
-            detached.extend(flat.detached.iter().map(|&f| surface.triangle[f]));
+            seams.extend(flat.seams.chains.iter().map(|chain| component.vertices_along(chain)));
+            detached.extend(flat.detached.iter().flat_map(|&f| component.triangles_of(f)).copied());
             cones.extend(flat.cones.iter().zip(&flat.curvature).map(|(&v, &k)| component.cone(v, k, self.points())));
             for note in flat.notes {
                 if !notes.contains(&note) {
@@ -197,7 +202,7 @@ impl Analysis {
         if let Some(Tiling { symmetry, seams, broken: broken @ 1.., .. }) = tiling {
             notes.push(Note::SeamsDoNotTile { symmetry, seams, broken });
         }
-        seams.extend(added.into_iter().map(|edge| edge.to_vec()));
+        seams.extend(added);
         let uv = self.fill_corners(uv);
         times.add(Stage::Pack, began.elapsed());
         Ok(Atlas {

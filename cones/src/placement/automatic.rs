@@ -3,6 +3,9 @@
 //! The distortion of a flattening is predicted from the linear log scale factor, before anything is flattened (on thirty
 //! meshes the median error was 0.001). The curve of the nested order says about how many cones it takes; the best set of
 //! that number is better than nested ones, so cones are taken away from it as long as the target holds.
+//!
+//! Where a few cones more leave nearly nothing to distort, as the eight corners of a box do, these are taken instead: the
+//! *knee* of the curve.
 
 use geom::{VertexData, VertexId};
 
@@ -15,6 +18,16 @@ use super::pursuit::pursuit;
 use super::refined::{by_curvature, refined, rounds};
 use crate::curvature::{CurvatureRule, least_cones};
 use crate::field::Operators;
+
+/// A knee leaves at most this share of the log scale factor's norm. Smooth surfaces keep a half to a third of it where cones
+/// are doubled; boxes, prisms and blocks keep less than a hundredth.
+const KNEE: f64 = 0.1;
+/// A nested order keeps more than the best set of a number: so much of the norm may be left in it where that set is looked for.
+const NESTED_KNEE: f64 = 0.2;
+/// A knee lies within twice as many cones, or this many: a hexagonal prism's twelve corners come after five.
+const FEW: usize = 16;
+/// Vertices with less curvature than this, in radians, are no corners: half a degree.
+const LEAST_CORNER: f64 = 0.01;
 
 /// A number of cones chosen by their predicted distortion.
 #[derive(Clone, Debug)]
@@ -54,6 +67,45 @@ pub(crate) fn automatic(model: &mut EnergyModel, rule: CurvatureRule, target: f6
         }
     };
     Automatic { set, predicted, is_met: predicted.area_distortion <= target, nested, curve }
+}
+
+/// [`automatic`], and a few cones more where these leave nearly nothing to distort. A fit for the corners; a search more only
+/// where the nested order tells that it pays.
+pub(crate) fn automatic_to_knee(model: &mut EnergyModel, rule: CurvatureRule, target: f64, most: usize) -> Automatic {
+    let found = automatic(model, rule, target, most);
+    match knee(model, &found) {
+        Some(set) => {
+            let predicted = predict(model.operators(), &set, rule);
+            let is_met = predicted.area_distortion <= target;
+            if is_met || !found.is_met { Automatic { set, predicted, is_met, ..found } } else { found }
+        }
+        None => found,
+    }
+}
+
+/// The cones at the curve's knee, if it has one beyond what was found.
+fn knee(model: &mut EnergyModel, found: &Automatic) -> Option<ConeSet> {
+    let (count, norm) = (found.set.cones.len(), found.set.log_scale_norm());
+    let most = if count == 0 { 0 } else { (2 * count).max(FEW) };
+    let is_knee = |set: &ConeSet| set.shortfall == 0.0 && set.log_scale_norm() <= KNEE * norm;
+    let corners = corners(model.operators(), most).filter(|corners| corners.len() > count).map(|corners| {
+        model.add(&corners);
+        model.fit(&corners)
+    });
+    if let Some(set) = corners.filter(is_knee) {
+        return Some(by_curvature(model, &set));
+    }
+    let beyond = found.nested.sets.iter().take(2 * count + 1).skip(count + 1);
+    let bend = beyond.map(ConeSet::log_scale_norm).position(|left| left <= NESTED_KNEE * norm)?;
+    Some(refined(model, count + 1 + bend)).filter(is_knee)
+}
+
+/// The inner vertices that have curvature, at most so many: without them the surface is developable.
+pub(crate) fn corners(operators: &Operators, most: usize) -> Option<Vec<VertexId>> {
+    let mesh = operators.mesh();
+    let is_corner = |&v: &VertexId| operators.curvature()[v].abs() > LEAST_CORNER && !mesh.is_boundary_vertex(v);
+    let corners: Vec<VertexId> = mesh.vertices().filter(is_corner).take(most + 1).collect();
+    (corners.len() <= most).then_some(corners)
 }
 
 /// The shortest prefix of an order of cones that keeps the predicted area distortion within `target`; all of it where
@@ -130,6 +182,55 @@ mod tests {
             chosen.set.cones.len()
         });
         assert!(counts[0] <= counts[1] && counts[1] < counts[2], "{counts:?}");
+    }
+
+    /// A box of a by b by c unit cubes, its sides divided into squares.
+    fn box_of(sides: [usize; 3]) -> shapes::Shape {
+        let mut points: Vec<[f64; 3]> = Vec::new();
+        let mut triangles = Vec::new();
+        for axis in 0..3 {
+            let (across, up) = ((axis + 1) % 3, (axis + 2) % 3);
+            for end in [0, sides[axis]] {
+                for (i, j) in (0..sides[across]).flat_map(|i| (0..sides[up]).map(move |j| (i, j))) {
+                    let mut corner = |a: usize, b: usize| {
+                        let mut point = [0.0; 3];
+                        (point[axis], point[across], point[up]) = (end as f64, a as f64, b as f64);
+                        points.iter().position(|p| *p == point).unwrap_or_else(|| {
+                            points.push(point);
+                            points.len() - 1
+                        }) as u32
+                    };
+                    let [a, b, c, d] = [corner(i, j), corner(i + 1, j), corner(i + 1, j + 1), corner(i, j + 1)];
+                    triangles.extend(if end == 0 { [[a, c, b], [a, d, c]] } else { [[a, b, c], [a, c, d]] });
+                }
+            }
+        }
+        shapes::Shape { points, triangles }
+    }
+
+    #[test]
+    fn where_a_few_cones_more_leave_nothing_to_distort_they_are_taken() {
+        for sides in [[1, 1, 1], [3, 2, 1], [9, 6, 3]] {
+            let shape = box_of(sides);
+            let mesh = shape.mesh();
+            let operators = Operators::new(&mesh, &Metric::from_points(&mesh, &shape.points)).unwrap();
+            let fewest = automatic(&mut EnergyModel::new(&operators, &mesh), CurvatureRule::Optimal, 1.25, 32);
+            assert!(fewest.set.cones.len() < 8);
+            let chosen = automatic_to_knee(&mut EnergyModel::new(&operators, &mesh), CurvatureRule::Optimal, 1.25, 32);
+            assert_eq!((chosen.set.cones.len(), chosen.is_met), (8, true), "{sides:?}");
+            assert!(chosen.predicted.area_distortion < 1.0 + 1e-6);
+        }
+    }
+
+    #[test]
+    fn a_smooth_curve_has_no_knee() {
+        let shape = shapes::hare(1200);
+        let mesh = shape.mesh();
+        let operators = Operators::new(&mesh, &Metric::from_points(&mesh, &shape.points)).unwrap();
+        let choose = |choose: fn(&mut EnergyModel, CurvatureRule, f64, usize) -> Automatic| {
+            choose(&mut EnergyModel::new(&operators, &mesh), CurvatureRule::Optimal, 1.6, 32).set
+        };
+        assert_eq!(choose(automatic_to_knee), choose(automatic));
     }
 
     #[test]

@@ -26,7 +26,7 @@ use crate::curvature::CurvatureRule;
 use crate::field::Operators;
 use crate::hierarchy::ConeHierarchy;
 
-pub(crate) use automatic::Automatic;
+pub(crate) use automatic::{Automatic, corners};
 pub(crate) use energy_model::EnergyTerms;
 pub use energy_model::{ConeSet, EnergyModel};
 pub use nested::Nested;
@@ -206,7 +206,8 @@ impl Placement {
         Ok(Nested::new(&mut ground.energy_model()?, &order))
     }
 
-    /// As few cones as keep the predicted area distortion within `target`, at most `most`.
+    /// As few cones as keep the predicted area distortion within `target`, at most `most`; a few more where these leave
+    /// nearly nothing to distort and `to_knee` asks for it.
     ///
     /// # Errors
     /// As [`cones`](Self::cones).
@@ -214,12 +215,13 @@ impl Placement {
         self,
         ground: Ground,
         rule: CurvatureRule,
-        target: f64,
+        (target, to_knee): (f64, bool),
         most: usize,
     ) -> Result<Automatic, PoissonError> {
         let mut model = ground.energy_model()?;
         if self == Self::Refined {
-            return Ok(automatic::automatic(&mut model, rule, target, most));
+            let choose = if to_knee { automatic::automatic_to_knee } else { automatic::automatic };
+            return Ok(choose(&mut model, rule, target, most));
         }
         let order = self.cones(ground, most)?;
         Ok(automatic::shortest(&mut model, &order, rule, target))

@@ -16,7 +16,7 @@ use crate::mesh::{EdgeData, EdgeId, HalfedgeId, Triangulation};
 use crate::watch::Watch;
 
 /// An edge counts as Delaunay down to this sum of cosines, lest a cocircular quad flip for ever.
-const TOLERANCE: f64 = 1e-12;
+pub(crate) const TOLERANCE: f64 = 1e-12;
 /// An edge with a greater cotangent weight is Delaunay: far more than what rounding may add where the angles are at most π
 /// in all.
 const CLEAR: f64 = 0.01;
@@ -151,7 +151,7 @@ fn quad(triangulation: &Triangulation, h: HalfedgeId) -> [EdgeId; 4] {
 }
 
 /// Twice the sum of the cosines of the two angles opposite an edge of length `ij`.
-fn opposite_cosines(ij: f64, [jk, ki, il, lj]: [f64; 4]) -> f64 {
+pub(crate) fn opposite_cosines(ij: f64, [jk, ki, il, lj]: [f64; 4]) -> f64 {
     let twice_cosine = |p: f64, q: f64| (p * p + q * q - ij * ij) / (p * q);
     let sum = twice_cosine(jk, ki) + twice_cosine(il, lj);
     // A side of length zero: nothing to gain from a flip.
@@ -159,7 +159,7 @@ fn opposite_cosines(ij: f64, [jk, ki, il, lj]: [f64; 4]) -> f64 {
 }
 
 /// The length of the other diagonal of the quad unfolded into the plane.
-fn other_diagonal(ij: f64, [jk, ki, il, lj]: [f64; 4]) -> f64 {
+pub(crate) fn other_diagonal(ij: f64, [jk, ki, il, lj]: [f64; 4]) -> f64 {
     let apex = |sides: [f64; 3]| {
         let [_, _, back] = Sides(sides).unfold();
         [-back[0], -back[1]]

@@ -69,6 +69,20 @@ impl Metric {
         triangulation.faces().map(|f| self.sides(triangulation, f).area()).sum()
     }
 
+    /// The share of the area that is in triangles with an angle below `angle`, in radians; 0 where there is no area.
+    pub fn needle_share(&self, triangulation: &Triangulation, angle: f64) -> f64 {
+        let (mut needles, mut whole) = (0.0, 0.0);
+        for f in triangulation.faces() {
+            let sides = self.sides(triangulation, f);
+            let area = sides.area();
+            whole += area;
+            if sides.corner_angles().iter().any(|corner| *corner < angle) {
+                needles += area;
+            }
+        }
+        if whole > 0.0 { needles / whole } else { 0.0 }
+    }
+
     /// Lumped vertex areas: a third of the area of each triangle at each of its corners. They sum to the area.
     pub fn vertex_areas(&self, triangulation: &Triangulation) -> VertexData<f64> {
         let mut areas = VertexData::constant(triangulation.vertex_count(), 0.0);

@@ -15,6 +15,7 @@ mod error;
 mod obj;
 mod off;
 mod ply;
+mod refined_obj;
 mod stl;
 #[cfg(test)]
 mod tests;
@@ -35,6 +36,7 @@ use error::Fault;
 use text::Lines;
 
 pub use error::{Place, Problem, ReadError, WriteError};
+pub use refined_obj::refine_obj;
 pub use write_glb::write_glb;
 pub use write_obj::{Material, ObjContent, write_obj};
 pub use write_ply::write_ply;

@@ -200,6 +200,74 @@ impl Triangulation {
         }
     }
 
+    /// Puts a new vertex v inside a triangle (i, j, k), which becomes (i, j, v); (j, k, v) and (k, i, v) are new, and so are the
+    /// edges of v, named by halfedges from j, k and i. What the triangle had at its second and third side moves to the first
+    /// sides of the new triangles.
+    pub(crate) fn insert(&mut self, f: FaceId) -> VertexId {
+        let [_, h, g] = self.sides(f);
+        let first = self.tail.len() as u32;
+        let (to_h, to_g) = (HalfedgeId(first), HalfedgeId(first + 3));
+        let [i, j, k] = self.corners(f);
+        let v = VertexId::new(self.vertex_count);
+        self.vertex_count += 1;
+        let edge = |n: usize| EdgeId::new(self.edge_halfedge.len() + n);
+        let [to_j, to_k, to_i] = [edge(0), edge(1), edge(2)];
+        let (old_h, old_g) = (self.edge[h.index()], self.edge[g.index()]);
+        let moved = |twin: u32| match twin {
+            twin if twin == h.0 => to_h.0,
+            twin if twin == g.0 => to_g.0,
+            twin => twin,
+        };
+        let (twin_h, twin_g) = (moved(self.twin[h.index()]), moved(self.twin[g.index()]));
+        self.tail.extend([j, k, v, k, i, v]);
+        self.twin.extend([twin_h, first + 5, h.0, twin_g, g.0, first + 1]);
+        self.edge.extend([old_h, to_k, to_j, old_g, to_i, to_k]);
+        for (twin, to) in [(twin_h, to_h), (twin_g, to_g)] {
+            if twin != NONE {
+                self.twin[twin as usize] = to.0;
+            }
+        }
+        for (edge, from, to) in [(old_h, h, to_h), (old_g, g, to_g)] {
+            if self.edge_halfedge[edge.index()] == from {
+                self.edge_halfedge[edge.index()] = to;
+            }
+        }
+        (self.tail[h.index()], self.tail[g.index()]) = (j, v);
+        (self.twin[h.index()], self.twin[g.index()]) = (first + 2, first + 4);
+        (self.edge[h.index()], self.edge[g.index()]) = (to_j, to_i);
+        self.edge_halfedge.extend([h, HalfedgeId(first + 1), HalfedgeId(first + 4)]);
+        v
+    }
+
+    /// Puts a new vertex m on a boundary edge ij, which becomes im, its triangle (i, m, k); mj, mk and (m, j, k) are new. `h` is
+    /// the edge's halfedge; what was at the side jk moves to the second side of the new triangle.
+    pub(crate) fn split_boundary(&mut self, h: HalfedgeId) -> VertexId {
+        debug_assert!(self.twin(h).is_none(), "only boundary edges are split");
+        let a = self.next(h);
+        let first = self.tail.len() as u32;
+        let [j, k] = [self.tail(a), self.head(a)];
+        let m = VertexId::new(self.vertex_count);
+        self.vertex_count += 1;
+        let [to_j, to_k] = [0, 1].map(|n| EdgeId::new(self.edge_halfedge.len() + n));
+        let (old, to) = (self.edge[a.index()], HalfedgeId(first + 1));
+        // The triangle's third side may be the twin; it stays where it is.
+        let twin = self.twin[a.index()];
+        self.tail.extend([m, j, k]);
+        self.twin.extend([NONE, twin, a.0]);
+        self.edge.extend([to_j, old, to_k]);
+        if twin != NONE {
+            self.twin[twin as usize] = to.0;
+        }
+        if self.edge_halfedge[old.index()] == a {
+            self.edge_halfedge[old.index()] = to;
+        }
+        self.tail[a.index()] = m;
+        self.twin[a.index()] = first + 2;
+        self.edge[a.index()] = to_k;
+        self.edge_halfedge.extend([HalfedgeId(first), a]);
+        m
+    }
+
     /// Asserts every invariant of the connectivity.
     ///
     /// # Panics

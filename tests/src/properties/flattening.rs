@@ -211,7 +211,11 @@ pub fn options(bytes: &mut Bytes) -> Options {
         },
         placement: METHODS[bytes.below(METHODS.len())],
         rule: if bytes.coin() { CurvatureRule::Harmonic } else { CurvatureRule::Optimal },
-        preparation: Preparation { smooth: bytes.byte() % 4 == 3, weld: bytes.byte() % 4 == 3 },
+        preparation: Preparation {
+            smooth: bytes.byte() % 4 == 3,
+            weld: bytes.byte() % 4 == 3,
+            ..Preparation::default()
+        },
         ..Options::default()
     }
 }

@@ -3,7 +3,8 @@
 use super::numbers::{distortion, non_negative};
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum};
-use cones::{Analysis, ConeChoice, ConeOrder, CurvatureRule, Options, Placement, Preparation};
+use cones::{Analysis, ConeChoice, ConeOrder, CurvatureRule, Options, Placement, Preparation, Refining};
+use std::path::Path;
 
 /// How many cones, by which method, and what curvatures they get.
 #[derive(Args, Debug)]
@@ -29,6 +30,21 @@ pub(crate) struct CandidateArgs {
     /// Merge vertices that are at exactly the same place, as those along a seam of another unwrapping are
     #[arg(long)]
     weld: bool,
+    /// Refine the surface until its triangles are even, whatever the file has: what is written is the same surface in more
+    /// triangles, with the exact map
+    /// [default: needles for STL, never otherwise]
+    #[arg(long, value_enum, value_name = "WHEN", num_args = 0..=1, require_equals = true, default_missing_value = "always")]
+    refine: Option<RefineName>,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum RefineName {
+    /// Leave it as it is
+    Never,
+    /// Where more than a twentieth of the area is in needles
+    Needles,
+    /// Whatever it is
+    Always,
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
@@ -57,7 +73,18 @@ impl CandidateArgs {
         }
     }
 
-    /// The library's options.
+    /// The library's options for a file.
+    pub(crate) fn options_for(&self, input: &Path) -> Options {
+        let mut options = self.options();
+        let name = input.to_string_lossy().to_ascii_lowercase();
+        // An STL has no vertices of its own to keep.
+        if self.refine.is_none() && (name.ends_with(".stl") || name.ends_with(".stl.gz")) {
+            options.preparation.refine = Refining::Needles;
+        }
+        options
+    }
+
+    /// The library's options, whatever the kind of file.
     pub(crate) fn options(&self) -> Options {
         let cones = match (self.min_persistence, self.count) {
             (Some(persistence), _) => ConeChoice::MinPersistence(persistence),
@@ -68,11 +95,16 @@ impl CandidateArgs {
             AnglesName::Optimal => CurvatureRule::Optimal,
             AnglesName::Harmonic => CurvatureRule::Harmonic,
         };
+        let refine = match self.refine {
+            None | Some(RefineName::Never) => Refining::Never,
+            Some(RefineName::Needles) => Refining::Needles,
+            Some(RefineName::Always) => Refining::Always,
+        };
         Options {
             cones,
             placement: self.method,
             rule,
-            preparation: Preparation { smooth: self.smooth, weld: self.weld },
+            preparation: Preparation { smooth: self.smooth, weld: self.weld, refine },
             ..Options::default()
         }
     }

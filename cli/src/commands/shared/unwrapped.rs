@@ -9,8 +9,9 @@ use crate::progress::Progress;
 use crate::render::{Mark, Scene, extent};
 use crate::report::{Quality, Times, UnwrapReport};
 use clap::ValueEnum;
-use cones::{Analysis, Atlas, Options};
+use cones::{Analysis, Atlas, MOST_NEEDLES, Options, RefinedModel};
 use geom::Model;
+use geom::io::refine_obj;
 use std::path::Path;
 use std::time::Instant;
 
@@ -24,6 +25,9 @@ pub(crate) enum Scale {
     /// As computed
     None,
 }
+
+/// Where needles bend angles by more than this, as the mean of σ₁/σ₂, it is told that refining helps.
+const WORTH_REFINING: f64 = 1.1;
 
 /// An unwrapped surface with its texture coordinates as they are written, and what they are worth.
 #[derive(Debug)]
@@ -54,6 +58,12 @@ impl Unwrapped {
         let failed = |error| CommandError::Unwrap { path: path.to_owned(), error };
         let analysis = Analysis::observed(&model, options.preparation, progress.observer()).map_err(failed)?;
         let atlas = analysis.atlas(&options).map_err(failed)?;
+        let model = match analysis.refined() {
+            Some(RefinedModel { model: refined, face, added, .. }) => {
+                refine_obj(&model, added, refined, face).unwrap_or_else(|| refined.clone())
+            }
+            None => model,
+        };
         progress.step("measure");
         let start = Instant::now();
         let uv = scaled(&atlas, scale);
@@ -103,6 +113,22 @@ impl Unwrapped {
     pub(crate) fn warn(&self) {
         warn(self.analysis.repairs(), &self.atlas.notes, self.analysis.topology().components);
         self.flaws.iter().for_each(|flaw| output::warn(flaw));
+        if let Some(hint) = self.hint() {
+            output::warn(&hint);
+        }
+    }
+
+    /// What would help where angles are bent because the input's triangles are needles.
+    fn hint(&self) -> Option<String> {
+        let bent = self.quality.distortion.quasi_conformal.mean;
+        let needles = self.analysis.needle_share();
+        let helps = self.analysis.refined().is_none() && bent > WORTH_REFINING && needles > MOST_NEEDLES;
+        helps.then(|| {
+            format!(
+                "{:.0} % of the area is in needles, and angles are bent by {bent:.2}: --refine cuts them into even triangles",
+                100.0 * needles
+            )
+        })
     }
 
     /// What pictures of it are drawn from.

@@ -1,0 +1,110 @@
+//! The text of an OBJ whose faces were cut into triangles: groups, materials and comments stay where they were.
+//!
+//! The lines of a face's triangles stand where the face's line stood. New vertices follow the last one, with colours or whatever else
+//! stands behind a position made of the same vertices in the same shares. Corners lose their normals.
+
+use std::fmt::Write;
+
+use super::obj;
+use super::obj::is_face;
+use super::text::{Lines, number};
+use crate::surface::Model;
+
+/// A model from an OBJ whose faces are cut into triangles, with its text. `added` says what new vertices are made of: vertices of the
+/// model with weights; `triangles` are in the order of faces, `face` has the face of each. None where the model has no text, or
+/// one that cannot be kept because it counts back from its end.
+pub fn refine_obj(model: &Model, added: &[[(u32, f64); 3]], refined: &Model, face: &[u32]) -> Option<Model> {
+    let text = model.obj_text()?;
+    let behind = behind_positions(text);
+    let mut out = String::with_capacity(2 * text.len() + 64 * face.len());
+    let last_vertex = last_vertex_line(text)?;
+    let (mut at, mut faces, mut next) = (0, 0, 0);
+    let mut lines = Lines::joined(text);
+    while let Some(line) = lines.next() {
+        let end = lines.position();
+        if line.words().next().is_some_and(is_face) {
+            out.push_str(&String::from_utf8_lossy(&text[at..line.start]));
+            while next < face.len() && face[next] == faces {
+                let [a, b, c] = *refined.face(next) else { return None };
+                writeln!(out, "f {} {} {}", a + 1, b + 1, c + 1).ok()?;
+                next += 1;
+            }
+            faces += 1;
+            at = end;
+        }
+        if line.start == last_vertex {
+            out.push_str(&String::from_utf8_lossy(&text[at..end]));
+            at = end;
+            if !out.ends_with(['\n', '\r']) {
+                out.push('\n');
+            }
+            let known = model.vertex_count();
+            for (parts, point) in added.iter().zip(&refined.points()[known..]) {
+                let [x, y, z] = point;
+                write!(out, "v {x:?} {y:?} {z:?}").ok()?;
+                for k in 0..behind.as_ref().map_or(0, |(width, _)| *width) {
+                    let value: f64 = parts.iter().map(|&(v, weight)| weight * behind_of(&behind, v, k)).sum();
+                    write!(out, " {value}").ok()?;
+                }
+                out.push('\n');
+            }
+        }
+    }
+    out.push_str(&String::from_utf8_lossy(&text[at..]));
+    let read = obj::read(out.into_bytes()).ok()?;
+    (read.points() == refined.points() && read.corners() == refined.corners()).then_some(read)
+}
+
+fn behind_of(behind: &Option<(usize, Vec<f64>)>, v: u32, k: usize) -> f64 {
+    behind.as_ref().map_or(0.0, |(width, values)| values[v as usize * width + k])
+}
+
+/// How many numbers stand behind each position, and these; none where they are not as many everywhere.
+fn behind_positions(text: &[u8]) -> Option<(usize, Vec<f64>)> {
+    let mut all = Vec::new();
+    let mut width = None;
+    for line in Lines::joined(text) {
+        let mut words = line.words();
+        if words.next() != Some(b"v") {
+            continue;
+        }
+        let values: Vec<f64> = words.skip(3).map_while(number).collect();
+        if *width.get_or_insert(values.len()) != values.len() {
+            return None;
+        }
+        all.extend(values);
+    }
+    width.map(|width| (width, all))
+}
+
+/// Where the line of the last vertex starts.
+fn last_vertex_line(text: &[u8]) -> Option<usize> {
+    let vertices = Lines::joined(text).filter(|line| line.words().next() == Some(b"v"));
+    vertices.last().map(|line| line.start)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn groups_and_materials_stay_and_colours_are_mixed() {
+        let text = "v 0 0 0 1 0 0\nv 2 0 0 0 1 0\nv 0 2 0 0 0 1\nv 2 2 0 1 1 1\n# a comment\nusemtl red\nf 1 2 3 # one\ng two\nf 2 4 3\n";
+        let model = obj::read(text.into()).unwrap();
+        let mut points = model.points().to_vec();
+        points.push([1.0, 1.0, 0.0]);
+        let triangles = [[0, 1, 4], [0, 4, 2], [1, 3, 4], [4, 3, 2]];
+        let refined = Model::from_triangles(points, &triangles).unwrap();
+        let read = refine_obj(&model, &[[(1, 0.5), (2, 0.5), (0, 0.0)]], &refined, &[0, 0, 1, 1]).unwrap();
+        let text = String::from_utf8(read.obj_text().unwrap().to_vec()).unwrap();
+        assert!(text.contains("v 1.0 1.0 0.0 0 0.5 0.5\n"));
+        assert!(text.contains("usemtl red\nf 1 2 5\nf 1 5 3\ng two\nf 2 4 5\nf 5 4 3\n"), "{text}");
+        assert_eq!(read.corners(), refined.corners());
+    }
+
+    #[test]
+    fn a_model_without_a_text_has_none_to_keep() {
+        let model = Model::from_triangles(vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], &[[0, 1, 2]]).unwrap();
+        assert!(refine_obj(&model, &[], &model, &[0]).is_none());
+    }
+}

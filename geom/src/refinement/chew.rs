@@ -1,0 +1,325 @@
+//! The loop: the bad triangle with the largest circumcircle gets a vertex at its circumcentre, until there is none.
+
+use std::cmp::Ordering;
+use std::collections::{BinaryHeap, VecDeque};
+use std::f64::consts::PI;
+
+use super::Place;
+use super::common::CommonRefinement;
+use super::overlay::Overlay;
+use super::plane::{Point, minus, wedge};
+use crate::intrinsic::{Metric, Sides};
+use crate::mesh::{EdgeId, FaceId, HalfedgeId, Id, Triangulation, VertexData, VertexId};
+use crate::watch::Watch;
+
+/// Angles are at least this, in radians, but beside narrow corners: 25°. Chew's algorithm is proven to end up to 26.5°.
+pub const LEAST_ANGLE: f64 = 25.0 * PI / 180.0;
+/// A vertex whose angles sum to less than this is a narrow corner: triangles there cannot have the least angle, or hardly.
+const NARROW: f64 = PI / 3.0;
+/// So many vertices may be put in for each of the input's, and [`SPARE`] besides. The worst of our collection of needles take 2.6
+/// (`thingi79741`); what takes more has gone astray, and would fill the memory.
+const MOST_PER_VERTEX: usize = 20;
+/// See [`MOST_PER_VERTEX`].
+const SPARE: usize = 10_000;
+/// A new vertex has at least these barycentric coordinates in its triangle, lest its triangles have no area. Circumcentres of
+/// right triangles lie on their longest sides.
+const LEAST_WEIGHT: f64 = 1e-3;
+/// The way to a circumcentre crosses few triangles of a Delaunay triangulation; where rounding leads astray it ends.
+const MOST_STEPS: usize = 1000;
+/// Triangles that a vertex may take away, as far as they are looked at for boundary edges.
+const LARGEST_CAVITY: usize = 256;
+/// Vertices between two looks at the watch.
+const STRIDE: usize = 256;
+
+/// A surface with an even intrinsic triangulation; see the [module's head](super).
+#[derive(Clone, Debug)]
+pub struct Refinement {
+    /// The Delaunay triangulation. The input's vertices come first, under their own numbers.
+    pub triangulation: Triangulation,
+    /// Its edge lengths.
+    pub metric: Metric,
+    /// Where each vertex is on the input.
+    pub place: VertexData<Place>,
+    /// What both triangulations cut the surface into.
+    pub common: CommonRefinement,
+    /// Whether all triangles have the least angle, but those at narrow corners; not so where the cap was reached.
+    pub is_complete: bool,
+}
+
+/// Refines a surface until its triangles are even, and their circumcircles no larger than with the radius `largest` (infinity
+/// where any will do). At most 20 vertices are put in for each of the input's, and 10,000 more.
+/// O(n log n) for n vertices in the end, and the number of places where edges of the two triangulations cross.
+///
+/// ```
+/// use geom::{Mesh, Metric, refine};
+///
+/// let mesh = Mesh::new(3, &[[0, 1, 2]])?;
+/// let needle = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.5, 0.01, 0.0]];
+/// let refinement = refine(&mesh, &Metric::from_points(&mesh, &needle), f64::INFINITY);
+/// assert!(refinement.is_complete && refinement.triangulation.vertex_count() > 3);
+/// # Ok::<(), geom::MeshError>(())
+/// ```
+pub fn refine(input: &Triangulation, metric: &Metric, largest: f64) -> Refinement {
+    refine_watched(input, metric, largest, Watch::NONE)
+}
+
+/// [`refine`], watched. Stopped, it returns a triangulation of the same surface that is not refined as far.
+pub fn refine_watched(input: &Triangulation, metric: &Metric, largest: f64, watch: Watch) -> Refinement {
+    let mut chew = Chew::new(input, metric, largest);
+    chew.flip_all(watch.within(0.0, 0.2));
+    let is_complete = chew.run(MOST_PER_VERTEX * input.vertex_count() + SPARE, watch.within(0.2, 0.9));
+    let overlay = chew.overlay;
+    let common = CommonRefinement::new(input, &overlay);
+    let Overlay { triangulation, length, place, .. } = overlay;
+    Refinement { triangulation, metric: Metric::new(length.into()), place: place.into(), common, is_complete }
+}
+
+/// A bad triangle, as it was when it was found.
+#[derive(Clone, Copy, PartialEq)]
+struct Bad {
+    radius: f64,
+    face: FaceId,
+}
+
+impl Eq for Bad {}
+
+impl Ord for Bad {
+    fn cmp(&self, other: &Self) -> Ordering {
+        self.radius.total_cmp(&other.radius).then(other.face.cmp(&self.face))
+    }
+}
+
+impl PartialOrd for Bad {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+/// Where the way to a circumcentre ends.
+enum Goal {
+    /// In a triangle, at these barycentric coordinates.
+    Inside(FaceId, [f64; 3]),
+    /// At a boundary edge.
+    Boundary(HalfedgeId),
+    /// Nowhere.
+    Lost,
+}
+
+struct Chew<'a> {
+    overlay: Overlay<'a>,
+    /// No circumcircle is larger.
+    largest: f64,
+    /// Whether the angles at a vertex of the input are narrow.
+    is_narrow: Vec<bool>,
+    bad: BinaryHeap<Bad>,
+}
+
+impl<'a> Chew<'a> {
+    fn new(input: &'a Triangulation, metric: &Metric, largest: f64) -> Self {
+        let is_narrow = metric.angle_sums(input).iter().map(|sum| *sum < NARROW).collect();
+        Self { overlay: Overlay::new(input, metric), largest, is_narrow, bad: BinaryHeap::new() }
+    }
+
+    fn flip_all(&mut self, watch: Watch) {
+        let edges: Vec<EdgeId> = self.overlay.triangulation.edges().collect();
+        self.flip(edges, watch);
+    }
+
+    /// Flips edges until all are Delaunay, beginning with these.
+    fn flip(&mut self, edges: Vec<EdgeId>, watch: Watch) {
+        let mut budget = 64 * edges.len() + 1024;
+        let mut queue: VecDeque<EdgeId> = edges.into();
+        while let Some(e) = queue.pop_front() {
+            if budget == 0 || (budget.is_multiple_of(4096) && watch.stops_at(f64::NAN)) {
+                return;
+            }
+            if self.overlay.flip_to_delaunay(e) {
+                budget -= 1;
+                let h = self.overlay.triangulation.halfedge(e);
+                queue.extend(self.overlay.quad(h).map(|side| self.overlay.triangulation.edge(side)));
+                let twin = self.overlay.triangulation.twin(h).expect("it was flipped");
+                for h in [h, twin] {
+                    self.look_at(self.overlay.triangulation.face(h));
+                }
+            }
+        }
+    }
+
+    /// Puts a triangle on the heap if it is bad.
+    fn look_at(&mut self, face: FaceId) {
+        if let Some(radius) = self.badness(face) {
+            self.bad.push(Bad { radius, face });
+        }
+    }
+
+    /// The radius of a bad triangle's circumcircle.
+    fn badness(&self, f: FaceId) -> Option<f64> {
+        let sides = self.overlay.sides(f);
+        let corners = self.overlay.triangulation.corners(f);
+        let is_narrow = |v: VertexId| self.is_narrow.get(v.index()).copied().unwrap_or(false);
+        let angles = sides.corner_angles();
+        let is_bad = (0..3).any(|s| angles[s] < LEAST_ANGLE && !is_narrow(corners[s]));
+        let area = sides.area();
+        let radius = sides.0.iter().product::<f64>() / (4.0 * area);
+        (area > 0.0 && (is_bad || radius > self.largest)).then_some(radius)
+    }
+
+    /// Inserts vertices until no triangle is bad, or so many; whether none is.
+    fn run(&mut self, most: usize, watch: Watch) -> bool {
+        self.overlay.triangulation.faces().for_each(|f| self.look_at(f));
+        let mut inserted = 0;
+        let mut is_complete = true;
+        while let Some(Bad { radius, face }) = self.bad.pop() {
+            if self.badness(face) != Some(radius) {
+                continue;
+            }
+            if inserted == most || (inserted.is_multiple_of(STRIDE) && watch.stops_at(f64::NAN)) {
+                return false;
+            }
+            inserted += 1;
+            let before = self.overlay.triangulation.edge_count();
+            let touched = match self.way_to_circumcentre(face) {
+                Goal::Inside(f, weights) => {
+                    let edges = self.overlay.triangulation.sides(f).map(|h| self.overlay.triangulation.edge(h));
+                    self.overlay.insert(f, weights);
+                    edges.to_vec()
+                }
+                Goal::Boundary(h) => {
+                    let t = &self.overlay.triangulation;
+                    let edges = [t.next(h), t.prev(h)].map(|h| t.edge(h));
+                    let share = self.split_at(h);
+                    self.overlay.split_boundary(h, share);
+                    edges.to_vec()
+                }
+                Goal::Lost => {
+                    is_complete = false;
+                    continue;
+                }
+            };
+            let new = before..self.overlay.triangulation.edge_count();
+            let edges: Vec<EdgeId> = touched.into_iter().chain(new.map(EdgeId::new)).collect();
+            for &e in &edges {
+                let h = self.overlay.triangulation.halfedge(e);
+                let sides = [Some(h), self.overlay.triangulation.twin(h)];
+                sides.into_iter().flatten().for_each(|h| self.look_at(self.overlay.triangulation.face(h)));
+            }
+            self.flip(edges, Watch::NONE);
+            // Where a boundary edge was split it may be as it was.
+            self.look_at(face);
+        }
+        is_complete
+    }
+
+    /// Where a boundary edge is split: in the middle, but beside a narrow corner at a power of two from it, so that both sides
+    /// of the corner are split alike (Ruppert 1995, §8).
+    fn split_at(&self, h: HalfedgeId) -> f64 {
+        let t = &self.overlay.triangulation;
+        let length = self.overlay.length[t.edge(h).index()];
+        let is_narrow = |v: VertexId| self.is_narrow.get(v.index()).copied().unwrap_or(false);
+        let shell = (0.5 * length).log2().round().exp2() / length;
+        match [t.tail(h), t.head(h)].map(is_narrow) {
+            [true, false] => shell,
+            [false, true] => 1.0 - shell,
+            _ => 0.5,
+        }
+    }
+
+    /// Goes straight from a triangle's middle to its circumcentre.
+    fn way_to_circumcentre(&self, f: FaceId) -> Goal {
+        let t = &self.overlay.triangulation;
+        let mut corners = self.overlay.layout(f);
+        let middle = [0, 1].map(|c| corners.iter().map(|p| p[c]).sum::<f64>() / 3.0);
+        let goal = circumcentre(corners);
+        let mut sides = t.sides(f);
+        let mut entered = None;
+        for _ in 0..MOST_STEPS {
+            let leaves = |&s: &usize| {
+                let [p, q] = [corners[s], corners[(s + 1) % 3]];
+                let way = minus(goal, middle);
+                Some(s) != entered
+                    && wedge(minus(q, p), minus(goal, p)) < 0.0
+                    && wedge(way, minus(p, middle)) <= 0.0
+                    && wedge(way, minus(q, middle)) >= 0.0
+            };
+            let Some(s) = (0..3).find(leaves) else {
+                if let Some(h) = self.encroached((sides, corners), goal) {
+                    return Goal::Boundary(h);
+                }
+                return match weights(corners, goal) {
+                    Some(weights) => Goal::Inside(t.face(sides[0]), rotated(weights, sides[0])),
+                    None => Goal::Lost,
+                };
+            };
+            match self.across((sides, corners), s) {
+                Some(next) => (sides, corners) = next,
+                None => return Goal::Boundary(sides[s]),
+            }
+            entered = Some(0);
+        }
+        Goal::Lost
+    }
+
+    /// The triangle across a side, unfolded, that side first.
+    fn across(&self, (sides, corners): Unfolded, s: usize) -> Option<Unfolded> {
+        let t = &self.overlay.triangulation;
+        let g = t.twin(sides[s])?;
+        let (p, q) = (corners[(s + 1) % 3], corners[s]);
+        let sides = [g, t.next(g), t.prev(g)];
+        let [along, _, back] = Sides(sides.map(|h| self.overlay.length[t.edge(h).index()])).unfold();
+        let turn = minus(q, p).map(|x| x / along[0]);
+        let apex = [p[0] - turn[0] * back[0] + turn[1] * back[1], p[1] - turn[1] * back[0] - turn[0] * back[1]];
+        Some((sides, [p, q, apex]))
+    }
+
+    /// A boundary edge in whose diametral circle a point of a triangle lies; it would be one of the triangles that the point
+    /// takes away.
+    fn encroached(&self, from: Unfolded, goal: Point) -> Option<HalfedgeId> {
+        let mut seen = vec![(from, None)];
+        let mut next = 0;
+        while next < seen.len() && seen.len() < LARGEST_CAVITY {
+            let ((sides, corners), entered) = seen[next];
+            next += 1;
+            for s in (0..3).filter(|&s| Some(s) != entered) {
+                let [p, q] = [corners[s], corners[(s + 1) % 3]].map(|end| minus(end, goal));
+                match self.across((sides, corners), s) {
+                    None if p[0] * q[0] + p[1] * q[1] < 0.0 => return Some(sides[s]),
+                    None => {}
+                    Some(beyond) if is_in_circumcircle(beyond.1, goal) => seen.push((beyond, Some(0))),
+                    Some(_) => {}
+                }
+            }
+        }
+        None
+    }
+}
+
+/// A triangle's halfedges, from any of them on, with the positions of their tails.
+type Unfolded = ([HalfedgeId; 3], [Point; 3]);
+
+fn is_in_circumcircle(corners: [Point; 3], p: Point) -> bool {
+    let [a, b, c] = corners.map(|q| minus(q, p));
+    let [aa, bb, cc] = [a, b, c].map(|q| q[0] * q[0] + q[1] * q[1]);
+    aa * wedge(b, c) + bb * wedge(c, a) + cc * wedge(a, b) > 0.0
+}
+
+/// Weights in the order of a triangle's own halfedges, where they were given from one of them on.
+fn rotated(weights: [f64; 3], first: HalfedgeId) -> [f64; 3] {
+    let shift = first.0 as usize % 3;
+    [0, 1, 2].map(|k| weights[(k + 3 - shift) % 3])
+}
+
+fn circumcentre([a, b, c]: [Point; 3]) -> Point {
+    let (u, v) = (minus(b, a), minus(c, a));
+    let twice = 2.0 * wedge(u, v);
+    let [uu, vv] = [u, v].map(|w| w[0] * w[0] + w[1] * w[1]);
+    [a[0] + (v[1] * uu - u[1] * vv) / twice, a[1] + (u[0] * vv - v[0] * uu) / twice]
+}
+
+/// Barycentric coordinates, none of them too near to 0; none for a triangle without area.
+fn weights([a, b, c]: [Point; 3], p: Point) -> Option<[f64; 3]> {
+    let whole = wedge(minus(b, a), minus(c, a));
+    let parts = [(b, c), (c, a), (a, b)].map(|(q, r)| wedge(minus(q, p), minus(r, p)) / whole);
+    let parts = parts.map(|w| w.clamp(LEAST_WEIGHT, 1.0));
+    let sum: f64 = parts.iter().sum();
+    (whole > 0.0 && sum.is_finite()).then(|| parts.map(|w| w / sum))
+}

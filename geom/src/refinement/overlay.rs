@@ -1,0 +1,355 @@
+//! An intrinsic triangulation that knows where the input's edges cross it, through flips and insertions.
+//!
+//! Gillespie, Sharp & Crane (2021) keep how often each edge is crossed, integers that are changed exactly, and trace the
+//! input's edges at the end. Here each crossing is kept by itself, in its order along the edge, with the input's edge
+//! that it belongs to and how far along both it lies: which crossings there are is decided by their order alone, as by
+//! integers, so that no rounding can tear the correspondence, and nothing need be traced. A flip costs what the quad's
+//! crossings count. Rounding moves a crossing along its edges by some 1e-16 of their lengths, never past another.
+
+use super::Place;
+use super::cut::{Chord, Crossing, Cut, Node};
+use super::plane::{Point, crossing, mean_value, minus};
+use crate::intrinsic::{Metric, Sides, TOLERANCE, opposite_cosines, other_diagonal};
+use crate::mesh::{EdgeId, FaceId, HalfedgeId, Id, Triangulation, VertexId};
+
+/// How an edge meets the input's edges; seen along the halfedge that names it.
+#[derive(Clone, Debug)]
+enum Trace {
+    /// It is a part of one: of this halfedge, which runs its way.
+    Along(HalfedgeId),
+    /// It crosses these, in order.
+    Across(Vec<Crossing>),
+}
+
+/// See the module's head.
+pub(super) struct Overlay<'a> {
+    input: &'a Triangulation,
+    pub(super) triangulation: Triangulation,
+    /// The length of each edge.
+    pub(super) length: Vec<f64>,
+    trace: Vec<Trace>,
+    /// Where each vertex is on the input.
+    pub(super) place: Vec<Place>,
+}
+
+impl<'a> Overlay<'a> {
+    pub(super) fn new(input: &'a Triangulation, metric: &Metric) -> Self {
+        Self {
+            input,
+            triangulation: input.clone(),
+            length: metric.lengths().to_vec(),
+            trace: input.edges().map(|e| Trace::Along(input.halfedge(e))).collect(),
+            place: input.vertices().map(Place::Vertex).collect(),
+        }
+    }
+
+    pub(super) fn sides(&self, f: FaceId) -> Sides {
+        let [a, b, c] = self.triangulation.sides(f).map(|h| self.length[self.triangulation.edge(h).index()]);
+        Sides([a, b, c])
+    }
+
+    /// A triangle's corners in the plane: the first at the origin, the second to its right.
+    pub(super) fn layout(&self, f: FaceId) -> [Point; 3] {
+        let [along, _, back] = self.sides(f).unfold();
+        [[0.0, 0.0], along, [-back[0], -back[1]]]
+    }
+
+    /// What crosses a halfedge, as seen from its triangle.
+    fn crossings(&self, h: HalfedgeId) -> Vec<Crossing> {
+        let e = self.triangulation.edge(h);
+        match &self.trace[e.index()] {
+            Trace::Along(_) => Vec::new(),
+            Trace::Across(crossings) if self.triangulation.halfedge(e) == h => crossings.clone(),
+            Trace::Across(crossings) => crossings.iter().rev().map(|crossing| crossing.reversed(self.input)).collect(),
+        }
+    }
+
+    /// How many crossings an edge has.
+    pub(super) fn crossing_count(&self, e: EdgeId) -> usize {
+        if let Trace::Across(crossings) = &self.trace[e.index()] { crossings.len() } else { 0 }
+    }
+
+    /// The input's halfedge that a halfedge is part of.
+    fn shared(&self, h: HalfedgeId) -> Option<HalfedgeId> {
+        let e = self.triangulation.edge(h);
+        match self.trace[e.index()] {
+            Trace::Along(shared) if self.triangulation.halfedge(e) == h => Some(shared),
+            Trace::Along(shared) => self.input.twin(shared),
+            Trace::Across(_) => None,
+        }
+    }
+
+    /// The places where an edge is crossed.
+    pub(super) fn crossed_at(&self, e: EdgeId) -> &[Crossing] {
+        if let Trace::Across(crossings) = &self.trace[e.index()] { crossings } else { &[] }
+    }
+
+    pub(super) fn cut(&self, f: FaceId) -> Cut<'a> {
+        Cut::new(self.input, self.triangulation.sides(f).map(|h| self.crossings(h)))
+    }
+
+    /// The input's triangle that a cell is part of.
+    pub(super) fn home(&self, f: FaceId, cut: &Cut, cell: super::cut::Cell) -> FaceId {
+        let sides = self.triangulation.sides(f);
+        let by_side = || sides.into_iter().find_map(|h| self.shared(h)).map(|h| self.input.face(h));
+        let corners = self.triangulation.corners(f).map(|v| self.place[v.index()]);
+        let by_corner = || {
+            corners.into_iter().find_map(|place| match place {
+                Place::Vertex(_) => None,
+                Place::Edge(h, _) => Some(self.input.face(h)),
+                Place::Face(home, _) => Some(home),
+            })
+        };
+        // A triangle that nothing crosses, whose corners are vertices of the input, has sides of the input.
+        cut.rim(cell).map(|h| self.input.face(h)).or_else(by_side).or_else(by_corner).unwrap_or(FaceId(0))
+    }
+
+    /// Barycentric coordinates of a cell's corner in the input's triangle that it is part of.
+    pub(super) fn barycentric(&self, home: FaceId, f: FaceId, cut: &Cut, node: Node) -> [f64; 3] {
+        match node {
+            Node::Corner(s) => self.place[self.triangulation.corners(f)[s].index()].barycentric(self.input, home),
+            Node::Side(s, k) => {
+                let Crossing { halfedge, along, .. } = cut.sides[s][k];
+                Place::Edge(halfedge, along).barycentric(self.input, home)
+            }
+        }
+    }
+
+    /// Flips an edge if it is not Delaunay; whether it was.
+    pub(super) fn flip_to_delaunay(&mut self, e: EdgeId) -> bool {
+        if !self.triangulation.is_flippable(e) {
+            return false;
+        }
+        let h = self.triangulation.halfedge(e);
+        let quad = self.quad(h).map(|side| self.length[self.triangulation.edge(side).index()]);
+        if opposite_cosines(self.length[e.index()], quad) >= -TOLERANCE {
+            return false;
+        }
+        let diagonal = other_diagonal(self.length[e.index()], quad);
+        if !(diagonal.is_finite() && diagonal > 0.0) {
+            return false;
+        }
+        let trace = self.flipped(h);
+        self.triangulation.flip(h);
+        self.length[e.index()] = diagonal;
+        // The edge is named by h or by its twin, as before.
+        self.trace[e.index()] = trace;
+        true
+    }
+
+    /// The halfedges jk, ki, il, lj round the edge ij of a halfedge.
+    pub(super) fn quad(&self, h: HalfedgeId) -> [HalfedgeId; 4] {
+        let t = &self.triangulation;
+        let g = t.twin(h).expect("only inner edges are flipped");
+        [t.next(h), t.prev(h), t.next(g), t.prev(g)]
+    }
+
+    /// What the other diagonal of the quad of `h` meets, along it from below to above. `h` must name its edge.
+    fn flipped(&self, h: HalfedgeId) -> Trace {
+        let g = self.triangulation.twin(h).expect("only inner edges are flipped");
+        let [above, below] = [h, g].map(|h| {
+            let [a, b] = [self.triangulation.next(h), self.triangulation.prev(h)];
+            Cut::new(self.input, [h, a, b].map(|h| self.crossings(h)))
+        });
+        let chords = match through(&above, &below, self.shared(g)) {
+            Through::Diagonal(shared) => return Trace::Along(shared),
+            Through::Chords(chords) => chords,
+        };
+        let [jk, ki, il, lj] = self.quad(h).map(|side| self.length[self.triangulation.edge(side).index()]);
+        let ij = self.length[self.triangulation.edge(h).index()];
+        let apex = |sides: [f64; 3]| {
+            let [_, _, back] = Sides(sides).unfold();
+            [-back[0], -back[1]]
+        };
+        let (top, bottom) = (apex([ij, jk, ki]), apex([ij, il, lj]));
+        let corners = [[[0.0, 0.0], [ij, 0.0], top], [[ij, 0.0], [0.0, 0.0], [ij - bottom[0], -bottom[1]]]];
+        let way = [corners[1][2], top];
+        let chords = chords.into_iter().map(|chord| {
+            let end = |end: QuadEnd| match end {
+                QuadEnd::Above(node) => above.position(&corners[0], node),
+                QuadEnd::Below(node) => below.position(&corners[1], node),
+            };
+            (chord.halfedge, chord.along, chord.ends.map(end))
+        });
+        Trace::Across(crossed(way, chords))
+    }
+
+    /// Puts a vertex into a triangle, at positive barycentric coordinates.
+    pub(super) fn insert(&mut self, f: FaceId, weights: [f64; 3]) -> VertexId {
+        let corners = self.layout(f);
+        let p = [0, 1].map(|c| (0..3).map(|s| weights[s] * corners[s][c]).sum());
+        let cut = self.cut(f);
+        let cell = cut.locate(&corners, p);
+        let traces = [1, 2, 0].map(|s| {
+            let chords = cut.chords_between(s, cell);
+            Trace::Across(crossed([corners[s], p], chords.into_iter().map(|chord| placed(&cut, &corners, chord))))
+        });
+        let home = self.home(f, &cut, cell);
+        let polygon = cut.polygon(cell);
+        let positions: Vec<Point> = polygon.iter().map(|&node| cut.position(&corners, node)).collect();
+        let mut at = [0.0; 3];
+        for (weight, &node) in mean_value(&positions, p).into_iter().zip(&polygon) {
+            let node = self.barycentric(home, f, &cut, node);
+            (0..3).for_each(|c| at[c] += weight * node[c]);
+        }
+        self.place.push(Place::Face(home, at));
+        self.length.extend([1, 2, 0].map(|s: usize| {
+            let [x, y] = minus(p, corners[s]);
+            x.hypot(y)
+        }));
+        self.trace.extend(traces);
+        self.triangulation.insert(f)
+    }
+
+    /// Puts a vertex on a boundary edge, at a share of its length from its start.
+    pub(super) fn split_boundary(&mut self, h: HalfedgeId, share: f64) -> VertexId {
+        let t = &self.triangulation;
+        let e = t.edge(h);
+        let shared = self.shared(h).expect("a boundary edge is part of one");
+        let along = |v: VertexId, corner: f64| match self.place[v.index()] {
+            Place::Edge(_, along) => along,
+            _ => corner,
+        };
+        let (from, to) = (along(t.tail(h), 0.0), along(t.head(h), 1.0));
+        let place = Place::Edge(shared, from + share * (to - from));
+        let [a, b] = [t.next(h), t.prev(h)];
+        let whole = self.length[e.index()];
+        let [_, left, right] = [h, a, b].map(|h| self.length[t.edge(h).index()]);
+        let [along, _, back] = Sides([whole, left, right]).unfold();
+        let corners = [[0.0, 0.0], along, [-back[0], -back[1]]];
+        let m = [share * whole, 0.0];
+        let cut = Cut::new(self.input, [h, a, b].map(|h| self.crossings(h)));
+        // All that meets the triangle goes round k or into the corners beside m.
+        let mut chords: Vec<Chord> = match cut.fan {
+            Some((s, count)) if s != 2 => {
+                // Corner j lies left of what leaves i; across the way from m to k that is from right to left where it leaves j.
+                let spokes = (0..count).map(|m| cut.spoke(s, m));
+                if s == 0 {
+                    spokes.collect()
+                } else {
+                    spokes.rev().map(|spoke| spoke.reversed_in(self.input)).collect()
+                }
+            }
+            _ => Vec::new(),
+        };
+        chords.extend((0..cut.arcs[2]).rev().map(|m| cut.arc(2, m).reversed_in(self.input)));
+        let trace = crossed([m, corners[2]], chords.into_iter().map(|chord| placed(&cut, &corners, chord)));
+        self.place.push(place);
+        self.length[e.index()] = share * whole;
+        let up = minus(corners[2], m);
+        self.length.extend([whole - share * whole, up[0].hypot(up[1])]);
+        self.trace.extend([Trace::Along(shared), Trace::Across(trace)]);
+        self.triangulation.split_boundary(h)
+    }
+}
+
+/// A chord with its ends in the plane.
+fn placed(cut: &Cut, corners: &[Point; 3], chord: Chord) -> (HalfedgeId, [f64; 2], [Point; 2]) {
+    (chord.halfedge, chord.along, chord.ends.map(|node| cut.position(corners, node)))
+}
+
+/// Where chords, in this order, cross a way through the plane.
+fn crossed(way: [Point; 2], chords: impl Iterator<Item = (HalfedgeId, [f64; 2], [Point; 2])>) -> Vec<Crossing> {
+    let mut last = 0.0_f64;
+    let place = |(halfedge, [from, to], ends): (HalfedgeId, [f64; 2], [Point; 2])| {
+        let [at, share] = crossing(way, ends);
+        last = last.max(at);
+        Crossing { halfedge, along: from + share * (to - from), at: last }
+    };
+    chords.map(place).collect()
+}
+
+/// An end of a chord of a quad, in one of its triangles.
+#[derive(Clone, Copy, Debug)]
+enum QuadEnd {
+    Above(Node),
+    Below(Node),
+}
+
+/// A chord of a quad.
+struct QuadChord {
+    halfedge: HalfedgeId,
+    along: [f64; 2],
+    ends: [QuadEnd; 2],
+}
+
+/// What crosses a quad from one side of the line lk to the other.
+enum Through {
+    /// An input edge runs along that line, this halfedge from l to k.
+    Diagonal(HalfedgeId),
+    /// Chords from right to left, in order from l to k.
+    Chords(Vec<QuadChord>),
+}
+
+/// What crosses the other diagonal of a quad, whose triangles are (i, j, k) above and (j, i, l) below; `diagonal` is the input's
+/// halfedge that ji is part of.
+fn through(above: &Cut, below: &Cut, diagonal: Option<HalfedgeId>) -> Through {
+    let crossed = above.sides[0].len();
+    // By the side of ij where they are: round i to the left, round j to the right, between them to the apex.
+    let (up_left, up_right) = (above.arcs[0], crossed - above.arcs[1]);
+    let (down_left, down_right) = (below.arcs[1], crossed - below.arcs[0]);
+    let to_both = up_left.max(down_left)..up_right.min(down_right);
+    if let Some(p) = { to_both }.next() {
+        return Through::Diagonal(above.sides[0][p].halfedge);
+    }
+    let of = |chord: Chord, end: fn(Node) -> QuadEnd| QuadChord {
+        halfedge: chord.halfedge,
+        along: chord.along,
+        ends: chord.ends.map(end),
+    };
+    let mut chords = Vec::new();
+    // Round l, which lies to their left: turned, they run from the right, lj, to the left, il.
+    let round_below = (0..below.arcs[2]).map(|m| below.arc(2, m));
+    chords.extend(round_below.map(|arc| of(arc, QuadEnd::Below)));
+    match below.fan {
+        // From i, the second corner below, to lj, its third side.
+        Some((1, count)) => chords.extend((0..count).map(|m| of(below.spoke(1, m), QuadEnd::Below))),
+        // From j to il.
+        Some((0, count)) => {
+            let spokes = (0..count).rev().map(|m| below.spoke(0, m).reversed_in(below.input));
+            chords.extend(spokes.map(|spoke| of(spoke, QuadEnd::Below)));
+        }
+        _ => {}
+    }
+    // Through ij: from lj to ki, and from jk to il.
+    chords.extend((down_right..up_left).map(|p| {
+        // Below, the crossing is the (crossed - 1 - p)-th of the side ji, round j.
+        let m = crossed - 1 - p;
+        let down = below.before(0, m);
+        let up = above.before(0, p);
+        chord_of(below, QuadEnd::Below(down), down, above, QuadEnd::Above(up), up)
+    }));
+    chords.extend((up_right..down_left).rev().map(|p| {
+        let up = Node::Side(1, crossed - 1 - p);
+        let down = Node::Side(1, p);
+        chord_of(above, QuadEnd::Above(up), up, below, QuadEnd::Below(down), down)
+    }));
+    chords.extend(diagonal.map(|halfedge| QuadChord {
+        halfedge,
+        along: [0.0, 1.0],
+        ends: [1, 0].map(|s| QuadEnd::Above(Node::Corner(s))),
+    }));
+    match above.fan {
+        // From i to jk.
+        Some((0, count)) => chords.extend((0..count).map(|m| of(above.spoke(0, m), QuadEnd::Above))),
+        // From j to ki.
+        Some((1, count)) => {
+            let spokes = (0..count).rev().map(|m| above.spoke(1, m).reversed_in(above.input));
+            chords.extend(spokes.map(|spoke| of(spoke, QuadEnd::Above)));
+        }
+        _ => {}
+    }
+    let round_above = (0..above.arcs[2]).rev().map(|m| above.arc(2, m).reversed_in(above.input));
+    chords.extend(round_above.map(|arc| of(arc, QuadEnd::Above)));
+    Through::Chords(chords)
+}
+
+/// The chord from a crossing of one triangle of a quad to one of the other.
+fn chord_of(first: &Cut, from: QuadEnd, enters: Node, second: &Cut, to: QuadEnd, leaves: Node) -> QuadChord {
+    let at = |cut: &Cut, node: Node| match node {
+        Node::Side(s, k) => cut.sides[s][k],
+        Node::Corner(_) => unreachable!("it crosses a side"),
+    };
+    let (enters, leaves) = (at(first, enters), at(second, leaves));
+    QuadChord { halfedge: enters.halfedge, along: [enters.along, 1.0 - leaves.along], ends: [from, to] }
+}

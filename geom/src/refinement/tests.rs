@@ -1,0 +1,163 @@
+use proptest::prelude::*;
+
+use super::*;
+use crate::intrinsic::{Metric, angle_defects, edge_weights};
+use crate::mesh::{Id, Mesh};
+use crate::shapes;
+use crate::vector;
+
+/// Asserts all that is true of a refinement of a surface with these positions.
+fn check(mesh: &Mesh, points: &[[f64; 3]]) -> Refinement {
+    let metric = Metric::from_points(mesh, points);
+    let refinement = refine(mesh, &metric, f64::INFINITY);
+    check_triangulation(mesh, &metric, &refinement);
+    check_common(mesh, points, &refinement);
+    refinement
+}
+
+fn check_triangulation(mesh: &Mesh, metric: &Metric, refinement: &Refinement) {
+    let Refinement { triangulation, metric: fine, is_complete, .. } = refinement;
+    triangulation.check();
+    let [before, after] = [metric.area(mesh), fine.area(triangulation)];
+    assert!((after / before - 1.0).abs() < 1e-9, "area {before} became {after}");
+    assert_eq!(triangulation.euler_characteristic(), mesh.euler_characteristic());
+    let refined = Mesh::from_triangulation(triangulation.clone()).expect("it is a manifold");
+    let (before, after) = (angle_defects(mesh, metric), angle_defects(&refined, fine));
+    for v in refined.vertices() {
+        let expected = before.get(v.index()).copied().unwrap_or(0.0);
+        assert!((after[v] - expected).abs() < 1e-7, "{v:?}: {expected} became {}", after[v]);
+    }
+    assert!(
+        edge_weights(triangulation, fine)
+            .iter()
+            .enumerate()
+            .all(|(e, w)| { *w > -1e-6 || triangulation.is_boundary_edge(crate::mesh::EdgeId::new(e)) })
+    );
+    if *is_complete {
+        let sums = metric.angle_sums(mesh);
+        for h in triangulation.halfedges() {
+            let is_narrow =
+                sums.get(triangulation.tail(h).index()).is_some_and(|sum| *sum < std::f64::consts::PI / 3.0);
+            let angle = fine.angle(triangulation, h);
+            assert!(is_narrow || angle > LEAST_ANGLE - 1e-9, "{h:?} {angle}");
+        }
+    }
+}
+
+fn check_common(mesh: &Mesh, points: &[[f64; 3]], refinement: &Refinement) {
+    let common = &refinement.common;
+    let positions = common.positions(mesh, points);
+    assert_eq!(&positions[..points.len()], points, "the input's vertices stay");
+    let fine = Mesh::new(positions.len(), &common.triangles).expect("it is a manifold");
+    assert_eq!(fine.euler_characteristic(), mesh.euler_characteristic());
+    // Each triangle of the input is covered once: areas in barycentric coordinates sum to that of the whole.
+    let mut covered = vec![0.0; mesh.face_count()];
+    for (f, triangle) in common.triangles.iter_ids() {
+        let home = common.input[f];
+        let [a, b, c] = triangle.map(|v| common.place[crate::mesh::VertexId(v)].barycentric(mesh, home));
+        let area = (b[1] - a[1]) * (c[2] - a[2]) - (b[2] - a[2]) * (c[1] - a[1]);
+        assert!(area > -1e-9, "{f:?} is turned over: {area}");
+        covered[home.index()] += area;
+    }
+    for (f, area) in covered.iter().enumerate() {
+        assert!((area - 1.0).abs() < 1e-9, "triangle {f} is covered {area} times");
+    }
+    let area = |mesh: &Mesh, points: &[[f64; 3]]| Metric::from_points(mesh, points).area(mesh);
+    assert!((area(&fine, &positions) / area(mesh, points) - 1.0).abs() < 1e-9);
+    let volume = |mesh: &Mesh, points: &[[f64; 3]]| -> f64 {
+        let of = |f| {
+            let [a, b, c] = mesh.corners(f).map(|v| points[v.index()]);
+            vector::dot(a, vector::cross(b, c))
+        };
+        mesh.faces().map(of).sum()
+    };
+    let [before, after] = [volume(mesh, points), volume(&fine, &positions)];
+    assert!((before - after).abs() < 1e-9 * before.abs().max(1.0), "{before} {after}");
+}
+
+fn stretched(mut shape: shapes::Shape, by: [f64; 3]) -> shapes::Shape {
+    shape.points.iter_mut().for_each(|p| (0..3).for_each(|c| p[c] *= by[c]));
+    shape
+}
+
+#[test]
+fn a_surface_of_even_triangles_stays_as_it_is() {
+    let shape = shapes::sphere(300);
+    let refinement = check(&shape.mesh(), &shape.points);
+    assert_eq!(refinement.triangulation, *shape.mesh().triangulation());
+    assert_eq!(refinement.common.triangles.len(), shape.triangles.len());
+}
+
+#[test]
+fn stretched_shapes_get_even_triangles() {
+    for by in [[1.0, 1.0, 20.0], [1.0, 0.05, 1.0], [1.0, 10.0, 100.0]] {
+        for shape in [shapes::hare(300), shapes::torus(2, 300), shapes::terrain(200, 3), shapes::cylinder(100)] {
+            let shape = stretched(shape, by);
+            assert!(check(&shape.mesh(), &shape.points).is_complete);
+        }
+    }
+}
+
+#[test]
+fn a_needle_alone_is_cut_up() {
+    for aspect in [1e1, 1e3, 1e5] {
+        let points = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.4, 1.0 / aspect, 0.0]];
+        let mesh = Mesh::new(3, &[[0, 1, 2]]).unwrap();
+        check(&mesh, &points);
+    }
+}
+
+/// A closed bipyramid whose rim is anywhere: needles and caps of any aspect, and vertices of any angle.
+fn bipyramid(rim: &[(f64, f64, f64)], height: f64) -> (Mesh, Vec<[f64; 3]>) {
+    let count = rim.len() as u32;
+    let mut points: Vec<[f64; 3]> = Vec::new();
+    let mut turned = 0.0;
+    let whole: f64 = rim.iter().map(|(step, _, _)| step).sum();
+    for (step, radius, z) in rim {
+        turned += std::f64::consts::TAU * step / whole;
+        points.push([radius * turned.cos(), radius * turned.sin(), *z]);
+    }
+    points.extend([[0.0, 0.0, height], [0.0, 0.0, -height]]);
+    let faces: Vec<[u32; 3]> =
+        (0..count).flat_map(|k| [[k, (k + 1) % count, count], [(k + 1) % count, k, count + 1]]).collect();
+    (Mesh::new(points.len(), &faces).expect("a bipyramid"), points)
+}
+
+/// A length of any magnitude down to 10^-`digits`.
+fn magnitude(digits: f64) -> impl Strategy<Value = f64> {
+    (-digits..0.0).prop_map(|digits| 10f64.powf(digits))
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(48))]
+
+    #[test]
+    fn needles_of_any_aspect_get_even_triangles(
+        rim in prop::collection::vec((magnitude(4.0), 0.3..1.0f64, -0.2..0.2f64), 4..12),
+        height in magnitude(2.0),
+    ) {
+        let (mesh, points) = bipyramid(&rim, height);
+        check(&mesh, &points);
+    }
+
+    #[test]
+    fn patches_stretched_by_any_factor_get_even_triangles(
+        heights in prop::collection::vec(0.0..1.0f64, 25),
+        by in (magnitude(3.0), magnitude(3.0), magnitude(3.0)),
+    ) {
+        let points: Vec<[f64; 3]> =
+            heights.iter().enumerate().map(|(v, z)| [by.0 * (v % 5) as f64, by.1 * (v / 5) as f64, by.2 * z]).collect();
+        let squares = (0..16u32).map(|k| k / 4 * 5 + k % 4);
+        let faces: Vec<[u32; 3]> = squares.flat_map(|v| [[v, v + 1, v + 6], [v, v + 6, v + 5]]).collect();
+        check(&Mesh::new(25, &faces).expect("a patch"), &points);
+    }
+
+    #[test]
+    fn one_triangle_of_aspect_up_to_a_hundred_million_ends(x in 0.0..1.0f64, height in magnitude(8.0)) {
+        let mesh = Mesh::new(3, &[[0, 1, 2]]).expect("a triangle");
+        let metric = Metric::from_points(&mesh, &[[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [x, height, 0.0]]);
+        let refinement = refine(&mesh, &metric, f64::INFINITY);
+        refinement.triangulation.check();
+        prop_assert!(refinement.triangulation.vertex_count() <= 3 + 10_060);
+    }
+}
