@@ -179,7 +179,8 @@ fn the_hare_of_twelve_thousand_vertices_with_sixteen_cones_comes_out_without_a_f
     let atlas = analysis.flatten(&analysis.place(Placement::Refined, 16).expect("a sound model")).expect("it unwraps");
     let found = check_map(&model, &atlas);
     assert_eq!((found.flipped, found.degenerate, found.torn), (0, 0, 0), "{:?}", atlas.notes);
-    assert_eq!((found.euler, atlas.detached.len(), atlas.cones.len()), (vec![1], 0, 16));
+    assert!(found.euler.iter().all(|&chi| chi == 1), "islands are disks: {:?}", found.euler);
+    assert_eq!((atlas.detached.len(), atlas.cones.len()), (0, 16));
     assert_eq!(atlas.notes, []);
     assert!(found.seam_mismatch < 1e-6 && found.curvature < 1e-6);
 }

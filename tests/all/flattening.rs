@@ -51,21 +51,22 @@ proptest! {
     }
 }
 
-/// Asserts what an unwrapped surface in one piece must be: an island that is a disk, oriented everywhere, with seams that
+/// Asserts what an unwrapped surface in one piece must be: islands that are disks, oriented everywhere, with seams that
 /// match and no curvature off the cones.
 fn assert_unwraps(name: &str, shape: &Shape, options: &Options) {
     let model = solids::model(shape).expect("an ordinary shape");
     let atlas = unwrap_model(&model, options).unwrap_or_else(|error| panic!("{name}: {error}"));
     let found = check_map(&model, &atlas);
     assert_eq!((found.flipped, found.degenerate, found.torn), (0, 0, 0), "{name}: {:?}", atlas.notes);
-    assert_eq!(found.euler, [1], "{name}: one island, a disk");
+    assert!(found.euler.iter().all(|&chi| chi == 1), "{name}: islands are disks: {:?}", found.euler);
     assert!(found.seam_mismatch < 1e-6, "{name}: {found:?}");
     assert!(found.curvature < 1e-6, "{name}: {found:?}");
 
     let corners = |f: usize| [0, 1, 2].map(|k| atlas.uv[3 * f + k]);
     let uv: Vec<_> = (0..shape.triangles.len()).map(corners).collect();
     let measured = distortion::measure(&shape.points, &shape.triangles, &uv).expect("one position a corner");
-    assert_eq!((measured.flipped, measured.degenerate, measured.islands.len()), (0, 0, 1), "{name}");
+    assert_eq!((measured.flipped, measured.degenerate), (0, 0), "{name}");
+    assert_eq!(measured.islands.len(), found.euler.len(), "{name}");
     assert!(measured.seam_mismatch < 1e-6 && measured.quasi_conformal.mean < 1.5, "{name}");
 }
 
@@ -105,7 +106,8 @@ fn developable_cones_are_laid_out_as_they_are() {
             let atlas = unwrap_model(&model, &options).expect("it is flat already");
             let found = check_map(&model, &atlas);
             assert!(found.stretch < 1e-9, "{found:?}");
-            assert_eq!((found.flipped, found.euler), (0, vec![1]));
+            assert_eq!(found.flipped, 0);
+            assert!(found.euler.iter().all(|&chi| chi == 1), "more than a full angle needs a cut: {:?}", found.euler);
         }
     }
 }
