@@ -424,9 +424,9 @@ fn a_refined_model_is_the_same_surface_with_a_map_without_a_flaw() {
     assert_eq!(&refined.model.points()[..given.vertex_count()], given.points());
     assert!(refined.face.is_sorted() && refined.face.len() == refined.model.face_count());
     for (parts, point) in refined.added.iter().zip(&refined.model.points()[given.vertex_count()..]) {
-        for c in 0..3 {
+        for (c, x) in point.iter().enumerate() {
             let mixed: f64 = parts.iter().map(|&(v, weight)| weight * given.points()[v as usize][c]).sum();
-            assert!((mixed - point[c]).abs() < 1e-12);
+            assert!((mixed - x).abs() < 1e-12);
         }
     }
     let atlas = analysis.atlas(&Options::default()).expect("it unwraps");
