@@ -84,7 +84,7 @@ mod tests {
 
     #[test]
     fn what_is_not_built_is_not_accepted() {
-        for option in ["--islands=pack", "--udim", "--threads=0", "--texel-density=9"] {
+        for option in ["--islands=sideways", "--udim", "--threads=0", "--texel-density=9"] {
             assert!(Arguments::try_parse_from(["cones", "unwrap", "a", "-o", "b", option]).is_err(), "{option}");
         }
     }

@@ -37,5 +37,5 @@ fn find_overlaps(bencher: Bencher, vertices: usize) {
 #[divan::bench(args = VERTICES, sample_count = 5, sample_size = 1)]
 fn take_apart(bencher: Bencher, vertices: usize) {
     let (mesh, lengths, map) = layout(vertices);
-    bencher.bench_local(|| separate(&mesh, &lengths, map.clone(), Watch::NONE));
+    bencher.bench_local(|| separate(&mesh, &lengths, None, map.clone(), Watch::NONE));
 }

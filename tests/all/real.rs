@@ -3,7 +3,8 @@
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use cones::{ConeChoice, Options, unwrap_model};
+use cones::uv::overlaps;
+use cones::{ConeChoice, Islands, Options, unwrap_model};
 use tests::oracle::check_map;
 
 /// The test below.
@@ -46,11 +47,18 @@ fn real_meshes_unwrap_to_a_disk_without_flips_and_with_matching_seams() {
         let path = folder.join(name);
         assert!(path.is_file(), "the collection is at hand, but {name} is missing in it");
         let model = geom::io::read(&path).unwrap_or_else(|error| panic!("{error}"));
-        let options = Options { cones: ConeChoice::Count(count), ..Options::default() };
+        let options = Options { cones: ConeChoice::Count(count), islands: Islands::Single, ..Options::default() };
         let atlas = unwrap_model(&model, &options).unwrap_or_else(|error| panic!("{name}: {error}"));
         let found = check_map(&model, &atlas);
         assert_eq!((found.flipped, found.degenerate, found.torn), (0, 0, 0), "{name}: {:?}", atlas.notes);
         assert_eq!(found.euler, [1], "{name}: one island, a disk");
         assert!(found.seam_mismatch < 1e-6 && found.curvature < 1e-5, "{name}: {found:?}");
+        let options = Options { islands: Islands::OverlapFree, ..options };
+        let atlas = unwrap_model(&model, &options).unwrap_or_else(|error| panic!("{name}: {error}"));
+        let found = check_map(&model, &atlas);
+        assert_eq!((found.flipped, found.degenerate, found.torn), (0, 0, 0), "{name}: {:?}", atlas.notes);
+        assert!(found.euler.iter().all(|&euler| euler == 1), "{name}: {} islands, disks", found.euler.len());
+        let images: Vec<_> = atlas.triangles.corners.iter().map(|t| t.map(|c| atlas.uv[c as usize])).collect();
+        assert!(overlaps(&images).pairs.is_empty(), "{name}");
     }
 }

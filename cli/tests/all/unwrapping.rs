@@ -310,7 +310,7 @@ fn wrong_arguments_exit_with_2() {
     let folder = Folder::with_shapes();
     for args in [
         &["unwrap", "hare.obj"][..],
-        &["unwrap", "hare.obj", "-o", "out.obj", "--islands", "pack"],
+        &["unwrap", "hare.obj", "-o", "out.obj", "--islands", "sideways"],
         &["unwrap", "hare.obj", "-o", "out.obj", "-n", "many"],
         &["unwrap", "hare.obj", "-o", "out.obj", "-n", "4", "--min-persistence", "0.1"],
         &["unwrap", "hare.obj", "-o", "out.obj", "--method", "magic"],

@@ -7,8 +7,8 @@ use super::cones::Cones;
 use super::observer::{Stage, Task, Times};
 use super::{Analysis, each};
 use crate::baseline::{Lscm, scale_linearly};
+use crate::cut::{SeamOptions, SeamPlan};
 use crate::error::Error;
-use crate::flatten::Seams;
 
 /// A way from cones to the plane that is no exact flattening.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -52,7 +52,8 @@ impl Analysis {
         let task = self.task();
         let mut times = Times::default();
         let parts = each(self.components(), &mut times, |component, times| {
-            component.flatten_by(baseline, cones, &task, times)
+            let plan = self.plan(component, &SeamOptions::default(), &task, times)?;
+            component.flatten_by(baseline, (cones, &plan), &task, times)
         })?;
         let mut uv = vec![None; self.corner_vertices().len()];
         for (component, part) in self.components().iter().zip(&parts) {
@@ -73,7 +74,7 @@ impl Component {
     fn flatten_by(
         &self,
         baseline: Baseline,
-        cones: &Cones,
+        (cones, plan): (&Cones, &SeamPlan),
         task: &Task,
         times: &mut Times,
     ) -> Result<ComponentMap, Error> {
@@ -81,8 +82,7 @@ impl Component {
         let mesh = &surface.mesh;
         let configuration = &cones.configurations[*index];
         let vertices = &configuration.vertices;
-        let seams =
-            task.stage((Stage::Cut, *index), times, |watch| Seams::of_surface(surface, metric, vertices, watch))??;
+        let seams = task.stage((Stage::Cut, *index), times, |watch| plan.cut(mesh, vertices, watch))??;
         let scaling = match baseline {
             Baseline::LeastSquares => None,
             Baseline::LinearScaling => Some(task.stage((Stage::Scale, *index), times, |_| {

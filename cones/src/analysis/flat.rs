@@ -65,7 +65,6 @@ impl Component {
         if scaling.mollified {
             notes.push(Note::Mollified { component: *index });
         }
-        notes.extend(self.note_avoided(plan, &seams));
         task.stage((Stage::Layout, *index), times, |watch| -> Result<Flat, Error> {
             let mut layout = Layout::new(mesh, &scaling, &seams.cut, watch.within(0.0, 0.3))?;
             let mut is_cone = VertexData::constant(mesh.vertex_count(), false);
@@ -87,17 +86,16 @@ impl Component {
         let defects = angle_defects(mesh, &self.metric);
         let inner: Vec<VertexId> = mesh.vertices().filter(|&v| !mesh.is_boundary_vertex(v)).collect();
         let seams = task.stage((Stage::Cut, self.index), times, |watch| plan.cut(mesh, &inner, watch))??;
-        let notes = self.note_avoided(plan, &seams).into_iter().collect();
         task.stage((Stage::Layout, self.index), times, |watch| -> Result<Flat, Error> {
             let scaling = Scaling::none(mesh, &self.metric);
             let layout = Layout::new(mesh, &scaling, &seams.cut, watch)?;
             let curvature = inner.iter().map(|&v| defects[v]).collect();
-            Ok(Flat { is_unfolded: true, ..self.flat((inner, curvature), seams, layout, scaling, notes) })
+            Ok(Flat { is_unfolded: true, ..self.flat((inner, curvature), seams, layout, scaling, Vec::new()) })
         })?
     }
 
     /// Says where seams run that were to be avoided.
-    fn note_avoided(&self, plan: &SeamPlan, seams: &Seams) -> Option<Note> {
+    pub(super) fn note_avoided(&self, plan: &SeamPlan, seams: &Seams) -> Option<Note> {
         let (edges, first) = plan.avoided(seams)?;
         let ends = self.surface.mesh.ends(first).map(|v| self.surface.vertex[v]);
         Some(Note::AvoidedCut { component: self.index, edges, first: ends })

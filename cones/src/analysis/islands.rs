@@ -8,6 +8,7 @@ use super::flat::Flat;
 use super::note::Note;
 use super::observer::{Stage, Task, Times};
 use super::options::Islands;
+use crate::cut::SeamPlan;
 use crate::error::Error;
 use crate::flatten::seam_lengths;
 use crate::uv::{NEGLIGIBLE_DEPTH, Overlaps, UvMap, overlaps_watched, separate};
@@ -20,7 +21,7 @@ impl Component {
     pub(crate) fn part_islands(
         &self,
         flat: &mut Flat,
-        islands: Islands,
+        (islands, plan): (Islands, &SeamPlan),
         task: &Task,
         times: &mut Times,
     ) -> Result<(), Error> {
@@ -36,11 +37,13 @@ impl Component {
                 overlaps_watched(&map.triangles(mesh), NEGLIGIBLE_DEPTH, asked, watch)
             })??;
             self.note_overlap(flat, &overlaps);
+            flat.notes.extend(self.note_avoided(plan, &flat.seams));
             return Ok(());
         }
         let lengths = seam_lengths(&self.surface, &self.metric);
-        let done = task.stage(stage, times, |watch| separate(mesh, &lengths, map, watch))??;
+        let done = task.stage(stage, times, |watch| separate(mesh, plan.costs(), Some(plan.given()), map, watch))??;
         if done.overlaps.pairs.is_empty() {
+            flat.notes.extend(self.note_avoided(plan, &flat.seams));
             return Ok(());
         }
         self.note_overlap(flat, &done.left);
@@ -53,6 +56,7 @@ impl Component {
         flat.layout.position = opened;
         flat.seams.cut = done.map.cut;
         flat.seams.string(mesh, &lengths);
+        flat.notes.extend(self.note_avoided(plan, &flat.seams));
         Ok(())
     }
 

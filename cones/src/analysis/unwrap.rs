@@ -86,7 +86,7 @@ impl Analysis {
             let mut flat = component.flatten(&cones.configurations[component.index], &plan, &task, times)?;
             component.detach_fold_overs(&mut flat);
             flat.notes.extend(component.doubt(&flat));
-            component.part_islands(&mut flat, options.islands, &task, times)?;
+            component.part_islands(&mut flat, (options.islands, &plan), &task, times)?;
             Ok(flat)
         })?;
         let own = cones.notes.iter().filter(|note| note.component().is_none()).cloned().collect();
@@ -117,14 +117,14 @@ impl Analysis {
         let flats = each(self.components(), &mut times, |component, times| {
             let plan = self.plan(component, &options.seams, &task, times)?;
             let mut flat = component.flatten_well(&configurations[component.index], (options, &plan), &task, times)?;
-            component.part_islands(&mut flat, options.islands, &task, times)?;
+            component.part_islands(&mut flat, (options.islands, &plan), &task, times)?;
             Ok(flat)
         })?;
         self.assemble(flats, notes, (number, options.quantize), options, &task, times)
     }
 
     /// Where the seams of a component go.
-    fn plan(
+    pub(super) fn plan(
         &self,
         component: &Component,
         seams: &SeamOptions,

@@ -27,6 +27,8 @@ pub struct SeamPlan {
     /// Infinite inside polygons.
     lengths: EdgeData<f64>,
     cost: EdgeData<f64>,
+    /// The lengths, of edges to be avoided times what these cost.
+    plain: EdgeData<f64>,
     given: EdgeData<bool>,
     avoided: EdgeData<bool>,
     has_given: bool,
@@ -51,6 +53,7 @@ impl SeamPlan {
         Self {
             has_given: given.iter().any(|&given| given),
             straightness: (weight > 0.0).then(|| (weight, Turning::new(&surface.mesh, metric))),
+            plain: lengths.iter_ids().map(|(e, l)| if avoided[e] { AVOIDED * l } else { *l }).collect(),
             lengths,
             cost,
             given,
@@ -75,6 +78,16 @@ impl SeamPlan {
             straighten(&costs, &self.given, &mut seams, watch.within(0.8, 1.0))?;
         }
         Ok(seams)
+    }
+
+    /// What edges cost that islands are cut along: their lengths, and those that are to be avoided [`AVOIDED`] times as much.
+    pub(crate) fn costs(&self) -> &EdgeData<f64> {
+        &self.plain
+    }
+
+    /// The edges that are cut whatever becomes of the islands.
+    pub(crate) fn given(&self) -> &EdgeData<bool> {
+        &self.given
     }
 
     /// How many edges are cut that were to be avoided, and one of them.

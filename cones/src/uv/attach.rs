@@ -29,6 +29,8 @@ pub(super) struct Pieces<'a> {
     mesh: &'a Mesh,
     map: &'a UvMap,
     lengths: &'a EdgeData<f64>,
+    /// What stays open.
+    kept: Option<&'a EdgeData<bool>>,
     /// The triangles as they lay at first.
     boxes: &'a Boxes,
     /// The piece of each triangle, by breadth of islands.
@@ -44,11 +46,10 @@ pub(super) struct Pieces<'a> {
 }
 
 impl<'a> Pieces<'a> {
-    /// Each island of the map opened further along `cut` is a piece.
+    /// Each island of the map opened further along `cut` is a piece; edges may be kept open.
     pub(super) fn new(
-        mesh: &'a Mesh,
+        (mesh, lengths, kept): (&'a Mesh, &'a EdgeData<f64>, Option<&'a EdgeData<bool>>),
         map: &'a UvMap,
-        lengths: &'a EdgeData<f64>,
         boxes: &'a Boxes,
         cut: EdgeData<bool>,
     ) -> Self {
@@ -61,6 +62,7 @@ impl<'a> Pieces<'a> {
             mesh,
             map,
             lengths,
+            kept,
             boxes,
             piece,
             faces,
@@ -97,6 +99,7 @@ impl<'a> Pieces<'a> {
     pub(super) fn chains(&self) -> Vec<Chain> {
         self.loops.chains(
             |h| self.island_of(h),
+            |e| self.kept.is_some_and(|kept| kept[e]),
             |h| self.motion[self.piece[self.mesh.face(h)] as usize].of(self.map.position[h]),
             self.lengths,
             self.boxes.extent,

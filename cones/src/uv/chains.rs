@@ -4,7 +4,7 @@
 //! can be glued to its neighbour. Boundaries are kept as linked loops of halfedges, the map on their left, so that
 //! gluing a chain is a change at its two ends.
 
-use geom::{CutMesh, EdgeData, HalfedgeData, HalfedgeId, Mesh};
+use geom::{CutMesh, EdgeData, EdgeId, HalfedgeData, HalfedgeId, Mesh};
 
 use super::motion::{Fit, Motion};
 
@@ -75,17 +75,21 @@ impl<'a> Loops<'a> {
         self.all.retain(|&h| next[h].is_some());
     }
 
-    /// The chains between two different islands, longest first; of each chain one of its sides. `position` gives the corners as
+    /// The chains between two different islands, of edges that are not kept open, longest first; of each chain one of its sides. `position` gives the corners as
     /// they lie now.
     pub(super) fn chains(
         &self,
         island: impl Fn(HalfedgeId) -> u32,
+        is_kept: impl Fn(EdgeId) -> bool,
         position: impl Fn(HalfedgeId) -> [f64; 2],
         lengths: &EdgeData<f64>,
         extent: f64,
     ) -> Vec<Chain> {
         let mesh = self.mesh;
-        let islands = |h: HalfedgeId| mesh.twin(h).map(|g| [island(h), island(g)]).filter(|[a, b]| a < b);
+        let islands = |h: HalfedgeId| {
+            let g = mesh.twin(h).filter(|_| !is_kept(mesh.edge(h)))?;
+            Some([island(h), island(g)]).filter(|[a, b]| a < b)
+        };
         // Whether the edges of a halfedge and of the next one on the boundary also follow each other on the other side.
         let goes_on = |h: HalfedgeId, next: HalfedgeId| {
             islands(h).is_some()

@@ -66,7 +66,7 @@ pub fn part(model: &Model, uv: &[[f64; 2]], weld: bool, watch: Watch) -> Result<
             continue;
         }
         let share = |k: usize| 0.3 + 0.6 * k as f64 / surfaces.len() as f64;
-        let done = separate(&surface.mesh, &lengths(surface), map, watch.within(share(k), share(k + 1)))?;
+        let done = separate(&surface.mesh, &lengths(surface), None, map, watch.within(share(k), share(k + 1)))?;
         parted.left += done.left.pairs.len();
         parted.added_seam += done.added_seam / surface.scale;
         maps.push(done.map);

@@ -57,19 +57,25 @@ pub struct Separation {
 }
 
 /// Takes a map apart and puts it together again until no island lies over itself. Edges of infinite length are not cut. `lengths`
-/// are those of the edges in space. A map without overlap comes back as it is, to the bit.
+/// are those of the edges in space; what is `kept` open is not glued. A map without overlap comes back as it is, to the bit.
 ///
 /// O(n log n), and O(n + pairs) for each cut.
 ///
 /// # Errors
 /// If it is stopped.
-pub fn separate(mesh: &Mesh, lengths: &EdgeData<f64>, map: UvMap, watch: Watch) -> Result<Separation, Interrupted> {
+pub fn separate(
+    mesh: &Mesh,
+    lengths: &EdgeData<f64>,
+    kept: Option<&EdgeData<bool>>,
+    map: UvMap,
+    watch: Watch,
+) -> Result<Separation, Interrupted> {
     let overlaps = on_one_island(mesh, &map, &map.cut, watch.within(0.0, 0.3))?;
     if overlaps.pairs.is_empty() {
         let left = overlaps.clone();
         return Ok(Separation { map, overlaps, added_seam: 0.0, left });
     }
-    let task = Task { mesh, lengths, map: &map, overlaps: &overlaps };
+    let task = Task { mesh, lengths, kept, map: &map, overlaps: &overlaps };
     let (separated, left) = task.best(watch.within(0.3, 1.0))?;
     let added_seam = seam(mesh, lengths, &separated.cut) - seam(mesh, lengths, &map.cut);
     Ok(Separation { map: separated, overlaps, added_seam, left })
@@ -98,6 +104,8 @@ fn weighed(pairs: &[Overlap]) -> Vec<Pair> {
 struct Task<'a> {
     mesh: &'a Mesh,
     lengths: &'a EdgeData<f64>,
+    /// What stays open.
+    kept: Option<&'a EdgeData<bool>>,
     map: &'a UvMap,
     overlaps: &'a Overlaps,
 }
@@ -130,11 +138,16 @@ struct Cost {
 }
 
 impl Task<'_> {
+    /// A map's islands, opened further along `cut`.
+    fn pieces<'b>(&'b self, map: &'b UvMap, boxes: &'b Boxes, cut: EdgeData<bool>) -> Pieces<'b> {
+        Pieces::new((self.mesh, self.lengths, self.kept), map, boxes, cut)
+    }
+
     /// The best map, and the pairs that could not be parted.
     fn best(&self, watch: Watch) -> Result<(UvMap, Overlaps), Interrupted> {
         let boxes = self.boxes(self.map);
         let mut states = self.starts(&boxes, watch.within(0.0, 0.5))?;
-        let before = self.cost(&Pieces::new(self.mesh, self.map, self.lengths, &boxes, self.map.cut.clone())).0.islands;
+        let before = self.cost(&self.pieces(self.map, &boxes, self.map.cut.clone())).0.islands;
         let runs = (TRIANGLES / self.mesh.face_count().max(1)).min(MOST_RUNS);
         let mut tried = 0;
         while tried < runs && states.iter().all(|state| state.cost.islands > before) {
@@ -168,7 +181,7 @@ impl Task<'_> {
         let pairs = weighed(&self.overlaps.pairs);
         let run = |preference: &Preference| {
             let cut = self.cut(&pairs, preference, watch)?;
-            self.attached(Pieces::new(self.mesh, self.map, self.lengths, boxes, cut), watch)
+            self.attached(self.pieces(self.map, boxes, cut), watch)
         };
         let most = (TRIANGLES / self.mesh.face_count().max(1)).max(1);
         let states: Vec<Result<State, Interrupted>> = PREFERENCES.par_iter().take(most).map(run).collect();
@@ -179,7 +192,7 @@ impl Task<'_> {
     /// been tried.
     fn glued_otherwise(&self, state: &State, count: usize, watch: Watch) -> Result<Option<Vec<State>>, Interrupted> {
         let boxes = self.boxes(&state.map);
-        let pieces = Pieces::new(self.mesh, &state.map, self.lengths, &boxes, state.map.cut.clone());
+        let pieces = self.pieces(&state.map, &boxes, state.map.cut.clone());
         let chains = pieces.chains();
         let gluings: Vec<(&Chain, &Preference)> = chains
             .iter()
@@ -198,7 +211,7 @@ impl Task<'_> {
             let map = glued.map();
             let boxes = self.boxes(&map);
             let cut = divide(self.mesh, self.lengths, &map.cut, &weighed(&pairs), preference, watch)?;
-            self.attached(Pieces::new(self.mesh, &map, self.lengths, &boxes, cut), watch).map(Some)
+            self.attached(self.pieces(&map, &boxes, cut), watch).map(Some)
         };
         let states: Vec<Result<Option<State>, Interrupted>> = gluings.par_iter().map(run).collect();
         Ok(Some(states.into_iter().collect::<Result<Vec<_>, _>>()?.into_iter().flatten().collect()))

@@ -91,7 +91,7 @@ proptest! {
         let (mesh, map, lengths) = tree(&sides);
         let found: Vec<[u32; 2]> = overlaps(&map.triangles(&mesh)).pairs.iter().map(|pair| pair.triangles).collect();
         prop_assert_eq!(found.into_iter().collect::<BTreeSet<_>>(), pairs_on_islands(&mesh, &map).into_iter().collect());
-        let done = separate(&mesh, &lengths, map.clone(), Watch::NONE).unwrap();
+        let done = separate(&mesh, &lengths, None, map.clone(), Watch::NONE).unwrap();
         check(&mesh, &map, &lengths, &done);
         prop_assert!(done.left.pairs.is_empty());
     }
@@ -107,7 +107,7 @@ proptest! {
                 lengths[e] = f64::INFINITY;
             }
         }
-        let done = separate(&mesh, &lengths, map.clone(), Watch::NONE).unwrap();
+        let done = separate(&mesh, &lengths, None, map.clone(), Watch::NONE).unwrap();
         check(&mesh, &map, &lengths, &done);
     }
 
@@ -126,7 +126,7 @@ proptest! {
         let position: HalfedgeData<[f64; 2]> =
             mesh.halfedges().map(|h| corners[opened.wedge(h).index()].map(f64::from)).collect();
         let lengths = EdgeData::constant(mesh.edge_count(), 1.0);
-        let done = separate(&mesh, &lengths, UvMap { position, cut }, Watch::NONE).unwrap();
+        let done = separate(&mesh, &lengths, None, UvMap { position, cut }, Watch::NONE).unwrap();
         prop_assert!(done.left.pairs.is_empty());
         prop_assert_eq!(pairs_on_islands(&mesh, &done.map), Vec::<[u32; 2]>::new());
     }
@@ -230,7 +230,7 @@ fn spiral() -> (Mesh, UvMap, EdgeData<f64>) {
 #[test]
 fn a_spiral_comes_apart_at_each_turn() {
     let (mesh, map, lengths) = spiral();
-    let done = separate(&mesh, &lengths, map.clone(), Watch::NONE).unwrap();
+    let done = separate(&mesh, &lengths, None, map.clone(), Watch::NONE).unwrap();
     check(&mesh, &map, &lengths, &done);
     let islands = done.map.opened(&mesh).island_count();
     // 120 · 0.17 rad are 3.25 turns; pieces of a ring have nowhere else to go.
@@ -265,7 +265,7 @@ fn a_ring_that_turns_by_more_than_a_full_angle_comes_apart() {
     let map = UvMap::new(&mesh, position);
     assert_eq!(map.cut.iter().filter(|&&cut| cut).count(), 1);
     let lengths = mesh.edges().map(|e| if map.cut[e] { 0.4 } else { 0.4 + 0.01 * f64::from(e.0 % 7) }).collect();
-    let done = separate(&mesh, &lengths, map.clone(), Watch::NONE).unwrap();
+    let done = separate(&mesh, &lengths, None, map.clone(), Watch::NONE).unwrap();
     check(&mesh, &map, &lengths, &done);
     assert!(!done.overlaps.pairs.is_empty());
     assert_eq!(done.map.opened(&mesh).island_count(), 2, "a turn and the rest, which hangs on nothing else");
@@ -281,7 +281,7 @@ fn a_folded_sheet_is_cut_along_its_fold() {
     let fold = |v: u32| [f64::from((v / 5).min(8 - v / 5)), f64::from(v % 5)];
     let map = UvMap::new(&mesh, mesh.halfedges().map(|h| fold(mesh.tail(h).0)).collect());
     let lengths = EdgeData::constant(mesh.edge_count(), 1.0);
-    let done = separate(&mesh, &lengths, map.clone(), Watch::NONE).unwrap();
+    let done = separate(&mesh, &lengths, None, map.clone(), Watch::NONE).unwrap();
     check(&mesh, &map, &lengths, &done);
     assert_eq!((done.map.opened(&mesh).island_count(), done.added_seam), (2, 4.0));
     assert_eq!(done.map.position, map.position, "nothing had to be moved");

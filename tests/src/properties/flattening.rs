@@ -3,7 +3,9 @@
 use std::f64::consts::TAU;
 
 use cones::internals::{Layout, Operators, Scaling, Seams, cone_curvatures, scale};
-use cones::{ConeChoice, CurvatureError, CurvatureRule, Error, Note, Options, Placement, Preparation, unwrap_model};
+use cones::{
+    ConeChoice, CurvatureError, CurvatureRule, Error, Islands, Note, Options, Placement, Preparation, unwrap_model,
+};
 use geom::{Double, Mesh, Metric, Model, PrepareError, VertexData, VertexId, Watch, angle_defects};
 
 use super::{assert_close, metric_of};
@@ -141,7 +143,7 @@ pub fn every_vertex_a_cone_unfolds(bytes: &[u8]) -> Reached {
         return Reached::Nothing; // what a sliver does to angles is another law's subject
     }
     let model = solids::model(&shape).expect("ordinary numbers");
-    let options = Options { cones: ConeChoice::Given(given), ..Options::default() };
+    let options = Options { cones: ConeChoice::Given(given), islands: Islands::Single, ..Options::default() };
     let atlas = unwrap_model(&model, &options).expect("nothing needs to be done");
     let found = check_map(&model, &atlas);
     assert!(found.stretch < 1e-8, "{found:?}");

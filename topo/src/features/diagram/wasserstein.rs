@@ -69,7 +69,8 @@ impl Wasserstein {
         Self { relative_error: error, ..self }
     }
 
-    /// The distance of two diagrams. It is that of a matching: never too small, and too large by the relative error at most.
+    /// The distance of two diagrams. It is that of a matching: never too small, and too large by the relative error at most, or by
+    /// rounding: of p-th powers of steps beside that of the longest way to a diagonal.
     ///
     /// For n points an exact distance takes O(n³) at worst, an approximate one by measurement little more than n log n for each
     /// halving of the error.
