@@ -4,7 +4,8 @@ use std::collections::BTreeSet;
 
 use cones::internals::SeamPlan;
 use cones::{
-    Analysis, Atlas, ConeChoice, Error, Note, Options, Placement, SeamFigures, SeamOptions, Symmetry, unwrap_model,
+    Analysis, Atlas, ConeChoice, Error, Islands, Note, Options, Placement, SeamFigures, SeamOptions, Symmetry,
+    unwrap_model,
 };
 use geom::shapes::{self, Shape};
 use geom::{CutMesh, EdgeId, Mesh, Metric, Model, ShortestPaths, Surface, VertexId, Watch, prepare};
@@ -94,7 +95,7 @@ fn a_loop_that_separates_gives_two_islands_and_one_that_does_not_gives_one() {
     let around = ring(&torus, |[x, y, _]| x > 0.0 && y > 0.0);
     for (model, given, islands) in [(&hare, equator, 2), (&torus, around, 2)] {
         let seams = SeamOptions { given: given.clone(), ..SeamOptions::default() };
-        let atlas = unwrap_model(model, &Options { seams, ..count(6) }).unwrap();
+        let atlas = unwrap_model(model, &Options { seams, islands: Islands::Single, ..count(6) }).unwrap();
         check_islands(model, &atlas, &given);
         let surface = &prepare(model, false).unwrap().surfaces[0];
         assert_eq!(opened(&surface.mesh, surface, &atlas).island_count(), islands);

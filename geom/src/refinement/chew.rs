@@ -53,10 +53,11 @@ pub struct Refinement {
 /// ```
 /// use geom::{Mesh, Metric, refine};
 ///
-/// let mesh = Mesh::new(3, &[[0, 1, 2]])?;
-/// let needle = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.5, 0.01, 0.0]];
-/// let refinement = refine(&mesh, &Metric::from_points(&mesh, &needle), f64::INFINITY);
-/// assert!(refinement.is_complete && refinement.triangulation.vertex_count() > 3);
+/// // A strip of two needles.
+/// let mesh = Mesh::new(4, &[[0, 1, 2], [0, 2, 3]])?;
+/// let strip = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 0.05, 0.0], [0.0, 0.05, 0.0]];
+/// let refinement = refine(&mesh, &Metric::from_points(&mesh, &strip), f64::INFINITY);
+/// assert!(refinement.is_complete && refinement.triangulation.vertex_count() > 4);
 /// # Ok::<(), geom::MeshError>(())
 /// ```
 pub fn refine(input: &Triangulation, metric: &Metric, largest: f64) -> Refinement {
