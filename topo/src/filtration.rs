@@ -34,7 +34,7 @@ pub enum Kind {
     Maximum,
 }
 
-/// One of the two ways through the order of the vertices: [`Rising`] or [`Falling`].
+/// One of the two ways through the order of the vertices: `Rising` or `Falling`.
 pub trait Direction: Copy + Debug + Send + Sync + 'static {
     /// The extrema at which components of this direction are born.
     const KIND: Kind;

@@ -31,7 +31,7 @@ const LARGEST_CAVITY: usize = 256;
 /// Vertices between two looks at the watch.
 const STRIDE: usize = 256;
 
-/// A surface with an even intrinsic triangulation; see the [module's head](super).
+/// A surface with an even intrinsic triangulation.
 #[derive(Clone, Debug)]
 pub struct Refinement {
     /// The Delaunay triangulation. The input's vertices come first, under their own numbers.
