@@ -2,7 +2,7 @@
 //!
 //! The [`Quadratic`] E(q) is to be least over q = s·k with whole numbers k between bounds and, on a closed surface, of a given
 //! sum. This is the closest vector problem, which is hard; there are no more than some dozens of cones, and few multiples
-//! between their bounds. Two starts: the continuous minimum rounded, and its variables fixed one by one, the one
+//! between their bounds. Where these are few in all, each choice is tried. Else two starts: the continuous minimum rounded, and its variables fixed one by one, the one
 //! nearest to the lattice first, the others minimised again each time (Babai 1986, "On Lovász' lattice reduction and the nearest
 //! lattice point problem", without the reduction). From either down by exchanges: one variable a step up and another a step down; and where no
 //! exchange helps, from the least harmful of them down again.
@@ -17,8 +17,10 @@ const LEAST_GAIN: f64 = 1e-12;
 const DETOURS: usize = 24;
 /// So many of these detours are taken.
 const MOST_DETOURS: usize = 50;
+/// Up to so many choices of multiples each is tried: those of five cones with quarters of a turn.
+const FEW: f64 = 40_000.0;
 
-/// A local minimum of a quadratic function over multiples of `step` between bounds, where `total` is given with the sum that is
+/// The minimum, for few variables, else a local minimum of a quadratic function over multiples of `step` between bounds, where `total` is given with the sum that is
 /// nearest to it: no exchange of a step between two variables lowers it (nor a single step, where the sum is free).
 ///
 /// # Errors
@@ -30,10 +32,10 @@ pub(crate) fn minimise_on_lattice(
     step: f64,
 ) -> Result<Vec<i32>, ProgramError> {
     let lattice = Lattice::new(energy, bounds, total, step)?;
-    let starts = [lattice.rounded()?, lattice.one_by_one()?];
-    let ends = starts.map(|start| lattice.descend_deeply(start));
-    let [first, second] = ends;
-    Ok(if lattice.value(&second) < lattice.value(&first) { second } else { first })
+    match lattice.least_of_all() {
+        Some(least) => Ok(least),
+        None => lattice.lowest_found(),
+    }
 }
 
 struct Lattice<'a> {
@@ -85,6 +87,32 @@ impl<'a> Lattice<'a> {
 
     fn value(&self, multiples: &[i32]) -> f64 {
         self.energy.value(&self.curvatures(multiples))
+    }
+
+    /// The best of all choices, the first of them in order, where they are few.
+    fn least_of_all(&self) -> Option<Vec<i32>> {
+        let values = |[low, high]: &[i32; 2]| high - low + 1;
+        let choices: f64 = self.range.iter().map(|range| f64::from(values(range))).product();
+        if choices > FEW {
+            return None;
+        }
+        let choice = |mut number: i32| -> Vec<i32> {
+            let digit = |range: &[i32; 2]| {
+                let digit = number % values(range);
+                number /= values(range);
+                range[0] + digit
+            };
+            self.range.iter().map(digit).collect()
+        };
+        let has_sum = |multiples: &Vec<i32>| self.sum.is_none_or(|sum| multiples.iter().sum::<i32>() == sum);
+        let all = (0..choices as i32).map(choice).filter(has_sum).map(|multiples| (self.value(&multiples), multiples));
+        all.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, multiples)| multiples)
+    }
+
+    /// The lower end of the ways down from both starts.
+    fn lowest_found(&self) -> Result<Vec<i32>, ProgramError> {
+        let [first, second] = [self.rounded()?, self.one_by_one()?].map(|start| self.descend_deeply(start));
+        Ok(if self.value(&second) < self.value(&first) { second } else { first })
     }
 
     fn nearest(&self, i: usize, q: f64) -> i32 {
@@ -229,13 +257,17 @@ mod tests {
             let (step, bounds) = (0.7, vec![[-2.0, 2.5]; n]);
             let total = total.map(|k| f64::from(k) * step);
             let lattice = Lattice::new(&energy, &bounds, total, step).unwrap();
-            let found = minimise_on_lattice(&energy, &bounds, total, step).unwrap();
-            prop_assert!(lattice.sum.is_none_or(|sum| found.iter().sum::<i32>() == sum));
-            for (k, [low, high]) in found.iter().zip(&lattice.range) {
-                prop_assert!(low <= k && k <= high);
-            }
             let best = least(&lattice, &mut Vec::new());
+            let found = minimise_on_lattice(&energy, &bounds, total, step).unwrap();
             prop_assert!(lattice.value(&found) <= best + 1e-9 * (1.0 + best.abs()), "{} for {best}", lattice.value(&found));
+            let local = lattice.lowest_found().unwrap();
+            prop_assert!(lattice.ranked(&local).first().is_none_or(|exchange| exchange.change >= -lattice.gain));
+            for multiples in [found, local] {
+                prop_assert!(lattice.sum.is_none_or(|sum| multiples.iter().sum::<i32>() == sum));
+                for (k, [low, high]) in multiples.iter().zip(&lattice.range) {
+                    prop_assert!(low <= k && k <= high);
+                }
+            }
         }
     }
 
