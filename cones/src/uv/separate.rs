@@ -163,9 +163,6 @@ impl Task<'_> {
             for other in others.into_iter().flatten() {
                 let is_new = states.iter().all(|state| state.cost != other.cost);
                 if is_new && other.cost.islands <= states[k].cost.islands + 1 {
-                    if std::env::var("TRIAL").is_ok() {
-                        println!("  {tried} {:?}", other.cost);
-                    }
                     states.push(other);
                 }
             }
