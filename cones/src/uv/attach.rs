@@ -5,17 +5,18 @@
 //! stays untouched, the larger of two islands where it is, and two disks glued along one chain are a disk.
 //!
 //! An island is a list of pieces, each with the rigid motion that takes it from where it lay at first. Positions are
-//! computed once, from the first ones, and one tree of the triangles as they lay at first serves all tests: a triangle of one
-//! piece is taken into the place where the other piece lay.
+//! computed once, from the first ones, and each piece has a tree of its triangles as they lay at first, which serves all tests:
+//! triangles of the smaller piece are taken to where the larger one lay.
 
 use std::collections::HashSet;
+use std::sync::Arc;
 
-use geom::{CutMesh, EdgeData, FaceData, FaceId, HalfedgeId, Id, Interrupted, Mesh, Watch};
+use geom::{CutMesh, EdgeData, FaceData, FaceId, HalfedgeId, Interrupted, Mesh, Watch};
 
 use super::chains::{Chain, Loops};
 use super::map::UvMap;
 use super::motion::Motion;
-use super::overlap::{Boxes, NEGLIGIBLE_DEPTH, Overlap};
+use super::overlap::{Boxes, NEGLIGIBLE_DEPTH, Overlap, bounds};
 use super::triangle;
 
 /// Glued islands may overlap by this share of [`NEGLIGIBLE_DEPTH`], so that they do not overlap after some rounding.
@@ -31,11 +32,13 @@ pub(super) struct Pieces<'a> {
     lengths: &'a EdgeData<f64>,
     /// What stays open.
     kept: Option<&'a EdgeData<bool>>,
-    /// The triangles as they lay at first.
-    boxes: &'a Boxes,
+    /// The longer side of the map's bounding box.
+    extent: f64,
     /// The piece of each triangle, by breadth of islands.
     piece: FaceData<u32>,
     faces: Vec<Vec<FaceId>>,
+    /// The triangles of each piece as they lay at first.
+    boxes: Arc<[Boxes]>,
     motion: Vec<Motion>,
     /// The island of each piece.
     island: Vec<u32>,
@@ -50,7 +53,6 @@ impl<'a> Pieces<'a> {
     pub(super) fn new(
         (mesh, lengths, kept): (&'a Mesh, &'a EdgeData<f64>, Option<&'a EdgeData<bool>>),
         map: &'a UvMap,
-        boxes: &'a Boxes,
         cut: EdgeData<bool>,
     ) -> Self {
         let opened = CutMesh::open(mesh, &cut);
@@ -58,13 +60,15 @@ impl<'a> Pieces<'a> {
         let piece: FaceData<u32> = mesh.faces().map(|f| opened.island(f)).collect();
         let mut faces = vec![Vec::new(); count];
         mesh.faces().for_each(|f| faces[piece[f] as usize].push(f));
+        let boxes = |faces: &Vec<FaceId>| Boxes::new(faces.iter().map(|&f| triangle::upright(map.triangle(mesh, f))));
         Self {
             mesh,
             map,
             lengths,
             kept,
-            boxes,
+            extent: map.extent(),
             piece,
+            boxes: faces.iter().map(boxes).collect(),
             faces,
             motion: vec![Motion::NONE; count],
             island: (0..count as u32).collect(),
@@ -102,7 +106,7 @@ impl<'a> Pieces<'a> {
             |e| self.kept.is_some_and(|kept| kept[e]),
             |h| self.motion[self.piece[self.mesh.face(h)] as usize].of(self.map.position[h]),
             self.lengths,
-            self.boxes.extent,
+            self.extent,
         )
     }
 
@@ -153,21 +157,26 @@ impl<'a> Pieces<'a> {
         true
     }
 
-    /// The same for piece `p`, moved, and piece `q` as it lay at first.
+    /// The same for two pieces, `motion` taking the first to where the second lay at first.
     fn meetings_of(&self, [p, q]: [u32; 2], motion: &Motion, visit: &mut impl FnMut(Overlap) -> bool) -> bool {
-        let faces = &self.faces[p as usize];
-        let least = ALLOWED * NEGLIGIBLE_DEPTH * self.boxes.extent;
+        if self.faces[p as usize].len() > self.faces[q as usize].len() {
+            return self.meetings_of([q, p], &motion.inverse(), visit);
+        }
+        let [(few, moved), (_, still)] = [p, q].map(|piece| (&self.faces[piece as usize], &self.boxes[piece as usize]));
+        if !may_meet(moved, still, motion) {
+            return true;
+        }
+        let least = ALLOWED * NEGLIGIBLE_DEPTH * self.extent;
         let mut goes_on = true;
-        for &f in (0..STRIDE).flat_map(|first| faces.iter().skip(first).step_by(STRIDE)) {
-            let Some(one) = self.boxes.upright[f.index()].map(|corners| motion.of_triangle(corners)) else { continue };
-            self.boxes.meeting(&one, |g| {
-                let other = self.boxes.upright[g as usize].filter(|_| self.piece[FaceId(g)] == q);
-                if let Some(other) = other
+        for k in (0..STRIDE).flat_map(|first| (first..few.len()).step_by(STRIDE)) {
+            let Some(one) = moved.upright[k].map(|corners| motion.of_triangle(corners)) else { continue };
+            still.meeting(&one, |g| {
+                if let Some(other) = still.upright[g as usize]
                     && let Some(depth) = triangle::depth(&one, &other).filter(|&depth| depth > least)
                 {
-                    let triangles = [f.0.min(g), f.0.max(g)];
+                    let [f, g] = [few[k].0, self.faces[q as usize][g as usize].0];
                     let area = triangle::common_area(&one, &other);
-                    goes_on = visit(Overlap { triangles, depth: depth / self.boxes.extent, area });
+                    goes_on = visit(Overlap { triangles: [f.min(g), f.max(g)], depth: depth / self.extent, area });
                 }
                 goes_on
             });
@@ -206,4 +215,12 @@ impl<'a> Pieces<'a> {
     pub(super) fn cut(&self) -> &EdgeData<bool> {
         &self.cut
     }
+}
+
+/// Whether the bounding boxes meet where the first is moved.
+fn may_meet(moved: &Boxes, still: &Boxes, motion: &Motion) -> bool {
+    let (Some([low, high]), Some(still)) = (moved.bounds(), still.bounds()) else { return false };
+    let corners = [low, [high[0], low[1]], high, [low[0], high[1]]].map(|corner| motion.of(corner));
+    let [low, high] = bounds(&corners);
+    (0..2).all(|i| low[i] <= still[1][i] && still[0][i] <= high[i])
 }

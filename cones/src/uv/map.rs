@@ -49,6 +49,18 @@ impl UvMap {
         mesh.faces().map(|f| self.triangle(mesh, f)).collect()
     }
 
+    /// The longer side of its bounding box.
+    pub(super) fn extent(&self) -> f64 {
+        let side = |i: usize| {
+            let [low, high] = self
+                .position
+                .iter()
+                .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], p| [low.min(p[i]), high.max(p[i])]);
+            high - low
+        };
+        side(0).max(side(1))
+    }
+
     pub(super) fn triangle(&self, mesh: &Mesh, f: FaceId) -> Triangle {
         mesh.sides(f).map(|h| self.position[h])
     }

@@ -164,9 +164,14 @@ impl Boxes {
             builder.add(low[0], low[1], high[0], high[1]);
         }
         let tree = builder.build().ok();
-        let bounds = tree.as_ref().and_then(StaticAABB2DIndex::bounds);
-        let extent = bounds.map_or(0.0, |b| (b.max_x - b.min_x).max(b.max_y - b.min_y));
-        Self { upright, tree, triangle, extent }
+        let mut boxes = Self { upright, tree, triangle, extent: 0.0 };
+        boxes.extent = boxes.bounds().map_or(0.0, |[low, high]| (high[0] - low[0]).max(high[1] - low[1]));
+        boxes
+    }
+
+    /// The lower left and the upper right corner of the bounding box of all; none without area.
+    pub(super) fn bounds(&self) -> Option<[[f64; 2]; 2]> {
+        self.tree.as_ref()?.bounds().map(|b| [[b.min_x, b.min_y], [b.max_x, b.max_y]])
     }
 
     /// Visits the triangles whose bounding boxes meet that of a triangle, in no order that means anything, as long as the
@@ -180,10 +185,10 @@ impl Boxes {
     }
 }
 
-/// The lower left and the upper right corner of a triangle's bounding box.
-fn bounds(triangle: &Triangle) -> [[f64; 2]; 2] {
-    let [a, b, c] = *triangle;
-    [[0, 1].map(|i| a[i].min(b[i]).min(c[i])), [0, 1].map(|i| a[i].max(b[i]).max(c[i]))]
+/// The lower left and the upper right corner of the bounding box of points.
+pub(super) fn bounds<const N: usize>(points: &[[f64; 2]; N]) -> [[f64; 2]; 2] {
+    let extreme = |start: f64, of: fn(f64, f64) -> f64| [0, 1].map(|i| points.iter().fold(start, |x, p| of(x, p[i])));
+    [extreme(f64::INFINITY, f64::min), extreme(f64::NEG_INFINITY, f64::max)]
 }
 
 #[cfg(test)]

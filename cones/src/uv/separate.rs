@@ -15,8 +15,7 @@ use super::attach::Pieces;
 use super::chains::Chain;
 use super::divide::{Pair, Preference, SLIVER, divide};
 use super::map::UvMap;
-use super::overlap::{Boxes, NEGLIGIBLE_DEPTH, Overlap, Overlaps, overlaps_watched};
-use super::triangle;
+use super::overlap::{NEGLIGIBLE_DEPTH, Overlap, Overlaps, overlaps_watched};
 
 /// What is tried. Of 48 such preferences these four give the fewest islands on 105 layouts that lie over themselves: each alone
 /// leaves one island on 41 to 48 of them, all four together on 60.
@@ -92,6 +91,13 @@ fn seam(mesh: &Mesh, lengths: &EdgeData<f64>, cut: &EdgeData<bool>) -> f64 {
     mesh.edges().filter(|&e| cut[e]).map(|e| lengths[e]).filter(|l| l.is_finite()).sum()
 }
 
+/// How many triangles each island has.
+fn sizes(mesh: &Mesh, opened: &CutMesh) -> Vec<usize> {
+    let mut sizes = vec![0; opened.island_count()];
+    mesh.faces().for_each(|f| sizes[opened.island(f) as usize] += 1);
+    sizes
+}
+
 /// Pairs with whole numbers for areas, so that sums are exact; a pair without area counts, too.
 fn weighed(pairs: &[Overlap]) -> Vec<Pair> {
     let total: f64 = pairs.iter().map(|pair| pair.area).sum();
@@ -139,15 +145,14 @@ struct Cost {
 
 impl Task<'_> {
     /// A map's islands, opened further along `cut`.
-    fn pieces<'b>(&'b self, map: &'b UvMap, boxes: &'b Boxes, cut: EdgeData<bool>) -> Pieces<'b> {
-        Pieces::new((self.mesh, self.lengths, self.kept), map, boxes, cut)
+    fn pieces<'b>(&'b self, map: &'b UvMap, cut: EdgeData<bool>) -> Pieces<'b> {
+        Pieces::new((self.mesh, self.lengths, self.kept), map, cut)
     }
 
     /// The best map, and the pairs that could not be parted.
     fn best(&self, watch: Watch) -> Result<(UvMap, Overlaps), Interrupted> {
-        let boxes = self.boxes(self.map);
-        let mut states = self.starts(&boxes, watch.within(0.0, 0.5))?;
-        let before = self.cost(&self.pieces(self.map, &boxes, self.map.cut.clone())).0.islands;
+        let mut states = self.starts(watch.within(0.0, 0.5))?;
+        let before = self.cost(&sizes(self.mesh, &self.map.opened(self.mesh)), &self.map.cut).islands;
         let runs = (TRIANGLES / self.mesh.face_count().max(1)).min(MOST_RUNS);
         let mut tried = 0;
         while tried < runs && states.iter().all(|state| state.cost.islands > before) {
@@ -174,11 +179,11 @@ impl Task<'_> {
     }
 
     /// What comes of the preferences, the best first.
-    fn starts(&self, boxes: &Boxes, watch: Watch) -> Result<Vec<State>, Interrupted> {
+    fn starts(&self, watch: Watch) -> Result<Vec<State>, Interrupted> {
         let pairs = weighed(&self.overlaps.pairs);
         let run = |preference: &Preference| {
             let cut = self.cut(&pairs, preference, watch)?;
-            self.attached(self.pieces(self.map, boxes, cut), watch)
+            self.attached(self.pieces(self.map, cut), watch)
         };
         let most = (TRIANGLES / self.mesh.face_count().max(1)).max(1);
         let states: Vec<Result<State, Interrupted>> = PREFERENCES.par_iter().take(most).map(run).collect();
@@ -188,8 +193,7 @@ impl Task<'_> {
     /// What comes of gluing one of the longest chains all the same, and parting what lies over each other then; none if all have
     /// been tried.
     fn glued_otherwise(&self, state: &State, count: usize, watch: Watch) -> Result<Option<Vec<State>>, Interrupted> {
-        let boxes = self.boxes(&state.map);
-        let pieces = self.pieces(&state.map, &boxes, state.map.cut.clone());
+        let pieces = self.pieces(&state.map, state.map.cut.clone());
         let chains = pieces.chains();
         let gluings: Vec<(&Chain, &Preference)> = chains
             .iter()
@@ -206,22 +210,19 @@ impl Task<'_> {
             let mut glued = pieces.clone();
             glued.glue(chain);
             let map = glued.map();
-            let boxes = self.boxes(&map);
             let cut = divide(self.mesh, self.lengths, &map.cut, &weighed(&pairs), preference, watch)?;
-            self.attached(self.pieces(&map, &boxes, cut), watch).map(Some)
+            self.attached(self.pieces(&map, cut), watch).map(Some)
         };
         let states: Vec<Result<Option<State>, Interrupted>> = gluings.par_iter().map(run).collect();
         Ok(Some(states.into_iter().collect::<Result<Vec<_>, _>>()?.into_iter().flatten().collect()))
     }
 
-    fn boxes(&self, map: &UvMap) -> Boxes {
-        Boxes::new(map.triangles(self.mesh).into_iter().map(triangle::upright))
-    }
-
     fn attached(&self, mut pieces: Pieces, watch: Watch) -> Result<State, Interrupted> {
         pieces.attach(watch)?;
-        let (cost, beside) = self.cost(&pieces);
-        Ok(State { cost, map: pieces.map(), beside, tried: 0, is_done: false })
+        let sizes = pieces.sizes();
+        let largest = sizes.iter().copied().max().unwrap_or(0);
+        let beside = 1.0 - largest as f64 / self.mesh.face_count().max(1) as f64;
+        Ok(State { cost: self.cost(&sizes, pieces.cut()), map: pieces.map(), beside, tried: 0, is_done: false })
     }
 
     /// Cuts by a preference until all pairs are parted, those too that were not kept at first.
@@ -237,12 +238,9 @@ impl Task<'_> {
         Ok(cut)
     }
 
-    /// What a map costs, and the share of triangles that are not on its largest island.
-    fn cost(&self, pieces: &Pieces) -> (Cost, f64) {
-        let sizes = pieces.sizes();
+    /// What a map costs with islands of so many triangles each.
+    fn cost(&self, sizes: &[usize], cut: &EdgeData<bool>) -> Cost {
         let slivers = sizes.iter().filter(|&&size| size < SLIVER as usize).count();
-        let largest = sizes.iter().copied().max().unwrap_or(0);
-        let cost = Cost { islands: sizes.len() + 2 * slivers, seam: seam(self.mesh, self.lengths, pieces.cut()) };
-        (cost, 1.0 - largest as f64 / self.mesh.face_count().max(1) as f64)
+        Cost { islands: sizes.len() + 2 * slivers, seam: seam(self.mesh, self.lengths, cut) }
     }
 }
