@@ -333,7 +333,9 @@ fn sharpness(surface: &Surface, e: EdgeId) -> f64 {
 }
 
 fn figures(surface: &Surface, metric: &Metric, model: &Model, cones: &[VertexId], weight: f64) -> SeamFigures {
-    let plan = SeamPlan::new(surface, metric, model.corners(), &SeamOptions { weight, ..SeamOptions::default() });
+    let plan =
+        SeamPlan::new(surface, metric, model.corners(), &SeamOptions { weight, ..SeamOptions::default() }, Watch::NONE)
+            .expect("nobody says stop");
     let seams = plan.cut(&surface.mesh, cones, Watch::NONE).unwrap();
     assert!(CutMesh::open(&surface.mesh, &seams.cut).is_disk());
     SeamFigures::new(surface, metric, &seams)

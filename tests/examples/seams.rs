@@ -41,7 +41,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
                     let here = |cone: &cones::Cone| surface.vertex.iter().position(|&v| v == cone.vertex);
                     let cones: Vec<VertexId> = placed.iter().filter_map(here).map(VertexId::new).collect();
                     let began = Instant::now();
-                    let plan = SeamPlan::new(surface, &metric, model.corners(), &options);
+                    let plan = SeamPlan::new(surface, &metric, model.corners(), &options, Watch::NONE)?;
                     let Ok(seams) = plan.cut(&surface.mesh, &cones, Watch::NONE) else { continue };
                     time += began.elapsed().as_secs_f64();
                     figures += SeamFigures::new(surface, &metric, &seams);

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::time::Instant;
 
-use geom::Model;
+use geom::{Model, Watch};
 
 use super::atlas::Atlas;
 use super::choosing::Shared;
@@ -132,8 +132,8 @@ impl Analysis {
         times: &mut Times,
     ) -> Result<SeamPlan, Error> {
         let Component { index, surface, metric, .. } = component;
-        let plan = |_: geom::Watch| SeamPlan::new(surface, metric, self.corner_vertices(), seams);
-        task.stage((Stage::Cut, *index), times, plan)
+        let plan = |watch: Watch| SeamPlan::new(surface, metric, self.corner_vertices(), seams, watch);
+        Ok(task.stage((Stage::Cut, *index), times, plan)??)
     }
 
     /// Edges must be edges of the model, and those that are to be cut not open already.

@@ -1,13 +1,13 @@
 //! What an edge costs a seam: its length, less a discount where a seam is welcome.
 //!
 //! Seams are least seen along *sharp* edges, where shading breaks off anyway, and in *hidden* places, which see little of the
-//! sky ([`exposure`]: hollows, undersides, gaps; cf. Sheffer & Hart 2002, "Seamster: inconspicuous low-distortion texture seam
+//! sky ([`exposure`](geom::exposure): hollows, undersides, gaps; cf. Sheffer & Hart 2002, "Seamster: inconspicuous low-distortion texture seam
 //! layout"). With the discount d of an edge a seam on the way of least cost is at most 1/(1 - d) times as long as the shortest.
 
 use std::f64::consts::PI;
 
 use geom::vector::{Vec3, angle, normal};
-use geom::{EdgeData, EdgeId, Mesh, Surface, exposure};
+use geom::{EdgeData, EdgeId, Interrupted, Mesh, Surface, Watch, exposure_watched};
 
 /// What a sharp edge is cheaper by at full weight, as a share of its length. At half the weight, the default, a way along sharp
 /// edges is taken that is up to 14 % longer.
@@ -30,19 +30,22 @@ pub(crate) fn bend(mesh: &Mesh, points: &[Vec3], e: EdgeId) -> f64 {
 }
 
 /// For each edge the share of its length that it costs, with a weight from 0 (all of it) to 1.
-pub(crate) fn shares(surface: &Surface, weight: f64) -> EdgeData<f64> {
+///
+/// # Errors
+/// If it is stopped.
+pub(crate) fn shares(surface: &Surface, weight: f64, watch: Watch) -> Result<EdgeData<f64>, Interrupted> {
     let Surface { mesh, points, .. } = surface;
     if weight <= 0.0 {
-        return EdgeData::constant(mesh.edge_count(), 1.0);
+        return Ok(EdgeData::constant(mesh.edge_count(), 1.0));
     }
     let triangles: Vec<[u32; 3]> = mesh.faces().map(|f| mesh.corners(f).map(|v| v.0)).collect();
-    let seen = exposure(points, &triangles);
+    let seen = exposure_watched(points, &triangles, watch)?;
     let share = |e: EdgeId| {
         let [a, b] = mesh.ends(e).map(|v| seen[v.0 as usize]);
         let sharp = ((bend(mesh, points, e) - SMOOTH) / (CREASE - SMOOTH)).clamp(0.0, 1.0);
         1.0 - weight * (SHARP * sharp).max(HIDDEN * (1.0 - 0.5 * (a + b)))
     };
-    mesh.edges().map(share).collect()
+    Ok(mesh.edges().map(share).collect())
 }
 
 #[cfg(test)]
@@ -53,8 +56,8 @@ mod tests {
     #[test]
     fn without_weight_an_edge_costs_its_length_and_with_it_less_but_never_nothing() {
         let surface = &prepare(&Model::from(shapes::part(900)), false).unwrap().surfaces[0];
-        assert!(shares(surface, 0.0).iter().all(|share| *share == 1.0));
-        let [half, full] = [0.5, 1.0].map(|weight| shares(surface, weight));
+        assert!(shares(surface, 0.0, Watch::NONE).unwrap().iter().all(|share| *share == 1.0));
+        let [half, full] = [0.5, 1.0].map(|weight| shares(surface, weight, Watch::NONE).unwrap());
         for (half, full) in half.iter().zip(full.iter()) {
             assert!(*full <= *half && *half <= 1.0 && *full >= 1.0 - SHARP.max(HIDDEN));
             assert!((1.0 - full - 2.0 * (1.0 - half)).abs() < 1e-12);

@@ -8,7 +8,8 @@
 use std::collections::{HashMap, HashSet};
 
 use geom::{
-    EdgeData, EdgeId, HalfedgeId, Id, Mesh, Metric, Surface, VertexData, VertexId, Watch, edges_at, open_islands,
+    EdgeData, EdgeId, HalfedgeId, Id, Interrupted, Mesh, Metric, Surface, VertexData, VertexId, Watch, edges_at,
+    open_islands,
 };
 
 use super::cost::shares;
@@ -40,17 +41,27 @@ impl SeamPlan {
     /// What the options mean on a surface; edges that it does not have are passed over. `metric` has the lengths in space,
     /// `corners` the vertex of each corner of the model. O(F), and the
     /// time of [`exposure`](geom::exposure).
-    pub fn new(surface: &Surface, metric: &Metric, corners: &[u32], options: &SeamOptions) -> Self {
+    ///
+    /// # Errors
+    /// If it is stopped.
+    pub fn new(
+        surface: &Surface,
+        metric: &Metric,
+        corners: &[u32],
+        options: &SeamOptions,
+        watch: Watch,
+    ) -> Result<Self, Interrupted> {
         let weight = if options.weight > 0.0 { options.weight.min(1.0) } else { 0.0 };
         let given = marked(surface, corners, options.given.iter().chain(&options.kept));
         let mut avoided = marked(surface, corners, options.avoid.iter());
         avoided.iter_mut().zip(given.iter()).for_each(|(avoided, given)| *avoided &= !given);
         let lengths = seam_lengths(surface, metric);
-        let mut cost = shares(surface, weight);
+        let mut cost = shares(surface, weight, watch.within(0.1, 0.9))?;
         for (e, length) in lengths.iter_ids() {
             cost[e] *= if avoided[e] { AVOIDED * length } else { *length };
         }
-        Self {
+        watch.ask(0.9)?;
+        Ok(Self {
             has_given: given.iter().any(|&given| given),
             straightness: (weight > 0.0).then(|| (weight, Turning::new(&surface.mesh, metric))),
             plain: lengths.iter_ids().map(|(e, l)| if avoided[e] { AVOIDED * l } else { *l }).collect(),
@@ -58,7 +69,7 @@ impl SeamPlan {
             cost,
             given,
             avoided,
-        }
+        })
     }
 
     /// The seams of the surface with the cones given: each island that they leave is a disk. O(V log V), O(E log E) where there

@@ -8,6 +8,7 @@
 use std::f64::consts::PI;
 
 use crate::vector::{Vec3, add, cross, dot, length, scale, sub, unit};
+use crate::watch::{Interrupted, Watch};
 
 /// So many directions, spread evenly over the sphere.
 const DIRECTIONS: usize = 16;
@@ -31,9 +32,23 @@ const BIAS: f64 = 2.5;
 /// # Panics
 /// If a triangle names a point that is not there.
 pub fn exposure(points: &[Vec3], triangles: &[[u32; 3]]) -> Vec<f64> {
+    // Only a watch interrupts.
+    exposure_watched(points, triangles, Watch::NONE).unwrap_or_default()
+}
+
+/// [`exposure`], watched.
+///
+/// # Errors
+/// If it is stopped.
+///
+/// # Panics
+/// If a triangle names a point that is not there.
+pub fn exposure_watched(points: &[Vec3], triangles: &[[u32; 3]], watch: Watch) -> Result<Vec<f64>, Interrupted> {
     let normals = normals(points, triangles);
     let mut light = vec![[0.0; 2]; points.len()];
-    for direction in (0..DIRECTIONS).map(direction) {
+    for k in 0..DIRECTIONS {
+        watch.ask(k as f64 / DIRECTIONS as f64)?;
+        let direction = direction(k);
         let view = View::new(points, direction);
         let depth = view.draw();
         for (v, (normal, light)) in normals.iter().zip(&mut light).enumerate() {
@@ -44,7 +59,7 @@ pub fn exposure(points: &[Vec3], triangles: &[[u32; 3]]) -> Vec<f64> {
             }
         }
     }
-    light.into_iter().map(|[all, seen]| if all > 0.0 { seen / all } else { 1.0 }).collect()
+    Ok(light.into_iter().map(|[all, seen]| if all > 0.0 { seen / all } else { 1.0 }).collect())
 }
 
 /// The unit normals of vertices: the mean of their triangles', by area.

@@ -8,7 +8,7 @@ mod texture_seams;
 mod triangulate;
 
 pub use curvature::{gaussian_curvature, mean_curvature};
-pub use exposure::exposure;
+pub use exposure::{exposure, exposure_watched};
 pub use model::{MAX_COORDINATE, Model, ModelError, Skipped, TextureCoordinates};
 #[cfg(feature = "files")]
 pub(crate) use model::{Polygons, is_coordinate};
