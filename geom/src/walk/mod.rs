@@ -3,11 +3,13 @@
 mod cut;
 mod dijkstra;
 mod distance;
+mod handles;
 mod island;
 mod path;
 
 pub use cut::CutMesh;
 pub use distance::{EdgeDistances, distance_along_edges};
+pub use handles::{HandleLoop, handle_loops};
 pub use island::{OpenedIsland, open_islands};
 pub use path::{
     ShortestPaths, edges_at, kruskal, maximum_spanning_cotree, maximum_spanning_cotree_watched, minimum_spanning_tree,
