@@ -2,7 +2,7 @@
 
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 
-use cones::{ConeChoice, Options, Placement, unwrap_model};
+use cones::{Analysis, Atlas, ConeChoice, Handles, Options, Placement, Preparation, Refining, unwrap_model};
 use geom::distortion;
 use geom::shapes::{self, Shape};
 use proptest::prelude::*;
@@ -92,6 +92,52 @@ fn every_genus_with_every_number_of_boundaries_unwraps() {
     }
 }
 
+fn handles(handles: Handles) -> Preparation {
+    Preparation { handles, ..Preparation::default() }
+}
+
+#[test]
+fn opened_handles_leave_loops_whose_sides_have_equal_lengths() {
+    let slab = |genus, boundaries| solids::refined(&solids::refined(&solids::slab(genus, boundaries)));
+    let cases = [(slab(1, 0), Refining::Never), (slab(2, 1), Refining::Never), (slab(4, 0), Refining::Never)];
+    let round = [(shapes::torus(1, 700), Refining::Always), (shapes::torus(2, 900), Refining::Always)];
+    for (shape, refine) in cases.into_iter().chain(round) {
+        let preparation = Preparation { refine, ..handles(Handles::Always) };
+        let options = Options { cones: ConeChoice::Count(6), preparation, ..Options::default() };
+        let model = solids::model(&shape).expect("an ordinary shape");
+        let analysis = Analysis::with(&model, preparation).expect("a sound model");
+        let atlas = analysis.atlas(&options).expect("it unwraps");
+        let name = format!("genus {}, {refine:?}", shape.mesh().genus());
+        assert_eq!(atlas.opened_handles, shape.mesh().genus(), "{name}");
+        let loops = &atlas.seams[atlas.seams.len() - atlas.opened_handles..];
+        assert!(loops.iter().all(|around| around.first() == around.last() && around.len() > 3), "{name}");
+        let found = check_map(analysis.refined().map_or(&model, |refined| &refined.model), &atlas);
+        assert_eq!((found.flipped, found.degenerate, found.torn), (0, 0, 0), "{name}: {:?}", atlas.notes);
+        assert!(found.seam_mismatch < 1e-6 && found.curvature < 1e-6, "{name}: {found:?}");
+        assert!(found.euler.iter().all(|&chi| chi == 1), "{name}: islands are disks: {:?}", found.euler);
+    }
+}
+
+#[test]
+fn handles_are_opened_where_cones_are_too_few_for_them_and_left_where_they_are_asked_to_be() {
+    let model = solids::model(&shapes::torus(4, 2500)).expect("an ordinary shape");
+    let map = |kind: Handles, count: usize| {
+        let options = Options { cones: ConeChoice::Count(count), preparation: handles(kind), ..Options::default() };
+        unwrap_model(&model, &options).expect("it unwraps")
+    };
+    let distortion = |atlas: &Atlas| {
+        let triangles: Vec<[u32; 3]> = atlas.triangles.corners.clone();
+        let points = model.corners().iter().map(|&v| model.points()[v as usize]).collect::<Vec<_>>();
+        let uv: Vec<_> = triangles.iter().map(|t| t.map(|c| atlas.uv[c as usize])).collect();
+        distortion::measure(&points, &triangles, &uv).expect("one position a corner").area.mean
+    };
+    let [closed, auto, open] = [Handles::Never, Handles::Auto, Handles::Always].map(|kind| map(kind, 4));
+    assert_eq!([closed.opened_handles, auto.opened_handles, open.opened_handles], [0, 4, 4]);
+    assert!(distortion(&auto) < 0.8 * distortion(&closed), "{} {}", distortion(&auto), distortion(&closed));
+    assert_eq!(auto.uv, open.uv);
+    assert_eq!(map(Handles::Auto, 60).opened_handles, 0, "many cones do without");
+}
+
 #[test]
 fn developable_cones_are_laid_out_as_they_are() {
     for (shape, angle) in [(shapes::cone(5, 800), 5.0), (shapes::saddle_cone(800), 8.0)] {
@@ -141,7 +187,8 @@ fn curvatures_sum_to_what_the_topology_asks_for() {
     for (genus, euler) in [(0, 2.0), (1, 0.0), (2, -2.0), (3, -4.0)] {
         let shape = solids::refined(&solids::refined(&solids::slab(genus, 0)));
         let model = solids::model(&shape).expect("an ordinary shape");
-        let options = Options { cones: ConeChoice::Count(10), ..Options::default() };
+        let options =
+            Options { cones: ConeChoice::Count(10), preparation: handles(Handles::Never), ..Options::default() };
         let atlas = unwrap_model(&model, &options).expect("it unwraps");
         let total: f64 = atlas.cones.iter().map(|cone| cone.curvature).sum();
         assert!((total - std::f64::consts::TAU * euler).abs() < 1e-9, "genus {genus}: {total}");

@@ -111,7 +111,7 @@ pub struct MapCheck {
     pub torn: usize,
     /// The largest relative difference in length between the two sides of a seam's edge.
     pub seam_mismatch: f64,
-    /// The largest angle defect in the plane at inner vertices that are no cones; every corner's angle counts.
+    /// The largest angle defect in the plane at inner vertices that are no cones and on no loop of a handle that was opened; every corner's angle counts.
     pub curvature: f64,
     /// V - E + F of each island.
     pub euler: Vec<i64>,
@@ -165,6 +165,8 @@ pub fn check_map(model: &Model, atlas: &Atlas) -> MapCheck {
         }
     }
     atlas.cones.iter().for_each(|cone| is_inner[cone.vertex as usize] = false);
+    let loops = &atlas.seams[atlas.seams.len() - atlas.opened_handles..];
+    loops.iter().flatten().for_each(|&v| is_inner[v as usize] = false);
     for v in (0..model.vertex_count()).filter(|&v| is_inner[v]) {
         check.curvature = check.curvature.max((std::f64::consts::TAU - angle_sum[v]).abs());
     }

@@ -11,6 +11,8 @@ pub(crate) struct SeamReport {
     turning: f64,
     /// The share of their length on edges that bend by more than 30°.
     sharp: f64,
+    /// How many handles were opened along a loop each.
+    opened_handles: usize,
     /// Across how many of them a texture runs on; nothing where that was not asked for.
     tiling: Option<TilingReport>,
 }
@@ -32,12 +34,22 @@ impl SeamReport {
         Self {
             turning: figures.turning,
             sharp: figures.sharp_share(),
+            opened_handles: atlas.opened_handles,
             tiling: atlas.tiling.as_ref().map(TilingReport::from),
         }
     }
 
-    /// A line where tiling was asked for.
+    /// A line where handles were opened, and one where tiling was asked for.
     pub(crate) fn text(&self) -> String {
+        let opened = match self.opened_handles {
+            0 => String::new(),
+            1 => labelled("handles", "1 opened along a short loop, whose sides fit in length alone"),
+            count => labelled("handles", &format!("{count} opened along short loops, whose sides fit in length alone")),
+        };
+        opened + &self.tiling_text()
+    }
+
+    fn tiling_text(&self) -> String {
         let Some(TilingReport { order, seams, broken, error }) = self.tiling else { return String::new() };
         let tiled = seams - broken;
         labelled(

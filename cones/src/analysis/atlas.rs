@@ -64,6 +64,9 @@ pub struct Atlas {
     pub cones: Vec<Cone>,
     /// The seams as chains of vertices of the model.
     pub seams: Vec<Vec<u32>>,
+    /// How many handles were opened: so many of the seams, the last ones, are closed loops whose sides have equal lengths and are not
+    /// congruent.
+    pub opened_handles: usize,
     /// What the seams are like.
     pub seam_figures: SeamFigures,
     /// Across which seams a texture runs on, where curvatures were to be [rounded](crate::Options::quantize) for it.

@@ -8,6 +8,7 @@ use geom::{FaceId, HalfedgeData, Id, Metric, PoissonError, Surface, VertexId, Wa
 use topo::{Extremum, Kind};
 
 use super::cones::{Cone, Configuration};
+use super::handles::OpenedHandles;
 use super::note::Note;
 use super::observer::{Stage, Task, Times};
 use super::options::{Options, Preparation};
@@ -28,6 +29,8 @@ pub(crate) struct Component {
     pub(crate) surface: Surface,
     /// To the refined model, if it was refined.
     pub(crate) way: Option<Way>,
+    /// The handles that were opened.
+    pub(crate) handles: OpenedHandles,
     /// The edge lengths in space, mollified where they have to be.
     pub(crate) metric: Metric,
     /// The area in the model's units.
@@ -43,17 +46,20 @@ pub(crate) struct Component {
 
 impl Component {
     pub(crate) fn new(index: usize, ready: Ready, preparation: Preparation, task: &Task) -> Result<Self, Error> {
-        let Ready { surface, mut metric, way } = ready;
+        let Ready { surface, mut metric, way, handles } = ready;
         let mut notes = Vec::new();
         let mut times = Times::default();
         let operators = task.stage((Stage::Factor, index), &mut times, |watch| {
-            let operators = Operators::with_points(&surface.mesh, &metric, &surface.points, watch);
+            let made = |metric: &Metric| {
+                Operators::with_tied_loops(&surface.mesh, metric, &surface.points, handles.of_vertex.as_ref(), watch)
+            };
+            let operators = made(&metric);
             if !matches!(operators, Err(PoissonError::NotPositiveDefinite)) {
                 return operators;
             }
             metric = metric.mollified(&surface.mesh, Metric::MOLLIFICATION);
             notes.push(Note::Mollified { component: index });
-            Operators::with_points(&surface.mesh, &metric, &surface.points, watch)
+            made(&metric)
         })??;
         let (factor, hierarchy) =
             task.stage((Stage::Hierarchy, index), &mut times, |watch| -> Result<_, Error> {
@@ -68,7 +74,27 @@ impl Component {
             })??;
         let area = metric.area(&surface.mesh) / surface.scale / surface.scale;
         let (terms, level) = (OnceLock::new(), OnceLock::new());
-        Ok(Self { index, surface, way, metric, area, operators, factor, hierarchy, terms, level, notes, times })
+        Ok(Self {
+            index,
+            surface,
+            way,
+            handles,
+            metric,
+            area,
+            operators,
+            factor,
+            hierarchy,
+            terms,
+            level,
+            notes,
+            times,
+        })
+    }
+
+    /// The surface as it was made ready.
+    pub(crate) fn ready(&self) -> Ready {
+        let Self { surface, metric, way, .. } = self;
+        Ready { surface: surface.clone(), metric: metric.clone(), way: way.clone(), handles: OpenedHandles::default() }
     }
 
     /// What cones are placed on.
@@ -235,7 +261,7 @@ impl Component {
         for (corner, h, along) in way.corners() {
             let (p, q) = (positions[h], positions[surface.mesh.next(h)]);
             // From the same end whichever side it is seen from, lest the sides differ by a rounding.
-            let is_named = surface.mesh.halfedge(surface.mesh.edge(h)) == h;
+            let is_named = way.is_named(&surface.mesh, h);
             let (from, to, share) = if is_named { (q, p, 1.0 - along) } else { (p, q, along) };
             uv[corner as usize] = Some(match share {
                 ..=0.0 => from,

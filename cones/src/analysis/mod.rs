@@ -16,6 +16,7 @@ mod choosing;
 mod component;
 mod cones;
 mod flat;
+mod handles;
 mod islands;
 mod note;
 mod observer;
@@ -40,7 +41,7 @@ pub use choosing::{MOST_AUTOMATIC, TARGET_DISTORTION};
 pub use cones::{ChosenNumber, Cone, Cones};
 pub use note::{Failure, Note};
 pub use observer::{Observer, Progress, Stage, Times};
-pub use options::{ConeChoice, Islands, Options, Preparation, Refining};
+pub use options::{ConeChoice, Handles, Islands, Options, Preparation, Refining};
 pub use order::{ConeOrder, ModelExtremum, OrderedCone};
 pub use preview::Preview;
 pub use refined::{MOST_NEEDLES, RefinedModel};
@@ -50,6 +51,7 @@ use crate::curvature::CurvatureRule;
 use crate::error::Error;
 use crate::placement::{Placement, Prediction};
 use component::Component;
+use handles::open_handles;
 use observer::{Silent, Task};
 use preview::PreviewOrder;
 use refined::{Ready, is_asked_for, refine_all};
@@ -89,11 +91,17 @@ struct Found {
     refined: Option<RefinedModel>,
     topology: Topology,
     components: Vec<Component>,
+    preparation: Preparation,
+    /// The same model with its handles opened, once that was asked for; none where no handle can be opened.
+    opened: OnceLock<Option<Arc<Found>>>,
     /// Orders for previews, of one block and of two, found when they are first asked for.
     previews: [OnceLock<PreviewOrder>; 2],
     notes: Vec<Note>,
     times: Times,
 }
+
+/// How many analyses have been made.
+static COUNT: AtomicUsize = AtomicUsize::new(0);
 
 impl std::fmt::Debug for Analysis {
     fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
@@ -123,7 +131,6 @@ impl Analysis {
     /// # Errors
     /// As [`new`](Self::new), and if the observer has said stop.
     pub fn observed(model: &Model, preparation: Preparation, observer: impl Observer + 'static) -> Result<Self, Error> {
-        static COUNT: AtomicUsize = AtomicUsize::new(0);
         let observer: Arc<dyn Observer> = Arc::new(observer);
         let mut times = Times::default();
         let mut prepared = Task::new(&observer, 0)
@@ -138,12 +145,9 @@ impl Analysis {
             (surfaces.into_iter().map(Ready::as_it_is).collect(), None, triangles, left_out)
         };
         let topology = Topology::of(ready.iter().map(|ready: &Ready| &ready.surface));
-        let began = Instant::now();
-        let make = |(index, ready)| Component::new(index, ready, preparation, &task);
-        let components = ready.into_par_iter().enumerate().with_max_len(1).map(make);
-        let components = components.collect::<Vec<_>>().into_iter().collect::<Result<Vec<Component>, Error>>()?;
-        times += Times::on_clock(components.iter().map(|component| component.times), began.elapsed());
-        let notes = components.iter().flat_map(|component| component.notes.iter().cloned()).collect();
+        let are_opened = preparation.handles == Handles::Always;
+        let components = made_of(ready, (preparation, are_opened), &task, &mut times)?;
+        let notes = notes_of(&components);
         let model = refined.as_ref().map_or(model, |refined| &refined.model);
         let found = Found {
             id: COUNT.fetch_add(1, Relaxed),
@@ -155,11 +159,29 @@ impl Analysis {
             refined,
             topology,
             components,
+            preparation,
+            opened: OnceLock::new(),
             previews: Default::default(),
             notes,
             times,
         };
         Ok(Self { found: Arc::new(found), observer })
+    }
+
+    /// The same model with its handles opened ([`Handles`]); none where there are no handles, or they are open. When it is first
+    /// asked for it costs one factorization for each connected component.
+    ///
+    /// # Errors
+    /// If a Laplacian cannot be factored, or if the observer has said stop.
+    pub fn with_handles_opened(&self) -> Result<Option<Self>, Error> {
+        let known = match self.found.opened.get() {
+            Some(known) => known,
+            None => {
+                let made = self.found.opened(&self.task())?;
+                self.found.opened.get_or_init(|| made.map(Arc::new))
+            }
+        };
+        Ok(known.as_ref().map(|found| Self { found: Arc::clone(found), observer: Arc::clone(&self.observer) }))
     }
 
     /// The same analysis, with another observer that listens to what is asked of it.
@@ -274,6 +296,62 @@ impl Analysis {
     fn task(&self) -> Task {
         Task::new(&self.observer, self.components().len())
     }
+}
+
+impl Found {
+    /// The same with handles opened, if there are any.
+    fn opened(&self, task: &Task) -> Result<Option<Self>, Error> {
+        if self.components.iter().all(|component| component.surface.mesh.genus() == 0) {
+            return Ok(None);
+        }
+        let mut times = Times::default();
+        let ready = self.components.iter().map(Component::ready).collect();
+        let components = made_of(ready, (self.preparation, true), task, &mut times)?;
+        Ok(Some(Self {
+            id: COUNT.fetch_add(1, Relaxed),
+            points: self.points.clone(),
+            corner_vertices: self.corner_vertices.clone(),
+            triangles: self.triangles.clone(),
+            left_out: self.left_out.clone(),
+            repairs: self.repairs.clone(),
+            refined: self.refined.clone(),
+            topology: self.topology,
+            notes: notes_of(&components),
+            components,
+            preparation: Preparation { handles: Handles::Always, ..self.preparation },
+            opened: OnceLock::from(None),
+            previews: Default::default(),
+            times,
+        }))
+    }
+}
+
+/// The components of surfaces that are ready, with their handles opened or not.
+fn made_of(
+    ready: Vec<Ready>,
+    (preparation, are_opened): (Preparation, bool),
+    task: &Task,
+    times: &mut Times,
+) -> Result<Vec<Component>, Error> {
+    let began = Instant::now();
+    let make = |(index, mut ready): (usize, Ready)| {
+        let mut times = Times::default();
+        if are_opened && ready.surface.mesh.genus() > 0 {
+            ready = task.stage((Stage::Prepare, index), &mut times, |watch| open_handles(ready, watch))??;
+        }
+        let mut component = Component::new(index, ready, preparation, task)?;
+        component.times += times;
+        Ok(component)
+    };
+    let components = ready.into_par_iter().enumerate().with_max_len(1).map(make);
+    let components = components.collect::<Vec<_>>().into_iter().collect::<Result<Vec<Component>, Error>>()?;
+    *times += Times::on_clock(components.iter().map(|component| component.times), began.elapsed());
+    Ok(components)
+}
+
+/// What the user should know of components.
+fn notes_of(components: &[Component]) -> Vec<Note> {
+    components.iter().flat_map(|component| component.notes.iter().cloned()).collect()
 }
 
 /// Does the same with each component, on several threads; the first error in the components' order. The time on the clock

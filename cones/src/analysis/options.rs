@@ -16,6 +16,24 @@ pub struct Preparation {
     /// Whether surfaces are refined until their triangles are even, whatever the model has: what is unwrapped is then the
     /// [refined model](crate::Analysis::refined).
     pub refine: Refining,
+    /// Whether handles are opened along loops that take curvature.
+    pub handles: Handles,
+}
+
+/// Whether handles are opened: along short loops, each a seam whose sides have equal lengths but are not congruent. Each handle asks cones
+/// for 4π of curvature otherwise.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
+#[non_exhaustive]
+pub enum Handles {
+    /// Where [`Analysis::atlas`](crate::Analysis::atlas) finds that lengths are predicted to change much less with the cones chosen, or
+    /// that far fewer cones are enough.
+    #[default]
+    Auto,
+    /// They stay closed.
+    Never,
+    /// All are opened. Vertices on their loops can be no cones, and need not be.
+    Always,
 }
 
 /// Whether surfaces are refined.

@@ -6,11 +6,13 @@
 //! seams are edges of it. Cones may be at vertices that were put in.
 
 use geom::{
-    CommonRefinement, EdgeData, FaceData, FaceId, HalfedgeData, HalfedgeId, Id, Intrinsic, Mesh, MeshError, Metric,
-    Model, Place, Prepared, Refinement, Surface, Triangles, Triangulation, VertexId, Watch, delaunay, refine_watched,
+    CommonRefinement, EdgeData, EdgeId, FaceData, FaceId, HalfedgeData, HalfedgeId, Id, Intrinsic, Mesh, MeshError,
+    Metric, Model, Place, Prepared, Refinement, Surface, Triangles, Triangulation, VertexId, Watch, delaunay,
+    refine_watched,
 };
 use rayon::prelude::*;
 
+use super::handles::OpenedHandles;
 use super::observer::{Stage, Task, Times};
 use super::options::Refining;
 use crate::error::Error;
@@ -69,7 +71,7 @@ pub struct RefinedModel {
 }
 
 /// The way from a refined surface to the refined model.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct Way {
     common: CommonRefinement,
     /// The refined model's vertex for each of the common refinement's.
@@ -80,6 +82,8 @@ pub(crate) struct Way {
     is_turned: Vec<bool>,
     /// The first triangle of the common refinement in each intrinsic one.
     start: Vec<u32>,
+    /// Where the surface was opened afterwards, the edge that each one was, and whether its named halfedge was that one's.
+    before: Option<EdgeData<(EdgeId, bool)>>,
 }
 
 impl Way {
@@ -91,15 +95,33 @@ impl Way {
         })
     }
 
+    /// The way from the surface opened along some of its edges: for each the edge that it was, and whether its named halfedge was
+    /// that one's.
+    pub(crate) fn opened(&self, before: EdgeData<(EdgeId, bool)>) -> Self {
+        Self { before: Some(before), ..self.clone() }
+    }
+
     /// The triangles of the refined model that are part of an intrinsic one.
     pub(crate) fn triangles(&self, f: FaceId) -> &[u32] {
         &self.triangle[self.start[f.index()] as usize..self.start[f.index() + 1] as usize]
     }
 
     /// The refined model's vertices inside an intrinsic edge, in order along it from one of its ends.
-    pub(crate) fn inside(&self, mesh: &Mesh, e: geom::EdgeId, from: VertexId) -> Vec<u32> {
-        let inside = self.common.crossings(e).map(|v| self.vertex[v as usize]);
-        if mesh.tail(mesh.halfedge(e)) == from { inside.collect() } else { inside.rev().collect() }
+    pub(crate) fn inside(&self, mesh: &Mesh, e: EdgeId, from: VertexId) -> Vec<u32> {
+        let inside = self.common.crossings(self.before(e).0).map(|v| self.vertex[v as usize]);
+        let is_along = (mesh.tail(mesh.halfedge(e)) == from) == self.before(e).1;
+        if is_along { inside.collect() } else { inside.rev().collect() }
+    }
+
+    /// Whether a halfedge is its edge's named one, as it was before the surface was opened.
+    pub(crate) fn is_named(&self, mesh: &Mesh, h: HalfedgeId) -> bool {
+        let e = mesh.edge(h);
+        (mesh.halfedge(e) == h) == self.before(e).1
+    }
+
+    /// The edge that an edge was before the surface was opened, and whether its named halfedge was that one's.
+    fn before(&self, e: EdgeId) -> (EdgeId, bool) {
+        self.before.as_ref().map_or((e, true), |before| before[e])
     }
 }
 
@@ -110,11 +132,13 @@ pub(crate) struct Ready {
     pub(crate) metric: Metric,
     /// To the refined model, if it was refined.
     pub(crate) way: Option<Way>,
+    /// The handles that were opened.
+    pub(crate) handles: OpenedHandles,
 }
 
 impl Ready {
     pub(crate) fn as_it_is(surface: Surface) -> Self {
-        Self { metric: surface.metric(), surface, way: None }
+        Self { metric: surface.metric(), surface, way: None, handles: OpenedHandles::default() }
     }
 
     /// Goes from triangles of the refined model in any order to their places in it.
@@ -224,7 +248,7 @@ impl Growing {
             .unwrap_or_else(|error: MeshError| unreachable!("it stays a manifold: {error}"));
         let points = common.place.iter().take(mesh.vertex_count());
         let points = points.map(|place| place.position(input, &surface.points)).collect();
-        let way = Way { common, vertex, triangle, is_turned, start };
+        let way = Way { common, vertex, triangle, is_turned, start, before: None };
         let surface = Surface {
             points,
             vertex: way.vertex[..mesh.vertex_count()].to_vec().into(),
@@ -236,7 +260,7 @@ impl Growing {
             zero_area: 0,
             mesh,
         };
-        Ready { surface, metric, way: Some(way) }
+        Ready { surface, metric, way: Some(way), handles: OpenedHandles::default() }
     }
 }
 

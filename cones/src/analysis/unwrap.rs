@@ -6,18 +6,36 @@ use std::time::Instant;
 use geom::{Model, Watch};
 
 use super::atlas::Atlas;
-use super::choosing::Shared;
+use super::choosing::{Shared, TARGET_DISTORTION};
 use super::component::Component;
-use super::cones::{ChosenNumber, Cones};
+use super::cones::{ChosenNumber, Cones, Configuration};
 use super::flat::Flat;
 use super::note::Note;
 use super::observer::{Stage, Task, Times};
-use super::options::{ConeChoice, Options};
+use super::options::{ConeChoice, Handles, Options};
 use super::packed::{Packed, packed};
 use super::{Analysis, each};
 use crate::cut::{ModelEdges, SeamFigures, SeamOptions, SeamPlan, Symmetry, Tiling};
 use crate::error::Error;
-use crate::placement::distortion_of;
+use crate::placement::{Prediction, Predictor, distortion_of};
+
+/// Where so few cones keep the area distortion within [`TARGET_DISTORTION`] handles stay closed.
+const FEW_CONES: usize = 8;
+/// Handles are opened where the excess of the area distortion over 1 is then so many times as large at most, with as many cones at most,
+const LESS_DISTORTION: f64 = 0.75;
+/// or so many times as many cones are enough for no more of it.
+const FEWER_CONES: f64 = 0.75;
+
+/// What is chosen for a model, and for each component.
+type Chosen = (Shared, Vec<Result<Configuration, Error>>);
+
+/// Whether cones on the surface with handles opened are so much better that this is worth seams that are not rigid.
+fn is_worth_opening(closed: &Prediction, opened: &Prediction) -> bool {
+    let [before, after] = [closed, opened].map(|predicted| predicted.area_distortion - 1.0);
+    let is_as_good = after <= before || opened.area_distortion <= TARGET_DISTORTION;
+    let has_fewer = opened.count as f64 <= FEWER_CONES * closed.count as f64;
+    is_as_good && has_fewer || after <= LESS_DISTORTION * before && opened.count <= closed.count
+}
 
 /// A measured area distortion counts as within a target if it is when printed with two decimals.
 const ROUNDING: f64 = 0.005;
@@ -112,15 +130,58 @@ impl Analysis {
             return Ok(atlas);
         }
         let task = self.task();
-        let (shared, configurations) = self.configurations(options, &task)?;
+        let chosen = self.configurations(options, &task)?;
+        match self.opened_instead(&chosen, options)? {
+            Some((opened, other)) => {
+                let mut atlas = opened.with_chosen(other, options, &task)?;
+                atlas.times += opened.times();
+                atlas.times += chosen.0.times;
+                Ok(atlas)
+            }
+            None => self.with_chosen(chosen, options, &task),
+        }
+    }
+
+    /// The analysis with handles opened and what is chosen there, where that promises the better map.
+    fn opened_instead(&self, chosen: &Chosen, options: &Options) -> Result<Option<(Self, Chosen)>, Error> {
+        // Loops are no rigid motions, so that no texture runs on across them.
+        if self.found.preparation.handles != Handles::Auto || options.quantize.is_some() {
+            return Ok(None);
+        }
+        let closed = self.predicted(&chosen.1);
+        if closed.is_some_and(|closed| closed.area_distortion <= TARGET_DISTORTION && closed.count <= FEW_CONES) {
+            return Ok(None);
+        }
+        let Some(opened) = self.with_handles_opened()? else { return Ok(None) };
+        let other = opened.configurations(options, &opened.task())?;
+        let is_better = match (closed, opened.predicted(&other.1)) {
+            (_, None) => false,
+            (None, Some(_)) => true,
+            (Some(closed), Some(opened)) => is_worth_opening(&closed, &opened),
+        };
+        Ok(is_better.then_some((opened, other)))
+    }
+
+    /// What is predicted for cones on all components, if they can be had on all.
+    fn predicted(&self, configurations: &[Result<Configuration, Error>]) -> Option<Prediction> {
+        let mut predictor = Predictor::new(self.components().len());
+        for (component, configuration) in self.components().iter().zip(configurations) {
+            let Configuration { vertices, predicted, .. } = configuration.as_ref().ok()?;
+            predictor.put(component.index, &component.operators, component.area, vertices.len(), predicted.clone());
+        }
+        Some(predictor.prediction())
+    }
+
+    /// Flattens the model with the cones chosen, or on components where these fail with the best of others.
+    fn with_chosen(&self, (shared, configurations): Chosen, options: &Options, task: &Task) -> Result<Atlas, Error> {
         let Shared { notes, number, mut times } = shared;
         let flats = each(self.components(), &mut times, |component, times| {
-            let plan = self.plan(component, &options.seams, &task, times)?;
-            let mut flat = component.flatten_well(&configurations[component.index], (options, &plan), &task, times)?;
-            component.part_islands(&mut flat, (options.islands, &plan), &task, times)?;
+            let plan = self.plan(component, &options.seams, task, times)?;
+            let mut flat = component.flatten_well(&configurations[component.index], (options, &plan), task, times)?;
+            component.part_islands(&mut flat, (options.islands, &plan), task, times)?;
             Ok(flat)
         })?;
-        self.assemble(flats, notes, (number, options.quantize), options, &task, times)
+        self.assemble(flats, notes, (number, options.quantize), options, task, times)
     }
 
     /// Where the seams of a component go.
@@ -168,7 +229,7 @@ impl Analysis {
             packed(self.components(), &flats, options, task, &mut times)?;
         let began = Instant::now();
         let mut uv = vec![None; self.corner_vertices().len()];
-        let (mut cones, mut seams, mut detached) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut cones, mut seams, mut loops, mut detached) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
         let mut island = vec![None; self.triangles().len()];
         for (component, (positions, islands)) in self.components().iter().zip(positions.iter().zip(&islands)) {
             component.spread(positions, &mut uv);
@@ -190,7 +251,9 @@ impl Analysis {
             if let Some(tiling) = &mut tiling {
                 *tiling += Tiling::new(&surface.mesh, &flat.seams, &flat.layout, tiling.symmetry);
             }
+            seam_figures += SeamFigures::of_chains(surface, &component.metric, &component.handles.loops);
             seams.extend(flat.seams.chains.iter().map(|chain| component.vertices_along(chain)));
+            loops.extend(component.handles.loops.iter().map(|chain| component.vertices_along(chain)));
             detached.extend(flat.detached.iter().flat_map(|&f| component.triangles_of(f)).copied());
             cones.extend(flat.cones.iter().zip(&flat.curvature).map(|(&v, &k)| component.cone(v, k, self.points())));
             for note in flat.notes {
@@ -203,6 +266,8 @@ impl Analysis {
             notes.push(Note::SeamsDoNotTile { symmetry, seams, broken });
         }
         seams.extend(added);
+        let opened_handles = loops.len();
+        seams.extend(loops);
         let uv = self.fill_corners(uv);
         times.add(Stage::Pack, began.elapsed());
         Ok(Atlas {
@@ -216,6 +281,7 @@ impl Analysis {
             detached,
             cones,
             seams,
+            opened_handles,
             seam_figures,
             tiling,
             number,

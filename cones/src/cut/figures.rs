@@ -27,13 +27,19 @@ pub struct SeamFigures {
 impl SeamFigures {
     /// Of the seams of one surface. O(seam edges).
     pub fn new(surface: &Surface, metric: &Metric, seams: &Seams) -> Self {
+        let length = seams.length / surface.scale;
+        Self { length, ..Self::of_chains(surface, metric, &seams.chains) }
+    }
+
+    /// Of chains. O(edges).
+    pub(crate) fn of_chains(surface: &Surface, metric: &Metric, chains: &[Chain]) -> Self {
         let Surface { mesh, points, .. } = surface;
-        let edges = || seams.chains.iter().flat_map(|chain| chain.edges.iter().copied());
+        let edges = || chains.iter().flat_map(|chain| chain.edges.iter().copied());
         let size = surface.scale.recip();
         Self {
-            length: size * seams.length,
+            length: size * edges().map(|e| metric.length(e)).sum::<f64>(),
             sharp: size * edges().filter(|&e| bend(mesh, points, e) > SHARP).map(|e| metric.length(e)).sum::<f64>(),
-            turning: seams.chains.iter().map(|chain| turning(mesh, metric, chain)).sum(),
+            turning: chains.iter().map(|chain| turning(mesh, metric, chain)).sum(),
         }
     }
 

@@ -32,5 +32,5 @@ pub(crate) fn coarse_level(
         simplified(mesh, metric, handed_on, worth, count, watch.within(0.0, 0.8))?;
     let mesh = Mesh::from_triangulation(triangulation)
         .unwrap_or_else(|error: MeshError| unreachable!("a manifold one stays so: {error}"));
-    Ok((Operators::of_coarse((mesh, metric), weights, watch.within(0.8, 1.0))?, vertex))
+    Ok((Operators::of_coarse((mesh, metric), (fine, &vertex), weights, watch.within(0.8, 1.0))?, vertex))
 }

@@ -6,6 +6,7 @@
 //! harmonic extension of its indicator function can be added to any log scale factor without changing the curvature
 //! inside.
 
+use std::collections::HashMap;
 use std::sync::OnceLock;
 
 use geom::{
@@ -40,6 +41,8 @@ pub struct Operators {
     bordered: bool,
     /// The positions of the vertices, where they were given.
     points: Option<Vec<[f64; 3]>>,
+    /// Boundary loops with the same number share their constant, as the two sides of a handle that was opened do.
+    tied: Option<VertexData<Option<u32>>>,
     /// See [`Operators::flattening`].
     flattening: OnceLock<VertexData<f64>>,
     /// What a unit of curvature at every vertex causes, divided by their number; on a closed surface.
@@ -55,7 +58,7 @@ impl Operators {
     /// # Errors
     /// If the Laplacian cannot be factored.
     pub fn new(mesh: &Mesh, metric: &Metric) -> Result<Self, PoissonError> {
-        Self::prepared(mesh, metric, None, Watch::NONE)
+        Self::prepared(mesh, metric, None, None, Watch::NONE)
     }
 
     /// The same where the positions of the vertices are known, which on large surfaces makes the factorization faster; see
@@ -67,10 +70,30 @@ impl Operators {
     /// # Panics
     /// If there are fewer points than vertices.
     pub fn with_points(mesh: &Mesh, metric: &Metric, points: &[[f64; 3]], watch: Watch) -> Result<Self, PoissonError> {
-        Self::prepared(mesh, metric, Some(points), watch)
+        Self::prepared(mesh, metric, Some(points), None, watch)
     }
 
-    fn prepared(mesh: &Mesh, metric: &Metric, points: Option<&[[f64; 3]]>, watch: Watch) -> Result<Self, PoissonError> {
+    /// The same where boundary loops whose vertices have the same number share their constant.
+    ///
+    /// # Errors
+    /// As [`with_points`](Self::with_points).
+    pub(crate) fn with_tied_loops(
+        mesh: &Mesh,
+        metric: &Metric,
+        points: &[[f64; 3]],
+        tied: Option<&VertexData<Option<u32>>>,
+        watch: Watch,
+    ) -> Result<Self, PoissonError> {
+        Self::prepared(mesh, metric, Some(points), tied.cloned(), watch)
+    }
+
+    fn prepared(
+        mesh: &Mesh,
+        metric: &Metric,
+        points: Option<&[[f64; 3]]>,
+        tied: Option<VertexData<Option<u32>>>,
+        watch: Watch,
+    ) -> Result<Self, PoissonError> {
         let intrinsic = delaunay_watched(mesh, metric, watch.within(0.0, 0.3));
         if watch.stops_at(0.3) {
             return Err(Interrupted.into());
@@ -81,7 +104,7 @@ impl Operators {
         let mut weight = metric.vertex_areas(&mesh);
         let area: f64 = weight.iter().sum();
         weight.iter_mut().for_each(|w| *w /= area);
-        Self::of_delaunay((mesh, metric), intrinsic.flips, weight, points, watch)
+        Self::of_delaunay((mesh, metric), intrinsic.flips, weight, (points, tied), watch)
     }
 
     /// Whether this is a coarse level of a finer surface.
@@ -98,13 +121,15 @@ impl Operators {
     }
 
     /// The operators of a coarse level of a surface: an intrinsic Delaunay triangulation with the weights and curvatures of its
-    /// vertices, and the share of the surface's vertices that each stands for.
+    /// vertices, and the share of the surface's vertices that each stands for; `vertex` says which of the `fine` ones they are.
     pub(super) fn of_coarse(
         surface: (Mesh, Metric),
+        (fine, vertex): (&Self, &[VertexId]),
         [weight, spread, curvature]: [VertexData<f64>; 3],
         watch: Watch,
     ) -> Result<Self, PoissonError> {
-        let operators = Self::of_delaunay(surface, Vec::new(), weight, None, watch)?;
+        let tied = fine.tied.as_ref().map(|tied| vertex.iter().map(|&v| tied[v]).collect());
+        let operators = Self::of_delaunay(surface, Vec::new(), weight, (None, tied), watch)?;
         Ok(Self { spread: Some(spread), curvature, ..operators })
     }
 
@@ -113,7 +138,7 @@ impl Operators {
         (mesh, metric): (Mesh, Metric),
         flips: Vec<HalfedgeId>,
         weight: VertexData<f64>,
-        points: Option<&[[f64; 3]]>,
+        (points, tied): (Option<&[[f64; 3]]>, Option<VertexData<Option<u32>>>),
         watch: Watch,
     ) -> Result<Self, PoissonError> {
         let curvature = angle_defects(&mesh, &metric);
@@ -121,8 +146,7 @@ impl Operators {
             return Err(Interrupted.into());
         }
         let laplacian = laplacian(&mesh, &metric);
-        let mut loops: Vec<Vec<VertexId>> =
-            mesh.boundary_loops().iter().map(|around| around.iter().map(|&h| mesh.tail(h)).collect()).collect();
+        let mut loops = tied_loops(&mesh, tied.as_ref());
         let poisson = Poisson::new_watched(&laplacian, &loops.concat(), points, watch.within(0.5, 0.95))?;
         let bordered = !loops.is_empty();
         let mut operators = Self {
@@ -136,6 +160,7 @@ impl Operators {
             free: Vec::new(),
             bordered,
             points: points.map(<[_]>::to_vec),
+            tied,
             flattening: OnceLock::new(),
             even: OnceLock::new(),
             spread: None,
@@ -299,7 +324,7 @@ impl Operators {
         }
     }
 
-    /// The harmonic function that is 1 on one boundary loop and 0 on the others.
+    /// The harmonic function that is 1 on one boundary loop, or those tied to it, and 0 on the others.
     fn harmonic_extension(&self, around: &[VertexId]) -> VertexData<f64> {
         let mut on_loop = VertexData::constant(self.mesh.vertex_count(), 0.0);
         for &v in around {
@@ -323,6 +348,26 @@ impl Operators {
             self.free.push(x);
         }
     }
+}
+
+/// The vertices of each boundary loop; loops that are tied are one.
+fn tied_loops(mesh: &Mesh, tied: Option<&VertexData<Option<u32>>>) -> Vec<Vec<VertexId>> {
+    let mut loops: Vec<Vec<VertexId>> = Vec::new();
+    let mut of_number = HashMap::new();
+    for around in mesh.boundary_loops() {
+        let vertices = around.iter().map(|&h| mesh.tail(h));
+        match tied.and_then(|tied| tied[mesh.tail(around[0])]) {
+            Some(number) => {
+                let place = *of_number.entry(number).or_insert(loops.len());
+                if place == loops.len() {
+                    loops.push(Vec::new());
+                }
+                loops[place].extend(vertices);
+            }
+            None => loops.push(vertices.collect()),
+        }
+    }
+    loops
 }
 
 #[cfg(test)]

@@ -3,7 +3,7 @@
 use super::numbers::{distortion, non_negative};
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum};
-use cones::{Analysis, ConeChoice, ConeOrder, CurvatureRule, Options, Placement, Preparation, Refining};
+use cones::{Analysis, ConeChoice, ConeOrder, CurvatureRule, Handles, Options, Placement, Preparation, Refining};
 use std::path::Path;
 
 /// How many cones, by which method, and what curvatures they get.
@@ -35,6 +35,19 @@ pub(crate) struct CandidateArgs {
     /// [default: needles for STL, never otherwise]
     #[arg(long, value_enum, value_name = "WHEN", num_args = 0..=1, require_equals = true, default_missing_value = "always")]
     refine: Option<RefineName>,
+    /// Open handles along short loops that take curvature, so that fewer cones are enough
+    #[arg(long, value_enum, value_name = "WHEN", default_value_t = HandlesName::Auto)]
+    open_handles: HandlesName,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum HandlesName {
+    /// Where that promises much less distortion, or far fewer cones
+    Auto,
+    /// Leave them closed
+    Never,
+    /// All of them
+    Always,
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
@@ -100,11 +113,16 @@ impl CandidateArgs {
             Some(RefineName::Needles) => Refining::Needles,
             Some(RefineName::Always) => Refining::Always,
         };
+        let handles = match self.open_handles {
+            HandlesName::Auto => Handles::Auto,
+            HandlesName::Never => Handles::Never,
+            HandlesName::Always => Handles::Always,
+        };
         Options {
             cones,
             placement: self.method,
             rule,
-            preparation: Preparation { smooth: self.smooth, weld: self.weld, refine },
+            preparation: Preparation { smooth: self.smooth, weld: self.weld, refine, handles },
             ..Options::default()
         }
     }

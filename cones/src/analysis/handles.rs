@@ -1,0 +1,73 @@
+//! Handles opened along short loops, so that few cones are enough.
+//!
+//! A closed surface of genus g has 4π (g - 1) of curvature too little, which cones must bring: many cones, or bad ones. Opened along
+//! g loops that do not separate ([`geom::handle_loops`]) it has boundaries instead, and every vertex there may take curvature. u is constant
+//! along each, the same on both sides, so that both sides of the cut have equal lengths: a seam like any other, but not a rigid one.
+//! Loops take the place of the seams that a handle needs anyway.
+
+use geom::{
+    EdgeData, EdgeId, Id, Interrupted, Metric, Surface, VertexData, VertexId, Watch, handle_loops, open_islands,
+};
+
+use super::refined::Ready;
+use crate::flatten::{Chain, seam_lengths};
+
+/// What was opened on a surface.
+#[derive(Debug, Default)]
+pub(crate) struct OpenedHandles {
+    /// The loops, each along one of its sides.
+    pub(crate) loops: Vec<Chain>,
+    /// The loop that each vertex on one is on.
+    pub(crate) of_vertex: Option<VertexData<Option<u32>>>,
+}
+
+/// Opens the handles of a surface. Halfedges and triangles keep their numbers.
+///
+/// # Errors
+/// If it is stopped.
+pub(crate) fn open_handles(ready: Ready, watch: Watch) -> Result<Ready, Interrupted> {
+    let mesh = &ready.surface.mesh;
+    let found = handle_loops(mesh, &seam_lengths(&ready.surface, &ready.metric), watch)?;
+    if found.is_empty() {
+        return Ok(ready);
+    }
+    let mut cut = EdgeData::constant(mesh.edge_count(), false);
+    found.iter().flat_map(|around| &around.edges).for_each(|&e| cut[e] = true);
+    let opened = open_islands(mesh, &cut).swap_remove(0).mesh;
+    let mut before = VertexData::constant(opened.vertex_count(), VertexId(0));
+    opened.halfedges().for_each(|h| before[opened.tail(h)] = mesh.tail(h));
+    let was = |e: EdgeId| mesh.edge(opened.halfedge(e));
+
+    let mut on_loop = VertexData::constant(mesh.vertex_count(), None);
+    for (k, around) in (0..).zip(&found) {
+        around.vertices.iter().for_each(|&v| on_loop[v] = Some(k));
+    }
+    let of_vertex: VertexData<Option<u32>> = before.iter().map(|&v| on_loop[v]).collect();
+    let mut loops = Vec::new();
+    let mut is_known = vec![false; found.len()];
+    for around in opened.boundary_loops() {
+        let Some(k) = of_vertex[opened.tail(around[0])] else { continue };
+        if !std::mem::replace(&mut is_known[k as usize], true) {
+            let vertices = around.iter().chain(&around[..1]).map(|&h| opened.tail(h)).collect();
+            loops.push(Chain { vertices, edges: around.iter().map(|&h| opened.edge(h)).collect() });
+        }
+    }
+    let handles = OpenedHandles { loops, of_vertex: Some(of_vertex) };
+    let Ready { surface, metric, way, .. } = &ready;
+    let lengths = opened.edges().map(|e| metric.length(was(e))).collect();
+    let way = way.as_ref().map(|way| {
+        let before = opened.edges().map(|e| (was(e), mesh.halfedge(was(e)) == opened.halfedge(e)));
+        way.opened(before.collect())
+    });
+    let surface = Surface {
+        points: before.iter().map(|&v| surface.points[v.index()]).collect(),
+        vertex: before.iter().map(|&v| surface.vertex[v]).collect(),
+        corner: surface.corner.clone(),
+        triangle: surface.triangle.clone(),
+        diagonal: opened.edges().map(|e| surface.diagonal[was(e)]).collect(),
+        scale: surface.scale,
+        zero_area: surface.zero_area,
+        mesh: opened,
+    };
+    Ok(Ready { surface, metric: Metric::new(lengths), way, handles })
+}
