@@ -12,6 +12,7 @@
 
 mod cells;
 mod error;
+mod joined;
 mod obj;
 mod off;
 mod ply;

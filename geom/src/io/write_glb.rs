@@ -24,10 +24,7 @@ pub fn write_glb(
     texture: Option<&[u8]>,
     mut out: impl Write,
 ) -> Result<(), WriteError> {
-    let wedges = match uv {
-        Some(uv) => Wedges::new(model, uv)?,
-        None => Wedges::of_vertices(model),
-    };
+    let wedges = Wedges::split(model, uv, &[])?;
     Cells::new(model, Some(triangles))?;
     let frame = Frame::of(model);
     let positions = wedges.first.iter().map(|&corner| frame.local(model, corner)).collect::<Vec<_>>();

@@ -81,7 +81,7 @@ impl Job<'_> {
             writeln!(out, "v {x:?} {y:?} {z:?}")?;
         }
         self.addition("\n", &mut out)?;
-        cells.for_each(|corners| {
+        cells.for_each(|_, corners| {
             out.write_all(b"f")?;
             for &corner in corners {
                 write!(out, " {}", self.model.corners()[corner as usize] + 1)?;
