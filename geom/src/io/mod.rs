@@ -1,4 +1,4 @@
-//! Files: OBJ, PLY, OFF and STL in, each also gzipped; OBJ, PLY and glTF out.
+//! Files: OBJ, PLY, OFF, STL and glTF in, OBJ, PLY and glTF out, each also gzipped.
 //!
 //! [`read`] makes a [`Model`] of a file. Numbers are read as f64 wherever the format writes them in decimal, vertices and
 //! faces keep their order and polygons stay polygons. A file is known by its content; its extension is asked only where the
@@ -11,8 +11,12 @@
 //! [`Model::skipped`]).
 
 mod cells;
+mod colour;
 mod error;
+mod gltf;
 mod joined;
+mod look;
+mod not_kept;
 mod obj;
 mod off;
 mod ply;
@@ -37,6 +41,7 @@ use error::Fault;
 use text::Lines;
 
 pub use error::{Place, Problem, ReadError, WriteError};
+pub use not_kept::{MeshFormat, NotKept, not_kept};
 pub use refined_obj::refine_obj;
 pub use write_glb::write_glb;
 pub use write_obj::{Material, ObjContent, write_obj};
@@ -51,6 +56,8 @@ const MOST_EXPANSION: usize = 100;
 enum Format {
     /// Wavefront OBJ.
     Obj,
+    /// Khronos' scenes, binary or JSON.
+    Gltf,
     /// Geomview's object file format.
     Off,
     /// Stanford's polygon file format.
@@ -66,7 +73,7 @@ enum Format {
 pub fn read(path: impl AsRef<Path>) -> Result<Model, ReadError> {
     let path = path.as_ref();
     let bytes = load(path).map_err(|problem| Fault::from(problem).in_file(path))?;
-    read_bytes(bytes, path)
+    read_beside(bytes, path, Some(path.parent().unwrap_or(Path::new(""))))
 }
 
 /// Reads a mesh file that is already in memory.
@@ -82,21 +89,26 @@ pub fn read(path: impl AsRef<Path>) -> Result<Model, ReadError> {
 /// # Errors
 /// When the bytes are of no known format, damaged, or hold no surface.
 pub fn read_bytes(bytes: Vec<u8>, name: impl AsRef<Path>) -> Result<Model, ReadError> {
-    let name = name.as_ref();
+    read_beside(bytes, name.as_ref(), None)
+}
+
+/// Reads a file whose other files, if it has any, are in a folder.
+fn read_beside(bytes: Vec<u8>, name: &Path, folder: Option<&Path>) -> Result<Model, ReadError> {
     let read = || {
         let bytes = decompress(bytes)?;
         if bytes.is_empty() {
             return Err(Problem::Empty.into());
         }
         let format = Format::of_content(&bytes).or_else(|| Format::of_name(name)).ok_or(Problem::UnknownFormat)?;
-        read_format(bytes, format)
+        read_format(bytes, format, folder)
     };
     read().map_err(|fault| fault.in_file(name))
 }
 
-fn read_format(bytes: Vec<u8>, format: Format) -> Result<Model, Fault> {
+fn read_format(bytes: Vec<u8>, format: Format, folder: Option<&Path>) -> Result<Model, Fault> {
     match format {
         Format::Obj => obj::read(bytes),
+        Format::Gltf => gltf::read(&bytes, folder),
         Format::Off => off::read(&bytes),
         Format::Ply => ply::read(&bytes),
         Format::Stl => stl::read(&bytes),
@@ -130,6 +142,7 @@ impl Format {
         let extension = name.extension()?.to_str()?.to_ascii_lowercase();
         match extension.as_str() {
             "obj" => Some(Self::Obj),
+            "glb" | "gltf" => Some(Self::Gltf),
             "off" | "coff" | "noff" | "cnoff" => Some(Self::Off),
             "ply" => Some(Self::Ply),
             "stl" => Some(Self::Stl),
@@ -140,10 +153,14 @@ impl Format {
 
     /// The format where the content leaves no doubt.
     fn of_content(bytes: &[u8]) -> Option<Self> {
+        if bytes.starts_with(gltf::MAGIC) {
+            return Some(Self::Gltf);
+        }
         let first = Lines::new(bytes).next_filled()?;
         let word = first.words().next()?;
         match word {
             b"ply" => Some(Self::Ply),
+            _ if word.starts_with(b"{") => Some(Self::Gltf),
             _ if off::is_keyword(word) => Some(Self::Off),
             _ if stl::is_stl(bytes) => Some(Self::Stl),
             _ if obj::is_keyword(word) => Some(Self::Obj),
