@@ -31,10 +31,12 @@ mod write_obj;
 mod write_ply;
 
 use std::fs;
-use std::io::{self, Read};
+use std::io::{self, Read, Write};
 use std::path::Path;
 
+use flate2::Compression;
 use flate2::read::MultiGzDecoder;
+use flate2::write::GzEncoder;
 
 use crate::surface::Model;
 use error::Fault;
@@ -90,6 +92,29 @@ pub fn read(path: impl AsRef<Path>) -> Result<Model, ReadError> {
 /// When the bytes are of no known format, damaged, or hold no surface.
 pub fn read_bytes(bytes: Vec<u8>, name: impl AsRef<Path>) -> Result<Model, ReadError> {
     read_beside(bytes, name.as_ref(), None)
+}
+
+/// Reads a mesh file that comes through a pipe, to its end; the content tells the format. `name` stands for the path in messages.
+///
+/// # Errors
+/// When the pipe breaks, or as [`read_bytes`].
+pub fn read_stream(mut input: impl Read, name: impl AsRef<Path>) -> Result<Model, ReadError> {
+    let mut bytes = Vec::new();
+    match input.read_to_end(&mut bytes) {
+        Ok(_) => read_bytes(bytes, name),
+        Err(error) => Err(Fault::from(Problem::Io(error)).in_file(name.as_ref())),
+    }
+}
+
+/// Writes what `content` writes, compressed with gzip.
+///
+/// # Errors
+/// What `content` returns, and when writing fails.
+pub fn gzip(out: impl Write, content: impl FnOnce(&mut dyn Write) -> Result<(), WriteError>) -> Result<(), WriteError> {
+    let mut compressed = GzEncoder::new(out, Compression::default());
+    content(&mut compressed)?;
+    compressed.finish()?.flush()?;
+    Ok(())
 }
 
 /// Reads a file whose other files, if it has any, are in a folder.

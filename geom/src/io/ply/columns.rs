@@ -52,12 +52,13 @@ pub(super) fn tables(columns: Columns, domain: Domain) -> Vec<Attribute> {
     ] {
         let found: Vec<usize> = names.iter().filter_map(|name| position(&columns, name)).collect();
         let parts: Vec<&Attribute> = found.iter().map(|&k| &columns[k]).collect();
-        if parts.len() == names.len() && parts.iter().all(|part| fits(part, &meaning)) {
-            if let Some(table) = Attribute::side_by_side(&parts, meaning) {
-                tables.push(table);
-                let mut k = 0..;
-                columns.retain(|_| k.next().is_some_and(|k| !found.contains(&k)));
-            }
+        if parts.len() == names.len()
+            && parts.iter().all(|part| fits(part, &meaning))
+            && let Some(table) = Attribute::side_by_side(&parts, meaning)
+        {
+            tables.push(table);
+            let mut k = 0..;
+            columns.retain(|_| k.next().is_some_and(|k| !found.contains(&k)));
         }
     }
     tables.extend(columns);

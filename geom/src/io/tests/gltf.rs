@@ -170,7 +170,9 @@ fn what_points_outside_is_refused_where_it_stands() {
     assert!(set("/accessors/0/count", 5).contains("accessor 0 (for positions)"));
     assert!(set("/accessors/0/count", u64::from(u32::MAX) * 1000).contains("accessor 0"));
     assert!(set("/accessors/1/count", 3).contains("3 elements of NORMAL for 4 vertices"));
-    assert!(set("/accessors/4/bufferView", 2).contains("found vertex 255 in a primitive, expected a vertex from 0 to 3"));
+    assert!(
+        set("/accessors/4/bufferView", 2).contains("found vertex 255 in a primitive, expected a vertex from 0 to 3")
+    );
     for (path, value) in [
         ("/bufferViews/0/byteLength", 1 << 60),
         ("/bufferViews/0/byteOffset", u64::MAX),
