@@ -1,9 +1,9 @@
 //! Stanford's polygon file format out, binary, little endian.
 //!
-//! Vertices are f64 and keep their order. A map is written both ways that programs read: as `s t` of vertices, which Blender and
-//! trimesh read, and as the list `texcoord` of faces, which `MeshLab` reads and writes. A vertex has one `s t`, so those along seams are
-//! split: the copies follow the last vertex, and `source_vertex` says of which vertex each is one, so that our reader
-//! joins them again. `MeshLab` takes both in f32 only, so f32 it is.
+//! Vertices are f64 and keep their order. A map is `s t` of vertices, in f32 as `MeshLab` takes no others: the one way that Blender,
+//! `MeshLab`, trimesh and meshio all read. A list `texcoord` of faces besides, as `MeshLab` writes it, keeps meshio from
+//! reading the file at all. A vertex has one `s t`, so those along seams are split: the copies follow the last vertex, and
+//! `source_vertex` says of which vertex each is one, so that our reader joins them again.
 //!
 //! Normals, colours and all other properties, comments and elements are written as they came. Colours that came with another
 //! format have 8 bits, as `MeshLab` reads no others.
@@ -33,7 +33,7 @@ pub fn write_ply(
         model,
         uv,
         split: Split::new(model, &wedges),
-        count: Count::for_lists_up_to(2 * longest),
+        count: Count::for_lists_up_to(longest),
         vertex_columns: model
             .attributes()
             .tables
@@ -91,9 +91,6 @@ impl Job<'_> {
             writeln!(out, "property uint {SOURCE}")?;
         }
         writeln!(out, "element face {faces}\nproperty list {count} int vertex_indices")?;
-        if self.uv.is_some() {
-            writeln!(out, "property list {count} float texcoord")?;
-        }
         self.face_columns.iter().try_for_each(|column| column.header(out))?;
         for Listing { name, count, columns } in &self.model.attributes().listings {
             writeln!(out, "element {name} {count}")?;
@@ -128,12 +125,6 @@ impl Job<'_> {
             self.count.write(corners.len(), out)?;
             for &corner in corners {
                 out.write_all(&self.split.of_corner[corner as usize].to_le_bytes())?;
-            }
-            if let Some(uv) = self.uv {
-                self.count.write(2 * corners.len(), out)?;
-                for x in corners.iter().flat_map(|&corner| uv[corner as usize]) {
-                    out.write_all(&(x as f32).to_le_bytes())?;
-                }
             }
             self.face_columns.iter().try_for_each(|column| column.write(Some(face), out))
         })
@@ -204,8 +195,9 @@ impl<'a> Column<'a> {
 
 fn scalar_name(scalar: Scalar) -> &'static str {
     match scalar {
-        Scalar::I8 => "char",
-        Scalar::U8 => "uchar",
+        Scalar::I8 => "int8",
+        // What is called uchar meshio reads with a sign.
+        Scalar::U8 => "uint8",
         Scalar::I16 => "short",
         Scalar::U16 => "ushort",
         Scalar::I32 => "int",
@@ -229,7 +221,7 @@ impl Count {
 
     fn name(self) -> &'static str {
         match self {
-            Self::U8 => "uchar",
+            Self::U8 => "uint8",
             Self::U32 => "uint",
         }
     }
