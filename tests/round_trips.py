@@ -26,7 +26,7 @@ READ = {
 }
 # What must be in what the program writes of the PLY or GLB that it has read.
 WRITTEN = {
-    "trimesh": {"ply": "c", "glb": "nc"},
+    "trimesh": {"ply": "c", "glb": ""},
     "meshio": {"ply": "c"},
     "pymeshlab": {"ply": "c", "obj": "c"},
     "blender": {"obj": "n", "ply": "nc", "glb": "nm"},
@@ -121,7 +121,7 @@ def corners_of(points, triangles, u=None, n=None, c=None, materials=None, by_cor
 def read_trimesh(path, form, again):
     import numpy
     import trimesh
-    scene = trimesh.load(path, process=False, force="scene", **({"maintain_order": True} if form == "obj" else {}))
+    scene = trimesh.load(path, process=False, force="scene")
     faces = []
     for node in scene.graph.nodes_geometry:
         transform, name = scene.graph[node]

@@ -3,12 +3,13 @@
 //! A vertex of glTF has one texture coordinate, normal and so on, so vertices are split into wedges. Positions are f32, taken from the
 //! middle of the model, which the node moves back, so that a model far from the origin keeps its digits. glTF counts v
 //! downwards from the upper edge of the image. Normals are those of the model; where it has none there are none, and viewers
-//! shade each triangle flat. Colours are linear, in 16 bits. Other numbers of vertices are attributes whose names begin with `_`, in
-//! f32. Faces of one material are a primitive.
+//! shade each triangle flat. Colours are linear, in f32, as `MeshLab` reads of integers the low byte. Other numbers of vertices are
+//! attributes whose names begin with `_`, in f32 too. Faces of one material are a primitive with vertices of its own, as many readers take all
+//! that a primitive names.
 //!
 //! Source: Khronos Group, *glTF 2.0 Specification*, §3 and §4.
 
-use std::collections::BTreeMap;
+use std::collections::HashMap;
 use std::io::Write;
 
 use serde_json::{Map, Value, json};
@@ -38,18 +39,11 @@ pub fn write_glb(
     Cells::new(model, Some(triangles))?;
     let frame = Frame::of(model);
     let mut binary = Binary::default();
-    let mut attributes = Map::new();
-    attributes.insert("POSITION".into(), positions(model, &wedges, &frame, &mut binary).into());
-    for table in tables {
-        let (name, accessor) = attribute(model, &wedges, table, &mut binary);
-        attributes.entry(name).or_insert(accessor.into());
-    }
-    if let Some(uv) = uv {
-        let points = wedges.first.iter().map(|&corner| uv[corner as usize]);
-        let flipped = points.flat_map(|[u, v]| [u as f32, (1.0 - v) as f32]);
-        attributes.insert("TEXCOORD_0".into(), binary.floats(flipped, "VEC2").into());
-    }
-    let (primitives, materials) = primitives(model, &wedges, triangles, &attributes, &mut binary);
+    let content = Content { model, uv, tables, frame: &frame };
+    let parts = parts(model, &wedges, triangles);
+    let materials: Vec<Option<&str>> = parts.iter().map(|part| part.material).collect();
+    let primitives = parts.into_iter().enumerate().map(|(k, part)| content.primitive(k, part, &wedges, &mut binary));
+    let primitives: Vec<Value> = primitives.collect();
     let image = texture.filter(|_| uv.is_some()).map(|texture| binary.view(None, texture.iter().copied()));
     let materials: Vec<Value> = materials.iter().map(|name| material(*name, image.is_some())).collect();
     let json = document(&frame, &binary, primitives, materials, image);
@@ -64,7 +58,6 @@ pub(super) fn is_written(table: &Attribute) -> bool {
 /// Names that glTF has for kinds of buffers and numbers.
 const ARRAY_BUFFER: u32 = 34962;
 const ELEMENT_ARRAY_BUFFER: u32 = 34963;
-const U16: u32 = 5123;
 const U32: u32 = 5125;
 const F32: u32 = 5126;
 
@@ -147,18 +140,61 @@ impl Binary {
 /// What elements of one to four numbers are called.
 const KINDS: [&str; 4] = ["SCALAR", "VEC2", "VEC3", "VEC4"];
 
-fn positions(model: &Model, wedges: &Wedges, frame: &Frame, binary: &mut Binary) -> usize {
-    let points: Vec<[f32; 3]> = wedges.first.iter().map(|&corner| frame.local(model, corner)).collect();
-    let accessor = binary.floats(points.iter().flatten().copied(), "VEC3");
-    let [low, high] = bounds(&points).map(|bound| bound.map(f64::from));
-    binary.accessors[accessor]["min"] = json!(low);
-    binary.accessors[accessor]["max"] = json!(high);
-    accessor
+/// What all primitives are made of.
+struct Content<'a> {
+    model: &'a Model,
+    uv: Option<&'a [[f64; 2]]>,
+    tables: Vec<&'a Attribute>,
+    frame: &'a Frame,
+}
+
+impl Content<'_> {
+    /// Writes the triangles of a material with their vertices.
+    fn primitive(&self, material: usize, mut part: Part, wedges: &Wedges, binary: &mut Binary) -> Value {
+        let mut used = part.indices.clone();
+        used.sort_unstable();
+        used.dedup();
+        if used.len() < wedges.first.len() {
+            let place: HashMap<u32, u32> = used.iter().zip(0..).map(|(&wedge, place)| (wedge, place)).collect();
+            part.indices.iter_mut().for_each(|index| *index = place[index]);
+        }
+        let corners: Vec<u32> = used.iter().map(|&wedge| wedges.first[wedge as usize]).collect();
+        let attributes = self.attributes(&corners, binary);
+        let count = part.indices.len();
+        let view = binary.view(Some(ELEMENT_ARRAY_BUFFER), part.indices.into_iter().flat_map(u32::to_le_bytes));
+        let accessor = binary.accessor(view, U32, count, "SCALAR");
+        json!({"attributes": attributes, "indices": accessor, "material": material})
+    }
+
+    /// Writes what vertices have, each given by one of its corners.
+    fn attributes(&self, corners: &[u32], binary: &mut Binary) -> Map<String, Value> {
+        let mut attributes = Map::new();
+        attributes.insert("POSITION".into(), self.positions(corners, binary).into());
+        for table in &self.tables {
+            let (name, accessor) = attribute(self.model, corners, table, binary);
+            attributes.entry(name).or_insert(accessor.into());
+        }
+        if let Some(uv) = self.uv {
+            let points = corners.iter().map(|&corner| uv[corner as usize]);
+            let flipped = points.flat_map(|[u, v]| [u as f32, (1.0 - v) as f32]);
+            attributes.insert("TEXCOORD_0".into(), binary.floats(flipped, "VEC2").into());
+        }
+        attributes
+    }
+
+    fn positions(&self, corners: &[u32], binary: &mut Binary) -> usize {
+        let points: Vec<[f32; 3]> = corners.iter().map(|&corner| self.frame.local(self.model, corner)).collect();
+        let accessor = binary.floats(points.iter().flatten().copied(), "VEC3");
+        let [low, high] = bounds(&points).map(|bound| bound.map(f64::from));
+        binary.accessors[accessor]["min"] = json!(low);
+        binary.accessors[accessor]["max"] = json!(high);
+        accessor
+    }
 }
 
 /// Writes a table; its name and its accessor.
-fn attribute(model: &Model, wedges: &Wedges, table: &Attribute, binary: &mut Binary) -> (String, usize) {
-    let rows = || wedges.first.iter().map(|&corner| (corner, table.row_at(model.corners(), corner as usize)));
+fn attribute(model: &Model, corners: &[u32], table: &Attribute, binary: &mut Binary) -> (String, usize) {
+    let rows = || corners.iter().map(|&corner| (corner, table.row_at(model.corners(), corner as usize)));
     let width = table.width().unwrap_or(1);
     match table.meaning() {
         Meaning::Normal => {
@@ -166,11 +202,9 @@ fn attribute(model: &Model, wedges: &Wedges, table: &Attribute, binary: &mut Bin
             ("NORMAL".into(), binary.floats(numbers, "VEC3"))
         }
         Meaning::Colour => {
-            let numbers = rows().flat_map(|(_, row)| colour(table, row));
-            let view = binary.view(Some(ARRAY_BUFFER), numbers.flat_map(u16::to_le_bytes));
-            let accessor = binary.accessor(view, U16, wedges.first.len(), "VEC4");
-            binary.accessors[accessor]["normalized"] = true.into();
-            ("COLOR_0".into(), accessor)
+            let width = width.clamp(3, 4);
+            let numbers = rows().flat_map(|(_, row)| colour(table, row).into_iter().take(width));
+            ("COLOR_0".into(), binary.floats(numbers, KINDS[width - 1]))
         }
         Meaning::Other(name) => {
             let number = |row: Option<usize>, k| row.and_then(|row| table.row(row).nth(k)).unwrap_or(0.0) as f32;
@@ -203,43 +237,36 @@ fn direction(model: &Model, table: &Attribute, corner: u32, row: Option<usize>) 
 }
 
 /// Red, green, blue and alpha, linear; white where there is none.
-fn colour(table: &Attribute, row: Option<usize>) -> [u16; 4] {
-    let share = |x: f64| ((x / table.scalar().one()).clamp(0.0, 1.0) * f64::from(u16::MAX)).round() as u16;
-    let mut colour = [u16::MAX; 4];
+fn colour(table: &Attribute, row: Option<usize>) -> [f32; 4] {
+    let mut colour = [1.0; 4];
     let Some(row) = row else { return colour };
     for (k, (to, x)) in colour.iter_mut().zip(table.row(row)).enumerate() {
-        *to = if k < 3 { share(to_linear(x / table.scalar().one()) * table.scalar().one()) } else { share(x) };
+        let share = (x / table.scalar().one()).clamp(0.0, 1.0);
+        *to = if k < 3 { to_linear(share) } else { share } as f32;
     }
     colour
 }
 
-/// A primitive for each material, in the order of their first triangles, and the names of these materials.
-fn primitives<'a>(
-    model: &'a Model,
-    wedges: &Wedges,
-    triangles: &Triangles,
-    attributes: &Map<String, Value>,
-    binary: &mut Binary,
-) -> (Vec<Value>, Vec<Option<&'a str>>) {
-    let mut number = BTreeMap::new();
-    let mut materials = Vec::new();
-    let mut indices: Vec<Vec<u32>> = Vec::new();
+/// The triangles of one material.
+struct Part<'a> {
+    material: Option<&'a str>,
+    /// Their wedges.
+    indices: Vec<u32>,
+}
+
+/// The triangles by their materials, in the order of their first ones.
+fn parts<'a>(model: &'a Model, wedges: &Wedges, triangles: &Triangles) -> Vec<Part<'a>> {
+    let mut number = HashMap::new();
+    let mut parts: Vec<Part> = Vec::new();
     for (corners, &face) in triangles.corners.iter().zip(&triangles.face_of) {
-        let name = model.attributes().material(face as usize);
-        let k = *number.entry(name).or_insert_with(|| {
-            materials.push(name);
-            indices.push(Vec::new());
-            materials.len() - 1
+        let material = model.attributes().material(face as usize);
+        let k = *number.entry(material).or_insert_with(|| {
+            parts.push(Part { material, indices: Vec::new() });
+            parts.len() - 1
         });
-        indices[k].extend(corners.map(|corner| wedges.of_corner[corner as usize]));
+        parts[k].indices.extend(corners.map(|corner| wedges.of_corner[corner as usize]));
     }
-    let mut primitive = |(material, indices): (usize, Vec<u32>)| {
-        let count = indices.len();
-        let view = binary.view(Some(ELEMENT_ARRAY_BUFFER), indices.into_iter().flat_map(u32::to_le_bytes));
-        let accessor = binary.accessor(view, U32, count, "SCALAR");
-        json!({"attributes": attributes, "indices": accessor, "material": material})
-    };
-    (indices.into_iter().enumerate().map(&mut primitive).collect(), materials)
+    parts
 }
 
 /// A material, with the texture as its colour if there is one.

@@ -8,10 +8,12 @@
 //! Normals, colours and all other properties, comments and elements are written as they came. Colours that came with another
 //! format have 8 bits, as `MeshLab` reads no others.
 
+use std::collections::HashSet;
 use std::io::{self, Write};
 
 use super::cells::Cells;
 use super::error::WriteError;
+use super::look::one_word;
 use super::ply::SOURCE;
 use super::wedge::{Split, Wedges};
 use crate::surface::{Attribute, Domain, Listing, Meaning, Model, Scalar, Triangles};
@@ -29,26 +31,27 @@ pub fn write_ply(
     let of_corners: Vec<&Attribute> = model.attributes().tables.iter().filter(is_of(Domain::Corners)).collect();
     let wedges = Wedges::split(model, uv, &of_corners)?;
     let longest = model.faces().map(<[u32]>::len).max().unwrap_or(0);
+    let tables = &model.attributes().tables;
     let job = Job {
         model,
         uv,
         split: Split::new(model, &wedges),
         count: Count::for_lists_up_to(longest),
-        vertex_columns: model
-            .attributes()
-            .tables
-            .iter()
-            .filter(|table| table.domain() != Domain::Faces)
-            .map(Column::new)
-            .collect(),
-        face_columns: model.attributes().tables.iter().filter(is_of(Domain::Faces)).map(Column::new).collect(),
+        vertex_columns: columns(
+            tables.iter().filter(|table| table.domain() != Domain::Faces),
+            &["x", "y", "z", "s", "t", SOURCE],
+        ),
+        face_columns: columns(
+            tables.iter().filter(is_of(Domain::Faces)),
+            &["vertex_indices", "vertex_index", "texcoord"],
+        ),
     };
     let cells = Cells::new(model, triangles)?;
     job.header(cells.len(), &mut out)?;
     job.vertices(&mut out)?;
     job.faces(cells, &mut out)?;
     for listing in &model.attributes().listings {
-        let columns: Vec<Column> = listing.columns.iter().map(Column::new).collect();
+        let columns = columns(listing.columns.iter(), &[]);
         for row in 0..listing.count {
             columns.iter().try_for_each(|column| column.write(Some(row), &mut out))?;
         }
@@ -94,7 +97,7 @@ impl Job<'_> {
         self.face_columns.iter().try_for_each(|column| column.header(out))?;
         for Listing { name, count, columns } in &self.model.attributes().listings {
             writeln!(out, "element {name} {count}")?;
-            columns.iter().try_for_each(|column| Column::new(column).header(out))?;
+            self::columns(columns.iter(), &[]).iter().try_for_each(|column| column.header(out))?;
         }
         writeln!(out, "end_header")
     }
@@ -138,6 +141,22 @@ struct Column<'a> {
     scalar: Scalar,
     /// The type of lists' lengths.
     count: Count,
+    names: Vec<String>,
+}
+
+/// Tables as properties, no two of one name, nor of one that is taken.
+fn columns<'a>(tables: impl Iterator<Item = &'a Attribute>, taken: &[&str]) -> Vec<Column<'a>> {
+    let mut taken: HashSet<String> = taken.iter().map(|&name| name.to_owned()).collect();
+    let column = |table: &'a Attribute| {
+        let mut column = Column::new(table);
+        for name in &mut column.names {
+            while !taken.insert(name.clone()) {
+                name.push('_');
+            }
+        }
+        column
+    };
+    tables.map(column).collect()
 }
 
 impl<'a> Column<'a> {
@@ -148,27 +167,13 @@ impl<'a> Column<'a> {
             Some(_) => 0,
             None => (0..table.rows()).map(|row| table.row(row).len()).max().unwrap_or(0),
         };
-        Self { table, scalar, count: Count::for_lists_up_to(longest) }
+        Self { table, scalar, count: Count::for_lists_up_to(longest), names: names(table) }
     }
 
     fn header(&self, out: &mut impl Write) -> io::Result<()> {
         let (kind, count) = (scalar_name(self.scalar), self.count.name());
-        let own = [""];
-        let (prefix, names): (&str, &[&str]) = match self.table.meaning() {
-            Meaning::Normal => ("", &["nx", "ny", "nz"]),
-            Meaning::Colour => ("", &["red", "green", "blue", "alpha"]),
-            Meaning::Other(name) => (name, &own),
-        };
-        // Names stand in a line of words.
-        let prefix = prefix.split_whitespace().collect::<Vec<_>>().join("_");
-        match self.table.width() {
-            None => writeln!(out, "property list {count} {kind} {prefix}"),
-            Some(1) => writeln!(out, "property {kind} {prefix}{}", names[0]),
-            Some(width) => (0..width).try_for_each(|k| match names.get(k) {
-                Some(name) if names.len() > 1 => writeln!(out, "property {kind} {name}"),
-                _ => writeln!(out, "property {kind} {prefix}_{k}"),
-            }),
-        }
+        let list = if self.table.width().is_none() { format!("list {count} ") } else { String::new() };
+        self.names.iter().try_for_each(|name| writeln!(out, "property {list}{kind} {name}"))
     }
 
     /// Writes a row, zeros where there is none.
@@ -191,6 +196,20 @@ impl<'a> Column<'a> {
             .for_each(|x| self.scalar.encode(self.table.scalar().decode(x) * share, &mut narrow));
         out.write_all(&narrow)
     }
+}
+
+/// The names of a table's properties, without spaces, as they stand in a line of words.
+fn names(table: &Attribute) -> Vec<String> {
+    let width = table.width().unwrap_or(1);
+    let known: &[&str] = match table.meaning() {
+        Meaning::Normal => &["nx", "ny", "nz"],
+        Meaning::Colour => &["red", "green", "blue", "alpha"],
+        Meaning::Other(name) => {
+            let word = one_word(name);
+            return if width == 1 { vec![word] } else { (0..width).map(|k| format!("{word}_{k}")).collect() };
+        }
+    };
+    (0..width).map(|k| known.get(k).map_or_else(|| format!("{}_{k}", known[0]), ToString::to_string)).collect()
 }
 
 fn scalar_name(scalar: Scalar) -> &'static str {

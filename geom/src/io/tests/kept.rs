@@ -159,3 +159,19 @@ fn colours_that_are_floats_stay_floats_in_ply() {
     let table = back.attributes().table(&Meaning::Colour).unwrap();
     assert_eq!((table.scalar(), table.domain()), (Scalar::F32, Domain::Vertices));
 }
+
+#[test]
+fn no_two_properties_of_a_ply_have_one_name() {
+    let mut model = obj(TETRAHEDRON);
+    let table = |name: &str| {
+        let mut table = Attribute::new(Meaning::Other(name.into()), Domain::Vertices, Scalar::U8, 1);
+        (0..4).for_each(|v| table.push(f64::from(v)));
+        table
+    };
+    let tables = ["x", "s", "my name", "my\nname", ""].map(table).to_vec();
+    model = model.with_attributes(crate::Attributes { tables, ..Default::default() });
+    let back = written(&model, Some(&some_uv(&model)), MeshFormat::Ply);
+    assert_same_surface(&back, &model);
+    let names: Vec<String> = back.attributes().tables.iter().map(|table| table.meaning().to_string()).collect();
+    assert_eq!(names, ["x_", "s_", "my_name", "my_name_", "unnamed"]);
+}
