@@ -139,6 +139,7 @@ impl Attribute {
     pub(crate) const NONE: u32 = u32::MAX;
 
     /// A table of rows of `width` numbers, without rows yet.
+    #[cfg_attr(not(feature = "files"), allow(dead_code, reason = "readers of files make tables, and tests"))]
     pub(crate) fn new(meaning: Meaning, domain: Domain, scalar: Scalar, width: usize) -> Self {
         let (start, bytes, index) = (Vec::new(), Vec::new(), Vec::new());
         Self { meaning, domain, scalar, width: Some(width.max(1)), start, bytes, index }
