@@ -20,7 +20,8 @@ SCRIPT = Path(__file__).resolve()
 READ = {
     "trimesh": {"obj": "un", "ply": "unc", "glb": "uncm"},
     "meshio": {"ply": "unc"},
-    "pymeshlab": {"obj": "uc", "ply": "uc", "glb": "uc"},
+    # MeshLab cuts the linear colours of glTF off to eight bits, which is too coarse in the dark to compare.
+    "pymeshlab": {"obj": "uc", "ply": "uc", "glb": "u"},
     "blender": {"obj": "uncm", "ply": "unc", "glb": "uncm"},
     "three": {"glb": "uncm"},
 }
@@ -181,8 +182,6 @@ def read_pymeshlab(path, form, again):
     by_corner = mesh.has_wedge_tex_coord()
     u = mesh.wedge_tex_coord_matrix() if by_corner else mesh.vertex_tex_coord_matrix()
     c = mesh.vertex_color_matrix() if mesh.has_vertex_color() else None
-    if form == "glb" and c is not None:
-        c = [[to_srgb(x) for x in row] for row in c]
     points, triangles = mesh.vertex_matrix(), mesh.face_matrix()
     for other in WRITTEN["pymeshlab"] if form == "ply" else ():
         meshes.save_current_mesh(f"{again}.{other}")
