@@ -75,6 +75,10 @@ pub(crate) enum CommandError {
     WhichSegments(PathBuf),
     #[error("{} has none of the paper's models: name the folder that holds table1/ and table1_resized/", .0.display())]
     NoPaperMeshes(PathBuf),
+    #[error("{failed} of {count} surfaces could not be unwrapped: see the errors above")]
+    SomeFailed { failed: usize, count: usize },
+    #[error("{}: the program has a fault, and stopped on this surface", .0.display())]
+    Fault(PathBuf),
     #[error("standard output cannot be written")]
     Stdout(#[source] io::Error),
 }

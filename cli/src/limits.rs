@@ -1,7 +1,7 @@
 //! Limits that the system sets: on the size of files, on memory, on threads. They end in an exit code, not in a signal.
 
 use crate::error::CommandError;
-use rayon::{ThreadBuilder, ThreadPoolBuilder};
+use rayon::{ThreadBuilder, ThreadPool, ThreadPoolBuilder};
 use std::io;
 use std::num::NonZeroUsize;
 use std::path::Path;
@@ -62,6 +62,13 @@ pub(crate) fn start_threads(count: Option<NonZeroUsize>) {
     });
     // It fails only where the pool is there already.
     let _ = builder.build_global();
+}
+
+/// So many pools of threads, or as many as can be had, which share the threads of the one that there is.
+pub(crate) fn pools(count: usize) -> Vec<ThreadPool> {
+    let threads = rayon::current_num_threads();
+    let share = |k: usize| (threads / count + usize::from(k < threads % count)).max(1);
+    (0..count).map_while(|k| ThreadPoolBuilder::new().num_threads(share(k)).build().ok()).collect()
 }
 
 /// The number of threads that rayon takes where it is not told.

@@ -24,13 +24,19 @@ pub(crate) struct Progress {
 impl Progress {
     /// The progress on one surface, which begins with its reading.
     pub(crate) fn begin(name: &str) -> Self {
+        Self::shown(name, output::volume() == Volume::Normal)
+    }
+
+    /// The progress on one of several surfaces at a time: no bar, which others would overwrite.
+    pub(crate) fn begin_one_of_many(name: &str) -> Self {
+        Self::shown(name, false)
+    }
+
+    fn shown(name: &str, has_bar: bool) -> Self {
         let style = ProgressStyle::with_template("{prefix} {bar:24} {msg}")
             .expect("the template is right")
             .progress_chars("━╸─");
-        let target = match output::volume() {
-            Volume::Normal => ProgressDrawTarget::stderr(),
-            Volume::Quiet | Volume::Verbose => ProgressDrawTarget::hidden(),
-        };
+        let target = if has_bar { ProgressDrawTarget::stderr() } else { ProgressDrawTarget::hidden() };
         let bar = ProgressBar::with_draw_target(Some(STEPS * LENGTH), target).with_style(style);
         bar.set_prefix(name.to_owned());
         let name = (output::volume() == Volume::Verbose).then(|| name.into());

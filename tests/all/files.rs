@@ -21,8 +21,8 @@ proptest! {
     #![proptest_config(cases(512))]
 
     #[test]
-    fn any_bytes_are_read_or_refused(bytes in bytes(300), format in 0..4usize) {
-        properties::reading(&bytes, ["a.obj", "a.off", "a.ply", "a.stl"][format]);
+    fn any_bytes_are_read_or_refused(bytes in bytes(300), format in 0..5usize) {
+        properties::reading(&bytes, ["a.obj", "a.off", "a.ply", "a.stl", "a.glb"][format]);
     }
 
     #[test]

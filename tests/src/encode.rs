@@ -2,6 +2,7 @@
 
 use std::fmt::Write;
 
+use base64::Engine;
 use geom::shapes::Shape;
 
 use crate::decode::Bytes;
@@ -21,11 +22,21 @@ pub enum Format {
     StlText,
     /// Binary STL.
     StlBinary,
+    /// glTF in JSON, its buffer inside.
+    Gltf,
 }
 
 impl Format {
     /// All of them.
-    pub const ALL: [Self; 6] = [Self::Obj, Self::Off, Self::PlyText, Self::PlyBinary, Self::StlText, Self::StlBinary];
+    pub const ALL: [Self; 7] =
+        [Self::Obj, Self::Off, Self::PlyText, Self::PlyBinary, Self::StlText, Self::StlBinary, Self::Gltf];
+
+    /// The format that a byte stands for. The last came when inputs were stored already, which must go on meaning what they mean.
+    pub fn of(byte: u8) -> Self {
+        const FIRST: u8 = 6;
+        const REST: u8 = 36 * FIRST;
+        if byte < REST { Self::ALL[usize::from(byte % FIRST)] } else { Self::Gltf }
+    }
 
     /// A file name of this format.
     pub fn name(self) -> &'static str {
@@ -34,12 +45,16 @@ impl Format {
             Self::Off => "a.off",
             Self::PlyText | Self::PlyBinary => "a.ply",
             Self::StlText | Self::StlBinary => "a.stl",
+            Self::Gltf => "a.gltf",
         }
     }
 }
 
 /// A surface as a file.
 pub fn file(shape: &Shape, format: Format) -> Vec<u8> {
+    if format == Format::Gltf {
+        return gltf(shape);
+    }
     let Shape { points, triangles } = shape;
     let row = |p: &[f64; 3]| format!("{} {} {}", p[0], p[1], p[2]);
     let corners = || triangles.iter().map(|t| t.map(|v| points[v as usize]));
@@ -57,6 +72,7 @@ pub fn file(shape: &Shape, format: Format) -> Vec<u8> {
         ),
         Format::StlText => writeln!(text, "solid a"),
         Format::StlBinary => write!(text, "{:80}", "a"),
+        Format::Gltf => Ok(()),
     };
     let mut bytes = text.into_bytes();
     let mut line = |text: String| bytes.extend((text + "\n").bytes());
@@ -91,8 +107,33 @@ pub fn file(shape: &Shape, format: Format) -> Vec<u8> {
                 bytes.extend([0; 2]);
             }
         }
+        Format::Gltf => {}
     }
     bytes
+}
+
+/// A glTF, a value a line, so that values can be damaged one by one.
+fn gltf(Shape { points, triangles }: &Shape) -> Vec<u8> {
+    let mut binary = Vec::new();
+    points.iter().flatten().for_each(|&x| binary.extend((x as f32).to_le_bytes()));
+    triangles.iter().flatten().for_each(|v| binary.extend(v.to_le_bytes()));
+    let (vertices, corners) = (points.len(), 3 * triangles.len());
+    let data = base64::engine::general_purpose::STANDARD.encode(&binary);
+    let json = serde_json::json!({
+        "asset": {"version": "2.0"},
+        "nodes": [{"mesh": 0, "scale": [1, 2, 1]}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1}]}],
+        "accessors": [
+            {"bufferView": 0, "componentType": 5126, "count": vertices, "type": "VEC3"},
+            {"bufferView": 1, "componentType": 5125, "count": corners, "type": "SCALAR"},
+        ],
+        "bufferViews": [
+            {"buffer": 0, "byteOffset": 0, "byteLength": 12 * vertices},
+            {"buffer": 0, "byteOffset": 12 * vertices, "byteLength": 4 * corners},
+        ],
+        "buffers": [{"byteLength": binary.len(), "uri": format!("data:a/b;base64,{data}")}],
+    });
+    serde_json::to_vec_pretty(&json).expect("all keys are strings")
 }
 
 /// What stands in place of a number.

@@ -17,7 +17,7 @@ use std::path::{Path, PathBuf};
 
 #[derive(Args, Debug)]
 pub(crate) struct ExtractArgs {
-    /// The surface: OBJ, OFF, PLY or STL, gzipped or not
+    /// The surface: OBJ, OFF, PLY, STL or glTF, gzipped or not; - is standard input
     #[arg(value_name = "IN")]
     input: PathBuf,
     #[command(flatten)]

@@ -16,7 +16,7 @@ use topo::{Kind, NanPolicy, PersistenceOptions};
 
 #[derive(Args, Debug)]
 pub(crate) struct FeaturesArgs {
-    /// The surface: OBJ, OFF, PLY or STL
+    /// The surface: OBJ, OFF, PLY, STL or glTF
     #[arg(value_name = "IN")]
     input: PathBuf,
     /// The field: phi, curvature, mean-curvature, height[:x|y|z], distance[:VERTEX], or a file .npy or .txt

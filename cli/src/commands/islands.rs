@@ -1,23 +1,23 @@
 //! `cones islands`: a map that somebody made, taken apart where it lies over itself.
 
-use crate::commands::shared::{PackArgs, corner_uv, split_vertices, welded};
+use crate::commands::shared::{PackArgs, SurfaceFile, corner_uv, split_vertices, welded};
 use crate::error::CommandError;
 use crate::report::table::{labelled, thousands};
 use crate::report::{OverlapReport, Quality, SCHEMA};
 use crate::{input, output};
 use clap::Args;
 use cones::uv::{Parted, pack, part};
-use geom::io::{ObjContent, write_obj, write_ply};
+use geom::io::MeshFormat;
 use geom::{Model, Watch};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
 #[derive(Args, Debug)]
 pub(crate) struct IslandsArgs {
-    /// A surface with texture coordinates: OBJ or PLY
+    /// A surface with texture coordinates: OBJ, PLY or glTF
     #[arg(value_name = "UV")]
     input: PathBuf,
-    /// Where to write it with islands that lie neither over themselves nor over each other: .obj or .ply
+    /// Where to write it with islands that lie neither over themselves nor over each other: .obj, .ply or .glb, also .gz
     #[arg(short, long, value_name = "OUT")]
     output: PathBuf,
     /// Merge vertices that are at exactly the same place, as those along the seams of many files are
@@ -58,7 +58,7 @@ struct MapReport {
 }
 
 pub(crate) fn run(args: &IslandsArgs) -> Result<(), CommandError> {
-    output::extension(&args.output, &["obj", "ply"])?;
+    let format = output::surface_format(&args.output, None)?;
     output::check(&[&args.input], &[&args.output])?;
     let (model, _) = input::read_model(&args.input)?;
     let no_texture = || CommandError::NoTexture(args.input.clone());
@@ -69,7 +69,7 @@ pub(crate) fn run(args: &IslandsArgs) -> Result<(), CommandError> {
     let left = parted.left;
     let placed = if parted.overlaps.pairs.is_empty() { parted.uv } else { packed(args, &model, parted)? };
     let after = measured(args, &model, &placed)?;
-    write(&model, &placed, &args.output)?;
+    write(&model, &placed, &args.output, format)?;
     if !args.weld && split_vertices(&model) > 0 {
         output::warn("the surface is split along its seams: with --weld what is cut off can be attached across them");
     }
@@ -115,11 +115,12 @@ fn measured(args: &IslandsArgs, model: &Model, uv: &[[f64; 2]]) -> Result<MapRep
     })
 }
 
-fn write(model: &Model, uv: &[[f64; 2]], path: &Path) -> Result<(), CommandError> {
-    match output::extension(path, &["obj", "ply"])? {
-        "ply" => output::write(path, |out| write_ply(model, Some(uv), None, out)),
-        _ => output::write(path, |out| write_obj(model, &ObjContent { uv: Some(uv), ..ObjContent::default() }, out)),
+fn write(model: &Model, uv: &[[f64; 2]], path: &Path, format: MeshFormat) -> Result<(), CommandError> {
+    let file = SurfaceFile { model, uv: Some(uv), triangles: None, material: None };
+    if let Some(lost) = file.write(path, format)? {
+        output::warn(&lost.to_string());
     }
+    Ok(())
 }
 
 fn summary(report: &IslandsReport, path: &Path) -> String {

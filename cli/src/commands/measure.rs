@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 
 #[derive(Args, Debug)]
 pub(crate) struct MeasureArgs {
-    /// A surface with texture coordinates: OBJ or PLY
+    /// A surface with texture coordinates: OBJ, PLY or glTF
     #[arg(value_name = "UV")]
     input: PathBuf,
     /// Measure against this surface, which has the same faces in the same order

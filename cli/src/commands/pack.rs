@@ -1,6 +1,6 @@
 //! `cones pack`: the islands of any unwrapped OBJ or PLY, packed.
 
-use crate::commands::shared::{PackArgs, corner_uv};
+use crate::commands::shared::{PackArgs, SurfaceFile, corner_uv};
 use crate::error::CommandError;
 use crate::report::SCHEMA;
 use crate::report::table::{labelled, thousands};
@@ -8,20 +8,20 @@ use crate::{input, output};
 use clap::Args;
 use cones::uv::{Packing, fill, pack};
 use geom::distortion::{Distortion, measure};
-use geom::io::{ObjContent, write_obj, write_ply};
+use geom::io::MeshFormat;
 use geom::vector::normal;
 use geom::{Model, Watch};
 use serde::Serialize;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Islands are moved rigidly and scaled alike. Islands that lie over each other, mirrored halves that share their texture
 /// for example, get a place each.
 #[derive(Args, Debug)]
 pub(crate) struct PackCommandArgs {
-    /// A surface with texture coordinates: OBJ or PLY
+    /// A surface with texture coordinates: OBJ, PLY or glTF
     #[arg(value_name = "UV")]
     input: PathBuf,
-    /// Where to write it packed: .obj or .ply; an OBJ's other lines are kept
+    /// Where to write it packed: .obj, .ply or .glb, also .gz; an OBJ's other lines are kept
     #[arg(short, long, value_name = "OUT")]
     output: PathBuf,
     #[command(flatten)]
@@ -45,7 +45,7 @@ struct PackReport {
 }
 
 pub(crate) fn run(args: &PackCommandArgs) -> Result<(), CommandError> {
-    output::extension(&args.output, &["obj", "ply"])?;
+    let format = output::surface_format(&args.output, None)?;
     output::check(&[&args.input], &[&args.output])?;
     let (model, _) = input::read_model(&args.input)?;
     let no_texture = || CommandError::NoTexture(args.input.clone());
@@ -59,7 +59,7 @@ pub(crate) fn run(args: &PackCommandArgs) -> Result<(), CommandError> {
     for (t, &island) in triangles.corners.iter().zip(measured.triangle_island.iter()) {
         t.iter().zip(corner_of(&model, t)).for_each(|(&c, p)| placed[c as usize] = packing.place(island as usize, p));
     }
-    write(args, &model, &placed)?;
+    write(&model, &placed, &args.output, format)?;
     let report = PackReport {
         schema: SCHEMA,
         input: args.input.display().to_string(),
@@ -95,14 +95,12 @@ fn area(corners: [[f64; 3]; 3]) -> f64 {
     0.5 * geom::vector::length(normal(corners))
 }
 
-fn write(args: &PackCommandArgs, model: &Model, uv: &[[f64; 2]]) -> Result<(), CommandError> {
-    match output::extension(&args.output, &["obj", "ply"])? {
-        "ply" => output::write(&args.output, |out| write_ply(model, Some(uv), None, out)),
-        _ => {
-            let content = ObjContent { uv: Some(uv), ..ObjContent::default() };
-            output::write(&args.output, |out| write_obj(model, &content, out))
-        }
+fn write(model: &Model, uv: &[[f64; 2]], path: &Path, format: MeshFormat) -> Result<(), CommandError> {
+    let file = SurfaceFile { model, uv: Some(uv), triangles: None, material: None };
+    if let Some(lost) = file.write(path, format)? {
+        output::warn(&lost.to_string());
     }
+    Ok(())
 }
 
 fn text(report: &PackReport, args: &PackCommandArgs) -> String {

@@ -1,12 +1,11 @@
 //! `cones shape`: a built-in shape as a file.
 
-use crate::commands::shared::vertex_count;
+use crate::commands::shared::{SurfaceFile, vertex_count};
 use crate::error::CommandError;
 use crate::output;
 use crate::report::table::thousands;
 use clap::Args;
 use geom::Model;
-use geom::io::{ObjContent, write_obj};
 use geom::shapes;
 use std::path::PathBuf;
 
@@ -18,7 +17,7 @@ pub(crate) struct ShapeArgs {
     /// About how many vertices
     #[arg(long, value_name = "N", default_value_t = 10_000, value_parser = vertex_count)]
     vertices: usize,
-    /// Where to write it: .obj
+    /// Where to write it: .obj, .ply or .glb, also .gz
     #[arg(short, long, value_name = "OUT")]
     output: PathBuf,
 }
@@ -34,10 +33,10 @@ fn shape_help() -> String {
 }
 
 pub(crate) fn run(args: &ShapeArgs) -> Result<(), CommandError> {
-    output::extension(&args.output, &["obj"])?;
+    let format = output::surface_format(&args.output, None)?;
     output::check(&[], &[&args.output])?;
     let model = model(&args.name, args.vertices);
-    output::write(&args.output, |out| write_obj(&model, &ObjContent::default(), out))?;
+    SurfaceFile { model: &model, uv: None, triangles: None, material: None }.write(&args.output, format)?;
     let (vertices, faces) = (thousands(model.vertex_count()), thousands(model.face_count()));
     output::summary(&format!(
         "{}: {vertices} vertices, {faces} triangles, written to {}\n",

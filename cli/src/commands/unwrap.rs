@@ -1,6 +1,10 @@
-//! `cones unwrap`: a surface in, its texture coordinates out.
+//! `cones unwrap`: a surface in, its texture coordinates out; or many.
 
-use crate::commands::shared::{CandidateArgs, CheckerFiles, PackArgs, Scale, SeamArgs, Unwrapped, non_negative};
+mod many;
+
+use crate::commands::shared::{
+    CandidateArgs, CheckerFiles, FormatName, PackArgs, Scale, SeamArgs, SurfaceFile, Unwrapped, non_negative,
+};
 use crate::error::CommandError;
 use crate::input::{self, cone_file};
 use crate::output;
@@ -11,18 +15,24 @@ use crate::report::{HierarchyFile, Times, UnwrapReport};
 use clap::{Args, ValueEnum};
 use cones::uv::PackOptions;
 use cones::{ConeChoice, Islands, Options};
-use geom::io::{ObjContent, write_glb, write_obj, write_ply};
+use geom::io::MeshFormat;
+use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 #[derive(Args, Debug)]
 pub(crate) struct UnwrapArgs {
-    /// The surface: OBJ, OFF, PLY or STL, gzipped or not
-    #[arg(value_name = "IN")]
-    input: PathBuf,
-    /// Where to write it with texture coordinates: .obj, .ply or .glb
-    #[arg(short, long, value_name = "OUT")]
-    output: PathBuf,
+    /// The surface: OBJ, OFF, PLY, STL or glTF, gzipped or not; - is standard input
+    #[arg(value_name = "IN", required = true)]
+    inputs: Vec<PathBuf>,
+    /// Where to write it with texture coordinates: .obj, .ply or .glb, also .gz; - is standard output
+    #[arg(short, long, value_name = "OUT", required_unless_present = "out_dir")]
+    output: Option<PathBuf>,
+    /// The format to write, where no ending tells
+    #[arg(long, value_enum)]
+    format: Option<FormatName>,
+    #[command(flatten)]
+    many: ManyArgs,
     #[command(flatten)]
     candidates: CandidateArgs,
     #[command(flatten)]
@@ -67,6 +77,24 @@ pub(crate) struct UnwrapArgs {
     json: bool,
 }
 
+/// Many surfaces, each to a file of its own.
+#[derive(Args, Debug)]
+#[command(next_help_heading = "Many surfaces")]
+struct ManyArgs {
+    /// Write each surface under its own name into this folder, in its own format where that can be written, else as OBJ; an error in
+    /// one stops no other
+    #[arg(
+        long,
+        value_name = "FOLDER",
+        conflicts_with_all =
+            ["output", "report", "cones_out", "hierarchy", "picture", "layout", "cones", "seams", "avoid"]
+    )]
+    out_dir: Option<PathBuf>,
+    /// How many surfaces to work on at a time, which share the threads [default: as many as threads]
+    #[arg(long, value_name = "J", requires = "out_dir")]
+    jobs: Option<NonZeroUsize>,
+}
+
 #[derive(Clone, Copy, Debug, ValueEnum)]
 enum IslandsName {
     /// Leave it: each part of the surface is one island
@@ -78,52 +106,96 @@ enum IslandsName {
 }
 
 pub(crate) fn run(args: &UnwrapArgs) -> Result<(), CommandError> {
-    check_outputs(args)?;
-    let mut options = options(args)?;
-    let edges = args.seams.read(&mut options)?;
-    let progress = Progress::begin(&args.input.display().to_string());
-    let began = Instant::now();
-    let (model, read) = input::read_model(&args.input)?;
-    args.seams.keep(&args.input, &model, &mut options)?;
-    let unwrapped = Unwrapped::new(&args.input, model, options, args.scale, &progress);
-    let mut unwrapped = unwrapped.map_err(|error| edges.place(error))?;
-    if !args.triangulate && output::extension(&args.output, &["obj", "ply", "glb"])? != "glb" {
-        unwrapped.note_polygons();
+    match (&args.many.out_dir, &args.output) {
+        (Some(folder), _) => many::run(args, folder),
+        (None, Some(output)) => run_one(args, output),
+        // The arguments ask for one of them.
+        (None, None) => Ok(()),
     }
-    progress.step("write");
+}
+
+/// One surface, with all that may be written of it.
+fn run_one(args: &UnwrapArgs, output: &Path) -> Result<(), CommandError> {
+    let [input] = args.inputs.as_slice() else {
+        let message = "several surfaces cannot be written to one file: name a folder with --out-dir in place of -o\n";
+        clap::Error::raw(clap::error::ErrorKind::ArgumentConflict, message).exit()
+    };
+    let format = check_outputs(args, input, output)?;
+    let job = Job { args, input, output, format };
+    let progress = Progress::begin(&input.display().to_string());
+    let began = Instant::now();
+    let (unwrapped, times) = job.unwrap(&progress)?;
     let start = Instant::now();
-    write_surface(&unwrapped, args)?;
-    write_extras(args, &unwrapped)?;
-    let write = Some(start.elapsed().as_secs_f64());
+    write_extras(args, input, &unwrapped)?;
+    let write = times.write.map(|write| write + start.elapsed().as_secs_f64());
     let draw = draw(args, &unwrapped, &progress)?;
     let total = Some(began.elapsed().as_secs_f64());
-    let report = unwrapped.report(&args.input, Times { read: Some(read), write, draw, total, ..Times::default() });
+    let report = unwrapped.report(input, Times { write, draw, total, ..times });
     if let Some(path) = &args.report {
         output::write_json(path, &report)?;
     }
     progress.finish();
     unwrapped.warn();
-    if args.json { output::print_json(&report) } else { output::summary(&summary(&report, args)) }
+    if args.json { output::print_json(&report) } else { output::summary(&summary(&report, args, output)) }
+}
+
+/// One surface to one file.
+struct Job<'a> {
+    args: &'a UnwrapArgs,
+    input: &'a Path,
+    output: &'a Path,
+    format: MeshFormat,
+}
+
+impl Job<'_> {
+    /// Reads, unwraps and writes it; the times of reading and writing.
+    fn unwrap(&self, progress: &Progress) -> Result<(Unwrapped, Times), CommandError> {
+        let Self { args, input, output, format } = *self;
+        let mut options = options(args, input)?;
+        let edges = args.seams.read(&mut options)?;
+        let (model, read) = input::read_model(input)?;
+        args.seams.keep(input, &model, &mut options)?;
+        let unwrapped = Unwrapped::new(input, model, options, args.scale, progress);
+        let mut unwrapped = unwrapped.map_err(|error| edges.place(error))?;
+        if !args.triangulate && format != MeshFormat::Glb {
+            unwrapped.note_polygons();
+        }
+        progress.step("write");
+        let start = Instant::now();
+        let triangles = args.triangulate.then(|| unwrapped.model.triangles());
+        let checker = args.checker(output);
+        let file = SurfaceFile {
+            model: &unwrapped.model,
+            uv: Some(&unwrapped.uv),
+            triangles: triangles.as_ref(),
+            material: checker.as_ref().map(CheckerFiles::material),
+        };
+        let lost = file.write(output, format)?;
+        checker.as_ref().map_or(Ok(()), CheckerFiles::write)?;
+        unwrapped.flaws.extend(lost.map(|lost| lost.to_string()));
+        let write = Some(start.elapsed().as_secs_f64());
+        Ok((unwrapped, Times { read: Some(read), write, ..Times::default() }))
+    }
 }
 
 /// The library's options.
-fn options(args: &UnwrapArgs) -> Result<Options, CommandError> {
+fn options(args: &UnwrapArgs, input: &Path) -> Result<Options, CommandError> {
     let islands = match args.islands {
         IslandsName::Single => Islands::Single,
         IslandsName::OverlapFree => Islands::OverlapFree,
         IslandsName::Pack => Islands::Pack,
     };
     let packing = PackOptions { max_seam: args.max_seam, ..args.packing.options(1.0) };
-    let options = Options { islands, packing, ..args.candidates.options_for(&args.input) };
+    let options = Options { islands, packing, ..args.candidates.options_for(input) };
     Ok(match &args.cones {
         Some(file) => Options { cones: ConeChoice::Given(cone_file::read(file)?), ..options },
         None => options,
     })
 }
 
-/// Endings and places of the outputs, before anything is computed.
-fn check_outputs(args: &UnwrapArgs) -> Result<(), CommandError> {
-    output::extension(&args.output, &["obj", "ply", "glb"])?;
+/// Endings and places of the outputs, before anything is computed; the format of the surface.
+fn check_outputs(args: &UnwrapArgs, input: &Path, output: &Path) -> Result<MeshFormat, CommandError> {
+    let format = output::surface_format(output, args.format.map(MeshFormat::from))?;
     let endings: [(&Option<_>, &[&str]); 4] = [
         (&args.report, &["json"]),
         (&args.hierarchy, &["json"]),
@@ -135,65 +207,47 @@ fn check_outputs(args: &UnwrapArgs) -> Result<(), CommandError> {
             output::extension(path, wanted)?;
         }
     }
-    let inputs = [Some(&args.input), args.cones.as_ref()].into_iter().flatten().map(|p| &**p);
+    check_checker(args, output, format)?;
+    if args.json && output == Path::new(output::STANDARD) {
+        return Err(CommandError::OutputTwice(output.to_owned()));
+    }
+    let inputs = [Some(input), args.cones.as_deref()].into_iter().flatten();
     let inputs: Vec<&Path> = inputs.chain(args.seams.files()).collect();
-    if args.checker && output::extension(&args.output, &["obj", "ply", "glb"])? != "obj" {
-        let (path, option, of) = (args.output.clone(), "--checker", "an .obj");
+    let checker = args.checker(output);
+    let mut outputs = outputs(args, output);
+    outputs.extend(checker.iter().flat_map(CheckerFiles::paths));
+    output::check(&inputs, &outputs)?;
+    Ok(format)
+}
+
+/// A checkerboard is a file beside an OBJ; glTF has one within.
+fn check_checker(args: &UnwrapArgs, output: &Path, format: MeshFormat) -> Result<(), CommandError> {
+    if args.checker && format != MeshFormat::Obj {
+        let (path, option, of) = (output.to_owned(), "--checker", "an .obj");
         return Err(CommandError::Misplaced { path, option, of });
     }
-    let checker = args.checker();
-    let mut outputs = outputs(args);
-    outputs.extend(checker.iter().flat_map(CheckerFiles::paths));
-    output::check(&inputs, &outputs)
+    Ok(())
 }
 
 impl UnwrapArgs {
     /// The files of the checkerboard, if it is asked for.
-    fn checker(&self) -> Option<CheckerFiles> {
-        self.checker.then(|| CheckerFiles::beside(&self.output))
+    fn checker(&self, output: &Path) -> Option<CheckerFiles> {
+        self.checker.then(|| CheckerFiles::beside(output))
     }
 }
 
-fn outputs(args: &UnwrapArgs) -> Vec<&Path> {
-    let all = [
-        Some(&args.output),
-        args.report.as_ref(),
-        args.cones_out.as_ref(),
-        args.hierarchy.as_ref(),
-        args.picture.as_ref(),
-        args.layout.as_ref(),
-    ];
-    all.into_iter().flatten().map(|p| &**p).collect()
+fn outputs<'a>(args: &'a UnwrapArgs, output: &'a Path) -> Vec<&'a Path> {
+    let extras = [&args.report, &args.cones_out, &args.hierarchy, &args.picture, &args.layout];
+    std::iter::once(output).chain(extras.into_iter().flatten().map(|p| &**p)).collect()
 }
 
-fn write_surface(unwrapped: &Unwrapped, args: &UnwrapArgs) -> Result<(), CommandError> {
-    let UnwrapArgs { output: path, triangulate, .. } = args;
-    let triangles = unwrapped.model.triangles();
-    let asked = (*triangulate).then_some(&triangles);
-    let uv = Some(unwrapped.uv.as_slice());
-    match output::extension(path, &["obj", "ply", "glb"])? {
-        "ply" => output::write(path, |out| write_ply(&unwrapped.model, uv, asked, out)),
-        "glb" => {
-            let texture = render::Checker::texture().png();
-            output::write(path, |out| write_glb(&unwrapped.model, uv, &triangles, Some(&texture?), out))
-        }
-        _ => {
-            let checker = args.checker();
-            let material = checker.as_ref().map(|checker| checker.material());
-            let content = ObjContent { uv, triangles: asked, material };
-            output::write(path, |out| write_obj(&unwrapped.model, &content, out))?;
-            checker.map_or(Ok(()), |checker| checker.write())
-        }
-    }
-}
-
-fn write_extras(args: &UnwrapArgs, unwrapped: &Unwrapped) -> Result<(), CommandError> {
+fn write_extras(args: &UnwrapArgs, input: &Path, unwrapped: &Unwrapped) -> Result<(), CommandError> {
     if let Some(path) = &args.cones_out {
         output::write_text(path, &cone_file::text(&unwrapped.atlas.cones))?;
     }
     if let Some(path) = &args.hierarchy {
         let order = args.candidates.order(&unwrapped.analysis, unwrapped.atlas.cones.len());
-        let order = order.map_err(|error| CommandError::Unwrap { path: args.input.clone(), error })?;
+        let order = order.map_err(|error| CommandError::Unwrap { path: input.to_owned(), error })?;
         output::write_json(path, &HierarchyFile::new(order))?;
     }
     Ok(())
@@ -223,9 +277,9 @@ fn write_layout(path: &Path, scene: &Scene) -> Result<(), CommandError> {
     }
 }
 
-fn summary(report: &UnwrapReport, args: &UnwrapArgs) -> String {
-    let checker = args.checker();
-    let all = outputs(args).into_iter().chain(checker.iter().flat_map(CheckerFiles::paths));
+fn summary(report: &UnwrapReport, args: &UnwrapArgs, output: &Path) -> String {
+    let checker = args.checker(output);
+    let all = outputs(args, output).into_iter().chain(checker.iter().flat_map(CheckerFiles::paths));
     let written: Vec<String> = all.map(|p| p.display().to_string()).collect();
     report.text() + &labelled("written", &written.join(", "))
 }

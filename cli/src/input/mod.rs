@@ -33,10 +33,18 @@ use geom::Model;
 use std::path::Path;
 use std::time::Instant;
 
-/// Reads a model, and how many seconds that took.
+/// What stands for standard input.
+const STANDARD: &str = "-";
+
+/// Reads a model, from standard input where the path is `-`, and how many seconds that took.
 pub(crate) fn read_model(path: &Path) -> Result<(Model, f64), geom::io::ReadError> {
     let start = Instant::now();
-    Ok((geom::io::read(path)?, start.elapsed().as_secs_f64()))
+    let model = if path == Path::new(STANDARD) {
+        geom::io::read_stream(std::io::stdin().lock(), "standard input")?
+    } else {
+        geom::io::read(path)?
+    };
+    Ok((model, start.elapsed().as_secs_f64()))
 }
 
 /// What a file holds, by its ending.
@@ -53,7 +61,7 @@ impl Form {
         match ending(path).as_str() {
             "npy" | "pgm" | "png" | "txt" => Ok(Self::Array),
             "csv" => Ok(Self::Network),
-            "obj" | "ply" | "off" | "stl" | "gz" => Ok(Self::Mesh),
+            "obj" | "ply" | "off" | "stl" | "glb" | "gltf" | "gz" => Ok(Self::Mesh),
             _ => Err(Problem::Form.in_file(path)),
         }
     }

@@ -5,10 +5,10 @@
 //! allows it, its owner; a link is followed and stays. A file that is protected from writing is not replaced. This guards
 //! against failures of the program and a full disk, not against loss of power.
 //!
-//! Devices, pipes and standard output, which cannot be replaced, are written directly.
+//! Devices, pipes and standard output (also as `-`), which cannot be replaced, are written directly. What ends in `.gz` is compressed.
 
 use crate::error::CommandError;
-use geom::io::WriteError;
+use geom::io::{WriteError, gzip};
 use std::fs::{self, File, Metadata};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
@@ -32,6 +32,10 @@ pub(super) fn write(
     path: &Path,
     content: impl FnOnce(&mut dyn Write) -> Result<(), WriteError>,
 ) -> Result<(), CommandError> {
+    let content = |out: &mut dyn Write| match path.extension() {
+        Some(ending) if ending.eq_ignore_ascii_case("gz") => gzip(out, content),
+        _ => content(out),
+    };
     let failed = |source| CommandError::WriteFile { path: path.to_owned(), source };
     let told = |error| match error {
         WriteError::Io(source) => failed(source),
@@ -88,6 +92,9 @@ enum Way {
 impl Way {
     fn to(path: &Path) -> io::Result<Self> {
         // Opened by this name, a file that standard output was sent to would be written from its beginning.
+        if path == Path::new(super::STANDARD) {
+            return Ok(Self::StandardOutput);
+        }
         if cfg!(unix) && ["/dev/stdout", "/dev/fd/1", "/proc/self/fd/1"].iter().any(|name| path == Path::new(name)) {
             return Ok(Self::StandardOutput);
         }

@@ -8,12 +8,15 @@ mod file;
 use crate::error::CommandError;
 use crate::render::Picture;
 use anstyle::{AnsiColor, Style};
-use geom::io::WriteError;
+use geom::io::{MeshFormat, WriteError};
 use std::error::Error;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError, TryLockError};
 use std::time::Duration;
+
+/// What stands for standard output, or standard input, in place of a file.
+pub(crate) const STANDARD: &str = "-";
 
 /// Held while a file is being written.
 static WRITING: Mutex<()> = Mutex::new(());
@@ -136,6 +139,11 @@ pub(crate) fn json(value: &impl serde::Serialize) -> String {
     serde_json::to_string_pretty(value).expect("reports have string keys and no failing parts") + "\n"
 }
 
+/// Writes a value to standard output as a line of JSON.
+pub(crate) fn print_json_line(value: &impl serde::Serialize) -> Result<(), CommandError> {
+    print(&(serde_json::to_string(value).expect("reports have string keys and no failing parts") + "\n"))
+}
+
 /// Rows, all of one length, as comma-separated values.
 pub(crate) fn csv(rows: &[Vec<String>]) -> String {
     let mut writer = csv::Writer::from_writer(Vec::new());
@@ -159,13 +167,18 @@ pub(crate) fn note(text: &str) {
 
 /// An error and what lies behind it, a line each.
 pub(crate) fn explain(error: &CommandError) {
-    let mut text = error.to_string();
+    say("error", ERROR, &sentences(error).join("\n  because "));
+}
+
+/// An error and what lies behind it, in sentences.
+pub(crate) fn sentences(error: &CommandError) -> Vec<String> {
+    let mut sentences = vec![error.to_string()];
     let mut behind = error.source();
     while let Some(error) = behind {
-        text += &format!("\n  because {error}");
+        sentences.push(error.to_string());
         behind = error.source();
     }
-    say("error", ERROR, &text);
+    sentences
 }
 
 /// Says something under a coloured word. Where stderr is no terminal, or `NO_COLOR` is set, it is not coloured.
@@ -210,6 +223,25 @@ pub(crate) fn extension(path: &Path, wanted: &[&'static str]) -> Result<&'static
         .find(|&&w| w == ending)
         .copied()
         .ok_or_else(|| CommandError::Extension { path: path.to_owned(), wanted: alternatives(wanted) })
+}
+
+/// The format in which a surface is to be written: by the file's ending, with or without `.gz`, or as it is asked where no ending
+/// tells.
+pub(crate) fn surface_format(path: &Path, asked: Option<MeshFormat>) -> Result<MeshFormat, CommandError> {
+    let is_compressed = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("gz"));
+    let inner = if is_compressed { path.with_extension("") } else { path.to_owned() };
+    let is_open = inner.extension().is_none() && (asked.is_some() || file::is_written_directly(path));
+    let wanted: Vec<&str> = match asked {
+        _ if is_open => return Ok(asked.unwrap_or(MeshFormat::Obj)),
+        Some(format) => vec![format.extension()],
+        None => MeshFormat::ALL.map(MeshFormat::extension).to_vec(),
+    };
+    let ending = inner.extension().and_then(|e| e.to_str()).unwrap_or("").to_lowercase();
+    let format = MeshFormat::ALL.into_iter().find(|format| format.extension() == ending);
+    format.filter(|_| wanted.contains(&&*ending)).ok_or_else(|| {
+        let wanted = alternatives(&wanted) + if is_compressed { " before .gz" } else { "" };
+        CommandError::Extension { path: path.to_owned(), wanted }
+    })
 }
 
 /// `.a, .b or .c`

@@ -64,6 +64,13 @@ fn every_key_of_every_json_output_is_on_the_page() {
     assert_documented("compare", &printed(&compare));
     let tiled = ["unwrap", "hare.obj", "-n", "8", "-o", "out.obj", "--quantize", "4", "--json"];
     assert_documented("Report", &printed(&tiled));
+    let many = stdout(&folder.run(&["unwrap", "hare.obj", "-n", "4", "--out-dir", "many", "--json"]).success());
+    for line in many.lines() {
+        let mut line: Value = serde_json::from_str(line).expect("each line is a document");
+        // What it holds is told where the report is.
+        line["report"] = Value::Null;
+        assert_documented("Lines", &line);
+    }
     // What is mended is told with places of vertices and of faces.
     folder.write("torn.obj", &format!("v 9 9 9\n{}f 1 2 2\nf 2 2 3\n", folder.read("sphere.obj")));
     assert_documented("Report", &printed(&["unwrap", "torn.obj", "-n", "4", "-o", "torn-out.obj", "--json"]));

@@ -11,6 +11,7 @@ mod folder;
 mod hierarchy;
 mod islands;
 mod limits;
+mod many;
 mod packing;
 mod seams;
 mod terminal;

@@ -25,16 +25,19 @@ impl<'a> Cells<'a> {
         self.triangles.map_or(self.model.face_count(), Triangles::len)
     }
 
-    /// Calls `take` with the corners of each.
-    pub(super) fn for_each(mut self, mut take: impl FnMut(&[u32]) -> std::io::Result<()>) -> std::io::Result<()> {
+    /// Calls `take` with the face and the corners of each.
+    pub(super) fn for_each(
+        mut self,
+        mut take: impl FnMut(usize, &[u32]) -> std::io::Result<()>,
+    ) -> std::io::Result<()> {
         let mut polygon = Vec::new();
         for face in 0..self.model.face_count() {
             match self.triangles_of(face) {
-                Some(triangles) => triangles.iter().try_for_each(|corners| take(corners))?,
+                Some(triangles) => triangles.iter().try_for_each(|corners| take(face, corners))?,
                 None => {
                     polygon.clear();
                     polygon.extend(self.model.face_corners(face).map(|corner| corner as u32));
-                    take(&polygon)?;
+                    take(face, &polygon)?;
                 }
             }
         }

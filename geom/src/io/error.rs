@@ -100,7 +100,7 @@ pub enum Problem {
     #[error("the file is empty")]
     Empty,
     /// Nothing tells the format.
-    #[error("neither the content nor the extension is that of an OBJ, PLY, OFF or STL file")]
+    #[error("neither the content nor the extension is that of an OBJ, PLY, OFF, STL or glTF file")]
     UnknownFormat,
     /// Something else than the format allows.
     #[error("found {found}, expected {expected}")]

@@ -1,4 +1,4 @@
-//! Files: OBJ, PLY, OFF and STL in, each also gzipped; OBJ, PLY and glTF out.
+//! Files: OBJ, PLY, OFF, STL and glTF in, OBJ, PLY and glTF out, each also gzipped.
 //!
 //! [`read`] makes a [`Model`] of a file. Numbers are read as f64 wherever the format writes them in decimal, vertices and
 //! faces keep their order and polygons stay polygons. A file is known by its content; its extension is asked only where the
@@ -11,7 +11,12 @@
 //! [`Model::skipped`]).
 
 mod cells;
+mod colour;
 mod error;
+mod gltf;
+mod joined;
+mod look;
+mod not_kept;
 mod obj;
 mod off;
 mod ply;
@@ -26,16 +31,19 @@ mod write_obj;
 mod write_ply;
 
 use std::fs;
-use std::io::{self, Read};
+use std::io::{self, Read, Write};
 use std::path::Path;
 
+use flate2::Compression;
 use flate2::read::MultiGzDecoder;
+use flate2::write::GzEncoder;
 
 use crate::surface::Model;
 use error::Fault;
 use text::Lines;
 
 pub use error::{Place, Problem, ReadError, WriteError};
+pub use not_kept::{MeshFormat, NotKept, not_kept};
 pub use refined_obj::refine_obj;
 pub use write_glb::write_glb;
 pub use write_obj::{Material, ObjContent, write_obj};
@@ -50,6 +58,8 @@ const MOST_EXPANSION: usize = 100;
 enum Format {
     /// Wavefront OBJ.
     Obj,
+    /// Khronos' scenes, binary or JSON.
+    Gltf,
     /// Geomview's object file format.
     Off,
     /// Stanford's polygon file format.
@@ -65,7 +75,7 @@ enum Format {
 pub fn read(path: impl AsRef<Path>) -> Result<Model, ReadError> {
     let path = path.as_ref();
     let bytes = load(path).map_err(|problem| Fault::from(problem).in_file(path))?;
-    read_bytes(bytes, path)
+    read_beside(bytes, path, Some(path.parent().unwrap_or(Path::new(""))))
 }
 
 /// Reads a mesh file that is already in memory.
@@ -81,21 +91,49 @@ pub fn read(path: impl AsRef<Path>) -> Result<Model, ReadError> {
 /// # Errors
 /// When the bytes are of no known format, damaged, or hold no surface.
 pub fn read_bytes(bytes: Vec<u8>, name: impl AsRef<Path>) -> Result<Model, ReadError> {
-    let name = name.as_ref();
+    read_beside(bytes, name.as_ref(), None)
+}
+
+/// Reads a mesh file that comes through a pipe, to its end; the content tells the format. `name` stands for the path in messages.
+///
+/// # Errors
+/// When the pipe breaks, or as [`read_bytes`].
+pub fn read_stream(mut input: impl Read, name: impl AsRef<Path>) -> Result<Model, ReadError> {
+    let mut bytes = Vec::new();
+    match input.read_to_end(&mut bytes) {
+        Ok(_) => read_bytes(bytes, name),
+        Err(error) => Err(Fault::from(Problem::Io(error)).in_file(name.as_ref())),
+    }
+}
+
+/// Writes what `content` writes, compressed with gzip.
+///
+/// # Errors
+/// What `content` returns, and when writing fails.
+pub fn gzip(out: impl Write, content: impl FnOnce(&mut dyn Write) -> Result<(), WriteError>) -> Result<(), WriteError> {
+    let mut compressed = GzEncoder::new(out, Compression::default());
+    content(&mut compressed)?;
+    compressed.finish()?.flush()?;
+    Ok(())
+}
+
+/// Reads a file whose other files, if it has any, are in a folder.
+fn read_beside(bytes: Vec<u8>, name: &Path, folder: Option<&Path>) -> Result<Model, ReadError> {
     let read = || {
         let bytes = decompress(bytes)?;
         if bytes.is_empty() {
             return Err(Problem::Empty.into());
         }
         let format = Format::of_content(&bytes).or_else(|| Format::of_name(name)).ok_or(Problem::UnknownFormat)?;
-        read_format(bytes, format)
+        read_format(bytes, format, folder)
     };
     read().map_err(|fault| fault.in_file(name))
 }
 
-fn read_format(bytes: Vec<u8>, format: Format) -> Result<Model, Fault> {
+fn read_format(bytes: Vec<u8>, format: Format, folder: Option<&Path>) -> Result<Model, Fault> {
     match format {
         Format::Obj => obj::read(bytes),
+        Format::Gltf => gltf::read(&bytes, folder),
         Format::Off => off::read(&bytes),
         Format::Ply => ply::read(&bytes),
         Format::Stl => stl::read(&bytes),
@@ -129,6 +167,7 @@ impl Format {
         let extension = name.extension()?.to_str()?.to_ascii_lowercase();
         match extension.as_str() {
             "obj" => Some(Self::Obj),
+            "glb" | "gltf" => Some(Self::Gltf),
             "off" | "coff" | "noff" | "cnoff" => Some(Self::Off),
             "ply" => Some(Self::Ply),
             "stl" => Some(Self::Stl),
@@ -139,10 +178,14 @@ impl Format {
 
     /// The format where the content leaves no doubt.
     fn of_content(bytes: &[u8]) -> Option<Self> {
+        if bytes.starts_with(gltf::MAGIC) {
+            return Some(Self::Gltf);
+        }
         let first = Lines::new(bytes).next_filled()?;
         let word = first.words().next()?;
         match word {
             b"ply" => Some(Self::Ply),
+            _ if word.starts_with(b"{") => Some(Self::Gltf),
             _ if off::is_keyword(word) => Some(Self::Off),
             _ if stl::is_stl(bytes) => Some(Self::Stl),
             _ if obj::is_keyword(word) => Some(Self::Obj),

@@ -1,16 +1,19 @@
 //! Wavefront OBJ, read in f64.
 //!
 //! What shapes a surface is taken: `v`, `vt` and `f`. Corners may be `v`, `v/vt`, `v//vn` or `v/vt/vn`, with negative indices
-//! counted back from the latest vertex, and may name vertices that come later. Colours or a weight behind a vertex are
-//! skipped, groups and materials stay in the text, and lines, points and free-form statements are counted. The text is kept,
-//! for the writer.
+//! counted back from the latest vertex, and may name vertices that come later. Normals, colours behind a vertex and the names of
+//! materials are [`Attributes`](crate::Attributes), for other formats. Groups stay in the text, and lines, points and free-form
+//! statements are counted. The text is kept, for the writer.
 //!
 //! Source: Wavefront Technologies, *Advanced Visualizer* appendix B1, *Object Files (.obj)*. The obj-rs crate is not used
 //! because it reads f32, panics on free-form curves, and refuses vertex colours and byte-order marks.
 
+mod appearance;
+
 use super::error::{Fault, Place};
 use super::text::{Line, Lines, Words, integer, number};
 use crate::surface::{Model, ModelError, Polygons, Skipped, TextureCoordinates};
+use appearance::Appearance;
 
 /// Statements that are kept in the text but say nothing about the surface.
 const APPEARANCE: [&[u8]; 19] = [
@@ -88,6 +91,7 @@ struct Draft {
     /// One a corner, once any corner had one.
     uv_corners: Vec<u32>,
     skipped: Skipped,
+    appearance: Appearance,
 }
 
 impl Draft {
@@ -95,7 +99,13 @@ impl Draft {
         let mut words = line.words();
         let Some(keyword) = words.next() else { return Ok(()) };
         match keyword {
-            b"v" => self.points.push(words.point()?),
+            b"v" => {
+                self.points.push(words.point()?);
+                self.appearance.colour(words);
+            }
+            b"vn" => self.appearance.normal(words),
+            b"usemtl" => self.appearance.material(words),
+            b"g" | b"o" => self.appearance.group(),
             b"vt" => self.uv_points.push(texture_point(&mut words)?),
             b"l" => self.skipped.lines += 1,
             b"p" => self.skipped.points += 1,
@@ -111,17 +121,19 @@ impl Draft {
     fn face(&mut self, mut words: Words) -> Result<(), Fault> {
         let mut corners = 0;
         while let Some(word) = words.next() {
-            let (v, vt) =
+            let (v, vt, vn) =
                 split(word).ok_or_else(|| words.unexpected(word, "a corner such as `7`, `7/3` or `7/3/5`"))?;
             let vertex = resolve(v, self.points.len());
             let vertex = vertex.ok_or_else(|| words.unexpected(word, legal_indices(self.points.len())))?;
             self.texture_corner(vt);
+            self.appearance.corner(self.polygons.corners.len(), vn);
             self.polygons.corners.push(vertex);
             corners += 1;
         }
         if corners < 3 {
             return Err(Fault::few_corners(words.place(), corners));
         }
+        self.appearance.face(self.polygons.face_count());
         self.polygons.end_face();
         Ok(())
     }
@@ -144,7 +156,9 @@ impl Draft {
             self.uv_corners.resize(corners, TextureCoordinates::NONE);
             TextureCoordinates::new(self.uv_points, self.uv_corners)
         });
-        Ok(Model::new(self.points, self.polygons)?.with_uv(uv).with_skipped(self.skipped))
+        let attributes = self.appearance.attributes(self.points.len(), self.polygons.face_count(), corners);
+        let model = Model::new(self.points, self.polygons)?;
+        Ok(model.with_uv(uv).with_skipped(self.skipped).with_attributes(attributes))
     }
 }
 
@@ -160,15 +174,15 @@ fn texture_number(words: &Words, word: &[u8]) -> Result<f64, Fault> {
     number(word).ok_or_else(|| words.unexpected(word, "a number for a texture coordinate"))
 }
 
-/// The vertex and the texture index of a corner `v`, `v/vt`, `v//vn` or `v/vt/vn`.
-fn split(word: &[u8]) -> Option<(i64, Option<i64>)> {
+/// The vertex, the texture index and the normal of a corner `v`, `v/vt`, `v//vn` or `v/vt/vn`.
+fn split(word: &[u8]) -> Option<(i64, Option<i64>, Option<i64>)> {
     let mut parts = word.split(|&b| b == b'/');
     let v = integer(parts.next()?)?;
     let vt = match parts.next() {
         None | Some(b"") => None,
         Some(vt) => Some(integer(vt)?),
     };
-    Some((v, vt))
+    Some((v, vt, parts.next().and_then(integer)))
 }
 
 /// The index from 0 that an OBJ index means when `count` things have been listed so far; more may follow.

@@ -2,24 +2,33 @@
 //!
 //! The header names elements and their properties in any order; we take `x`, `y`, `z` of `vertex`, the list `vertex_indices`
 //! (or `vertex_index`) of `face` and of `tristrips`, and texture coordinates: `texcoord` of `face` as `MeshLab` writes it, or
-//! `s t`, `u v` or `texture_u texture_v` of `vertex`. The rest is passed over. A strip's triangles alternate in direction, -1
-//! starts a new one, and triangles that merely turn a strip (a vertex twice) are left out.
+//! `s t`, `u v` or `texture_u texture_v` of `vertex`. A strip's triangles alternate in direction, -1
+//! starts a new one, and triangles that merely turn a strip (a vertex twice) are left out. All other properties, comments
+//! and elements are kept as [`Attributes`]. Vertices that were split along seams when the file was written are joined again where
+//! it says of what they are copies: the property [`SOURCE`].
 //!
 //! Source: Greg Turk, *The PLY polygon file format*, 1994. The ply-rs-bw crate was tried and is the oracle of our tests; as
 //! the reader it lacks: it fills the memory for a binary header of 4·10⁹ elements without properties, narrows text to f32,
 //! refuses `.5`, `1.`, blank lines, property names with dots and comments that are not UTF-8, and names no bytes in errors.
 
+mod columns;
 mod header;
 mod values;
 
 use super::error::{Fault, Place, Problem};
-use crate::surface::{MAX_COORDINATE, Model, Polygons, Skipped, TextureCoordinates, is_coordinate};
+use super::joined::Joined;
+use crate::surface::{Attributes, Domain, MAX_COORDINATE, Model, Polygons, Skipped, TextureCoordinates, is_coordinate};
+use columns::{Columns, tables};
 use header::{Element, Encoding, Header, Shape};
 use values::{Binary, Text, Values};
+
+/// The property of `vertex` that says of which vertex each is a copy: itself, or an earlier one at its place.
+pub(super) const SOURCE: &str = "source_vertex";
 
 pub(super) fn read(bytes: &[u8]) -> Result<Model, Fault> {
     let (header, payload) = header::read(bytes)?;
     let mut draft = Draft { vertices: header.count_of("vertex"), ..Draft::default() };
+    draft.attributes.comments.clone_from(&header.comments);
     match header.encoding {
         Encoding::Text => draft.take_all(&header, &mut Text::new(bytes, &header, payload)),
         Encoding::Binary(order) => draft.take_all(&header, &mut Binary::new(bytes, payload, order)),
@@ -30,12 +39,14 @@ pub(super) fn read(bytes: &[u8]) -> Result<Model, Fault> {
 /// What we want of a property.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Role {
-    Skip,
+    /// Kept as it is.
+    Column,
     Position(usize),
     Texture(usize),
     Face,
     Strips,
     FaceTexture,
+    Source,
 }
 
 impl Role {
@@ -49,8 +60,20 @@ impl Role {
             ("face", "vertex_indices" | "vertex_index", Shape::List { .. }) => Self::Face,
             ("tristrips", "vertex_indices" | "vertex_index", Shape::List { .. }) => Self::Strips,
             ("face", "texcoord", Shape::List { .. }) => Self::FaceTexture,
-            _ => Self::Skip,
+            ("vertex", SOURCE, Shape::One(_)) => Self::Source,
+            _ => Self::Column,
         }
+    }
+
+    /// The roles of an element's properties. Half a texture coordinate is none.
+    fn of_all(element: &Element) -> Vec<Self> {
+        let of = |property: &header::Property| Self::of(&element.name, &property.name, property.shape);
+        let mut roles: Vec<Self> = element.properties.iter().map(of).collect();
+        if !(roles.contains(&Self::Texture(0)) && roles.contains(&Self::Texture(1))) {
+            let halves = roles.iter_mut().filter(|role| matches!(role, Self::Texture(_)));
+            halves.for_each(|role| *role = Self::Column);
+        }
+        roles
     }
 }
 
@@ -63,6 +86,9 @@ struct Draft {
     polygons: Polygons,
     vertex_uv: Vec<[f64; 2]>,
     corner_uv: Vec<[f64; 2]>,
+    /// Of which vertex each is a copy, if the file says so.
+    sources: Vec<f64>,
+    attributes: Attributes,
     /// What follows the last element.
     surplus: usize,
 }
@@ -80,9 +106,9 @@ impl Draft {
     }
 
     fn take(&mut self, element: &Element, values: &mut impl Values) -> Result<(), Fault> {
-        let roles: Vec<Role> =
-            element.properties.iter().map(|property| Role::of(&element.name, &property.name, property.shape)).collect();
+        let roles = Role::of_all(element);
         element.check(&roles)?;
+        let mut columns = Columns::new(element, &roles);
         let mut list = Vec::new();
         for present in 0..element.count {
             if values.at_end() {
@@ -90,30 +116,46 @@ impl Draft {
                 return Err(Fault::new(values.place(), Problem::CutShort { what, claimed: element.count, present }));
             }
             values.start_row();
-            self.take_row(element, &roles, values, &mut list)?;
+            self.take_row((element, &roles), values, &mut columns, &mut list)?;
         }
+        self.keep(element, columns);
         Ok(())
     }
 
     fn take_row(
         &mut self,
-        element: &Element,
-        roles: &[Role],
+        (element, roles): (&Element, &[Role]),
         values: &mut impl Values,
+        columns: &mut Columns,
         list: &mut Vec<f64>,
     ) -> Result<(), Fault> {
         let mut row = Row { first_uv: self.corner_uv.len(), ..Row::default() };
-        for (property, &role) in element.properties.iter().zip(roles) {
+        for (k, (property, &role)) in element.properties.iter().zip(roles).enumerate() {
             match property.shape {
-                Shape::One(scalar) => row.take(role, values.scalar(scalar, &property.name)?, values)?,
+                Shape::One(scalar) => {
+                    let value = values.scalar(scalar, &property.name)?;
+                    columns.push(k, &[value]);
+                    row.take(role, value, values)?;
+                }
                 Shape::List { count, item } => {
                     values.list(count, item, &property.name, list)?;
+                    columns.push(k, list);
                     self.take_list(role, list, values)?;
                 }
             }
         }
         self.end_row(roles, &row);
         Ok(())
+    }
+
+    /// Keeps what an element says besides.
+    fn keep(&mut self, element: &Element, columns: Columns) {
+        match element.name.as_str() {
+            "vertex" => self.attributes.tables.extend(tables(columns, Domain::Vertices)),
+            "face" => self.attributes.tables.extend(tables(columns, Domain::Faces)),
+            "tristrips" => {}
+            _ => self.attributes.listings.push(columns.listing(&element.name, element.count as usize)),
+        }
     }
 
     fn take_list(&mut self, role: Role, list: &[f64], values: &impl Values) -> Result<(), Fault> {
@@ -135,6 +177,9 @@ impl Draft {
         }
         if has(Role::Texture(0)) && has(Role::Texture(1)) {
             self.vertex_uv.push(row.texture);
+        }
+        if has(Role::Source) {
+            self.sources.push(row.source);
         }
         let corners = self.polygons.corners.len();
         if has(Role::FaceTexture) && self.corner_uv.len() != corners {
@@ -194,7 +239,12 @@ impl Draft {
             None
         };
         let skipped = Skipped { surplus: self.surplus, ..Skipped::default() };
-        Ok(Model::new(self.points, self.polygons)?.with_uv(uv).with_skipped(skipped))
+        let Self { mut points, mut polygons, mut attributes, sources, .. } = self;
+        if let Some(joined) = Joined::of_sources(&sources, &points) {
+            attributes.tables = joined.tables(attributes.tables, &polygons.corners);
+            joined.apply(&mut points, &mut polygons.corners);
+        }
+        Ok(Model::new(points, polygons)?.with_uv(uv).with_skipped(skipped).with_attributes(attributes))
     }
 }
 
@@ -203,6 +253,7 @@ impl Draft {
 struct Row {
     position: [f64; 3],
     texture: [f64; 2],
+    source: f64,
     /// How many corners had texture coordinates before.
     first_uv: usize,
 }
@@ -216,6 +267,7 @@ impl Row {
             }
             Role::Position(axis) => self.position[axis] = value,
             Role::Texture(axis) => self.texture[axis] = value,
+            Role::Source => self.source = value,
             _ => {}
         }
         Ok(())

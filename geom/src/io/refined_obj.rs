@@ -1,14 +1,14 @@
 //! The text of an OBJ whose faces were cut into triangles: groups, materials and comments stay where they were.
 //!
 //! The lines of a face's triangles stand where the face's line stood. New vertices follow the last one, with colours or whatever else
-//! stands behind a position made of the same vertices in the same shares. Corners lose their normals.
+//! stands behind a position made of the same vertices in the same shares; after them stand the triangles' normals, interpolated.
 
 use std::fmt::Write;
 
 use super::obj;
 use super::obj::is_face;
 use super::text::{Lines, number};
-use crate::surface::Model;
+use crate::surface::{Attribute, Meaning, Model, refine_attributes};
 
 /// A model from an OBJ whose faces are cut into triangles, with its text. `added` says what new vertices are made of: vertices of the
 /// model with weights; `triangles` are in the order of faces, `face` has the face of each. None where the model has no text, or
@@ -18,6 +18,9 @@ pub fn refine_obj(model: &Model, added: &[[(u32, f64); 3]], refined: &Model, fac
     let behind = behind_positions(text);
     let mut out = String::with_capacity(2 * text.len() + 64 * face.len());
     let last_vertex = last_vertex_line(text)?;
+    let attributes = refine_attributes(model, refined, added, face);
+    let normals = attributes.table(&Meaning::Normal);
+    let known_normals = normals_before(text, last_vertex);
     let (mut at, mut faces, mut next) = (0, 0, 0);
     let mut lines = Lines::joined(text);
     while let Some(line) = lines.next() {
@@ -25,8 +28,14 @@ pub fn refine_obj(model: &Model, added: &[[(u32, f64); 3]], refined: &Model, fac
         if line.words().next().is_some_and(is_face) {
             out.push_str(&String::from_utf8_lossy(&text[at..line.start]));
             while next < face.len() && face[next] == faces {
-                let [a, b, c] = *refined.face(next) else { return None };
-                writeln!(out, "f {} {} {}", a + 1, b + 1, c + 1).ok()?;
+                out.push('f');
+                for corner in refined.face_corners(next) {
+                    write!(out, " {}", refined.corners()[corner] + 1).ok()?;
+                    if let Some(row) = normals.and_then(|table| table.row_at(refined.corners(), corner)) {
+                        write!(out, "//{}", known_normals + row + 1).ok()?;
+                    }
+                }
+                out.push('\n');
                 next += 1;
             }
             faces += 1;
@@ -48,11 +57,27 @@ pub fn refine_obj(model: &Model, added: &[[(u32, f64); 3]], refined: &Model, fac
                 }
                 out.push('\n');
             }
+            normals.map_or(Some(()), |table| write_normals(table, &mut out))?;
         }
     }
     out.push_str(&String::from_utf8_lossy(&text[at..]));
     let read = obj::read(out.into_bytes()).ok()?;
     (read.points() == refined.points() && read.corners() == refined.corners()).then_some(read)
+}
+
+fn write_normals(table: &Attribute, out: &mut String) -> Option<()> {
+    for row in 0..table.rows() {
+        out.push_str("vn");
+        table.row(row).try_for_each(|x| write!(out, " {:?}", x as f32)).ok()?;
+        out.push('\n');
+    }
+    Some(())
+}
+
+/// How many normals are listed before a byte.
+fn normals_before(text: &[u8], at: usize) -> usize {
+    let lines = Lines::joined(text).take_while(|line| line.start < at);
+    lines.filter(|line| line.words().next() == Some(b"vn")).count()
 }
 
 fn behind_of(behind: &Option<(usize, Vec<f64>)>, v: u32, k: usize) -> f64 {
@@ -100,6 +125,21 @@ mod tests {
         assert!(text.contains("v 1.0 1.0 0.0 0 0.5 0.5\n"));
         assert!(text.contains("usemtl red\nf 1 2 5\nf 1 5 3\ng two\nf 2 4 5\nf 5 4 3\n"), "{text}");
         assert_eq!(read.corners(), refined.corners());
+    }
+
+    #[test]
+    fn normals_are_interpolated() {
+        let text = "vn 9 9 9\nv 0 0 0\nv 2 0 0\nv 0 2 0\nvn 0 0 1\nvn 0 1 0\nf 1//2 2//3 3//2\n";
+        let model = obj::read(text.into()).unwrap();
+        let mut points = model.points().to_vec();
+        points.push([1.0, 0.0, 0.0]);
+        let refined = Model::from_triangles(points, &[[0, 3, 2], [3, 1, 2]]).unwrap();
+        let read = refine_obj(&model, &[[(0, 0.5), (1, 0.5), (2, 0.0)]], &refined, &[0, 0]).unwrap();
+        let table = read.attributes().table(&Meaning::Normal).unwrap();
+        let normal = |corner| table.row(table.row_at(read.corners(), corner).unwrap()).collect::<Vec<_>>();
+        let half = f64::from(0.5_f32.sqrt());
+        assert_eq!((normal(0), normal(1)), (vec![0.0, 0.0, 1.0], vec![0.0, half, half]));
+        assert_eq!(normal(4), [0.0, 1.0, 0.0]);
     }
 
     #[test]

@@ -1,8 +1,10 @@
-//! Wedges: what the corners of one vertex that have one texture coordinate are together (H. Hoppe, *Efficient
+//! Wedges: what the corners of one vertex that have one texture coordinate, one normal and so on are together (H. Hoppe, *Efficient
 //! implementation of progressive meshes*, 1998). A file lists a texture coordinate once for each of them.
 
+use std::cmp::Ordering;
+
 use super::error::WriteError;
-use crate::surface::Model;
+use crate::surface::{Attribute, Domain, Model};
 
 /// The wedges of a map, numbered by their first corners.
 pub(super) struct Wedges {
@@ -15,27 +17,26 @@ pub(super) struct Wedges {
 impl Wedges {
     /// The wedges of a map that has a texture coordinate for each corner. Coordinates are the same if their bits are.
     pub(super) fn new(model: &Model, uv: &[[f64; 2]]) -> Result<Self, WriteError> {
-        Self::check(model, uv)?;
-        let bits = |corner: u32| uv[corner as usize].map(f64::to_bits);
+        Self::split(model, Some(uv), &[])
+    }
+
+    /// The wedges of a model whose corners may have a texture coordinate, and rows of some tables. Without any of them they are
+    /// the vertices that have corners.
+    pub(super) fn split(model: &Model, uv: Option<&[[f64; 2]]>, tables: &[&Attribute]) -> Result<Self, WriteError> {
+        if let Some(uv) = uv {
+            Self::check(model, uv)?;
+        }
         let (start, mut corners) = corners_by_vertex(model);
         let mut first_of_corner = vec![0; corners.len()];
+        let order = |a: u32, b: u32| order(model, uv, tables, a, b);
         for ends in start.windows(2) {
             let ring = &mut corners[ends[0] as usize..ends[1] as usize];
-            ring.sort_unstable_by_key(|&corner| (bits(corner), corner));
-            for wedge in ring.chunk_by(|&a, &b| bits(a) == bits(b)) {
+            ring.sort_unstable_by(|&a, &b| order(a, b).then(a.cmp(&b)));
+            for wedge in ring.chunk_by(|&a, &b| order(a, b).is_eq()) {
                 wedge.iter().for_each(|&corner| first_of_corner[corner as usize] = wedge[0]);
             }
         }
         Ok(Self::numbered(first_of_corner))
-    }
-
-    /// The wedges of a model without map: one a vertex, if any corner is there.
-    pub(super) fn of_vertices(model: &Model) -> Self {
-        let mut first = vec![u32::MAX; model.vertex_count()];
-        for (corner, &vertex) in model.corners().iter().enumerate().rev() {
-            first[vertex as usize] = corner as u32;
-        }
-        Self::numbered(model.corners().iter().map(|&vertex| first[vertex as usize]).collect())
     }
 
     /// Whether a map has a finite texture coordinate for each corner of a model.
@@ -63,6 +64,57 @@ impl Wedges {
             };
         }
         Self { of_corner, first }
+    }
+}
+
+/// Two corners of a vertex in some order, equal if all bits of what they have are.
+fn order(model: &Model, uv: Option<&[[f64; 2]]>, tables: &[&Attribute], a: u32, b: u32) -> Ordering {
+    let point = |corner: u32| uv.map(|uv| uv[corner as usize].map(f64::to_bits));
+    let row = |table: &Attribute, corner: u32| table.row_at(model.corners(), corner as usize);
+    let by_table = |table: &&Attribute| {
+        let [a, b] = [row(table, a), row(table, b)];
+        // Most rows that are equal are the same row.
+        if a == b { Ordering::Equal } else { a.map(|a| table.row_bytes(a)).cmp(&b.map(|b| table.row_bytes(b))) }
+    };
+    tables.iter().map(by_table).fold(point(a).cmp(&point(b)), Ordering::then)
+}
+
+/// Wedges as the vertices of a file: first the model's vertices under their own numbers, each with its first wedge, then the
+/// copies that its other wedges need.
+pub(super) struct Split {
+    /// The file's vertex of each corner.
+    pub(super) of_corner: Vec<u32>,
+    /// The model's vertex that each of the file's is.
+    pub(super) vertex: Vec<u32>,
+    /// A corner of each of the file's vertices; [`Attribute::NONE`] where there is none.
+    pub(super) corner: Vec<u32>,
+}
+
+impl Split {
+    pub(super) fn new(model: &Model, wedges: &Wedges) -> Self {
+        let mut vertex: Vec<u32> = (0..model.vertex_count() as u32).collect();
+        let mut corner = vec![Attribute::NONE; vertex.len()];
+        let number = |&first: &u32| {
+            let v = model.corners()[first as usize];
+            if corner[v as usize] == Attribute::NONE {
+                corner[v as usize] = first;
+                return v;
+            }
+            vertex.push(v);
+            corner.push(first);
+            vertex.len() as u32 - 1
+        };
+        let of_wedge: Vec<u32> = wedges.first.iter().map(number).collect();
+        let of_corner = wedges.of_corner.iter().map(|&wedge| of_wedge[wedge as usize]).collect();
+        Self { of_corner, vertex, corner }
+    }
+
+    /// The row of a table that a vertex of the file has.
+    pub(super) fn row(&self, model: &Model, table: &Attribute, vertex: usize) -> Option<usize> {
+        match self.corner[vertex] {
+            Attribute::NONE => (table.domain() == Domain::Vertices).then_some(vertex),
+            corner => table.row_at(model.corners(), corner as usize),
+        }
     }
 }
 

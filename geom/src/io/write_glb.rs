@@ -1,17 +1,25 @@
 //! glTF 2.0 out, as one binary file with the texture in it.
 //!
-//! A vertex of glTF has one texture coordinate, so vertices are split into wedges. Positions are f32, taken from the middle of
-//! the model, which the node moves back, so that a model far from the origin keeps its digits. glTF counts v
-//! downwards from the upper edge of the image. There are no normals: viewers then shade each triangle flat.
+//! A vertex of glTF has one texture coordinate, normal and so on, so vertices are split into wedges. Positions are f32, taken from the
+//! middle of the model, which the node moves back, so that a model far from the origin keeps its digits. glTF counts v
+//! downwards from the upper edge of the image. Normals are those of the model; where it has none there are none, and viewers
+//! shade each triangle flat. Colours are linear, in f32, as `MeshLab` reads of integers the low byte. Other numbers of vertices are
+//! attributes whose names begin with `_`, in f32 too. Faces of one material are a primitive with vertices of its own, as many readers take all
+//! that a primitive names.
 //!
 //! Source: Khronos Group, *glTF 2.0 Specification*, §3 and §4.
 
+use std::collections::HashMap;
 use std::io::Write;
 
+use serde_json::{Map, Value, json};
+
 use super::cells::Cells;
+use super::colour::to_linear;
 use super::error::WriteError;
 use super::wedge::Wedges;
-use crate::surface::{Model, Triangles};
+use crate::surface::{Attribute, Domain, Meaning, Model, Triangles};
+use crate::vector::normal;
 
 /// Writes a model's triangles as `.glb`, with a texture coordinate for each corner and with these a PNG as the texture.
 ///
@@ -24,38 +32,27 @@ pub fn write_glb(
     texture: Option<&[u8]>,
     mut out: impl Write,
 ) -> Result<(), WriteError> {
-    let wedges = match uv {
-        Some(uv) => Wedges::new(model, uv)?,
-        None => Wedges::of_vertices(model),
-    };
+    let tables: Vec<&Attribute> = model.attributes().tables.iter().filter(|table| is_written(table)).collect();
+    let of_corners: Vec<&Attribute> =
+        tables.iter().copied().filter(|table| table.domain() == Domain::Corners).collect();
+    let wedges = Wedges::split(model, uv, &of_corners)?;
     Cells::new(model, Some(triangles))?;
     let frame = Frame::of(model);
-    let positions = wedges.first.iter().map(|&corner| frame.local(model, corner)).collect::<Vec<_>>();
     let mut binary = Binary::default();
-    let [low, high] = bounds(&positions);
-    binary.push(Some(ARRAY_BUFFER), positions.iter().flatten().flat_map(|x| x.to_le_bytes()));
-    let indices = triangles.corners.iter().flatten().map(|&corner| wedges.of_corner[corner as usize]);
-    binary.push(Some(ELEMENT_ARRAY_BUFFER), indices.flat_map(u32::to_le_bytes));
-    if let Some(uv) = uv {
-        let texture_points = wedges.first.iter().map(|&corner| uv[corner as usize]);
-        let flipped = texture_points.flat_map(|[u, v]| [u as f32, (1.0 - v) as f32]);
-        binary.push(Some(ARRAY_BUFFER), flipped.flat_map(f32::to_le_bytes));
-    }
-    let texture = texture.filter(|_| uv.is_some());
-    if let Some(texture) = texture {
-        binary.push(None, texture.iter().copied());
-    }
-    let points = wedges.first.len();
-    let json = Json {
-        points,
-        indices: 3 * triangles.len(),
-        low,
-        high,
-        frame,
-        has_uv: uv.is_some(),
-        has_texture: texture.is_some(),
-    };
-    write_chunks(json.text(&binary).into_bytes(), binary.bytes, &mut out)
+    let content = Content { model, uv, tables, frame: &frame };
+    let parts = parts(model, &wedges, triangles);
+    let materials: Vec<Option<&str>> = parts.iter().map(|part| part.material).collect();
+    let primitives = parts.into_iter().enumerate().map(|(k, part)| content.primitive(k, part, &wedges, &mut binary));
+    let primitives: Vec<Value> = primitives.collect();
+    let image = texture.filter(|_| uv.is_some()).map(|texture| binary.view(None, texture.iter().copied()));
+    let materials: Vec<Value> = materials.iter().map(|name| material(*name, image.is_some())).collect();
+    let json = document(&frame, &binary, primitives, materials, image);
+    write_chunks(json.to_string().into_bytes(), binary.bytes, &mut out)
+}
+
+/// Whether a table can be written: normals, colours, and rows of up to four numbers.
+pub(super) fn is_written(table: &Attribute) -> bool {
+    table.domain() != Domain::Faces && table.width().is_some_and(|width| width <= 4)
 }
 
 /// Names that glTF has for kinds of buffers and numbers.
@@ -103,74 +100,213 @@ fn bounds(points: &[[f32; 3]]) -> [[f32; 3]; 2] {
     bounds
 }
 
-/// The binary chunk and the views into it.
+/// The binary chunk, the views into it, and the accessors of these.
 #[derive(Default)]
 struct Binary {
     bytes: Vec<u8>,
-    views: Vec<String>,
+    views: Vec<Value>,
+    accessors: Vec<Value>,
 }
 
 impl Binary {
-    fn push(&mut self, target: Option<u32>, bytes: impl Iterator<Item = u8>) {
+    /// Appends bytes, and tells the number of their view.
+    fn view(&mut self, target: Option<u32>, bytes: impl Iterator<Item = u8>) -> usize {
         let start = self.bytes.len();
         self.bytes.extend(bytes);
-        let length = self.bytes.len() - start;
-        let target = target.map_or(String::new(), |target| format!(r#","target":{target}"#));
-        self.views.push(format!(r#"{{"buffer":0,"byteOffset":{start},"byteLength":{length}{target}}}"#));
-        self.bytes.resize(self.bytes.len().next_multiple_of(4), 0);
-    }
-}
-
-/// What the JSON chunk says.
-struct Json {
-    points: usize,
-    indices: usize,
-    low: [f32; 3],
-    high: [f32; 3],
-    frame: Frame,
-    has_uv: bool,
-    has_texture: bool,
-}
-
-impl Json {
-    fn text(&self, binary: &Binary) -> String {
-        let Self { points, indices, frame: Frame { centre, scale }, .. } = self;
-        let (low, high) = (self.low.map(f64::from), self.high.map(f64::from));
-        let (attribute, accessor) = if self.has_uv {
-            (
-                r#","TEXCOORD_0":2"#,
-                format!(r#",{{"bufferView":2,"componentType":{F32},"count":{points},"type":"VEC2"}}"#),
-            )
-        } else {
-            ("", String::new())
-        };
-        let (colour, images) = self.texture();
-        [
-            r#"{"asset":{"version":"2.0","generator":"cones"},"scene":0,"scenes":[{"nodes":[0]}],"#.to_owned(),
-            format!(r#""nodes":[{{"mesh":0,"translation":{centre:?},"scale":[{scale:?},{scale:?},{scale:?}]}}],"#),
-            format!(r#""meshes":[{{"primitives":[{{"attributes":{{"POSITION":0{attribute}}},"#),
-            r#""indices":1,"material":0}]}],"materials":[{"doubleSided":true,"#.to_owned(),
-            format!(r#""pbrMetallicRoughness":{{{colour}"metallicFactor":0,"roughnessFactor":0.8}}}}],{images}"#),
-            format!(r#""accessors":[{{"bufferView":0,"componentType":{F32},"count":{points},"#),
-            format!(r#""type":"VEC3","min":{low:?},"max":{high:?}}},"#),
-            format!(r#"{{"bufferView":1,"componentType":{U32},"count":{indices},"type":"SCALAR"}}{accessor}],"#),
-            format!(r#""bufferViews":[{}],"#, binary.views.join(",")),
-            format!(r#""buffers":[{{"byteLength":{}}}]}}"#, binary.bytes.len()),
-        ]
-        .concat()
-    }
-
-    /// The material's colour, and the texture behind it.
-    fn texture(&self) -> (&'static str, &'static str) {
-        if !self.has_texture {
-            return ("", "");
+        let mut view = json!({"buffer": 0, "byteOffset": start, "byteLength": self.bytes.len() - start});
+        if let Some(target) = target {
+            view["target"] = target.into();
         }
-        let images = concat!(
-            r#""textures":[{"source":0,"sampler":0}],"images":[{"bufferView":3,"mimeType":"image/png"}],"#,
-            r#""samplers":[{"wrapS":10497,"wrapT":10497,"magFilter":9729,"minFilter":9987}],"#
-        );
-        (r#""baseColorTexture":{"index":0},"#, images)
+        self.views.push(view);
+        self.bytes.resize(self.bytes.len().next_multiple_of(4), 0);
+        self.views.len() - 1
     }
+
+    fn accessor(&mut self, view: usize, component: u32, count: usize, kind: &str) -> usize {
+        self.accessors.push(json!({"bufferView": view, "componentType": component, "count": count, "type": kind}));
+        self.accessors.len() - 1
+    }
+
+    /// Appends elements of floats.
+    fn floats(&mut self, numbers: impl Iterator<Item = f32>, kind: &str) -> usize {
+        let start = self.bytes.len();
+        let view = self.view(Some(ARRAY_BUFFER), numbers.flat_map(f32::to_le_bytes));
+        let width = KINDS.iter().position(|&other| other == kind).unwrap_or(0) + 1;
+        let count = (self.bytes.len() - start) / (4 * width);
+        self.accessor(view, F32, count, kind)
+    }
+}
+
+/// What elements of one to four numbers are called.
+const KINDS: [&str; 4] = ["SCALAR", "VEC2", "VEC3", "VEC4"];
+
+/// What all primitives are made of.
+struct Content<'a> {
+    model: &'a Model,
+    uv: Option<&'a [[f64; 2]]>,
+    tables: Vec<&'a Attribute>,
+    frame: &'a Frame,
+}
+
+impl Content<'_> {
+    /// Writes the triangles of a material with their vertices.
+    fn primitive(&self, material: usize, mut part: Part, wedges: &Wedges, binary: &mut Binary) -> Value {
+        let mut used = part.indices.clone();
+        used.sort_unstable();
+        used.dedup();
+        if used.len() < wedges.first.len() {
+            let place: HashMap<u32, u32> = used.iter().zip(0..).map(|(&wedge, place)| (wedge, place)).collect();
+            part.indices.iter_mut().for_each(|index| *index = place[index]);
+        }
+        let corners: Vec<u32> = used.iter().map(|&wedge| wedges.first[wedge as usize]).collect();
+        let attributes = self.attributes(&corners, binary);
+        let count = part.indices.len();
+        let view = binary.view(Some(ELEMENT_ARRAY_BUFFER), part.indices.into_iter().flat_map(u32::to_le_bytes));
+        let accessor = binary.accessor(view, U32, count, "SCALAR");
+        json!({"attributes": attributes, "indices": accessor, "material": material})
+    }
+
+    /// Writes what vertices have, each given by one of its corners.
+    fn attributes(&self, corners: &[u32], binary: &mut Binary) -> Map<String, Value> {
+        let mut attributes = Map::new();
+        attributes.insert("POSITION".into(), self.positions(corners, binary).into());
+        for table in &self.tables {
+            let (name, accessor) = attribute(self.model, corners, table, binary);
+            attributes.entry(name).or_insert(accessor.into());
+        }
+        if let Some(uv) = self.uv {
+            let points = corners.iter().map(|&corner| uv[corner as usize]);
+            let flipped = points.flat_map(|[u, v]| [u as f32, (1.0 - v) as f32]);
+            attributes.insert("TEXCOORD_0".into(), binary.floats(flipped, "VEC2").into());
+        }
+        attributes
+    }
+
+    fn positions(&self, corners: &[u32], binary: &mut Binary) -> usize {
+        let points: Vec<[f32; 3]> = corners.iter().map(|&corner| self.frame.local(self.model, corner)).collect();
+        let accessor = binary.floats(points.iter().flatten().copied(), "VEC3");
+        let [low, high] = bounds(&points).map(|bound| bound.map(f64::from));
+        binary.accessors[accessor]["min"] = json!(low);
+        binary.accessors[accessor]["max"] = json!(high);
+        accessor
+    }
+}
+
+/// Writes a table; its name and its accessor.
+fn attribute(model: &Model, corners: &[u32], table: &Attribute, binary: &mut Binary) -> (String, usize) {
+    let rows = || corners.iter().map(|&corner| (corner, table.row_at(model.corners(), corner as usize)));
+    let width = table.width().unwrap_or(1);
+    match table.meaning() {
+        Meaning::Normal => {
+            let numbers = rows().flat_map(|(corner, row)| direction(model, table, corner, row));
+            ("NORMAL".into(), binary.floats(numbers, "VEC3"))
+        }
+        Meaning::Colour => {
+            let width = width.clamp(3, 4);
+            let numbers = rows().flat_map(|(_, row)| colour(table, row).into_iter().take(width));
+            ("COLOR_0".into(), binary.floats(numbers, KINDS[width - 1]))
+        }
+        Meaning::Other(name) => {
+            let number = |row: Option<usize>, k| row.and_then(|row| table.row(row).nth(k)).unwrap_or(0.0) as f32;
+            // What is not finite would be no glTF.
+            let finite = |x: f32| if x.is_finite() { x } else { 0.0 };
+            let numbers = rows().flat_map(|(_, row)| (0..width).map(move |k| finite(number(row, k))));
+            let is_known = name.starts_with("TEXCOORD_") || name.starts_with("COLOR_");
+            let name = if is_known { name.clone() } else { format!("_{name}") };
+            (name, binary.floats(numbers, KINDS[width.clamp(1, 4) - 1]))
+        }
+    }
+}
+
+/// The normal of a corner, of length 1: its face's where the model has none there.
+fn direction(model: &Model, table: &Attribute, corner: u32, row: Option<usize>) -> [f32; 3] {
+    let unit = |[x, y, z]: [f64; 3]| {
+        let length = (x * x + y * y + z * z).sqrt();
+        (length > 0.0 && length.is_finite()).then(|| [x / length, y / length, z / length].map(|x| x as f32))
+    };
+    let own = row.and_then(|row| {
+        let mut numbers = table.row(row);
+        unit([numbers.next()?, numbers.next()?, numbers.next()?])
+    });
+    own.or_else(|| {
+        let face = model.face_start().partition_point(|&start| start <= corner) - 1;
+        let vertices = model.face(face);
+        unit(normal([vertices[0], vertices[1], vertices[2]].map(|v| model.points()[v as usize])))
+    })
+    .unwrap_or([0.0, 0.0, 1.0])
+}
+
+/// Red, green, blue and alpha, linear; white where there is none.
+fn colour(table: &Attribute, row: Option<usize>) -> [f32; 4] {
+    let mut colour = [1.0; 4];
+    let Some(row) = row else { return colour };
+    for (k, (to, x)) in colour.iter_mut().zip(table.row(row)).enumerate() {
+        let share = (x / table.scalar().one()).clamp(0.0, 1.0);
+        *to = if k < 3 { to_linear(share) } else { share } as f32;
+    }
+    colour
+}
+
+/// The triangles of one material.
+struct Part<'a> {
+    material: Option<&'a str>,
+    /// Their wedges.
+    indices: Vec<u32>,
+}
+
+/// The triangles by their materials, in the order of their first ones.
+fn parts<'a>(model: &'a Model, wedges: &Wedges, triangles: &Triangles) -> Vec<Part<'a>> {
+    let mut number = HashMap::new();
+    let mut parts: Vec<Part> = Vec::new();
+    for (corners, &face) in triangles.corners.iter().zip(&triangles.face_of) {
+        let material = model.attributes().material(face as usize);
+        let k = *number.entry(material).or_insert_with(|| {
+            parts.push(Part { material, indices: Vec::new() });
+            parts.len() - 1
+        });
+        parts[k].indices.extend(corners.map(|corner| wedges.of_corner[corner as usize]));
+    }
+    parts
+}
+
+/// A material, with the texture as its colour if there is one.
+fn material(name: Option<&str>, has_texture: bool) -> Value {
+    let mut look = json!({"metallicFactor": 0, "roughnessFactor": 0.8});
+    if has_texture {
+        look["baseColorTexture"] = json!({"index": 0});
+    }
+    let mut material = json!({"doubleSided": true, "pbrMetallicRoughness": look});
+    if let Some(name) = name {
+        material["name"] = name.into();
+    }
+    material
+}
+
+fn document(
+    frame: &Frame,
+    binary: &Binary,
+    primitives: Vec<Value>,
+    materials: Vec<Value>,
+    image: Option<usize>,
+) -> Value {
+    let Frame { centre, scale } = frame;
+    let mut document = json!({
+        "asset": {"version": "2.0", "generator": "cones"},
+        "scene": 0,
+        "scenes": [{"nodes": [0]}],
+        "nodes": [{"mesh": 0, "translation": centre, "scale": [scale, scale, scale]}],
+        "meshes": [{"primitives": primitives}],
+        "materials": materials,
+        "accessors": binary.accessors,
+        "bufferViews": binary.views,
+        "buffers": [{"byteLength": binary.bytes.len()}],
+    });
+    if let Some(image) = image {
+        document["textures"] = json!([{"source": 0, "sampler": 0}]);
+        document["images"] = json!([{"bufferView": image, "mimeType": "image/png"}]);
+        document["samplers"] = json!([{"wrapS": 10497, "wrapT": 10497, "magFilter": 9729, "minFilter": 9987}]);
+    }
+    document
 }
 
 fn write_chunks(mut json: Vec<u8>, binary: Vec<u8>, out: &mut impl Write) -> Result<(), WriteError> {

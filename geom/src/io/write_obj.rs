@@ -6,13 +6,15 @@
 //! surfaces refer to the old ones too, they stay and their numbers must stay true: then the new lines come after the last old
 //! one and after the last reference counted backwards.
 //!
-//! Other models are written with the shortest digits that read back as the same f64.
+//! Other models are written with the shortest digits that read back as the same f64, with their normals, their colours behind the
+//! vertices, and the names of their materials.
 
 use std::io::{self, Write};
 use std::ops::Range;
 
 use super::cells::Cells;
 use super::error::WriteError;
+use super::look::{Look, one_word};
 use super::obj::is_face;
 use super::text::{Line, Lines};
 use super::wedge::Wedges;
@@ -77,16 +79,30 @@ struct Job<'a> {
 impl Job<'_> {
     /// Writes a model that has no text of its own.
     fn write(&self, cells: Cells, mut out: impl Write) -> io::Result<()> {
-        for [x, y, z] in self.model.points() {
-            writeln!(out, "v {x:?} {y:?} {z:?}")?;
+        let look = Look::of(self.model);
+        for (v, [x, y, z]) in self.model.points().iter().enumerate() {
+            write!(out, "v {x:?} {y:?} {z:?}")?;
+            look.colour(v, &mut out)?;
+            out.write_all(b"\n")?;
         }
+        look.normals(&mut out)?;
         self.addition("\n", &mut out)?;
-        cells.for_each(|corners| {
+        let mut material = None;
+        cells.for_each(|face, corners| {
+            let next = self.model.attributes().material(face).filter(|_| self.content.material.is_none());
+            if next != material {
+                writeln!(out, "usemtl {}", next.map_or_else(|| "none".into(), one_word))?;
+                material = next;
+            }
             out.write_all(b"f")?;
             for &corner in corners {
                 write!(out, " {}", self.model.corners()[corner as usize] + 1)?;
-                if let Some(wedges) = &self.wedges {
-                    write!(out, "/{}", wedges.of_corner[corner as usize] + 1)?;
+                let texture = self.wedges.as_ref().map(|wedges| wedges.of_corner[corner as usize] + 1);
+                match (texture, look.normal(corner as usize)) {
+                    (Some(texture), Some(normal)) => write!(out, "/{texture}/{}", normal + 1)?,
+                    (Some(texture), None) => write!(out, "/{texture}")?,
+                    (None, Some(normal)) => write!(out, "//{}", normal + 1)?,
+                    (None, None) => {}
                 }
             }
             out.write_all(b"\n")

@@ -1,14 +1,22 @@
 //! Stanford's polygon file format out, binary, little endian.
 //!
-//! Vertices are f64 and keep their order. A map is the list `texcoord` of `face`, u and v for each corner, which is what
-//! `MeshLab` writes and reads; it reads f32 there, so f32 it is.
+//! Vertices are f64 and keep their order. A map is `s t` of vertices, in f32 as `MeshLab` takes no others: the one way that Blender,
+//! `MeshLab`, trimesh and meshio all read. A list `texcoord` of faces besides, as `MeshLab` writes it, keeps meshio from
+//! reading the file at all. A vertex has one `s t`, so those along seams are split: the copies follow the last vertex, and
+//! `source_vertex` says of which vertex each is one, so that our reader joins them again.
+//!
+//! Normals, colours and all other properties, comments and elements are written as they came. Colours that came with another
+//! format have 8 bits, as `MeshLab` reads no others.
 
-use std::io::Write;
+use std::collections::HashSet;
+use std::io::{self, Write};
 
 use super::cells::Cells;
 use super::error::WriteError;
-use super::wedge::Wedges;
-use crate::surface::{Model, Triangles};
+use super::look::one_word;
+use super::ply::SOURCE;
+use super::wedge::{Split, Wedges};
+use crate::surface::{Attribute, Domain, Listing, Meaning, Model, Scalar, Triangles};
 
 /// Writes a model as binary PLY, with a texture coordinate for each corner and triangles in the place of polygons if given.
 ///
@@ -20,39 +28,202 @@ pub fn write_ply(
     triangles: Option<&Triangles>,
     mut out: impl Write,
 ) -> Result<(), WriteError> {
-    if let Some(uv) = uv {
-        Wedges::check(model, uv)?;
-    }
+    let of_corners: Vec<&Attribute> = model.attributes().tables.iter().filter(is_of(Domain::Corners)).collect();
+    let wedges = Wedges::split(model, uv, &of_corners)?;
+    let longest = model.faces().map(<[u32]>::len).max().unwrap_or(0);
+    let tables = &model.attributes().tables;
+    let job = Job {
+        model,
+        uv,
+        split: Split::new(model, &wedges),
+        count: Count::for_lists_up_to(longest),
+        vertex_columns: columns(
+            tables.iter().filter(|table| table.domain() != Domain::Faces),
+            &["x", "y", "z", "s", "t", SOURCE],
+        ),
+        face_columns: columns(
+            tables.iter().filter(is_of(Domain::Faces)),
+            &["vertex_indices", "vertex_index", "texcoord"],
+        ),
+    };
     let cells = Cells::new(model, triangles)?;
-    let count = Count::for_lists_up_to(2 * model.faces().map(<[u32]>::len).max().unwrap_or(0));
-    write_header(model, cells.len(), uv.is_some(), count, &mut out)?;
-    for x in model.points().iter().flatten() {
-        out.write_all(&x.to_le_bytes())?;
+    job.header(cells.len(), &mut out)?;
+    job.vertices(&mut out)?;
+    job.faces(cells, &mut out)?;
+    for listing in &model.attributes().listings {
+        let columns = columns(listing.columns.iter(), &[]);
+        for row in 0..listing.count {
+            columns.iter().try_for_each(|column| column.write(Some(row), &mut out))?;
+        }
     }
-    cells.for_each(|corners| {
-        count.write(corners.len(), &mut out)?;
-        for &corner in corners {
-            out.write_all(&model.corners()[corner as usize].to_le_bytes())?;
-        }
-        let Some(uv) = uv else { return Ok(()) };
-        count.write(2 * corners.len(), &mut out)?;
-        for x in corners.iter().flat_map(|&corner| uv[corner as usize]) {
-            out.write_all(&(x as f32).to_le_bytes())?;
-        }
-        Ok(())
-    })?;
     Ok(())
 }
 
-fn write_header(model: &Model, faces: usize, has_uv: bool, count: Count, out: &mut impl Write) -> std::io::Result<()> {
-    let count = count.name();
-    writeln!(out, "ply\nformat binary_little_endian 1.0\nelement vertex {}", model.vertex_count())?;
-    writeln!(out, "property double x\nproperty double y\nproperty double z")?;
-    writeln!(out, "element face {faces}\nproperty list {count} int vertex_indices")?;
-    if has_uv {
-        writeln!(out, "property list {count} float texcoord")?;
+fn is_of(domain: Domain) -> impl Fn(&&Attribute) -> bool {
+    move |table| table.domain() == domain
+}
+
+struct Job<'a> {
+    model: &'a Model,
+    uv: Option<&'a [[f64; 2]]>,
+    split: Split,
+    count: Count,
+    /// Of vertices and corners.
+    vertex_columns: Vec<Column<'a>>,
+    face_columns: Vec<Column<'a>>,
+}
+
+impl Job<'_> {
+    fn has_copies(&self) -> bool {
+        self.split.vertex.len() > self.model.vertex_count()
     }
-    writeln!(out, "end_header")
+
+    fn header(&self, faces: usize, out: &mut impl Write) -> io::Result<()> {
+        let count = self.count.name();
+        writeln!(out, "ply\nformat binary_little_endian 1.0")?;
+        for comment in &self.model.attributes().comments {
+            writeln!(out, "{comment}")?;
+        }
+        writeln!(out, "element vertex {}", self.split.vertex.len())?;
+        writeln!(out, "property double x\nproperty double y\nproperty double z")?;
+        self.vertex_columns.iter().try_for_each(|column| column.header(out))?;
+        if self.uv.is_some() {
+            writeln!(out, "property float s\nproperty float t")?;
+        }
+        if self.has_copies() {
+            writeln!(out, "property uint {SOURCE}")?;
+        }
+        writeln!(out, "element face {faces}\nproperty list {count} int vertex_indices")?;
+        self.face_columns.iter().try_for_each(|column| column.header(out))?;
+        for Listing { name, count, columns } in &self.model.attributes().listings {
+            writeln!(out, "element {name} {count}")?;
+            self::columns(columns.iter(), &[]).iter().try_for_each(|column| column.header(out))?;
+        }
+        writeln!(out, "end_header")
+    }
+
+    fn vertices(&self, out: &mut impl Write) -> io::Result<()> {
+        let Split { vertex, corner, .. } = &self.split;
+        for (number, (&v, &corner)) in vertex.iter().zip(corner).enumerate() {
+            for x in self.model.points()[v as usize] {
+                out.write_all(&x.to_le_bytes())?;
+            }
+            for column in &self.vertex_columns {
+                column.write(self.split.row(self.model, column.table, number), out)?;
+            }
+            if let Some(uv) = self.uv {
+                for x in uv.get(corner as usize).copied().unwrap_or_default() {
+                    out.write_all(&(x as f32).to_le_bytes())?;
+                }
+            }
+            if self.has_copies() {
+                out.write_all(&v.to_le_bytes())?;
+            }
+        }
+        Ok(())
+    }
+
+    fn faces(&self, cells: Cells, out: &mut impl Write) -> io::Result<()> {
+        cells.for_each(|face, corners| {
+            self.count.write(corners.len(), out)?;
+            for &corner in corners {
+                out.write_all(&self.split.of_corner[corner as usize].to_le_bytes())?;
+            }
+            self.face_columns.iter().try_for_each(|column| column.write(Some(face), out))
+        })
+    }
+}
+
+/// A table as properties.
+struct Column<'a> {
+    table: &'a Attribute,
+    /// The type that is written.
+    scalar: Scalar,
+    /// The type of lists' lengths.
+    count: Count,
+    names: Vec<String>,
+}
+
+/// Tables as properties, no two of one name, nor of one that is taken.
+fn columns<'a>(tables: impl Iterator<Item = &'a Attribute>, taken: &[&str]) -> Vec<Column<'a>> {
+    let mut taken: HashSet<String> = taken.iter().map(|&name| name.to_owned()).collect();
+    let column = |table: &'a Attribute| {
+        let mut column = Column::new(table);
+        for name in &mut column.names {
+            while !taken.insert(name.clone()) {
+                name.push('_');
+            }
+        }
+        column
+    };
+    tables.map(column).collect()
+}
+
+impl<'a> Column<'a> {
+    fn new(table: &'a Attribute) -> Self {
+        let is_wide = *table.meaning() == Meaning::Colour && matches!(table.scalar(), Scalar::U16 | Scalar::U32);
+        let scalar = if is_wide { Scalar::U8 } else { table.scalar() };
+        let longest = match table.width() {
+            Some(_) => 0,
+            None => (0..table.rows()).map(|row| table.row(row).len()).max().unwrap_or(0),
+        };
+        Self { table, scalar, count: Count::for_lists_up_to(longest), names: names(table) }
+    }
+
+    fn header(&self, out: &mut impl Write) -> io::Result<()> {
+        let (kind, count) = (scalar_name(self.scalar), self.count.name());
+        let list = if self.table.width().is_none() { format!("list {count} ") } else { String::new() };
+        self.names.iter().try_for_each(|name| writeln!(out, "property {list}{kind} {name}"))
+    }
+
+    /// Writes a row, zeros where there is none.
+    fn write(&self, row: Option<usize>, out: &mut impl Write) -> io::Result<()> {
+        let bytes = row.map_or(&[][..], |row| self.table.row_bytes(row));
+        let Some(width) = self.table.width() else {
+            self.count.write(bytes.len() / self.scalar.size(), out)?;
+            return out.write_all(bytes);
+        };
+        if bytes.is_empty() {
+            return (0..width * self.scalar.size()).try_for_each(|_| out.write_all(&[0]));
+        }
+        if self.scalar == self.table.scalar() {
+            return out.write_all(bytes);
+        }
+        let share = self.scalar.one() / self.table.scalar().one();
+        let mut narrow = Vec::with_capacity(4);
+        bytes
+            .chunks_exact(self.table.scalar().size())
+            .for_each(|x| self.scalar.encode(self.table.scalar().decode(x) * share, &mut narrow));
+        out.write_all(&narrow)
+    }
+}
+
+/// The names of a table's properties, without spaces, as they stand in a line of words.
+fn names(table: &Attribute) -> Vec<String> {
+    let width = table.width().unwrap_or(1);
+    let known: &[&str] = match table.meaning() {
+        Meaning::Normal => &["nx", "ny", "nz"],
+        Meaning::Colour => &["red", "green", "blue", "alpha"],
+        Meaning::Other(name) => {
+            let word = one_word(name);
+            return if width == 1 { vec![word] } else { (0..width).map(|k| format!("{word}_{k}")).collect() };
+        }
+    };
+    (0..width).map(|k| known.get(k).map_or_else(|| format!("{}_{k}", known[0]), ToString::to_string)).collect()
+}
+
+fn scalar_name(scalar: Scalar) -> &'static str {
+    match scalar {
+        Scalar::I8 => "int8",
+        // What is called uchar meshio reads with a sign.
+        Scalar::U8 => "uint8",
+        Scalar::I16 => "short",
+        Scalar::U16 => "ushort",
+        Scalar::I32 => "int",
+        Scalar::U32 => "uint",
+        Scalar::F32 => "float",
+        Scalar::F64 => "double",
+    }
 }
 
 /// The type of a list's length: the small one that every reader takes, where it is large enough.
@@ -69,12 +240,12 @@ impl Count {
 
     fn name(self) -> &'static str {
         match self {
-            Self::U8 => "uchar",
+            Self::U8 => "uint8",
             Self::U32 => "uint",
         }
     }
 
-    fn write(self, count: usize, out: &mut impl Write) -> std::io::Result<()> {
+    fn write(self, count: usize, out: &mut impl Write) -> io::Result<()> {
         match self {
             Self::U8 => out.write_all(&[count as u8]),
             Self::U32 => out.write_all(&(count as u32).to_le_bytes()),

@@ -1,18 +1,22 @@
 //! From points and polygons as a file had them to surfaces that can be computed with.
 
+mod attributes;
 mod curvature;
 mod exposure;
 mod model;
 mod prepare;
+mod refine_attributes;
 mod texture_seams;
 mod triangulate;
 
+pub use attributes::{Attribute, Attributes, Domain, Listing, Meaning, Scalar};
 pub use curvature::{gaussian_curvature, mean_curvature};
 pub use exposure::{exposure, exposure_watched};
 pub use model::{MAX_COORDINATE, Model, ModelError, Skipped, TextureCoordinates};
 #[cfg(feature = "files")]
 pub(crate) use model::{Polygons, is_coordinate};
 pub use prepare::{PrepareError, Prepared, Repair, RepairKind, Surface, prepare, prepare_watched};
+pub use refine_attributes::refine_attributes;
 pub use texture_seams::texture_seams;
 pub use triangulate::Triangles;
 

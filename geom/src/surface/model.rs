@@ -9,6 +9,9 @@
 //! non-manifold and vertices isolated or coincident; that is for the stage that prepares surfaces.
 
 use std::fmt;
+use std::sync::Arc;
+
+use super::attributes::Attributes;
 
 /// The largest absolute coordinate that a [`Model`] takes: three squared differences still add up to a finite number.
 pub const MAX_COORDINATE: f64 = 1e153;
@@ -93,6 +96,7 @@ pub struct Model {
     uv: Option<TextureCoordinates>,
     skipped: Skipped,
     obj_text: Option<Vec<u8>>,
+    attributes: Arc<Attributes>,
 }
 
 impl Model {
@@ -136,6 +140,7 @@ impl Model {
             uv: None,
             skipped: Skipped::default(),
             obj_text: None,
+            attributes: Arc::default(),
         };
         model.check().map(|()| model)
     }
@@ -237,6 +242,17 @@ impl Model {
     /// The OBJ file that the model came from, byte for byte (after decompression), to be given back with a map added.
     pub fn obj_text(&self) -> Option<&[u8]> {
         self.obj_text.as_deref()
+    }
+
+    /// Normals, colours, materials and whatever else the file said; shared by clones.
+    pub fn attributes(&self) -> &Attributes {
+        &self.attributes
+    }
+
+    /// The same model with other attributes. Tables that have not as many rows as they should are left out.
+    pub fn with_attributes(mut self, attributes: Attributes) -> Self {
+        self.attributes = Arc::new(attributes.fitting(self.vertex_count(), self.face_count(), self.corner_count()));
+        self
     }
 }
 

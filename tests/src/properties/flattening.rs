@@ -164,7 +164,7 @@ pub fn insults_unwrap(bytes: &[u8]) {
 pub fn files_unwrap(bytes: &[u8]) {
     let bytes = &mut Bytes::new(bytes);
     let options = options(bytes);
-    let format = Format::ALL[bytes.below(Format::ALL.len())];
+    let format = Format::of(bytes.byte());
     let file = if bytes.coin() {
         bytes.rest().to_vec()
     } else {

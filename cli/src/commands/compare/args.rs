@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 
 #[derive(Args, Debug)]
 pub(crate) struct CompareArgs {
-    /// The surfaces: OBJ, OFF, PLY or STL [default: built-in shapes]
+    /// The surfaces: OBJ, OFF, PLY, STL or glTF [default: built-in shapes]
     #[arg(value_name = "MESH", conflicts_with = "paper")]
     pub(super) meshes: Vec<PathBuf>,
     /// How many cones, such as 4,8,16

@@ -1,6 +1,6 @@
 //! One surface through the library: unwrapped, its texture coordinates scaled, its map measured.
 
-use super::warn::warn;
+use super::warn::said;
 use super::welded::welded;
 use crate::error::CommandError;
 use crate::limits;
@@ -10,8 +10,8 @@ use crate::render::{Mark, Scene, extent};
 use crate::report::{Quality, Times, UnwrapReport};
 use clap::ValueEnum;
 use cones::{Analysis, Atlas, MOST_NEEDLES, Options, RefinedModel};
-use geom::Model;
 use geom::io::refine_obj;
+use geom::{Model, refine_attributes};
 use std::path::Path;
 use std::time::Instant;
 
@@ -59,9 +59,11 @@ impl Unwrapped {
         let analysis = Analysis::observed(&model, options.preparation, progress.observer()).map_err(failed)?;
         let atlas = analysis.atlas(&options).map_err(failed)?;
         let model = match analysis.refined() {
-            Some(RefinedModel { model: refined, face, added, .. }) => {
-                refine_obj(&model, added, refined, face).unwrap_or_else(|| refined.clone())
-            }
+            Some(RefinedModel { model: refined, face, added, .. }) => refine_obj(&model, added, refined, face)
+                .unwrap_or_else(|| {
+                    let attributes = refine_attributes(&model, refined, added, face);
+                    refined.clone().with_attributes(attributes)
+                }),
             None => model,
         };
         progress.step("measure");
@@ -111,11 +113,14 @@ impl Unwrapped {
 
     /// Says on stderr what was repaired, what had to be decided, and what is wrong with the map.
     pub(crate) fn warn(&self) {
-        warn(self.analysis.repairs(), &self.atlas.notes, self.analysis.topology().components);
-        self.flaws.iter().for_each(|flaw| output::warn(flaw));
-        if let Some(hint) = self.hint() {
-            output::warn(&hint);
-        }
+        self.warnings().iter().for_each(|line| output::warn(line));
+    }
+
+    /// What is said of that, a line each.
+    pub(crate) fn warnings(&self) -> Vec<String> {
+        let mut lines = said(self.analysis.repairs(), &self.atlas.notes, self.analysis.topology().components);
+        lines.extend(self.flaws.iter().cloned().chain(self.hint()));
+        lines
     }
 
     /// What would help where angles are bent because the input's triangles are needles.

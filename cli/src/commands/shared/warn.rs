@@ -11,12 +11,18 @@ const MOST: usize = 5;
 
 /// Says what the library repaired and had to decide.
 pub(crate) fn warn(repairs: &[Repair], notes: &[Note], components: usize) {
-    repairs.iter().for_each(|repair| output::warn(&repair_text(repair)));
+    said(repairs, notes, components).iter().for_each(|line| output::warn(line));
+}
+
+/// What is said of that, a line each.
+pub(crate) fn said(repairs: &[Repair], notes: &[Note], components: usize) -> Vec<String> {
+    let mut said: Vec<String> = repairs.iter().map(repair_text).collect();
     let lines = lines(notes, components);
-    lines.iter().take(MOST).for_each(|line| output::warn(line));
+    said.extend(lines.iter().take(MOST).cloned());
     if lines.len() > MOST {
-        output::warn(&format!("and {} things more, which a --report has", lines.len() - MOST));
+        said.push(format!("and {} things more, which a --report has", lines.len() - MOST));
     }
+    said
 }
 
 /// A line for each kind of note: the first of them, and on how many other components there is one.

@@ -2,11 +2,14 @@
 
 use super::super::error::{Fault, Place};
 use super::super::text::{Line, Lines, Words};
+use crate::surface::Scalar;
 
 /// What the header says.
 pub(super) struct Header {
     pub(super) encoding: Encoding,
     pub(super) elements: Vec<Element>,
+    /// The lines of comments, with their keywords.
+    pub(super) comments: Vec<String>,
     /// How many lines it has.
     pub(super) lines: u64,
 }
@@ -50,42 +53,19 @@ pub(super) enum Shape {
     List { count: Scalar, item: Scalar },
 }
 
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Scalar {
-    I8,
-    U8,
-    I16,
-    U16,
-    I32,
-    U32,
-    F32,
-    F64,
-}
-
-impl Scalar {
-    fn named(word: &[u8]) -> Option<Self> {
-        Some(match word {
-            b"char" | b"int8" => Self::I8,
-            b"uchar" | b"uint8" => Self::U8,
-            b"short" | b"int16" => Self::I16,
-            b"ushort" | b"uint16" => Self::U16,
-            b"int" | b"int32" => Self::I32,
-            b"uint" | b"uint32" => Self::U32,
-            b"float" | b"float32" => Self::F32,
-            b"double" | b"float64" => Self::F64,
-            _ => return None,
-        })
-    }
-
-    /// How many bytes it takes.
-    pub(super) fn size(self) -> usize {
-        match self {
-            Self::I8 | Self::U8 => 1,
-            Self::I16 | Self::U16 => 2,
-            Self::I32 | Self::U32 | Self::F32 => 4,
-            Self::F64 => 8,
-        }
-    }
+/// The type of that name: those of the first version and those with their number of bits.
+fn scalar_named(word: &[u8]) -> Option<Scalar> {
+    Some(match word {
+        b"char" | b"int8" => Scalar::I8,
+        b"uchar" | b"uint8" => Scalar::U8,
+        b"short" | b"int16" => Scalar::I16,
+        b"ushort" | b"uint16" => Scalar::U16,
+        b"int" | b"int32" => Scalar::I32,
+        b"uint" | b"uint32" => Scalar::U32,
+        b"float" | b"float32" => Scalar::F32,
+        b"double" | b"float64" => Scalar::F64,
+        _ => return None,
+    })
 }
 
 /// The header, and the byte at which the elements start.
@@ -95,6 +75,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<(Header, usize), Fault> {
     let magic = magic.ok_or_else(|| Fault::unexpected(Place::Line(1), "another word", "`ply`"))?;
     let mut encoding = None;
     let mut elements: Vec<Element> = Vec::new();
+    let mut comments = Vec::new();
     for line in lines {
         let mut words = line.words();
         match words.next() {
@@ -102,7 +83,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<(Header, usize), Fault> {
                 let encoding =
                     encoding.ok_or_else(|| Fault::unexpected(line.place(), "`end_header`", "a `format` before it"))?;
                 let payload = after(&line, bytes, line_end_after(&magic, bytes));
-                return Ok((Header { encoding, elements, lines: line.number }, payload));
+                return Ok((Header { encoding, elements, comments, lines: line.number }, payload));
             }
             Some(b"format") => encoding = Some(read_encoding(words)?),
             Some(b"element") => elements.push(read_element(words, line.number)?),
@@ -110,7 +91,8 @@ pub(super) fn read(bytes: &[u8]) -> Result<(Header, usize), Fault> {
                 Some(element) => element.properties.push(read_property(words)?),
                 None => return Err(Fault::unexpected(line.place(), "a property", "an element before it")),
             },
-            None | Some(b"comment" | b"obj_info") => {}
+            Some(b"comment" | b"obj_info") => comments.push(String::from_utf8_lossy(line.text).trim().to_owned()),
+            None => {}
             Some(word) => return Err(words.unexpected(word, "a statement of the header, or `end_header`")),
         }
     }
@@ -158,5 +140,5 @@ fn read_property(mut words: Words) -> Result<Property, Fault> {
 
 fn read_scalar(words: &mut Words) -> Result<Scalar, Fault> {
     let word = words.expect("type of a property")?;
-    Scalar::named(word).ok_or_else(|| words.unexpected(word, "a type such as `float`, `double`, `uchar` or `int`"))
+    scalar_named(word).ok_or_else(|| words.unexpected(word, "a type such as `float`, `double`, `uchar` or `int`"))
 }

@@ -2,7 +2,8 @@
 
 use super::super::error::{Fault, Place};
 use super::super::text::{Line, Lines, Words, number};
-use super::header::{ByteOrder, Header, Scalar};
+use super::header::{ByteOrder, Header};
+use crate::surface::Scalar;
 
 /// Where numbers come from.
 pub(super) trait Values {

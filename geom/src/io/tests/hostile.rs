@@ -20,7 +20,8 @@ fn seeds() -> Vec<Vec<u8>> {
         "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement tristrips 1\nproperty list int int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n5 0 1 2 -1 0\n",
         "solid\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid\n",
     ];
-    text.into_iter().map(|text| text.as_bytes().to_vec()).chain([ply, stl]).collect()
+    let (glb, json) = (super::gltf::small_glb(), super::gltf::small_json());
+    text.into_iter().map(|text| text.as_bytes().to_vec()).chain([ply, stl, glb, json.into_bytes()]).collect()
 }
 
 /// What must hold for any bytes.
@@ -30,6 +31,7 @@ fn check(bytes: Vec<u8>, name: &str) {
         Ok(model) => {
             assert_eq!(model.triangles().len(), model.corner_count() - 2 * model.face_count());
             super::round_trip::assert_obj_comes_back(&model);
+            super::round_trip::assert_ply_and_glb_come_back(&model);
         }
     }
 }
@@ -76,16 +78,16 @@ proptest! {
     #[test]
     fn any_bytes_give_a_model_or_a_sentence(
         bytes in proptest::collection::vec(any::<u8>(), 0..400),
-        name in proptest::sample::select(vec!["a.obj", "a.off", "a.ply", "a.stl", "a"]),
+        name in proptest::sample::select(vec!["a.obj", "a.off", "a.ply", "a.stl", "a.glb", "a"]),
     ) {
         check(bytes, name);
     }
 
     #[test]
     fn damaged_files_give_a_model_or_a_sentence(
-        seed in 0_usize..6,
+        seed in 0_usize..8,
         damage in proptest::collection::vec((any::<u8>(), any::<usize>(), piece()), 1..6),
-        name in proptest::sample::select(vec!["a.obj", "a.off", "a.ply", "a.stl"]),
+        name in proptest::sample::select(vec!["a.obj", "a.off", "a.ply", "a.stl", "a.gltf"]),
     ) {
         let mut bytes = seeds()[seed].clone();
         for (kind, at, what) in damage {

@@ -2,7 +2,9 @@
 
 mod collection;
 mod formats;
+mod gltf;
 mod hostile;
+mod kept;
 mod round_trip;
 
 use super::*;

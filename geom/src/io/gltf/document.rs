@@ -1,0 +1,168 @@
+//! The part of a glTF's JSON that shapes a surface. What is not named here is passed over.
+
+use std::collections::BTreeMap;
+
+use serde::Deserialize;
+use serde::de::IgnoredAny;
+
+use super::super::error::{Fault, Place};
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(rename_all = "camelCase", default)]
+pub(super) struct Document {
+    pub(super) asset: Asset,
+    pub(super) scene: Option<usize>,
+    pub(super) scenes: Vec<Scene>,
+    pub(super) nodes: Vec<Node>,
+    pub(super) meshes: Vec<Mesh>,
+    pub(super) accessors: Vec<Accessor>,
+    pub(super) buffer_views: Vec<View>,
+    pub(super) buffers: Vec<Buffer>,
+    pub(super) materials: Vec<Material>,
+    pub(super) extensions_required: Vec<String>,
+    pub(super) animations: Vec<IgnoredAny>,
+    pub(super) cameras: Vec<IgnoredAny>,
+    pub(super) images: Vec<IgnoredAny>,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub(super) struct Asset {
+    pub(super) version: String,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub(super) struct Scene {
+    pub(super) nodes: Vec<usize>,
+}
+
+/// Transformations are boxed, as most of many nodes have none.
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub(super) struct Node {
+    pub(super) mesh: Option<usize>,
+    pub(super) children: Vec<usize>,
+    pub(super) skin: Option<IgnoredAny>,
+    pub(super) matrix: Option<Box<[f64; 16]>>,
+    pub(super) translation: Option<Box<[f64; 3]>>,
+    pub(super) rotation: Option<Box<[f64; 4]>>,
+    pub(super) scale: Option<Box<[f64; 3]>>,
+}
+
+#[derive(Debug, Deserialize)]
+pub(super) struct Mesh {
+    pub(super) primitives: Vec<Primitive>,
+}
+
+#[derive(Debug, Deserialize)]
+pub(super) struct Primitive {
+    pub(super) attributes: BTreeMap<String, usize>,
+    pub(super) indices: Option<usize>,
+    #[serde(default = "triangles")]
+    pub(super) mode: u32,
+    pub(super) material: Option<usize>,
+    #[serde(default)]
+    pub(super) targets: Vec<IgnoredAny>,
+}
+
+/// The mode of triangles, which is that of a primitive that names none.
+pub(super) fn triangles() -> u32 {
+    4
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub(super) struct Accessor {
+    pub(super) buffer_view: Option<usize>,
+    #[serde(default)]
+    pub(super) byte_offset: usize,
+    pub(super) component_type: u32,
+    #[serde(default)]
+    pub(super) normalized: bool,
+    pub(super) count: usize,
+    #[serde(rename = "type")]
+    pub(super) shape: String,
+    pub(super) sparse: Option<Sparse>,
+}
+
+#[derive(Debug, Deserialize)]
+pub(super) struct Sparse {
+    pub(super) count: usize,
+    pub(super) indices: SparsePart,
+    pub(super) values: SparsePart,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub(super) struct SparsePart {
+    pub(super) buffer_view: usize,
+    #[serde(default)]
+    pub(super) byte_offset: usize,
+    /// Of indices only.
+    #[serde(default)]
+    pub(super) component_type: u32,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub(super) struct View {
+    pub(super) buffer: usize,
+    #[serde(default)]
+    pub(super) byte_offset: usize,
+    pub(super) byte_length: usize,
+    pub(super) byte_stride: Option<usize>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub(super) struct Buffer {
+    pub(super) uri: Option<String>,
+    pub(super) byte_length: usize,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub(super) struct Material {
+    pub(super) name: Option<String>,
+}
+
+/// Beginnings of the names of extensions that say how a surface looks and not where it is.
+const HARMLESS: [&str; 9] = [
+    "KHR_materials_",
+    "KHR_texture_",
+    "KHR_lights_",
+    "KHR_animation_",
+    "KHR_xmp",
+    "KHR_mesh_quantization",
+    "EXT_texture_",
+    "EXT_lights_",
+    "MSFT_texture_",
+];
+
+impl Document {
+    /// Reads the JSON, and refuses what is not glTF 2 or needs what is not read here.
+    pub(super) fn read(json: &[u8]) -> Result<Self, Fault> {
+        let json = json.strip_prefix(b"\xef\xbb\xbf").unwrap_or(json);
+        let document: Self = serde_json::from_slice(json).map_err(|error| {
+            Fault::unexpected(Place::File, format!("JSON that is no glTF ({error})"), "a glTF 2.0 document")
+        })?;
+        if !document.asset.version.starts_with("2.") {
+            let found = format!("the version {:?}", document.asset.version);
+            return Err(Fault::unexpected(Place::File, found, "glTF of version 2"));
+        }
+        let is_foreign = |name: &&String| !HARMLESS.iter().any(|known| name.starts_with(known));
+        match document.extensions_required.iter().find(is_foreign) {
+            Some(name) => {
+                let found = format!("the required extension `{name}`");
+                let advice = if name.contains("compression") || name.contains("meshopt") {
+                    "a glTF without compressed geometry: export or convert it without compression"
+                } else {
+                    "a glTF whose geometry needs no extension: export it without"
+                };
+                Err(Fault::unexpected(Place::File, found, advice))
+            }
+            None => Ok(document),
+        }
+    }
+}

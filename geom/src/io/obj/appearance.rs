@@ -1,0 +1,123 @@
+//! Normals, colours and materials, for other formats than OBJ.
+
+use std::collections::HashMap;
+
+use super::super::text::{Words, number};
+use super::resolve;
+use crate::surface::{Attribute, Attributes, Domain, Meaning, Scalar};
+
+/// What a text says of how its surface looks. What is no number here is no reason to refuse the surface.
+pub(super) struct Appearance {
+    normals: Attribute,
+    /// The normal of each corner, once any corner had one.
+    normal_corners: Vec<u32>,
+    /// The numbers behind each vertex, in rows of `width`.
+    behind: Vec<f64>,
+    /// How many there are behind each vertex; none where they are not as many everywhere.
+    width: Option<usize>,
+    vertices: usize,
+    materials: Vec<String>,
+    number_of_material: HashMap<String, u32>,
+    face_material: Vec<u32>,
+    /// The material that faces get from here on.
+    material: u32,
+    has_groups: bool,
+}
+
+impl Default for Appearance {
+    fn default() -> Self {
+        Self {
+            normals: Attribute::new(Meaning::Normal, Domain::Vertices, Scalar::F32, 3),
+            normal_corners: Vec::new(),
+            behind: Vec::new(),
+            width: None,
+            vertices: 0,
+            materials: Vec::new(),
+            number_of_material: HashMap::new(),
+            face_material: Vec::new(),
+            material: Attribute::NONE,
+            has_groups: false,
+        }
+    }
+}
+
+impl Appearance {
+    /// `vn x y z`.
+    pub(super) fn normal(&mut self, mut words: Words) {
+        for _ in 0..3 {
+            self.normals.push(words.next().and_then(number).filter(|x| x.is_finite()).unwrap_or(0.0));
+        }
+    }
+
+    /// What stands behind the next vertex.
+    pub(super) fn colour(&mut self, words: Words) {
+        let known = self.behind.len();
+        self.behind.extend(words.map_while(number).take(4));
+        let width = self.behind.len() - known;
+        if self.vertices == 0 {
+            self.width = Some(width);
+        } else if self.width != Some(width) {
+            self.width = None;
+            self.behind.clear();
+        }
+        self.vertices += 1;
+    }
+
+    /// `usemtl name`.
+    pub(super) fn material(&mut self, words: Words) {
+        let name = words.map(String::from_utf8_lossy).collect::<Vec<_>>().join(" ");
+        self.material = self.number_of_material.get(&name).copied().unwrap_or(self.materials.len() as u32);
+        if self.material as usize == self.materials.len() {
+            self.number_of_material.insert(name.clone(), self.material);
+            self.materials.push(name);
+        }
+    }
+
+    /// `g` or `o`.
+    pub(super) fn group(&mut self) {
+        self.has_groups = true;
+    }
+
+    /// Notes the normal of the corner that is about to come.
+    pub(super) fn corner(&mut self, corner: usize, normal: Option<i64>) {
+        if let Some(normal) = normal {
+            self.normal_corners.resize(corner, Attribute::NONE);
+            self.normal_corners.push(resolve(normal, self.normals.rows()).unwrap_or(Attribute::NONE));
+        }
+    }
+
+    /// Notes the material of the face that is about to end.
+    pub(super) fn face(&mut self, face: usize) {
+        if self.material != Attribute::NONE {
+            self.face_material.resize(face, Attribute::NONE);
+            self.face_material.push(self.material);
+        }
+    }
+
+    /// All of it, of so many vertices, faces and corners.
+    pub(super) fn attributes(mut self, vertices: usize, faces: usize, corners: usize) -> Attributes {
+        let mut tables = Vec::new();
+        if !self.normal_corners.is_empty() {
+            self.normal_corners.resize(corners, Attribute::NONE);
+            tables.push(self.normals.at_corners(self.normal_corners));
+        }
+        if let Some(width @ (3 | 4)) = self.width.filter(|_| self.vertices == vertices) {
+            tables.push(colours(&self.behind, width));
+        }
+        if !self.face_material.is_empty() {
+            self.face_material.resize(faces, Attribute::NONE);
+        }
+        let left = if self.has_groups { vec!["groups".to_owned()] } else { Vec::new() };
+        let (materials, face_material) = (self.materials, self.face_material);
+        Attributes { tables, materials, face_material, left, ..Attributes::default() }
+    }
+}
+
+/// Shares of 1, or of 255 where any is larger than 1, in the 16 bits that colours have between formats.
+fn colours(values: &[f64], width: usize) -> Attribute {
+    let unit = if values.iter().any(|&x| x > 1.0) { 255.0 } else { 1.0 };
+    let mut table = Attribute::new(Meaning::Colour, Domain::Vertices, Scalar::U16, width);
+    // What is no number becomes 0.
+    values.iter().for_each(|&x| table.push(x / unit * Scalar::U16.one()));
+    table
+}

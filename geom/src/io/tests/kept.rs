@@ -1,0 +1,177 @@
+//! Normals, colours, materials and whatever else there is, from format to format.
+
+use super::*;
+use crate::surface::{Attribute, Domain, Meaning, Scalar};
+
+const PLY: &str = "ply
+format ascii 1.0
+comment made by hand
+obj_info 3
+element vertex 5
+property float x
+property float y
+property float z
+property float nx
+property float ny
+property float nz
+property uchar red
+property uchar green
+property uchar blue
+property uchar alpha
+property short flag
+property double quality
+property list uchar int near
+element face 2
+property list uchar int vertex_indices
+property int label
+property uchar red
+property uchar green
+property uchar blue
+element edge 1
+property int vertex1
+property int vertex2
+end_header
+0 0 0 0 0 1 255 0 0 255 -3 0.1 2 1 2
+1 0 0 0 0 1 0 255 0 255 4 0.2 0
+1 1 0 0 0 1 0 0 255 255 5 0.3 1 0
+0 1 0 0 0 1 9 8 7 6 6 0.4 0
+5 5 5 1 0 0 1 2 3 4 7 0.5 0
+3 0 1 2 7 1 2 3
+3 0 2 3 8 4 5 6
+0 2
+";
+
+fn written(model: &Model, uv: Option<&[[f64; 2]]>, format: MeshFormat) -> Model {
+    let mut out = Vec::new();
+    match format {
+        MeshFormat::Obj => write_obj(model, &ObjContent { uv, ..ObjContent::default() }, &mut out).unwrap(),
+        MeshFormat::Ply => write_ply(model, uv, None, &mut out).unwrap(),
+        MeshFormat::Glb => write_glb(model, uv, &model.triangles(), None, &mut out).unwrap(),
+    }
+    read_bytes(out, format!("back.{}", format.extension())).unwrap()
+}
+
+/// What a table says at each corner.
+fn at_corners(model: &Model, meaning: Meaning) -> Vec<Option<Vec<f64>>> {
+    let table = model.attributes().table(&meaning).unwrap_or_else(|| panic!("no {meaning}"));
+    let one = if meaning == Meaning::Colour { table.scalar().one() } else { 1.0 };
+    let row = |corner| Some(table.row(table.row_at(model.corners(), corner)?).map(|x| x / one).collect());
+    (0..model.corner_count()).map(row).collect()
+}
+
+#[track_caller]
+fn assert_near(a: &Model, b: &Model, meaning: Meaning, tolerance: f64) {
+    for (corner, (a, b)) in at_corners(a, meaning.clone()).into_iter().zip(at_corners(b, meaning)).enumerate() {
+        let (a, b) = (a.unwrap_or_default(), b.unwrap_or_default());
+        let near = a.iter().zip(&b).all(|(a, b)| (a - b).abs() <= tolerance);
+        assert!(near && a.len().min(3) == b.len().min(3), "corner {corner}: {a:?} {b:?}");
+    }
+}
+
+#[test]
+fn a_ply_comes_back_with_everything_split_along_the_seams_or_not() {
+    let model = read_bytes(PLY.into(), "a.ply").unwrap();
+    let attributes = model.attributes();
+    assert_eq!(attributes.comments, ["comment made by hand", "obj_info 3"]);
+    assert_eq!((attributes.tables.len(), attributes.listings.len()), (7, 1));
+    let whole: Vec<_> = model.corners().iter().map(|&v| [f64::from(v), 0.5]).collect();
+    for uv in [None, Some(whole.as_slice()), Some(&some_uv(&model))] {
+        let back = written(&model, uv, MeshFormat::Ply);
+        assert_same_surface(&back, &model);
+        assert_eq!(back.attributes(), attributes);
+    }
+    assert_eq!(not_kept(&model, MeshFormat::Ply), None);
+}
+
+#[test]
+fn copies_along_seams_follow_the_vertices_and_name_them() {
+    let model = read_bytes(PLY.into(), "a.ply").unwrap();
+    let mut out = Vec::new();
+    write_ply(&model, Some(&some_uv(&model)), None, &mut out).unwrap();
+    let text = String::from_utf8_lossy(&out).into_owned();
+    assert!(
+        text.contains("element vertex 7\n")
+            && text.contains("property float s\nproperty float t\nproperty uint source_vertex\n")
+    );
+    // A file that lies about its copies is taken as it stands.
+    let at = text.find("source_vertex").unwrap();
+    out[at] = b'S';
+    assert_eq!(read_bytes(out, "a.ply").unwrap().vertex_count(), 7);
+    let lie = PLY.replace("property short flag", "property short source_vertex");
+    assert_eq!(read_bytes(lie.into(), "a.ply").unwrap().vertex_count(), 5);
+}
+
+#[test]
+fn normals_colours_and_materials_go_from_format_to_format() {
+    let text = "v 0 0 0 1 0.5 0\nv 1 0 0 0.25 0 1\nv 1 1 0 0 0 0\nv 0 1 0 1 1 1\nvn 0 0 1\nvn 0.6 0 0.8\n\
+                g left\nusemtl red brick\nf 1//1 2//2 3//1\nusemtl b\nf 1//2 3//1 4//1\n";
+    let model = obj(text);
+    let materials = |model: &Model| [0, 1].map(|f| model.attributes().material(f).map(str::to_owned));
+    let uv = some_uv(&model);
+    for first in MeshFormat::ALL {
+        let there = written(&model, Some(&uv), first);
+        for second in MeshFormat::ALL {
+            let back = written(&there, Some(&uv), second);
+            assert_eq!(back.face_count(), 2, "{first} {second}");
+            assert_near(&model, &back, Meaning::Normal, 1e-6);
+            let bits = if first == MeshFormat::Ply || second == MeshFormat::Ply { 0.5 / 255.0 } else { 3e-5 };
+            assert_near(&model, &back, Meaning::Colour, bits);
+            let is_held = first != MeshFormat::Ply && second != MeshFormat::Ply;
+            let names = materials(&back).map(|name| name.map(|name| name.replace('_', " ")));
+            assert_eq!(names, if is_held { [Some("red brick".into()), Some("b".into())] } else { [None, None] });
+        }
+    }
+    assert_eq!(not_kept(&model, MeshFormat::Obj), None);
+    let words = |format| not_kept(&model, format).unwrap().what.join("; ");
+    assert_eq!(
+        (words(MeshFormat::Glb), words(MeshFormat::Ply)),
+        ("groups".into(), "groups; materials (red brick, b)".into())
+    );
+}
+
+#[test]
+fn what_a_format_does_not_hold_is_named() {
+    let model = read_bytes(PLY.into(), "a.ply").unwrap();
+    let words = |format| not_kept(&model, format).unwrap().to_string();
+    assert_eq!(
+        words(MeshFormat::Glb),
+        "not kept, as GLB has no place for it: near, colours of faces, label of faces, elements `edge`, comments"
+    );
+    assert_eq!(
+        words(MeshFormat::Obj),
+        "not kept, as OBJ has no place for it: flag, quality, near, colours of faces, label of faces, elements `edge`, comments"
+    );
+    let back = written(&model, Some(&some_uv(&model)), MeshFormat::Glb);
+    assert_near(&model, &back, Meaning::Other("quality".into()), 1e-7);
+    // A step of sixteen bits of light is 2e-4 of sRGB where it is dark.
+    assert_near(&model, &back, Meaning::Colour, 1e-4);
+}
+
+#[test]
+fn colours_that_are_floats_stay_floats_in_ply() {
+    let floats = PLY.replacen("uchar red", "float red", 1).replacen("uchar green", "float green", 1);
+    let model = read_bytes(floats.into(), "a.ply").unwrap();
+    let table = model.attributes().table(&Meaning::Colour).map(Attribute::scalar);
+    assert_eq!(table, Some(Scalar::F64), "columns of two types are shares");
+    let all = PLY.replacen("uchar red", "float red", 1).replacen("uchar green", "float green", 1);
+    let all = all.replacen("uchar blue", "float blue", 1).replacen("uchar alpha", "float alpha", 1);
+    let back = written(&read_bytes(all.into(), "a.ply").unwrap(), None, MeshFormat::Ply);
+    let table = back.attributes().table(&Meaning::Colour).unwrap();
+    assert_eq!((table.scalar(), table.domain()), (Scalar::F32, Domain::Vertices));
+}
+
+#[test]
+fn no_two_properties_of_a_ply_have_one_name() {
+    let mut model = obj(TETRAHEDRON);
+    let table = |name: &str| {
+        let mut table = Attribute::new(Meaning::Other(name.into()), Domain::Vertices, Scalar::U8, 1);
+        (0..4).for_each(|v| table.push(f64::from(v)));
+        table
+    };
+    let tables = ["x", "s", "my name", "my\nname", ""].map(table).to_vec();
+    model = model.with_attributes(crate::Attributes { tables, ..Default::default() });
+    let back = written(&model, Some(&some_uv(&model)), MeshFormat::Ply);
+    assert_same_surface(&back, &model);
+    let names: Vec<String> = back.attributes().tables.iter().map(|table| table.meaning().to_string()).collect();
+    assert_eq!(names, ["x_", "s_", "my_name", "my_name_", "unnamed"]);
+}
