@@ -168,18 +168,18 @@ pub(crate) fn polished(model: &mut EnergyModel, level: &CoarseLevel, coarse: &Co
     })
 }
 
-/// The same cones, those that are too near to others on the surface moved to the nearest vertices round them that are not.
+/// The same cones, each that is too near to one before it on the surface moved to the nearest vertex round it that is not: so that what
+/// becomes of the first ones does not depend on those after them.
 fn apart(model: &EnergyModel, mut cones: Vec<VertexId>, reach: f32) -> Vec<VertexId> {
-    let separation = Separation::new(model.operators(), &cones);
-    let near = |&place: &usize| !separation.admits(cones[place], place);
-    let near: Vec<usize> = (0..cones.len()).filter(near).collect();
-    for place in near {
-        let separation = Separation::new(model.operators(), &cones);
-        if separation.admits(cones[place], place) {
-            continue; // its neighbour has moved away
-        }
-        let around = model.distances().around(cones[place], reach);
-        if let Some((v, _)) = around.into_iter().find(|&(v, _)| separation.admits(v, place)) {
+    let operators = model.operators();
+    let separation = Separation::new(operators, &cones);
+    if (0..cones.len()).all(|place| separation.admits(cones[place], place)) {
+        return cones;
+    }
+    for place in 1..cones.len() {
+        let separation = Separation::new(operators, &cones[..place]);
+        let mut around = model.distances().around(cones[place], reach).into_iter();
+        if let Some((v, _)) = around.find(|&(v, _)| separation.admits_another(v)) {
             cones[place] = v;
         }
     }
