@@ -41,7 +41,8 @@ fn laid_out(atlas: &Atlas) -> String {
 type Question = fn(&Analysis) -> Result<String, Error>;
 
 /// Something of everything that an analysis is asked.
-const QUESTIONS: [Question; 9] = [
+const QUESTIONS: [Question; 10] = [
+    |analysis| Ok(format!("{:?}", analysis.preview(17)?)),
     |analysis| Ok(placed(&analysis.place(Placement::Refined, 14)?)),
     |analysis| Ok(placed(&analysis.place(Placement::Pursuit, 11)?)),
     |analysis| Ok(placed(&analysis.place(Placement::Iterative, 16)?)),

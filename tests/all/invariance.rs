@@ -1,6 +1,6 @@
 //! What must not matter: size, place, turning, the order of faces, being run again.
 
-use cones::{Atlas, ConeChoice, Options, Placement, unwrap_model};
+use cones::{Analysis, Atlas, ConeChoice, Options, Placement, unwrap_model};
 use geom::shapes::{self, Shape};
 use tests::solids;
 
@@ -133,4 +133,21 @@ fn any_number_of_threads_gives_the_same_bits() {
         assert_eq!((one.cones, one.number, one.seams), (many.cones, many.number, many.seams));
         assert_eq!(one.notes, many.notes);
     }
+}
+
+#[test]
+fn any_number_of_threads_finds_the_same_cones_on_surfaces_with_coarse_levels() {
+    let all = solids::side_by_side(&[shapes::hare(8500), shapes::torus(1, 8300), shapes::terrain(400, 3)]);
+    let model = solids::model(&all).expect("an ordinary shape");
+    let found = [1, 3].map(|threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a few threads");
+        pool.install(|| {
+            let analysis = Analysis::new(&model).expect("it is analysed");
+            let found = |cones| analysis.choose(&Options { cones, ..Options::default() }).expect("there are cones");
+            let [asked, chosen] = [ConeChoice::Count(12), ConeChoice::Automatic].map(found);
+            let preview = analysis.preview(20).expect("nobody says stop");
+            (asked.as_slice().to_vec(), chosen.as_slice().to_vec(), chosen.number().cloned(), preview)
+        })
+    });
+    assert!(found[0] == found[1]);
 }

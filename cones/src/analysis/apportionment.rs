@@ -15,7 +15,7 @@ use rayon::prelude::*;
 use super::component::Component;
 use crate::curvature::least_cones;
 use crate::field::Operators;
-use crate::placement::{BLOCK, ConeSet, Nested, Placement, Search, Sharing, optimised_order, whole_blocks};
+use crate::placement::{BLOCK, ConeSet, Nested, Placement, Search, Sharing, searched_order, whole_blocks};
 
 /// What cones bring to one connected part.
 #[derive(Clone, Debug)]
@@ -53,7 +53,7 @@ impl EnergyCurve {
 /// If the watch has said stop.
 pub(crate) fn counts(
     components: &[Component],
-    placement: Placement,
+    (placement, search): (Placement, Search),
     total: usize,
     watch: Watch,
 ) -> Result<Vec<usize>, Interrupted> {
@@ -68,7 +68,7 @@ pub(crate) fn counts(
     let curves = |is_brief: bool| -> Result<Vec<EnergyCurve>, Interrupted> {
         let curve = |component: &Component| {
             let most = component.least() + spare;
-            let nested = optimised_order(component.ground(Search::Full, watch), most, is_brief)?;
+            let nested = searched_order(component.ground(search, watch), most, is_brief)?;
             Ok(EnergyCurve::of_order(&component.operators, &nested, component.area, most))
         };
         components.par_iter().with_max_len(1).map(curve).collect()

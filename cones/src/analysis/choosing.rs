@@ -10,6 +10,7 @@ use super::order::whole_curve;
 use super::{Analysis, each};
 use crate::curvature::CurvatureRule;
 use crate::error::Error;
+use crate::field::Operators;
 use crate::placement::{Automatic, MOST_OPTIMISED, Nested, Prediction, Predictor};
 
 /// The area distortion that is aimed at when nobody says.
@@ -108,7 +109,9 @@ impl Analysis {
             shared.notes.push(Note::FewerThanNeeded { asked: total, needed, components: components.len() });
         }
         let placement = options.placement_for(total.saturating_sub(needed));
-        Ok(task.stage((Stage::Hierarchy, 0), &mut shared.times, |watch| counts(components, placement, total, watch))??)
+        Ok(task.stage((Stage::Hierarchy, 0), &mut shared.times, |watch| {
+            counts(components, (placement, options.search), total, watch)
+        })??)
     }
 
     /// How many cones each component gets by a threshold of persistence.
@@ -160,7 +163,8 @@ impl Analysis {
                 let predicted = predict_together(components, &found, rule);
                 let nested: Vec<Nested> = found.iter().map(|found| found.nested.clone()).collect();
                 let most = (2 * predicted.count).max(most);
-                (predicted, whole_curve(components, &nested, (placement, rule), most, watch))
+                let grounds: Vec<&Operators> = components.iter().zip(&found).map(|(c, f)| c.operators_of(f)).collect();
+                (predicted, whole_curve(components, (&nested, &grounds), (placement, rule), most, watch))
             })?,
         };
         let is_met = found.iter().all(|found| found.is_met);

@@ -19,7 +19,7 @@ use crate::error::Error;
 use crate::field::{ConformalFactor, Operators};
 use crate::flatten::Chain;
 use crate::hierarchy::ConeHierarchy;
-use crate::placement::{CoarseLevel, EnergyTerms, Ground, Search, quantized};
+use crate::placement::{Automatic, CoarseLevel, EnergyTerms, Ground, Search, quantized};
 
 /// What is found once; see the module's head. It is never changed.
 #[derive(Debug)]
@@ -106,6 +106,16 @@ impl Component {
     /// Its coarse level, once that has been asked for.
     pub(crate) fn level(&self) -> Option<&CoarseLevel> {
         self.level.get().and_then(Option::as_ref)
+    }
+
+    /// The operators that a number of cones was chosen with: its own, or those of its coarse level.
+    pub(crate) fn operators_of(&self, found: &Automatic) -> &Operators {
+        if found.is_from_level { self.searched() } else { &self.operators }
+    }
+
+    /// The operators of its coarse level, once that has been asked for; its own where there is none.
+    pub(crate) fn searched(&self) -> &Operators {
+        self.level().map_or(&self.operators, |level| &level.operators)
     }
 
     /// How many cones it needs at least.

@@ -15,6 +15,7 @@ use super::observer::Stage;
 use super::{Analysis, each};
 use crate::curvature::CurvatureRule;
 use crate::error::Error;
+use crate::field::Operators;
 use crate::placement::{ComponentOrder, Nested, Placement, Prediction, Search, cones_of_sequence, curve_of_sequence};
 
 /// An order of cones is found for so many in all, or for so many more than the components of a model need.
@@ -81,11 +82,11 @@ pub struct OrderedCone {
     pub curvature: Option<f64>,
 }
 
-/// What is predicted for every number of cones up to `total`, with an order for each component; for models of thousands of
-/// them not so far.
+/// What is predicted for every number of cones up to `total`, with an order for each component, and the operators that it is for;
+/// for models of thousands of them not so far.
 pub(super) fn whole_curve(
     components: &[Component],
-    nested: &[Nested],
+    (nested, operators): (&[Nested], &[&Operators]),
     (placement, rule): (Placement, CurvatureRule),
     total: usize,
     watch: Watch,
@@ -94,7 +95,7 @@ pub(super) fn whole_curve(
     let faces: usize = components.iter().map(|c| c.surface.mesh.face_count()).sum();
     let total = total.min(least + (CURVE_WORK / faces).max(64));
     let sequence = sequence_of(components, nested, placement, total);
-    curve_of_sequence(&component_orders(components, nested, rule, watch), &sequence, watch)
+    curve_of_sequence(&component_orders(components, (nested, operators), rule, watch), &sequence, watch)
 }
 
 impl Analysis {
@@ -115,7 +116,7 @@ impl Analysis {
         let most = |component: &Component| component.least() + total.saturating_sub(needed);
         let nested: Vec<Nested> = each(components, &mut times, |component, times| {
             let order = task.stage((Stage::Hierarchy, component.index), times, |watch| {
-                placement.order(component.ground(Search::Full, watch), most(component))
+                placement.order(component.ground(Search::CoarseToFine, watch), most(component))
             })?;
             Ok(order?)
         })?;
@@ -138,7 +139,8 @@ fn cone_order(
     watch: Watch,
 ) -> ConeOrder {
     let sequence = sequence_of(components, nested, placement, total);
-    let orders = component_orders(components, nested, rule, watch);
+    let operators: Vec<&Operators> = components.iter().map(|c| &c.operators).collect();
+    let orders = component_orders(components, (nested, &operators), rule, watch);
     let cone = |(n, (component, v, curvature)): (usize, (usize, VertexId, _))| {
         let vertex = components[component].surface.vertex[v];
         OrderedCone { n, component, vertex, curvature }
@@ -170,12 +172,15 @@ fn extrema(components: &[Component]) -> Vec<ModelExtremum> {
     extrema
 }
 
-fn component_orders<'a>(
-    components: &'a [Component],
-    nested: &[Nested],
+/// The orders of components on the surfaces that they are for.
+pub(super) fn component_orders<'a>(
+    components: &[Component],
+    (nested, operators): (&[Nested], &[&'a Operators]),
     rule: CurvatureRule,
     watch: Watch,
 ) -> Vec<ComponentOrder<'a>> {
-    let order = |(c, nested): (&'a Component, &Nested)| ComponentOrder::new(&c.operators, c.area, nested, rule, watch);
-    components.iter().zip(nested).map(order).collect()
+    let of_component = |((c, nested), operators): ((&Component, &Nested), &&'a Operators)| {
+        ComponentOrder::new(operators, c.area, nested, rule, watch)
+    };
+    components.iter().zip(nested).zip(operators).map(of_component).collect()
 }

@@ -11,9 +11,11 @@ use super::apportionment::sequence_of;
 use super::component::Component;
 use super::cones::Cone;
 use super::observer::{Stage, Times};
+use super::order::component_orders;
 use crate::curvature::CurvatureRule;
 use crate::error::Error;
-use crate::placement::{BLOCK, ComponentOrder, Nested, Placement, Prediction, Search, coarse_order, curve_of_sequence};
+use crate::field::Operators;
+use crate::placement::{BLOCK, Nested, Placement, Prediction, Search, curve_of_sequence, searched_order};
 
 /// Cones with what is predicted for them; see [`Analysis::preview`].
 #[derive(Clone, Debug, PartialEq)]
@@ -37,11 +39,12 @@ pub(super) struct PreviewOrder {
 }
 
 impl Analysis {
-    /// About `count` cones: the nearest number below that can take the model's curvature, or the least one above; at most 32 more
-    /// than the model needs, or 64 where more than these are asked for. They are those of [`Placement::Pursuit`] on a coarse level.
+    /// About `count` cones: the nearest number below that can take the model's curvature, or the least one above; at most 64, or as
+    /// many as the model needs. They are those of [`Placement::Pursuit`] on a coarse level.
     ///
-    /// Made for a slider. The first call, and the first beyond 32, takes some tenths of a second, or a second for a million vertices:
-    /// as long as factoring the Laplacian at most. All others take microseconds.
+    /// Made for a slider. The first call simplifies surfaces of 8,000 vertices and more (about half the time of factoring the
+    /// Laplacian) and searches on what is left (some tenths of a second, whatever the size); the first beyond 32 searches again. All
+    /// others take microseconds.
     ///
     /// ```
     /// let analysis = cones::Analysis::new(&geom::shapes::hare(700).into())?;
@@ -54,8 +57,7 @@ impl Analysis {
     /// # Errors
     /// If the observer has said stop.
     pub fn preview(&self, count: usize) -> Result<Preview, Error> {
-        let spare = count.saturating_sub(self.least_cones());
-        let blocks = if spare <= BLOCK { 1 } else { 2 };
+        let blocks = if count <= BLOCK { 1 } else { 2 };
         let known = &self.found.previews[blocks - 1];
         let order = match known.get() {
             Some(order) => order,
@@ -67,29 +69,22 @@ impl Analysis {
         Ok(order.first(self, count))
     }
 
-    fn preview_order(&self, spare: usize) -> Result<PreviewOrder, Error> {
+    fn preview_order(&self, most: usize) -> Result<PreviewOrder, Error> {
         let task = self.task();
         let components = self.components();
         let find = |component: &Component| -> Result<Nested, Error> {
-            let most = component.least() + spare;
             let mut times = Times::default();
             Ok(task.stage((Stage::Hierarchy, component.index), &mut times, |watch| {
-                coarse_order(component.ground(Search::CoarseToFine, watch), most)
+                searched_order(component.ground(Search::CoarseToFine, watch), most, false)
             })??)
         };
         let nested = components.par_iter().with_max_len(1).map(find).collect::<Vec<_>>();
         let mut nested = nested.into_iter().collect::<Result<Vec<Nested>, Error>>()?;
-        let sequence = sequence_of(components, &nested, Placement::Pursuit, self.least_cones() + spare);
+        let sequence = sequence_of(components, &nested, Placement::Pursuit, self.least_cones().max(most));
         let curve = task.stage((Stage::Hierarchy, 0), &mut Times::default(), |watch| {
-            let levels: Vec<ComponentOrder> = components
-                .iter()
-                .zip(&nested)
-                .map(|(component, nested)| {
-                    let operators = component.level().map_or(&component.operators, |level| &level.operators);
-                    ComponentOrder::new(operators, component.area, nested, CurvatureRule::Optimal, watch)
-                })
-                .collect();
-            curve_of_sequence(&levels, &sequence, watch)
+            let operators: Vec<&Operators> = components.iter().map(Component::searched).collect();
+            let orders = component_orders(components, (&nested, &operators), CurvatureRule::Optimal, watch);
+            curve_of_sequence(&orders, &sequence, watch)
         })?;
         for (component, nested) in components.iter().zip(&mut nested) {
             if let Some(level) = component.level() {
@@ -115,5 +110,46 @@ impl PreviewOrder {
         };
         let cones = analysis.components().iter().zip(&self.nested).zip(counts).flat_map(of_component).collect();
         Preview { cones, prediction }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::analysis::{ConeChoice, Options};
+    use geom::shapes;
+
+    #[test]
+    fn previews_depend_on_no_other_question_and_are_nested() {
+        let model = shapes::hare(700).into();
+        let [first, second] = [(); 2].map(|()| Analysis::new(&model).unwrap());
+        let counts = [40, 3, 12, 32, 33];
+        let up: Vec<Preview> = counts.iter().map(|&count| first.preview(count).unwrap()).collect();
+        let down: Vec<Preview> = counts.iter().rev().map(|&count| second.preview(count).unwrap()).collect();
+        assert!(up.iter().eq(down.iter().rev()));
+        for (preview, count) in up.iter().zip(counts) {
+            assert_eq!((preview.cones.len(), preview.prediction.count), (count, count));
+            let sum: f64 = preview.cones.iter().map(|cone| cone.curvature).sum();
+            assert!((sum - 4.0 * std::f64::consts::PI).abs() < 1e-6);
+            assert!(preview.cones.iter().all(|cone| up[0].cones.iter().any(|other| other.vertex == cone.vertex)));
+        }
+        assert_eq!(first.preview(0).unwrap().cones.len(), 3, "a sphere needs three");
+        assert_eq!(first.preview(1000).unwrap().cones.len(), 64);
+    }
+
+    #[test]
+    fn what_is_predicted_on_a_coarse_level_is_near_to_what_is_predicted_on_the_surface() {
+        let model = shapes::hare(9000).into();
+        let analysis = Analysis::new(&model).unwrap();
+        for count in [6, 16] {
+            let preview = analysis.preview(count).unwrap();
+            let given = preview.cones.iter().map(|cone| (cone.vertex, Some(cone.curvature))).collect();
+            let options = Options { cones: ConeChoice::Given(given), ..Options::default() };
+            let exact = analysis.choose(&options).unwrap().prediction();
+            let ratio = preview.prediction.log_scale_norm / exact.log_scale_norm;
+            assert!((ratio - 1.0).abs() < 0.05, "{count} cones: {ratio}");
+            let excess = preview.prediction.area_distortion / exact.area_distortion;
+            assert!((excess - 1.0).abs() < 0.1, "{count} cones: {excess}");
+        }
     }
 }

@@ -42,6 +42,8 @@ pub(crate) struct Automatic {
     pub(crate) nested: Nested,
     /// What is predicted for its prefixes.
     pub(crate) curve: Vec<Prediction>,
+    /// Whether the nested order and the curve are those of the coarse level, in its vertices.
+    pub(crate) is_from_level: bool,
 }
 
 impl Automatic {
@@ -66,38 +68,53 @@ pub(crate) fn automatic(model: &mut EnergyModel, rule: CurvatureRule, target: f6
             (set, predicted)
         }
     };
-    Automatic { set, predicted, is_met: predicted.area_distortion <= target, nested, curve }
+    Automatic { set, predicted, is_met: predicted.area_distortion <= target, nested, curve, is_from_level: false }
 }
 
 /// [`automatic`], and a few cones more where these leave nearly nothing to distort. A fit for the corners; a search more only
 /// where the nested order tells that it pays.
 pub(crate) fn automatic_to_knee(model: &mut EnergyModel, rule: CurvatureRule, target: f64, most: usize) -> Automatic {
     let found = automatic(model, rule, target, most);
-    match knee(model, &found) {
-        Some(set) => {
-            let predicted = predict(model.operators(), &set, rule);
-            let is_met = predicted.area_distortion <= target;
-            if is_met || !found.is_met { Automatic { set, predicted, is_met, ..found } } else { found }
-        }
+    let knee = at_corners(model, &found).or_else(|| {
+        let set = refined(model, bend(&found, found.set.log_scale_norm())?);
+        Some(set).filter(|set| found.has_knee_at(set))
+    });
+    match knee {
+        Some(set) => found.with_knee(model, set, rule, target),
         None => found,
     }
 }
 
-/// The cones at the curve's knee, if it has one beyond what was found.
-fn knee(model: &mut EnergyModel, found: &Automatic) -> Option<ConeSet> {
-    let (count, norm) = (found.set.cones.len(), found.set.log_scale_norm());
-    let most = if count == 0 { 0 } else { (2 * count).max(FEW) };
-    let is_knee = |set: &ConeSet| set.shortfall == 0.0 && set.log_scale_norm() <= KNEE * norm;
-    let corners = corners(model.operators(), most).filter(|corners| corners.len() > count).map(|corners| {
-        model.add(&corners);
-        model.fit(&corners)
-    });
-    if let Some(set) = corners.filter(is_knee) {
-        return Some(by_curvature(model, &set));
+impl Automatic {
+    /// Whether a set of more cones leaves nearly nothing of what these leave to distort.
+    pub(super) fn has_knee_at(&self, set: &ConeSet) -> bool {
+        set.shortfall == 0.0 && set.log_scale_norm() <= KNEE * self.set.log_scale_norm()
     }
+
+    /// The same with the cones at its knee, unless these miss the target.
+    pub(super) fn with_knee(self, model: &EnergyModel, set: ConeSet, rule: CurvatureRule, target: f64) -> Self {
+        let predicted = predict(model.operators(), &set, rule);
+        let is_met = predicted.area_distortion <= target;
+        if is_met || !self.is_met { Self { set, predicted, is_met, ..self } } else { self }
+    }
+}
+
+/// A cone at each corner, if there are few and they are the curve's knee.
+pub(super) fn at_corners(model: &mut EnergyModel, found: &Automatic) -> Option<ConeSet> {
+    let count = found.set.cones.len();
+    let most = if count == 0 { 0 } else { (2 * count).max(FEW) };
+    let corners = corners(model.operators(), most).filter(|corners| corners.len() > count)?;
+    model.add(&corners);
+    let set = model.fit(&corners);
+    found.has_knee_at(&set).then(|| by_curvature(model, &set))
+}
+
+/// The number of cones where the nested order tells of a knee beyond what was found, with a norm as that order has it.
+pub(super) fn bend(found: &Automatic, norm: f64) -> Option<usize> {
+    let count = found.set.cones.len();
     let beyond = found.nested.sets.iter().take(2 * count + 1).skip(count + 1);
     let bend = beyond.map(ConeSet::log_scale_norm).position(|left| left <= NESTED_KNEE * norm)?;
-    Some(refined(model, count + 1 + bend)).filter(is_knee)
+    Some(count + 1 + bend)
 }
 
 /// The inner vertices that have curvature, at most so many: without them the surface is developable.
@@ -117,12 +134,17 @@ pub(crate) fn shortest(model: &mut EnergyModel, order: &[VertexId], rule: Curvat
     let enough = first_within(&curve, least_cones(operators), target).copied();
     let set = nested.sets[enough.map_or(order.len(), |point| point.count)].clone();
     let predicted = enough.unwrap_or_else(|| predict(operators, &set, rule));
-    Automatic { set, predicted, is_met: enough.is_some(), nested, curve }
+    Automatic { set, predicted, is_met: enough.is_some(), nested, curve, is_from_level: false }
 }
 
 /// Where a curve first keeps the area distortion within a target, from `least` cones on.
 fn first_within(curve: &[Prediction], least: usize, target: f64) -> Option<&Prediction> {
     curve.iter().find(|point| point.count >= least && point.area_distortion <= target)
+}
+
+/// Whether cones can take the curvature, and the prediction for them is within the target.
+pub(super) fn meets(set: &ConeSet, predicted: &Prediction, target: f64) -> bool {
+    set.shortfall == 0.0 && predicted.area_distortion <= target
 }
 
 /// From a set that meets the target to the smallest one near it that does.
@@ -134,17 +156,16 @@ fn fewest(
     least: usize,
 ) -> (ConeSet, Prediction) {
     let operators = model.operators();
-    let meets = |set: &ConeSet, predicted: &Prediction| set.shortfall == 0.0 && predicted.area_distortion <= target;
     let mut best = refined(model, nested.cones.len());
     let mut predicted = predict(operators, &best, rule);
-    if !meets(&best, &predicted) {
+    if !meets(&best, &predicted, target) {
         return (nested.clone(), predict(operators, nested, rule));
     }
     while best.cones.len() > least && !model.is_over() {
         let fewer = exchange(model, drop_cheapest(model, &best));
         let fewer = rounds(model, fewer, 2);
         let after = predict(operators, &fewer, rule);
-        if !meets(&fewer, &after) {
+        if !meets(&fewer, &after, target) {
             break;
         }
         (best, predicted) = (fewer, after);

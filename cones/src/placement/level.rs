@@ -28,7 +28,12 @@ impl CoarseLevel {
     /// # Errors
     /// If the coarse Laplacian cannot be factored, or the watch has said stop.
     pub(crate) fn new(fine: &Operators, input: &Mesh, watch: Watch) -> Result<Self, PoissonError> {
-        let (operators, vertex) = coarse_level(fine, VERTICES, watch)?;
+        Self::of_size(fine, input, VERTICES, watch)
+    }
+
+    /// The same with so many vertices.
+    pub(super) fn of_size(fine: &Operators, input: &Mesh, vertices: usize, watch: Watch) -> Result<Self, PoissonError> {
+        let (operators, vertex) = coarse_level(fine, vertices, watch)?;
         let triangles = vertex.iter().map(|&v| usable_triangles(input, v)).collect();
         let terms = Arc::new(EnergyTerms::with_triangles(&operators, triangles, watch)?);
         Ok(Self { operators, vertex, terms })

@@ -29,7 +29,6 @@ use crate::field::Operators;
 use crate::hierarchy::ConeHierarchy;
 
 pub(crate) use automatic::{Automatic, corners};
-pub(crate) use coarse_to_fine::coarse_order;
 pub(crate) use energy_model::EnergyTerms;
 pub use energy_model::{ConeSet, EnergyModel};
 pub(crate) use level::CoarseLevel;
@@ -143,6 +142,14 @@ impl<'a> Ground<'a> {
         Ok(self.level.get_or_init(|| made).as_ref())
     }
 
+    /// The best nested order of so many cones.
+    fn pursued(self, count: usize) -> Result<Nested, Interrupted> {
+        match self.level()? {
+            Some(level) => coarse_to_fine::order_from(self, level, count),
+            None => Ok(pursuit(&mut self.energy_model()?, count)),
+        }
+    }
+
     /// The best cones of so many, for this number alone.
     fn refined(self, count: usize) -> Result<Vec<VertexId>, PoissonError> {
         let found = match self.level()? {
@@ -239,7 +246,7 @@ impl Placement {
             Self::Refactoring => refactoring::iterative_refactoring(operators, count, watch)?,
             Self::Greedy => iterative::greedy(operators, count, watch),
             Self::Refined => ground.refined(count)?,
-            Self::Pursuit => pursuit(&mut ground.energy_model()?, count).cones().to_vec(),
+            Self::Pursuit => ground.pursued(count)?.cones().to_vec(),
         })
     }
 
@@ -250,7 +257,7 @@ impl Placement {
     /// As [`cones`](Self::cones).
     pub(crate) fn order(self, ground: Ground, count: usize) -> Result<Nested, PoissonError> {
         if self.is_optimised() {
-            return Ok(optimised_order(ground, count, false)?);
+            return Ok(ground.pursued(whole_blocks(ground.operators, count))?);
         }
         let order = self.cones(ground, count)?;
         Ok(Nested::new(&mut ground.energy_model()?, &order))
@@ -268,6 +275,11 @@ impl Placement {
         (target, to_knee): (f64, bool),
         most: usize,
     ) -> Result<Automatic, PoissonError> {
+        if self == Self::Refined
+            && let Some(level) = ground.level()?
+        {
+            return coarse_to_fine::fewest_from(ground, level, rule, (target, to_knee), most);
+        }
         let mut model = ground.energy_model()?;
         if self == Self::Refined {
             let choose = if to_knee { automatic::automatic_to_knee } else { automatic::automatic };
@@ -278,13 +290,16 @@ impl Placement {
     }
 }
 
-/// The best nested order found, in whole blocks, or for few cones up to just so many: that is cheaper, but orders of different
-/// lengths may differ.
+/// The best nested order found on the coarse level of a surface, in the level's vertices, or on the surface itself where it has none:
+/// in whole blocks, or for few cones up to just so many. That is cheaper, but orders of different lengths may differ.
 ///
 /// # Errors
 /// If the watch has said stop.
-pub(crate) fn optimised_order(ground: Ground, count: usize, is_brief: bool) -> Result<Nested, Interrupted> {
-    let model = &mut ground.energy_model()?;
+pub(crate) fn searched_order(ground: Ground, count: usize, is_brief: bool) -> Result<Nested, Interrupted> {
+    let model = &mut match ground.level()? {
+        Some(level) => level.energy_model(ground.watch),
+        None => ground.energy_model()?,
+    };
     let least = count.max(crate::curvature::least_cones(ground.operators));
     Ok(if is_brief && least <= BLOCK {
         pursuit::brief_pursuit(model, least)

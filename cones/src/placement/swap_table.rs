@@ -242,8 +242,9 @@ impl<'a> SwapTable<'a> {
         proposals
     }
 
-    /// For each cone the best vertex within a distance of it that is not solved for, if it may be better.
-    pub(crate) fn proposals_within(&self, reach: f32) -> Vec<Swap> {
+    /// For each cone the best vertex within a distance of it that is not solved for, where it promises to lower the
+    /// energy by a share.
+    pub(crate) fn proposals_within(&self, reach: f32, least_gain: f64) -> Vec<Swap> {
         let separation = Separation::new(self.model.operators(), &self.set.cones);
         let cones = yielding(self.set).len();
         let mut row = Row::default();
@@ -258,7 +259,7 @@ impl<'a> SwapTable<'a> {
                     }
                 }
             }
-            best.filter(|best| best.change < 0.0)
+            best.filter(|best| best.change < -least_gain * self.set.energy)
         };
         self.set.cones.iter().enumerate().filter_map(&mut best_round).collect()
     }

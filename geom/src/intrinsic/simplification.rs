@@ -30,6 +30,8 @@ const RISE: f64 = 1.5;
 const FLIPS: usize = 1000;
 /// The least sine of an angle that counts as one.
 const CLEAR: f64 = 1e-9;
+/// So many vertices are looked at between two looks at the watch.
+const STRIDE: usize = 4096;
 /// Sweeps end when so many in a row have taken out nothing.
 const IDLE: usize = 12;
 
@@ -68,17 +70,22 @@ pub fn simplified<const N: usize>(
     let mut left: Vec<VertexId> = mesh.vertices().collect();
     let mut threshold = weights[0].iter().sum::<f64>() / mesh.vertex_count() as f64;
     let mut idle = 0;
+    let whole = (mesh.vertex_count() as f64 / count.max(1) as f64).ln();
     while left.len() > count && idle < IDLE {
-        let progress = (mesh.vertex_count() as f64 / left.len() as f64).ln();
-        watch.ask(progress / (mesh.vertex_count() as f64 / count.max(1) as f64).ln())?;
-        let before = left.len();
+        let progress = (mesh.vertex_count() as f64 / left.len() as f64).ln() / whole;
+        let (before, mut looked_at, mut is_stopped) = (left.len(), 0, watch.stops_at(progress));
         let mut excess = before - count;
         left.retain(|&v| {
-            let goes =
-                excess > 0 && surface.weight[v.index()][0] * worth[v.index()] <= threshold && surface.take_out(v);
+            looked_at += 1;
+            is_stopped |= looked_at % STRIDE == 0 && watch.stops_at(progress);
+            let is_light = || surface.weight[v.index()][0] * worth[v.index()] <= threshold;
+            let goes = excess > 0 && !is_stopped && is_light() && surface.take_out(v);
             excess -= usize::from(goes);
             !goes
         });
+        if is_stopped {
+            return Err(Interrupted);
+        }
         idle = if left.len() < before { 0 } else { idle + 1 };
         threshold *= RISE;
     }
@@ -408,4 +415,133 @@ fn cross(p: [f64; 2], q: [f64; 2]) -> f64 {
 fn is_left(from: [f64; 2], to: [f64; 2]) -> bool {
     let area = cross(from, to);
     area > 0.0 && area * area > CLEAR * CLEAR * dot(from, from) * dot(to, to)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::intrinsic::{angle_defects, delaunay, edge_weights};
+    use crate::shapes::{self, Shape};
+    use proptest::prelude::*;
+
+    fn intrinsic(shape: &Shape) -> (Mesh, Metric) {
+        let mesh = shape.mesh();
+        let intrinsic = delaunay(&mesh, &Metric::from_points(&mesh, &shape.points));
+        (Mesh::from_triangulation(intrinsic.triangulation).unwrap(), intrinsic.metric)
+    }
+
+    fn to_count(mesh: &Mesh, metric: &Metric, count: usize) -> Simplified<2> {
+        let areas = metric.vertex_areas(mesh);
+        let defects = angle_defects(mesh, metric);
+        simplified(mesh, metric, [&areas, &defects], |_| 1.0, count, Watch::NONE).unwrap()
+    }
+
+    /// Asserts what is true of any simplification.
+    fn check(mesh: &Mesh, metric: &Metric, simple: &Simplified<2>) -> Mesh {
+        simple.triangulation.check();
+        let left = Mesh::from_triangulation(simple.triangulation.clone()).unwrap();
+        left.check();
+        assert_eq!(left.euler_characteristic(), mesh.euler_characteristic());
+        assert_eq!(left.boundary_loops().len(), mesh.boundary_loops().len());
+        assert!(simple.vertex.windows(2).all(|two| two[0] < two[1]));
+        for (v, &before) in left.vertices().zip(&simple.vertex) {
+            assert_eq!(left.is_boundary_vertex(v), mesh.is_boundary_vertex(before));
+        }
+        let wanted = [metric.vertex_areas(mesh), angle_defects(mesh, metric)];
+        for (after, before) in simple.weights.iter().zip(&wanted) {
+            let [after, before] = [after, before].map(|weights| weights.iter().sum::<f64>());
+            assert!((after - before).abs() < 1e-9 * (1.0 + before.abs()), "{after} of {before}");
+        }
+        left
+    }
+
+    #[test]
+    fn topology_and_sums_of_weights_stay_and_so_many_vertices_are_left() {
+        let shapes = [
+            shapes::hare(1500),
+            shapes::torus(2, 1200),
+            shapes::cylinder(900),
+            shapes::terrain(900, 3),
+            shapes::capsule(800),
+        ];
+        for shape in shapes {
+            let (mesh, metric) = intrinsic(&shape);
+            let simple = to_count(&mesh, &metric, 150);
+            check(&mesh, &metric, &simple);
+            assert_eq!(simple.vertex.len(), 150);
+            let weights = edge_weights(&simple.triangulation, &simple.metric);
+            let inner = simple.triangulation.edges().filter(|&e| !simple.triangulation.is_boundary_edge(e));
+            assert!(inner.into_iter().all(|e| weights[e] > -1e-6), "it is Delaunay");
+            let even = simple.weights[0].iter().sum::<f64>() / 150.0;
+            assert!(simple.weights[0].iter().all(|&area| area < 12.0 * even), "weights are about even");
+        }
+    }
+
+    #[test]
+    fn a_flat_surface_stays_as_it_is_and_moments_stay() {
+        let shape = shapes::square(600);
+        let (mesh, metric) = intrinsic(&shape);
+        let areas = metric.vertex_areas(&mesh);
+        // A square's corners cannot be flattened without moving: they are kept.
+        let simple = simplified(&mesh, &metric, [&areas], |v| 1e9_f64.powf(angle(&mesh, &metric, v)), 60, Watch::NONE);
+        let simple = simple.unwrap();
+        let area = simple.metric.area(&simple.triangulation);
+        assert!((area - metric.area(&mesh)).abs() < 1e-9 * area);
+        for axis in 0..2 {
+            let before: f64 = mesh.vertices().map(|v| areas[v] * shape.points[v.index()][axis]).sum();
+            let after: f64 = simple
+                .vertex
+                .iter()
+                .zip(simple.weights[0].iter())
+                .map(|(v, w)| w * shape.points[v.index()][axis])
+                .sum();
+            assert!((after - before).abs() < 1e-9, "{after} for {before}");
+        }
+    }
+
+    fn angle(mesh: &Mesh, metric: &Metric, v: VertexId) -> f64 {
+        angle_defects(mesh, metric)[v].abs()
+    }
+
+    #[test]
+    fn no_vertex_is_taken_out_where_enough_are_asked_for_and_a_stop_is_heard() {
+        let (mesh, metric) = intrinsic(&shapes::hare(300));
+        let simple = to_count(&mesh, &metric, 1000);
+        assert_eq!((&simple.triangulation, &simple.metric), (mesh.triangulation(), &metric));
+        let stop = |_: f64| std::ops::ControlFlow::Break(());
+        let areas = metric.vertex_areas(&mesh);
+        assert!(simplified(&mesh, &metric, [&areas], |_| 1.0, 10, Watch::new(&stop)).is_err());
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(24))]
+
+        /// Squashed and shaken until most triangles are needles, down to as few vertices as there can be.
+        #[test]
+        fn needles_and_noise_do_no_harm(
+            kind in 0usize..4, squash in -6.0..0.0f64, noise in 0.0..0.3f64, seed in 0u64..1000, count in 1usize..200,
+        ) {
+            let mut shape = match kind {
+                0 => shapes::hare(400),
+                1 => shapes::torus(3, 400),
+                2 => shapes::cylinder(300),
+                _ => shapes::terrain(300, seed),
+            };
+            let mut state = seed;
+            for point in &mut shape.points {
+                for x in point.iter_mut() {
+                    state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+                    *x += noise * ((state >> 40) as f64 / (1u64 << 24) as f64 - 0.5);
+                }
+                point[2] *= 10f64.powf(squash);
+            }
+            let mesh = shape.mesh();
+            let metric = Metric::from_points(&mesh, &shape.points).mollified(&mesh, 1e-4);
+            let intrinsic = delaunay(&mesh, &metric);
+            let mesh = Mesh::from_triangulation(intrinsic.triangulation).unwrap();
+            let simple = to_count(&mesh, &intrinsic.metric, count);
+            check(&mesh, &intrinsic.metric, &simple);
+            prop_assert!(simple.metric.lengths().iter().all(|l| l.is_finite() && *l > 0.0));
+        }
+    }
 }

@@ -80,3 +80,62 @@ fn renumbered(count: usize, used: impl Iterator<Item = usize>) -> (Vec<u32>, Vec
     (0..).zip(&kept).for_each(|(new, &old)| place[old as usize] = new);
     (kept, place)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::Mesh;
+    use crate::shapes;
+
+    #[test]
+    fn taking_out_undoes_inserting() {
+        let before = shapes::torus(1, 100).mesh().triangulation().clone();
+        for f in before.faces().step_by(7) {
+            let mut changed = before.clone();
+            changed.insert(f);
+            let [_, _, out] = changed.sides(f);
+            let gone = changed.take_out(out);
+            let (after, vertices, edges) = changed.without_gaps(|f| gone.contains(&f));
+            assert_eq!(after, before);
+            assert!(vertices.into_iter().eq(before.vertices()) && edges.into_iter().eq(before.edges()));
+        }
+    }
+
+    #[test]
+    fn taking_out_of_the_boundary_undoes_splitting_it() {
+        let before = shapes::disk(60).mesh().triangulation().clone();
+        for h in before.halfedges().filter(|&h| before.twin(h).is_none()) {
+            let mut changed = before.clone();
+            changed.split_boundary(h);
+            let [out, ..] = changed.sides(FaceId::new(before.face_count()));
+            let gone = changed.take_out_of_boundary(out);
+            let (after, ..) = changed.without_gaps(|f| f == gone);
+            after.check();
+            assert_eq!(after.euler_characteristic(), before.euler_characteristic());
+            let corners = |t: &Triangulation| {
+                let sorted = |f| {
+                    let [a, b, c] = t.corners(f);
+                    [[a, b, c], [b, c, a], [c, a, b]].into_iter().min()
+                };
+                let mut all: Vec<_> = t.faces().map(sorted).collect();
+                all.sort();
+                all
+            };
+            assert_eq!(corners(&after), corners(&before));
+        }
+    }
+
+    #[test]
+    fn what_is_left_is_a_mesh_of_its_own() {
+        let octahedron = [[0, 1, 2], [0, 2, 3], [0, 3, 4], [0, 4, 1], [5, 2, 1], [5, 3, 2], [5, 4, 3], [5, 1, 4]];
+        let mut triangulation = Mesh::new(6, &octahedron).unwrap().triangulation().clone();
+        let h = triangulation.halfedges().find(|&h| triangulation.tail(h).0 == 0).unwrap();
+        let moved = triangulation.prev(h);
+        triangulation.flip(h);
+        let gone = triangulation.take_out(moved);
+        let (left, vertices, _) = triangulation.without_gaps(|f| gone.contains(&f));
+        left.check();
+        assert_eq!(vertices, [1, 2, 3, 4, 5].map(VertexId));
+        assert_eq!((left.face_count(), left.euler_characteristic()), (6, 2));
+    }
+}

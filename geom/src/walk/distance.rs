@@ -142,6 +142,21 @@ mod tests {
     }
 
     #[test]
+    fn what_is_around_a_vertex_is_what_is_near_it() {
+        let shape = shapes::hare(900);
+        let mesh = shape.mesh();
+        let metric = Metric::from_points(&mesh, &shape.points);
+        let distances = EdgeDistances::new(&mesh, |e| metric.length(e) as f32);
+        for source in mesh.vertices().step_by(111) {
+            let all = distances.from([source]);
+            let around = distances.around(source, 0.3);
+            assert!(around.windows(2).all(|two| two[0].1 <= two[1].1));
+            assert!(around.iter().all(|&(v, distance)| distance == all[v] && distance <= 0.3));
+            assert_eq!(around.len(), all.iter().filter(|&&distance| distance <= 0.3).count());
+        }
+    }
+
+    #[test]
     fn ways_lead_along_edges_and_nowhere_else() {
         // A unit square of two triangles, and a vertex apart.
         let points = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0], [5.0, 5.0, 5.0]];

@@ -3,7 +3,9 @@
 use super::numbers::{distortion, non_negative};
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum};
-use cones::{Analysis, ConeChoice, ConeOrder, CurvatureRule, Handles, Options, Placement, Preparation, Refining};
+use cones::{
+    Analysis, ConeChoice, ConeOrder, CurvatureRule, Handles, Options, Placement, Preparation, Refining, Search,
+};
 use std::path::Path;
 
 /// How many cones, by which method, and what curvatures they get.
@@ -21,6 +23,9 @@ pub(crate) struct CandidateArgs {
     /// How cones are chosen; `refined` and `pursuit` choose more than 64 by persistence
     #[arg(long, value_parser = placements(), default_value = Placement::default().name())]
     method: Placement,
+    /// How thoroughly `refined` and `pursuit` look for cones
+    #[arg(long, value_enum, default_value_t = SearchName::Coarse)]
+    search: SearchName,
     /// How curvature is shared among the cones
     #[arg(long, value_enum, default_value_t = AnglesName::Optimal)]
     angles: AnglesName,
@@ -58,6 +63,14 @@ enum RefineName {
     Needles,
     /// Whatever it is
     Always,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum SearchName {
+    /// On a coarse level where a surface has 8,000 vertices or more, then round what is found there
+    Coarse,
+    /// On all vertices: some times as long, for cones that are a hundredth better
+    Full,
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
@@ -108,6 +121,10 @@ impl CandidateArgs {
             AnglesName::Optimal => CurvatureRule::Optimal,
             AnglesName::Harmonic => CurvatureRule::Harmonic,
         };
+        let search = match self.search {
+            SearchName::Coarse => Search::CoarseToFine,
+            SearchName::Full => Search::Full,
+        };
         let refine = match self.refine {
             None | Some(RefineName::Never) => Refining::Never,
             Some(RefineName::Needles) => Refining::Needles,
@@ -121,6 +138,7 @@ impl CandidateArgs {
         Options {
             cones,
             placement: self.method,
+            search,
             rule,
             preparation: Preparation { smooth: self.smooth, weld: self.weld, refine, handles },
             ..Options::default()
