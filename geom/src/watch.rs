@@ -6,6 +6,8 @@
 
 use std::fmt;
 use std::ops::ControlFlow;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 
 use thiserror::Error;
 
@@ -72,6 +74,37 @@ impl<'a> Watch<'a> {
     }
 }
 
+/// How far work is that several threads share, told as a share of its steps.
+pub(crate) struct Progress<'a> {
+    watch: Watch<'a>,
+    done: AtomicUsize,
+    /// The fraction that was told last: what is told never falls.
+    told: Mutex<f64>,
+    steps: usize,
+}
+
+impl<'a> Progress<'a> {
+    pub(crate) fn new(watch: Watch<'a>, steps: usize) -> Self {
+        Self { watch, done: AtomicUsize::new(0), told: Mutex::new(0.0), steps }
+    }
+
+    /// Counts steps that are done.
+    pub(crate) fn add(&self, steps: usize) {
+        self.done.fetch_add(steps, Relaxed);
+    }
+
+    /// Tells how far the work is.
+    ///
+    /// # Errors
+    /// If it must end.
+    pub(crate) fn ask(&self) -> Result<(), Interrupted> {
+        // An observer that panicked has stopped the work by that.
+        let mut told = self.told.lock().map_err(|_| Interrupted)?;
+        *told = told.max(self.done.load(Relaxed) as f64 / self.steps.max(1) as f64);
+        self.watch.ask(*told)
+    }
+}
+
 impl Default for Watch<'_> {
     fn default() -> Self {
         Watch::NONE
@@ -98,7 +131,6 @@ pub(crate) fn unwatched<T>(result: Result<T, Interrupted>) -> T {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::sync::Mutex;
 
     #[test]
     fn pieces_of_pieces_are_told_as_fractions_of_the_whole() {

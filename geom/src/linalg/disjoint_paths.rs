@@ -9,8 +9,7 @@
 //! A vertex on a path has two states: *in*, from where only the path's piece before it can be cancelled, and *out*, from where
 //! one can go on. A vertex on no path has only *out*.
 
-use super::graph::Graph;
-use super::separator::Side;
+use super::graph::{Graph, Side};
 
 /// No vertex, no path.
 const NONE: u32 = u32::MAX;

@@ -1,7 +1,25 @@
 //! The graph of a symmetric matrix: its rows, joined where an entry off the diagonal is stored.
 
-use super::separator::Side;
 use crate::rows::Rows;
+
+/// Where a vertex is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Side {
+    Low,
+    High,
+    /// On neither side: in the separator, or where one is sought.
+    Between,
+}
+
+impl Side {
+    pub(crate) fn other(self) -> Self {
+        match self {
+            Self::Low => Self::High,
+            Self::High => Self::Low,
+            Self::Between => Self::Between,
+        }
+    }
+}
 
 /// A graph by its neighbours, without loops.
 #[derive(Clone, Debug)]

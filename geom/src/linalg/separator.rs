@@ -4,31 +4,12 @@
 //! (`disjoint_paths`): it is straight where the first one was jagged, and goes where the graph is narrow. Sanders & Schulz (2011) do so with edges.
 
 use super::disjoint_paths::smallest_cuts;
-use super::graph::Graph;
+use super::graph::{Graph, Side};
 
 /// No vertex.
 const NONE: u32 = u32::MAX;
 /// No band takes more from a side than leaves it this share of all vertices.
 const LEAST_SHARE: f64 = 0.2;
-
-/// Where a vertex is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Side {
-    Low,
-    High,
-    /// On neither side: in the separator, or where one is sought.
-    Between,
-}
-
-impl Side {
-    pub(crate) fn other(self) -> Self {
-        match self {
-            Self::Low => Self::High,
-            Self::High => Self::Low,
-            Self::Between => Self::Between,
-        }
-    }
-}
 
 /// A graph in two sides and the separator between them: no edge joins low to high.
 pub(crate) struct Separation<'a> {

@@ -1,0 +1,16 @@
+//! Work on both sides of a tree at the same time, if the feature `rayon` is on.
+//!
+//! Where work is parted depends on the work alone, so nothing that is computed depends on the number of threads.
+
+/// The results of two pieces of work.
+#[cfg(feature = "rayon")]
+pub(crate) fn join<A: Send, B: Send>(a: impl FnOnce() -> A + Send, b: impl FnOnce() -> B + Send) -> (A, B) {
+    rayon::join(a, b)
+}
+
+/// The results of two pieces of work, one after the other.
+#[cfg(not(feature = "rayon"))]
+pub(crate) fn join<A, B>(a: impl FnOnce() -> A, b: impl FnOnce() -> B) -> (A, B) {
+    let a = a();
+    (a, b())
+}
