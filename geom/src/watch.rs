@@ -60,6 +60,18 @@ impl<'a> Watch<'a> {
         self.observer.is_some_and(|observer| observer(place()).is_break())
     }
 
+    /// Does work on several threads with a watch that tells the greatest fraction of them, so that what is told never falls.
+    pub(crate) fn shared<T>(self, work: impl FnOnce(Watch) -> T) -> T {
+        let told = Mutex::new(0.0f64);
+        let rising = |fraction: f64| {
+            // An observer that panicked has stopped the work by that.
+            let Ok(mut told) = told.lock() else { return ControlFlow::Break(()) };
+            *told = told.max(fraction);
+            if self.stops_at(*told) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        };
+        if self.observer.is_none() { work(Watch::NONE) } else { work(Watch::new(&rising)) }
+    }
+
     /// The same for work that returns a result.
     ///
     /// # Errors

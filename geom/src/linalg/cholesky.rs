@@ -14,6 +14,7 @@ use super::elimination::Elimination;
 use super::error::CholeskyError;
 use super::factorization::{Entries, factor};
 use super::graph::Graph;
+use super::parallel::try_each;
 use super::substitution::{LANES, Passes, substitute};
 use super::symmetric::SymmetricMatrix;
 use crate::watch::{Interrupted, Watch, unwatched};
@@ -194,15 +195,13 @@ impl Cholesky {
             return Ok(());
         }
         let columns = b.len() / n;
-        for (k, block) in b.chunks_mut(n * BLOCK).enumerate() {
-            let watch = watch_of_block(watch, k, columns);
-            if block.len() == n {
-                self.solve_one(block, watch)?;
-            } else {
-                self.solve_block(block, watch)?;
-            }
-        }
-        Ok(())
+        let mut blocks: Vec<&mut [f64]> = b.chunks_mut(n * BLOCK).collect();
+        watch.shared(|watch| {
+            try_each(0, &mut blocks, &|k, block| {
+                let watch = watch_of_block(watch, k, columns);
+                if block.len() == n { self.solve_one(block, watch) } else { self.solve_block(block, watch) }
+            })
+        })
     }
 
     /// Solves A x = b for right-hand sides with few entries that are not 0, given as (row, value); the columns of x one
@@ -211,28 +210,35 @@ impl Cholesky {
         let n = self.matrix.dimension();
         let columns = b.len();
         let mut x = vec![0.0; n * columns];
-        let mut half = vec![0.0; n];
-        for (k, (x, b)) in x.chunks_mut((n * BLOCK).max(1)).zip(b.chunks(BLOCK)).enumerate() {
-            let watch = watch_of_block(watch, k, columns);
-            watch.ask(0.0)?;
-            if let [b] = b {
-                self.forward_sparse(b, &mut half);
-                self.backward(&mut half, watch)?;
-                self.elimination.order.iter().zip(&mut half).for_each(|(&v, y)| x[v as usize] = std::mem::take(y));
-                continue;
-            }
-            let padded = b.len().next_multiple_of(LANES);
-            let mut block = vec![0.0; n * padded];
-            for (k, b) in b.iter().enumerate() {
-                for s in self.forward_sparse(b, &mut half) {
-                    let steps = self.elimination.first(s)..self.elimination.first(s) + self.elimination.width(s);
-                    steps.for_each(|step| block[step * padded + k] = std::mem::take(&mut half[step]));
-                }
-            }
-            substitute(&self.elimination, &self.factor, Passes::Backward, padded, &mut block, watch)?;
-            self.unpack(&block, x);
-        }
+        let mut blocks: Vec<_> = x.chunks_mut((n * BLOCK).max(1)).zip(b.chunks(BLOCK)).collect();
+        watch.shared(|watch| {
+            try_each(0, &mut blocks, &|k, (x, b)| self.solve_sparse_block(b, x, watch_of_block(watch, k, columns)))
+        })?;
         Ok(x)
+    }
+
+    /// [`Self::solve_sparse`] for one block of right-hand sides.
+    fn solve_sparse_block(&self, b: &[Vec<(u32, f64)>], x: &mut [f64], watch: Watch) -> Result<(), Interrupted> {
+        let n = self.matrix.dimension();
+        let mut half = vec![0.0; n];
+        watch.ask(0.0)?;
+        if let [b] = b {
+            self.forward_sparse(b, &mut half);
+            self.backward(&mut half, watch)?;
+            self.elimination.order.iter().zip(half).for_each(|(&v, y)| x[v as usize] = y);
+            return Ok(());
+        }
+        let padded = b.len().next_multiple_of(LANES);
+        let mut block = vec![0.0; n * padded];
+        for (k, b) in b.iter().enumerate() {
+            for s in self.forward_sparse(b, &mut half) {
+                let steps = self.elimination.first(s)..self.elimination.first(s) + self.elimination.width(s);
+                steps.for_each(|step| block[step * padded + k] = std::mem::take(&mut half[step]));
+            }
+        }
+        substitute(&self.elimination, &self.factor, Passes::Backward, padded, &mut block, watch)?;
+        self.unpack(&block, x);
+        Ok(())
     }
 
     /// C⁻¹ e for a unit vector: its nonzero entries, by step.
@@ -546,6 +552,46 @@ mod tests {
         }
         let zero = SymmetricMatrix { column_start: vec![0, 1], row: vec![0], value: vec![0.0] };
         assert!(Cholesky::of(zero, None, Watch::NONE).is_err());
+    }
+
+    #[cfg(feature = "rayon")]
+    #[test]
+    fn the_bits_are_the_same_for_any_number_of_threads() {
+        // Large enough for trees that are parted and fronts whose work is shared.
+        let (matrix, points) = matrix(&shapes::hare(20_000));
+        let n = points.len();
+        let b = right_hand_side(35 * n);
+        let sparse: Vec<Vec<(u32, f64)>> = (0..20).map(|k| vec![(k, 1.0), (3000 + k, -1.0)]).collect();
+        let solved = |threads: usize| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            pool.install(|| {
+                let cholesky = Cholesky::with_points(&matrix, &points).unwrap();
+                let mut x = b.clone();
+                cholesky.solve_in_place(&mut x, Watch::NONE).unwrap();
+                let some = cholesky.solve_sparse(&sparse, Watch::NONE).unwrap();
+                (cholesky.elimination.order.clone(), cholesky.factor, x, some)
+            })
+        };
+        let one = solved(1);
+        assert!(one.1.len() > 500_000);
+        assert!([2, 5].iter().all(|&threads| solved(threads) == one));
+    }
+
+    #[test]
+    fn trees_with_a_long_trunk_are_factored() {
+        // A band matrix in the given order: a path of supernodes, each with nearly all values below it.
+        let (n, wide) = (20_000u32, 12);
+        let rows = |column: u32| column..n.min(column + wide);
+        let row: Vec<u32> = (0..n).flat_map(rows).collect();
+        let column_start: Vec<u32> =
+            (0..=n).scan(0, |at, c| Some(std::mem::replace(at, *at + rows(c).len() as u32))).collect();
+        let value = (0..n).flat_map(|c| rows(c).map(move |r| if r == c { 30.0 } else { -1.0 })).collect();
+        let matrix = SymmetricMatrix { column_start, row, value };
+        let order: Vec<u32> = (0..n).collect();
+        let cholesky = Cholesky::in_order(matrix.clone(), &graph(&matrix), &order, Watch::NONE).unwrap();
+        let b = right_hand_side(n as usize);
+        let product = matrix.multiply(&cholesky.solve(&b));
+        assert!(b.iter().zip(product).all(|(b, p)| (b - p).abs() < 1e-12));
     }
 
     #[test]

@@ -221,3 +221,54 @@ impl<'a> Search<'a> {
         self.reached_from.iter().enumerate().map(side).collect()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    /// The least number of vertices without which no low one is joined to a high one, by trying all sets.
+    fn least_cut(graph: &Graph, given: &[Side]) -> u32 {
+        let parts = |cut: &u32| {
+            let mut seen = *cut;
+            let mut stack: Vec<u32> = end(given, Side::Low).filter(|v| cut >> v & 1 == 0).collect();
+            stack.iter().for_each(|v| seen |= 1 << v);
+            while let Some(v) = stack.pop() {
+                for &w in graph.neighbors(v).iter().filter(|&&w| seen >> w & 1 == 0).collect::<Vec<_>>() {
+                    seen |= 1 << w;
+                    stack.push(w);
+                }
+            }
+            end(given, Side::High).all(|v| cut >> v & 1 == 1 || seen >> v & 1 == 0)
+        };
+        (0..1u32 << given.len()).filter(parts).map(u32::count_ones).min().unwrap_or(0)
+    }
+
+    proptest! {
+        #[test]
+        fn no_smaller_set_parts_the_ends(
+            sides in prop::collection::vec(0..3usize, 1..11),
+            edges in prop::collection::vec((0..10usize, 0..10usize), 0..30),
+        ) {
+            let given: Vec<Side> = sides.iter().map(|&k| [Side::Low, Side::High, Side::Between][k]).collect();
+            let n = given.len();
+            let mut near = vec![std::collections::BTreeSet::new(); n];
+            for (v, w) in edges.into_iter().map(|(v, w)| (v % n, w % n)).filter(|(v, w)| v != w) {
+                near[v].insert(w as u32);
+                near[w].insert(v as u32);
+            }
+            let graph = Graph::from_rows(near.into_iter());
+            let least = least_cut(&graph, &given);
+            for sides in smallest_cuts(&graph, &given) {
+                prop_assert_eq!(sides.iter().filter(|&&side| side == Side::Between).count() as u32, least);
+                for v in 0..n as u32 {
+                    let side = sides[v as usize];
+                    let is_given = |side: Side| given[v as usize] == side;
+                    prop_assert!(!(is_given(Side::Low) && side == Side::High || is_given(Side::High) && side == Side::Low));
+                    let crosses = |&w: &u32| side == Side::Low && sides[w as usize] == Side::High;
+                    prop_assert!(!graph.neighbors(v).iter().any(crosses));
+                }
+            }
+        }
+    }
+}

@@ -82,3 +82,43 @@ fn members(bits: &Bits) -> impl Iterator<Item = usize> {
         words.map(move |word| 64 * k + word.trailing_zeros() as usize)
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_path_that_leads_out_of_the_set_is_eliminated_towards_its_halo() {
+        let near = |v: u32| [v.checked_sub(1), (v < 9).then_some(v + 1)].into_iter().flatten();
+        let graph = Graph::from_rows((0..10).map(near));
+        let mut set = [3, 0, 2, 1, 4];
+        MinimumDegree::new(&graph, &mut set).sort(&mut set);
+        assert_eq!(set, [0, 1, 2, 3, 4]);
+    }
+
+    #[test]
+    fn each_step_has_the_fewest_neighbors_left() {
+        // Also with a halo that is larger than what counts of it.
+        for n in [1, 40, 128] {
+            let near = |v: u32| (0..n).filter(move |&w| w != v && (v * w + v + w) % 7 == 0).chain(n..n + 10 * (v % 40));
+            let mut graph_rows: Vec<Vec<u32>> = (0..n).map(|v| near(v).collect()).collect();
+            graph_rows.resize(n as usize + 400, Vec::new());
+            let graph = Graph::from_rows(graph_rows.into_iter());
+            let mut set: Vec<u32> = (0..n).rev().collect();
+            MinimumDegree::new(&graph, &mut set).sort(&mut set);
+            let mut left: Vec<std::collections::BTreeSet<u32>> =
+                (0..n).map(|v| near(v).filter(|&w| w < MOST as u32).collect()).collect();
+            let mut order = set.clone();
+            for (k, &v) in set.iter().enumerate() {
+                assert!(set[k..].iter().all(|&w| left[w as usize].len() >= left[v as usize].len()));
+                let joined = std::mem::take(&mut left[v as usize]);
+                for &w in joined.iter().filter(|&&w| w < n) {
+                    left[w as usize].extend(&joined);
+                    left[w as usize].retain(|&x| x != v && x != w);
+                }
+            }
+            order.sort_unstable();
+            assert!(order.into_iter().eq(0..n));
+        }
+    }
+}
