@@ -100,7 +100,9 @@ mod tests {
     fn each_step_has_the_fewest_neighbors_left() {
         // Also with a halo that is larger than what counts of it.
         for n in [1, 40, 128] {
-            let near = |v: u32| (0..n).filter(move |&w| w != v && (v * w + v + w) % 7 == 0).chain(n..n + 10 * (v % 40));
+            let near = |v: u32| {
+                (0..n).filter(move |&w| w != v && (v * w + v + w).is_multiple_of(7)).chain(n..n + 10 * (v % 40))
+            };
             let mut graph_rows: Vec<Vec<u32>> = (0..n).map(|v| near(v).collect()).collect();
             graph_rows.resize(n as usize + 400, Vec::new());
             let graph = Graph::from_rows(graph_rows.into_iter());
