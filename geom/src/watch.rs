@@ -6,6 +6,8 @@
 
 use std::fmt;
 use std::ops::ControlFlow;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 
 use thiserror::Error;
 
@@ -58,6 +60,18 @@ impl<'a> Watch<'a> {
         self.observer.is_some_and(|observer| observer(place()).is_break())
     }
 
+    /// Does work on several threads with a watch that tells the greatest fraction of them, so that what is told never falls.
+    pub(crate) fn shared<T>(self, work: impl FnOnce(Watch) -> T) -> T {
+        let told = Mutex::new(0.0f64);
+        let rising = |fraction: f64| {
+            // An observer that panicked has stopped the work by that.
+            let Ok(mut told) = told.lock() else { return ControlFlow::Break(()) };
+            *told = told.max(fraction);
+            if self.stops_at(*told) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        };
+        if self.observer.is_none() { work(Watch::NONE) } else { work(Watch::new(&rising)) }
+    }
+
     /// The same for work that returns a result.
     ///
     /// # Errors
@@ -69,6 +83,37 @@ impl<'a> Watch<'a> {
     /// Asks for each 2048th of so many steps.
     pub(crate) fn ask_at_step(self, step: usize, steps: usize) -> Result<(), Interrupted> {
         if step.is_multiple_of(2048) { self.ask(step as f64 / steps as f64) } else { Ok(()) }
+    }
+}
+
+/// How far work is that several threads share, told as a share of its steps.
+pub(crate) struct Progress<'a> {
+    watch: Watch<'a>,
+    done: AtomicUsize,
+    /// The fraction that was told last: what is told never falls.
+    told: Mutex<f64>,
+    steps: usize,
+}
+
+impl<'a> Progress<'a> {
+    pub(crate) fn new(watch: Watch<'a>, steps: usize) -> Self {
+        Self { watch, done: AtomicUsize::new(0), told: Mutex::new(0.0), steps }
+    }
+
+    /// Counts steps that are done.
+    pub(crate) fn add(&self, steps: usize) {
+        self.done.fetch_add(steps, Relaxed);
+    }
+
+    /// Tells how far the work is.
+    ///
+    /// # Errors
+    /// If it must end.
+    pub(crate) fn ask(&self) -> Result<(), Interrupted> {
+        // An observer that panicked has stopped the work by that.
+        let mut told = self.told.lock().map_err(|_| Interrupted)?;
+        *told = told.max(self.done.load(Relaxed) as f64 / self.steps.max(1) as f64);
+        self.watch.ask(*told)
     }
 }
 
@@ -98,7 +143,6 @@ pub(crate) fn unwatched<T>(result: Result<T, Interrupted>) -> T {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::sync::Mutex;
 
     #[test]
     fn pieces_of_pieces_are_told_as_fractions_of_the_whole() {

@@ -1,53 +1,28 @@
 //! Sparse Cholesky factorization of a symmetric positive definite matrix, kept for many solves.
 //!
-//! The factorization is *multifrontal* (Duff & Reid 1983; Liu 1992): each supernode gathers what its children leave behind in a
-//! dense front, eliminates its own steps there, and leaves the rest, its *update*, to its parent. Since supernodes come in
-//! postorder, updates wait on a stack. On Laplacians of surfaces this takes about half the time of faer's supernodal
-//! factorization, which is the oracle in the tests; both run on one thread (more gain nothing at these sizes).
+//! The order of elimination, its analysis and the values of the factor are made one after the other (`dissection`, `elimination`,
+//! `factorization`); what is kept of them for another matrix of the same pattern, or of nearly the same, is kept.
 
 use std::collections::BTreeSet;
-use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::sparse::SymbolicSparseColMatRef;
 use faer::sparse::linalg::amd;
-use thiserror::Error;
 
 use super::dissection::dissect;
 use super::elimination::Elimination;
-use super::front::Eliminator;
+use super::error::CholeskyError;
+use super::factorization::{Entries, factor};
 use super::graph::Graph;
+use super::parallel::try_each;
 use super::substitution::{LANES, Passes, substitute};
 use super::symmetric::SymmetricMatrix;
 use crate::watch::{Interrupted, Watch, unwatched};
 
-/// Why a matrix cannot be factored.
-#[derive(Clone, Debug, Error, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum CholeskyError {
-    /// A pivot is not positive.
-    #[error("the matrix is not positive definite")]
-    NotPositiveDefinite,
-    /// The factor does not fit into memory.
-    #[error("there is not enough memory to factor a matrix of {0} rows")]
-    OutOfMemory(usize),
-    /// The work was stopped.
-    #[error(transparent)]
-    Interrupted(#[from] Interrupted),
-}
-
 /// So many right-hand sides are solved for at once.
 const BLOCK: usize = 16;
-/// After so many entries, or so many multiplications in fronts, the watch is asked again: about a millisecond.
+/// After so many values of the factor the watch is asked again: about a millisecond.
 const ASKED_AFTER: usize = 1 << 20;
-
-/// How many matrices have been factored.
-static FACTORIZATIONS: AtomicUsize = AtomicUsize::new(0);
-
-/// How many matrices this process has begun to factor, to check what costs a factorization and what does not.
-pub fn factorizations() -> usize {
-    FACTORIZATIONS.load(Relaxed)
-}
 
 /// The graph of a matrix.
 fn graph(matrix: &SymmetricMatrix) -> Graph {
@@ -81,8 +56,7 @@ fn minimum_degree(matrix: &SymmetricMatrix) -> Result<Vec<u32>, CholeskyError> {
 pub struct Cholesky {
     matrix: SymmetricMatrix,
     elimination: Elimination,
-    /// Where each entry of the matrix is in the factor.
-    place: Vec<usize>,
+    entries: Entries,
     factor: Vec<f64>,
 }
 
@@ -144,12 +118,8 @@ impl Cholesky {
 
     fn in_order(matrix: SymmetricMatrix, graph: &Graph, order: &[u32], watch: Watch) -> Result<Self, CholeskyError> {
         let elimination = Elimination::new(graph, order, watch.within(0.0, 0.12))?;
-        let mut place = Vec::with_capacity(matrix.stored());
-        for column in 0..matrix.dimension() {
-            watch.within(0.12, 0.15).ask_at_step(column, matrix.dimension())?;
-            place.extend(matrix.row[matrix.range(column)].iter().map(|&row| elimination.place(column as u32, row)));
-        }
-        let mut cholesky = Self { matrix, elimination, place, factor: Vec::new() };
+        let entries = Entries::new(&matrix, &elimination, watch.within(0.12, 0.15))?;
+        let mut cholesky = Self { matrix, elimination, entries, factor: Vec::new() };
         cholesky.factor_values(watch.within(0.15, 1.0))?;
         Ok(cholesky)
     }
@@ -168,54 +138,14 @@ impl Cholesky {
     }
 
     fn factor_values(&mut self, watch: Watch) -> Result<(), CholeskyError> {
-        FACTORIZATIONS.fetch_add(1, Relaxed);
-        let Self { matrix, elimination, place, factor } = self;
-        let out_of_memory = |_| CholeskyError::OutOfMemory(matrix.dimension());
-        factor.clear();
-        factor.try_reserve_exact(elimination.value_count()).map_err(out_of_memory)?;
-        while factor.len() < elimination.value_count() {
-            watch.ask(0.0)?;
-            factor.resize(elimination.value_count().min(factor.len() + ASKED_AFTER), 0.0);
+        let is_first = self.factor.is_empty();
+        if is_first {
+            let (values, rows) = (self.elimination.value_count(), self.matrix.dimension());
+            Vec::<f64>::new().try_reserve_exact(values).map_err(|_| CholeskyError::OutOfMemory(rows))?;
+            // Cleared by the system when it is first touched.
+            self.factor = vec![0.0; values];
         }
-        for (k, (&place, value)) in place.iter().zip(&matrix.value).enumerate() {
-            if k % ASKED_AFTER == 0 {
-                watch.ask(0.0)?;
-            }
-            factor[place] += value;
-        }
-        let mut updates: Vec<f64> = Vec::new();
-        updates.try_reserve_exact(most_updates(elimination)).map_err(out_of_memory)?;
-        let mut waiting: Vec<usize> = Vec::new();
-        let mut eliminator = Eliminator::new();
-        let mut work = usize::MAX;
-        for s in 0..elimination.len() {
-            let (width, rest) = (elimination.width(s), elimination.rows(s).len());
-            work = work.saturating_add(width * (width + rest).pow(2));
-            if work > ASKED_AFTER {
-                watch.ask(elimination.values(s).start as f64 / elimination.value_count() as f64)?;
-                work = 0;
-            }
-            let children = waiting.partition_point(|&child| elimination.parent(child) != Some(s));
-            let begin = updates.len() - waiting[children..].iter().map(|&c| update_len(elimination, c)).sum::<usize>();
-            let end = updates.len();
-            updates.resize(end + rest * rest, 0.0);
-            let (mut from_children, update) = updates[begin..].split_at_mut(end - begin);
-            let mut front = Front { panel: &mut factor[elimination.values(s)], update, width, rest };
-            for child in waiting.drain(children..) {
-                let (from_child, others) = from_children.split_at_mut(update_len(elimination, child));
-                front.add(from_child, elimination.rows_in_parent(child));
-                from_children = others;
-            }
-            if !eliminator.eliminate(front.panel, width + rest, front.update) {
-                return Err(CholeskyError::NotPositiveDefinite);
-            }
-            updates.copy_within(end.., begin);
-            updates.truncate(begin + rest * rest);
-            if rest > 0 {
-                waiting.push(s);
-            }
-        }
-        Ok(())
+        factor(&self.elimination, &self.entries, &self.matrix.value, &mut self.factor, is_first, watch)
     }
 
     /// Solves A x = b. One step of refinement is added where the residual asks for it.
@@ -265,15 +195,13 @@ impl Cholesky {
             return Ok(());
         }
         let columns = b.len() / n;
-        for (k, block) in b.chunks_mut(n * BLOCK).enumerate() {
-            let watch = watch_of_block(watch, k, columns);
-            if block.len() == n {
-                self.solve_one(block, watch)?;
-            } else {
-                self.solve_block(block, watch)?;
-            }
-        }
-        Ok(())
+        let mut blocks: Vec<&mut [f64]> = b.chunks_mut(n * BLOCK).collect();
+        watch.shared(|watch| {
+            try_each(0, &mut blocks, &|k, block| {
+                let watch = watch_of_block(watch, k, columns);
+                if block.len() == n { self.solve_one(block, watch) } else { self.solve_block(block, watch) }
+            })
+        })
     }
 
     /// Solves A x = b for right-hand sides with few entries that are not 0, given as (row, value); the columns of x one
@@ -282,28 +210,35 @@ impl Cholesky {
         let n = self.matrix.dimension();
         let columns = b.len();
         let mut x = vec![0.0; n * columns];
-        let mut half = vec![0.0; n];
-        for (k, (x, b)) in x.chunks_mut((n * BLOCK).max(1)).zip(b.chunks(BLOCK)).enumerate() {
-            let watch = watch_of_block(watch, k, columns);
-            watch.ask(0.0)?;
-            if let [b] = b {
-                self.forward_sparse(b, &mut half);
-                self.backward(&mut half, watch)?;
-                self.elimination.order.iter().zip(&mut half).for_each(|(&v, y)| x[v as usize] = std::mem::take(y));
-                continue;
-            }
-            let padded = b.len().next_multiple_of(LANES);
-            let mut block = vec![0.0; n * padded];
-            for (k, b) in b.iter().enumerate() {
-                for s in self.forward_sparse(b, &mut half) {
-                    let steps = self.elimination.first(s)..self.elimination.first(s) + self.elimination.width(s);
-                    steps.for_each(|step| block[step * padded + k] = std::mem::take(&mut half[step]));
-                }
-            }
-            substitute(&self.elimination, &self.factor, Passes::Backward, padded, &mut block, watch)?;
-            self.unpack(&block, x);
-        }
+        let mut blocks: Vec<_> = x.chunks_mut((n * BLOCK).max(1)).zip(b.chunks(BLOCK)).collect();
+        watch.shared(|watch| {
+            try_each(0, &mut blocks, &|k, (x, b)| self.solve_sparse_block(b, x, watch_of_block(watch, k, columns)))
+        })?;
         Ok(x)
+    }
+
+    /// [`Self::solve_sparse`] for one block of right-hand sides.
+    fn solve_sparse_block(&self, b: &[Vec<(u32, f64)>], x: &mut [f64], watch: Watch) -> Result<(), Interrupted> {
+        let n = self.matrix.dimension();
+        let mut half = vec![0.0; n];
+        watch.ask(0.0)?;
+        if let [b] = b {
+            self.forward_sparse(b, &mut half);
+            self.backward(&mut half, watch)?;
+            self.elimination.order.iter().zip(half).for_each(|(&v, y)| x[v as usize] = y);
+            return Ok(());
+        }
+        let padded = b.len().next_multiple_of(LANES);
+        let mut block = vec![0.0; n * padded];
+        for (k, b) in b.iter().enumerate() {
+            for s in self.forward_sparse(b, &mut half) {
+                let steps = self.elimination.first(s)..self.elimination.first(s) + self.elimination.width(s);
+                steps.for_each(|step| block[step * padded + k] = std::mem::take(&mut half[step]));
+            }
+        }
+        substitute(&self.elimination, &self.factor, Passes::Backward, padded, &mut block, watch)?;
+        self.unpack(&block, x);
+        Ok(())
     }
 
     /// C⁻¹ e for a unit vector: its nonzero entries, by step.
@@ -431,55 +366,10 @@ impl Cholesky {
     }
 }
 
-/// The dense matrix of a supernode's steps and rows: the panel of its steps' columns, and the square of the rest. Of both
-/// the lower triangle counts.
-struct Front<'a> {
-    panel: &'a mut [f64],
-    update: &'a mut [f64],
-    width: usize,
-    rest: usize,
-}
-
-impl Front<'_> {
-    /// Adds the update that a child left behind, whose rows are at the given places.
-    fn add(&mut self, from_child: &[f64], places: &[u32]) {
-        let height = self.width + self.rest;
-        for (j, column) in from_child.chunks_exact(places.len()).enumerate() {
-            let place = places[j] as usize;
-            let (target, skipped) = match place.checked_sub(self.width) {
-                None => (&mut self.panel[place * height..][..height], 0),
-                Some(place) => (&mut self.update[place * self.rest..][..self.rest], self.width),
-            };
-            for (&place, x) in places[j..].iter().zip(&column[j..]) {
-                target[place as usize - skipped] += x;
-            }
-        }
-    }
-}
-
 /// The watch of a block of right-hand sides.
 fn watch_of_block(watch: Watch<'_>, block: usize, columns: usize) -> Watch<'_> {
     let done = |block: usize| (block * BLOCK).min(columns) as f64 / columns.max(1) as f64;
     watch.within(done(block), done(block + 1))
-}
-
-fn update_len(elimination: &Elimination, s: usize) -> usize {
-    elimination.rows(s).len().pow(2)
-}
-
-/// How many values of updates there are at most.
-fn most_updates(elimination: &Elimination) -> usize {
-    let mut waiting: Vec<usize> = Vec::new();
-    let (mut now, mut most) = (0, 0);
-    for s in 0..elimination.len() {
-        most = most.max(now + update_len(elimination, s));
-        while waiting.last().is_some_and(|&child| elimination.parent(child) == Some(s)) {
-            now -= waiting.pop().map_or(0, |child| update_len(elimination, child));
-        }
-        waiting.push(s);
-        now += update_len(elimination, s);
-    }
-    most
 }
 
 fn norm(x: &[f64]) -> f64 {
@@ -662,6 +552,46 @@ mod tests {
         }
         let zero = SymmetricMatrix { column_start: vec![0, 1], row: vec![0], value: vec![0.0] };
         assert!(Cholesky::of(zero, None, Watch::NONE).is_err());
+    }
+
+    #[cfg(feature = "rayon")]
+    #[test]
+    fn the_bits_are_the_same_for_any_number_of_threads() {
+        // Large enough for trees that are parted and fronts whose work is shared.
+        let (matrix, points) = matrix(&shapes::hare(20_000));
+        let n = points.len();
+        let b = right_hand_side(35 * n);
+        let sparse: Vec<Vec<(u32, f64)>> = (0..20).map(|k| vec![(k, 1.0), (3000 + k, -1.0)]).collect();
+        let solved = |threads: usize| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            pool.install(|| {
+                let cholesky = Cholesky::with_points(&matrix, &points).unwrap();
+                let mut x = b.clone();
+                cholesky.solve_in_place(&mut x, Watch::NONE).unwrap();
+                let some = cholesky.solve_sparse(&sparse, Watch::NONE).unwrap();
+                (cholesky.elimination.order.clone(), cholesky.factor, x, some)
+            })
+        };
+        let one = solved(1);
+        assert!(one.1.len() > 500_000);
+        assert!([2, 5].iter().all(|&threads| solved(threads) == one));
+    }
+
+    #[test]
+    fn trees_with_a_long_trunk_are_factored() {
+        // A band matrix in the given order: a path of supernodes, each with nearly all values below it.
+        let (n, wide) = (20_000u32, 12);
+        let rows = |column: u32| column..n.min(column + wide);
+        let row: Vec<u32> = (0..n).flat_map(rows).collect();
+        let column_start: Vec<u32> =
+            (0..=n).scan(0, |at, c| Some(std::mem::replace(at, *at + rows(c).len() as u32))).collect();
+        let value = (0..n).flat_map(|c| rows(c).map(move |r| if r == c { 30.0 } else { -1.0 })).collect();
+        let matrix = SymmetricMatrix { column_start, row, value };
+        let order: Vec<u32> = (0..n).collect();
+        let cholesky = Cholesky::in_order(matrix.clone(), &graph(&matrix), &order, Watch::NONE).unwrap();
+        let b = right_hand_side(n as usize);
+        let product = matrix.multiply(&cholesky.solve(&b));
+        assert!(b.iter().zip(product).all(|(b, p)| (b - p).abs() < 1e-12));
     }
 
     #[test]

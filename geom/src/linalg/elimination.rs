@@ -31,6 +31,8 @@ pub(crate) struct Elimination {
     row: Vec<u32>,
     row_in_parent: Vec<u32>,
     value_start: Vec<usize>,
+    /// The first supernode of each one's subtree.
+    subtree_start: Vec<u32>,
 }
 
 impl Elimination {
@@ -60,7 +62,9 @@ impl Elimination {
             row: Vec::new(),
             row_in_parent: Vec::new(),
             value_start: vec![0],
+            subtree_start: Vec::new(),
         };
+        elimination.find_subtrees();
         elimination.find_rows(&later);
         watch.ask(0.9)?;
         elimination.find_rows_in_parents();
@@ -92,6 +96,44 @@ impl Elimination {
         (self.parent[s] != NONE).then_some(self.parent[s] as usize)
     }
 
+    /// The supernodes below and at one: it is the last of them.
+    pub(crate) fn subtree(&self, s: usize) -> std::ops::Range<usize> {
+        self.subtree_start[s] as usize..s + 1
+    }
+
+    /// Where the values of a subtree are.
+    pub(crate) fn tree_values(&self, s: usize) -> std::ops::Range<usize> {
+        self.value_start[self.subtree(s).start]..self.value_start[s + 1]
+    }
+
+    /// The supernodes that hang on one, ascending. Their subtrees follow each other.
+    pub(crate) fn children(&self, s: usize) -> Vec<usize> {
+        self.roots_of(self.subtree(s).start..s)
+    }
+
+    /// The supernodes that hang on none, ascending.
+    pub(crate) fn roots(&self) -> Vec<usize> {
+        self.roots_of(0..self.len())
+    }
+
+    /// The roots of the subtrees that a range of supernodes consists of.
+    fn roots_of(&self, range: std::ops::Range<usize>) -> Vec<usize> {
+        let before = |end: usize| (end > range.start).then(|| end - 1);
+        let mut roots: Vec<usize> =
+            std::iter::successors(before(range.end), |&s| before(self.subtree(s).start)).collect();
+        roots.reverse();
+        roots
+    }
+
+    fn find_subtrees(&mut self) {
+        self.subtree_start = (0..self.len() as u32).collect();
+        for s in 0..self.len() {
+            if let Some(parent) = self.parent(s) {
+                self.subtree_start[parent] = self.subtree_start[parent].min(self.subtree_start[s]);
+            }
+        }
+    }
+
     /// The later steps that a supernode changes, ascending.
     pub(crate) fn rows(&self, s: usize) -> &[u32] {
         &self.row[self.row_start[s]..self.row_start[s + 1]]
@@ -107,15 +149,15 @@ impl Elimination {
         self.value_start[s]..self.value_start[s + 1]
     }
 
-    /// Where the entry of two vertices is among the values.
-    pub(crate) fn place(&self, v: u32, w: u32) -> usize {
+    /// In which supernode the entry of two vertices is, and where among its values.
+    pub(crate) fn place(&self, v: u32, w: u32) -> (usize, usize) {
         let (v, w) = (self.step[v as usize], self.step[w as usize]);
         let (column, row) = (v.min(w), v.max(w));
         let s = self.supernode[column as usize] as usize;
         let (first, end, rows) = (self.first[s], self.first[s + 1], self.rows(s));
         let width = (end - first) as usize;
         let row = if row < end { (row - first) as usize } else { width + rows.partition_point(|&r| r < row) };
-        self.value_start[s] + (column - first) as usize * (width + rows.len()) + row
+        (s, (column - first) as usize * (width + rows.len()) + row)
     }
 
     /// The rows of a supernode are those of its columns and of its children, but for its own steps.

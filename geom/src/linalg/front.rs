@@ -10,6 +10,8 @@ use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
 use faer::{Accum, MatMut, MatRef, Par};
 use pulp::{Arch, Simd, WithSimd};
 
+use super::parallel::join;
+
 /// From this width on panels are factored by faer.
 const WIDE: usize = 48;
 /// From this size on updates are computed by faer.
@@ -45,6 +47,49 @@ impl Eliminator {
         }
         is_definite
     }
+
+    /// The same, with the work of large fronts shared.
+    pub(crate) fn eliminate_large(&mut self, panel: &mut [f64], height: usize, update: &mut [f64]) -> bool {
+        let width = panel.len() / height;
+        if width < WIDE || height - width < LARGE {
+            return self.eliminate(panel, height, update);
+        }
+        let is_definite = factor_wide(panel, height);
+        if is_definite {
+            let panel: &[f64] = panel;
+            downdate_columns(panel, height, update, 0);
+        }
+        is_definite
+    }
+}
+
+/// So many rows of a panel are divided at a time.
+const ROWS: usize = 256;
+/// So many columns of an update are computed at a time.
+const COLUMNS: usize = 128;
+
+/// Computes some columns of an update, from a given one on, by faer.
+fn downdate_columns(panel: &[f64], height: usize, columns: &mut [f64], first: usize) {
+    let width = panel.len() / height;
+    let rest = height - width;
+    let count = columns.len() / rest;
+    if count > COLUMNS {
+        // Parts are whole blocks, wherever the update is parted.
+        let half = (count / 2).next_multiple_of(COLUMNS);
+        let (left, right) = columns.split_at_mut(half * rest);
+        join(|| downdate_columns(panel, height, left, first), || downdate_columns(panel, height, right, first + half));
+        return;
+    }
+    let below = MatRef::from_column_major_slice(panel, height, width).split_at_row(width).1;
+    let rows = below.split_at_row(first).1;
+    faer::linalg::matmul::matmul(
+        MatMut::from_column_major_slice_mut(columns, rest, count).split_at_row_mut(first).1,
+        Accum::Add,
+        rows,
+        rows.split_at_row(count).0.transpose(),
+        -1.0,
+        Par::Seq,
+    );
 }
 
 /// Factors a panel by faer.
@@ -57,9 +102,21 @@ fn factor_wide(panel: &mut [f64], height: usize) -> bool {
     let done = cholesky_in_place(top.as_mut(), regularization, Par::Seq, stack, Default::default()).is_ok();
     let is_definite = done && (0..width).all(|j| top[(j, j)] > 0.0 && top[(j, j)] < f64::INFINITY);
     if is_definite {
-        solve_lower_triangular_in_place(top.as_ref(), bottom.transpose_mut(), Par::Seq);
+        divide(top.as_ref(), bottom);
     }
     is_definite
+}
+
+/// Solves X Tᵀ = B for a lower triangle T in place, rows by rows.
+fn divide(triangle: MatRef<f64>, rows: MatMut<f64>) {
+    if rows.nrows() > ROWS {
+        // Parts are whole blocks, wherever the rows are parted.
+        let half = (rows.nrows() / 2).next_multiple_of(ROWS);
+        let (above, below) = rows.split_at_row_mut(half);
+        join(|| divide(triangle, above), || divide(triangle, below));
+        return;
+    }
+    solve_lower_triangular_in_place(triangle, rows.transpose_mut(), Par::Seq);
 }
 
 /// Computes an update by faer.

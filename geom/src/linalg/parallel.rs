@@ -1,0 +1,37 @@
+//! Work on both sides of a tree at the same time, if the feature `rayon` is on.
+//!
+//! Where work is parted depends on the work alone, so nothing that is computed depends on the number of threads.
+
+/// The results of two pieces of work.
+#[cfg(feature = "rayon")]
+pub(crate) fn join<A: Send, B: Send>(a: impl FnOnce() -> A + Send, b: impl FnOnce() -> B + Send) -> (A, B) {
+    rayon::join(a, b)
+}
+
+/// The results of two pieces of work, one after the other.
+#[cfg(not(feature = "rayon"))]
+pub(crate) fn join<A, B>(a: impl FnOnce() -> A, b: impl FnOnce() -> B) -> (A, B) {
+    let a = a();
+    (a, b())
+}
+
+/// Does some work for each of the items, with its place.
+///
+/// # Errors
+/// With the first error in the order of the items.
+pub(crate) fn try_each<T: Send, E: Send>(
+    first: usize,
+    items: &mut [T],
+    work: &(impl Fn(usize, &mut T) -> Result<(), E> + Sync),
+) -> Result<(), E> {
+    match items {
+        [] => Ok(()),
+        [item] => work(first, item),
+        _ => {
+            let half = items.len() / 2;
+            let (low, high) = items.split_at_mut(half);
+            let (low, high) = join(|| try_each(first, low, work), || try_each(first + half, high, work));
+            low.and(high)
+        }
+    }
+}
