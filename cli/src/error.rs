@@ -75,6 +75,12 @@ pub(crate) enum CommandError {
     WhichSegments(PathBuf),
     #[error("{} has none of the paper's models: name the folder that holds table1/ and table1_resized/", .0.display())]
     NoPaperMeshes(PathBuf),
+    #[error("port {port} of this machine cannot be listened at: name another with --port, or none")]
+    Listen { port: u16, source: io::Error },
+    #[error("a thread to answer the browser with cannot be started")]
+    Threads(#[source] io::Error),
+    #[error("the system has no random number for the page's address")]
+    Random,
     #[error("standard output cannot be written")]
     Stdout(#[source] io::Error),
 }
