@@ -1,6 +1,8 @@
 //! `cones unwrap`: a surface in, its texture coordinates out.
 
-use crate::commands::shared::{CandidateArgs, CheckerFiles, PackArgs, Scale, SeamArgs, Unwrapped, non_negative};
+use crate::commands::shared::{
+    CandidateArgs, CheckerFiles, PackArgs, Scale, SeamArgs, Unwrapped, non_negative, page_file,
+};
 use crate::error::CommandError;
 use crate::input::{self, cone_file};
 use crate::output;
@@ -44,7 +46,7 @@ pub(crate) struct UnwrapArgs {
     /// Write the triangles that were computed with in place of the input's polygons
     #[arg(long)]
     triangulate: bool,
-    /// Write a report: .json
+    /// Write a report: .json, or .html with surface, maps and cones to see in a browser
     #[arg(long, value_name = "FILE")]
     report: Option<PathBuf>,
     /// Write the cones and their curvatures, as --cones reads them
@@ -96,9 +98,12 @@ pub(crate) fn run(args: &UnwrapArgs) -> Result<(), CommandError> {
     write_extras(args, &unwrapped)?;
     let write = Some(start.elapsed().as_secs_f64());
     let draw = draw(args, &unwrapped, &progress)?;
+    if let Some(path) = args.page()? {
+        output::write_text(path, &page_file::html(&args.input, &unwrapped, &progress)?)?;
+    }
     let total = Some(began.elapsed().as_secs_f64());
     let report = unwrapped.report(&args.input, Times { read: Some(read), write, draw, total, ..Times::default() });
-    if let Some(path) = &args.report {
+    if let (Some(path), None) = (&args.report, args.page()?) {
         output::write_json(path, &report)?;
     }
     progress.finish();
@@ -125,7 +130,7 @@ fn options(args: &UnwrapArgs) -> Result<Options, CommandError> {
 fn check_outputs(args: &UnwrapArgs) -> Result<(), CommandError> {
     output::extension(&args.output, &["obj", "ply", "glb"])?;
     let endings: [(&Option<_>, &[&str]); 4] = [
-        (&args.report, &["json"]),
+        (&args.report, &["json", "html"]),
         (&args.hierarchy, &["json"]),
         (&args.picture, &["png"]),
         (&args.layout, &["png", "svg"]),
@@ -148,6 +153,12 @@ fn check_outputs(args: &UnwrapArgs) -> Result<(), CommandError> {
 }
 
 impl UnwrapArgs {
+    /// The report, if it is one for a browser.
+    fn page(&self) -> Result<Option<&Path>, CommandError> {
+        let Some(path) = &self.report else { return Ok(None) };
+        Ok((output::extension(path, &["json", "html"])? == "html").then_some(path))
+    }
+
     /// The files of the checkerboard, if it is asked for.
     fn checker(&self) -> Option<CheckerFiles> {
         self.checker.then(|| CheckerFiles::beside(&self.output))

@@ -9,7 +9,7 @@ mod packed;
 mod report;
 
 pub(crate) use container::Container;
-pub(crate) use report::{Level, LevelMap, Report};
+pub(crate) use report::{Level, Report};
 
 /// The page without data.
 pub(crate) const PAGE: &str = include_str!("../../page/index.html");

@@ -4,6 +4,7 @@ mod checker;
 mod choice;
 mod numbers;
 mod pack_args;
+pub(crate) mod page_file;
 mod seams;
 mod shown;
 mod unwrapped;

@@ -6,7 +6,7 @@ use crate::error::CommandError;
 use crate::page;
 use crate::render::extent;
 use crate::report::{Quality, SCHEMA, Times, angles_name, warnings};
-use cones::{Analysis, Atlas, Cones, CurvatureRule, MOST_OPTIMISED, Options, Placement};
+use cones::{Analysis, Atlas, CurvatureRule, MOST_OPTIMISED, Options, Placement};
 use geom::{Model, Triangles};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
@@ -88,15 +88,6 @@ impl<'a> Subject<'a> {
             "methods": methods,
             "chosen": chosen,
             "warnings": warnings(self.analysis.notes(), topology.components),
-        })
-    }
-
-    /// What the page says of cones: where they are, and what is predicted for them.
-    pub(crate) fn cones_meta(&self, cones: &Cones) -> Value {
-        json!({
-            "cones": cones,
-            "method": cones.placement().map(Placement::name),
-            "angles": angles_name(cones.rule()),
         })
     }
 

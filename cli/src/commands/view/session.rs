@@ -8,7 +8,7 @@ use crate::error::CommandError;
 use crate::input::cone_file;
 use crate::page::PAGE;
 use crate::render::Checker;
-use cones::{Analysis, Options};
+use cones::{Analysis, Options, SeamOptions};
 use geom::io::{ObjContent, WriteError, write_glb, write_obj};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use serde_json::{Value, json};
@@ -86,7 +86,8 @@ impl<'a> Session<'a> {
         let analysis = self.listening(question);
         let found = self.quick.install(|| {
             let cones = analysis.choose(&options)?;
-            let seams = analysis.seams(&cones, &options.seams)?;
+            // The shortest; those of the map are straight, too.
+            let seams = analysis.seams(&cones, &SeamOptions { weight: 0.0, ..options.seams.clone() })?;
             Ok((cones, seams))
         });
         let (cones, seams) = found.map_err(|error: cones::Error| cannot(&error))?;
