@@ -58,7 +58,7 @@ pub mod uv;
 
 pub use analysis::{
     Analysis, Atlas, Baseline, BaselineMap, ChosenNumber, Cone, ConeChoice, ConeOrder, Cones, Failure, Islands,
-    MOST_AUTOMATIC, MOST_NEEDLES, ModelExtremum, Note, Observer, Options, OrderedCone, Preparation, Progress,
+    MOST_AUTOMATIC, MOST_NEEDLES, ModelExtremum, Note, Observer, Options, OrderedCone, Preparation, Preview, Progress,
     RefinedModel, Refining, Stage, TARGET_DISTORTION, Times, Topology, unwrap_model,
 };
 pub use baseline::LscmError;
@@ -66,7 +66,7 @@ pub use curvature::{CurvatureError, CurvatureRule};
 pub use cut::{SeamFigures, SeamOptions, Symmetry, Tiling};
 pub use error::Error;
 pub use flatten::{ScalingError, SeamError};
-pub use placement::{MOST_OPTIMISED, Placement, Prediction};
+pub use placement::{MOST_OPTIMISED, Placement, Prediction, Search};
 pub use topo::Kind;
 
 /// What the laws in this workspace's tests are about, stage by stage. No part of the library: it changes without notice.

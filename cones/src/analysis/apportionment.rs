@@ -15,7 +15,7 @@ use rayon::prelude::*;
 use super::component::Component;
 use crate::curvature::least_cones;
 use crate::field::Operators;
-use crate::placement::{BLOCK, ConeSet, Nested, Placement, Sharing, optimised_order, whole_blocks};
+use crate::placement::{BLOCK, ConeSet, Nested, Placement, Search, Sharing, optimised_order, whole_blocks};
 
 /// What cones bring to one connected part.
 #[derive(Clone, Debug)]
@@ -68,7 +68,7 @@ pub(crate) fn counts(
     let curves = |is_brief: bool| -> Result<Vec<EnergyCurve>, Interrupted> {
         let curve = |component: &Component| {
             let most = component.least() + spare;
-            let nested = optimised_order(component.ground(watch), most, is_brief)?;
+            let nested = optimised_order(component.ground(Search::Full, watch), most, is_brief)?;
             Ok(EnergyCurve::of_order(&component.operators, &nested, component.area, most))
         };
         components.par_iter().with_max_len(1).map(curve).collect()

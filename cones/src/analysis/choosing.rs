@@ -150,7 +150,7 @@ impl Analysis {
         let components = self.components();
         let found: Vec<Automatic> = each(components, &mut shared.times, |component, times| {
             task.stage((Stage::Hierarchy, component.index), times, |watch| {
-                placement.fewest(component.ground(watch), rule, (target, to_knee), most)
+                placement.fewest(component.ground(options.search, watch), rule, (target, to_knee), most)
             })?
             .map_err(Error::from)
         })?;

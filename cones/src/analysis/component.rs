@@ -18,7 +18,7 @@ use crate::error::Error;
 use crate::field::{ConformalFactor, Operators};
 use crate::flatten::Chain;
 use crate::hierarchy::ConeHierarchy;
-use crate::placement::{EnergyTerms, Ground, quantized};
+use crate::placement::{CoarseLevel, EnergyTerms, Ground, Search, quantized};
 
 /// What is found once; see the module's head. It is never changed.
 #[derive(Debug)]
@@ -36,6 +36,7 @@ pub(crate) struct Component {
     pub(crate) factor: ConformalFactor,
     pub(crate) hierarchy: ConeHierarchy,
     terms: OnceLock<Arc<EnergyTerms>>,
+    level: OnceLock<Option<CoarseLevel>>,
     pub(crate) notes: Vec<Note>,
     pub(crate) times: Times,
 }
@@ -66,14 +67,19 @@ impl Component {
                 Ok((factor, hierarchy))
             })??;
         let area = metric.area(&surface.mesh) / surface.scale / surface.scale;
-        let terms = OnceLock::new();
-        Ok(Self { index, surface, way, metric, area, operators, factor, hierarchy, terms, notes, times })
+        let (terms, level) = (OnceLock::new(), OnceLock::new());
+        Ok(Self { index, surface, way, metric, area, operators, factor, hierarchy, terms, level, notes, times })
     }
 
     /// What cones are placed on.
-    pub(crate) fn ground<'a>(&'a self, watch: Watch<'a>) -> Ground<'a> {
-        let Self { operators, surface, hierarchy, terms, .. } = self;
-        Ground { operators, input: &surface.mesh, hierarchy, terms, watch }
+    pub(crate) fn ground<'a>(&'a self, search: Search, watch: Watch<'a>) -> Ground<'a> {
+        let Self { operators, surface, hierarchy, terms, level, .. } = self;
+        Ground { operators, input: &surface.mesh, hierarchy, terms, level, search, watch }
+    }
+
+    /// Its coarse level, once that has been asked for.
+    pub(crate) fn level(&self) -> Option<&CoarseLevel> {
+        self.level.get().and_then(Option::as_ref)
     }
 
     /// How many cones it needs at least.
@@ -96,8 +102,9 @@ impl Component {
         let mut count = asked;
         loop {
             let placement = options.placement_for(count);
-            let vertices =
-                task.stage((Stage::Hierarchy, self.index), times, |watch| placement.cones(self.ground(watch), count))??;
+            let vertices = task.stage((Stage::Hierarchy, self.index), times, |watch| {
+                placement.cones(self.ground(options.search, watch), count)
+            })??;
             let placed = vertices.len();
             let configured =
                 task.stage((Stage::Curvature, self.index), times, |watch| self.settle(vertices, options, watch))?;
@@ -143,7 +150,7 @@ impl Component {
         watch: Watch,
     ) -> Result<Configuration, CurvatureError> {
         let placed = vertices.len();
-        let (vertices, curvature) = quantized(self.ground(watch), &vertices, symmetry.angle(), is_free)?;
+        let (vertices, curvature) = quantized(self.ground(Search::Full, watch), &vertices, symmetry.angle(), is_free)?;
         let given = ConeCurvatures::given(&self.operators, &vertices, curvature, watch)?;
         let mut notes = Vec::new();
         if vertices.len() < placed {

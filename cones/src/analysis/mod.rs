@@ -22,12 +22,13 @@ mod observer;
 mod options;
 mod order;
 mod packed;
+mod preview;
 mod quality;
 mod refined;
 mod unwrap;
 
-use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
+use std::sync::{Arc, OnceLock};
 use std::time::Instant;
 
 use geom::{Model, Prepared, Repair, Triangles, prepare_watched};
@@ -41,6 +42,7 @@ pub use note::{Failure, Note};
 pub use observer::{Observer, Progress, Stage, Times};
 pub use options::{ConeChoice, Islands, Options, Preparation, Refining};
 pub use order::{ConeOrder, ModelExtremum, OrderedCone};
+pub use preview::Preview;
 pub use refined::{MOST_NEEDLES, RefinedModel};
 pub use unwrap::unwrap_model;
 
@@ -49,6 +51,7 @@ use crate::error::Error;
 use crate::placement::{Placement, Prediction};
 use component::Component;
 use observer::{Silent, Task};
+use preview::PreviewOrder;
 use refined::{Ready, is_asked_for, refine_all};
 
 /// A model with all that is found of it once; see the [crate's documentation](crate). Clones share it.
@@ -86,6 +89,8 @@ struct Found {
     refined: Option<RefinedModel>,
     topology: Topology,
     components: Vec<Component>,
+    /// Orders for previews, of one block and of two, found when they are first asked for.
+    previews: [OnceLock<PreviewOrder>; 2],
     notes: Vec<Note>,
     times: Times,
 }
@@ -150,6 +155,7 @@ impl Analysis {
             refined,
             topology,
             components,
+            previews: Default::default(),
             notes,
             times,
         };

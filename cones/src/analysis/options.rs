@@ -2,7 +2,7 @@
 
 use crate::curvature::CurvatureRule;
 use crate::cut::{SeamOptions, Symmetry};
-use crate::placement::Placement;
+use crate::placement::{Placement, Search};
 use crate::uv::{PackOptions, Rotations};
 
 /// How a model is made ready.
@@ -42,6 +42,8 @@ pub struct Options {
     pub cones: ConeChoice,
     /// How cones are placed.
     pub placement: Placement,
+    /// How thoroughly the best cones are looked for.
+    pub search: Search,
     /// How cones get their curvatures.
     pub rule: CurvatureRule,
     /// What is done where the layout lies over itself.

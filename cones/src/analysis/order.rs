@@ -15,7 +15,7 @@ use super::observer::Stage;
 use super::{Analysis, each};
 use crate::curvature::CurvatureRule;
 use crate::error::Error;
-use crate::placement::{ComponentOrder, Nested, Placement, Prediction, cones_of_sequence, curve_of_sequence};
+use crate::placement::{ComponentOrder, Nested, Placement, Prediction, Search, cones_of_sequence, curve_of_sequence};
 
 /// An order of cones is found for so many in all, or for so many more than the components of a model need.
 const ORDERED: usize = 64;
@@ -115,7 +115,7 @@ impl Analysis {
         let most = |component: &Component| component.least() + total.saturating_sub(needed);
         let nested: Vec<Nested> = each(components, &mut times, |component, times| {
             let order = task.stage((Stage::Hierarchy, component.index), times, |watch| {
-                placement.order(component.ground(watch), most(component))
+                placement.order(component.ground(Search::Full, watch), most(component))
             })?;
             Ok(order?)
         })?;

@@ -1,9 +1,11 @@
 //! The conformal factor and what it is solved with (paper §3.1).
 
+mod coarse;
 mod conformal_factor;
 mod operators;
 mod pinned;
 
+pub(crate) use coarse::coarse_level;
 pub use conformal_factor::ConformalFactor;
 pub use operators::Operators;
 pub(crate) use pinned::PinnedFactor;

@@ -44,6 +44,9 @@ pub struct Operators {
     flattening: OnceLock<VertexData<f64>>,
     /// What a unit of curvature at every vertex causes, divided by their number; on a closed surface.
     even: OnceLock<VertexData<f64>>,
+    /// On a coarse level, the share of the finer one's vertices that each vertex stands for: curvature that is spread evenly over
+    /// these is spread so.
+    spread: Option<VertexData<f64>>,
 }
 
 impl Operators {
@@ -75,10 +78,45 @@ impl Operators {
         let metric = intrinsic.metric;
         let mesh = Mesh::from_triangulation(intrinsic.triangulation)
             .unwrap_or_else(|error: MeshError| unreachable!("flips keep a manifold one: {error}"));
-        let curvature = angle_defects(&mesh, &metric);
         let mut weight = metric.vertex_areas(&mesh);
         let area: f64 = weight.iter().sum();
         weight.iter_mut().for_each(|w| *w /= area);
+        Self::of_delaunay((mesh, metric), intrinsic.flips, weight, points, watch)
+    }
+
+    /// Whether this is a coarse level of a finer surface.
+    pub(crate) fn is_coarse(&self) -> bool {
+        self.spread.is_some()
+    }
+
+    /// Makes the mean zero over the vertices that curvature is spread over, where it is not so yet.
+    pub(crate) fn subtract_spread_mean(&self, x: &mut VertexData<f64>) {
+        if let Some(spread) = self.spread.as_ref().filter(|_| !self.bordered) {
+            let mean: f64 = spread.iter().zip(x.iter()).map(|(s, x)| s * x).sum();
+            x.iter_mut().for_each(|x| *x -= mean);
+        }
+    }
+
+    /// The operators of a coarse level of a surface: an intrinsic Delaunay triangulation with the weights and curvatures of its
+    /// vertices, and the share of the surface's vertices that each stands for.
+    pub(super) fn of_coarse(
+        surface: (Mesh, Metric),
+        [weight, spread, curvature]: [VertexData<f64>; 3],
+        watch: Watch,
+    ) -> Result<Self, PoissonError> {
+        let operators = Self::of_delaunay(surface, Vec::new(), weight, None, watch)?;
+        Ok(Self { spread: Some(spread), curvature, ..operators })
+    }
+
+    /// The operators of an intrinsic Delaunay triangulation with given weights.
+    fn of_delaunay(
+        (mesh, metric): (Mesh, Metric),
+        flips: Vec<HalfedgeId>,
+        weight: VertexData<f64>,
+        points: Option<&[[f64; 3]]>,
+        watch: Watch,
+    ) -> Result<Self, PoissonError> {
+        let curvature = angle_defects(&mesh, &metric);
         if watch.stops_at(0.4) {
             return Err(Interrupted.into());
         }
@@ -90,7 +128,7 @@ impl Operators {
         let mut operators = Self {
             mesh,
             metric,
-            flips: intrinsic.flips,
+            flips,
             curvature,
             weight,
             laplacian,
@@ -100,6 +138,7 @@ impl Operators {
             points: points.map(<[_]>::to_vec),
             flattening: OnceLock::new(),
             even: OnceLock::new(),
+            spread: None,
         };
         operators.add_free(VertexData::constant(operators.mesh.vertex_count(), 1.0));
         loops.sort_by_key(|around| std::cmp::Reverse(around.len()));
@@ -179,7 +218,11 @@ impl Operators {
     }
 
     fn flattening_source(&self) -> VertexData<f64> {
-        let mean = if self.bordered { 0.0 } else { self.total_curvature() / self.mesh.vertex_count() as f64 };
+        let total = if self.bordered { 0.0 } else { self.total_curvature() };
+        if let Some(spread) = &self.spread {
+            return spread.iter().zip(self.curvature.iter()).map(|(share, k)| total * share - k).collect();
+        }
+        let mean = total / self.mesh.vertex_count() as f64;
         self.curvature.iter().map(|k| mean - k).collect()
     }
 
@@ -213,7 +256,7 @@ impl Operators {
     fn even(&self) -> &VertexData<f64> {
         self.even.get_or_init(|| {
             let n = self.mesh.vertex_count();
-            let mut source = VertexData::constant(n, 1.0 / n as f64);
+            let mut source = self.spread.clone().unwrap_or_else(|| VertexData::constant(n, 1.0 / n as f64));
             if let Some(grounded) = self.poisson.grounded() {
                 source[grounded] -= 1.0;
             }

@@ -54,20 +54,30 @@ impl EnergyTerms {
     /// The terms of a surface whose layout will use the triangles of `input`. Two solves, one of them where the surface was
     /// asked before.
     pub(crate) fn new(operators: &Operators, input: &Mesh, watch: Watch) -> Result<Self, Interrupted> {
+        let triangles = input.vertices().map(|v| usable_triangles(input, v)).collect();
+        Self::with_triangles(operators, triangles, watch)
+    }
+
+    /// The terms of a surface with so many triangles at each vertex that can open up.
+    pub(crate) fn with_triangles(
+        operators: &Operators,
+        triangles: VertexData<f64>,
+        watch: Watch,
+    ) -> Result<Self, Interrupted> {
         let mut flattening = operators.flattening_watched(watch)?.clone();
         operators.centre(&mut flattening);
-        let linear = operators.poisson.solve_watched(&operators.weighted(&flattening), watch)?;
+        let mut linear = operators.poisson.solve_watched(&operators.weighted(&flattening), watch)?;
+        operators.subtract_spread_mean(&mut linear);
         let unit = operators.metric.area(&operators.mesh).sqrt().recip();
         let distances = EdgeDistances::new(&operators.mesh, |e| (operators.metric.length(e) * unit) as f32);
         watch.ask(f64::NAN)?;
-        Ok(Self {
-            constant: operators.inner(&flattening, &flattening),
-            flattening,
-            linear,
-            distances,
-            triangles: input.vertices().map(|v| usable_degree(input, &[], v) as f64).collect(),
-        })
+        Ok(Self { constant: operators.inner(&flattening, &flattening), flattening, linear, distances, triangles })
     }
+}
+
+/// How many triangles of a vertex can open up.
+pub(crate) fn usable_triangles(input: &Mesh, v: VertexId) -> f64 {
+    usable_degree(input, &[], v) as f64
 }
 
 /// A surface's energy model with its pool; see the module's head.
@@ -212,7 +222,9 @@ impl<'a> EnergyModel<'a> {
                 self.operators.centre(g);
                 *g = self.operators.weighted(g);
             }
-            self.operators.poisson.solve_many_watched(&green, watch)
+            let mut columns = self.operators.poisson.solve_many_watched(&green, watch)?;
+            columns.iter_mut().for_each(|h| self.operators.subtract_spread_mean(h));
+            Ok(columns)
         };
         let nothing = |_| vec![VertexData::constant(self.operators.mesh.vertex_count(), 0.0); vertices.len()];
         solve().unwrap_or_else(nothing)

@@ -23,6 +23,13 @@ pub struct Prediction {
     pub area_distortion: f64,
 }
 
+impl Prediction {
+    /// Nothing is known.
+    pub(crate) fn none() -> Self {
+        Self { count: 0, log_scale_norm: f64::NAN, area_distortion: f64::NAN }
+    }
+}
+
 /// What linear theory predicts for a set of cones that get their curvatures by a rule. A back-substitution; one more for each cone
 /// where they are harmonic.
 pub(crate) fn predict(operators: &Operators, set: &ConeSet, rule: CurvatureRule) -> Prediction {

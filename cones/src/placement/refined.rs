@@ -49,28 +49,34 @@ const LEAST_BACKWARD: usize = 12;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn refined(model: &mut EnergyModel, count: usize) -> ConeSet {
-    let mut best = model.with_largest_curvature(COMFORTABLE_CURVATURE, |model| comfortable(model, count));
+    within_comfort(model, |model| search(model, count))
+}
+
+/// The best cones that a search finds between bounds that are comfortable, or wider ones where these hold a cone, in the order of
+/// their curvature's size.
+pub(crate) fn within_comfort(model: &mut EnergyModel, search: impl Fn(&mut EnergyModel) -> ConeSet) -> ConeSet {
+    let mut best = model.with_largest_curvature(COMFORTABLE_CURVATURE, |model| comfortable(model, &search));
     if is_held_by_sharpness(&best) && !model.is_over() {
         best = model.fit(&best.cones);
-        let sharper = search(model, count);
+        let sharper = search(model);
         best = better(best, sharper);
     }
     by_curvature(model, &best)
 }
 
 /// The best cones with corners that are comfortably wide, or wider ones where these hold a cone.
-fn comfortable(model: &mut EnergyModel, count: usize) -> ConeSet {
+fn comfortable(model: &mut EnergyModel, search: impl Fn(&mut EnergyModel) -> ConeSet) -> ConeSet {
     let (mut best, is_held) = model.with_largest_corner(COMFORTABLE_CORNER, |model| {
-        let best = search(model, count);
+        let best = search(model);
         let is_held = is_held_by_degree(model, &best);
         (best, is_held)
     });
     if is_held && !model.is_over() {
         best = model.fit(&best.cones);
-        let wider = search(model, count);
+        let wider = search(model);
         best = better(best, wider);
         if !model.is_over() {
-            let moved = moved_to_wider(model, count);
+            let moved = moved_to_wider(model, search);
             best = better(best, moved);
         }
     }
@@ -125,8 +131,8 @@ fn is_held_by_sharpness(set: &ConeSet) -> bool {
 /// The best cones if all vertices had triangles enough, those that lack some moved to vertices nearby that have more.
 /// Swaps of one cone go astray where the bounds of vertices side by side differ as their degrees do, as on surfaces of high genus, where
 /// they hold cones that take more than others.
-fn moved_to_wider(model: &mut EnergyModel, count: usize) -> ConeSet {
-    let ideal = model.with_largest_corner(f64::INFINITY, |model| search(model, count));
+fn moved_to_wider(model: &mut EnergyModel, search: impl Fn(&mut EnergyModel) -> ConeSet) -> ConeSet {
+    let ideal = model.with_largest_corner(f64::INFINITY, search);
     let mut moved = model.fit(&ideal.cones);
     for (place, &curvature) in ideal.curvature.iter().enumerate() {
         let separation = Separation::new(model.operators(), &moved.cones);
@@ -250,7 +256,9 @@ mod tests {
             let operators = Operators::new(&mesh, &Metric::from_points(&mesh, &shape.points)).unwrap();
             let mut model = EnergyModel::new(&operators, &mesh);
             let sharp = refined(&mut model, count);
-            let comfortable = model.with_largest_curvature(COMFORTABLE_CURVATURE, |model| comfortable(model, count));
+            let comfortable = model.with_largest_curvature(COMFORTABLE_CURVATURE, |model| {
+                comfortable(model, |model| search(model, count))
+            });
             assert!(is_held_by_sharpness(&comfortable));
             assert!(sharp.energy < comfortable.energy && sharp.energy <= model.fit(&comfortable.cones).energy);
             assert_eq!(sharp.curvature.iter().copied().fold(0.0, f64::max), LARGEST_CURVATURE);

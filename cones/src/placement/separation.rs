@@ -21,7 +21,8 @@ pub(crate) struct Separation {
 
 impl Separation {
     pub(crate) fn new(operators: &Operators, cones: &[VertexId]) -> Self {
-        let roomy = operators.mesh.vertex_count() >= ROOMY * cones.len();
+        // Edges of a coarse level are long.
+        let roomy = operators.mesh.vertex_count() >= ROOMY * cones.len() && !operators.is_coarse();
         let separation = Self::within(operators, cones, if roomy { LEAST_DISTANCE } else { 1 });
         // A vertex may be so near to all others that there is no room beside it.
         if !roomy || separation.near.contains(&NOBODY) { separation } else { Self::within(operators, cones, 1) }

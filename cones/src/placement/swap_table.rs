@@ -242,6 +242,27 @@ impl<'a> SwapTable<'a> {
         proposals
     }
 
+    /// For each cone the best vertex within a distance of it that is not solved for, if it may be better.
+    pub(crate) fn proposals_within(&self, reach: f32) -> Vec<Swap> {
+        let separation = Separation::new(self.model.operators(), &self.set.cones);
+        let cones = yielding(self.set).len();
+        let mut row = Row::default();
+        let mut best_round = |(leaving, &cone): (usize, &VertexId)| {
+            let mut best: Option<Swap> = None;
+            for (coming, distance) in self.model.distances().around(cone, reach) {
+                if separation.admits(coming, leaving) && !self.model.knows(coming) {
+                    self.fill_for_vertex(coming, norm_at(self.model, cones, distance), &mut row);
+                    let change = row.change[leaving];
+                    if best.is_none_or(|best| change < best.change) {
+                        best = Some(Swap { change, leaving, coming });
+                    }
+                }
+            }
+            best.filter(|best| best.change < 0.0)
+        };
+        self.set.cones.iter().enumerate().filter_map(&mut best_round).collect()
+    }
+
     /// Walks from a cone along edges as long as that lowers the energy.
     fn descend(&self, leaving: usize, separation: &Separation, norms: &VertexData<f64>, row: &mut Row) -> Swap {
         let mesh = &self.model.operators().mesh;
@@ -262,22 +283,29 @@ impl<'a> SwapTable<'a> {
     }
 }
 
+/// The cones whose nearness makes Green's functions small: those between their bounds, or all where there are none.
+fn yielding(set: &ConeSet) -> Vec<VertexId> {
+    let free = set.cones.iter().zip(&set.held).filter(|(_, held)| **held == Held::Free).map(|(&c, _)| c);
+    if set.held.contains(&Held::Free) { free.collect() } else { set.cones.clone() }
+}
+
+/// s at a distance from the nearest of so many cones that yield, estimated.
+fn norm_at(model: &EnergyModel, cones: usize, distance: f32) -> f64 {
+    let parts = cones + usize::from(model.operators().is_bordered());
+    let radius = 0.9 / (parts.max(1) as f64).sqrt();
+    let d = f64::from(distance).min(FARTHEST);
+    d * d / (4.0 * PI) * if d > 0.0 { (radius / d).ln().max(0.5) } else { 0.0 }
+}
+
 /// s at every vertex, estimated from distances along edges; 0 once searches must end.
 pub(crate) fn norms(model: &EnergyModel, set: &ConeSet) -> VertexData<f64> {
     let operators = model.operators();
-    let free = set.cones.iter().zip(&set.held).filter(|(_, held)| **held == Held::Free).map(|(&c, _)| c);
-    let cones: Vec<VertexId> = if set.held.contains(&Held::Free) { free.collect() } else { set.cones.clone() };
+    let cones = yielding(set);
     let boundary = operators.mesh.vertices().filter(|&v| operators.mesh.is_boundary_vertex(v));
     let sources = cones.iter().copied().chain(boundary);
     let nowhere = |_| VertexData::constant(operators.mesh.vertex_count(), 0.0);
     let distance = model.distances().from_watched(sources, model.watch()).unwrap_or_else(nowhere);
-    let parts = cones.len() + usize::from(operators.is_bordered());
-    let radius = 0.9 / (parts.max(1) as f64).sqrt();
-    let norm = |&d: &f32| {
-        let d = f64::from(d).min(FARTHEST);
-        d * d / (4.0 * PI) * if d > 0.0 { (radius / d).ln().max(0.5) } else { 0.0 }
-    };
-    distance.iter().map(norm).collect()
+    distance.iter().map(|&d| norm_at(model, cones.len(), d)).collect()
 }
 
 #[cfg(test)]

@@ -144,7 +144,7 @@ fn suspects(triangulation: &Triangulation, metric: &Metric) -> EdgeData<bool> {
 }
 
 /// The edges jk, ki, il, lj round the edge ij of a halfedge (k left of it, l right).
-fn quad(triangulation: &Triangulation, h: HalfedgeId) -> [EdgeId; 4] {
+pub(super) fn quad(triangulation: &Triangulation, h: HalfedgeId) -> [EdgeId; 4] {
     let g = triangulation.twin(h).expect("only inner edges are flipped");
     let [a, b, c, d] = [triangulation.next(h), triangulation.prev(h), triangulation.next(g), triangulation.prev(g)];
     [triangulation.edge(a), triangulation.edge(b), triangulation.edge(c), triangulation.edge(d)]

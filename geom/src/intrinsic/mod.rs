@@ -6,6 +6,7 @@ mod double;
 mod laplacian;
 mod metric;
 mod poisson;
+mod simplification;
 
 pub use curvature::angle_defects;
 pub use delaunay::{Intrinsic, delaunay, delaunay_watched, ptolemaic_delaunay, ptolemaic_delaunay_watched};
@@ -14,3 +15,4 @@ pub use double::Double;
 pub use laplacian::{edge_weights, laplacian};
 pub use metric::{Metric, Sides};
 pub use poisson::{ForwardSolution, Poisson, PoissonError};
+pub use simplification::{Simplified, simplified};

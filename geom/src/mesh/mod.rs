@@ -6,6 +6,7 @@
 mod build;
 mod graph;
 mod id;
+mod removal;
 mod triangulation;
 mod walk;
 
