@@ -1,6 +1,6 @@
 // The two charts, as plain SVG.
 
-import type { Extremum, Prediction } from "./data";
+import type { Extremum, ForeseenLevel } from "./data";
 
 const SPACE = "http://www.w3.org/2000/svg";
 
@@ -50,7 +50,7 @@ abstract class Chart {
 
 /** The predicted area distortion for every number of cones, and the measured one of the maps that were made. */
 export class CurveChart extends Chart {
-  private curve: Prediction[] = [];
+  private curve: ForeseenLevel[] = [];
   private measured = new Map<number, number>();
   private chosen = 0;
   private most = 64;
@@ -64,7 +64,7 @@ export class CurveChart extends Chart {
     place.style.cursor = "crosshair";
   }
 
-  show(curve: Prediction[], measured: Map<number, number>, chosen: number, most: number): void {
+  show(curve: ForeseenLevel[], measured: Map<number, number>, chosen: number, most: number): void {
     this.curve = curve.filter(({ n }) => n <= most);
     [this.measured, this.chosen, this.most] = [measured, chosen, most];
     this.draw();

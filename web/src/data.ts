@@ -24,11 +24,6 @@ export interface Cone {
   curvature: number;
 }
 
-export interface Prediction {
-  n: number;
-  predicted_area: number;
-}
-
 export interface Extremum {
   vertex: number;
   kind: "minimum" | "maximum";
@@ -37,11 +32,17 @@ export interface Extremum {
   saddle: number | null;
 }
 
-export interface Order {
-  method: string;
+/** So many cones, with their curvatures as far as they are known. */
+export interface ForeseenLevel {
+  n: number;
+  cones: [number, number | null][];
+  predicted_area: number;
+}
+
+/** The cones of a method for every number of them. */
+export interface Foreseen {
   extrema: Extremum[];
-  order: { vertex: number; curvature_at_n: number | null }[];
-  curve: Prediction[];
+  levels: ForeseenLevel[];
 }
 
 /** Cones, what is predicted for them, and seams, before there is a map. */

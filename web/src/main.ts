@@ -4,7 +4,7 @@ import { AtlasCanvas } from "./atlas_canvas";
 import { type Atlas, AtlasView } from "./atlas_view";
 import { CurveChart, DiagramChart } from "./charts";
 import { type Mode, cornerColours, scale } from "./colours";
-import type { Cone, Order, Question, Surface, UvMap } from "./data";
+import type { Cone, Foreseen, ForeseenLevel, Question, Surface, UvMap } from "./data";
 import * as geometry from "./geometry";
 import type { Place } from "./geometry";
 import { History } from "./history";
@@ -17,6 +17,8 @@ import { SurfaceView } from "./surface_view";
 
 /** A map is asked for when the choice has stood so long, in milliseconds. */
 const PATIENCE = 120;
+/** The area distortion that is aimed at where no number of cones is chosen. */
+const TARGET = 1.25;
 
 class App {
   private readonly corners: geometry.Corners;
@@ -26,13 +28,16 @@ class App {
   private readonly curve: CurveChart;
   private readonly diagram: DiagramChart;
   private readonly history = new History<Question>();
-  private readonly orders = new Map<string, Order>();
+  private readonly known = new Map<string, Foreseen>();
   private readonly measured = new Map<number, number>();
   private readonly pressMode: (mode: Mode) => void;
   private question: Question;
   private cones: Cone[] = [];
   private predicted: number | null = null;
   private map: UvMap | null = null;
+  /** The question that the map answers. */
+  private mapOf = "";
+  private readonly asked = new Set<string>();
   private grid: geometry.MapGrid | null = null;
   private mode: Mode = "checker";
   private isDark = false;
@@ -67,6 +72,8 @@ class App {
     });
     this.colour("checker");
     this.restart();
+    // For tests and for those who measure: how long the page takes.
+    performance.mark("shown");
   }
 
   /** Takes another choice of cones, which can be undone. */
@@ -91,6 +98,7 @@ class App {
     const serial = ++this.serial;
     this.selected = null;
     this.showControls();
+    this.learn();
     this.foresee();
     clearTimeout(this.waiting);
     page.status("computing the map …", "busy");
@@ -98,18 +106,17 @@ class App {
     this.waiting = window.setTimeout(begin, this.map ? PATIENCE : 0);
   }
 
-  /** The cones of the order that the page has, until there is better. */
+  /** The cones that are foreseen, until there is better. */
   private foresee(): void {
     const { n, given } = this.question;
-    const order = this.order();
+    const level = this.level();
     if (given) {
       const known = new Map(this.cones.map((cone) => [cone.vertex, cone.curvature]));
       this.cones = given.map(([vertex, curvature]) => ({ vertex, curvature: curvature ?? known.get(vertex) ?? NaN }));
       this.predicted = null;
-    } else if (order && n !== null) {
-      const cones = order.order.slice(0, n);
-      this.cones = cones.map(({ vertex, curvature_at_n }) => ({ vertex, curvature: curvature_at_n ?? NaN }));
-      this.predicted = order.curve.find((point) => point.n === n)?.predicted_area ?? null;
+    } else if (level && (n === null || level.n === n)) {
+      this.cones = level.cones.map(([vertex, curvature]) => ({ vertex, curvature: curvature ?? NaN }));
+      this.predicted = level.predicted_area;
     } else return;
     this.view?.showSeams([]);
     this.showCones();
@@ -132,18 +139,15 @@ class App {
     const map = this.source.map(question, serial, signal).then((map) => isNewest() && this.takeMap(map, question));
     // Cones that cannot be had are told of by both.
     await Promise.all([preview?.catch((error) => this.source.isLive || fail(error)), map.catch(fail)]);
-    if (isNewest()) this.wantOrder();
   }
 
   /** What to ask for a preview of: cones that are known cost little. */
   private early(question: Question): Question | null {
     if (!this.source.isLive || question.given) return question;
-    const order = this.order();
-    if (!order || question.n === null) return null;
-    return { ...question, given: order.order.slice(0, question.n).map(({ vertex }) => [vertex, null]) };
+    const level = this.level();
+    return level ? { ...question, given: level.cones.map(([vertex]) => [vertex, null]) } : null;
   }
 
-  private mapOf = "";
 
   private mapIsOf(question: Question): boolean {
     return this.mapOf === JSON.stringify(question);
@@ -176,35 +180,48 @@ class App {
     document.body.dataset.maps = String(Number(document.body.dataset.maps ?? 0) + 1);
   }
 
-  /** The order of the method, or what stands in for it. */
-  private order(): Order | undefined {
-    return this.orders.get(this.orderKey());
+  /** What is foreseen of the method's cones. */
+  private foreseen(): Foreseen | undefined {
+    return this.known.get(this.methodKey());
   }
 
-  private orderKey(): string {
+  /** The chosen number of cones; where none is chosen, as few as promise little distortion. */
+  private level(): ForeseenLevel | undefined {
+    const { n } = this.question;
+    return this.foreseen()?.levels.find((level) => (n === null ? level.predicted_area <= TARGET : level.n === n));
+  }
+
+  private methodKey(): string {
     const { method, angles } = this.question;
-    return JSON.stringify([method === "refined" ? "pursuit" : method, angles]);
+    return JSON.stringify([method, angles]);
   }
 
-  private wantOrder(): void {
-    const key = this.orderKey();
-    if (this.orders.has(key)) return this.showCurve();
+  /** Asks once for what is foreseen of a method. */
+  private learn(): void {
+    const key = this.methodKey();
+    if (this.known.has(key) || this.asked.has(key)) return;
+    this.asked.add(key);
     const [method, angles] = JSON.parse(key);
-    this.source.order(method, angles).then(
-      (order) => {
-        this.orders.set(key, order);
-        this.showCurve();
+    this.source.foreseen(method, angles).then(
+      (foreseen) => {
+        this.known.set(key, foreseen);
+        if (key !== this.methodKey()) return;
+        if (this.mapIsOf(this.question)) this.showCurve();
+        else this.foresee();
       },
-      (error) => error instanceof Replaced || page.status(error.message, "failed"),
+      (error) => {
+        this.asked.delete(key);
+        page.status(error.message, "failed");
+      },
     );
   }
 
   private showCurve(): void {
-    const order = this.order();
+    const foreseen = this.foreseen();
     const { n, given } = this.question;
-    this.curve.show(order?.curve ?? [], this.measured, given?.length ?? n ?? 0, this.surface.most);
-    this.diagram.show(order?.extrema ?? [], this.cones.map(({ vertex }) => vertex));
-    if (order && n !== null && !given) this.predicted ??= order.curve.find((point) => point.n === n)?.predicted_area ?? null;
+    this.curve.show(foreseen?.levels ?? [], this.measured, given?.length ?? n ?? 0, this.surface.most);
+    this.diagram.show(foreseen?.extrema ?? [], this.cones.map(({ vertex }) => vertex));
+    if (!given) this.predicted ??= this.level()?.predicted_area ?? null;
     page.numbers(this.mapIsOf(this.question) || !this.source.isLive ? this.map : null, this.predicted);
   }
 

@@ -1,13 +1,13 @@
 // Where surfaces, cones and maps come from: the server of `cones view`, or the file that the page is.
 
-import { type Cone, Container, type Order, pieces, type Preview, type Question, type Surface, type UvMap } from "./data";
+import { type Cone, Container, type Foreseen, pieces, type Preview, type Question, type Surface, type UvMap } from "./data";
 import * as packed from "./packed";
 
 export interface Source {
   /** Whether everything can be asked for, or only what is stored. */
   readonly isLive: boolean;
   surface(): Promise<Surface>;
-  order(method: string, angles: string): Promise<Order>;
+  foreseen(method: string, angles: string): Promise<Foreseen>;
   preview(question: Question, serial: number, signal: AbortSignal): Promise<Preview>;
   map(question: Question, serial: number, signal: AbortSignal): Promise<UvMap>;
   save(kind: "obj" | "glb" | "cones", question: Question, serial: number): Promise<Blob>;
@@ -35,8 +35,8 @@ class Live implements Source {
     };
   }
 
-  async order(method: string, angles: string): Promise<Order> {
-    return (await this.ask("order", { method, angles })).json();
+  async foreseen(method: string, angles: string): Promise<Foreseen> {
+    return (await this.ask("foreseen", { method, angles })).json();
   }
 
   async preview(question: Question, serial: number, signal: AbortSignal): Promise<Preview> {
@@ -108,10 +108,12 @@ class Stored implements Source {
     };
   }
 
-  async order(): Promise<Order> {
-    const { extrema, order, ...rest } = this.data.meta.order as Order;
-    const here = <T extends { vertex: number }>(all: T[]) => all.map((one) => ({ ...one, vertex: this.here(one.vertex) }));
-    return { ...rest, extrema: here(extrema), order: here(order) };
+  async foreseen(): Promise<Foreseen> {
+    const { extrema, levels } = this.data.meta.foreseen as Foreseen;
+    return {
+      extrema: extrema.map((one) => ({ ...one, vertex: this.here(one.vertex) })),
+      levels: levels.map(({ cones, ...rest }) => ({ ...rest, cones: cones.map(([v, k]) => [this.here(v), k]) })),
+    };
   }
 
   async preview(question: Question): Promise<Preview> {

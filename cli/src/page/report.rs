@@ -61,11 +61,12 @@ impl<'a> Report<'a> {
         }
     }
 
-    /// The page with all of it inside. `meta` is what the server would send with the surface, `order` the order of cones.
+    /// The page with all of it inside. `meta` is what the server would send with the surface, `foreseen` the cones for
+    /// every number of them.
     ///
     /// # Errors
     /// None that memory does not have.
-    pub(crate) fn html(&self, meta: &Value, order: &Value, levels: &[Level]) -> io::Result<String> {
+    pub(crate) fn html(&self, meta: &Value, foreseen: &Value, levels: &[Level]) -> io::Result<String> {
         let Self { surface, numbering } = self;
         let wide = |v: u32| surface.points[v as usize].map(f64::from);
         let factor = |v: u32| [f64::from(surface.factor[v as usize])];
@@ -77,7 +78,7 @@ impl<'a> Report<'a> {
             levels.iter().map(|level| json!({ "meta": level.meta, "range": ranges(level) })).collect();
         let meta = json!({
             "surface": meta,
-            "order": order,
+            "foreseen": foreseen,
             "levels": levels_meta,
             "vertices": numbering.vertex.len(),
             "triangles": surface.triangles.len(),

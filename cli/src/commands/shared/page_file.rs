@@ -1,11 +1,11 @@
 //! A report that opens in a browser: the page with a surface and maps of it inside.
 
-use super::shown::{Chosen, Subject};
+use super::shown::{Chosen, ForeseenLevel, Subject};
 use super::unwrapped::Unwrapped;
 use crate::error::CommandError;
 use crate::page::{Level, Report};
 use crate::progress::Progress;
-use cones::{ConeChoice, ConeOrder, MOST_OPTIMISED, Options, SeamOptions};
+use cones::{ConeChoice, Options, SeamOptions};
 use serde_json::{Value, json};
 use std::path::Path;
 
@@ -23,7 +23,7 @@ pub(crate) fn html(path: &Path, unwrapped: &Unwrapped, progress: &Progress) -> R
     let subject = Subject::new(path, model, analysis.clone(), options.clone());
     let surface = subject.surface();
     let report = Report::new(&surface);
-    let order = analysis.order(options.placement, options.rule, MOST_OPTIMISED).map_err(failed)?;
+    let foreseen = subject.foreseen(options.placement, options.rule).map_err(failed)?;
     let chosen = atlas.cones.len();
     let first = stored_level(&subject, &report, options, chosen)?;
     let mut levels = vec![first];
@@ -37,16 +37,15 @@ pub(crate) fn html(path: &Path, unwrapped: &Unwrapped, progress: &Progress) -> R
         // Where so many cones make no map there is none in the report either.
         levels.extend(stored_level(&subject, &report, &options, n).ok());
     }
-    let is_known = |n: usize, levels: &[Level]| levels.iter().any(|level| level.meta["n"] == n);
-    for n in order.curve.iter().map(|point| point.count).filter(|n| *n <= MOST_OPTIMISED) {
-        if !is_known(n, &levels) {
-            levels.extend(level(&subject, &order, n).ok());
+    for foreseen in &foreseen.levels {
+        if foreseen.n != chosen && !levels.iter().any(|level| level.meta["n"] == foreseen.n) {
+            levels.extend(level(&subject, options, foreseen).ok());
         }
     }
     levels.sort_by_key(|level| level.meta["n"].as_u64());
     let meta = subject.meta(&Chosen::new(Some(chosen), options.placement, options.rule));
     report
-        .html(&meta, &json!(order), &levels)
+        .html(&meta, &json!(foreseen), &levels)
         .map_err(|source| CommandError::WriteFile { path: path.to_owned(), source })
 }
 
@@ -63,13 +62,13 @@ fn stored_level(subject: &Subject, report: &Report, options: &Options, n: usize)
     Ok(Level { meta, map: Some(report.pack(&map)), seams: map.seams })
 }
 
-/// The first cones of an order with the seams that their map begins with; these are the shortest, and not yet straight.
-fn level(subject: &Subject, order: &ConeOrder, n: usize) -> Result<Level, cones::Error> {
-    let vertices: Vec<u32> = order.cones.iter().take(n).map(|cone| cone.vertex).collect();
-    let cones = subject.analysis.given(&vertices, order.rule)?;
-    let seams = subject.analysis.seams(&cones, &SeamOptions { weight: 0.0, ..subject.options.seams.clone() })?;
+/// Cones that are foreseen, with the seams that their map begins with; these are the shortest, and not yet straight.
+fn level(subject: &Subject, options: &Options, foreseen: &ForeseenLevel) -> Result<Level, cones::Error> {
+    let vertices: Vec<u32> = foreseen.cones.iter().map(|&(vertex, _)| vertex).collect();
+    let cones = subject.analysis.given(&vertices, options.rule)?;
+    let seams = subject.analysis.seams(&cones, &SeamOptions { weight: 0.0, ..options.seams.clone() })?;
     let meta = json!({
-        "n": n,
+        "n": foreseen.n,
         "cones": places(cones.iter()),
         "predicted": cones.prediction().area_distortion,
         "map": null,

@@ -6,7 +6,7 @@ use crate::error::CommandError;
 use crate::page;
 use crate::render::extent;
 use crate::report::{Quality, SCHEMA, Times, angles_name, warnings};
-use cones::{Analysis, Atlas, CurvatureRule, MOST_OPTIMISED, Options, Placement};
+use cones::{Analysis, Atlas, CurvatureRule, MOST_OPTIMISED, ModelExtremum, Options, Placement};
 use geom::{Model, Triangles};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
@@ -91,6 +91,35 @@ impl<'a> Subject<'a> {
         })
     }
 
+    /// What is known of a method's cones before they are flattened. Where it has no order of its own, or one that takes long, they are
+    /// those of a preview; all others are nested.
+    ///
+    /// # Errors
+    /// If the observer has said stop.
+    pub(crate) fn foreseen(&self, placement: Placement, rule: CurvatureRule) -> Result<Foreseen, cones::Error> {
+        let (analysis, least) = (&self.analysis, self.analysis.least_cones());
+        let most = MOST_OPTIMISED.max(least);
+        if matches!(placement, Placement::Refined | Placement::Pursuit) {
+            let mut levels = Vec::new();
+            for n in least.max(1)..=most {
+                let preview = analysis.preview(n)?;
+                if preview.cones.len() == n {
+                    let cones = preview.cones.iter().map(|cone| (cone.vertex, Some(cone.curvature))).collect();
+                    levels.push(ForeseenLevel { n, cones, predicted_area: preview.prediction.area_distortion });
+                }
+            }
+            return Ok(Foreseen { extrema: analysis.extrema(), levels });
+        }
+        let order = analysis.order(placement, rule, MOST_OPTIMISED)?;
+        let first = |n: usize| order.cones.iter().take(n).map(|cone| (cone.vertex, cone.curvature)).collect();
+        let level = |point: &cones::Prediction| {
+            let (n, predicted_area) = (point.count, point.area_distortion);
+            ForeseenLevel { n, cones: first(n), predicted_area }
+        };
+        let levels = order.curve.iter().filter(|point| point.count <= most).map(level).collect();
+        Ok(Foreseen { extrema: order.extrema, levels })
+    }
+
     /// Unwraps it as far as the page shows it, with cones chosen or given by the options.
     ///
     /// # Errors
@@ -148,6 +177,23 @@ impl<'a> Subject<'a> {
             "warnings": warnings(&atlas.notes, self.analysis.topology().components),
         })
     }
+}
+
+/// Cones of a method for every number of them.
+#[derive(Clone, Debug, serde::Serialize)]
+pub(crate) struct Foreseen {
+    /// Of the conformal factor, the most persistent first.
+    extrema: Vec<ModelExtremum>,
+    pub(crate) levels: Vec<ForeseenLevel>,
+}
+
+/// So many cones.
+#[derive(Clone, Debug, serde::Serialize)]
+pub(crate) struct ForeseenLevel {
+    pub(crate) n: usize,
+    /// Vertices, each with its curvature as far as that is known.
+    pub(crate) cones: Vec<(u32, Option<f64>)>,
+    predicted_area: f64,
 }
 
 /// What the page begins with.

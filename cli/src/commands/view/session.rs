@@ -51,7 +51,7 @@ impl<'a> Session<'a> {
     pub(super) fn answer(&self, path: &str, request: &Request) -> Response {
         let needed = match path {
             "" | "surface" => "GET",
-            "order" | "cones" | "map" | "save/obj" | "save/glb" | "save/cones" | "leave" => "POST",
+            "foreseen" | "cones" | "map" | "save/obj" | "save/glb" | "save/cones" | "leave" => "POST",
             _ => return Response::refusal(404, "there is nothing here"),
         };
         if request.method != needed {
@@ -61,7 +61,7 @@ impl<'a> Session<'a> {
             "" => Ok(Response::new(HTML, PAGE.as_bytes().to_vec())),
             "surface" => Ok(Response::new(BYTES, self.surface.clone())),
             _ => Question::parse(&request.body).map_err(unclear).and_then(|question| match path {
-                "order" => self.order(&question),
+                "foreseen" => self.foreseen(&question),
                 "cones" => self.cones(&question),
                 "map" => self.map(&question),
                 "leave" => Ok(self.leave(&question)),
@@ -71,13 +71,13 @@ impl<'a> Session<'a> {
         answered.unwrap_or_else(|refusal| refusal)
     }
 
-    /// The order of cones by a method, with what is predicted for every number.
-    fn order(&self, question: &Question) -> Answer {
-        let order = self.thorough.install(|| {
-            let (placement, rule) = (question.placement(), question.rule());
-            self.subject.analysis.order(placement, rule, cones::MOST_OPTIMISED)
-        });
-        Ok(to_json(&json!(order.map_err(|error| cannot(&error))?)))
+    /// The cones of a method for every number of them, with what is predicted. They are asked for once, so that the page has them
+    /// at hand when the slider moves.
+    fn foreseen(&self, question: &Question) -> Answer {
+        let (placement, rule) =
+            (question.options(&self.subject.options, 0).map_err(unclear)?.placement, question.rule());
+        let foreseen = self.quick.install(|| self.subject.foreseen(placement, rule));
+        Ok(to_json(&json!(foreseen.map_err(|error| cannot(&error))?)))
     }
 
     /// Cones with their curvatures, what is predicted for them, and the seams that their map begins with.
