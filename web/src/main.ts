@@ -29,7 +29,8 @@ class App {
   private readonly diagram: DiagramChart;
   private readonly history = new History<Question>();
   private readonly known = new Map<string, Foreseen>();
-  private readonly measured = new Map<number, number>();
+  /** The distortion of the maps that were made, by method and number. */
+  private readonly measured = new Map<string, Map<number, number>>();
   private readonly pressMode: (mode: Mode) => void;
   private question: Question;
   private cones: Cone[] = [];
@@ -72,8 +73,6 @@ class App {
     });
     this.colour("checker");
     this.restart();
-    // For tests and for those who measure: how long the page takes.
-    performance.mark("shown");
   }
 
   /** Takes another choice of cones, which can be undone. */
@@ -160,7 +159,7 @@ class App {
     this.mapOf = JSON.stringify(this.question);
     if (!isNear) {
       this.cones = map.cones;
-      if (!question.given) this.measured.set(map.cones.length, map.meta.distortion.area_mean);
+      if (!question.given) this.measuredHere().set(map.cones.length, map.meta.distortion.area_mean);
       this.view?.showSeams(map.seams);
     }
     const extent = geometry.extent(map.uv);
@@ -196,6 +195,13 @@ class App {
     return JSON.stringify([method, angles]);
   }
 
+  private measuredHere(): Map<number, number> {
+    const key = this.methodKey();
+    const here = this.measured.get(key) ?? new Map<number, number>();
+    this.measured.set(key, here);
+    return here;
+  }
+
   /** Asks once for what is foreseen of a method. */
   private learn(): void {
     const key = this.methodKey();
@@ -219,7 +225,7 @@ class App {
   private showCurve(): void {
     const foreseen = this.foreseen();
     const { n, given } = this.question;
-    this.curve.show(foreseen?.levels ?? [], this.measured, given?.length ?? n ?? 0, this.surface.most);
+    this.curve.show(foreseen?.levels ?? [], this.measuredHere(), given?.length ?? n ?? 0, this.surface.most);
     this.diagram.show(foreseen?.extrema ?? [], this.cones.map(({ vertex }) => vertex));
     if (!given) this.predicted ??= this.level()?.predicted_area ?? null;
     page.numbers(this.mapIsOf(this.question) || !this.source.isLive ? this.map : null, this.predicted);
@@ -237,7 +243,7 @@ class App {
     const count = given?.length ?? n ?? this.surface.least;
     for (const id of ["slider", "count"]) {
       const input = byId<HTMLInputElement>(id);
-      [input.min, input.max] = [String(Math.max(1, this.surface.least)), String(this.surface.most)];
+      [input.min, input.max] = [String(this.surface.least), String(this.surface.most)];
       input.value = String(count);
     }
     byId<HTMLSelectElement>("method").value = given ? "" : method;

@@ -15,3 +15,4 @@ mod packing;
 mod seams;
 mod terminal;
 mod unwrapping;
+mod viewing;
