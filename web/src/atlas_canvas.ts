@@ -102,20 +102,13 @@ export class AtlasCanvas implements Atlas {
   }
 
   private paint(): void {
-    const { canvas, context, element, uv } = this;
+    const { canvas, context, element } = this;
     const ratio = devicePixelRatio;
     canvas.width = Math.max(1, element.clientWidth * ratio);
     canvas.height = Math.max(1, element.clientHeight * ratio);
     context.setTransform(ratio, 0, 0, ratio, 0, 0);
-    for (let k = 0; k < uv.length; k += 6) {
-      context.fillStyle = context.strokeStyle = this.colourOf(k / 6);
-      context.beginPath();
-      for (let i = 0; i < 6; i += 2) context.lineTo(...this.toScreen([uv[k + i], uv[k + i + 1]]));
-      context.closePath();
-      context.fill();
-      // Without it the paper shines through between triangles.
-      context.stroke();
-    }
+    if (this.isChecker) this.paintChecker();
+    else this.paintTriangles();
     this.stroke(tiles(this.extent), this.isDark ? "#4a5160" : "#aab0bb", 1);
     this.stroke(this.outline.segments, this.isDark ? "#e6e8ee" : "#1d212b", 1.6);
     for (const { at, cone } of this.outline.cones) {
@@ -126,13 +119,44 @@ export class AtlasCanvas implements Atlas {
     }
   }
 
-  private colourOf(triangle: number): string {
-    if (this.isChecker) {
-      const middle = [0, 1].map((i) => (this.uv[6 * triangle + i] + this.uv[6 * triangle + 2 + i] + this.uv[6 * triangle + 4 + i]) / 3);
-      return css(CHECKER[(Math.floor(middle[0] * this.squares) + Math.floor(middle[1] * this.squares)) & 1]);
+  private paintTriangles(): void {
+    const { context, tint, uv } = this;
+    for (let k = 0; k < uv.length; k += 6) {
+      const at = (3 * k) / 2;
+      context.fillStyle = context.strokeStyle = css([tint[at], tint[at + 1], tint[at + 2]]);
+      context.beginPath();
+      this.trace(k);
+      context.fill();
+      // Without it the paper shines through between triangles.
+      context.stroke();
     }
-    const at = 9 * triangle;
-    return css([this.tint[at], this.tint[at + 1], this.tint[at + 2]]);
+  }
+
+  private paintChecker(): void {
+    const { context, uv } = this;
+    const tile = document.createElement("canvas");
+    tile.width = tile.height = 2;
+    const two = tile.getContext("2d")!;
+    for (let k = 0; k < 4; k++) {
+      two.fillStyle = css(CHECKER[((k & 1) + (k >> 1)) & 1]);
+      two.fillRect(k & 1, k >> 1, 1, 1);
+    }
+    const pattern = context.createPattern(tile, "repeat")!;
+    const [left, top] = this.toScreen([0, 0]);
+    const size = this.pixels() / this.squares;
+    pattern.setTransform(new DOMMatrix([size, 0, 0, size, left, top]));
+    context.imageSmoothingEnabled = false;
+    context.fillStyle = pattern;
+    context.beginPath();
+    for (let k = 0; k < uv.length; k += 6) this.trace(k);
+    context.fill();
+  }
+
+  private trace(k: number): void {
+    const { context, uv } = this;
+    context.moveTo(...this.toScreen([uv[k], uv[k + 1]]));
+    for (let i = 2; i < 6; i += 2) context.lineTo(...this.toScreen([uv[k + i], uv[k + i + 1]]));
+    context.closePath();
   }
 
   private stroke(segments: Float32Array, style: string, width: number): void {

@@ -72,9 +72,11 @@ export class AtlasView implements Atlas {
   }
 
   colour(tint: Uint8Array, isChecker: boolean): void {
-    const attribute = this.geometry.getAttribute("tint") as BufferAttribute;
-    attribute.array.set(tint);
-    attribute.needsUpdate = true;
+    if (!isChecker) {
+      const attribute = this.geometry.getAttribute("tint") as BufferAttribute;
+      attribute.array.set(tint);
+      attribute.needsUpdate = true;
+    }
     this.material.uniforms.isChecker.value = isChecker;
     this.stage.draw();
   }

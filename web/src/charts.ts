@@ -103,19 +103,21 @@ const MOST = 1200;
 /** The extrema of the conformal factor: where each begins, and where it ends. */
 export class DiagramChart extends Chart {
   private extrema: Extremum[] = [];
-  private ends = new Map<number, number>();
   private chosen = new Set<number>();
+  /** Drawn anew for each choice; what lies below is not. */
+  private marks = element("g", {});
+  private at: (extremum: Extremum) => [number, number] = () => [0, 0];
 
   constructor(place: HTMLElement) {
     super(place, "Persistence diagram of the conformal factor: minima above the diagonal, maxima below, cones marked");
   }
 
   show(extrema: Extremum[], chosen: number[]): void {
-    this.extrema = extrema.slice(0, MOST);
+    const isOther = extrema !== this.extrema;
+    this.extrema = extrema;
     this.chosen = new Set(chosen);
-    const end = ({ kind, value, persistence }: Extremum) => value + (kind === "minimum" ? persistence : -persistence);
-    this.ends = new Map(extrema.map((extremum) => [extremum.vertex, end(extremum)]));
-    this.draw();
+    if (isOther || !this.place.firstChild) this.draw();
+    else this.mark();
   }
 
   protected fill(svg: SVGElement): void {
@@ -124,26 +126,30 @@ export class DiagramChart extends Chart {
       svg.append(element("text", { x: width / 2, y: height / 2, "text-anchor": "middle" }, "being found …"));
       return;
     }
-    const values = this.extrema.flatMap((extremum) => [extremum.value, this.ends.get(extremum.vertex)!]);
+    const end = ({ kind, value, persistence }: Extremum) => value + (kind === "minimum" ? persistence : -persistence);
+    const values = this.extrema.slice(0, MOST).flatMap((extremum) => [extremum.value, end(extremum)]);
     const [low, high] = [Math.min(...values), Math.max(...values)];
     const share = (value: number) => (high > low ? (value - low) / (high - low) : 0.5);
     const x = (value: number) => left + 6 + (width - left - 16) * share(value);
     const y = (value: number) => height - bottom - 4 - (height - bottom - 14) * share(value);
+    this.at = (extremum) => [x(extremum.value), y(end(extremum))];
     const marks = [low, high].map((value) => value.toFixed(1));
     this.axes(svg, [low, high].map((v, k) => [x(v), marks[k]]), [low, high].map((v, k) => [y(v), marks[k]]));
     svg.append(element("line", { x1: x(low), y1: y(low), x2: x(high), y2: y(high), stroke: "var(--line)", "stroke-width": 1.5 }));
-    const dots = [...this.extrema].sort((a, b) => Number(this.chosen.has(a.vertex)) - Number(this.chosen.has(b.vertex)));
-    for (const extremum of dots) {
-      const isChosen = this.chosen.has(extremum.vertex);
-      const colour = extremum.kind === "minimum" ? "var(--positive)" : "var(--negative)";
-      const dot = element("circle", {
-        cx: x(extremum.value), cy: y(this.ends.get(extremum.vertex)!), r: isChosen ? 5 : 2,
-        fill: colour, "fill-opacity": isChosen ? 1 : 0.35, stroke: isChosen ? "var(--ink)" : "none",
-      });
-      dot.append(element("title", {}, `${extremum.kind} at vertex ${extremum.vertex}: persistence ${extremum.persistence.toFixed(3)}`));
-      svg.append(dot);
-    }
-    svg.append(element("text", { x: width - 6, y: height - bottom - 8, "text-anchor": "end" }, "maxima"));
-    svg.append(element("text", { x: left + 8, y: 14 }, "minima"));
+    for (const extremum of this.extrema.slice(0, MOST)) svg.append(this.dot(extremum, { r: 2, "fill-opacity": 0.35 }));
+    svg.append(this.marks);
+    this.mark();
+  }
+
+  private mark(): void {
+    const chosen = this.extrema.filter((extremum) => this.chosen.has(extremum.vertex));
+    this.marks.replaceChildren(...chosen.map((extremum) => this.dot(extremum, { r: 5, stroke: "var(--ink)" })));
+  }
+
+  private dot(extremum: Extremum, how: Record<string, string | number>): SVGElement {
+    const [cx, cy] = this.at(extremum);
+    const dot = element("circle", { cx, cy, fill: extremum.kind === "minimum" ? "var(--positive)" : "var(--negative)", ...how });
+    dot.append(element("title", {}, `${extremum.kind} at vertex ${extremum.vertex}: persistence ${extremum.persistence.toFixed(3)}`));
+    return dot;
   }
 }

@@ -88,7 +88,10 @@ export function cornerColours(mode: Mode, surface: Surface, map: UvMap | null): 
     const value = mode === "factor" ? factor[triangles[corner]] : mode === "area" ? map!.logArea[t] : map!.stretch[t];
     return table[Math.round(255 * Math.min(Math.max(found.place(value) || 0, 0), 1))];
   };
-  for (let corner = 0; corner < triangles.length; corner++) colours.set(of(corner), 3 * corner);
+  for (let corner = 0; corner < triangles.length; corner++) {
+    const colour = of(corner);
+    for (let i = 0; i < 3; i++) colours[3 * corner + i] = colour[i];
+  }
   return colours;
 }
 

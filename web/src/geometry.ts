@@ -27,20 +27,23 @@ export function cornerNormals(surface: Surface): Float32Array {
   const face = new Float32Array(triangles.length);
   const vertex = new Float32Array(points.length);
   for (let t = 0; t < triangles.length; t += 3) {
-    const [a, b, c] = [3 * triangles[t], 3 * triangles[t + 1], 3 * triangles[t + 2]];
-    const [ux, uy, uz] = [points[b] - points[a], points[b + 1] - points[a + 1], points[b + 2] - points[a + 2]];
-    const [vx, vy, vz] = [points[c] - points[a], points[c + 1] - points[a + 1], points[c + 2] - points[a + 2]];
-    const normal = [uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx];
+    const a = 3 * triangles[t], b = 3 * triangles[t + 1], c = 3 * triangles[t + 2];
+    const ux = points[b] - points[a], uy = points[b + 1] - points[a + 1], uz = points[b + 2] - points[a + 2];
+    const vx = points[c] - points[a], vy = points[c + 1] - points[a + 1], vz = points[c + 2] - points[a + 2];
+    face[t] = uy * vz - uz * vy;
+    face[t + 1] = uz * vx - ux * vz;
+    face[t + 2] = ux * vy - uy * vx;
     for (let i = 0; i < 3; i++) {
-      face[t + i] = normal[i];
-      for (const v of [a, b, c]) vertex[v + i] += normal[i];
+      vertex[a + i] += face[t + i];
+      vertex[b + i] += face[t + i];
+      vertex[c + i] += face[t + i];
     }
   }
   normalise(face);
   normalise(vertex);
   const normals = new Float32Array(3 * triangles.length);
   for (let corner = 0; corner < triangles.length; corner++) {
-    const [f, v] = [corner - (corner % 3), 3 * triangles[corner]];
+    const f = corner - (corner % 3), v = 3 * triangles[corner];
     const cosine = face[f] * vertex[v] + face[f + 1] * vertex[v + 1] + face[f + 2] * vertex[v + 2];
     for (let i = 0; i < 3; i++) normals[3 * corner + i] = cosine > 0.75 ? vertex[v + i] : face[f + i];
   }
@@ -49,17 +52,24 @@ export function cornerNormals(surface: Surface): Float32Array {
 
 function normalise(vectors: Float32Array): void {
   for (let k = 0; k < vectors.length; k += 3) {
-    const length = Math.hypot(vectors[k], vectors[k + 1], vectors[k + 2]) || 1;
+    const x = vectors[k], y = vectors[k + 1], z = vectors[k + 2];
+    const length = Math.sqrt(x * x + y * y + z * z) || 1;
     for (let i = 0; i < 3; i++) vectors[k + i] /= length;
   }
 }
 
 /** The corners from which edges with one triangle go on around it. */
-export function boundary(surface: Surface, corners: Corners): number[] {
-  const { triangles } = surface;
+export function boundary({ triangles }: Surface, { start, corner }: Corners): number[] {
   const found = [];
-  for (let corner = 0; corner < triangles.length; corner++) {
-    if (sides(triangles, corners, triangles[corner], triangles[follow(corner)]).length === 1) found.push(corner);
+  for (let c = 0; c < triangles.length; c++) {
+    const [a, b] = [triangles[c], triangles[follow(c)]];
+    let count = 0;
+    for (let k = start[a]; k < start[a + 1]; k++) {
+      const after = follow(corner[k]);
+      if (triangles[after] === b) count++;
+      if (triangles[follow(after)] === b) count++;
+    }
+    if (count === 1) found.push(c);
   }
   return found;
 }
@@ -94,7 +104,7 @@ export function hitSurface(surface: Surface, origin: Vec3, direction: Vec3): Pla
   let nearest = Infinity;
   let place: Place | null = null;
   for (let t = 0; t < triangles.length; t += 3) {
-    const [a, b, c] = [3 * triangles[t], 3 * triangles[t + 1], 3 * triangles[t + 2]];
+    const a = 3 * triangles[t], b = 3 * triangles[t + 1], c = 3 * triangles[t + 2];
     const ax = points[a], ay = points[a + 1], az = points[a + 2];
     const ux = points[b] - ax, uy = points[b + 1] - ay, uz = points[b + 2] - az;
     const vx = points[c] - ax, vy = points[c + 1] - ay, vz = points[c + 2] - az;
@@ -155,10 +165,10 @@ export class MapGrid {
     const { uv } = this;
     for (let t = 0; t < uv.length / 6; t++) {
       const k = 6 * t;
-      const [x0, x1] = [Math.min(uv[k], uv[k + 2], uv[k + 4]), Math.max(uv[k], uv[k + 2], uv[k + 4])];
-      const [y0, y1] = [Math.min(uv[k + 1], uv[k + 3], uv[k + 5]), Math.max(uv[k + 1], uv[k + 3], uv[k + 5])];
-      for (let j = this.cell(y0, 1); j <= this.cell(y1, 1); j++) {
-        for (let i = this.cell(x0, 0); i <= this.cell(x1, 0); i++) see(i + this.cells * j, t);
+      const left = this.cell(Math.min(uv[k], uv[k + 2], uv[k + 4]), 0), right = this.cell(Math.max(uv[k], uv[k + 2], uv[k + 4]), 0);
+      const low = this.cell(Math.min(uv[k + 1], uv[k + 3], uv[k + 5]), 1), high = this.cell(Math.max(uv[k + 1], uv[k + 3], uv[k + 5]), 1);
+      for (let j = low; j <= high; j++) {
+        for (let i = left; i <= right; i++) see(i + this.cells * j, t);
       }
     }
   }

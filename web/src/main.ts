@@ -100,6 +100,7 @@ class App {
     this.learn();
     this.foresee();
     clearTimeout(this.waiting);
+    byId("atlas").classList.add("stale");
     page.status("computing the map …", "busy");
     const begin = () => void this.ask(serial, signal);
     this.waiting = window.setTimeout(begin, this.map ? PATIENCE : 0);
@@ -155,13 +156,13 @@ class App {
   private takeMap(map: UvMap, question: Question): void {
     this.map = map;
     const isNear = !this.source.isLive && question.n !== null && map.cones.length !== question.n;
-    if (question.n === null && !question.given) this.question.n = map.cones.length;
-    this.mapOf = JSON.stringify(this.question);
+    this.mapOf = JSON.stringify(question);
     if (!isNear) {
       this.cones = map.cones;
       if (!question.given) this.measuredHere().set(map.cones.length, map.meta.distortion.area_mean);
       this.view?.showSeams(map.seams);
     }
+    byId("atlas").classList.remove("stale");
     const extent = geometry.extent(map.uv);
     this.grid = new geometry.MapGrid(map.uv, extent);
     const squares = checkerSquares(map.uv);
@@ -195,6 +196,12 @@ class App {
     return JSON.stringify([method, angles]);
   }
 
+  /** How many cones there are: where no number was chosen, those of the map, or those that are foreseen. */
+  private count(): number {
+    const { n, given } = this.question;
+    return given?.length ?? n ?? (this.cones.length || this.surface.least);
+  }
+
   private measuredHere(): Map<number, number> {
     const key = this.methodKey();
     const here = this.measured.get(key) ?? new Map<number, number>();
@@ -224,10 +231,9 @@ class App {
 
   private showCurve(): void {
     const foreseen = this.foreseen();
-    const { n, given } = this.question;
-    this.curve.show(foreseen?.levels ?? [], this.measuredHere(), given?.length ?? n ?? 0, this.surface.most);
+    this.curve.show(foreseen?.levels ?? [], this.measuredHere(), this.count(), this.surface.most);
     this.diagram.show(foreseen?.extrema ?? [], this.cones.map(({ vertex }) => vertex));
-    if (!given) this.predicted ??= this.level()?.predicted_area ?? null;
+    if (!this.question.given) this.predicted ??= this.level()?.predicted_area ?? null;
     page.numbers(this.mapIsOf(this.question) || !this.source.isLive ? this.map : null, this.predicted);
   }
 
@@ -239,8 +245,8 @@ class App {
   }
 
   private showControls(): void {
-    const { n, given, method, angles } = this.question;
-    const count = given?.length ?? n ?? this.surface.least;
+    const { given, method, angles } = this.question;
+    const count = this.count();
     for (const id of ["slider", "count"]) {
       const input = byId<HTMLInputElement>(id);
       [input.min, input.max] = [String(this.surface.least), String(this.surface.most)];
@@ -255,8 +261,8 @@ class App {
   private colour(mode: Mode): void {
     this.mode = mode;
     this.pressMode(mode);
-    const tint = cornerColours(mode, this.surface, this.map);
     const isChecker = mode === "checker" && this.map !== null;
+    const tint = isChecker ? new Uint8Array() : cornerColours(mode, this.surface, this.map);
     this.view?.colour(tint, isChecker);
     this.atlas.colour(tint, isChecker);
     page.legend(mode, scale(mode, this.surface), this.map?.meta.islands ?? null);
@@ -319,7 +325,7 @@ class App {
     const isLive = this.source.isLive;
     document.body.classList.toggle("file", !isLive);
     method.disabled = byId<HTMLSelectElement>("angles").disabled = !isLive;
-    method.addEventListener("change", () => this.choose({ method: method.value, given: null, n: this.question.n ?? this.cones.length }));
+    method.addEventListener("change", () => this.choose({ method: method.value, given: null, n: this.question.given ? this.cones.length : this.question.n }));
     byId("angles").addEventListener("change", () => this.choose({ angles: byId<HTMLSelectElement>("angles").value, given: this.withoutCurvatures() }));
     byId("undo").addEventListener("click", () => this.go(this.history.undo(this.question)));
     byId("redo").addEventListener("click", () => this.go(this.history.redo(this.question)));
@@ -396,6 +402,10 @@ class App {
     } else if ((event.ctrlKey || event.metaKey) && event.key === "y") {
       event.preventDefault();
       this.go(this.history.redo(this.question));
+    } else if (event.key === "Escape") {
+      this.selected = null;
+      this.mark(null, null);
+      this.showCones();
     } else if (isTyping || event.ctrlKey || event.metaKey || event.altKey || !this.source.isLive) return;
     else if (event.key === "e" && !(event.target instanceof HTMLSelectElement)) this.edit(!this.isEditing);
     else if (event.key === "Delete" && this.selected !== null) this.remove();

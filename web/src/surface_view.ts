@@ -28,7 +28,7 @@ export class SurfaceView {
     this.stage = new Stage(element, canvas, new PerspectiveCamera(32, 1, 0.01, 50), true);
     const { points, triangles } = surface;
     const position = new Float32Array(3 * triangles.length);
-    triangles.forEach((v, corner) => position.set(points.subarray(3 * v, 3 * v + 3), 3 * corner));
+    for (let k = 0; k < position.length; k++) position[k] = points[3 * triangles[(k - (k % 3)) / 3] + (k % 3)];
     this.geometry.setAttribute("position", new BufferAttribute(position, 3));
     this.geometry.setAttribute("normal", new BufferAttribute(cornerNormals(surface), 3));
     this.geometry.setAttribute("tint", new BufferAttribute(new Uint8Array(3 * triangles.length), 3, true));
@@ -38,7 +38,10 @@ export class SurfaceView {
     this.stage.scene.add(mesh, new HemisphereLight(0xffffff, 0x9aa0aa, 3));
     const size = [0, 1, 2].map((i) => {
       let [low, high] = [Infinity, -Infinity];
-      for (let k = i; k < position.length; k += 3) [low, high] = [Math.min(low, position[k]), Math.max(high, position[k])];
+      for (let k = i; k < position.length; k += 3) {
+        low = Math.min(low, position[k]);
+        high = Math.max(high, position[k]);
+      }
       return high - low;
     });
     this.radius = 0.5 * Math.hypot(...size);
@@ -70,7 +73,7 @@ export class SurfaceView {
   }
 
   colour(tint: Uint8Array, isChecker: boolean): void {
-    this.replace("tint", tint);
+    if (!isChecker) this.replace("tint", tint);
     this.material.uniforms.isChecker.value = isChecker;
     this.stage.draw();
   }

@@ -31,6 +31,11 @@ async function open(browser, url, how = {}) {
 const maps = (page) => page.evaluate(() => Number(document.body.dataset.maps ?? 0));
 const state = (page) => page.textContent("#state");
 
+/** Waits for the first map of a page. */
+async function firstMap(page) {
+  await page.waitForFunction(() => Number(document.body.dataset.maps ?? 0) > 0, null, { timeout: 60_000 });
+}
+
 /** Does something and waits for the exact map of it. */
 async function afterMap(page, act) {
   const before = await maps(page);
@@ -218,9 +223,10 @@ try {
     await picture(page, "desk-paper");
   });
   await test("a reload begins anew, several windows at once", async () => {
-    await afterMap(page, () => page.reload());
+    await page.reload();
+    await firstMap(page);
     const other = await open(browser, url);
-    await afterMap(other, async () => {});
+    await firstMap(other);
     assert.equal(await other.inputValue("#count"), "8");
     await other.context().close();
   });
@@ -261,7 +267,7 @@ try {
     for (const colorScheme of ["light", "dark"]) {
       await test(`nothing is cut off or covered: ${name}, ${colorScheme}`, async () => {
         const other = await open(browser, url, { viewport, colorScheme });
-        await afterMap(other, async () => {});
+        await firstMap(other);
         assert.deepEqual(await flaws(other), []);
         await other.click("[data-mode=area]");
         assert.deepEqual(await flaws(other), []);
@@ -287,7 +293,7 @@ try {
     file.on("console", (message) => message.type() === "error" && complaints.push(message.text()));
     file.on("pageerror", (error) => complaints.push(error.message));
     await file.goto(`file://${report}`);
-    await afterMap(file, async () => {});
+    await firstMap(file);
     assert.equal(await file.inputValue("#count"), "9");
     assert.equal(await file.locator("#cones li").count(), 9);
     assert.ok((await seen(file, "#atlas canvas")) > 8, "the map is drawn");
@@ -311,7 +317,7 @@ const plain = await chromium.launch({ executablePath, headless: true, args: [...
 try {
   await test("without WebGL the map is shown, and it is said why the surface is not", async () => {
     const page = await open(plain, url);
-    await afterMap(page, async () => {});
+    await firstMap(page);
     assert.match(await page.textContent("#surface .message"), /no WebGL/);
     assert.ok((await seen(page, "#atlas canvas")) > 8, "the map is drawn");
     const box = await page.locator("#atlas canvas").boundingBox();
