@@ -85,10 +85,10 @@ export class CurveChart extends Chart {
     const isRoomy = (d: number, k: number) => k === 0 || y(ticks[k - 1]) - y(d) > 13;
     const numbers = [1, 0.25, 0.5, 0.75].map((share, k) => (k ? Math.round(share * this.most) : this.most));
     this.axes(svg, numbers.map((n) => [x(n), String(n)]), ticks.filter(isRoomy).map((d) => [y(d), String(d)]));
-    svg.append(element("line", { x1: x(this.chosen), x2: x(this.chosen), y1: 4, y2: height - bottom, stroke: "var(--accent)", "stroke-dasharray": "3 3" }));
+    if (this.chosen <= this.most) svg.append(element("line", { x1: x(this.chosen), x2: x(this.chosen), y1: 4, y2: height - bottom, stroke: "var(--accent)", "stroke-dasharray": "3 3" }));
     const points = this.curve.map(({ n, predicted_area }) => `${x(n)},${y(predicted_area)}`).join(" ");
     svg.append(element("polyline", { points, fill: "none", stroke: "var(--accent)", "stroke-width": 2 }));
-    for (const [n, d] of this.measured) {
+    for (const [n, d] of [...this.measured].filter(([n]) => n <= this.most)) {
       const dot = element("circle", { cx: x(n), cy: y(d), r: n === this.chosen ? 5 : 3, fill: "var(--ink)" });
       dot.append(element("title", {}, `${n} cones: measured ${d.toFixed(3)}`));
       svg.append(dot);

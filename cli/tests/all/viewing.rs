@@ -85,7 +85,9 @@ fn the_page_the_surface_cones_maps_and_files_are_served() {
     let viewer = Viewer::new();
     assert!(viewer.serves_the_page());
     let page = viewer.get("").head.to_lowercase();
-    for header in ["content-security-policy: default-src 'none'", "cache-control: no-store", "referrer-policy: no-referrer"] {
+    for header in
+        ["content-security-policy: default-src 'none'", "cache-control: no-store", "referrer-policy: no-referrer"]
+    {
         assert!(page.contains(header), "{page}");
     }
     let surface = viewer.get("surface");
@@ -148,10 +150,24 @@ fn strangers_are_refused() {
 #[test]
 fn unclear_and_oversized_questions_are_refused_with_a_reason() {
     let viewer = Viewer::new();
-    for wrong in ["{", "[]", "\"n\"", r#"{"n":-1}"#, r#"{"n":1000}"#, r#"{"m":1}"#, r#"{"method":"magic"}"#, &"[".repeat(100_000)] {
+    for wrong in [
+        "{",
+        "[]",
+        "\"n\"",
+        r#"{"n":-1}"#,
+        r#"{"n":1000}"#,
+        r#"{"m":1}"#,
+        r#"{"method":"magic"}"#,
+        &"[".repeat(100_000),
+    ] {
         assert_eq!(viewer.post("map", wrong).status, 400, "{}", &wrong[..wrong.len().min(40)]);
     }
-    for impossible in [r#"{"given":[[99999999,null]]}"#, r#"{"given":[[1,null],[1,null]]}"#, r#"{"given":[[1,1.0]]}"#, r#"{"given":[]}"#] {
+    for impossible in [
+        r#"{"given":[[99999999,null]]}"#,
+        r#"{"given":[[1,null],[1,null]]}"#,
+        r#"{"given":[[1,1.0]]}"#,
+        r#"{"given":[]}"#,
+    ] {
         let answer = viewer.post("map", impossible);
         assert_eq!(answer.status, 422, "{impossible}");
         assert!(answer.body.len() > 10, "it says why");
@@ -177,7 +193,13 @@ fn ten_thousand_requests_of_junk_change_nothing() {
         let mut junk: Vec<u8> = match k % 4 {
             0 => Vec::new(),
             1 => b"GET / HTTP/1.1\r\n".to_vec(),
-            2 => format!("POST /{}/map HTTP/1.1\r\n{}Content-Length: {}\r\n\r\n", viewer.token, viewer.own(), next() % 60).into(),
+            2 => format!(
+                "POST /{}/map HTTP/1.1\r\n{}Content-Length: {}\r\n\r\n",
+                viewer.token,
+                viewer.own(),
+                next() % 60
+            )
+            .into(),
             _ => format!("GET /{}/\r\n", viewer.token).into(),
         };
         junk.extend((0..next() % 80).map(|_| next() as u8));
@@ -230,7 +252,8 @@ fn a_report_for_the_browser_has_everything_inside() {
     let folder = Folder::with_shapes();
     folder.run(&["unwrap", "hare.obj", "-n", "7", "-o", "out.obj", "--report", "report.html"]).success();
     let page = folder.read("report.html");
-    let (_, data) = page.split_once("<script id=\"data\" type=\"application/octet-stream\">").expect("it has a place for data");
+    let (_, data) =
+        page.split_once("<script id=\"data\" type=\"application/octet-stream\">").expect("it has a place for data");
     let (data, _) = data.split_once("</script>").expect("that ends");
     assert!(data.len() > 10_000 && data.bytes().all(|byte| byte.is_ascii_alphanumeric() || b"+/=".contains(&byte)));
     assert!(page.len() < 2_000_000, "{}", page.len());

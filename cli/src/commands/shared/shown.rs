@@ -58,6 +58,13 @@ impl<'a> Subject<'a> {
         self.path.file_name().unwrap_or(self.path.as_os_str()).to_string_lossy().into_owned()
     }
 
+    /// How many cones the page shows at most: as many as are optimised, for several parts as many more than these need.
+    pub(crate) fn most(&self) -> usize {
+        let least = self.analysis.least_cones();
+        let begin = if self.analysis.topology().components > 1 { least } else { 0 };
+        (begin + MOST_OPTIMISED).max(least)
+    }
+
     /// What is drawn of the surface.
     pub(crate) fn surface(&self) -> page::Surface {
         let used = || self.vertices.iter().flatten().map(|&v| self.model.points()[v as usize]);
@@ -84,7 +91,7 @@ impl<'a> Subject<'a> {
             "name": self.name(),
             "topology": topology,
             "least": self.analysis.least_cones(),
-            "most": MOST_OPTIMISED.max(self.analysis.least_cones()),
+            "most": self.most(),
             "methods": methods,
             "chosen": chosen,
             "warnings": warnings(self.analysis.notes(), topology.components),
@@ -98,7 +105,7 @@ impl<'a> Subject<'a> {
     /// If the observer has said stop.
     pub(crate) fn foreseen(&self, placement: Placement, rule: CurvatureRule) -> Result<Foreseen, cones::Error> {
         let (analysis, least) = (&self.analysis, self.analysis.least_cones());
-        let most = MOST_OPTIMISED.max(least);
+        let most = self.most();
         if matches!(placement, Placement::Refined | Placement::Pursuit) {
             let mut levels = Vec::new();
             for n in least.max(1)..=most {
@@ -110,7 +117,7 @@ impl<'a> Subject<'a> {
             }
             return Ok(Foreseen { extrema: analysis.extrema(), levels });
         }
-        let order = analysis.order(placement, rule, MOST_OPTIMISED)?;
+        let order = analysis.order(placement, rule, most)?;
         let first = |n: usize| order.cones.iter().take(n).map(|cone| (cone.vertex, cone.curvature)).collect();
         let level = |point: &cones::Prediction| {
             let (n, predicted_area) = (point.count, point.area_distortion);

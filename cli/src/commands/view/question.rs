@@ -1,6 +1,6 @@
 //! What the page asks for, as JSON.
 
-use cones::{ConeChoice, CurvatureRule, MOST_OPTIMISED, Options, Placement};
+use cones::{ConeChoice, CurvatureRule, Options, Placement};
 use serde::Deserialize;
 
 /// A question about cones or their map.
@@ -34,12 +34,12 @@ impl Question {
         self.angles.unwrap_or_default()
     }
 
-    /// The library's options; `base` has what the page does not choose.
-    pub(super) fn options(&self, base: &Options, least: usize) -> Result<Options, Unclear> {
+    /// The library's options for at most so many cones; `base` has what the page does not choose.
+    pub(super) fn options(&self, base: &Options, most: usize) -> Result<Options, Unclear> {
         let cones = match (&self.given, self.n) {
             (Some(given), _) => ConeChoice::Given(given.clone()),
             (None, None) => ConeChoice::Automatic,
-            (None, Some(n)) if n <= MOST_OPTIMISED.max(least) => ConeChoice::Count(n),
+            (None, Some(n)) if n <= most => ConeChoice::Count(n),
             (None, Some(n)) => return Err(format!("{n} cones are more than the page shows")),
         };
         // The refactoring baseline takes a factorization for each cone.
@@ -57,7 +57,7 @@ mod tests {
 
     #[test]
     fn questions_are_read_or_refused_with_a_reason() {
-        let options = |text: &str| Question::parse(text.as_bytes())?.options(&Options::default(), 3);
+        let options = |text: &str| Question::parse(text.as_bytes())?.options(&Options::default(), 64);
         let asked = options(r#"{"tab":"a","serial":3,"n":8,"method":"pursuit","angles":"harmonic"}"#).unwrap();
         assert_eq!((asked.cones, asked.placement), (ConeChoice::Count(8), Placement::Pursuit));
         assert_eq!(options("{}").unwrap().cones, ConeChoice::Automatic);

@@ -75,7 +75,7 @@ impl<'a> Session<'a> {
     /// at hand when the slider moves.
     fn foreseen(&self, question: &Question) -> Answer {
         let (placement, rule) =
-            (question.options(&self.subject.options, 0).map_err(unclear)?.placement, question.rule());
+            (question.options(&self.subject.options, self.subject.most()).map_err(unclear)?.placement, question.rule());
         let foreseen = self.quick.install(|| self.subject.foreseen(placement, rule));
         Ok(to_json(&json!(foreseen.map_err(|error| cannot(&error))?)))
     }
@@ -160,7 +160,7 @@ impl<'a> Session<'a> {
     }
 
     fn options(&self, question: &Question) -> Result<Options, Response> {
-        question.options(&self.subject.options, self.subject.analysis.least_cones()).map_err(unclear)
+        question.options(&self.subject.options, self.subject.most()).map_err(unclear)
     }
 }
 
