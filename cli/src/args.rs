@@ -1,7 +1,7 @@
 //! The command line: what may be asked for, and nothing that is not built.
 
 use crate::commands::{
-    compare, completions, demo, extract, features, islands, man, measure, pack, persistence, shape, unwrap,
+    compare, completions, demo, extract, features, islands, man, measure, pack, persistence, shape, unwrap, view,
 };
 use crate::output::Volume;
 use clap::Parser;
@@ -53,6 +53,8 @@ pub(crate) enum Subcommand {
     Persistence(persistence::PersistenceArgs),
     /// Find the feature points of a surface: the persistent extrema of a field on it
     Features(features::FeaturesArgs),
+    /// See a surface and its maps in the browser, for any number of cones
+    View(view::ViewArgs),
     /// Write one of the built-in shapes
     Shape(shape::ShapeArgs),
     /// Unwrap some built-in shapes into a folder, with pictures

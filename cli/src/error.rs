@@ -79,6 +79,12 @@ pub(crate) enum CommandError {
     SomeFailed { failed: usize, count: usize },
     #[error("{}: the program has a fault, and stopped on this surface", .0.display())]
     Fault(PathBuf),
+    #[error("port {port} of this machine cannot be listened at: name another with --port, or none")]
+    Listen { port: u16, source: io::Error },
+    #[error("a thread to answer the browser with cannot be started")]
+    Threads(#[source] io::Error),
+    #[error("the system has no random number for the page's address")]
+    Random,
     #[error("standard output cannot be written")]
     Stdout(#[source] io::Error),
 }

@@ -9,6 +9,7 @@ mod error;
 mod input;
 mod limits;
 mod output;
+mod page;
 mod progress;
 mod render;
 mod report;
@@ -16,7 +17,7 @@ mod report;
 use args::{Arguments, Subcommand};
 use clap::{CommandFactory, Parser};
 use commands::{
-    compare, completions, demo, extract, features, islands, man, measure, pack, persistence, shape, unwrap,
+    compare, completions, demo, extract, features, islands, man, measure, pack, persistence, shape, unwrap, view,
 };
 use error::CommandError;
 use std::process::ExitCode;
@@ -48,6 +49,7 @@ fn run(command: &Subcommand) -> Result<(), CommandError> {
         Subcommand::Persistence(args) => persistence::run(args),
         Subcommand::Features(args) => features::run(args),
         Subcommand::Shape(args) => shape::run(args),
+        Subcommand::View(args) => view::run(args),
         Subcommand::Demo(args) => demo::run(args),
         Subcommand::Completions(args) => completions::run(args, Arguments::command()),
         Subcommand::Man(args) => man::run(args, Arguments::command()),

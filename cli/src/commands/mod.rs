@@ -12,5 +12,6 @@ pub(crate) mod pack;
 pub(crate) mod persistence;
 pub(crate) mod shape;
 pub(crate) mod unwrap;
+pub(crate) mod view;
 
 mod shared;

@@ -3,7 +3,7 @@
 mod many;
 
 use crate::commands::shared::{
-    CandidateArgs, CheckerFiles, FormatName, PackArgs, Scale, SeamArgs, SurfaceFile, Unwrapped, non_negative,
+    CandidateArgs, CheckerFiles, FormatName, PackArgs, Scale, SeamArgs, SurfaceFile, Unwrapped, non_negative, page_file,
 };
 use crate::error::CommandError;
 use crate::input::{self, cone_file};
@@ -54,7 +54,7 @@ pub(crate) struct UnwrapArgs {
     /// Write the triangles that were computed with in place of the input's polygons
     #[arg(long)]
     triangulate: bool,
-    /// Write a report: .json
+    /// Write a report: .json, or .html with surface, maps and cones to see in a browser
     #[arg(long, value_name = "FILE")]
     report: Option<PathBuf>,
     /// Write the cones and their curvatures, as --cones reads them
@@ -129,9 +129,12 @@ fn run_one(args: &UnwrapArgs, output: &Path) -> Result<(), CommandError> {
     write_extras(args, input, &unwrapped)?;
     let write = times.write.map(|write| write + start.elapsed().as_secs_f64());
     let draw = draw(args, &unwrapped, &progress)?;
+    if let Some(path) = args.page()? {
+        output::write_text(path, &page_file::html(input, &unwrapped, &progress)?)?;
+    }
     let total = Some(began.elapsed().as_secs_f64());
     let report = unwrapped.report(input, Times { write, draw, total, ..times });
-    if let Some(path) = &args.report {
+    if let (Some(path), None) = (&args.report, args.page()?) {
         output::write_json(path, &report)?;
     }
     progress.finish();
@@ -197,7 +200,7 @@ fn options(args: &UnwrapArgs, input: &Path) -> Result<Options, CommandError> {
 fn check_outputs(args: &UnwrapArgs, input: &Path, output: &Path) -> Result<MeshFormat, CommandError> {
     let format = output::surface_format(output, args.format.map(MeshFormat::from))?;
     let endings: [(&Option<_>, &[&str]); 4] = [
-        (&args.report, &["json"]),
+        (&args.report, &["json", "html"]),
         (&args.hierarchy, &["json"]),
         (&args.picture, &["png"]),
         (&args.layout, &["png", "svg"]),
@@ -230,6 +233,12 @@ fn check_checker(args: &UnwrapArgs, output: &Path, format: MeshFormat) -> Result
 }
 
 impl UnwrapArgs {
+    /// The report, if it is one for a browser.
+    fn page(&self) -> Result<Option<&Path>, CommandError> {
+        let Some(path) = &self.report else { return Ok(None) };
+        Ok((output::extension(path, &["json", "html"])? == "html").then_some(path))
+    }
+
     /// The files of the checkerboard, if it is asked for.
     fn checker(&self, output: &Path) -> Option<CheckerFiles> {
         self.checker.then(|| CheckerFiles::beside(output))

@@ -19,6 +19,10 @@ pub(crate) struct Quality {
     pub(crate) first_flaw: Option<usize>,
     /// The triangles that lie over or under another.
     pub(crate) overlapping: Vec<u32>,
+    /// The centred log scale of each triangle.
+    pub(crate) log_scale: Vec<f64>,
+    /// σ₁/σ₂ of each triangle, infinite if it is degenerate.
+    pub(crate) stretch: Vec<f64>,
 }
 
 impl Quality {
@@ -43,6 +47,8 @@ impl Quality {
             overlapping: overlaps.triangles(),
             islands: map.islands.iter().map(IslandReport::from).collect(),
             first_flaw: map.first_flaw.map(Id::index),
+            log_scale: map.triangle_log_scale.to_vec(),
+            stretch: map.triangle_quasi_conformal.to_vec(),
         })
     }
 }

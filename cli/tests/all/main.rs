@@ -16,3 +16,4 @@ mod packing;
 mod seams;
 mod terminal;
 mod unwrapping;
+mod viewing;

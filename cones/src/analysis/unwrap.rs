@@ -111,6 +111,27 @@ impl Analysis {
         self.assemble(flats, own, (cones.number.clone(), cones.quantize), options, &task, times)
     }
 
+    /// The seams that a map with given cones begins with, as chains of vertices of the model: what [`flatten_with`](Self::flatten_with)
+    /// cuts before it knows what folds over or overlaps. A small part of its time.
+    ///
+    /// # Errors
+    /// If the cones are of another analysis, if the surface cannot be cut open, or if the observer has said stop.
+    pub fn seams(&self, cones: &Cones, seams: &SeamOptions) -> Result<Vec<Vec<u32>>, Error> {
+        self.check_own(cones)?;
+        self.check_seams(seams)?;
+        let task = self.task();
+        let mut times = Times::default();
+        let chains = each(self.components(), &mut times, |component, times| {
+            let plan = self.plan(component, seams, &task, times)?;
+            let vertices = &cones.configurations[component.index].vertices;
+            let cut = task.stage((Stage::Cut, component.index), times, |watch| {
+                plan.cut(&component.surface.mesh, vertices, watch)
+            })??;
+            Ok(cut.chains.iter().map(|chain| component.vertices_along(chain)).collect::<Vec<_>>())
+        })?;
+        Ok(chains.concat())
+    }
+
     /// Only this analysis' own cones can be flattened.
     pub(super) fn check_own(&self, cones: &Cones) -> Result<(), Error> {
         if cones.analysis == self.id() { Ok(()) } else { Err(Error::ForeignCones) }

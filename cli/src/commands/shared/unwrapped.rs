@@ -163,7 +163,7 @@ fn kept(atlas: &Atlas) -> Vec<[u32; 3]> {
 }
 
 /// The model's vertices at triangles of its corners.
-fn vertices(model: &Model, triangles: &[[u32; 3]]) -> Vec<[u32; 3]> {
+pub(super) fn vertices(model: &Model, triangles: &[[u32; 3]]) -> Vec<[u32; 3]> {
     triangles.iter().map(|t| t.map(|c| model.corners()[c as usize])).collect()
 }
 
@@ -173,7 +173,7 @@ pub(crate) fn corner_uv(triangles: &[[u32; 3]], uv: &[[f64; 2]]) -> Vec<[[f64; 2
 }
 
 /// The texture coordinates as they are to be written: in the unit square, or from (0, 0) on where that is asked.
-fn scaled(atlas: &Atlas, scale: Scale) -> Vec<[f64; 2]> {
+pub(super) fn scaled(atlas: &Atlas, scale: Scale) -> Vec<[f64; 2]> {
     let (low, _) = extent(atlas.uv.iter().copied());
     let place = |uv: [f64; 2]| -> [f64; 2] {
         match scale {

@@ -1,0 +1,81 @@
+//! A report that opens in a browser: the page with a surface and maps of it inside.
+
+use super::shown::{Chosen, ForeseenLevel, Subject};
+use super::unwrapped::Unwrapped;
+use crate::error::CommandError;
+use crate::page::{Level, Report};
+use crate::progress::Progress;
+use cones::{ConeChoice, Options, SeamOptions};
+use serde_json::{Value, json};
+use std::path::Path;
+
+/// The numbers of cones that maps are stored for, besides the one that was chosen.
+const STORED: [usize; 13] = [3, 4, 5, 6, 8, 10, 12, 16, 20, 24, 32, 48, 64];
+/// Of large surfaces fewer maps are stored, so that the file stays one that browsers open at once: a vertex of a map takes some 9
+/// bytes of it (rabbit, 46,646 vertices).
+const MOST_VERTICES: usize = 1_000_000;
+
+/// The report of an unwrapped surface. Costs a flattening for each of the stored maps.
+pub(crate) fn html(path: &Path, unwrapped: &Unwrapped, progress: &Progress) -> Result<String, CommandError> {
+    progress.step("report");
+    let failed = |error| CommandError::Unwrap { path: path.to_owned(), error };
+    let Unwrapped { model, analysis, options, atlas, .. } = unwrapped;
+    let subject = Subject::new(path, model, analysis.clone(), options.clone());
+    let surface = subject.surface();
+    let report = Report::new(&surface);
+    let foreseen = subject.foreseen(options.placement, options.rule).map_err(failed)?;
+    let chosen = atlas.cones.len();
+    let first = stored_level(&subject, &report, options, chosen)?;
+    let mut levels = vec![first];
+    let room = MOST_VERTICES / model.vertex_count().max(1);
+    let mut numbers: Vec<usize> = STORED.into_iter().filter(|n| *n != chosen && *n >= analysis.least_cones()).collect();
+    // The nearest to what was chosen, where there is no room for all.
+    numbers.sort_by_key(|n| n.abs_diff(chosen));
+    numbers.truncate(room);
+    for &n in &numbers {
+        let options = Options { cones: ConeChoice::Count(n), ..options.clone() };
+        // Where so many cones make no map there is none in the report either.
+        levels.extend(stored_level(&subject, &report, &options, n).ok());
+    }
+    for foreseen in &foreseen.levels {
+        if foreseen.n != chosen && !levels.iter().any(|level| level.meta["n"] == foreseen.n) {
+            levels.extend(level(&subject, options, foreseen).ok());
+        }
+    }
+    levels.sort_by_key(|level| level.meta["n"].as_u64());
+    let meta = subject.meta(&Chosen::new(Some(chosen), options.placement, options.rule));
+    report
+        .html(&meta, &json!(foreseen), &levels)
+        .map_err(|source| CommandError::WriteFile { path: path.to_owned(), source })
+}
+
+/// A number of cones with its map.
+fn stored_level(subject: &Subject, report: &Report, options: &Options, n: usize) -> Result<Level, CommandError> {
+    let shown = subject.map(&subject.analysis, options)?;
+    let map = subject.drawn(&shown);
+    let meta = json!({
+        "n": n,
+        "cones": places(shown.atlas.cones.iter()),
+        "predicted": null,
+        "map": subject.map_meta(&shown, options),
+    });
+    Ok(Level { meta, map: Some(report.pack(&map)), seams: map.seams })
+}
+
+/// Cones that are foreseen, with the seams that their map begins with; these are the shortest, and not yet straight.
+fn level(subject: &Subject, options: &Options, foreseen: &ForeseenLevel) -> Result<Level, cones::Error> {
+    let vertices: Vec<u32> = foreseen.cones.iter().map(|&(vertex, _)| vertex).collect();
+    let cones = subject.analysis.given(&vertices, options.rule)?;
+    let seams = subject.analysis.seams(&cones, &SeamOptions { weight: 0.0, ..options.seams.clone() })?;
+    let meta = json!({
+        "n": foreseen.n,
+        "cones": places(cones.iter()),
+        "predicted": cones.prediction().area_distortion,
+        "map": null,
+    });
+    Ok(Level { meta, seams, map: None })
+}
+
+fn places<'a>(cones: impl Iterator<Item = &'a cones::Cone>) -> Vec<Value> {
+    cones.map(|cone| json!({ "vertex": cone.vertex, "curvature": cone.curvature })).collect()
+}

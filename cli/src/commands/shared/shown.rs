@@ -1,0 +1,219 @@
+//! A surface to be shown in the page, asked for cones and maps.
+
+use super::unwrapped::{Scale, corner_uv, scaled, vertices};
+use super::welded::welded;
+use crate::error::CommandError;
+use crate::page;
+use crate::render::extent;
+use crate::report::{Quality, SCHEMA, Times, angles_name, warnings};
+use cones::{Analysis, Atlas, CurvatureRule, MOST_OPTIMISED, ModelExtremum, Options, Placement};
+use geom::{Model, Triangles};
+use serde_json::{Value, json};
+use std::path::{Path, PathBuf};
+
+/// A surface with its analysis, and what is the same for all of its maps.
+#[derive(Debug)]
+pub(crate) struct Subject<'a> {
+    /// How messages call it.
+    path: PathBuf,
+    pub(crate) model: &'a Model,
+    pub(crate) analysis: Analysis,
+    /// What maps have in common: where seams run, what becomes of islands.
+    pub(crate) options: Options,
+    /// The triangles that lie on a surface, by number, by corners, by vertices.
+    triangles: Vec<u32>,
+    corners: Vec<[u32; 3]>,
+    vertices: Vec<[u32; 3]>,
+    /// For each vertex the first at its place, where these are merged.
+    first: Option<Vec<u32>>,
+}
+
+/// A map of a subject.
+#[derive(Debug)]
+pub(crate) struct Shown {
+    pub(crate) atlas: Atlas,
+    /// For each corner of the model, on tiles of unit size.
+    pub(crate) uv: Vec<[f64; 2]>,
+    pub(crate) quality: Quality,
+}
+
+impl<'a> Subject<'a> {
+    /// `model` is the one that maps are of: the refined one, where there is one.
+    pub(crate) fn new(path: &Path, model: &'a Model, analysis: Analysis, options: Options) -> Self {
+        let Triangles { corners: all, .. } = analysis.triangles();
+        let mut is_kept = vec![true; all.len()];
+        analysis.left_out().iter().for_each(|&t| is_kept[t as usize] = false);
+        let triangles: Vec<u32> = (0..).zip(&is_kept).filter_map(|(t, kept)| kept.then_some(t)).collect();
+        let corners: Vec<[u32; 3]> = triangles.iter().map(|&t| all[t as usize]).collect();
+        let first = options.preparation.weld.then(|| welded(model));
+        let mut vertices = vertices(model, &corners);
+        if let Some(first) = &first {
+            vertices.iter_mut().flatten().for_each(|v| *v = first[*v as usize]);
+        }
+        Self { path: path.to_owned(), model, analysis, options, triangles, corners, vertices, first }
+    }
+
+    /// The name of its file.
+    pub(crate) fn name(&self) -> String {
+        self.path.file_name().unwrap_or(self.path.as_os_str()).to_string_lossy().into_owned()
+    }
+
+    /// How many cones the page shows at most: as many as are optimised, for several parts as many more than these need.
+    pub(crate) fn most(&self) -> usize {
+        let least = self.analysis.least_cones();
+        let begin = if self.analysis.topology().components > 1 { least } else { 0 };
+        (begin + MOST_OPTIMISED).max(least)
+    }
+
+    /// What is drawn of the surface.
+    pub(crate) fn surface(&self) -> page::Surface {
+        let used = || self.vertices.iter().flatten().map(|&v| self.model.points()[v as usize]);
+        let (low, size) = extent(used());
+        let high = used().fold(low, |high, p| std::array::from_fn(|i| f64::max(high[i], p[i])));
+        let place = |p: &[f64; 3]| std::array::from_fn(|i| ((p[i] - 0.5 * (low[i] + high[i])) / size) as f32);
+        let number = |x: f64| if x.is_finite() { x as f32 } else { 0.0 };
+        page::Surface {
+            points: self.model.points().iter().map(place).collect(),
+            triangles: self.vertices.clone(),
+            factor: self.analysis.conformal_factor().into_iter().map(number).collect(),
+        }
+    }
+
+    /// What the page says of the surface.
+    pub(crate) fn meta(&self, chosen: &Chosen) -> Value {
+        let methods = Placement::ALL.iter().filter(|placement| **placement != Placement::Refactoring);
+        let methods: Vec<Value> = methods
+            .map(|placement| json!({ "name": placement.name(), "description": placement.description() }))
+            .collect();
+        let topology = self.analysis.topology();
+        json!({
+            "schema": SCHEMA,
+            "name": self.name(),
+            "topology": topology,
+            "least": self.analysis.least_cones(),
+            "most": self.most(),
+            "methods": methods,
+            "chosen": chosen,
+            "warnings": warnings(self.analysis.notes(), topology.components),
+        })
+    }
+
+    /// What is known of a method's cones before they are flattened. Where it has no order of its own, or one that takes long, they are
+    /// those of a preview; all others are nested.
+    ///
+    /// # Errors
+    /// If the observer has said stop.
+    pub(crate) fn foreseen(&self, placement: Placement, rule: CurvatureRule) -> Result<Foreseen, cones::Error> {
+        let (analysis, least) = (&self.analysis, self.analysis.least_cones());
+        let most = self.most();
+        if matches!(placement, Placement::Refined | Placement::Pursuit) {
+            let mut levels = Vec::new();
+            for n in least.max(1)..=most {
+                let preview = analysis.preview(n)?;
+                if preview.cones.len() == n {
+                    let cones = preview.cones.iter().map(|cone| (cone.vertex, Some(cone.curvature))).collect();
+                    levels.push(ForeseenLevel { n, cones, predicted_area: preview.prediction.area_distortion });
+                }
+            }
+            return Ok(Foreseen { extrema: analysis.extrema(), levels });
+        }
+        let order = analysis.order(placement, rule, most)?;
+        let first = |n: usize| order.cones.iter().take(n).map(|cone| (cone.vertex, cone.curvature)).collect();
+        let level = |point: &cones::Prediction| {
+            let (n, predicted_area) = (point.count, point.area_distortion);
+            ForeseenLevel { n, cones: first(n), predicted_area }
+        };
+        let levels = order.curve.iter().filter(|point| point.count <= most).map(level).collect();
+        Ok(Foreseen { extrema: order.extrema, levels })
+    }
+
+    /// Unwraps it as far as the page shows it, with cones chosen or given by the options.
+    ///
+    /// # Errors
+    /// As [`Analysis::atlas`], and if the map cannot be measured.
+    pub(crate) fn map(&self, analysis: &Analysis, options: &Options) -> Result<Shown, CommandError> {
+        let atlas = analysis.atlas(options).map_err(|error| CommandError::Unwrap { path: self.path.clone(), error })?;
+        let uv = scaled(&atlas, Scale::Unit);
+        let mut cones: Vec<u32> = atlas.cones.iter().map(|cone| cone.vertex).collect();
+        if let Some(first) = &self.first {
+            cones.iter_mut().for_each(|v| *v = first[*v as usize]);
+        }
+        let corners = corner_uv(&self.corners, &uv);
+        let quality = Quality::measure(self.model.points(), &self.vertices, &corners, Some(&cones))
+            .map_err(|error| CommandError::Measure { path: self.path.clone(), error })?;
+        Ok(Shown { atlas, uv, quality })
+    }
+
+    /// What is drawn of a map.
+    pub(crate) fn drawn(&self, shown: &Shown) -> page::Map {
+        let Shown { atlas, uv, quality } = shown;
+        let narrow = |p: [f64; 2]| p.map(|x| x as f32);
+        let area = |t: &[u32; 3]| {
+            let [a, b, c] = t.map(|v| self.model.points()[v as usize]);
+            let [u, v] = [geom::vector::sub(b, a), geom::vector::sub(c, a)];
+            let [x, y, z] = geom::vector::cross(u, v);
+            (x * x + y * y + z * z).sqrt()
+        };
+        let areas: Vec<f64> = self.vertices.iter().map(area).collect();
+        let whole: f64 = areas.iter().sum();
+        let scaled: f64 = areas.iter().zip(&quality.log_scale).map(|(area, u)| area * (2.0 * u).exp()).sum();
+        let shift = if scaled > 0.0 { (scaled / whole).ln() } else { 0.0 };
+        let island = |&t: &u32| atlas.islands[t as usize].unwrap_or(0);
+        page::Map {
+            uv: self.corners.iter().map(|t| t.map(|c| narrow(uv[c as usize]))).collect(),
+            log_area: quality.log_scale.iter().map(|u| (2.0 * u - shift) as f32).collect(),
+            stretch: quality.stretch.iter().map(|&stretch| stretch as f32).collect(),
+            island: self.triangles.iter().map(island).collect(),
+            seams: atlas.seams.clone(),
+        }
+    }
+
+    /// What the page says of a map.
+    pub(crate) fn map_meta(&self, shown: &Shown, options: &Options) -> Value {
+        let Shown { atlas, quality, .. } = shown;
+        json!({
+            "cones": atlas.cones,
+            "method": options.placement.name(),
+            "angles": angles_name(options.rule),
+            "distortion": quality.distortion,
+            "islands": quality.islands.len(),
+            "number": atlas.number,
+            "tiles": atlas.tiles,
+            "fill": atlas.fill,
+            "times": Times::default().with(atlas.times),
+            "warnings": warnings(&atlas.notes, self.analysis.topology().components),
+        })
+    }
+}
+
+/// Cones of a method for every number of them.
+#[derive(Clone, Debug, serde::Serialize)]
+pub(crate) struct Foreseen {
+    /// Of the conformal factor, the most persistent first.
+    extrema: Vec<ModelExtremum>,
+    pub(crate) levels: Vec<ForeseenLevel>,
+}
+
+/// So many cones.
+#[derive(Clone, Debug, serde::Serialize)]
+pub(crate) struct ForeseenLevel {
+    pub(crate) n: usize,
+    /// Vertices, each with its curvature as far as that is known.
+    pub(crate) cones: Vec<(u32, Option<f64>)>,
+    predicted_area: f64,
+}
+
+/// What the page begins with.
+#[derive(Clone, Copy, Debug, serde::Serialize)]
+pub(crate) struct Chosen {
+    /// How many cones; as many as the surface asks for where it is none.
+    pub(crate) n: Option<usize>,
+    pub(crate) method: &'static str,
+    pub(crate) angles: &'static str,
+}
+
+impl Chosen {
+    pub(crate) fn new(n: Option<usize>, placement: Placement, rule: CurvatureRule) -> Self {
+        Self { n, method: placement.name(), angles: angles_name(rule) }
+    }
+}

@@ -1,0 +1,196 @@
+// The map in the plane.
+
+import { BufferAttribute, BufferGeometry, CircleGeometry, Color, InstancedMesh, Matrix4, Mesh, MeshBasicMaterial, OrthographicCamera, Vector3 } from "three";
+import { LineMaterial } from "three/examples/jsm/lines/LineMaterial.js";
+import { LineSegments2 } from "three/examples/jsm/lines/LineSegments2.js";
+import { LineSegmentsGeometry } from "three/examples/jsm/lines/LineSegmentsGeometry.js";
+import { coneColour } from "./geometry";
+import { meshMaterial } from "./mesh_material";
+import type { Outline } from "./outline";
+import { Stage } from "./stage";
+
+/** What shows a map: WebGL, or a plain canvas where that is missing. */
+export interface Atlas {
+  fit(): void;
+  colour(tint: Uint8Array, isChecker: boolean): void;
+  show(uv: Float32Array, squares: number, outline: Outline, extent: [number, number], isDark: boolean): void;
+  theme(isDark: boolean): void;
+  /** The point of the map under an event. */
+  under(event: { clientX: number; clientY: number }): [number, number];
+  toScreen(at: [number, number]): [number, number];
+  onDrawn: () => void;
+}
+
+const DISC = 5.5;
+const INK = [0x1d212b, 0xe6e8ee];
+const FRAME = [0xaab0bb, 0x4a5160];
+
+export class AtlasView implements Atlas {
+  onDrawn = () => {};
+  private readonly stage: Stage<OrthographicCamera>;
+  private readonly material = meshMaterial(false);
+  private readonly geometry = new BufferGeometry();
+  private readonly lines = new LineSegments2(new LineSegmentsGeometry(), new LineMaterial({ linewidth: 1.6 }));
+  private readonly frame = new LineSegments2(new LineSegmentsGeometry(), new LineMaterial({ linewidth: 1 }));
+  private discs: InstancedMesh | null = null;
+  private outline: Outline = { segments: new Float32Array(), cones: [] };
+  private extent: [number, number] = [1, 1];
+
+  constructor(element: HTMLElement, canvas: HTMLCanvasElement, corners: number) {
+    this.stage = new Stage(element, canvas, new OrthographicCamera(0, 1, 1, 0, -10, 10), false);
+    this.geometry.setAttribute("position", new BufferAttribute(new Float32Array(3 * corners), 3));
+    this.geometry.setAttribute("normal", new BufferAttribute(new Float32Array(3 * corners), 3));
+    this.geometry.setAttribute("tint", new BufferAttribute(new Uint8Array(3 * corners), 3, true));
+    this.geometry.setAttribute("coordinates", new BufferAttribute(new Float32Array(2 * corners), 2));
+    const mesh = new Mesh(this.geometry, this.material);
+    for (const [k, one] of [mesh, this.frame, this.lines].entries()) {
+      one.frustumCulled = false;
+      one.renderOrder = k;
+      this.stage.scene.add(one);
+    }
+    (this.material as { depthTest: boolean }).depthTest = false;
+    for (const lines of [this.lines, this.frame]) lines.material.depthTest = false;
+    this.stage.onResize = () => this.resize();
+    this.stage.onDrawn = () => this.onDrawn();
+    this.stage.controls.minZoom = 0.3;
+    this.stage.controls.maxZoom = 400;
+    this.stage.controls.addEventListener("change", () => this.placeDiscs());
+    canvas.addEventListener("keydown", (event) => this.key(event));
+    this.resize();
+    this.fit();
+  }
+
+  fit(): void {
+    const { camera, controls } = this.stage;
+    camera.zoom = 1;
+    camera.updateProjectionMatrix();
+    controls.target.set(0.5 * this.extent[0], 0.5 * this.extent[1], 0);
+    camera.position.set(0.5 * this.extent[0], 0.5 * this.extent[1], 5);
+    controls.update();
+    this.resize();
+    this.stage.draw();
+  }
+
+  colour(tint: Uint8Array, isChecker: boolean): void {
+    if (!isChecker) {
+      const attribute = this.geometry.getAttribute("tint") as BufferAttribute;
+      attribute.array.set(tint);
+      attribute.needsUpdate = true;
+    }
+    this.material.uniforms.isChecker.value = isChecker;
+    this.stage.draw();
+  }
+
+  show(uv: Float32Array, squares: number, outline: Outline, extent: [number, number], isDark: boolean): void {
+    const [position, coordinates] = ["position", "coordinates"].map((name) => this.geometry.getAttribute(name) as BufferAttribute);
+    for (let corner = 0; 2 * corner < uv.length; corner++) {
+      position.array[3 * corner] = uv[2 * corner];
+      position.array[3 * corner + 1] = uv[2 * corner + 1];
+    }
+    coordinates.array.set(uv);
+    position.needsUpdate = coordinates.needsUpdate = true;
+    this.material.uniforms.squares.value = squares;
+    this.outline = outline;
+    segments(this.lines, outline.segments);
+    const isOther = extent[0] !== this.extent[0] || extent[1] !== this.extent[1];
+    this.extent = extent;
+    segments(this.frame, tiles(extent));
+    this.theme(isDark);
+    this.makeDiscs();
+    if (isOther) this.fit();
+    this.stage.draw();
+  }
+
+  theme(isDark: boolean): void {
+    this.lines.material.color.set(INK[Number(isDark)]);
+    this.frame.material.color.set(FRAME[Number(isDark)]);
+    this.stage.draw();
+  }
+
+  under(event: { clientX: number; clientY: number }): [number, number] {
+    const { x, y } = new Vector3(...this.stage.fromEvent(event), 0).unproject(this.stage.camera);
+    return [x, y];
+  }
+
+  toScreen([x, y]: [number, number]): [number, number] {
+    return this.stage.toScreen(new Vector3(x, y, 0));
+  }
+
+  private makeDiscs(): void {
+    const { cones } = this.outline;
+    if (!this.discs || this.discs.instanceMatrix.count < cones.length) {
+      if (this.discs) {
+        this.stage.scene.remove(this.discs);
+        this.discs.geometry.dispose();
+        this.discs.dispose();
+      }
+      this.discs = new InstancedMesh(new CircleGeometry(1, 24), new MeshBasicMaterial({ depthTest: false }), Math.max(256, 2 * cones.length));
+      this.discs.frustumCulled = false;
+      this.discs.renderOrder = 4;
+      this.stage.scene.add(this.discs);
+    }
+    cones.forEach(({ cone }, k) => this.discs!.setColorAt(k, new Color(coneColour(cone.curvature))));
+    this.discs.count = cones.length;
+    if (this.discs.instanceColor) this.discs.instanceColor.needsUpdate = true;
+    this.placeDiscs();
+  }
+
+  /** Discs keep their size on the screen. */
+  private placeDiscs(): void {
+    if (!this.discs) return;
+    const { camera, height } = this.stage;
+    const crowd = Math.min(1, Math.sqrt(120 / Math.max(1, this.outline.cones.length)));
+    const radius = (DISC * crowd * (camera.top - camera.bottom)) / camera.zoom / height;
+    this.outline.cones.forEach(({ at }, k) => this.discs!.setMatrixAt(k, new Matrix4().makeScale(radius, radius, 1).setPosition(at[0], at[1], 0)));
+    this.discs.instanceMatrix.needsUpdate = true;
+  }
+
+  private resize(): void {
+    const { camera, width, height } = this.stage;
+    const half = 0.54 * Math.max(this.extent[1], (this.extent[0] * height) / width);
+    [camera.top, camera.bottom, camera.right, camera.left] = [half, -half, (half * width) / height, (-half * width) / height];
+    camera.updateProjectionMatrix();
+    for (const lines of [this.lines, this.frame]) lines.material.resolution.set(width, height);
+    this.placeDiscs();
+  }
+
+  private key(event: KeyboardEvent): void {
+    const { camera, controls } = this.stage;
+    const step = 0.1 / camera.zoom;
+    const moves: Record<string, [number, number]> = { ArrowLeft: [-step, 0], ArrowRight: [step, 0], ArrowUp: [0, step], ArrowDown: [0, -step] };
+    if (event.key in moves) {
+      const [x, y] = moves[event.key];
+      const shift = new Vector3(x, y, 0);
+      camera.position.add(shift);
+      controls.target.add(shift);
+    } else if (event.key === "+" || event.key === "=") camera.zoom = Math.min(400, camera.zoom * 1.2);
+    else if (event.key === "-") camera.zoom = Math.max(0.3, camera.zoom / 1.2);
+    else if (event.key === "f" || event.key === "Home") return this.fit();
+    else return;
+    event.preventDefault();
+    camera.updateProjectionMatrix();
+    controls.update();
+    this.placeDiscs();
+    this.stage.draw();
+  }
+}
+
+function segments(lines: LineSegments2, flat: Float32Array): void {
+  const positions = new Float32Array(1.5 * flat.length);
+  for (let k = 0; 2 * k < flat.length; k++) {
+    positions[3 * k] = flat[2 * k];
+    positions[3 * k + 1] = flat[2 * k + 1];
+  }
+  lines.geometry.dispose();
+  lines.geometry = new LineSegmentsGeometry();
+  if (positions.length) lines.geometry.setPositions(positions);
+  lines.visible = positions.length > 0;
+}
+
+/** The borders of the tiles. */
+export function tiles([across, up]: [number, number]): Float32Array {
+  const all: number[] = [];
+  for (let k = 0; k <= across; k++) all.push(k, 0, k, up);
+  for (let k = 0; k <= up; k++) all.push(0, k, across, k);
+  return Float32Array.from(all);
+}

@@ -1,0 +1,155 @@
+// The two charts, as plain SVG.
+
+import type { Extremum, ForeseenLevel } from "./data";
+
+const SPACE = "http://www.w3.org/2000/svg";
+
+function element(name: string, attributes: Record<string, string | number>, text?: string): SVGElement {
+  const made = document.createElementNS(SPACE, name);
+  for (const [key, value] of Object.entries(attributes)) made.setAttribute(key, String(value));
+  if (text !== undefined) made.textContent = text;
+  return made;
+}
+
+interface Frame {
+  width: number;
+  height: number;
+  left: number;
+  bottom: number;
+}
+
+/** An empty chart as large as its place, again when that changes. */
+abstract class Chart {
+  protected frame: Frame = { width: 1, height: 1, left: 34, bottom: 18 };
+
+  constructor(protected readonly place: HTMLElement, private readonly label: string) {
+    new ResizeObserver(() => this.draw()).observe(place);
+  }
+
+  protected abstract fill(svg: SVGElement): void;
+
+  protected draw(): void {
+    const [width, height] = [this.place.clientWidth, this.place.clientHeight];
+    if (width < 40 || height < 40) return;
+    this.frame = { ...this.frame, width, height };
+    const svg = element("svg", { viewBox: `0 0 ${width} ${height}`, role: "img", "aria-label": this.label });
+    this.fill(svg);
+    this.place.replaceChildren(svg);
+  }
+
+  /** A line across at each mark of an axis. */
+  protected axes(svg: SVGElement, x: [number, string][], y: [number, string][]): void {
+    const { width, height, left, bottom } = this.frame;
+    for (const [at, text] of y) {
+      svg.append(element("line", { x1: left, x2: width - 4, y1: at, y2: at, stroke: "var(--line)" }));
+      svg.append(element("text", { x: left - 5, y: at + 4, "text-anchor": "end" }, text));
+    }
+    for (const [at, text] of x) svg.append(element("text", { x: at, y: height - bottom + 14, "text-anchor": "middle" }, text));
+  }
+}
+
+/** The predicted area distortion for every number of cones, and the measured one of the maps that were made. */
+export class CurveChart extends Chart {
+  private curve: ForeseenLevel[] = [];
+  private measured = new Map<number, number>();
+  private chosen = 0;
+  private most = 64;
+
+  constructor(place: HTMLElement, choose: (n: number) => void) {
+    super(place, "Predicted area distortion for each number of cones; the slider chooses one");
+    place.addEventListener("click", (event) => {
+      const n = Math.round(this.number(event.clientX - place.getBoundingClientRect().left));
+      choose(Math.min(this.most, Math.max(1, n)));
+    });
+    place.style.cursor = "crosshair";
+  }
+
+  show(curve: ForeseenLevel[], measured: Map<number, number>, chosen: number, most: number): void {
+    this.curve = curve.filter(({ n }) => n <= most);
+    [this.measured, this.chosen, this.most] = [measured, chosen, most];
+    this.draw();
+  }
+
+  private number(x: number): number {
+    const { width, left } = this.frame;
+    return ((x - left) / (width - left - 8)) * this.most;
+  }
+
+  protected fill(svg: SVGElement): void {
+    const { width, height, left, bottom } = this.frame;
+    const x = (n: number) => left + ((width - left - 8) * n) / this.most;
+    const values = [...this.curve.map((point) => point.predicted_area), ...this.measured.values()];
+    const top = Math.min(10, Math.max(1.5, ...values));
+    const y = (d: number) => height - bottom - ((height - bottom - 8) * Math.log(Math.min(top, Math.max(1, d)))) / Math.log(top);
+    const ticks = [1, 1.25, 1.5, 2, 3, 5, 10].filter((d) => d <= top * 1.001);
+    const isRoomy = (d: number, k: number) => k === 0 || y(ticks[k - 1]) - y(d) > 13;
+    const numbers = [1, 0.25, 0.5, 0.75].map((share, k) => (k ? Math.round(share * this.most) : this.most));
+    this.axes(svg, numbers.map((n) => [x(n), String(n)]), ticks.filter(isRoomy).map((d) => [y(d), String(d)]));
+    if (this.chosen <= this.most) svg.append(element("line", { x1: x(this.chosen), x2: x(this.chosen), y1: 4, y2: height - bottom, stroke: "var(--accent)", "stroke-dasharray": "3 3" }));
+    const points = this.curve.map(({ n, predicted_area }) => `${x(n)},${y(predicted_area)}`).join(" ");
+    svg.append(element("polyline", { points, fill: "none", stroke: "var(--accent)", "stroke-width": 2 }));
+    for (const [n, d] of [...this.measured].filter(([n]) => n <= this.most)) {
+      const dot = element("circle", { cx: x(n), cy: y(d), r: n === this.chosen ? 5 : 3, fill: "var(--ink)" });
+      dot.append(element("title", {}, `${n} cones: measured ${d.toFixed(3)}`));
+      svg.append(dot);
+    }
+    if (!this.curve.length) svg.append(element("text", { x: width / 2, y: height / 2, "text-anchor": "middle" }, "being found …"));
+  }
+}
+
+/** So many pairs are drawn, the most persistent. */
+const MOST = 1200;
+
+/** The extrema of the conformal factor: where each begins, and where it ends. */
+export class DiagramChart extends Chart {
+  private extrema: Extremum[] = [];
+  private chosen = new Set<number>();
+  /** Drawn anew for each choice; what lies below is not. */
+  private marks = element("g", {});
+  private at: (extremum: Extremum) => [number, number] = () => [0, 0];
+
+  constructor(place: HTMLElement) {
+    super(place, "Persistence diagram of the conformal factor: minima above the diagonal, maxima below, cones marked");
+  }
+
+  show(extrema: Extremum[], chosen: number[]): void {
+    const isOther = extrema !== this.extrema;
+    this.extrema = extrema;
+    this.chosen = new Set(chosen);
+    if (isOther || !this.place.firstChild) this.draw();
+    else this.mark();
+  }
+
+  protected fill(svg: SVGElement): void {
+    const { width, height, left, bottom } = this.frame;
+    if (!this.extrema.length) {
+      svg.append(element("text", { x: width / 2, y: height / 2, "text-anchor": "middle" }, "being found …"));
+      return;
+    }
+    const end = ({ kind, value, persistence }: Extremum) => value + (kind === "minimum" ? persistence : -persistence);
+    const values = this.extrema.slice(0, MOST).flatMap((extremum) => [extremum.value, end(extremum)]);
+    const [low, high] = [Math.min(...values), Math.max(...values)];
+    const share = (value: number) => (high > low ? (value - low) / (high - low) : 0.5);
+    const x = (value: number) => left + 6 + (width - left - 16) * share(value);
+    const y = (value: number) => height - bottom - 4 - (height - bottom - 14) * share(value);
+    this.at = (extremum) => [x(extremum.value), y(end(extremum))];
+    const marks = [low, high].map((value) => value.toFixed(1));
+    this.axes(svg, [low, high].map((v, k) => [x(v), marks[k]]), [low, high].map((v, k) => [y(v), marks[k]]));
+    svg.append(element("line", { x1: x(low), y1: y(low), x2: x(high), y2: y(high), stroke: "var(--line)", "stroke-width": 1.5 }));
+    for (const extremum of this.extrema.slice(0, MOST)) svg.append(this.dot(extremum, { r: 2, "fill-opacity": 0.35 }));
+    svg.append(this.marks);
+    this.mark();
+  }
+
+  private mark(): void {
+    const chosen = this.extrema.filter((extremum) => this.chosen.has(extremum.vertex));
+    this.marks.replaceChildren(...chosen.map((extremum) => this.dot(extremum, { r: 5, stroke: "var(--ink)" })));
+  }
+
+  private dot(extremum: Extremum, how: Record<string, string | number>): SVGElement {
+    const [cx, cy] = this.at(extremum);
+    const dot = element("circle", { cx, cy, fill: extremum.kind === "minimum" ? "var(--positive)" : "var(--negative)", ...how });
+    dot.append(element("title", {}, `${extremum.kind} at vertex ${extremum.vertex}: persistence ${extremum.persistence.toFixed(3)}`));
+    return dot;
+  }
+}

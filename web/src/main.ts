@@ -1,0 +1,492 @@
+// The page: one choice of cones, shown as a surface, as a map, and in numbers.
+
+import { AtlasCanvas } from "./atlas_canvas";
+import { type Atlas, AtlasView } from "./atlas_view";
+import { CurveChart, DiagramChart } from "./charts";
+import { type Mode, cornerColours, scale } from "./colours";
+import type { Cone, Foreseen, ForeseenLevel, Question, Surface, UvMap } from "./data";
+import * as geometry from "./geometry";
+import type { Place } from "./geometry";
+import { History } from "./history";
+import { outline } from "./outline";
+import * as page from "./page";
+import { byId } from "./page";
+import { Replaced, type Source, source } from "./source";
+import { hasWebGl, onClick } from "./stage";
+import { SurfaceView } from "./surface_view";
+
+/** A map is asked for when the choice has stood so long, in milliseconds. */
+const PATIENCE = 120;
+/** The area distortion that is aimed at where no number of cones is chosen. */
+const TARGET = 1.25;
+
+class App {
+  private readonly corners: geometry.Corners;
+  private readonly boundary: number[];
+  private readonly view: SurfaceView | null;
+  private readonly atlas: Atlas;
+  private readonly curve: CurveChart;
+  private readonly diagram: DiagramChart;
+  private readonly history = new History<Question>();
+  private readonly known = new Map<string, Foreseen>();
+  /** The distortion of the maps that were made, by method and number. */
+  private readonly measured = new Map<string, Map<number, number>>();
+  private readonly pressMode: (mode: Mode) => void;
+  private question: Question;
+  private cones: Cone[] = [];
+  private predicted: number | null = null;
+  private map: UvMap | null = null;
+  /** The question that the map answers. */
+  private mapOf = "";
+  private readonly asked = new Set<string>();
+  private grid: geometry.MapGrid | null = null;
+  private mode: Mode = "checker";
+  private isDark = false;
+  private isEditing = false;
+  private selected: number | null = null;
+  private serial = Date.now();
+  private running: AbortController | null = null;
+  private waiting = 0;
+  private marked: Place | null = null;
+  private pinned: Place | null = null;
+
+  constructor(private readonly source: Source, private readonly surface: Surface) {
+    this.corners = geometry.cornersAt(surface);
+    this.boundary = geometry.boundary(surface, this.corners);
+    const canvasOf = (id: string) => byId(id).querySelector("canvas")!;
+    const isDrawn = hasWebGl();
+    this.view = isDrawn ? new SurfaceView(byId("surface"), canvasOf("surface"), surface) : null;
+    this.atlas = isDrawn
+      ? new AtlasView(byId("atlas"), canvasOf("atlas"), surface.triangles.length)
+      : new AtlasCanvas(byId("atlas"), canvasOf("atlas"));
+    if (!isDrawn) page.message(byId("surface"), "This browser has no WebGL, so the surface cannot be shown. The map and all numbers are here.");
+    this.question = { ...surface.chosen, given: null };
+    this.curve = new CurveChart(byId("curve"), (n) => this.choose({ n, given: null }));
+    this.diagram = new DiagramChart(byId("diagram"));
+    this.pressMode = page.modeButtons((mode) => this.colour(mode));
+    page.about(surface);
+    page.warnings(surface.warnings);
+    this.listen();
+    page.theme((isDark) => {
+      this.isDark = isDark;
+      this.atlas.theme(isDark);
+    });
+    this.colour("checker");
+    this.restart();
+  }
+
+  /** Takes another choice of cones, which can be undone. */
+  private choose(change: Partial<Question>): void {
+    const next = { ...this.question, ...change };
+    if (JSON.stringify(next) === JSON.stringify(this.question)) return;
+    this.history.keep(this.question);
+    this.question = next;
+    this.restart();
+  }
+
+  private go(to: Question | undefined): void {
+    if (!to) return;
+    this.question = to;
+    this.restart();
+  }
+
+  /** Shows at once what is known of the choice, then asks for its map. */
+  private restart(): void {
+    this.running?.abort();
+    const { signal } = (this.running = new AbortController());
+    const serial = ++this.serial;
+    this.selected = null;
+    this.showControls();
+    this.learn();
+    this.foresee();
+    clearTimeout(this.waiting);
+    byId("atlas").classList.add("stale");
+    page.status("computing the map …", "busy");
+    const begin = () => void this.ask(serial, signal);
+    this.waiting = window.setTimeout(begin, this.map ? PATIENCE : 0);
+  }
+
+  /** The cones that are foreseen, until there is better. */
+  private foresee(): void {
+    const { n, given } = this.question;
+    const level = this.level();
+    if (given) {
+      const known = new Map(this.cones.map((cone) => [cone.vertex, cone.curvature]));
+      this.cones = given.map(([vertex, curvature]) => ({ vertex, curvature: curvature ?? known.get(vertex) ?? NaN }));
+      this.predicted = null;
+    } else if (level && (n === null || level.n === n)) {
+      this.cones = level.cones.map(([vertex, curvature]) => ({ vertex, curvature: curvature ?? NaN }));
+      this.predicted = level.predicted_area;
+    } else return;
+    this.view?.showSeams([]);
+    this.showCones();
+  }
+
+  private async ask(serial: number, signal: AbortSignal): Promise<void> {
+    const question = { ...this.question };
+    const isNewest = () => serial === this.serial;
+    const fail = (error: unknown) => {
+      if (isNewest() && !(error instanceof Replaced)) page.status(String((error as Error).message ?? error), "failed");
+    };
+    const early = this.early(question);
+    const preview = early && this.source.preview(early, serial, signal).then((found) => {
+      if (!isNewest() || this.mapIsOf(question)) return;
+      this.cones = found.cones;
+      this.predicted = found.predicted ?? this.predicted;
+      this.showCones();
+      this.view?.showSeams(found.seams);
+    });
+    const map = this.source.map(question, serial, signal).then((map) => isNewest() && this.takeMap(map, question));
+    // Cones that cannot be had are told of by both.
+    await Promise.all([preview?.catch((error) => this.source.isLive || fail(error)), map.catch(fail)]);
+  }
+
+  /** What to ask for a preview of: cones that are known cost little. */
+  private early(question: Question): Question | null {
+    if (!this.source.isLive || question.given) return question;
+    const level = this.level();
+    return level ? { ...question, given: level.cones.map(([vertex]) => [vertex, null]) } : null;
+  }
+
+
+  private mapIsOf(question: Question): boolean {
+    return this.mapOf === JSON.stringify(question);
+  }
+
+  private takeMap(map: UvMap, question: Question): void {
+    this.map = map;
+    const isNear = !this.source.isLive && question.n !== null && map.cones.length !== question.n;
+    this.mapOf = JSON.stringify(question);
+    if (!isNear) {
+      this.cones = map.cones;
+      if (!question.given) this.measuredHere().set(map.cones.length, map.meta.distortion.area_mean);
+      this.view?.showSeams(map.seams);
+    }
+    byId("atlas").classList.remove("stale");
+    const extent = geometry.extent(map.uv);
+    this.grid = new geometry.MapGrid(map.uv, extent);
+    const squares = checkerSquares(map.uv);
+    this.view?.coordinates(map.uv, squares);
+    this.atlas.show(map.uv, squares, outline(this.surface, this.corners, this.boundary, map), extent, this.isDark);
+    const badge = byId("badge");
+    badge.hidden = !isNear;
+    badge.textContent = `the map with ${map.cones.length} cones`;
+    this.colour(this.mode);
+    this.showControls();
+    this.showCones();
+    page.warnings([...new Set([...this.surface.warnings, ...map.meta.warnings])]);
+    page.status(isNear ? `no map is stored for ${question.n} cones` : "exact map");
+    this.mark(this.pinned, this.pinned);
+    document.body.dataset.maps = String(Number(document.body.dataset.maps ?? 0) + 1);
+  }
+
+  /** What is foreseen of the method's cones. */
+  private foreseen(): Foreseen | undefined {
+    return this.known.get(this.methodKey());
+  }
+
+  /** The chosen number of cones; where none is chosen, as few as promise little distortion. */
+  private level(): ForeseenLevel | undefined {
+    const { n } = this.question;
+    return this.foreseen()?.levels.find((level) => (n === null ? level.predicted_area <= TARGET : level.n === n));
+  }
+
+  private methodKey(): string {
+    const { method, angles } = this.question;
+    return JSON.stringify([method, angles]);
+  }
+
+  /** How many cones there are: where no number was chosen, those of the map, or those that are foreseen. */
+  private count(): number {
+    const { n, given } = this.question;
+    return given?.length ?? n ?? (this.cones.length || this.surface.least);
+  }
+
+  private measuredHere(): Map<number, number> {
+    const key = this.methodKey();
+    const here = this.measured.get(key) ?? new Map<number, number>();
+    this.measured.set(key, here);
+    return here;
+  }
+
+  /** Asks once for what is foreseen of a method. */
+  private learn(): void {
+    const key = this.methodKey();
+    if (this.known.has(key) || this.asked.has(key)) return;
+    this.asked.add(key);
+    const [method, angles] = JSON.parse(key);
+    this.source.foreseen(method, angles).then(
+      (foreseen) => {
+        this.known.set(key, foreseen);
+        if (key !== this.methodKey()) return;
+        if (this.mapIsOf(this.question)) this.showCurve();
+        else this.foresee();
+      },
+      (error) => {
+        this.asked.delete(key);
+        page.status(error.message, "failed");
+      },
+    );
+  }
+
+  private showCurve(): void {
+    const foreseen = this.foreseen();
+    this.curve.show(foreseen?.levels ?? [], this.measuredHere(), this.count(), this.surface.most);
+    this.diagram.show(foreseen?.extrema ?? [], this.cones.map(({ vertex }) => vertex));
+    if (!this.question.given) this.predicted ??= this.level()?.predicted_area ?? null;
+    page.numbers(this.mapIsOf(this.question) || !this.source.isLive ? this.map : null, this.predicted);
+  }
+
+  private showCones(): void {
+    this.view?.showCones(this.cones, this.selected);
+    page.coneList(this.cones, this.selected, (v) => this.name(v), (k) => this.select(k));
+    byId<HTMLButtonElement>("remove").disabled = this.selected === null;
+    this.showCurve();
+  }
+
+  private showControls(): void {
+    const { given, method, angles } = this.question;
+    const count = this.count();
+    for (const id of ["slider", "count"]) {
+      const input = byId<HTMLInputElement>(id);
+      [input.min, input.max] = [String(this.surface.least), String(this.surface.most)];
+      input.value = String(count);
+    }
+    byId<HTMLSelectElement>("method").value = given ? "" : method;
+    byId<HTMLSelectElement>("angles").value = angles;
+    byId<HTMLButtonElement>("undo").disabled = !this.history.canUndo;
+    byId<HTMLButtonElement>("redo").disabled = !this.history.canRedo;
+  }
+
+  private colour(mode: Mode): void {
+    this.mode = mode;
+    this.pressMode(mode);
+    const isChecker = mode === "checker" && this.map !== null;
+    const tint = isChecker ? new Uint8Array() : cornerColours(mode, this.surface, this.map);
+    this.view?.colour(tint, isChecker);
+    this.atlas.colour(tint, isChecker);
+    page.legend(mode, scale(mode, this.surface), this.map?.meta.islands ?? null);
+  }
+
+  private name(vertex: number): number {
+    return this.surface.vertex ? this.surface.vertex[vertex] : vertex;
+  }
+
+  // Marks
+
+  private mark(place: Place | null, pinned = this.pinned): void {
+    this.marked = place ?? pinned;
+    this.pinned = pinned;
+    this.placeMarks();
+    byId("place").textContent = this.marked ? this.describe(this.marked) : "";
+  }
+
+  private placeMarks(): void {
+    const put = (id: string, at: [number, number] | null, isBehind = false) => {
+      const mark = byId(id).querySelector<HTMLElement>(".mark")!;
+      mark.hidden = !at;
+      if (!at) return;
+      mark.style.transform = `translate(${at[0]}px, ${at[1]}px)`;
+      mark.classList.toggle("behind", isBehind);
+      mark.classList.toggle("pinned", this.marked === this.pinned);
+    };
+    const seen = this.marked && this.view?.onScreen(this.marked);
+    put("surface", seen ? [seen.x, seen.y] : null, seen?.isBehind);
+    put("atlas", this.marked && this.map ? this.atlas.toScreen(geometry.uvOf(this.map.uv, this.marked)) : null);
+  }
+
+  private describe(place: Place): string {
+    const { triangle, weights } = place;
+    const { surface, map } = this;
+    const phi = weights.reduce((sum, w, k) => sum + w * surface.factor[surface.triangles[3 * triangle + k]], 0);
+    const vertex = geometry.vertexOf(surface, place);
+    const cone = this.cones.find((cone) => cone.vertex === vertex);
+    const parts = [`vertex ${this.name(vertex)}`];
+    if (cone) parts.push(`cone of ${page.turns(cone.curvature)}`);
+    parts.push(`φ ${phi.toFixed(3)}`);
+    if (map) parts.push(`area × ${Math.exp(map.logArea[triangle]).toPrecision(3)}`, `σ₁/σ₂ ${map.stretch[triangle].toFixed(3)}`, `island ${map.island[triangle] + 1}`);
+    return parts.join("  ·  ");
+  }
+
+  // What the user does
+
+  private listen(): void {
+    const input = (id: string) => byId<HTMLInputElement>(id);
+    const number = (id: string) => Math.min(this.surface.most, Math.max(this.surface.least, Math.round(Number(input(id).value) || 0)));
+    input("slider").addEventListener("input", () => this.choose({ n: number("slider"), given: null }));
+    input("count").addEventListener("change", () => this.choose({ n: number("count"), given: null }));
+    const method = byId<HTMLSelectElement>("method");
+    method.append(new Option("by hand", "", false, false), ...this.surface.methods.map(({ name, description }) => {
+      const option = new Option(name, name);
+      option.title = description;
+      return option;
+    }));
+    method.options[0].disabled = true;
+    const isLive = this.source.isLive;
+    document.body.classList.toggle("file", !isLive);
+    method.disabled = byId<HTMLSelectElement>("angles").disabled = !isLive;
+    method.addEventListener("change", () => this.choose({ method: method.value, given: null, n: this.question.given ? this.cones.length : this.question.n }));
+    byId("angles").addEventListener("change", () => this.choose({ angles: byId<HTMLSelectElement>("angles").value, given: this.withoutCurvatures() }));
+    byId("undo").addEventListener("click", () => this.go(this.history.undo(this.question)));
+    byId("redo").addEventListener("click", () => this.go(this.history.redo(this.question)));
+    byId("edit").addEventListener("click", () => this.edit(!this.isEditing));
+    byId("remove").addEventListener("click", () => this.remove());
+    for (const kind of ["cones", "obj", "glb"] as const) byId(`save-${kind}`).addEventListener("click", () => void this.save(kind));
+    byId("load").addEventListener("click", () => input("file").click());
+    input("file").addEventListener("change", () => void this.load(input("file")));
+    byId("add").addEventListener("submit", (event) => {
+      event.preventDefault();
+      this.add(Number(input("vertex").value));
+    });
+    document.addEventListener("keydown", (event) => this.key(event));
+    byId("surface").querySelector(".fit")!.addEventListener("click", () => this.view?.fit());
+    byId("atlas").querySelector(".fit")!.addEventListener("click", () => this.atlas.fit());
+    this.listenToAtlas(byId("atlas").querySelector("canvas")!);
+    if (this.view) this.listenToSurface(this.view);
+  }
+
+  private listenToAtlas(canvas: HTMLCanvasElement): void {
+    const under = (event: PointerEvent) => this.grid?.at(...this.atlas.under(event)) ?? null;
+    canvas.addEventListener("pointermove", (event) => event.buttons || this.mark(under(event)));
+    canvas.addEventListener("pointerleave", () => this.mark(null));
+    onClick(canvas, (event) => {
+      const place = under(event);
+      if (place) this.view?.face(place);
+      this.mark(place, place);
+    });
+    this.atlas.onDrawn = () => this.placeMarks();
+  }
+
+  private listenToSurface(view: SurfaceView): void {
+    const { canvas, controls } = view.stage;
+    let dragged: number | null = null;
+    let isMoved = false;
+    canvas.addEventListener("pointerdown", (event) => {
+      if (!this.isEditing || !event.isPrimary) return;
+      dragged = view.coneUnder(event, view.under(event));
+      isMoved = false;
+      if (dragged === null) return;
+      controls.enabled = false;
+      canvas.setPointerCapture(event.pointerId);
+      this.select(dragged);
+    }, { capture: true });
+    canvas.addEventListener("pointermove", (event) => {
+      const place = dragged === null && event.buttons ? null : view.under(event);
+      if (dragged !== null && place) {
+        isMoved = true;
+        this.cones = this.cones.with(dragged, { ...this.cones[dragged], vertex: geometry.vertexOf(this.surface, place) });
+        view.showCones(this.cones, dragged);
+      }
+      if (!event.buttons) this.mark(place);
+    });
+    canvas.addEventListener("pointerup", () => {
+      if (dragged !== null && isMoved) this.choose({ given: this.free(this.cones) });
+      dragged = null;
+      controls.enabled = true;
+    });
+    canvas.addEventListener("pointerleave", () => this.mark(null));
+    onClick(canvas, (event) => {
+      const place = view.under(event);
+      if (this.isEditing && place) {
+        if (view.coneUnder(event, place) === null) this.add(this.name(geometry.vertexOf(this.surface, place)));
+      } else this.mark(place, place);
+    });
+    view.stage.onDrawn = () => this.placeMarks();
+  }
+
+  private key(event: KeyboardEvent): void {
+    const isTyping = event.target instanceof HTMLInputElement && event.target.type === "number";
+    if ((event.ctrlKey || event.metaKey) && event.key.toLowerCase() === "z") {
+      event.preventDefault();
+      this.go(event.shiftKey ? this.history.redo(this.question) : this.history.undo(this.question));
+    } else if ((event.ctrlKey || event.metaKey) && event.key === "y") {
+      event.preventDefault();
+      this.go(this.history.redo(this.question));
+    } else if (event.key === "Escape") {
+      this.selected = null;
+      this.mark(null, null);
+      this.showCones();
+    } else if (isTyping || event.ctrlKey || event.metaKey || event.altKey || !this.source.isLive) return;
+    else if (event.key === "e" && !(event.target instanceof HTMLSelectElement)) this.edit(!this.isEditing);
+    else if (event.key === "Delete" && this.selected !== null) this.remove();
+  }
+
+  // Cones by hand
+
+  private edit(isEditing: boolean): void {
+    this.isEditing = isEditing;
+    byId("edit").setAttribute("aria-pressed", String(isEditing));
+    page.status(isEditing ? "click adds a cone, drag moves one" : this.map ? "exact map" : "");
+    if (this.view) this.view.stage.canvas.style.cursor = isEditing ? "crosshair" : "";
+  }
+
+  private select(k: number): void {
+    this.selected = this.selected === k && !this.isEditing ? null : k;
+    this.showCones();
+    const corner = this.corners.corner[this.corners.start[this.cones[k].vertex]];
+    const weights = [0, 1, 2].map((i) => Number(i === corner % 3)) as geometry.Vec3;
+    const place = { triangle: Math.floor(corner / 3), weights };
+    if (!this.isEditing) this.view?.face(place);
+    this.mark(place, place);
+  }
+
+  private add(vertex: number): void {
+    if (this.cones.some((cone) => cone.vertex === vertex)) return;
+    this.choose({ given: this.free([...this.cones, { vertex, curvature: NaN }]) });
+  }
+
+  private remove(): void {
+    if (this.selected === null) return;
+    this.choose({ given: this.free(this.cones.filter((_, k) => k !== this.selected)) });
+  }
+
+  /** Cones whose curvatures follow the rule, none twice. */
+  private free(cones: Cone[]): [number, null][] {
+    return Array.from(new Set(cones.map(({ vertex }) => vertex)), (vertex) => [vertex, null]);
+  }
+
+  private withoutCurvatures(): Question["given"] {
+    return this.question.given && this.free(this.cones);
+  }
+
+  private async load(input: HTMLInputElement): Promise<void> {
+    const [file] = input.files ?? [];
+    input.value = "";
+    if (!file) return;
+    try {
+      const given = page.readCones(await file.text());
+      if (!given.length) throw new Error("the file lists no cone");
+      const least = this.surface.points.length / 3;
+      if (given.some(([vertex]) => vertex >= least)) throw new Error("the file's cones are of another surface");
+      this.choose({ given });
+    } catch (error) {
+      page.status((error as Error).message, "failed");
+    }
+  }
+
+  private async save(kind: "cones" | "obj" | "glb"): Promise<void> {
+    const name = this.surface.name.replace(/(\.\w+)?(\.gz)?$/, "");
+    try {
+      const blob = await this.source.save(kind, this.question, this.serial);
+      page.save(blob, kind === "cones" ? `${name}-cones.txt` : `${name}-uv.${kind}`);
+    } catch (error) {
+      if (!(error instanceof Replaced)) page.status((error as Error).message, "failed");
+    }
+  }
+}
+
+/** So many squares to a unit of the map that they are small against its islands, as in pictures. */
+function checkerSquares(uv: Float32Array): number {
+  let area = 0;
+  for (let k = 0; k < uv.length; k += 6) {
+    area += Math.abs((uv[k + 2] - uv[k]) * (uv[k + 5] - uv[k + 1]) - (uv[k + 3] - uv[k + 1]) * (uv[k + 4] - uv[k]));
+  }
+  return 2 * Math.round(Math.min(128, Math.max(32, 30 / Math.sqrt(Math.max(1e-4, area / 2)))) / 2);
+}
+
+source()
+  .then(async (source) => {
+    page.status("reading the surface …", "busy");
+    new App(source, await source.surface());
+  })
+  .catch((error: Error) => page.status(error.message, "failed"));

@@ -1,0 +1,151 @@
+// The parts of the page that are plain HTML.
+
+import { MODES, type Mode, type Scale, gradient } from "./colours";
+import type { Cone, Surface, UvMap } from "./data";
+
+export function byId<T extends HTMLElement = HTMLElement>(id: string): T {
+  const found = document.getElementById(id);
+  if (!found) throw new Error(`the page has no ${id}`);
+  return found as T;
+}
+
+export function make(name: string, text = "", className = ""): HTMLElement {
+  const made = document.createElement(name);
+  made.textContent = text;
+  if (className) made.className = className;
+  return made;
+}
+
+export function about(surface: Surface): void {
+  const { vertices, faces, components, genus, boundary_loops } = surface.topology;
+  const thousands = (n: number) => n.toLocaleString("en");
+  const parts = [`${thousands(vertices)} vertices`, `${thousands(faces)} triangles`];
+  if (components > 1) parts.push(`${components} parts`);
+  if (genus) parts.push(`genus ${genus}`);
+  if (boundary_loops) parts.push(`${boundary_loops} boundary ${boundary_loops > 1 ? "loops" : "loop"}`);
+  byId("name").textContent = byId("name").title = surface.name;
+  document.title = `${surface.name} – cones`;
+  byId("about").textContent = parts.join(", ");
+}
+
+export function modeButtons(choose: (mode: Mode) => void): (mode: Mode) => void {
+  const buttons = MODES.map(([mode, name]) => {
+    const button = make("button", name) as HTMLButtonElement;
+    button.type = "button";
+    button.dataset.mode = mode;
+    button.addEventListener("click", () => choose(mode));
+    return button;
+  });
+  byId("colours").append(...buttons);
+  return (mode) => buttons.forEach((button) => button.setAttribute("aria-pressed", String(button.dataset.mode === mode)));
+}
+
+export function legend(mode: Mode, scale: Scale | null, islands: number | null): void {
+  const place = byId("scale");
+  place.title = scale?.title ?? "";
+  if (!scale) {
+    const count = islands === null ? "" : islands === 1 ? "1 island" : `${islands} islands, a colour each in turn`;
+    const words = { checker: "squares keep their angles; their size shows the scale", islands: count };
+    place.replaceChildren(make("span", words[mode as "checker"] ?? ""));
+    return;
+  }
+  const ramp = make("div", "", "ramp");
+  const bar = make("i");
+  bar.style.background = gradient(scale.ramp);
+  ramp.append(bar);
+  for (const [at, text] of scale.marks) {
+    const mark = make("b", text);
+    mark.style.left = `${Math.min(96, Math.max(4, 100 * at))}%`;
+    ramp.append(mark);
+  }
+  place.replaceChildren(ramp, make("span", scale.title));
+}
+
+export function numbers(map: UvMap | null, predicted: number | null): void {
+  const rows: [string, string][] = [["Area distortion, predicted", predicted === null ? "–" : predicted.toFixed(3)]];
+  if (map) {
+    const { distortion, islands, fill, tiles, times } = map.meta;
+    const seconds = Object.values(times).reduce<number>((sum, time) => sum + (time ?? 0), 0);
+    rows.push(
+      ["Area distortion, measured", distortion.area_mean.toFixed(3)],
+      ["Quasi-conformal, mean", distortion.quasi_conformal.mean.toFixed(4)],
+      ["Quasi-conformal, 99 %", distortion.quasi_conformal.p99.toFixed(3)],
+      ["Flipped; overlapping pairs", `${distortion.flipped}; ${distortion.overlap_pairs}`],
+      ["Islands", String(islands)],
+      ["Seams, over √area", distortion.seam_length.toFixed(2)],
+      [tiles > 1 ? `Filled, of ${tiles} tiles` : "Filled", `${(100 * fill).toFixed(0)} %`],
+      ["Curvature off the cones", `${distortion.curvature_error.toExponential(0)} rad`],
+      ["Time", `${seconds.toFixed(2)} s`],
+    );
+  }
+  byId("numbers").replaceChildren(...rows.map(([name, value]) => {
+    const row = make("tr");
+    row.append(make("td", name), make("td", value));
+    return row;
+  }));
+}
+
+export function warnings(sentences: string[]): void {
+  byId("warnings").replaceChildren(...sentences.map((sentence) => make("li", sentence)));
+}
+
+export function coneList(cones: Cone[], selected: number | null, name: (vertex: number) => number, select: (k: number) => void): void {
+  byId("cones").replaceChildren(...cones.map(({ vertex, curvature }, k) => {
+    const row = make("li");
+    const button = make("button") as HTMLButtonElement;
+    button.type = "button";
+    button.setAttribute("aria-pressed", String(k === selected));
+    button.append(make("span", `vertex ${name(vertex)}`), make("span", turns(curvature), curvature < 0 ? "negative" : "positive"));
+    button.addEventListener("click", () => select(k));
+    row.append(button);
+    return row;
+  }));
+}
+
+/** A curvature as a multiple of π. */
+export function turns(curvature: number): string {
+  return Number.isNaN(curvature) ? "…" : `${(curvature / Math.PI).toFixed(3)} π`;
+}
+
+export function status(text: string, how: "" | "busy" | "failed" = ""): void {
+  const state = byId("state");
+  if (state.textContent !== text) state.textContent = state.title = text;
+  state.className = how;
+}
+
+export function message(view: HTMLElement, text: string): void {
+  const place = view.querySelector<HTMLElement>(".message")!;
+  place.hidden = !text;
+  place.textContent = text;
+}
+
+export function save(blob: Blob, name: string): void {
+  const link = document.createElement("a");
+  link.href = URL.createObjectURL(blob);
+  link.download = name;
+  link.click();
+  setTimeout(() => URL.revokeObjectURL(link.href), 1000);
+}
+
+/** The theme that the user has chosen, else the system's. */
+export function theme(changed: (isDark: boolean) => void): void {
+  const dark = matchMedia("(prefers-color-scheme: dark)");
+  const root = document.documentElement;
+  const isDark = () => (root.dataset.theme ? root.dataset.theme === "dark" : dark.matches);
+  dark.addEventListener("change", () => changed(isDark()));
+  byId("theme").addEventListener("click", () => {
+    root.dataset.theme = isDark() ? "light" : "dark";
+    changed(isDark());
+  });
+  changed(isDark());
+}
+
+/** The cones of a file of lines `vertex curvature` or `vertex`. */
+export function readCones(text: string): [number, number | null][] {
+  return text.split("\n").map((line) => line.split("#")[0].trim()).filter(Boolean).map((line) => {
+    const words = line.split(/\s+/);
+    const [vertex, curvature] = [Number(words[0]), words.length > 1 ? Number(words[1]) : null];
+    if (!Number.isInteger(vertex) || vertex < 0 || words.length > 2 || Number.isNaN(curvature)) throw new Error(`no cone: ${line.slice(0, 60)}`);
+    return [vertex, curvature];
+  });
+}

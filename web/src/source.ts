@@ -1,0 +1,171 @@
+// Where surfaces, cones and maps come from: the server of `cones view`, or the file that the page is.
+
+import { type Cone, Container, type Foreseen, pieces, type Preview, type Question, type Surface, type UvMap } from "./data";
+import * as packed from "./packed";
+
+export interface Source {
+  /** Whether everything can be asked for, or only what is stored. */
+  readonly isLive: boolean;
+  surface(): Promise<Surface>;
+  foreseen(method: string, angles: string): Promise<Foreseen>;
+  preview(question: Question, serial: number, signal: AbortSignal): Promise<Preview>;
+  map(question: Question, serial: number, signal: AbortSignal): Promise<UvMap>;
+  save(kind: "obj" | "glb" | "cones", question: Question, serial: number): Promise<Blob>;
+}
+
+/** An answer that a newer question has replaced. */
+export class Replaced extends Error {}
+
+class Live implements Source {
+  readonly isLive = true;
+  private readonly tab = Math.random().toString(36).slice(2);
+
+  constructor() {
+    addEventListener("pagehide", () => navigator.sendBeacon("leave", JSON.stringify({ tab: this.tab })));
+  }
+
+  async surface(): Promise<Surface> {
+    const data = new Container(await (await this.ask("surface")).arrayBuffer());
+    return {
+      ...data.meta,
+      points: data.floats("points"),
+      triangles: data.words("triangles"),
+      factor: data.floats("factor"),
+      vertex: null,
+    };
+  }
+
+  async foreseen(method: string, angles: string): Promise<Foreseen> {
+    return (await this.ask("foreseen", { method, angles })).json();
+  }
+
+  async preview(question: Question, serial: number, signal: AbortSignal): Promise<Preview> {
+    const { found, seams } = await (await this.ask("cones", { ...question, serial }, signal)).json();
+    return {
+      cones: found.cones.map(({ vertex, curvature }: Cone) => ({ vertex, curvature })),
+      predicted: found.prediction.predicted_area,
+      seams: seams.map((chain: number[]) => Uint32Array.from(chain)),
+    };
+  }
+
+  async map(question: Question, serial: number, signal: AbortSignal): Promise<UvMap> {
+    const data = new Container(await (await this.ask("map", { ...question, serial }, signal)).arrayBuffer());
+    return {
+      meta: data.meta,
+      cones: data.meta.cones,
+      uv: data.floats("uv"),
+      logArea: data.floats("log_area"),
+      stretch: data.floats("stretch"),
+      island: data.words("island"),
+      seams: pieces(data.words("seams"), data.words("seam_lengths")),
+    };
+  }
+
+  async save(kind: string, question: Question, serial: number): Promise<Blob> {
+    return (await this.ask(`save/${kind}`, { ...question, serial })).blob();
+  }
+
+  private async ask(path: string, question?: object, signal?: AbortSignal): Promise<Response> {
+    const how = question && { method: "POST", body: JSON.stringify({ tab: this.tab, ...question }), signal };
+    const answer = await fetch(path, how).catch((error) => {
+      if (signal?.aborted) throw new Replaced();
+      throw new Error(`cones view does not answer: is it still running? (${error.message})`);
+    });
+    if (answer.status === 409) throw new Replaced();
+    if (!answer.ok) throw new Error(await answer.text());
+    return answer;
+  }
+}
+
+/** What a report has of one number of cones. */
+interface Level {
+  meta: { n: number; cones: Cone[]; predicted: number | null; map: UvMap["meta"] | null };
+  range: { low: number[]; step: number } | null;
+}
+
+class Stored implements Source {
+  readonly isLive = false;
+  private readonly corners: Uint32Array;
+  private readonly from: Uint32Array;
+  private readonly vertex: Uint32Array;
+  private readonly number = new Map<number, number>();
+
+  constructor(private readonly data: Container) {
+    const { vertices, triangles } = data.meta;
+    [this.corners, this.from] = packed.triangles(data.bytes("triangles"), triangles, vertices);
+    this.vertex = packed.sequence(data.bytes("vertex"), vertices);
+    this.vertex.forEach((vertex, number) => this.number.set(vertex, number));
+  }
+
+  async surface(): Promise<Surface> {
+    const { meta } = this.data;
+    return {
+      ...meta.surface,
+      points: packed.values(this.data.bytes("points"), this.from, 3, meta.points),
+      factor: packed.values(this.data.bytes("factor"), this.from, 1, meta.factor),
+      triangles: this.corners,
+      vertex: this.vertex,
+    };
+  }
+
+  async foreseen(): Promise<Foreseen> {
+    const { extrema, levels } = this.data.meta.foreseen as Foreseen;
+    return {
+      extrema: extrema.map((one) => ({ ...one, vertex: this.here(one.vertex) })),
+      levels: levels.map(({ cones, ...rest }) => ({ ...rest, cones: cones.map(([v, k]) => [this.here(v), k]) })),
+    };
+  }
+
+  async preview(question: Question): Promise<Preview> {
+    const at = this.nearest(question.n, () => true);
+    const { cones, predicted } = this.levels[at].meta;
+    return { cones: this.cones(cones), predicted, seams: packed.chains(this.data.bytes(`seams.${at}`)) };
+  }
+
+  /** The map of the nearest number of cones that one is stored for. */
+  async map(question: Question): Promise<UvMap> {
+    const at = this.nearest(question.n, (level) => level.range !== null);
+    const { meta, range } = this.levels[at];
+    const bytes = (name: string) => this.data.bytes(`${name}.${at}`);
+    return {
+      meta: meta.map!,
+      cones: this.cones(meta.cones),
+      uv: packed.coordinates(bytes("uv"), bytes("others"), this.from, this.corners, range!),
+      logArea: packed.logarithms(bytes("log_area"), this.data.meta.most_log_area),
+      stretch: packed.logarithms(bytes("stretch"), this.data.meta.most_log_stretch).map(Math.exp),
+      island: packed.sequence(bytes("island"), this.corners.length / 3),
+      seams: packed.chains(bytes("seams")),
+    };
+  }
+
+  save(): Promise<Blob> {
+    throw new Error("a report saves nothing");
+  }
+
+  private get levels(): Level[] {
+    return this.data.meta.levels;
+  }
+
+  private here(vertex: number): number {
+    return this.number.get(vertex) ?? 0;
+  }
+
+  private cones(cones: Cone[]): Cone[] {
+    return cones.map(({ vertex, curvature }) => ({ vertex: this.here(vertex), curvature }));
+  }
+
+  private nearest(n: number | null, fits: (level: Level) => boolean): number {
+    const wanted = n ?? this.data.meta.surface.chosen.n;
+    const away = (level: Level) => (fits(level) ? Math.abs(level.meta.n - wanted) : Infinity);
+    return this.levels.reduce((best, level, k) => (away(level) < away(this.levels[best]) ? k : best), 0);
+  }
+}
+
+/** The file's own data, if there is any; else the server that the page came from. */
+export async function source(): Promise<Source> {
+  const text = document.getElementById("data")?.textContent?.trim();
+  if (!text) return new Live();
+  const bytes = Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
+  const inflated = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("deflate"));
+  return new Stored(new Container(await new Response(inflated).arrayBuffer()));
+}

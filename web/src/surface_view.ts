@@ -1,0 +1,235 @@
+// The surface in space, with cones as spheres and seams as tubes.
+
+import {
+  BufferAttribute, BufferGeometry, Color, CylinderGeometry, InstancedMesh, Matrix4, Mesh, MeshBasicMaterial, MeshLambertMaterial,
+  HemisphereLight, PerspectiveCamera, Quaternion, SphereGeometry, Spherical, Vector3,
+} from "three";
+import type { Cone, Surface } from "./data";
+import { type Place, type Vec3, coneColour, cornerNormals, hitSurface, pointOf } from "./geometry";
+import { meshMaterial } from "./mesh_material";
+import { Stage } from "./stage";
+
+const CONE = 0.013;
+const TUBE = 0.0028;
+/** A cone is taken hold of within so many pixels. */
+const REACH = 14;
+
+export class SurfaceView {
+  readonly stage: Stage<PerspectiveCamera>;
+  private readonly material = meshMaterial(true);
+  private readonly geometry = new BufferGeometry();
+  private readonly up: Vector3;
+  private radius = 1;
+  private spheres: InstancedMesh | null = null;
+  private tubes: InstancedMesh | null = null;
+  private cones: Cone[] = [];
+
+  constructor(element: HTMLElement, canvas: HTMLCanvasElement, private readonly surface: Surface) {
+    this.stage = new Stage(element, canvas, new PerspectiveCamera(32, 1, 0.01, 50), true);
+    const { points, triangles } = surface;
+    const position = new Float32Array(3 * triangles.length);
+    for (let k = 0; k < position.length; k++) position[k] = points[3 * triangles[(k - (k % 3)) / 3] + (k % 3)];
+    this.geometry.setAttribute("position", new BufferAttribute(position, 3));
+    this.geometry.setAttribute("normal", new BufferAttribute(cornerNormals(surface), 3));
+    this.geometry.setAttribute("tint", new BufferAttribute(new Uint8Array(3 * triangles.length), 3, true));
+    this.geometry.setAttribute("coordinates", new BufferAttribute(new Float32Array(2 * triangles.length), 2));
+    const mesh = new Mesh(this.geometry, this.material);
+    mesh.frustumCulled = false;
+    this.stage.scene.add(mesh, new HemisphereLight(0xffffff, 0x9aa0aa, 3));
+    const size = [0, 1, 2].map((i) => {
+      let [low, high] = [Infinity, -Infinity];
+      for (let k = i; k < position.length; k += 3) {
+        low = Math.min(low, position[k]);
+        high = Math.max(high, position[k]);
+      }
+      return high - low;
+    });
+    this.radius = 0.5 * Math.hypot(...size);
+    // y is up as in most files, but in a landscape, wide in x and y.
+    const isLandscape = size[2] < 0.5 * Math.min(size[0], size[1]);
+    this.up = isLandscape ? new Vector3(0, 0, 1) : new Vector3(0, 1, 0);
+    this.stage.camera.up.copy(this.up);
+    this.stage.onResize = () => this.resize();
+    this.stage.controls.minDistance = 0.02;
+    this.stage.controls.maxDistance = 12;
+    this.resize();
+    this.fit();
+    canvas.addEventListener("keydown", (event) => this.key(event));
+  }
+
+  /** Shows all of it from its corner. */
+  fit(): void {
+    const { camera, controls } = this.stage;
+    const front = this.up.z ? new Vector3(0, -1, 0) : new Vector3(0, 0, 1);
+    const side = new Vector3(1, 0, 0);
+    const turn = (32 * Math.PI) / 180;
+    const from = front.multiplyScalar(Math.cos(turn)).addScaledVector(side, Math.sin(turn)).addScaledVector(this.up, 0.42);
+    const half = (0.5 * camera.fov * Math.PI) / 180;
+    const narrow = Math.min(half, Math.atan(Math.tan(half) * camera.aspect));
+    controls.target.set(0, 0, 0);
+    camera.position.copy(from.normalize().multiplyScalar((0.98 * this.radius) / Math.sin(narrow)));
+    controls.update();
+    this.stage.draw();
+  }
+
+  colour(tint: Uint8Array, isChecker: boolean): void {
+    if (!isChecker) this.replace("tint", tint);
+    this.material.uniforms.isChecker.value = isChecker;
+    this.stage.draw();
+  }
+
+  /** The map's coordinates, for the checkerboard. */
+  coordinates(uv: Float32Array, squares: number): void {
+    this.replace("coordinates", uv);
+    this.material.uniforms.squares.value = squares;
+    this.stage.draw();
+  }
+
+  showCones(cones: Cone[], selected: number | null): void {
+    this.cones = cones;
+    if (!this.spheres || this.spheres.instanceMatrix.count < cones.length) {
+      this.spheres = this.room(this.spheres, new SphereGeometry(1, 24, 16), new MeshLambertMaterial(), cones.length);
+    }
+    const crowd = Math.min(1, Math.sqrt(40 / Math.max(1, cones.length)));
+    cones.forEach(({ vertex, curvature }, k) => {
+      const known = Number.isNaN(curvature) ? 1 : Math.min(1.6, Math.sqrt(Math.abs(curvature) / Math.PI) + 0.5);
+      const radius = CONE * crowd * known * (k === selected ? 1.5 : 1);
+      this.spheres!.setMatrixAt(k, new Matrix4().makeScale(radius, radius, radius).setPosition(this.at(vertex)));
+      this.spheres!.setColorAt(k, new Color(k === selected ? 0xffc400 : coneColour(curvature)));
+    });
+    this.finish(this.spheres, cones.length);
+  }
+
+  showSeams(seams: Uint32Array[]): void {
+    const count = seams.reduce((sum, chain) => sum + Math.max(0, chain.length - 1), 0);
+    if (!this.tubes || this.tubes.instanceMatrix.count < count) {
+      const tube = new CylinderGeometry(1, 1, 1, 6, 1, true);
+      this.tubes = this.room(this.tubes, tube, new MeshBasicMaterial({ color: 0x1d212b }), count);
+    }
+    let k = 0;
+    const [along, turn, y] = [new Vector3(), new Quaternion(), new Vector3(0, 1, 0)];
+    for (const chain of seams) {
+      for (let i = 1; i < chain.length; i++) {
+        const [a, b] = [this.at(chain[i - 1]), this.at(chain[i])];
+        const length = along.subVectors(b, a).length();
+        turn.setFromUnitVectors(y, along.normalize());
+        // A little longer, so that there are no gaps where tubes meet.
+        this.tubes.setMatrixAt(k++, new Matrix4().compose(a.add(b).multiplyScalar(0.5), turn, new Vector3(TUBE, length + TUBE, TUBE)));
+      }
+    }
+    this.finish(this.tubes, count);
+  }
+
+  /** The point of the surface under an event. */
+  under(event: { clientX: number; clientY: number }): Place | null {
+    const [x, y] = this.stage.fromEvent(event);
+    const { camera } = this.stage;
+    const direction = new Vector3(x, y, 0.5).unproject(camera).sub(camera.position).normalize();
+    return hitSurface(this.surface, camera.position.toArray() as Vec3, direction.toArray() as Vec3);
+  }
+
+  /** The cone under an event that is in sight. */
+  coneUnder(event: { clientX: number; clientY: number }, place: Place | null): number | null {
+    const box = this.stage.canvas.getBoundingClientRect();
+    const { camera } = this.stage;
+    const depth = place && new Vector3(...pointOf(this.surface, place)).distanceTo(camera.position);
+    let found: number | null = null;
+    let nearest = REACH;
+    this.cones.forEach(({ vertex }, k) => {
+      const point = this.at(vertex);
+      const [x, y] = this.stage.toScreen(point);
+      const away = Math.hypot(x + box.left - event.clientX, y + box.top - event.clientY);
+      const isInSight = depth === null || point.distanceTo(camera.position) < depth + 3 * CONE;
+      if (isInSight && away < nearest) [nearest, found] = [away, k];
+    });
+    return found;
+  }
+
+  /** Turns until a place is in front. */
+  face(place: Place): void {
+    const { camera, controls } = this.stage;
+    const normals = this.geometry.getAttribute("normal");
+    const normal = new Vector3().fromBufferAttribute(normals as BufferAttribute, 3 * place.triangle);
+    const direction = camera.position.clone().sub(controls.target);
+    if (normal.dot(direction.clone().normalize()) > 0.3) return;
+    const target = normal.multiplyScalar(direction.length());
+    // Not from straight above or below: the model stands upright.
+    if (Math.abs(target.clone().normalize().dot(this.up)) > 0.95) target.addScaledVector(direction, 0.4).setLength(direction.length());
+    camera.position.copy(controls.target).add(target);
+    controls.update();
+    this.stage.draw();
+  }
+
+  /** Where a place is on the screen, and whether it is on the far side. */
+  onScreen(place: Place): { x: number; y: number; isBehind: boolean } {
+    const point = new Vector3(...pointOf(this.surface, place));
+    const [x, y] = this.stage.toScreen(point);
+    const { camera } = this.stage;
+    const direction = point.clone().sub(camera.position);
+    const first = hitSurface(this.surface, camera.position.toArray() as Vec3, direction.toArray() as Vec3);
+    const isBehind = !!first && new Vector3(...pointOf(this.surface, first)).distanceTo(point) > 0.02;
+    return { x, y, isBehind };
+  }
+
+  coneOnScreen(cone: Cone): [number, number] {
+    return this.stage.toScreen(this.at(cone.vertex));
+  }
+
+  private at(vertex: number): Vector3 {
+    return new Vector3().fromArray(this.surface.points, 3 * vertex);
+  }
+
+  private replace(name: string, values: Uint8Array | Float32Array): void {
+    const attribute = this.geometry.getAttribute(name) as BufferAttribute;
+    attribute.array.set(values);
+    attribute.needsUpdate = true;
+  }
+
+  /** As many instances as are needed, twice that so that it is seldom made anew. */
+  private room(old: InstancedMesh | null, geometry: BufferGeometry, material: MeshLambertMaterial | MeshBasicMaterial, count: number) {
+    if (old) {
+      this.stage.scene.remove(old);
+      old.geometry.dispose();
+      (old.material as MeshBasicMaterial).dispose();
+      old.dispose();
+    }
+    const mesh = new InstancedMesh(geometry, material, Math.max(64, 2 * count));
+    mesh.frustumCulled = false;
+    this.stage.scene.add(mesh);
+    return mesh;
+  }
+
+  private finish(mesh: InstancedMesh, count: number): void {
+    mesh.count = count;
+    mesh.instanceMatrix.needsUpdate = true;
+    if (mesh.instanceColor) mesh.instanceColor.needsUpdate = true;
+    this.stage.draw();
+  }
+
+  private resize(): void {
+    this.stage.camera.aspect = this.stage.width / this.stage.height;
+    this.stage.camera.updateProjectionMatrix();
+  }
+
+  private key(event: KeyboardEvent): void {
+    const { camera, controls } = this.stage;
+    const turns: Record<string, [number, number]> = {
+      ArrowLeft: [-0.12, 0], ArrowRight: [0.12, 0], ArrowUp: [0, -0.1], ArrowDown: [0, 0.1],
+    };
+    const offset = camera.position.clone().sub(controls.target);
+    if (event.key in turns) {
+      const upright = new Quaternion().setFromUnitVectors(this.up, new Vector3(0, 1, 0));
+      const at = new Spherical().setFromVector3(offset.applyQuaternion(upright));
+      at.theta += turns[event.key][0];
+      at.phi = Math.min(Math.PI - 0.05, Math.max(0.05, at.phi + turns[event.key][1]));
+      offset.setFromSpherical(at).applyQuaternion(upright.invert());
+    } else if (event.key === "+" || event.key === "=") offset.multiplyScalar(0.88);
+    else if (event.key === "-") offset.multiplyScalar(1.14);
+    else if (event.key === "f" || event.key === "Home") return this.fit();
+    else return;
+    event.preventDefault();
+    camera.position.copy(controls.target).add(offset);
+    controls.update();
+    this.stage.draw();
+  }
+}

@@ -1,0 +1,332 @@
+// The page in a real browser, as a person would use it. Takes the program and a mesh; says what was measured.
+//
+//     node test/run.mjs PROGRAM MESH [FOLDER FOR SCREENSHOTS]
+import assert from "node:assert/strict";
+import { spawn, spawnSync } from "node:child_process";
+import { existsSync, mkdtempSync, readFileSync, rmSync, statSync, writeFileSync } from "node:fs";
+import { tmpdir } from "node:os";
+import { join } from "node:path";
+import { chromium } from "playwright-core";
+
+const [program, mesh, pictures] = process.argv.slice(2);
+const folder = mkdtempSync(join(tmpdir(), "cones-page-"));
+const executablePath = ["/usr/bin/chromium", "/usr/bin/chromium-browser", "/usr/bin/google-chrome"].find(existsSync);
+const flags = [
+  "--no-sandbox", "--disable-quic", "--no-first-run", "--disable-background-networking", "--disable-component-update", "--disable-sync",
+];
+const drawing = ["--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist"];
+const complaints = [];
+let passed = 0;
+
+/** A new window, whose complaints are kept. */
+async function open(browser, url, how = {}) {
+  const context = await browser.newContext({ viewport: { width: 1280, height: 800 }, acceptDownloads: true, ...how });
+  const page = await context.newPage();
+  page.on("console", (message) => message.type() === "error" && complaints.push(message.text()));
+  page.on("pageerror", (error) => complaints.push(error.message));
+  await page.goto(url);
+  return page;
+}
+
+const maps = (page) => page.evaluate(() => Number(document.body.dataset.maps ?? 0));
+const state = (page) => page.textContent("#state");
+
+/** Waits for the first map of a page. */
+async function firstMap(page) {
+  await page.waitForFunction(() => Number(document.body.dataset.maps ?? 0) > 0, null, { timeout: 60_000 });
+}
+
+/** Does something and waits for the exact map of it. */
+async function afterMap(page, act) {
+  const before = await maps(page);
+  await act();
+  await page.waitForFunction((before) => Number(document.body.dataset.maps ?? 0) > before, before, { timeout: 60_000 });
+  await page.waitForFunction(() => !document.querySelector("#state").classList.contains("busy"), null, { timeout: 60_000 });
+}
+
+async function test(name, act) {
+  const began = Date.now();
+  try {
+    await act();
+    assert.deepEqual(complaints, [], "the console has complaints");
+    passed++;
+    console.log(`ok   ${name} (${Date.now() - began} ms)`);
+  } catch (error) {
+    process.exitCode = 1;
+    console.log(`FAIL ${name}: ${error.stack}`);
+  }
+  complaints.length = 0;
+}
+
+async function picture(page, name) {
+  if (!pictures) return;
+  await page.waitForTimeout(300);
+  await page.screenshot({ path: join(pictures, `${name}.png`), fullPage: name.includes("phone") });
+}
+
+/** The average colour of what is seen in a part of the page, and how much it varies. */
+async function seen(page, selector) {
+  const png = (await page.locator(selector).screenshot()).toString("base64");
+  return page.evaluate(async (png) => {
+    // Not by fetch: the page may talk to its server alone.
+    const image = new Image();
+    image.src = `data:image/png;base64,${png}`;
+    await image.decode();
+    const canvas = document.createElement("canvas");
+    [canvas.width, canvas.height] = [image.width, image.height];
+    const context = canvas.getContext("2d");
+    context.drawImage(image, 0, 0);
+    const { data } = context.getImageData(0, 0, image.width, image.height);
+    const colours = new Set();
+    for (let k = 0; k < data.length; k += 4) colours.add((data[k] >> 4) * 256 + (data[k + 1] >> 4) * 16 + (data[k + 2] >> 4));
+    return colours.size;
+  }, png);
+}
+
+/** Whether anything is cut off at the sides, or lies over something else. */
+async function flaws(page) {
+  return page.evaluate(() => {
+    const found = [];
+    if (document.documentElement.scrollWidth > innerWidth) found.push(`the page is ${document.documentElement.scrollWidth} wide`);
+    const shown = (element) => element.checkVisibility() && element.getClientRects().length > 0;
+    const all = [...document.querySelectorAll("header > *, #controls > *, button, select, h1, figcaption")].filter(shown);
+    for (const element of all) {
+      const box = element.getBoundingClientRect();
+      const name = element.id || element.textContent.slice(0, 20);
+      if (box.right > innerWidth + 1 || box.left < -1) found.push(`${name} is cut off`);
+      if (element.matches("button, figcaption") && element.scrollWidth > element.clientWidth + 1) found.push(`${name} does not fit`);
+    }
+    const buttons = all.filter((element) => element.matches("button, select") && !element.closest("figure"));
+    buttons.forEach((a, k) => buttons.slice(k + 1).forEach((b) => {
+      const [p, q] = [a.getBoundingClientRect(), b.getBoundingClientRect()];
+      const over = Math.min(p.right, q.right) - Math.max(p.left, q.left) > 1 && Math.min(p.bottom, q.bottom) - Math.max(p.top, q.top) > 1;
+      if (over) found.push(`${a.textContent} lies over ${b.textContent}`);
+    }));
+    return found;
+  });
+}
+
+const server = spawn(program, ["view", mesh, "--no-open", "-n", "8"]);
+server.stderr.on("data", (data) => process.stderr.write(data));
+const url = await new Promise((found, failed) => {
+  server.stdout.once("data", (data) => found(String(data).trim()));
+  server.once("exit", () => failed(new Error("cones view has ended")));
+});
+const browser = await chromium.launch({ executablePath, headless: true, args: [...flags, ...drawing] });
+try {
+  const page = await open(browser, url, { colorScheme: "light" });
+  await test("the map is there after loading", async () => {
+    await page.waitForFunction(() => Number(document.body.dataset.maps) >= 1, null, { timeout: 60_000 });
+    await page.waitForSelector("#curve polyline[points*=' ']", { timeout: 60_000 });
+    assert.equal(await page.inputValue("#count"), "8");
+    assert.equal(await page.locator("#cones li").count(), 8);
+    assert.equal(await state(page), "exact map");
+    assert.match(await page.textContent("#numbers"), /Quasi-conformal, mean1\.0/);
+    assert.ok((await seen(page, "#surface canvas")) > 60, "the surface is drawn");
+    assert.ok((await seen(page, "#atlas canvas")) > 8, "the map is drawn");
+    await picture(page, "desk-light");
+  });
+  await test("the slider shows cones at once, and the exact map after that", async () => {
+    const ms = await page.evaluate(() => {
+      const slider = document.querySelector("#slider");
+      const began = performance.now();
+      slider.value = "16";
+      slider.dispatchEvent(new Event("input", { bubbles: true }));
+      return [performance.now() - began, document.querySelectorAll("#cones li").length];
+    });
+    console.log(`     slider: ${ms[0].toFixed(1)} ms`);
+    assert.equal(ms[1], 16);
+    await afterMap(page, () => page.locator("#slider").press("ArrowRight"));
+    assert.equal(await page.inputValue("#count"), "17");
+    assert.equal(await page.locator("#cones li").count(), 17);
+  });
+  await test("many moves come to the map of the last", async () => {
+    await afterMap(page, async () => {
+      for (let k = 0; k < 12; k++) await page.locator("#slider").press("ArrowLeft");
+    });
+    await page.waitForFunction(() => document.querySelector("#state").textContent === "exact map");
+    assert.equal(await page.locator("#cones li").count(), 5);
+    assert.match(await page.textContent("#numbers"), /measured/);
+  });
+  await test("every colour has its legend, and is another picture", async () => {
+    for (const [mode, legend] of [["area", "ideal 1"], ["stretch", "ideal 1"], ["factor", "φ"], ["islands", "island"], ["plain", ""], ["checker", "squares"]]) {
+      await page.click(`[data-mode=${mode}]`);
+      assert.ok((await page.textContent("#scale")).includes(legend), mode);
+      assert.equal(await page.getAttribute(`[data-mode=${mode}]`, "aria-pressed"), "true");
+    }
+  });
+  await test("what is pointed at on one side lights up on the other", async () => {
+    const box = await page.locator("#surface canvas").boundingBox();
+    await page.mouse.move(box.x + box.width / 2, box.y + box.height / 2);
+    await page.waitForSelector("#atlas .mark:not([hidden])");
+    assert.match(await page.textContent("#place"), /vertex \d+.*φ.*area.*σ₁\/σ₂.*island 1/);
+    const mark = await page.locator("#atlas .mark").boundingBox();
+    await page.mouse.move(mark.x + 11, mark.y + 11);
+    const back = await page.locator("#surface .mark").boundingBox();
+    assert.ok(Math.hypot(back.x + 11 - box.x - box.width / 2, back.y + 11 - box.y - box.height / 2) < 12, "there and back");
+  });
+  await test("a cone is added, dragged, removed, and all of it undone", async () => {
+    await page.click("#edit");
+    const box = await page.locator("#surface canvas").boundingBox();
+    await afterMap(page, () => page.mouse.click(box.x + 0.5 * box.width, box.y + 0.55 * box.height));
+    assert.equal(await page.locator("#cones li").count(), 6);
+    const added = await page.textContent("#cones li:last-child");
+    await afterMap(page, async () => {
+      await page.mouse.move(box.x + 0.5 * box.width, box.y + 0.55 * box.height);
+      await page.mouse.down();
+      await page.mouse.move(box.x + 0.53 * box.width, box.y + 0.5 * box.height, { steps: 4 });
+      await page.mouse.up();
+    });
+    assert.equal(await page.locator("#cones li").count(), 6);
+    assert.notEqual(await page.textContent("#cones li:last-child"), added);
+    await afterMap(page, async () => {
+      await page.locator("#cones li:last-child button").click();
+      await page.keyboard.press("Delete");
+    });
+    assert.equal(await page.locator("#cones li").count(), 5);
+    await afterMap(page, () => page.click("#undo"));
+    await afterMap(page, () => page.keyboard.press("Control+z"));
+    assert.equal(await page.textContent("#cones li:last-child"), added);
+    await afterMap(page, () => page.click("#redo"));
+    assert.notEqual(await page.textContent("#cones li:last-child"), added);
+    await page.click("#edit");
+  });
+  await test("cones are saved and loaded, maps are saved", async () => {
+    const save = async (button) => {
+      const [download] = await Promise.all([page.waitForEvent("download"), page.click(button)]);
+      const path = join(folder, download.suggestedFilename());
+      await download.saveAs(path);
+      return path;
+    };
+    const cones = await save("#save-cones");
+    assert.equal(readFileSync(cones, "utf8").trim().split("\n").length, 7);
+    const obj = await save("#save-obj");
+    assert.match(readFileSync(obj, "utf8"), /^vt /m);
+    const measured = spawnSync(program, ["measure", obj, "--json"], { encoding: "utf8" });
+    assert.equal(JSON.parse(measured.stdout).distortion?.flipped ?? JSON.parse(measured.stdout).flipped, 0);
+    assert.equal(readFileSync(await save("#save-glb")).subarray(0, 4).toString(), "glTF");
+    await afterMap(page, () => page.locator("#slider").press("ArrowRight"));
+    await afterMap(page, () => page.setInputFiles("#file", cones));
+    assert.equal(await page.locator("#cones li").count(), 6);
+    writeFileSync(join(folder, "wrong.txt"), "here no cones\n");
+    await page.setInputFiles("#file", join(folder, "wrong.txt"));
+    await page.waitForSelector("#state.failed");
+    assert.match(await state(page), /no cone/);
+  });
+  await test("methods and curvatures are chosen, a click on the curve chooses N", async () => {
+    await afterMap(page, () => page.selectOption("#method", "alternating"));
+    await afterMap(page, () => page.selectOption("#angles", "harmonic"));
+    await page.waitForSelector("#curve polyline[points*=' ']");
+    const box = await page.locator("#curve").boundingBox();
+    await afterMap(page, () => page.mouse.click(box.x + box.width / 2, box.y + 30));
+    assert.ok(Number(await page.inputValue("#count")) > 20);
+    await picture(page, "desk-paper");
+  });
+  await test("a reload begins anew, several windows at once", async () => {
+    await page.reload();
+    await firstMap(page);
+    const other = await open(browser, url);
+    await firstMap(other);
+    assert.equal(await other.inputValue("#count"), "8");
+    await other.context().close();
+  });
+  await test("all of it is reached by keys", async () => {
+    const reached = new Set();
+    for (let k = 0; k < 40; k++) {
+      await page.keyboard.press("Tab");
+      reached.add(await page.evaluate(() => document.activeElement?.id || document.activeElement?.dataset?.mode || document.activeElement?.tagName));
+    }
+    for (const id of ["area", "theme", "CANVAS", "slider", "count", "method", "angles", "edit", "load", "save-obj", "vertex"]) assert.ok(reached.has(id), id);
+    const before = await page.locator("#surface canvas").screenshot();
+    await page.focus("#surface canvas");
+    await page.keyboard.press("ArrowLeft");
+    await page.waitForTimeout(200);
+    assert.ok(!before.equals(await page.locator("#surface canvas").screenshot()), "it turns");
+  });
+  await test("memory does not grow over many moves", async () => {
+    const held = () => page.evaluate(() => performance.memory?.usedJSHeapSize ?? 0);
+    const resident = () => Number(/VmRSS:\s+(\d+)/.exec(readFileSync(`/proc/${server.pid}/status`, "utf8"))?.[1] ?? 0);
+    const move = (count) => page.evaluate(async (count) => {
+      const slider = document.querySelector("#slider");
+      for (let k = 0; k < count; k++) {
+        slider.value = String(4 + ((7 * k) % 60));
+        slider.dispatchEvent(new Event("input", { bubbles: true }));
+        await new Promise((next) => setTimeout(next, 20));
+      }
+    }, count);
+    await move(60);
+    const before = [await held(), resident()];
+    await move(440);
+    const after = [await held(), resident()];
+    console.log(`     page ${before.map((x, k) => `${Math.round(x / (k ? 1024 : 1048576))}`)} -> ${after.map((x, k) => Math.round(x / (k ? 1024 : 1048576)))} MB (page, server)`);
+    assert.ok(after[0] < before[0] + 60e6 && after[1] < before[1] + 60e3, "it grows");
+  });
+  await page.context().close();
+
+  for (const [name, viewport] of [["desk", { width: 1280, height: 800 }], ["phone", { width: 390, height: 844 }], ["wide", { width: 1920, height: 1080 }]]) {
+    for (const colorScheme of ["light", "dark"]) {
+      await test(`nothing is cut off or covered: ${name}, ${colorScheme}`, async () => {
+        const other = await open(browser, url, { viewport, colorScheme });
+        await firstMap(other);
+        assert.deepEqual(await flaws(other), []);
+        await other.click("[data-mode=area]");
+        assert.deepEqual(await flaws(other), []);
+        await picture(other, `${name}-${colorScheme}-area`);
+        const dark = () => other.evaluate(() => getComputedStyle(document.body).backgroundColor);
+        const before = await dark();
+        await other.click("#theme");
+        assert.notEqual(await dark(), before, "the switch switches");
+        await other.context().close();
+      });
+    }
+  }
+
+  const report = join(folder, "report.html");
+  await test("the report opens from the disk without a network", async () => {
+    const made = spawnSync(program, ["unwrap", mesh, "-n", "9", "-o", join(folder, "out.obj"), "--report", report], { encoding: "utf8" });
+    assert.equal(made.status, 0, made.stderr);
+    console.log(`     ${(statSync(report).size / 1e6).toFixed(2)} MB`);
+    const asked = [];
+    const context = await browser.newContext({ viewport: { width: 1280, height: 800 }, offline: true });
+    const file = await context.newPage();
+    file.on("request", (request) => request.url().startsWith("http") && asked.push(request.url()));
+    file.on("console", (message) => message.type() === "error" && complaints.push(message.text()));
+    file.on("pageerror", (error) => complaints.push(error.message));
+    await file.goto(`file://${report}`);
+    await firstMap(file);
+    assert.equal(await file.inputValue("#count"), "9");
+    assert.equal(await file.locator("#cones li").count(), 9);
+    assert.ok((await seen(file, "#atlas canvas")) > 8, "the map is drawn");
+    const stored = new Set();
+    for (let n = 9; n < 40; n++) {
+      await afterMap(file, () => file.locator("#slider").press("ArrowRight"));
+      assert.equal(await file.locator("#cones li").count(), n + 1);
+      if (await file.isHidden("#badge")) stored.add(n + 1);
+    }
+    assert.ok(stored.size >= 4, `${[...stored]}`);
+    assert.equal(await file.isVisible("#edit"), false);
+    assert.deepEqual(asked, []);
+    await picture(file, "report");
+    await context.close();
+  });
+} finally {
+  await browser.close();
+}
+
+const plain = await chromium.launch({ executablePath, headless: true, args: [...flags, "--disable-gpu", "--disable-3d-apis"] });
+try {
+  await test("without WebGL the map is shown, and it is said why the surface is not", async () => {
+    const page = await open(plain, url);
+    await firstMap(page);
+    assert.match(await page.textContent("#surface .message"), /no WebGL/);
+    assert.ok((await seen(page, "#atlas canvas")) > 8, "the map is drawn");
+    const box = await page.locator("#atlas canvas").boundingBox();
+    await page.mouse.move(box.x + box.width / 2, box.y + box.height / 2);
+    await picture(page, "plain");
+  });
+} finally {
+  await plain.close();
+  server.kill();
+  rmSync(folder, { recursive: true, force: true });
+}
+console.log(process.exitCode ? "some tests failed" : `${passed} passed`);
