@@ -33,12 +33,6 @@ impl<V, S: Scalar> Pair<V, S> {
         self.saddle.as_ref().map(|_| self.end)
     }
 
-    /// The value at the saddle, or for an essential class the last value to enter its component: as far from the birth as the pair is
-    /// persistent.
-    pub fn end(&self) -> S {
-        self.end
-    }
-
     /// |birth - death|, or the range of its component for an essential class.
     pub fn persistence(&self) -> S::Width {
         self.birth.width(self.end)

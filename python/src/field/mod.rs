@@ -3,10 +3,24 @@
 //! Arrays are read where they lie. A function is compiled for each kind of number on grids; on graphs and meshes, where a field is small
 //! beside its domain, for the widest ones only.
 
+/// Does the same with a field of whatever numbers it has.
+macro_rules! with_field {
+    ($field:expr, [$($number:ty),*], $slice:ident => $work:expr) => {{
+        let field: &Bound<'_, PyAny> = $field;
+        $(if let Ok(array) = field.cast::<PyArray1<$number>>() {
+            let array: PyReadonlyArray1<'_, $number> = array.try_readonly().map_err(|error| Error::new_err(error.to_string()))?;
+            let $slice: &[$number] = array.as_slice().map_err(|_| Error::new_err("the field does not lie row by row"))?;
+            return $work;
+        })*
+        Err(Error::new_err("a field is an array of integers or floats"))
+    }};
+}
+
 mod diagram;
 mod domain;
 mod number;
 mod pairs;
+mod summary;
 mod tree;
 
 use numpy::{PyArray1, PyArrayMethods, PyReadonlyArray1};
@@ -32,20 +46,10 @@ pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(segmentation, module)?)?;
     module.add_function(wrap_pyfunction!(simplify, module)?)?;
     module.add_function(wrap_pyfunction!(holes, module)?)?;
+    module.add_function(wrap_pyfunction!(summary::summarise, module)?)?;
+    module.add_function(wrap_pyfunction!(summary::join_summaries, module)?)?;
+    module.add_function(wrap_pyfunction!(summary::open_vertices, module)?)?;
     module.add_function(wrap_pyfunction!(isolation, module)?)
-}
-
-/// Does the same with a field of whatever numbers it has.
-macro_rules! with_field {
-    ($field:expr, [$($number:ty),*], $slice:ident => $work:expr) => {{
-        let field: &Bound<'_, PyAny> = $field;
-        $(if let Ok(array) = field.cast::<PyArray1<$number>>() {
-            let array: PyReadonlyArray1<'_, $number> = array.try_readonly().map_err(|error| Error::new_err(error.to_string()))?;
-            let $slice: &[$number] = array.as_slice().map_err(|_| Error::new_err("the field does not lie row by row"))?;
-            return $work;
-        })*
-        Err(Error::new_err("a field is an array of integers or floats"))
-    }};
 }
 
 /// Does the same on whatever domain, with the kinds of numbers that there are on it.

@@ -69,7 +69,7 @@ where
                 &chosen
             }
         };
-        Ok(columns(py, pairs))
+        Ok(columns(py, pairs, |vertex| vertex as i64))
     }
 
     fn diagram(&self) -> topo::Diagram {
@@ -78,11 +78,14 @@ where
 }
 
 /// The columns of a table of pairs.
-pub(crate) fn columns<'py, S: Number>(py: Python<'py>, pairs: &[Pair<usize, S>]) -> Columns<'py> {
-    let index = |v: usize| v as i64;
+pub(crate) fn columns<'py, V: Copy, S: Number>(
+    py: Python<'py>,
+    pairs: &[Pair<V, S>],
+    index: impl Fn(V) -> i64,
+) -> Columns<'py> {
     (
         PyArray1::from_vec(py, pairs.iter().map(|pair| index(pair.extremum)).collect()),
-        PyArray1::from_vec(py, pairs.iter().map(|pair| pair.saddle.map_or(-1, index)).collect()),
+        PyArray1::from_vec(py, pairs.iter().map(|pair| pair.saddle.map_or(-1, &index)).collect()),
         PyArray1::from_vec(py, pairs.iter().map(|pair| pair.birth).collect()).into_any(),
         PyArray1::from_vec(py, pairs.iter().map(Pair::end).collect()).into_any(),
         PyArray1::from_vec(py, pairs.iter().map(|pair| as_float(&pair.persistence())).collect()),

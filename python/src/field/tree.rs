@@ -67,7 +67,11 @@ impl<S: Number> AnyTree for MergeTree<usize, S> {
         let branches = py.detach(|| self.branches());
         let pairs: Vec<_> = branches.iter().map(|branch| branch.pair).collect();
         let parents = ints(py, branches.iter().map(|branch| branch.parent));
-        (columns(py, &pairs), parents, ints(py, branches.iter().map(|branch| Some(branch.size))))
+        (
+            columns(py, &pairs, |vertex| vertex as i64),
+            parents,
+            ints(py, branches.iter().map(|branch| Some(branch.size))),
+        )
     }
 
     fn segmentation<'py>(&self, py: Python<'py>, least: f64) -> PyResult<Segments<'py>> {
