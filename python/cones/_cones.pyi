@@ -125,3 +125,14 @@ def holes(domain: Domain, field: NDArray[Any], is_superlevel: bool) -> tuple[Any
 def isolation(
     domain: Domain, field: NDArray[Any], is_superlevel: bool, extrema: NDArray[np.int64]
 ) -> NDArray[np.float64]: ...
+def summarise(
+    grid: Domain,
+    start: list[int],
+    stop: list[int],
+    field: NDArray[Any],
+    is_superlevel: bool,
+    masks_nan: bool,
+    keeps_zeros: bool,
+) -> tuple[bytes, tuple[Any, ...], int]: ...
+def join_summaries(number: str, parts: list[bytes]) -> tuple[bytes, tuple[Any, ...], int]: ...
+def open_vertices(number: str, bytes: bytes) -> int: ...
