@@ -8,6 +8,7 @@ from typing import Any, Optional
 import numpy as np
 
 from . import _cones, options
+from ._arrays import plain
 from ._cones import Error
 from .mesh import Faces, Mesh, as_mesh
 from .unwrapping import Progress
@@ -80,7 +81,7 @@ def measure(
     merges vertices at the same place, as those along the seams of many files are.
     """
     mesh = as_mesh(vertices, faces)
-    known = None if cones is None else np.ascontiguousarray(cones, dtype=np.uint32)
+    known = None if cones is None else plain(cones, np.uint32)
     return Measures(**_cones.measure(mesh._native, _map(mesh, uv), weld, known))
 
 
@@ -123,12 +124,12 @@ def pack(
     alike. ``triangle_island`` says which triangles move together (-1 stays); without it islands are found."""
     mesh = as_mesh(vertices, faces)
     asked = options.packing(margin, texture_size, rotations, texel_density)
-    given = None if triangle_island is None else np.ascontiguousarray(triangle_island, dtype=np.int64)
+    given = None if triangle_island is None else plain(triangle_island, np.int64)
     return Packing(**_cones.pack(mesh._native, _map(mesh, uv), given, asked, progress))
 
 
 def _map(mesh: Mesh, uv: Any) -> np.ndarray:
-    coordinates = mesh.uv if uv is None else np.ascontiguousarray(uv, dtype=np.float64)
+    coordinates = mesh.uv if uv is None else plain(uv, np.float64)
     if coordinates is None:
         raise Error("the mesh has no texture coordinates at some corner: give uv")
     if coordinates.ndim != 2:

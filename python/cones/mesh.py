@@ -11,6 +11,7 @@ from typing import Any, Optional, Union
 import numpy as np
 
 from . import _cones
+from ._arrays import plain
 from ._cones import Error
 
 #: What a mesh can be made of: the mesh itself, or vertices and faces.
@@ -26,7 +27,7 @@ class Mesh:
     """
 
     def __init__(self, vertices: Any, faces: Faces):
-        points = np.ascontiguousarray(vertices, dtype=np.float64)
+        points = plain(vertices, np.float64)
         if points.ndim != 2:
             raise Error(f"vertices must have the shape (n, 3), but they have {points.shape}")
         corners, starts = _polygons(faces)
@@ -101,7 +102,7 @@ class Mesh:
         An OBJ that was read is written back line for line. The file appears whole or not at all.
         """
         path = Path(path)
-        coordinates = None if uv is None else np.ascontiguousarray(uv, dtype=np.float64)
+        coordinates = None if uv is None else plain(uv, np.float64)
         data = self._native.to_bytes(path.suffix.lower().lstrip("."), coordinates, triangulate)
         write_whole(path, data)
 
@@ -166,9 +167,9 @@ def _polygons(faces: Faces) -> tuple[np.ndarray, np.ndarray]:
 
 def _indices(corners: np.ndarray) -> np.ndarray:
     if corners.dtype == np.uint32:
-        return np.ascontiguousarray(corners)
+        return plain(corners, np.uint32)
     if corners.size and corners.dtype.kind not in "iu":
         raise Error(f"faces are made of vertex indices, which are integers, not {corners.dtype}")
     if corners.size and (corners.min() < 0 or corners.max() >= 2**32):
         raise Error("a face uses a vertex index that is negative, or beyond 32 bits (vertices are counted from 0)")
-    return np.ascontiguousarray(corners, dtype=np.uint32)
+    return plain(corners, np.uint32)

@@ -160,3 +160,21 @@ def test_a_large_field_is_not_copied():
     told = subprocess.run([sys.executable, "-c", textwrap.dedent(program)], capture_output=True, text=True, check=True)
     # A scan keeps 5 bytes a vertex, of which a value has 8.
     assert float(told.stdout) < 0.9
+
+
+def unaligned(values):
+    """A copy that lies one byte off, as what comes over a network may."""
+    bytes_ = np.empty(values.nbytes + 1, dtype=np.uint8)
+    off = bytes_[1:].view(values.dtype).reshape(values.shape)
+    off[...] = values
+    assert not off.flags.aligned
+    return off
+
+
+def test_arrays_that_are_not_aligned_are_read_too(hare):
+    field = np.random.default_rng(5).random((40, 50))
+    assert (topo.sublevel(unaligned(field)).array == topo.sublevel(field).array).all()
+    expected = cones.unwrap(hare, n=5)
+    found = cones.unwrap(unaligned(hare.vertices), unaligned(hare.faces), n=5)
+    assert (found.uv == expected.uv).all()
+    assert cones.measure(hare, uv=unaligned(found.uv)).distortion == cones.measure(hare, uv=found.uv).distortion

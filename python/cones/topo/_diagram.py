@@ -8,6 +8,7 @@ from typing import Any, Union
 import numpy as np
 
 from .. import _cones
+from .._arrays import plain
 from .._cones import Error
 from ._pairs import Pairs
 
@@ -26,9 +27,9 @@ class Diagram:
         if falls and (deaths > births).any():
             raise Error("some points of the diagram die above their birth and others below")
         #: Points of finite pairs (n, 2).
-        self.finite = np.ascontiguousarray(table[~lives])
+        self.finite = plain(table[~lives], np.float64)
         #: Births of essential classes (k,).
-        self.essential = np.ascontiguousarray(births[lives])
+        self.essential = plain(births[lives], np.float64)
         self._native = _cones.Diagram(self.finite, self.essential, bool(falls))
 
     def entropy(self) -> float:
@@ -45,12 +46,12 @@ class Diagram:
 
     def landscape(self, levels: Any, count: int = 5) -> np.ndarray:
         """The first functions of the persistence landscape at some levels: (count, levels)."""
-        at = np.ascontiguousarray(levels, dtype=np.float64)
+        at = plain(levels, np.float64)
         return self._native.landscape(count, at).reshape(count, len(at))
 
     def silhouette(self, levels: Any, power: float = 1.0) -> np.ndarray:
         """The silhouette at some levels, tents weighted by a power of the lifetime."""
-        return self._native.silhouette(power, np.ascontiguousarray(levels, dtype=np.float64))
+        return self._native.silhouette(power, plain(levels, np.float64))
 
     def image(self, births: tuple, lifetimes: tuple, shape: tuple, bandwidth: float) -> np.ndarray:
         """The persistence image: a row for each of some lifetimes, a column for each of some births, both (first, last)."""
@@ -115,5 +116,5 @@ class Linkage:
 
 def single_linkage(vertices: int, edges: Any, weights: Any) -> Linkage:
     """Single linkage of weighted edges (m, 2): clusters joined from the lightest edge on."""
-    table = np.ascontiguousarray(np.asarray(edges).reshape(-1, 2), dtype=np.int64)
-    return Linkage(_cones.single_linkage(int(vertices), table, np.ascontiguousarray(weights, dtype=np.float64)))
+    table = plain(np.asarray(edges).reshape(-1, 2), np.int64)
+    return Linkage(_cones.single_linkage(int(vertices), table, plain(weights, np.float64)))

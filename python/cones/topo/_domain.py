@@ -7,6 +7,7 @@ from typing import Any, Optional, Union
 import numpy as np
 
 from .. import _cones
+from .._arrays import plain
 from .._cones import Error
 
 #: Kinds of numbers that are read in place on grids; what others are widened to; and what is used on graphs and meshes.
@@ -24,7 +25,7 @@ class Graph:
         table = table.reshape(0, 2) if table.size == 0 else table
         if table.ndim != 2 or table.dtype.kind not in "iu":
             raise Error(f"edges are pairs of vertex indices of the shape (m, 2), but {table.shape} {table.dtype} is given")
-        self._native = _cones.Domain.graph(int(vertices), np.ascontiguousarray(table, dtype=np.int64))
+        self._native = _cones.Domain.graph(int(vertices), plain(table, np.int64))
         self.vertex_count = int(vertices)
 
     @classmethod
@@ -46,7 +47,7 @@ class TriangleMesh:
             raise Error(f"triangles have the shape (m, 3), but {table.shape} {table.dtype} is given")
         if table.size and (table.min() < 0 or table.max() >= 2**32):
             raise Error("a triangle names a vertex that is negative, or beyond 32 bits (vertices are counted from 0)")
-        self._native = _cones.Domain.triangles(int(vertices), np.ascontiguousarray(table, dtype=np.uint32))
+        self._native = _cones.Domain.triangles(int(vertices), plain(table, np.uint32))
         self.vertex_count = int(vertices)
 
 
@@ -119,7 +120,7 @@ def _read_in_place(values: np.ndarray) -> np.ndarray:
         if wider is None:
             raise Error(f"a field is an array of integers or floats of up to 64 bits, not {values.dtype}")
         kind = np.dtype(wider)
-    return np.ascontiguousarray(values, dtype=kind).reshape(-1)
+    return plain(values, kind).reshape(-1)
 
 
 def _widest(values: np.ndarray) -> np.ndarray:
@@ -127,7 +128,7 @@ def _widest(values: np.ndarray) -> np.ndarray:
     if kind.kind not in "biuf" or kind.itemsize > 8:
         raise Error(f"a field is an array of integers or floats of up to 64 bits, not {kind}")
     wide = {"b": np.int64, "i": np.int64, "f": np.float64}.get(kind.kind, np.uint64)
-    return np.ascontiguousarray(values, dtype=wide)
+    return plain(values, wide)
 
 
 def _masked(values: np.ndarray, mask: Any) -> np.ndarray:

@@ -8,6 +8,7 @@ from typing import Any, Optional
 import numpy as np
 
 from .. import _cones
+from .._arrays import plain
 from .._cones import Error
 from ._domain import Field
 from ._pairs import Pairs, Persistence, pair_table
@@ -173,7 +174,7 @@ class MergeTree:
 
     def sums(self, weights: Any) -> np.ndarray:
         """For each branch what the vertices of its component weigh just before the saddle."""
-        return self._native.sums(np.ascontiguousarray(weights, dtype=np.float64).reshape(-1))
+        return self._native.sums(plain(weights, np.float64).reshape(-1))
 
     def segmentation(self, threshold: float = 0.0) -> Segmentation:
         """The basins of all leaves that are more persistent than a threshold."""
@@ -239,7 +240,7 @@ def isolation(
 ) -> np.ndarray:
     """For each extremum how far it is, in steps of the grid, to the nearest vertex that is more extreme; infinite where there is none."""
     read = Field(field, connectivity=connectivity, periodic=periodic, nan="mask")
-    vertices = np.ascontiguousarray(extrema, dtype=np.int64)
+    vertices = plain(extrema, np.int64)
     return _cones.isolation(read.domain, read.values, _is_maximum(kind), vertices)
 
 
