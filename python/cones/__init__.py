@@ -22,6 +22,7 @@ stops it, and so does an exception of ``progress(stage, fraction)``, which is ca
 :class:`Error`, with the sentence that the command prints.
 """
 
+from . import topo
 from ._cones import METHODS, Error, __version__, thread_count
 from .analysis import Analysis, Cones, Order
 from .maps import Islands, Measures, Packing, islands, measure, pack
@@ -46,5 +47,6 @@ __all__ = [
     "read",
     "shape",
     "thread_count",
+    "topo",
     "unwrap",
 ]
