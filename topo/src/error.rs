@@ -59,6 +59,33 @@ pub enum Error {
         /// Number of the point, or of the essential class, from 0.
         point: usize,
     },
+    /// A tile is empty or goes beyond its grid.
+    Tile {
+        /// The axis, from 0.
+        axis: usize,
+    },
+    /// A block has two vertices of one name.
+    Twice {
+        /// The name of the vertex.
+        vertex: u64,
+    },
+    /// Summaries are of opposite directions, or were made with different options.
+    Summaries,
+    /// Blocks give a vertex different values, or do not agree how many of them share it.
+    Shared {
+        /// The name of the vertex.
+        vertex: u64,
+    },
+    /// A summary is to be finished, but not all blocks have been joined.
+    Unfinished {
+        /// A vertex that is shared with a block that is missing.
+        vertex: u64,
+    },
+    /// Bytes that are not those of a summary of this type of numbers.
+    Bytes {
+        /// Where reading failed.
+        at: usize,
+    },
     /// A corner of a triangle does not exist.
     Triangle {
         /// Number of the triangle, from 0.
@@ -95,6 +122,25 @@ impl fmt::Display for Error {
             Self::Order => return f.write_str("the order of a distance and the norm of its steps must be 1 at least"),
             Self::RelativeError => return f.write_str("the relative error of a distance must be 0 at least"),
             Self::Point { point } => return write!(f, "point {point} of a diagram has a coordinate that is NaN"),
+            Self::Tile { axis } => {
+                return write!(f, "the tile has no vertices along axis {axis}, or goes beyond the grid there");
+            }
+            Self::Twice { vertex } => return write!(f, "two vertices of the block are called {vertex}"),
+            Self::Summaries => {
+                return f.write_str("summaries of different directions or options are not to be joined");
+            }
+            Self::Shared { vertex } => {
+                return write!(
+                    f,
+                    "the blocks do not agree about the value of vertex {vertex}, or how many of them share it"
+                );
+            }
+            Self::Unfinished { vertex } => {
+                return write!(f, "vertex {vertex} is shared with a block that has not been joined");
+            }
+            Self::Bytes { at } => {
+                return write!(f, "byte {at} is not of a summary of this version and type of numbers");
+            }
             Self::Neighbor { of, vertex, vertices } => ("the neighbour list of vertex", of, vertex, vertices),
             Self::Edge { edge, vertex, vertices } => ("edge", edge, vertex, vertices),
             Self::Triangle { triangle, vertex, vertices } => ("triangle", triangle, vertex, vertices),

@@ -133,6 +133,7 @@
 //! | clusters of weighted edges | [`single_linkage`](fn@single_linkage) | O(m log m) |
 //! | diagrams, curves, vectors for learning | [`Pairs::diagram`], [`Diagram`] | O(e log e) |
 //! | distances, with the matching | [`Diagram::bottleneck`], [`Diagram::wasserstein`], [`Wasserstein`] | see there |
+//! | the pairs of a field in blocks, one at a time or on many machines | [`Summary`], [`Tile`] | a scan a block; what the borders hold |
 //! | the same with NaN masked, with zero persistence | [`PersistenceOptions`] | |
 //!
 //! For mountains: prominence is [`Pair::persistence`], the key col [`Pair::saddle`], the parent [`Branch::parent`].
@@ -206,6 +207,7 @@ mod pairing;
 mod parallel;
 mod persistence;
 mod scalar;
+mod summary;
 
 pub use domain::{Adjacency, Connectivity, Domain, Grid, Path, Rings, TriangleMesh};
 pub use error::Error;
@@ -219,8 +221,9 @@ pub use filtration::{Kind, NanPolicy};
 pub use options::PersistenceOptions;
 #[doc(hidden)]
 pub use pairing::{Basins, Merge, Pointing};
-pub use persistence::{Pair, Pairs, Persistence, persistence, sublevel, superlevel};
+pub use persistence::{Pair, PairColumns, Pairs, Persistence, persistence, sublevel, superlevel};
 pub use scalar::Scalar;
+pub use summary::{Summary, Tile};
 
 /// The example of the README.
 #[cfg(doctest)]

@@ -38,6 +38,12 @@ impl<V, S: Scalar> Pair<V, S> {
         self.birth.width(self.end)
     }
 
+    /// The value at the saddle, or the last value to enter the component if the class is essential: at this distance from
+    /// the birth lies the [persistence](Self::persistence).
+    pub fn end(&self) -> S {
+        self.end
+    }
+
     /// Whether the class lives for ever.
     pub fn is_essential(&self) -> bool {
         self.saddle.is_none()
@@ -87,7 +93,35 @@ impl<'a, V, S> IntoIterator for &'a Pairs<V, S> {
     }
 }
 
+/// [`Pairs`] as one array for each of their fields, for tables and arrays of other languages.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PairColumns<V, S> {
+    /// The vertex of each extremum.
+    pub extrema: Vec<V>,
+    /// The vertex of each saddle; `None` if the class is essential.
+    pub saddles: Vec<Option<V>>,
+    /// The value at each extremum.
+    pub births: Vec<S>,
+    /// The value at each saddle, or the last value to enter the component, see [`Pair::end`].
+    pub ends: Vec<S>,
+}
+
 impl<V: Copy, S: Scalar> Pairs<V, S> {
+    /// From pairs by rising index of their extrema.
+    pub(crate) fn new(kind: Kind, pairs: Vec<Pair<V, S>>, zero_count: usize) -> Self {
+        Self { kind, pairs, zero_count }
+    }
+
+    /// The pairs as arrays of vertices and values, in their order.
+    pub fn columns(&self) -> PairColumns<V, S> {
+        PairColumns {
+            extrema: self.pairs.iter().map(|pair| pair.extremum).collect(),
+            saddles: self.pairs.iter().map(|pair| pair.saddle).collect(),
+            births: self.pairs.iter().map(|pair| pair.birth).collect(),
+            ends: self.pairs.iter().map(|pair| pair.end).collect(),
+        }
+    }
+
     /// Whether the extrema are minima or maxima.
     pub fn kind(&self) -> Kind {
         self.kind

@@ -9,7 +9,7 @@ mod terrain;
 use divan::counter::ItemsCount;
 use divan::{Bencher, black_box};
 use std::sync::OnceLock;
-use topo::{Connectivity, Diagram, Domain, Grid, Kind, Path, PersistenceOptions, Scalar, TriangleMesh};
+use topo::{Connectivity, Diagram, Domain, Grid, Kind, Path, PersistenceOptions, Scalar, Summary, Tile, TriangleMesh};
 
 #[global_allocator]
 static ALLOCATIONS: divan::AllocProfiler = divan::AllocProfiler::system();
@@ -189,6 +189,67 @@ mod distances {
     fn bottleneck(bencher: Bencher<'_, '_>, points: usize) {
         let (a, b) = (diagram(points, 1), diagram(points, 2));
         bencher.bench_local(|| a.bottleneck(&b));
+    }
+}
+
+/// A picture in sixteen tiles, their values copied out of the whole, against the same in one piece.
+mod tiles {
+    use super::*;
+
+    fn noise() -> &'static [f64] {
+        static NOISE: OnceLock<Vec<f64>> = OnceLock::new();
+        NOISE.get_or_init(|| (0..1 << 22).map(|v| terrain::hash(7, [v, 0, 0])).collect())
+    }
+
+    fn summary(tile: &Tile<2>, field: &[f64]) -> Summary<f64> {
+        let values = tile.values(field).expect("of the grid");
+        Summary::of_tile(tile, &values, Kind::Minimum, PersistenceOptions::new()).expect("it fits")
+    }
+
+    fn in_sixteen(bencher: Bencher<'_, '_>, side: usize, field: &[f64]) {
+        let grid = Grid::new([side, side], Connectivity::Freudenthal);
+        let tiles = Tile::cut(&grid, [&[side / 4; 4]; 2]).expect("the parts fit");
+        bencher.counter(ItemsCount::new(field.len())).bench_local(|| {
+            let join = |a: Summary<f64>, b| a.join(b).expect("alike");
+            let rows = tiles.chunks(4).map(|row| row.iter().map(|tile| summary(tile, black_box(field))).reduce(join));
+            rows.flatten().reduce(join).map(Summary::finish)
+        });
+    }
+
+    /// How many vertices and bytes a tile comes to, those of its pairs aside.
+    fn tell(field: &[f64], side: usize) {
+        let grid = Grid::new([side, side], Connectivity::Freudenthal);
+        let tiles = Tile::cut(&grid, [&[side / 4; 4]; 2]).expect("the parts fit");
+        let mut summary = summary(&tiles[5], field);
+        let pairs = summary.take_pairs().len();
+        let bytes = summary.to_bytes().len() as f64 / (tiles[5].shape().iter().product::<usize>() * 8) as f64;
+        eprintln!(
+            "{pairs} pairs, {} vertices, {} shared, {bytes:.4} of the tile",
+            summary.vertex_count(),
+            summary.shared_count()
+        );
+    }
+
+    #[divan::bench(sample_count = 5, sample_size = 1)]
+    fn smooth_in_one_piece(bencher: Bencher<'_, '_>) {
+        bench_grid(bencher, Shape(1), Connectivity::Freudenthal);
+    }
+
+    #[divan::bench(sample_count = 5, sample_size = 1)]
+    fn smooth_in_sixteen(bencher: Bencher<'_, '_>) {
+        tell(field(1), 4096);
+        in_sixteen(bencher, 4096, field(1));
+    }
+
+    #[divan::bench(sample_count = 5, sample_size = 1)]
+    fn noise_in_one_piece(bencher: Bencher<'_, '_>) {
+        bench_sublevel(bencher, &Grid::new([2048, 2048], Connectivity::Freudenthal), noise());
+    }
+
+    #[divan::bench(sample_count = 5, sample_size = 1)]
+    fn noise_in_sixteen(bencher: Bencher<'_, '_>) {
+        tell(noise(), 2048);
+        in_sixteen(bencher, 2048, noise());
     }
 }
 

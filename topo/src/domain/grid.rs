@@ -71,6 +71,11 @@ impl<const D: usize> Grid<D> {
         self.periodic.contains(&true)
     }
 
+    /// For each axis whether its ends are neighbours.
+    pub fn periodic_axes(&self) -> [bool; D] {
+        core::array::from_fn(|axis| self.periodic[axis + 3 - D])
+    }
+
     /// Where a vertex is.
     pub fn position(&self, vertex: usize) -> [usize; D] {
         let [_, ny, nx] = self.shape.map(|length| length.max(1));

@@ -143,6 +143,50 @@ impl Basins {
     }
 }
 
+/// What is left of a part of a domain once all that is final has been paired.
+#[derive(Debug)]
+pub(crate) struct Remnant {
+    /// The pairs that are final.
+    pub(crate) merges: Vec<Merge>,
+    /// Edges between vertices that are left: extrema, saddles, open vertices, and the last vertex to enter each connected
+    /// component. At any level the sublevel set of these has components as that of the part has, but for those that are
+    /// paired and for what lies in none of them. A vertex may have an edge to itself only.
+    pub(crate) edges: Vec<[u32; 2]>,
+}
+
+impl Basins {
+    /// Pairs what is final whatever happens at the open vertices.
+    pub(crate) fn pair_inside<S: Scalar, D: Direction>(
+        self,
+        filtration: &Filtration<'_, S, D>,
+        open: &[u32],
+    ) -> Remnant {
+        let Self { descent, joins } = self;
+        let open: Vec<(u32, u32)> = open.iter().map(|&vertex| (descent.basin(vertex), vertex)).collect();
+        let (mut merges, mut components, joins) = boruvka::pair_inside(filtration, descent.extrema(), joins, &open);
+        merges.retain(Merge::is_finite);
+        let extremum = |basin: u32| descent.extrema()[basin as usize];
+        let mut edges = Vec::with_capacity(2 * joins.len() + open.len());
+        for Join { saddle, basins } in &joins {
+            edges.extend(basins.map(|basin| [*saddle, extremum(basin)]));
+        }
+        edges.extend(open.iter().map(|&(basin, vertex)| [vertex, extremum(components.find(basin))]));
+        for Join { basins, .. } in joins {
+            let [a, b] = basins.map(|basin| components.find(basin));
+            if a != b {
+                components.join(a, b);
+            }
+        }
+        let roots: Vec<u32> = (0..components.len() as u32).filter(|&basin| components.find(basin) == basin).collect();
+        let last = match roots[..] {
+            [_] => last_of_all(filtration),
+            _ => last_of_each(filtration, &descent, &mut components, &roots),
+        };
+        edges.extend(roots.iter().zip(last).map(|(&basin, last)| [last, extremum(basin)]));
+        Remnant { merges, edges }
+    }
+}
+
 /// The last vertex to enter, for the only component.
 fn last_of_all<S: Scalar, D: Direction>(filtration: &Filtration<'_, S, D>) -> Vec<u32> {
     let last_of_block = |start: usize, field: &[S]| {

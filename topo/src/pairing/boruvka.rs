@@ -7,6 +7,9 @@
 //!
 //! Each round pairs at least one basin, the first ones more than half. Young basins in a row can make rounds slow; so
 //! when one pairs less than half, the remaining joins are sorted and paired one by one.
+//!
+//! Of a part of a domain only some pairs are final: those of components that die before anything enters them that is
+//! shared with other parts. [`pair_inside`] finds these in the same rounds and leaves the other joins.
 
 use super::merges::{Merge, NONE};
 use super::union_find::UnionFind;
@@ -48,6 +51,29 @@ pub(crate) fn pair<S: Scalar, D: Direction>(
     (basins.merges, basins.merged)
 }
 
+/// Pairs the basins whose components no *open* vertex enters before they die, given open vertices with their basins: what
+/// becomes of each basin, where those that are not paired have no end; the basins grouped by what they have merged into;
+/// and the joins between the groups that are left. Some that could be paired may be left, too.
+pub(crate) fn pair_inside<S: Scalar, D: Direction>(
+    filtration: &Filtration<'_, S, D>,
+    extrema: &[u32],
+    mut joins: Vec<Join>,
+    open: &[(u32, u32)],
+) -> (Vec<Merge>, UnionFind, Vec<Join>) {
+    let mut basins = Basins::new(filtration, extrema);
+    basins.open(open);
+    let mut active: Vec<u32> = (0..extrema.len() as u32).collect();
+    while joins.len() > FEW_JOINS {
+        let count = active.len();
+        let paired = basins.round(&mut active, &joins);
+        joins.retain_mut(|join| basins.relabel(join));
+        if paired == 0 || paired * SLOW_ROUND < count {
+            break;
+        }
+    }
+    (basins.merges, basins.merged, joins)
+}
+
 struct Basins<'a, S, D> {
     filtration: &'a Filtration<'a, S, D>,
     births: Vec<S>,
@@ -56,6 +82,8 @@ struct Basins<'a, S, D> {
     lowest: Vec<(u32, S)>,
     /// What becomes of each basin.
     merges: Vec<Merge>,
+    /// For each basin the first open vertex to enter it, or [`NONE`]. Empty if no vertex is open.
+    opened: Vec<u32>,
 }
 
 impl<'a, S: Scalar, D: Direction> Basins<'a, S, D> {
@@ -63,7 +91,26 @@ impl<'a, S: Scalar, D: Direction> Basins<'a, S, D> {
         let births: Vec<S> = extrema.iter().map(|&extremum| filtration.value(extremum)).collect();
         let lowest = births.iter().map(|&birth| (NONE, birth)).collect();
         let merges = extrema.iter().map(|&extremum| Merge::born(extremum)).collect();
-        Self { filtration, births, merged: UnionFind::new(extrema.len()), lowest, merges }
+        Self { filtration, births, merged: UnionFind::new(extrema.len()), lowest, merges, opened: Vec::new() }
+    }
+
+    /// Notes open vertices.
+    fn open(&mut self, open: &[(u32, u32)]) {
+        self.opened = vec![NONE; self.births.len()];
+        for &(basin, vertex) in open {
+            self.note_open(basin, vertex);
+        }
+    }
+
+    fn note_open(&mut self, basin: u32, vertex: u32) {
+        let first = &mut self.opened[basin as usize];
+        *first = if *first == NONE { vertex } else { self.filtration.earlier(*first, vertex) };
+    }
+
+    /// Whether an open vertex enters a basin before a saddle.
+    fn is_open_before(&self, basin: u32, saddle: u32) -> bool {
+        let first = self.opened.get(basin as usize).copied().unwrap_or(NONE);
+        first != NONE && self.filtration.precedes(first, saddle)
     }
 
     /// Merges every basin whose lowest join leads to an elder one; returns how many. Basins that cannot merge any more,
@@ -76,9 +123,11 @@ impl<'a, S: Scalar, D: Direction> Basins<'a, S, D> {
         let mut paired = 0;
         active.retain(|&basin| {
             let (place, _) = self.lowest[basin as usize];
-            let merges = place != NONE && self.try_merge(basin, &joins[place as usize]);
+            // What is open at its lowest join stays so, since later joins are higher.
+            let may_merge = place != NONE && !self.is_open_before(basin, joins[place as usize].saddle);
+            let merges = may_merge && self.try_merge(basin, &joins[place as usize]);
             paired += usize::from(merges);
-            place != NONE && !merges
+            may_merge && !merges
         });
         paired
     }
@@ -127,6 +176,11 @@ impl<'a, S: Scalar, D: Direction> Basins<'a, S, D> {
     fn merge(&mut self, younger: u32, towards: u32, saddle: u32) {
         let elder = self.merged.find(towards);
         self.merged.join(younger, elder);
+        if let Some(&open) = self.opened.get(younger as usize)
+            && open != NONE
+        {
+            self.note_open(elder, open);
+        }
         let towards = self.merges[towards as usize].extremum;
         let merge = &mut self.merges[younger as usize];
         (merge.end, merge.towards) = (saddle, towards);

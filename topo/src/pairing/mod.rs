@@ -12,7 +12,7 @@ mod sweep;
 mod union_find;
 
 pub use basins::{Basins, Pointing};
-pub(crate) use basins::{SaddleCandidate, Scan, basins_of_graph};
+pub(crate) use basins::{Remnant, SaddleCandidate, Scan, basins_of_graph};
 pub(crate) use descent::OUTSIDE;
 pub(crate) use graph::Graph;
 pub use merges::Merge;

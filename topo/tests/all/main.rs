@@ -12,4 +12,5 @@ mod linkage;
 #[cfg(feature = "serde")]
 mod serialized;
 mod threads;
+mod tiles;
 mod trees;

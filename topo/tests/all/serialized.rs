@@ -22,6 +22,17 @@ fn results_come_back_as_they_were() {
 }
 
 #[test]
+fn summaries_are_read_and_a_tree_without_a_parent_is_refused() {
+    let tile = topo::Tile::cut(&topo::Grid::new([9], Connectivity::Axis), [&[5, 4]]).expect("they fit")[0];
+    let values = [3.0, 1.0, 2.0, 1.5, 4.0, 0.0];
+    let summary = topo::Summary::of_tile(&tile, &values, Kind::Minimum, PersistenceOptions::new()).expect("it fits");
+    assert_eq!(again(&summary), summary);
+    let text = serde_json::to_string(&summary).expect("it can be written");
+    let orphaned = text.replace(r#""parents":["#, r#""parents":[77,"#);
+    assert!(orphaned != text && serde_json::from_str::<topo::Summary<f64>>(&orphaned).is_err());
+}
+
+#[test]
 fn kinds_and_options_are_written_in_words() {
     let options = PersistenceOptions::new().nan(NanPolicy::Mask).keep_zeros();
     assert_eq!(again(&options), options);

@@ -1,0 +1,205 @@
+"""The extension in the real Blender, without a window: run with a Python that has `bpy` (from PyPI) and the package `cones`."""
+
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+bpy = pytest.importorskip("bpy")
+bmesh = pytest.importorskip("bmesh")
+
+import cones  # noqa: E402
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+import cone_unwrap  # noqa: E402
+from cone_unwrap import exchange  # noqa: E402
+
+
+@pytest.fixture(autouse=True)
+def scene():
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    cone_unwrap.register()
+    yield
+    cone_unwrap.unregister()
+
+
+def cube():
+    bpy.ops.mesh.primitive_cube_add()
+    return bpy.context.object
+
+
+def suzanne():
+    bpy.ops.mesh.primitive_monkey_add()
+    return bpy.context.object
+
+
+def from_mesh(mesh, name):
+    data = bpy.data.meshes.new(name)
+    data.from_pydata(mesh.vertices.tolist(), [], [face.tolist() for face in mesh.faces])
+    obj = bpy.data.objects.new(name, data)
+    bpy.context.collection.objects.link(obj)
+    return obj
+
+
+def select(*objects):
+    bpy.ops.object.select_all(action="DESELECT")
+    for obj in objects:
+        obj.select_set(True)
+    bpy.context.view_layer.objects.active = objects[0]
+
+
+def uv_of(obj):
+    if obj.mode == "EDIT":
+        mesh = bmesh.from_edit_mesh(obj.data)
+        layer = mesh.loops.layers.uv.active
+        return np.array([loop[layer].uv[:] for face in mesh.faces for loop in face.loops])
+    layer = obj.data.uv_layers.active
+    uv = np.empty(2 * len(obj.data.loops), dtype=np.float32)
+    layer.uv.foreach_get("vector", uv)
+    return uv.reshape(-1, 2).astype(np.float64)
+
+
+def seams_of(obj):
+    if obj.mode == "EDIT":
+        obj.update_from_editmode()
+    return {frozenset(edge) for edge in exchange.marked_seams(obj).tolist()}
+
+
+def measured(obj):
+    return cones.measure(exchange.read(obj), uv=uv_of(obj))
+
+
+def assert_is_map(obj, **keywords):
+    """The object has the map of the library on its loops, and its seams are marked where the map is cut."""
+    expected = cones.unwrap(exchange.read(obj), **keywords)
+    assert np.abs(uv_of(obj) - expected.uv).max() < 1e-6
+    assert {frozenset(edge) for edge in expected.seam_edges.tolist()} <= seams_of(obj)
+    found = measured(obj)
+    assert found.distortion["flipped"] == 0
+    assert found.distortion["quasi_conformal"]["mean"] == pytest.approx(expected.distortion["quasi_conformal"]["mean"], rel=1e-3)
+    return expected
+
+
+def test_a_cube_in_object_mode():
+    obj = cube()
+    assert bpy.ops.uv.cone_unwrap() == {"FINISHED"}
+    expected = assert_is_map(obj)
+    # Eight corners of curvature π/2 leave nothing to distort.
+    assert len(expected.cones) == 8 and expected.distortion["area_mean"] == pytest.approx(1)
+    assert measured(obj).distortion["area_mean"] == pytest.approx(1, abs=1e-5)
+
+
+def test_suzanne_in_edit_mode_has_the_same_map_as_in_object_mode():
+    obj = suzanne()
+    bpy.ops.object.mode_set(mode="EDIT")
+    assert bpy.ops.uv.cone_unwrap(number="COUNT", count=20) == {"FINISHED"}
+    in_edit_mode, seams = uv_of(obj), seams_of(obj)
+    bpy.ops.object.mode_set(mode="OBJECT")
+    assert (uv_of(obj) == in_edit_mode).all() and seams_of(obj) == seams
+    again = suzanne()
+    assert bpy.ops.uv.cone_unwrap(number="COUNT", count=20) == {"FINISHED"}
+    assert_is_map(again, n=20)
+    assert (uv_of(again) == in_edit_mode).all() and seams_of(again) == seams
+
+
+def equator(mesh):
+    """The edges between the faces of the upper half and those of the lower one: closed loops."""
+    is_upper = mesh.vertices[mesh.faces].mean(axis=1)[:, 2] > np.median(mesh.vertices[:, 2])
+    sides = [frozenset(edge) for face in mesh.faces.tolist() for edge in zip(face, face[1:] + face[:1])]
+    owner = np.repeat(is_upper, 3)
+    upper, lower = ({side for side, own in zip(sides, owner) if own == half} for half in (True, False))
+    return upper & lower
+
+
+def test_two_objects_with_marked_seams_are_unwrapped_each_along_its_seams():
+    meshes = [cones.shape("capsule", 400), cones.shape("torus", 500)]
+    objects = [from_mesh(mesh, name) for mesh, name in zip(meshes, ("capsule", "torus"))]
+    loops = [equator(mesh) for mesh in meshes]
+    for obj, loop in zip(objects, loops):
+        for edge, ends in zip(obj.data.edges, exchange.edges(obj.data).tolist()):
+            edge.use_seam = frozenset(ends) in loop
+    select(*objects)
+    assert bpy.ops.uv.cone_unwrap(number="COUNT", count=5) == {"FINISHED"}
+    for obj, mesh, loop in zip(objects, meshes, loops):
+        assert loop and loop <= seams_of(obj)
+        at = {}
+        uv = uv_of(obj)
+        for face, corners in zip(mesh.faces.tolist(), np.arange(len(uv)).reshape(-1, 3).tolist()):
+            for k in range(3):
+                a, b = (k, (k + 1) % 3) if face[k] < face[(k + 1) % 3] else ((k + 1) % 3, k)
+                at.setdefault(frozenset((face[a], face[b])), set()).add(tuple(uv[[corners[a], corners[b]]].reshape(-1)))
+        # The two sides of a marked edge lie apart, those of an edge that is no seam together.
+        assert all(len(at[edge]) == 2 for edge in loop)
+        assert all(len(places) == 1 for edge, places in at.items() if edge not in seams_of(obj))
+
+
+def test_seams_are_left_alone_where_that_is_asked():
+    obj = from_mesh(cones.shape("capsule", 400), "capsule")
+    select(obj)
+    bpy.ops.uv.cone_unwrap(mark_seams=False)
+    assert seams_of(obj) == set()
+
+
+def test_selected_vertices_are_cones():
+    mesh = cones.shape("capsule", 400)
+    obj = from_mesh(mesh, "capsule")
+    select(obj)
+    bpy.ops.object.mode_set(mode="EDIT")
+    bpy.ops.mesh.select_all(action="DESELECT")
+    bm = bmesh.from_edit_mesh(obj.data)
+    bm.verts.ensure_lookup_table()
+    chosen = [3, 50, 120, 200, 310]
+    for v in chosen:
+        bm.verts[v].select = True
+    bmesh.update_edit_mesh(obj.data)
+    assert bpy.ops.uv.cone_unwrap(number="SELECTED") == {"FINISHED"}
+    assert_is_map(obj, cones=chosen)
+
+
+def test_an_object_that_cannot_be_unwrapped_is_told_of_and_stops_no_other():
+    wire = bpy.data.meshes.new("wire")
+    wire.from_pydata([(0, 0, 0), (1, 0, 0)], [(0, 1)], [])
+    wire = bpy.data.objects.new("wire", wire)
+    bpy.context.collection.objects.link(wire)
+    select(wire)
+    with pytest.raises(RuntimeError, match="wire: there are 2 vertices but no faces"):
+        bpy.ops.uv.cone_unwrap()
+    obj = cube()
+    wire.select_set(True)
+    assert bpy.ops.uv.cone_unwrap() == {"FINISHED"}
+    assert_is_map(obj)
+    with pytest.raises(RuntimeError, match="in edit mode"):
+        bpy.ops.uv.cone_unwrap(number="SELECTED")
+
+
+def test_an_operator_without_meshes_does_not_poll():
+    with pytest.raises(RuntimeError, match="poll"):
+        bpy.ops.uv.cone_unwrap()
+
+
+def test_undo_gives_the_old_map_back():
+    obj = cube()
+    obj.data.edges[3].use_seam = True
+    bpy.ops.ed.undo_push(message="a cube")
+    before, seams = uv_of(obj), seams_of(obj)
+    bpy.ops.uv.cone_unwrap("EXEC_DEFAULT", True)  # and its step of undo
+    assert np.abs(uv_of(obj) - before).max() > 0.01
+    assert seams < seams_of(obj)
+    bpy.ops.ed.undo()
+    obj = bpy.context.view_layer.objects.active
+    assert (uv_of(obj) == before).all() and seams_of(obj) == seams
+
+
+def test_an_object_keeps_its_other_uv_maps_and_its_polygons():
+    obj = cube()
+    other = obj.data.uv_layers.new(name="other")
+    obj.data.uv_layers.active = other
+    first = obj.data.uv_layers[0]
+    kept = np.empty(2 * len(obj.data.loops), dtype=np.float32)
+    first.uv.foreach_get("vector", kept)
+    bpy.ops.uv.cone_unwrap()
+    after = np.empty_like(kept)
+    obj.data.uv_layers[0].uv.foreach_get("vector", after)
+    assert (kept == after).all() and len(obj.data.polygons) == 6
+    assert_is_map(obj)

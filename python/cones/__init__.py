@@ -1,0 +1,52 @@
+"""Cone-based conformal unwrapping of surfaces, and 0-dimensional persistence of scalar fields.
+
+    >>> import cones
+    >>> mesh = cones.shape("capsule", 500)
+    >>> result = cones.unwrap(mesh, n=4)
+    >>> result.uv.shape == (mesh.corner_count, 2), len(result.cones)
+    (True, 4)
+
+==================================  =======================================================================
+unwrapping in one call              :func:`unwrap`, which gives an :class:`Unwrapping`
+one analysis, many maps             :class:`Analysis`: place, predict, order, curve, flatten
+maps that somebody made             :func:`measure`, :func:`islands`, :func:`pack`
+files                               :func:`read`, :meth:`Mesh.write`, :meth:`Unwrapping.write`
+scalar fields                       :mod:`cones.topo`: pairs, merge trees, segments, distances
+many meshes, fields in blocks       :mod:`cones.dask`
+figures                             :mod:`cones.plot` (matplotlib)
+==================================  =======================================================================
+
+Arrays are numpy's, and lie in memory as numpy has them: C-contiguous ones of the right type are read in place. Work runs without the
+interpreter's lock, on as many threads as ``RAYON_NUM_THREADS`` says or as there are cores; results do not depend on how many. Ctrl-C
+stops it, and so does an exception of ``progress(stage, fraction)``, which is called in the caller's thread. What cannot be had raises
+:class:`Error`, with the sentence that the command prints.
+"""
+
+from . import topo
+from ._cones import METHODS, Error, __version__, thread_count
+from .analysis import Analysis, Cones, Order
+from .maps import Islands, Measures, Packing, islands, measure, pack
+from .mesh import Mesh, read, shape
+from .unwrapping import Unwrapping, unwrap
+
+__all__ = [
+    "METHODS",
+    "Analysis",
+    "Cones",
+    "Error",
+    "Islands",
+    "Measures",
+    "Mesh",
+    "Order",
+    "Packing",
+    "Unwrapping",
+    "__version__",
+    "islands",
+    "measure",
+    "pack",
+    "read",
+    "shape",
+    "thread_count",
+    "topo",
+    "unwrap",
+]

@@ -1,0 +1,137 @@
+"""Maps that somebody made: measured, taken apart where they lie over themselves, packed."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any, Optional
+
+import numpy as np
+
+from . import _cones, options
+from ._arrays import plain
+from ._cones import Error
+from .mesh import Faces, Mesh, as_mesh
+from .unwrapping import Progress
+
+
+@dataclass(frozen=True)
+class Measures:
+    """How good a map is."""
+
+    #: Under the keys of ``cones measure --json``: area_mean (the area distortion D), quasi_conformal and area (mean, median, p95, p99, max),
+    #: u_l2, u_linf, flipped, degenerate, overlap, overlap_pairs, overlap_depth, fill, seam_length, curvature_error.
+    distortion: dict
+    #: The number of triangles and the share of the area of each island.
+    islands: list[dict]
+    #: The triangles that lie over or under another.
+    overlapping: np.ndarray = field(repr=False)
+    #: The island of each triangle.
+    triangle_island: np.ndarray = field(repr=False)
+    #: σ₁/σ₂ of each triangle, infinite if it is degenerate.
+    triangle_quasi_conformal: np.ndarray = field(repr=False)
+    #: The centred log scale of each triangle.
+    triangle_log_scale: np.ndarray = field(repr=False)
+
+
+@dataclass(frozen=True)
+class Islands:
+    """A map whose islands lie neither over themselves nor over each other."""
+
+    #: A position for each corner (corners, 2).
+    uv: np.ndarray = field(repr=False)
+    #: The island of each triangle; -1 for those that belong to no surface.
+    triangle_island: np.ndarray = field(repr=False)
+    island_count: int
+    #: How many pairs of triangles lay over each other.
+    overlapping_pairs: int
+    #: How many of them could not be parted, as triangles of one polygon cannot.
+    left: int
+    #: How much longer seams are now, in the mesh's unit.
+    added_seam: float
+
+
+@dataclass(frozen=True)
+class Packing:
+    """A map whose islands are packed."""
+
+    #: A position for each corner (corners, 2).
+    uv: np.ndarray = field(repr=False)
+    islands: int
+    tiles: int
+    #: The share of the tiles that is covered, before and after.
+    fill_before: float
+    fill: float
+    #: Texels between islands.
+    margin: float
+    #: What lengths in the plane were multiplied by.
+    scale: float
+
+
+def measure(
+    vertices: Any,
+    faces: Optional[Faces] = None,
+    uv: Any = None,
+    *,
+    weld: bool = False,
+    cones: Any = None,
+) -> Measures:
+    """Measures a map: the command ``cones measure``.
+
+    ``uv`` is (corners, 2), or the mesh's own; ``cones`` are vertices that may be curved, by default all that are by more than 0.1. ``weld``
+    merges vertices at the same place, as those along the seams of many files are.
+    """
+    mesh = as_mesh(vertices, faces)
+    known = None if cones is None else plain(cones, np.uint32)
+    return Measures(**_cones.measure(mesh._native, _map(mesh, uv), weld, known))
+
+
+def islands(
+    vertices: Any,
+    faces: Optional[Faces] = None,
+    uv: Any = None,
+    *,
+    weld: bool = False,
+    margin: float = 4.0,
+    texture_size: int = 1024,
+    rotations: str = "any",
+    texel_density: Optional[float] = None,
+    progress: Optional[Progress] = None,
+) -> Islands:
+    """Takes a map apart until no island lies over itself, and packs it: the command ``cones islands``. A map without overlap comes back as
+    it is."""
+    mesh = as_mesh(vertices, faces)
+    asked = options.packing(margin, texture_size, rotations, texel_density)
+    parted = _cones.part(mesh._native, _map(mesh, uv), weld, progress)
+    if parted["overlapping_pairs"]:
+        packed = _cones.pack(mesh._native, parted["uv"], parted["triangle_island"], asked, progress)
+        parted["uv"] = packed["uv"]
+    return Islands(**parted)
+
+
+def pack(
+    vertices: Any,
+    faces: Optional[Faces] = None,
+    uv: Any = None,
+    *,
+    triangle_island: Any = None,
+    margin: float = 4.0,
+    texture_size: int = 1024,
+    rotations: str = "any",
+    texel_density: Optional[float] = None,
+    progress: Optional[Progress] = None,
+) -> Packing:
+    """Packs the islands of a map into the unit square, or onto UDIM tiles: the command ``cones pack``. Islands move rigidly and are scaled
+    alike. ``triangle_island`` says which triangles move together (-1 stays); without it islands are found."""
+    mesh = as_mesh(vertices, faces)
+    asked = options.packing(margin, texture_size, rotations, texel_density)
+    given = None if triangle_island is None else plain(triangle_island, np.int64)
+    return Packing(**_cones.pack(mesh._native, _map(mesh, uv), given, asked, progress))
+
+
+def _map(mesh: Mesh, uv: Any) -> np.ndarray:
+    coordinates = mesh.uv if uv is None else plain(uv, np.float64)
+    if coordinates is None:
+        raise Error("the mesh has no texture coordinates at some corner: give uv")
+    if coordinates.ndim != 2:
+        raise Error(f"uv must have the shape (corners, 2), but it has {coordinates.shape}")
+    return coordinates

@@ -1,0 +1,175 @@
+"""Meshes: vertices and polygons, from arrays or files."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any, Optional, Union
+
+import numpy as np
+
+from . import _cones
+from ._arrays import plain
+from ._cones import Error
+
+#: What a mesh can be made of: the mesh itself, or vertices and faces.
+Faces = Union[np.ndarray, Sequence[Sequence[int]]]
+
+
+class Mesh:
+    """Vertices and polygons.
+
+    ``Mesh(V, F)`` takes vertices (n, 3) and faces: an array (m, k) of vertex indices from 0, or a sequence of polygons of any size.
+    Faces may be flipped, doubled, degenerate or non-manifold: what is broken is mended when the mesh is analysed, and counted. Maps are
+    given for *corners*: those of face 0 in order, then those of face 1, and so on.
+    """
+
+    def __init__(self, vertices: Any, faces: Faces):
+        points = plain(vertices, np.float64)
+        if points.ndim != 2:
+            raise Error(f"vertices must have the shape (n, 3), but they have {points.shape}")
+        corners, starts = _polygons(faces)
+        self._native = _cones.Mesh(points, corners, starts)
+
+    @classmethod
+    def _of(cls, native: _cones.Mesh) -> Mesh:
+        mesh = cls.__new__(cls)
+        mesh._native = native
+        return mesh
+
+    @property
+    def vertices(self) -> np.ndarray:
+        """The positions of the vertices, (n, 3); a copy."""
+        return self._native.vertices
+
+    @property
+    def corners(self) -> np.ndarray:
+        """The vertex of each corner, (corners,) uint32; a copy."""
+        return self._native.corners
+
+    @property
+    def face_start(self) -> np.ndarray:
+        """Where each face's corners begin, and at the end their number: (faces + 1,) int64."""
+        return self._native.face_start
+
+    @property
+    def faces(self) -> Union[np.ndarray, list[np.ndarray]]:
+        """The vertices of each face: (m, k) where all have k corners, otherwise a list of arrays."""
+        corners, starts = self.corners, self.face_start
+        sizes = np.diff(starts)
+        if (sizes == sizes[0]).all():
+            return corners.reshape(-1, sizes[0])
+        return np.split(corners, starts[1:-1])
+
+    @property
+    def uv(self) -> Optional[np.ndarray]:
+        """The texture coordinates that a file had, (corners, 2); none if any corner has none."""
+        return self._native.uv
+
+    @property
+    def vertex_count(self) -> int:
+        """How many vertices there are."""
+        return self._native.vertex_count
+
+    @property
+    def face_count(self) -> int:
+        """How many faces there are."""
+        return self._native.face_count
+
+    @property
+    def corner_count(self) -> int:
+        """How many corners all faces have together."""
+        return self._native.corner_count
+
+    @property
+    def skipped(self) -> str:
+        """What the file said that the mesh does not hold, such as ``2 lines``; empty if nothing."""
+        return self._native.skipped
+
+    def triangles(self) -> tuple[np.ndarray, np.ndarray]:
+        """The triangles that are computed with: three corners each (t, 3), and the face each is part of (t,)."""
+        return self._native.triangles()
+
+    def texture_seams(self, *, weld: bool = False) -> np.ndarray:
+        """The edges where the mesh's own texture coordinates are cut: two vertices each, (k, 2)."""
+        return self._native.texture_seams(weld)
+
+    def write(self, path: Union[str, os.PathLike], uv: Any = None, *, triangulate: bool = False) -> None:
+        """Writes the mesh as .obj, .ply or .glb, with texture coordinates for its corners (corners, 2).
+
+        An OBJ that was read is written back line for line. The file appears whole or not at all.
+        """
+        path = Path(path)
+        coordinates = None if uv is None else plain(uv, np.float64)
+        data = self._native.to_bytes(path.suffix.lower().lstrip("."), coordinates, triangulate)
+        write_whole(path, data)
+
+    def __repr__(self) -> str:
+        return f"<cones.Mesh of {self.vertex_count} vertices, {self.face_count} faces>"
+
+
+def read(path: Union[str, os.PathLike]) -> Mesh:
+    """Reads a mesh: OBJ, OFF, PLY or STL, gzipped or not; known by its content."""
+    return Mesh._of(_cones.Mesh.read(os.fspath(path)))
+
+
+def shape(name: str, vertices: int = 10_000) -> Mesh:
+    """A built-in surface with about so many vertices: sphere, capsule, torus, torus-3, hare, part, terrain, ..."""
+    return Mesh._of(_cones.shape(name, vertices))
+
+
+def as_mesh(vertices: Any, faces: Optional[Faces]) -> Mesh:
+    """The mesh of what a function was given: a mesh or a file alone, or vertices and faces."""
+    if faces is not None:
+        return Mesh(vertices, faces)
+    if isinstance(vertices, Mesh):
+        return vertices
+    if isinstance(vertices, (str, os.PathLike)):
+        return read(vertices)
+    if hasattr(vertices, "vertices") and hasattr(vertices, "faces"):
+        return Mesh(vertices.vertices, vertices.faces)
+    raise Error("give vertices and faces, a cones.Mesh, something with .vertices and .faces, or the path of a file")
+
+
+def write_whole(path: Path, data: bytes) -> None:
+    """Writes a file that appears whole or not at all."""
+    handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
+    try:
+        with os.fdopen(handle, "wb") as file:
+            file.write(data)
+        mask = os.umask(0)
+        os.umask(mask)
+        os.chmod(temporary, 0o666 & ~mask)
+        os.replace(temporary, path)
+    except BaseException:
+        os.unlink(temporary)
+        raise
+
+
+def _polygons(faces: Faces) -> tuple[np.ndarray, np.ndarray]:
+    """The corners of all faces, and where each face begins."""
+    if isinstance(faces, np.ndarray) and faces.dtype != object:
+        table = faces
+    else:
+        polygons = [np.asarray(face) for face in faces]
+        sizes = {face.shape for face in polygons}
+        if len(sizes) > 1:
+            starts = np.concatenate([[0], np.cumsum([face.size for face in polygons])])
+            return _indices(np.concatenate([face.reshape(-1) for face in polygons])), starts.astype(np.int64)
+        table = np.array(polygons) if polygons else np.empty((0, 3), dtype=np.uint32)
+    if table.ndim != 2:
+        raise Error(f"faces must have the shape (m, 3) or (m, k), but they have {table.shape}")
+    count, size = table.shape
+    return _indices(table.reshape(-1)), np.arange(count + 1, dtype=np.int64) * size
+
+
+def _indices(corners: np.ndarray) -> np.ndarray:
+    if corners.dtype == np.uint32:
+        return plain(corners, np.uint32)
+    if corners.size and corners.dtype.kind not in "iu":
+        raise Error(f"faces are made of vertex indices, which are integers, not {corners.dtype}")
+    if corners.size and (corners.min() < 0 or corners.max() >= 2**32):
+        raise Error("a face uses a vertex index that is negative, or beyond 32 bits (vertices are counted from 0)")
+    return plain(corners, np.uint32)

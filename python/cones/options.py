@@ -1,0 +1,137 @@
+"""The options of the command as keyword arguments, in the form that the native half reads."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, Optional
+
+import numpy as np
+
+from ._cones import METHODS, Error
+from .mesh import Mesh
+
+
+def preparation(weld: bool, smooth: bool, refine: str) -> dict:
+    """How a model is made ready."""
+    return {"weld": bool(weld), "smooth": bool(smooth), "refine": _one_of("refine", refine, ("never", "needles", "always"))}
+
+
+def choice(
+    n: Any = None,
+    max_distortion: Optional[float] = None,
+    min_persistence: Optional[float] = None,
+    cones: Any = None,
+    method: str = "refined",
+    angles: str = "optimal",
+    quantize: Optional[int] = None,
+) -> dict:
+    """Which cones."""
+    if sum(x is not None for x in (n, max_distortion, min_persistence, cones)) > 1:
+        raise Error("give one of n, max_distortion, min_persistence and cones")
+    if quantize not in (None, 4, 6):
+        raise Error(f"quantize is 4 or 6, for textures of squares or of triangles, not {quantize!r}")
+    return {
+        "cones": _which(n, max_distortion, min_persistence, cones),
+        "placement": _one_of("method", method, METHODS),
+        "rule": _one_of("angles", angles, ("optimal", "harmonic")),
+        "quantize": {None: None, 4: "fourfold", 6: "sixfold"}[quantize],
+    }
+
+
+def layout(
+    mesh: Mesh,
+    weld: bool,
+    seam_weight: float = 0.5,
+    seams: Any = None,
+    keep_seams: Any = False,
+    avoid: Any = None,
+    islands: str = "overlap-free",
+    margin: float = 4.0,
+    texture_size: int = 1024,
+    rotations: str = "any",
+    texel_density: Optional[float] = None,
+    max_seam: float = 0.1,
+) -> dict:
+    """Where seams run, and what becomes of the islands."""
+    if not 0 <= seam_weight <= 1:
+        raise Error(f"seam_weight is a number from 0 to 1, not {seam_weight}")
+    kept = keep_seams
+    if isinstance(keep_seams, bool):
+        if keep_seams and mesh.uv is None:
+            raise Error("keep_seams is for a mesh with texture coordinates, and this one has none")
+        kept = mesh.texture_seams(weld=weld) if keep_seams else None
+    return {
+        "islands": _one_of("islands", islands, ("single", "overlap-free", "pack")),
+        "seams": {"weight": float(seam_weight), "given": _edges(seams), "kept": _edges(kept), "avoid": _edges(avoid)},
+        "packing": packing(margin, texture_size, rotations, texel_density, max_seam),
+    }
+
+
+def packing(
+    margin: float = 4.0,
+    texture_size: int = 1024,
+    rotations: str = "any",
+    texel_density: Optional[float] = None,
+    max_seam: float = 0.1,
+) -> dict:
+    """How islands are packed."""
+    tiles: Any = "one" if texel_density is None else {"udim": {"texel_density": float(texel_density)}}
+    return {
+        "texture_size": int(texture_size),
+        "margin": float(margin),
+        "rotations": _one_of("rotations", rotations, ("any", "quarter", "none")),
+        "tiles": tiles,
+        "max_seam": float(max_seam),
+    }
+
+
+def _which(n: Any, max_distortion: Any, min_persistence: Any, cones: Any) -> Any:
+    if max_distortion is not None:
+        if not max_distortion > 1:
+            raise Error(f"max_distortion must be above 1, which is no distortion, but {max_distortion} is given")
+        return {"within-distortion": float(max_distortion)}
+    if min_persistence is not None:
+        if not min_persistence >= 0:
+            raise Error(f"min_persistence must be 0 at least, but {min_persistence} is given")
+        return {"min-persistence": float(min_persistence)}
+    if cones is not None:
+        return {"given": _given(cones)}
+    if n is None:
+        return "automatic"
+    return {"each": [int(k) for k in n]} if np.ndim(n) else {"count": _count(n)}
+
+
+def _given(cones: Any) -> list:
+    """Vertices, with curvatures in radians if those are given too."""
+    if isinstance(cones, Mapping):
+        return [[int(v), None if k is None else float(k)] for v, k in cones.items()]
+    table = getattr(cones, "table", cones)
+    if isinstance(table, np.ndarray) and table.dtype.names:
+        return [[int(v), float(k)] for v, k in zip(table["vertex"], table["curvature"])]
+    return [[int(v), None] for v in table]
+
+
+def _count(n: Any) -> int:
+    count = int(n)
+    if count != n or count < 0:
+        raise Error(f"n is a number of cones, not {n!r}")
+    return count
+
+
+def _edges(edges: Any) -> list:
+    if edges is None:
+        return []
+    table = np.asarray(edges)
+    if table.size == 0:
+        return []
+    if table.ndim != 2 or table.shape[1] != 2 or table.dtype.kind not in "iu":
+        raise Error(f"edges are pairs of vertex indices of the shape (k, 2), but {table.shape} {table.dtype} is given")
+    if table.min() < 0 or table.max() >= 2**32:
+        raise Error("an edge names a vertex that is negative, or beyond 32 bits (vertices are counted from 0)")
+    return table.tolist()
+
+
+def _one_of(option: str, name: str, names: Any) -> str:
+    if name not in names:
+        raise Error(f"{option} is {', '.join(names[:-1])} or {names[-1]}, not {name!r}")
+    return name

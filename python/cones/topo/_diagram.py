@@ -1,0 +1,120 @@
+"""Diagrams: how far two are apart, and diagrams as vectors. Clusters of weighted edges."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Union
+
+import numpy as np
+
+from .. import _cones
+from .._arrays import plain
+from .._cones import Error
+from ._pairs import Pairs
+
+
+class Diagram:
+    """Points (birth, death). Made of :class:`Pairs`, or of an array (n, 2) whose essential classes have an infinite death."""
+
+    def __init__(self, points: Union[Pairs, Diagram, Any]):
+        table = points.diagram() if isinstance(points, Pairs) else np.asarray(points, dtype=np.float64)
+        table = table.reshape(0, 2) if table.size == 0 else table
+        if table.ndim != 2 or table.shape[1] != 2:
+            raise Error(f"a diagram has the shape (n, 2), but {table.shape} is given")
+        births, deaths = table.T
+        lives = np.isfinite(births) & np.isinf(deaths)
+        falls = (deaths < births).any() or (isinstance(points, Pairs) and points.is_superlevel)
+        if falls and (deaths > births).any():
+            raise Error("some points of the diagram die above their birth and others below")
+        #: Points of finite pairs (n, 2).
+        self.finite = plain(table[~lives], np.float64)
+        #: Births of essential classes (k,).
+        self.essential = plain(births[lives], np.float64)
+        self._native = _cones.Diagram(self.finite, self.essential, bool(falls))
+
+    def entropy(self) -> float:
+        """The entropy of the lifetimes, as parts of their sum."""
+        return self._native.entropy()
+
+    def betti_curve(self) -> np.ndarray:
+        """How many components there are from each level on: (k, 2)."""
+        return np.array(self._native.betti_curve(), dtype=np.float64).reshape(-1, 2)
+
+    def persistence_curve(self) -> np.ndarray:
+        """How many pairs are more persistent than each threshold: (k, 2)."""
+        return np.array(self._native.persistence_curve(), dtype=np.float64).reshape(-1, 2)
+
+    def landscape(self, levels: Any, count: int = 5) -> np.ndarray:
+        """The first functions of the persistence landscape at some levels: (count, levels)."""
+        at = plain(levels, np.float64)
+        return self._native.landscape(count, at).reshape(count, len(at))
+
+    def silhouette(self, levels: Any, power: float = 1.0) -> np.ndarray:
+        """The silhouette at some levels, tents weighted by a power of the lifetime."""
+        return self._native.silhouette(power, plain(levels, np.float64))
+
+    def image(self, births: tuple, lifetimes: tuple, shape: tuple, bandwidth: float) -> np.ndarray:
+        """The persistence image: a row for each of some lifetimes, a column for each of some births, both (first, last)."""
+        return self._native.image(births, lifetimes, list(shape), bandwidth).reshape(shape)
+
+    def __len__(self) -> int:
+        return len(self.finite) + len(self.essential)
+
+
+@dataclass(frozen=True)
+class Matching:
+    """Which points of two diagrams go to each other."""
+
+    distance: float
+    #: Places among the finite points of both, (k, 2); -1 is the diagonal.
+    finite: np.ndarray
+    #: Places among the essential classes of both, (k, 2).
+    essential: np.ndarray
+
+
+def bottleneck(a: Any, b: Any) -> float:
+    """The bottleneck distance of two diagrams (:class:`Pairs`, :class:`Diagram` or (n, 2)); exact."""
+    return _diagram(a)._native.bottleneck(_diagram(b)._native)
+
+
+def wasserstein(a: Any, b: Any, order: float = 2.0, *, ground: float = float("inf"), relative_error: float = 0.01) -> float:
+    """The Wasserstein distance of some order; steps are measured by the norm ``ground``. Too large by ``relative_error`` at most; exact for
+    diagrams of 200 points and fewer, and with 0."""
+    return _diagram(a)._native.wasserstein(_diagram(b)._native, order, ground, relative_error)
+
+
+def matching(a: Any, b: Any, order: float = 2.0, *, ground: float = float("inf"), relative_error: float = 0.01) -> Matching:
+    """The Wasserstein distance with a matching that has it."""
+    distance, finite, essential = _diagram(a)._native.matching(_diagram(b)._native, order, ground, relative_error)
+    pairs = [np.array(part, dtype=np.int64).reshape(-1, 2) for part in (finite, essential)]
+    return Matching(distance, *pairs)
+
+
+def _diagram(points: Any) -> Diagram:
+    return points if isinstance(points, Diagram) else Diagram(points)
+
+
+class Linkage:
+    """The clusters of weighted edges, from the lightest edge on."""
+
+    def __init__(self, native: _cones.Linkage):
+        self._native = native
+
+    @property
+    def links(self) -> np.ndarray:
+        """Both clusters, weight and size of each link: (k, 4), which is what ``scipy.cluster.hierarchy`` calls Z where the graph is connected."""
+        return np.array(self._native.links(), dtype=np.float64).reshape(-1, 4)
+
+    def at(self, weight: float) -> np.ndarray:
+        """The cluster of each vertex after all links up to a weight."""
+        return np.array(self._native.at(weight), dtype=np.int64)
+
+    def clusters(self, count: int) -> np.ndarray:
+        """The cluster of each vertex where there are so many clusters."""
+        return np.array(self._native.clusters(count), dtype=np.int64)
+
+
+def single_linkage(vertices: int, edges: Any, weights: Any) -> Linkage:
+    """Single linkage of weighted edges (m, 2): clusters joined from the lightest edge on."""
+    table = plain(np.asarray(edges).reshape(-1, 2), np.int64)
+    return Linkage(_cones.single_linkage(int(vertices), table, plain(weights, np.float64)))

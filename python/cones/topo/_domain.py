@@ -1,0 +1,164 @@
+"""What a field lives on, and fields in the form that the native half reads."""
+
+from __future__ import annotations
+
+from typing import Any, Optional, Union
+
+import numpy as np
+
+from .. import _cones
+from .._arrays import plain
+from .._cones import Error
+
+#: Kinds of numbers that are read in place on grids; what others are widened to; and what is used on graphs and meshes.
+_ON_GRIDS = {np.dtype(t) for t in ("u1", "u2", "i2", "i4", "i8", "u8", "f4", "f8")}
+_WIDENED = {"b1": "u1", "i1": "i2", "u4": "i8", "f2": "f4"}
+#: Integers beyond this are not all floats.
+_EXACT = 2**53
+
+
+class Graph:
+    """An undirected graph of ``vertices`` vertices and edges (m, 2). Repeated edges and loops change nothing."""
+
+    def __init__(self, vertices: int, edges: Any):
+        table = np.asarray(edges)
+        table = table.reshape(0, 2) if table.size == 0 else table
+        if table.ndim != 2 or table.dtype.kind not in "iu":
+            raise Error(f"edges are pairs of vertex indices of the shape (m, 2), but {table.shape} {table.dtype} is given")
+        self._native = _cones.Domain.graph(int(vertices), plain(table, np.int64))
+        self.vertex_count = int(vertices)
+
+    @classmethod
+    def from_sparse(cls, matrix: Any) -> Graph:
+        """The graph whose edges are the stored entries of a square scipy sparse matrix, in either triangle or both."""
+        rows, columns = matrix.shape
+        if rows != columns:
+            raise Error(f"the matrix of a graph is square, not ({rows}, {columns})")
+        entries = matrix.tocoo()
+        return cls(rows, np.column_stack([entries.row, entries.col]).astype(np.int64))
+
+
+class TriangleMesh:
+    """The vertices and edges of triangles (m, 3), in any orientation, which need be no surface."""
+
+    def __init__(self, vertices: int, triangles: Any):
+        table = np.asarray(triangles)
+        if table.ndim != 2 or table.dtype.kind not in "iu":
+            raise Error(f"triangles have the shape (m, 3), but {table.shape} {table.dtype} is given")
+        if table.size and (table.min() < 0 or table.max() >= 2**32):
+            raise Error("a triangle names a vertex that is negative, or beyond 32 bits (vertices are counted from 0)")
+        self._native = _cones.Domain.triangles(int(vertices), plain(table, np.uint32))
+        self.vertex_count = int(vertices)
+
+
+class Field:
+    """A field on its domain, ready to be read."""
+
+    def __init__(
+        self,
+        field: Any,
+        domain: Any = None,
+        *,
+        connectivity: Optional[str] = None,
+        periodic: Any = False,
+        mask: Any = None,
+        nan: str = "refuse",
+    ):
+        self.names: Optional[list] = None
+        if _is_networkx(domain):
+            self.names = list(domain.nodes)
+            domain, field = _of_networkx(domain, field, self.names)
+        values = np.asarray(field)
+        self.shape, self.dtype = values.shape, values.dtype
+        if nan not in ("refuse", "mask"):
+            raise Error(f"nan is refuse or mask, not {nan!r}")
+        self.masks_nan = nan == "mask" or mask is not None
+        if mask is not None:
+            values = _masked(values, mask)
+        if domain is None:
+            self.domain = _grid(values.shape, connectivity, periodic)
+            self.values = _read_in_place(values)
+        else:
+            if connectivity is not None or np.any(periodic):
+                raise Error("connectivity and periodic are for fields on grids, without a domain")
+            self.domain = _graph(domain)
+            self.values = _widest(values)
+            if values.ndim != 1:
+                raise Error(f"a field on a domain has one value for each vertex, but it has the shape {values.shape}")
+
+    def cast(self, values: np.ndarray) -> np.ndarray:
+        """Values of the field in the kind of numbers that it came in; exact."""
+        return values if values.dtype == self.dtype or self.dtype.kind == "O" else values.astype(self.dtype)
+
+    def shaped(self, values: np.ndarray) -> np.ndarray:
+        """One number for each vertex, in the shape of the field."""
+        return values.reshape(self.shape)
+
+
+def _grid(shape: tuple, connectivity: Optional[str], periodic: Any) -> _cones.Domain:
+    axes = len(shape)
+    if not 1 <= axes <= 3:
+        raise Error(f"a field without a domain is an array of one to three axes, not {axes}")
+    round_ends = [bool(periodic)] * axes if np.ndim(periodic) == 0 else [bool(p) for p in periodic]
+    return _cones.Domain.grid(list(shape), connectivity or "axis", round_ends)
+
+
+def _graph(domain: Any) -> _cones.Domain:
+    if isinstance(domain, (Graph, TriangleMesh)):
+        return domain._native
+    if hasattr(domain, "tocoo"):
+        return Graph.from_sparse(domain)._native
+    raise Error("a domain is a topo.Graph, a topo.TriangleMesh, a scipy sparse matrix or a networkx graph")
+
+
+def _read_in_place(values: np.ndarray) -> np.ndarray:
+    kind = values.dtype
+    if not kind.isnative:
+        kind = kind.newbyteorder("=")
+    if kind not in _ON_GRIDS:
+        wider = _WIDENED.get(kind.str[1:])
+        if wider is None:
+            raise Error(f"a field is an array of integers or floats of up to 64 bits, not {values.dtype}")
+        kind = np.dtype(wider)
+    return plain(values, kind).reshape(-1)
+
+
+def _widest(values: np.ndarray) -> np.ndarray:
+    kind = values.dtype
+    if kind.kind not in "biuf" or kind.itemsize > 8:
+        raise Error(f"a field is an array of integers or floats of up to 64 bits, not {kind}")
+    wide = {"b": np.int64, "i": np.int64, "f": np.float64}.get(kind.kind, np.uint64)
+    return plain(values, wide)
+
+
+def _masked(values: np.ndarray, mask: Any) -> np.ndarray:
+    inside = np.asarray(mask, dtype=bool)
+    if inside.shape != values.shape:
+        raise Error(f"the mask has the shape {inside.shape}, but the field {values.shape}")
+    if values.dtype.kind in "iu" and values.size and max(abs(int(values.min())), abs(int(values.max()))) > _EXACT:
+        raise Error("integers beyond 2**53 cannot be masked: subtract a constant first")
+    wide = values.dtype if values.dtype in (np.dtype("f4"), np.dtype("f8")) else np.dtype("f8")
+    masked = values.astype(wide)
+    masked[~inside] = np.nan
+    return masked
+
+
+def _is_networkx(domain: Any) -> bool:
+    return hasattr(domain, "adjacency") and hasattr(domain, "nodes")
+
+
+def _of_networkx(graph: Any, field: Any, names: list) -> tuple[Graph, Any]:
+    """A networkx graph, and its field as an array: an array in the order of the nodes, a mapping, or the name of an attribute."""
+    if graph.is_directed():
+        raise Error("a directed graph has no sublevel components: use graph.to_undirected()")
+    place = {name: k for k, name in enumerate(names)}
+    edges = np.array([(place[a], place[b]) for a, b in graph.edges()], dtype=np.int64).reshape(-1, 2)
+    values: Union[Any, list] = field
+    try:
+        if isinstance(field, str):
+            values = [graph.nodes[name][field] for name in names]
+        elif hasattr(field, "keys"):
+            values = [field[name] for name in names]
+    except KeyError as missing:
+        raise Error(f"there is no value for {missing}") from None
+    return Graph(len(names), edges), np.asarray(values)

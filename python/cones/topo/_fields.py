@@ -1,0 +1,250 @@
+"""What is asked of a field."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field as _field
+from typing import Any, Optional
+
+import numpy as np
+
+from .. import _cones
+from .._arrays import plain
+from .._cones import Error
+from ._domain import Field
+from ._pairs import Pairs, Persistence, pair_table
+
+_KINDS = {"minimum": False, "maximum": True}
+
+
+def sublevel(
+    field: Any,
+    domain: Any = None,
+    *,
+    connectivity: Optional[str] = None,
+    periodic: Any = False,
+    mask: Any = None,
+    nan: str = "refuse",
+    keep_zeros: bool = False,
+) -> Pairs:
+    """The minima of a field, paired with the saddles at which the components of its sublevel sets merge.
+
+    Parameters
+    ----------
+    field : array of one to three axes, or (vertices,) with a domain
+    domain : Graph, TriangleMesh, scipy sparse matrix or networkx graph, optional
+        With networkx the field may also be a mapping from nodes, or the name of an attribute of theirs.
+    connectivity : "axis" (default), "full" or "freudenthal"
+        2, 4, 6 neighbours; 2, 8, 26; or the edges of a triangulation: 2, 6, 14.
+    periodic : bool or sequence of bool
+        Which axes go round.
+    mask : array of bool, optional
+        True inside of the domain.
+    nan : "refuse" or "mask"
+    keep_zeros : bool
+        Keep pairs whose extremum and saddle have equal values.
+    """
+    read = Field(field, domain, connectivity=connectivity, periodic=periodic, mask=mask, nan=nan)
+    return _pairs(read, False, keep_zeros)
+
+
+def superlevel(
+    field: Any,
+    domain: Any = None,
+    *,
+    connectivity: Optional[str] = None,
+    periodic: Any = False,
+    mask: Any = None,
+    nan: str = "refuse",
+    keep_zeros: bool = False,
+) -> Pairs:
+    """The maxima of a field, paired with the saddles at which the components of its superlevel sets merge: their persistence is what
+    mountaineers call prominence. Parameters as for :func:`sublevel`."""
+    read = Field(field, domain, connectivity=connectivity, periodic=periodic, mask=mask, nan=nan)
+    return _pairs(read, True, keep_zeros)
+
+
+def persistence(
+    field: Any,
+    domain: Any = None,
+    *,
+    connectivity: Optional[str] = None,
+    periodic: Any = False,
+    mask: Any = None,
+    nan: str = "refuse",
+    keep_zeros: bool = False,
+) -> Persistence:
+    """The pairs of both directions. Parameters as for :func:`sublevel`."""
+    read = Field(field, domain, connectivity=connectivity, periodic=periodic, mask=mask, nan=nan)
+    return Persistence(_pairs(read, False, keep_zeros), _pairs(read, True, keep_zeros))
+
+
+def _pairs(read: Field, is_superlevel: bool, keep_zeros: bool) -> Pairs:
+    return Pairs(_cones.pairs_of(read.domain, read.values, is_superlevel, read.masks_nan, keep_zeros), read)
+
+
+@dataclass(frozen=True)
+class Segmentation:
+    """Every vertex with its extremum."""
+
+    #: The extremum of each segment.
+    extrema: np.ndarray
+    #: The segment of each vertex, in the shape of the field; -1 for none.
+    labels: np.ndarray = _field(repr=False)
+
+    def sizes(self) -> np.ndarray:
+        """How many vertices each segment has."""
+        inside = self.labels[self.labels >= 0]
+        return np.bincount(inside, minlength=len(self.extrema))
+
+
+def segmentation(
+    field: Any,
+    domain: Any = None,
+    *,
+    kind: str = "maximum",
+    threshold: float = 0.0,
+    connectivity: Optional[str] = None,
+    periodic: Any = False,
+    mask: Any = None,
+    nan: str = "refuse",
+) -> Segmentation:
+    """The basin of each minimum, or the territory of each maximum. Extrema that are no more persistent than ``threshold`` give theirs to the
+    one beyond their saddle. Other parameters as for :func:`sublevel`."""
+    read = Field(field, domain, connectivity=connectivity, periodic=periodic, mask=mask, nan=nan)
+    extrema, labels = _cones.segmentation(read.domain, read.values, _is_maximum(kind), threshold, read.masks_nan)
+    return Segmentation(extrema, read.shaped(labels))
+
+
+def simplify(
+    field: Any,
+    domain: Any = None,
+    *,
+    threshold: float,
+    connectivity: Optional[str] = None,
+    periodic: Any = False,
+    mask: Any = None,
+    nan: str = "refuse",
+) -> np.ndarray:
+    """The field without extrema that are no more persistent than ``threshold``, nowhere changed by more. What a mask leaves out is as it was."""
+    given = np.asarray(field) if mask is not None else None
+    read = Field(field, domain, connectivity=connectivity, periodic=periodic, mask=mask, nan=nan)
+    simple = read.shaped(_cones.simplify(read.domain, read.values, threshold, read.masks_nan))
+    if given is None:
+        return read.cast(simple)
+    return np.where(np.asarray(mask, dtype=bool), np.nan_to_num(simple), given).astype(read.dtype)
+
+
+class MergeTree:
+    """How the components of sublevel sets (minima) or superlevel sets (maxima) appear, grow and merge: leaves are extrema, inner nodes
+    saddles, and the root of each connected component is the last vertex to enter."""
+
+    def __init__(self, native: _cones.Tree, read: Field):
+        self._native = native
+        self._read = read
+
+    @property
+    def is_superlevel(self) -> bool:
+        """Whether leaves are maxima."""
+        return self._native.is_superlevel
+
+    @property
+    def leaf_count(self) -> int:
+        """How many leaves there are; they come first among the nodes."""
+        return self._native.leaf_count
+
+    def nodes(self) -> np.ndarray:
+        """Leaves, then saddles in the order in which they enter, then other roots: a structured array (vertex, value, parent), the parent as a
+        place in it, -1 for roots."""
+        vertex, value, parent = self._native.nodes()
+        value = self._read.cast(value)
+        table = np.empty(len(vertex), dtype=[("vertex", "i8"), ("value", value.dtype), ("parent", "i8")])
+        table["vertex"], table["value"], table["parent"] = vertex, value, parent
+        return table
+
+    def branches(self) -> np.ndarray:
+        """The extrema with their families: the columns of :class:`Pairs`, ``parent`` (the extremum that is joined at the saddle, -1 for none) and
+        ``size`` (vertices just before)."""
+        columns, parent, size = self._native.branches()
+        pairs = pair_table(columns, self._read.dtype)
+        table = np.empty(len(pairs), dtype=[*pairs.dtype.descr, ("parent", "i8"), ("size", "i8")])
+        for name in pairs.dtype.names or ():
+            table[name] = pairs[name]
+        table["parent"], table["size"] = parent, size
+        return table
+
+    def sums(self, weights: Any) -> np.ndarray:
+        """For each branch what the vertices of its component weigh just before the saddle."""
+        return self._native.sums(plain(weights, np.float64).reshape(-1))
+
+    def segmentation(self, threshold: float = 0.0) -> Segmentation:
+        """The basins of all leaves that are more persistent than a threshold."""
+        extrema, labels = self._native.segmentation(threshold)
+        return Segmentation(extrema, self._read.shaped(labels))
+
+    def components(self, level: Any) -> tuple[np.ndarray, Segmentation]:
+        """The components of the set of vertices up to a level (for maxima: from it upwards): a structured array (extremum, value, saddle, size),
+        and the component of each vertex."""
+        number = self._read.values.dtype.type(level).item()
+        (extremum, value, saddle, size), (extrema, labels) = self._native.components(number)
+        value = self._read.cast(value)
+        table = np.empty(len(extremum), dtype=[("extremum", "i8"), ("value", value.dtype), ("saddle", "i8"), ("size", "i8")])
+        table["extremum"], table["value"], table["saddle"], table["size"] = extremum, value, saddle, size
+        return table, Segmentation(extrema, self._read.shaped(labels))
+
+    def simplify(self, threshold: float) -> MergeTree:
+        """The tree without branches that live no longer than a threshold."""
+        return MergeTree(self._native.simplify(threshold), self._read)
+
+    def field(self) -> np.ndarray:
+        """The field as the tree has it: after :meth:`simplify` without the basins of branches that have gone. A masked field is float."""
+        values = self._read.shaped(self._native.field)
+        return values if self._read.masks_nan else self._read.cast(values)
+
+    def __repr__(self) -> str:
+        return f"<cones.topo.MergeTree of {self.leaf_count} {'maxima' if self.is_superlevel else 'minima'}>"
+
+
+def merge_tree(
+    field: Any,
+    domain: Any = None,
+    *,
+    kind: str = "maximum",
+    connectivity: Optional[str] = None,
+    periodic: Any = False,
+    mask: Any = None,
+    nan: str = "refuse",
+) -> MergeTree:
+    """The tree of components of all sublevel sets (``kind="minimum"``) or superlevel sets. Other parameters as for :func:`sublevel`."""
+    read = Field(field, domain, connectivity=connectivity, periodic=periodic, mask=mask, nan=nan)
+    return MergeTree(_cones.merge_tree(read.domain, read.values, _is_maximum(kind), read.masks_nan), read)
+
+
+def holes(field: Any, *, kind: str = "minimum", connectivity: str = "axis") -> np.ndarray:
+    """The holes of the sublevel sets (``kind="minimum"``) or superlevel sets of a picture, or the cavities of those of a volume: persistent
+    homology of dimension 1, or 2. A structured array (closed, filled, birth, death)."""
+    read = Field(field, connectivity=connectivity)
+    closed, filled, birth, death = _cones.holes(read.domain, read.values, _is_maximum(kind))
+    birth, death = read.cast(birth), read.cast(death)
+    table = np.empty(len(closed), dtype=[("closed", "i8"), ("filled", "i8"), ("birth", birth.dtype), ("death", birth.dtype)])
+    table["closed"], table["filled"], table["birth"], table["death"] = closed, filled, birth, death
+    return table
+
+
+def isolation(
+    field: Any,
+    extrema: Any,
+    *,
+    kind: str = "maximum",
+    connectivity: str = "axis",
+    periodic: Any = False,
+) -> np.ndarray:
+    """For each extremum how far it is, in steps of the grid, to the nearest vertex that is more extreme; infinite where there is none."""
+    read = Field(field, connectivity=connectivity, periodic=periodic, nan="mask")
+    vertices = plain(extrema, np.int64)
+    return _cones.isolation(read.domain, read.values, _is_maximum(kind), vertices)
+
+
+def _is_maximum(kind: str) -> bool:
+    if kind not in _KINDS:
+        raise Error(f"kind is minimum or maximum, not {kind!r}")
+    return _KINDS[kind]

@@ -1,0 +1,132 @@
+//! What a field lives on: a grid of the array's shape, a graph, a triangle mesh.
+
+use std::sync::Arc;
+
+use numpy::{PyReadonlyArray1, PyReadonlyArray2};
+use pyo3::prelude::*;
+use topo::{Adjacency, Connectivity, TriangleMesh};
+
+use crate::array::rows;
+use crate::error::{Error, Failed};
+
+/// A domain that Python keeps.
+#[pyclass(frozen, module = "cones._cones")]
+#[derive(Debug)]
+pub(crate) struct Domain {
+    pub(crate) kind: DomainKind,
+    #[pyo3(get)]
+    pub(crate) vertex_count: usize,
+}
+
+/// The kinds of domains.
+#[derive(Clone, Debug)]
+pub(crate) enum DomainKind {
+    Line(topo::Grid<1>),
+    Picture(topo::Grid<2>),
+    Volume(topo::Grid<3>),
+    Graph(Arc<Adjacency>),
+    Mesh(Arc<TriangleMesh>),
+}
+
+#[pymethods]
+impl Domain {
+    /// A grid of one to three axes; `connectivity` is "axis", "full" or "freudenthal".
+    #[staticmethod]
+    fn grid(shape: Vec<usize>, connectivity: &str, periodic: Vec<bool>) -> PyResult<Self> {
+        let connectivity = match connectivity {
+            "axis" => Connectivity::Axis,
+            "full" => Connectivity::Full,
+            "freudenthal" => Connectivity::Freudenthal,
+            other => return Err(Error::new_err(format!("connectivity is axis, full or freudenthal, not {other:?}"))),
+        };
+        let kind = match (&shape[..], &periodic[..]) {
+            (&[x], &[px]) => DomainKind::Line(topo::Grid::new([x], connectivity).periodic([px])),
+            (&[y, x], &[py, px]) => DomainKind::Picture(topo::Grid::new([y, x], connectivity).periodic([py, px])),
+            (&[z, y, x], &[pz, py, px]) => {
+                DomainKind::Volume(topo::Grid::new([z, y, x], connectivity).periodic([pz, py, px]))
+            }
+            (shape, periodic) if shape.len() == periodic.len() => {
+                return Err(Error::new_err(format!("a grid has one to three axes, not {}", shape.len())));
+            }
+            _ => return Err(Error::new_err("periodic needs a truth value for each axis")),
+        };
+        let vertex_count = shape.iter().fold(1, |count: usize, &length| count.saturating_mul(length));
+        Ok(Self { kind, vertex_count })
+    }
+
+    /// A graph of edges (m, 2).
+    #[staticmethod]
+    fn graph(py: Python<'_>, vertices: usize, edges: PyReadonlyArray2<'_, i64>) -> PyResult<Self> {
+        let edges = rows::<i64, 2>(&edges, "edges")?;
+        let made = py.detach(|| {
+            // A negative end becomes one that does not exist.
+            let edges: Vec<[usize; 2]> =
+                edges.iter().map(|edge| edge.map(|v| usize::try_from(v).unwrap_or(usize::MAX))).collect();
+            Adjacency::from_edges(vertices, &edges)
+        });
+        Ok(Self { kind: DomainKind::Graph(Arc::new(made.map_err(Failed)?)), vertex_count: vertices })
+    }
+
+    /// The vertices and edges of triangles (m, 3).
+    #[staticmethod]
+    fn triangles(py: Python<'_>, vertices: usize, triangles: PyReadonlyArray2<'_, u32>) -> PyResult<Self> {
+        let triangles = rows::<u32, 3>(&triangles, "triangles")?;
+        let made = py.detach(|| TriangleMesh::new(vertices, triangles));
+        Ok(Self { kind: DomainKind::Mesh(Arc::new(made.map_err(Failed)?)), vertex_count: vertices })
+    }
+
+    /// The numbers of axes of a grid; none for others.
+    #[getter]
+    fn axes(&self) -> Option<usize> {
+        match self.kind {
+            DomainKind::Line(_) => Some(1),
+            DomainKind::Picture(_) => Some(2),
+            DomainKind::Volume(_) => Some(3),
+            _ => None,
+        }
+    }
+}
+
+/// Single linkage of weighted edges (m, 2): clusters joined, weight, edge and size of each link.
+#[pyfunction]
+pub(crate) fn single_linkage<'py>(
+    py: Python<'py>,
+    vertices: usize,
+    edges: PyReadonlyArray2<'py, i64>,
+    weights: PyReadonlyArray1<'py, f64>,
+) -> PyResult<Linkage> {
+    let (edges, weights) = (rows::<i64, 2>(&edges, "edges")?, weights.as_slice()?);
+    if edges.len() != weights.len() {
+        return Err(Error::new_err(format!("there are {} edges but {} weights", edges.len(), weights.len())));
+    }
+    let made = py.detach(|| {
+        let end = |v: i64| usize::try_from(v).unwrap_or(usize::MAX);
+        let weighted: Vec<(usize, usize, f64)> =
+            edges.iter().zip(weights).map(|(&[a, b], &weight)| (end(a), end(b), weight)).collect();
+        topo::single_linkage(vertices, &weighted)
+    });
+    Ok(Linkage(made.map_err(Failed)?))
+}
+
+/// [`topo::Dendrogram`].
+#[pyclass(frozen, module = "cones._cones")]
+#[derive(Debug)]
+pub(crate) struct Linkage(topo::Dendrogram<f64>);
+
+#[pymethods]
+impl Linkage {
+    /// Both clusters, weight and size of each link, as `scipy.cluster.hierarchy` has them.
+    fn links(&self) -> Vec<(usize, usize, f64, usize)> {
+        self.0.links().iter().map(|link| (link.clusters[0], link.clusters[1], link.weight, link.size)).collect()
+    }
+
+    /// The cluster of each vertex after all links up to a weight.
+    fn at(&self, weight: f64) -> Vec<usize> {
+        self.0.at(weight)
+    }
+
+    /// The cluster of each vertex where there are so many clusters, or as few as can be.
+    fn clusters(&self, count: usize) -> Vec<usize> {
+        self.0.clusters(count)
+    }
+}

@@ -1,0 +1,190 @@
+//! Maps of any origin: measured, taken apart where they lie over themselves, packed.
+
+use std::collections::HashMap;
+
+use cones::uv::{PackError, PackOptions, Packing, Parted};
+use geom::vector::{length, normal};
+use geom::{Model, PrepareError};
+use numpy::{PyArray1, PyReadonlyArray1, PyReadonlyArray2};
+use pyo3::exceptions::PyKeyboardInterrupt;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use pythonize::{depythonize, pythonize};
+
+use crate::array::{from_rows, rows};
+use crate::error::{Error, Failed, exception};
+use crate::mesh::Mesh;
+use crate::quality::Quality;
+use crate::watched::watched;
+
+/// The positions of a map at the corners of triangles.
+pub(crate) fn corner_uv(triangles: &[[u32; 3]], uv: &[[f64; 2]]) -> Vec<cones::uv::Triangle> {
+    triangles.iter().map(|t| t.map(|c| uv[c as usize])).collect()
+}
+
+/// For each vertex the first one at its place.
+pub(crate) fn welded(model: &Model) -> Vec<u32> {
+    let mut first = HashMap::with_capacity(model.vertex_count());
+    // Adding 0 makes one of the two zeros.
+    let place = |point: &[f64; 3]| point.map(|x| (x + 0.0).to_bits());
+    (0..).zip(model.points()).map(|(v, point)| *first.entry(place(point)).or_insert(v)).collect()
+}
+
+/// A position for each corner, or nothing.
+fn checked<'a>(model: &Model, uv: &'a PyReadonlyArray2<'_, f64>) -> PyResult<&'a [[f64; 2]]> {
+    let uv = rows::<f64, 2>(uv, "uv")?;
+    if uv.len() == model.corner_count() {
+        return Ok(uv);
+    }
+    let (corners, vertices) = (model.corner_count(), model.vertex_count());
+    Err(Error::new_err(format!(
+        "uv has {} rows; it needs one for each of the {corners} corners of faces (the mesh has {vertices} vertices)",
+        uv.len()
+    )))
+}
+
+/// Measures a map: the report, and arrays of what is known of each triangle.
+#[pyfunction]
+pub(crate) fn measure<'py>(
+    py: Python<'py>,
+    mesh: &Mesh,
+    uv: PyReadonlyArray2<'py, f64>,
+    weld: bool,
+    cones: Option<PyReadonlyArray1<'py, u32>>,
+) -> PyResult<Bound<'py, PyDict>> {
+    let uv = checked(&mesh.0, &uv)?;
+    let cones = cones.as_ref().map(|cones| cones.as_slice()).transpose()?;
+    let model = &mesh.0;
+    let quality = watched(py, None, |_| {
+        let triangles = model.triangles();
+        let mut vertices = triangles.vertices(model);
+        if weld {
+            let first = welded(model);
+            vertices.iter_mut().flatten().for_each(|v| *v = first[*v as usize]);
+        }
+        Quality::measure(model.points(), &vertices, &corner_uv(&triangles.corners, uv), cones)
+    })?;
+    let report = pythonize(py, &quality)?.cast_into::<PyDict>()?;
+    report.set_item("overlapping", PyArray1::from_vec(py, quality.overlapping))?;
+    report.set_item("triangle_island", PyArray1::from_vec(py, quality.triangle_island))?;
+    report.set_item("triangle_quasi_conformal", PyArray1::from_vec(py, quality.quasi_conformal))?;
+    report.set_item("triangle_log_scale", PyArray1::from_vec(py, quality.log_scale))?;
+    Ok(report)
+}
+
+/// Takes a map apart until no island lies over itself.
+#[pyfunction]
+pub(crate) fn part<'py>(
+    py: Python<'py>,
+    mesh: &Mesh,
+    uv: PyReadonlyArray2<'py, f64>,
+    weld: bool,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<Bound<'py, PyDict>> {
+    let uv = checked(&mesh.0, &uv)?;
+    let model = &mesh.0;
+    let parted: Parted = watched(py, progress, |told| {
+        told.watch("islands", |watch| cones::uv::part(model, uv, weld, watch)).map_err(Stopped)
+    })?;
+    let island = parted.islands.iter().map(|island| island.map_or(-1, i64::from)).collect();
+    let answer = PyDict::new(py);
+    answer.set_item("overlapping_pairs", parted.overlaps.pairs.len())?;
+    answer.set_item("left", parted.left)?;
+    answer.set_item("added_seam", parted.added_seam)?;
+    answer.set_item("island_count", parted.island_count)?;
+    answer.set_item("uv", from_rows(py, parted.uv)?)?;
+    answer.set_item("triangle_island", PyArray1::from_vec(py, island))?;
+    Ok(answer)
+}
+
+/// Packs the islands of a map: the positions of all corners, and what is known of the packing. `triangle_island` numbers the islands, -1 is
+/// none; without it islands are found.
+#[pyfunction]
+pub(crate) fn pack<'py>(
+    py: Python<'py>,
+    mesh: &Mesh,
+    uv: PyReadonlyArray2<'py, f64>,
+    triangle_island: Option<PyReadonlyArray1<'py, i64>>,
+    options: &Bound<'py, PyAny>,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<Bound<'py, PyDict>> {
+    let uv = checked(&mesh.0, &uv)?;
+    let options: PackOptions = depythonize(options)?;
+    let model = &mesh.0;
+    let given = triangle_island.as_ref().map(|islands| islands.as_slice()).transpose()?;
+    let triangles = model.triangles();
+    let islands: Vec<Option<u32>> = match given {
+        Some(given) if given.len() == triangles.len() => {
+            given.iter().map(|&island| u32::try_from(island).ok()).collect()
+        }
+        Some(given) => {
+            let (given, there) = (given.len(), triangles.len());
+            return Err(Error::new_err(format!("islands are given for {given} triangles, but there are {there}")));
+        }
+        None => {
+            let map = corner_uv(&triangles.corners, uv);
+            let measured =
+                geom::distortion::measure(model.points(), &triangles.vertices(model), &map).map_err(Failed)?;
+            measured.triangle_island.iter().map(|&island| Some(island)).collect()
+        }
+    };
+    let (corners, island): (Vec<[u32; 3]>, Vec<u32>) =
+        triangles.corners.iter().zip(&islands).filter_map(|(&corners, island)| Some((corners, (*island)?))).unzip();
+    let map = corner_uv(&corners, uv);
+    let options = in_units_of_surface(options, model, &corners, &map);
+    let packing: Packing = watched(py, progress, |told| {
+        told.watch("pack", |watch| cones::uv::pack(&map, &island, &options, watch)).map_err(StoppedPacking)
+    })?;
+    let mut placed = uv.to_vec();
+    for (corners, island) in corners.iter().zip(&island) {
+        corners.iter().for_each(|&c| placed[c as usize] = packing.place(*island as usize, uv[c as usize]));
+    }
+    let answer = PyDict::new(py);
+    answer.set_item("uv", from_rows(py, placed)?)?;
+    answer.set_item("islands", packing.places.len())?;
+    answer.set_item("tiles", packing.tiles)?;
+    answer.set_item("fill_before", cones::uv::fill(&map))?;
+    answer.set_item("fill", packing.fill)?;
+    answer.set_item("margin", packing.margin)?;
+    answer.set_item("scale", packing.scale)?;
+    Ok(answer)
+}
+
+/// The same options with the density of texels counted in the map's unit: users give it for the surface's.
+fn in_units_of_surface(
+    options: PackOptions,
+    model: &Model,
+    corners: &[[u32; 3]],
+    map: &[cones::uv::Triangle],
+) -> PackOptions {
+    use cones::uv::Tiles;
+    let Tiles::Udim { texel_density } = options.tiles else { return options };
+    let area = |corners: [[f64; 3]; 3]| 0.5 * length(normal(corners));
+    let points = |t: &[u32; 3]| t.map(|c| model.points()[model.corners()[c as usize] as usize]);
+    let on_surface: f64 = corners.iter().map(|t| area(points(t))).sum();
+    let in_plane: f64 = map.iter().map(|t| area(t.map(|[x, y]| [x, y, 0.0]))).sum();
+    let texel_density = texel_density * (on_surface / in_plane).sqrt();
+    PackOptions { tiles: Tiles::Udim { texel_density }, ..options }
+}
+
+struct Stopped(PrepareError);
+
+impl From<Failed<Stopped>> for PyErr {
+    fn from(Failed(Stopped(error)): Failed<Stopped>) -> Self {
+        match error {
+            PrepareError::Interrupted(_) => PyKeyboardInterrupt::new_err(()),
+            error => exception(&error),
+        }
+    }
+}
+
+struct StoppedPacking(PackError);
+
+impl From<Failed<StoppedPacking>> for PyErr {
+    fn from(Failed(StoppedPacking(error)): Failed<StoppedPacking>) -> Self {
+        match error {
+            PackError::Interrupted(_) => PyKeyboardInterrupt::new_err(()),
+            error => exception(&error),
+        }
+    }
+}

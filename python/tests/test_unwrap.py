@@ -1,0 +1,171 @@
+"""Unwrapping from Python is unwrapping by the command."""
+
+import json
+
+import numpy as np
+import pytest
+
+import cones
+from conftest import report
+
+# (shape, vertices, keywords, arguments of the command)
+CASES = [
+    ("hare", 1500, {}, []),
+    ("hare", 1500, {"n": 8}, ["-n", "8"]),
+    ("part", 1200, {"n": 12, "scale": "area", "islands": "single"}, ["-n", "12", "--scale", "area", "--islands", "single"]),
+    ("torus-3", 2000, {"n": 9, "method": "pursuit", "margin": 8.0}, ["-n", "9", "--method", "pursuit", "--margin", "8"]),
+    ("capsule", 700, {"n": 6, "quantize": 4}, ["-n", "6", "--quantize", "4"]),
+    ("terrain", 900, {"max_distortion": 1.1, "angles": "optimal"}, ["--max-distortion", "1.1"]),
+    ("part", 600, {"refine": "always", "n": 8}, ["--refine", "-n", "8"]),
+    ("hare", 900, {"n": 16, "islands": "pack", "rotations": "quarter"}, ["-n", "16", "--islands", "pack", "--rotations", "quarter"]),
+]
+
+
+@pytest.mark.parametrize("name, vertices, keywords, arguments", CASES)
+def test_coordinates_and_reports_are_those_of_the_command_to_the_bit(command, tmp_path, name, vertices, keywords, arguments):
+    path, out, told = (tmp_path / file for file in ("in.obj", "out.obj", "report.json"))
+    cones.shape(name, vertices).write(path)
+    command("unwrap", path, "-o", out, "--report", told, *arguments)
+    result = cones.unwrap(path, **keywords)
+    theirs = cones.read(out)
+    assert (result.mesh.corners == theirs.corners).all()
+    assert (result.uv == theirs.uv).all()
+    expected, ours = report(told), json.loads(json.dumps(result.report))
+    for key in ("distortion", "islands", "cones", "repairs", "seams", "number", "method", "angles", "policy", "warnings"):
+        assert ours[key] == expected[key], key
+
+
+def test_what_is_written_is_what_the_command_writes(command, tmp_path, hare):
+    path = tmp_path / "in.obj"
+    hare.write(path)
+    for ending in ("obj", "ply"):
+        ours, theirs = tmp_path / f"ours.{ending}", tmp_path / f"theirs.{ending}"
+        command("unwrap", path, "-o", theirs, "-n", "6")
+        cones.unwrap(path, n=6).write(ours)
+        assert ours.read_bytes() == theirs.read_bytes()
+
+
+def test_measuring_parting_and_packing_are_those_of_the_command(command, tmp_path, hare):
+    path, out = tmp_path / "single.obj", tmp_path / "out.obj"
+    cones.unwrap(hare, n=24, islands="single").write(path)
+    ours = cones.measure(path)
+    theirs = json.loads(command("measure", path, "--json"))
+    assert ours.distortion == theirs["distortion"] and ours.islands == theirs["islands"]
+    command("islands", path, "-o", out)
+    parted = cones.islands(path)
+    assert (parted.uv == cones.read(out).uv).all()
+    assert cones.measure(cones.read(path), uv=parted.uv).distortion["overlap_pairs"] == 0
+    command("pack", path, "-o", out, "--rotations", "quarter")
+    assert (cones.pack(path, rotations="quarter").uv == cones.read(out).uv).all()
+
+
+def test_one_analysis_gives_the_maps_of_one_call(hare):
+    analysis = cones.Analysis(hare.vertices, hare.faces)
+    eight = analysis.place(8)
+    again = analysis.flatten(eight)
+    assert (again.uv == cones.unwrap(hare, n=8).uv).all()
+    assert analysis.predict(eight.vertices)["n"] == 8
+    assert analysis.predict(eight)["predicted_area"] == pytest.approx(eight.prediction["predicted_area"], rel=1e-9)
+    curve = analysis.curve(20)
+    assert (np.diff(curve["n"]) > 0).all() and curve["predicted_area"][-1] < curve["predicted_area"][0]
+    given = analysis.flatten(eight.table)
+    assert {int(v) for v in given.cones["vertex"]} == {int(v) for v in eight.vertices}
+    assert np.allclose(given.uv, again.uv)
+
+
+def test_curvatures_of_a_closed_surface_sum_to_gauss_bonnet(hare):
+    analysis = cones.Analysis(hare)
+    assert analysis.place(7).curvatures.sum() == pytest.approx(2 * np.pi * analysis.topology["euler"])
+    phi = analysis.conformal_factor()
+    extrema = analysis.extrema()
+    assert (phi[extrema["vertex"]] == extrema["value"]).all()
+    top = extrema[0]
+    assert top["persistence"] == phi.max() - phi.min()
+
+
+def test_quadrilaterals_and_polygons_keep_their_corners():
+    square = [[0, 0, 0], [1, 0, 0], [2, 0, 0], [0, 1, 0], [1, 1, 0], [2, 1, 0.0]]
+    table = cones.Mesh(square, [[0, 1, 4, 3], [1, 2, 5, 4]])
+    mixed = cones.Mesh(square, [[0, 1, 4, 3], [1, 2, 5], [1, 5, 4]])
+    assert table.faces.shape == (2, 4) and [len(f) for f in mixed.faces] == [4, 3, 3]
+    assert cones.unwrap(table).uv.shape == (8, 2)
+    result = cones.unwrap(mixed)
+    assert result.uv.shape == (10, 2) and result.triangle_face.tolist() == [0, 0, 1, 2]
+
+
+def test_a_mesh_that_is_split_along_its_seams_has_the_same_map(hare):
+    result = cones.unwrap(hare, n=6)
+    origin, uv, triangles = result.split()
+    assert (uv[triangles] == result.uv[result.triangles]).all()
+    assert (origin[triangles] == hare.corners[result.triangles]).all()
+    split = cones.measure(hare.vertices[origin], triangles, uv[triangles].reshape(-1, 2), weld=True)
+    assert split.distortion["area_mean"] == pytest.approx(result.distortion["area_mean"])
+    assert split.distortion["seam_length"] == pytest.approx(result.distortion["seam_length"])
+
+
+def test_marked_seams_are_cut(hare):
+    edges = np.column_stack([hare.faces[:40, 0], hare.faces[:40, 1]])
+    result = cones.unwrap(hare, n=6, seams=edges)
+    cut = {frozenset(edge) for edge in result.seam_edges.tolist()}
+    assert all(frozenset(edge) in cut for edge in edges.tolist())
+    path = cones.unwrap(result.mesh, n=6, seams=result.seam_edges)
+    assert path.distortion["overlap_pairs"] == 0
+
+
+BROKEN = [
+    (lambda v, f: (v, f[:, :2]), "face 0 has 2 corners, but a face needs at least 3"),
+    (lambda v, f: (v, f + len(v)), "there are only"),
+    (lambda v, f: (np.where(v == v[3], np.nan, v), f), "which must be finite"),
+    (lambda v, f: (v[:, :2], f), "vertices must have the shape (n, 3), but it has"),
+    (lambda v, f: (v, f.astype(float)), "which are integers"),
+    (lambda v, f: (v, -f.astype(int)), "negative"),
+    (lambda v, f: (v, f[:0]), "no faces"),
+    (lambda v, f: (v, f[0]), "faces must have the shape"),
+]
+
+
+@pytest.mark.parametrize("broken, sentence", BROKEN)
+def test_what_cannot_be_a_mesh_is_refused_in_a_sentence(hare, broken, sentence):
+    with pytest.raises(cones.Error) as told:
+        cones.unwrap(*broken(hare.vertices, hare.faces))
+    assert sentence in str(told.value).replace("they have", "it has")
+
+
+def test_wrong_options_are_refused_in_a_sentence(hare):
+    wrong = [
+        ({"n": 4, "max_distortion": 1.2}, "give one of"),
+        ({"method": "guess"}, "method is alternating"),
+        ({"n": -3}, "n is a number of cones"),
+        ({"n": 2.5}, "n is a number of cones"),
+        ({"scale": "large"}, "scale is"),
+        ({"quantize": 5}, "quantize is 4 or 6"),
+        ({"seams": [[0, 1, 2]]}, "pairs of vertex indices"),
+        ({"seams": [[0, 0]]}, "there is no edge from vertex 0 to 0"),
+        ({"cones": [hare.vertex_count]}, "is not a vertex of any face"),
+        ({"cones": {5: 1.0, 9: None}}, "give one for all of them, or for none"),
+        ({"margin": 900.0}, "does not fit on a texture"),
+        ({"keep_seams": True}, "texture coordinates"),
+    ]
+    for keywords, sentence in wrong:
+        with pytest.raises(cones.Error, match=sentence):
+            cones.unwrap(hare, **keywords)
+    with pytest.raises(FileNotFoundError, match="nothing.obj"):
+        cones.read("nothing.obj")
+    one, other = cones.Analysis(hare), cones.Analysis(hare)
+    with pytest.raises(cones.Error, match="another analysis"):
+        other.flatten(one.place(4))
+
+
+def test_errors_are_values_errors_and_maps_of_the_wrong_length_are_refused(hare):
+    assert issubclass(cones.Error, ValueError)
+    with pytest.raises(cones.Error, match="one for each of the"):
+        cones.measure(hare, uv=np.zeros((7, 2)))
+
+
+def test_figures_are_drawn(hare):
+    pytest.importorskip("matplotlib").use("agg")
+    from cones import plot
+
+    result = cones.unwrap(hare, n=6)
+    assert plot.layout(result) and plot.layout(result, colour="island", edges=True)
+    assert plot.curve(cones.Analysis(hare).curve(8))
