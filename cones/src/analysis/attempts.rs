@@ -95,8 +95,17 @@ impl Attempts<'_> {
             Ok(configuration) => configuration,
             Err(error) => return self.unfold(failure(error)?),
         };
+        let enough = GOOD_ENOUGH * area_distortion(&self.component.operators, &configuration.predicted);
         let (mut best, cause) = match self.attempt(configuration)? {
-            Ok(flat) if self.is_sound(&flat) => return Ok(flat),
+            Ok(flat) if self.is_sound(&flat) => {
+                let (area, angles) = (flat.quality.area_distortion(), flat.quality.quasi_conformal);
+                let is_as_predicted = area <= enough || angles <= GOOD_ENOUGH;
+                // Whoever has said how many shall have so many.
+                if is_as_predicted || self.options.cones != ConeChoice::Automatic {
+                    return Ok(flat);
+                }
+                (Some(flat), Failure::Distorted { area, angles })
+            }
             Ok(flat) => {
                 let triangles = flat.detached.len();
                 (Some(flat), Failure::FoldOvers { triangles })
@@ -104,7 +113,6 @@ impl Attempts<'_> {
             Err(failure) => (None, failure),
         };
         let count = configuration.vertices.len();
-        let enough = GOOD_ENOUGH * area_distortion(&self.component.operators, &configuration.predicted);
         let mut last = cause;
         let mut stretched: Option<(f64, Configuration)> = None;
         for other in other_counts(count, &cause) {
@@ -239,6 +247,7 @@ fn detached_share(flat: &Flat) -> f64 {
 /// distortion of 1.76, 56 cones 159 and 1.20; 3 cones none, but 4.1 with an area distortion of 7.)
 fn other_counts(count: usize, cause: &Failure) -> Vec<usize> {
     match cause {
+        Failure::Distorted { .. } => vec![count + 1 + count / 4, 2 * count, 4 * count],
         Failure::FoldOvers { .. } => vec![count + 1 + count / 4, 2 * count, 4 * count, count / 2, count / 4],
         _ => (1..=4).map(|k| count.max(2) << k).collect(),
     }

@@ -289,6 +289,13 @@ pub enum Failure {
         /// How many.
         triangles: usize,
     },
+    /// The map distorts far more than was predicted.
+    Distorted {
+        /// Its area distortion.
+        area: f64,
+        /// Its mean quasi-conformal distortion.
+        angles: f64,
+    },
     /// Lengths would change too much.
     Stretched {
         /// By this factor, the logarithm to base e.
@@ -304,6 +311,9 @@ impl fmt::Display for Failure {
             Self::Metric => write!(f, "no flat metric was found"),
             Self::FoldOvers { triangles: 1 } => write!(f, "1 triangle folds over"),
             Self::FoldOvers { triangles } => write!(f, "{triangles} triangles fold over"),
+            Self::Distorted { area, angles } => {
+                write!(f, "areas are distorted by {area:.2} and angles by {angles:.2}, far more than predicted")
+            }
             Self::Stretched { .. } => write!(f, "lengths would change a thousandfold"),
         }
     }
