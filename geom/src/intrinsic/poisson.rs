@@ -10,8 +10,8 @@ use crate::linalg::{Cholesky, CholeskyError, SymmetricMatrix};
 use crate::mesh::{Id, VertexData, VertexId};
 use crate::watch::{Interrupted, Watch, unwatched};
 
-/// From so many vertices on it is worth it to dissect. (Below 30 thousand approximate minimum degree takes no longer, and
-/// gives a factor smaller by a twentieth.)
+/// From so many vertices on it is worth it to dissect. (Approximate minimum degree takes half as long below, and its factor has
+/// a quarter more entries: fandisk, 28,910 vertices, 15 ms for 27, 1.38 M entries for 1.10 M.)
 const DISSECTED: usize = 35_000;
 
 /// Why a Laplacian is not factored.
