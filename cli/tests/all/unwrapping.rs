@@ -274,7 +274,7 @@ fn outputs_that_cannot_be_written_are_refused_before_the_work() {
         assert!(complaint.contains(says), "{complaint}");
     }
     folder.complaint(&["unwrap", "hare.obj", "-o", "out.obj", "--picture", "out.jpg"]);
-    folder.complaint(&["unwrap", "hare.obj", "-o", "out.obj", "--report", "out.html"]);
+    folder.complaint(&["unwrap", "hare.obj", "-o", "out.obj", "--report", "out.pdf"]);
     let twice = folder.complaint(&["unwrap", "hare.obj", "-o", "out.obj", "--cones-out", "./out.obj"]);
     assert!(twice.contains("two outputs"), "{twice}");
     assert_eq!(folder.names(), before);

@@ -150,16 +150,9 @@ fn strangers_are_refused() {
 #[test]
 fn unclear_and_oversized_questions_are_refused_with_a_reason() {
     let viewer = Viewer::new();
-    for wrong in [
-        "{",
-        "[]",
-        "\"n\"",
-        r#"{"n":-1}"#,
-        r#"{"n":1000}"#,
-        r#"{"m":1}"#,
-        r#"{"method":"magic"}"#,
-        &"[".repeat(100_000),
-    ] {
+    for wrong in
+        ["{", "\"n\"", r#"{"n":-1}"#, r#"{"n":1000}"#, r#"{"m":1}"#, r#"{"method":"magic"}"#, &"[".repeat(100_000)]
+    {
         assert_eq!(viewer.post("map", wrong).status, 400, "{}", &wrong[..wrong.len().min(40)]);
     }
     for impossible in [

@@ -64,7 +64,7 @@ mod tests {
         let given = options(r#"{"n":5,"given":[[3,null],[4,1.5]]}"#).unwrap();
         assert_eq!(given.cones, ConeChoice::Given(vec![(3, None), (4, Some(1.5))]));
         for wrong in
-            ["", "[]", "{", r#"{"n":-1}"#, r#"{"n":1e9}"#, r#"{"n":65}"#, r#"{"x":1}"#, r#"{"given":[[1]]}"#, "\u{0}"]
+            ["", "{", r#"{"n":-1}"#, r#"{"n":1e9}"#, r#"{"n":65}"#, r#"{"x":1}"#, r#"{"given":[[1]]}"#, "\u{0}"]
         {
             assert!(options(wrong).is_err(), "{wrong}");
         }

@@ -138,10 +138,8 @@ impl<'a> Session<'a> {
     /// The map that is asked for: the newest one, or one that is then.
     fn shown(&self, question: &Question, options: &Options) -> Result<Arc<Shown>, Response> {
         let lock = || self.newest.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some((of, shown)) = &*lock() {
-            if of == options {
-                return Ok(Arc::clone(shown));
-            }
+        if let Some((_, shown)) = lock().as_ref().filter(|(of, _)| of == options) {
+            return Ok(Arc::clone(shown));
         }
         let analysis = self.listening(question);
         let shown = self.thorough.install(|| self.subject.map(&analysis, options));
