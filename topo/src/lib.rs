@@ -127,6 +127,7 @@
 //! | how components merge: nodes, arcs, parents, sizes | [`merge_tree`](fn@merge_tree), [`MergeTree::branches`] | two to three scans |
 //! | the components at a level, their vertices, heights, sums | [`MergeTree::at`], [`MergeTree::components`] | O(n) |
 //! | the tree of the branches that are large enough | [`MergeTree::simplify`], [`MergeTree::filter`] | O(n), O(n log e) |
+//! | loops of a graph too, all paired | [`extended_persistence`](fn@extended_persistence) | two scans, and O(m log m) |
 //! | the basin of each extremum | [`segmentation`](fn@segmentation); for many thresholds [`MergeTree::segmentation`] | two to three scans; O(n) |
 //! | a field without small extrema | [`simplify`](fn@simplify) | a tree and more, until nothing changes |
 //! | on a grid, how far it is to a more extreme vertex | [`isolation`](fn@isolation) | O(n log n) for all |
@@ -212,8 +213,9 @@ mod summary;
 pub use domain::{Adjacency, Connectivity, Domain, Grid, Path, Rings, TriangleMesh};
 pub use error::Error;
 pub use features::{
-    Branch, Dendrogram, Diagram, Extremum, Hierarchy, Hole, Holes, LevelComponent, Link, Matching, MergeTree, Node,
-    Segmentation, Wasserstein, holes, isolation, merge_tree, segmentation, simplify, single_linkage,
+    Branch, Dendrogram, Diagram, Extended, Extremum, Hierarchy, Hole, Holes, LevelComponent, Link, Loop, Matching,
+    MergeTree, Node, Segmentation, Wasserstein, extended_persistence, holes, isolation, merge_tree, segmentation,
+    simplify, single_linkage,
 };
 #[doc(hidden)]
 pub use filtration::{Direction, Filtration};

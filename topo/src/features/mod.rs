@@ -3,6 +3,7 @@
 mod attributes;
 mod branches;
 mod diagram;
+mod extended;
 mod hierarchy;
 mod holes;
 mod isolation;
@@ -14,6 +15,7 @@ mod simplify;
 
 pub use attributes::Branch;
 pub use diagram::{Diagram, Matching, Wasserstein};
+pub use extended::{Extended, Loop, extended_persistence};
 pub use hierarchy::{Extremum, Hierarchy};
 pub use holes::{Hole, Holes, holes};
 pub use isolation::isolation;

@@ -2,6 +2,7 @@
 
 mod distances;
 mod domains;
+mod extended;
 mod extremes;
 mod features;
 mod fields;
