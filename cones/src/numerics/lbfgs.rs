@@ -185,7 +185,7 @@ mod tests {
 
     #[test]
     fn nowhere_to_go_is_no_failure() {
-        assert_eq!(minimise(|_| (3.0, vec![]), vec![], 10, || true), []);
+        assert_eq!(minimise(|_| (3.0, vec![]), Vec::new(), 10, || true), Vec::<f64>::new());
         assert_eq!(minimise(|_| (3.0, vec![0.0]), vec![2.0], 10, || true), [2.0]);
         assert_eq!(minimise(|_| (f64::NAN, vec![1.0]), vec![2.0], 10, || true), [2.0]);
     }

@@ -52,8 +52,8 @@ impl fmt::Display for NotKept {
     }
 }
 
-/// What a model says that a file of this format does not; none where it says all. Polygons that become triangles in GLB, and
-/// numbers that become f32 there, are not counted.
+/// What a model says that a file of this format does not; none where it says all. Comments, polygons that become triangles in GLB and
+/// numbers that become f32 there are not counted.
 ///
 /// ```
 /// use geom::io::{MeshFormat, not_kept, read_bytes};
@@ -77,9 +77,6 @@ pub fn not_kept(model: &Model, format: MeshFormat) -> Option<NotKept> {
     if format != MeshFormat::Ply {
         what.extend(attributes.tables.iter().filter(|table| !is_kept(attributes, table, format)).map(name));
         what.extend(attributes.listings.iter().map(|listing| format!("elements `{}`", listing.name)));
-        if !attributes.comments.is_empty() {
-            what.push("comments".to_owned());
-        }
     }
     (!what.is_empty()).then_some(NotKept { format, what })
 }

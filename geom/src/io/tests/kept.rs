@@ -135,11 +135,11 @@ fn what_a_format_does_not_hold_is_named() {
     let words = |format| not_kept(&model, format).unwrap().to_string();
     assert_eq!(
         words(MeshFormat::Glb),
-        "not kept, as GLB has no place for it: near, colours of faces, label of faces, elements `edge`, comments"
+        "not kept, as GLB has no place for it: near, colours of faces, label of faces, elements `edge`"
     );
     assert_eq!(
         words(MeshFormat::Obj),
-        "not kept, as OBJ has no place for it: flag, quality, near, colours of faces, label of faces, elements `edge`, comments"
+        "not kept, as OBJ has no place for it: flag, quality, near, colours of faces, label of faces, elements `edge`"
     );
     let back = written(&model, Some(&some_uv(&model)), MeshFormat::Glb);
     assert_near(&model, &back, Meaning::Other("quality".into()), 1e-7);
