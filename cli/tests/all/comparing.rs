@@ -76,8 +76,8 @@ fn where_another_number_of_cones_is_taken_the_row_has_it_and_says_why_as_unwrapp
     for (mesh, asked, method) in
         [("hare.obj", "1", "refined"), ("torus.obj", "2", "persistence"), ("torus.obj", "2", "iterative")]
     {
-        let run = ["unwrap", mesh, "-n", asked, "--method", method, "-o", "out.obj", "--report", "report.json"];
-        folder.run(&run).success();
+        let run = ["unwrap", mesh, "-n", asked, "--method", method, "--open-handles", "never", "-o", "out.obj"];
+        folder.run(&[&run[..], &["--report", "report.json"]].concat()).success();
         let report = folder.json("report.json");
         let warnings: Vec<&str> =
             report["warnings"].as_array().expect("a list").iter().filter_map(Value::as_str).collect();

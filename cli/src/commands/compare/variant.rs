@@ -1,6 +1,6 @@
 //! A method to compare: a rule for cones, a rule for their curvatures, a way of flattening.
 
-use cones::{Baseline, CurvatureRule, Options, Placement, Preparation};
+use cones::{Baseline, CurvatureRule, Handles, Options, Placement, Preparation};
 
 /// A way from cones with curvatures to the plane.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -113,7 +113,8 @@ impl Variant {
 
     /// The library's options for it, but for the number of cones.
     pub(super) fn options(self) -> Options {
-        let preparation = Preparation { smooth: self.smooth, ..Preparation::default() };
+        // All methods on the same surface.
+        let preparation = Preparation { smooth: self.smooth, handles: Handles::Never, ..Preparation::default() };
         Options { placement: self.placement, rule: self.rule, preparation, ..Options::default() }
     }
 
