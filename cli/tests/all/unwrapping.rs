@@ -315,7 +315,7 @@ fn wrong_arguments_exit_with_2() {
         &["unwrap", "hare.obj", "-o", "out.obj", "-n", "4", "--min-persistence", "0.1"],
         &["unwrap", "hare.obj", "-o", "out.obj", "--method", "magic"],
         &["shape", "teapot", "-o", "out.obj"],
-        &["view", "hare.obj"],
+        &["view", "hare.obj", "--port", "many"],
         &[],
     ] {
         folder.run(args).code(2);

@@ -10,6 +10,7 @@ use geom::{
 };
 
 use super::refined::Ready;
+use crate::field::TiedLoops;
 use crate::flatten::{Chain, seam_lengths};
 
 /// What was opened on a surface.
@@ -18,7 +19,7 @@ pub(crate) struct OpenedHandles {
     /// The loops, each along one of its sides.
     pub(crate) loops: Vec<Chain>,
     /// The loop that each vertex on one is on.
-    pub(crate) of_vertex: Option<VertexData<Option<u32>>>,
+    pub(crate) of_vertex: Option<TiedLoops>,
 }
 
 /// Opens the handles of a surface. Halfedges and triangles keep their numbers.
@@ -42,7 +43,7 @@ pub(crate) fn open_handles(ready: Ready, watch: Watch) -> Result<Ready, Interrup
     for (k, around) in (0..).zip(&found) {
         around.vertices.iter().for_each(|&v| on_loop[v] = Some(k));
     }
-    let of_vertex: VertexData<Option<u32>> = before.iter().map(|&v| on_loop[v]).collect();
+    let of_vertex: TiedLoops = before.iter().map(|&v| on_loop[v]).collect();
     let mut loops = Vec::new();
     let mut is_known = vec![false; found.len()];
     for around in opened.boundary_loops() {

@@ -93,7 +93,7 @@ struct Found {
     components: Vec<Component>,
     preparation: Preparation,
     /// The same model with its handles opened, once that was asked for; none where no handle can be opened.
-    opened: OnceLock<Option<Arc<Found>>>,
+    opened: OnceLock<Option<Arc<Self>>>,
     /// Orders for previews, of one block and of two, found when they are first asked for.
     previews: [OnceLock<PreviewOrder>; 2],
     notes: Vec<Note>,

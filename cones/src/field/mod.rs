@@ -8,4 +8,5 @@ mod pinned;
 pub(crate) use coarse::coarse_level;
 pub use conformal_factor::ConformalFactor;
 pub use operators::Operators;
+pub(crate) use operators::TiedLoops;
 pub(crate) use pinned::PinnedFactor;

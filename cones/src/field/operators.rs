@@ -18,6 +18,9 @@ use geom::{
 /// Each costs a solve and a vector.
 const FREE_LOOPS: usize = 16;
 
+/// The number of the tied boundary loops that each vertex is on, if it is on any.
+pub(crate) type TiedLoops = VertexData<Option<u32>>;
+
 /// A connected surface with its operators; see the module's head. Building costs one factorization.
 #[derive(Debug)]
 pub struct Operators {
@@ -42,7 +45,7 @@ pub struct Operators {
     /// The positions of the vertices, where they were given.
     points: Option<Vec<[f64; 3]>>,
     /// Boundary loops with the same number share their constant, as the two sides of a handle that was opened do.
-    tied: Option<VertexData<Option<u32>>>,
+    tied: Option<TiedLoops>,
     /// See [`Operators::flattening`].
     flattening: OnceLock<VertexData<f64>>,
     /// What a unit of curvature at every vertex causes, divided by their number; on a closed surface.
@@ -81,7 +84,7 @@ impl Operators {
         mesh: &Mesh,
         metric: &Metric,
         points: &[[f64; 3]],
-        tied: Option<&VertexData<Option<u32>>>,
+        tied: Option<&TiedLoops>,
         watch: Watch,
     ) -> Result<Self, PoissonError> {
         Self::prepared(mesh, metric, Some(points), tied.cloned(), watch)
@@ -91,7 +94,7 @@ impl Operators {
         mesh: &Mesh,
         metric: &Metric,
         points: Option<&[[f64; 3]]>,
-        tied: Option<VertexData<Option<u32>>>,
+        tied: Option<TiedLoops>,
         watch: Watch,
     ) -> Result<Self, PoissonError> {
         let intrinsic = delaunay_watched(mesh, metric, watch.within(0.0, 0.3));
@@ -138,7 +141,7 @@ impl Operators {
         (mesh, metric): (Mesh, Metric),
         flips: Vec<HalfedgeId>,
         weight: VertexData<f64>,
-        (points, tied): (Option<&[[f64; 3]]>, Option<VertexData<Option<u32>>>),
+        (points, tied): (Option<&[[f64; 3]]>, Option<TiedLoops>),
         watch: Watch,
     ) -> Result<Self, PoissonError> {
         let curvature = angle_defects(&mesh, &metric);
@@ -351,7 +354,7 @@ impl Operators {
 }
 
 /// The vertices of each boundary loop; loops that are tied are one.
-fn tied_loops(mesh: &Mesh, tied: Option<&VertexData<Option<u32>>>) -> Vec<Vec<VertexId>> {
+fn tied_loops(mesh: &Mesh, tied: Option<&TiedLoops>) -> Vec<Vec<VertexId>> {
     let mut loops: Vec<Vec<VertexId>> = Vec::new();
     let mut of_number = HashMap::new();
     for around in mesh.boundary_loops() {
