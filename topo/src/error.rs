@@ -86,6 +86,8 @@ pub enum Error {
         /// Where reading failed.
         at: usize,
     },
+    /// The field has no contour tree: no tree has both its join and its split tree, for the domain has loops.
+    Loops,
     /// A corner of a triangle does not exist.
     Triangle {
         /// Number of the triangle, from 0.
@@ -140,6 +142,9 @@ impl fmt::Display for Error {
             }
             Self::Bytes { at } => {
                 return write!(f, "byte {at} is not of a summary of this version and type of numbers");
+            }
+            Self::Loops => {
+                return f.write_str("contours of the field form loops, as its domain does; fill them with triangles");
             }
             Self::Neighbor { of, vertex, vertices } => ("the neighbour list of vertex", of, vertex, vertices),
             Self::Edge { edge, vertex, vertices } => ("edge", edge, vertex, vertices),

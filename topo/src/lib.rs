@@ -51,6 +51,30 @@
 //! # Ok::<(), topo::Error>(())
 //! ```
 //!
+//! **Contours**: how isolines and isosurfaces appear, merge, split and vanish, and the region that each of them sweeps:
+//!
+//! ```
+//! let picture: [u8; 18] = [9, 9, 9, 9, 9, 9, 9, 90, 8, 7, 80, 9, 9, 9, 9, 9, 9, 9];
+//! let grid = topo::Grid::new([3, 6], topo::Connectivity::Freudenthal);
+//! let tree = topo::contour_tree(&grid, &picture)?.simplify(50);
+//! let regions: Vec<Option<usize>> = tree.labels().collect();
+//! println!("{} contours at level 30; of {regions:?} the sizes are {:?}", tree.contours_at(30), tree.sizes());
+//! # assert_eq!((tree.contours_at(30), tree.sizes().iter().sum::<usize>()), (2, 18));
+//! # Ok::<(), topo::Error>(())
+//! ```
+//!
+//! **Tiles** of a field that no memory holds, read one at a time or each on a machine of its own:
+//!
+//! ```
+//! # let (grid, field, options) = (topo::Grid::new([4, 6], topo::Connectivity::Axis), [1.0; 24], topo::PersistenceOptions::new());
+//! let mut whole = topo::Summary::empty(topo::Kind::Maximum, options);
+//! for tile in topo::Tile::cut(&grid, [&[2, 2], &[3, 3]])? {
+//!     whole = whole.join(topo::Summary::of_tile(&tile, &tile.values(&field)?, topo::Kind::Maximum, options)?)?;
+//! }
+//! println!("{} peaks, those of the whole field", whole.finish()?.len());
+//! # Ok::<(), topo::Error>(())
+//! ```
+//!
 //! # What is computed
 //!
 //! Let water rise over a landscape, or rather: take the vertices of a graph in the order of their values. The *sublevel
@@ -127,6 +151,7 @@
 //! | how components merge: nodes, arcs, parents, sizes | [`merge_tree`](fn@merge_tree), [`MergeTree::branches`] | two to three scans |
 //! | the components at a level, their vertices, heights, sums | [`MergeTree::at`], [`MergeTree::components`] | O(n) |
 //! | the tree of the branches that are large enough | [`MergeTree::simplify`], [`MergeTree::filter`] | O(n), O(n log e) |
+//! | how contours appear, merge, split and vanish | [`contour_tree`](fn@contour_tree), [`ContourTree::simplify`] | O(n log n + m) |
 //! | loops of a graph too, all paired | [`extended_persistence`](fn@extended_persistence) | two scans, and O(m log m) |
 //! | the basin of each extremum | [`segmentation`](fn@segmentation); for many thresholds [`MergeTree::segmentation`] | two to three scans; O(n) |
 //! | a field without small extrema | [`simplify`](fn@simplify) | a tree and more, until nothing changes |
@@ -213,9 +238,9 @@ mod summary;
 pub use domain::{Adjacency, Connectivity, Domain, Grid, Path, Rings, TriangleMesh};
 pub use error::Error;
 pub use features::{
-    Branch, Dendrogram, Diagram, Extended, Extremum, Hierarchy, Hole, Holes, LevelComponent, Link, Loop, Matching,
-    MergeTree, Node, Segmentation, Wasserstein, extended_persistence, holes, isolation, merge_tree, segmentation,
-    simplify, single_linkage,
+    Branch, ContourArc, ContourNode, ContourTree, Dendrogram, Diagram, Extended, Extremum, Hierarchy, Hole, Holes,
+    LevelComponent, Link, Loop, Matching, MergeTree, Node, Segmentation, Wasserstein, contour_tree,
+    extended_persistence, holes, isolation, merge_tree, segmentation, simplify, single_linkage,
 };
 #[doc(hidden)]
 pub use filtration::{Direction, Filtration};

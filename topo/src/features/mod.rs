@@ -2,6 +2,7 @@
 
 mod attributes;
 mod branches;
+mod contour_tree;
 mod diagram;
 mod extended;
 mod hierarchy;
@@ -14,6 +15,7 @@ mod segmentation;
 mod simplify;
 
 pub use attributes::Branch;
+pub use contour_tree::{ContourArc, ContourNode, ContourTree, contour_tree};
 pub use diagram::{Diagram, Matching, Wasserstein};
 pub use extended::{Extended, Loop, extended_persistence};
 pub use hierarchy::{Extremum, Hierarchy};

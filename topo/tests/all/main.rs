@@ -1,5 +1,6 @@
 //! What holds of persistence on any domain, on random input and on measured fields.
 
+mod contours;
 mod distances;
 mod domains;
 mod extended;

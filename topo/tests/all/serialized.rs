@@ -19,6 +19,8 @@ fn results_come_back_as_they_were() {
     assert_eq!(again(&tree.nodes()), tree.nodes());
     assert_eq!(again(&tree.branches()), tree.branches());
     assert_eq!(again(&tree.at(3.0)), tree.at(3.0));
+    let tree = topo::contour_tree(&Path::new(7), &LANDSCAPE).expect("fits");
+    assert_eq!(again(&(tree.nodes().to_vec(), tree.arcs().to_vec())), (tree.nodes().to_vec(), tree.arcs().to_vec()));
 }
 
 #[test]
