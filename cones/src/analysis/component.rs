@@ -8,11 +8,10 @@ use geom::{FaceId, HalfedgeData, Id, Metric, PoissonError, Surface, VertexId, Wa
 use topo::{Extremum, Kind};
 
 use super::cones::{Cone, Configuration};
-use super::handles::OpenedHandles;
 use super::note::Note;
 use super::observer::{Stage, Task, Times};
 use super::options::{Options, Preparation};
-use super::refined::{Ready, Way};
+use super::refined::{OpenedHandles, Ready, Way};
 use crate::curvature::{ConeCurvatures, CurvatureError, CurvatureRule, cone_curvatures, least_cones};
 use crate::cut::Symmetry;
 use crate::error::Error;

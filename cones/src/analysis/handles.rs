@@ -9,18 +9,9 @@ use geom::{
     EdgeData, EdgeId, Id, Interrupted, Metric, Surface, VertexData, VertexId, Watch, handle_loops, open_islands,
 };
 
-use super::refined::Ready;
+use super::refined::{OpenedHandles, Ready};
 use crate::field::TiedLoops;
 use crate::flatten::{Chain, seam_lengths};
-
-/// What was opened on a surface.
-#[derive(Debug, Default)]
-pub(crate) struct OpenedHandles {
-    /// The loops, each along one of its sides.
-    pub(crate) loops: Vec<Chain>,
-    /// The loop that each vertex on one is on.
-    pub(crate) of_vertex: Option<TiedLoops>,
-}
 
 /// Opens the handles of a surface. Halfedges and triangles keep their numbers.
 ///

@@ -337,7 +337,7 @@ fn made_of(
     let make = |(index, mut ready): (usize, Ready)| {
         let mut times = Times::default();
         if are_opened && ready.surface.mesh.genus() > 0 {
-            ready = task.stage((Stage::Prepare, index), &mut times, |watch| open_handles(ready, watch))??;
+            ready = task.stage((Stage::Factor, index), &mut times, |watch| open_handles(ready, watch))??;
         }
         let mut component = Component::new(index, ready, preparation, task)?;
         component.times += times;

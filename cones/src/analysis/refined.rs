@@ -12,7 +12,6 @@ use geom::{
 };
 use rayon::prelude::*;
 
-use super::handles::OpenedHandles;
 use super::observer::{Stage, Task, Times};
 use super::options::Refining;
 use crate::error::Error;
@@ -123,6 +122,15 @@ impl Way {
     fn before(&self, e: EdgeId) -> (EdgeId, bool) {
         self.before.as_ref().map_or((e, true), |before| before[e])
     }
+}
+
+/// What was opened on a surface.
+#[derive(Debug, Default)]
+pub(crate) struct OpenedHandles {
+    /// The loops, each along one of its sides.
+    pub(crate) loops: Vec<Chain>,
+    /// The loop that each vertex on one is on.
+    pub(crate) of_vertex: Option<TiedLoops>,
 }
 
 /// A surface that is ready to be analysed.

@@ -165,8 +165,10 @@ impl Analysis {
 
     /// The analysis with handles opened and what is chosen there, where that promises the better map.
     fn opened_instead(&self, chosen: &Chosen, options: &Options) -> Result<Option<(Self, Chosen)>, Error> {
-        // Loops are no rigid motions, so that no texture runs on across them.
-        if self.found.preparation.handles != Handles::Auto || options.quantize.is_some() {
+        // Loops are no rigid motions, so that no texture runs on across them; and whoever says where seams run wants no others.
+        let seams = &options.seams;
+        let has_say = !seams.given.is_empty() || !seams.kept.is_empty() || options.quantize.is_some();
+        if self.found.preparation.handles != Handles::Auto || has_say {
             return Ok(None);
         }
         let closed = self.predicted(&chosen.1);

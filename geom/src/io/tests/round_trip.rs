@@ -40,7 +40,8 @@ pub(super) fn assert_ply_and_glb_come_back(model: &Model) {
 /// kept only if something else than faces refers to them.
 fn assert_lines_are_kept(old: &[u8], new: &[u8]) {
     let begins = |line: &text::Line, words: &[&[u8]]| line.words().next().is_some_and(|word| words.contains(&word));
-    let is_used = Lines::joined(old).any(|line| begins(&line, &[b"l", b"surf"]) && line.text.contains(&b'/'));
+    let is_used =
+        Lines::joined(old).any(|line| begins(&line, &[b"l", b"surf"]) && line.words().any(|word| word.contains(&b'/')));
     let others = |text, without_texture: bool| -> Vec<&[u8]> {
         let is_face = |line: &text::Line| line.words().next().is_some_and(obj::is_face);
         let is_other = |line: &text::Line| !(is_face(line) || without_texture && begins(line, &[b"vt"]));
