@@ -15,6 +15,8 @@ use rayon::prelude::*;
 use super::observer::{Stage, Task, Times};
 use super::options::Refining;
 use crate::error::Error;
+use crate::field::TiedLoops;
+use crate::flatten::Chain;
 
 /// Angles below this, in radians, make a triangle a needle: 10°.
 const NEEDLE: f64 = std::f64::consts::PI / 18.0;
