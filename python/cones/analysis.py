@@ -107,7 +107,7 @@ class Analysis:
     ----------
     vertices, faces
         As for :func:`cones.unwrap`.
-    weld, smooth, refine
+    weld, smooth, refine, open_handles
         How it is made ready, as for :func:`cones.unwrap`.
     progress : callable, optional
         ``progress(stage, fraction)`` while it is made.
@@ -121,11 +121,12 @@ class Analysis:
         weld: bool = False,
         smooth: bool = False,
         refine: str = "never",
+        open_handles: str = "auto",
         progress: Optional[Progress] = None,
     ):
         self.input = as_mesh(vertices, faces)
         self._weld = weld
-        prepared = options.preparation(weld, smooth, refine)
+        prepared = options.preparation(weld, smooth, refine, open_handles)
         self._native = _cones.Analysis(self.input._native, prepared, progress)
 
     @cached_property

@@ -11,9 +11,14 @@ from ._cones import METHODS, Error
 from .mesh import Mesh
 
 
-def preparation(weld: bool, smooth: bool, refine: str) -> dict:
+def preparation(weld: bool, smooth: bool, refine: str, open_handles: str) -> dict:
     """How a model is made ready."""
-    return {"weld": bool(weld), "smooth": bool(smooth), "refine": _one_of("refine", refine, ("never", "needles", "always"))}
+    return {
+        "weld": bool(weld),
+        "smooth": bool(smooth),
+        "refine": _one_of("refine", refine, ("never", "needles", "always")),
+        "handles": _one_of("open_handles", open_handles, ("auto", "never", "always")),
+    }
 
 
 def choice(

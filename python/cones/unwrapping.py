@@ -149,6 +149,7 @@ def unwrap(
     smooth: bool = False,
     weld: bool = False,
     refine: str = "never",
+    open_handles: str = "auto",
     quantize: Optional[int] = None,
     seam_weight: float = 0.5,
     seams: Any = None,
@@ -181,6 +182,8 @@ def unwrap(
         Diffuse the curvature before extrema are looked for; merge vertices at exactly the same place.
     refine : "never", "needles" or "always"
         Cut the surface into even triangles. The map is then of ``result.mesh``.
+    open_handles : "auto", "never" or "always"
+        Open handles along short loops that take curvature, so that fewer cones are enough.
     quantize : 4 or 6, optional
         Round cones so that a texture of squares, or of triangles, runs on across seams.
     seams, avoid : edges (k, 2), optional
@@ -207,7 +210,7 @@ def unwrap(
     """
     from .analysis import Analysis
 
-    analysis = Analysis(vertices, faces, weld=weld, smooth=smooth, refine=refine, progress=progress)
+    analysis = Analysis(vertices, faces, weld=weld, smooth=smooth, refine=refine, open_handles=open_handles, progress=progress)
     return analysis.unwrap(
         n,
         max_distortion=max_distortion,

@@ -91,6 +91,7 @@ enum Element {
 struct SeamReport {
     turning: f64,
     sharp: f64,
+    opened_handles: usize,
     tiling: Option<TilingReport>,
 }
 
@@ -183,6 +184,7 @@ impl Measured {
             seams: SeamReport {
                 turning: atlas.seam_figures.turning,
                 sharp: atlas.seam_figures.sharp_share(),
+                opened_handles: atlas.opened_handles,
                 tiling: atlas.tiling.as_ref().map(TilingReport::from),
             },
             warnings: sentences(&atlas.notes, components).into_iter().chain(self.flaw.clone()).collect(),

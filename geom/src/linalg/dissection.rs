@@ -1,21 +1,16 @@
 //! Nested dissection: an order of elimination that keeps the Cholesky factor of a surface's Laplacian small.
 //!
-//! A set of vertices is parted by a separator, which comes last; the two sides, which then have nothing to do with each other, are
-//! dissected in turn (George 1973). Where to part is told by positions, as in geometric dissection (Miller, Teng, Thurston &
-//! Vavasis 1993): through the median of the longest axis where a set is small; where it is large, planes across each of the axes are
-//! tried, away from the median too, for one where the surface is narrow. A plane is only a beginning: in a band around it the smallest
-//! separator is sought (`separator`). Small sets are ordered by minimum degree (`minimum_degree`). Positions
-//! only guide: whatever they are, the order is complete.
-//!
-//! Against METIS 5.1 the factor has 1.06 times as many entries and takes 1.15 times the arithmetic (igea, 134,345 vertices); with
-//! planes alone it has 1.35 and 1.75 times as many.
+//! A set of vertices is split in two; those of one part that have neighbours in the other are the separator and come last;
+//! the parts, which then have nothing to do with each other, are dissected in turn (George 1973). Where to split is told
+//! by positions, as in geometric dissection (Miller, Teng, Thurston & Vavasis 1993): through the median of the longest
+//! axis where a set is small. Where it is large, planes across each of the axes are tried, away from the median too, for
+//! one where the surface is narrow. Positions only guide: whatever they are, the order is complete.
 
-use super::graph::{Graph, Side};
-use super::minimum_degree::{LARGEST_SET, MinimumDegree};
-use super::parallel::join;
-use super::separator::Separation;
-use crate::watch::{Interrupted, Progress, Watch};
+use super::graph::Graph;
+use crate::watch::{Interrupted, Watch};
 
+/// Sets of so many vertices are not split any more.
+const LEAF: usize = 16;
 /// In sets of more vertices than this the narrowest plane is looked for. In smaller ones the estimate is too coarse: on a
 /// scan of 134 thousand vertices the factor gets a tenth larger with 100.
 const LARGE: usize = 1000;
@@ -42,15 +37,16 @@ struct Plane {
 
 /// The vertices in an order of elimination.
 pub(crate) fn dissect(graph: &Graph, points: &[[f64; 3]], watch: Watch) -> Result<Vec<u32>, Interrupted> {
-    let whole = Part { graph: graph.clone(), places: places(graph, points) };
-    let mut order = vec![0; graph.len()];
-    Dissection { graph, progress: Progress::new(watch, graph.len()) }.order(whole, &mut order)?;
-    Ok(order)
+    let points: Vec<[f32; 3]> = points.iter().map(|p| p.map(|x| x as f32)).collect();
+    let mut places = places(graph, &points);
+    let mut dissection = Dissection { graph, part: vec![0; graph.len()], parts: 0, order: Vec::new() };
+    dissection.order.reserve(graph.len());
+    dissection.split(&mut places, watch)?;
+    Ok(dissection.order)
 }
 
 /// Each vertex with its position and its reach.
-fn places(graph: &Graph, points: &[[f64; 3]]) -> Vec<Place> {
-    let points: Vec<[f32; 3]> = points.iter().map(|p| p.map(|x| x as f32)).collect();
+fn places(graph: &Graph, points: &[[f32; 3]]) -> Vec<Place> {
     let place = |vertex: u32| {
         let at = points[vertex as usize];
         let squared = |w: &u32| points[*w as usize].iter().zip(at).map(|(x, y)| (x - y).powi(2)).sum::<f32>();
@@ -63,77 +59,80 @@ fn places(graph: &Graph, points: &[[f64; 3]]) -> Vec<Place> {
 
 struct Dissection<'a> {
     graph: &'a Graph,
-    progress: Progress<'a>,
+    /// The number of the part that a vertex near to a plane was last in.
+    part: Vec<u32>,
+    parts: u32,
+    order: Vec<u32>,
 }
 
 impl Dissection<'_> {
-    /// Fills in the order of a part.
-    fn order(&self, part: Part, order: &mut [u32]) -> Result<(), Interrupted> {
-        if part.places.len() <= LARGEST_SET {
-            order.iter_mut().zip(&part.places).for_each(|(order, place)| *order = place.vertex);
-            MinimumDegree::new(self.graph, order).sort(order);
-            self.progress.add(order.len());
+    /// Appends a set of vertices to the order.
+    fn split(&mut self, places: &mut [Place], watch: Watch) -> Result<(), Interrupted> {
+        if places.len() <= LEAF {
+            self.order.extend(places.iter().map(|place| place.vertex));
             return Ok(());
         }
-        if part.places.len() > LARGE {
-            self.progress.ask()?;
+        if places.len() > LARGE {
+            watch.ask(self.order.len() as f64 / self.graph.len() as f64)?;
         }
-        let (low, high, separator) = part.split();
-        drop(part);
-        let (sides, last) = order.split_at_mut(order.len() - separator.len());
-        last.copy_from_slice(&separator);
-        let (of_low, of_high) = sides.split_at_mut(low.places.len());
-        let (low, high) = join(|| self.order(low, of_low), || self.order(high, of_high));
-        low.and(high)
-    }
-}
-
-/// A part of the graph: the edges among its vertices, numbered anew, and their places.
-struct Part {
-    graph: Graph,
-    places: Vec<Place>,
-}
-
-impl Part {
-    /// Two parts without edges between them, and the vertices of the separator.
-    fn split(&self) -> (Self, Self, Vec<u32>) {
-        let (sides, separator) = self.by_plane().narrowed();
-        let [low, high] = self.graph.sides(&sides);
-        let part = |graph: Graph, side: Side| {
-            let mut places = Vec::with_capacity(graph.len());
-            places.extend(self.places.iter().zip(&sides).filter(|(_, s)| **s == side).map(|(place, _)| *place));
-            Self { graph, places }
-        };
-        let separator = separator.into_iter().map(|v| self.places[v as usize].vertex).collect();
-        (part(low, Side::Low), part(high, Side::High), separator)
+        let (low, high, separator) = self.separate(places);
+        self.split(low, watch)?;
+        self.split(high, watch)?;
+        self.order.extend(separator.iter().map(|place| place.vertex));
+        Ok(())
     }
 
-    /// The sides of a plane; the vertices on the low side that have neighbours on the high one are between.
-    fn by_plane(&self) -> Separation<'_> {
-        let Plane { axis, below } = choose_plane(&self.places);
-        let mut along: Vec<(f32, u32)> = self.places.iter().zip(0..).map(|(place, v)| (place.at[axis], v)).collect();
-        along.select_nth_unstable_by(below, |a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-        let plane = along[below].0;
-        let mut sides = vec![Side::Low; along.len()];
-        along[below..].iter().for_each(|(_, v)| sides[*v as usize] = Side::High);
-        let is_far = |&(at, v): &(f32, u32)| plane - at > self.places[v as usize].reach;
-        let touches = |&v: &u32| self.graph.neighbors(v).iter().any(|&w| sides[w as usize] == Side::High);
-        let near = along[..below].iter().filter(|place| !is_far(place));
-        let separator: Vec<u32> = near.map(|(_, v)| *v).filter(touches).collect();
-        separator.iter().for_each(|&v| sides[v as usize] = Side::Between);
-        Separation::new(&self.graph, sides, separator)
+    /// Sorts a set into two parts without edges between them, and the separator.
+    fn separate<'b>(&mut self, places: &'b mut [Place]) -> (&'b mut [Place], &'b mut [Place], &'b mut [Place]) {
+        let Plane { axis, below } = choose_plane(places);
+        places.select_nth_unstable_by(below, |a, b| a.at[axis].total_cmp(&b.at[axis]).then(a.vertex.cmp(&b.vertex)));
+        let plane = places[below].at[axis];
+        let near = move |place: &&Place| (place.at[axis] - plane).abs() <= place.reach;
+        let (low, high) = places.split_at_mut(below);
+        self.parts += 2;
+        let parts = [self.parts - 1, self.parts];
+        for (half, part) in [(&*low, parts[0]), (&*high, parts[1])] {
+            half.iter().filter(near).for_each(|place| self.part[place.vertex as usize] = part);
+        }
+        let rim = |half: &[Place], other| half.iter().filter(near).filter(|place| self.touches(place, other)).count();
+        if rim(low, parts[1]) <= rim(high, parts[0]) {
+            let (low, separator) = self.without_rim(low, parts[1], near);
+            (low, high, separator)
+        } else {
+            let (high, separator) = self.without_rim(high, parts[0], near);
+            (low, high, separator)
+        }
+    }
+
+    /// Whether a vertex has a neighbour in a part.
+    fn touches(&self, place: &Place, part: u32) -> bool {
+        self.graph.neighbors(place.vertex).iter().any(|&w| self.part[w as usize] == part)
+    }
+
+    /// Moves the vertices that touch the other part behind the others.
+    fn without_rim<'b>(
+        &self,
+        places: &'b mut [Place],
+        other: u32,
+        near: impl Fn(&&Place) -> bool,
+    ) -> (&'b mut [Place], &'b mut [Place]) {
+        let mut inner = places.len();
+        for k in (0..places.len()).rev() {
+            if near(&&places[k]) && self.touches(&places[k], other) {
+                inner -= 1;
+                places.swap(k, inner);
+            }
+        }
+        places.split_at_mut(inner)
     }
 }
 
 /// The plane to split a set at.
 fn choose_plane(places: &[Place]) -> Plane {
-    let mut bounds = [[f32::INFINITY, f32::NEG_INFINITY]; 3];
-    for place in places {
-        for (x, [low, high]) in place.at.into_iter().zip(&mut bounds) {
-            *low = if x < *low { x } else { *low };
-            *high = if x > *high { x } else { *high };
-        }
-    }
+    let bounds = [0, 1, 2].map(|axis| {
+        let along = places.iter().map(|place| place.at[axis]);
+        along.fold([f32::INFINITY, f32::NEG_INFINITY], |[low, high], x| [low.min(x), high.max(x)])
+    });
     let extent = |axis: usize| bounds[axis][1] - bounds[axis][0];
     let longest = (0..3).max_by(|&a, &b| extent(a).total_cmp(&extent(b))).unwrap_or(0);
     let median = Plane { axis: longest, below: places.len() / 2 };
@@ -173,25 +172,26 @@ fn narrowest(places: &[Place], axis: usize, [low, high]: [f32; 2]) -> Option<(f3
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::shapes::{self, Shape};
-
-    /// The graph of a shape's vertices and edges.
-    fn graph(shape: &Shape) -> Graph {
-        let mesh = shape.mesh();
-        Graph::from_rows(mesh.vertices().map(|v| mesh.neighbors(v).iter().map(|w| w.0)))
-    }
+    use crate::shapes;
 
     #[test]
     fn no_edge_leads_from_one_part_past_the_separator_to_the_other() {
         for shape in [shapes::hare(3000), shapes::terrain(900, 3), shapes::torus(2, 1500)] {
-            let graph = graph(&shape);
-            let part = Part { places: places(&graph, &shape.points), graph: graph.clone() };
-            let (low, high, separator) = part.split();
-            assert_eq!(low.places.len() + high.places.len() + separator.len(), graph.len());
+            let mesh = shape.mesh();
+            let (mut start, mut row) = (vec![0], Vec::new());
+            for v in mesh.vertices() {
+                row.extend(mesh.neighbors(v).iter().filter(|&&w| w > v).map(|w| w.0));
+                start.push(row.len() as u32);
+            }
+            let graph = Graph::of_lower_triangle(&start, &row);
+            let points = shape.points.iter().map(|p| p.map(|x| x as f32)).collect::<Vec<_>>();
+            let mut places = places(&graph, &points);
+            let mut dissection = Dissection { graph: &graph, part: vec![0; graph.len()], parts: 0, order: Vec::new() };
+            let (low, high, separator) = dissection.separate(&mut places);
+            assert_eq!(low.len() + high.len() + separator.len(), graph.len());
             assert!(separator.len() < graph.len() / 10);
-            let is_high: Vec<bool> =
-                (0..graph.len() as u32).map(|v| high.places.iter().any(|place| place.vertex == v)).collect();
-            for place in &low.places {
+            let is_high: Vec<bool> = mesh.vertices().map(|v| high.iter().any(|place| place.vertex == v.0)).collect();
+            for place in low {
                 assert!(graph.neighbors(place.vertex).iter().all(|&w| !is_high[w as usize]));
             }
         }
