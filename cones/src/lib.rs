@@ -39,7 +39,8 @@
 //!    a disk; Newton's method finds the u for which curvature is k at the cones and 0 elsewhere, exactly; the flat metric is
 //!    brought back to the input's triangles and developed into the plane, and what folds over there is removed.
 //! 6. [`uv`]: where the layout lies over itself it is cut, and put together again across other seams.
-//! 7. `baseline`: what the method is compared with.
+//! 7. [`report`]: how good a map is, and what was done to make it.
+//! 8. `baseline`: what the method is compared with.
 //!
 //! Curvature is an angle defect in radians: a cone of curvature k has 2π - k of angle. L is positive semidefinite.
 //! Everything is deterministic. The feature `serde` makes options, cones, orders and reports serializable.
@@ -54,6 +55,7 @@ mod flatten;
 mod hierarchy;
 mod numerics;
 mod placement;
+pub mod report;
 pub mod uv;
 
 pub use analysis::{

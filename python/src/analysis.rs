@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use cones::report::{MeasuredAtlas, sentences};
 use cones::{Analysis as Found, ConeOrder, Kind, ModelExtremum, Options, Preparation, RefinedModel};
 use geom::Model;
 use numpy::PyArray1;
@@ -9,7 +10,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use pythonize::{depythonize, pythonize};
 
-use crate::atlas::{Measured, Scale, sentences, times};
+use crate::atlas::{dictionary, size_by_name, times};
 use crate::error::{Failed, exception};
 use crate::mesh::Mesh;
 use crate::watched::watched;
@@ -171,12 +172,12 @@ impl Analysis {
         progress: Option<Py<PyAny>>,
         work: impl FnOnce(&Found, &Options) -> Result<cones::Atlas, cones::Error> + Send,
     ) -> PyResult<Bound<'py, PyDict>> {
-        let (options, scale) = (self.options(options)?, Scale::by_name(scale)?);
+        let (options, size) = (self.options(options)?, size_by_name(scale)?);
         let measured = watched(py, progress, |told| {
             let atlas = work(&self.found.with_observer(told.observer()), &options).map_err(NoMap::Cones)?;
-            Measured::new(&self.model, atlas, &options, scale).map_err(NoMap::Distortion)
+            MeasuredAtlas::new(&self.model, atlas, size, options.preparation.weld).map_err(NoMap::Distortion)
         })?;
-        measured.into_dict(py, &self.found, &options)
+        dictionary(py, measured, &self.found, &options)
     }
 }
 

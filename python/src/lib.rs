@@ -20,7 +20,6 @@ mod atlas;
 mod error;
 mod field;
 mod mesh;
-mod quality;
 mod threads;
 mod uv;
 mod watched;

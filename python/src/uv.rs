@@ -1,7 +1,6 @@
 //! Maps of any origin: measured, taken apart where they lie over themselves, packed.
 
-use std::collections::HashMap;
-
+use cones::report::Quality;
 use cones::uv::{PackError, PackOptions, Packing, Parted};
 use geom::vector::{length, normal};
 use geom::{Model, PrepareError};
@@ -14,20 +13,11 @@ use pythonize::{depythonize, pythonize};
 use crate::array::{from_rows, rows};
 use crate::error::{Error, Failed, exception};
 use crate::mesh::Mesh;
-use crate::quality::Quality;
 use crate::watched::watched;
 
 /// The positions of a map at the corners of triangles.
 pub(crate) fn corner_uv(triangles: &[[u32; 3]], uv: &[[f64; 2]]) -> Vec<cones::uv::Triangle> {
     triangles.iter().map(|t| t.map(|c| uv[c as usize])).collect()
-}
-
-/// For each vertex the first one at its place.
-pub(crate) fn welded(model: &Model) -> Vec<u32> {
-    let mut first = HashMap::with_capacity(model.vertex_count());
-    // Adding 0 makes one of the two zeros.
-    let place = |point: &[f64; 3]| point.map(|x| (x + 0.0).to_bits());
-    (0..).zip(model.points()).map(|(v, point)| *first.entry(place(point)).or_insert(v)).collect()
 }
 
 /// A position for each corner, or nothing.
@@ -59,7 +49,7 @@ pub(crate) fn measure<'py>(
         let triangles = model.triangles();
         let mut vertices = triangles.vertices(model);
         if weld {
-            let first = welded(model);
+            let first = model.first_at_place();
             vertices.iter_mut().flatten().for_each(|v| *v = first[*v as usize]);
         }
         Quality::measure(model.points(), &vertices, &corner_uv(&triangles.corners, uv), cones)

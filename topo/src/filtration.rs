@@ -34,6 +34,16 @@ pub enum Kind {
     Maximum,
 }
 
+impl Kind {
+    /// What it is called in files and tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Minimum => "minimum",
+            Self::Maximum => "maximum",
+        }
+    }
+}
+
 /// One of the two ways through the order of the vertices: `Rising` or `Falling`.
 pub trait Direction: Copy + Debug + Send + Sync + 'static {
     /// The extrema at which components of this direction are born.

@@ -6,10 +6,9 @@ use crate::input::{self, cone_file, significant};
 use crate::output;
 use crate::progress::Progress;
 use crate::report::table::{columns, thousands};
-use crate::report::{
-    HierarchyFile, HierarchyReport, InputReport, RepairReport, SCHEMA, Times, angles_name, curve, kind_name, warnings,
-};
+use crate::report::{HierarchyFile, InputReport, SCHEMA, Times};
 use clap::Args;
+use cones::report::{HierarchyReport, RepairReport, sentences};
 use cones::{Analysis, ChosenNumber, Cone, Cones, Note, Prediction};
 use serde::Serialize;
 use std::f64::consts::PI;
@@ -83,12 +82,12 @@ pub(crate) fn run(args: &ExtractArgs) -> Result<(), CommandError> {
         repairs: analysis.repairs().iter().map(RepairReport::from).collect(),
         cones: found.as_slice(),
         method: options.placement.name(),
-        angles: angles_name(options.rule),
+        angles: options.rule.name(),
         hierarchy,
         number: found.number(),
-        curve: curve(found.number()),
+        curve: found.number().map_or(&[], |number| &number.curve),
         times: Times { read: Some(read), ..Times::default() }.with(analysis.times()).with(found.times()),
-        warnings: warnings(&notes, topology.components),
+        warnings: sentences(&notes, topology.components),
     })
 }
 
@@ -100,7 +99,7 @@ fn table(found: &Cones, extrema: usize) -> String {
         let mut row = vec![
             (i + 1).to_string(),
             cone.vertex.to_string(),
-            kind_name(cone.kind).to_owned(),
+            cone.kind.name().to_owned(),
             cone.persistence.map_or_else(|| "–".to_owned(), |p| format!("{p:.4}")),
             format!("{:.4} π", cone.curvature / PI),
         ];

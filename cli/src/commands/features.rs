@@ -6,8 +6,8 @@ use crate::error::CommandError;
 use crate::input::{Number, Source, significant};
 use crate::output;
 use crate::render::{Mark, Scene, draw_values};
+use crate::report::SCHEMA;
 use crate::report::table::{columns, thousands};
-use crate::report::{SCHEMA, kind_name};
 use clap::{Args, ValueEnum};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -145,7 +145,7 @@ fn extrema(list: &PairList, places: &Places) -> Vec<FeaturePoint> {
     let extremum = |pair: &Pair| FeaturePoint {
         vertex: pair.extremum,
         position: places.point(pair.extremum).expect("a mesh's vertices are in space"),
-        kind: kind_name(list.kind),
+        kind: list.kind.name(),
         value: pair.birth,
         persistence: pair.persistence,
         saddle: pair.saddle,
@@ -176,7 +176,7 @@ fn write(args: &FeaturesArgs, subject: &DomainField, report: &FeaturesReport) ->
         }
     }
     if let (Some(path), Places::Mesh { points, triangles }) = (&args.picture, &subject.places) {
-        let mark = |e: &FeaturePoint| Mark { vertex: e.vertex as u32, positive: e.kind == kind_name(Kind::Minimum) };
+        let mark = |e: &FeaturePoint| Mark { vertex: e.vertex as u32, positive: e.kind == Kind::Minimum.name() };
         let marks = report.extrema.iter().map(mark).collect();
         let scene = Scene::new(points, triangles.clone(), vec![[[0.0; 2]; 3]; triangles.len()], vec![], marks);
         output::write_png(path, &draw_values(&scene, &shares(&subject.values.to_f64())))?;

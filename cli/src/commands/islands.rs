@@ -1,11 +1,12 @@
 //! `cones islands`: a map that somebody made, taken apart where it lies over itself.
 
-use crate::commands::shared::{PackArgs, SurfaceFile, corner_uv, split_vertices, welded};
+use crate::commands::shared::{PackArgs, SurfaceFile, corner_uv, split_vertices};
 use crate::error::CommandError;
 use crate::report::table::{labelled, thousands};
-use crate::report::{OverlapReport, Quality, SCHEMA};
+use crate::report::{SCHEMA, overlap_text};
 use crate::{input, output};
 use clap::Args;
+use cones::report::{OverlapReport, Quality};
 use cones::uv::{Parted, pack, part};
 use geom::io::MeshFormat;
 use geom::{Model, Watch};
@@ -102,7 +103,7 @@ fn measured(args: &IslandsArgs, model: &Model, uv: &[[f64; 2]]) -> Result<MapRep
     let triangles = model.triangles();
     let (mut vertices, corners) = (triangles.vertices(model), corner_uv(&triangles.corners, uv));
     if args.weld {
-        let first = welded(model);
+        let first = model.first_at_place();
         vertices.iter_mut().flatten().for_each(|v| *v = first[*v as usize]);
     }
     let Quality { distortion, islands, .. } = Quality::measure(model.points(), &vertices, &corners, None)
@@ -128,7 +129,7 @@ fn summary(report: &IslandsReport, path: &Path) -> String {
     let map = |map: &MapReport| {
         let islands =
             if map.islands == 1 { "1 island".to_owned() } else { format!("{} islands", thousands(map.islands)) };
-        format!("{islands}, {} overlapping, seams {:.2} √area", map.overlap.text(), map.seam_length)
+        format!("{islands}, {} overlapping, seams {:.2} √area", overlap_text(map.overlap), map.seam_length)
     };
     let left = match left {
         0 => String::new(),

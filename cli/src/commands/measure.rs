@@ -1,12 +1,13 @@
 //! `cones measure`: the distortion of any unwrapped OBJ.
 
-use crate::commands::shared::{corner_uv, split_vertices, welded};
+use crate::commands::shared::{corner_uv, split_vertices};
 use crate::error::CommandError;
 use crate::render::{self, Scene};
 use crate::report::table::thousands;
-use crate::report::{DistortionReport, IslandReport, Quality, SCHEMA};
+use crate::report::{SCHEMA, distortion_text};
 use crate::{input, output};
 use clap::Args;
+use cones::report::{DistortionReport, IslandReport, Quality};
 use geom::Model;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -75,7 +76,7 @@ pub(crate) fn run(args: &MeasureArgs) -> Result<(), CommandError> {
     let (vertices, faces) = (thousands(report.input.vertices), thousands(report.input.faces));
     output::print(&format!(
         "surface   {vertices} vertices, {faces} faces\n{}",
-        report.distortion.text(report.islands.len())
+        distortion_text(&report.distortion, report.islands.len())
     ))
 }
 
@@ -130,7 +131,7 @@ fn measure(args: &MeasureArgs, model: &Model, reference: &Model) -> Result<Measu
     let triangles = reference.triangles();
     let (mut vertices, uv) = (triangles.vertices(reference), corner_uv(&triangles.corners, &uv));
     if args.weld {
-        let first = welded(reference);
+        let first = reference.first_at_place();
         vertices.iter_mut().flatten().for_each(|v| *v = first[*v as usize]);
     }
     let quality = Quality::measure(reference.points(), &vertices, &uv, None)

@@ -169,13 +169,13 @@ impl Job<'_> {
         let checker = args.checker(output);
         let file = SurfaceFile {
             model: &unwrapped.model,
-            uv: Some(&unwrapped.uv),
+            uv: Some(&unwrapped.map.uv),
             triangles: triangles.as_ref(),
             material: checker.as_ref().map(CheckerFiles::material),
         };
         let lost = file.write(output, format)?;
         checker.as_ref().map_or(Ok(()), CheckerFiles::write)?;
-        unwrapped.flaws.extend(lost.map(|lost| lost.to_string()));
+        unwrapped.map.flaws.extend(lost.map(|lost| lost.to_string()));
         let write = Some(start.elapsed().as_secs_f64());
         Ok((unwrapped, Times { read: Some(read), write, ..Times::default() }))
     }
@@ -252,10 +252,10 @@ fn outputs<'a>(args: &'a UnwrapArgs, output: &'a Path) -> Vec<&'a Path> {
 
 fn write_extras(args: &UnwrapArgs, input: &Path, unwrapped: &Unwrapped) -> Result<(), CommandError> {
     if let Some(path) = &args.cones_out {
-        output::write_text(path, &cone_file::text(&unwrapped.atlas.cones))?;
+        output::write_text(path, &cone_file::text(&unwrapped.map.atlas.cones))?;
     }
     if let Some(path) = &args.hierarchy {
-        let order = args.candidates.order(&unwrapped.analysis, unwrapped.atlas.cones.len());
+        let order = args.candidates.order(&unwrapped.analysis, unwrapped.map.atlas.cones.len());
         let order = order.map_err(|error| CommandError::Unwrap { path: input.to_owned(), error })?;
         output::write_json(path, &HierarchyFile::new(order))?;
     }

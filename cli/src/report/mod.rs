@@ -1,64 +1,32 @@
 //! The report: what went in, what was done, how good the result is. Its keys are stable; `schema` counts changes.
 
 mod hierarchy_file;
-mod names;
-mod quality;
 mod seams;
 pub(crate) mod table;
 mod text;
 
 pub(crate) use hierarchy_file::HierarchyFile;
-pub(crate) use quality::{DistortionReport, IslandReport, OverlapReport, Quality};
-use seams::SeamReport;
+pub(crate) use text::{distortion_text, overlap_text, repair_text};
 
-use cones::{Analysis, Atlas, ChosenNumber, Cone, Note, Options, Prediction, RefinedModel, Stage, Topology};
-use geom::Repair;
-pub(crate) use names::{angles_name, kind_name, policy_name, repair_text};
+use cones::report::Report;
+pub(crate) use cones::report::SCHEMA;
+use cones::{Options, Stage, Topology};
 use serde::Serialize;
 use std::path::Path;
 
-/// The version of the reports' keys.
-pub(crate) const SCHEMA: u32 = 1;
-
-/// The report of an unwrapping.
+/// The report of an unwrapping: the library's, with what a file and a program have besides.
 #[derive(Debug, Serialize)]
 pub(crate) struct UnwrapReport {
     pub(crate) schema: u32,
     pub(crate) input: InputReport,
-    pub(crate) repairs: Vec<RepairReport>,
-    /// The refined model, if the surface was refined.
-    pub(crate) refined: Option<RefinedReport>,
-    pub(crate) cones: Vec<Cone>,
-    pub(crate) method: &'static str,
-    pub(crate) angles: &'static str,
-    /// What was done where the layout lay over itself.
-    pub(crate) policy: &'static str,
-    pub(crate) hierarchy: HierarchyReport,
-    /// How the number of cones was found; nothing where it was given.
-    pub(crate) number: Option<ChosenNumber>,
-    /// Predicted distortion by number of cones, where that number was found.
-    pub(crate) curve: Vec<Prediction>,
-    pub(crate) distortion: DistortionReport,
-    pub(crate) islands: Vec<IslandReport>,
-    pub(crate) seams: SeamReport,
+    #[serde(flatten)]
+    pub(crate) map: Report,
     pub(crate) times: Times,
     /// The most memory that the program has held so far, in bytes; nothing where the system does not tell.
     pub(crate) peak_memory: Option<u64>,
-    pub(crate) warnings: Vec<String>,
     /// How cones and curvatures were chosen, in words.
     #[serde(skip)]
     pub(crate) rule: String,
-}
-
-/// The model that is written, where a surface was refined.
-#[derive(Clone, Debug, Serialize)]
-pub(crate) struct RefinedReport {
-    pub(crate) vertices: usize,
-    pub(crate) faces: usize,
-    /// Whether all triangles that are computed with are even.
-    pub(crate) complete: bool,
-    /// The input's face that each face is part of.
-    pub(crate) face: Vec<u32>,
 }
 
 #[derive(Clone, Debug, Serialize)]
@@ -66,31 +34,6 @@ pub(crate) struct InputReport {
     pub(crate) path: String,
     #[serde(flatten)]
     pub(crate) topology: Topology,
-}
-
-#[derive(Clone, Debug, Serialize)]
-pub(crate) struct RepairReport {
-    /// What was found and what was done.
-    pub(crate) kind: &'static str,
-    pub(crate) count: usize,
-    /// The first one.
-    pub(crate) first: Element,
-}
-
-/// An element of the input, counted from 0.
-#[derive(Clone, Copy, Debug, Serialize)]
-#[serde(rename_all = "lowercase")]
-pub(crate) enum Element {
-    Vertex(usize),
-    Face(usize),
-}
-
-#[derive(Clone, Debug, Serialize)]
-pub(crate) struct HierarchyReport {
-    /// How many extrema the conformal factor has.
-    pub(crate) extrema: usize,
-    /// Their persistences, largest first.
-    pub(crate) persistence: Vec<f64>,
 }
 
 /// Seconds for each stage; nothing for one that did not run. They add up to the time on the clock, but for what lies between
@@ -115,45 +58,11 @@ pub(crate) struct Times {
 }
 
 impl UnwrapReport {
-    /// The report of a model that came from the file at `path`.
-    pub(crate) fn new(
-        path: &Path,
-        options: &Options,
-        analysis: &Analysis,
-        atlas: &Atlas,
-        quality: &Quality,
-        times: Times,
-    ) -> Self {
-        Self {
-            schema: SCHEMA,
-            input: InputReport::new(path, analysis.topology()),
-            repairs: analysis.repairs().iter().map(RepairReport::from).collect(),
-            refined: analysis.refined().map(RefinedReport::from),
-            cones: atlas.cones.clone(),
-            method: options.placement.name(),
-            angles: angles_name(options.rule),
-            policy: policy_name(options.islands),
-            hierarchy: HierarchyReport::new(analysis),
-            number: atlas.number.clone(),
-            curve: curve(atlas.number.as_ref()).to_vec(),
-            distortion: quality.distortion.clone(),
-            islands: quality.islands.clone(),
-            seams: SeamReport::new(atlas),
-            times,
-            peak_memory: peak_memory(),
-            warnings: warnings(&atlas.notes, analysis.topology().components),
-            rule: text::rule(options),
-        }
+    /// Of a model that came from the file at `path`.
+    pub(crate) fn new(path: &Path, options: &Options, topology: Topology, report: Report, times: Times) -> Self {
+        let input = InputReport::new(path, topology);
+        Self { schema: SCHEMA, input, map: report, times, peak_memory: peak_memory(), rule: text::rule(options) }
     }
-}
-
-/// All notes as sentences, those of one part of several with its number.
-pub(crate) fn warnings(notes: &[Note], components: usize) -> Vec<String> {
-    let sentence = |note: &Note| match (note.component(), components) {
-        (Some(component), 2..) => format!("part {}: {note}", component + 1),
-        _ => note.to_string(),
-    };
-    notes.iter().map(sentence).collect()
 }
 
 impl InputReport {
@@ -162,37 +71,11 @@ impl InputReport {
     }
 }
 
-impl From<&RefinedModel> for RefinedReport {
-    fn from(refined: &RefinedModel) -> Self {
-        let RefinedModel { model, face, is_complete, .. } = refined;
-        Self { vertices: model.vertex_count(), faces: model.face_count(), complete: *is_complete, face: face.clone() }
-    }
-}
-
-impl HierarchyReport {
-    pub(crate) fn new(analysis: &Analysis) -> Self {
-        let persistence: Vec<f64> = analysis.extrema().iter().map(|extremum| extremum.persistence).collect();
-        Self { extrema: persistence.len(), persistence }
-    }
-}
-
-impl From<&Repair> for RepairReport {
-    fn from(repair: &Repair) -> Self {
-        let place = if repair.kind.is_of_faces() { Element::Face } else { Element::Vertex };
-        Self { kind: repair.kind.description(), count: repair.count, first: place(repair.first) }
-    }
-}
-
 /// Linux keeps the account.
 fn peak_memory() -> Option<u64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let kilobytes = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
     Some(1024 * kilobytes.trim().strip_suffix("kB")?.trim().parse::<u64>().ok()?)
-}
-
-/// The curve that a number of cones was read from.
-pub(crate) fn curve(number: Option<&ChosenNumber>) -> &[Prediction] {
-    number.map_or(&[], |number| &number.curve)
 }
 
 impl Times {

@@ -1,8 +1,11 @@
 //! A report as a few lines of text.
 
+use super::seams::seam_text;
 use super::table::{labelled, thousands};
-use super::{DistortionReport, InputReport, OverlapReport, RefinedReport, UnwrapReport, angles_name};
+use super::{InputReport, UnwrapReport};
+use cones::report::{DistortionReport, OverlapReport, RefinedReport};
 use cones::{ConeChoice, Options, Placement, Prediction};
+use geom::Repair;
 
 impl UnwrapReport {
     /// What a user wants to know first, line by line.
@@ -10,14 +13,14 @@ impl UnwrapReport {
         let times: Vec<String> = self.times.stages().map(|(name, time)| format!("{name} {time:.2}")).collect();
         let total = self.times.total();
         let memory = self.peak_memory.map_or_else(String::new, |peak| format!("; {} MB at most", peak / 1_000_000));
-        let (cones, extrema) = (thousands(self.cones.len()), thousands(self.hierarchy.extrema));
+        let (cones, extrema) = (thousands(self.map.cones.len()), thousands(self.map.hierarchy.extrema));
         [
             labelled("surface", &self.input.text()),
             self.refined_text(),
             labelled("cones", &format!("{cones} ({}; φ has {extrema} extrema)", self.rule)),
             self.number_text(),
-            self.distortion.text(self.islands.len()),
-            self.seams.text(),
+            distortion_text(&self.map.distortion, self.map.islands.len()),
+            seam_text(&self.map.seams),
             labelled("time", &format!("{total:.2} s: {}{memory}", times.join(", "))),
         ]
         .concat()
@@ -25,19 +28,19 @@ impl UnwrapReport {
 
     /// What is written in place of the input, if the surface was refined.
     fn refined_text(&self) -> String {
-        let Some(RefinedReport { vertices, faces, .. }) = &self.refined else { return String::new() };
+        let Some(RefinedReport { vertices, faces, .. }) = &self.map.refined else { return String::new() };
         let [vertices, faces] = [*vertices, *faces].map(thousands);
         labelled("refined", &format!("to even triangles; written as {vertices} vertices, {faces} triangles"))
     }
 
     /// Why so many cones, if nobody has said how many.
     fn number_text(&self) -> String {
-        let Some(number) = &self.number else { return String::new() };
+        let Some(number) = &self.map.number else { return String::new() };
         let others: Vec<String> =
             self.beside().iter().map(|p| format!("{} cones {:.2}", p.count, p.area_distortion)).collect();
         let others = if others.is_empty() { String::new() } else { format!("; {}", others.join(", ")) };
         let missed = if number.is_met { "" } else { ", not met" };
-        let failed = if number.chosen == self.cones.len() {
+        let failed = if number.chosen == self.map.cones.len() {
             String::new()
         } else {
             format!(" with {} cones, but other cones were taken", number.chosen)
@@ -53,7 +56,7 @@ impl UnwrapReport {
 pub(super) fn rule(options: &Options) -> String {
     let curvatures = match &options.cones {
         ConeChoice::Given(given) if given.iter().any(|(_, curvature)| curvature.is_some()) => "given",
-        _ => angles_name(options.rule),
+        _ => options.rule.name(),
     };
     let places = match options.cones {
         ConeChoice::Given(_) => "given".to_owned(),
@@ -66,8 +69,8 @@ pub(super) fn rule(options: &Options) -> String {
 impl UnwrapReport {
     /// Points of the curve to compare with: the powers of two nearest to the number of cones, at most four, from four on.
     fn beside(&self) -> Vec<&Prediction> {
-        let taken = self.cones.len();
-        let powers = self.curve.iter().filter(|p| p.count >= 4 && p.count.is_power_of_two() && p.count != taken);
+        let taken = self.map.cones.len();
+        let powers = self.map.curve.iter().filter(|p| p.count >= 4 && p.count.is_power_of_two() && p.count != taken);
         let mut nearest: Vec<&Prediction> = powers.collect();
         let far = |p: &&Prediction| (p.count.ilog2() as f64 - (taken.max(1) as f64).log2()).abs();
         nearest.sort_by(|p, q| far(p).total_cmp(&far(q)));
@@ -96,40 +99,41 @@ impl InputReport {
     }
 }
 
-impl DistortionReport {
-    /// Lines on areas, angles and faults.
-    pub(crate) fn text(&self, islands: usize) -> String {
-        let qc = &self.quasi_conformal;
-        let islands = if islands == 1 { "1 island".to_owned() } else { format!("{} islands", thousands(islands)) };
-        let Self { area_mean, u_l2, u_linf, seam_length, .. } = self;
-        let [flipped, degenerate] = [self.flipped, self.degenerate].map(thousands);
-        let overlap = self.overlap.text();
-        [
-            labelled("area", &format!("distortion {area_mean:.3} (log scale: L2 {u_l2:.3}, largest {u_linf:.2})")),
-            labelled(
-                "angles",
-                &format!("quasi-conformal {:.4} (95 % up to {:.3}, largest {:.2})", qc.mean, qc.p95, qc.max),
+/// Lines on areas, angles and faults of a map.
+pub(crate) fn distortion_text(distortion: &DistortionReport, islands: usize) -> String {
+    let DistortionReport { area_mean, u_l2, u_linf, seam_length, quasi_conformal: qc, .. } = distortion;
+    let islands = if islands == 1 { "1 island".to_owned() } else { format!("{} islands", thousands(islands)) };
+    let [flipped, degenerate] = [distortion.flipped, distortion.degenerate].map(thousands);
+    let overlap = overlap_text(distortion.overlap);
+    [
+        labelled("area", &format!("distortion {area_mean:.3} (log scale: L2 {u_l2:.3}, largest {u_linf:.2})")),
+        labelled(
+            "angles",
+            &format!("quasi-conformal {:.4} (95 % up to {:.3}, largest {:.2})", qc.mean, qc.p95, qc.max),
+        ),
+        labelled(
+            "layout",
+            &format!(
+                "{islands}, {flipped} flipped, {degenerate} degenerate, {overlap} overlapping, seams {seam_length:.2} √area"
             ),
-            labelled(
-                "layout",
-                &format!(
-                    "{islands}, {flipped} flipped, {degenerate} degenerate, {overlap} overlapping, seams {seam_length:.2} √area"
-                ),
-            ),
-            labelled("fill", &format!("{:.1} % of the square", 100.0 * self.fill)),
-        ]
-        .concat()
+        ),
+        labelled("fill", &format!("{:.1} % of the square", 100.0 * distortion.fill)),
+    ]
+    .concat()
+}
+
+/// The share that overlaps, and pairs where the grid sees none.
+pub(crate) fn overlap_text(overlap: OverlapReport) -> String {
+    match overlap.pairs {
+        0 => "none".to_owned(),
+        1 if overlap.share == 0.0 => "1 pair".to_owned(),
+        pairs if overlap.share == 0.0 => format!("{} pairs", thousands(pairs)),
+        _ => format!("{:.2} %", 100.0 * overlap.share),
     }
 }
 
-impl OverlapReport {
-    /// The share, and pairs where the grid sees none.
-    pub(crate) fn text(self) -> String {
-        match self.pairs {
-            0 => "none".to_owned(),
-            1 if self.share == 0.0 => "1 pair".to_owned(),
-            pairs if self.share == 0.0 => format!("{} pairs", thousands(pairs)),
-            _ => format!("{:.2} %", 100.0 * self.share),
-        }
-    }
+/// A repair as a sentence.
+pub(crate) fn repair_text(repair: &Repair) -> String {
+    let element = if repair.kind.is_of_faces() { "face" } else { "vertex" };
+    format!("{} {} (first {element} {}, counted from 0)", repair.count, repair.kind.description(), repair.first)
 }

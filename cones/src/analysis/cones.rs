@@ -32,7 +32,7 @@ pub struct Cone {
 
 #[cfg(feature = "serde")]
 pub(super) fn kind_name<S: serde::Serializer>(kind: &Kind, serializer: S) -> Result<S::Ok, S::Error> {
-    serializer.serialize_str(if *kind == Kind::Minimum { "minimum" } else { "maximum" })
+    serializer.serialize_str(kind.name())
 }
 
 /// How the number of cones was found, where none was given.

@@ -91,6 +91,17 @@ pub enum Islands {
     Pack,
 }
 
+impl Islands {
+    /// Its name on the command line and in reports.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Single => "single",
+            Self::OverlapFree => "overlap-free",
+            Self::Pack => "pack",
+        }
+    }
+}
+
 /// Which cones to use.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]

@@ -46,6 +46,16 @@ pub enum CurvatureRule {
     Optimal,
 }
 
+impl CurvatureRule {
+    /// Its name on the command line and in reports.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Harmonic => "harmonic",
+            Self::Optimal => "optimal",
+        }
+    }
+}
+
 /// Curvatures for cones, or why there are none.
 #[derive(Clone, Debug, Error, PartialEq)]
 #[non_exhaustive]

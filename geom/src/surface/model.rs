@@ -8,6 +8,7 @@
 //! range, and coordinates whose squared distances do not overflow. Faces may be flipped, doubled, degenerate or
 //! non-manifold and vertices isolated or coincident; that is for the stage that prepares surfaces.
 
+use std::collections::HashMap;
 use std::fmt;
 use std::sync::Arc;
 
@@ -239,6 +240,12 @@ impl Model {
         &self.skipped
     }
 
+    /// For each vertex the first one at exactly the same place: what welding makes of it. O(vertices).
+    pub fn first_at_place(&self) -> Vec<u32> {
+        let mut first = HashMap::with_capacity(self.points.len());
+        (0..).zip(&self.points).map(|(v, point)| *first.entry(place_key(point)).or_insert(v)).collect()
+    }
+
     /// The OBJ file that the model came from, byte for byte (after decompression), to be given back with a map added.
     pub fn obj_text(&self) -> Option<&[u8]> {
         self.obj_text.as_deref()
@@ -254,6 +261,11 @@ impl Model {
         self.attributes = Arc::new(attributes.fitting(self.vertex_count(), self.face_count(), self.corner_count()));
         self
     }
+}
+
+/// Equal for equal points; adding 0 makes -0 positive.
+pub(super) fn place_key(p: &[f64; 3]) -> [u64; 3] {
+    p.map(|x| (x + 0.0).to_bits())
 }
 
 #[cfg(feature = "files")]

@@ -16,7 +16,7 @@ use std::collections::{BTreeMap, HashMap, HashSet};
 
 use thiserror::Error;
 
-use super::model::Model;
+use super::model::{Model, place_key};
 use super::triangulate::Triangles;
 use crate::intrinsic::Metric;
 use crate::mesh::{
@@ -172,7 +172,7 @@ pub fn prepare_watched(model: &Model, weld: bool, watch: Watch) -> Result<Prepar
     let mut log = RepairLog::default();
     let triangles = model.triangles();
     watch.ask(0.02)?;
-    let place = if weld { weld_vertices(model.points(), &mut log) } else { (0..model.vertex_count() as u32).collect() };
+    let place = if weld { weld_vertices(model, &mut log) } else { (0..model.vertex_count() as u32).collect() };
     watch.ask(0.05)?;
     note_isolated(model, &mut log);
     let mut soup = Soup::new(model, &triangles, &place, &mut log);
@@ -573,21 +573,12 @@ fn is_line([a, b, c]: [[f64; 3]; 3]) -> bool {
 }
 
 /// For each vertex the first one at the same place.
-pub(super) fn weld_vertices(points: &[[f64; 3]], log: &mut RepairLog) -> Vec<u32> {
-    let mut first = HashMap::with_capacity(points.len());
-    let weld = |(v, p): (usize, &[f64; 3])| {
-        let place = *first.entry(place_key(p)).or_insert(v as u32);
-        if place as usize != v {
-            log.note(RepairKind::Welded, v);
-        }
-        place
-    };
-    points.iter().enumerate().map(weld).collect()
-}
-
-/// Equal for equal points; adding 0 makes -0 positive.
-fn place_key(p: &[f64; 3]) -> [u64; 3] {
-    p.map(|x| (x + 0.0).to_bits())
+fn weld_vertices(model: &Model, log: &mut RepairLog) -> Vec<u32> {
+    let first = model.first_at_place();
+    for (v, _) in first.iter().enumerate().filter(|(v, place)| **place as usize != *v) {
+        log.note(RepairKind::Welded, v);
+    }
+    first
 }
 
 fn note_isolated(model: &Model, log: &mut RepairLog) {

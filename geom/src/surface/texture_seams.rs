@@ -3,7 +3,6 @@
 use std::collections::HashMap;
 
 use super::model::Model;
-use super::prepare::weld_vertices;
 
 /// A polygon's side: the two corners that it joins, in the polygon's order.
 type Side = [u32; 2];
@@ -25,7 +24,7 @@ type Side = [u32; 2];
 /// ```
 pub fn texture_seams(model: &Model, weld: bool) -> Vec<[u32; 2]> {
     let Some(uv) = model.uv() else { return Vec::new() };
-    let place = if weld { weld_vertices(model.points(), &mut Default::default()) } else { Vec::new() };
+    let place = if weld { model.first_at_place() } else { Vec::new() };
     let place_of = |v: u32| place.get(v as usize).copied().unwrap_or(v);
     let mut first: HashMap<[u32; 2], (Side, usize)> = HashMap::new();
     let mut pairs: Vec<([u32; 2], [Side; 2])> = Vec::new();

@@ -3,7 +3,7 @@
 //! A surface may need more cones, or have a method's cones fail and others tried. A comparison follows: all methods with the
 //! same cones follow the same plan, so that a baseline is flattened with the cones, and along the cut, of what it is compared with.
 
-use crate::report::warnings;
+use cones::report::sentences;
 use cones::{ConeChoice, Options, unwrap_model};
 use thiserror::Error;
 
@@ -37,7 +37,7 @@ impl Plan {
         let options = Options { cones: ConeChoice::Count(asked), ..method.options() };
         let atlas = unwrap_model(&subject.model, &options)?;
         let all = subject.surfaces.len();
-        let warnings = warnings(&atlas.notes, all);
+        let warnings = sentences(&atlas.notes, all);
         if atlas.unfolded > 0 {
             return Err(PlanError::Unfolded { parts: atlas.unfolded, all, warnings: warnings.join("; ") });
         }

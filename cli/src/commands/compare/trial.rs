@@ -1,12 +1,12 @@
 //! One run of one method on one mesh: its map, and how long each step took.
 
+use cones::report::OverlapReport;
 use cones::{Analysis, ConeChoice, Islands, Options, Stage, Times};
 use geom::Surface;
 use geom::distortion::{self, Distortion, DistortionError};
 use thiserror::Error;
 
 use crate::commands::shared::corner_uv;
-use crate::report::OverlapReport;
 
 use super::plan::Plan;
 use super::prepared::PreparedModel;

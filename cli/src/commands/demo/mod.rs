@@ -80,7 +80,7 @@ fn show(exhibit: &Exhibit, folder: &Path, material: Material) -> Result<UnwrapRe
     let unwrapped = Unwrapped::new(Path::new(exhibit.shape), model, options, Scale::Unit, &progress)?;
     progress.step("write");
     let start = Instant::now();
-    let content = ObjContent { uv: Some(&unwrapped.uv), material: Some(material), ..ObjContent::default() };
+    let content = ObjContent { uv: Some(&unwrapped.map.uv), material: Some(material), ..ObjContent::default() };
     output::write(&file(".obj"), |out| write_obj(&unwrapped.model, &content, out))?;
     let write = Some(start.elapsed().as_secs_f64());
     progress.step("draw");
@@ -102,11 +102,11 @@ fn overview(reports: &[UnwrapReport]) -> String {
     head.extend(reports[0].times.stages().map(|(name, _)| name.to_owned()));
     let mut rows = vec![head];
     for report in reports {
-        let d = &report.distortion;
+        let d = &report.map.distortion;
         let mut row = vec![
             report.input.path.clone(),
             table::thousands(report.input.topology.vertices),
-            report.cones.len().to_string(),
+            report.map.cones.len().to_string(),
             format!("{:.3}", d.area_mean),
             format!("{:.3}", d.u_l2),
             format!("{:.4}", d.quasi_conformal.mean),

@@ -5,8 +5,8 @@ use super::direction;
 use super::field::{DomainField, GridReport, Places};
 use super::pairs::{Pair, PairList};
 use crate::input::{Number, six_digits};
+use crate::report::SCHEMA;
 use crate::report::table::{columns, thousands};
-use crate::report::{SCHEMA, kind_name};
 use serde::Serialize;
 use std::time::Duration;
 use topo::Kind;
@@ -173,7 +173,7 @@ fn summary(list: &PairList) -> String {
 }
 
 fn table(list: &PairList, places: &Places, rows: usize) -> String {
-    let head = ["#", kind_name(list.kind), places.head(), "saddle", "birth", "death", "persistence"];
+    let head = ["#", list.kind.name(), places.head(), "saddle", "birth", "death", "persistence"];
     let mut cells = vec![head.map(String::from).to_vec()];
     for (i, pair) in list.pairs.iter().take(rows).enumerate() {
         cells.push(vec![
@@ -226,9 +226,9 @@ pub(super) fn rows(lists: &[PairList], places: &Places) -> Vec<Vec<String>> {
     let names = ["kind", "extremum", "saddle", "birth", "death", "persistence"];
     let heads = |of: &'static str| places.axes().iter().map(move |axis| format!("{of}_{axis}"));
     let head = names.iter().map(|&name| name.to_owned()).chain(heads("extremum")).chain(heads("saddle")).collect();
-    let row = |kind, pair: &Pair| {
+    let row = |kind: Kind, pair: &Pair| {
         let mut row = vec![
-            kind_name(kind).to_owned(),
+            kind.name().to_owned(),
             pair.extremum.to_string(),
             pair.saddle.map_or_else(String::new, |saddle| saddle.to_string()),
             pair.birth.to_string(),

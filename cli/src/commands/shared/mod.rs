@@ -21,4 +21,4 @@ pub(crate) use shown::{Chosen, Shown, Subject};
 pub(crate) use surface_file::{FormatName, SurfaceFile};
 pub(crate) use unwrapped::{Scale, Unwrapped, corner_uv};
 pub(crate) use warn::warn;
-pub(crate) use welded::{split_vertices, welded};
+pub(crate) use welded::split_vertices;

@@ -19,7 +19,8 @@ const MOST_VERTICES: usize = 1_000_000;
 pub(crate) fn html(path: &Path, unwrapped: &Unwrapped, progress: &Progress) -> Result<String, CommandError> {
     progress.step("report");
     let failed = |error| CommandError::Unwrap { path: path.to_owned(), error };
-    let Unwrapped { model, analysis, options, atlas, .. } = unwrapped;
+    let Unwrapped { model, analysis, options, map, .. } = unwrapped;
+    let atlas = &map.atlas;
     let subject = Subject::new(path, model, analysis.clone(), options.clone());
     let surface = subject.surface();
     let report = Report::new(&surface);

@@ -1,11 +1,11 @@
 //! A surface to be shown in the page, asked for cones and maps.
 
-use super::unwrapped::{Scale, corner_uv, scaled, vertices};
-use super::welded::welded;
+use super::unwrapped::{corner_uv, vertices};
 use crate::error::CommandError;
 use crate::page;
 use crate::render::extent;
-use crate::report::{Quality, SCHEMA, Times, angles_name, warnings};
+use crate::report::{SCHEMA, Times};
+use cones::report::{Quality, UvSize, sentences};
 use cones::{Analysis, Atlas, CurvatureRule, MOST_OPTIMISED, ModelExtremum, Options, Placement};
 use geom::{Model, Triangles};
 use serde_json::{Value, json};
@@ -45,7 +45,7 @@ impl<'a> Subject<'a> {
         analysis.left_out().iter().for_each(|&t| is_kept[t as usize] = false);
         let triangles: Vec<u32> = (0..).zip(&is_kept).filter_map(|(t, kept)| kept.then_some(t)).collect();
         let corners: Vec<[u32; 3]> = triangles.iter().map(|&t| all[t as usize]).collect();
-        let first = options.preparation.weld.then(|| welded(model));
+        let first = options.preparation.weld.then(|| model.first_at_place());
         let mut vertices = vertices(model, &corners);
         if let Some(first) = &first {
             vertices.iter_mut().flatten().for_each(|v| *v = first[*v as usize]);
@@ -94,7 +94,7 @@ impl<'a> Subject<'a> {
             "most": self.most(),
             "methods": methods,
             "chosen": chosen,
-            "warnings": warnings(self.analysis.notes(), topology.components),
+            "warnings": sentences(self.analysis.notes(), topology.components),
         })
     }
 
@@ -133,7 +133,7 @@ impl<'a> Subject<'a> {
     /// As [`Analysis::atlas`], and if the map cannot be measured.
     pub(crate) fn map(&self, analysis: &Analysis, options: &Options) -> Result<Shown, CommandError> {
         let atlas = analysis.atlas(options).map_err(|error| CommandError::Unwrap { path: self.path.clone(), error })?;
-        let uv = scaled(&atlas, Scale::Unit);
+        let uv = atlas.uv_in(UvSize::Unit);
         let mut cones: Vec<u32> = atlas.cones.iter().map(|cone| cone.vertex).collect();
         if let Some(first) = &self.first {
             cones.iter_mut().for_each(|v| *v = first[*v as usize]);
@@ -162,7 +162,7 @@ impl<'a> Subject<'a> {
         page::Map {
             uv: self.corners.iter().map(|t| t.map(|c| narrow(uv[c as usize]))).collect(),
             log_area: quality.log_scale.iter().map(|u| (2.0 * u - shift) as f32).collect(),
-            stretch: quality.stretch.iter().map(|&stretch| stretch as f32).collect(),
+            stretch: quality.quasi_conformal.iter().map(|&stretch| stretch as f32).collect(),
             island: self.triangles.iter().map(island).collect(),
             seams: atlas.seams.clone(),
         }
@@ -174,14 +174,14 @@ impl<'a> Subject<'a> {
         json!({
             "cones": atlas.cones,
             "method": options.placement.name(),
-            "angles": angles_name(options.rule),
+            "angles": options.rule.name(),
             "distortion": quality.distortion,
             "islands": quality.islands.len(),
             "number": atlas.number,
             "tiles": atlas.tiles,
             "fill": atlas.fill,
             "times": Times::default().with(atlas.times),
-            "warnings": warnings(&atlas.notes, self.analysis.topology().components),
+            "warnings": sentences(&atlas.notes, self.analysis.topology().components),
         })
     }
 }
@@ -214,6 +214,6 @@ pub(crate) struct Chosen {
 
 impl Chosen {
     pub(crate) fn new(n: Option<usize>, placement: Placement, rule: CurvatureRule) -> Self {
-        Self { n, method: placement.name(), angles: angles_name(rule) }
+        Self { n, method: placement.name(), angles: rule.name() }
     }
 }

@@ -1,15 +1,15 @@
 //! One surface through the library: unwrapped, its texture coordinates scaled, its map measured.
 
 use super::warn::said;
-use super::welded::welded;
 use crate::error::CommandError;
 use crate::limits;
 use crate::output;
 use crate::progress::Progress;
-use crate::render::{Mark, Scene, extent};
-use crate::report::{Quality, Times, UnwrapReport};
+use crate::render::{Mark, Scene};
+use crate::report::{Times, UnwrapReport};
 use clap::ValueEnum;
-use cones::{Analysis, Atlas, MOST_NEEDLES, Options, RefinedModel};
+use cones::report::{MeasuredAtlas, UvSize};
+use cones::{Analysis, MOST_NEEDLES, Options, RefinedModel};
 use geom::io::refine_obj;
 use geom::{Model, refine_attributes};
 use std::path::Path;
@@ -26,6 +26,16 @@ pub(crate) enum Scale {
     None,
 }
 
+impl From<Scale> for UvSize {
+    fn from(scale: Scale) -> Self {
+        match scale {
+            Scale::Unit => Self::Unit,
+            Scale::Area => Self::Area,
+            Scale::None => Self::Raw,
+        }
+    }
+}
+
 /// Where needles bend angles by more than this, as the mean of σ₁/σ₂, it is told that refining helps.
 const WORTH_REFINING: f64 = 1.1;
 
@@ -35,12 +45,7 @@ pub(crate) struct Unwrapped {
     pub(crate) model: Model,
     pub(crate) options: Options,
     pub(crate) analysis: Analysis,
-    pub(crate) atlas: Atlas,
-    /// For each corner of the model.
-    pub(crate) uv: Vec<[f64; 2]>,
-    pub(crate) quality: Quality,
-    /// What is wrong with the map as it is written, in sentences.
-    pub(crate) flaws: Vec<String>,
+    pub(crate) map: MeasuredAtlas,
     /// The seconds that measuring it took.
     measuring: f64,
 }
@@ -68,32 +73,24 @@ impl Unwrapped {
         };
         progress.step("measure");
         let start = Instant::now();
-        let uv = scaled(&atlas, scale);
-        let triangles = kept(&atlas);
-        let mut cones: Vec<u32> = atlas.cones.iter().map(|cone| cone.vertex).collect();
-        let (mut kept, corners) = (vertices(&model, &triangles), corner_uv(&triangles, &uv));
-        if options.preparation.weld {
-            let first = welded(&model);
-            kept.iter_mut().flatten().chain(&mut cones).for_each(|v| *v = first[*v as usize]);
-        }
-        let quality = Quality::measure(model.points(), &kept, &corners, Some(&cones))
+        let map = MeasuredAtlas::new(&model, atlas, scale.into(), options.preparation.weld)
             .map_err(|error| CommandError::Measure { path: path.to_owned(), error })?;
-        let flaws = flaws(&model, &quality, &triangles).into_iter().collect();
         let measuring = start.elapsed().as_secs_f64();
-        Ok(Self { model, options, analysis, atlas, uv, quality, flaws, measuring })
+        Ok(Self { model, options, analysis, map, measuring })
     }
 
     /// Notes what is wrong with the polygons of the map where another program cuts them into triangles in its own way: it may
     /// see triangles flipped, as the polygons are not convex.
     pub(crate) fn note_polygons(&mut self) {
         let mut turned = vec![[false; 2]; self.model.face_count()];
-        for (&face, &corners) in self.atlas.triangles.face_of.iter().zip(&self.atlas.triangles.corners) {
-            turned[face as usize][usize::from(area(corners.map(|c| self.uv[c as usize])) < 0.0)] = true;
+        let MeasuredAtlas { atlas, uv, .. } = &self.map;
+        for (&face, &corners) in atlas.triangles.face_of.iter().zip(&atlas.triangles.corners) {
+            turned[face as usize][usize::from(area(corners.map(|c| uv[c as usize])) < 0.0)] = true;
         }
         let is_torn = |&face: &usize| {
             let first = self.model.face_corners(face).start;
             let fan = self.model.face_corners(face).skip(1).zip(self.model.face_corners(face).skip(2));
-            let mut areas = fan.map(|(b, c)| area([first, b, c].map(|c| self.uv[c])));
+            let mut areas = fan.map(|(b, c)| area([first, b, c].map(|c| uv[c])));
             match turned[face] {
                 [true, false] => areas.any(|area| area <= 0.0),
                 [false, true] => areas.any(|area| area >= 0.0),
@@ -103,7 +100,7 @@ impl Unwrapped {
         let polygons = (0..self.model.face_count()).filter(|&face| self.model.face(face).len() > 3);
         let torn: Vec<usize> = polygons.filter(is_torn).collect();
         if let Some(first) = torn.first() {
-            self.flaws.push(format!(
+            self.map.flaws.push(format!(
                 "{} polygons are not convex in the map (first face {first}, counted from 0): programs that cut them in \
                  another way show flipped triangles; write triangles with --triangulate",
                 torn.len()
@@ -118,14 +115,14 @@ impl Unwrapped {
 
     /// What is said of that, a line each.
     pub(crate) fn warnings(&self) -> Vec<String> {
-        let mut lines = said(self.analysis.repairs(), &self.atlas.notes, self.analysis.topology().components);
-        lines.extend(self.flaws.iter().cloned().chain(self.hint()));
+        let mut lines = said(self.analysis.repairs(), &self.map.atlas.notes, self.analysis.topology().components);
+        lines.extend(self.map.flaws.iter().cloned().chain(self.hint()));
         lines
     }
 
     /// What would help where angles are bent because the input's triangles are needles.
     fn hint(&self) -> Option<String> {
-        let bent = self.quality.distortion.quasi_conformal.mean;
+        let bent = self.map.quality.distortion.quasi_conformal.mean;
         let needles = self.analysis.needle_share();
         let helps = self.analysis.refined().is_none() && bent > WORTH_REFINING && needles > MOST_NEEDLES;
         helps.then(|| {
@@ -138,28 +135,20 @@ impl Unwrapped {
 
     /// What pictures of it are drawn from.
     pub(crate) fn scene(&self) -> Scene {
-        let triangles = kept(&self.atlas);
-        let cones = self.atlas.cones.iter().map(|c| Mark { vertex: c.vertex, positive: c.curvature >= 0.0 }).collect();
-        let uv = corner_uv(&triangles, &scaled(&self.atlas, Scale::Unit));
-        let (triangles, seams) = (vertices(&self.model, &triangles), self.atlas.seams.clone());
-        Scene::new(self.model.points(), triangles, uv.clone(), seams, cones).packed(uv, self.atlas.fill)
+        let atlas = &self.map.atlas;
+        let triangles = atlas.surface_triangles();
+        let cones = atlas.cones.iter().map(|c| Mark { vertex: c.vertex, positive: c.curvature >= 0.0 }).collect();
+        let uv = corner_uv(&triangles, &atlas.uv_in(UvSize::Unit));
+        let (triangles, seams) = (vertices(&self.model, &triangles), atlas.seams.clone());
+        Scene::new(self.model.points(), triangles, uv.clone(), seams, cones).packed(uv, atlas.fill)
     }
 
     /// Its report; `times` are those of reading, writing and drawing.
     pub(crate) fn report(&self, path: &Path, times: Times) -> UnwrapReport {
-        let Self { options, analysis, atlas, quality, .. } = self;
-        let times = Times { measure: Some(self.measuring), ..times }.with(analysis.times()).with(atlas.times);
-        let mut report = UnwrapReport::new(path, options, analysis, atlas, quality, times);
-        report.warnings.extend(self.flaws.iter().cloned());
-        report
+        let Self { options, analysis, map, .. } = self;
+        let times = Times { measure: Some(self.measuring), ..times }.with(analysis.times()).with(map.atlas.times);
+        UnwrapReport::new(path, options, analysis.topology(), map.report(analysis, options), times)
     }
-}
-
-/// The triangles that lie on a surface, as corners of the model.
-fn kept(atlas: &Atlas) -> Vec<[u32; 3]> {
-    let mut kept = vec![true; atlas.triangles.len()];
-    atlas.left_out.iter().for_each(|&t| kept[t as usize] = false);
-    atlas.triangles.corners.iter().zip(kept).filter_map(|(&t, kept)| kept.then_some(t)).collect()
 }
 
 /// The model's vertices at triangles of its corners.
@@ -170,29 +159,6 @@ pub(super) fn vertices(model: &Model, triangles: &[[u32; 3]]) -> Vec<[u32; 3]> {
 /// The texture coordinates at triangles of corners.
 pub(crate) fn corner_uv(triangles: &[[u32; 3]], uv: &[[f64; 2]]) -> Vec<[[f64; 2]; 3]> {
     triangles.iter().map(|t| t.map(|c| uv[c as usize])).collect()
-}
-
-/// The texture coordinates as they are to be written: in the unit square, or from (0, 0) on where that is asked.
-pub(super) fn scaled(atlas: &Atlas, scale: Scale) -> Vec<[f64; 2]> {
-    let (low, _) = extent(atlas.uv.iter().copied());
-    let place = |uv: [f64; 2]| -> [f64; 2] {
-        match scale {
-            Scale::Unit => uv.map(|x| x * atlas.scale),
-            Scale::Area => std::array::from_fn(|i| uv[i] - low[i]),
-            Scale::None => uv,
-        }
-    };
-    atlas.uv.iter().map(|&uv| place(uv)).collect()
-}
-
-/// What is wrong with the triangles of a map.
-fn flaws(model: &Model, quality: &Quality, triangles: &[[u32; 3]]) -> Option<String> {
-    let corner = triangles[quality.first_flaw?][0];
-    let face = model.face_start().partition_point(|&start| start <= corner) - 1;
-    let [flipped, degenerate] = [quality.distortion.flipped, quality.distortion.degenerate];
-    Some(format!(
-        "{flipped} triangles of the map are flipped, and {degenerate} have no area there (first face {face}, counted from 0)"
-    ))
 }
 
 /// Twice the signed area of a triangle of the map.

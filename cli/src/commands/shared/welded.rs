@@ -1,15 +1,6 @@
 //! Vertices at the same place, taken for one.
 
 use geom::{Model, RepairKind, prepare};
-use std::collections::HashMap;
-
-/// For each vertex the first one at its place.
-pub(crate) fn welded(model: &Model) -> Vec<u32> {
-    let mut first = HashMap::with_capacity(model.vertex_count());
-    // Adding 0 makes one of the two zeros.
-    let place = |point: &[f64; 3]| point.map(|x| (x + 0.0).to_bits());
-    (0..).zip(model.points()).map(|(v, point)| *first.entry(place(point)).or_insert(v)).collect()
-}
 
 /// How many vertices on the boundary lie at the place of another one.
 pub(crate) fn split_vertices(model: &Model) -> usize {
@@ -22,7 +13,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn vertices_at_one_place_are_the_first_of_them() {
+    fn vertices_split_along_a_seam_are_counted() {
         let points = vec![
             [0.0, 0.0, 0.0],
             [1.0, 0.0, 0.0],
@@ -32,7 +23,6 @@ mod tests {
             [1.0, 0.0, 0.0],
         ];
         let model = Model::from_triangles(points, &[[0, 1, 2], [3, 4, 5]]).unwrap();
-        assert_eq!(welded(&model), [0, 1, 2, 0, 4, 1]);
         assert_eq!(split_vertices(&model), 2);
     }
 }

@@ -204,24 +204,24 @@ impl Teller<'_> {
 
 /// What is said of one surface.
 fn line(target: &Target, report: &UnwrapReport, time: f64) -> String {
-    let distortion = &report.distortion;
+    let distortion = &report.map.distortion;
     let count =
         |count: usize, one: &str, many: &str| format!("{} {}", thousands(count), if count == 1 { one } else { many });
     format!(
         "{} → {}: {}, area {:.3}, angles {:.4}, {}, {} flipped, {time:.2} s\n",
         target.input.display(),
         target.output.display(),
-        count(report.cones.len(), "cone", "cones"),
+        count(report.map.cones.len(), "cone", "cones"),
         distortion.area_mean,
         distortion.quasi_conformal.mean,
-        count(report.islands.len(), "island", "islands"),
+        count(report.map.islands.len(), "island", "islands"),
         thousands(distortion.flipped),
     )
 }
 
 impl Summary {
     fn add(&mut self, report: &UnwrapReport) {
-        let distortion = &report.distortion;
+        let distortion = &report.map.distortion;
         let sum = |sum: &mut Option<f64>, x: f64| *sum = Some(sum.unwrap_or(0.0) + x);
         let most = |most: &mut Option<f64>, x: f64| *most = Some(most.map_or(x, |most| most.max(x)));
         self.unwrapped += 1;
@@ -229,7 +229,7 @@ impl Summary {
         most(&mut self.area_worst, distortion.area_mean);
         sum(&mut self.quasi_conformal_mean, distortion.quasi_conformal.mean);
         most(&mut self.quasi_conformal_worst, distortion.quasi_conformal.mean);
-        self.islands += report.islands.len();
+        self.islands += report.map.islands.len();
         self.flipped += distortion.flipped;
         self.overlapping += usize::from(distortion.overlap.pairs > 0);
     }

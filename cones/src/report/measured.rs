@@ -1,0 +1,94 @@
+//! An atlas as it is written.
+
+use geom::Model;
+use geom::distortion::DistortionError;
+
+use super::quality::Quality;
+use super::unwrapping::Report;
+use crate::analysis::{Analysis, Atlas, Options};
+
+/// The size of texture coordinates.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum UvSize {
+    /// The islands' tile is the unit square, or their tiles are unit squares.
+    #[default]
+    Unit,
+    /// Areas in the layout are areas on the surface; the layout begins at 0.
+    Area,
+    /// As computed.
+    Raw,
+}
+
+/// An atlas with its texture coordinates as they are written, and what they are worth.
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub struct MeasuredAtlas {
+    /// The map as it was computed.
+    pub atlas: Atlas,
+    /// Texture coordinates, for each corner of the model.
+    pub uv: Vec<[f64; 2]>,
+    /// All measures of it.
+    pub quality: Quality,
+    /// What is wrong with it, in sentences.
+    pub flaws: Vec<String>,
+}
+
+impl MeasuredAtlas {
+    /// Measures a map of `model`, the [refined](crate::Analysis::refined) one where there is one. `weld` takes vertices at the same place for
+    /// one, as [`Preparation::weld`](crate::Preparation::weld) does.
+    ///
+    /// # Errors
+    /// If it has a coordinate that is not finite.
+    pub fn new(model: &Model, atlas: Atlas, size: UvSize, weld: bool) -> Result<Self, DistortionError> {
+        let uv = atlas.uv_in(size);
+        let triangles = atlas.surface_triangles();
+        let mut vertices: Vec<[u32; 3]> = triangles.iter().map(|t| t.map(|c| model.corners()[c as usize])).collect();
+        let mut cones: Vec<u32> = atlas.cones.iter().map(|cone| cone.vertex).collect();
+        if weld {
+            let first = model.first_at_place();
+            vertices.iter_mut().flatten().chain(&mut cones).for_each(|v| *v = first[*v as usize]);
+        }
+        let corners: Vec<[[f64; 2]; 3]> = triangles.iter().map(|t| t.map(|c| uv[c as usize])).collect();
+        let quality = Quality::measure(model.points(), &vertices, &corners, Some(&cones))?;
+        let flaws = flaw(model, &quality, &triangles).into_iter().collect();
+        Ok(Self { atlas, uv, quality, flaws })
+    }
+
+    /// What a user wants to know of it. `analysis` and `options` are those that it was made with.
+    pub fn report(&self, analysis: &Analysis, options: &Options) -> Report {
+        let mut report = Report::new(analysis, options, &self.atlas, &self.quality);
+        report.warnings.extend(self.flaws.iter().cloned());
+        report
+    }
+}
+
+/// What is wrong with the triangles of a map.
+fn flaw(model: &Model, quality: &Quality, triangles: &[[u32; 3]]) -> Option<String> {
+    let corner = triangles[quality.first_flaw?][0];
+    let face = model.face_start().partition_point(|&start| start <= corner) - 1;
+    let [flipped, degenerate] = [quality.distortion.flipped, quality.distortion.degenerate];
+    Some(format!(
+        "{flipped} triangles of the map are flipped, and {degenerate} have no area there (first face {face}, counted from 0)"
+    ))
+}
+
+impl Atlas {
+    /// The triangles that lie on a surface, as corners of the model.
+    pub fn surface_triangles(&self) -> Vec<[u32; 3]> {
+        let mut is_kept = vec![true; self.triangles.len()];
+        self.left_out.iter().for_each(|&t| is_kept[t as usize] = false);
+        self.triangles.corners.iter().zip(is_kept).filter_map(|(&t, kept)| kept.then_some(t)).collect()
+    }
+
+    /// The texture coordinates in a size.
+    pub fn uv_in(&self, size: UvSize) -> Vec<[f64; 2]> {
+        let low = self.uv.iter().fold([f64::INFINITY; 2], |low, uv| [0, 1].map(|k| uv[k].min(low[k])));
+        let place = |uv: &[f64; 2]| match size {
+            UvSize::Unit => uv.map(|x| x * self.scale),
+            UvSize::Area => [0, 1].map(|k| uv[k] - low[k]),
+            UvSize::Raw => *uv,
+        };
+        self.uv.iter().map(place).collect()
+    }
+}

@@ -1,0 +1,159 @@
+//! How good a map is.
+
+use geom::distortion::{self, DistortionError, Island, Percentiles};
+use geom::{Id, VertexId};
+
+use crate::uv::{self, Overlaps, Triangle};
+
+/// Points of the grid along the layout's longer side on which overlaps are looked for.
+const OVERLAP_GRID: usize = 2048;
+/// Where it is not known which vertices are the cones, those are taken that are curved by more than this.
+const CONE: f64 = 0.1;
+
+/// All measures of a map.
+#[derive(Clone, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[non_exhaustive]
+pub struct Quality {
+    /// How far it is from isometric and conformal, and what is wrong with it.
+    pub distortion: DistortionReport,
+    /// Its connected pieces.
+    pub islands: Vec<IslandReport>,
+    /// The first triangle that is flipped or degenerate.
+    #[cfg_attr(feature = "serde", serde(skip))]
+    pub first_flaw: Option<usize>,
+    /// The triangles that lie over or under another.
+    #[cfg_attr(feature = "serde", serde(skip))]
+    pub overlapping: Vec<u32>,
+    /// The island of each triangle.
+    #[cfg_attr(feature = "serde", serde(skip))]
+    pub triangle_island: Vec<u32>,
+    /// The centred log scale of each triangle.
+    #[cfg_attr(feature = "serde", serde(skip))]
+    pub log_scale: Vec<f64>,
+    /// σ₁/σ₂ of each triangle, infinite if it is degenerate.
+    #[cfg_attr(feature = "serde", serde(skip))]
+    pub quasi_conformal: Vec<f64>,
+}
+
+impl Quality {
+    /// Measures a map given at the corners of triangles; `cones` are its cones, if they are known. Costs a sort of the triangles and what
+    /// lies near each other in the plane.
+    ///
+    /// # Errors
+    /// If the map does not fit the surface, or has a coordinate that is not finite.
+    pub fn measure(
+        points: &[[f64; 3]],
+        triangles: &[[u32; 3]],
+        uv: &[Triangle],
+        cones: Option<&[u32]>,
+    ) -> Result<Self, DistortionError> {
+        let map = distortion::measure(points, triangles, uv)?;
+        let cones: Vec<VertexId> = match cones {
+            Some(known) => known.iter().map(|&v| VertexId::new(v as usize)).collect(),
+            None => map.cones(CONE).into_iter().map(|(v, _)| v).collect(),
+        };
+        let overlaps = uv::overlaps(uv);
+        Ok(Self {
+            distortion: DistortionReport {
+                area_mean: map.area.mean,
+                area_inverse_mean: map.area_inverse_mean,
+                u_l2: map.u_l2,
+                u_linf: map.u_linf,
+                quasi_conformal: map.quasi_conformal,
+                area: map.area,
+                flipped: map.flipped,
+                degenerate: map.degenerate,
+                overlap: OverlapReport::new(&overlaps, uv),
+                fill: uv::fill(uv),
+                seam_length: map.seam_length,
+                curvature_error: map.curvature_error(&cones),
+            },
+            islands: map.islands.iter().map(IslandReport::from).collect(),
+            first_flaw: map.first_flaw.map(Id::index),
+            overlapping: overlaps.triangles(),
+            triangle_island: map.triangle_island.to_vec(),
+            log_scale: map.triangle_log_scale.to_vec(),
+            quasi_conformal: map.triangle_quasi_conformal.to_vec(),
+        })
+    }
+}
+
+/// How far a map is from isometric and conformal, and what is wrong with it: figures of [`geom::distortion::Distortion`], overlap and fill.
+#[derive(Clone, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[non_exhaustive]
+pub struct DistortionReport {
+    /// Mean of max(r, 1/r), r the area ratio of a triangle: the D of the paper's Fig. 1.
+    pub area_mean: f64,
+    /// The mean of 1/r.
+    pub area_inverse_mean: f64,
+    /// The L2 norm of the centred log scale u = ½ log r.
+    pub u_l2: f64,
+    /// Its largest absolute value.
+    pub u_linf: f64,
+    /// σ₁/σ₂.
+    pub quasi_conformal: Percentiles,
+    /// max(r, 1/r).
+    pub area: Percentiles,
+    /// How many triangles are turned against the rest of their island.
+    pub flipped: usize,
+    /// How many have no area in the plane.
+    pub degenerate: usize,
+    /// How much lies over itself.
+    #[cfg_attr(feature = "serde", serde(flatten))]
+    pub overlap: OverlapReport,
+    /// The triangles' areas over that of the tiles they are on, or of the smallest square about them.
+    pub fill: f64,
+    /// Relative to the square root of the surface's area.
+    pub seam_length: f64,
+    /// The largest curvature off the cones, in radians.
+    pub curvature_error: f64,
+}
+
+/// How much of a layout lies over itself.
+#[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[non_exhaustive]
+pub struct OverlapReport {
+    /// The share of the layout that is covered more than once.
+    #[cfg_attr(feature = "serde", serde(rename = "overlap"))]
+    pub share: f64,
+    /// How many pairs of triangles lie over each other.
+    #[cfg_attr(feature = "serde", serde(rename = "overlap_pairs"))]
+    pub pairs: usize,
+    /// How far two triangles reach into each other at most, over the layout's extent.
+    #[cfg_attr(feature = "serde", serde(rename = "overlap_depth"))]
+    pub depth: f64,
+}
+
+impl OverlapReport {
+    /// How much of a map lies over itself.
+    pub fn of(uv: &[Triangle]) -> Self {
+        Self::new(&uv::overlaps(uv), uv)
+    }
+
+    fn new(overlaps: &Overlaps, uv: &[Triangle]) -> Self {
+        let pairs = overlaps.pairs.len();
+        // What the grid finds where no pair is, is rounding.
+        let share = if pairs == 0 { 0.0 } else { distortion::overlap(uv, OVERLAP_GRID) };
+        Self { share, pairs, depth: overlaps.depth() }
+    }
+}
+
+/// A connected piece of a layout.
+#[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[non_exhaustive]
+pub struct IslandReport {
+    /// How many triangles it has.
+    pub faces: usize,
+    /// Its share of the surface's area.
+    pub area: f64,
+}
+
+impl From<&Island> for IslandReport {
+    fn from(island: &Island) -> Self {
+        Self { faces: island.faces, area: island.area }
+    }
+}
