@@ -33,6 +33,7 @@ mod intrinsic;
 pub mod io;
 mod linalg;
 mod mesh;
+mod parallel;
 mod refinement;
 mod rows;
 pub mod shapes;

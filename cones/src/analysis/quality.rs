@@ -1,13 +1,16 @@
 //! What a layout of a component is worth, as it came out.
 
-use geom::{Mesh, Metric};
+use geom::{FaceId, Id, Mesh, Metric};
 use num_complex::Complex64;
+use rayon::prelude::*;
 
 use crate::flatten::Layout;
 use crate::placement::distortion_of;
 
 /// σ₁/σ₂ counts up to here, so that one needle does not outweigh a surface.
 const WORST: f64 = 1e3;
+/// So many triangles are measured one after the other.
+const AT_ONCE: usize = 1024;
 
 /// The measures of [`geom::distortion`] that attempts are compared by.
 #[derive(Clone, Debug)]
@@ -21,9 +24,8 @@ pub(crate) struct Quality {
 impl Quality {
     /// Measures a layout; `metric` has the lengths in space. Triangles without area in space are left out.
     pub(crate) fn of(mesh: &Mesh, metric: &Metric, layout: &Layout) -> Self {
-        let mut ratios = Vec::with_capacity(mesh.face_count());
-        let (mut sum, mut whole) = (0.0, 0.0);
-        for f in mesh.faces() {
+        let measured = |f: usize| {
+            let f = FaceId::new(f);
             let sides = metric.sides(mesh, f);
             let area = sides.area();
             let [along, _, back] = sides.unfold().map(|[x, y]| Complex64::new(x, y));
@@ -33,16 +35,18 @@ impl Quality {
             let determinant = z * w.conj() - w * z.conj();
             let is_measured = area > 0.0 && determinant.norm() > 0.0; // not so with NaN either
             if !is_measured {
-                continue;
+                return None;
             }
             let p = ((b - a) * w.conj() - (c - a) * z.conj()) / determinant;
             let q = (z * (c - a) - w * (b - a)) / determinant;
             let stretch = (p.norm() + q.norm()) / (p.norm() - q.norm()).abs().max(f64::MIN_POSITIVE);
-            sum += area * stretch.min(WORST);
-            whole += area;
-            ratios.push((area, (p.norm_sqr() - q.norm_sqr()).abs().max(f64::MIN_POSITIVE)));
-        }
-        Self { quasi_conformal: sum / whole, ratios }
+            Some((area, stretch, (p.norm_sqr() - q.norm_sqr()).abs().max(f64::MIN_POSITIVE)))
+        };
+        let measured: Vec<(f64, f64, f64)> =
+            (0..mesh.face_count()).into_par_iter().with_min_len(AT_ONCE).filter_map(measured).collect();
+        let whole: f64 = measured.iter().map(|(area, ..)| area).sum();
+        let sum: f64 = measured.iter().map(|(area, stretch, _)| area * stretch.min(WORST)).sum();
+        Self { quasi_conformal: sum / whole, ratios: measured.iter().map(|&(area, _, ratio)| (area, ratio)).collect() }
     }
 
     /// The area distortion D.

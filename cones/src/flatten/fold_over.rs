@@ -18,6 +18,7 @@ use std::f64::consts::PI;
 
 use geom::{FaceData, FaceId, HalfedgeId, Id, Interrupted, Mesh, Metric, Sides, VertexData, VertexId, Watch, WedgeId};
 use num_complex::Complex64;
+use rayon::prelude::*;
 use thiserror::Error;
 
 use super::layout::Layout;
@@ -30,6 +31,8 @@ const LEAST_HEIGHT: f64 = 1e-7;
 const MAX_RINGS: usize = 6;
 /// Patches larger than this are not tried: untangling them takes longer than flattening with other cones.
 const MAX_PATCH: usize = 20_000;
+/// So many triangles or vertices are looked at one after the other.
+const AT_ONCE: usize = 1024;
 
 /// Triangles of the layout could not be turned the right way round.
 #[derive(Clone, Debug, Error)]
@@ -60,12 +63,12 @@ pub(crate) fn remove_fold_overs(
     let Ok(mut untangler) = Untangler::new(input, metric, scaling, is_cone, layout, watch) else {
         return Ok(0);
     };
-    let mut bad = untangler.bad(input.faces());
-    if bad.is_empty() {
+    let mut bad = untangler.bad();
+    if watch.stops_at(0.0) || bad.is_empty() {
         return Ok(0);
     }
     untangler.spread_fans(&bad);
-    bad = untangler.bad(input.faces());
+    bad = untangler.bad();
     let mut moved = 0;
     for rings in 0..=MAX_RINGS {
         let [from, to] = [rings, rings + 1].map(|rings| rings as f64 / (MAX_RINGS + 1) as f64);
@@ -73,14 +76,14 @@ pub(crate) fn remove_fold_overs(
         for patch in untangler.patches(&bad, rings) {
             moved += untangler.untangle(&patch, Fans::Free, watch);
         }
-        bad = untangler.bad(input.faces());
+        bad = untangler.bad();
         for patch in untangler.patches(&bad, rings) {
             // With the fans held first; once nothing is flipped they may relax, which cannot unwind them.
             if untangler.untangle(&patch, Fans::Held, watch) > 0 {
                 moved += untangler.untangle(&patch, Fans::Free, watch).max(patch.len());
             }
         }
-        bad = untangler.bad(input.faces());
+        bad = untangler.bad();
         if bad.is_empty() {
             return Ok(moved);
         }
@@ -184,10 +187,12 @@ impl<'a> Untangler<'a> {
         (prev * next.conj()).arg()
     }
 
-    fn bad(&self, faces: impl Iterator<Item = FaceId>) -> Bad {
-        let mut bad = Bad { faces: faces.filter(|&f| self.is_flipped(f)).collect(), vertices: Vec::new() };
-        bad.vertices = self.input.vertices().filter(|&v| self.winding(v) != 0.0).collect();
-        bad
+    fn bad(&self) -> Bad {
+        let all = |count: usize| (0..count).into_par_iter().with_min_len(AT_ONCE);
+        Bad {
+            faces: all(self.input.face_count()).map(FaceId::new).filter(|&f| self.is_flipped(f)).collect(),
+            vertices: all(self.input.vertex_count()).map(VertexId::new).filter(|&v| self.winding(v) != 0.0).collect(),
+        }
     }
 
     /// Spreads the neighbours of every cone with an angle of 2π and more at which something is bad.
@@ -417,10 +422,10 @@ mod tests {
             let h = mesh.outgoing(v).next().unwrap();
             let spoke = untangler.layout.corner(mesh.next(h)) - untangler.layout.corner(h);
             untangler.displace(h, 1.5 * spoke);
-            assert!(!untangler.bad(mesh.faces()).is_empty());
+            assert!(!untangler.bad().is_empty());
             assert!(remove_fold_overs(&mesh, &metric, &scaling, &is_cone, &mut folded, Watch::NONE).unwrap() > 0);
             let untangler = Untangler::new(&mesh, &metric, &scaling, &is_cone, &mut folded, Watch::NONE).unwrap();
-            assert!(untangler.bad(mesh.faces()).is_empty());
+            assert!(untangler.bad().is_empty());
             for h in mesh.halfedges() {
                 let g = mesh.twin(h).unwrap();
                 let here = untangler.layout.corner(mesh.next(h)) - untangler.layout.corner(h);

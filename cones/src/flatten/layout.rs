@@ -15,6 +15,7 @@ use geom::{
     WedgeId, kruskal,
 };
 use num_complex::Complex64;
+use rayon::prelude::*;
 
 use super::scaling::Scaling;
 
@@ -188,7 +189,7 @@ fn positions(
     let mut edges: Vec<(f64, HalfedgeId)> =
         input.halfedges().filter(one_a_side).map(|h| (vector[h].norm_sqr(), h)).collect();
     watch.ask(0.1)?;
-    edges.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    edges.par_sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
     let ends = |h: HalfedgeId| [cut.wedge(h), cut.wedge(input.next(h))];
     watch.ask(0.3)?;
     let tree = kruskal(cut.wedge_count(), edges.iter().map(|&(_, h)| (h, ends(h).map(|w| w.0))));

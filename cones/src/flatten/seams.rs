@@ -108,6 +108,7 @@ impl Seams {
         detours.add_handles(&mut cut, watch.within(0.75, 0.9))?;
         watch.ask(0.9)?;
         prune(mesh, &mut cut, &is_terminal);
+        watch.ask(0.95)?;
         debug_assert!(CutMesh::open(mesh, &cut).is_disk(), "tree, cotree and 2g edges leave a disk");
         let length = mesh.edges().filter(|&e| cut[e]).map(|e| lengths[e]).sum();
         Ok(Self { chains: chains(mesh, &cut, &is_terminal), cut, length })
@@ -205,10 +206,7 @@ impl Detours<'_> {
 
 /// Takes away edges that lead to a vertex without going on there, unless it is a terminal. O(V).
 fn prune(mesh: &Mesh, cut: &mut EdgeData<bool>, is_terminal: &VertexData<bool>) {
-    let mut degree = VertexData::constant(mesh.vertex_count(), 0u32);
-    for v in mesh.edges().filter(|&e| cut[e]).flat_map(|e| mesh.ends(e)) {
-        degree[v] += 1;
-    }
+    let mut degree = cut_degrees(mesh, cut);
     for leaf in mesh.vertices() {
         let mut v = leaf;
         while degree[v] == 1 && !is_terminal[v] {
@@ -221,15 +219,24 @@ fn prune(mesh: &Mesh, cut: &mut EdgeData<bool>, is_terminal: &VertexData<bool>) 
     }
 }
 
+/// How many cut edges are at each vertex.
+fn cut_degrees(mesh: &Mesh, cut: &EdgeData<bool>) -> VertexData<u32> {
+    let mut degree = VertexData::constant(mesh.vertex_count(), 0);
+    for v in mesh.edges().filter(|&e| cut[e]).flat_map(|e| mesh.ends(e)) {
+        degree[v] += 1;
+    }
+    degree
+}
+
 /// The cut edges, strung together from each terminal or branch to the next, and loops without either.
 fn chains(mesh: &Mesh, cut: &EdgeData<bool>, is_terminal: &VertexData<bool>) -> Vec<Chain> {
     let cut_edges = |v: VertexId| edges_at(mesh, v).filter(|&(e, _)| cut[e]);
-    let is_end = |v: VertexId| is_terminal[v] || cut_edges(v).count() != 2;
+    let degree = cut_degrees(mesh, cut);
+    let is_end = |v: VertexId| is_terminal[v] || degree[v] != 2;
     let mut strung = EdgeData::constant(mesh.edge_count(), false);
     let mut chains = Vec::new();
-    let ends = mesh.vertices().filter(|&v| is_end(v));
-    let on_loops = mesh.vertices().filter(|&v| cut_edges(v).next().is_some());
-    for end in ends.chain(on_loops) {
+    let on_seams = || mesh.vertices().filter(|&v| degree[v] > 0);
+    for end in on_seams().filter(|&v| is_end(v)).chain(on_seams()) {
         for (first, _) in cut_edges(end) {
             let mut chain = Chain { vertices: vec![end], edges: Vec::new() };
             let (mut v, mut next) = (end, Some(first));

@@ -68,6 +68,7 @@ impl EnergyTerms {
         operators.centre(&mut flattening);
         let mut linear = operators.poisson.solve_watched(&operators.weighted(&flattening), watch)?;
         operators.subtract_spread_mean(&mut linear);
+        watch.ask(f64::NAN)?;
         let unit = operators.metric.area(&operators.mesh).sqrt().recip();
         let distances = EdgeDistances::new(&operators.mesh, |e| (operators.metric.length(e) * unit) as f32);
         watch.ask(f64::NAN)?;

@@ -1,5 +1,6 @@
 //! The linear map of one triangle.
 
+use crate::parallel;
 use crate::vector::{cross, dot, length, sub};
 
 /// A triangle of the surface is degenerate below this share of the mean area.
@@ -52,8 +53,7 @@ impl Image {
 }
 
 pub(super) fn images(points: &[[f64; 3]], triangles: &[[u32; 3]], uv: &[[[f64; 2]; 3]]) -> Vec<Image> {
-    let corners = triangles.iter().map(|t| t.map(|v| points[v as usize]));
-    let mut images: Vec<Image> = corners.zip(uv).map(|(p, &q)| Image::new(p, q)).collect();
+    let mut images = parallel::map(triangles.len(), |f| Image::new(triangles[f].map(|v| points[v as usize]), uv[f]));
     let mean = images.iter().map(|image| image.surface_area).sum::<f64>() / images.len() as f64;
     for image in &mut images {
         image.has_surface = image.surface_area > LEAST_AREA * mean;

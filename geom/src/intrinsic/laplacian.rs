@@ -6,7 +6,8 @@
 
 use super::metric::{Metric, Sides};
 use crate::linalg::SymmetricMatrix;
-use crate::mesh::{EdgeData, Triangulation};
+use crate::mesh::{EdgeData, FaceId, Id, Triangulation};
+use crate::parallel;
 
 /// The weight (cot α + cot β)/2 of every edge.
 pub fn edge_weights(triangulation: &Triangulation, metric: &Metric) -> EdgeData<f64> {
@@ -17,11 +18,12 @@ pub fn edge_weights(triangulation: &Triangulation, metric: &Metric) -> EdgeData<
 pub(crate) fn weights_by(
     triangulation: &Triangulation,
     metric: &Metric,
-    cotangents: impl Fn(Sides) -> [f64; 3],
+    cotangents: impl Fn(Sides) -> [f64; 3] + Send + Sync,
 ) -> EdgeData<f64> {
+    let cotangents =
+        parallel::map(triangulation.face_count(), |f| cotangents(metric.sides(triangulation, FaceId::new(f))));
     let mut weights = EdgeData::constant(triangulation.edge_count(), 0.0);
-    for f in triangulation.faces() {
-        let cotangents = cotangents(metric.sides(triangulation, f));
+    for (f, cotangents) in triangulation.faces().zip(cotangents) {
         for (h, cotangent) in triangulation.sides(f).into_iter().zip(cotangents) {
             weights[triangulation.edge(h)] += 0.5 * cotangent;
         }

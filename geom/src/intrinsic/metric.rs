@@ -8,7 +8,8 @@
 
 use std::f64::consts::PI;
 
-use crate::mesh::{EdgeData, EdgeId, FaceId, HalfedgeId, Triangulation, VertexData};
+use crate::mesh::{EdgeData, EdgeId, FaceId, HalfedgeId, Id, Triangulation, VertexData};
+use crate::parallel;
 use crate::vector::distance;
 
 /// An edge length for every edge of a triangulation.
@@ -30,10 +31,10 @@ impl Metric {
     /// If there are fewer points than vertices.
     pub fn from_points(triangulation: &Triangulation, points: &[[f64; 3]]) -> Self {
         let length = |e| {
-            let [p, q] = triangulation.ends(e).map(|v| points[v.0 as usize]);
+            let [p, q] = triangulation.ends(EdgeId::new(e)).map(|v| points[v.0 as usize]);
             distance(p, q)
         };
-        Self::new(triangulation.edges().map(length).collect())
+        Self::new(parallel::map(triangulation.edge_count(), length).into())
     }
 
     /// The length of an edge.
@@ -97,11 +98,13 @@ impl Metric {
 
     /// The sum of the corner angles at each vertex: Θ.
     pub fn angle_sums(&self, triangulation: &Triangulation) -> VertexData<f64> {
+        let angles = parallel::map(triangulation.face_count(), |f| {
+            let sides = self.sides(triangulation, FaceId::new(f));
+            [sides.angle(1), sides.angle(2)]
+        });
         let mut sums = VertexData::constant(triangulation.vertex_count(), 0.0);
-        for f in triangulation.faces() {
+        for (f, [a, b]) in triangulation.faces().zip(angles) {
             // The third angle is what is left of π: in a sum only its absolute error counts.
-            let sides = self.sides(triangulation, f);
-            let [a, b] = [sides.angle(1), sides.angle(2)];
             for (v, angle) in triangulation.corners(f).into_iter().zip([a, b, PI - a - b]) {
                 sums[v] += angle;
             }
@@ -129,12 +132,13 @@ impl Metric {
     /// The discretely conformally equivalent metric with log scale factors `u`: the edge ij becomes
     /// `l_ij e^((u_i + u_j)/2)` (Luo 2004; Springborn, Schröder & Pinkall 2008).
     pub fn scaled(&self, triangulation: &Triangulation, u: &[f64]) -> Self {
-        let half: Vec<f64> = u.iter().map(|u| (0.5 * u).exp()).collect();
+        let half = parallel::map(u.len(), |v| (0.5 * u[v]).exp());
         let scale = |e| {
+            let e = EdgeId::new(e);
             let [i, j] = triangulation.ends(e);
             self.length[e] * half[i.0 as usize] * half[j.0 as usize]
         };
-        Self { length: triangulation.edges().map(scale).collect() }
+        Self { length: parallel::map(triangulation.edge_count(), scale).into() }
     }
 }
 

@@ -14,9 +14,9 @@ use super::elimination::Elimination;
 use super::error::CholeskyError;
 use super::factorization::{Entries, factor};
 use super::graph::Graph;
-use super::parallel::try_each;
 use super::substitution::{LANES, Passes, substitute};
 use super::symmetric::SymmetricMatrix;
+use crate::parallel::try_each;
 use crate::watch::{Interrupted, Watch, unwatched};
 
 /// So many right-hand sides are solved for at once.

@@ -14,8 +14,8 @@ use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 use super::elimination::Elimination;
 use super::error::CholeskyError;
 use super::front::Eliminator;
-use super::parallel::join;
 use super::symmetric::SymmetricMatrix;
+use crate::parallel::join;
 use crate::rows::Rows;
 use crate::watch::{Progress, Watch};
 

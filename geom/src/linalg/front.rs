@@ -10,7 +10,8 @@ use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
 use faer::{Accum, MatMut, MatRef, Par};
 use pulp::{Arch, Simd, WithSimd};
 
-use super::parallel::join;
+use super::registers;
+use crate::parallel::join;
 
 /// From this width on panels are factored by faer.
 const WIDE: usize = 48;
@@ -90,6 +91,7 @@ fn downdate_columns(panel: &[f64], height: usize, columns: &mut [f64], first: us
         -1.0,
         Par::Seq,
     );
+    registers::clear();
 }
 
 /// Factors a panel by faer.
@@ -101,6 +103,7 @@ fn factor_wide(panel: &mut [f64], height: usize) -> bool {
     let stack = MemStack::new(&mut scratch);
     let done = cholesky_in_place(top.as_mut(), regularization, Par::Seq, stack, Default::default()).is_ok();
     let is_definite = done && (0..width).all(|j| top[(j, j)] > 0.0 && top[(j, j)] < f64::INFINITY);
+    registers::clear();
     if is_definite {
         divide(top.as_ref(), bottom);
     }
@@ -117,6 +120,7 @@ fn divide(triangle: MatRef<f64>, rows: MatMut<f64>) {
         return;
     }
     solve_lower_triangular_in_place(triangle, rows.transpose_mut(), Par::Seq);
+    registers::clear();
 }
 
 /// Computes an update by faer.
@@ -135,6 +139,7 @@ fn downdate_large(panel: &[f64], height: usize, update: &mut [f64]) {
         -1.0,
         Par::Seq,
     );
+    registers::clear();
 }
 
 /// Factors a narrow panel column by column.

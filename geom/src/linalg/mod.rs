@@ -12,7 +12,7 @@ mod factorization;
 mod front;
 mod gram;
 mod graph;
-mod parallel;
+mod registers;
 mod substitution;
 mod symmetric;
 

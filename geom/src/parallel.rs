@@ -1,4 +1,4 @@
-//! Work on both sides of a tree at the same time, if the feature `rayon` is on.
+//! Work done at the same time, if the feature `rayon` is on: both sides of a tree, values of which none depends on another.
 //!
 //! Where work is parted depends on the work alone, so nothing that is computed depends on the number of threads.
 
@@ -13,6 +13,23 @@ pub(crate) fn join<A: Send, B: Send>(a: impl FnOnce() -> A + Send, b: impl FnOnc
 pub(crate) fn join<A, B>(a: impl FnOnce() -> A, b: impl FnOnce() -> B) -> (A, B) {
     let a = a();
     (a, b())
+}
+
+/// So many values are found one after the other at least: some tens of microseconds.
+#[cfg(feature = "rayon")]
+const LEAST: usize = 2048;
+
+/// The values of all numbers below `count`, in order.
+#[cfg(feature = "rayon")]
+pub(crate) fn map<T: Send>(count: usize, value: impl Fn(usize) -> T + Send + Sync) -> Vec<T> {
+    use rayon::prelude::*;
+    (0..count).into_par_iter().with_min_len(LEAST).map(value).collect()
+}
+
+/// The values of all numbers below `count`, in order.
+#[cfg(not(feature = "rayon"))]
+pub(crate) fn map<T>(count: usize, value: impl Fn(usize) -> T) -> Vec<T> {
+    (0..count).map(value).collect()
 }
 
 /// Does some work for each of the items, with its place.
