@@ -7,7 +7,7 @@ mod seams;
 pub(crate) mod table;
 mod text;
 
-pub(crate) use hierarchy_file::HierarchyFile;
+pub(crate) use hierarchy_file::{HierarchyFile, rows as hierarchy_rows};
 pub(crate) use quality::{DistortionReport, IslandReport, OverlapReport, Quality};
 use seams::SeamReport;
 

@@ -1,12 +1,13 @@
 //! One surface through the library: unwrapped, its texture coordinates scaled, its map measured.
 
+use super::picture_args::ColourName;
 use super::warn::said;
 use super::welded::welded;
 use crate::error::CommandError;
 use crate::limits;
 use crate::output;
 use crate::progress::Progress;
-use crate::render::{Mark, Scene, extent};
+use crate::render::{Mark, Paint, Scene, extent};
 use crate::report::{Quality, Times, UnwrapReport};
 use clap::ValueEnum;
 use cones::{Analysis, Atlas, MOST_NEEDLES, Options, RefinedModel};
@@ -143,6 +144,19 @@ impl Unwrapped {
         let uv = corner_uv(&triangles, &scaled(&self.atlas, Scale::Unit));
         let (triangles, seams) = (vertices(&self.model, &triangles), self.atlas.seams.clone());
         Scene::new(self.model.points(), triangles, uv.clone(), seams, cones).packed(uv, self.atlas.fill)
+    }
+
+    /// What a scene of it is painted with.
+    pub(crate) fn paint(&self, colour: ColourName, scene: &Scene) -> Paint {
+        let factor = if colour == ColourName::Factor { self.analysis.conformal_factor() } else { Vec::new() };
+        colour.paint(scene, &self.quality, &factor)
+    }
+
+    /// The triangles that lie on a surface, by number: those of its scene and of its quality, in this order.
+    pub(crate) fn kept(&self) -> Vec<u32> {
+        let mut kept = vec![true; self.atlas.triangles.len()];
+        self.atlas.left_out.iter().for_each(|&t| kept[t as usize] = false);
+        (0..).zip(kept).filter_map(|(t, kept)| kept.then_some(t)).collect()
     }
 
     /// Its report; `times` are those of reading, writing and drawing.
