@@ -39,7 +39,7 @@ impl Arguments {
 #[derive(Debug, clap::Subcommand)]
 pub(crate) enum Subcommand {
     /// Compute texture coordinates: find cones, cut between them, flatten
-    Unwrap(unwrap::UnwrapArgs),
+    Unwrap(Box<unwrap::UnwrapArgs>),
     /// List the cones that a surface asks for, without flattening it
     Extract(extract::ExtractArgs),
     /// Compare methods: distortion and time of each, on your meshes or as in the paper's Table 1

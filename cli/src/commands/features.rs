@@ -1,6 +1,6 @@
 //! `cones features`: the feature points of a mesh, which are the extrema of a field by their persistence.
 
-use crate::commands::persistence::{DomainField, NanName, Pair, PairList, PairingTimes, Places, Wanted, explain};
+use crate::commands::persistence::{DomainField, NanName, Pair, PairList, PairingTimes, Places, Wanted, explain, html};
 use crate::commands::shared::{ShotArgs, non_negative};
 use crate::error::CommandError;
 use crate::input::{Number, Source, significant};
@@ -42,6 +42,9 @@ pub(crate) struct FeaturesArgs {
     picture: Option<PathBuf>,
     #[command(flatten)]
     shot: ShotArgs,
+    /// Write a page to see in a browser: the field, its segments at every level, merge tree, diagram and barcode: .html
+    #[arg(long, value_name = "FILE")]
+    report: Option<PathBuf>,
     /// Print JSON in place of the table
     #[arg(long)]
     json: bool,
@@ -97,6 +100,9 @@ pub(crate) fn run(args: &FeaturesArgs) -> Result<(), CommandError> {
     let mut times = PairingTimes { read: Some(start.elapsed().as_secs_f64()), ..PairingTimes::default() };
     let minima = pairs(args, &subject, Kind::Minimum, &mut times)?;
     let maxima = pairs(args, &subject, Kind::Maximum, &mut times)?;
+    if let Some(path) = &args.report {
+        output::write_text(path, &html(path, &subject, &[&minima, &maxima], options(args))?)?;
+    }
     let count = minima.pairs.len() + maxima.pairs.len();
     let mut extrema = ordered(args.method, extrema(&minima, &subject.places), extrema(&maxima, &subject.places));
     if args.min_persistence.is_none() {
@@ -117,9 +123,17 @@ pub(crate) fn run(args: &FeaturesArgs) -> Result<(), CommandError> {
 fn check_outputs(args: &FeaturesArgs) -> Result<(), CommandError> {
     args.output.as_deref().map_or(Ok(""), |path| output::extension(path, &["csv", "json"]))?;
     args.picture.as_deref().map_or(Ok(""), |path| output::extension(path, &["png"]))?;
+    args.report.as_deref().map_or(Ok(""), |path| output::extension(path, &["html"]))?;
     let inputs: Vec<&Path> = [Some(args.input.as_path()), args.field.file()].into_iter().flatten().collect();
-    let outputs: Vec<&Path> = [&args.output, &args.picture].into_iter().filter_map(|path| path.as_deref()).collect();
+    let outputs: Vec<&Path> =
+        [&args.output, &args.picture, &args.report].into_iter().filter_map(|path| path.as_deref()).collect();
     output::check(&inputs, &outputs)
+}
+
+fn options(args: &FeaturesArgs) -> PersistenceOptions {
+    // A computed field is NaN where a mesh has no surface, which is no mistake of anyone's.
+    let nan = if args.field.leaves_gaps() { NanPolicy::Mask } else { args.nan.policy() };
+    PersistenceOptions::new().nan(nan)
 }
 
 fn pairs(
@@ -129,10 +143,7 @@ fn pairs(
     times: &mut PairingTimes,
 ) -> Result<PairList, CommandError> {
     let start = Instant::now();
-    // A computed field is NaN where a mesh has no surface, which is no mistake of anyone's.
-    let nan = if args.field.leaves_gaps() { NanPolicy::Mask } else { args.nan.policy() };
-    let options = PersistenceOptions::new().nan(nan);
-    let wanted = Wanted { options, min_persistence: args.min_persistence.unwrap_or(0.0), top: None };
+    let wanted = Wanted { options: options(args), min_persistence: args.min_persistence.unwrap_or(0.0), top: None };
     let mut list = PairList::new(subject, kind, &wanted).map_err(|error| explain(&subject.path, error))?;
     // A vertex on its own, or a part where the field is constant, is no feature.
     list.pairs.retain(|pair| pair.persistence.to_f64() > wanted.min_persistence);

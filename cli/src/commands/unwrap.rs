@@ -64,7 +64,7 @@ pub(crate) struct UnwrapArgs {
     /// Write the order of cones for every number of them, with what is predicted for each: .json or .csv
     #[arg(long, value_name = "FILE")]
     hierarchy: Option<PathBuf>,
-    /// Write surface, seams and cones with all that is known of them for ParaView and other programs that use VTK: .vtp
+    /// Write surface, seams and cones with all that is known of them for programs that use VTK: .vtp
     #[arg(long, value_name = "FILE")]
     vtp: Option<PathBuf>,
     /// Draw the model with seams and cones: .png

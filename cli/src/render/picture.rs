@@ -133,9 +133,10 @@ fn reduced(line: &[Colour], count: usize) -> Vec<Colour> {
     let mean = |k: usize| {
         let (low, high) = (k as f64 * step, ((k + 1) as f64 * step).min(line.len() as f64));
         let mut sum = [0.0; 3];
-        for i in low as usize..(high.ceil() as usize).min(line.len()) {
+        let last = (high.ceil() as usize).min(line.len());
+        for (i, colour) in line.iter().enumerate().take(last).skip(low as usize) {
             let share = (high.min((i + 1) as f64) - low.max(i as f64)).max(0.0);
-            sum = std::array::from_fn(|channel| sum[channel] + share * line[i][channel]);
+            sum = std::array::from_fn(|channel| sum[channel] + share * colour[channel]);
         }
         sum.map(|x| x / (high - low))
     };

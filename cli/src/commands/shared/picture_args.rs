@@ -15,7 +15,7 @@ pub(crate) struct ShotArgs {
     /// above the horizon [default: the corner from which most cones are seen]
     #[arg(long, value_name = "VIEW", value_parser = View::parse, allow_hyphen_values = true)]
     view: Option<View>,
-    /// Its size in pixels: WIDTHxHEIGHT, or one number for a square [default: as the model fills 1280x1024]
+    /// Its size in pixels, such as 640x480, or one number for a square [default: what the model fills of 1280x1024]
     #[arg(long, value_name = "SIZE", value_parser = size)]
     size: Option<[usize; 2]>,
 }
