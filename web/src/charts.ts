@@ -44,7 +44,9 @@ export abstract class Chart {
       svg.append(element("line", { x1: left, x2: width - 4, y1: at, y2: at, stroke: "var(--line)" }));
       svg.append(element("text", { x: left - 5, y: at + 4, "text-anchor": "end" }, text));
     }
-    for (const [at, text] of x) svg.append(element("text", { x: at, y: height - bottom + 14, "text-anchor": "middle" }, text));
+    // Numbers at the rim stay inside.
+    const inside = (at: number, text: string) => Math.min(at, width - 3.5 * text.length - 2);
+    for (const [at, text] of x) svg.append(element("text", { x: inside(at, text), y: height - bottom + 14, "text-anchor": "middle" }, text));
   }
 }
 

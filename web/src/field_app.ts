@@ -53,7 +53,8 @@ export class FieldApp {
     this.showDirection();
     this.listen();
     page.theme(() => this.show());
-    page.status("drag to turn; click an extremum anywhere");
+    byId("surface").querySelector<HTMLElement>(".tools")!.hidden = !this.view;
+    page.status(this.view ? "drag to turn; click an extremum anywhere" : "click an extremum anywhere");
     document.body.dataset.maps = "1";
   }
 
@@ -189,10 +190,7 @@ export class FieldApp {
     const ids = Array.from({ length: this.count() }, (_, k) => k);
     this.picture?.show(this.layer, colour, ids.map((k) => ({ vertex: direction.pairs[k].extremum, colour: direction.kind === "minimum" ? "#1f5fd0" : "#d62728", isSelected: k === this.selected })));
     if (this.view) {
-      const { triangles } = field;
-      const tint = new Uint8Array(3 * triangles!.length);
-      triangles!.forEach((v, corner) => tint.set(colour(v), 3 * corner));
-      this.view.colour(tint, false);
+      this.view.colour(atCorners(field.triangles!, field.values.length, colour), false);
       const sign = direction.kind === "minimum" ? 1 : -1;
       this.view.showCones(ids.map((k) => ({ vertex: direction.pairs[k].extremum, curvature: sign })), this.selected);
     }
@@ -287,6 +285,17 @@ export class FieldApp {
     const segment = k === null ? "" : `  ·  belongs to ${this.placeOf(this.direction.pairs[k].extremum)}`;
     byId("place").textContent = `${this.placeOf(first + at)}  ·  about ${value}${segment}`;
   }
+}
+
+/** The colours of vertices at the corners of triangles. */
+function atCorners(triangles: Uint32Array, vertices: number, colour: (at: number) => Colour): Uint8Array {
+  const known = new Uint8Array(3 * vertices);
+  for (let at = 0; at < vertices; at++) known.set(colour(at), 3 * at);
+  const tint = new Uint8Array(3 * triangles.length);
+  for (let corner = 0; corner < triangles.length; corner++) {
+    for (let i = 0; i < 3; i++) tint[3 * corner + i] = known[3 * triangles[corner] + i];
+  }
+  return tint;
 }
 
 /** A colour of its own for each pair: hues a golden section of the circle apart differ for long. */

@@ -14,6 +14,8 @@ abstract class PairChart extends Chart {
 
   constructor(place: HTMLElement, label: string, private readonly range: [number, number], protected readonly colour: (k: number) => string, choose: (k: number) => void) {
     super(place, label);
+    // Values may have many digits.
+    this.frame.left = 56;
     place.addEventListener("click", (event) => {
       const k = (event.target as Element).closest("[data-pair]")?.getAttribute("data-pair");
       if (k) choose(Number(k));
@@ -49,7 +51,8 @@ abstract class PairChart extends Chart {
 
   protected ticks(): [number, string][] {
     const [low, high] = this.range;
-    return [low, 0.5 * (low + high), high].map((value) => [value, short(value)]);
+    const decimals = high > low ? Math.min(12, Math.max(0, 2 - Math.floor(Math.log10(high - low)))) : 3;
+    return [low, 0.5 * (low + high), high].map((value) => [value, short(Number(value.toFixed(decimals)))]);
   }
 }
 

@@ -125,6 +125,13 @@ async function flaws(page) {
       if (box.right > innerWidth + 1 || box.left < -1) found.push(`${name} is cut off`);
       if (element.matches("button, figcaption") && element.scrollWidth > element.clientWidth + 1) found.push(`${name} does not fit`);
     }
+    for (const svg of document.querySelectorAll("figure svg, #tree svg")) {
+      const frame = svg.getBoundingClientRect();
+      for (const text of svg.querySelectorAll("text")) {
+        const box = text.getBoundingClientRect();
+        if (box.left < frame.left - 1 || box.right > frame.right + 1) found.push(`${text.textContent} of a chart is cut off`);
+      }
+    }
     const buttons = all.filter((element) => element.matches("button, select") && !element.closest("figure"));
     buttons.forEach((a, k) => buttons.slice(k + 1).forEach((b) => {
       const [p, q] = [a.getBoundingClientRect(), b.getBoundingClientRect()];

@@ -28,8 +28,8 @@ const LIFT: f64 = 2e-3;
 const CROWD: f64 = 40.0;
 /// The least width of a seam in pixels, in small pictures.
 const LEAST_SEAM: f64 = 1.4;
-/// The inside is told of where it is more than this share of what is painted: the rim of a sound surface may show a few samples.
-const NOTICED: f64 = 0.002;
+/// The inside is told of where it is more than this share of what is painted: the rim of an open surface shows a little of it.
+const NOTICED: f64 = 0.01;
 /// The least width of a picture with a legend.
 const LEAST_STRIP: usize = 560;
 

@@ -5,8 +5,9 @@ use super::scene::{Scene, face_normal};
 use geom::vector::{Vec3, dot, step, unit};
 use std::collections::BTreeMap;
 
-/// Degrees to the right of the front, in order of preference.
-const TURNS: [f64; 4] = [32.0, -32.0, -148.0, 148.0];
+/// Degrees to the right of the front, in order of preference, and how many times as many cones must be seen from there as from those before:
+/// a bust is not shown from behind for the sake of an ear.
+const TURNS: [(f64, f64); 4] = [(32.0, 1.0), (-32.0, 1.0), (-148.0, 1.5), (148.0, 1.5)];
 /// The height above the horizon for each length away.
 const RISE: f64 = 0.42;
 /// A cone is seen where the surface is turned to the eye by more than this cosine.
@@ -60,12 +61,14 @@ impl View {
         let corner = |azimuth| Self { azimuth, elevation: RISE.atan().to_degrees() };
         let seen = |view: Self| {
             let from = view.direction(axes);
-            normals.iter().filter(|&&n| dot(unit(n), from) > SEEN).count()
+            normals.iter().filter(|&&n| dot(unit(n), from) > SEEN).count() as f64
         };
-        let mut best = corner(TURNS[0]);
-        for other in TURNS.map(corner) {
-            if seen(other) > seen(best) {
-                best = other;
+        let mut best = corner(TURNS[0].0);
+        let mut most = seen(best);
+        for (turn, times) in TURNS {
+            let other = corner(turn);
+            if seen(other) > times * most {
+                (best, most) = (other, seen(other));
             }
         }
         best

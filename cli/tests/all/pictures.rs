@@ -17,7 +17,8 @@ fn unwrap(folder: &Folder, input: &str, more: &[&str]) {
 #[test]
 fn a_picture_is_as_large_as_is_asked_and_looks_from_where_is_asked() {
     let folder = Folder::with_shapes();
-    for (name, view) in [("front.png", "front"), ("right.png", "right"), ("turned.png", "90,0"), ("low.png", "-40,-20")] {
+    for (name, view) in [("front.png", "front"), ("right.png", "right"), ("turned.png", "90,0"), ("low.png", "-40,-20")]
+    {
         unwrap(&folder, "hare.obj", &["--picture", name, "--view", view, "--size", "200x160"]);
         assert_eq!(size(&folder, name), [200, 160]);
     }
@@ -104,7 +105,8 @@ fn a_hierarchy_as_csv_has_the_numbers_of_the_json() {
         assert_eq!(row.len(), rows[0].len());
         assert_eq!((row[0], row[2]), (&*cone["n"].to_string(), &*cone["vertex"].to_string()));
         assert_eq!(row[3].parse().ok(), cone["curvature_at_n"].as_f64());
-        let of_curve = document["curve"].as_array().and_then(|curve| curve.iter().find(|point| point["n"] == cone["n"]));
+        let of_curve =
+            document["curve"].as_array().and_then(|curve| curve.iter().find(|point| point["n"] == cone["n"]));
         assert_eq!(row[5].parse().ok(), of_curve.and_then(|point| point["predicted_area"].as_f64()));
     }
 }
@@ -139,7 +141,8 @@ fn a_field_s_report_is_one_page_for_meshes_arrays_and_networks() {
     for input in inputs {
         folder.run(&[input, &["--report", "field.html"]].concat()).success();
         let page = folder.read("field.html");
-        let (_, data) = page.rsplit_once("<script id=\"data\" type=\"application/octet-stream\">").expect("a place for data");
+        let (_, data) =
+            page.rsplit_once("<script id=\"data\" type=\"application/octet-stream\">").expect("a place for data");
         assert!(data.len() > 200, "{input:?}: {}", data.len());
     }
     folder.complaint(&["features", "hare.obj", "--report", "field.json"]);

@@ -13,10 +13,10 @@ const LEAST_PIXELS: usize = 64;
 pub(crate) struct ShotArgs {
     /// From where the picture looks: front, right, back, left, above, below, or degrees AZIMUTH,ELEVATION to the right of the front and
     /// above the horizon [default: the corner from which most cones are seen]
-    #[arg(long, value_name = "VIEW", value_parser = View::parse, allow_hyphen_values = true)]
+    #[arg(long, value_name = "VIEW", value_parser = View::parse, allow_hyphen_values = true, requires = "picture")]
     view: Option<View>,
     /// Its size in pixels, such as 640x480, or one number for a square [default: what the model fills of 1280x1024]
-    #[arg(long, value_name = "SIZE", value_parser = size)]
+    #[arg(long, value_name = "SIZE", value_parser = size, requires = "picture")]
     size: Option<[usize; 2]>,
 }
 
