@@ -16,21 +16,25 @@ pub(super) struct Stand {
     pub(super) path: PathBuf,
 }
 
-/// Those of the named models that are in a folder, in this order; what is not there is told.
+/// Those of the named models that are in a folder, in this order; which are not is told.
 pub(super) fn stands(folder: &Path, names: &[&str]) -> Result<Vec<Stand>, CommandError> {
-    let mut found = Vec::new();
+    let (mut found, mut missing) = (Vec::new(), String::new());
     for model in names.iter().filter_map(|name| MODELS.iter().find(|model| model.name == *name)) {
-        let path = model.file.map(|file| folder.join(file)).filter(|path| path.is_file());
-        match path {
+        match model.file.map(|file| folder.join(file)).filter(|path| path.is_file()) {
             Some(path) => found.push(Stand { model, path }),
-            None => output::note(&format!(
-                "{}: {}, left out\n",
-                model.name,
-                if model.file.is_some() { "not in the folder" } else { model.remark }
-            )),
+            None => {
+                let why = if model.file.is_some() { "not in the folder" } else { model.remark };
+                missing += &format!("{}: {why}, left out\n", model.name);
+            }
         }
     }
-    if found.is_empty() { Err(CommandError::NoPaperMeshes(folder.to_owned())) } else { Ok(found) }
+    if found.is_empty() {
+        return Err(CommandError::NoPaperMeshes(folder.to_owned()));
+    }
+    if !missing.is_empty() {
+        output::note(&missing);
+    }
+    Ok(found)
 }
 
 impl Stand {
