@@ -1,7 +1,8 @@
 //! The command line: what may be asked for, and nothing that is not built.
 
 use crate::commands::{
-    compare, completions, demo, extract, features, islands, man, measure, pack, persistence, shape, unwrap, view,
+    compare, completions, demo, extract, features, figure, islands, man, measure, pack, persistence, shape, unwrap,
+    view,
 };
 use crate::output::Volume;
 use clap::Parser;
@@ -38,11 +39,13 @@ impl Arguments {
 #[derive(Debug, clap::Subcommand)]
 pub(crate) enum Subcommand {
     /// Compute texture coordinates: find cones, cut between them, flatten
-    Unwrap(unwrap::UnwrapArgs),
+    Unwrap(Box<unwrap::UnwrapArgs>),
     /// List the cones that a surface asks for, without flattening it
     Extract(extract::ExtractArgs),
     /// Compare methods: distortion and time of each, on your meshes or as in the paper's Table 1
     Compare(compare::CompareArgs),
+    /// Draw the figures of the paper, of any surface and methods
+    Figure(figure::FigureArgs),
     /// Measure the distortion of an unwrapped OBJ or PLY, whoever made it
     Measure(measure::MeasureArgs),
     /// Take a map apart where it lies over itself, whoever made it

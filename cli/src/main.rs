@@ -13,11 +13,13 @@ mod page;
 mod progress;
 mod render;
 mod report;
+mod vtk;
 
 use args::{Arguments, Subcommand};
 use clap::{CommandFactory, Parser};
 use commands::{
-    compare, completions, demo, extract, features, islands, man, measure, pack, persistence, shape, unwrap, view,
+    compare, completions, demo, extract, features, figure, islands, man, measure, pack, persistence, shape, unwrap,
+    view,
 };
 use error::CommandError;
 use std::process::ExitCode;
@@ -43,6 +45,7 @@ fn run(command: &Subcommand) -> Result<(), CommandError> {
         Subcommand::Unwrap(args) => unwrap::run(args),
         Subcommand::Extract(args) => extract::run(args),
         Subcommand::Compare(args) => compare::run(args),
+        Subcommand::Figure(args) => figure::run(args),
         Subcommand::Measure(args) => measure::run(args),
         Subcommand::Islands(args) => islands::run(args),
         Subcommand::Pack(args) => pack::run(args),

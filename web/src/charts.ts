@@ -4,7 +4,7 @@ import type { Extremum, ForeseenLevel } from "./data";
 
 const SPACE = "http://www.w3.org/2000/svg";
 
-function element(name: string, attributes: Record<string, string | number>, text?: string): SVGElement {
+export function element(name: string, attributes: Record<string, string | number>, text?: string): SVGElement {
   const made = document.createElementNS(SPACE, name);
   for (const [key, value] of Object.entries(attributes)) made.setAttribute(key, String(value));
   if (text !== undefined) made.textContent = text;
@@ -19,7 +19,7 @@ interface Frame {
 }
 
 /** An empty chart as large as its place, again when that changes. */
-abstract class Chart {
+export abstract class Chart {
   protected frame: Frame = { width: 1, height: 1, left: 34, bottom: 18 };
 
   constructor(protected readonly place: HTMLElement, private readonly label: string) {
@@ -44,7 +44,9 @@ abstract class Chart {
       svg.append(element("line", { x1: left, x2: width - 4, y1: at, y2: at, stroke: "var(--line)" }));
       svg.append(element("text", { x: left - 5, y: at + 4, "text-anchor": "end" }, text));
     }
-    for (const [at, text] of x) svg.append(element("text", { x: at, y: height - bottom + 14, "text-anchor": "middle" }, text));
+    // Numbers at the rim stay inside.
+    const inside = (at: number, text: string) => Math.min(at, width - 3.5 * text.length - 2);
+    for (const [at, text] of x) svg.append(element("text", { x: inside(at, text), y: height - bottom + 14, "text-anchor": "middle" }, text));
   }
 }
 

@@ -86,9 +86,15 @@ export interface UvMap {
 export interface Question {
   n: number | null;
   given: [number, number | null][] | null;
+  /** Edges that are cut, and edges that are not. */
+  cut: Edge[];
+  avoid: Edge[];
   method: string;
   angles: string;
 }
+
+/** Two vertices, the lower number first. */
+export type Edge = [number, number];
 
 type Kind = "f32" | "u32" | "u8";
 

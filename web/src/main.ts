@@ -5,13 +5,15 @@ import { type Atlas, AtlasView } from "./atlas_view";
 import { CurveChart, DiagramChart } from "./charts";
 import { type Mode, cornerColours, scale } from "./colours";
 import type { Cone, Foreseen, ForeseenLevel, Question, Surface, UvMap } from "./data";
+import { FieldApp } from "./field_app";
 import * as geometry from "./geometry";
 import type { Place } from "./geometry";
 import { History } from "./history";
 import { outline } from "./outline";
 import * as page from "./page";
 import { byId } from "./page";
-import { Replaced, type Source, source } from "./source";
+import * as pins from "./pins";
+import { Replaced, type Source, source, stored } from "./source";
 import { hasWebGl, onClick } from "./stage";
 import { SurfaceView } from "./surface_view";
 
@@ -19,6 +21,15 @@ import { SurfaceView } from "./surface_view";
 const PATIENCE = 120;
 /** The area distortion that is aimed at where no number of cones is chosen. */
 const TARGET = 1.25;
+
+/** Buttons and what they are for. */
+const TOOLS = [["edit", "cones"], ["cut", "cut"], ["avoid", "avoid"]] as const;
+const KEYS: Record<string, "cones" | pins.Pin> = { e: "cones", c: "cut", n: "avoid" };
+const HINTS = {
+  cones: "click adds a cone, drag moves one",
+  cut: "click where the cut goes on",
+  avoid: "click along what stays whole",
+};
 
 class App {
   private readonly corners: geometry.Corners;
@@ -42,7 +53,10 @@ class App {
   private grid: geometry.MapGrid | null = null;
   private mode: Mode = "checker";
   private isDark = false;
-  private isEditing = false;
+  /** What a click on the surface does. */
+  private tool: "" | "cones" | pins.Pin = "";
+  /** Where the chain that is being pinned goes on from. */
+  private chainEnd: number | null = null;
   private selected: number | null = null;
   private serial = Date.now();
   private running: AbortController | null = null;
@@ -60,7 +74,7 @@ class App {
       ? new AtlasView(byId("atlas"), canvasOf("atlas"), surface.triangles.length)
       : new AtlasCanvas(byId("atlas"), canvasOf("atlas"));
     if (!isDrawn) page.message(byId("surface"), "This browser has no WebGL, so the surface cannot be shown. The map and all numbers are here.");
-    this.question = { ...surface.chosen, given: null };
+    this.question = { ...surface.chosen, given: null, cut: [], avoid: [] };
     this.curve = new CurveChart(byId("curve"), (n) => this.choose({ n, given: null }));
     this.diagram = new DiagramChart(byId("diagram"));
     this.pressMode = page.modeButtons((mode) => this.colour(mode));
@@ -254,6 +268,9 @@ class App {
     }
     byId<HTMLSelectElement>("method").value = given ? "" : method;
     byId<HTMLSelectElement>("angles").value = angles;
+    const { cut, avoid } = this.question;
+    this.view?.showPins(cut, avoid);
+    for (const id of ["unpin", "save-pins"]) byId<HTMLButtonElement>(id).disabled = !cut.length && !avoid.length;
     byId<HTMLButtonElement>("undo").disabled = !this.history.canUndo;
     byId<HTMLButtonElement>("redo").disabled = !this.history.canRedo;
   }
@@ -329,7 +346,9 @@ class App {
     byId("angles").addEventListener("change", () => this.choose({ angles: byId<HTMLSelectElement>("angles").value, given: this.withoutCurvatures() }));
     byId("undo").addEventListener("click", () => this.go(this.history.undo(this.question)));
     byId("redo").addEventListener("click", () => this.go(this.history.redo(this.question)));
-    byId("edit").addEventListener("click", () => this.edit(!this.isEditing));
+    for (const [id, tool] of TOOLS) byId(id).addEventListener("click", () => this.take(tool));
+    byId("unpin").addEventListener("click", () => this.choose({ cut: [], avoid: [] }));
+    byId("save-pins").addEventListener("click", () => this.savePins());
     byId("remove").addEventListener("click", () => this.remove());
     for (const kind of ["cones", "obj", "glb"] as const) byId(`save-${kind}`).addEventListener("click", () => void this.save(kind));
     byId("load").addEventListener("click", () => input("file").click());
@@ -362,7 +381,7 @@ class App {
     let dragged: number | null = null;
     let isMoved = false;
     canvas.addEventListener("pointerdown", (event) => {
-      if (!this.isEditing || !event.isPrimary) return;
+      if (this.tool !== "cones" || !event.isPrimary) return;
       dragged = view.coneUnder(event, view.under(event));
       isMoved = false;
       if (dragged === null) return;
@@ -387,9 +406,9 @@ class App {
     canvas.addEventListener("pointerleave", () => this.mark(null));
     onClick(canvas, (event) => {
       const place = view.under(event);
-      if (this.isEditing && place) {
-        if (view.coneUnder(event, place) === null) this.add(this.name(geometry.vertexOf(this.surface, place)));
-      } else this.mark(place, place);
+      if (!place || !this.tool) this.mark(place, place);
+      else if (this.tool !== "cones") this.pin(this.tool, geometry.vertexOf(this.surface, place));
+      else if (view.coneUnder(event, place) === null) this.add(this.name(geometry.vertexOf(this.surface, place)));
     });
     view.stage.onDrawn = () => this.placeMarks();
   }
@@ -403,30 +422,32 @@ class App {
       event.preventDefault();
       this.go(this.history.redo(this.question));
     } else if (event.key === "Escape") {
-      this.selected = null;
+      this.selected = this.chainEnd = null;
       this.mark(null, null);
       this.showCones();
     } else if (isTyping || event.ctrlKey || event.metaKey || event.altKey || !this.source.isLive) return;
-    else if (event.key === "e" && !(event.target instanceof HTMLSelectElement)) this.edit(!this.isEditing);
+    else if (event.key in KEYS && !(event.target instanceof HTMLSelectElement)) this.take(KEYS[event.key]);
     else if (event.key === "Delete" && this.selected !== null) this.remove();
   }
 
   // Cones by hand
 
-  private edit(isEditing: boolean): void {
-    this.isEditing = isEditing;
-    byId("edit").setAttribute("aria-pressed", String(isEditing));
-    page.status(isEditing ? "click adds a cone, drag moves one" : this.map ? "exact map" : "");
-    if (this.view) this.view.stage.canvas.style.cursor = isEditing ? "crosshair" : "";
+  /** Takes a tool, or lays it down. */
+  private take(tool: "cones" | pins.Pin): void {
+    this.tool = this.tool === tool ? "" : tool;
+    this.chainEnd = null;
+    for (const [id, one] of TOOLS) byId(id).setAttribute("aria-pressed", String(one === this.tool));
+    page.status(this.tool ? HINTS[this.tool] : this.map ? "exact map" : "");
+    if (this.view) this.view.stage.canvas.style.cursor = this.tool ? "crosshair" : "";
   }
 
   private select(k: number): void {
-    this.selected = this.selected === k && !this.isEditing ? null : k;
+    this.selected = this.selected === k && this.tool !== "cones" ? null : k;
     this.showCones();
     const corner = this.corners.corner[this.corners.start[this.cones[k].vertex]];
     const weights = [0, 1, 2].map((i) => Number(i === corner % 3)) as geometry.Vec3;
     const place = { triangle: Math.floor(corner / 3), weights };
-    if (!this.isEditing) this.view?.face(place);
+    if (this.tool !== "cones") this.view?.face(place);
     this.mark(place, place);
   }
 
@@ -449,12 +470,36 @@ class App {
     return this.question.given && this.free(this.cones);
   }
 
+  /** Goes on with a chain of edges, or begins one. */
+  private pin(pin: pins.Pin, vertex: number): void {
+    const from = this.chainEnd;
+    this.chainEnd = vertex;
+    const corner = this.corners.corner[this.corners.start[vertex]];
+    const place = { triangle: Math.floor(corner / 3), weights: [0, 1, 2].map((i) => Number(i === corner % 3)) as geometry.Vec3 };
+    this.mark(place, place);
+    if (from === null || from === vertex) return page.status(HINTS[pin]);
+    const way = pins.chain(this.surface, this.corners, from, vertex);
+    if (way) this.choose(pins.pinned(this.question, pin, way));
+    else page.status("no edges lead there: it is another part", "failed");
+  }
+
+  private savePins(): void {
+    for (const pin of ["cut", "avoid"] as const) {
+      const edges = this.question[pin];
+      const name = `${this.surface.name.replace(/(\.\w+)?(\.gz)?$/, "")}-${pin === "cut" ? "seams" : "avoid"}.txt`;
+      if (edges.length) page.save(new Blob([pins.text(pin, edges)]), name);
+    }
+  }
+
   private async load(input: HTMLInputElement): Promise<void> {
     const [file] = input.files ?? [];
     input.value = "";
     if (!file) return;
     try {
-      const given = page.readCones(await file.text());
+      const text = await file.text();
+      const edges = pins.read(text);
+      if (edges) return this.choose({ [edges.pin]: edges.edges });
+      const given = page.readCones(text);
       if (!given.length) throw new Error("the file lists no cone");
       const least = this.surface.points.length / 3;
       if (given.some(([vertex]) => vertex >= least)) throw new Error("the file's cones are of another surface");
@@ -484,9 +529,11 @@ function checkerSquares(uv: Float32Array): number {
   return 2 * Math.round(Math.min(128, Math.max(32, 30 / Math.sqrt(Math.max(1e-4, area / 2)))) / 2);
 }
 
-source()
-  .then(async (source) => {
+stored()
+  .then(async (data) => {
+    if (data?.meta.field) return new FieldApp(data);
     page.status("reading the surface …", "busy");
-    new App(source, await source.surface());
+    const from = source(data);
+    return new App(from, await from.surface());
   })
   .catch((error: Error) => page.status(error.message, "failed"));

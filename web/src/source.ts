@@ -161,11 +161,16 @@ class Stored implements Source {
   }
 }
 
-/** The file's own data, if there is any; else the server that the page came from. */
-export async function source(): Promise<Source> {
+/** Where surface and maps come from: the file's own data, if there is any, else the server that the page came from. */
+export function source(data: Container | null): Source {
+  return data ? new Stored(data) : new Live();
+}
+
+/** The file's own data, if there is any. */
+export async function stored(): Promise<Container | null> {
   const text = document.getElementById("data")?.textContent?.trim();
-  if (!text) return new Live();
+  if (!text) return null;
   const bytes = Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
   const inflated = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("deflate"));
-  return new Stored(new Container(await new Response(inflated).arrayBuffer()));
+  return new Container(await new Response(inflated).arrayBuffer());
 }

@@ -4,13 +4,17 @@ import {
   BufferAttribute, BufferGeometry, Color, CylinderGeometry, InstancedMesh, Matrix4, Mesh, MeshBasicMaterial, MeshLambertMaterial,
   HemisphereLight, PerspectiveCamera, Quaternion, SphereGeometry, Spherical, Vector3,
 } from "three";
-import type { Cone, Surface } from "./data";
+import type { Cone, Edge, Surface } from "./data";
 import { type Place, type Vec3, coneColour, cornerNormals, hitSurface, pointOf } from "./geometry";
 import { meshMaterial } from "./mesh_material";
 import { Stage } from "./stage";
 
 const CONE = 0.013;
 const TUBE = 0.0028;
+/** Pins are thicker than seams, in the colours of their buttons. */
+const PIN = 0.0045;
+const CUT = 0xf0a010;
+const SPARED = 0x18a070;
 /** A cone is taken hold of within so many pixels. */
 const REACH = 14;
 
@@ -21,7 +25,9 @@ export class SurfaceView {
   private readonly up: Vector3;
   private radius = 1;
   private spheres: InstancedMesh | null = null;
-  private tubes: InstancedMesh | null = null;
+  private seams: InstancedMesh | null = null;
+  private cuts: InstancedMesh | null = null;
+  private spared: InstancedMesh | null = null;
   private cones: Cone[] = [];
 
   constructor(element: HTMLElement, canvas: HTMLCanvasElement, private readonly surface: Surface) {
@@ -101,23 +107,35 @@ export class SurfaceView {
   }
 
   showSeams(seams: Uint32Array[]): void {
-    const count = seams.reduce((sum, chain) => sum + Math.max(0, chain.length - 1), 0);
-    if (!this.tubes || this.tubes.instanceMatrix.count < count) {
+    this.seams = this.drawn(this.seams, seams, TUBE, 0x1d212b);
+  }
+
+  /** Edges that are pinned: those that are cut, and those that are not. */
+  showPins(cut: Edge[], avoid: Edge[]): void {
+    this.cuts = this.drawn(this.cuts, cut, PIN, CUT);
+    this.spared = this.drawn(this.spared, avoid, PIN, SPARED);
+  }
+
+  /** Chains of vertices as tubes, in those that there are or, where these are too few, in others. */
+  private drawn(tubes: InstancedMesh | null, chains: ArrayLike<number>[], radius: number, colour: number): InstancedMesh {
+    const count = chains.reduce((sum, chain) => sum + Math.max(0, chain.length - 1), 0);
+    if (!tubes || tubes.instanceMatrix.count < count) {
       const tube = new CylinderGeometry(1, 1, 1, 6, 1, true);
-      this.tubes = this.room(this.tubes, tube, new MeshBasicMaterial({ color: 0x1d212b }), count);
+      tubes = this.room(tubes, tube, new MeshBasicMaterial({ color: colour }), count);
     }
     let k = 0;
     const [along, turn, y] = [new Vector3(), new Quaternion(), new Vector3(0, 1, 0)];
-    for (const chain of seams) {
+    for (const chain of chains) {
       for (let i = 1; i < chain.length; i++) {
         const [a, b] = [this.at(chain[i - 1]), this.at(chain[i])];
         const length = along.subVectors(b, a).length();
         turn.setFromUnitVectors(y, along.normalize());
         // A little longer, so that there are no gaps where tubes meet.
-        this.tubes.setMatrixAt(k++, new Matrix4().compose(a.add(b).multiplyScalar(0.5), turn, new Vector3(TUBE, length + TUBE, TUBE)));
+        tubes.setMatrixAt(k++, new Matrix4().compose(a.add(b).multiplyScalar(0.5), turn, new Vector3(radius, length + radius, radius)));
       }
     }
-    this.finish(this.tubes, count);
+    this.finish(tubes, count);
+    return tubes;
   }
 
   /** The point of the surface under an event. */

@@ -7,6 +7,7 @@ import { existsSync, mkdtempSync, readFileSync, rmSync, statSync, writeFileSync 
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { chromium } from "playwright-core";
+import { differs } from "./pictures.mjs";
 
 const [program, mesh, pictures] = process.argv.slice(2);
 const folder = mkdtempSync(join(tmpdir(), "cones-page-"));
@@ -58,6 +59,34 @@ async function test(name, act) {
   complaints.length = 0;
 }
 
+/** Fields in a folder: a picture, a volume and a series of bumps. */
+function writeFields(folder) {
+  const bump = (x, y, z) => Math.sin(0.31 * x) * Math.cos(0.23 * y) * Math.cos(0.4 * z) + 0.2 * Math.sin(0.05 * x * y);
+  const [columns, rows, layers] = [60, 40, 9];
+  const at = (k) => bump(k % columns, Math.floor(k / columns) % rows, Math.floor(k / columns / rows));
+  const grey = Uint8Array.from({ length: columns * rows }, (_, k) => 127 + 100 * at(k));
+  writeFileSync(join(folder, "bumps.pgm"), Buffer.concat([Buffer.from(`P5 ${columns} ${rows} 255\n`), grey]));
+  const head = `{'descr': '<f4', 'fortran_order': False, 'shape': (${layers}, ${rows}, ${columns}), }`.padEnd(117) + "\n";
+  const values = Float32Array.from({ length: columns * rows * layers }, (_, k) => at(k));
+  writeFileSync(join(folder, "volume.npy"), Buffer.concat([Buffer.from("\x93NUMPY\x01\x00v\x00", "latin1"), Buffer.from(head), Buffer.from(values.buffer)]));
+  writeFileSync(join(folder, "series.txt"), Array.from({ length: 200 }, (_, x) => bump(x, x, 0).toFixed(4)).join("\n"));
+}
+
+/** The edges of the seams of a map as the server sends it, each by its vertices, the lower first. */
+function seamEdges(body) {
+  const length = body.readUInt32LE(0);
+  const { arrays } = JSON.parse(body.subarray(4, 4 + length));
+  const words = (name) => Array.from({ length: arrays[name].length }, (_, k) => body.readUInt32LE(4 + length + arrays[name].at + 4 * k));
+  const [all, lengths] = [words("seams"), words("seam_lengths")];
+  const edges = new Set();
+  let at = 0;
+  for (const count of lengths) {
+    for (let k = at + 1; k < at + count; k++) edges.add([Math.min(all[k - 1], all[k]), Math.max(all[k - 1], all[k])].join());
+    at += count;
+  }
+  return edges;
+}
+
 async function picture(page, name) {
   if (!pictures) return;
   await page.waitForTimeout(300);
@@ -95,6 +124,13 @@ async function flaws(page) {
       const name = element.id || element.textContent.slice(0, 20);
       if (box.right > innerWidth + 1 || box.left < -1) found.push(`${name} is cut off`);
       if (element.matches("button, figcaption") && element.scrollWidth > element.clientWidth + 1) found.push(`${name} does not fit`);
+    }
+    for (const svg of document.querySelectorAll("figure svg, #tree svg")) {
+      const frame = svg.getBoundingClientRect();
+      for (const text of svg.querySelectorAll("text")) {
+        const box = text.getBoundingClientRect();
+        if (box.left < frame.left - 1 || box.right > frame.right + 1) found.push(`${text.textContent} of a chart is cut off`);
+      }
     }
     const buttons = all.filter((element) => element.matches("button, select") && !element.closest("figure"));
     buttons.forEach((a, k) => buttons.slice(k + 1).forEach((b) => {
@@ -191,6 +227,55 @@ try {
     assert.notEqual(await page.textContent("#cones li:last-child"), added);
     await page.click("#edit");
   });
+  await test("seams are pinned along chains, kept through other changes, undone, saved and loaded", async () => {
+    const box = await page.locator("#surface canvas").boundingBox();
+    const at = (x, y) => page.mouse.click(box.x + x * box.width, box.y + y * box.height);
+    const pins = () => page.evaluate(() => document.querySelector("#unpin").disabled === false);
+    /** Does something; what its map was asked with, and the edges of the seams that came. */
+    const mapOf = async (act) => {
+      const [response] = await Promise.all([page.waitForResponse((response) => response.url().endsWith("/map") && response.ok()), afterMap(page, act)]);
+      return { question: response.request().postDataJSON(), edges: seamEdges(await response.body()) };
+    };
+    const includes = ({ edges }, some) => some.every((edge) => edges.has(String(edge)));
+    assert.equal(await pins(), false);
+    await page.click("#cut");
+    assert.equal(await page.getAttribute("#edit", "aria-pressed"), "false");
+    await at(0.47, 0.62);
+    assert.equal(await pins(), false, "the first click only begins a chain");
+    const first = await mapOf(() => at(0.53, 0.55));
+    assert.ok(await pins());
+    const { cut } = first.question;
+    assert.ok(cut.length > 1 && includes(first, cut), "the map is cut along the chain");
+    await page.click("#avoid");
+    await at(0.45, 0.7);
+    await afterMap(page, () => at(0.5, 0.75));
+    const other = await mapOf(() => page.locator("#slider").press("ArrowRight"));
+    assert.deepEqual(other.question.cut, cut, "another number of cones leaves them");
+    assert.ok(other.question.avoid.length > 1 && includes(other, cut));
+    assert.ok(!other.question.avoid.some((edge) => other.edges.has(String(edge))), "and no seam runs where none is to");
+    const downloads = [];
+    page.on("download", (download) => downloads.push(download));
+    await page.click("#save-pins");
+    while (downloads.length < 2) await page.waitForTimeout(20);
+    const files = [];
+    for (const download of downloads) {
+      files.push(join(folder, download.suggestedFilename()));
+      await download.saveAs(files.at(-1));
+    }
+    page.removeAllListeners("download");
+    assert.deepEqual(files.map((file) => file.replace(/.*hare-/, "")), ["seams.txt", "avoid.txt"]);
+    const made = spawnSync(program, ["unwrap", mesh, "-n", "6", "-o", join(folder, "pinned.obj"), "--seams", files[0], "--avoid", files[1], "-q"], { encoding: "utf8" });
+    assert.equal(made.status, 0, made.stderr);
+    await afterMap(page, () => page.click("#unpin"));
+    assert.equal(await pins(), false);
+    const again = await mapOf(() => page.setInputFiles("#file", files[0]));
+    assert.deepEqual(again.question.cut, cut);
+    for (let k = 0; k < 2; k++) await afterMap(page, () => page.click("#undo"));
+    assert.ok(await pins(), "what was unpinned is pinned again");
+    for (let k = 0; k < 3; k++) await afterMap(page, () => page.click("#undo"));
+    assert.equal(await pins(), false);
+    await page.click("#avoid");
+  });
   await test("cones are saved and loaded, maps are saved", async () => {
     const save = async (button) => {
       const [download] = await Promise.all([page.waitForEvent("download"), page.click(button)]);
@@ -263,6 +348,23 @@ try {
   });
   await page.context().close();
 
+  for (const [name, viewport] of [["desk", { width: 1280, height: 800 }], ["phone", { width: 390, height: 844 }]]) {
+    for (const colorScheme of ["light", "dark"]) {
+      await test(`it looks as it did: ${name}, ${colorScheme}`, async () => {
+        const other = await open(browser, url, { viewport, colorScheme });
+        await firstMap(other);
+        await other.waitForSelector("#curve polyline[points*=' ']", { timeout: 60_000 });
+        await other.waitForTimeout(400);
+        assert.equal(await differs(other, `${name}-${colorScheme}`), "");
+        await other.click("[data-mode=area]");
+        await other.waitForTimeout(400);
+        assert.equal(await differs(other, `${name}-${colorScheme}-area`), "");
+        if (!process.env.STORE) assert.notEqual(await differs(other, `${name}-${colorScheme}`), "", "another colour is told");
+        await other.context().close();
+      });
+    }
+  }
+
   for (const [name, viewport] of [["desk", { width: 1280, height: 800 }], ["phone", { width: 390, height: 844 }], ["wide", { width: 1920, height: 1080 }]]) {
     for (const colorScheme of ["light", "dark"]) {
       await test(`nothing is cut off or covered: ${name}, ${colorScheme}`, async () => {
@@ -309,6 +411,58 @@ try {
     await picture(file, "report");
     await context.close();
   });
+
+  // Fields: a mesh, a picture, a volume, a series.
+  writeFields(folder);
+  const fields = [
+    ["mesh", ["features", mesh], "vertex"],
+    ["picture", ["persistence", join(folder, "bumps.pgm")], ","],
+    ["volume", ["persistence", join(folder, "volume.npy")], ","],
+    ["series", ["persistence", join(folder, "series.txt")], ""],
+  ];
+  for (const [name, command, place] of fields) {
+    await test(`a field on a ${name} is seen with its segments, tree, bars and pairs`, async () => {
+      const html = join(folder, `${name}.html`);
+      const made = spawnSync(program, [...command, "--report", html], { encoding: "utf8" });
+      assert.equal(made.status, 0, made.stderr);
+      const context = await browser.newContext({ viewport: { width: 1280, height: 800 }, offline: true });
+      const file = await context.newPage();
+      file.on("console", (message) => message.type() === "error" && complaints.push(message.text()));
+      file.on("pageerror", (error) => complaints.push(error.message));
+      await file.goto(`file://${html}`);
+      await firstMap(file);
+      const count = async () => [Number(await file.inputValue("#count")), await file.locator("#cones li").count(), await file.locator("#tree circle").count()];
+      const [n, ...shown] = await count();
+      assert.ok(n > 1 && n <= 8 && shown.every((other) => other === n), `${await count()}`);
+      assert.ok((await seen(file, "#surface canvas")) > 8, "segments are drawn");
+      await file.locator("#slider").press("ArrowLeft");
+      assert.ok((await count())[0] < n, "fewer extrema");
+      await file.click("#cones li:nth-child(2) button");
+      assert.match(await file.textContent("#numbers"), /Persistence[\d.]+/);
+      assert.ok((await file.textContent("#numbers")).includes(place));
+      const box = await file.locator("#surface canvas").boundingBox();
+      await file.mouse.move(box.x + 0.5 * box.width, box.y + 0.55 * box.height);
+      assert.match(await file.textContent("#place"), /about -?[\d.]+.*belongs to/);
+      const before = await file.locator("#surface canvas").screenshot();
+      await file.click("[data-mode=values]");
+      await file.waitForTimeout(300);
+      assert.ok(!before.equals(await file.locator("#surface canvas").screenshot()), "values look otherwise");
+      await file.selectOption("#direction", "0");
+      assert.equal(await file.textContent("#number span"), "Minima");
+      assert.deepEqual(await flaws(file), []);
+      if (name === "volume") {
+        const layer = await file.inputValue("#layer");
+        await file.locator("#layer").press("ArrowRight");
+        assert.notEqual(await file.inputValue("#layer"), layer);
+      }
+      await picture(file, `field-${name}`);
+      if (name === "picture") {
+        await file.waitForTimeout(300);
+        assert.equal(await differs(file, "field"), "");
+      }
+      await context.close();
+    });
+  }
 } finally {
   await browser.close();
 }

@@ -1,12 +1,12 @@
 //! `cones extract`: the cones that a surface asks for.
 
-use crate::commands::shared::{CandidateArgs, warn};
+use crate::commands::shared::{CandidateArgs, HIERARCHY_ENDINGS, warn, write_hierarchy};
 use crate::error::CommandError;
 use crate::input::{self, cone_file, significant};
 use crate::output;
 use crate::progress::Progress;
 use crate::report::table::{columns, thousands};
-use crate::report::{HierarchyFile, InputReport, SCHEMA, Times};
+use crate::report::{InputReport, SCHEMA, Times};
 use clap::Args;
 use cones::report::{HierarchyReport, RepairReport, sentences};
 use cones::{Analysis, ChosenNumber, Cone, Cones, Note, Prediction};
@@ -24,7 +24,7 @@ pub(crate) struct ExtractArgs {
     /// Write the cones and their curvatures, as --cones of `cones unwrap` reads them
     #[arg(long, value_name = "FILE")]
     cones_out: Option<PathBuf>,
-    /// Write the order of cones for every number of them, with what is predicted for each: .json
+    /// Write the order of cones for every number of them, with what is predicted for each: .json or .csv
     #[arg(long, value_name = "FILE")]
     hierarchy: Option<PathBuf>,
     /// Print JSON in place of the table
@@ -50,7 +50,7 @@ struct ExtractReport<'a> {
 
 pub(crate) fn run(args: &ExtractArgs) -> Result<(), CommandError> {
     if let Some(path) = &args.hierarchy {
-        output::extension(path, &["json"])?;
+        output::extension(path, &HIERARCHY_ENDINGS)?;
     }
     let outputs: Vec<&Path> = [&args.cones_out, &args.hierarchy].into_iter().flatten().map(|p| &**p).collect();
     output::check(&[&args.input], &outputs)?;
@@ -70,7 +70,7 @@ pub(crate) fn run(args: &ExtractArgs) -> Result<(), CommandError> {
         output::write_text(path, &cone_file::text(found.as_slice()))?;
     }
     if let Some((path, order)) = order {
-        output::write_json(path, &HierarchyFile::new(order))?;
+        write_hierarchy(path, order)?;
     }
     let hierarchy = HierarchyReport::new(&analysis);
     if !args.json {

@@ -1,11 +1,11 @@
 //! `cones features`: the feature points of a mesh, which are the extrema of a field by their persistence.
 
-use crate::commands::persistence::{DomainField, NanName, Pair, PairList, PairingTimes, Places, Wanted, explain};
-use crate::commands::shared::non_negative;
+use crate::commands::persistence::{DomainField, NanName, Pair, PairList, PairingTimes, Places, Wanted, explain, html};
+use crate::commands::shared::{ShotArgs, non_negative};
 use crate::error::CommandError;
 use crate::input::{Number, Source, significant};
 use crate::output;
-use crate::render::{Mark, Scene, draw_values};
+use crate::render::{Mark, Paint, Scene, draw_model};
 use crate::report::SCHEMA;
 use crate::report::table::{columns, thousands};
 use clap::{Args, ValueEnum};
@@ -40,6 +40,11 @@ pub(crate) struct FeaturesArgs {
     /// Draw the mesh coloured by the field, minima marked blue and maxima red: .png
     #[arg(long, value_name = "FILE")]
     picture: Option<PathBuf>,
+    #[command(flatten)]
+    shot: ShotArgs,
+    /// Write a page to see in a browser: the field, its segments at every level, merge tree, diagram and barcode: .html
+    #[arg(long, value_name = "FILE")]
+    report: Option<PathBuf>,
     /// Print JSON in place of the table
     #[arg(long)]
     json: bool,
@@ -47,9 +52,6 @@ pub(crate) struct FeaturesArgs {
 
 /// How many feature points there are by default.
 const COUNT: usize = 16;
-
-/// The share of the vertices at each end of the values that share one colour, so that few do not bleach all others.
-const TAIL: f64 = 0.02;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, ValueEnum)]
 #[serde(rename_all = "lowercase")]
@@ -98,6 +100,9 @@ pub(crate) fn run(args: &FeaturesArgs) -> Result<(), CommandError> {
     let mut times = PairingTimes { read: Some(start.elapsed().as_secs_f64()), ..PairingTimes::default() };
     let minima = pairs(args, &subject, Kind::Minimum, &mut times)?;
     let maxima = pairs(args, &subject, Kind::Maximum, &mut times)?;
+    if let Some(path) = &args.report {
+        output::write_text(path, &html(path, &subject, &[&minima, &maxima], options(args))?)?;
+    }
     let count = minima.pairs.len() + maxima.pairs.len();
     let mut extrema = ordered(args.method, extrema(&minima, &subject.places), extrema(&maxima, &subject.places));
     if args.min_persistence.is_none() {
@@ -118,9 +123,17 @@ pub(crate) fn run(args: &FeaturesArgs) -> Result<(), CommandError> {
 fn check_outputs(args: &FeaturesArgs) -> Result<(), CommandError> {
     args.output.as_deref().map_or(Ok(""), |path| output::extension(path, &["csv", "json"]))?;
     args.picture.as_deref().map_or(Ok(""), |path| output::extension(path, &["png"]))?;
+    args.report.as_deref().map_or(Ok(""), |path| output::extension(path, &["html"]))?;
     let inputs: Vec<&Path> = [Some(args.input.as_path()), args.field.file()].into_iter().flatten().collect();
-    let outputs: Vec<&Path> = [&args.output, &args.picture].into_iter().filter_map(|path| path.as_deref()).collect();
+    let outputs: Vec<&Path> =
+        [&args.output, &args.picture, &args.report].into_iter().filter_map(|path| path.as_deref()).collect();
     output::check(&inputs, &outputs)
+}
+
+fn options(args: &FeaturesArgs) -> PersistenceOptions {
+    // A computed field is NaN where a mesh has no surface, which is no mistake of anyone's.
+    let nan = if args.field.leaves_gaps() { NanPolicy::Mask } else { args.nan.policy() };
+    PersistenceOptions::new().nan(nan)
 }
 
 fn pairs(
@@ -130,10 +143,7 @@ fn pairs(
     times: &mut PairingTimes,
 ) -> Result<PairList, CommandError> {
     let start = Instant::now();
-    // A computed field is NaN where a mesh has no surface, which is no mistake of anyone's.
-    let nan = if args.field.leaves_gaps() { NanPolicy::Mask } else { args.nan.policy() };
-    let options = PersistenceOptions::new().nan(nan);
-    let wanted = Wanted { options, min_persistence: args.min_persistence.unwrap_or(0.0), top: None };
+    let wanted = Wanted { options: options(args), min_persistence: args.min_persistence.unwrap_or(0.0), top: None };
     let mut list = PairList::new(subject, kind, &wanted).map_err(|error| explain(&subject.path, error))?;
     // A vertex on its own, or a part where the field is constant, is no feature.
     list.pairs.retain(|pair| pair.persistence.to_f64() > wanted.min_persistence);
@@ -179,19 +189,10 @@ fn write(args: &FeaturesArgs, subject: &DomainField, report: &FeaturesReport) ->
         let mark = |e: &FeaturePoint| Mark { vertex: e.vertex as u32, positive: e.kind == Kind::Minimum.name() };
         let marks = report.extrema.iter().map(mark).collect();
         let scene = Scene::new(points, triangles.clone(), vec![[[0.0; 2]; 3]; triangles.len()], vec![], marks);
-        output::write_png(path, &draw_values(&scene, &shares(&subject.values.to_f64())))?;
+        let paint = Paint::field(&subject.values.to_f64(), triangles, "the field");
+        output::write_png(path, &draw_model(&scene, &paint, args.shot.shot()))?;
     }
     Ok(())
-}
-
-/// Values from 0 to 1, the tails cut off; NaN where there is none.
-fn shares(values: &[f64]) -> Vec<f64> {
-    let mut sorted: Vec<f64> = values.iter().copied().filter(|value| value.is_finite()).collect();
-    sorted.sort_by(f64::total_cmp);
-    let at = |share: f64| sorted.get((share * sorted.len().saturating_sub(1) as f64) as usize).copied().unwrap_or(0.0);
-    let (low, high) = (at(TAIL), at(1.0 - TAIL));
-    let share = |value: f64| if high > low { ((value - low) / (high - low)).clamp(0.0, 1.0) } else { 0.5 };
-    values.iter().map(|&value| if value.is_nan() { value } else { share(value) }).collect()
 }
 
 /// A table that fits 80 columns with a million vertices; saddles are in the files.
@@ -222,20 +223,4 @@ fn rows(report: &FeaturesReport) -> Vec<Vec<String>> {
         row
     };
     std::iter::once(head).chain(report.extrema.iter().map(row)).collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn colours_are_shared_out_between_the_tails() {
-        let mut values: Vec<f64> = (0..101).map(f64::from).collect();
-        values[100] = 1e9;
-        values.push(f64::NAN);
-        let shares = shares(&values);
-        assert_eq!((shares[0], shares[50], shares[100]), (0.0, 0.5, 1.0));
-        assert!(shares[101].is_nan());
-        assert_eq!(super::shares(&[7.0, 7.0]), [0.5, 0.5]);
-    }
 }

@@ -2,7 +2,7 @@
 
 use crate::commands::shared::{corner_uv, split_vertices};
 use crate::error::CommandError;
-use crate::render::{self, Scene};
+use crate::render::{self, Paint, Scene};
 use crate::report::table::thousands;
 use crate::report::{SCHEMA, distortion_text};
 use crate::{input, output};
@@ -100,8 +100,8 @@ fn write_extras(args: &MeasureArgs, surface: &Model, measured: &Measured) -> Res
         let (vertices, uv) = (measured.vertices.clone(), measured.uv.clone());
         let scene = Scene::new(surface.points(), vertices, uv, Vec::new(), Vec::new());
         match output::extension(path, &["png", "svg"])? {
-            "svg" => output::write_text(path, &render::draw_layout_svg(&scene))?,
-            _ => output::write_png(path, &render::draw_layout(&scene))?,
+            "svg" => output::write_text(path, &render::draw_layout_svg(&scene, &Paint::Checker))?,
+            _ => output::write_png(path, &render::draw_layout(&scene, &Paint::Checker))?,
         }
     }
     Ok(())

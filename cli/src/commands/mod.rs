@@ -5,6 +5,7 @@ pub(crate) mod completions;
 pub(crate) mod demo;
 pub(crate) mod extract;
 pub(crate) mod features;
+pub(crate) mod figure;
 pub(crate) mod islands;
 pub(crate) mod man;
 pub(crate) mod measure;

@@ -3,15 +3,16 @@
 mod many;
 
 use crate::commands::shared::{
-    CandidateArgs, CheckerFiles, FormatName, PackArgs, Scale, SeamArgs, SurfaceFile, Unwrapped, non_negative, page_file,
+    CandidateArgs, CheckerFiles, ColourName, FormatName, HIERARCHY_ENDINGS, PackArgs, Scale, SeamArgs, ShotArgs,
+    SurfaceFile, Unwrapped, non_negative, page_file, vtp_text, write_hierarchy,
 };
 use crate::error::CommandError;
 use crate::input::{self, cone_file};
 use crate::output;
 use crate::progress::Progress;
-use crate::render::{self, Scene};
+use crate::render::{self, Paint, Scene};
 use crate::report::table::labelled;
-use crate::report::{HierarchyFile, Times, UnwrapReport};
+use crate::report::{Times, UnwrapReport};
 use clap::{Args, ValueEnum};
 use cones::uv::PackOptions;
 use cones::{ConeChoice, Islands, Options};
@@ -60,15 +61,23 @@ pub(crate) struct UnwrapArgs {
     /// Write the cones and their curvatures, as --cones reads them
     #[arg(long, value_name = "FILE")]
     cones_out: Option<PathBuf>,
-    /// Write the order of cones for every number of them, with what is predicted for each: .json
+    /// Write the order of cones for every number of them, with what is predicted for each: .json or .csv
     #[arg(long, value_name = "FILE")]
     hierarchy: Option<PathBuf>,
-    /// Draw the model with checkerboard, seams and cones: .png
+    /// Write surface, seams and cones with all that is known of them for programs that use VTK: .vtp
     #[arg(long, value_name = "FILE")]
+    vtp: Option<PathBuf>,
+    /// Draw the model with seams and cones: .png
+    #[arg(long, value_name = "FILE", help_heading = "Pictures")]
     picture: Option<PathBuf>,
     /// Draw the layout: .png or .svg
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", help_heading = "Pictures")]
     layout: Option<PathBuf>,
+    /// What both are coloured by
+    #[arg(long, value_enum, default_value_t = ColourName::Checker, help_heading = "Pictures")]
+    colour: ColourName,
+    #[command(flatten, next_help_heading = "Pictures")]
+    shot: ShotArgs,
     /// Give an OBJ a checkerboard to see: a material (.mtl) and its picture (.png) beside it
     #[arg(long)]
     checker: bool,
@@ -87,7 +96,7 @@ struct ManyArgs {
         long,
         value_name = "FOLDER",
         conflicts_with_all =
-            ["output", "report", "cones_out", "hierarchy", "picture", "layout", "cones", "seams", "avoid"]
+            ["output", "report", "cones_out", "hierarchy", "vtp", "picture", "layout", "cones", "seams", "avoid"]
     )]
     out_dir: Option<PathBuf>,
     /// How many surfaces to work on at a time, which share the threads [default: as many as threads]
@@ -199,9 +208,10 @@ fn options(args: &UnwrapArgs, input: &Path) -> Result<Options, CommandError> {
 /// Endings and places of the outputs, before anything is computed; the format of the surface.
 fn check_outputs(args: &UnwrapArgs, input: &Path, output: &Path) -> Result<MeshFormat, CommandError> {
     let format = output::surface_format(output, args.format.map(MeshFormat::from))?;
-    let endings: [(&Option<_>, &[&str]); 4] = [
+    let endings: [(&Option<_>, &[&str]); 5] = [
         (&args.report, &["json", "html"]),
-        (&args.hierarchy, &["json"]),
+        (&args.hierarchy, &HIERARCHY_ENDINGS),
+        (&args.vtp, &["vtp"]),
         (&args.picture, &["png"]),
         (&args.layout, &["png", "svg"]),
     ];
@@ -246,7 +256,7 @@ impl UnwrapArgs {
 }
 
 fn outputs<'a>(args: &'a UnwrapArgs, output: &'a Path) -> Vec<&'a Path> {
-    let extras = [&args.report, &args.cones_out, &args.hierarchy, &args.picture, &args.layout];
+    let extras = [&args.report, &args.cones_out, &args.hierarchy, &args.vtp, &args.picture, &args.layout];
     std::iter::once(output).chain(extras.into_iter().flatten().map(|p| &**p)).collect()
 }
 
@@ -257,7 +267,10 @@ fn write_extras(args: &UnwrapArgs, input: &Path, unwrapped: &Unwrapped) -> Resul
     if let Some(path) = &args.hierarchy {
         let order = args.candidates.order(&unwrapped.analysis, unwrapped.map.atlas.cones.len());
         let order = order.map_err(|error| CommandError::Unwrap { path: input.to_owned(), error })?;
-        output::write_json(path, &HierarchyFile::new(order))?;
+        write_hierarchy(path, order)?;
+    }
+    if let Some(path) = &args.vtp {
+        output::write_text(path, &vtp_text(unwrapped))?;
     }
     Ok(())
 }
@@ -270,19 +283,20 @@ fn draw(args: &UnwrapArgs, unwrapped: &Unwrapped, progress: &Progress) -> Result
     progress.step("draw");
     let start = Instant::now();
     let scene = unwrapped.scene();
+    let paint = unwrapped.paint(args.colour, &scene);
     if let Some(path) = &args.picture {
-        output::write_png(path, &render::draw_model(&scene))?;
+        output::write_png(path, &render::draw_model(&scene, &paint, args.shot.shot()))?;
     }
     if let Some(path) = &args.layout {
-        write_layout(path, &scene)?;
+        write_layout(path, &scene, &paint)?;
     }
     Ok(Some(start.elapsed().as_secs_f64()))
 }
 
-fn write_layout(path: &Path, scene: &Scene) -> Result<(), CommandError> {
+fn write_layout(path: &Path, scene: &Scene, paint: &Paint) -> Result<(), CommandError> {
     match output::extension(path, &["png", "svg"])? {
-        "svg" => output::write_text(path, &render::draw_layout_svg(scene)),
-        _ => output::write_png(path, &render::draw_layout(scene)),
+        "svg" => output::write_text(path, &render::draw_layout_svg(scene, paint)),
+        _ => output::write_png(path, &render::draw_layout(scene, paint)),
     }
 }
 

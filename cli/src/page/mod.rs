@@ -5,11 +5,15 @@
 //! that opens from the disk, with everything [packed](report) into it.
 
 mod container;
+mod field;
 mod packed;
 mod report;
 
 pub(crate) use container::Container;
+pub(crate) use field::{FieldDirection, FieldPage, FieldPlaces, NO_SEGMENT};
 pub(crate) use report::{Level, Report};
+
+use report::with_data;
 
 /// The page without data.
 pub(crate) const PAGE: &str = include_str!("../../page/index.html");

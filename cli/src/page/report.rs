@@ -103,12 +103,17 @@ impl<'a> Report<'a> {
                     .bytes(&format!("island.{k}"), &map.island);
             }
         }
-        let mut deflated = ZlibEncoder::new(Vec::new(), Compression::best());
-        deflated.write_all(&container.finish())?;
-        let data = STANDARD.encode(deflated.finish()?);
-        let filled = PLACE.replace("><", &format!(">{data}<"));
-        Ok(PAGE.replacen(PLACE, &filled, 1))
+        with_data(container)
     }
+}
+
+/// The page with data inside.
+pub(crate) fn with_data(container: Container) -> io::Result<String> {
+    let mut deflated = ZlibEncoder::new(Vec::new(), Compression::best());
+    deflated.write_all(&container.finish())?;
+    let data = STANDARD.encode(deflated.finish()?);
+    let filled = PLACE.replace("><", &format!(">{data}<"));
+    Ok(PAGE.replacen(PLACE, &filled, 1))
 }
 
 #[cfg(test)]

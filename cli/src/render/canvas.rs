@@ -5,6 +5,7 @@
 //! in linear light when the canvas is [developed](Canvas::develop).
 
 use super::colour::{Colour, Encoder};
+use super::picture::Picture;
 use std::ops::Range;
 
 /// Samples along a pixel's side. Four look no better on a checkerboard and cost nearly twice the memory.
@@ -20,14 +21,6 @@ pub(crate) struct Canvas {
     height: usize,
     nearness: Vec<f32>,
     colour: Vec<[u8; 3]>,
-}
-
-/// A finished picture: rows of 8-bit sRGB pixels.
-#[derive(Debug)]
-pub(crate) struct Picture {
-    pub(crate) width: usize,
-    pub(crate) height: usize,
-    pub(crate) pixels: Vec<[u8; 3]>,
 }
 
 impl Canvas {

@@ -1,7 +1,7 @@
 //! The checkerboard: on the model, in the layout, and as a texture file.
 
-use super::canvas::Picture;
 use super::colour::{self, CHECKER, Colour};
+use super::picture::Picture;
 
 /// Squares along the unit square's side in the texture file.
 const TEXTURE_SQUARES: u32 = 64;

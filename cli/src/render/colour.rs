@@ -31,7 +31,7 @@ pub(crate) const MAXIMUM: Colour = srgb(0xd6, 0x27, 0x28);
 pub(crate) const MINIMUM: Colour = srgb(0x1f, 0x5f, 0xd0);
 
 /// sRGB's curve undone by a cubic, within a step of the 255: constants cannot take powers.
-const fn srgb(r: u8, g: u8, b: u8) -> Colour {
+pub(super) const fn srgb(r: u8, g: u8, b: u8) -> Colour {
     const fn linear(c: u8) -> f64 {
         let x = c as f64 / 255.0;
         x * (x * (x * 0.305_306 + 0.682_171) + 0.012_523)
@@ -45,6 +45,14 @@ pub(crate) fn encode(colour: Colour) -> [u8; 3] {
         let x = x.clamp(0.0, 1.0);
         let curved = if x <= 0.003_130_8 { 12.92 * x } else { 1.055 * x.powf(1.0 / 2.4) - 0.055 };
         (255.0 * curved).round() as u8
+    })
+}
+
+/// The light of the 8-bit sRGB values of a file: [`encode`] undone.
+pub(crate) fn decode(pixel: [u8; 3]) -> Colour {
+    pixel.map(|c| {
+        let x = f64::from(c) / 255.0;
+        if x <= 0.040_45 { x / 12.92 } else { ((x + 0.055) / 1.055).powf(2.4) }
     })
 }
 

@@ -1,18 +1,19 @@
 //! The layout in the plane: its tile, islands in a checkerboard each in its colour, outlines, cones, a legend; what lies over
 //! something else and flipped triangles stand out.
 
-use super::canvas::{Canvas, Picture, ScreenPoint};
+use super::canvas::{Canvas, ScreenPoint};
 use super::colour::{Colour, FLIPPED, INK, ISLANDS, MAXIMUM, MINIMUM, OVERLAP, PAPER, mix};
-use super::glyphs;
+use super::legend::{Entry, strip, written};
+use super::paint::Paint;
+use super::picture::{Letters, Picture};
 use super::scene::{Mark, Scene};
 use std::collections::BTreeMap;
 
 /// The layout's longer side in pixels.
 const LONG_SIDE: f64 = 1024.0;
 const MARGIN: f64 = 24.0;
-/// The height of the legend below, and the side of the dots that it is written with.
-const LEGEND: f64 = 40.0;
-const DOT: f64 = 2.0;
+/// The height of the legend below.
+const LEGEND: f64 = 44.0;
 /// How much of an island's colour is in its checkerboard.
 const TINT: f64 = 0.45;
 const FRAME: f64 = 1.6;
@@ -26,11 +27,31 @@ const DISCS: f64 = 0.05;
 /// The least diameter of a disc.
 const LEAST: f64 = 4.0;
 
-/// Draws the layout, its proportions kept.
-pub(crate) fn draw(scene: &Scene) -> Picture {
+/// Draws the layout, its proportions kept, with its legends.
+pub(crate) fn draw(scene: &Scene, paint: &Paint) -> Picture {
+    let (mut picture, entries) = drawn(scene, paint);
+    let below = picture.height - LEGEND as usize;
+    written(&mut picture, &entries, [MARGIN as usize, below], Letters::Large);
+    match paint.scale() {
+        Some(scale) => picture.above(&strip(picture.width, Some(scale), &[]), PAPER),
+        None => picture,
+    }
+}
+
+/// The same without a legend.
+pub(crate) fn draw_bare(scene: &Scene, paint: &Paint) -> Picture {
+    let (picture, _) = drawn(scene, paint);
+    let height = picture.height - LEGEND as usize;
+    let pixels = picture.pixels[..picture.width * height].to_vec();
+    Picture { height, pixels, ..picture }
+}
+
+/// The layout with room for its legend below, and what that says.
+fn drawn(scene: &Scene, paint: &Paint) -> (Picture, Vec<Entry>) {
     let (width, height) = size(scene);
     let mut canvas = Canvas::new(width as usize, height as usize, PAPER);
-    let checker = scene.checker();
+    let brush = paint.brush(scene);
+    let is_checker = matches!(paint, Paint::Checker);
     let place = |uv: [f64; 2]| to_page(uv, height);
     let (island, count) = scene.islands();
     let (mut samples, mut covered_again) = (0_usize, 0_usize);
@@ -38,10 +59,10 @@ pub(crate) fn draw(scene: &Scene) -> Picture {
     for t in upright {
         let corners = scene.uv[t];
         canvas.triangle_over(corners.map(place), |w, over| {
-            let colour = checker.colour([0, 1].map(|i| (0..3).map(|k| w[k] * corners[k][i]).sum()));
             samples += 1;
             covered_again += usize::from(over);
-            let colour = tinted(colour, island[t], count);
+            let colour = brush(t, w);
+            let colour = if is_checker { tinted(colour, island[t], count) } else { colour };
             if over { overlapping(colour) } else { colour }
         });
     }
@@ -57,13 +78,13 @@ pub(crate) fn draw(scene: &Scene) -> Picture {
         canvas.line(place(side[0]), place(side[1]), FRAME, mix(INK, PAPER, 0.5));
     }
     let copies = cone_copies(scene);
-    draw_legend(&mut canvas, &legend(scene, count, covered_again > samples / NOTICED), height);
+    let entries = legend(scene, count, covered_again > samples / NOTICED);
     let disc = disc(scene, copies.len());
     for (uv, cone) in copies {
         canvas.line(place(uv), place(uv), disc * (1.0 + 2.0 * OUTLINE / CONE), PAPER);
         canvas.line(place(uv), place(uv), disc, colour_of(&cone));
     }
-    canvas.develop()
+    (canvas.develop(), entries)
 }
 
 /// The page's size in pixels.
@@ -85,13 +106,6 @@ pub(crate) fn frame(scene: &Scene) -> Vec<[[f64; 2]; 2]> {
     upright.chain(level).collect()
 }
 
-/// An entry of the legend: the colour of a square or of a disc, and what it means.
-#[derive(Debug)]
-pub(crate) struct Entry {
-    pub(crate) colour: Option<Colour>,
-    pub(crate) text: String,
-}
-
 /// What the picture shows, in words.
 pub(crate) fn legend(scene: &Scene, islands: usize, lies_over: bool) -> Vec<Entry> {
     let tiles = scene.tiles.map_or(1, |([across, up], _)| across * up);
@@ -101,26 +115,13 @@ pub(crate) fn legend(scene: &Scene, islands: usize, lies_over: bool) -> Vec<Entr
         .map(|(_, fill)| format!("{:.1} % {}", 100.0 * fill, if tiles == 1 { "filled" } else { "filled on tiles" }));
     let has = |positive: bool| scene.cones.iter().any(|cone| cone.positive == positive);
     let cone = |positive: bool| colour_of(&Mark { vertex: 0, positive });
-    let entry = |colour, text: &str| Entry { colour, text: text.to_owned() };
-    let mut entries = vec![entry(None, &islands)];
-    entries.extend(fill.map(|text| entry(None, &text)));
-    entries.extend(has(true).then(|| entry(Some(cone(true)), "positive cone")));
-    entries.extend(has(false).then(|| entry(Some(cone(false)), "negative cone")));
-    entries.extend(lies_over.then(|| entry(Some(OVERLAP), "over itself")));
-    entries.extend((0..scene.uv.len()).any(|t| scene.is_flipped(t)).then(|| entry(Some(FLIPPED), "flipped")));
+    let mut entries = vec![Entry::new(None, &islands)];
+    entries.extend(fill.map(|text| Entry::new(None, &text)));
+    entries.extend(has(true).then(|| Entry::new(Some(cone(true)), "positive cone")));
+    entries.extend(has(false).then(|| Entry::new(Some(cone(false)), "negative cone")));
+    entries.extend(lies_over.then(|| Entry::new(Some(OVERLAP), "over itself")));
+    entries.extend((0..scene.uv.len()).any(|t| scene.is_flipped(t)).then(|| Entry::new(Some(FLIPPED), "flipped")));
     entries
-}
-
-fn draw_legend(canvas: &mut Canvas, entries: &[Entry], height: f64) {
-    let (mut x, y) = (MARGIN, height - LEGEND);
-    for entry in entries {
-        if let Some(colour) = entry.colour {
-            glyphs::square(canvas, [x, y], 7.0 * DOT, colour);
-            x += 10.0 * DOT;
-        }
-        glyphs::write(canvas, &entry.text, [x, y], DOT, INK);
-        x += DOT * (glyphs::width(&entry.text) + 12) as f64;
-    }
 }
 
 /// The colour of the checkerboard on an island, the quiet one where there are no others.
@@ -177,7 +178,7 @@ mod tests {
     #[test]
     fn what_lies_over_something_else_stands_out() {
         let is_warm = |p: &&[u8; 3]| p[0] > p[2].saturating_add(60);
-        let warm = |scene: &Scene| draw(scene).pixels.iter().filter(is_warm).count();
+        let warm = |scene: &Scene| draw(scene, &Paint::Checker).pixels.iter().filter(is_warm).count();
         let beside = two([[1.0, 1.0], [0.0, 1.0], [1.0, 0.0]], vec![]);
         assert!(warm(&beside) < 100, "{}", warm(&beside));
         let over = two([[0.5, 0.0], [1.0, 0.0], [0.5, 0.5]], vec![]);

@@ -2,15 +2,20 @@
 
 use super::colour::{CHECKER, Colour, INK, ISLANDS, hex};
 use super::layout::{colour_of, cone_copies, disc, frame, legend, overlapping, size, tinted, to_page};
+use super::paint::{Paint, Scale};
 use super::scene::Scene;
+use std::collections::BTreeMap;
 use std::fmt::Write;
 
 /// Up to so many triangles their sides are drawn as well; more would be a grey fog and a large file.
 const FINE: usize = 20_000;
+/// The height of a scale with its marks, and its width.
+const FOOT: f64 = 48.0;
+const BAR: f64 = 320.0;
 
 /// The layout as an SVG document: checkerboard, triangles where they are few, outline, cones. What lies over something else
 /// stands out: the outline is filled in that colour, and then in the checkerboard's where it winds an odd number of times.
-pub(crate) fn draw(scene: &Scene) -> String {
+pub(crate) fn draw(scene: &Scene, paint: &Paint) -> String {
     let (width, height) = size(scene);
     let point = |uv: [f64; 2]| {
         let [x, y, _] = to_page(uv, height);
@@ -32,11 +37,16 @@ pub(crate) fn draw(scene: &Scene) -> String {
         )
     }).collect();
     let outline = outlines.concat();
+    let is_checker = matches!(paint, Paint::Checker);
+    let coloured = (!is_checker).then(|| triangles_in_colours(scene, paint, &path));
+    let foot = paint.scale().map_or(0.0, |_| FOOT);
+    let total = height + foot;
     let mut svg = format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" width=\"{width}\" height=\"{height}\">\n{}{fills}",
-        patterns(scene, height, count)
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {total}\" width=\"{width}\" height=\"{total}\">\n{}{}",
+        patterns(scene, height, count),
+        coloured.unwrap_or(fills)
     );
-    if scene.triangles.len() <= FINE {
+    if scene.triangles.len() <= FINE && is_checker {
         let sides: String = scene.uv.iter().map(|corners| path(corners)).collect();
         svg += &format!(
             "<path d=\"{sides}\" fill=\"none\" stroke=\"{}\" stroke-width=\".4\" opacity=\".35\"/>\n",
@@ -51,6 +61,7 @@ pub(crate) fn draw(scene: &Scene) -> String {
         let _ = writeln!(svg, "<path d=\"M{}L{}\" stroke=\"{}\" opacity=\".5\"/>", point(from), point(to), hex(INK));
     }
     svg += &written_legend(scene, count, height);
+    svg += &paint.scale().map_or_else(String::new, |scale| drawn_scale(scale, height));
     let copies = cone_copies(scene);
     let disc = disc(scene, copies.len());
     for (uv, cone) in copies {
@@ -65,6 +76,39 @@ pub(crate) fn draw(scene: &Scene) -> String {
         );
     }
     svg + "</svg>\n"
+}
+
+/// The triangles as a path for each of a few colours. Each has a line of its own colour round it, or the page would shine through between.
+fn triangles_in_colours(scene: &Scene, paint: &Paint, path: &impl Fn(&[[f64; 2]]) -> String) -> String {
+    let brush = paint.brush(scene);
+    let mut paths: BTreeMap<String, String> = BTreeMap::new();
+    for (t, corners) in scene.uv.iter().enumerate() {
+        *paths.entry(hex(brush(t, [1.0 / 3.0; 3]))).or_default() += &path(corners);
+    }
+    let fill =
+        |(colour, path)| format!("<path d=\"{path}\" fill=\"{colour}\" stroke=\"{colour}\" stroke-width=\".6\"/>\n");
+    paths.into_iter().map(fill).collect()
+}
+
+/// A scale of colours with its marks and its title.
+fn drawn_scale(scale: &Scale, top: f64) -> String {
+    const STOPS: usize = 64;
+    let mut svg = String::from("<defs><linearGradient id=\"scale\">");
+    for k in 0..=STOPS {
+        let at = k as f64 / STOPS as f64;
+        let _ = write!(svg, "<stop offset=\"{at:.4}\" stop-color=\"{}\"/>", hex(scale.colour(at)));
+    }
+    let _ = write!(
+        svg,
+        "</linearGradient></defs>\n<rect x=\"24\" y=\"{top}\" width=\"{BAR}\" height=\"14\" fill=\"url(#scale)\"/>\n<g font-family=\"sans-serif\" font-size=\"14\" fill=\"{}\">\n",
+        hex(INK)
+    );
+    for (place, mark) in &scale.marks {
+        let x = 24.0 + place * BAR;
+        let _ = writeln!(svg, "<text x=\"{x:.1}\" y=\"{:.1}\" text-anchor=\"middle\">{mark}</text>", top + 29.0);
+    }
+    let _ = writeln!(svg, "<text x=\"{:.1}\" y=\"{:.1}\">{}</text>\n</g>", 24.0 + BAR + 24.0, top + 12.0, scale.title);
+    svg
 }
 
 /// A line of text below. Overlaps show in the picture itself, which does not know them.

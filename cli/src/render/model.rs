@@ -1,12 +1,15 @@
-//! The model in space: checkerboard by texture coordinates, seams, cones.
+//! The model in space: checkerboard or other colours, seams, cones.
 
 use super::ambient_occlusion;
 use super::camera::Camera;
-use super::canvas::{Canvas, Picture, ScreenPoint};
+use super::canvas::{Canvas, ScreenPoint};
 use super::colour::{Colour, INK, INSIDE, MAXIMUM, MINIMUM, PAPER, mix};
+use super::legend::{Entry, strip};
 use super::light::Light;
+use super::paint::Paint;
+use super::picture::Picture;
 use super::scene::{Scene, face_normal};
-use super::view;
+use super::view::{self, View};
 use geom::vector::{Vec3, dot, step, unit};
 
 const WIDTH: usize = 1280;
@@ -21,41 +24,72 @@ const CONE: f64 = 0.0125;
 const SMOOTH: f64 = 0.77;
 /// Seams are drawn this share nearer than they are, so that the surface they lie on does not hide them.
 const LIFT: f64 = 2e-3;
-/// Bands of colour from the least value to the greatest.
-const BANDS: f64 = 15.0;
+/// More cones than these shrink, so as to leave the surface in sight.
+const CROWD: f64 = 40.0;
+/// The least width of a seam in pixels, in small pictures.
+const LEAST_SEAM: f64 = 1.4;
+/// The inside is told of where it is more than this share of what is painted: the rim of an open surface shows a little of it.
+const NOTICED: f64 = 0.01;
+/// The least width of a picture with a legend.
+const LEAST_STRIP: usize = 560;
 
-/// Draws the model three quarters from the side and from above.
-pub(crate) fn draw(scene: &Scene) -> Picture {
-    let checker = scene.checker();
-    draw_coloured(scene, |f, w| checker.colour([0, 1].map(|i| (0..3).map(|k| w[k] * scene.uv[f][k][i]).sum())))
+/// From where a picture is taken, and how large it is.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Shot {
+    /// None: three quarters from the side and from above.
+    pub(crate) view: Option<View>,
+    /// Width and height in pixels; none: as much as the model asks for.
+    pub(crate) size: Option<[usize; 2]>,
 }
 
-/// Draws the model coloured by the values at its vertices, which range from 0 to 1; grey where one is NaN.
-pub(crate) fn draw_values(scene: &Scene, values: &[f64]) -> Picture {
-    draw_coloured(scene, |f, w| value_colour((0..3).map(|k| w[k] * values[scene.triangles[f][k] as usize]).sum()))
+/// Draws the model, with a legend below where its colours need one. Where the inside of the surface is seen, that is told.
+pub(crate) fn draw(scene: &Scene, paint: &Paint, shot: Shot) -> Picture {
+    let legend = |inside: bool| {
+        let entries = if inside { vec![Entry::new(Some(INSIDE), "inside of the surface")] } else { Vec::new() };
+        (inside || paint.scale().is_some()).then_some(entries)
+    };
+    let Some([width, height]) = shot.size else {
+        let (canvas, inside) = taken(scene, paint, shot.view, [WIDTH, HEIGHT]);
+        let picture = canvas.develop_trimmed(MARGIN);
+        return match legend(inside) {
+            Some(entries) => picture.above(&strip(picture.width.max(LEAST_STRIP), paint.scale(), &entries), PAPER),
+            None => picture,
+        };
+    };
+    // The legend has its place within the size that is asked for.
+    let (canvas, inside) = taken(scene, paint, shot.view, [width, height]);
+    let Some(entries) = legend(inside) else { return canvas.develop() };
+    let strip = strip(width, paint.scale(), &entries);
+    let room = height.saturating_sub(strip.height).max(1);
+    let (canvas, _) = taken(scene, paint, shot.view, [width, room]);
+    let mut picture = Picture::blank(width, height, PAPER);
+    picture.place(&canvas.develop(), [0, 0]);
+    picture.place(&strip, [0, room]);
+    picture
 }
 
-/// Draws the model; `colour` is given a triangle and a place in it.
-fn draw_coloured(scene: &Scene, colour: impl Fn(usize, [f64; 3]) -> Colour) -> Picture {
-    let camera = view::camera(scene, WIDTH, HEIGHT);
-    let mut canvas = Canvas::new(WIDTH, HEIGHT, PAPER);
+/// The model on a canvas of a size, and whether its inside is seen.
+fn taken(scene: &Scene, paint: &Paint, view: Option<View>, [width, height]: [usize; 2]) -> (Canvas, bool) {
+    let camera = view::camera(scene, view, width, height);
+    let mut canvas = Canvas::new(width, height, PAPER);
     let places: Vec<ScreenPoint> = scene.points.iter().map(|&p| camera.place(p)).collect();
-    draw_surface(&mut canvas, scene, &camera, &places, colour);
-    draw_seams(&mut canvas, scene, &places);
+    let inside = draw_surface(&mut canvas, scene, &camera, &places, paint.brush(scene));
+    draw_seams(&mut canvas, scene, &places, (SEAM * height as f64 / HEIGHT as f64).max(LEAST_SEAM));
     ambient_occlusion::darken(&mut canvas, camera.pixel());
     draw_cones(&mut canvas, scene, &camera, &places);
-    canvas.develop_trimmed(MARGIN)
+    (canvas, inside > NOTICED)
 }
 
+/// Draws the surface; the share of what is seen of it that is its inside.
 fn draw_surface(
     canvas: &mut Canvas,
     scene: &Scene,
     camera: &Camera,
     places: &[ScreenPoint],
     colour: impl Fn(usize, [f64; 3]) -> Colour,
-) {
+) -> f64 {
     let normals = corner_normals(scene);
-    for f in front_to_back(scene, places) {
+    let mut draw = |f: usize| {
         let t = scene.triangles[f];
         let sights = t.map(|v| camera.sight(scene.points[v as usize]));
         let outside = dot(camera.turn(face_normal(scene, &t)), sights[0]) >= 0.0;
@@ -63,22 +97,26 @@ fn draw_surface(
             let normal = camera.turn(normals[f][k]);
             Light::on(facing(normal, sights[k], outside), sights[k])
         });
+        let mut samples = 0_usize;
         canvas.triangle(t.map(|v| places[v as usize]), |w| {
+            samples += 1;
             let colour = colour(f, w);
             let colour = if outside { colour } else { mix(colour, INSIDE, 0.6) };
             Light::blend(&light, w).apply(colour)
         });
+        (samples, outside)
+    };
+    let (mut all, mut inside) = (0, Vec::new());
+    for f in front_to_back(scene, places) {
+        let (samples, outside) = draw(f);
+        all += samples;
+        if !outside && samples > 0 {
+            inside.push(f);
+        }
     }
-}
-
-/// From pale blue over white to pale red, in bands, so that marks and level lines stand out.
-fn value_colour(value: f64) -> Colour {
-    if value.is_nan() {
-        return mix(PAPER, INK, 0.3);
-    }
-    let band = (BANDS * value.clamp(0.0, 1.0)).floor().min(BANDS - 1.0) / (BANDS - 1.0);
-    let end = if band < 0.5 { MINIMUM } else { MAXIMUM };
-    mix(PAPER, end, 0.62 * (2.0 * band - 1.0).abs())
+    // Drawn again, once all is there, only what nothing hides is painted.
+    let seen: usize = inside.into_iter().map(|f| draw(f).0).sum();
+    seen as f64 / all.max(1) as f64
 }
 
 /// The triangles, nearest first: then little is painted that is hidden later.
@@ -96,21 +134,22 @@ fn facing(normal: Vec3, sight: Vec3, outside: bool) -> Vec3 {
     if towards < 0.0 { unit(step(normal, -towards, sight)) } else { normal }
 }
 
-fn draw_seams(canvas: &mut Canvas, scene: &Scene, places: &[ScreenPoint]) {
+fn draw_seams(canvas: &mut Canvas, scene: &Scene, places: &[ScreenPoint], width: f64) {
     let lifted = |v: u32| {
         let [x, y, nearness] = places[v as usize];
         [x, y, nearness * (1.0 + LIFT)]
     };
     for side in scene.seams.iter().flat_map(|seam| seam.windows(2)) {
-        canvas.line(lifted(side[0]), lifted(side[1]), SEAM, INK);
+        canvas.line(lifted(side[0]), lifted(side[1]), width, INK);
     }
 }
 
 fn draw_cones(canvas: &mut Canvas, scene: &Scene, camera: &Camera, places: &[ScreenPoint]) {
+    let crowd = (CROWD / scene.cones.len().max(1) as f64).sqrt().min(1.0);
     for cone in &scene.cones {
         let place = places[cone.vertex as usize];
         let colour: Colour = if cone.positive { MINIMUM } else { MAXIMUM };
-        canvas.ball(place, CONE, camera.scale(place), |n| Light::on(n, [0.0, 0.0, 1.0]).apply(colour));
+        canvas.ball(place, CONE * crowd, camera.scale(place), |n| Light::on(n, [0.0, 0.0, 1.0]).apply(colour));
     }
 }
 

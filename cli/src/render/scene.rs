@@ -1,7 +1,7 @@
 //! What the pictures are drawn of: a surface, its texture coordinates, its seams and its cones.
 
 use super::checker::Checker;
-use geom::vector::{Vec3, cross, sub};
+use geom::vector::{Vec3, cross, length, sub};
 use std::collections::HashMap;
 
 /// A cone as it is drawn.
@@ -99,6 +99,11 @@ impl Scene {
     /// The areas of the layout's triangles, added up.
     pub(crate) fn covered(&self) -> f64 {
         (0..self.uv.len()).map(|t| self.area(t).abs()).sum()
+    }
+
+    /// The areas of the triangles in space.
+    pub(crate) fn areas(&self) -> Vec<f64> {
+        self.triangles.iter().map(|t| 0.5 * length(face_normal(self, t))).collect()
     }
 
     /// The checkerboard that it is drawn with.

@@ -5,7 +5,7 @@ mod seams;
 pub(crate) mod table;
 mod text;
 
-pub(crate) use hierarchy_file::HierarchyFile;
+pub(crate) use hierarchy_file::{HierarchyFile, rows as hierarchy_rows};
 pub(crate) use text::{distortion_text, overlap_text, repair_text};
 
 use cones::report::Report;

@@ -13,6 +13,7 @@ mod islands;
 mod limits;
 mod many;
 mod packing;
+mod pictures;
 mod seams;
 mod terminal;
 mod unwrapping;

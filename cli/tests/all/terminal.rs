@@ -93,7 +93,7 @@ fn shells_complete_the_command_and_man_has_its_pages() {
     let page = stdout(&folder.run(&["man"]).success());
     assert!(page.contains(".TH") && page.contains("unwrap"), "{page}");
     assert!(stdout(&folder.run(&["man", "unwrap"]).success()).contains("max\\-distortion"));
-    assert!(folder.complaint(&["man", "figure"]).contains("no subcommand figure"));
+    assert!(folder.complaint(&["man", "statue"]).contains("no subcommand statue"));
 }
 
 #[test]

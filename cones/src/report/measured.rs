@@ -76,9 +76,14 @@ fn flaw(model: &Model, quality: &Quality, triangles: &[[u32; 3]]) -> Option<Stri
 impl Atlas {
     /// The triangles that lie on a surface, as corners of the model.
     pub fn surface_triangles(&self) -> Vec<[u32; 3]> {
+        self.on_surface().into_iter().map(|t| self.triangles.corners[t as usize]).collect()
+    }
+
+    /// The triangles that lie on a surface, by number.
+    pub fn on_surface(&self) -> Vec<u32> {
         let mut is_kept = vec![true; self.triangles.len()];
         self.left_out.iter().for_each(|&t| is_kept[t as usize] = false);
-        self.triangles.corners.iter().zip(is_kept).filter_map(|(&t, kept)| kept.then_some(t)).collect()
+        (0..).zip(is_kept).filter_map(|(t, kept)| kept.then_some(t)).collect()
     }
 
     /// The texture coordinates in a size.

@@ -79,6 +79,17 @@ impl Quality {
     }
 }
 
+impl Quality {
+    /// The log of the ratio of areas of each triangle, after the one scaling that makes the map's area the surface's; `areas`
+    /// are the triangles' on the surface, in any unit.
+    pub fn log_areas(&self, areas: &[f64]) -> Vec<f64> {
+        let whole: f64 = areas.iter().sum();
+        let scaled: f64 = areas.iter().zip(&self.log_scale).map(|(area, u)| area * (2.0 * u).exp()).sum();
+        let shift = if scaled > 0.0 { (scaled / whole).ln() } else { 0.0 };
+        self.log_scale.iter().map(|u| 2.0 * u - shift).collect()
+    }
+}
+
 /// How far a map is from isometric and conformal, and what is wrong with it: figures of [`geom::distortion::Distortion`], overlap and fill.
 #[derive(Clone, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]

@@ -16,6 +16,8 @@ mod trial;
 mod variant;
 
 pub(crate) use args::CompareArgs;
+pub(crate) use printed::{MODELS, PaperModel};
+pub(crate) use variant::{Flattening, Variant};
 
 use crate::commands::shape;
 use crate::error::CommandError;
@@ -25,12 +27,11 @@ use args::Format;
 use claims::{Claim, claims};
 use plan::{Plan, Plans};
 use prepared::PreparedModel;
-use printed::{MODELS, PaperModel, Printed};
+use printed::Printed;
 use row::{Outcome, Row};
 use serde::Serialize;
 use std::path::Path;
 use trial::Trial;
-use variant::Variant;
 
 /// What is compared where no mesh is given.
 const SHAPES: [&str; 4] = ["hare", "part", "torus-3", "terrain"];

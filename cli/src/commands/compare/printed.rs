@@ -2,35 +2,35 @@
 
 /// What the paper prints for one method on one model. Times in seconds, on its machine.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Printed {
+pub(crate) struct Printed {
     /// None where the paper leaves it out, since one detection serves all numbers of cones.
-    pub(super) detection: Option<f64>,
-    pub(super) flattening: f64,
-    pub(super) areal: f64,
-    pub(super) quasi_conformal: f64,
+    pub(crate) detection: Option<f64>,
+    pub(crate) flattening: f64,
+    pub(crate) areal: f64,
+    pub(crate) quasi_conformal: f64,
 }
 
 /// A row of the paper's table.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct PaperRow {
-    pub(super) cones: usize,
+pub(crate) struct PaperRow {
+    pub(crate) cones: usize,
     /// The paper's method.
-    pub(super) ours: Printed,
+    pub(crate) ours: Printed,
     /// That of Ben-Chen, Gotsman & Bunin, as the paper ran it.
-    pub(super) published: Printed,
+    pub(crate) published: Printed,
 }
 
 /// A model of the paper.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct PaperModel {
-    pub(super) name: &'static str,
+pub(crate) struct PaperModel {
+    pub(crate) name: &'static str,
     /// Its size as printed.
-    pub(super) vertices: &'static str,
+    pub(crate) vertices: &'static str,
     /// The file that stands in for it, if there is one.
-    pub(super) file: Option<&'static str>,
+    pub(crate) file: Option<&'static str>,
     /// How the file relates to the paper's.
-    pub(super) remark: &'static str,
-    pub(super) rows: &'static [PaperRow],
+    pub(crate) remark: &'static str,
+    pub(crate) rows: &'static [PaperRow],
 }
 
 const fn row(
@@ -59,7 +59,7 @@ const fn row(
 }
 
 /// The models of Table 1 in its order.
-pub(super) const MODELS: [PaperModel; 7] = [
+pub(crate) const MODELS: [PaperModel; 7] = [
     PaperModel {
         name: "Planck",
         vertices: "28K",

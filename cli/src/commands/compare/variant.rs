@@ -4,7 +4,7 @@ use cones::{Baseline, CurvatureRule, Handles, Options, Placement, Preparation};
 
 /// A way from cones with curvatures to the plane.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Flattening {
+pub(crate) enum Flattening {
     /// Newton's method, as in `cones unwrap`.
     Exact,
     /// As others do it, along the same cut.
@@ -13,17 +13,17 @@ pub(super) enum Flattening {
 
 /// A method to compare.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Variant {
-    pub(super) placement: Placement,
+pub(crate) struct Variant {
+    pub(crate) placement: Placement,
     /// Whether the curvature is diffused before extrema are looked for.
-    pub(super) smooth: bool,
-    pub(super) rule: CurvatureRule,
-    pub(super) flattening: Flattening,
+    pub(crate) smooth: bool,
+    pub(crate) rule: CurvatureRule,
+    pub(crate) flattening: Flattening,
 }
 
 impl Variant {
     /// The paper.
-    pub(super) const PAPER: Self = Self {
+    pub(crate) const PAPER: Self = Self {
         placement: Placement::Alternating,
         smooth: false,
         rule: CurvatureRule::Harmonic,
@@ -32,16 +32,16 @@ impl Variant {
     /// The paper with the metric scaling of its time.
     pub(super) const PAPER_LINEAR: Self = Self { flattening: Flattening::By(Baseline::LinearScaling), ..Self::PAPER };
     /// The method that the paper compares with.
-    pub(super) const PUBLISHED: Self = Self { placement: Placement::Refactoring, ..Self::PAPER };
+    pub(crate) const PUBLISHED: Self = Self { placement: Placement::Refactoring, ..Self::PAPER };
     /// The same with one factorization.
-    pub(super) const REUSING: Self = Self { placement: Placement::Iterative, ..Self::PAPER };
+    pub(crate) const REUSING: Self = Self { placement: Placement::Iterative, ..Self::PAPER };
     /// Ours.
-    pub(super) const REFINED: Self =
+    pub(crate) const REFINED: Self =
         Self { placement: Placement::Refined, rule: CurvatureRule::Optimal, ..Self::PAPER };
     /// No metric scaling, on the cut of ours.
-    const LSCM: Self = Self { flattening: Flattening::By(Baseline::LeastSquares), ..Self::REFINED };
+    pub(crate) const LSCM: Self = Self { flattening: Flattening::By(Baseline::LeastSquares), ..Self::REFINED };
 
-    pub(super) fn parse(text: &str) -> Result<Self, String> {
+    pub(crate) fn parse(text: &str) -> Result<Self, String> {
         match text {
             "linear" => return Ok(Self::PAPER_LINEAR),
             "lscm" => return Ok(Self::LSCM),
@@ -73,7 +73,7 @@ impl Variant {
     }
 
     /// Its name, which [`parse`](Self::parse) takes. Optimal curvatures and Newton's method go without saying.
-    pub(super) fn name(self) -> String {
+    pub(crate) fn name(self) -> String {
         let placement = self.placement.name();
         let smooth = if self.smooth { "+smooth" } else { "" };
         let rule = if self.rule == CurvatureRule::Harmonic { "+harmonic" } else { "" };
@@ -85,7 +85,7 @@ impl Variant {
         format!("{placement}{smooth}{rule}{flattening}")
     }
 
-    pub(super) fn help() -> String {
+    pub(crate) fn help() -> String {
         "Which methods, each RULE[+smooth][+ANGLES][+FLATTENING]:\n\n\
          RULE        alternating (the paper), persistence, greedy, refined,\n\
          \x20           pursuit, iterative [BCGB08] with one factorization, or\n\
@@ -112,7 +112,7 @@ impl Variant {
     }
 
     /// The library's options for it, but for the number of cones.
-    pub(super) fn options(self) -> Options {
+    pub(crate) fn options(self) -> Options {
         // All methods on the same surface.
         let preparation = Preparation { smooth: self.smooth, handles: Handles::Never, ..Preparation::default() };
         Options { placement: self.placement, rule: self.rule, preparation, ..Options::default() }

@@ -52,6 +52,9 @@ pub(crate) struct PersistenceArgs {
     /// .png (picture); needs --direction sub or super
     #[arg(long, value_name = "FILE")]
     pub(crate) segmentation: Option<PathBuf>,
+    /// Write a page to see in a browser: the field, its segments at every level, merge tree, diagram and barcode: .html
+    #[arg(long, value_name = "FILE")]
+    pub(crate) report: Option<PathBuf>,
     /// Print JSON in place of the table
     #[arg(long)]
     pub(crate) json: bool,

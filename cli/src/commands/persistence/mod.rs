@@ -6,12 +6,14 @@ mod field;
 mod pairs;
 mod report;
 mod segments;
+mod shown;
 mod vtp;
 
 pub(crate) use args::{NanName, PersistenceArgs};
 pub(crate) use field::{DomainField, Places};
 pub(crate) use pairs::{Pair, PairList, Wanted};
 pub(crate) use report::PairingTimes;
+pub(crate) use shown::html;
 
 use crate::error::CommandError;
 use crate::input::Source;
@@ -72,6 +74,7 @@ fn check_outputs(args: &PersistenceArgs) -> Result<(), CommandError> {
         (&args.diagram, &["svg"]),
         (&args.barcode, &["svg"]),
         (&args.segmentation, &["npy", "ply", "png"]),
+        (&args.report, &["html"]),
     ];
     for (output, endings) in outputs {
         output.as_deref().map_or(Ok(""), |path| output::extension(path, endings))?;
@@ -114,6 +117,9 @@ fn write(
         if let Some(path) = path {
             output::write_text(path, &draw(lists))?;
         }
+    }
+    if let Some(path) = &args.report {
+        output::write_text(path, &html(path, subject, &lists.iter().collect::<Vec<_>>(), options(args))?)?;
     }
     if let (Some(path), &[kind]) = (&args.segmentation, args.direction.kinds()) {
         segments::write(path, subject, kind, options(args), args.min_persistence)?;

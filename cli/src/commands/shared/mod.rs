@@ -2,23 +2,29 @@
 
 mod checker;
 mod choice;
+mod hierarchy;
 mod numbers;
 mod pack_args;
 pub(crate) mod page_file;
+mod picture_args;
 mod seams;
 mod shown;
 mod surface_file;
 mod unwrapped;
+mod vtp_file;
 mod warn;
 mod welded;
 
 pub(crate) use checker::CheckerFiles;
 pub(crate) use choice::CandidateArgs;
+pub(crate) use hierarchy::{HIERARCHY_ENDINGS, write_hierarchy};
 pub(crate) use numbers::{non_negative, vertex_count};
 pub(crate) use pack_args::PackArgs;
+pub(crate) use picture_args::{ColourName, ShotArgs};
 pub(crate) use seams::SeamArgs;
 pub(crate) use shown::{Chosen, Shown, Subject};
 pub(crate) use surface_file::{FormatName, SurfaceFile};
 pub(crate) use unwrapped::{Scale, Unwrapped, corner_uv};
+pub(crate) use vtp_file::text as vtp_text;
 pub(crate) use warn::warn;
 pub(crate) use welded::split_vertices;

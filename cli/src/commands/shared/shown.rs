@@ -3,10 +3,10 @@
 use super::unwrapped::{corner_uv, vertices};
 use crate::error::CommandError;
 use crate::page;
-use crate::render::extent;
+use crate::render::{Mark, Scene, extent};
 use crate::report::{SCHEMA, Times};
 use cones::report::{Quality, UvSize, sentences};
-use cones::{Analysis, Atlas, CurvatureRule, MOST_OPTIMISED, ModelExtremum, Options, Placement};
+use cones::{Analysis, Atlas, Cone, CurvatureRule, MOST_OPTIMISED, ModelExtremum, Options, Placement};
 use geom::{Model, Triangles};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
@@ -134,14 +134,31 @@ impl<'a> Subject<'a> {
     pub(crate) fn map(&self, analysis: &Analysis, options: &Options) -> Result<Shown, CommandError> {
         let atlas = analysis.atlas(options).map_err(|error| CommandError::Unwrap { path: self.path.clone(), error })?;
         let uv = atlas.uv_in(UvSize::Unit);
-        let mut cones: Vec<u32> = atlas.cones.iter().map(|cone| cone.vertex).collect();
-        if let Some(first) = &self.first {
-            cones.iter_mut().for_each(|v| *v = first[*v as usize]);
-        }
-        let corners = corner_uv(&self.corners, &uv);
-        let quality = Quality::measure(self.model.points(), &self.vertices, &corners, Some(&cones))
-            .map_err(|error| CommandError::Measure { path: self.path.clone(), error })?;
+        let quality = self.measure(&uv, &atlas.cones)?;
         Ok(Shown { atlas, uv, quality })
+    }
+
+    /// Measures texture coordinates at the corners of the model.
+    ///
+    /// # Errors
+    /// If they cannot be measured.
+    pub(crate) fn measure(&self, uv: &[[f64; 2]], cones: &[Cone]) -> Result<Quality, CommandError> {
+        let first = |v: u32| self.first.as_ref().map_or(v, |first| first[v as usize]);
+        let cones: Vec<u32> = cones.iter().map(|cone| first(cone.vertex)).collect();
+        Quality::measure(self.model.points(), &self.vertices, &corner_uv(&self.corners, uv), Some(&cones))
+            .map_err(|error| CommandError::Measure { path: self.path.clone(), error })
+    }
+
+    /// What pictures are drawn of, with texture coordinates, seams and cones.
+    pub(crate) fn scene(&self, uv: &[[f64; 2]], seams: Vec<Vec<u32>>, cones: &[Cone]) -> Scene {
+        let marks = cones.iter().map(|c| Mark { vertex: c.vertex, positive: c.curvature >= 0.0 }).collect();
+        Scene::new(self.model.points(), self.vertices.clone(), corner_uv(&self.corners, uv), seams, marks)
+    }
+
+    /// What pictures of a map are drawn of.
+    pub(crate) fn scene_of(&self, shown: &Shown) -> Scene {
+        let scene = self.scene(&shown.uv, shown.atlas.seams.clone(), &shown.atlas.cones);
+        scene.packed(corner_uv(&self.corners, &shown.uv), shown.atlas.fill)
     }
 
     /// What is drawn of a map.
@@ -151,17 +168,13 @@ impl<'a> Subject<'a> {
         let area = |t: &[u32; 3]| {
             let [a, b, c] = t.map(|v| self.model.points()[v as usize]);
             let [u, v] = [geom::vector::sub(b, a), geom::vector::sub(c, a)];
-            let [x, y, z] = geom::vector::cross(u, v);
-            (x * x + y * y + z * z).sqrt()
+            geom::vector::length(geom::vector::cross(u, v))
         };
         let areas: Vec<f64> = self.vertices.iter().map(area).collect();
-        let whole: f64 = areas.iter().sum();
-        let scaled: f64 = areas.iter().zip(&quality.log_scale).map(|(area, u)| area * (2.0 * u).exp()).sum();
-        let shift = if scaled > 0.0 { (scaled / whole).ln() } else { 0.0 };
         let island = |&t: &u32| atlas.islands[t as usize].unwrap_or(0);
         page::Map {
             uv: self.corners.iter().map(|t| t.map(|c| narrow(uv[c as usize]))).collect(),
-            log_area: quality.log_scale.iter().map(|u| (2.0 * u - shift) as f32).collect(),
+            log_area: quality.log_areas(&areas).into_iter().map(|log| log as f32).collect(),
             stretch: quality.quasi_conformal.iter().map(|&stretch| stretch as f32).collect(),
             island: self.triangles.iter().map(island).collect(),
             seams: atlas.seams.clone(),

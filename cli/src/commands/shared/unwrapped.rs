@@ -1,11 +1,12 @@
 //! One surface through the library: unwrapped, its texture coordinates scaled, its map measured.
 
+use super::picture_args::ColourName;
 use super::warn::said;
 use crate::error::CommandError;
 use crate::limits;
 use crate::output;
 use crate::progress::Progress;
-use crate::render::{Mark, Scene};
+use crate::render::{Mark, Paint, Scene};
 use crate::report::{Times, UnwrapReport};
 use clap::ValueEnum;
 use cones::report::{MeasuredAtlas, UvSize};
@@ -141,6 +142,17 @@ impl Unwrapped {
         let uv = corner_uv(&triangles, &atlas.uv_in(UvSize::Unit));
         let (triangles, seams) = (vertices(&self.model, &triangles), atlas.seams.clone());
         Scene::new(self.model.points(), triangles, uv.clone(), seams, cones).packed(uv, atlas.fill)
+    }
+
+    /// What a scene of it is painted with.
+    pub(crate) fn paint(&self, colour: ColourName, scene: &Scene) -> Paint {
+        let factor = if colour == ColourName::Factor { self.analysis.conformal_factor() } else { Vec::new() };
+        colour.paint(scene, &self.map.quality, &factor)
+    }
+
+    /// The triangles that lie on a surface, by number: those of its scene and of its quality, in this order.
+    pub(crate) fn kept(&self) -> Vec<u32> {
+        self.map.atlas.on_surface()
     }
 
     /// Its report; `times` are those of reading, writing and drawing.

@@ -1,6 +1,6 @@
 //! What the page asks for, as JSON.
 
-use cones::{ConeChoice, CurvatureRule, Options, Placement};
+use cones::{ConeChoice, CurvatureRule, Options, Placement, SeamOptions};
 use serde::Deserialize;
 
 /// A question about cones or their map.
@@ -14,6 +14,9 @@ pub(super) struct Question {
     n: Option<usize>,
     /// Or these vertices, each with its curvature in radians or none of them with one.
     given: Option<Vec<(u32, Option<f64>)>>,
+    /// Edges that are cut, and edges that are not, besides those of the command line.
+    cut: Vec<[u32; 2]>,
+    avoid: Vec<[u32; 2]>,
     method: Option<Placement>,
     angles: Option<CurvatureRule>,
 }
@@ -47,7 +50,12 @@ impl Question {
             Placement::Refactoring => Placement::Iterative,
             placement => placement,
         };
-        Ok(Options { cones, placement, rule: self.rule(), ..base.clone() })
+        let seams = SeamOptions {
+            given: [&base.seams.given[..], &self.cut].concat(),
+            avoid: [&base.seams.avoid[..], &self.avoid].concat(),
+            ..base.seams.clone()
+        };
+        Ok(Options { cones, placement, rule: self.rule(), seams, ..base.clone() })
     }
 }
 
@@ -63,9 +71,19 @@ mod tests {
         assert_eq!(options("{}").unwrap().cones, ConeChoice::Automatic);
         let given = options(r#"{"n":5,"given":[[3,null],[4,1.5]]}"#).unwrap();
         assert_eq!(given.cones, ConeChoice::Given(vec![(3, None), (4, Some(1.5))]));
-        for wrong in
-            ["", "{", r#"{"n":-1}"#, r#"{"n":1e9}"#, r#"{"n":65}"#, r#"{"x":1}"#, r#"{"given":[[1]]}"#, "\u{0}"]
-        {
+        let pinned = options(r#"{"n":5,"cut":[[3,4]],"avoid":[[1,2],[2,5]]}"#).unwrap().seams;
+        assert_eq!((pinned.given, pinned.avoid), (vec![[3, 4]], vec![[1, 2], [2, 5]]));
+        for wrong in [
+            "",
+            "{",
+            r#"{"n":-1}"#,
+            r#"{"n":1e9}"#,
+            r#"{"n":65}"#,
+            r#"{"x":1}"#,
+            r#"{"given":[[1]]}"#,
+            r#"{"cut":[[1]]}"#,
+            "\u{0}",
+        ] {
             assert!(options(wrong).is_err(), "{wrong}");
         }
     }
