@@ -6,11 +6,14 @@ from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty
 import cones
 
 from . import exchange
+from .work import Work
 
 #: Blender's cursor counts up to this.
 WHOLE = 1000
-#: How far the work is when a stage begins, as it was on scans of 100 thousand vertices.
-BEGINS = {"prepare": 0.0, "factor": 0.1, "hierarchy": 0.3, "curvature": 0.5, "cut": 0.55, "scale": 0.6, "layout": 0.8, "islands": 0.85, "pack": 0.9}
+#: Seconds between two looks at the work.
+INTERVAL = 0.1
+#: What one may do while the work runs: nothing of it changes a mesh.
+LOOKING_ROUND = {"MOUSEMOVE", "INBETWEEN_MOUSEMOVE", "MIDDLEMOUSE", "WHEELUPMOUSE", "WHEELDOWNMOUSE", "TRACKPADPAN", "TRACKPADZOOM", "MOUSEROTATE", "WINDOW_DEACTIVATE"}
 
 
 class UV_OT_cone_unwrap(bpy.types.Operator):
@@ -66,31 +69,94 @@ class UV_OT_cone_unwrap(bpy.types.Operator):
         for name in ("islands", "margin", "texture_size", "use_seams", "mark_seams"):
             layout.prop(self, name)
 
-    def execute(self, context):
-        objects = _objects(context)
-        done, refused = [], []
-        progress = context.window_manager
-        progress.progress_begin(0, WHOLE)
+    def invoke(self, context, event):
+        """From a menu: beside Blender, which can be looked around in; Esc stops it."""
+        if bpy.app.background or context.window is None:
+            return self.execute(context)
+        self._begin(context)
+        self.work = Work(self.jobs)
+        self.work.start()
+        self.timer = context.window_manager.event_timer_add(INTERVAL, window=context.window)
+        context.window_manager.modal_handler_add(self)
+        return {"RUNNING_MODAL"}
+
+    def modal(self, context, event):
+        """Looks up now and then whether the work is done."""
+        if event.type == "ESC":
+            self.cancel(context)
+            self.report({"INFO"}, "Cone Unwrap was stopped; nothing is changed")
+            return {"CANCELLED"}
+        if event.type in LOOKING_ROUND:
+            return {"PASS_THROUGH"}
+        if event.type != "TIMER":
+            # Meshes must stay as they were read.
+            return {"RUNNING_MODAL"}
+        context.window_manager.progress_update(int(WHOLE * self.work.fraction))
+        context.workspace.status_text_set(f"Cone Unwrap   {100 * self.work.fraction:.0f} %   {self.work.stage}   Esc stops")
         try:
-            for k, obj in enumerate(objects):
-                try:
-                    done.append((obj, self._unwrap(obj, _Cursor(progress, k, len(objects)))))
-                except cones.Error as error:
-                    refused.append(f"{obj.name}: {error}")
+            if not self.work.is_done():
+                return {"RUNNING_MODAL"}
+        except BaseException:
+            self._end(context)
+            raise
+        self._end(context)
+        return self._finish()
+
+    def cancel(self, context):
+        """Stops the work: by Esc, or because Blender is closed."""
+        self.work.stop()
+        self._end(context)
+
+    def execute(self, context):
+        """From a script, without a window, or with other options from the panel of the last operation: Blender waits."""
+        self._begin(context)
+        manager = context.window_manager
+        self.work = Work(self.jobs, lambda fraction: manager.progress_update(int(WHOLE * fraction)))
+        try:
+            self.work.run()
         finally:
-            progress.progress_end()
-        for obj, result in done:
-            for warning in result.warnings:
+            self._end(context)
+        return self._finish()
+
+    def _begin(self, context):
+        self.timer = None
+        self.objects, self.jobs, self.refused = [], [], []
+        for obj in _objects(context):
+            try:
+                self.jobs.append((obj.name, self._keywords(obj)))
+                self.objects.append(obj)
+            except cones.Error as error:
+                self.refused.append(f"{obj.name}: {error}")
+        context.window_manager.progress_begin(0, WHOLE)
+
+    def _end(self, context):
+        context.window_manager.progress_end()
+        if self.timer is not None:
+            context.window_manager.event_timer_remove(self.timer)
+            context.workspace.status_text_set(None)
+            self.timer = None
+
+    def _finish(self):
+        """Writes what came out, and tells of it."""
+        done = []
+        for obj, outcome in zip(self.objects, self.work.outcomes):
+            if isinstance(outcome, cones.Error):
+                self.refused.append(f"{obj.name}: {outcome}")
+                continue
+            exchange.write(obj, outcome.uv, outcome.seam_edges if self.mark_seams else [])
+            done.append(outcome)
+            for warning in outcome.warnings:
                 self.report({"INFO"}, f"{obj.name}: {warning}")
         if not done:
-            self.report({"ERROR"}, "\n".join(refused))
+            self.report({"ERROR"}, "\n".join(self.refused))
             return {"CANCELLED"}
-        for sentence in refused:
+        for sentence in self.refused:
             self.report({"WARNING"}, sentence)
-        self.report({"INFO"}, _summary([result for _, result in done]))
+        self.report({"INFO"}, _summary(done))
         return {"FINISHED"}
 
-    def _unwrap(self, obj, progress):
+    def _keywords(self, obj):
+        """What is asked of the library for an object."""
         mesh = exchange.read(obj)
         which = {"max_distortion": self.distortion} if self.number == "AUTOMATIC" and self.distortion != 1.25 else {}
         if self.number == "COUNT":
@@ -99,29 +165,14 @@ class UV_OT_cone_unwrap(bpy.types.Operator):
             if obj.mode != "EDIT":
                 raise cones.Error("cones are taken from selected vertices in edit mode")
             which = {"cones": exchange.selected_vertices(obj)}
-        result = cones.unwrap(
-            mesh,
+        return {
+            "vertices": mesh,
             **which,
-            keep_seams=exchange.marked_seams(obj) if self.use_seams else False,
-            islands=self.islands,
-            margin=self.margin,
-            texture_size=self.texture_size,
-            progress=progress,
-        )
-        exchange.write(obj, result.uv, result.seam_edges if self.mark_seams else [])
-        return result
-
-
-class _Cursor:
-    """Shows how far the work on one of several objects is."""
-
-    def __init__(self, manager, k, count):
-        self.manager, self.k, self.count, self.most = manager, k, count, 0.0
-
-    def __call__(self, stage, fraction):
-        begins = BEGINS.get(stage, 0.0)
-        self.most = max(self.most, begins + 0.1 * (fraction or 0.0))
-        self.manager.progress_update(int(WHOLE * (self.k + self.most) / self.count))
+            "keep_seams": exchange.marked_seams(obj) if self.use_seams else False,
+            "islands": self.islands,
+            "margin": self.margin,
+            "texture_size": self.texture_size,
+        }
 
 
 def _objects(context):

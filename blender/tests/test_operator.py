@@ -1,7 +1,9 @@
 """The extension in the real Blender, without a window: run with a Python that has `bpy` (from PyPI) and the package `cones`."""
 
 import sys
+import time
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -13,7 +15,8 @@ import cones  # noqa: E402
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 import cone_unwrap  # noqa: E402
-from cone_unwrap import exchange  # noqa: E402
+from cone_unwrap import exchange, operator  # noqa: E402
+from cone_unwrap.work import Stopped, Work  # noqa: E402
 
 
 @pytest.fixture(autouse=True)
@@ -203,3 +206,102 @@ def test_an_object_keeps_its_other_uv_maps_and_its_polygons():
     obj.data.uv_layers[0].uv.foreach_get("vector", after)
     assert (kept == after).all() and len(obj.data.polygons) == 6
     assert_is_map(obj)
+
+
+def finished(work):
+    work.start()
+    until = time.monotonic() + 60
+    while not work.is_done():
+        assert time.monotonic() < until
+        time.sleep(0.01)
+    return work
+
+
+def test_work_beside_blender_comes_to_what_a_call_does():
+    meshes = [cones.shape("capsule", 400), cones.shape("torus", 500)]
+    jobs = [("capsule", {"vertices": meshes[0], "n": 4}), ("capsule", {"vertices": meshes[0], "cones": [10**6]}), ("torus", {"vertices": meshes[1], "n": 4})]
+    told = []
+    work = finished(Work(jobs, told.append))
+    for mesh, outcome in zip(meshes, work.outcomes[::2]):
+        assert (outcome.uv == cones.unwrap(mesh, n=4).uv).all()
+    assert isinstance(work.outcomes[1], cones.Error) and len(work.outcomes) == 3
+    assert told == sorted(told) and all(0 <= fraction <= 1 for fraction in told)
+
+
+def test_work_is_stopped_at_once_and_a_bug_in_it_is_no_silence():
+    work = Work([("hare", {"vertices": cones.shape("hare", 60_000), "n": 64})] * 50)
+    work.start()
+    time.sleep(0.3)
+    begin = time.monotonic()
+    work.stop()
+    assert time.monotonic() - begin < 5
+    with pytest.raises(Stopped):
+        work.is_done()
+    with pytest.raises(TypeError):
+        finished(Work([("cube", {"no_such_option": 1})]))
+
+
+class Run:
+    """The operator as Blender's window runs it, which is not there without one: its own functions, with a stand-in for Blender's loop of events."""
+
+    invoke, modal, cancel, execute = (operator.UV_OT_cone_unwrap.__dict__[name] for name in ("invoke", "modal", "cancel", "execute"))
+    _begin, _end, _finish, _keywords = (operator.UV_OT_cone_unwrap.__dict__[name] for name in ("_begin", "_end", "_finish", "_keywords"))
+    number, count, distortion, islands = "COUNT", 5, 1.25, "overlap-free"
+    margin, texture_size, use_seams, mark_seams = 4.0, 1024, True, True
+
+    def __init__(self):
+        self.reports, self.calls = [], []
+        note = lambda name: lambda *rest, **named: self.calls.append((name, *rest)) or object()  # noqa: E731
+        manager = SimpleNamespace(**{name: note(name) for name in MANAGER})
+        window = SimpleNamespace(status_text_set=note("status"))
+        of = bpy.context
+        self.context = SimpleNamespace(
+            window_manager=manager, workspace=window, window=object(), mode=of.mode, selected_objects=of.selected_objects
+        )
+
+    def report(self, kind, sentence):
+        self.reports.append((kind, sentence))
+
+    def events(self, *types):
+        for name in types:
+            answer = self.modal(self.context, SimpleNamespace(type=name))
+        return answer
+
+
+MANAGER = ("progress_begin", "progress_update", "progress_end", "event_timer_add", "event_timer_remove", "modal_handler_add")
+
+
+@pytest.fixture
+def with_window(monkeypatch):
+    monkeypatch.setattr(operator, "bpy", SimpleNamespace(app=SimpleNamespace(background=False)))
+
+
+def test_in_a_window_the_work_runs_beside_blender_with_progress(with_window):
+    obj = from_mesh(cones.shape("capsule", 400), "capsule")
+    select(obj)
+    run = Run()
+    assert run.invoke(run.context, None) == {"RUNNING_MODAL"}
+    # Whoever looks round is let; a key that would change the mesh is not.
+    assert run.events("MIDDLEMOUSE") == {"PASS_THROUGH"} and run.events("X") == {"RUNNING_MODAL"}
+    until = time.monotonic() + 60
+    while (answer := run.events("TIMER")) == {"RUNNING_MODAL"}:
+        assert time.monotonic() < until
+        time.sleep(0.01)
+    assert answer == {"FINISHED"} and "5 cones" in run.reports[-1][1]
+    assert_is_map(obj, n=5)
+    names = [name for name, *_ in run.calls]
+    assert names.count("progress_begin") == names.count("progress_end") == 1 and "progress_update" in names
+    assert [call for call in run.calls if call[0] == "status"][-1] == ("status", None)
+
+
+def test_in_a_window_esc_stops_the_work_and_changes_nothing(with_window):
+    obj = from_mesh(cones.shape("hare", 30_000), "hare")
+    select(obj)
+    run = Run()
+    run.count = 64
+    run.invoke(run.context, None)
+    begin = time.monotonic()
+    assert run.events("TIMER", "ESC") == {"CANCELLED"}
+    assert time.monotonic() - begin < 5
+    assert not obj.data.uv_layers and seams_of(obj) == set()
+    assert "progress_end" in [name for name, *_ in run.calls] and not run.work._thread.is_alive()

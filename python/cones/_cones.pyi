@@ -1,6 +1,6 @@
 """The native half: plain functions on arrays that lie in memory as Rust reads them. Use the modules beside it."""
 
-from typing import Any, Optional
+from typing import Any, Optional, final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +13,7 @@ class Error(ValueError): ...
 def thread_count() -> int:
     """On how many threads work runs: ``RAYON_NUM_THREADS``, or one a core."""
 
+@final
 class Mesh:
     def __new__(cls, points: NDArray[np.float64], corners: NDArray[np.uint32], face_start: NDArray[np.int64]) -> Mesh: ...
     @staticmethod
@@ -29,6 +30,7 @@ class Mesh:
     def texture_seams(self, weld: bool) -> NDArray[np.uint32]: ...
     def to_bytes(self, format: str, uv: Optional[NDArray[np.float64]], triangulate: bool) -> bytes: ...
 
+@final
 class Cones:
     def __len__(self) -> int: ...
     def table(self) -> list[dict[str, Any]]: ...
@@ -37,6 +39,7 @@ class Cones:
     method: Optional[str]
     def notes(self, components: int) -> list[str]: ...
 
+@final
 class Analysis:
     def __new__(cls, mesh: Mesh, preparation: dict[str, Any], progress: Any) -> Analysis: ...
     def choose(self, options: dict[str, Any], progress: Any) -> Cones: ...
@@ -64,6 +67,7 @@ def pack(
     progress: Any,
 ) -> dict[str, Any]: ...
 
+@final
 class Domain:
     @staticmethod
     def grid(shape: list[int], connectivity: str, periodic: list[bool]) -> Domain: ...
@@ -74,6 +78,7 @@ class Domain:
     vertex_count: int
     axes: Optional[int]
 
+@final
 class Pairs:
     is_superlevel: bool
     zero_count: int
@@ -84,6 +89,7 @@ class Pairs:
     def above(self, threshold: float) -> tuple[Any, ...]: ...
     def diagram(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]: ...
 
+@final
 class Tree:
     is_superlevel: bool
     leaf_count: int
@@ -95,6 +101,7 @@ class Tree:
     def simplify(self, threshold: float) -> Tree: ...
     def sums(self, weights: NDArray[np.float64]) -> NDArray[np.float64]: ...
 
+@final
 class Diagram:
     def __new__(cls, finite: NDArray[np.float64], essential: NDArray[np.float64], is_superlevel: bool) -> Diagram: ...
     def bottleneck(self, other: Diagram) -> float: ...
@@ -109,6 +116,7 @@ class Diagram:
     def silhouette(self, power: float, levels: NDArray[np.float64]) -> NDArray[np.float64]: ...
     def image(self, births: tuple, lifetimes: tuple, shape: list[int], bandwidth: float) -> NDArray[np.float64]: ...
 
+@final
 class Linkage:
     def links(self) -> list[tuple[int, int, float, int]]: ...
     def at(self, weight: float) -> list[int]: ...

@@ -26,7 +26,7 @@ _ORDERED = np.dtype([("n", np.int64), ("component", np.int64), ("vertex", np.int
 
 
 class Cones:
-    """Cones that an :class:`Analysis` has placed, with their curvatures and what is predicted for them."""
+    """Cones that an `Analysis` has placed, with their curvatures and what is predicted for them."""
 
     def __init__(self, native: _cones.Cones, components: int):
         self._native = native
@@ -106,9 +106,9 @@ class Analysis:
     Parameters
     ----------
     vertices, faces
-        As for :func:`cones.unwrap`.
+        As for `cones.unwrap`.
     weld, smooth, refine, open_handles
-        How it is made ready, as for :func:`cones.unwrap`.
+        How it is made ready, as for `cones.unwrap`.
     progress : callable, optional
         ``progress(stage, fraction)`` while it is made.
     """
@@ -153,7 +153,7 @@ class Analysis:
         quantize: Optional[int] = None,
         progress: Optional[Progress] = None,
     ) -> Cones:
-        """Cones by a method, or given ones with curvatures by a rule; options as for :func:`cones.unwrap`."""
+        """Cones by a method, or given ones with curvatures by a rule; options as for `cones.unwrap`."""
         asked = options.choice(n, max_distortion, min_persistence, cones, method, angles, quantize)
         return Cones(self._native.choose(asked, progress), self.topology["components"])
 
@@ -186,9 +186,9 @@ class Analysis:
         progress: Optional[Progress] = None,
         **layout: Any,
     ) -> Unwrapping:
-        """A map with exactly these cones: :class:`Cones` of this analysis, or vertices (with curvatures by ``angles``).
+        """A map with exactly these cones: `Cones` of this analysis, or vertices (with curvatures by ``angles``).
 
-        ``layout`` are the options of :func:`cones.unwrap` that speak of seams, islands and packing. No other cones are tried; where a layout lies
+        ``layout`` are the options of `cones.unwrap` that speak of seams, islands and packing. No other cones are tried; where a layout lies
         over itself it is taken apart.
         """
         placed = cones if isinstance(cones, Cones) else self.place(cones=cones, angles=angles, progress=progress)
@@ -209,7 +209,7 @@ class Analysis:
         progress: Optional[Progress] = None,
         **layout: Any,
     ) -> Unwrapping:
-        """Cones and a map with them, or with others where these fail: :func:`cones.unwrap` on an analysis that is there."""
+        """Cones and a map with them, or with others where these fail: `cones.unwrap` on an analysis that is there."""
         asked = options.choice(n, max_distortion, min_persistence, cones, method, angles, quantize)
         asked.update(options.layout(self.input, self._weld, **layout))
         return Unwrapping(self.mesh, self._native.atlas(asked, scale, progress))

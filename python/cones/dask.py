@@ -23,6 +23,7 @@ from __future__ import annotations
 import hashlib
 import itertools
 import json
+import operator
 import os
 import time
 from collections.abc import Iterable
@@ -71,10 +72,10 @@ def unwrap(
     resume: bool = True,
     **options: Any,
 ) -> list:
-    """A delayed task for each mesh, which writes it with texture coordinates to ``folder`` and gives an :class:`Item`.
+    """A delayed task for each mesh, which writes it with texture coordinates to ``folder`` and gives an `Item`.
 
     Outputs are named as the inputs are below their common folder. ``ending`` is .obj, .ply or .glb; ``options`` are those of
-    :func:`cones.unwrap`. With ``resume`` what is there already is not done again.
+    `cones.unwrap`. With ``resume`` what is there already is not done again.
     """
     sources = [Path(path) for path in paths]
     outputs = _outputs(sources, Path(folder), ending)
@@ -160,12 +161,12 @@ def _found(line: Path, output: str, key: str) -> Optional[Item]:
 
 
 def sublevel(field: Any, **options: Any) -> Pairs:
-    """The minima of a chunked field; options as for :func:`persistence`."""
+    """The minima of a chunked field; options as for `persistence`."""
     return _computed(field, (False,), options)[0]
 
 
 def superlevel(field: Any, **options: Any) -> Pairs:
-    """The maxima of a chunked field; options as for :func:`persistence`."""
+    """The maxima of a chunked field; options as for `persistence`."""
     return _computed(field, (True,), options)[0]
 
 
@@ -176,7 +177,7 @@ def persistence(field: Any, **options: Any) -> Persistence:
     Parameters
     ----------
     connectivity, periodic, nan, keep_zeros
-        As for :func:`cones.topo.sublevel`.
+        As for `cones.topo.sublevel`.
     """
     return Persistence(*_computed(field, (False, True), options))
 
@@ -190,11 +191,10 @@ def _computed(field: Any, directions: tuple, options: dict) -> list[Pairs]:
         from .topo import superlevel as maxima
 
         return [(maxima if superlevel else minima)(values, **options) for superlevel in directions]
-    trees = [_tree(array, superlevel, asked) for superlevel in directions]
-    done = dask.compute(*trees)
+    done = dask.compute(*_trees(array, _Plan(array, directions, asked)))
     return [
-        blocks.collect(last, tables, sum(zeros), superlevel=superlevel, shape=array.shape)
-        for superlevel, (last, tables, zeros) in zip(directions, done)
+        blocks.collect(last, [table for table, _ in found], sum(zeros for _, zeros in found), superlevel=superlevel, shape=array.shape)
+        for superlevel, (last, found) in zip(directions, done)
     ]
 
 
@@ -222,33 +222,38 @@ def _options(axes: int, connectivity: str = "axis", periodic: Any = False, nan: 
     return {"connectivity": connectivity, "periodic": round_ends, "nan": nan, "keep_zeros": keep_zeros}
 
 
-def _tree(array: Any, superlevel: bool, asked: dict) -> tuple:
-    """The last join of a tree of joins, and tables and numbers of zeros of all calls; delayed."""
-    summarise, join = (dask.delayed(work, pure=False) for work in (_summarised, _joined))
-    tables, zeros = [], []
+def _trees(array: Any, plan: _Plan) -> list:
+    """For each direction the last join of a tree of joins, and tables with numbers of zeros of all calls; delayed."""
+    pick, summarise, join = (dask.delayed(work, pure=False) for work in (operator.getitem, _of_slabs, _joined))
+    # One task reads a chunk and leaves nothing of it but summaries and slabs: whole chunks are no results that could be moved.
+    taken = array.map_blocks(_taken_apart, plan=plan, dtype=object, meta=np.empty((0,) * array.ndim, dtype=object)).to_delayed()
+    trees = []
+    of_tiles = {}
+    for place in np.ndindex(*map(len, plan.tiles)):
+        pieces = plan.pieces(place)
+        if _is_whole(pieces):
+            of_tiles[place] = pick(taken[pieces[0].chunk], place)
+        else:
+            of_tiles[place] = summarise([pick(taken[piece.chunk], place) for piece in pieces], place, plan)
+    for k in range(len(plan.directions)):
+        found: list = []
 
-    def kept(found: Any) -> Any:
-        tables.append(found[1])
-        zeros.append(found[2])
-        return found[0]
+        def kept(result: Any) -> Any:
+            found.append(pick(result, 1))  # noqa: B023
+            return pick(result, 0)
 
-    chunks = array.to_delayed()
-    tiles = [_tiles(lengths, periodic) for lengths, periodic in zip(array.chunks, asked["periodic"])]
-    parts = {}
-    for place in np.ndindex(*map(len, tiles)):
-        tile = [of_axis[k] for of_axis, k in zip(tiles, place)]
-        start, stop = (tuple(getattr(along, end) for along in tile) for end in ("start", "stop"))
-        parts[place] = kept(summarise(_values(chunks, tile), start, stop, array.shape, superlevel, asked))
-    while len(parts) > 1:
-        # Neighbours along the axis with the most parts.
-        axis = max(range(array.ndim), key=lambda axis: len({place[axis] for place in parts}))
-        pairs: dict = {}
-        for rank, k in enumerate(sorted({place[axis] for place in parts})):
-            for place in (place for place in parts if place[axis] == k):
-                pairs.setdefault((*place[:axis], rank // 2, *place[axis + 1 :]), []).append(parts[place])
-        parts = {place: both[0] if len(both) == 1 else kept(join(*both)) for place, both in pairs.items()}
-    (last,) = parts.values()
-    return last, tables, zeros
+        parts = {place: kept(pick(of_tile, k)) for place, of_tile in of_tiles.items()}
+        while len(parts) > 1:
+            # Neighbours along the axis with the most parts.
+            axis = max(range(array.ndim), key=lambda axis: len({place[axis] for place in parts}))
+            pairs: dict = {}
+            for rank, at in enumerate(sorted({place[axis] for place in parts})):
+                for place in (place for place in parts if place[axis] == at):
+                    pairs.setdefault((*place[:axis], rank // 2, *place[axis + 1 :]), []).append(parts[place])
+            parts = {place: both[0] if len(both) == 1 else kept(join(*both)) for place, both in pairs.items()}
+        (last,) = parts.values()
+        trees.append((last, found))
+    return trees
 
 
 @dataclass(frozen=True)
@@ -261,6 +266,48 @@ class _Along:
 
 
 _ALL = slice(None)
+
+
+@dataclass(frozen=True)
+class _Piece:
+    """What a chunk has of a tile and the layer after it."""
+
+    chunk: tuple
+    slices: tuple
+
+
+class _Plan:
+    """How an array is cut into tiles, and what is asked of each."""
+
+    def __init__(self, array: Any, directions: tuple, asked: dict):
+        self.tiles = [_tiles(lengths, periodic) for lengths, periodic in zip(array.chunks, asked["periodic"])]
+        self.shape, self.directions, self.asked = array.shape, directions, asked
+
+    def pieces(self, place: tuple) -> list[_Piece]:
+        """The pieces of the tile at a place, the last axis fastest."""
+        along = [of_axis[k].pieces for of_axis, k in zip(self.tiles, place)]
+        return [_Piece(*zip(*of_axes)) for of_axes in itertools.product(*along)]
+
+    def places(self, chunk: tuple) -> Iterable[tuple]:
+        """The places of the tiles that have something of a chunk."""
+        with_chunk = [
+            [place for place, along in enumerate(of_axis) if any(k == number for k, _ in along.pieces)]
+            for of_axis, number in zip(self.tiles, chunk)
+        ]
+        return itertools.product(*with_chunk)
+
+    def summarised(self, values: Any, place: tuple) -> list:
+        """For each direction what is carried on of a tile, and what is final: the one goes to the next join, the other to the caller."""
+        tile = [of_axis[k] for of_axis, k in zip(self.tiles, place)]
+        start, stop = (tuple(getattr(along, end) for along in tile) for end in ("start", "stop"))
+        return [
+            _split(blocks.summarise(values, start, stop, self.shape, superlevel=superlevel, **self.asked))
+            for superlevel in self.directions
+        ]
+
+
+def _is_whole(pieces: list[_Piece]) -> bool:
+    return len(pieces) == 1 and all(slab == _ALL for slab in pieces[0].slices)
 
 
 def _tiles(lengths: tuple, periodic: bool) -> list[_Along]:
@@ -285,31 +332,26 @@ def _tiles(lengths: tuple, periodic: bool) -> list[_Along]:
     return tiles
 
 
-def _values(chunks: np.ndarray, tile: list[_Along]) -> Any:
-    """A tile and the layer after it: a chunk as it is, or slabs of some."""
-    pieces = list(itertools.product(*(along.pieces for along in tile)))
-    if len(pieces) == 1 and all(slab == _ALL for _, slab in pieces[0]):
-        return chunks[tuple(k for k, _ in pieces[0])]
-    cut, put_together = dask.delayed(_slab), dask.delayed(_put_together)
-    slabs = [cut(chunks[tuple(k for k, _ in piece)], tuple(slab for _, slab in piece)) for piece in pieces]
-    return put_together(slabs, [len(along.pieces) for along in tile])
+def _taken_apart(values: Any, plan: _Plan, block_id: tuple) -> dict:
+    """By tile what a chunk gives: the summaries of the one that is its own, slabs to those that it shares."""
+    chunk = np.asarray(values)
+    given: dict[tuple, Any] = {}
+    for place in plan.places(block_id):
+        pieces = plan.pieces(place)
+        if _is_whole(pieces):
+            given[place] = plan.summarised(chunk, place)
+        else:
+            (piece,) = (piece for piece in pieces if piece.chunk == block_id)
+            given[place] = np.array(chunk[piece.slices])
+    return given
 
 
-def _slab(chunk: Any, slices: tuple) -> np.ndarray:
-    """A piece of a chunk by itself, so that the chunk does not go with it."""
-    return np.array(np.asarray(chunk)[slices])
-
-
-def _put_together(slabs: list, counts: list) -> np.ndarray:
-    """Slabs, the last axis fastest, as one array."""
-    for axis in reversed(range(len(counts))):
-        count = counts[axis]
+def _of_slabs(slabs: list, place: tuple, plan: _Plan) -> list:
+    """The summaries of a tile that lies in several chunks."""
+    for axis in reversed(range(len(place))):
+        count = len(plan.tiles[axis][place[axis]].pieces)
         slabs = [np.concatenate(slabs[k : k + count], axis=axis) for k in range(0, len(slabs), count)]
-    return slabs[0]
-
-
-def _summarised(values: Any, start: tuple, stop: tuple, shape: tuple, superlevel: bool, asked: dict) -> tuple:
-    return _split(blocks.summarise(values, start, stop, shape, superlevel=superlevel, **asked))
+    return plan.summarised(slabs[0], place)
 
 
 def _joined(*parts: blocks.Part) -> tuple:
@@ -317,6 +359,5 @@ def _joined(*parts: blocks.Part) -> tuple:
 
 
 def _split(part: blocks.Part) -> tuple:
-    """What is carried on, and what is final: the one goes to the next join, the other to the caller."""
-    carried = blocks.Part(part.summary, part.number, part.table[:0], 0)
-    return carried, part.table, part.zero_count
+    """What is carried on, and what is final."""
+    return blocks.Part(part.summary, part.number, part.table[:0].copy(), 0), (part.table, part.zero_count)

@@ -169,7 +169,7 @@ def unwrap(
     Parameters
     ----------
     vertices, faces
-        Vertices (v, 3) and faces (m, k); or a :class:`Mesh`, something with ``.vertices`` and ``.faces``, or a path alone.
+        Vertices (v, 3) and faces (m, k); or a `Mesh`, something with ``.vertices`` and ``.faces``, or a path alone.
     n : int or sequence of int, optional
         How many cones, in all or on each connected component. Without it as few as keep the area distortion within 1.25.
     max_distortion, min_persistence : float, optional

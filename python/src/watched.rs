@@ -29,13 +29,18 @@ pub(crate) struct Told {
 impl Told {
     fn tell(&self, stage: &'static str, fraction: Option<f64>) -> ControlFlow<()> {
         *self.last.lock().unwrap_or_else(PoisonError::into_inner) = Some((stage, fraction));
-        if self.stops.load(Relaxed) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        self.goes_on()
     }
 
     /// Hands a watch over a stage of some name to the work.
     pub(crate) fn watch<T>(&self, stage: &'static str, work: impl FnOnce(Watch<'_>) -> T) -> T {
         let observe = |fraction: f64| self.tell(stage, (!fraction.is_nan()).then_some(fraction));
         work(Watch::new(&observe))
+    }
+
+    /// Whether work that tells nothing is to go on.
+    pub(crate) fn goes_on(&self) -> ControlFlow<()> {
+        if self.stops.load(Relaxed) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     }
 
     /// What the library's analysis tells.

@@ -25,6 +25,7 @@ def command():
             raise RuntimeError(done.stderr)
         return done.stdout
 
+    run.program = program
     return run
 
 

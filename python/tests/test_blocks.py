@@ -129,3 +129,26 @@ def test_little_moves_between_workers_and_killed_ones_lose_nothing():
                 victim = next(iter(client.run(os.getpid).values()))
                 os.kill(victim, signal.SIGKILL)
                 same(many.superlevel(kept), expected.maxima)
+
+
+def test_no_result_is_as_large_as_a_chunk_so_that_none_can_be_moved(tmp_path):
+    zarr = pytest.importorskip("zarr")
+    from dask.callbacks import Callback
+    from dask.sizeof import sizeof
+
+    place = np.indices((96, 96, 96)) / 9
+    field = np.sin(place[0]) + np.cos(1.3 * place[1]) * np.sin(0.7 * place[2] + place[0])
+    stored = zarr.open(str(tmp_path / "field.zarr"), mode="w", shape=field.shape, chunks=(48, 48, 48), dtype="f4")
+    stored[:] = field
+    largest = {}
+
+    def note(key, result, *_):
+        name = str(key).split("-")[0]
+        largest[name] = max(largest.get(name, 0), sizeof(result))
+
+    with Callback(posttask=note):
+        found = many.superlevel(da.from_zarr(stored))
+    same(found, topo.superlevel(field.astype("f4")))
+    chunk = 4 * 48**3
+    largest.pop("original", None)  # the store itself, of which every worker has a handle
+    assert len(largest) > 2 and max(largest.values()) < chunk / 2, largest

@@ -101,6 +101,34 @@ def test_ctrl_c_stops_the_work():
     assert running.wait(30) == 0
 
 
+@pytest.mark.skipif(os.name == "nt", reason="signals are sent")
+def test_ctrl_c_stops_the_pairs_of_one_array():
+    program = """
+        import numpy as np, signal, time
+        from cones import topo
+        signal.signal(signal.SIGINT, signal.default_int_handler)
+        field = np.random.default_rng(6).random((220, 220, 220), dtype=np.float32)
+        begin = time.perf_counter()
+        topo.sublevel(field)
+        print(time.perf_counter() - begin, flush=True)
+        try:
+            while True:
+                topo.sublevel(field)
+        except KeyboardInterrupt:
+            print("stopped", flush=True)
+    """
+    running = subprocess.Popen([sys.executable, "-c", textwrap.dedent(program)], stdout=subprocess.PIPE, text=True)
+    takes = float(running.stdout.readline())
+    time.sleep(0.2 * takes)
+    begin = time.perf_counter()
+    running.send_signal(signal.SIGINT)
+    assert running.stdout.readline() == "stopped\n"
+    waited = time.perf_counter() - begin
+    assert running.wait(30) == 0
+    # Work that is not stopped would go on for most of its time.
+    assert waited < 0.5 * takes + 0.1
+
+
 def _extrema(field):
     return topo.superlevel(field).array["extremum"]
 

@@ -18,3 +18,16 @@ pub mod solids;
 #[cfg(doctest)]
 #[doc = include_str!("../../README.md")]
 pub struct Readme;
+
+/// The examples in Rust of the tutorials. Their Python and their commands are run by `python/tests/test_docs.py`.
+#[cfg(doctest)]
+pub mod tutorials {
+    #[doc = include_str!("../../docs/tutorials/scan.md")]
+    pub struct Scan;
+    #[doc = include_str!("../../docs/tutorials/peaks.md")]
+    pub struct Peaks;
+    #[doc = include_str!("../../docs/tutorials/network.md")]
+    pub struct Network;
+    #[doc = include_str!("../../docs/tutorials/volume.md")]
+    pub struct Volume;
+}

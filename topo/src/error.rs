@@ -86,6 +86,8 @@ pub enum Error {
         /// Where reading failed.
         at: usize,
     },
+    /// The work was stopped by its [`Watch`](crate::Watch).
+    Interrupted,
     /// The field has no contour tree: no tree has both its join and its split tree, for the domain has loops.
     Loops,
     /// A corner of a triangle does not exist.
@@ -143,6 +145,7 @@ impl fmt::Display for Error {
             Self::Bytes { at } => {
                 return write!(f, "byte {at} is not of a summary of this version and type of numbers");
             }
+            Self::Interrupted => return f.write_str("the work was interrupted"),
             Self::Loops => {
                 return f.write_str("contours of the field form loops, as its domain does; fill them with triangles");
             }

@@ -161,6 +161,7 @@
 //! | distances, with the matching | [`Diagram::bottleneck`], [`Diagram::wasserstein`], [`Wasserstein`] | see there |
 //! | the pairs of a field in blocks, one at a time or on many machines | [`Summary`], [`Tile`] | a scan a block; what the borders hold |
 //! | the same with NaN masked, with zero persistence | [`PersistenceOptions`] | |
+//! | pairs that can be stopped | [`PersistenceOptions::sublevel_watched`], [`Watch`] | |
 //!
 //! For mountains: prominence is [`Pair::persistence`], the key col [`Pair::saddle`], the parent [`Branch::parent`].
 //!
@@ -234,6 +235,7 @@ mod parallel;
 mod persistence;
 mod scalar;
 mod summary;
+mod watch;
 
 pub use domain::{Adjacency, Connectivity, Domain, Grid, Path, Rings, TriangleMesh};
 pub use error::Error;
@@ -251,6 +253,7 @@ pub use pairing::{Basins, Merge, Pointing};
 pub use persistence::{Pair, PairColumns, Pairs, Persistence, persistence, sublevel, superlevel};
 pub use scalar::Scalar;
 pub use summary::{Summary, Tile};
+pub use watch::Watch;
 
 /// The example of the README.
 #[cfg(doctest)]

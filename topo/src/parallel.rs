@@ -3,11 +3,12 @@
 //! Blocks are independent and their results come back in order, so nothing that is computed depends on the number of
 //! threads, nor on there being any.
 
+use crate::watch::Watch;
 use core::ops::Range;
 
-/// Vertices in a block: enough to make handing it out cheap, few enough to share a megapixel among threads.
-#[cfg(feature = "rayon")]
-const BLOCK: usize = 1 << 15;
+/// Vertices in a block: enough to make handing it out cheap, few enough to share a megapixel among threads, and to ask after
+/// each whether to go on.
+pub(crate) const BLOCK: usize = 1 << 15;
 
 /// Calls `work` with blocks of `data` and the range each has in it. Blocks are multiples of `unit` long, except the
 /// last.
@@ -18,15 +19,22 @@ pub(crate) fn map_blocks<T: Send, R: Send>(
     work: impl Fn(Range<usize>, &mut [T]) -> R + Sync,
 ) -> Vec<R> {
     use rayon::prelude::*;
-    let length = unit.max(1) * (BLOCK / unit.max(1)).max(1);
+    let length = block_length(unit);
     let work = |(block, data): (usize, &mut [T])| work(block * length..block * length + data.len(), data);
     data.par_chunks_mut(length).enumerate().map(work).collect()
 }
 
-/// Calls `work` with all of `data` as one block.
+/// Calls `work` with blocks of `data` and the range each has in it, one after the other.
 #[cfg(not(feature = "rayon"))]
-pub(crate) fn map_blocks<T, R>(data: &mut [T], _unit: usize, work: impl Fn(Range<usize>, &mut [T]) -> R) -> Vec<R> {
-    if data.is_empty() { Vec::new() } else { vec![work(0..data.len(), data)] }
+pub(crate) fn map_blocks<T, R>(data: &mut [T], unit: usize, work: impl Fn(Range<usize>, &mut [T]) -> R) -> Vec<R> {
+    let length = block_length(unit);
+    let work = |(block, data): (usize, &mut [T])| work(block * length..block * length + data.len(), data);
+    data.chunks_mut(length).enumerate().map(work).collect()
+}
+
+/// How long a block of whole units is.
+fn block_length(unit: usize) -> usize {
+    unit.max(1) * (BLOCK / unit.max(1)).max(1)
 }
 
 /// The results of `work` for consecutive blocks of `items`, each with the index of its first, in order.
@@ -42,15 +50,20 @@ pub(crate) fn fold_blocks<T, R>(items: &[T], work: impl Fn(usize, &[T]) -> R) ->
     vec![work(0, items)]
 }
 
-/// The results that `map` has for `items`, in their order.
+/// The results that `map` has for `items`, in their order; those of some blocks only if the watch stops.
 #[cfg(feature = "rayon")]
-pub(crate) fn filter_map<T: Sync, R: Send>(items: &[T], map: impl Fn(&T) -> Option<R> + Sync + Send) -> Vec<R> {
+pub(crate) fn filter_map<T: Sync, R: Send>(
+    items: &[T],
+    watch: Watch<'_>,
+    map: impl Fn(&T) -> Option<R> + Sync + Send,
+) -> Vec<R> {
     use rayon::prelude::*;
-    items.par_iter().filter_map(map).collect()
+    let blocks = items.par_chunks(BLOCK).map(|items| if watch.stops() { &[] } else { items });
+    blocks.flat_map_iter(|items| items.iter().filter_map(&map)).collect()
 }
 
-/// The results that `map` has for `items`, in their order.
+/// The results that `map` has for `items`, in their order; those of some blocks only if the watch stops.
 #[cfg(not(feature = "rayon"))]
-pub(crate) fn filter_map<T, R>(items: &[T], map: impl Fn(&T) -> Option<R>) -> Vec<R> {
-    items.iter().filter_map(map).collect()
+pub(crate) fn filter_map<T, R>(items: &[T], watch: Watch<'_>, map: impl Fn(&T) -> Option<R>) -> Vec<R> {
+    items.chunks(BLOCK).take_while(|_| !watch.stops()).flatten().filter_map(map).collect()
 }

@@ -6,6 +6,7 @@ use crate::filtration::{Direction, Falling, Filtration, Kind, Rising};
 use crate::options::PersistenceOptions;
 use crate::pairing::{Merge, sweep};
 use crate::scalar::{Scalar, wider_first};
+use crate::watch::Watch;
 use core::cmp::Ordering;
 use core::ops::Deref;
 use num_traits::{ToPrimitive, Zero};
@@ -260,7 +261,7 @@ impl PersistenceOptions {
     /// # Errors
     /// If the field does not fit the domain, see [`Error`].
     pub fn sublevel<G: Domain, S: Scalar>(self, domain: G, field: &[S]) -> Result<Pairs<G::Vertex, S>, Error> {
-        self.pairs::<G, S, Rising>(domain, field)
+        self.pairs::<G, S, Rising>(domain, field, Watch::NONE)
     }
 
     /// [`superlevel`](fn@crate::superlevel) with these options.
@@ -268,7 +269,7 @@ impl PersistenceOptions {
     /// # Errors
     /// If the field does not fit the domain, see [`Error`].
     pub fn superlevel<G: Domain, S: Scalar>(self, domain: G, field: &[S]) -> Result<Pairs<G::Vertex, S>, Error> {
-        self.pairs::<G, S, Falling>(domain, field)
+        self.pairs::<G, S, Falling>(domain, field, Watch::NONE)
     }
 
     /// [`persistence`](fn@crate::persistence) with these options.
@@ -279,10 +280,47 @@ impl PersistenceOptions {
         Ok(Persistence { minima: self.sublevel(domain, field)?, maxima: self.superlevel(domain, field)? })
     }
 
-    fn pairs<G: Domain, S: Scalar, D: Direction>(self, domain: G, field: &[S]) -> Result<Pairs<G::Vertex, S>, Error> {
-        let filtration = Filtration::<S, D>::new(field, domain.vertex_count(), self.nan)?;
-        let merges = if self.plain_sweep { sweep(domain, &filtration) } else { domain.merges(&filtration) };
-        Ok(Pairs::from_merges(domain, &filtration, &merges, self.keep_zeros))
+    /// [`sublevel`](Self::sublevel) that can be stopped.
+    ///
+    /// # Errors
+    /// If the field does not fit the domain, see [`Error`]; [`Error::Interrupted`] if the watch has stopped the work, on grids and
+    /// triangle meshes within some 50 ms. On other domains it is asked at the end only.
+    pub fn sublevel_watched<G: Domain, S: Scalar>(
+        self,
+        domain: G,
+        field: &[S],
+        watch: Watch<'_>,
+    ) -> Result<Pairs<G::Vertex, S>, Error> {
+        self.pairs::<G, S, Rising>(domain, field, watch)
+    }
+
+    /// [`superlevel`](Self::superlevel) that can be stopped.
+    ///
+    /// # Errors
+    /// As those of [`sublevel_watched`](Self::sublevel_watched).
+    pub fn superlevel_watched<G: Domain, S: Scalar>(
+        self,
+        domain: G,
+        field: &[S],
+        watch: Watch<'_>,
+    ) -> Result<Pairs<G::Vertex, S>, Error> {
+        self.pairs::<G, S, Falling>(domain, field, watch)
+    }
+
+    fn pairs<G: Domain, S: Scalar, D: Direction>(
+        self,
+        domain: G,
+        field: &[S],
+        watch: Watch<'_>,
+    ) -> Result<Pairs<G::Vertex, S>, Error> {
+        watch.held(|watch| {
+            let filtration = Filtration::<S, D>::new(field, domain.vertex_count(), self.nan)?.watched(watch);
+            let merges = if self.plain_sweep { sweep(domain, &filtration) } else { domain.merges(&filtration) };
+            if filtration.stops() {
+                return Err(Error::Interrupted);
+            }
+            Ok(Pairs::from_merges(domain, &filtration, &merges, self.keep_zeros))
+        })
     }
 }
 

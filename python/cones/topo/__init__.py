@@ -6,27 +6,30 @@
     >>> [(p["extremum"].item(), p["saddle"].item(), p["persistence"].item()) for p in peaks.ranked()]
     [(5, -1, 9.0), (1, 2, 5.0), (3, 4, 1.0)]
 
-======================================  ==============================================================================
-pairs of minima, of maxima, of both     :func:`sublevel`, :func:`superlevel`, :func:`persistence`: :class:`Pairs`
-how components merge                    :func:`merge_tree`: :class:`MergeTree`
-the basin of each extremum              :func:`segmentation`
-a field without small extrema           :func:`simplify`
-holes of pictures, cavities of volumes  :func:`holes`
-how far it is to a higher summit        :func:`isolation`
-clusters of weighted edges              :func:`single_linkage`
-how far two diagrams are apart          :func:`bottleneck`, :func:`wasserstein`, :func:`matching`
-diagrams as vectors                     :class:`Diagram`: landscapes, images, curves, entropy
-figures                                 :mod:`cones.topo.plot` (matplotlib)
-======================================  ==============================================================================
+| what | where |
+|---|---|
+| pairs of minima, of maxima, of both | `sublevel`, `superlevel`, `persistence`: `Pairs` |
+| how components merge | `merge_tree`: `MergeTree` |
+| the basin of each extremum | `segmentation` |
+| a field without small extrema | `simplify` |
+| holes of pictures, cavities of volumes | `holes` |
+| how far it is to a higher summit | `isolation` |
+| clusters of weighted edges | `single_linkage` |
+| how far two diagrams are apart | `bottleneck`, `wasserstein`, `matching` |
+| diagrams as vectors | `Diagram`: landscapes, images, curves, entropy |
+| figures | `cones.topo.plot` (matplotlib) |
 
-A field is an array of one to three axes, on a grid of its shape; or a value for each vertex of a ``domain``: a :class:`Graph`, a
-:class:`TriangleMesh`, a scipy sparse matrix or a networkx graph. Vertices are numbered as in ``field.ravel()``: use
+A field is an array of one to three axes, on a grid of its shape; or a value for each vertex of a ``domain``: a `Graph`, a
+`TriangleMesh`, a scipy sparse matrix or a networkx graph. Vertices are numbered as in ``field.ravel()``: use
 ``numpy.unravel_index(vertex, field.shape)``.
 
 Fields of 8 to 64 bit integers and 32 or 64 bit floats are read where they lie if they are C-contiguous; ``int8``, ``uint32``, ``bool`` and
 ``float16`` are widened first. Vertices are ordered by (value, index). NaN is refused unless ``nan="mask"``, which leaves such vertices out;
 so does ``mask``, an array that is true inside of the domain. While a field is read no other thread may change it.
 """
+
+from importlib import import_module as _import_module
+from typing import Any as _Any
 
 from ._diagram import Diagram, Linkage, Matching, bottleneck, matching, single_linkage, wasserstein
 from ._domain import Graph, TriangleMesh
@@ -43,6 +46,14 @@ from ._fields import (
     superlevel,
 )
 from ._pairs import Pairs, Persistence
+
+
+def __getattr__(name: str) -> _Any:
+    """Figures, which need matplotlib, are loaded when they are first asked for."""
+    if name == "plot":
+        return _import_module(".plot", __name__)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+
 
 __all__ = [
     "Diagram",

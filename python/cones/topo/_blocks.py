@@ -1,10 +1,10 @@
 """Persistence by blocks: tiles of a grid as bytes that join, with the pairs that have become final.
 
-This is what :func:`cones.dask.persistence` is made of, and what any other engine (MPI, Ray, Spark) can carry:
+This is what `cones.dask.persistence` is made of, and what any other engine (MPI, Ray, Spark) can carry:
 
-1. cut the grid right through, and for each tile and direction call :func:`summarise` with its own values and the layer after them;
-2. :func:`join` the bytes, in any order and grouping, neighbours first if little is to be moved;
-3. :func:`collect` the tables of all these calls: the pairs of the whole in one piece.
+1. cut the grid right through, and for each tile and direction call `summarise` with its own values and the layer after them;
+2. `join` the bytes, in any order and grouping, neighbours first if little is to be moved;
+3. `collect` the tables of all these calls: the pairs of the whole in one piece.
 """
 
 from __future__ import annotations
@@ -28,10 +28,14 @@ class Part:
     summary: bytes
     #: The kind of numbers that it is about, as numpy names it.
     number: str
-    #: Final pairs: the columns of :class:`Pairs`.
+    #: Final pairs: the columns of `Pairs`.
     table: np.ndarray
     #: How many pairs of equal values there were, kept or not.
     zero_count: int
+
+    def __sizeof__(self) -> int:
+        """Bytes, which tell a scheduler what it costs to move."""
+        return 200 + len(self.summary) + self.table.nbytes
 
 
 def reach(start: tuple, stop: tuple, shape: tuple, periodic: tuple) -> list[list[tuple[int, int]]]:
@@ -60,7 +64,7 @@ def summarise(
     nan: str = "refuse",
     keep_zeros: bool = False,
 ) -> Part:
-    """Sums up the tile from ``start`` to ``stop`` of a grid of some shape; its values are those that :func:`reach` says."""
+    """Sums up the tile from ``start`` to ``stop`` of a grid of some shape; its values are those that `reach` says."""
     field = np.asarray(values)
     read = _read_in_place(field)
     grid = _cones.Domain.grid(list(shape), connectivity, list(periodic[: len(shape)]))
@@ -87,7 +91,7 @@ def collect(last: Part, tables: list, zero_count: int, *, superlevel: bool, shap
 
 
 class Collected(Pairs):
-    """:class:`Pairs` that came from many parts: the same tables."""
+    """`Pairs` that came from many parts: the same tables."""
 
     def __init__(self, table: np.ndarray, zero_count: int, superlevel: bool, shape: tuple):
         self.array = table
@@ -125,7 +129,7 @@ class Collected(Pairs):
         return self.array[self.array["persistence"] > threshold]
 
     def diagram(self) -> np.ndarray:
-        """Points (birth, death) as :meth:`Pairs.diagram` gives them."""
+        """Points (birth, death) as `Pairs.diagram` gives them."""
         table = self.array
         points = np.column_stack([table["birth"].astype(np.float64), table["death"].astype(np.float64)])
         lives = table["saddle"] < 0

@@ -14,7 +14,7 @@ from ._pairs import Pairs
 
 
 class Diagram:
-    """Points (birth, death). Made of :class:`Pairs`, or of an array (n, 2) whose essential classes have an infinite death."""
+    """Points (birth, death). Made of `Pairs`, or of an array (n, 2) whose essential classes have an infinite death."""
 
     def __init__(self, points: Union[Pairs, Diagram, Any]):
         table = points.diagram() if isinstance(points, Pairs) else np.asarray(points, dtype=np.float64)
@@ -73,7 +73,7 @@ class Matching:
 
 
 def bottleneck(a: Any, b: Any) -> float:
-    """The bottleneck distance of two diagrams (:class:`Pairs`, :class:`Diagram` or (n, 2)); exact."""
+    """The bottleneck distance of two diagrams (`Pairs`, `Diagram` or (n, 2)); exact."""
     return _diagram(a)._native.bottleneck(_diagram(b)._native)
 
 

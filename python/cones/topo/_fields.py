@@ -58,7 +58,7 @@ def superlevel(
     keep_zeros: bool = False,
 ) -> Pairs:
     """The maxima of a field, paired with the saddles at which the components of its superlevel sets merge: their persistence is what
-    mountaineers call prominence. Parameters as for :func:`sublevel`."""
+    mountaineers call prominence. Parameters as for `sublevel`."""
     read = Field(field, domain, connectivity=connectivity, periodic=periodic, mask=mask, nan=nan)
     return _pairs(read, True, keep_zeros)
 
@@ -73,7 +73,7 @@ def persistence(
     nan: str = "refuse",
     keep_zeros: bool = False,
 ) -> Persistence:
-    """The pairs of both directions. Parameters as for :func:`sublevel`."""
+    """The pairs of both directions. Parameters as for `sublevel`."""
     read = Field(field, domain, connectivity=connectivity, periodic=periodic, mask=mask, nan=nan)
     return Persistence(_pairs(read, False, keep_zeros), _pairs(read, True, keep_zeros))
 
@@ -109,7 +109,7 @@ def segmentation(
     nan: str = "refuse",
 ) -> Segmentation:
     """The basin of each minimum, or the territory of each maximum. Extrema that are no more persistent than ``threshold`` give theirs to the
-    one beyond their saddle. Other parameters as for :func:`sublevel`."""
+    one beyond their saddle. Other parameters as for `sublevel`."""
     read = Field(field, domain, connectivity=connectivity, periodic=periodic, mask=mask, nan=nan)
     extrema, labels = _cones.segmentation(read.domain, read.values, _is_maximum(kind), threshold, read.masks_nan)
     return Segmentation(extrema, read.shaped(labels))
@@ -162,7 +162,7 @@ class MergeTree:
         return table
 
     def branches(self) -> np.ndarray:
-        """The extrema with their families: the columns of :class:`Pairs`, ``parent`` (the extremum that is joined at the saddle, -1 for none) and
+        """The extrema with their families: the columns of `Pairs`, ``parent`` (the extremum that is joined at the saddle, -1 for none) and
         ``size`` (vertices just before)."""
         columns, parent, size = self._native.branches()
         pairs = pair_table(columns, self._read.dtype)
@@ -196,7 +196,7 @@ class MergeTree:
         return MergeTree(self._native.simplify(threshold), self._read)
 
     def field(self) -> np.ndarray:
-        """The field as the tree has it: after :meth:`simplify` without the basins of branches that have gone. A masked field is float."""
+        """The field as the tree has it: after `simplify` without the basins of branches that have gone. A masked field is float."""
         values = self._read.shaped(self._native.field)
         return values if self._read.masks_nan else self._read.cast(values)
 
@@ -214,7 +214,7 @@ def merge_tree(
     mask: Any = None,
     nan: str = "refuse",
 ) -> MergeTree:
-    """The tree of components of all sublevel sets (``kind="minimum"``) or superlevel sets. Other parameters as for :func:`sublevel`."""
+    """The tree of components of all sublevel sets (``kind="minimum"``) or superlevel sets. Other parameters as for `sublevel`."""
     read = Field(field, domain, connectivity=connectivity, periodic=periodic, mask=mask, nan=nan)
     return MergeTree(_cones.merge_tree(read.domain, read.values, _is_maximum(kind), read.masks_nan), read)
 

@@ -17,13 +17,13 @@ class Pairs:
 
     Tables are structured arrays, which ``pandas.DataFrame`` takes as they are:
 
-    ============  ================  ==========================================================================================
-    extremum      int64             the vertex at which a component is born, as in ``field.ravel()``
-    saddle        int64             the vertex at which it joins an elder one; -1 for an essential class, which joins none
-    birth         the field's type  the value at the extremum
-    death         the field's type  the value at the saddle; for an essential class the last value to enter its component
-    persistence   float64           |death - birth|: for an essential class the range of the field on its component
-    ============  ================  ==========================================================================================
+    | what | type | meaning |
+    |---|---|---|
+    | extremum | int64 | the vertex at which a component is born, as in ``field.ravel()`` |
+    | saddle | int64 | the vertex at which it joins an elder one; -1 for an essential class, which joins none |
+    | birth | the field's type | the value at the extremum |
+    | death | the field's type | the value at the saddle; for an essential class the last value to enter its component |
+    | persistence | float64 | abs(death - birth); for an essential class the range of the field on its component |
     """
 
     def __init__(self, native: _cones.Pairs, field: Field):
@@ -101,7 +101,7 @@ class Persistence:
     maxima: Pairs
 
     def extrema(self) -> np.ndarray:
-        """The extrema of both kinds, most persistent first: the columns of :class:`Pairs` and ``is_maximum``."""
+        """The extrema of both kinds, most persistent first: the columns of `Pairs` and ``is_maximum``."""
         kinds = [(self.minima, False), (self.maxima, True)]
         tables = []
         for pairs, is_maximum in kinds:

@@ -25,10 +25,11 @@ mod tree;
 
 use numpy::{PyArray1, PyArrayMethods, PyReadonlyArray1};
 use pyo3::prelude::*;
-use topo::{Kind, NanPolicy, PersistenceOptions};
+use topo::{Kind, NanPolicy, PersistenceOptions, Watch};
 
 use crate::error::{Error, Failed};
 use crate::threads::pool;
+use crate::watched::watched;
 use domain::{Domain, DomainKind};
 use number::{Number, threshold};
 use pairs::Pairs;
@@ -91,18 +92,27 @@ fn pairs_of(
     keeps_zeros: bool,
 ) -> PyResult<Pairs> {
     let options = options(masks_nan, keeps_zeros);
-    on_domain!(domain, field, (on, slice) => pairs(py, || match is_superlevel {
-        true => options.superlevel(on, slice),
-        false => options.sublevel(on, slice),
+    on_domain!(domain, field, (on, slice) => pairs(py, slice.len(), |watch| match is_superlevel {
+        true => options.superlevel_watched(on, slice, watch),
+        false => options.sublevel_watched(on, slice, watch),
     }))
 }
 
-/// Computes pairs without the interpreter's lock.
+/// So many values are paired within some 50 ms: below that the caller's thread does not look for signals.
+const FEW: usize = 1 << 20;
+
+/// Computes pairs without the interpreter's lock, so that Ctrl-C stops it where it is long.
 fn pairs<S: Number>(
     py: Python<'_>,
-    compute: impl FnOnce() -> Result<topo::Pairs<usize, S>, topo::Error> + Send,
+    vertices: usize,
+    compute: impl FnOnce(Watch<'_>) -> Result<topo::Pairs<usize, S>, topo::Error> + Send,
 ) -> PyResult<Pairs> {
-    Ok(Pairs::new(on_pool(py, compute)?))
+    let pairs = if vertices <= FEW {
+        on_pool(py, || compute(Watch::NONE))?
+    } else {
+        watched(py, None, |told| compute(Watch::new(&|| told.goes_on())))?
+    };
+    Ok(Pairs::new(pairs))
 }
 
 /// Computes something without the interpreter's lock, on the pool.

@@ -160,14 +160,17 @@ impl<const D: usize> Domain for &Grid<D> {
         let mut next = vec![0; self.vertex_count()];
         let row_length = self.shape[2];
         let scans = parallel::map_blocks(&mut next, row_length, |vertices, next| {
+            if filtration.stops() {
+                return None;
+            }
             let mut scanner = Scanner::new(self, filtration, pointing);
             let first_row = vertices.start / row_length;
             for (row, next) in (first_row..).zip(next.chunks_mut(row_length)) {
                 scanner.scan_row(row, next);
             }
-            scanner.found
+            Some(scanner.found)
         });
-        Basins::new(next, Scan::concat(scans))
+        Basins::new(next, scans, filtration)
     }
 }
 

@@ -122,6 +122,9 @@ pub(crate) fn basins<S: Scalar, D: Direction>(
 ) -> Basins {
     let mut next = vec![0; domain.vertex_count()];
     let scans = parallel::map_blocks(&mut next, 1, |vertices, next| {
+        if filtration.stops() {
+            return None;
+        }
         let mut found = Scan::default();
         for (v, next) in vertices.zip(next) {
             scan(domain, filtration, v as u32, next, &mut found);
@@ -129,9 +132,9 @@ pub(crate) fn basins<S: Scalar, D: Direction>(
                 *next = earliest_in_link(domain, filtration, v as u32, *next);
             }
         }
-        found
+        Some(found)
     });
-    Basins::new(next, Scan::concat(scans))
+    Basins::new(next, scans, filtration)
 }
 
 /// Points a vertex to an earlier neighbour; notes it if it is an extremum or may be a saddle.

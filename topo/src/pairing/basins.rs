@@ -33,7 +33,7 @@ pub(crate) struct Scan {
 
 impl Scan {
     /// Joins the findings of consecutive ranges.
-    pub(crate) fn concat(scans: Vec<Self>) -> Self {
+    fn concat(scans: Vec<Self>) -> Self {
         let join = |mut all: Self, scan: Self| {
             all.extrema.extend(scan.extrema);
             all.candidates.extend(scan.candidates);
@@ -118,10 +118,21 @@ fn joins_of_graph<G: Graph, S: Scalar, D: Direction>(
 }
 
 impl Basins {
-    /// From what a scan has found and where vertices point to.
-    pub(crate) fn new(next: Vec<u32>, Scan { extrema, candidates }: Scan) -> Self {
+    /// From where vertices point to and what the scans of consecutive ranges have found; nothing if one was stopped.
+    pub(crate) fn new<S: Scalar, D: Direction>(
+        mut next: Vec<u32>,
+        scans: Vec<Option<Scan>>,
+        filtration: &Filtration<'_, S, D>,
+    ) -> Self {
+        let Scan { extrema, candidates } = scans.into_iter().collect::<Option<_>>().map_or_else(
+            || {
+                next.fill(OUTSIDE);
+                Scan::default()
+            },
+            Scan::concat,
+        );
         let descent = Descent::new(next, extrema);
-        let joins = parallel::filter_map(&candidates, |&SaddleCandidate { saddle, sides }| {
+        let joins = parallel::filter_map(&candidates, filtration.watch(), |&SaddleCandidate { saddle, sides }| {
             let basins = sides.map(|side| descent.basin(side));
             (basins[0] != basins[1]).then_some(Join { saddle, basins })
         });
@@ -135,6 +146,7 @@ impl Basins {
         let eldest: Vec<u32> =
             (0..).zip(&merges).filter(|(_, merge)| !merge.is_finite()).map(|(basin, _)| basin).collect();
         let last = match eldest[..] {
+            _ if filtration.stops() => Vec::new(),
             [_] => last_of_all(filtration),
             _ => last_of_each(filtration, &descent, &mut components, &eldest),
         };

@@ -14,6 +14,7 @@
 use super::merges::{Merge, NONE};
 use super::union_find::UnionFind;
 use crate::filtration::{Direction, Filtration};
+use crate::parallel::BLOCK;
 use crate::scalar::Scalar;
 
 /// A vertex at which two basins touch.
@@ -39,15 +40,17 @@ pub(crate) fn pair<S: Scalar, D: Direction>(
 ) -> (Vec<Merge>, UnionFind) {
     let mut basins = Basins::new(filtration, extrema);
     let mut active: Vec<u32> = (0..extrema.len() as u32).collect();
-    while joins.len() > FEW_JOINS {
+    while joins.len() > FEW_JOINS && !filtration.stops() {
         let count = active.len();
         let paired = basins.round(&mut active, &joins);
-        joins.retain_mut(|join| basins.relabel(join));
+        basins.relabel_all(&mut joins);
         if paired * SLOW_ROUND < count {
             break;
         }
     }
-    basins.pair_in_order(&joins);
+    if !filtration.stops() {
+        basins.pair_in_order(&joins);
+    }
     (basins.merges, basins.merged)
 }
 
@@ -133,7 +136,8 @@ impl<'a, S: Scalar, D: Direction> Basins<'a, S, D> {
     }
 
     fn find_lowest(&mut self, joins: &[Join]) {
-        for (join, place) in joins.iter().zip(0..) {
+        let blocks = joins.chunks(BLOCK).zip((0..).step_by(BLOCK)).take_while(|_| !self.filtration.stops());
+        for (join, place) in blocks.flat_map(|(joins, start)| joins.iter().zip(start..)) {
             let value = self.filtration.value(join.saddle);
             for basin in join.basins {
                 let lowest = &mut self.lowest[basin as usize];
@@ -156,6 +160,16 @@ impl<'a, S: Scalar, D: Direction> Basins<'a, S, D> {
         dies
     }
 
+    /// Relabels joins and drops those that are inner ones; all if the work is stopped.
+    fn relabel_all(&mut self, joins: &mut Vec<Join>) {
+        let (mut count, mut stops) = (0usize, false);
+        joins.retain_mut(|join| {
+            count += 1;
+            stops |= count.is_multiple_of(BLOCK) && self.filtration.stops();
+            !stops && self.relabel(join)
+        });
+    }
+
     /// Replaces basins by what they have merged into; whether the join still joins two.
     fn relabel(&mut self, join: &mut Join) -> bool {
         join.basins = join.basins.map(|basin| self.merged.find(basin));
@@ -164,7 +178,9 @@ impl<'a, S: Scalar, D: Direction> Basins<'a, S, D> {
 
     /// The plain sweep, on the joins that are left.
     fn pair_in_order(&mut self, joins: &[Join]) {
-        for mut join in self.filtration.sorted(joins, |join| join.saddle) {
+        let filtration = self.filtration;
+        let sorted = filtration.sorted(joins, |join| join.saddle);
+        for &(mut join) in sorted.chunks(BLOCK).take_while(|_| !filtration.stops()).flatten() {
             if self.relabel(&mut join) {
                 let [a, b] = join.basins;
                 let (elder, younger) = if self.is_elder(a, b) { (a, b) } else { (b, a) };

@@ -1,9 +1,14 @@
 //! Summaries as plain bytes, and the check of what is read.
 //!
-//! Numbers are little-endian. In order: `topo sum`, the version, the kind, whether zeros are kept, the least number of the
-//! type of the values (which tells the types apart), four counts (pairs, pairs of zero persistence, vertices of the tree, open ones);
-//! for each pair the extremum, the saddle (the extremum again if there is none), birth and end; for each vertex name, value
-//! and parent; for each open one its number, how many of its blocks are joined and how many there are.
+//! Of noise a summary has three vertices for each that is kept on the border, so what is written for each decides what travels between
+//! machines. Names rise, and parents are near: as differences in *varints* (seven bits a byte, the lowest first, the top bit says that there
+//! are more; LEB128) a vertex of an `f32` field takes 9 to 10 bytes in place of 24 as plain numbers. Values are little-endian.
+//!
+//! In order: `topo sum`, the version, the kind, whether zeros are kept, the least number of the type of the values (which tells the types
+//! apart); the number of pairs, of pairs of zero persistence and of vertices. For each pair: the extremum less the one before it and one
+//! more; twice how far it is to the saddle, less one if that is backwards, and 0 if there is none; birth and end. For each vertex: twice its name less the
+//! one before it and one more, plus one if it is open; then how many of its blocks are joined, and how many are missing but one; its
+//! parent as one more than a saddle is, 0 if it has none; its value.
 
 use super::Summary;
 use super::reduced::{Place, Reduced};
@@ -15,7 +20,9 @@ use crate::scalar::Scalar;
 use num_traits::{Bounded, FromBytes, ToBytes};
 
 const MAGIC: &[u8; 8] = b"topo sum";
-const VERSION: u8 = 1;
+const VERSION: u8 = 2;
+/// Twice a number of 64 bits and one more, in groups of seven.
+const MOST_BITS: u32 = 70;
 
 /// What has been read and may be anything.
 #[derive(Debug)]
@@ -49,31 +56,56 @@ impl<S: Scalar> TryFrom<Unchecked<S>> for Summary<S> {
 }
 
 impl<S: Scalar + ToBytes + Bounded> Summary<S> {
-    /// The summary as bytes, the same on every machine: some 20 a vertex and 32 a pair for values of eight bytes.
+    /// The summary as bytes, the same on every machine: some 5 and those of its value a vertex.
     pub fn to_bytes(&self) -> Vec<u8> {
         let mut bytes = MAGIC.to_vec();
         bytes.extend([VERSION, u8::from(self.kind == Kind::Maximum), u8::from(self.keep_zeros)]);
         bytes.extend(S::min_value().to_le_bytes().as_ref());
         let places = &self.tree.places;
-        for count in [self.pairs.len(), self.zero_count, places.len(), self.shared_count()] {
-            bytes.extend((count as u64).to_le_bytes());
+        for count in [self.pairs.len(), self.zero_count, places.len()] {
+            write(&mut bytes, count as u128);
         }
+        let mut least = 0;
         for pair in &self.pairs {
-            bytes.extend(pair.extremum.to_le_bytes());
-            bytes.extend(pair.saddle.unwrap_or(pair.extremum).to_le_bytes());
+            write(&mut bytes, u128::from(pair.extremum) - least);
+            write(&mut bytes, pair.saddle.map_or(0, |saddle| folded(pair.extremum, saddle)));
             bytes.extend(pair.birth.to_le_bytes().as_ref());
             bytes.extend(pair.end.to_le_bytes().as_ref());
+            least = u128::from(pair.extremum) + 1;
         }
-        for (place, parent) in places.iter().zip(&self.tree.parents) {
-            bytes.extend(place.name.to_le_bytes());
+        least = 0;
+        for ((place, &parent), number) in places.iter().zip(&self.tree.parents).zip(0..) {
+            write(&mut bytes, (u128::from(place.name) - least) << 1 | u128::from(place.is_open()));
+            if place.is_open() {
+                write(&mut bytes, place.blocks[0].into());
+                write(&mut bytes, u128::from(place.blocks[1] - place.blocks[0] - 1));
+            }
+            write(&mut bytes, if parent == NONE { 0 } else { 1 + folded(number, u64::from(parent)) });
             bytes.extend(place.value.to_le_bytes().as_ref());
-            bytes.extend(parent.to_le_bytes());
-        }
-        for (place, number) in places.iter().zip(0u32..).filter(|(place, _)| place.is_open()) {
-            [number, place.blocks[0], place.blocks[1]].iter().for_each(|part| bytes.extend(part.to_le_bytes()));
+            least = u128::from(place.name) + 1;
         }
         bytes
     }
+}
+
+/// Writes a number in groups of seven bits.
+fn write(bytes: &mut Vec<u8>, mut number: u128) {
+    while number > 0x7f {
+        bytes.push(number as u8 | 0x80);
+        number >>= 7;
+    }
+    bytes.push(number as u8);
+}
+
+/// How far it is from one number to another, as a number that is small if it is near, whichever way it is; 0 if they are the same.
+fn folded(from: u64, to: u64) -> u128 {
+    if to >= from { u128::from(to - from) << 1 } else { (u128::from(from - to) << 1) - 1 }
+}
+
+/// The number that is so far from another.
+fn unfolded(from: u64, distance: u128) -> Option<u64> {
+    let steps = u64::try_from(distance.div_ceil(2)).ok()?;
+    if distance.is_multiple_of(2) { from.checked_add(steps) } else { from.checked_sub(steps) }
 }
 
 impl<S> Summary<S>
@@ -90,27 +122,23 @@ where
         reader.expect(&[VERSION])?;
         let [is_maximum, keep_zeros] = [reader.flag()?, reader.flag()?];
         reader.expect(S::min_value().to_le_bytes().as_ref())?;
-        let counts: [u64; 4] = [reader.number()?, reader.number()?, reader.number()?, reader.number()?];
-        let width = S::min_value().to_le_bytes().as_ref().len() as u64;
-        let sizes =
-            [counts[0].checked_mul(16 + 2 * width), counts[2].checked_mul(12 + width), counts[3].checked_mul(12)];
-        let total = sizes.into_iter().try_fold(0u64, |total, size| total.checked_add(size?));
-        if total != Some((bytes.len() - reader.at) as u64) {
-            return Err(Error::Bytes { at: bytes.len() });
-        }
-        let pairs = (0..counts[0]).map(|_| reader.pair()).collect::<Result<_, _>>()?;
-        let mut tree = Reduced::default();
-        for _ in 0..counts[2] {
-            tree.places.push(Place { name: reader.number()?, value: reader.number()?, blocks: [0; 2] });
-            tree.parents.push(reader.number()?);
-        }
-        for _ in 0..counts[3] {
-            let (at, number) = (reader.at, reader.number::<u32>()? as usize);
-            let place = tree.places.get_mut(number).ok_or(Error::Bytes { at })?;
-            place.blocks = [reader.number()?, reader.number()?];
-        }
         let kind = if is_maximum { Kind::Maximum } else { Kind::Minimum };
-        let zero_count = usize::try_from(counts[1]).map_err(|_| Error::Bytes { at: 0 })?;
+        let [pair_count, zero_count, vertex_count] = [reader.count()?, reader.count()?, reader.count()?];
+        // Nothing is reserved by the counts: lists grow as bytes are read.
+        let (mut pairs, mut least) = (Vec::new(), 0);
+        for _ in 0..pair_count {
+            pairs.push(reader.pair(&mut least)?);
+        }
+        let mut tree = Reduced::default();
+        least = 0;
+        for number in 0..vertex_count {
+            let (place, parent) = reader.place(number as u64, &mut least)?;
+            tree.places.push(place);
+            tree.parents.push(parent);
+        }
+        if reader.at != bytes.len() {
+            return Err(Error::Bytes { at: reader.at });
+        }
         Self::try_from(Unchecked { kind, keep_zeros, pairs, zero_count, tree }).map_err(|_| Error::Bytes { at: 0 })
     }
 }
@@ -141,22 +169,75 @@ impl<'a> Reader<'a> {
         }
     }
 
-    fn number<N>(&mut self) -> Result<N, Error>
-    where
-        N: Bounded + ToBytes + FromBytes<Bytes = <N as ToBytes>::Bytes>,
-    {
-        let mut number = N::min_value().to_le_bytes();
-        let bytes = self.take(number.as_ref().len())?;
-        number.as_mut().copy_from_slice(bytes);
-        Ok(N::from_le_bytes(&number))
+    /// A number in groups of seven bits; one that is longer than it need be is refused, so that bytes are read in one way only.
+    fn varint(&mut self) -> Result<u128, Error> {
+        let (start, mut number) = (self.at, 0);
+        for shift in (0..MOST_BITS).step_by(7) {
+            let byte = self.take(1)?[0];
+            number |= u128::from(byte & 0x7f) << shift;
+            if byte & 0x80 == 0 {
+                let is_short = byte != 0 || shift == 0;
+                return is_short.then_some(number).ok_or(Error::Bytes { at: start });
+            }
+        }
+        Err(Error::Bytes { at: start })
     }
 
-    fn pair<S>(&mut self) -> Result<Pair<u64, S>, Error>
+    /// A number of some type.
+    fn count<N: TryFrom<u128>>(&mut self) -> Result<N, Error> {
+        let at = self.at;
+        N::try_from(self.varint()?).map_err(|_| Error::Bytes { at })
+    }
+
+    fn value<S>(&mut self) -> Result<S, Error>
     where
         S: Bounded + ToBytes + FromBytes<Bytes = <S as ToBytes>::Bytes>,
     {
-        let [extremum, saddle]: [u64; 2] = [self.number()?, self.number()?];
-        let saddle = (saddle != extremum).then_some(saddle);
-        Ok(Pair { extremum, saddle, birth: self.number()?, end: self.number()? })
+        let mut value = S::min_value().to_le_bytes();
+        let bytes = self.take(value.as_ref().len())?;
+        value.as_mut().copy_from_slice(bytes);
+        Ok(S::from_le_bytes(&value))
+    }
+
+    /// A name of at least `least`, given how much more it is; the next one is more.
+    fn name(&self, more: u128, least: &mut u128) -> Result<u64, Error> {
+        let name = u64::try_from(more + *least).map_err(|_| Error::Bytes { at: self.at })?;
+        *least = u128::from(name) + 1;
+        Ok(name)
+    }
+
+    fn pair<S>(&mut self, least: &mut u128) -> Result<Pair<u64, S>, Error>
+    where
+        S: Bounded + ToBytes + FromBytes<Bytes = <S as ToBytes>::Bytes>,
+    {
+        let more = self.varint()?;
+        let extremum = self.name(more, least)?;
+        let (at, distance) = (self.at, self.varint()?);
+        let saddle = unfolded(extremum, distance).ok_or(Error::Bytes { at })?;
+        Ok(Pair { extremum, saddle: (distance != 0).then_some(saddle), birth: self.value()?, end: self.value()? })
+    }
+
+    /// A vertex of the tree, and its parent.
+    fn place<S>(&mut self, number: u64, least: &mut u128) -> Result<(Place<S>, u32), Error>
+    where
+        S: Bounded + ToBytes + FromBytes<Bytes = <S as ToBytes>::Bytes>,
+    {
+        let (at, more) = (self.at, self.varint()?);
+        let name = self.name(more >> 1, least)?;
+        let mut blocks = [0; 2];
+        if more & 1 != 0 {
+            let [joined, missing]: [u32; 2] = [self.count()?, self.count()?];
+            let all = joined.checked_add(missing).and_then(|all| all.checked_add(1));
+            blocks = [joined, all.ok_or(Error::Bytes { at })?];
+        }
+        let (at, distance) = (self.at, self.varint()?);
+        let parent = match distance.checked_sub(1) {
+            None => NONE,
+            Some(distance) => {
+                let parent = unfolded(number, distance).and_then(|parent| u32::try_from(parent).ok());
+                parent.filter(|&parent| parent != NONE).ok_or(Error::Bytes { at })?
+            }
+        };
+        Ok((Place { name, value: self.value()?, blocks }, parent))
     }
 }

@@ -13,6 +13,7 @@ mod laws;
 mod linkage;
 #[cfg(feature = "serde")]
 mod serialized;
+mod stopping;
 mod threads;
 mod tiles;
 mod trees;
