@@ -14,17 +14,19 @@ pub(super) struct Rows<T> {
 impl<T: Copy + Default> Rows<T> {
     /// Sorts things by the vertex they belong to; those of one vertex keep their order. They are gone through twice.
     pub(super) fn sorted(vertices: usize, things: impl Iterator<Item = (u32, T)> + Clone) -> Self {
-        let mut starts = vec![0; vertices + 1];
-        things.clone().for_each(|(of, _)| starts[of as usize + 1] += 1);
+        // Counted two places on, and filled one place on, so that each start ends up where the list before has been filled to.
+        let mut starts = vec![0; vertices + 2];
+        things.clone().for_each(|(of, _)| starts[of as usize + 2] += 1);
         for v in 0..vertices {
-            starts[v + 1] += starts[v];
+            starts[v + 2] += starts[v + 1];
         }
-        let mut filled = starts.clone();
-        let mut items = vec![T::default(); starts[vertices]];
+        let mut items = vec![T::default(); starts[vertices + 1]];
         for (of, thing) in things {
-            items[filled[of as usize]] = thing;
-            filled[of as usize] += 1;
+            let place = &mut starts[of as usize + 1];
+            items[*place] = thing;
+            *place += 1;
         }
+        starts.pop();
         Self { starts, items }
     }
 
