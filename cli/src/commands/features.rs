@@ -1,6 +1,8 @@
 //! `cones features`: the feature points of a mesh, which are the extrema of a field by their persistence.
 
-use crate::commands::persistence::{DomainField, NanName, Pair, PairList, PairingTimes, Places, Wanted, explain};
+use crate::commands::persistence::{
+    DomainField, NanName, Pair, PairList, PairingTimes, Places, Wanted, explain, shares,
+};
 use crate::commands::shared::non_negative;
 use crate::error::CommandError;
 use crate::input::{Number, Source, significant};
@@ -47,9 +49,6 @@ pub(crate) struct FeaturesArgs {
 
 /// How many feature points there are by default.
 const COUNT: usize = 16;
-
-/// The share of the vertices at each end of the values that share one colour, so that few do not bleach all others.
-const TAIL: f64 = 0.02;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, ValueEnum)]
 #[serde(rename_all = "lowercase")]
@@ -184,16 +183,6 @@ fn write(args: &FeaturesArgs, subject: &DomainField, report: &FeaturesReport) ->
     Ok(())
 }
 
-/// Values from 0 to 1, the tails cut off; NaN where there is none.
-fn shares(values: &[f64]) -> Vec<f64> {
-    let mut sorted: Vec<f64> = values.iter().copied().filter(|value| value.is_finite()).collect();
-    sorted.sort_by(f64::total_cmp);
-    let at = |share: f64| sorted.get((share * sorted.len().saturating_sub(1) as f64) as usize).copied().unwrap_or(0.0);
-    let (low, high) = (at(TAIL), at(1.0 - TAIL));
-    let share = |value: f64| if high > low { ((value - low) / (high - low)).clamp(0.0, 1.0) } else { 0.5 };
-    values.iter().map(|&value| if value.is_nan() { value } else { share(value) }).collect()
-}
-
 /// A table that fits 80 columns with a million vertices; saddles are in the files.
 fn text(report: &FeaturesReport) -> String {
     let head = ["#", "vertex", "kind", "value", "persistence", "x", "y", "z"].map(String::from).to_vec();
@@ -222,20 +211,4 @@ fn rows(report: &FeaturesReport) -> Vec<Vec<String>> {
         row
     };
     std::iter::once(head).chain(report.extrema.iter().map(row)).collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn colours_are_shared_out_between_the_tails() {
-        let mut values: Vec<f64> = (0..101).map(f64::from).collect();
-        values[100] = 1e9;
-        values.push(f64::NAN);
-        let shares = shares(&values);
-        assert_eq!((shares[0], shares[50], shares[100]), (0.0, 0.5, 1.0));
-        assert!(shares[101].is_nan());
-        assert_eq!(super::shares(&[7.0, 7.0]), [0.5, 0.5]);
-    }
 }

@@ -18,7 +18,7 @@ mod view;
 
 pub(crate) use canvas::Picture;
 pub(crate) use checker::Checker;
-pub(crate) use colour::{Colour, INK, MAXIMUM, MINIMUM, PAPER, encode_hue, mix};
+pub(crate) use colour::{Colour, INK, MAXIMUM, MINIMUM, PAPER, encode, encode_hue, mix};
 pub(crate) use layout::draw as draw_layout;
 pub(crate) use layout_svg::draw as draw_layout_svg;
 pub(crate) use model::draw as draw_model;
