@@ -102,6 +102,11 @@ impl<'a, S: Scalar, D: Direction> Filtration<'a, S, D> {
         Ok(Self { field, direction: PhantomData })
     }
 
+    /// The same field and the reverse order.
+    pub(crate) fn backwards(&self) -> Filtration<'a, S, Falling> {
+        Filtration { field: self.field, direction: PhantomData }
+    }
+
     /// The field itself, by vertex index.
     pub fn field(&self) -> &'a [S] {
         self.field

@@ -155,6 +155,10 @@ impl<const D: usize> Domain for &Grid<D> {
         stencil.offsets[..count].iter().filter_map(|&offset| self.step(position, offset)).for_each(&mut visit);
     }
 
+    fn fills_loops(&self) -> bool {
+        !self.is_periodic() && self.connectivity != Connectivity::Axis
+    }
+
     fn basins<S: Scalar, F: Direction>(&self, filtration: &Filtration<'_, S, F>, pointing: Pointing) -> Basins {
         // Zeros are memory that no thread has touched yet; the scan writes every pointer.
         let mut next = vec![0; self.vertex_count()];

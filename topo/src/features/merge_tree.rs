@@ -99,9 +99,17 @@ impl<V: PartialEq, S: Scalar> PartialEq for MergeTree<V, S> {
 
 impl<V: Copy, S: Scalar> MergeTree<V, S> {
     pub(crate) fn new<G: Domain<Vertex = V>, D: Direction>(domain: G, filtration: &Filtration<'_, S, D>) -> Self {
+        Self::named(domain, filtration, |index| domain.vertex(index as usize))
+    }
+
+    /// The tree with vertices named otherwise than by the domain.
+    pub(super) fn named<G: Domain, D: Direction>(
+        domain: G,
+        filtration: &Filtration<'_, S, D>,
+        name: impl Fn(u32) -> V,
+    ) -> Self {
         let branches = Branches::new(domain, filtration);
-        let place =
-            |index: u32| TreeVertex { index, vertex: domain.vertex(index as usize), value: filtration.value(index) };
+        let place = |index: u32| TreeVertex { index, vertex: name(index), value: filtration.value(index) };
         let end = |&BranchEnd { extremum, saddle, elder, beyond }: &BranchEnd| End {
             leaf: extremum,
             elder,
