@@ -1,8 +1,8 @@
 //! The command line: what may be asked for, and nothing that is not built.
 
 use crate::commands::{
-    compare, completions, demo, extract, features, figure, islands, man, measure, pack, persistence, shape, unwrap,
-    view,
+    compare, completions, demo, distance, extract, features, figure, islands, man, measure, pack, persistence, shape,
+    simplify, tree, unwrap, view,
 };
 use crate::output::Volume;
 use clap::Parser;
@@ -54,6 +54,12 @@ pub(crate) enum Subcommand {
     Pack(pack::PackCommandArgs),
     /// Pair the extrema of a scalar field with saddles: an array, a picture, a mesh with values, a network
     Persistence(persistence::PersistenceArgs),
+    /// Find how the components of a scalar field's level sets merge
+    Tree(tree::TreeArgs),
+    /// Remove the small extrema of a scalar field
+    Simplify(simplify::SimplifyArgs),
+    /// Measure how far apart two scalar fields are, by their persistence diagrams
+    Distance(distance::DistanceArgs),
     /// Find the feature points of a surface: the persistent extrema of a field on it
     Features(features::FeaturesArgs),
     /// See a surface and its maps in the browser, for any number of cones

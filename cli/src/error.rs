@@ -71,6 +71,8 @@ pub(crate) enum CommandError {
     NoPlaces(PathBuf),
     #[error("{} can be written for {of} only: end it in .npy", path.display())]
     SegmentsAs { path: PathBuf, of: &'static str },
+    #[error("{} can be drawn over a picture only: leave --picture out, or give an array of two axes", .0.display())]
+    NoPicture(PathBuf),
     #[error("{} needs to know whose segments are meant: add --direction sub for minima or --direction super for maxima", .0.display())]
     WhichSegments(PathBuf),
     #[error("{} has none of the paper's models: name the folder that holds table1/ and table1_resized/", .0.display())]

@@ -18,8 +18,8 @@ mod vtk;
 use args::{Arguments, Subcommand};
 use clap::{CommandFactory, Parser};
 use commands::{
-    compare, completions, demo, extract, features, figure, islands, man, measure, pack, persistence, shape, unwrap,
-    view,
+    compare, completions, demo, distance, extract, features, figure, islands, man, measure, pack, persistence, shape,
+    simplify, tree, unwrap, view,
 };
 use error::CommandError;
 use std::process::ExitCode;
@@ -50,6 +50,9 @@ fn run(command: &Subcommand) -> Result<(), CommandError> {
         Subcommand::Islands(args) => islands::run(args),
         Subcommand::Pack(args) => pack::run(args),
         Subcommand::Persistence(args) => persistence::run(args),
+        Subcommand::Tree(args) => tree::run(args),
+        Subcommand::Simplify(args) => simplify::run(args),
+        Subcommand::Distance(args) => distance::run(args),
         Subcommand::Features(args) => features::run(args),
         Subcommand::Shape(args) => shape::run(args),
         Subcommand::View(args) => view::run(args),

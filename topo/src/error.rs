@@ -28,7 +28,7 @@ pub enum Error {
         /// The vertex in whose list it stands.
         of: usize,
         /// What stands there.
-        vertex: usize,
+        vertex: i64,
         /// Number of vertices.
         vertices: usize,
     },
@@ -37,9 +37,21 @@ pub enum Error {
         /// Number of the edge, from 0.
         edge: usize,
         /// What it names.
-        vertex: usize,
+        vertex: i64,
         /// Number of vertices.
         vertices: usize,
+    },
+    /// The starts of compressed rows do not rise from 0 to the number of indices.
+    Rows {
+        /// The first row where they do not.
+        row: usize,
+    },
+    /// An edge of an undirected graph is there from one of its ends only.
+    OneWay {
+        /// The vertex in whose row it stands, or stands more often.
+        from: usize,
+        /// The vertex in whose row it does not.
+        to: usize,
     },
     /// The weight of an edge is NaN.
     Weight {
@@ -95,7 +107,7 @@ pub enum Error {
         /// Number of the triangle, from 0.
         triangle: usize,
         /// What it names.
-        vertex: usize,
+        vertex: i64,
         /// Number of vertices.
         vertices: usize,
     },
@@ -115,6 +127,18 @@ impl fmt::Display for Error {
             }
             Self::TooLarge { vertices } => {
                 return write!(f, "the domain has {vertices} vertices, more than {MAX_VERTICES}; coarsen or split it");
+            }
+            Self::Rows { row } => {
+                return write!(
+                    f,
+                    "start {row} of the compressed rows is not where they go on; starts rise from 0 to the number of indices"
+                );
+            }
+            Self::OneWay { from, to } => {
+                return write!(
+                    f,
+                    "the edge from vertex {from} to {to} is not there from {to} to {from}, or not as often; add it to both rows"
+                );
             }
             Self::Weight { edge } => {
                 return write!(f, "the weight of edge {edge} is NaN; replace it, or leave the edge out");

@@ -129,6 +129,11 @@ impl<'a, S: Scalar, D: Direction> Filtration<'a, S, D> {
         self.watch.stops()
     }
 
+    /// The same field and the reverse order.
+    pub(crate) fn backwards(&self) -> Filtration<'a, S, Falling> {
+        Filtration { field: self.field, direction: PhantomData, watch: self.watch }
+    }
+
     /// The field itself, by vertex index.
     pub fn field(&self) -> &'a [S] {
         self.field

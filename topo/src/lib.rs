@@ -167,8 +167,9 @@
 //!
 //! # On what
 //!
-//! On every undirected petgraph graph with compact indices, named by its own node identifiers. The field is on the vertices; weights
-//! of nodes and edges are not looked at, for those of edges see [`single_linkage`](fn@single_linkage).
+//! On every undirected petgraph graph with compact indices, named by its own node identifiers. The field is on the vertices: nothing
+//! here looks at the weights of nodes and edges but [`weighted_edges`](fn@weighted_edges), with which edges of a petgraph graph are
+//! clustered by their weights.
 //!
 //! ```
 //! use petgraph::graph::UnGraph;
@@ -203,7 +204,7 @@
 //! ```
 //!
 //! And on domains of this crate that are faster for what they know: [`Grid`] (series, pictures, volumes), [`Path`],
-//! [`TriangleMesh`], [`Rings`], [`Adjacency`]. A mask is a field with NaN where the domain ends, see [`NanPolicy::Mask`].
+//! [`TriangleMesh`], [`Rings`], [`Adjacency`], [`CsrGraph`]. Edges, triangles and lists name vertices by integers of any type. A mask is a field with NaN where the domain ends, see [`NanPolicy::Mask`].
 //!
 //! # What is fixed
 //!
@@ -237,12 +238,12 @@ mod scalar;
 mod summary;
 mod watch;
 
-pub use domain::{Adjacency, Connectivity, Domain, Grid, Path, Rings, TriangleMesh};
+pub use domain::{Adjacency, Connectivity, CsrGraph, Domain, Grid, Path, Rings, TriangleMesh};
 pub use error::Error;
 pub use features::{
     Branch, ContourArc, ContourNode, ContourTree, Dendrogram, Diagram, Extended, Extremum, Hierarchy, Hole, Holes,
     LevelComponent, Link, Loop, Matching, MergeTree, Node, Segmentation, Wasserstein, contour_tree,
-    extended_persistence, holes, isolation, merge_tree, segmentation, simplify, single_linkage,
+    extended_persistence, holes, isolation, merge_tree, segmentation, simplify, single_linkage, weighted_edges,
 };
 #[doc(hidden)]
 pub use filtration::{Direction, Filtration};

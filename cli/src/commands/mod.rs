@@ -3,6 +3,7 @@
 pub(crate) mod compare;
 pub(crate) mod completions;
 pub(crate) mod demo;
+pub(crate) mod distance;
 pub(crate) mod extract;
 pub(crate) mod features;
 pub(crate) mod figure;
@@ -12,6 +13,8 @@ pub(crate) mod measure;
 pub(crate) mod pack;
 pub(crate) mod persistence;
 pub(crate) mod shape;
+pub(crate) mod simplify;
+pub(crate) mod tree;
 pub(crate) mod unwrap;
 pub(crate) mod view;
 

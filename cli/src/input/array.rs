@@ -1,12 +1,65 @@
 //! Arrays of one to three axes: series, pictures, volumes.
 
+use super::error::{Problem, ReadError};
 use super::values::Values;
+use std::path::Path;
 
 /// Values in C order, the slowest axis first.
 #[derive(Debug)]
 pub(crate) struct Array {
     pub(crate) values: Values,
     pub(crate) shape: Vec<usize>,
+}
+
+/// What to take of an array whose last axis may be colours.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Layer {
+    /// All: the axis is one of space.
+    Volume,
+    /// One value of the axis.
+    One(usize),
+}
+
+impl Layer {
+    /// From a number or `volume`.
+    pub(crate) fn parse(text: &str) -> Result<Self, String> {
+        match text {
+            "volume" => Ok(Self::Volume),
+            _ => text.parse().map(Self::One).map_err(|_| "give a number from 0, or volume".to_owned()),
+        }
+    }
+}
+
+/// Axes of so many values may be colours, where the axes before it are longer.
+const COLOURS: std::ops::RangeInclusive<usize> = 3..=4;
+
+impl Array {
+    /// The array, or one layer of it; asks which where that is not clear.
+    pub(crate) fn layer(self, layer: Option<Layer>, path: &Path) -> Result<Self, ReadError> {
+        fn every<T: Copy>(values: &[T], layers: usize, layer: usize) -> Vec<T> {
+            values.iter().skip(layer).step_by(layers).copied().collect()
+        }
+        let Self { values, shape } = &self;
+        let (last, others) = shape.split_last().map_or((1, &[][..]), |(last, others)| (*last, others));
+        let are_colours = others.len() == 2 && COLOURS.contains(&last) && others.iter().all(|length| *length > last);
+        match layer {
+            None if are_colours => Err(Problem::Colours(shape.clone()).in_file(path)),
+            None | Some(Layer::Volume) => Ok(self),
+            Some(Layer::One(layer)) if layer >= last || others.is_empty() => {
+                Err(Problem::NoLayer { layer, layers: if others.is_empty() { 0 } else { last } }.in_file(path))
+            }
+            Some(Layer::One(layer)) => {
+                let values = match values {
+                    Values::I32(field) => Values::I32(every(field, last, layer)),
+                    Values::I64(field) => Values::I64(every(field, last, layer)),
+                    Values::U64(field) => Values::U64(every(field, last, layer)),
+                    Values::F32(field) => Values::F32(every(field, last, layer)),
+                    Values::F64(field) => Values::F64(every(field, last, layer)),
+                };
+                Ok(Self { values, shape: others.to_vec() })
+            }
+        }
+    }
 }
 
 /// Which axes are meant: x is the fastest.

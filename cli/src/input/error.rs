@@ -30,7 +30,7 @@ pub(crate) enum Problem {
     #[error("cannot be read ({0})")]
     Io(#[from] io::Error),
     #[error(
-        "is of no known form: give an array (.npy, .pgm, .png, .txt), a mesh (.obj, .ply, .off, .stl) or a network (.csv)"
+        "is of no known form: give an array (.npy, .pgm, .png, .tif, .txt, .csv), a mesh (.obj, .ply, .off, .stl) or a network (.csv)"
     )]
     Form,
     #[error("there is {found} where {expected} should be")]
@@ -69,6 +69,17 @@ pub(crate) enum Problem {
     Count { values: usize, vertices: usize },
     #[error("has no vertex {vertex}: it has {vertices}, counted from 0")]
     NoVertex { vertex: usize, vertices: usize },
+    #[error(
+        "is an array of {0:?}, which may be a picture in colour or a volume: add --layer 0 for the first of its {last}, or --layer volume",
+        last = .0.last().copied().unwrap_or(0)
+    )]
+    Colours(Vec<usize>),
+    #[error("has no layer {layer}: its last axis has {layers}, counted from 0")]
+    NoLayer { layer: usize, layers: usize },
+    #[error("is no TIFF picture that can be read ({0})")]
+    Tiff(#[from] ::tiff::TiffError),
+    #[error("has {0} values at each place, and one is read: save one of them by itself")]
+    Samples(usize),
     #[error("holds no values")]
     Empty,
 }

@@ -17,6 +17,12 @@ const LUMA: [u32; 3] = [2126, 7152, 722];
 const FREE: u64 = 1 << 24;
 const EXPANSION: u64 = 256;
 
+/// Refuses more pixels than a file of so many bytes may have.
+pub(super) fn check_expansion(pixels: u64, length: u64) -> Result<(), Problem> {
+    let is_plausible = pixels <= FREE + EXPANSION.saturating_mul(length);
+    if is_plausible { Ok(()) } else { Err(Problem::Expansion { pixels, length }) }
+}
+
 /// Reads a picture.
 pub(super) fn read(path: &Path) -> Result<Array, ReadError> {
     decode(path).map_err(|problem| problem.in_file(path))
@@ -30,9 +36,7 @@ fn decode(path: &Path) -> Result<Array, Problem> {
     let mut reader = decoder.read_info()?;
     let (width, height) = reader.info().size();
     let pixels = u64::from(width) * u64::from(height);
-    if pixels > FREE + EXPANSION.saturating_mul(length) {
-        return Err(Problem::Expansion { pixels, length });
-    }
+    check_expansion(pixels, length)?;
     let (colours, depth) = reader.output_color_type();
     let sample = if depth == BitDepth::Sixteen { 2 } else { 1 };
     let bytes = colours.samples() * sample;

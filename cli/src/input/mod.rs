@@ -17,15 +17,17 @@ mod network;
 mod npy;
 mod pgm;
 mod source;
+mod table;
+mod tiff;
 mod values;
 
-pub(crate) use array::{Array, Axes};
+pub(crate) use array::{Array, Axes, Layer};
 pub(crate) use array_file::read_array;
 pub(crate) use cone_file::ConeFileError;
 pub(crate) use edge_file::{EdgeFile, EdgeFileError};
 pub(crate) use error::{Problem, ReadError};
 pub(crate) use network::{Network, edges_beside};
-pub(crate) use npy::write_labels;
+pub(crate) use npy::{write_labels, write_values};
 pub(crate) use source::Source;
 pub(crate) use values::{FieldScalar, Number, Values, each, significant, six_digits};
 
@@ -59,7 +61,8 @@ impl Form {
     /// The form of the file at a path.
     pub(crate) fn of(path: &Path) -> Result<Self, ReadError> {
         match ending(path).as_str() {
-            "npy" | "pgm" | "png" | "txt" => Ok(Self::Array),
+            "npy" | "pgm" | "png" | "txt" | "tsv" | "tif" | "tiff" => Ok(Self::Array),
+            "csv" if table::begins_with_numbers(path) => Ok(Self::Array),
             "csv" => Ok(Self::Network),
             "obj" | "ply" | "off" | "stl" | "glb" | "gltf" | "gz" => Ok(Self::Mesh),
             _ => Err(Problem::Form.in_file(path)),

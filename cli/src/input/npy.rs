@@ -8,7 +8,7 @@
 use super::array::{Array, to_c_order};
 use super::error::{Fault, FilePosition, Problem, ReadError};
 use super::memory;
-use super::values::Values;
+use super::values::{Values, each};
 use std::fs::File;
 use std::io::{self, BufReader, Read, Write};
 use std::path::Path;
@@ -330,8 +330,29 @@ pub(crate) fn write_labels(
     labels: impl Iterator<Item = Option<usize>>,
     mut out: impl Write,
 ) -> io::Result<()> {
+    write_header("<i4", shape, &mut out)?;
+    for label in labels {
+        out.write_all(&label.map_or(-1, |label| label as i32).to_le_bytes())?;
+    }
+    Ok(())
+}
+
+/// Writes values as an array of their type.
+pub(crate) fn write_values(shape: &[usize], values: &Values, mut out: impl Write) -> io::Result<()> {
+    let name = match values {
+        Values::I32(_) => "<i4",
+        Values::I64(_) => "<i8",
+        Values::U64(_) => "<u8",
+        Values::F32(_) => "<f4",
+        Values::F64(_) => "<f8",
+    };
+    write_header(name, shape, &mut out)?;
+    each!(values, field => field.iter().try_for_each(|value| out.write_all(&value.to_le_bytes())))
+}
+
+fn write_header(name: &str, shape: &[usize], out: &mut impl Write) -> io::Result<()> {
     let lengths: String = shape.iter().map(|length| format!("{length}, ")).collect();
-    let mut header = format!("{{'descr': '<i4', 'fortran_order': False, 'shape': ({}), }}", lengths.trim_end());
+    let mut header = format!("{{'descr': '{name}', 'fortran_order': False, 'shape': ({}), }}", lengths.trim_end());
     // Values begin at a multiple of 64 bytes, a line's end before them.
     let padding = 64 - (10 + header.len() + 1) % 64;
     header += &" ".repeat(padding % 64);
@@ -339,11 +360,7 @@ pub(crate) fn write_labels(
     out.write_all(MAGIC)?;
     out.write_all(&[1, 0])?;
     out.write_all(&(header.len() as u16).to_le_bytes())?;
-    out.write_all(header.as_bytes())?;
-    for label in labels {
-        out.write_all(&label.map_or(-1, |label| label as i32).to_le_bytes())?;
-    }
-    Ok(())
+    out.write_all(header.as_bytes())
 }
 
 #[cfg(test)]

@@ -57,6 +57,8 @@ fn every_key_of_every_json_output_is_on_the_page() {
     assert_documented("persistence", &printed(&["persistence", "hare.obj", "--field", "height", "--json"]));
     folder.write("series.txt", "1\n3\n2\n4\n");
     assert_documented("persistence", &printed(&["persistence", "series.txt", "--json"]));
+    assert_documented("tree", &printed(&["tree", "series.txt", "--json"]));
+    assert_documented("distance", &printed(&["distance", "series.txt", "series.txt", "--json"]));
     folder.write("net.nodes.csv", "id,name,value\n0,a,1\n1,b,3\n2,c,0\n");
     folder.write("net.edges.csv", "a,b\n0,1\n1,2\n");
     assert_documented("persistence", &printed(&["persistence", "net.nodes.csv", "--json"]));

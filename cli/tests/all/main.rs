@@ -5,6 +5,7 @@
 
 mod comparing;
 mod documented;
+mod field_files;
 mod fields;
 mod finds;
 mod folder;

@@ -1,87 +1,63 @@
 //! Graphs given as lists of neighbours or of edges, for those who have no petgraph graph.
 
 use super::graph::Domain;
+use super::rows::{Rows, check_edges, known, vertex_index};
 use crate::error::{Error, check_vertex_count};
+use num_traits::PrimInt;
 
 /// An undirected graph as sorted neighbour lists, one behind the other.
+///
+/// Vertices are named by integers of any type.
 ///
 /// ```
 /// let neighbors = [vec![1, 2], vec![0], vec![0]]; // 1 – 0 – 2
 /// let graph = topo::Adjacency::new(&neighbors)?;
 /// let peaks = topo::superlevel(&graph, &[1.0f32, 4.0, 3.0])?.ranked();
 /// assert_eq!((peaks[0].extremum, peaks[1].extremum, peaks[1].saddle), (1, 2, Some(0)));
+///
+/// let edges: [(u32, u32); 2] = [(0, 1), (2, 0)];
+/// assert_eq!(topo::Adjacency::from_edges(3, &edges)?, graph);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
+///
+/// Rows that lie in memory already, such as those of a sparse matrix, are taken without a copy by
+/// [`CsrGraph`](crate::CsrGraph).
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Adjacency {
-    /// Where the list of each vertex begins, and the end of the last.
-    starts: Vec<usize>,
-    neighbors: Vec<u32>,
+    neighbors: Rows<u32>,
 }
 
 impl Adjacency {
-    /// From the neighbours of each vertex. An edge may stand in one of the two lists or in both.
+    /// From the neighbours of each vertex, named by integers of any type. An edge may stand in one of the two lists or in both.
     ///
     /// # Errors
     /// If a neighbour is not a vertex.
-    pub fn new(lists: &[impl AsRef<[usize]>]) -> Result<Self, Error> {
+    pub fn new<I: PrimInt>(lists: &[impl AsRef<[I]>]) -> Result<Self, Error> {
         let vertices = lists.len();
-        let mut edges = Vec::with_capacity(lists.iter().map(|list| list.as_ref().len()).sum());
+        check_vertex_count(vertices)?;
         for (of, list) in lists.iter().enumerate() {
-            for &vertex in list.as_ref() {
-                if vertex >= vertices {
-                    return Err(Error::Neighbor { of, vertex, vertices });
-                }
-                edges.push([of, vertex]);
+            for &neighbor in list.as_ref() {
+                vertex_index(neighbor, vertices).map_err(|vertex| Error::Neighbor { of, vertex, vertices })?;
             }
         }
-        Self::from_edges(vertices, &edges)
+        let edges = (0..).zip(lists).flat_map(|(of, list)| list.as_ref().iter().map(move |&to| [of, known(to)]));
+        Ok(Self::both_ways(vertices, edges))
     }
 
-    /// From pairs of vertices. O(n + m) for n vertices and m edges, and sorting within each list.
+    /// From pairs of vertices, arrays or tuples of integers of any type. O(n + m) for n vertices and m edges, and sorting
+    /// within each list.
     ///
     /// # Errors
     /// If an end of an edge is not a vertex.
-    pub fn from_edges(vertices: usize, edges: &[[usize; 2]]) -> Result<Self, Error> {
-        check_vertex_count(vertices)?;
-        for (edge, ends) in edges.iter().enumerate() {
-            if let Some(&vertex) = ends.iter().find(|&&end| end >= vertices) {
-                return Err(Error::Edge { edge, vertex, vertices });
-            }
-        }
-        let mut starts = vec![0; vertices + 1];
-        edges.iter().flatten().for_each(|&end| starts[end + 1] += 1);
-        for v in 0..vertices {
-            starts[v + 1] += starts[v];
-        }
-        let mut filled = starts.clone();
-        let mut neighbors = vec![0; 2 * edges.len()];
-        for &[a, b] in edges {
-            for (of, neighbor) in [(a, b), (b, a)] {
-                neighbors[filled[of]] = neighbor as u32;
-                filled[of] += 1;
-            }
-        }
-        Ok(Self { starts, neighbors }.without_repetitions())
+    pub fn from_edges<I: PrimInt>(vertices: usize, edges: &[impl Into<[I; 2]> + Copy]) -> Result<Self, Error> {
+        let edges = edges.iter().map(|&edge| edge.into());
+        check_edges(vertices, edges.clone())?;
+        Ok(Self::both_ways(vertices, edges.map(|edge| edge.map(known))))
     }
 
-    fn without_repetitions(mut self) -> Self {
-        let mut kept = 0;
-        for v in 0..self.starts.len() - 1 {
-            let list = self.starts[v]..self.starts[v + 1];
-            self.neighbors[list.clone()].sort_unstable();
-            self.starts[v] = kept;
-            for place in list {
-                let neighbor = self.neighbors[place];
-                if kept == self.starts[v] || self.neighbors[kept - 1] != neighbor {
-                    self.neighbors[kept] = neighbor;
-                    kept += 1;
-                }
-            }
-        }
-        *self.starts.last_mut().expect("there is one start more than there are vertices") = kept;
-        self.neighbors.truncate(kept);
-        self
+    fn both_ways(vertices: usize, edges: impl Iterator<Item = [u32; 2]> + Clone) -> Self {
+        let ends = edges.flat_map(|[a, b]| [(a, b), (b, a)]);
+        Self { neighbors: Rows::sorted(vertices, ends).without_repetitions() }
     }
 
     /// The neighbours of a vertex by rising index.
@@ -89,7 +65,7 @@ impl Adjacency {
     /// # Panics
     /// If there is no such vertex.
     pub fn neighbors(&self, vertex: usize) -> &[u32] {
-        &self.neighbors[self.starts[vertex]..self.starts[vertex + 1]]
+        self.neighbors.of(vertex)
     }
 }
 
@@ -97,7 +73,7 @@ impl Domain for &Adjacency {
     type Vertex = usize;
 
     fn vertex_count(&self) -> usize {
-        self.starts.len() - 1
+        self.neighbors.len()
     }
 
     fn vertex(&self, index: usize) -> usize {
@@ -129,5 +105,9 @@ mod tests {
             error.to_string(),
             "the neighbour list of vertex 1 names vertex 2, but there are only 2, counted from 0"
         );
+        let error = Adjacency::from_edges(2, &[(0i64, 1), (1, -1)]).expect_err("no vertex is negative");
+        assert_eq!(error, Error::Edge { edge: 1, vertex: -1, vertices: 2 });
+        let error = Adjacency::from_edges(2, &[[0, u64::MAX]]).expect_err("far too large");
+        assert_eq!(error, Error::Edge { edge: 0, vertex: i64::MAX, vertices: 2 });
     }
 }

@@ -42,6 +42,12 @@ pub trait Domain: Copy {
         basins_of_graph(*self, filtration, pointing)
     }
 
+    /// Whether it is known that every loop of the domain is filled by triangles, so that every field on it has a contour tree.
+    #[doc(hidden)]
+    fn fills_loops(&self) -> bool {
+        false
+    }
+
     /// Pairs the extrema in the way that is fastest on this domain; by rising index.
     #[doc(hidden)]
     fn merges<S: Scalar, D: Direction>(&self, filtration: &Filtration<'_, S, D>) -> Vec<Merge> {

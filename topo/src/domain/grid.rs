@@ -6,7 +6,7 @@
 
 use super::graph::Domain;
 use super::stencil::{Connectivity, Offset, Stencil};
-use crate::filtration::{Direction, Filtration};
+use crate::filtration::{Direction, Filtration, Kind};
 use crate::pairing::{Basins, OUTSIDE, Pointing, SaddleCandidate, Scan};
 use crate::parallel;
 use crate::scalar::Scalar;
@@ -155,6 +155,10 @@ impl<const D: usize> Domain for &Grid<D> {
         stencil.offsets[..count].iter().filter_map(|&offset| self.step(position, offset)).for_each(&mut visit);
     }
 
+    fn fills_loops(&self) -> bool {
+        !self.is_periodic() && self.connectivity != Connectivity::Axis
+    }
+
     fn basins<S: Scalar, F: Direction>(&self, filtration: &Filtration<'_, S, F>, pointing: Pointing) -> Basins {
         // Zeros are memory that no thread has touched yet; the scan writes every pointer.
         let mut next = vec![0; self.vertex_count()];
@@ -189,9 +193,10 @@ struct Scanner<'a, S, F, const D: usize> {
     /// For each vertex of a span the set of stencil vertices that are earlier.
     sets: [u32; SPAN],
     pointing: Pointing,
-    /// Of steepest descent, for the row that is scanned: how far it is to each neighbour, and its step along the row.
+    /// Of steepest descent, for the row that is scanned: how far it is to each neighbour, and its step along the row; by rising
+    /// index, with the vertex itself among them.
     leaps: Vec<(isize, i8)>,
-    /// Of steepest descent, for each vertex of a span the earliest value found so far.
+    /// Of steepest descent, for each vertex of a span the earliest value around it.
     earliest: Vec<S>,
     found: Scan,
 }
@@ -223,32 +228,27 @@ impl<'a, S: Scalar, F: Direction, const D: usize> Scanner<'a, S, F, D> {
         }
     }
 
-    /// Points each vertex of a span to its earliest neighbour instead. Neighbours come from the vertex downwards by index
-    /// and then upwards, so that each has a lower index than the earliest before it in the first part, and a higher one in
-    /// the second: ties need no care.
+    /// Points each vertex of a span to its earliest neighbour instead: the values first, then who has them. Of those that do, the one
+    /// with the lowest index is earliest if the filtration rises, or else that with the highest. NaN is nobody's.
     fn point_steepest(&mut self, span: Range<usize>, next: &mut [u32]) {
-        let length = self.grid.shape[2];
         let (field, here) = (self.filtration.field(), self.here);
         self.earliest.clear();
         self.earliest.extend_from_slice(&field[here + span.start..here + span.end]);
         self.sets[..span.len()].fill(0);
-        for &(leap, dx) in &self.leaps {
-            let inner = span.start.max(usize::from(dx < 0))..span.end.min(length - usize::from(dx > 0));
-            if inner.is_empty() {
-                continue;
-            }
-            let inside = inner.start - span.start..inner.end - span.start;
-            let from = (here + inner.start).wrapping_add_signed(leap);
-            let others = &field[from..from + inner.len()];
-            let (earliest, leaps) = (&mut self.earliest[inside.clone()], &mut self.sets[inside]);
-            if leap < 0 {
-                replace(earliest, leaps, others, leap as u32, F::precedes_higher_index);
-            } else {
-                replace(earliest, leaps, others, leap as u32, F::precedes_lower_index);
-            }
+        for &leap in &self.leaps {
+            let (inside, others) = self.beyond(&span, leap);
+            reduce(&mut self.earliest[inside], others, F::precedes_lower_index);
         }
-        for ((v, next), &leap) in ((here + span.start) as u32..).zip(&mut next[span.clone()]).zip(&self.sets) {
-            *next = if leap == 0 { OUTSIDE } else { v.wrapping_add(leap) };
+        for (bit, &leap) in self.leaps.iter().enumerate() {
+            let (inside, others) = self.beyond(&span, leap);
+            mark(&mut self.sets[inside.clone()], others, &self.earliest[inside], bit, |a, b| a == b);
+        }
+        let mut leaps = [0u32; 32];
+        leaps.iter_mut().zip(&self.leaps).for_each(|(to, leap)| *to = leap.0 as u32);
+        for ((v, next), &set) in ((here + span.start) as u32..).zip(&mut next[span.clone()]).zip(&self.sets) {
+            let bit = if F::KIND == Kind::Minimum { set.trailing_zeros() } else { 31 - (set | 1).leading_zeros() };
+            let leap = leaps[bit as usize % leaps.len()];
+            *next = if leap == 0 || set == 0 { OUTSIDE } else { v.wrapping_add(leap) };
         }
         for x in self.periodic_ends(&span) {
             let mut earliest = (here + x) as u32;
@@ -257,18 +257,29 @@ impl<'a, S: Scalar, F: Direction, const D: usize> Scanner<'a, S, F, D> {
         }
     }
 
-    /// Notes how far it is by index to each neighbour, those before the vertex first, near ones first; and their step along
-    /// the row.
+    /// The part of a span of the row from which a leap stays within the row that it leads to, from the start of the span; and the
+    /// values there.
+    fn beyond(&self, span: &Range<usize>, (leap, dx): (isize, i8)) -> (Range<usize>, &'a [S]) {
+        let inner = span.start.max(usize::from(dx < 0))..span.end.min(self.grid.shape[2] - usize::from(dx > 0));
+        if inner.is_empty() {
+            return (0..0, &[]);
+        }
+        let from = (self.here + inner.start).wrapping_add_signed(leap);
+        (inner.start - span.start..inner.end - span.start, &self.filtration.field()[from..from + inner.len()])
+    }
+
+    /// Notes how far it is by index to each neighbour and to the vertex itself, and the steps along the row.
     fn note_leaps(&mut self) {
         let count = self.stencil.neighbors(u32::MAX).count_ones() as usize;
         self.leaps.clear();
+        self.leaps.push((0, 0));
         for (&[_, _, dx], &there) in self.stencil.offsets[..count].iter().zip(&self.there) {
             // An offset that leads back to the vertex itself, round an axis of length one, is no neighbour.
             if let Some(there) = there.filter(|&there| there != self.here || dx != 0) {
                 self.leaps.push((there as isize - self.here as isize + isize::from(dx), dx));
             }
         }
-        self.leaps.sort_unstable_by_key(|&(leap, _)| (leap > 0, leap.abs()));
+        self.leaps.sort_unstable();
     }
 
     /// Fills in the sets of a span of the row.
@@ -360,18 +371,10 @@ fn mark<S: Scalar>(sets: &mut [u32], others: &[S], centres: &[S], bit: usize, is
     }
 }
 
-/// Where the other value is earlier than the earliest so far, takes it and how far it is.
-fn replace<S: Scalar>(
-    earliest: &mut [S],
-    leaps: &mut [u32],
-    others: &[S],
-    leap: u32,
-    is_earlier: impl Fn(S, S) -> bool,
-) {
-    for ((earliest, taken), &other) in earliest.iter_mut().zip(leaps).zip(others) {
-        let is_earlier = is_earlier(other, *earliest);
-        *earliest = if is_earlier { other } else { *earliest };
-        *taken = if is_earlier { leap } else { *taken };
+/// Takes the other value where it is earlier than the earliest so far.
+fn reduce<S: Scalar>(earliest: &mut [S], others: &[S], is_earlier: impl Fn(S, S) -> bool) {
+    for (earliest, &other) in earliest.iter_mut().zip(others) {
+        *earliest = if is_earlier(other, *earliest) { other } else { *earliest };
     }
 }
 

@@ -1,17 +1,21 @@
 //! What a field may live on: any graph, and domains that are faster for what they know.
 
 mod adjacency;
+mod csr;
 mod graph;
 mod grid;
 mod path;
 mod rings;
+mod rows;
 mod stencil;
 mod triangle_mesh;
 
 pub use adjacency::Adjacency;
+pub use csr::CsrGraph;
 pub use graph::Domain;
 pub use grid::Grid;
 pub use path::Path;
 pub use rings::Rings;
+pub(crate) use rows::{check_edges, known};
 pub use stencil::Connectivity;
 pub use triangle_mesh::TriangleMesh;

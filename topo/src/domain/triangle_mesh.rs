@@ -5,10 +5,12 @@
 
 use super::graph::Domain;
 use super::rings::{self, Linked};
+use super::rows::{Rows, known, vertex_index};
 use crate::error::{Error, check_vertex_count};
 use crate::filtration::{Direction, Filtration};
 use crate::pairing::{Basins, Pointing};
 use crate::scalar::Scalar;
+use num_traits::PrimInt;
 
 /// Marks the last vertex of an open chain. A ring without a mark is closed.
 const END: u32 = 1 << 31;
@@ -26,35 +28,40 @@ const NONE: u32 = u32::MAX;
 /// ```
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct TriangleMesh {
-    /// Where the ring of each vertex begins, and the end of the last.
-    starts: Vec<usize>,
-    rings: Vec<u32>,
+    rings: Rows<u32>,
 }
 
 impl TriangleMesh {
-    /// From the corners of the triangles, in any orientation. O(vertices + triangles).
+    /// From the corners of the triangles, arrays or tuples of integers of any type, in any orientation. O(vertices + triangles);
+    /// fastest where neighbours are oriented alike.
     ///
     /// # Errors
-    /// If a corner is not a vertex.
-    pub fn new(vertices: usize, triangles: &[[u32; 3]]) -> Result<Self, Error> {
-        check_vertex_count(vertices)?;
-        for (triangle, corners) in triangles.iter().enumerate() {
-            if let Some(vertex) = corners.iter().map(|&corner| corner as usize).find(|&corner| corner >= vertices) {
-                return Err(Error::Triangle { triangle, vertex, vertices });
+    /// If a corner is not a vertex, or if there are more than 2³¹ - 1 triangles.
+    pub fn new<I: PrimInt>(vertices: usize, triangles: &[impl Into<[I; 3]> + Copy]) -> Result<Self, Error> {
+        check_vertex_count(vertices.max(triangles.len()))?;
+        for (triangle, &corners) in triangles.iter().enumerate() {
+            for corner in corners.into() {
+                vertex_index(corner, vertices).map_err(|vertex| Error::Triangle { triangle, vertex, vertices })?;
             }
         }
-        let links = Links::new(vertices, triangles);
-        let mut chaining = Chaining::new(vertices);
-        let (mut starts, mut rings) = (vec![0], Vec::with_capacity(2 * triangles.len() + vertices));
+        let corners = |triangle: usize| triangles[triangle].into().map(known);
+        let around = Rows::sorted(vertices, (0..triangles.len()).flat_map(|t| corners(t).map(|v| (v, t as u32))));
+        let mut rings = Rows::with_capacity(vertices, 3 * triangles.len() + vertices);
+        let (mut link, mut chaining) = (Vec::new(), Chaining::default());
         for v in 0..vertices {
-            chaining.append_ring(links.of(v), &mut rings);
-            starts.push(rings.len());
+            link.clear();
+            link.extend(around.of(v).iter().filter_map(|&t| link_edge(v as u32, corners(t as usize))));
+            rings.append(|rings| {
+                if !append_cycle(&mut link, rings) {
+                    chaining.append_ring(vertices, &link, rings);
+                }
+            });
         }
-        Ok(Self { starts, rings })
+        Ok(Self { rings })
     }
 
     fn ring(&self, vertex: usize) -> &[u32] {
-        &self.rings[self.starts[vertex]..self.starts[vertex + 1]]
+        self.rings.of(vertex)
     }
 }
 
@@ -62,7 +69,7 @@ impl Domain for &TriangleMesh {
     type Vertex = usize;
 
     fn vertex_count(&self) -> usize {
-        self.starts.len() - 1
+        self.rings.len()
     }
 
     fn vertex(&self, index: usize) -> usize {
@@ -80,7 +87,7 @@ impl Domain for &TriangleMesh {
 
 impl Linked for &TriangleMesh {
     fn vertex_count(&self) -> usize {
-        self.starts.len() - 1
+        self.rings.len()
     }
 
     #[inline]
@@ -94,48 +101,49 @@ impl Linked for &TriangleMesh {
     }
 }
 
-/// The link of each vertex: the edges opposite to it in its triangles.
-struct Links {
-    starts: Vec<usize>,
-    edges: Vec<[u32; 2]>,
-}
-
-impl Links {
-    fn new(vertices: usize, triangles: &[[u32; 3]]) -> Self {
-        let mut starts = vec![0; vertices + 1];
-        for (v, _) in triangles.iter().flat_map(links_of) {
-            starts[v as usize + 1] += 1;
-        }
-        for v in 0..vertices {
-            starts[v + 1] += starts[v];
-        }
-        let mut filled = starts.clone();
-        let mut edges = vec![[0; 2]; starts[vertices]];
-        for (v, edge) in triangles.iter().flat_map(links_of) {
-            edges[filled[v as usize]] = edge;
-            filled[v as usize] += 1;
-        }
-        Self { starts, edges }
-    }
-
-    fn of(&self, vertex: usize) -> &[[u32; 2]] {
-        &self.edges[self.starts[vertex]..self.starts[vertex + 1]]
-    }
-}
-
-/// The corners of a triangle with the opposite edges. Where corners coincide, an edge that leads to a corner itself
-/// shrinks to its other end.
-fn links_of(&[a, b, c]: &[u32; 3]) -> impl Iterator<Item = (u32, [u32; 2])> {
-    let links = [(a, [b, c]), (b, [c, a]), (c, [a, b])];
-    links.into_iter().filter_map(|(v, [p, q])| match (p == v, q == v) {
+/// The edge of a triangle opposite to a corner. Where corners coincide, an edge that leads to the corner itself shrinks to its other
+/// end, or to nothing.
+fn link_edge(v: u32, [a, b, c]: [u32; 3]) -> Option<[u32; 2]> {
+    let [p, q] = if v == a {
+        [b, c]
+    } else if v == b {
+        [c, a]
+    } else {
+        [a, b]
+    };
+    match (p == v, q == v) {
         (true, true) => None,
-        (true, false) => Some((v, [q, q])),
-        (false, true) => Some((v, [p, p])),
-        (false, false) => Some((v, [p, q])),
-    })
+        (true, false) => Some([q, q]),
+        (false, true) => Some([p, p]),
+        (false, false) => Some([p, q]),
+    }
 }
 
-/// Orders the edges of links into chains; its arrays are reused from vertex to vertex.
+/// Links of more edges than this are chained by a table, since searching each for the next takes their number squared.
+const MAX_SEARCHED: usize = 24;
+
+/// Appends the vertices of a link whose edges, each leading on from the one before, make one cycle; or nothing if they do not. That is
+/// how it is round nearly every vertex of a mesh whose triangles are oriented alike: a million vertices in a third of the time that
+/// [`Chaining`] takes. Edges are put into the order of the cycle as far as it goes.
+fn append_cycle(link: &mut [[u32; 2]], rings: &mut Vec<u32>) -> bool {
+    let count = link.len();
+    if count == 0 || count > MAX_SEARCHED {
+        return count == 0;
+    }
+    for place in 1..count {
+        let to = link[place - 1][1];
+        let Some(next) = (place..count).find(|&next| link[next][0] == to) else { return false };
+        link.swap(place, next);
+    }
+    if link[count - 1][1] != link[0][0] || count == 1 {
+        return false;
+    }
+    rings.extend(link.iter().map(|edge| edge[0]));
+    true
+}
+
+/// Orders the edges of links into chains, however they are directed; its arrays are reused from vertex to vertex.
+#[derive(Default)]
 struct Chaining {
     /// For each vertex up to two edges of the present link that end there.
     at: Vec<[u32; 2]>,
@@ -143,13 +151,10 @@ struct Chaining {
 }
 
 impl Chaining {
-    fn new(vertices: usize) -> Self {
-        Self { at: vec![[NONE; 2]; vertices], used: Vec::new() }
-    }
-
     /// Appends the vertices of a link in the order of its chains, open ones first.
-    fn append_ring(&mut self, link: &[[u32; 2]], rings: &mut Vec<u32>) {
+    fn append_ring(&mut self, vertices: usize, link: &[[u32; 2]], rings: &mut Vec<u32>) {
         let start = rings.len();
+        self.at.resize(vertices, [NONE; 2]);
         self.used.clear();
         for (edge, &ends) in (0..).zip(link) {
             let alone = self.stands_alone(edge, ends);

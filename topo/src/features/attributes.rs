@@ -101,7 +101,7 @@ impl<V: Copy, S: Scalar> MergeTree<V, S> {
 }
 
 /// The branches that each branch ends in, one after the other.
-struct Ancestry {
+pub(super) struct Ancestry {
     /// For each leaf its ending, as a place among them; [`NONE`] if it has none.
     ending: Vec<u32>,
     /// For each leaf one farther up; itself at a root.
@@ -109,7 +109,7 @@ struct Ancestry {
 }
 
 impl Ancestry {
-    fn new<V: Copy, S: Scalar>(tree: &MergeTree<V, S>) -> Self {
+    pub(super) fn new<V: Copy, S: Scalar>(tree: &MergeTree<V, S>) -> Self {
         let count = tree.leaves.len();
         let (mut ending, mut depth) = (vec![NONE; count], vec![0u32; count]);
         let mut skip: Vec<u32> = (0..count as u32).collect();
@@ -126,7 +126,13 @@ impl Ancestry {
     }
 
     /// The branch whose component a vertex of a basin enters.
-    fn branch_of<V: Copy, S: Scalar>(&self, tree: &MergeTree<V, S>, vertex: u32, value: S, basin: u32) -> u32 {
+    pub(super) fn branch_of<V: Copy, S: Scalar>(
+        &self,
+        tree: &MergeTree<V, S>,
+        vertex: u32,
+        value: S,
+        basin: u32,
+    ) -> u32 {
         let ending = |leaf: u32| tree.endings.get(self.ending[leaf as usize] as usize);
         let has_ended = |leaf: u32| ending(leaf).is_some_and(|end| !tree.is_before(vertex, value, &end.saddle));
         let mut leaf = basin;

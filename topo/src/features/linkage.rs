@@ -5,9 +5,12 @@
 //! trees and single linkage cluster analysis"). As persistence of a graph filtered by its edges: all are born at once, and
 //! each link is a death.
 
+use crate::domain::{check_edges, known};
 use crate::error::{Error, check_vertex_count};
 use crate::pairing::{NONE, UnionFind};
 use crate::scalar::Scalar;
+use num_traits::PrimInt;
+use petgraph::visit::{EdgeRef, IntoEdgeReferences, NodeIndexable};
 
 /// Two clusters become one.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -45,21 +48,19 @@ pub struct Dendrogram<S> {
     edges: Vec<[u32; 2]>,
 }
 
-/// Clusters the vertices of a graph by its weighted edges (end, end, weight): the smaller a weight, the nearer the ends. Of equal
-/// weights the edge that is listed first comes first. O(m log m) for m edges.
+/// Clusters the vertices of a graph by its weighted edges (end, end, weight), ends being integers of any type: the smaller a weight, the
+/// nearer the ends. Of equal weights the edge that is listed first comes first. O(m log m) for m edges. For a petgraph graph see
+/// [`weighted_edges`].
 ///
 /// # Errors
 /// If an end is not a vertex, or a weight is NaN.
-pub fn single_linkage<S: Scalar>(vertices: usize, edges: &[(usize, usize, S)]) -> Result<Dendrogram<S>, Error> {
-    check_vertex_count(vertices)?;
+pub fn single_linkage<I: PrimInt, S: Scalar>(vertices: usize, edges: &[(I, I, S)]) -> Result<Dendrogram<S>, Error> {
+    check_edges(vertices, edges.iter().map(|&(a, b, _)| [a, b]))?;
     check_vertex_count(edges.len())?;
-    let mut order = Vec::with_capacity(edges.len());
-    for (edge, &(a, b, weight)) in edges.iter().enumerate() {
-        if let Some(vertex) = [a, b].into_iter().find(|&end| end >= vertices) {
-            return Err(Error::Edge { edge, vertex, vertices });
-        }
-        order.push((weight.key().ok_or(Error::Weight { edge })?, edge as u32));
-    }
+    let keyed = |(edge, &(_, _, weight)): (usize, &(I, I, S))| {
+        weight.key().map(|key| (key, edge as u32)).ok_or(Error::Weight { edge })
+    };
+    let mut order = edges.iter().enumerate().map(keyed).collect::<Result<Vec<_>, Error>>()?;
     order.sort_unstable();
     let mut dendrogram = Dendrogram { vertices, links: Vec::new(), edges: Vec::new() };
     let mut parts = UnionFind::new(vertices);
@@ -67,7 +68,8 @@ pub fn single_linkage<S: Scalar>(vertices: usize, edges: &[(usize, usize, S)]) -
     let mut clusters: Vec<(usize, usize)> = (0..vertices).map(|vertex| (vertex, 1)).collect();
     for (_, edge) in order {
         let (a, b, weight) = edges[edge as usize];
-        let [root, other] = [a, b].map(|end| parts.find(end as u32));
+        let ends = [a, b].map(known);
+        let [root, other] = ends.map(|end| parts.find(end));
         if root == other {
             continue;
         }
@@ -78,9 +80,31 @@ pub fn single_linkage<S: Scalar>(vertices: usize, edges: &[(usize, usize, S)]) -
         let pair = [first.min(second), first.max(second)];
         clusters[above as usize] = (vertices + dendrogram.links.len(), m + n);
         dendrogram.links.push(Link { clusters: pair, weight, edge: edge as usize, size: m + n });
-        dendrogram.edges.push([a as u32, b as u32]);
+        dendrogram.edges.push(ends);
     }
     Ok(dendrogram)
+}
+
+/// The edges of a petgraph graph by the indices of their ends, with what they weigh: as [`single_linkage`] takes them.
+///
+/// ```
+/// use petgraph::graph::UnGraph;
+///
+/// let roads = UnGraph::<&str, f64>::from_edges([(0, 1, 12.5), (1, 2, 3.0), (0, 2, 20.0)]);
+/// let edges = topo::weighted_edges(&roads, |&length| length);
+/// let dendrogram = topo::single_linkage(roads.node_count(), &edges)?;
+/// assert_eq!(dendrogram.clusters(2), [0, 1, 1]);
+/// # Ok::<(), topo::Error>(())
+/// ```
+pub fn weighted_edges<G, S>(graph: G, mut weight: impl FnMut(&G::EdgeWeight) -> S) -> Vec<(usize, usize, S)>
+where
+    G: IntoEdgeReferences + NodeIndexable,
+{
+    let edge = |edge: G::EdgeRef| {
+        let [a, b] = [edge.source(), edge.target()].map(|end| graph.to_index(end));
+        (a, b, weight(edge.weight()))
+    };
+    graph.edge_references().map(edge).collect()
 }
 
 impl<S: Scalar> Dendrogram<S> {

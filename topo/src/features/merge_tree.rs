@@ -12,7 +12,7 @@ use crate::domain::Domain;
 use crate::error::Error;
 use crate::filtration::{Direction, Falling, Filtration, Kind, Rising};
 use crate::options::PersistenceOptions;
-use crate::scalar::Scalar;
+use crate::scalar::{Scalar, wider_first};
 
 /// A place in a [`MergeTree`].
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -99,9 +99,17 @@ impl<V: PartialEq, S: Scalar> PartialEq for MergeTree<V, S> {
 
 impl<V: Copy, S: Scalar> MergeTree<V, S> {
     pub(crate) fn new<G: Domain<Vertex = V>, D: Direction>(domain: G, filtration: &Filtration<'_, S, D>) -> Self {
+        Self::named(domain, filtration, |index| domain.vertex(index as usize))
+    }
+
+    /// The tree with vertices named otherwise than by the domain.
+    pub(super) fn named<G: Domain, D: Direction>(
+        domain: G,
+        filtration: &Filtration<'_, S, D>,
+        name: impl Fn(u32) -> V,
+    ) -> Self {
         let branches = Branches::new(domain, filtration);
-        let place =
-            |index: u32| TreeVertex { index, vertex: domain.vertex(index as usize), value: filtration.value(index) };
+        let place = |index: u32| TreeVertex { index, vertex: name(index), value: filtration.value(index) };
         let end = |&BranchEnd { extremum, saddle, elder, beyond }: &BranchEnd| End {
             leaf: extremum,
             elder,
@@ -171,10 +179,41 @@ impl<V: Copy, S: Scalar> MergeTree<V, S> {
     /// The basins of all leaves that are more persistent than a threshold, as [`segmentation`](fn@crate::segmentation)
     /// finds them. O(vertices).
     pub fn segmentation(&self, threshold: S::Width) -> Segmentation<V> {
-        let kept = self.longer(threshold);
-        let leaves = self.leaves.iter().zip(&kept).filter(|&(_, &kept)| kept);
+        self.basins_of(&self.longer(threshold))
+    }
+
+    fn basins_of(&self, kept: &[bool]) -> Segmentation<V> {
+        let leaves = self.leaves.iter().zip(kept).filter(|&(_, &kept)| kept);
         let extrema = leaves.map(|(leaf, _)| leaf.vertex).collect();
-        Segmentation::new(extrema, self.basins.clone(), &self.spilled(&kept))
+        Segmentation::new(extrema, self.basins.clone(), &self.spilled(kept))
+    }
+
+    /// The basins of as many leaves as are wanted, those of the most persistent branches, or of all if there are fewer; never fewer than
+    /// connected components. Of equally persistent ones those whose leaves come first in the order of the tree. O(vertices + leaves log leaves).
+    ///
+    /// Of the maxima of a density on a neighbour graph these are the clusters of `ToMATo` (Chazal, Guibas, Oudot & Skraba 2013,
+    /// "Persistence-based clustering in Riemannian manifolds"), and [`segmentation`](Self::segmentation) has those above a prominence.
+    ///
+    /// ```
+    /// let near = topo::Adjacency::from_edges(7, &[(0, 1), (1, 2), (2, 3), (3, 4), (4, 5), (5, 6)])?;
+    /// let density = [2.0, 5.0, 1.0, 4.0, 3.5, 3.8, 2.0];
+    /// let tree = topo::merge_tree(&near, &density, topo::Kind::Maximum)?;
+    /// assert_eq!(tree.clusters(2).sizes(), [3, 4]); // the minimum goes where it is steepest
+    /// # Ok::<(), topo::Error>(())
+    /// ```
+    pub fn clusters(&self, count: usize) -> Segmentation<V> {
+        let mut kept = vec![true; self.leaves.len()];
+        let width = |end: &End<V, S>| self.leaves[end.leaf as usize].value.width(end.saddle.value);
+        let mut ended: Vec<(S::Width, u32)> = self.endings.iter().map(|end| (width(end), end.leaf)).collect();
+        let entering = |leaf: u32| self.leaves[leaf as usize].value.key();
+        ended.sort_unstable_by(|a, b| {
+            let first = (entering(a.1), a.1).cmp(&(entering(b.1), b.1));
+            wider_first(&a.0, &b.0).then(if self.kind == Kind::Minimum { first } else { first.reverse() })
+        });
+        for &(_, leaf) in ended.iter().skip(count.saturating_sub(self.roots.len())) {
+            kept[leaf as usize] = false;
+        }
+        self.basins_of(&kept)
     }
 
     /// The tree without branches that live no longer than a threshold: that of the field with their basins filled up

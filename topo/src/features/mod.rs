@@ -22,7 +22,7 @@ pub use hierarchy::{Extremum, Hierarchy};
 pub use holes::{Hole, Holes, holes};
 pub use isolation::isolation;
 pub use levels::LevelComponent;
-pub use linkage::{Dendrogram, Link, single_linkage};
+pub use linkage::{Dendrogram, Link, single_linkage, weighted_edges};
 pub use merge_tree::{MergeTree, Node, merge_tree};
 pub use segmentation::{Segmentation, segmentation};
 pub use simplify::simplify;

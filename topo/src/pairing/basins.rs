@@ -17,7 +17,7 @@ use super::descent::{Descent, OUTSIDE};
 use super::graph::Graph;
 use super::merges::Merge;
 use super::union_find::UnionFind;
-use crate::filtration::{Direction, Filtration};
+use crate::filtration::{Direction, Filtration, Kind};
 use crate::parallel;
 use crate::scalar::Scalar;
 
@@ -199,15 +199,34 @@ impl Basins {
     }
 }
 
-/// The last vertex to enter, for the only component.
+/// The last vertex to enter, for the only component. Values are compared [`LANES`] abreast, which compiles to vector instructions; only
+/// the stretch that has the last value is searched.
 fn last_of_all<S: Scalar, D: Direction>(filtration: &Filtration<'_, S, D>) -> Vec<u32> {
+    let later = |u: S, v: S| if D::precedes_higher_index(u, v) { v } else { u };
+    let last_value = |values: &[S]| {
+        let first = values.iter().copied().find(|value| !value.is_nan())?;
+        let (lanes, rest) = values.as_chunks::<LANES>();
+        let latest =
+            lanes.iter().fold([first; LANES], |latest, values| core::array::from_fn(|i| later(latest[i], values[i])));
+        Some(latest.iter().chain(rest).fold(first, |last, &value| later(last, value)))
+    };
     let last_of_block = |start: usize, field: &[S]| {
-        let entering = field.iter().zip(start as u32..).filter(|(value, _)| !value.is_nan());
-        entering.reduce(|u, v| if D::precedes_higher_index(*u.0, *v.0) { v } else { u }).map(|(_, v)| v)
+        let stretches = (0..).step_by(STRETCH).zip(field.chunks(STRETCH));
+        let lasts = stretches.filter_map(|(of, values)| Some((of, values, last_value(values)?)));
+        // Of equal values those with higher indices enter last or, backwards, first.
+        let (of, values, last) = lasts.reduce(|a, b| if D::precedes_higher_index(a.2, b.2) { b } else { a })?;
+        let has_last = |value: &S| *value == last;
+        let place =
+            if D::KIND == Kind::Minimum { values.iter().rposition(has_last) } else { values.iter().position(has_last) };
+        place.map(|place| (start + of + place) as u32)
     };
     let lasts = parallel::fold_blocks(filtration.field(), last_of_block);
     lasts.into_iter().flatten().reduce(|u, v| filtration.later(u, v)).into_iter().collect()
 }
+
+/// How many values are compared at once, and how many are searched for the last of them.
+const LANES: usize = 8;
+const STRETCH: usize = 1024;
 
 /// The last vertex to enter the component of each basin that is the eldest of one.
 fn last_of_each<S: Scalar, D: Direction>(

@@ -130,8 +130,8 @@ fn integers_above_two_to_the_53rd_are_told_apart() {
 fn an_empty_domain_has_no_pairs() {
     let empty: [f64; 0] = [];
     assert!(persistence(&Path::new(0), &empty).minima.is_empty());
-    assert!(persistence(&Adjacency::from_edges(0, &[]).expect("no edges"), &empty).maxima.is_empty());
-    assert!(persistence(&TriangleMesh::new(0, &[]).expect("no corners"), &empty).maxima.is_empty());
+    assert!(persistence(&Adjacency::from_edges(0, &[[0u8; 2]; 0]).expect("no edges"), &empty).maxima.is_empty());
+    assert!(persistence(&TriangleMesh::new(0, &[[0u32; 3]; 0]).expect("no corners"), &empty).maxima.is_empty());
     assert_eq!(persistence(&Path::new(0), &empty).hierarchy().alternating(3).count(), 0);
 }
 
@@ -187,7 +187,7 @@ fn integers_may_use_their_whole_range() {
 #[test]
 fn a_million_isolated_vertices_are_as_many_components() {
     let field: Vec<u32> = (0..1_000_000).collect();
-    let isolated = Adjacency::from_edges(field.len(), &[]).expect("no edges");
+    let isolated = Adjacency::from_edges(field.len(), &[[0usize; 2]; 0]).expect("no edges");
     assert_eq!(persistence(&isolated, &field).minima.essential().count(), field.len());
     ask_everything(&isolated, &field, 10);
 }

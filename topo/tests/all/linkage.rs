@@ -50,7 +50,7 @@ proptest! {
 fn edges_that_cannot_be_are_named() {
     assert_eq!(topo::single_linkage(2, &[(0, 2, 1.0)]), Err(Error::Edge { edge: 0, vertex: 2, vertices: 2 }));
     assert_eq!(topo::single_linkage(2, &[(0, 1, 1.0), (0, 1, f64::NAN)]), Err(Error::Weight { edge: 1 }));
-    assert!(topo::single_linkage::<f64>(0, &[]).is_ok_and(|dendrogram| dendrogram.at(0.0).is_empty()));
+    assert!(topo::single_linkage::<usize, f64>(0, &[]).is_ok_and(|dendrogram| dendrogram.at(0.0).is_empty()));
 }
 
 #[test]

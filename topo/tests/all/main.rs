@@ -7,6 +7,7 @@ mod extended;
 mod extremes;
 mod features;
 mod fields;
+mod graphs;
 mod holes;
 mod inputs;
 mod laws;

@@ -1,15 +1,17 @@
 //! What may be asked of `cones persistence`.
 
 use crate::commands::shared::non_negative;
-use crate::input::{Axes, Source};
+use crate::input::{Axes, Layer, Source};
 use clap::{Args, ValueEnum};
+use std::path::Path;
 use std::path::PathBuf;
-use topo::{Connectivity, Kind, NanPolicy};
+use topo::{Connectivity, Kind, NanPolicy, PersistenceOptions};
 
-#[derive(Args, Debug)]
-pub(crate) struct PersistenceArgs {
-    /// An array or picture (.npy, .pgm, .png, whose colours become grey; .txt, a number a line), a mesh with --field, or a
-    /// network's nodes (.csv with columns id, name, value)
+/// A field and what it lives on.
+#[derive(Args, Clone, Debug)]
+pub(crate) struct FieldArgs {
+    /// An array or picture (.npy, .pgm, .png, whose colours become grey; .tif, such as an elevation model; .txt, .csv or .tsv of
+    /// numbers), a mesh with --field, or a network's nodes (.csv with columns id, name, value)
     #[arg(value_name = "FIELD")]
     pub(crate) input: PathBuf,
     /// The values on a mesh: phi, curvature, mean-curvature, height[:x|y|z], distance[:VERTEX], or a file .npy or .txt
@@ -24,6 +26,18 @@ pub(crate) struct PersistenceArgs {
     /// Axes of an array whose ends are neighbours, such as `x` for longitudes or `x,y`
     #[arg(long, value_name = "AXES", value_parser = Axes::parse)]
     pub(crate) periodic: Option<Axes>,
+    /// Of an array of three axes, the last with 3 or 4 values: one of these, from 0, or `volume` for all as they are
+    #[arg(long, value_name = "N|volume", value_parser = Layer::parse)]
+    pub(crate) layer: Option<Layer>,
+    /// What to do with NaN, and with values that a file calls no data
+    #[arg(long, value_enum, default_value_t = NanName::Refuse)]
+    pub(crate) nan: NanName,
+}
+
+#[derive(Args, Debug)]
+pub(crate) struct PersistenceArgs {
+    #[command(flatten)]
+    pub(crate) of: FieldArgs,
     /// Whether to pair minima, maxima or both
     #[arg(long, value_enum, default_value_t = DirectionName::Both)]
     pub(crate) direction: DirectionName,
@@ -33,10 +47,10 @@ pub(crate) struct PersistenceArgs {
     /// Keep the pairs of zero persistence, as plateaus and ties bring them
     #[arg(long, conflicts_with = "min_persistence")]
     pub(crate) keep_zero: bool,
-    /// What to do with NaN
-    #[arg(long, value_enum, default_value_t = NanName::Refuse)]
-    pub(crate) nan: NanName,
-    /// Only the K most persistent pairs of each direction [default for the table: 10]
+    /// Draw a picture's extrema over it, minima blue and maxima red: .png
+    #[arg(long, value_name = "FILE")]
+    pub(crate) picture: Option<PathBuf>,
+    /// Only the K most persistent pairs of each direction [default: 10 in the table, 50 in the picture]
     #[arg(long, value_name = "K")]
     pub(crate) top: Option<usize>,
     /// Write the pairs: .csv, .json, or .vtp (extrema and saddles as points, pairs as lines)
@@ -48,8 +62,11 @@ pub(crate) struct PersistenceArgs {
     /// Draw the longest pairs as bars: .svg
     #[arg(long, value_name = "FILE")]
     pub(crate) barcode: Option<PathBuf>,
+    /// How many bars of each direction are drawn
+    #[arg(long, value_name = "N", default_value_t = 120)]
+    pub(crate) bars: usize,
     /// Write the extremum that each vertex descends or climbs to, of those above --min-persistence: .npy, .ply (mesh) or
-    /// .png (picture); needs --direction sub or super
+    /// .png (picture, shaded by the field); needs --direction sub or super
     #[arg(long, value_name = "FILE")]
     pub(crate) segmentation: Option<PathBuf>,
     /// Write a page to see in a browser: the field, its segments at every level, merge tree, diagram and barcode: .html
@@ -98,9 +115,24 @@ impl ConnectivityName {
     }
 }
 
+impl FieldArgs {
+    /// The library's options for the field.
+    pub(crate) fn options(&self) -> PersistenceOptions {
+        // A computed field is NaN where a mesh has no surface, which is no mistake of anyone's.
+        let has_gaps = self.field.as_ref().is_some_and(Source::leaves_gaps);
+        PersistenceOptions::new().nan(if has_gaps { NanPolicy::Mask } else { self.nan.policy() })
+    }
+
+    /// The files that are read.
+    pub(crate) fn files(&self) -> Vec<&Path> {
+        let files = [Some(self.input.as_path()), self.edges.as_deref(), self.field.as_ref().and_then(Source::file)];
+        files.into_iter().flatten().collect()
+    }
+}
+
 impl DirectionName {
     /// The kinds of extrema that are paired.
-    pub(super) fn kinds(self) -> &'static [Kind] {
+    pub(crate) fn kinds(self) -> &'static [Kind] {
         match self {
             Self::Sub => &[Kind::Minimum],
             Self::Super => &[Kind::Maximum],

@@ -22,15 +22,16 @@ const POINT: f64 = 2.6;
 const FINE: f64 = 1.7;
 const MANY: usize = 8000;
 const LETTERS: f64 = 14.0;
-/// The most bars of a direction; more are too thin to see.
-const BARS: usize = 120;
-/// The least and greatest height of a bar with its gap.
+/// The least and greatest height of a bar with its gap; where there are many the picture grows.
 const BAR: (f64, f64) = (4.0, 12.0);
 /// Points nearer than this, in pixels, are drawn as one, larger one.
 const NEAR: f64 = 2.0;
 
+/// What stands where classes do that never die.
+const INFINITY: &str = "∞";
+
 /// The diagram of all directions.
-pub(super) fn diagram(lists: &[PairList]) -> String {
+pub(super) fn diagram(lists: &[PairList], title: &str) -> String {
     let mut svg = Svg::new(LEFT + SIDE + RIGHT, TOP + SIDE + BOTTOM);
     let scale = Axis::of(lists);
     let x = |value: f64| LEFT + SIDE * scale.share(value);
@@ -46,6 +47,7 @@ pub(super) fn diagram(lists: &[PairList]) -> String {
     frame(&mut svg, [LEFT, TOP], [right, bottom]);
     svg.text([right, bottom + 46.0], LETTERS, Anchor::End, INK, "birth");
     svg.text([LEFT - 10.0, TOP - 18.0], LETTERS, Anchor::End, INK, "death");
+    svg.text([LEFT + SIDE, TOP - 18.0], LETTERS, Anchor::End, INK, title);
     let shown: usize = lists.iter().map(|list| list.finite().count()).sum();
     let radius = if shown > MANY { FINE } else { POINT };
     let mut legend = LEFT + 20.0;
@@ -57,6 +59,10 @@ pub(super) fn diagram(lists: &[PairList]) -> String {
             svg.disc(centre, radius * (1.0 + (count as f64).log10()).sqrt(), colour);
         }
         let end = if list.kind == Kind::Minimum { TOP } else { bottom };
+        if list.essential().next().is_some() {
+            let sign = if list.kind == Kind::Minimum { "" } else { "-" };
+            svg.text([right + 6.0, end + 5.0], LETTERS, Anchor::Start, colour, &format!("{sign}{INFINITY}"));
+        }
         for pair in list.essential() {
             let centre = [x(pair.birth.to_f64()), end];
             svg.disc(centre, 2.0 * POINT, colour);
@@ -64,14 +70,14 @@ pub(super) fn diagram(lists: &[PairList]) -> String {
         }
         svg.disc([legend, TOP - 23.0], 2.0 * POINT, colour);
         svg.text([legend + 12.0, TOP - 18.0], LETTERS, Anchor::Start, INK, &caption(list, list.finite().count()));
-        legend += 0.5 * SIDE;
+        legend += 0.33 * SIDE;
     }
     svg.finish()
 }
 
-/// The longest bars of all directions.
-pub(super) fn barcode(lists: &[PairList]) -> String {
-    let shown: usize = lists.iter().map(|list| list.pairs.len().min(BARS)).sum();
+/// So many of the longest bars of each direction. Those that never end reach the frame.
+pub(super) fn barcode(lists: &[PairList], title: &str, bars: usize) -> String {
+    let shown: usize = lists.iter().map(|list| list.pairs.len().min(bars)).sum();
     let step = (SIDE / shown.max(1) as f64).clamp(BAR.0, BAR.1);
     let height = step * shown as f64 + 40.0 * lists.len() as f64;
     let mut svg = Svg::new(2.0 * RIGHT + SIDE, RIGHT + height + 0.7 * BOTTOM);
@@ -83,6 +89,7 @@ pub(super) fn barcode(lists: &[PairList]) -> String {
         svg.text([x(tick), bottom + 22.0], LETTERS, Anchor::Middle, INK, &six_digits(tick));
     }
     frame(&mut svg, [RIGHT, RIGHT], [RIGHT + SIDE, bottom]);
+    svg.text([RIGHT + SIDE, RIGHT - 8.0], LETTERS, Anchor::End, INK, title);
     let mut y = RIGHT;
     for list in lists {
         svg.text(
@@ -90,13 +97,20 @@ pub(super) fn barcode(lists: &[PairList]) -> String {
             LETTERS,
             Anchor::Start,
             INK,
-            &caption(list, list.finite().take(BARS).count()),
+            &caption(list, list.finite().take(bars).count()),
         );
         y += 34.0;
-        for pair in list.pairs.iter().take(BARS) {
+        for pair in list.pairs.iter().take(bars) {
             let end = if list.kind == Kind::Minimum { RIGHT + SIDE } else { RIGHT };
-            let end = pair.death.map_or(end, |death| x(death.to_f64()));
             let centre = y + 0.5 * step;
+            if pair.death.is_none() {
+                let (beside, anchor, sign) = match list.kind {
+                    Kind::Minimum => (end + 6.0, Anchor::Start, ""),
+                    Kind::Maximum => (end - 6.0, Anchor::End, "-"),
+                };
+                svg.text([beside, centre + 5.0], LETTERS, anchor, colour(list.kind), &format!("{sign}{INFINITY}"));
+            }
+            let end = pair.death.map_or(end, |death| x(death.to_f64()));
             svg.line([x(pair.birth.to_f64()), centre], [end, centre], 0.6 * step, colour(list.kind));
             y += step;
         }
@@ -201,7 +215,7 @@ mod tests {
 
     #[test]
     fn nothing_at_all_can_be_drawn() {
-        assert!(diagram(&[]).ends_with("</svg>\n"));
-        assert!(barcode(&[]).ends_with("</svg>\n"));
+        assert!(diagram(&[], "").ends_with("</svg>\n"));
+        assert!(barcode(&[], "", 9).ends_with("</svg>\n"));
     }
 }

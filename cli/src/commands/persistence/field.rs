@@ -1,6 +1,6 @@
 //! A field with its domain, as `topo` takes it, and where its vertices are, as people look for them.
 
-use super::args::{ConnectivityName, PersistenceArgs};
+use super::args::{ConnectivityName, FieldArgs};
 use crate::error::CommandError;
 use crate::input::{Array, Form, Network, Source, Values, edges_beside, read_array, significant};
 use crate::report::table::cut;
@@ -35,11 +35,11 @@ pub(crate) enum Domain {
 macro_rules! on {
     ($domain:expr, $name:ident => $body:expr) => {
         match $domain {
-            $crate::commands::persistence::field::Domain::Path($name) => $body,
-            $crate::commands::persistence::field::Domain::Plane($name) => $body,
-            $crate::commands::persistence::field::Domain::Volume($name) => $body,
-            $crate::commands::persistence::field::Domain::Mesh($name) => $body,
-            $crate::commands::persistence::field::Domain::Network($name) => $body,
+            $crate::commands::persistence::Domain::Path($name) => $body,
+            $crate::commands::persistence::Domain::Plane($name) => $body,
+            $crate::commands::persistence::Domain::Volume($name) => $body,
+            $crate::commands::persistence::Domain::Mesh($name) => $body,
+            $crate::commands::persistence::Domain::Network($name) => $body,
         }
     };
 }
@@ -66,7 +66,7 @@ pub(crate) struct GridReport {
 
 impl DomainField {
     /// Reads what the arguments name.
-    pub(crate) fn read(args: &PersistenceArgs) -> Result<Self, CommandError> {
+    pub(crate) fn read(args: &FieldArgs) -> Result<Self, CommandError> {
         let path = &args.input;
         let form = Form::of(path)?;
         let misplaced = [
@@ -74,6 +74,7 @@ impl DomainField {
             (args.edges.is_some() && form != Form::Network, "--edges", "a network"),
             (args.connectivity.is_some() && form != Form::Array, "--connectivity", "an array"),
             (args.periodic.is_some() && form != Form::Array, "--periodic", "an array"),
+            (args.layer.is_some() && form != Form::Array, "--layer", "an array"),
         ];
         if let Some(&(_, option, of)) = misplaced.iter().find(|(is_misplaced, ..)| *is_misplaced) {
             return Err(CommandError::Misplaced { path: path.clone(), option, of });
@@ -85,8 +86,8 @@ impl DomainField {
         }
     }
 
-    fn array(args: &PersistenceArgs) -> Result<Self, CommandError> {
-        let Array { values, shape } = read_array(&args.input)?;
+    fn array(args: &FieldArgs) -> Result<Self, CommandError> {
+        let Array { values, shape } = read_array(&args.input)?.layer(args.layer, &args.input)?;
         let periodic = args.periodic.unwrap_or_default().zyx;
         if let Some(axis) = (0..3 - shape.len()).find(|&axis| periodic[axis]) {
             return Err(CommandError::NoAxis { path: args.input.clone(), axis: AXES[axis], axes: shape.len() });

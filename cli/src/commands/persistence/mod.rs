@@ -4,32 +4,35 @@ mod args;
 mod diagram;
 mod field;
 mod pairs;
+mod picture;
 mod report;
 mod segments;
 mod shown;
 mod vtp;
 
-pub(crate) use args::{NanName, PersistenceArgs};
-pub(crate) use field::{DomainField, Places};
+pub(crate) use args::{DirectionName, FieldArgs, NanName, PersistenceArgs};
+pub(crate) use field::{Domain, DomainField, Places, on};
 pub(crate) use pairs::{Pair, PairList, Wanted};
 pub(crate) use report::PairingTimes;
 pub(crate) use shown::html;
 
 use crate::error::CommandError;
-use crate::input::Source;
 use crate::output;
 use report::PersistenceReport;
 use std::path::Path;
 use std::time::Instant;
-use topo::{Kind, NanPolicy, PersistenceOptions};
+use topo::{Kind, PersistenceOptions};
 
 /// Rows of the table for each direction, where nothing else is asked.
 const ROWS: usize = 10;
 
+/// Extrema of each direction in a picture, where nothing else is asked.
+const MARKS: usize = 50;
+
 pub(crate) fn run(args: &PersistenceArgs) -> Result<(), CommandError> {
     check_outputs(args)?;
     let start = Instant::now();
-    let subject = DomainField::read(args)?;
+    let subject = DomainField::read(&args.of)?;
     check_forms(args, &subject.places)?;
     let mut report = PersistenceReport::new(&subject, args, start.elapsed());
     let wanted = Wanted { options: options(args), min_persistence: args.min_persistence, top: args.top };
@@ -52,11 +55,7 @@ pub(crate) fn run(args: &PersistenceArgs) -> Result<(), CommandError> {
 
 /// The library's options.
 fn options(args: &PersistenceArgs) -> PersistenceOptions {
-    // A computed field is NaN where a mesh has no surface, which is no mistake of anyone's.
-    let has_gaps = args.field.as_ref().is_some_and(Source::leaves_gaps);
-    let nan = if has_gaps { NanPolicy::Mask } else { args.nan.policy() };
-    let options = PersistenceOptions::new().nan(nan);
-    if args.keep_zero { options.keep_zeros() } else { options }
+    if args.keep_zero { args.of.options().keep_zeros() } else { args.of.options() }
 }
 
 /// What the library refuses, in the command's words.
@@ -73,16 +72,15 @@ fn check_outputs(args: &PersistenceArgs) -> Result<(), CommandError> {
         (&args.pairs, &["csv", "json", "vtp"][..]),
         (&args.diagram, &["svg"]),
         (&args.barcode, &["svg"]),
+        (&args.picture, &["png"]),
         (&args.segmentation, &["npy", "ply", "png"]),
         (&args.report, &["html"]),
     ];
     for (output, endings) in outputs {
         output.as_deref().map_or(Ok(""), |path| output::extension(path, endings))?;
     }
-    let inputs = [Some(args.input.as_path()), args.edges.as_deref(), args.field.as_ref().and_then(Source::file)];
-    let inputs: Vec<&Path> = inputs.into_iter().flatten().collect();
     let outputs: Vec<&Path> = outputs.iter().filter_map(|(output, _)| output.as_deref()).collect();
-    output::check(&inputs, &outputs)?;
+    output::check(&args.of.files(), &outputs)?;
     match (&args.segmentation, args.direction.kinds()) {
         (Some(path), [_, _]) => Err(CommandError::WhichSegments(path.clone())),
         _ => Ok(()),
@@ -96,6 +94,9 @@ fn check_forms(args: &PersistenceArgs, places: &Places) -> Result<(), CommandErr
             return Err(CommandError::NoPlaces(path.clone()));
         }
         _ => {}
+    }
+    if let (Some(path), None) = (&args.picture, shape_of_picture(places)) {
+        return Err(CommandError::NoPicture(path.clone()));
     }
     args.segmentation.as_deref().map_or(Ok(()), |path| segments::check(path, places))
 }
@@ -113,10 +114,16 @@ fn write(
             _ => output::write_text(path, &vtp::text(lists, &subject.places))?,
         }
     }
-    for (path, draw) in [(&args.diagram, diagram::diagram as fn(&[PairList]) -> _), (&args.barcode, diagram::barcode)] {
-        if let Some(path) = path {
-            output::write_text(path, &draw(lists))?;
-        }
+    let title = subject.path.file_name().map(|name| name.to_string_lossy()).unwrap_or_default();
+    if let Some(path) = &args.diagram {
+        output::write_text(path, &diagram::diagram(lists, &title))?;
+    }
+    if let Some(path) = &args.barcode {
+        output::write_text(path, &diagram::barcode(lists, &title, args.bars))?;
+    }
+    if let (Some(path), Some(shape)) = (&args.picture, shape_of_picture(&subject.places)) {
+        let most = args.top.unwrap_or(MARKS);
+        output::write_png(path, &picture::marked(&subject.values.to_f64(), shape, lists, most))?;
     }
     if let Some(path) = &args.report {
         output::write_text(path, &html(path, subject, &lists.iter().collect::<Vec<_>>(), options(args))?)?;
@@ -127,8 +134,16 @@ fn write(
     Ok(())
 }
 
+/// Rows and columns, if vertices are pixels.
+fn shape_of_picture(places: &Places) -> Option<[usize; 2]> {
+    match places {
+        Places::Array(shape) => <[usize; 2]>::try_from(&shape[..]).ok().filter(|shape| !shape.contains(&0)),
+        _ => None,
+    }
+}
+
 /// A kind's direction.
-fn direction(kind: Kind) -> &'static str {
+pub(crate) fn direction(kind: Kind) -> &'static str {
     match kind {
         Kind::Minimum => "sublevel",
         Kind::Maximum => "superlevel",

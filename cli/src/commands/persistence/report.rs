@@ -99,7 +99,7 @@ impl PersistenceReport {
         Self {
             schema: SCHEMA,
             input: FieldInput {
-                path: args.input.display().to_string(),
+                path: args.of.input.display().to_string(),
                 vertices: subject.vertex_count(),
                 edges: subject.edge_count(),
                 domain: subject.kind(),
@@ -124,8 +124,11 @@ impl PersistenceReport {
     /// The report for people: what went in, and the first rows of each direction.
     pub(super) fn text(&self, places: &Places, lists: &[PairList], rows: usize) -> String {
         let FieldInput { path, vertices, edges, .. } = &self.input;
-        let mut text =
-            format!("{path}: {}, {} vertices, {} edges\n", self.domain(), thousands(*vertices), thousands(*edges));
+        let mut text = if matches!(&self.input.grid, Some(grid) if grid.shape.len() == 1 && grid.periodic.is_empty()) {
+            format!("{path}: {}\n", self.domain())
+        } else {
+            format!("{path}: {}, {} vertices, {} edges\n", self.domain(), thousands(*vertices), thousands(*edges))
+        };
         for list in lists {
             text += &format!("\n{}\n", summary(list));
             if !list.pairs.is_empty() && rows > 0 {
@@ -144,6 +147,9 @@ impl PersistenceReport {
         let Some(GridReport { shape, connectivity, periodic }) = &self.input.grid else {
             return self.input.domain.to_owned();
         };
+        if let ([length], []) = (&shape[..], &periodic[..]) {
+            return format!("series of {} positions", thousands(*length));
+        }
         let shape = shape.iter().map(usize::to_string).collect::<Vec<_>>().join(" × ");
         let rings =
             if periodic.is_empty() { String::new() } else { format!(", periodic in {}", periodic.join(" and ")) };

@@ -2,6 +2,7 @@
 
 use super::explain;
 use super::field::{DomainField, Places, on};
+use super::picture::shaded;
 use crate::error::CommandError;
 use crate::input::{FieldScalar, each, write_labels};
 use crate::output;
@@ -37,7 +38,7 @@ pub(super) fn write(
             output::write(path, |out| Ok(write_ply(points, triangles, &colours, out)?))
         }
         ("png", Places::Array(shape)) if shape.len() == 2 => {
-            let pixels = segments.labels().map(colour).collect();
+            let pixels = shaded(segments.labels().map(colour), &subject.values.to_f64());
             output::write_png(path, &Picture { width: shape[1], height: shape[0], pixels })
         }
         (_, places) => {

@@ -1,4 +1,5 @@
-//! The contour tree of all vertices from their join and split tree, leaf by leaf; and the arcs between its nodes.
+//! A contour tree from join and split tree, leaf by leaf, and the arcs between its nodes; of all vertices, which are sorted, or of those
+//! that are critical in either tree (see [`critical`](super::critical)).
 
 use super::ContourArc;
 use crate::domain::Domain;
@@ -20,17 +21,21 @@ pub(super) fn combine<G: Domain>(domain: G, order: &[u32]) -> Result<Combined, E
     order.iter().zip(0..).for_each(|(&v, rank)| ranks[v as usize] = rank);
     let join = Merging::new(domain, order, &ranks, 0..order.len() as u32, |u, v| u < v);
     let split = Merging::new(domain, order, &ranks, (0..order.len() as u32).rev(), |u, v| u > v);
-    Ok(arcs_between_nodes(&edges(join, split).ok_or(Error::Loops)?, order.len()))
+    let edges = edges(join, split).ok_or(Error::Loops)?.in_order;
+    Ok(arcs_between_nodes(&edges, order.len()).0)
 }
 
-/// The join or the split tree of all vertices.
-struct Merging {
+/// The join or the split tree of vertices.
+pub(super) struct Merging {
     /// For each the one above (below) it whose component its own becomes; [`NONE`] for a root.
     next: Vec<u32>,
     /// How many components meet at each, without what has been taken out.
     degrees: Vec<u32>,
     /// Whether a vertex has been taken out.
     gone: Vec<bool>,
+    /// For each the edge of the contour tree, by the order in which these are found, that its way to the next has become a part of;
+    /// [`NONE`] if it has not.
+    taken: Vec<u32>,
 }
 
 impl Merging {
@@ -59,17 +64,26 @@ impl Merging {
                 }
             });
         }
-        Self { next, degrees, gone: vec![false; n] }
+        Self::of_next(next, degrees)
     }
 
-    /// The one that is left next after a leaf. At a vertex that has been taken out one component met at most, so that none is passed
-    /// twice.
-    fn next_left(&self, v: u32) -> Option<u32> {
-        let mut next = self.next[v as usize];
-        while next != NONE && self.gone[next as usize] {
-            next = self.next[next as usize];
+    /// From the next vertex of each and how many vertices each is next to.
+    pub(super) fn of_next(next: Vec<u32>, degrees: Vec<u32>) -> Self {
+        let (gone, taken) = (vec![false; next.len()], vec![NONE; next.len()]);
+        Self { next, degrees, gone, taken }
+    }
+
+    /// The one that is left next after a leaf; all the way there becomes a part of an edge. At a vertex that has been taken out one
+    /// component met at most, so that none is passed twice.
+    fn take(&mut self, leaf: u32, edge: u32) -> Option<u32> {
+        let mut v = leaf;
+        loop {
+            self.taken[v as usize] = edge;
+            v = self.next[v as usize];
+            if v == NONE || !self.gone[v as usize] {
+                return (v != NONE).then_some(v);
+            }
         }
-        (next != NONE).then_some(next)
     }
 
     /// Whether a forest has this tree, given its edges, earlier end first, as their later ends enter.
@@ -88,13 +102,24 @@ impl Merging {
     }
 }
 
-/// The edges of the contour tree of all vertices, lower end first; `None` if no tree has these join and split trees.
+/// The edges of a contour tree, lower end first.
+pub(super) struct Edges {
+    /// By rising ends.
+    pub(super) in_order: Vec<[u32; 2]>,
+    /// As they were found.
+    pub(super) found: Vec<[u32; 2]>,
+    /// For each vertex the number of the edge, as found, of which its way to the next is a part in the join and in the split tree, the
+    /// first of both where they differ; [`NONE`] if of none.
+    pub(super) taken: [Vec<u32>; 2],
+}
+
+/// The edges of the contour tree of vertices; `None` if no tree has these join and split trees.
 ///
 /// Where there is one, it has a leaf: a vertex where one component meets in one tree and none in the other. Where there is none,
 /// leaves run out early, or what they make has other join and split trees.
-fn edges(mut join: Merging, mut split: Merging) -> Option<Vec<[u32; 2]>> {
+pub(super) fn edges(mut join: Merging, mut split: Merging) -> Option<Edges> {
     let n = join.next.len();
-    let mut edges = Vec::with_capacity(n);
+    let mut found = Vec::with_capacity(n);
     let is_leaf = |join: &Merging, split: &Merging, v: u32| join.degrees[v as usize] + split.degrees[v as usize] == 1;
     let mut leaves: Vec<u32> = (0..n as u32).filter(|&v| is_leaf(&join, &split, v)).collect();
     while let Some(v) = leaves.pop() {
@@ -103,23 +128,26 @@ fn edges(mut join: Merging, mut split: Merging) -> Option<Vec<[u32; 2]>> {
         }
         let is_lower = join.degrees[v as usize] == 0;
         let of = if is_lower { &mut join } else { &mut split };
-        let next = of.next_left(v)?;
+        let next = of.take(v, found.len() as u32)?;
         of.degrees[next as usize] -= 1;
         (join.gone[v as usize], split.gone[v as usize]) = (true, true);
-        edges.push(if is_lower { [v, next] } else { [next, v] });
+        found.push(if is_lower { [v, next] } else { [next, v] });
         if is_leaf(&join, &split, next) {
             leaves.push(next);
         }
     }
-    edges.sort_unstable_by_key(|&[_, upper]| upper);
-    let has_join_tree = join.is_of(edges.iter().copied());
-    edges.sort_unstable();
-    let downwards = edges.iter().rev().map(|&[lower, upper]| [upper, lower]);
-    (has_join_tree && split.is_of(downwards)).then_some(edges)
+    let mut in_order = found.clone();
+    in_order.sort_unstable_by_key(|&[_, upper]| upper);
+    let has_join_tree = join.is_of(in_order.iter().copied());
+    in_order.sort_unstable();
+    let downwards = in_order.iter().rev().map(|&[lower, upper]| [upper, lower]);
+    let is_right = has_join_tree && split.is_of(downwards);
+    is_right.then_some(Edges { in_order, found, taken: [join.taken, split.taken] })
 }
 
-/// Nodes and arcs of a tree whose regular vertices have one edge down and one up, given its edges by rising lower end.
-fn arcs_between_nodes(edges: &[[u32; 2]], n: usize) -> Combined {
+/// Nodes and arcs of a tree whose regular vertices have one edge down and one up, given its edges by rising lower end; and the arc of
+/// each edge.
+pub(super) fn arcs_between_nodes(edges: &[[u32; 2]], n: usize) -> (Combined, Vec<u32>) {
     let (mut down, mut up) = (vec![0u32; n], vec![0u32; n]);
     edges.iter().for_each(|&[lower, upper]| {
         up[lower as usize] += 1;
@@ -129,12 +157,13 @@ fn arcs_between_nodes(edges: &[[u32; 2]], n: usize) -> Combined {
     let critical: Vec<u32> = (0..n as u32).filter(|&v| !is_regular(v)).collect();
     let node = |v: u32| critical.partition_point(|&other| other < v);
     let mut arcs: Vec<ContourArc> = Vec::new();
-    let mut arc_of = vec![NONE; n];
+    let (mut arc_of, mut of_edges) = (vec![NONE; n], Vec::with_capacity(edges.len()));
     for &[lower, upper] in edges {
         let arc = if is_regular(lower) { arc_of[lower as usize] } else { arcs.len() as u32 };
         if arc as usize == arcs.len() {
             arcs.push(ContourArc { lower: node(lower), upper: 0 });
         }
+        of_edges.push(arc);
         if is_regular(upper) {
             arc_of[upper as usize] = arc;
         } else {
@@ -142,7 +171,7 @@ fn arcs_between_nodes(edges: &[[u32; 2]], n: usize) -> Combined {
         }
     }
     label_nodes(&critical, &arcs, &mut arc_of);
-    Combined { critical, arcs, arc_of }
+    (Combined { critical, arcs, arc_of }, of_edges)
 }
 
 /// Gives each node an arc: the only one below, or the only one above, or the first below.

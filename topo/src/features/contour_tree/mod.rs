@@ -13,8 +13,10 @@
 //! sub- and superlevel sets are right, and those of level sets need not be. If there is none, that is an error.
 
 mod combine;
+mod critical;
 mod prune;
 
+use super::merge_tree::MergeTree;
 use crate::domain::Domain;
 use crate::error::Error;
 use crate::filtration::{Filtration, Rising};
@@ -22,6 +24,7 @@ use crate::options::PersistenceOptions;
 use crate::pairing::NONE;
 use crate::scalar::Scalar;
 use combine::Combined;
+use critical::Critical;
 
 /// A vertex at which contours appear, vanish, split or merge.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -66,6 +69,31 @@ pub struct ContourTree<V, S> {
 
 impl<V: Copy, S: Scalar> ContourTree<V, S> {
     fn new<G: Domain<Vertex = V>>(domain: G, filtration: &Filtration<'_, S, Rising>) -> Result<Self, Error> {
+        if domain.fills_loops()
+            && let Some(tree) = Self::of_critical(domain, filtration)
+        {
+            return Ok(tree);
+        }
+        Self::of_all(domain, filtration)
+    }
+
+    /// From what is critical in the join or the split tree; for domains whose loops are filled, and fields without NaN.
+    fn of_critical<G: Domain<Vertex = V>>(domain: G, filtration: &Filtration<'_, S, Rising>) -> Option<Self> {
+        if filtration.field().iter().any(|value| value.is_nan()) {
+            return None;
+        }
+        let join = MergeTree::named(domain, filtration, |_| ());
+        let split = MergeTree::named(domain, &filtration.backwards(), |_| ());
+        let Critical { vertices, tree, arc_of } = critical::combine(&join, &split, filtration)?;
+        let node = |&rank: &u32| {
+            let vertex = vertices[rank as usize];
+            ContourNode { vertex: domain.vertex(vertex as usize), value: filtration.value(vertex) }
+        };
+        Some(Self { nodes: tree.critical.iter().map(node).collect(), arcs: tree.arcs, arc_of })
+    }
+
+    /// From all vertices, sorted.
+    fn of_all<G: Domain<Vertex = V>>(domain: G, filtration: &Filtration<'_, S, Rising>) -> Result<Self, Error> {
         let order = filtration.order();
         let Combined { critical, arcs, arc_of: arc_of_rank } = combine::combine(domain, &order)?;
         let node = |&rank: &u32| {

@@ -1,0 +1,165 @@
+//! Fields in files of more kinds, and what is made of them: trees, simpler fields, distances, pictures.
+
+use crate::folder::{Folder, stdout};
+use serde_json::Value;
+use std::fs::{self, File};
+use tiff::encoder::{TiffEncoder, colortype};
+use tiff::tags::Tag;
+
+fn json(folder: &Folder, args: &[&str]) -> Value {
+    serde_json::from_str(&stdout(&folder.run(&[args, &["--json"]].concat()).success())).expect("it is JSON")
+}
+
+/// A picture of 3 rows and 4 columns.
+const MATRIX: &str = "9,3,1,4\n2,6,5,8\n7,3,0,4\n";
+
+#[test]
+fn a_matrix_is_a_matrix_in_whatever_text_it_comes() {
+    let folder = Folder::new();
+    folder.write("a.pgm", "P2 4 3 9\n9 3 1 4 2 6 5 8 7 3 0 4");
+    folder.write("a.csv", MATRIX);
+    folder.write("a.tsv", &MATRIX.replace(',', "\t"));
+    folder.write("a.txt", &format!("# spaces\n\n{}", MATRIX.replace(',', "  ")));
+    folder.write("b.csv", &MATRIX.replace(',', ";"));
+    let expected = json(&folder, &["persistence", "a.pgm"]);
+    for name in ["a.csv", "a.tsv", "a.txt", "b.csv"] {
+        let found = json(&folder, &["persistence", name]);
+        assert_eq!(found["input"]["shape"], expected["input"]["shape"], "{name}");
+        assert_eq!(found["sublevel"], expected["sublevel"], "{name}");
+    }
+    folder.write("c.csv", "1,2\n3\n");
+    let complaint = folder.complaint(&["persistence", "c.csv"]);
+    assert!(complaint.contains("line 2") && complaint.contains("a line of 1 numbers"), "{complaint}");
+    folder.write("d.csv", "1,2\n3,\n");
+    assert!(folder.complaint(&["persistence", "d.csv"]).contains("line 2"));
+}
+
+#[test]
+fn a_series_has_positions() {
+    let folder = Folder::new();
+    folder.write("a.txt", "1\n5\n2\n");
+    let told = stdout(&folder.run(&["persistence", "a.txt"]).success());
+    assert!(told.starts_with("a.txt: series of 3 positions\n") && !told.contains("freudenthal"), "{told}");
+}
+
+#[test]
+fn an_elevation_model_has_no_data_where_it_says_so() {
+    let folder = Folder::new();
+    let heights: [f32; 12] = [9.0, 3.0, 1.0, 4.0, 2.0, -9999.0, 5.0, 8.0, 7.0, 3.0, 0.5, 4.0];
+    let file = File::create(folder.path("a.tif")).expect("it can be made");
+    let mut encoder = TiffEncoder::new(file).expect("a header");
+    let mut image = encoder.new_image::<colortype::Gray32Float>(4, 3).expect("a picture");
+    image.encoder().write_tag(Tag::GdalNodata, "-9999").expect("a tag");
+    image.write_data(&heights).expect("it can be written");
+    assert!(folder.complaint(&["persistence", "a.tif"]).contains("vertex 5 is NaN"));
+    let report = json(&folder, &["persistence", "a.tif", "--nan", "mask"]);
+    assert_eq!(report["sublevel"]["essential"][0]["birth"], 0.5);
+    assert_eq!(report["superlevel"]["essential"][0]["range"], 8.5);
+    fs::write(folder.path("b.tif"), b"II*\0\xff\xff\xff\xff").expect("it can be written");
+    assert!(folder.complaint(&["persistence", "b.tif"]).contains("TIFF"));
+}
+
+#[test]
+fn what_may_be_colours_is_asked_about() {
+    let folder = Folder::new();
+    let mut file = b"\x93NUMPY\x01\x00".to_vec();
+    let header = "{'descr': '|u1', 'fortran_order': False, 'shape': (4, 5, 3), }\n";
+    file.extend((header.len() as u16).to_le_bytes());
+    file.extend(header.as_bytes());
+    file.extend((0..60u8).map(|i| i % 3 * 50 + i / 3));
+    fs::write(folder.path("a.npy"), file).expect("it can be written");
+    let complaint = folder.complaint(&["persistence", "a.npy"]);
+    assert!(complaint.contains("[4, 5, 3]") && complaint.contains("--layer 0"), "{complaint}");
+    let green = json(&folder, &["persistence", "a.npy", "--layer", "1"]);
+    assert_eq!(green["input"]["shape"], serde_json::json!([4, 5]));
+    assert_eq!(green["sublevel"]["essential"][0]["birth"], 50);
+    assert_eq!(json(&folder, &["persistence", "a.npy", "--layer", "volume"])["input"]["vertices"], 60);
+    assert!(folder.complaint(&["persistence", "a.npy", "--layer", "3"]).contains("no layer 3"));
+    folder.run(&["persistence", "a.npy", "--layer", "red"]).code(2);
+}
+
+#[test]
+fn a_tree_has_the_leaves_saddles_and_root_of_the_field() {
+    let folder = Folder::new();
+    folder.write("a.txt", "9\n1\n6\n4\n");
+    let report = json(&folder, &["tree", "a.txt", "--direction", "sub", "-o", "a.csv"]);
+    let tree = &report["trees"][0];
+    assert_eq!((&tree["kind"], &tree["leaves"]), (&Value::from("minimum"), &Value::from(2)));
+    let nodes: Vec<_> = tree["nodes"]
+        .as_array()
+        .expect("a list")
+        .iter()
+        .map(|node| (node["vertex"].as_u64(), node["parent"].as_u64(), node["size"].as_u64()))
+        .collect();
+    let some = |vertex, parent, size| (Some(vertex), parent, size);
+    assert_eq!(
+        nodes,
+        [some(1, Some(2), Some(4)), some(3, Some(2), Some(1)), some(2, Some(3), None), some(0, None, None)]
+    );
+    let csv = folder.read("a.csv");
+    assert_eq!(csv.lines().nth(2), Some("minimum,1,3,4,2,1,3"), "{csv}");
+    let told = stdout(&folder.run(&["tree", "a.txt"]).success());
+    assert!(told.contains("minimum: tree of 2 leaves, 1 saddles, 1 root"), "{told}");
+    let pruned = json(&folder, &["tree", "a.txt", "--min-persistence", "2", "--direction", "sub"]);
+    assert_eq!(pruned["trees"][0]["leaves"], 1);
+}
+
+#[test]
+fn a_simplified_field_is_written_in_its_own_numbers() {
+    let folder = Folder::new();
+    folder.write("a.txt", "0\n5\n3\n4\n2\n9\n1\n");
+    let told = stdout(&folder.run(&["simplify", "a.txt", "--threshold", "1", "-o", "b.npy"]).success());
+    assert_eq!(told, "3 of 4 minima and 2 of 3 maxima are left; no value is changed by more than 1\n");
+    let bytes = fs::read(folder.path("b.npy")).expect("it is there");
+    let values: Vec<i64> = bytes[bytes.len() - 56..]
+        .chunks_exact(8)
+        .map(|bytes| i64::from_le_bytes(bytes.try_into().expect("eight")))
+        .collect();
+    assert_eq!(values, [0, 5, 4, 4, 2, 9, 1]);
+    assert_eq!(json(&folder, &["persistence", "b.npy"])["sublevel"]["count"], 2);
+    assert!(folder.complaint(&["simplify", "a.txt", "--threshold", "1", "-o", "b.txt"]).contains("end it in .npy"));
+}
+
+#[test]
+fn fields_are_as_far_apart_as_their_diagrams() {
+    let folder = Folder::new();
+    folder.write("a.txt", "0\n6\n2\n9\n5\n");
+    folder.write("b.txt", "0\n6\n1.5\n9\n8\n");
+    let report = json(&folder, &["distance", "a.txt", "b.txt", "--order", "1"]);
+    assert_eq!(report["sublevel"]["bottleneck"], 2.0);
+    assert_eq!(report["sublevel"]["wasserstein"], 3.0);
+    assert_eq!(json(&folder, &["distance", "a.txt", "a.txt"])["superlevel"]["wasserstein"], 0.0);
+    let told = stdout(&folder.run(&["distance", "a.txt", "b.txt", "--direction", "sub"]).success());
+    assert!(told.contains("2 and 2") && !told.contains("superlevel"), "{told}");
+    folder.run(&["distance", "a.txt", "b.txt", "--order", "0.5"]).code(2);
+}
+
+#[test]
+fn extrema_are_drawn_over_the_picture_and_segments_are_shaded_by_it() {
+    let folder = Folder::new();
+    folder.write("a.csv", MATRIX);
+    folder.write("s.txt", "1\n2\n");
+    let pictures = ["--picture", "p.png", "--segmentation", "s.png", "--direction", "super"];
+    folder.run(&[&["persistence", "a.csv"], &pictures[..]].concat()).success();
+    for name in ["p.png", "s.png"] {
+        let report = json(&folder, &["persistence", name]);
+        assert_eq!(report["input"]["shape"], serde_json::json!([3, 4]), "{name}");
+    }
+    assert!(folder.complaint(&["persistence", "s.txt", "--picture", "q.png"]).contains("two axes"));
+}
+
+#[test]
+fn as_many_bars_are_drawn_as_are_asked_for() {
+    let folder = Folder::new();
+    let zigzag: String = (0..400).map(|i| format!("{}\n", if i % 2 == 0 { i } else { i + 1000 })).collect();
+    folder.write("a.txt", &zigzag);
+    let lines = |more: &[&str]| {
+        let args = [&["persistence", "a.txt", "--direction", "sub", "--barcode", "b.svg"], more].concat();
+        folder.run(&args).success();
+        let svg = folder.read("b.svg");
+        assert!(svg.contains('∞') && svg.contains("a.txt"), "the class that never dies and the title are told");
+        svg.matches("<line").count() + svg.matches("<path").count()
+    };
+    let (few, many) = (lines(&[]), lines(&["--bars", "180"]));
+    assert_eq!(many - few, 60);
+}

@@ -1,0 +1,99 @@
+//! One measurement for `peers.py`: reads a field of `f64` and does one thing to it, several times.
+//!
+//! Arguments: what, the lengths of the axes as in `1024x1024`, the file, how often. Prints the least seconds of processor time of a call,
+//! and the bytes that the first one took beyond what was there. Without arguments, as `cargo bench` calls it, it does nothing.
+
+use std::error::Error;
+use std::fs;
+use std::time::Instant;
+use topo::{Connectivity, Grid, Kind, Path};
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let args: Vec<String> = std::env::args().skip(1).filter(|arg| arg != "--bench").collect();
+    let [what, shape, file, times] = &args[..] else { return Ok(()) };
+    let shape: Vec<usize> = shape.split('x').map(str::parse).collect::<Result<_, _>>()?;
+    let bytes = fs::read(file)?;
+    let (numbers, _) = bytes.as_chunks::<8>();
+    let field: Vec<f64> = numbers.iter().map(|&bytes| f64::from_le_bytes(bytes)).collect();
+    drop(bytes);
+    let call = || once(what, &shape, &field);
+    let before = resident("VmRSS")?;
+    call()?;
+    let taken = resident("VmHWM")?.saturating_sub(before);
+    let mut best = f64::INFINITY;
+    for _ in 0..times.parse()? {
+        let start = Processor::now();
+        call()?;
+        best = best.min(start.elapsed());
+    }
+    println!("{best} {taken}");
+    Ok(())
+}
+
+/// Does a thing to the field and forgets the result.
+fn once(what: &str, shape: &[usize], field: &[f64]) -> Result<(), Box<dyn Error>> {
+    match *shape {
+        [n] => drop(topo::sublevel(&Path::new(n), field)?),
+        [h, w] => on_grid(what, Grid::new([h, w], Connectivity::Full), field)?,
+        [d, h, w] => on_grid(what, Grid::new([d, h, w], Connectivity::Axis), field)?,
+        _ => return Err("one to three axes".into()),
+    }
+    Ok(())
+}
+
+fn on_grid<const D: usize>(what: &str, grid: Grid<D>, field: &[f64]) -> Result<(), Box<dyn Error>>
+where
+    for<'a> &'a Grid<D>: topo::Domain<Vertex = usize>,
+{
+    match what {
+        "pairs" => drop(topo::sublevel(&grid, field)?),
+        "pairs and holes" => {
+            drop(topo::sublevel(&grid, field)?);
+            drop(topo::holes(&grid, field, Kind::Minimum)?);
+        }
+        "tree" => drop(topo::merge_tree(&grid, field, Kind::Minimum)?),
+        "contour tree" => drop(topo::contour_tree(&grid, field)?),
+        "sort" => {
+            let mut keys: Vec<(u64, u32)> =
+                field.iter().zip(0..).map(|(value, v)| (topo::Scalar::key(*value).unwrap_or(0), v)).collect();
+            keys.sort_unstable();
+        }
+        _ => return Err(format!("{what} is not measured").into()),
+    }
+    Ok(())
+}
+
+/// A line of what Linux tells of the memory of a process, in bytes.
+fn resident(name: &str) -> Result<u64, Box<dyn Error>> {
+    if name == "VmRSS" {
+        // The peak from now on.
+        fs::write("/proc/self/clear_refs", "5")?;
+    }
+    let text = fs::read_to_string("/proc/self/status")?;
+    let line = text.lines().find_map(|line| line.strip_prefix(name)).ok_or("no such line")?;
+    let kilobytes: u64 = line.trim_matches([':', ' ', '\t', 'k', 'B']).parse()?;
+    Ok(1024 * kilobytes)
+}
+
+/// When something began: on the processor where the system tells, by the clock elsewhere.
+struct Processor {
+    seconds: Option<f64>,
+    start: Instant,
+}
+
+impl Processor {
+    fn now() -> Self {
+        Self { seconds: on_processor(), start: Instant::now() }
+    }
+
+    fn elapsed(&self) -> f64 {
+        let on_processor = on_processor().zip(self.seconds).map(|(now, then)| now - then);
+        on_processor.unwrap_or_else(|| self.start.elapsed().as_secs_f64())
+    }
+}
+
+fn on_processor() -> Option<f64> {
+    let text = fs::read_to_string("/proc/thread-self/schedstat").ok()?;
+    let nanoseconds: f64 = text.split(' ').next()?.parse().ok()?;
+    Some(1e-9 * nanoseconds)
+}
