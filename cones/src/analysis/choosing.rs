@@ -11,7 +11,7 @@ use super::{Analysis, each};
 use crate::curvature::CurvatureRule;
 use crate::error::Error;
 use crate::field::Operators;
-use crate::placement::{Automatic, MOST_OPTIMISED, Nested, Prediction, Predictor};
+use crate::placement::{Automatic, MOST_ORDERED, Nested, Prediction, Predictor};
 
 /// The area distortion that is aimed at when nobody says.
 pub const TARGET_DISTORTION: f64 = 1.25;
@@ -48,7 +48,7 @@ impl Analysis {
         let mut shared = Shared::default();
         let configurations = match &options.cones {
             ConeChoice::Automatic => self.fewest(&mut shared, options, TARGET_DISTORTION, MOST_AUTOMATIC, task)?,
-            ConeChoice::WithinDistortion(target) => self.fewest(&mut shared, options, *target, MOST_OPTIMISED, task)?,
+            ConeChoice::WithinDistortion(target) => self.fewest(&mut shared, options, *target, MOST_ORDERED, task)?,
             ConeChoice::Count(total) => {
                 let counts = self.share(&mut shared, options, *total, task)?;
                 self.placed(&mut shared, options, &counts, task)?
@@ -170,12 +170,25 @@ impl Analysis {
         let is_met = found.iter().all(|found| found.is_met);
         let Prediction { count: chosen, area_distortion: predicted, .. } = predicted;
         shared.number = Some(ChosenNumber { target, chosen, predicted, is_met, curve });
-        each(components, &mut shared.times, |component, times| {
-            let vertices = found[component.index].set.cones.clone();
+        let mut times = Times::default();
+        let settled = each(components, &mut times, |component, times| {
+            let found = &found[component.index];
             task.stage((Stage::Curvature, component.index), times, |watch| {
-                component.settle(vertices, options, watch).map_err(Error::from)
+                let settled = component.settle(found.set.cones.clone(), options, watch)?;
+                let is_final = found.is_met || !to_knee || options.quantize.is_some();
+                Ok(if is_final { settled } else { component.relieved(settled, options.rule, watch)? })
             })
-        })
+        })?;
+        shared.times += times;
+        let count = |settled: &[Result<Configuration, Error>]| {
+            settled.iter().flatten().map(|c| c.vertices.len()).sum::<usize>()
+        };
+        if count(&settled) > chosen
+            && let (Some(number), Some(all)) = (&mut shared.number, self.predicted(&settled))
+        {
+            (number.chosen, number.predicted) = (all.count, all.area_distortion);
+        }
+        Ok(settled)
     }
 
     /// Given cones must be vertices of a surface, each once.

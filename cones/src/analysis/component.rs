@@ -12,7 +12,7 @@ use super::note::Note;
 use super::observer::{Stage, Task, Times};
 use super::options::{Options, Preparation};
 use super::refined::{OpenedHandles, Ready, Way};
-use crate::curvature::{ConeCurvatures, CurvatureError, CurvatureRule, cone_curvatures, least_cones};
+use crate::curvature::{Anchors, ConeCurvatures, CurvatureError, CurvatureRule, anchored_curvatures, least_cones};
 use crate::cut::Symmetry;
 use crate::error::Error;
 use crate::field::{ConformalFactor, Operators};
@@ -201,7 +201,17 @@ impl Component {
         rule: CurvatureRule,
         watch: Watch,
     ) -> Result<Configuration, CurvatureError> {
-        let found = cone_curvatures(&self.operators, &self.surface.mesh, &vertices, rule, watch)?;
+        self.configure_anchored(vertices, (rule, Anchors::NONE), watch)
+    }
+
+    /// The same where the log scale factor counts more at some vertices.
+    pub(super) fn configure_anchored(
+        &self,
+        vertices: Vec<VertexId>,
+        (rule, anchors): (CurvatureRule, Anchors),
+        watch: Watch,
+    ) -> Result<Configuration, CurvatureError> {
+        let found = anchored_curvatures(&self.operators, &self.surface.mesh, &vertices, rule, anchors, watch)?;
         let mut notes = Vec::new();
         if let [first, ..] = found.out_of_bounds[..] {
             notes.push(Note::HarmonicOutOfBounds {

@@ -1,9 +1,8 @@
 //! What a layout of a component is worth, as it came out.
 
 use geom::{Mesh, Metric};
-use num_complex::Complex64;
 
-use crate::flatten::Layout;
+use crate::flatten::{Layout, stretch};
 use crate::placement::distortion_of;
 
 /// σ₁/σ₂ counts up to here, so that one needle does not outweigh a surface.
@@ -25,22 +24,11 @@ impl Quality {
         let (mut sum, mut whole) = (0.0, 0.0);
         for f in mesh.faces() {
             let sides = metric.sides(mesh, f);
+            let Some([stretch, ratio]) = stretch(sides, mesh.sides(f).map(|h| layout.corner(h))) else { continue };
             let area = sides.area();
-            let [along, _, back] = sides.unfold().map(|[x, y]| Complex64::new(x, y));
-            let [a, b, c] = mesh.sides(f).map(|h| layout.corner(h));
-            // The map z ↦ p z + q z̄ takes both sides at the first corner to their images.
-            let (z, w) = (along, -back);
-            let determinant = z * w.conj() - w * z.conj();
-            let is_measured = area > 0.0 && determinant.norm() > 0.0; // not so with NaN either
-            if !is_measured {
-                continue;
-            }
-            let p = ((b - a) * w.conj() - (c - a) * z.conj()) / determinant;
-            let q = (z * (c - a) - w * (b - a)) / determinant;
-            let stretch = (p.norm() + q.norm()) / (p.norm() - q.norm()).abs().max(f64::MIN_POSITIVE);
             sum += area * stretch.min(WORST);
             whole += area;
-            ratios.push((area, (p.norm_sqr() - q.norm_sqr()).abs().max(f64::MIN_POSITIVE)));
+            ratios.push((area, ratio));
         }
         Self { quasi_conformal: sum / whole, ratios }
     }
