@@ -25,6 +25,8 @@ const DETACHED_AT_ONCE: usize = 1000;
 const GOOD_ENOUGH: f64 = 1.25;
 /// An area distortion that no cones should have: where more is predicted for the chosen ones, others are measured by this.
 const BAD: f64 = 2.0;
+/// A map with a larger area distortion is not good enough, even where that was predicted and angles are kept.
+const RUINED: f64 = 4.0;
 /// The share of detached triangles up to which other cones can end the search.
 const MOST_DETACHED: f64 = 0.05;
 /// Above this quasi-conformal distortion it is tried to give a surface with few corners a cone at each. A prism of 32 sides
@@ -113,7 +115,7 @@ impl Attempts<'_> {
         let (mut best, cause) = match first {
             Ok(flat) if self.is_sound(&flat) => {
                 let (area, angles) = (flat.quality.area_distortion(), flat.quality.quasi_conformal);
-                let is_as_predicted = area <= enough || angles <= GOOD_ENOUGH;
+                let is_as_predicted = area <= enough || angles <= GOOD_ENOUGH && area <= RUINED;
                 if is_as_predicted || self.options.cones != ConeChoice::Automatic {
                     return Ok(flat);
                 }
@@ -167,23 +169,13 @@ impl Attempts<'_> {
         count: usize,
         stretched: &mut Option<(f64, Configuration)>,
     ) -> Result<Result<Flat, Failure>, Error> {
-        let mut configuration = match self.place(count)? {
+        let configuration = match self.place(count)? {
             Ok(configuration) => configuration,
             Err(error) => return Ok(Err(failure(error)?)),
         };
-        if self.options.cones == ConeChoice::Automatic && self.options.quantize.is_none() {
-            let stage = (Stage::Curvature, self.component.index);
-            let (component, rule) = (self.component, self.options.rule);
-            let relieved = self.task.stage(stage, self.times, |watch| {
-                component.relieved(configuration, rule, watch).map_err(Error::from)
-            })?;
-            configuration = match relieved {
-                Ok(relieved) => relieved,
-                Err(error) => return Ok(Err(failure(error)?)),
-            };
-        }
         let log = self.component.stretch(&configuration);
-        if log <= MOST_STRETCH.ln() {
+        let predicted = area_distortion(&self.component.operators, &configuration.predicted);
+        if log <= MOST_STRETCH.ln() && predicted <= RUINED {
             return self.attempt(&configuration);
         }
         if stretched.as_ref().is_none_or(|(least, _)| log < *least) {
@@ -271,6 +263,9 @@ fn detached_share(flat: &Flat) -> f64 {
 /// leave 73. Each attempt takes seconds there, so that few are made.)
 fn other_counts(count: usize, cause: &Failure) -> Vec<usize> {
     match cause {
+        Failure::Distorted { area, .. } if *area > RUINED => {
+            vec![2 * count, 4 * count, (8 * count).min(MOST_OPTIMISED)]
+        }
         Failure::Distorted { .. } => vec![count + 1 + count / 4, 2 * count, 4 * count],
         Failure::FoldOvers { .. } => {
             vec![4 * count, (16 * count).min(MOST_OPTIMISED).max(4 * count), count / 4]

@@ -170,25 +170,12 @@ impl Analysis {
         let is_met = found.iter().all(|found| found.is_met);
         let Prediction { count: chosen, area_distortion: predicted, .. } = predicted;
         shared.number = Some(ChosenNumber { target, chosen, predicted, is_met, curve });
-        let mut times = Times::default();
-        let settled = each(components, &mut times, |component, times| {
-            let found = &found[component.index];
+        each(components, &mut shared.times, |component, times| {
+            let vertices = found[component.index].set.cones.clone();
             task.stage((Stage::Curvature, component.index), times, |watch| {
-                let settled = component.settle(found.set.cones.clone(), options, watch)?;
-                let is_final = found.is_met || !to_knee || options.quantize.is_some();
-                Ok(if is_final { settled } else { component.relieved(settled, options.rule, watch)? })
+                component.settle(vertices, options, watch).map_err(Error::from)
             })
-        })?;
-        shared.times += times;
-        let count = |settled: &[Result<Configuration, Error>]| {
-            settled.iter().flatten().map(|c| c.vertices.len()).sum::<usize>()
-        };
-        if count(&settled) > chosen
-            && let (Some(number), Some(all)) = (&mut shared.number, self.predicted(&settled))
-        {
-            (number.chosen, number.predicted) = (all.count, all.area_distortion);
-        }
-        Ok(settled)
+        })
     }
 
     /// Given cones must be vertices of a surface, each once.

@@ -12,7 +12,7 @@ use super::note::Note;
 use super::observer::{Stage, Task, Times};
 use super::options::{Options, Preparation};
 use super::refined::{OpenedHandles, Ready, Way};
-use crate::curvature::{Anchors, ConeCurvatures, CurvatureError, CurvatureRule, anchored_curvatures, least_cones};
+use crate::curvature::{ConeCurvatures, CurvatureError, CurvatureRule, cone_curvatures, least_cones};
 use crate::cut::Symmetry;
 use crate::error::Error;
 use crate::field::{ConformalFactor, Operators};
@@ -88,6 +88,13 @@ impl Component {
             notes,
             times,
         })
+    }
+
+    /// The logarithm of the factor by which lengths change most against the mean, as linear theory predicts it.
+    pub(super) fn stretch(&self, configuration: &Configuration) -> f64 {
+        let mut u = configuration.predicted.clone();
+        self.operators.subtract_mean(&mut u);
+        u.iter().fold(0.0_f64, |most, u| most.max(u.abs()))
     }
 
     /// The surface as it was made ready.
@@ -201,17 +208,7 @@ impl Component {
         rule: CurvatureRule,
         watch: Watch,
     ) -> Result<Configuration, CurvatureError> {
-        self.configure_anchored(vertices, (rule, Anchors::NONE), watch)
-    }
-
-    /// The same where the log scale factor counts more at some vertices.
-    pub(super) fn configure_anchored(
-        &self,
-        vertices: Vec<VertexId>,
-        (rule, anchors): (CurvatureRule, Anchors),
-        watch: Watch,
-    ) -> Result<Configuration, CurvatureError> {
-        let found = anchored_curvatures(&self.operators, &self.surface.mesh, &vertices, rule, anchors, watch)?;
+        let found = cone_curvatures(&self.operators, &self.surface.mesh, &vertices, rule, watch)?;
         let mut notes = Vec::new();
         if let [first, ..] = found.out_of_bounds[..] {
             notes.push(Note::HarmonicOutOfBounds {

@@ -26,7 +26,6 @@ mod packed;
 mod preview;
 mod quality;
 mod refined;
-mod relief;
 mod unwrap;
 
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};

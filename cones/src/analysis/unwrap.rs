@@ -236,7 +236,7 @@ impl Analysis {
     }
 
     /// What is predicted for cones on all components, if they can be had on all.
-    pub(super) fn predicted(&self, configurations: &[Result<Configuration, Error>]) -> Option<Prediction> {
+    fn predicted(&self, configurations: &[Result<Configuration, Error>]) -> Option<Prediction> {
         let mut predictor = Predictor::new(self.components().len());
         for (component, configuration) in self.components().iter().zip(configurations) {
             let Configuration { vertices, predicted, .. } = configuration.as_ref().ok()?;

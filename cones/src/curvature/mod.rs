@@ -148,18 +148,6 @@ pub fn least_cones(operators: &Operators) -> usize {
     }
 }
 
-/// Vertices where the log scale factor counts as if they had so much of the surface's area, besides their own: those with hardly any
-/// area, where the norm alone lets lengths change without end.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Anchors<'a> {
-    pub(crate) vertices: &'a [VertexId],
-    pub(crate) weight: f64,
-}
-
-impl Anchors<'_> {
-    pub(crate) const NONE: Self = Self { vertices: &[], weight: 0.0 };
-}
-
 /// The curvatures of the given cones, in their order. `input` is the triangulation that will be laid out. Costs one block
 /// of solves.
 ///
@@ -170,21 +158,6 @@ pub fn cone_curvatures(
     input: &Mesh,
     cones: &[VertexId],
     rule: CurvatureRule,
-    watch: Watch,
-) -> Result<ConeCurvatures, CurvatureError> {
-    anchored_curvatures(operators, input, cones, rule, Anchors::NONE, watch)
-}
-
-/// The same where the log scale factor counts more at some vertices, if curvatures are optimal.
-///
-/// # Errors
-/// As [`cone_curvatures`].
-pub(crate) fn anchored_curvatures(
-    operators: &Operators,
-    input: &Mesh,
-    cones: &[VertexId],
-    rule: CurvatureRule,
-    anchors: Anchors,
     watch: Watch,
 ) -> Result<ConeCurvatures, CurvatureError> {
     let flattening = operators.flattening();
@@ -213,7 +186,7 @@ pub(crate) fn anchored_curvatures(
     }
     let (p, g) = centred(operators, green);
     watch.ask(0.8)?;
-    let curvature = optimal(operators, &p, &g, [&bounds[0], &bounds[1]], anchors)?;
+    let curvature = optimal(operators, &p, &g, [&bounds[0], &bounds[1]])?;
     let predicted = combine(&p, &g, &curvature);
     Ok(ConeCurvatures { curvature, predicted, out_of_bounds })
 }
@@ -240,23 +213,12 @@ fn optimal(
     p: &VertexData<f64>,
     green: &[VertexData<f64>],
     [bounds, sharpest]: [&[[f64; 2]]; 2],
-    anchors: Anchors,
 ) -> Result<Vec<f64>, CurvatureError> {
     let n = green.len();
-    let mut quadratic = gram(green, &operators.weight);
-    let mut linear: Vec<f64> = green.iter().map(|g| operators.inner(g, p)).collect();
-    let mut constant = operators.inner(p, p);
-    for &v in anchors.vertices {
-        let at: Vec<f64> = green.iter().map(|g| g[v]).collect();
-        for (i, a) in at.iter().enumerate() {
-            let row = &mut quadratic[i * n..(i + 1) * n];
-            row.iter_mut().zip(&at).for_each(|(entry, b)| *entry += anchors.weight * a * b);
-            linear[i] += anchors.weight * a * p[v];
-        }
-        constant += anchors.weight * p[v] * p[v];
-    }
+    let quadratic = gram(green, &operators.weight);
+    let linear: Vec<f64> = green.iter().map(|g| operators.inner(g, p)).collect();
     let total = (!operators.is_bordered()).then(|| operators.total_curvature());
-    let energy = Quadratic { constant, linear: &linear, matrix: &quadratic };
+    let energy = Quadratic { constant: operators.inner(p, p), linear: &linear, matrix: &quadratic };
     match minimise(&energy, bounds, total) {
         Ok(optimum) => {
             let is_held = (0..n).any(|i| optimum.held[i] == Held::Upper && bounds[i][1] < sharpest[i][1]);
