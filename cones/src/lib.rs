@@ -68,7 +68,7 @@ pub use curvature::{CurvatureError, CurvatureRule};
 pub use cut::{SeamFigures, SeamOptions, Symmetry, Tiling};
 pub use error::Error;
 pub use flatten::{ScalingError, SeamError};
-pub use placement::{MOST_OPTIMISED, Placement, Prediction, Search};
+pub use placement::{MOST_OPTIMISED, MOST_ORDERED, Placement, Prediction, Search};
 pub use topo::Kind;
 
 /// What the laws in this workspace's tests are about, stage by stage. No part of the library: it changes without notice.

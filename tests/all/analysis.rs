@@ -280,8 +280,9 @@ fn where_cones_cannot_take_the_curvature_more_are_taken_and_it_is_said() {
 fn more_cones_than_are_optimised_are_placed_by_persistence_and_it_is_said() {
     let shape = shapes::terrain(900, 5);
     let (told, atlas) = notes(&shape, &count(cones::MOST_OPTIMISED + 1));
-    assert_eq!(told, [Note::PlacedByPersistence { component: 0, cones: 65 }]);
-    let by_persistence = Options { placement: Placement::Persistence, ..count(65) };
+    let cones = cones::MOST_OPTIMISED + 1;
+    assert_eq!(told, [Note::PlacedByPersistence { component: 0, cones }]);
+    let by_persistence = Options { placement: Placement::Persistence, ..count(cones) };
     let (told, expected) = notes(&shape, &by_persistence);
     assert_eq!((told, expected.cones), (vec![], atlas.cones));
     assert_eq!(notes(&shape, &count(cones::MOST_OPTIMISED)).0, []);

@@ -57,6 +57,11 @@ fn polygons_are_prepared() {
 }
 
 #[test]
+fn surfaces_are_refined() {
+    replay("refine", properties::refinement);
+}
+
+#[test]
 fn insulted_meshes_unwrap() {
     replay("unwrap", properties::insults_unwrap);
 }

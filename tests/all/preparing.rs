@@ -12,4 +12,9 @@ proptest! {
     fn any_polygons_become_sound_surfaces(bytes in bytes(600)) {
         properties::preparing(&bytes);
     }
+
+    #[test]
+    fn any_surface_gets_even_triangles(bytes in bytes(200)) {
+        properties::refinement(&bytes);
+    }
 }

@@ -4,8 +4,8 @@ use std::collections::BTreeSet;
 
 use cones::internals::SeamPlan;
 use cones::{
-    Analysis, Atlas, ConeChoice, Error, Islands, Note, Options, Placement, SeamFigures, SeamOptions, Symmetry,
-    unwrap_model,
+    Analysis, Atlas, ConeChoice, Error, Handles, Islands, Note, Options, Placement, Preparation, SeamFigures,
+    SeamOptions, Symmetry, unwrap_model,
 };
 use geom::shapes::{self, Shape};
 use geom::{CutMesh, EdgeId, Mesh, Metric, Model, ShortestPaths, Surface, VertexId, Watch, prepare};
@@ -173,6 +173,22 @@ fn edges_that_are_none_are_refused_by_name() {
     assert!(matches!(flatten(given(rim)), Err(Error::OpenEdge { ends }) if ends == rim));
     flatten(avoid(rim)).unwrap();
     flatten(kept(rim)).unwrap();
+}
+
+#[test]
+fn a_seam_that_is_given_where_a_handle_was_opened_is_there_already() {
+    let model: Model = shapes::torus(1, 600).into();
+    let preparation = Preparation { handles: Handles::Always, ..Preparation::default() };
+    let analysis = Analysis::with(&model, preparation).unwrap();
+    let cones = analysis.place(Placement::Refined, 4).unwrap();
+    let flatten = |seams: SeamOptions| analysis.flatten_with(&cones, &Options { seams, ..Options::default() }).unwrap();
+    let plain = flatten(SeamOptions::default());
+    assert_eq!(plain.opened_handles, 1);
+    let [.., around] = &plain.seams[..] else { panic!("a loop is a seam") };
+    assert_eq!(around.first(), around.last());
+    let edge = [around[0], around[1]];
+    let given = flatten(SeamOptions { given: vec![edge], ..SeamOptions::default() });
+    assert_eq!((given.seams, given.notes), (plain.seams.clone(), plain.notes));
 }
 
 #[test]

@@ -9,12 +9,14 @@ mod flattening;
 mod operators;
 mod persistence;
 mod preparing;
+mod refinement;
 
 pub use files::{obj_is_given_back, reading};
 pub use flattening::{Reached, cones_flatten, every_vertex_a_cone_unfolds, files_unwrap, insults_unwrap, options};
 pub use operators::{flips, laplacian, poisson, seams};
 pub use persistence::{domains, hierarchy, pairing, relabelled};
 pub use preparing::preparing;
+pub use refinement::refinement;
 
 use geom::shapes::Shape;
 use geom::{Mesh, Metric};

@@ -11,7 +11,7 @@ use super::{Analysis, each};
 use crate::curvature::CurvatureRule;
 use crate::error::Error;
 use crate::field::Operators;
-use crate::placement::{Automatic, MOST_OPTIMISED, Nested, Prediction, Predictor};
+use crate::placement::{Automatic, MOST_ORDERED, Nested, Prediction, Predictor};
 
 /// The area distortion that is aimed at when nobody says.
 pub const TARGET_DISTORTION: f64 = 1.25;
@@ -48,7 +48,7 @@ impl Analysis {
         let mut shared = Shared::default();
         let configurations = match &options.cones {
             ConeChoice::Automatic => self.fewest(&mut shared, options, TARGET_DISTORTION, MOST_AUTOMATIC, task)?,
-            ConeChoice::WithinDistortion(target) => self.fewest(&mut shared, options, *target, MOST_OPTIMISED, task)?,
+            ConeChoice::WithinDistortion(target) => self.fewest(&mut shared, options, *target, MOST_ORDERED, task)?,
             ConeChoice::Count(total) => {
                 let counts = self.share(&mut shared, options, *total, task)?;
                 self.placed(&mut shared, options, &counts, task)?

@@ -90,6 +90,13 @@ impl Component {
         })
     }
 
+    /// The logarithm of the factor by which lengths change most against the mean, as linear theory predicts it.
+    pub(super) fn stretch(&self, configuration: &Configuration) -> f64 {
+        let mut u = configuration.predicted.clone();
+        self.operators.subtract_mean(&mut u);
+        u.iter().fold(0.0_f64, |most, u| most.max(u.abs()))
+    }
+
     /// The surface as it was made ready.
     pub(crate) fn ready(&self) -> Ready {
         let Self { surface, metric, way, .. } = self;

@@ -9,7 +9,7 @@ use super::observer::{Stage, Task, Times};
 use super::quality::Quality;
 use crate::cut::SeamPlan;
 use crate::error::Error;
-use crate::flatten::{FoldOvers, Layout, Scaling, Seams, detach, remove_fold_overs, scale, seam_lengths};
+use crate::flatten::{FoldOvers, Layout, Scaling, Seams, detach, relax, remove_fold_overs, scale, seam_lengths};
 
 /// Cones that somebody has chosen are doubted above this area distortion, this quasi-conformal distortion, or where lengths change
 /// by more than this power of e against the mean. Four cones on a bunny come to 3.4, 1.1 and 2, three on a coarse sphere to 1.8, 1.5 and 2.3; vertices picked on another
@@ -70,7 +70,8 @@ impl Component {
             let mut is_cone = VertexData::constant(mesh.vertex_count(), false);
             vertices.iter().for_each(|&v| is_cone[v] = true);
             let removed = remove_fold_overs(mesh, metric, &scaling, &is_cone, &mut layout, watch.within(0.3, 0.9));
-            watch.ask(0.9)?;
+            relax(mesh, metric, &scaling, &is_cone, &mut layout, watch.within(0.9, 1.0));
+            watch.ask(1.0)?;
             let flat = self.flat((vertices.clone(), curvature.clone()), seams, layout, scaling, notes);
             Ok(Flat { fold_overs: removed.err(), ..flat })
         })?

@@ -145,8 +145,8 @@ impl Analysis {
             (surfaces.into_iter().map(Ready::as_it_is).collect(), None, triangles, left_out)
         };
         let topology = Topology::of(ready.iter().map(|ready: &Ready| &ready.surface));
-        let are_opened = preparation.handles == Handles::Always;
-        let components = made_of(ready, (preparation, are_opened), &task, &mut times)?;
+        let is_opened = |_| preparation.handles == Handles::Always;
+        let components = made_of(ready, (preparation, &is_opened), &task, &mut times)?;
         let notes = notes_of(&components);
         let model = refined.as_ref().map_or(model, |refined| &refined.model);
         let found = Found {
@@ -177,8 +177,12 @@ impl Analysis {
         let known = match self.found.opened.get() {
             Some(known) => known,
             None => {
-                let made = self.found.opened(&self.task())?;
-                self.found.opened.get_or_init(|| made.map(Arc::new))
+                let has_handles = |component: &Component| component.surface.mesh.genus() > 0;
+                let made = match self.components().iter().any(has_handles) {
+                    true => Some(Arc::new(self.found.opened_where(&|_| true, &self.task())?)),
+                    false => None,
+                };
+                self.found.opened.get_or_init(|| made)
             }
         };
         Ok(known.as_ref().map(|found| Self { found: Arc::clone(found), observer: Arc::clone(&self.observer) }))
@@ -299,15 +303,12 @@ impl Analysis {
 }
 
 impl Found {
-    /// The same with handles opened, if there are any.
-    fn opened(&self, task: &Task) -> Result<Option<Self>, Error> {
-        if self.components.iter().all(|component| component.surface.mesh.genus() == 0) {
-            return Ok(None);
-        }
+    /// The same with the handles of some components opened.
+    fn opened_where(&self, is_opened: &IsOpened, task: &Task) -> Result<Self, Error> {
         let mut times = Times::default();
         let ready = self.components.iter().map(Component::ready).collect();
-        let components = made_of(ready, (self.preparation, true), task, &mut times)?;
-        Ok(Some(Self {
+        let components = made_of(ready, (self.preparation, is_opened), task, &mut times)?;
+        Ok(Self {
             id: COUNT.fetch_add(1, Relaxed),
             points: self.points.clone(),
             corner_vertices: self.corner_vertices.clone(),
@@ -322,21 +323,24 @@ impl Found {
             opened: OnceLock::from(None),
             previews: Default::default(),
             times,
-        }))
+        })
     }
 }
 
-/// The components of surfaces that are ready, with their handles opened or not.
+/// Whether the handles of a component are opened, by its number.
+type IsOpened<'a> = dyn Fn(usize) -> bool + Sync + 'a;
+
+/// The components of surfaces that are ready, each with its handles opened or not.
 fn made_of(
     ready: Vec<Ready>,
-    (preparation, are_opened): (Preparation, bool),
+    (preparation, is_opened): (Preparation, &IsOpened),
     task: &Task,
     times: &mut Times,
 ) -> Result<Vec<Component>, Error> {
     let began = Instant::now();
     let make = |(index, mut ready): (usize, Ready)| {
         let mut times = Times::default();
-        if are_opened && ready.surface.mesh.genus() > 0 {
+        if is_opened(index) && ready.surface.mesh.genus() > 0 {
             ready = task.stage((Stage::Factor, index), &mut times, |watch| open_handles(ready, watch))??;
         }
         let mut component = Component::new(index, ready, preparation, task)?;

@@ -3,7 +3,6 @@
 use std::fmt;
 
 use crate::cut::Symmetry;
-use crate::placement::MOST_OPTIMISED;
 
 /// Something that was decided or could not be had; its `Display` is one sentence without an end. Components are counted from
 /// 0 in the order of their first faces, vertices are those of the model.
@@ -205,7 +204,9 @@ impl fmt::Display for Note {
                 "{above} extrema are more persistent than {threshold}, but {} more cones: taking {taken}",
                 needing(components)
             ),
-            Self::PlacedByPersistence { .. } => write!(f, "more than {MOST_OPTIMISED} cones are placed by persistence"),
+            Self::PlacedByPersistence { cones, .. } => {
+                write!(f, "{cones} cones are too many to be optimised: they are placed by persistence")
+            }
             Self::MoreForCurvature { asked, taken, .. } => {
                 write!(f, "{asked} cones cannot take this surface's curvature: taking {taken}")
             }

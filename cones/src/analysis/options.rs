@@ -113,7 +113,7 @@ pub enum ConeChoice {
     #[default]
     Automatic,
     /// In each connected component as few as keep its area distortion within this, confirmed by flattening, at most
-    /// [`MOST_OPTIMISED`](crate::MOST_OPTIMISED).
+    /// [`MOST_ORDERED`](crate::MOST_ORDERED), and up to [`MOST_OPTIMISED`](crate::MOST_OPTIMISED) where flattening asks for more.
     WithinDistortion(f64),
     /// So many, on all connected components together.
     Count(usize),

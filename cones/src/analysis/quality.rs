@@ -1,10 +1,9 @@
 //! What a layout of a component is worth, as it came out.
 
 use geom::{FaceId, Id, Mesh, Metric};
-use num_complex::Complex64;
 use rayon::prelude::*;
 
-use crate::flatten::Layout;
+use crate::flatten::{Layout, stretch};
 use crate::placement::distortion_of;
 
 /// σ₁/σ₂ counts up to here, so that one needle does not outweigh a surface.
@@ -27,20 +26,9 @@ impl Quality {
         let measured = |f: usize| {
             let f = FaceId::new(f);
             let sides = metric.sides(mesh, f);
+            let [stretch, ratio] = stretch(sides, mesh.sides(f).map(|h| layout.corner(h)))?;
             let area = sides.area();
-            let [along, _, back] = sides.unfold().map(|[x, y]| Complex64::new(x, y));
-            let [a, b, c] = mesh.sides(f).map(|h| layout.corner(h));
-            // The map z ↦ p z + q z̄ takes both sides at the first corner to their images.
-            let (z, w) = (along, -back);
-            let determinant = z * w.conj() - w * z.conj();
-            let is_measured = area > 0.0 && determinant.norm() > 0.0; // not so with NaN either
-            if !is_measured {
-                return None;
-            }
-            let p = ((b - a) * w.conj() - (c - a) * z.conj()) / determinant;
-            let q = (z * (c - a) - w * (b - a)) / determinant;
-            let stretch = (p.norm() + q.norm()) / (p.norm() - q.norm()).abs().max(f64::MIN_POSITIVE);
-            Some((area, stretch, (p.norm_sqr() - q.norm_sqr()).abs().max(f64::MIN_POSITIVE)))
+            Some((area, stretch, ratio))
         };
         let measured: Vec<(f64, f64, f64)> =
             (0..mesh.face_count()).into_par_iter().with_min_len(AT_ONCE).filter_map(measured).collect();

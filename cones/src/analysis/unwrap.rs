@@ -1,6 +1,7 @@
 //! From cones on every component to texture coordinates for the model.
 
 use std::collections::HashMap;
+use std::sync::Arc;
 use std::time::Instant;
 
 use geom::{Model, Watch};
@@ -163,7 +164,8 @@ impl Analysis {
         }
     }
 
-    /// The analysis with handles opened and what is chosen there, where that promises the better map.
+    /// The analysis with handles opened and what is chosen there, where that promises the better map: on all components, or, unless
+    /// they share a number of cones, on those where it does.
     fn opened_instead(&self, chosen: &Chosen, options: &Options) -> Result<Option<(Self, Chosen)>, Error> {
         // Loops are no rigid motions, so that no texture runs on across them; and whoever says where seams run wants no others.
         let seams = &options.seams;
@@ -171,18 +173,66 @@ impl Analysis {
         if self.found.preparation.handles != Handles::Auto || has_say {
             return Ok(None);
         }
-        let closed = self.predicted(&chosen.1);
-        if closed.is_some_and(|closed| closed.area_distortion <= TARGET_DISTORTION && closed.count <= FEW_CONES) {
+        let is_shared = matches!(options.cones, ConeChoice::Count(_));
+        let closed = self.predicted_by_itself(&chosen.1, is_shared);
+        let genus = |part: usize| self.components()[part].surface.mesh.genus();
+        let has_handles = |part: usize| if is_shared { true } else { genus(part) > 0 };
+        let is_good = |closed: &Option<Prediction>| {
+            closed.is_some_and(|closed| closed.area_distortion <= TARGET_DISTORTION && closed.count <= FEW_CONES)
+        };
+        if closed.iter().enumerate().all(|(part, closed)| !has_handles(part) || is_good(closed)) {
             return Ok(None);
         }
         let Some(opened) = self.with_handles_opened()? else { return Ok(None) };
         let other = opened.configurations(options, &opened.task())?;
-        let is_better = match (closed, opened.predicted(&other.1)) {
-            (_, None) => false,
-            (None, Some(_)) => true,
-            (Some(closed), Some(opened)) => is_worth_opening(&closed, &opened),
+        let is_better = |(part, (closed, opened)): (usize, (&Option<Prediction>, Option<Prediction>))| {
+            let is_better = match (closed, opened) {
+                (_, None) => false,
+                (None, Some(_)) => true,
+                (Some(closed), Some(opened)) => is_worth_opening(closed, &opened),
+            };
+            has_handles(part) && !is_good(closed) && is_better
         };
-        Ok(is_better.then_some((opened, other)))
+        let others = opened.predicted_by_itself(&other.1, is_shared);
+        let is_opened: Vec<bool> = closed.iter().zip(others).enumerate().map(is_better).collect();
+        if is_shared || (0..is_opened.len()).all(|part| is_opened[part] || !has_handles(part)) {
+            return Ok(is_opened[0].then_some((opened, other)));
+        }
+        if !is_opened.contains(&true) {
+            return Ok(None);
+        }
+        self.partly_opened((chosen, other), &is_opened).map(Some)
+    }
+
+    /// The analysis with the handles of some components opened, and for each what was chosen with them closed or opened.
+    fn partly_opened(&self, (chosen, other): (&Chosen, Chosen), is_opened: &[bool]) -> Result<(Self, Chosen), Error> {
+        let found = self.found.opened_where(&|part| is_opened[part], &self.task())?;
+        let mixed = Self { found: Arc::new(found), observer: Arc::clone(&self.observer) };
+        let of_part = |((closed, opened), &is_opened)| if is_opened { opened } else { Clone::clone(closed) };
+        let (mut shared, others) = other;
+        let configurations: Vec<_> = chosen.1.iter().zip(others).zip(is_opened).map(of_part).collect();
+        if let (Some(number), Some(all)) = (&mut shared.number, mixed.predicted(&configurations)) {
+            (number.chosen, number.predicted) = (all.count, all.area_distortion);
+        }
+        Ok((mixed, (shared, configurations)))
+    }
+
+    /// What is predicted for the cones of each component by itself, or of all where they share a number of them.
+    fn predicted_by_itself(
+        &self,
+        configurations: &[Result<Configuration, Error>],
+        is_shared: bool,
+    ) -> Vec<Option<Prediction>> {
+        if is_shared {
+            return vec![self.predicted(configurations)];
+        }
+        let predicted = |(component, configuration): (&Component, &Result<Configuration, Error>)| {
+            let Configuration { vertices, predicted, .. } = configuration.as_ref().ok()?;
+            let mut predictor = Predictor::new(1);
+            predictor.put(0, &component.operators, component.area, vertices.len(), predicted.clone());
+            Some(predictor.prediction())
+        };
+        self.components().iter().zip(configurations).map(predicted).collect()
     }
 
     /// What is predicted for cones on all components, if they can be had on all.
@@ -226,7 +276,11 @@ impl Analysis {
             return Ok(());
         }
         let surfaces = self.components().iter().map(|component| &component.surface);
-        let edges = ModelEdges::new(surfaces, self.corner_vertices());
+        let mut edges = ModelEdges::new(surfaces, self.corner_vertices());
+        for component in self.components() {
+            let opened = component.handles.loops.iter().flat_map(|around| &around.edges);
+            edges.allow(&component.surface, self.corner_vertices(), opened);
+        }
         for &ends in seams.given.iter().chain(&seams.avoid) {
             if !edges.has(ends) {
                 return Err(Error::NoSuchEdge { ends });

@@ -158,6 +158,13 @@ impl ModelEdges {
         Self { is_inner }
     }
 
+    /// Takes edges of a surface for ones that can be cut, as those are along which it was opened: they are seams already.
+    pub(crate) fn allow<'a>(&mut self, surface: &Surface, corners: &[u32], opened: impl Iterator<Item = &'a EdgeId>) {
+        for name in opened.flat_map(|&e| names(surface, corners, e)) {
+            self.is_inner.insert(name, true);
+        }
+    }
+
     /// Whether there is such an edge.
     pub(crate) fn has(&self, ends: [u32; 2]) -> bool {
         self.is_inner.contains_key(&ascending(ends))

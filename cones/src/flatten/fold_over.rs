@@ -122,7 +122,7 @@ enum Fans {
     Held,
 }
 
-struct Untangler<'a> {
+pub(super) struct Untangler<'a> {
     input: &'a Mesh,
     /// The edge lengths in space.
     metric: &'a Metric,
@@ -138,7 +138,7 @@ struct Untangler<'a> {
 }
 
 impl<'a> Untangler<'a> {
-    fn new(
+    pub(super) fn new(
         input: &'a Mesh,
         metric: &'a Metric,
         scaling: &'a Scaling,
@@ -152,6 +152,10 @@ impl<'a> Untangler<'a> {
         let turn = wedge_turns(input, layout);
         watch.ask(0.0)?;
         Ok(Self { input, metric, scaling, angle, is_cone, layout, turn, fanned: Vec::new() })
+    }
+
+    pub(super) fn layout(&self) -> &Layout {
+        self.layout
     }
 
     fn positions(&self, f: FaceId) -> [Complex64; 3] {
@@ -249,11 +253,17 @@ impl<'a> Untangler<'a> {
 
     /// The connected pieces of the rings round what is bad.
     fn patches(&self, bad: &Bad, rings: usize) -> Vec<Vec<FaceId>> {
+        let faces_at = |v: &VertexId| self.input.outgoing(*v).map(|h| self.input.face(h));
+        let faces: Vec<FaceId> = bad.faces.iter().copied().chain(bad.vertices.iter().flat_map(faces_at)).collect();
+        self.pieces(&faces, rings)
+    }
+
+    /// The connected pieces of the rings round some triangles.
+    pub(super) fn pieces(&self, faces: &[FaceId], rings: usize) -> Vec<Vec<FaceId>> {
         let input = self.input;
         let faces_at = |v: VertexId| input.outgoing(v).map(|h| input.face(h));
         let mut inside = FaceData::constant(input.face_count(), false);
-        let mut patch: Vec<FaceId> =
-            bad.faces.iter().copied().chain(bad.vertices.iter().flat_map(|&v| faces_at(v))).collect();
+        let mut patch = faces.to_vec();
         patch.retain(|&f| !std::mem::replace(&mut inside[f], true));
         for _ in 0..rings {
             let vertices: Vec<VertexId> = patch.iter().flat_map(|&f| input.corners(f)).collect();
@@ -282,26 +292,52 @@ impl<'a> Untangler<'a> {
         pieces
     }
 
+    /// Relaxes a patch if that costs less; returns how many triangles it has, 0 where it was left as it was.
+    pub(super) fn improve(&mut self, faces: &[FaceId], cost: impl Fn(&Layout) -> f64, watch: Watch) -> usize {
+        if faces.iter().any(|&f| self.is_flipped(f)) {
+            return 0;
+        }
+        let before = cost(self.layout);
+        let Some(moved) = self.try_untangling(faces, Fans::Free, watch) else { return 0 };
+        let is_better = cost(self.layout) < before; // not so with NaN either
+        if !is_better {
+            self.put_back(moved);
+            return 0;
+        }
+        faces.len()
+    }
+
     /// Untangles a patch; returns how many triangles it has, 0 where it was left as it was.
     fn untangle(&mut self, faces: &[FaceId], fans: Fans, watch: Watch) -> usize {
+        self.try_untangling(faces, fans, watch).map_or(0, |_| faces.len())
+    }
+
+    /// Untangles a patch; returns where what it moved was before, none where it was left as it was.
+    fn try_untangling(&mut self, faces: &[FaceId], fans: Fans, watch: Watch) -> Option<Vec<(WedgeId, Complex64)>> {
         if faces.len() > MAX_PATCH || watch.stops_at(0.0) {
-            return 0;
+            return None;
         }
-        let Some((patch, moving)) = self.patch(faces, fans) else { return 0 };
+        let (patch, moving) = self.patch(faces, fans)?;
         let untangled = patch.untangle(watch);
         if !untangled.succeeded {
-            return 0;
+            return None;
         }
-        let before = self.layout.position.clone();
+        let wedges = moving.iter().flat_map(|&v| self.layout.cut.wedges(v));
+        let before = wedges.map(|w| (w, self.layout.position[w.index()])).collect();
         for (&v, [x, y]) in moving.iter().zip(untangled.displacements) {
             self.displace_vertex(v, Complex64::new(x, y));
         }
         let corners = || faces.iter().flat_map(|&f| self.input.corners(f));
         if faces.iter().any(|&f| self.is_flipped(f)) || corners().any(|v| self.winding(v) != 0.0) {
-            self.layout.position = before;
-            return 0;
+            self.put_back(before);
+            return None;
         }
-        faces.len()
+        Some(before)
+    }
+
+    /// Puts wedges back where they were.
+    fn put_back(&mut self, before: Vec<(WedgeId, Complex64)>) {
+        before.into_iter().for_each(|(w, position)| self.layout.position[w.index()] = position);
     }
 
     /// A patch for untangling, and the vertices that its displacements move; none if nothing can move.

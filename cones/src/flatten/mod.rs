@@ -4,6 +4,7 @@
 mod detach;
 mod fold_over;
 mod layout;
+mod relax;
 mod scaling;
 mod seams;
 mod untangle;
@@ -12,6 +13,7 @@ pub(crate) use detach::detach;
 pub(crate) use fold_over::FoldOvers;
 pub(crate) use fold_over::remove_fold_overs;
 pub use layout::Layout;
+pub(crate) use relax::{relax, stretch};
 pub use scaling::{Scaling, ScalingError, scale};
 pub(crate) use seams::seam_lengths;
 pub use seams::{Chain, SeamError, Seams};

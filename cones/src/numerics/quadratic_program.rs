@@ -141,16 +141,21 @@ pub enum ProgramError {
 /// # Errors
 /// If no q is between the bounds with that sum, if something is not finite, or if the sizes do not agree.
 pub fn minimise(energy: &Quadratic, bounds: &[[f64; 2]], total: Option<f64>) -> Result<Optimum, ProgramError> {
-    minimise_and_count(energy, bounds, total).map(|(optimum, _)| optimum)
+    minimise_from(energy, bounds, total, None).map(|(optimum, _)| optimum)
 }
 
-/// [`minimise`], and the sum of the third powers of the sizes of the matrices that were factored for it.
-pub(crate) fn minimise_and_count(
+/// [`minimise`], begun at a guess if there is one, and the sum of the third powers of the sizes of the matrices that were factored
+/// for it. A guess need not be feasible; near to the minimum fewer variables come to a bound on the way.
+pub(crate) fn minimise_from(
     energy: &Quadratic,
     bounds: &[[f64; 2]],
     total: Option<f64>,
+    guess: Option<&[f64]>,
 ) -> Result<(Optimum, u64), ProgramError> {
     let mut set = ActiveSet::feasible(energy, bounds, total)?;
+    if let Some(guess) = guess {
+        set.begin_at(guess);
+    }
     let multiplier = set.minimise();
     let energy = energy.value(&set.q);
     if !energy.is_finite() {
@@ -201,6 +206,28 @@ impl<'a> ActiveSet<'a> {
         let held = bounds.iter().map(|[lower, upper]| if lower == upper { Held::Lower } else { Held::Free });
         let q = bounds.iter().map(between).collect();
         Ok(Self { energy, bounds, total, q, held: held.collect(), factor: None, work: 0 })
+    }
+
+    /// Goes to the feasible point near a guess: all variables as far on their ways to one of their bounds as the sum asks for.
+    fn begin_at(&mut self, guess: &[f64]) {
+        let mut q: Vec<f64> =
+            guess.iter().zip(self.bounds).map(|(q, [lower, upper])| q.clamp(*lower, *upper)).collect();
+        if let Some(total) = self.total {
+            let missing = total - q.iter().sum::<f64>();
+            let side = usize::from(missing > 0.0);
+            let room: f64 = q.iter().zip(self.bounds).map(|(q, bound)| bound[side] - q).sum();
+            let share = if room == 0.0 { 0.0 } else { (missing / room).clamp(0.0, 1.0) };
+            q.iter_mut().zip(self.bounds).for_each(|(q, bound)| *q += share * (bound[side] - *q));
+        }
+        for (i, (&q, &[lower, upper])) in q.iter().zip(self.bounds).enumerate() {
+            self.q[i] = q.clamp(lower, upper);
+            self.held[i] = match q {
+                _ if q <= lower => Held::Lower,
+                _ if q >= upper => Held::Upper,
+                _ => Held::Free,
+            };
+        }
+        self.restore_sum();
     }
 
     /// Steps until no variable pulls inwards; returns the sum's multiplier.

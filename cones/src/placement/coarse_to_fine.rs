@@ -149,6 +149,11 @@ pub(crate) fn order_from(ground: Ground, level: &CoarseLevel, count: usize) -> R
     Ok(Nested::new(&mut model, &cones))
 }
 
+/// A coarse level's cones, apart from each other on the surface.
+pub(crate) fn on_surface(model: &EnergyModel, level: &CoarseLevel, coarse: &ConeSet) -> Vec<VertexId> {
+    apart(model, level.of_surface(&coarse.cones), REACH * level.spacing())
+}
+
 /// A coarse level's cones, moved to where they are best on the surface.
 pub(crate) fn polished(model: &mut EnergyModel, level: &CoarseLevel, coarse: &ConeSet) -> ConeSet {
     let reach = REACH * level.spacing();

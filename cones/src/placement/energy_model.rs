@@ -15,15 +15,18 @@
 //! Vertices that have been solved for are the *pool*. Products within the pool are kept as f64; the columns, which only
 //! tell where it pays to look, as f32: they are most of the memory.
 
+use std::collections::HashMap;
 use std::f64::consts::PI;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use geom::{EdgeDistances, Interrupted, Mesh, VertexData, VertexId, Watch};
 
-use crate::curvature::{LARGEST_CORNER, LARGEST_CURVATURE, general_bounds, usable_degree};
+use crate::curvature::{
+    LARGEST_CORNER, LARGEST_CURVATURE, LEAST_SHARPENED, SHARPEST_CURVATURE, general_bounds, usable_degree,
+};
 use crate::field::Operators;
-use crate::numerics::quadratic_program::{Held, Quadratic, minimise_and_count};
+use crate::numerics::quadratic_program::{Held, Optimum, ProgramError, Quadratic, minimise_from};
 
 /// Vertices that are solved for at once: enough to keep the factor in the cache, few enough for memory.
 const BLOCK: usize = 16;
@@ -297,6 +300,19 @@ impl<'a> EnergyModel<'a> {
     /// The best curvatures of cones that are in the pool. Where they cannot take the surface's curvature the bounds give
     /// way evenly, and the shortfall tells by how much.
     pub fn fit(&self, cones: &[VertexId]) -> ConeSet {
+        self.fit_near(cones, None)
+    }
+
+    /// [`fit`](Self::fit), begun with the curvatures that the same cones had in another set, 0 for others, which takes less where
+    /// these are many: the same to rounding.
+    pub(crate) fn fit_from(&self, cones: &[VertexId], before: &ConeSet) -> ConeSet {
+        let mut known: HashMap<VertexId, f64> =
+            before.cones.iter().copied().zip(before.curvature.iter().copied()).collect();
+        let guess: Vec<f64> = cones.iter().map(|v| known.remove(v).unwrap_or(0.0)).collect();
+        self.fit_near(cones, Some(&guess))
+    }
+
+    fn fit_near(&self, cones: &[VertexId], guess: Option<&[f64]>) -> ConeSet {
         let n = cones.len();
         if self.is_stopped() {
             return self.unfitted(cones);
@@ -307,9 +323,19 @@ impl<'a> EnergyModel<'a> {
         let total = self.total();
         let shortfall = self.relax(&mut bounds);
         let energy = Quadratic { constant: self.terms.constant, linear: &linear, matrix: &matrix };
-        match minimise_and_count(&energy, &bounds, total) {
-            Ok((optimum, work)) => {
-                self.work.fetch_add(work, Ordering::Relaxed);
+        let minimum = |bounds: &[[f64; 2]]| {
+            let (optimum, work) = minimise_from(&energy, bounds, total, guess)?;
+            self.work.fetch_add(work, Ordering::Relaxed);
+            Ok::<Optimum, ProgramError>(optimum)
+        };
+        match minimum(&bounds) {
+            Ok(mut optimum) => {
+                if let Some(sharper) = self.sharper(&bounds, &optimum)
+                    && let Ok(sharpest) = minimum(&sharper)
+                    && sharpest.energy < (1.0 - LEAST_SHARPENED) * optimum.energy
+                {
+                    (optimum, bounds) = (sharpest, sharper);
+                }
                 ConeSet {
                     cones: cones.to_vec(),
                     curvature: optimum.curvatures,
@@ -331,6 +357,14 @@ impl<'a> EnergyModel<'a> {
                 bounds,
             },
         }
+    }
+
+    /// The bounds with the sharpest cones that are allowed, where these hold one at the largest curvature that comes without a gain.
+    fn sharper(&self, bounds: &[[f64; 2]], optimum: &Optimum) -> Option<Vec<[f64; 2]>> {
+        let is_held = |(&held, bound): (&Held, &[f64; 2])| held == Held::Upper && bound[1] == LARGEST_CURVATURE;
+        let mut held = optimum.held.iter().zip(bounds);
+        let may_sharpen = self.largest_curvature == LARGEST_CURVATURE && held.any(is_held);
+        may_sharpen.then(|| bounds.iter().map(|&[low, high]| [low, high.max(SHARPEST_CURVATURE)]).collect())
     }
 
     /// What stands for a fit once searches must end.

@@ -11,6 +11,9 @@ use crate::field::{Operators, coarse_level};
 /// norm with 3,000; searching takes about in proportion.
 const VERTICES: usize = 3000;
 
+/// For so many cones and more a level has more vertices than that.
+const MANY: usize = 32;
+
 /// Surfaces with fewer vertices have no coarse level: searching them takes little longer than making one.
 pub(crate) const LEAST_VERTICES: usize = 8000;
 
@@ -29,6 +32,24 @@ impl CoarseLevel {
     /// If the coarse Laplacian cannot be factored, or the watch has said stop.
     pub(crate) fn new(fine: &Operators, input: &Mesh, watch: Watch) -> Result<Self, PoissonError> {
         Self::of_size(fine, input, VERTICES, watch)
+    }
+
+    /// A level to place so many cones on: its vertices grow with the root of their number. None where the surface has hardly
+    /// more.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    pub(crate) fn for_many(
+        fine: &Operators,
+        input: &Mesh,
+        cones: usize,
+        watch: Watch,
+    ) -> Result<Option<Self>, PoissonError> {
+        let vertices = (VERTICES as f64 * (cones as f64 / MANY as f64).sqrt()) as usize;
+        if fine.mesh.vertex_count() < 2 * vertices {
+            return Ok(None);
+        }
+        Self::of_size(fine, input, vertices, watch).map(Some)
     }
 
     /// The same with so many vertices.

@@ -6,6 +6,7 @@
 mod automatic;
 mod coarse_to_fine;
 pub(crate) mod configuration;
+mod crowd;
 mod energy_model;
 mod exchange;
 mod iterative;
@@ -41,8 +42,12 @@ pub use pursuit::pursuit;
 pub(crate) use quantized::quantized;
 pub use refined::refined;
 
-/// More cones than this are not optimised: `refined` takes a time that grows with the third power of their number.
-pub const MOST_OPTIMISED: usize = 64;
+/// More cones than this are not optimised: those are placed by persistence.
+pub const MOST_OPTIMISED: usize = 512;
+
+/// More cones than this are placed many at a time, and have no nested order by [`Placement::Pursuit`]: what looks for each
+/// cone by itself takes a time that grows with the third power of their number.
+pub const MOST_ORDERED: usize = 64;
 
 /// How cones are placed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -152,6 +157,9 @@ impl<'a> Ground<'a> {
 
     /// The best cones of so many, for this number alone.
     fn refined(self, count: usize) -> Result<Vec<VertexId>, PoissonError> {
+        if count > MOST_ORDERED {
+            return self.crowd(count);
+        }
         let found = match self.level()? {
             Some(level) => coarse_to_fine::refined_from(self, level, count)?,
             None => None,
@@ -160,6 +168,23 @@ impl<'a> Ground<'a> {
             Some(set) => set.cones,
             None => refined(&mut self.energy_model()?, count).cones,
         })
+    }
+}
+
+impl Ground<'_> {
+    /// So many cones that they are placed many at a time.
+    fn crowd(self, count: usize) -> Result<Vec<VertexId>, PoissonError> {
+        let level = match self.search {
+            Search::Full => None,
+            Search::CoarseToFine => {
+                let watch = self.watch.within(f64::NAN, f64::NAN);
+                CoarseLevel::for_many(self.operators, self.input, count, watch)?
+            }
+        };
+        let Some(level) = level else { return Ok(crowd::crowd(&mut self.energy_model()?, count).cones) };
+        let set = crowd::crowd(&mut level.energy_model(self.watch), count);
+        let model = self.energy_model()?;
+        Ok(coarse_to_fine::on_surface(&model, &level, &set))
     }
 }
 
@@ -217,7 +242,8 @@ impl Placement {
 
     /// The method that places so many cones: so many that optimising them would take minutes are placed by persistence.
     pub(crate) fn for_count(self, count: usize) -> Self {
-        if self.is_optimised() && count > MOST_OPTIMISED { Self::Persistence } else { self }
+        let most = if self == Self::Refined { MOST_OPTIMISED } else { MOST_ORDERED };
+        if self.is_optimised() && count > most { Self::Persistence } else { self }
     }
 
     /// The method whose order is used where one is needed for every number.
@@ -251,7 +277,7 @@ impl Placement {
     }
 
     /// A nested order of at least so many cones, as far as there are so many; an optimised one is found in whole blocks, at
-    /// most 64 cones.
+    /// most [`MOST_ORDERED`] cones.
     ///
     /// # Errors
     /// As [`cones`](Self::cones).

@@ -65,6 +65,16 @@ struct Clamped {
     response: Vec<f64>,
 }
 
+/// A cone that may leave: without it the energy is `base` more, and with x the products of a vertex with the cones times `weights`,
+/// and `offset`, r there falls by x times `slope`, and s grows by x² times `growth`.
+pub(crate) struct Departure {
+    base: f64,
+    slope: f64,
+    growth: f64,
+    weights: Vec<f64>,
+    offset: f64,
+}
+
 /// Room for the numbers of one vertex.
 #[derive(Default)]
 pub(crate) struct Row {
@@ -219,6 +229,37 @@ impl<'a> SwapTable<'a> {
         }
     }
 
+    /// What is needed to tell what moving one cone away changes.
+    pub(crate) fn departure(&self, leaving: usize) -> Departure {
+        let last = self.free.len();
+        let mut weights = vec![0.0; self.set.cones.len()];
+        let q = self.set.curvature[leaving];
+        if let Some(k) = self.free.iter().position(|&i| i == leaving) {
+            let row = &self.inverse[k * self.order..(k + 1) * self.order];
+            self.free.iter().zip(row).for_each(|(&i, &entry)| weights[i] = entry);
+            let kappa = row[k].max(f64::MIN_POSITIVE);
+            let offset = row.get(last).copied().unwrap_or(0.0);
+            return Departure { base: q * q / kappa, slope: q / kappa, growth: kappa.recip(), weights, offset };
+        }
+        let clamped = self.clamped.iter().find(|clamped| clamped.place == leaving);
+        let (base, response) = clamped.map_or((0.0, &[][..]), |clamped| (clamped.base, &clamped.response[..]));
+        self.free.iter().zip(response).for_each(|(&i, &entry)| weights[i] = -entry);
+        weights[leaving] = 1.0;
+        let offset = -response.get(last).copied().unwrap_or(0.0);
+        Departure { base, slope: q, growth: 0.0, weights, offset }
+    }
+
+    /// What moving one cone to any vertex changes, with r and s of the vertex given. The sums of curvatures' bounds are left aside.
+    pub(crate) fn change_at(&self, departure: &Departure, v: VertexId, gradient: f64, norm: f64) -> f64 {
+        let Departure { base, slope, growth, weights, offset } = departure;
+        let products = self.column.iter().zip(weights).map(|(h, weight)| f64::from(h[v.index()]) * weight);
+        let response = offset + products.sum::<f64>();
+        let [low, high] = self.model.bounds(v, weights.len());
+        let (gradient, norm) = (gradient - slope * response, norm + growth * response * response);
+        let t = (-gradient / norm.max(f64::MIN_POSITIVE)).clamp(low, high);
+        base + t * (2.0 * gradient + t * norm)
+    }
+
     /// For each cone the best vertex to move it to, and the end of a descent from it along edges; the best first.
     pub(crate) fn proposals(&self) -> Vec<Swap> {
         let separation = Separation::new(self.model.operators(), &self.set.cones);
@@ -341,7 +382,15 @@ mod tests {
                 let mut row = Row::default();
                 for &coming in &pool[pool.len() / 2..] {
                     table.fill_for_member(coming, &mut row);
+                    let gradient = table.gradient(coming, &row);
                     for leaving in 0..set.cones.len() {
+                        let alone = table.change_at(
+                            &table.departure(leaving),
+                            coming,
+                            gradient,
+                            table.exact_norm(coming, &row),
+                        );
+                        assert!((alone - row.change[leaving]).abs() < 1e-4 * (1.0 + set.energy), "columns are rounded");
                         let mut cones = set.cones.clone();
                         cones[leaving] = coming;
                         let after = model.fit(&cones);

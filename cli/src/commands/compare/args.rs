@@ -3,7 +3,7 @@
 use super::variant::Variant;
 use crate::commands::shared::vertex_count;
 use clap::{Args, ValueEnum};
-use cones::MOST_OPTIMISED;
+use cones::MOST_ORDERED;
 use std::path::{Path, PathBuf};
 
 #[derive(Args, Debug)]
@@ -73,5 +73,5 @@ pub(super) enum Format {
 }
 
 fn cone_count(text: &str) -> Result<usize, String> {
-    text.parse().ok().filter(|n| *n <= MOST_OPTIMISED).ok_or_else(|| format!("not a number from 0 to {MOST_OPTIMISED}"))
+    text.parse().ok().filter(|n| *n <= MOST_ORDERED).ok_or_else(|| format!("not a number from 0 to {MOST_ORDERED}"))
 }

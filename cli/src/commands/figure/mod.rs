@@ -16,7 +16,7 @@ use crate::progress::Progress;
 use crate::render::{Picture, View};
 use crate::{input, output};
 use clap::{Args, ValueEnum};
-use cones::MOST_OPTIMISED;
+use cones::MOST_ORDERED;
 use geom::Model;
 use maps::{Map, Surface};
 use paper::{Stand, stands};
@@ -78,7 +78,7 @@ enum Which {
 }
 
 fn cone_count(text: &str) -> Result<usize, String> {
-    text.parse().ok().filter(|n| *n <= MOST_OPTIMISED).ok_or_else(|| format!("not a number from 0 to {MOST_OPTIMISED}"))
+    text.parse().ok().filter(|n| *n <= MOST_ORDERED).ok_or_else(|| format!("not a number from 0 to {MOST_ORDERED}"))
 }
 
 /// A surface to draw, with what the paper prints of it if it stands in for one of its models.

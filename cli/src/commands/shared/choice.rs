@@ -20,7 +20,8 @@ pub(crate) struct CandidateArgs {
     /// All extrema of the conformal factor that are at least so persistent
     #[arg(long, value_name = "P", group = "which", value_parser = non_negative)]
     min_persistence: Option<f64>,
-    /// How cones are chosen; `refined` and `pursuit` choose more than 64 by persistence
+    /// How cones are chosen; `refined` chooses more than 512 by persistence, `pursuit`
+    /// more than 64
     #[arg(long, value_parser = placements(), default_value = Placement::default().name())]
     method: Placement,
     /// How thoroughly `refined` and `pursuit` look for cones

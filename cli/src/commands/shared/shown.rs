@@ -6,7 +6,7 @@ use crate::page;
 use crate::render::{Mark, Scene, extent};
 use crate::report::{SCHEMA, Times};
 use cones::report::{Quality, UvSize, sentences};
-use cones::{Analysis, Atlas, Cone, CurvatureRule, MOST_OPTIMISED, ModelExtremum, Options, Placement};
+use cones::{Analysis, Atlas, Cone, CurvatureRule, MOST_ORDERED, ModelExtremum, Options, Placement};
 use geom::{Model, Triangles};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
@@ -62,7 +62,7 @@ impl<'a> Subject<'a> {
     pub(crate) fn most(&self) -> usize {
         let least = self.analysis.least_cones();
         let begin = if self.analysis.topology().components > 1 { least } else { 0 };
-        (begin + MOST_OPTIMISED).max(least)
+        (begin + MOST_ORDERED).max(least)
     }
 
     /// What is drawn of the surface.

@@ -1,0 +1,55 @@
+//! Of even triangles for any surface.
+
+use std::f64::consts::PI;
+
+use geom::{Id, LEAST_ANGLE, Mesh, Place, Refinement, VertexId, angle_defects, refine};
+
+use super::{assert_close, metric_of};
+use crate::decode::{self, Bytes};
+
+/// By how much, in radians, an angle of a triangle with sides near to rounding may be less than the least.
+const ROUNDING: f64 = 1e-6;
+
+/// A refinement is the same surface, in even triangles: its vertices stay where they are, area and curvature are as before, angles
+/// have the least that is promised but at narrow corners, and each triangle of the input is covered once by the triangles that both
+/// cut it into. It ends.
+pub fn refinement(bytes: &[u8]) {
+    let shape = decode::surface(&mut Bytes::new(bytes));
+    let mesh = shape.mesh();
+    let metric = metric_of(&mesh, &shape);
+    let refinement = refine(&mesh, &metric, f64::INFINITY);
+    let Refinement { triangulation, metric: fine, place, is_complete, .. } = &refinement;
+    triangulation.check();
+    assert_eq!(triangulation.euler_characteristic(), mesh.euler_characteristic());
+    assert!(triangulation.vertex_count() <= 21 * mesh.vertex_count() + 10_000, "there is a cap");
+    assert!(mesh.vertices().all(|v| place[v] == Place::Vertex(v)), "the input's vertices stay");
+    let longest = metric.lengths().iter().fold(0.0_f64, |most, &l| most.max(l));
+    assert_close(fine.area(triangulation), metric.area(&mesh), 1e-9, longest * longest);
+
+    let refined = Mesh::from_triangulation(triangulation.clone()).expect("it is a manifold");
+    let total: f64 = angle_defects(&refined, fine).iter().sum();
+    assert_close(total, 2.0 * PI * mesh.euler_characteristic() as f64, 1e-9, refined.face_count() as f64);
+    let sums = metric.angle_sums(&mesh);
+    let is_narrow = |v: VertexId| sums.get(v.index()).is_some_and(|sum| *sum < PI / 3.0);
+    if *is_complete {
+        for h in triangulation.halfedges().filter(|&h| !is_narrow(triangulation.tail(h))) {
+            let angle = fine.angle(triangulation, h);
+            assert!(angle > LEAST_ANGLE - ROUNDING, "{h:?} has {angle}");
+        }
+    }
+    is_covered_once(&mesh, &refinement);
+}
+
+/// Areas in barycentric coordinates of what lies on each triangle of the input sum to that of the whole, none turned over.
+fn is_covered_once(mesh: &Mesh, refinement: &Refinement) {
+    let common = &refinement.common;
+    let mut covered = vec![0.0; mesh.face_count()];
+    for (f, triangle) in common.triangles.iter_ids() {
+        let home = common.input[f];
+        let [a, b, c] = triangle.map(|v| common.place[VertexId(v)].barycentric(mesh, home));
+        let area = (b[1] - a[1]) * (c[2] - a[2]) - (b[2] - a[2]) * (c[1] - a[1]);
+        assert!(area > -1e-9, "{f:?} is turned over: {area}");
+        covered[home.index()] += area;
+    }
+    covered.iter().for_each(|&area| assert_close(area, 1.0, 1e-7, 1.0));
+}
