@@ -4,6 +4,7 @@
 mod detach;
 mod fold_over;
 mod layout;
+mod reopen;
 mod scaling;
 mod seams;
 mod untangle;
@@ -13,6 +14,6 @@ pub(crate) use fold_over::FoldOvers;
 pub(crate) use fold_over::remove_fold_overs;
 pub use layout::Layout;
 pub use scaling::{Scaling, ScalingError, scale};
-pub(crate) use seams::seam_lengths;
 pub use seams::{Chain, SeamError, Seams};
+pub(crate) use seams::{Variation, seam_lengths};
 pub use untangle::{Corner, Patch, PatchTriangle};
