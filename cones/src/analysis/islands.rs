@@ -42,13 +42,13 @@ impl Component {
         let lengths = seam_lengths(&self.surface, &self.metric);
         let Opening { other, separation: done } =
             task.stage(stage, times, |watch| Reseaming::new(mesh, flat, plan).best(watch))??;
-        if done.overlaps.pairs.is_empty() {
-            flat.notes.extend(self.note_avoided(plan, &flat.seams));
-            return Ok(());
-        }
         if let Some((seams, layout)) = other {
             flat.seams = seams;
             flat.layout = layout;
+        }
+        if done.overlaps.pairs.is_empty() {
+            flat.notes.extend(self.note_avoided(plan, &flat.seams));
+            return Ok(());
         }
         self.note_overlap(flat, &done.left);
         let cut = done.map.opened(mesh);
