@@ -1,6 +1,6 @@
 //! What is done where a component's layout lies over itself.
 
-use geom::{HalfedgeData, Id};
+use geom::Id;
 use num_complex::Complex64;
 
 use super::component::Component;
@@ -8,13 +8,14 @@ use super::flat::Flat;
 use super::note::Note;
 use super::observer::{Stage, Task, Times};
 use super::options::Islands;
+use super::reseaming::{Opening, Reseaming, map};
 use crate::cut::SeamPlan;
 use crate::error::Error;
 use crate::flatten::seam_lengths;
-use crate::uv::{NEGLIGIBLE_DEPTH, Overlaps, UvMap, overlaps_watched, separate};
+use crate::uv::{NEGLIGIBLE_DEPTH, Overlaps, overlaps_watched};
 
 impl Component {
-    /// Takes the layout apart where it lies over itself, or says that it does.
+    /// Opens the layout along other seams and takes it apart where it lies over itself, or says that it does.
     ///
     /// # Errors
     /// If the observer has said stop.
@@ -26,11 +27,9 @@ impl Component {
         times: &mut Times,
     ) -> Result<(), Error> {
         let mesh = &self.surface.mesh;
-        let at = |z: Complex64| [z.re, z.im];
-        let position: HalfedgeData<[f64; 2]> = mesh.halfedges().map(|h| at(flat.layout.corner(h))).collect();
-        let map = UvMap { position, cut: flat.seams.cut.clone() };
         let stage = (Stage::Islands, self.index);
         if islands == Islands::Single {
+            let map = map(mesh, &flat.layout, &flat.seams.cut);
             let cut = &flat.layout.cut;
             let asked = |[f, g]: [u32; 2]| cut.island(geom::FaceId(f)) == cut.island(geom::FaceId(g));
             let overlaps = task.stage(stage, times, |watch| {
@@ -41,7 +40,12 @@ impl Component {
             return Ok(());
         }
         let lengths = seam_lengths(&self.surface, &self.metric);
-        let done = task.stage(stage, times, |watch| separate(mesh, plan.costs(), Some(plan.given()), map, watch))??;
+        let Opening { other, separation: done } =
+            task.stage(stage, times, |watch| Reseaming::new(mesh, flat, plan).best(watch))??;
+        if let Some((seams, layout)) = other {
+            flat.seams = seams;
+            flat.layout = layout;
+        }
         if done.overlaps.pairs.is_empty() {
             flat.notes.extend(self.note_avoided(plan, &flat.seams));
             return Ok(());

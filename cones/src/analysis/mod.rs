@@ -26,6 +26,7 @@ mod packed;
 mod preview;
 mod quality;
 mod refined;
+mod reseaming;
 mod unwrap;
 
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};

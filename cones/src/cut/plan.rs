@@ -16,7 +16,7 @@ use super::cost::shares;
 use super::options::SeamOptions;
 use super::straighten::{PathCost, straighten};
 use super::turning::Turning;
-use crate::flatten::{SeamError, Seams, seam_lengths};
+use crate::flatten::{SeamError, Seams, Variation, seam_lengths};
 
 /// What an edge that is to be avoided costs, over its length: more than any way round it that a surface has, and little enough to
 /// add up with others without loss.
@@ -78,9 +78,23 @@ impl SeamPlan {
     /// # Errors
     /// As [`Seams::new`].
     pub fn cut(&self, mesh: &Mesh, cones: &[VertexId], watch: Watch) -> Result<Seams, SeamError> {
+        self.cut_otherwise(mesh, cones, Variation::NONE, watch)
+    }
+
+    /// The same along other paths between the cones; those given stay.
+    ///
+    /// # Errors
+    /// As [`Seams::new`].
+    pub(crate) fn cut_otherwise(
+        &self,
+        mesh: &Mesh,
+        cones: &[VertexId],
+        variation: Variation,
+        watch: Watch,
+    ) -> Result<Seams, SeamError> {
         let mut seams = match self.has_given {
-            false => Seams::new(mesh, &self.cost, cones, watch.within(0.0, 0.8))?,
-            true => self.cut_islands(mesh, cones, watch.within(0.0, 0.8))?,
+            false => Seams::varied(mesh, &self.cost, cones, variation, watch.within(0.0, 0.8))?,
+            true => self.cut_islands(mesh, cones, variation, watch.within(0.0, 0.8))?,
         };
         seams.length = mesh.edges().filter(|&e| seams.cut[e]).map(|e| self.lengths[e]).sum();
         if let Some((weight, turning)) = &self.straightness {
@@ -109,7 +123,13 @@ impl SeamPlan {
     }
 
     /// Seams through the given edges.
-    fn cut_islands(&self, mesh: &Mesh, cones: &[VertexId], watch: Watch) -> Result<Seams, SeamError> {
+    fn cut_islands(
+        &self,
+        mesh: &Mesh,
+        cones: &[VertexId],
+        variation: Variation,
+        watch: Watch,
+    ) -> Result<Seams, SeamError> {
         let mut is_cone = VertexData::constant(mesh.vertex_count(), false);
         for &cone in cones {
             let known = is_cone.get_mut(cone.index());
@@ -125,7 +145,7 @@ impl SeamPlan {
                 !island.mesh.is_boundary_vertex(*v) && first.is_some_and(|h| is_cone[mesh.tail(whole(h))])
             };
             let cones: Vec<VertexId> = island.mesh.vertices().filter(inside).collect();
-            let seams = Seams::new(&island.mesh, &cost, &cones, watch)?;
+            let seams = Seams::varied(&island.mesh, &cost, &cones, variation, watch)?;
             island.mesh.edges().filter(|&e| seams.cut[e]).for_each(|e| cut[edge(e)] = true);
         }
         // Chains end, too, where they go on as given edges.

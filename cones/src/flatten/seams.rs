@@ -80,6 +80,17 @@ impl Seams {
     /// # Panics
     /// If there is an edge without a length.
     pub fn new(mesh: &Mesh, lengths: &EdgeData<f64>, cones: &[VertexId], watch: Watch) -> Result<Self, SeamError> {
+        Self::varied(mesh, lengths, cones, Variation::NONE, watch)
+    }
+
+    /// As [`new`](Self::new), along the shortest paths of another spanning tree of the terminals' distances.
+    pub(crate) fn varied(
+        mesh: &Mesh,
+        lengths: &EdgeData<f64>,
+        cones: &[VertexId],
+        variation: Variation,
+        watch: Watch,
+    ) -> Result<Self, SeamError> {
         let count = mesh.vertex_count();
         if let Some(&cone) = cones.iter().find(|cone| cone.0 as usize >= count) {
             return Err(SeamError::NoSuchVertex { cone, count });
@@ -101,7 +112,7 @@ impl Seams {
         if mesh.euler_characteristic() == 2 && terminal_vertices < 2 {
             return Err(SeamError::TooFewCones { cones: terminal_vertices });
         }
-        let detours = Detours { mesh, lengths, paths: &paths };
+        let detours = Detours { mesh, lengths, paths: &paths, variation };
         watch.ask(0.65)?;
         let mut cut = detours.spanning_tree();
         watch.ask(0.75)?;
@@ -144,6 +155,38 @@ impl Seams {
     }
 }
 
+/// Which of the spanning trees of the terminals' distances is taken: the shortest once each distance is multiplied by a factor that
+/// looks random.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Variation {
+    /// Factors are from 1 to 1 + this.
+    pub(crate) strength: f64,
+    /// Which one of many.
+    pub(crate) number: u64,
+}
+
+impl Variation {
+    /// The shortest tree.
+    pub(crate) const NONE: Self = Self { strength: 0.0, number: 0 };
+
+    fn factor(&self, [a, b]: [u32; 2]) -> f64 {
+        if self.strength == 0.0 {
+            return 1.0;
+        }
+        let pair = u64::from(a.min(b)) << 32 | u64::from(a.max(b));
+        let random = mixed(pair ^ mixed(self.number)) >> 11;
+        1.0 + self.strength * random as f64 / (1u64 << 53) as f64
+    }
+}
+
+/// Bits that look random (`SplitMix64`; Steele, Lea & Flood 2014).
+fn mixed(bits: u64) -> u64 {
+    let z = bits.wrapping_add(0x9e37_79b9_7f4a_7c15);
+    let z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    z ^ (z >> 31)
+}
+
 /// The lengths that seams count: those of space, but infinite inside a polygon.
 pub(crate) fn seam_lengths(surface: &Surface, metric: &Metric) -> EdgeData<f64> {
     let length = |(e, &l): (EdgeId, &f64)| if surface.diagonal[e] { f64::INFINITY } else { l };
@@ -158,17 +201,21 @@ fn terminals(mesh: &Mesh, cones: &[VertexId]) -> Vec<(VertexId, u32)> {
 }
 
 /// The ways from terminal to terminal over each edge.
+#[derive(Clone, Copy)]
 struct Detours<'a> {
     mesh: &'a Mesh,
     lengths: &'a EdgeData<f64>,
     paths: &'a ShortestPaths,
+    variation: Variation,
 }
 
 impl Detours<'_> {
-    /// The length of the shortest way from a terminal over the edge to a terminal: d(u) + l + d(v).
+    /// The length of the shortest way from a terminal over the edge to a terminal: d(u) + l + d(v), times what the variation
+    /// makes of these two.
     fn length(&self, e: EdgeId) -> f64 {
         let [u, v] = self.mesh.ends(e);
-        self.paths.distance[u] + self.lengths[e] + self.paths.distance[v]
+        let terminals = [u, v].map(|v| self.paths.owner[v].unwrap_or(0));
+        self.variation.factor(terminals) * (self.paths.distance[u] + self.lengths[e] + self.paths.distance[v])
     }
 
     /// The edges over which a minimum spanning tree of the terminals' distances goes from one region to another.
@@ -379,13 +426,44 @@ mod tests {
             let (mesh, lengths) = slab(0, windows);
             let cones = spread(&mesh, count);
             let paths = ShortestPaths::new(&mesh, &lengths, terminals(&mesh, &cones));
-            let detours = Detours { mesh: &mesh, lengths: &lengths, paths: &paths };
+            let detours = Detours { mesh: &mesh, lengths: &lengths, paths: &paths, variation: Variation::NONE };
             let length: f64 = detours.bridges().into_iter().map(|e| detours.length(e)).sum();
             let expected = all_pairs_tree_length(&mesh, &lengths, &cones);
             assert!((length - expected).abs() < 1e-12 * expected, "{length} is {expected}");
             let seams = Seams::new(&mesh, &lengths, &cones, Watch::NONE).unwrap();
             assert!(seams.length <= expected * (1.0 + 1e-12), "paths may share edges, which shortens the seams");
         }
+    }
+
+    #[test]
+    fn a_varied_tree_opens_to_a_disk_too_and_is_longer_by_no_more_than_it_may_be() {
+        let mut different = 0;
+        for (genus, windows) in [(0, 0), (0, 2), (2, 0), (1, 1)] {
+            let (mesh, lengths) = slab(genus, windows);
+            let cones = spread(&mesh, 20);
+            let shortest = Seams::new(&mesh, &lengths, &cones, Watch::NONE).unwrap();
+            for number in 0..6 {
+                let vary = |strength| {
+                    let variation = Variation { strength, number };
+                    Seams::varied(&mesh, &lengths, &cones, variation, Watch::NONE).unwrap()
+                };
+                assert_eq!(vary(0.0), shortest);
+                assert_eq!(vary(0.4), vary(0.4), "it only looks random");
+                check(&mesh, &lengths, &cones, &vary(0.4));
+                different += u32::from(vary(0.4).cut != shortest.cut);
+                if (genus, windows) == (0, 0) {
+                    let paths = ShortestPaths::new(&mesh, &lengths, terminals(&mesh, &cones));
+                    let tree = |strength| {
+                        let variation = Variation { strength, number };
+                        let varied = Detours { mesh: &mesh, lengths: &lengths, paths: &paths, variation };
+                        let plain = Detours { variation: Variation::NONE, ..varied };
+                        varied.bridges().into_iter().map(|e| plain.length(e)).sum::<f64>()
+                    };
+                    assert!(tree(0.0) <= tree(0.4) && tree(0.4) <= 1.4 * tree(0.0));
+                }
+            }
+        }
+        assert!(different >= 12, "{different} of 24");
     }
 
     #[test]

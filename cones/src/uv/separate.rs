@@ -69,15 +69,53 @@ pub fn separate(
     map: UvMap,
     watch: Watch,
 ) -> Result<Separation, Interrupted> {
+    let mut done = separate_by(mesh, lengths, kept, map, Effort::Thorough, watch.within(0.0, 0.9))?;
+    done.look(mesh, watch.within(0.9, 1.0))?;
+    Ok(done)
+}
+
+/// How much is tried.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Effort {
+    /// So many preferences at most.
+    Quick(usize),
+    /// All preferences, and gluing what overlaps then while there are more islands than before.
+    Thorough,
+}
+
+/// [`separate`] with less effort. What is left is not looked for: see [`look`](Separation::look).
+pub(crate) fn separate_by(
+    mesh: &Mesh,
+    lengths: &EdgeData<f64>,
+    kept: Option<&EdgeData<bool>>,
+    map: UvMap,
+    effort: Effort,
+    watch: Watch,
+) -> Result<Separation, Interrupted> {
     let overlaps = on_one_island(mesh, &map, &map.cut, watch.within(0.0, 0.3))?;
+    let left = Overlaps::default();
     if overlaps.pairs.is_empty() {
-        let left = overlaps.clone();
         return Ok(Separation { map, overlaps, added_seam: 0.0, left });
     }
     let task = Task { mesh, lengths, kept, map: &map, overlaps: &overlaps };
-    let (separated, left) = task.best(watch.within(0.3, 1.0))?;
+    let separated = task.best(effort, watch.within(0.3, 1.0))?;
     let added_seam = seam(mesh, lengths, &separated.cut) - seam(mesh, lengths, &map.cut);
     Ok(Separation { map: separated, overlaps, added_seam, left })
+}
+
+impl Separation {
+    /// Looks for the pairs that could not be parted.
+    pub(crate) fn look(&mut self, mesh: &Mesh, watch: Watch) -> Result<(), Interrupted> {
+        if !self.overlaps.pairs.is_empty() {
+            self.left = on_one_island(mesh, &self.map, &self.map.cut, watch)?;
+        }
+        Ok(())
+    }
+
+    /// What it costs.
+    pub(crate) fn cost(&self, mesh: &Mesh, lengths: &EdgeData<f64>) -> Cost {
+        Cost::new(mesh, lengths, &sizes(mesh, &self.map.opened(mesh)), &self.map.cut)
+    }
 }
 
 /// The pairs of triangles that overlap on an island of the map opened along `cut`.
@@ -137,10 +175,18 @@ impl State {
 
 /// What maps are compared by; less is better.
 #[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
-struct Cost {
+pub(crate) struct Cost {
     /// Islands, those of a few triangles three times.
-    islands: usize,
-    seam: f64,
+    pub(crate) islands: usize,
+    pub(crate) seam: f64,
+}
+
+impl Cost {
+    /// Of a map with islands of so many triangles each.
+    fn new(mesh: &Mesh, lengths: &EdgeData<f64>, sizes: &[usize], cut: &EdgeData<bool>) -> Self {
+        let slivers = sizes.iter().filter(|&&size| size < SLIVER as usize).count();
+        Self { islands: sizes.len() + 2 * slivers, seam: seam(mesh, lengths, cut) }
+    }
 }
 
 impl Task<'_> {
@@ -149,11 +195,15 @@ impl Task<'_> {
         Pieces::new((self.mesh, self.lengths, self.kept), map, cut)
     }
 
-    /// The best map, and the pairs that could not be parted.
-    fn best(&self, watch: Watch) -> Result<(UvMap, Overlaps), Interrupted> {
-        let mut states = self.starts(watch.within(0.0, 0.5))?;
+    /// The best map.
+    fn best(&self, effort: Effort, watch: Watch) -> Result<UvMap, Interrupted> {
+        let preferences = if let Effort::Quick(count) = effort { count.max(1) } else { PREFERENCES.len() };
+        let mut states = self.starts(preferences, watch.within(0.0, 0.5))?;
         let before = self.cost(&sizes(self.mesh, &self.map.opened(self.mesh)), &self.map.cut).islands;
-        let runs = (TRIANGLES / self.mesh.face_count().max(1)).min(MOST_RUNS);
+        let runs = match effort {
+            Effort::Quick(_) => 0,
+            Effort::Thorough => (TRIANGLES / self.mesh.face_count().max(1)).min(MOST_RUNS),
+        };
         let mut tried = 0;
         while tried < runs && states.iter().all(|state| state.cost.islands > before) {
             watch.ask(0.5 + 0.5 * tried as f64 / runs as f64)?;
@@ -173,19 +223,17 @@ impl Task<'_> {
             }
         }
         let best = states.into_iter().min_by(|a, b| a.cost.partial_cmp(&b.cost).expect("no NaN"));
-        let map = best.expect("there are preferences").map.snapped(self.mesh, self.map);
-        let left = on_one_island(self.mesh, &map, &map.cut, watch)?;
-        Ok((map, left))
+        Ok(best.expect("there are preferences").map.snapped(self.mesh, self.map))
     }
 
-    /// What comes of the preferences, the best first.
-    fn starts(&self, watch: Watch) -> Result<Vec<State>, Interrupted> {
+    /// What comes of the first so many preferences, of fewer where the surface is large.
+    fn starts(&self, preferences: usize, watch: Watch) -> Result<Vec<State>, Interrupted> {
         let pairs = weighed(&self.overlaps.pairs);
         let run = |preference: &Preference| {
             let cut = self.cut(&pairs, preference, watch)?;
             self.attached(self.pieces(self.map, cut), watch)
         };
-        let most = (TRIANGLES / self.mesh.face_count().max(1)).max(1);
+        let most = (TRIANGLES / self.mesh.face_count().max(1)).clamp(1, preferences);
         let states: Vec<Result<State, Interrupted>> = PREFERENCES.par_iter().take(most).map(run).collect();
         states.into_iter().collect()
     }
@@ -240,7 +288,6 @@ impl Task<'_> {
 
     /// What a map costs with islands of so many triangles each.
     fn cost(&self, sizes: &[usize], cut: &EdgeData<bool>) -> Cost {
-        let slivers = sizes.iter().filter(|&&size| size < SLIVER as usize).count();
-        Cost { islands: sizes.len() + 2 * slivers, seam: seam(self.mesh, self.lengths, cut) }
+        Cost::new(self.mesh, self.lengths, sizes, cut)
     }
 }

@@ -18,6 +18,7 @@ mod options;
 mod outline;
 mod piece;
 mod raster;
+mod room;
 mod search;
 mod skyline;
 mod tiles;
@@ -28,6 +29,7 @@ use num_complex::Complex64;
 pub use fill::fill;
 pub use island_place::IslandPlace;
 pub use options::{PackError, PackOptions, Rotations, Tiles};
+pub(crate) use room::room;
 
 use super::across::Side;
 use block::{Block, blocks};
