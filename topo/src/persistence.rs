@@ -283,8 +283,8 @@ impl PersistenceOptions {
     /// [`sublevel`](Self::sublevel) that can be stopped.
     ///
     /// # Errors
-    /// If the field does not fit the domain, see [`Error`]; [`Error::Interrupted`] if the watch has stopped the work, on grids and
-    /// triangle meshes within some 50 ms. On other domains it is asked at the end only.
+    /// If the field does not fit the domain, see [`Error`]; [`Error::Interrupted`] if the watch has stopped the work. It is asked after
+    /// each block of vertices on grids, rings and triangle meshes, on other domains while basins are paired, and at the end.
     pub fn sublevel_watched<G: Domain, S: Scalar>(
         self,
         domain: G,
