@@ -30,6 +30,9 @@ use critical::Critical;
 /// Freudenthal edges, where one in seven is, that takes 0.8 of the time.
 const MANY_LEAVES: usize = 16;
 
+/// So few minima are never too many.
+const FEW_LEAVES: usize = 64;
+
 /// A vertex at which contours appear, vanish, split or merge.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -87,7 +90,7 @@ impl<V: Copy, S: Scalar> ContourTree<V, S> {
             return None;
         }
         let join = MergeTree::named(domain, filtration, |_| ());
-        if join.leaf_count() > filtration.field().len() / MANY_LEAVES {
+        if join.leaf_count() > filtration.field().len() / MANY_LEAVES + FEW_LEAVES {
             return None;
         }
         let split = MergeTree::named(domain, &filtration.backwards(), |_| ());
@@ -118,7 +121,7 @@ impl<V: Copy, S: Scalar> ContourTree<V, S> {
         &self.nodes
     }
 
-    /// The arcs, by rising node where they begin.
+    /// The arcs, by rising node where they begin and then where they end.
     pub fn arcs(&self) -> &[ContourArc] {
         &self.arcs
     }
