@@ -103,9 +103,9 @@ impl<'a, S: Scalar> Branched<'a, S> {
         };
         let all = 0..vertices.len() as u32;
         if D::KIND == Kind::Minimum {
-            all.for_each(&mut put)
+            all.for_each(&mut put);
         } else {
-            all.rev().for_each(&mut put)
+            all.rev().for_each(&mut put);
         }
         Self { kind: D::KIND, ancestry, vertices, values, starts, ranks }
     }
