@@ -27,8 +27,8 @@
 //! # Ok::<(), topo::Error>(())
 //! ```
 //!
-//! **Clusters**: the basins of a density on a neighbour graph, after the idea of `ToMATo` (Chazal, Guibas, Oudot & Skraba 2013), or single
-//! linkage of weighted edges:
+//! **Clusters**: `ToMATo` (Chazal, Guibas, Oudot & Skraba 2013), the basins of a density on a neighbour graph, by prominence or by number
+//! ([`MergeTree::clusters`]); or single linkage of weighted edges:
 //!
 //! ```
 //! let near = topo::Adjacency::from_edges(6, &[[0, 1], [1, 2], [2, 3], [3, 4], [4, 5]])?;
@@ -151,7 +151,7 @@
 //! | how components merge: nodes, arcs, parents, sizes | [`merge_tree`](fn@merge_tree), [`MergeTree::branches`] | two to three scans |
 //! | the components at a level, their vertices, heights, sums | [`MergeTree::at`], [`MergeTree::components`] | O(n) |
 //! | the tree of the branches that are large enough | [`MergeTree::simplify`], [`MergeTree::filter`] | O(n), O(n log e) |
-//! | how contours appear, merge, split and vanish | [`contour_tree`](fn@contour_tree), [`ContourTree::simplify`] | O(n log n + m) |
+//! | how contours appear, merge, split and vanish | [`contour_tree`](fn@contour_tree), [`ContourTree::simplify`] | two trees and O(n log e), or O(n log n + m) |
 //! | loops of a graph too, all paired | [`extended_persistence`](fn@extended_persistence) | two scans, and O(m log m) |
 //! | the basin of each extremum | [`segmentation`](fn@segmentation); for many thresholds [`MergeTree::segmentation`] | two to three scans; O(n) |
 //! | a field without small extrema | [`simplify`](fn@simplify) | a tree and more, until nothing changes |

@@ -58,12 +58,7 @@ impl Domain {
     #[staticmethod]
     fn graph(py: Python<'_>, vertices: usize, edges: PyReadonlyArray2<'_, i64>) -> PyResult<Self> {
         let edges = rows::<i64, 2>(&edges, "edges")?;
-        let made = py.detach(|| {
-            // A negative end becomes one that does not exist.
-            let edges: Vec<[usize; 2]> =
-                edges.iter().map(|edge| edge.map(|v| usize::try_from(v).unwrap_or(usize::MAX))).collect();
-            Adjacency::from_edges(vertices, &edges)
-        });
+        let made = py.detach(|| Adjacency::from_edges(vertices, edges));
         Ok(Self { kind: DomainKind::Graph(Arc::new(made.map_err(Failed)?)), vertex_count: vertices })
     }
 
@@ -100,9 +95,8 @@ pub(crate) fn single_linkage<'py>(
         return Err(Error::new_err(format!("there are {} edges but {} weights", edges.len(), weights.len())));
     }
     let made = py.detach(|| {
-        let end = |v: i64| usize::try_from(v).unwrap_or(usize::MAX);
-        let weighted: Vec<(usize, usize, f64)> =
-            edges.iter().zip(weights).map(|(&[a, b], &weight)| (end(a), end(b), weight)).collect();
+        let weighted: Vec<(i64, i64, f64)> =
+            edges.iter().zip(weights).map(|(&[a, b], &weight)| (a, b, weight)).collect();
         topo::single_linkage(vertices, &weighted)
     });
     Ok(Linkage(made.map_err(Failed)?))

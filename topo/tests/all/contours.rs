@@ -337,3 +337,22 @@ fn what_has_no_contours_has_an_empty_tree() {
     assert_eq!((alone.nodes().len(), alone.arcs().len(), alone.label(0)), (1, 0, None));
     assert!(topo::contour_tree(&topo::Path::new(2), &[1.0, f64::NAN]).is_err());
 }
+
+/// On a grid the tree comes from what is critical, on the same graph without a grid from all vertices in order.
+#[test]
+fn critical_vertices_give_the_tree_of_all() {
+    for seed in 0..60usize {
+        let shape = [3 + seed % 9, 4 + seed % 7];
+        for connectivity in [Connectivity::Freudenthal, Connectivity::Full] {
+            let grid = Grid::new(shape, connectivity);
+            let n = (&grid).vertex_count();
+            let field: Vec<usize> = (0..n).map(|v| (v * 7919 + seed * 104_729) * (v + 31) % (5 + 40 * seed)).collect();
+            let mut lists = vec![Vec::new(); n];
+            for (v, list) in lists.iter_mut().enumerate() {
+                (&grid).for_each_neighbor(v, |u| list.push(u));
+            }
+            let listed = Adjacency::new(&lists).expect("neighbours exist");
+            assert_eq!(topo::contour_tree(&grid, &field), topo::contour_tree(&listed, &field), "{seed}");
+        }
+    }
+}

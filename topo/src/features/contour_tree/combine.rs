@@ -170,8 +170,21 @@ pub(super) fn arcs_between_nodes(edges: &[[u32; 2]], n: usize) -> (Combined, Vec
             arcs[arc as usize].upper = node(upper);
         }
     }
+    sort(&mut arcs, [&mut arc_of, &mut of_edges]);
     label_nodes(&critical, &arcs, &mut arc_of);
     (Combined { critical, arcs, arc_of }, of_edges)
+}
+
+/// Sorts arcs by where they begin and then by where they end, and puts their new numbers into lists of them.
+fn sort(arcs: &mut Vec<ContourArc>, lists: [&mut Vec<u32>; 2]) {
+    let mut order: Vec<u32> = (0..arcs.len() as u32).collect();
+    order.sort_unstable_by_key(|&arc| (arcs[arc as usize].lower, arcs[arc as usize].upper));
+    let mut places = vec![0; arcs.len()];
+    order.iter().zip(0..).for_each(|(&arc, place)| places[arc as usize] = place);
+    for arc in lists.into_iter().flatten() {
+        *arc = places.get(*arc as usize).copied().unwrap_or(NONE);
+    }
+    *arcs = order.iter().map(|&arc| arcs[arc as usize]).collect();
 }
 
 /// Gives each node an arc: the only one below, or the only one above, or the first below.

@@ -6,9 +6,9 @@
 //! vertices are in the trees; so the result is the same, where there is a contour tree at all. It is relied upon where the domain says
 //! that its loops are filled.
 
+use super::super::attributes::Ancestry;
+use super::super::merge_tree::MergeTree;
 use super::combine::{Combined, Edges, Merging, arcs_between_nodes, edges};
-use crate::features::attributes::Ancestry;
-use crate::features::merge_tree::MergeTree;
 use crate::filtration::{Direction, Falling, Filtration, Kind, Rising};
 use crate::pairing::NONE;
 use crate::parallel;
@@ -103,9 +103,9 @@ impl<'a, S: Scalar> Branched<'a, S> {
         };
         let all = 0..vertices.len() as u32;
         if D::KIND == Kind::Minimum {
-            all.for_each(&mut put)
+            all.for_each(&mut put);
         } else {
-            all.rev().for_each(&mut put)
+            all.rev().for_each(&mut put);
         }
         Self { kind: D::KIND, ancestry, vertices, values, starts, ranks }
     }

@@ -26,6 +26,13 @@ use crate::scalar::Scalar;
 use combine::Combined;
 use critical::Critical;
 
+/// Where one vertex in so many is a minimum, as on white noise, most are critical, and all are sorted: on white noise of 1024² with
+/// Freudenthal edges, where one in seven is, that takes 0.8 of the time.
+const MANY_LEAVES: usize = 16;
+
+/// So few minima are never too many.
+const FEW_LEAVES: usize = 64;
+
 /// A vertex at which contours appear, vanish, split or merge.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -83,6 +90,9 @@ impl<V: Copy, S: Scalar> ContourTree<V, S> {
             return None;
         }
         let join = MergeTree::named(domain, filtration, |_| ());
+        if join.leaf_count() > filtration.field().len() / MANY_LEAVES + FEW_LEAVES {
+            return None;
+        }
         let split = MergeTree::named(domain, &filtration.backwards(), |_| ());
         let Critical { vertices, tree, arc_of } = critical::combine(&join, &split, filtration)?;
         let node = |&rank: &u32| {
@@ -111,7 +121,7 @@ impl<V: Copy, S: Scalar> ContourTree<V, S> {
         &self.nodes
     }
 
-    /// The arcs, by rising node where they begin.
+    /// The arcs, by rising node where they begin and then where they end.
     pub fn arcs(&self) -> &[ContourArc] {
         &self.arcs
     }
@@ -174,8 +184,9 @@ impl PersistenceOptions {
     }
 }
 
-/// The contour tree of a field. O(n log n + m) for n vertices and m edges, and some 40 bytes a vertex beyond the input, 60 if most are
-/// nodes. As all vertices are sorted, it takes several times what merge trees do.
+/// The contour tree of a field. On grids with ends whose loops are filled by triangles it is found from both merge trees of the field: O(n log e + m)
+/// for n vertices, e extrema and m edges, and some 32 bytes a vertex beyond the input. Elsewhere, and where extrema are many, all vertices are
+/// sorted: O(n log n + m), and some 40 bytes a vertex, 60 if most are nodes.
 ///
 /// # Errors
 /// If the field does not fit the domain; [`Error::Loops`] if it has no contour tree, which no field on a domain whose loops are filled
