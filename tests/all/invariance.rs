@@ -7,6 +7,8 @@ use tests::solids;
 /// How far a map may be from similar to another one, relative to its extent, where the coordinates are rounded otherwise:
 /// f64 keeps sixteen digits, and a move by 1e3 sizes before the scaling costs three of them.
 const SIMILAR: f64 = 1e-8;
+/// The same for positions: pieces of a layout that are opened along other seams turn about these, each on the arm of all before.
+const SIMILAR_MAP: f64 = 1e-7;
 
 fn unwrapped(shape: &Shape, placement: Placement) -> Atlas {
     let model = solids::model(shape).expect("an ordinary shape");
@@ -58,7 +60,7 @@ fn size_place_and_turning_change_neither_cones_nor_the_map() {
                     assert!((a.curvature - b.curvature).abs() < SIMILAR);
                 }
                 let off = difference(&plain.uv, &other.uv);
-                assert!(off < SIMILAR, "at size {size} the map is off by {off:e}");
+                assert!(off < SIMILAR_MAP, "at size {size} the map is off by {off:e}");
             }
         }
     }

@@ -67,10 +67,14 @@ impl Component {
         }
         task.stage((Stage::Layout, *index), times, |watch| -> Result<Flat, Error> {
             let mut layout = Layout::new(mesh, &scaling, &seams.cut, watch.within(0.0, 0.3))?;
-            let mut is_cone = VertexData::constant(mesh.vertex_count(), false);
-            vertices.iter().for_each(|&v| is_cone[v] = true);
-            let removed = remove_fold_overs(mesh, metric, &scaling, &is_cone, &mut layout, watch.within(0.3, 0.9));
-            relax(mesh, metric, &scaling, &is_cone, &mut layout, watch.within(0.9, 1.0));
+            // The two sides of an opened handle fit in length: neither may move without the other.
+            let mut is_held: VertexData<bool> = match &self.handles.of_vertex {
+                Some(of_vertex) => of_vertex.iter().map(Option::is_some).collect(),
+                None => VertexData::constant(mesh.vertex_count(), false),
+            };
+            vertices.iter().for_each(|&v| is_held[v] = true);
+            let removed = remove_fold_overs(mesh, metric, &scaling, &is_held, &mut layout, watch.within(0.3, 0.9));
+            relax(mesh, metric, &scaling, &is_held, &mut layout, watch.within(0.9, 1.0));
             watch.ask(1.0)?;
             let flat = self.flat((vertices.clone(), curvature.clone()), seams, layout, scaling, notes);
             Ok(Flat { fold_overs: removed.err(), ..flat })
@@ -129,14 +133,15 @@ impl Component {
         }
     }
 
-    /// What there is to say of cones that nobody may replace, if the map that they make is a bad one.
-    pub(crate) fn doubt(&self, flat: &Flat) -> Option<Note> {
+    /// What there is to say of cones that nobody may replace, if the map that they make is a bad one. At cones that were placed lengths
+    /// may change by more: they are as sharp as pays.
+    pub(crate) fn doubt(&self, flat: &Flat, are_given: bool) -> Option<Note> {
         let (most_area, most_angle, most_log) = DOUBTFUL;
         let mut u = flat.u.clone();
         self.operators.subtract_mean(&mut u);
         let log = u.iter().fold(0.0_f64, |most, u| most.max(u.abs()));
         let (area, angles) = (flat.quality.area_distortion(), flat.quality.quasi_conformal);
-        let is_good = area <= most_area && angles <= most_angle && log <= most_log;
+        let is_good = area <= most_area && angles <= most_angle && (log <= most_log || !are_given);
         let component = self.index;
         (!is_good).then_some(Note::Distorted { component, area, angles, log })
     }

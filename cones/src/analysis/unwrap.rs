@@ -104,7 +104,7 @@ impl Analysis {
             let plan = self.plan(component, &options.seams, &task, times)?;
             let mut flat = component.flatten(&cones.configurations[component.index], &plan, &task, times)?;
             component.detach_fold_overs(&mut flat);
-            flat.notes.extend(component.doubt(&flat));
+            flat.notes.extend(component.doubt(&flat, cones.placement.is_none()));
             component.part_islands(&mut flat, (options.islands, &plan), &task, times)?;
             Ok(flat)
         })?;

@@ -18,6 +18,8 @@ use super::scaling::Scaling;
 
 /// Triangles with a larger σ₁/σ₂ are relaxed. Even triangles have that at a few cones only.
 const BENT: f64 = 1.5;
+/// Nothing is relaxed where no larger share of the area is bent: on even triangles it is a few at cones.
+const MOST_BENT: f64 = 0.01;
 /// What is relaxed reaches so many rings round them.
 const RINGS: usize = 2;
 /// So often: what was bent by a rim that was in the way is inside the next time.
@@ -70,6 +72,11 @@ pub(crate) fn relax(
         let corners = input.sides(f).map(|h| layout.corner(h));
         stretch(metric.sides(input, f), corners).is_some_and(|[stretch, _]| stretch > BENT)
     };
+    let bent: f64 = areas().filter(|&(f, _)| is_bent(layout, f)).map(|(_, area)| area).sum();
+    let is_even = bent <= MOST_BENT * whole;
+    if is_even {
+        return 0;
+    }
     let Ok(mut untangler) = Untangler::new(input, metric, scaling, is_cone, layout, watch) else { return 0 };
     let mut relaxed = 0;
     for _ in 0..ROUNDS {

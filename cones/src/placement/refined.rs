@@ -99,8 +99,8 @@ fn search(model: &mut EnergyModel, count: usize) -> ConeSet {
     let [forward, backward, by_gain] = starts(model, first.clone(), count).map(|set| rounds(model, set, ROUNDS));
     let mut best = better(better(forward, backward), by_gain);
     if count <= FEW {
-        let up = climbed(model, first.clone(), count);
-        let down = descended(model, first, count);
+        let up = climbed(model, first, count);
+        let down = descended(model, up.clone(), count);
         best = better(better(best, up), down);
     }
     restarted(model, best)
@@ -122,8 +122,8 @@ fn climbed(model: &mut EnergyModel, mut set: ConeSet, count: usize) -> ConeSet {
 }
 
 /// More cones than asked for, taken away one by one, the set improved after each.
-fn descended(model: &mut EnergyModel, first: ConeSet, count: usize) -> ConeSet {
-    let mut set = climbed(model, first, count + DESCENT);
+fn descended(model: &mut EnergyModel, set: ConeSet, count: usize) -> ConeSet {
+    let mut set = climbed(model, set, count + DESCENT);
     while set.cones.len() > count {
         let fewer = exchange(model, drop_cheapest(model, &set));
         set = rounds(model, fewer, STEP_ROUNDS);
