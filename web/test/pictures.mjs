@@ -14,6 +14,19 @@ const MEAN = 1.5;
 const FAR = 40;
 const SHARE = 0.012;
 
+/** Whether pictures are to be compared: with those that another version of the browser has drawn they are not. Says so. */
+export function areComparable(version) {
+  const path = `${folder}browser.txt`;
+  if (process.env.STORE) {
+    mkdirSync(folder, { recursive: true });
+    writeFileSync(path, `${version}\n`);
+  }
+  const stored = existsSync(path) ? readFileSync(path, "utf8").trim() : "none";
+  const is = stored === version;
+  if (!is) console.log(`skipped: how the page looks (its pictures were drawn by Chromium ${stored}, this is ${version}; STORE=1 draws them anew)`);
+  return is;
+}
+
 /** Compares what a page shows with what is stored under a name; says in what it differs, or nothing. */
 export async function differs(page, name) {
   const shot = await small(page, (await page.screenshot()).toString("base64"));

@@ -7,7 +7,7 @@ import { existsSync, mkdtempSync, readFileSync, rmSync, statSync, writeFileSync 
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { chromium } from "playwright-core";
-import { differs } from "./pictures.mjs";
+import { areComparable, differs } from "./pictures.mjs";
 
 const [program, mesh, pictures] = process.argv.slice(2);
 const folder = mkdtempSync(join(tmpdir(), "cones-page-"));
@@ -149,6 +149,7 @@ const url = await new Promise((found, failed) => {
   server.once("exit", () => failed(new Error("cones view has ended")));
 });
 const browser = await chromium.launch({ executablePath, headless: true, args: [...flags, ...drawing] });
+const comparable = areComparable(browser.version());
 try {
   const page = await open(browser, url, { colorScheme: "light" });
   await test("the map is there after loading", async () => {
@@ -348,8 +349,9 @@ try {
   });
   await page.context().close();
 
+
   for (const [name, viewport] of [["desk", { width: 1280, height: 800 }], ["phone", { width: 390, height: 844 }]]) {
-    for (const colorScheme of ["light", "dark"]) {
+    for (const colorScheme of comparable ? ["light", "dark"] : []) {
       await test(`it looks as it did: ${name}, ${colorScheme}`, async () => {
         const other = await open(browser, url, { viewport, colorScheme });
         await firstMap(other);
@@ -456,7 +458,7 @@ try {
         assert.notEqual(await file.inputValue("#layer"), layer);
       }
       await picture(file, `field-${name}`);
-      if (name === "picture") {
+      if (name === "picture" && comparable) {
         await file.waitForTimeout(300);
         assert.equal(await differs(file, "field"), "");
       }

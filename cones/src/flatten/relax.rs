@@ -9,13 +9,16 @@
 //! A patch is only taken if it measures better than before, its angles and areas together: untangling's reference shapes are no
 //! thinner than one in a thousand, needles in space are.
 
-use geom::{FaceId, Mesh, Metric, Sides, VertexData, Watch};
+use geom::{FaceId, Id, Mesh, Metric, Sides, VertexData, Watch};
 use num_complex::Complex64;
+use rayon::prelude::*;
 
 use super::fold_over::Untangler;
 use super::layout::Layout;
 use super::scaling::Scaling;
 
+/// So many triangles are measured one after the other.
+const AT_ONCE: usize = 1024;
 /// Triangles with a larger σ₁/σ₂ are relaxed. Even triangles have that at a few cones only.
 const BENT: f64 = 1.5;
 /// Nothing is relaxed where no larger share of the area is bent: on even triangles it is a few at cones.
@@ -52,13 +55,20 @@ pub(crate) fn relax(
     layout: &mut Layout,
     watch: Watch,
 ) -> usize {
-    let areas = || input.faces().map(|f| (f, metric.sides(input, f).area()));
-    let whole: f64 = areas().map(|(_, area)| area).sum();
-    let covered = |layout: &Layout| -> f64 {
-        let ratio = |f: FaceId| stretch(metric.sides(input, f), input.sides(f).map(|h| layout.corner(h)));
-        areas().filter_map(|(f, area)| ratio(f).map(|[_, ratio]| area * ratio)).sum()
+    let measured = |f: usize| {
+        let f = FaceId::new(f);
+        let sides = metric.sides(input, f);
+        Some((sides.area(), stretch(sides, input.sides(f).map(|h| layout.corner(h)))?))
     };
-    let mean = covered(layout) / whole;
+    let measured: Vec<(f64, [f64; 2])> =
+        (0..input.face_count()).into_par_iter().with_min_len(AT_ONCE).filter_map(measured).collect();
+    let whole: f64 = measured.iter().map(|(area, _)| area).sum();
+    let bent: f64 = measured.iter().filter(|(_, [stretch, _])| *stretch > BENT).map(|(area, _)| area).sum();
+    let is_even = bent <= MOST_BENT * whole;
+    if is_even || watch.stops_at(0.0) {
+        return 0;
+    }
+    let mean = measured.iter().map(|(area, [_, ratio])| area * ratio).sum::<f64>() / whole;
     let cost = |layout: &Layout, faces: &[FaceId]| -> f64 {
         let of_face = |&f: &FaceId| {
             let sides = metric.sides(input, f);
@@ -72,11 +82,6 @@ pub(crate) fn relax(
         let corners = input.sides(f).map(|h| layout.corner(h));
         stretch(metric.sides(input, f), corners).is_some_and(|[stretch, _]| stretch > BENT)
     };
-    let bent: f64 = areas().filter(|&(f, _)| is_bent(layout, f)).map(|(_, area)| area).sum();
-    let is_even = bent <= MOST_BENT * whole;
-    if is_even {
-        return 0;
-    }
     let Ok(mut untangler) = Untangler::new(input, metric, scaling, is_cone, layout, watch) else { return 0 };
     let mut relaxed = 0;
     for _ in 0..ROUNDS {
