@@ -9,7 +9,9 @@ use super::observer::{Stage, Task, Times};
 use super::quality::Quality;
 use crate::cut::SeamPlan;
 use crate::error::Error;
-use crate::flatten::{FoldOvers, Layout, Scaling, Seams, detach, relax, remove_fold_overs, scale, seam_lengths};
+use crate::flatten::{
+    FoldOvers, Layout, MOST_BENT, Scaling, Seams, detach, relax, remove_fold_overs, scale, seam_lengths,
+};
 
 /// Cones that somebody has chosen are doubted above this area distortion, this quasi-conformal distortion, or where lengths change
 /// by more than this power of e against the mean. Four cones on a bunny come to 3.4, 1.1 and 2, three on a coarse sphere to 1.8, 1.5 and 2.3; vertices picked on another
@@ -74,9 +76,14 @@ impl Component {
             };
             vertices.iter().for_each(|&v| is_held[v] = true);
             let removed = remove_fold_overs(mesh, metric, &scaling, &is_held, &mut layout, watch.within(0.3, 0.9));
-            relax(mesh, metric, &scaling, &is_held, &mut layout, watch.within(0.9, 1.0));
-            watch.ask(1.0)?;
-            let flat = self.flat((vertices.clone(), curvature.clone()), seams, layout, scaling, notes);
+            watch.ask(0.9)?;
+            let mut quality = Quality::of(mesh, metric, &layout);
+            if quality.bent_share > MOST_BENT {
+                relax(mesh, metric, &scaling, &is_held, &mut layout, watch.within(0.9, 1.0));
+                watch.ask(1.0)?;
+                quality = Quality::of(mesh, metric, &layout);
+            }
+            let flat = self.flat((vertices.clone(), curvature.clone()), seams, (layout, quality), scaling, notes);
             Ok(Flat { fold_overs: removed.err(), ..flat })
         })?
     }
@@ -95,7 +102,11 @@ impl Component {
             let scaling = Scaling::none(mesh, &self.metric);
             let layout = Layout::new(mesh, &scaling, &seams.cut, watch)?;
             let curvature = inner.iter().map(|&v| defects[v]).collect();
-            Ok(Flat { is_unfolded: true, ..self.flat((inner, curvature), seams, layout, scaling, Vec::new()) })
+            let quality = Quality::of(mesh, &self.metric, &layout);
+            Ok(Flat {
+                is_unfolded: true,
+                ..self.flat((inner, curvature), seams, (layout, quality), scaling, Vec::new())
+            })
         })?
     }
 
@@ -110,12 +121,11 @@ impl Component {
         &self,
         (cones, curvature): (Vec<VertexId>, Vec<f64>),
         seams: Seams,
-        layout: Layout,
+        (layout, quality): (Layout, Quality),
         scaling: Scaling,
         notes: Vec<Note>,
     ) -> Flat {
         let mean: f64 = self.operators.weight.iter().zip(scaling.u.iter()).map(|(w, u)| w * u).sum();
-        let quality = Quality::of(&self.surface.mesh, &self.metric, &layout);
         let Scaling { u, error, .. } = scaling;
         Flat {
             cones,

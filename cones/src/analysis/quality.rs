@@ -3,7 +3,7 @@
 use geom::{FaceId, Id, Mesh, Metric};
 use rayon::prelude::*;
 
-use crate::flatten::{Layout, stretch};
+use crate::flatten::{BENT, Layout, stretch};
 use crate::placement::distortion_of;
 
 /// σ₁/σ₂ counts up to here, so that one needle does not outweigh a surface.
@@ -18,6 +18,8 @@ pub(crate) struct Quality {
     pub(crate) quasi_conformal: f64,
     /// Each triangle's area in space, and its area in the layout over that.
     pub(crate) ratios: Vec<(f64, f64)>,
+    /// The share of the area in triangles with σ₁/σ₂ above [`BENT`].
+    pub(crate) bent_share: f64,
 }
 
 impl Quality {
@@ -34,7 +36,13 @@ impl Quality {
             (0..mesh.face_count()).into_par_iter().with_min_len(AT_ONCE).filter_map(measured).collect();
         let whole: f64 = measured.iter().map(|(area, ..)| area).sum();
         let sum: f64 = measured.iter().map(|(area, stretch, _)| area * stretch.min(WORST)).sum();
-        Self { quasi_conformal: sum / whole, ratios: measured.iter().map(|&(area, _, ratio)| (area, ratio)).collect() }
+        let bent: f64 = measured.iter().filter(|(_, stretch, _)| *stretch > BENT).map(|(area, ..)| area).sum();
+        let bent_share = bent / whole;
+        Self {
+            quasi_conformal: sum / whole,
+            bent_share,
+            ratios: measured.iter().map(|&(area, _, ratio)| (area, ratio)).collect(),
+        }
     }
 
     /// The area distortion D.

@@ -14,7 +14,7 @@ pub(crate) use detach::detach;
 pub(crate) use fold_over::FoldOvers;
 pub(crate) use fold_over::remove_fold_overs;
 pub use layout::Layout;
-pub(crate) use relax::{relax, stretch};
+pub(crate) use relax::{BENT, MOST_BENT, relax, stretch};
 pub use scaling::{Scaling, ScalingError, scale};
 pub use seams::{Chain, SeamError, Seams};
 pub(crate) use seams::{Variation, seam_lengths};

@@ -9,20 +9,17 @@
 //! A patch is only taken if it measures better than before, its angles and areas together: untangling's reference shapes are no
 //! thinner than one in a thousand, needles in space are.
 
-use geom::{FaceId, Id, Mesh, Metric, Sides, VertexData, Watch};
+use geom::{FaceId, Mesh, Metric, Sides, VertexData, Watch};
 use num_complex::Complex64;
-use rayon::prelude::*;
 
 use super::fold_over::Untangler;
 use super::layout::Layout;
 use super::scaling::Scaling;
 
-/// So many triangles are measured one after the other.
-const AT_ONCE: usize = 1024;
 /// Triangles with a larger σ₁/σ₂ are relaxed. Even triangles have that at a few cones only.
-const BENT: f64 = 1.5;
-/// Nothing is relaxed where no larger share of the area is bent: on even triangles it is a few at cones.
-const MOST_BENT: f64 = 0.01;
+pub(crate) const BENT: f64 = 1.5;
+/// Nothing is to be relaxed where no larger share of the area is bent: on even triangles it is a few at cones.
+pub(crate) const MOST_BENT: f64 = 0.01;
 /// What is relaxed reaches so many rings round them.
 const RINGS: usize = 2;
 /// So often: what was bent by a rim that was in the way is inside the next time.
@@ -55,20 +52,13 @@ pub(crate) fn relax(
     layout: &mut Layout,
     watch: Watch,
 ) -> usize {
-    let measured = |f: usize| {
-        let f = FaceId::new(f);
-        let sides = metric.sides(input, f);
-        Some((sides.area(), stretch(sides, input.sides(f).map(|h| layout.corner(h)))?))
+    let areas = || input.faces().map(|f| (f, metric.sides(input, f).area()));
+    let whole: f64 = areas().map(|(_, area)| area).sum();
+    let covered = |layout: &Layout| -> f64 {
+        let ratio = |f: FaceId| stretch(metric.sides(input, f), input.sides(f).map(|h| layout.corner(h)));
+        areas().filter_map(|(f, area)| ratio(f).map(|[_, ratio]| area * ratio)).sum()
     };
-    let measured: Vec<(f64, [f64; 2])> =
-        (0..input.face_count()).into_par_iter().with_min_len(AT_ONCE).filter_map(measured).collect();
-    let whole: f64 = measured.iter().map(|(area, _)| area).sum();
-    let bent: f64 = measured.iter().filter(|(_, [stretch, _])| *stretch > BENT).map(|(area, _)| area).sum();
-    let is_even = bent <= MOST_BENT * whole;
-    if is_even || watch.stops_at(0.0) {
-        return 0;
-    }
-    let mean = measured.iter().map(|(area, [_, ratio])| area * ratio).sum::<f64>() / whole;
+    let mean = covered(layout) / whole;
     let cost = |layout: &Layout, faces: &[FaceId]| -> f64 {
         let of_face = |&f: &FaceId| {
             let sides = metric.sides(input, f);
