@@ -32,41 +32,39 @@ pub(crate) struct UnwrapArgs {
     /// The format to write, where no ending tells
     #[arg(long, value_enum)]
     format: Option<FormatName>,
-    #[command(flatten)]
-    many: ManyArgs,
-    #[command(flatten)]
-    candidates: CandidateArgs,
-    #[command(flatten)]
-    seams: SeamArgs,
-    /// Given cones: a file of lines `vertex curvature` or `vertex`, vertices counted from 0
-    #[arg(long, value_name = "FILE", group = "which")]
-    cones: Option<PathBuf>,
-    /// What to do where the layout lies over itself
-    #[arg(long, value_enum, default_value_t = IslandsName::OverlapFree)]
-    islands: IslandsName,
-    #[command(flatten)]
-    packing: PackArgs,
-    /// With --islands pack, the share by which seams may become longer
-    #[arg(long, value_name = "SHARE", value_parser = non_negative, default_value_t = PackOptions::default().max_seam)]
-    max_seam: f64,
-    /// Size of the texture coordinates
-    #[arg(long, value_enum, default_value_t = Scale::Unit)]
-    scale: Scale,
     /// Write the triangles that were computed with in place of the input's polygons
     #[arg(long)]
     triangulate: bool,
+    /// Size of the texture coordinates
+    #[arg(long, value_enum, default_value_t = Scale::Unit)]
+    scale: Scale,
     /// Write a report: .json, or .html with surface, maps and cones to see in a browser
     #[arg(long, value_name = "FILE")]
     report: Option<PathBuf>,
+    /// Print the report as JSON in place of the text
+    #[arg(long)]
+    json: bool,
+    #[command(flatten, next_help_heading = "Cones")]
+    candidates: CandidateArgs,
+    /// Given cones: a file of lines `vertex curvature` or `vertex`, vertices counted from 0
+    #[arg(long, value_name = "FILE", group = "which", help_heading = "Cones")]
+    cones: Option<PathBuf>,
     /// Write the cones and their curvatures, as --cones reads them
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", help_heading = "Cones")]
     cones_out: Option<PathBuf>,
     /// Write the order of cones for every number of them, with what is predicted for each: .json or .csv
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", help_heading = "Cones")]
     hierarchy: Option<PathBuf>,
-    /// Write surface, seams and cones with all that is known of them for programs that use VTK: .vtp
-    #[arg(long, value_name = "FILE")]
-    vtp: Option<PathBuf>,
+    #[command(flatten, next_help_heading = "Seams")]
+    seams: SeamArgs,
+    /// What to do where the layout lies over itself
+    #[arg(long, value_enum, default_value_t = IslandsName::OverlapFree, help_heading = "Islands")]
+    islands: IslandsName,
+    /// With --islands pack, the share by which seams may become longer
+    #[arg(long, value_name = "SHARE", value_parser = non_negative, default_value_t = PackOptions::default().max_seam, help_heading = "Islands")]
+    max_seam: f64,
+    #[command(flatten, next_help_heading = "Islands")]
+    packing: PackArgs,
     /// Draw the model with seams and cones: .png
     #[arg(long, value_name = "FILE", help_heading = "Pictures")]
     picture: Option<PathBuf>,
@@ -79,16 +77,17 @@ pub(crate) struct UnwrapArgs {
     #[command(flatten, next_help_heading = "Pictures")]
     shot: ShotArgs,
     /// Give an OBJ a checkerboard to see: a material (.mtl) and its picture (.png) beside it
-    #[arg(long)]
+    #[arg(long, help_heading = "Pictures")]
     checker: bool,
-    /// Print the report as JSON in place of the text
-    #[arg(long)]
-    json: bool,
+    /// Write surface, seams and cones with all that is known of them for programs that use VTK: .vtp
+    #[arg(long, value_name = "FILE", help_heading = "Pictures")]
+    vtp: Option<PathBuf>,
+    #[command(flatten, next_help_heading = "Many surfaces")]
+    many: ManyArgs,
 }
 
 /// Many surfaces, each to a file of its own.
 #[derive(Args, Debug)]
-#[command(next_help_heading = "Many surfaces")]
 struct ManyArgs {
     /// Write each surface under its own name into this folder, in its own format where that can be written, else as OBJ; an error in
     /// one stops no other

@@ -2,12 +2,58 @@
 
 use crate::folder::{Folder, stderr, stdout};
 
-const SUBCOMMANDS: [&str; 10] =
-    ["unwrap", "extract", "compare", "measure", "persistence", "features", "shape", "demo", "completions", "man"];
+const SUBCOMMANDS: [&str; 17] = [
+    "unwrap",
+    "extract",
+    "compare",
+    "figure",
+    "measure",
+    "islands",
+    "pack",
+    "persistence",
+    "tree",
+    "simplify",
+    "distance",
+    "features",
+    "view",
+    "shape",
+    "demo",
+    "completions",
+    "man",
+];
 
 fn assert_fits(text: &str, what: &str) {
     for line in text.lines() {
         assert!(line.chars().count() <= 80, "{what}: {} columns in {line:?}", line.chars().count());
+    }
+}
+
+#[test]
+fn help_lists_each_option_below_its_heading() {
+    let folder = Folder::new();
+    let help = stdout(&folder.run(&["unwrap", "-h"]).success());
+    let mut heading = "";
+    let mut below = Vec::new();
+    for line in help.lines() {
+        if line.ends_with(':') && !line.starts_with(' ') {
+            heading = line.trim_end_matches(':');
+        }
+        let option = line.split_whitespace().find(|word| word.starts_with('-'));
+        if let (true, Some(option)) = (line.starts_with("  ") && line.trim_start().starts_with('-'), option) {
+            below.push((option.trim_end_matches(','), heading));
+        }
+    }
+    for (option, heading) in [
+        ("-o", "Options"),
+        ("-n", "Cones"),
+        ("--cones", "Cones"),
+        ("--seams", "Seams"),
+        ("--margin", "Islands"),
+        ("--vtp", "Pictures"),
+        ("--jobs", "Many surfaces"),
+        ("--threads", "For all commands"),
+    ] {
+        assert!(below.contains(&(option, heading)), "{option} is not below {heading}: {below:?}");
     }
 }
 

@@ -10,7 +10,6 @@ use std::path::{Path, PathBuf};
 
 /// Where seams run, and what is to run on across them.
 #[derive(Args, Debug)]
-#[command(next_help_heading = "Seams")]
 pub(crate) struct SeamArgs {
     /// How much seams may lengthen to run straight, along sharp edges and in hidden places: 0 (shortest) to 1
     #[arg(long, value_name = "W", value_parser = share, default_value_t = SeamOptions::default().weight)]
