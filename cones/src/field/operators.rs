@@ -13,6 +13,7 @@ use geom::{
     HalfedgeId, Interrupted, Mesh, MeshError, Metric, Poisson, PoissonError, SymmetricMatrix, VertexData, VertexId,
     Watch, angle_defects, delaunay_watched, laplacian,
 };
+use rayon::prelude::*;
 
 /// So many boundary loops get a constant of their own, the longest ones; the others stay at the value of the longest.
 /// Each costs a solve and a vector.
@@ -264,11 +265,13 @@ impl Operators {
         let sources: Vec<Vec<(VertexId, f64)>> = vertices.iter().map(|&v| vec![(v, 1.0)]).collect();
         let mut green = self.poisson.solve_sparse_watched(&sources, watch)?;
         if !self.bordered {
-            let even = self.even();
-            for g in &mut green {
+            let even = self.even_watched(watch.within(1.0, 1.0))?;
+            green.par_iter_mut().try_for_each(|g| -> Result<(), Interrupted> {
+                watch.ask(1.0)?;
                 let mean = g.iter().sum::<f64>() / g.len() as f64;
                 g.iter_mut().zip(even.iter()).for_each(|(g, even)| *g -= even + mean);
-            }
+                Ok(())
+            })?;
         }
         Ok(green)
     }
@@ -282,14 +285,25 @@ impl Operators {
     /// The log scale factor, with mean 0 over the vertices, of a closed surface that a unit of curvature causes where it is
     /// spread evenly over the vertices and taken from the grounded one.
     fn even(&self) -> &VertexData<f64> {
-        self.even.get_or_init(|| {
-            let n = self.mesh.vertex_count();
-            let mut source = self.spread.clone().unwrap_or_else(|| VertexData::constant(n, 1.0 / n as f64));
-            if let Some(grounded) = self.poisson.grounded() {
-                source[grounded] -= 1.0;
-            }
-            self.poisson.solve(&source)
-        })
+        self.even.get_or_init(|| self.poisson.solve(&self.even_source()))
+    }
+
+    /// The same, watched.
+    fn even_watched(&self, watch: Watch) -> Result<&VertexData<f64>, Interrupted> {
+        if self.even.get().is_none() {
+            let solved = self.poisson.solve_watched(&self.even_source(), watch)?;
+            return Ok(self.even.get_or_init(|| solved));
+        }
+        Ok(self.even())
+    }
+
+    fn even_source(&self) -> VertexData<f64> {
+        let n = self.mesh.vertex_count();
+        let mut source = self.spread.clone().unwrap_or_else(|| VertexData::constant(n, 1.0 / n as f64));
+        if let Some(grounded) = self.poisson.grounded() {
+            source[grounded] -= 1.0;
+        }
+        source
     }
 
     /// A log scale factor times the weights: with it the product ⟨x, y⟩ is a plain one.

@@ -73,10 +73,16 @@ pub(crate) fn remove_fold_overs(
     for rings in 0..=MAX_RINGS {
         let [from, to] = [rings, rings + 1].map(|rings| rings as f64 / (MAX_RINGS + 1) as f64);
         let watch = watch.within(from, to);
+        if watch.stops_at(0.0) {
+            return Ok(moved);
+        }
         for patch in untangler.patches(&bad, rings) {
             moved += untangler.untangle(&patch, Fans::Free, watch);
         }
         bad = untangler.bad();
+        if watch.stops_at(0.5) {
+            return Ok(moved);
+        }
         for patch in untangler.patches(&bad, rings) {
             // With the fans held first; once nothing is flipped they may relax, which cannot unwind them.
             if untangler.untangle(&patch, Fans::Held, watch) > 0 {
@@ -84,7 +90,7 @@ pub(crate) fn remove_fold_overs(
             }
         }
         bad = untangler.bad();
-        if bad.is_empty() {
+        if watch.stops_at(1.0) || bad.is_empty() {
             return Ok(moved);
         }
     }

@@ -22,6 +22,8 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use geom::{EdgeDistances, Interrupted, Mesh, VertexData, VertexId, Watch};
 
+use rayon::prelude::*;
+
 use crate::curvature::{
     LARGEST_CORNER, LARGEST_CURVATURE, LEAST_SHARPENED, SHARPEST_CURVATURE, general_bounds, usable_degree,
 };
@@ -222,10 +224,12 @@ impl<'a> EnergyModel<'a> {
         let solve = || -> Result<Vec<VertexData<f64>>, Interrupted> {
             let watch = self.watch();
             let mut green = self.operators.green_watched(vertices, watch)?;
-            for g in &mut green {
+            green.par_iter_mut().try_for_each(|g| -> Result<(), Interrupted> {
+                watch.ask(0.0)?;
                 self.operators.centre(g);
-                *g = self.operators.weighted(g);
-            }
+                g.iter_mut().zip(self.operators.weight.iter()).for_each(|(g, w)| *g *= w);
+                Ok(())
+            })?;
             let mut columns = self.operators.poisson.solve_many_watched(&green, watch)?;
             columns.iter_mut().for_each(|h| self.operators.subtract_spread_mean(h));
             Ok(columns)

@@ -19,6 +19,8 @@ use super::symmetric::SymmetricMatrix;
 use crate::parallel::try_each;
 use crate::watch::{Interrupted, Watch, unwatched};
 
+/// So many rows of a block are copied column after column, which stay in the cache meanwhile.
+const ROWS: usize = 1 << 9;
 /// So many right-hand sides are solved for at once.
 const BLOCK: usize = 16;
 /// After so many values of the factor the watch is asked again: about a millisecond.
@@ -237,8 +239,7 @@ impl Cholesky {
             }
         }
         substitute(&self.elimination, &self.factor, Passes::Backward, padded, &mut block, watch)?;
-        self.unpack(&block, x);
-        Ok(())
+        self.unpack(&block, x, watch)
     }
 
     /// C⁻¹ e for a unit vector: its nonzero entries, by step.
@@ -339,21 +340,34 @@ impl Cholesky {
         // Others are zero.
         let padded = columns.next_multiple_of(LANES);
         let mut x = vec![0.0; n * padded];
-        for (row, &v) in x.chunks_exact_mut(padded).zip(order) {
-            row.iter_mut().zip(b.iter().skip(v as usize).step_by(n)).for_each(|(x, b)| *x = *b);
+        for (first, order) in self.ordered_rows() {
+            watch.ask(0.0)?;
+            let rows = &mut x[first * padded..(first + order.len()) * padded];
+            for (k, column) in b.chunks_exact(n).enumerate() {
+                rows[k..].iter_mut().step_by(padded).zip(order).for_each(|(x, &v)| *x = column[v as usize]);
+            }
         }
         substitute(&self.elimination, &self.factor, Passes::Both, padded, &mut x, watch)?;
-        self.unpack(&x, b);
-        Ok(())
+        self.unpack(&x, b, watch)
     }
 
     /// The columns of what lies row by row in the order of the elimination.
-    fn unpack(&self, x: &[f64], columns: &mut [f64]) {
-        let order = &self.elimination.order;
-        let n = order.len();
-        for (row, &v) in x.chunks_exact(x.len() / n).zip(order) {
-            columns.iter_mut().skip(v as usize).step_by(n).zip(row).for_each(|(column, x)| *column = *x);
+    fn unpack(&self, x: &[f64], columns: &mut [f64], watch: Watch) -> Result<(), Interrupted> {
+        let n = self.elimination.order.len();
+        let padded = x.len() / n;
+        for (first, order) in self.ordered_rows() {
+            watch.ask(1.0)?;
+            let rows = &x[first * padded..(first + order.len()) * padded];
+            for (k, column) in columns.chunks_exact_mut(n).enumerate() {
+                rows[k..].iter().step_by(padded).zip(order).for_each(|(x, &v)| column[v as usize] = *x);
+            }
         }
+        Ok(())
+    }
+
+    /// The order of the elimination in pieces, each with the first of its steps.
+    fn ordered_rows(&self) -> impl Iterator<Item = (usize, &[u32])> {
+        self.elimination.order.chunks(ROWS).enumerate().map(|(k, order)| (k * ROWS, order))
     }
 
     fn steps_and_rows(&self, s: usize) -> (usize, usize, &[u32]) {
