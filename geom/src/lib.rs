@@ -44,7 +44,7 @@ mod watch;
 
 pub use error::Error;
 pub use intrinsic::*;
-pub use linalg::{Cholesky, CholeskyError, SymmetricMatrix, gram};
+pub use linalg::{Cholesky, CholeskyError, SymmetricMatrix, gram, gram_watched};
 pub use mesh::*;
 pub use refinement::*;
 pub use rows::Rows;

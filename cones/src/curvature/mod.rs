@@ -10,7 +10,8 @@
 
 use std::f64::consts::PI;
 
-use geom::{Interrupted, Mesh, VertexData, VertexId, Watch, gram};
+use geom::{Interrupted, Mesh, VertexData, VertexId, Watch, gram_watched};
+use rayon::prelude::*;
 use thiserror::Error;
 
 use crate::field::Operators;
@@ -111,7 +112,7 @@ impl ConeCurvatures {
         curvature: Vec<f64>,
         watch: Watch,
     ) -> Result<Self, CurvatureError> {
-        let (p, green) = centred(operators, operators.green_watched(cones, watch)?);
+        let (p, green) = centred(operators, operators.green_watched(cones, watch)?, watch.within(1.0, 1.0))?;
         Ok(Self { predicted: combine(&p, &green, &curvature), curvature, out_of_bounds: Vec::new() })
     }
 }
@@ -170,8 +171,7 @@ pub fn cone_curvatures(
     rule: CurvatureRule,
     watch: Watch,
 ) -> Result<ConeCurvatures, CurvatureError> {
-    let flattening = operators.flattening();
-    watch.ask(0.1)?;
+    let flattening = operators.flattening_watched(watch.within(0.0, 0.1))?;
     let green = operators.green_watched(cones, watch.within(0.1, 0.6))?;
     watch.ask(0.6)?;
     let bounds = [LARGEST_CURVATURE, SHARPEST_CURVATURE].map(|largest| bounds(operators, input, cones, largest));
@@ -194,18 +194,24 @@ pub fn cone_curvatures(
             out_of_bounds = cones.to_vec();
         }
     }
-    let (p, g) = centred(operators, green);
-    watch.ask(0.8)?;
-    let curvature = optimal(operators, &p, &g, [&bounds[0], &bounds[1]])?;
+    let (p, g) = centred(operators, green, watch.within(0.6, 0.7))?;
+    let curvature = optimal(operators, &p, &g, [&bounds[0], &bounds[1]], watch.within(0.7, 1.0))?;
     let predicted = combine(&p, &g, &curvature);
     Ok(ConeCurvatures { curvature, predicted, out_of_bounds })
 }
 
-fn centred(operators: &Operators, mut green: Vec<VertexData<f64>>) -> (VertexData<f64>, Vec<VertexData<f64>>) {
+fn centred(
+    operators: &Operators,
+    mut green: Vec<VertexData<f64>>,
+    watch: Watch,
+) -> Result<(VertexData<f64>, Vec<VertexData<f64>>), Interrupted> {
     let mut flattening = operators.flattening().clone();
     operators.centre(&mut flattening);
-    green.iter_mut().for_each(|g| operators.centre(g));
-    (flattening, green)
+    green.par_iter_mut().try_for_each(|g| {
+        operators.centre(g);
+        watch.ask(0.0)
+    })?;
+    Ok((flattening, green))
 }
 
 /// p + Σ q g.
@@ -223,10 +229,12 @@ fn optimal(
     p: &VertexData<f64>,
     green: &[VertexData<f64>],
     [bounds, sharpest]: [&[[f64; 2]]; 2],
+    watch: Watch,
 ) -> Result<Vec<f64>, CurvatureError> {
     let n = green.len();
-    let quadratic = gram(green, &operators.weight);
-    let linear: Vec<f64> = green.iter().map(|g| operators.inner(g, p)).collect();
+    let quadratic = gram_watched(green, &operators.weight, watch.within(0.0, 0.7))?;
+    let product = |g: &VertexData<f64>| watch.ask(0.7).map(|()| operators.inner(g, p));
+    let linear = green.par_iter().map(product).collect::<Result<Vec<f64>, Interrupted>>()?;
     let total = (!operators.is_bordered()).then(|| operators.total_curvature());
     let energy = Quadratic { constant: operators.inner(p, p), linear: &linear, matrix: &quadratic };
     match minimise(&energy, bounds, total) {

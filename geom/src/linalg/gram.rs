@@ -6,6 +6,7 @@ use faer::{Accum, Mat, MatRef, Par};
 use std::ops::Deref;
 
 use super::registers;
+use crate::watch::{Interrupted, Watch, unwatched};
 
 /// So many vertices are multiplied at a time: their values, copied side by side, stay in the cache.
 const BLOCK: usize = 2048;
@@ -21,11 +22,27 @@ const BLOCK: usize = 2048;
 /// # Panics
 /// If a function is shorter than the weights.
 pub fn gram<X: Deref<Target = [f64]>>(functions: &[X], weight: &[f64]) -> Vec<f64> {
+    unwatched(gram_watched(functions, weight, Watch::NONE))
+}
+
+/// [`gram`], watched.
+///
+/// # Errors
+/// If it is stopped.
+///
+/// # Panics
+/// If a function is shorter than the weights.
+pub fn gram_watched<X: Deref<Target = [f64]>>(
+    functions: &[X],
+    weight: &[f64],
+    watch: Watch,
+) -> Result<Vec<f64>, Interrupted> {
     let count = functions.len();
     let root: Vec<f64> = weight.iter().map(|w| w.sqrt()).collect();
     let mut products = Mat::zeros(count, count);
     let mut block = vec![0.0; BLOCK * count];
     for start in (0..weight.len()).step_by(BLOCK) {
+        watch.ask(start as f64 / weight.len() as f64)?;
         let root = &root[start..weight.len().min(start + BLOCK)];
         for (column, function) in block.chunks_exact_mut(root.len()).zip(functions) {
             let values = &function[start..start + root.len()];
@@ -46,7 +63,7 @@ pub fn gram<X: Deref<Target = [f64]>>(functions: &[X], weight: &[f64]) -> Vec<f6
     }
     registers::clear();
     let entry = |k: usize| products[((k / count).max(k % count), (k / count).min(k % count))];
-    (0..count * count).map(entry).collect()
+    Ok((0..count * count).map(entry).collect())
 }
 
 #[cfg(test)]

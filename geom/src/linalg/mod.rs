@@ -19,5 +19,5 @@ mod symmetric;
 pub use cholesky::Cholesky;
 pub use error::CholeskyError;
 pub use factorization::factorizations;
-pub use gram::gram;
+pub use gram::{gram, gram_watched};
 pub use symmetric::SymmetricMatrix;
