@@ -30,9 +30,12 @@ struct Answer {
 
 impl Viewer {
     fn new() -> Self {
-        let folder = Folder::with_shapes();
+        Self::of(Folder::with_shapes(), &["hare.obj", "-n", "6"])
+    }
+
+    fn of(folder: Folder, arguments: &[&str]) -> Self {
         let mut command = Command::new(PROGRAM);
-        command.args(["view", "hare.obj", "-n", "6", "--no-open"]).current_dir(folder.root());
+        command.arg("view").args(arguments).arg("--no-open").current_dir(folder.root());
         let mut child = command.stdout(Stdio::piped()).stderr(Stdio::null()).spawn().expect("the program starts");
         let mut address = String::new();
         let stdout = child.stdout.take().expect("it was asked for");
@@ -252,4 +255,29 @@ fn a_report_for_the_browser_has_everything_inside() {
     assert!(page.len() < 2_000_000, "{}", page.len());
     let complaint = folder.complaint(&["unwrap", "hare.obj", "-o", "out.obj", "--report", "report.pdf"]);
     assert!(complaint.contains(".json or .html"), "{complaint}");
+}
+
+#[test]
+fn a_field_is_shown_by_the_page_that_a_report_is() {
+    let folder = Folder::new();
+    folder.write("bumps.txt", "0 3 1 4\n1 5 9 2\n6 5 3 5\n");
+    folder.run(&["persistence", "bumps.txt", "--report", "bumps.html"]).success();
+    let report = folder.read("bumps.html");
+    let viewer = Viewer::of(folder, &["bumps.txt"]);
+    let page = viewer.get("");
+    assert_eq!((page.status, String::from_utf8_lossy(&page.body) == report), (200, true));
+    assert_eq!(viewer.get("surface").status, 404);
+    assert_eq!(viewer.post("", "{}").status, 405);
+    assert_eq!(viewer.ask("GET", "/", &viewer.own(), "").status, 404);
+}
+
+#[test]
+fn a_field_on_a_mesh_is_shown_too_and_has_no_cones() {
+    let viewer = Viewer::of(Folder::with_shapes(), &["hare.obj", "--field", "height"]);
+    assert!(viewer.serves_the_page());
+    let folder = Folder::with_shapes();
+    let complaint = folder.complaint(&["view", "hare.obj", "--field", "height", "-n", "3", "--no-open"]);
+    assert!(complaint.contains("-n") && complaint.contains("surface"), "{complaint}");
+    let complaint = folder.complaint(&["view", "hare.obj", "--layer", "1", "--no-open"]);
+    assert!(complaint.contains("--layer") && complaint.contains("field"), "{complaint}");
 }

@@ -90,6 +90,19 @@ fn placements() -> impl TypedValueParser<Value = Placement> {
 }
 
 impl CandidateArgs {
+    /// An option that is there, if any is: what is no surface has no cones.
+    pub(crate) fn first_given(&self) -> Option<&'static str> {
+        let given = [
+            (self.count.is_some(), "-n"),
+            (self.max_distortion.is_some(), "--max-distortion"),
+            (self.min_persistence.is_some(), "--min-persistence"),
+            (self.smooth, "--smooth"),
+            (self.weld, "--weld"),
+            (self.refine.is_some(), "--refine"),
+        ];
+        given.into_iter().find_map(|(is_given, option)| is_given.then_some(option))
+    }
+
     /// The order of cones that a hierarchy file holds: of the method that was asked for, for as many cones as were taken.
     pub(crate) fn order(&self, analysis: &Analysis, taken: usize) -> Result<ConeOrder, cones::Error> {
         let Options { placement, rule, cones, .. } = self.options();
