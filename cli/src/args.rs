@@ -46,11 +46,11 @@ pub(crate) enum Subcommand {
     Compare(compare::CompareArgs),
     /// Draw the figures of the paper, of any surface and methods
     Figure(figure::FigureArgs),
-    /// Measure the distortion of an unwrapped OBJ or PLY, whoever made it
+    /// Measure the distortion of an unwrapped OBJ, PLY or glTF, whoever made it
     Measure(measure::MeasureArgs),
     /// Take a map apart where it lies over itself, whoever made it
     Islands(islands::IslandsArgs),
-    /// Pack the islands of an unwrapped OBJ or PLY into the unit square, or onto tiles
+    /// Pack the islands of an unwrapped OBJ, PLY or glTF into the unit square, or onto tiles
     Pack(pack::PackCommandArgs),
     /// Pair the extrema of a scalar field with saddles: an array, a picture, a mesh with values, a network
     Persistence(persistence::PersistenceArgs),

@@ -57,6 +57,8 @@ pub(crate) enum CommandError {
     NoField(PathBuf),
     #[error("{} has nodes without edges: name the file of edges with --edges", .0.display())]
     NoEdges(PathBuf),
+    #[error("{} has no texture coordinates whose seams --keep-seams could keep: leave it out", .0.display())]
+    NoSeamsToKeep(PathBuf),
     #[error("{option} is for {of}, which {} is not: leave it out", path.display())]
     Misplaced { path: PathBuf, option: &'static str, of: &'static str },
     #[error("{} has no axis {axis}, only {axes}: x is the last, y the one before", path.display())]

@@ -1,4 +1,4 @@
-//! `cones pack`: the islands of any unwrapped OBJ or PLY, packed.
+//! `cones pack`: the islands of any unwrapped OBJ, PLY or glTF, packed.
 
 use crate::commands::shared::{PackArgs, SurfaceFile, corner_uv};
 use crate::error::CommandError;

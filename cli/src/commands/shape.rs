@@ -25,7 +25,11 @@ pub(crate) struct ShapeArgs {
 fn shape_name(text: &str) -> Result<String, String> {
     // A shape of few vertices is made in no time, and tells whether the name is known.
     let known = shapes::by_name(text, 1).is_some();
-    if known { Ok(text.to_owned()) } else { Err(format!("known are {}", shapes::NAMES.join(", "))) }
+    if known {
+        Ok(text.to_owned())
+    } else {
+        Err(format!("known are {}, or torus-G of genus G", shapes::NAMES.join(", ")))
+    }
 }
 
 fn shape_help() -> String {

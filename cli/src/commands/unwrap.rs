@@ -136,9 +136,11 @@ fn run_one(args: &UnwrapArgs, output: &Path) -> Result<(), CommandError> {
     let start = Instant::now();
     write_extras(args, input, &unwrapped)?;
     let write = times.write.map(|write| write + start.elapsed().as_secs_f64());
-    let draw = draw(args, &unwrapped, &progress)?;
+    let mut draw = draw(args, &unwrapped, &progress)?;
     if let Some(path) = args.page()? {
+        let start = Instant::now();
         output::write_text(path, &page_file::html(input, &unwrapped, &progress)?)?;
+        draw = Some(draw.unwrap_or(0.0) + start.elapsed().as_secs_f64());
     }
     let total = Some(began.elapsed().as_secs_f64());
     let report = unwrapped.report(input, Times { write, draw, total, ..times });

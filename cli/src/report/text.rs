@@ -5,7 +5,7 @@ use super::table::{labelled, thousands};
 use super::{InputReport, UnwrapReport};
 use cones::report::{DistortionReport, OverlapReport, RefinedReport};
 use cones::{ConeChoice, Options, Placement, Prediction};
-use geom::Repair;
+use geom::{Repair, RepairKind};
 
 impl UnwrapReport {
     /// What a user wants to know first, line by line.
@@ -135,5 +135,7 @@ pub(crate) fn overlap_text(overlap: OverlapReport) -> String {
 /// A repair as a sentence.
 pub(crate) fn repair_text(repair: &Repair) -> String {
     let element = if repair.kind.is_of_faces() { "face" } else { "vertex" };
-    format!("{} {} (first {element} {}, counted from 0)", repair.count, repair.kind.description(), repair.first)
+    let remedy = if repair.kind == RepairKind::Unwelded { "; --weld joins them" } else { "" };
+    let Repair { kind, count, first, .. } = repair;
+    format!("{count} {} (first {element} {first}, counted from 0){remedy}", kind.description())
 }

@@ -191,13 +191,17 @@ impl fmt::Display for Note {
             1 => "this surface needs".to_owned(),
             _ => format!("these {components} parts need"),
         };
+        let cones = |count: &usize| match count {
+            1 => "1 cone".to_owned(),
+            _ => format!("{count} cones"),
+        };
         match self {
             Self::Mollified { .. } => {
                 write!(f, "edges were lengthened by up to 1e-4 of their mean, because of needle triangles")
             }
             Self::NotSmoothed { .. } => write!(f, "the curvature could not be diffused: taking it as it is"),
             Self::FewerThanNeeded { asked, needed, components } => {
-                write!(f, "{asked} cones asked for, but {} at least {needed}: taking {needed}", needing(components))
+                write!(f, "{} asked for, but {} at least {needed}: taking {needed}", cones(asked), needing(components))
             }
             Self::FewExtrema { threshold, above, taken, components } => write!(
                 f,
@@ -208,10 +212,10 @@ impl fmt::Display for Note {
                 write!(f, "{cones} cones are too many to be optimised: they are placed by persistence")
             }
             Self::MoreForCurvature { asked, taken, .. } => {
-                write!(f, "{asked} cones cannot take this surface's curvature: taking {taken}")
+                write!(f, "{} cannot take this surface's curvature: taking {taken}", cones(asked))
             }
             Self::FewVertices { asked, there, .. } => {
-                write!(f, "{asked} cones asked for, but there are only {there} inner vertices")
+                write!(f, "{} asked for, but there are only {there} inner vertices", cones(asked))
             }
             Self::HarmonicOutOfBounds { count, cones, first, .. } => write!(
                 f,
@@ -219,7 +223,7 @@ impl fmt::Display for Note {
                  curvatures within bounds"
             ),
             Self::OtherNumber { chosen, taken, cause, .. } => {
-                write!(f, "{chosen} cones could not be flattened well ({cause}): taking {taken}")
+                write!(f, "{} could not be flattened well ({cause}): taking {taken}", cones(chosen))
             }
             Self::Detached { triangles: 1, first, .. } => {
                 write!(f, "1 triangle folds over, near vertex {first}: it is an island of its own")

@@ -83,7 +83,7 @@ pub struct Progress {
 
 /// Hears of the work, every few milliseconds, from whichever thread does it (components are worked on at the same time, so
 /// two threads may be telling at once), and can stop it: once it has said
-/// [`ControlFlow::Break`] what was asked for ends with [`Error::Interrupted`], within some 60 ms on a surface of 134 thousand
+/// [`ControlFlow::Break`] what was asked for ends with [`Error::Interrupted`], within some 50 ms on a surface of 134 thousand
 /// vertices (`cargo bench -p cones --bench stopping`). The analysis stays as it was and can be asked again.
 pub trait Observer: Send + Sync {
     /// Hears how far the work is, and says whether it should go on.

@@ -12,7 +12,7 @@ use std::path::Path;
 #[derive(Args, Debug)]
 pub(crate) struct CandidateArgs {
     /// How many cones [default: as few as keep the area distortion within 1.25, at most 32 a part]
-    #[arg(short = 'n', value_name = "N", group = "which")]
+    #[arg(short = 'n', value_name = "N", group = "which", allow_negative_numbers = true)]
     count: Option<usize>,
     /// As few cones as keep the area distortion within this, as predicted; `unwrap` makes sure by flattening
     #[arg(long, value_name = "D", group = "which", value_parser = distortion)]

@@ -67,8 +67,7 @@ impl SeamArgs {
     pub(crate) fn keep(&self, path: &Path, model: &Model, options: &mut Options) -> Result<(), CommandError> {
         if self.keep_seams {
             if model.uv().is_none() {
-                let (option, of) = ("--keep-seams", "a mesh with texture coordinates");
-                return Err(CommandError::Misplaced { path: path.to_owned(), option, of });
+                return Err(CommandError::NoSeamsToKeep(path.to_owned()));
             }
             options.seams.kept = texture_seams(model, options.preparation.weld);
         }
