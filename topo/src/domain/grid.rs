@@ -152,7 +152,14 @@ impl<const D: usize> Domain for &Grid<D> {
         let position = padded(self.position(index), 0);
         let stencil = self.stencil();
         let count = stencil.neighbors(u32::MAX).count_ones() as usize;
-        stencil.offsets[..count].iter().filter_map(|&offset| self.step(position, offset)).for_each(&mut visit);
+        let offsets = &stencil.offsets[..count];
+        if (3 - D..3).all(|axis| position[axis] > 0 && position[axis] + 1 < self.shape[axis]) {
+            let [_, ny, nx] = self.shape.map(|length| length as isize);
+            let leaps = offsets.iter().map(|offset| offset.map(isize::from)).map(|[z, y, x]| (z * ny + y) * nx + x);
+            leaps.for_each(|leap| visit(index.wrapping_add_signed(leap)));
+        } else {
+            offsets.iter().filter_map(|&offset| self.step(position, offset)).for_each(&mut visit);
+        }
     }
 
     fn fills_loops(&self) -> bool {
@@ -406,13 +413,12 @@ fn note_candidates<const D: usize>(
         Some(leaps) => saddle.wrapping_add(leaps[bit as usize % 32]),
         None => neighbor(grid, stencil, saddle, bit),
     };
-    let mut rest = stencil.neighbors(set);
-    let first = rest.trailing_zeros();
-    rest &= !stencil.component(set, first);
-    while rest != 0 {
-        let other = rest.trailing_zeros();
-        candidates.push(SaddleCandidate { saddle, sides: [side(first), side(other)] });
-        rest &= !stencil.component(set, other);
+    let parts = stencil.parts(set);
+    let first = side(parts.trailing_zeros());
+    let mut others = parts & (parts - 1);
+    while others != 0 {
+        candidates.push(SaddleCandidate { saddle, sides: [first, side(others.trailing_zeros())] });
+        others &= others - 1;
     }
 }
 
