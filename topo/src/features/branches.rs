@@ -111,9 +111,12 @@ fn ends<G: Domain, S: Scalar, D: Direction>(
 ) -> Vec<BranchEnd> {
     let basin = |vertex: u32| descent.basin(vertex);
     let mut components = UnionFind::new(merges.len());
-    // Of several that end at one saddle the elder first, so that each finds the eldest of all.
     let (finite, sides) = with_sides(domain, filtration, descent, merges);
-    let finite = filtration.sorted(&filtration.sorted(&finite, |end| end.0.extremum), |end| end.0.end);
+    let mut finite = filtration.sorted(&finite, |end| end.0.end);
+    // Of several that end at one saddle the elder first, so that each finds the eldest of all.
+    for at_saddle in finite.chunk_by_mut(|a, b| a.0.end == b.0.end).filter(|at_saddle| at_saddle.len() > 1) {
+        at_saddle.copy_from_slice(&filtration.sorted(at_saddle, |end| end.0.extremum));
+    }
     // For each component that touches the saddle, where it does first.
     let (mut first, mut noted) = (vec![NONE; merges.len()], NONE);
     let end = |(Merge { extremum, end: saddle, towards }, list): (Merge, u32)| {
