@@ -263,7 +263,7 @@ def test_compressed_rows_are_the_graph_of_their_edges():
         ([0, 2], [0], "do not rise"),
         ([1, 1], [0], "do not rise"),
         ([0, 2, 1, 3], [0, 1, 2], "do not rise"),
-        ([], [], "do not rise"),
+        ([], [], "two lists"),
         ([0, 1], [7], "vertex 7"),
         ([0, 1], [-1], "vertex"),
         ([0, 1], [0.5], "integers"),
