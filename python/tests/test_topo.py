@@ -242,6 +242,55 @@ def test_single_linkage_is_that_of_scipy():
     assert len({(a, b) for a, b in zip(labels, expected)}) == 4
 
 
+def test_compressed_rows_are_the_graph_of_their_edges():
+    sparse = pytest.importorskip("scipy.sparse")
+    matrix = sparse.random(60, 60, 0.05, "csr", random_state=3)
+    field = RANDOM.random(60)
+    entries = matrix.tocoo()
+    expected = topo.persistence(field, topo.Graph(60, np.column_stack([entries.row, entries.col])))
+    both = (matrix + matrix.T).tocsr()
+    for graph in [
+        topo.Graph.from_rows(matrix.indptr, matrix.indices),
+        topo.Graph.from_rows(matrix.indptr.astype("u8"), matrix.indices.astype("i8")),
+        topo.Graph.from_rows(list(both.indptr), list(both.indices)),
+        matrix.tocsc(),
+        both,
+    ]:
+        found = topo.persistence(field, graph)
+        assert (found.minima.array == expected.minima.array).all() and (found.maxima.array == expected.maxima.array).all()
+    assert topo.Graph.from_rows([0], []).vertex_count == 0
+    for starts, indices, sentence in [
+        ([0, 2], [0], "do not rise"),
+        ([1, 1], [0], "do not rise"),
+        ([0, 2, 1, 3], [0, 1, 2], "do not rise"),
+        ([], [], "two lists"),
+        ([0, 1], [7], "vertex 7"),
+        ([0, 1], [-1], "vertex"),
+        ([0, 1], [0.5], "integers"),
+    ]:
+        with pytest.raises(cones.Error, match=sentence):
+            topo.Graph.from_rows(starts, indices)
+
+
+def test_tomato_has_as_many_clusters_as_are_wanted():
+    spatial = pytest.importorskip("scipy.spatial")
+    centres = np.array([[0, 0], [4, 0], [0, 4]])
+    places = np.concatenate([RANDOM.normal(centre, 0.5, (60, 2)) for centre in centres])
+    distances, near = spatial.cKDTree(places).query(places, 9)
+    density = 1 / distances[:, 1:].mean(axis=1)
+    graph = topo.Graph.from_rows(np.arange(181) * 8, near[:, 1:].reshape(-1))
+    clusters = topo.tomato(density, graph, count=3)
+    assert (clusters.labels.reshape(3, 60) == clusters.labels[::60, None]).all() and set(clusters.labels) == {0, 1, 2}
+    ranked = topo.superlevel(density, graph).ranked()["persistence"]
+    again = topo.tomato(density, graph, prominence=ranked[3])
+    assert (again.labels == clusters.labels).all() and (again.extrema == clusters.extrema).all()
+    assert (topo.merge_tree(density, graph).clusters(3).labels == clusters.labels).all()
+    assert len(topo.tomato(density, graph, count=10**6).extrema) == topo.merge_tree(density, graph).leaf_count
+    for choice in [{}, {"count": 2, "prominence": 1.0}, {"count": -1}]:
+        with pytest.raises(cones.Error, match="clusters"):
+            topo.tomato(density, graph, **choice)
+
+
 def test_vectors_of_diagrams_have_their_shapes():
     diagram = topo.Diagram(topo.sublevel(RANDOM.random(100)))
     assert diagram.landscape(np.linspace(0, 1, 11), 3).shape == (3, 11)

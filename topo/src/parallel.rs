@@ -53,7 +53,7 @@ pub(crate) fn fold_blocks<T, R>(items: &[T], work: impl Fn(usize, &[T]) -> R) ->
 /// The results that `map` has for `items`, in their order; those of some blocks only if the watch stops.
 #[cfg(feature = "rayon")]
 pub(crate) fn filter_map<T: Sync, R: Send>(
-    items: &[T],
+    items: Vec<T>,
     watch: Watch<'_>,
     map: impl Fn(&T) -> Option<R> + Sync + Send,
 ) -> Vec<R> {
@@ -62,8 +62,14 @@ pub(crate) fn filter_map<T: Sync, R: Send>(
     blocks.flat_map_iter(|items| items.iter().filter_map(&map)).collect()
 }
 
-/// The results that `map` has for `items`, in their order; those of some blocks only if the watch stops.
+/// The results that `map` has for `items`, in their order and, if they are of one size, in their place; only some if the watch stops.
 #[cfg(not(feature = "rayon"))]
-pub(crate) fn filter_map<T, R>(items: &[T], watch: Watch<'_>, map: impl Fn(&T) -> Option<R>) -> Vec<R> {
-    items.chunks(BLOCK).take_while(|_| !watch.stops()).flatten().filter_map(map).collect()
+pub(crate) fn filter_map<T, R>(items: Vec<T>, watch: Watch<'_>, map: impl Fn(&T) -> Option<R>) -> Vec<R> {
+    let (mut count, mut stops) = (0usize, false);
+    let map_if_it_goes_on = |item: T| {
+        stops |= count.is_multiple_of(BLOCK) && watch.stops();
+        count += 1;
+        if stops { None } else { map(&item) }
+    };
+    items.into_iter().filter_map(map_if_it_goes_on).collect()
 }

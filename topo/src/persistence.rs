@@ -7,6 +7,7 @@ use crate::options::PersistenceOptions;
 use crate::pairing::{Merge, sweep};
 use crate::scalar::{Scalar, wider_first};
 use crate::watch::Watch;
+use core::cell::Cell;
 use core::cmp::Ordering;
 use core::ops::Deref;
 use num_traits::{ToPrimitive, Zero};
@@ -48,6 +49,11 @@ impl<V, S: Scalar> Pair<V, S> {
     /// Whether the class lives for ever.
     pub fn is_essential(&self) -> bool {
         self.saddle.is_none()
+    }
+
+    /// Whether it dies as it is born.
+    fn is_zero(&self) -> bool {
+        !self.is_essential() && self.persistence().is_zero()
     }
 }
 
@@ -199,33 +205,6 @@ impl<V: Copy, S: Scalar> Pairs<V, S> {
     pub fn total_persistence(&self) -> f64 {
         self.finite().filter_map(|pair| pair.persistence().to_f64()).sum()
     }
-
-    /// From what becomes of each extremum, by rising index.
-    pub(crate) fn from_merges<G, D>(
-        domain: G,
-        filtration: &Filtration<'_, S, D>,
-        merges: &[Merge],
-        keep_zeros: bool,
-    ) -> Self
-    where
-        G: Domain<Vertex = V>,
-        D: Direction,
-    {
-        let mut zero_count = 0;
-        let pair = |merge: &Merge| {
-            let pair = Pair {
-                extremum: domain.vertex(merge.extremum as usize),
-                saddle: merge.is_finite().then(|| domain.vertex(merge.end as usize)),
-                birth: filtration.value(merge.extremum),
-                end: filtration.value(merge.end),
-            };
-            let is_zero = merge.is_finite() && pair.persistence().is_zero();
-            zero_count += usize::from(is_zero);
-            (keep_zeros || !is_zero).then_some(pair)
-        };
-        let pairs = merges.iter().filter_map(pair).collect();
-        Self { kind: D::KIND, pairs, zero_count }
-    }
 }
 
 /// Reads pairs; one whose persistence is no number is refused.
@@ -315,11 +294,31 @@ impl PersistenceOptions {
     ) -> Result<Pairs<G::Vertex, S>, Error> {
         watch.held(|watch| {
             let filtration = Filtration::<S, D>::new(field, domain.vertex_count(), self.nan)?.watched(watch);
-            let merges = if self.plain_sweep { sweep(domain, &filtration) } else { domain.merges(&filtration) };
+            let zero_count = Cell::new(0);
+            let pair = |merge: &Merge, birth, end| {
+                let pair = Pair {
+                    extremum: domain.vertex(merge.extremum as usize),
+                    saddle: merge.is_finite().then(|| domain.vertex(merge.end as usize)),
+                    birth,
+                    end,
+                };
+                zero_count.update(|count| count + usize::from(pair.is_zero()));
+                pair
+            };
+            let mut pairs = if self.plain_sweep {
+                let value = |vertex| filtration.value(vertex);
+                let merges = sweep(domain, &filtration);
+                merges.iter().map(|merge| pair(merge, value(merge.extremum), value(merge.end))).collect()
+            } else {
+                domain.map_merges(&filtration, pair)
+            };
             if filtration.stops() {
                 return Err(Error::Interrupted);
             }
-            Ok(Pairs::from_merges(domain, &filtration, &merges, self.keep_zeros))
+            if !self.keep_zeros && zero_count.get() > 0 {
+                pairs.retain(|pair| !pair.is_zero());
+            }
+            Ok(Pairs::new(D::KIND, pairs, zero_count.get()))
         })
     }
 }

@@ -30,7 +30,7 @@ pub(crate) enum Problem {
     #[error("cannot be read ({0})")]
     Io(#[from] io::Error),
     #[error(
-        "is of no known form: give an array (.npy, .pgm, .png, .tif, .txt, .csv), a mesh (.obj, .ply, .off, .stl) or a network (.csv)"
+        "is of no known form: give an array (.npy, .npz, .vti, .pgm, .png, .tif, .txt, .csv), a mesh (.obj, .ply, .off, .stl) or a network (.csv)"
     )]
     Form,
     #[error("there is {found} where {expected} should be")]
@@ -82,6 +82,16 @@ pub(crate) enum Problem {
     Samples(usize),
     #[error("holds no values")]
     Empty,
+    #[error("is no ZIP archive that can be read ({0})")]
+    Zip(#[from] zip::result::ZipError),
+    #[error("is no VTK image that can be read ({0})")]
+    Vti(String),
+    #[error("has the arrays {}: name one of them with --array", .0.join(", "))]
+    Choose(Vec<String>),
+    #[error("has no array {name:?}: it has {}", arrays.join(", "))]
+    NoArray { name: String, arrays: Vec<String> },
+    #[error("has one array, and that has no name: leave out --array")]
+    Unnamed,
 }
 
 /// A problem and where it is, before the file is known.

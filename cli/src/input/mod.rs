@@ -15,11 +15,15 @@ mod grey;
 mod memory;
 mod network;
 mod npy;
+mod npz;
 mod pgm;
 mod source;
+mod stored;
 mod table;
 mod tiff;
 mod values;
+mod vti;
+mod vtk_blocks;
 
 pub(crate) use array::{Array, Axes, Layer};
 pub(crate) use array_file::read_array;
@@ -61,7 +65,7 @@ impl Form {
     /// The form of the file at a path.
     pub(crate) fn of(path: &Path) -> Result<Self, ReadError> {
         match ending(path).as_str() {
-            "npy" | "pgm" | "png" | "txt" | "tsv" | "tif" | "tiff" => Ok(Self::Array),
+            "npy" | "npz" | "vti" | "pgm" | "png" | "txt" | "tsv" | "tif" | "tiff" => Ok(Self::Array),
             "csv" if table::begins_with_numbers(path) => Ok(Self::Array),
             "csv" => Ok(Self::Network),
             "obj" | "ply" | "off" | "stl" | "glb" | "gltf" | "gz" => Ok(Self::Mesh),

@@ -7,7 +7,9 @@
 
 use super::array::{Array, to_c_order};
 use super::error::{Fault, FilePosition, Problem, ReadError};
+use super::grey::check_expansion;
 use super::memory;
+use super::stored::{Class, Stored, fill};
 use super::values::{Values, each};
 use std::fs::File;
 use std::io::{self, BufReader, Read, Write};
@@ -23,10 +25,26 @@ pub(super) fn read(path: &Path) -> Result<Array, ReadError> {
     // What is no plain file has no length to hold the header against.
     let length = file.metadata().ok().filter(std::fs::Metadata::is_file).map(|metadata| metadata.len());
     let mut reader = BufReader::with_capacity(1 << 16, file);
-    let (header, start) = Header::read(&mut reader).map_err(|(place, problem)| problem.at(place, path))?;
-    let present = length.map(|length| length.saturating_sub(start));
-    header.check(present).map_err(|problem| problem.in_file(path))?;
-    let values = header.values(&mut reader).map_err(|problem| problem.in_file(path))?;
+    decode(&mut reader, length, |_| Ok(())).map_err(|(place, problem)| problem.at(place, path))
+}
+
+/// Reads an array of a file of so many bytes that expands to another number of them.
+pub(super) fn read_compressed(reader: &mut impl Read, compressed: u64, length: u64) -> Result<Array, Problem> {
+    decode(reader, Some(length), |count| check_expansion(count, compressed)).map_err(|(_, problem)| problem)
+}
+
+fn decode(
+    reader: &mut impl Read,
+    length: Option<u64>,
+    check: impl FnOnce(u64) -> Result<(), Problem>,
+) -> Result<Array, Fault> {
+    let in_file = |problem| (FilePosition::File, problem);
+    let (header, start) = Header::read(reader)?;
+    header
+        .check(length.map(|length| length.saturating_sub(start)))
+        .and_then(|()| check(header.count))
+        .map_err(in_file)?;
+    let values = header.item.values(reader, header.count).map_err(in_file)?;
     let shape: Vec<usize> = header.shape.iter().map(|&length| length as usize).collect();
     Ok(Array { values: if header.is_fortran { to_c_order(values, &shape) } else { values }, shape })
 }
@@ -34,25 +52,10 @@ pub(super) fn read(path: &Path) -> Result<Array, ReadError> {
 /// What the header says.
 #[derive(Debug, PartialEq)]
 struct Header {
-    item: Item,
+    item: Stored,
     is_fortran: bool,
     shape: Vec<u64>,
     count: u64,
-}
-
-/// How a value is stored.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Item {
-    class: Class,
-    bytes: usize,
-    is_big_endian: bool,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Class {
-    Signed,
-    Unsigned,
-    Float,
 }
 
 impl Header {
@@ -104,76 +107,6 @@ impl Header {
         let copies = if self.is_fortran { 2 } else { 1 };
         memory::check(self.count, copies * self.item.bytes.max(4))
     }
-
-    /// The values in the order in which they are stored.
-    fn values(&self, reader: &mut impl Read) -> Result<Values, Problem> {
-        let count = self.count;
-        Ok(match (self.item.class, self.item.bytes) {
-            (Class::Signed, 1) => Values::I32(self.decode(reader, count, |b: [u8; 1]| i8::from_le_bytes(b).into())?),
-            (Class::Signed, 2) => Values::I32(self.decode(reader, count, |b| i16::from_le_bytes(b).into())?),
-            (Class::Signed, 4) => Values::I32(self.decode(reader, count, i32::from_le_bytes)?),
-            (Class::Signed, _) => Values::I64(self.decode(reader, count, i64::from_le_bytes)?),
-            (Class::Unsigned, 1) => Values::I32(self.decode(reader, count, |b: [u8; 1]| b[0].into())?),
-            (Class::Unsigned, 2) => Values::I32(self.decode(reader, count, |b| u16::from_le_bytes(b).into())?),
-            (Class::Unsigned, 4) => Values::I64(self.decode(reader, count, |b| u32::from_le_bytes(b).into())?),
-            (Class::Unsigned, _) => Values::U64(self.decode(reader, count, u64::from_le_bytes)?),
-            (Class::Float, 2) => Values::F32(self.decode(reader, count, |b| half(u16::from_le_bytes(b)))?),
-            (Class::Float, 4) => Values::F32(self.decode(reader, count, f32::from_le_bytes)?),
-            (Class::Float, _) => Values::F64(self.decode(reader, count, f64::from_le_bytes)?),
-        })
-    }
-
-    /// Decodes values of `N` bytes, given to `decode` in little endian. Memory grows with what comes in.
-    fn decode<const N: usize, T>(
-        &self,
-        reader: &mut impl Read,
-        claimed: u64,
-        decode: impl Fn([u8; N]) -> T,
-    ) -> Result<Vec<T>, Problem> {
-        let mut values = Vec::new();
-        let mut block = vec![0; N << 13];
-        while (values.len() as u64) < claimed {
-            let wanted = (claimed - values.len() as u64).min(1 << 13) as usize * N;
-            let got = fill(reader, &mut block[..wanted])?;
-            for item in block[..got].chunks_exact(N) {
-                let mut item: [u8; N] = item.try_into().expect("chunks are of this length");
-                if self.item.is_big_endian {
-                    item.reverse();
-                }
-                values.push(decode(item));
-            }
-            if got < wanted {
-                return Err(Problem::CutShort { claimed, present: values.len() as u64 });
-            }
-        }
-        Ok(values)
-    }
-}
-
-/// Reads until the buffer is full or the file ends.
-fn fill(reader: &mut impl Read, buffer: &mut [u8]) -> io::Result<usize> {
-    let mut filled = 0;
-    while filled < buffer.len() {
-        match reader.read(&mut buffer[filled..]) {
-            Ok(0) => break,
-            Ok(got) => filled += got,
-            Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
-            Err(error) => return Err(error),
-        }
-    }
-    Ok(filled)
-}
-
-/// A float of 16 bits: 1 of sign, 5 of exponent, 10 of fraction (IEEE 754-2008).
-fn half(bits: u16) -> f32 {
-    let (exponent, fraction) = (i32::from(bits >> 10 & 0x1f), f32::from(bits & 0x3ff) / 1024.0);
-    let magnitude = match exponent {
-        0 => fraction * 2f32.powi(-14),
-        31 if fraction == 0.0 => f32::INFINITY,
-        31 => f32::NAN,
-        _ => (1.0 + fraction) * 2f32.powi(exponent - 15),
-    };
-    if bits >> 15 == 0 { magnitude } else { -magnitude }
 }
 
 /// Goes through the header's text.
@@ -216,7 +149,7 @@ impl Scanner<'_> {
         Ok(Header { item, is_fortran, shape, count })
     }
 
-    fn item(&mut self) -> Result<Item, Fault> {
+    fn item(&mut self) -> Result<Stored, Fault> {
         if self.peek() == Some(b'[') {
             return Err((self.place(), Problem::Type("record".into())));
         }
@@ -305,7 +238,7 @@ impl Scanner<'_> {
 }
 
 /// A type as `NumPy` names it: byte order, class, size.
-fn parse_item(name: &str) -> Option<Item> {
+fn parse_item(name: &str) -> Option<Stored> {
     let (order, rest) = name.split_at_checked(1)?;
     let (class, size) = rest.split_at_checked(1)?;
     let bytes = size.parse().ok()?;
@@ -321,7 +254,7 @@ fn parse_item(name: &str) -> Option<Item> {
         "=" => cfg!(target_endian = "big"),
         _ => return None,
     };
-    Some(Item { class, bytes, is_big_endian })
+    Some(Stored { class, bytes, is_big_endian })
 }
 
 /// Writes labels as an array of `<i4`; what has none is -1.
@@ -376,7 +309,7 @@ mod tests {
         let usual = header("{'descr': '<f8', 'fortran_order': False, 'shape': (3, 4), }  \n").expect("it is right");
         assert_eq!((&usual.shape[..], usual.count, usual.is_fortran), (&[3, 4][..], 12, false));
         let odd = header("{\"shape\":(12L,),\"fortran_order\":True,\"descr\":\">u2\"}").expect("it is right");
-        assert_eq!(odd.item, Item { class: Class::Unsigned, bytes: 2, is_big_endian: true });
+        assert_eq!(odd.item, Stored { class: Class::Unsigned, bytes: 2, is_big_endian: true });
     }
 
     #[test]
@@ -403,12 +336,5 @@ mod tests {
         let (_, problem) = header("{'descr': '<f8', 'fortran_order': False, 'shape': (4294967296, 4294967296, 9)}")
             .expect_err("2⁶⁴ is too large");
         assert!(matches!(problem, Problem::Shape(_)));
-    }
-
-    #[test]
-    fn halves_are_what_they_stand_for() {
-        let told = [0x3c00, 0xc000, 0x3555, 0x0001, 0x7bff, 0xfc00].map(half);
-        assert_eq!(told, [1.0, -2.0, 0.333_251_95, 5.960_464_5e-8, 65504.0, f32::NEG_INFINITY]);
-        assert!(half(0x7e00).is_nan());
     }
 }

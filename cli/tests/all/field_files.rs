@@ -3,6 +3,7 @@
 use crate::folder::{Folder, stdout};
 use serde_json::Value;
 use std::fs::{self, File};
+use std::io::Write;
 use tiff::encoder::{TiffEncoder, colortype};
 use tiff::tags::Tag;
 
@@ -57,6 +58,49 @@ fn an_elevation_model_has_no_data_where_it_says_so() {
     assert_eq!(report["superlevel"]["essential"][0]["range"], 8.5);
     fs::write(folder.path("b.tif"), b"II*\0\xff\xff\xff\xff").expect("it can be written");
     assert!(folder.complaint(&["persistence", "b.tif"]).contains("TIFF"));
+}
+
+#[test]
+fn one_of_several_arrays_is_named() {
+    let folder = Folder::new();
+    let files: [(&str, &[u8]); 4] = [
+        ("one.npz", include_bytes!("../files/one.npz")),
+        ("two.npz", include_bytes!("../files/two.npz")),
+        ("raw.vti", include_bytes!("../files/raw.vti")),
+        ("cut.npz", &include_bytes!("../files/two.npz")[..300]),
+    ];
+    files.iter().for_each(|(name, bytes)| fs::write(folder.path(name), bytes).expect("it can be written"));
+    let pairs = |args: &[&str]| json(&folder, &[&["persistence"], args].concat());
+    let one = pairs(&["one.npz"]);
+    assert_eq!(one["input"]["shape"], serde_json::json!([2, 3, 4]));
+    assert_eq!(one["superlevel"]["essential"][0]["birth"], 2.25);
+    assert_eq!(pairs(&["two.npz", "--array", "height"])["sublevel"], one["sublevel"]);
+    assert_eq!(pairs(&["two.npz", "--array", "other"])["superlevel"]["essential"][0]["birth"], 0.0);
+    assert_eq!(pairs(&["raw.vti", "--array", "other"])["sublevel"], one["sublevel"]);
+    let complaint = folder.complaint(&["persistence", "two.npz"]);
+    assert!(complaint.contains("height, other") && complaint.contains("--array"), "{complaint}");
+    assert!(folder.complaint(&["persistence", "two.npz", "--array", "width"]).contains("\"width\""));
+    assert!(folder.complaint(&["persistence", "cut.npz"]).contains("ZIP"));
+    folder.write("a.txt", "1\n5\n2\n");
+    assert!(folder.complaint(&["persistence", "a.txt", "--array", "height"]).contains("no name"));
+}
+
+/// An array of zeros that takes gigabytes where its archive takes some hundred kilobytes.
+#[test]
+fn an_archive_that_is_made_to_fill_memory_is_refused() {
+    let folder = Folder::new();
+    let file = File::create(folder.path("bomb.npz")).expect("it can be made");
+    let mut archive = zip::ZipWriter::new(file);
+    let options = zip::write::SimpleFileOptions::default().compression_method(zip::CompressionMethod::Deflated);
+    archive.start_file("zeros.npy", options).expect("it can be begun");
+    let header = "{'descr': '|u1', 'fortran_order': False, 'shape': (60000000,), }\n";
+    archive.write_all(b"\x93NUMPY\x01\x00").expect("it can be written");
+    archive.write_all(&(header.len() as u16).to_le_bytes()).expect("it can be written");
+    archive.write_all(header.as_bytes()).expect("it can be written");
+    (0..60).for_each(|_| archive.write_all(&[0; 1_000_000]).expect("it can be written"));
+    archive.finish().expect("it can be ended");
+    let complaint = folder.complaint(&["persistence", "bomb.npz"]);
+    assert!(complaint.contains("60000000"), "{complaint}");
 }
 
 #[test]

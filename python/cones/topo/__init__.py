@@ -44,6 +44,7 @@ from ._fields import (
     simplify,
     sublevel,
     superlevel,
+    tomato,
 )
 from ._pairs import Pairs, Persistence
 
@@ -76,5 +77,6 @@ __all__ = [
     "single_linkage",
     "sublevel",
     "superlevel",
+    "tomato",
     "wasserstein",
 ]

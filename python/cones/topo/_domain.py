@@ -29,11 +29,26 @@ class Graph:
         self.vertex_count = int(vertices)
 
     @classmethod
+    def from_rows(cls, starts: Any, indices: Any) -> Graph:
+        """The graph whose vertex v has the neighbours ``indices[starts[v]:starts[v + 1]]``, an edge in one of two rows or in both: compressed
+        rows, such as ``indptr`` and ``indices`` of scipy, or of a neighbour search. Indices of 32 and 64 bits are read where they lie."""
+        starts, indices = np.asarray(starts), np.asarray(indices)
+        if starts.ndim != 1 or indices.ndim != 1 or starts.dtype.kind not in "iu" or (indices.size and indices.dtype.kind not in "iu"):
+            raise Error("compressed rows are two lists of integers: where rows start, and the neighbours in them")
+        graph = cls.__new__(cls)
+        kind = np.int32 if indices.dtype == np.int32 else np.int64
+        graph._native = _cones.Domain.rows(plain(starts, np.int64), plain(indices, kind))
+        graph.vertex_count = len(starts) - 1
+        return graph
+
+    @classmethod
     def from_sparse(cls, matrix: Any) -> Graph:
         """The graph whose edges are the stored entries of a square scipy sparse matrix, in either triangle or both."""
         rows, columns = matrix.shape
         if rows != columns:
             raise Error(f"the matrix of a graph is square, not ({rows}, {columns})")
+        if matrix.format in ("csr", "csc"):
+            return cls.from_rows(matrix.indptr, matrix.indices)
         entries = matrix.tocoo()
         return cls(rows, np.column_stack([entries.row, entries.col]).astype(np.int64))
 

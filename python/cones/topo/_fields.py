@@ -181,6 +181,14 @@ class MergeTree:
         extrema, labels = self._native.segmentation(threshold)
         return Segmentation(extrema, self._read.shaped(labels))
 
+    def clusters(self, count: int) -> Segmentation:
+        """The basins of as many leaves as are wanted, those of the most persistent branches, or of all if there are fewer; never fewer than
+        connected components. On the maxima of a density these are the clusters of ToMATo, see `tomato`."""
+        if count < 0:
+            raise Error(f"there cannot be {count} clusters")
+        extrema, labels = self._native.clusters(count)
+        return Segmentation(extrema, self._read.shaped(labels))
+
     def components(self, level: Any) -> tuple[np.ndarray, Segmentation]:
         """The components of the set of vertices up to a level (for maxima: from it upwards): a structured array (extremum, value, saddle, size),
         and the component of each vertex."""
@@ -217,6 +225,28 @@ def merge_tree(
     """The tree of components of all sublevel sets (``kind="minimum"``) or superlevel sets. Other parameters as for `sublevel`."""
     read = Field(field, domain, connectivity=connectivity, periodic=periodic, mask=mask, nan=nan)
     return MergeTree(_cones.merge_tree(read.domain, read.values, _is_maximum(kind), read.masks_nan), read)
+
+
+def tomato(
+    density: Any,
+    domain: Any = None,
+    *,
+    count: Optional[int] = None,
+    prominence: Optional[float] = None,
+    connectivity: Optional[str] = None,
+    periodic: Any = False,
+    mask: Any = None,
+    nan: str = "refuse",
+) -> Segmentation:
+    """Clusters by ToMATo (Chazal, Guibas, Oudot & Skraba 2013): the territories of the maxima of a density on a neighbour graph, as many as
+    ``count``, or of those that stand out by more than ``prominence``. Which of these to ask for shows in ``superlevel(density, domain).ranked()``:
+    where persistence falls. Other parameters as for `sublevel`."""
+    if (count is None) == (prominence is None):
+        raise Error("give a count of clusters or a least prominence, one of them")
+    options: dict[str, Any] = {"connectivity": connectivity, "periodic": periodic, "mask": mask, "nan": nan}
+    if count is None:
+        return segmentation(density, domain, kind="maximum", threshold=prominence or 0.0, **options)
+    return merge_tree(density, domain, kind="maximum", **options).clusters(count)
 
 
 def holes(field: Any, *, kind: str = "minimum", connectivity: str = "axis") -> np.ndarray:

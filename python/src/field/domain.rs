@@ -2,7 +2,8 @@
 
 use std::sync::Arc;
 
-use numpy::{PyReadonlyArray1, PyReadonlyArray2};
+use num_traits::PrimInt;
+use numpy::{PyArray1, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 use topo::{Adjacency, Connectivity, TriangleMesh};
 
@@ -62,6 +63,17 @@ impl Domain {
         Ok(Self { kind: DomainKind::Graph(Arc::new(made.map_err(Failed)?)), vertex_count: vertices })
     }
 
+    /// A graph in compressed rows: the neighbours of vertex v are `indices[starts[v]..starts[v + 1]]`, an edge in one row or in both.
+    #[staticmethod]
+    fn rows(py: Python<'_>, starts: PyReadonlyArray1<'_, i64>, indices: &Bound<'_, PyAny>) -> PyResult<Self> {
+        let starts = starts.as_slice()?;
+        if let Ok(indices) = indices.cast::<PyArray1<i32>>() {
+            return Self::of_rows(py, starts, indices.try_readonly().map_err(not_readable)?.as_slice()?);
+        }
+        let indices = indices.cast::<PyArray1<i64>>().map_err(|_| Error::new_err("indices are integers"))?;
+        Self::of_rows(py, starts, indices.try_readonly().map_err(not_readable)?.as_slice()?)
+    }
+
     /// The vertices and edges of triangles (m, 3).
     #[staticmethod]
     fn triangles(py: Python<'_>, vertices: usize, triangles: PyReadonlyArray2<'_, u32>) -> PyResult<Self> {
@@ -79,6 +91,23 @@ impl Domain {
             DomainKind::Volume(_) => Some(3),
             _ => None,
         }
+    }
+}
+
+fn not_readable(error: numpy::BorrowError) -> PyErr {
+    Error::new_err(error.to_string())
+}
+
+impl Domain {
+    fn of_rows<I: PrimInt + Sync>(py: Python<'_>, starts: &[i64], indices: &[I]) -> PyResult<Self> {
+        let row = |ends: &[i64]| indices.get(usize::try_from(ends[0]).ok()?..usize::try_from(ends[1]).ok()?);
+        let lists: Option<Vec<&[I]>> = starts.windows(2).map(row).collect();
+        let is_whole = starts.first() == Some(&0) && starts.last().is_some_and(|&end| end == indices.len() as i64);
+        let lists = lists.filter(|_| is_whole).ok_or_else(|| {
+            Error::new_err(format!("the starts of the rows do not rise from 0 to the {} indices", indices.len()))
+        })?;
+        let made = py.detach(|| Adjacency::new(&lists)).map_err(Failed)?;
+        Ok(Self { kind: DomainKind::Graph(Arc::new(made)), vertex_count: lists.len() })
     }
 }
 

@@ -132,7 +132,7 @@ fn merge_tree(
 ) -> PyResult<Tree> {
     let (options, kind) = (options(masks_nan, false), kind(is_superlevel));
     on_domain!(domain, field, (on, slice) => {
-        let tree: Box<dyn AnyTree> = Box::new(on_pool(py, || options.merge_tree(on, slice, kind))?);
+        let tree: Box<dyn AnyTree> = Box::new(on_pool(py, || Ok(options.merge_tree(on, slice, kind)?.into_owned()))?);
         Ok(Tree(tree))
     })
 }

@@ -17,6 +17,7 @@ pub(crate) trait AnyTree: Send + Sync {
     /// The columns of the branches' pairs, parents (-1 for none) and sizes.
     fn branches<'py>(&self, py: Python<'py>) -> (Columns<'py>, Ints<'py>, Ints<'py>);
     fn segmentation<'py>(&self, py: Python<'py>, least: f64) -> PyResult<Segments<'py>>;
+    fn clusters<'py>(&self, py: Python<'py>, count: usize) -> Segments<'py>;
     fn components<'py>(
         &self,
         py: Python<'py>,
@@ -44,7 +45,7 @@ pub(crate) fn segments<'py>(py: Python<'py>, segmentation: &Segmentation<usize>)
     (ints(py, segmentation.extrema().iter().map(|&v| Some(v))), PyArray1::from_vec(py, labels))
 }
 
-impl<S: Number> AnyTree for MergeTree<usize, S> {
+impl<S: Number> AnyTree for MergeTree<'static, usize, S> {
     fn kind(&self) -> Kind {
         self.kind()
     }
@@ -77,6 +78,10 @@ impl<S: Number> AnyTree for MergeTree<usize, S> {
     fn segmentation<'py>(&self, py: Python<'py>, least: f64) -> PyResult<Segments<'py>> {
         let least = threshold::<S>(least)?;
         Ok(segments(py, &py.detach(|| self.segmentation(least))))
+    }
+
+    fn clusters<'py>(&self, py: Python<'py>, count: usize) -> Segments<'py> {
+        segments(py, &py.detach(|| self.clusters(count)))
     }
 
     fn components<'py>(
@@ -137,6 +142,10 @@ impl Tree {
 
     fn segmentation<'py>(&self, py: Python<'py>, threshold: f64) -> PyResult<Segments<'py>> {
         self.0.segmentation(py, threshold)
+    }
+
+    fn clusters<'py>(&self, py: Python<'py>, count: usize) -> Segments<'py> {
+        self.0.clusters(py, count)
     }
 
     fn components<'py>(

@@ -123,8 +123,8 @@ mod features {
         on_grid(
             bencher,
             shape,
-            |g, f| topo::merge_tree(g, f, Kind::Minimum),
-            |g, f| topo::merge_tree(g, f, Kind::Minimum),
+            |g, f| topo::merge_tree(g, f, Kind::Minimum).map(|tree| tree.leaf_count()),
+            |g, f| topo::merge_tree(g, f, Kind::Minimum).map(|tree| tree.leaf_count()),
         );
     }
 

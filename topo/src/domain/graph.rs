@@ -53,6 +53,22 @@ pub trait Domain: Copy {
     fn merges<S: Scalar, D: Direction>(&self, filtration: &Filtration<'_, S, D>) -> Vec<Merge> {
         self.basins(filtration, Pointing::Any).pair(filtration).0
     }
+
+    /// What `pair` makes of the merges, each with the values at its extremum and at its end; nothing if the work is stopped. Of a component
+    /// that joins an elder one it is asked once; before that it may be asked what it made of one that has no end yet.
+    #[doc(hidden)]
+    fn map_merges<S: Scalar, D: Direction, T>(
+        &self,
+        filtration: &Filtration<'_, S, D>,
+        pair: impl Fn(&Merge, S, S) -> T,
+    ) -> Vec<T> {
+        let merges = self.merges(filtration);
+        if filtration.stops() {
+            return Vec::new();
+        }
+        let pair = |merge: &Merge| pair(merge, filtration.value(merge.extremum), filtration.value(merge.end));
+        merges.iter().map(pair).collect()
+    }
 }
 
 impl<G> Domain for G

@@ -6,7 +6,7 @@
 
 use super::graph::Domain;
 use super::stencil::{Connectivity, Offset, Stencil};
-use crate::filtration::{Direction, Filtration, Kind};
+use crate::filtration::{Direction, Filtration};
 use crate::pairing::{Basins, OUTSIDE, Pointing, SaddleCandidate, Scan};
 use crate::parallel;
 use crate::scalar::Scalar;
@@ -152,7 +152,14 @@ impl<const D: usize> Domain for &Grid<D> {
         let position = padded(self.position(index), 0);
         let stencil = self.stencil();
         let count = stencil.neighbors(u32::MAX).count_ones() as usize;
-        stencil.offsets[..count].iter().filter_map(|&offset| self.step(position, offset)).for_each(&mut visit);
+        let offsets = &stencil.offsets[..count];
+        if (3 - D..3).all(|axis| position[axis] > 0 && position[axis] + 1 < self.shape[axis]) {
+            let [_, ny, nx] = self.shape.map(|length| length as isize);
+            let leaps = offsets.iter().map(|offset| offset.map(isize::from)).map(|[z, y, x]| (z * ny + y) * nx + x);
+            leaps.for_each(|leap| visit(index.wrapping_add_signed(leap)));
+        } else {
+            offsets.iter().filter_map(|&offset| self.step(position, offset)).for_each(&mut visit);
+        }
     }
 
     fn fills_loops(&self) -> bool {
@@ -190,22 +197,34 @@ struct Scanner<'a, S, F, const D: usize> {
     here: usize,
     /// For each offset of the stencil the first vertex of the row it leads to, if there is one.
     there: Vec<Option<usize>>,
+    /// The vertices around one of the row: first those with lower indices, from the nearest by index outwards, then those with
+    /// higher ones. So each is before or behind all that were looked at.
+    looks: Vec<Look>,
+    /// For each offset how far it is by index; differences wrap round, and are added by wrapping again.
+    leaps: [u32; 32],
     /// For each vertex of a span the set of stencil vertices that are earlier.
     sets: [u32; SPAN],
     pointing: Pointing,
-    /// Of steepest descent, for the row that is scanned: how far it is to each neighbour, and its step along the row; by rising
-    /// index, with the vertex itself among them.
-    leaps: Vec<(isize, i8)>,
-    /// Of steepest descent, for each vertex of a span the earliest value around it.
+    /// Of steepest descent, for each vertex of a span the earliest value around it so far.
     earliest: Vec<S>,
     found: Scan,
 }
 
+/// A stencil vertex as seen from all vertices of a row.
+#[derive(Clone, Copy)]
+struct Look {
+    bit: usize,
+    /// How far it is by index; never 0.
+    leap: isize,
+    /// The step along the row.
+    dx: i8,
+}
+
 impl<'a, S: Scalar, F: Direction, const D: usize> Scanner<'a, S, F, D> {
     fn new(grid: &'a Grid<D>, filtration: &'a Filtration<'a, S, F>, pointing: Pointing) -> Self {
-        let (there, leaps, earliest) = (Vec::new(), Vec::new(), Vec::new());
-        let (stencil, sets, found) = (grid.stencil(), [0; SPAN], Scan::default());
-        Self { grid, filtration, stencil, here: 0, there, sets, pointing, leaps, earliest, found }
+        let (there, looks, earliest) = (Vec::new(), Vec::new(), Vec::new());
+        let (stencil, leaps, sets, found) = (grid.stencil(), [0; 32], [0; SPAN], Scan::default());
+        Self { grid, filtration, stencil, here: 0, there, looks, leaps, sets, pointing, earliest, found }
     }
 
     fn scan_row(&mut self, row: usize, next: &mut [u32]) {
@@ -214,103 +233,86 @@ impl<'a, S: Scalar, F: Direction, const D: usize> Scanner<'a, S, F, D> {
         self.there.clear();
         let rows = self.stencil.offsets.iter().map(|&[z, y, _]| self.grid.step([row / ny, row % ny, 0], [z, y, 0]));
         self.there.extend(rows);
-        if self.pointing == Pointing::Steepest {
-            self.note_leaps();
-        }
+        self.note_looks();
         for start in (0..length).step_by(SPAN) {
             let span = start..length.min(start + SPAN);
-            self.find_earlier(span.clone());
+            match self.pointing {
+                Pointing::Any => self.find_earlier(&span),
+                Pointing::Steepest => self.find_earliest(&span, &mut next[span.clone()]),
+            }
+            self.find_earlier_round_the_ends(&span);
             self.point_and_collect(span.clone(), &mut next[span.clone()]);
-            self.point_periodic_ends(span.clone(), next);
-            if self.pointing == Pointing::Steepest {
-                self.point_steepest(span, next);
-            }
+            self.point_periodic_ends(&span, next);
         }
     }
 
-    /// Points each vertex of a span to its earliest neighbour instead: the values first, then who has them. Of those that do, the one
-    /// with the lowest index is earliest if the filtration rises, or else that with the highest. NaN is nobody's.
-    fn point_steepest(&mut self, span: Range<usize>, next: &mut [u32]) {
-        let (field, here) = (self.filtration.field(), self.here);
-        self.earliest.clear();
-        self.earliest.extend_from_slice(&field[here + span.start..here + span.end]);
-        self.sets[..span.len()].fill(0);
-        for &leap in &self.leaps {
-            let (inside, others) = self.beyond(&span, leap);
-            reduce(&mut self.earliest[inside], others, F::precedes_lower_index);
-        }
-        for (bit, &leap) in self.leaps.iter().enumerate() {
-            let (inside, others) = self.beyond(&span, leap);
-            mark(&mut self.sets[inside.clone()], others, &self.earliest[inside], bit, |a, b| a == b);
-        }
-        let mut leaps = [0u32; 32];
-        leaps.iter_mut().zip(&self.leaps).for_each(|(to, leap)| *to = leap.0 as u32);
-        for ((v, next), &set) in ((here + span.start) as u32..).zip(&mut next[span.clone()]).zip(&self.sets) {
-            let bit = if F::KIND == Kind::Minimum { set.trailing_zeros() } else { 31 - (set | 1).leading_zeros() };
-            let leap = leaps[bit as usize % leaps.len()];
-            *next = if leap == 0 || set == 0 { OUTSIDE } else { v.wrapping_add(leap) };
-        }
-        for x in self.periodic_ends(&span) {
-            let mut earliest = (here + x) as u32;
-            self.grid.for_each_neighbor(here + x, |u| earliest = self.filtration.earlier(u as u32, earliest));
-            next[x] = if earliest as usize == here + x { OUTSIDE } else { earliest };
-        }
-    }
-
-    /// The part of a span of the row from which a leap stays within the row that it leads to, from the start of the span; and the
-    /// values there.
-    fn beyond(&self, span: &Range<usize>, (leap, dx): (isize, i8)) -> (Range<usize>, &'a [S]) {
-        let inner = span.start.max(usize::from(dx < 0))..span.end.min(self.grid.shape[2] - usize::from(dx > 0));
-        if inner.is_empty() {
-            return (0..0, &[]);
-        }
-        let from = (self.here + inner.start).wrapping_add_signed(leap);
-        (inner.start - span.start..inner.end - span.start, &self.filtration.field()[from..from + inner.len()])
-    }
-
-    /// Notes how far it is by index to each neighbour and to the vertex itself, and the steps along the row.
-    fn note_leaps(&mut self) {
-        let count = self.stencil.neighbors(u32::MAX).count_ones() as usize;
-        self.leaps.clear();
-        self.leaps.push((0, 0));
-        for (&[_, _, dx], &there) in self.stencil.offsets[..count].iter().zip(&self.there) {
+    /// Notes what is around the vertices of the row.
+    fn note_looks(&mut self) {
+        self.looks.clear();
+        for (bit, (&[_, _, dx], &there)) in self.stencil.offsets.iter().zip(&self.there).enumerate() {
+            let leap = there.map_or(0, |there| there as isize - self.here as isize + isize::from(dx));
+            self.leaps[bit] = leap as u32;
             // An offset that leads back to the vertex itself, round an axis of length one, is no neighbour.
-            if let Some(there) = there.filter(|&there| there != self.here || dx != 0) {
-                self.leaps.push((there as isize - self.here as isize + isize::from(dx), dx));
+            if there.is_some_and(|there| there != self.here || dx != 0) {
+                self.looks.push(Look { bit, leap, dx });
             }
         }
-        self.leaps.sort_unstable();
+        self.looks.sort_unstable_by_key(|look| (look.leap > 0, look.leap.abs()));
     }
 
     /// Fills in the sets of a span of the row.
-    fn find_earlier(&mut self, span: Range<usize>) {
-        let length = self.grid.shape[2];
-        let field = self.filtration.field();
+    fn find_earlier(&mut self, span: &Range<usize>) {
         self.sets[..span.len()].fill(0);
-        for (bit, (&[_, _, dx], &there)) in self.stencil.offsets.iter().zip(&self.there).enumerate() {
-            // An offset that leads back to the vertex itself, round an axis of length one, is no neighbour.
-            let Some(there) = there.filter(|&there| there != self.here || dx != 0) else { continue };
-            let has_lower_index = there < self.here || there == self.here && dx < 0;
-            let inner = span.start.max(usize::from(dx < 0))..span.end.min(length - usize::from(dx > 0));
-            if inner.is_empty() {
-                continue;
-            }
-            let sets = &mut self.sets[inner.start - span.start..inner.end - span.start];
-            let from = (there + inner.start).wrapping_add_signed(isize::from(dx));
-            let (others, centres) = (&field[from..from + inner.len()], &field[self.here + inner.start..]);
-            if has_lower_index {
-                mark(sets, others, centres, bit, F::precedes_higher_index);
+        for &look in &self.looks {
+            let Some((inside, others, centres)) = self.beyond(span, look) else { continue };
+            let sets = &mut self.sets[inside];
+            if look.leap < 0 {
+                mark(sets, others, centres, look.bit, F::precedes_higher_index);
             } else {
-                mark(sets, others, centres, bit, F::precedes_lower_index);
+                mark(sets, others, centres, look.bit, F::precedes_lower_index);
             }
         }
-        self.find_earlier_round_the_ends(span);
+    }
+
+    /// Finds how far it is from each vertex of a span to the earliest around it. NaN is nobody's earliest, and has none.
+    fn find_earliest(&mut self, span: &Range<usize>, farthest: &mut [u32]) {
+        let neighbors = self.stencil.neighbors(u32::MAX);
+        let own = self.here + span.start..self.here + span.end;
+        self.sets[..span.len()].fill(0);
+        farthest.fill(0);
+        self.earliest.clear();
+        self.earliest.extend_from_slice(&self.filtration.field()[own]);
+        for &look in &self.looks {
+            let Some((inside, others, centres)) = self.beyond(span, look) else { continue };
+            let sets = &mut self.sets[inside.clone()];
+            let so_far = (&mut self.earliest[inside.clone()], &mut farthest[inside]);
+            match (neighbors >> look.bit & 1 != 0, look.leap < 0) {
+                (true, true) => mark_and_reduce(sets, so_far, others, centres, look, F::precedes_higher_index),
+                (true, false) => mark_and_reduce(sets, so_far, others, centres, look, F::precedes_lower_index),
+                (false, true) => mark(sets, others, centres, look.bit, F::precedes_higher_index),
+                (false, false) => mark(sets, others, centres, look.bit, F::precedes_lower_index),
+            }
+        }
+    }
+
+    /// The part of a span of the row from which a look stays within the row that it leads to, from the start of the span; the values
+    /// there, and those of the part itself.
+    fn beyond(&self, span: &Range<usize>, look: Look) -> Option<(Range<usize>, &'a [S], &'a [S])> {
+        let inner =
+            span.start.max(usize::from(look.dx < 0))..span.end.min(self.grid.shape[2] - usize::from(look.dx > 0));
+        if inner.is_empty() {
+            return None;
+        }
+        let field = self.filtration.field();
+        let own = self.here + inner.start..self.here + inner.end;
+        let from = own.start.wrapping_add_signed(look.leap);
+        Some((inner.start - span.start..inner.end - span.start, &field[from..from + inner.len()], &field[own]))
     }
 
     /// Adds what lies beyond the ends of a periodic row.
-    fn find_earlier_round_the_ends(&mut self, span: Range<usize>) {
+    fn find_earlier_round_the_ends(&mut self, span: &Range<usize>) {
         let length = self.grid.shape[2];
-        for x in self.periodic_ends(&span) {
+        for x in self.periodic_ends(span) {
             for (bit, (&[_, _, dx], &there)) in self.stencil.offsets.iter().zip(&self.there).enumerate() {
                 let beyond = if x == 0 && dx < 0 { length - 1 } else { 0 };
                 let leaves = x == 0 && dx < 0 || x + 1 == length && dx > 0;
@@ -324,12 +326,8 @@ impl<'a, S: Scalar, F: Direction, const D: usize> Scanner<'a, S, F, D> {
 
     /// Points each vertex of a span to an earlier neighbour; notes extrema and candidates for saddles.
     fn point_and_collect(&mut self, span: Range<usize>, next: &mut [u32]) {
-        let mut leaps = [0u32; 32];
-        for (leap, (&[_, _, dx], &there)) in leaps.iter_mut().zip(self.stencil.offsets.iter().zip(&self.there)) {
-            // Differences wrap round: they are added by wrapping again.
-            *leap = (there.unwrap_or(0) as u32).wrapping_sub(self.here as u32).wrapping_add_signed(i32::from(dx));
-        }
         let first = (self.here + span.start) as u32;
+        let is_steepest = self.pointing == Pointing::Steepest;
         for (v, (&set, next)) in (first..).zip(self.sets.iter().zip(next)) {
             let neighbors = self.stencil.neighbors(set);
             if neighbors == 0 {
@@ -339,19 +337,28 @@ impl<'a, S: Scalar, F: Direction, const D: usize> Scanner<'a, S, F, D> {
                 }
                 continue;
             }
-            *next = v.wrapping_add(leaps[neighbors.trailing_zeros() as usize % leaps.len()]);
+            let leap = if is_steepest { *next } else { self.leaps[neighbors.trailing_zeros() as usize % 32] };
+            *next = v.wrapping_add(leap);
             if self.stencil.splits(set) {
-                note_candidates(self.grid, self.stencil, &mut self.found.candidates, v, set);
+                let x = v as usize - self.here;
+                let is_end = self.grid.periodic[2] && (x == 0 || x + 1 == self.grid.shape[2]);
+                let leaps = (!is_end).then_some(&self.leaps);
+                note_candidates(self.grid, self.stencil, leaps, &mut self.found.candidates, v, set);
             }
         }
     }
 
     /// Points the ends of a periodic row where they should.
-    fn point_periodic_ends(&self, span: Range<usize>, next: &mut [u32]) {
-        for x in self.periodic_ends(&span) {
+    fn point_periodic_ends(&self, span: &Range<usize>, next: &mut [u32]) {
+        for x in self.periodic_ends(span) {
+            let v = (self.here + x) as u32;
             let neighbors = self.stencil.neighbors(self.sets[x - span.start]);
-            if neighbors != 0 {
-                next[x] = neighbor(self.grid, self.stencil, (self.here + x) as u32, neighbors.trailing_zeros());
+            if neighbors == 0 {
+                continue;
+            }
+            next[x] = neighbor(self.grid, self.stencil, v, neighbors.trailing_zeros());
+            if self.pointing == Pointing::Steepest {
+                self.grid.for_each_neighbor(v as usize, |u| next[x] = self.filtration.earlier(u as u32, next[x]));
             }
         }
     }
@@ -371,30 +378,47 @@ fn mark<S: Scalar>(sets: &mut [u32], others: &[S], centres: &[S], bit: usize, is
     }
 }
 
-/// Takes the other value where it is earlier than the earliest so far.
-fn reduce<S: Scalar>(earliest: &mut [S], others: &[S], is_earlier: impl Fn(S, S) -> bool) {
-    for (earliest, &other) in earliest.iter_mut().zip(others) {
-        *earliest = if is_earlier(other, *earliest) { other } else { *earliest };
+/// The same for a neighbour, which becomes the earliest so far where it is earlier than that: its value, and how far it is.
+fn mark_and_reduce<S: Scalar>(
+    sets: &mut [u32],
+    (earliest, farthest): (&mut [S], &mut [u32]),
+    others: &[S],
+    centres: &[S],
+    look: Look,
+    is_earlier: impl Fn(S, S) -> bool,
+) {
+    let leap = look.leap as u32;
+    let so_far = earliest.iter_mut().zip(farthest);
+    for ((set, (earliest, farthest)), (&other, &centre)) in sets.iter_mut().zip(so_far).zip(others.iter().zip(centres))
+    {
+        *set |= u32::from(is_earlier(other, centre)) << look.bit;
+        let is_earliest = is_earlier(other, *earliest);
+        *earliest = if is_earliest { other } else { *earliest };
+        // As bits, which compiles to vector instructions where a choice does not.
+        *farthest ^= (*farthest ^ leap) & u32::from(is_earliest).wrapping_neg();
     }
 }
 
-/// Notes one neighbour of each part of a set against one of the first part.
-#[cold]
+/// Notes one neighbour of each part of a set against one of the first part, given how far neighbours are by index if all are within
+/// the rows.
 fn note_candidates<const D: usize>(
     grid: &Grid<D>,
     stencil: &Stencil,
+    leaps: Option<&[u32; 32]>,
     candidates: &mut Vec<SaddleCandidate>,
     saddle: u32,
     set: u32,
 ) {
-    let mut rest = stencil.neighbors(set);
-    let first = rest.trailing_zeros();
-    rest &= !stencil.component(set, first);
-    while rest != 0 {
-        let other = rest.trailing_zeros();
-        let sides = [first, other].map(|bit| neighbor(grid, stencil, saddle, bit));
-        candidates.push(SaddleCandidate { saddle, sides });
-        rest &= !stencil.component(set, other);
+    let side = |bit: u32| match leaps {
+        Some(leaps) => saddle.wrapping_add(leaps[bit as usize % 32]),
+        None => neighbor(grid, stencil, saddle, bit),
+    };
+    let parts = stencil.parts(set);
+    let first = side(parts.trailing_zeros());
+    let mut others = parts & (parts - 1);
+    while others != 0 {
+        candidates.push(SaddleCandidate { saddle, sides: [first, side(others.trailing_zeros())] });
+        others &= others - 1;
     }
 }
 

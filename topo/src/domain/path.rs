@@ -52,73 +52,112 @@ impl Domain for &Path {
         }
     }
 
-    fn merges<S: Scalar, D: Direction>(&self, filtration: &Filtration<'_, S, D>) -> Vec<Merge> {
-        let mut stack = Stack { filtration, basins: Vec::new(), merges: Vec::new() };
+    fn map_merges<S: Scalar, D: Direction, T>(
+        &self,
+        filtration: &Filtration<'_, S, D>,
+        pair: impl Fn(&Merge, S, S) -> T,
+    ) -> Vec<T> {
+        let mut stack =
+            Stack { filtration, pair, basins: Vec::new(), separator: 0, is_minimum: true, pairs: Vec::new() };
         let mut start = 0;
-        for segment in filtration.field().split(|value| value.is_nan()) {
-            stack.pair(start as u32..(start + segment.len()) as u32);
-            start += segment.len() + 1;
+        for stretch in filtration.field().split(|value| value.is_nan()) {
+            stack.pair(start as u32..(start + stretch.len()) as u32);
+            start += stretch.len() + 1;
         }
-        stack.merges
+        stack.pairs
     }
 }
+
+/// So many vertices are searched for extrema at a time.
+const SEARCHED: usize = 1024;
 
 /// A basin that waits, and the maximum that separates it from the one below it on the stack.
 #[derive(Clone, Copy)]
-struct Basin {
+struct Basin<S> {
     minimum: u32,
-    /// Its place among the merges.
+    /// Its place among the pairs.
     place: u32,
-    /// [`NONE`] at the bottom of the stack.
+    birth: S,
+    /// Of the basin at the bottom of the stack nothing in particular.
     separator: u32,
+    level: S,
 }
 
-struct Stack<'a, S, D> {
+struct Stack<'a, S, D, P, T> {
     filtration: &'a Filtration<'a, S, D>,
-    basins: Vec<Basin>,
+    pair: P,
+    basins: Vec<Basin<S>>,
+    /// The last maximum.
+    separator: u32,
+    /// Whether the next extremum is a minimum.
+    is_minimum: bool,
     /// What becomes of each basin, by rising index of its minimum.
-    merges: Vec<Merge>,
+    pairs: Vec<T>,
 }
 
-impl<S: Scalar, D: Direction> Stack<'_, S, D> {
-    /// Pairs a stretch of vertices that all enter.
+impl<S: Scalar, D: Direction, P: Fn(&Merge, S, S) -> T, T> Stack<'_, S, D, P, T> {
+    /// Pairs a stretch of vertices that all enter. Extrema are found without a branch: on noise none could be foretold.
     fn pair(&mut self, stretch: Range<u32>) {
-        if stretch.is_empty() {
-            return;
-        }
-        let (first, end) = (stretch.start, stretch.end);
-        let mut last = self.filtration.later(first, end - 1);
-        let (mut falls, mut separator) = (true, NONE);
-        for v in stretch {
-            let fell = falls;
-            falls = v + 1 < end && self.filtration.precedes(v + 1, v);
-            if fell && !falls {
-                self.basins.push(Basin { minimum: v, place: self.merges.len() as u32, separator });
-                self.merges.push(Merge::born(v));
-            } else if !fell && falls {
-                self.settle(|filtration, separator| filtration.precedes(separator, v));
-                last = self.filtration.later(last, v);
-                separator = v;
+        let Some(last) = stretch.clone().last() else { return };
+        let mut latest = self.filtration.later(stretch.start, last);
+        let mut falls = true;
+        for start in stretch.step_by(SEARCHED) {
+            let end = last.min(start.saturating_add(SEARCHED as u32));
+            let values = &self.filtration.field()[start as usize..=end as usize];
+            let (mut turns, mut count) = ([0; SEARCHED], 0);
+            for (v, (&value, &next)) in (start..).zip(values.iter().zip(&values[1..])) {
+                let falls_on = D::precedes_lower_index(next, value);
+                turns[count] = v;
+                count += usize::from(falls_on != falls);
+                falls = falls_on;
             }
+            turns[..count].iter().for_each(|&v| latest = self.turn(v, latest));
         }
-        self.settle(|_, _| true);
-        if let Some(eldest) = self.basins.pop() {
-            self.merges[eldest.place as usize].end = last;
+        if falls {
+            self.turn(last, latest);
+        }
+        self.end(latest);
+    }
+
+    /// Minima and maxima in turn, with a minimum at both ends; the later of a vertex and this one, if it is a maximum.
+    fn turn(&mut self, v: u32, latest: u32) -> u32 {
+        let value = self.filtration.value(v);
+        let is_minimum = self.is_minimum;
+        self.is_minimum = !is_minimum;
+        if is_minimum {
+            let (place, separator) = (self.pairs.len() as u32, self.separator);
+            let level = self.filtration.value(separator);
+            self.basins.push(Basin { minimum: v, place, birth: value, separator, level });
+            self.pairs.push((self.pair)(&Merge::born(v), value, value));
+            return latest;
+        }
+        self.settle(|level| D::precedes_higher_index(level, value));
+        self.separator = v;
+        self.filtration.later(latest, v)
+    }
+
+    /// Merges basins across the separators on top for whose values `is_due` holds.
+    fn settle(&mut self, is_due: impl Fn(S) -> bool) {
+        while let [.., below, top] = &mut self.basins[..]
+            && is_due(top.level)
+        {
+            let (saddle, level) = (top.separator, top.level);
+            let is_top_younger = D::precedes_higher_index(below.birth, top.birth);
+            let (elder, younger) = if is_top_younger { (*below, *top) } else { (*top, *below) };
+            (below.minimum, below.place, below.birth) = (elder.minimum, elder.place, elder.birth);
+            let merge = Merge { extremum: younger.minimum, end: saddle, towards: elder.minimum };
+            self.pairs[younger.place as usize] = (self.pair)(&merge, younger.birth, level);
+            self.basins.pop();
         }
     }
 
-    /// Merges basins across the separators on top for which `is_due` holds.
-    fn settle(&mut self, is_due: impl Fn(&Filtration<'_, S, D>, u32) -> bool) {
-        while let [.., below, top] = &mut self.basins[..]
-            && is_due(self.filtration, top.separator)
-        {
-            let saddle = top.separator;
-            let is_top_younger = self.filtration.precedes(below.minimum, top.minimum);
-            let (elder, younger) = if is_top_younger { (*below, *top) } else { (*top, *below) };
-            (below.minimum, below.place) = (elder.minimum, elder.place);
-            self.merges[younger.place as usize] =
-                Merge { extremum: younger.minimum, end: saddle, towards: elder.minimum };
-            self.basins.pop();
+    /// Merges all basins that wait; the eldest has its end at the last vertex to enter.
+    fn end(&mut self, latest: u32) {
+        self.settle(|_| true);
+        if let Some(Basin { minimum, place, birth, .. }) = self.basins.pop() {
+            let merge = Merge { extremum: minimum, end: latest, towards: NONE };
+            self.pairs[place as usize] = (self.pair)(&merge, birth, self.filtration.value(latest));
         }
+        self.is_minimum = true;
     }
 }

@@ -31,6 +31,9 @@ pub(crate) type Offset = [i8; 3];
 /// Sets of more offsets than this are flooded anew for each vertex; below, a table of 2ⁿ bits (32 KB) is filled once.
 const MAX_TABLE_BITS: usize = 18;
 
+/// Parts of sets of more offsets than this are flooded anew; below, a table of 2ⁿ words (1 KB) is filled once.
+const MAX_PART_BITS: usize = 8;
+
 /// Neighbours of a grid vertex, one bit each, true neighbours first.
 #[derive(Debug)]
 pub(crate) struct Stencil {
@@ -40,6 +43,8 @@ pub(crate) struct Stencil {
     adjacent: Vec<u32>,
     /// One bit for each set of offsets: whether its neighbours are not connected.
     splits: Vec<u64>,
+    /// For each set of few offsets one neighbour of each part.
+    parts: Vec<u32>,
 }
 
 impl Stencil {
@@ -61,9 +66,12 @@ impl Stencil {
             adjacent.fold(0, |set, (bit, _)| set | 1 << bit)
         };
         let adjacent = offsets.iter().map(adjacent_to).collect();
-        let mut stencil = Self { offsets, neighbor_bits, adjacent, splits: Vec::new() };
+        let mut stencil = Self { offsets, neighbor_bits, adjacent, splits: Vec::new(), parts: Vec::new() };
         if stencil.offsets.len() <= MAX_TABLE_BITS {
             stencil.fill_table();
+        }
+        if stencil.offsets.len() <= MAX_PART_BITS {
+            stencil.parts = (0..1 << stencil.offsets.len()).map(|set| stencil.parts_by_flooding(set)).collect();
         }
         stencil
     }
@@ -95,8 +103,24 @@ impl Stencil {
         neighbors != 0 && neighbors & !self.component(set, neighbors.trailing_zeros()) != 0
     }
 
+    /// One neighbour, the first, of each part of the neighbours in a set.
+    #[inline]
+    pub(crate) fn parts(&self, set: u32) -> u32 {
+        self.parts.get(set as usize).copied().unwrap_or_else(|| self.parts_by_flooding(set))
+    }
+
+    fn parts_by_flooding(&self, set: u32) -> u32 {
+        let (mut rest, mut parts) = (self.neighbors(set), 0);
+        while rest != 0 {
+            let first = rest.trailing_zeros();
+            parts |= 1 << first;
+            rest &= !self.component(set, first);
+        }
+        parts
+    }
+
     /// The connected component of one of the bits of a set.
-    pub(crate) fn component(&self, set: u32, bit: u32) -> u32 {
+    fn component(&self, set: u32, bit: u32) -> u32 {
         let mut reached = 1u32 << bit;
         let mut spread = 0;
         // Mostly the set is connected, and found to be so after very few of its bits.
@@ -176,7 +200,10 @@ mod tests {
                 let stencil = Stencil::of(connectivity, dimensions);
                 assert_eq!(stencil.splits.is_empty(), stencil.offsets.len() > MAX_TABLE_BITS);
                 let sets = 0..1u32 << stencil.offsets.len().min(MAX_TABLE_BITS);
-                assert!(sets.into_iter().all(|set| stencil.splits(set) == stencil.splits_by_flooding(set)));
+                assert!(sets.clone().all(|set| stencil.splits(set) == stencil.splits_by_flooding(set)));
+                assert_eq!(stencil.parts.is_empty(), stencil.offsets.len() > MAX_PART_BITS);
+                assert!(sets.clone().all(|set| stencil.parts(set) == stencil.parts_by_flooding(set)));
+                assert!(sets.into_iter().all(|set| stencil.splits(set) == (stencil.parts(set).count_ones() > 1)));
             }
         }
     }

@@ -24,7 +24,7 @@ pub struct Branch<V, S> {
     pub size: usize,
 }
 
-impl<V: Copy, S: Scalar> MergeTree<V, S> {
+impl<V: Copy, S: Scalar> MergeTree<'_, V, S> {
     /// The extrema with their parents, in the order of [`Pairs`](crate::Pairs) and with the pairs of zero persistence.
     ///
     /// ```
@@ -74,7 +74,7 @@ impl<V: Copy, S: Scalar> MergeTree<V, S> {
     /// # Ok::<(), topo::Error>(())
     /// ```
     #[must_use = "the tree itself is left as it is"]
-    pub fn filter(&self, mut is_wanted: impl FnMut(&Branch<V, S>) -> bool) -> Self {
+    pub fn filter(&self, mut is_wanted: impl FnMut(&Branch<V, S>) -> bool) -> MergeTree<'static, V, S> {
         let mut kept: Vec<bool> = self.branches().iter().map(&mut is_wanted).collect();
         self.roots.iter().for_each(|root| kept[root.0 as usize] = true);
         for end in &self.endings {
@@ -87,7 +87,7 @@ impl<V: Copy, S: Scalar> MergeTree<V, S> {
     fn accumulated<T: Copy + Default + core::ops::AddAssign>(&self, weight: impl Fn(usize) -> T) -> Vec<T> {
         let ancestry = Ancestry::new(self);
         let mut sums = vec![T::default(); self.leaves.len()];
-        for (v, (&basin, &value)) in self.basins.iter().zip(&self.values).enumerate() {
+        for (v, (basin, &value)) in self.basins().iter().zip(&*self.values).enumerate() {
             if enters(basin) {
                 sums[ancestry.branch_of(self, v as u32, value, basin) as usize] += weight(v);
             }
@@ -109,7 +109,7 @@ pub(super) struct Ancestry {
 }
 
 impl Ancestry {
-    pub(super) fn new<V: Copy, S: Scalar>(tree: &MergeTree<V, S>) -> Self {
+    pub(super) fn new<V: Copy, S: Scalar>(tree: &MergeTree<'_, V, S>) -> Self {
         let count = tree.leaves.len();
         let (mut ending, mut depth) = (vec![NONE; count], vec![0u32; count]);
         let mut skip: Vec<u32> = (0..count as u32).collect();
@@ -128,7 +128,7 @@ impl Ancestry {
     /// The branch whose component a vertex of a basin enters.
     pub(super) fn branch_of<V: Copy, S: Scalar>(
         &self,
-        tree: &MergeTree<V, S>,
+        tree: &MergeTree<'_, V, S>,
         vertex: u32,
         value: S,
         basin: u32,

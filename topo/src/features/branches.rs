@@ -5,7 +5,7 @@
 
 use crate::domain::Domain;
 use crate::filtration::{Direction, Filtration, Kind};
-use crate::pairing::{Merge, NONE, OUTSIDE, Pointing, UnionFind};
+use crate::pairing::{BasinLabels, Descent, Merge, NONE, OUTSIDE, Pointing, UnionFind};
 use crate::scalar::Scalar;
 
 /// A branch ends at a saddle.
@@ -21,12 +21,12 @@ pub(crate) struct BranchEnd {
 }
 
 /// Basins by steepest descent and the branches on them.
-#[derive(Debug, Clone)]
+#[derive(Debug)]
 pub(crate) struct Branches {
     /// The vertices of the extrema, rising.
     pub(crate) extrema: Vec<u32>,
-    /// For each vertex the extremum whose basin it is in, [`OUTSIDE`] if it never enters.
-    pub(crate) basins: Vec<u32>,
+    /// For each vertex the extremum whose basin it is in.
+    pub(crate) basins: BasinLabels,
     /// The branches that end, in the order in which they do.
     pub(crate) ends: Vec<BranchEnd>,
     /// The others, with the last vertex to enter.
@@ -36,10 +36,10 @@ pub(crate) struct Branches {
 impl Branches {
     pub(crate) fn new<G: Domain, S: Scalar, D: Direction>(domain: G, filtration: &Filtration<'_, S, D>) -> Self {
         let (merges, descent) = domain.basins(filtration, Pointing::Steepest).pair(filtration);
-        let (basins, extrema) = descent.into_basins();
         let essential = (0..).zip(&merges).filter(|(_, merge)| !merge.is_finite());
         let essential = essential.map(|(extremum, merge)| (extremum, merge.end)).collect();
-        let ends = ends(domain, filtration, &basins, &merges);
+        let ends = ends(domain, filtration, &descent, &merges);
+        let (basins, extrema) = descent.into_labels();
         Self { extrema, basins, ends, essential }
     }
 
@@ -61,11 +61,11 @@ impl Branches {
     pub(crate) fn filled<S: Scalar, D: Direction>(&self, filtration: &Filtration<'_, S, D>, kept: &[bool]) -> Vec<S> {
         let ends = self.ends.iter().map(|end| (end.extremum, end.elder, end.saddle));
         let levels = fill_levels(ends, kept);
-        let fill = |(v, &basin): (u32, &u32)| {
+        let fill = |(v, basin): (u32, u32)| {
             let level = levels.get(basin as usize).copied().flatten();
             filtration.value(level.map_or(v, |saddle| filtration.later(v, saddle)))
         };
-        (0..).zip(&self.basins).map(fill).collect()
+        (0..).zip(self.basins.settled().iter()).map(fill).collect()
     }
 }
 
@@ -106,14 +106,17 @@ pub(crate) fn spilled(ends: impl Iterator<Item = (u32, u32)>, kept: &[bool]) -> 
 fn ends<G: Domain, S: Scalar, D: Direction>(
     domain: G,
     filtration: &Filtration<'_, S, D>,
-    basins: &[u32],
+    descent: &Descent,
     merges: &[Merge],
 ) -> Vec<BranchEnd> {
-    let basin = |vertex: u32| basins[vertex as usize];
+    let basin = |vertex: u32| descent.basin(vertex);
     let mut components = UnionFind::new(merges.len());
+    let (finite, sides) = with_sides(domain, filtration, descent, merges);
+    let mut finite = filtration.sorted(&finite, |end| end.0.end);
     // Of several that end at one saddle the elder first, so that each finds the eldest of all.
-    let (finite, sides) = with_sides(domain, filtration, basins, merges);
-    let finite = filtration.sorted(&filtration.sorted(&finite, |end| end.0.extremum), |end| end.0.end);
+    for at_saddle in finite.chunk_by_mut(|a, b| a.0.end == b.0.end).filter(|at_saddle| at_saddle.len() > 1) {
+        at_saddle.copy_from_slice(&filtration.sorted(at_saddle, |end| end.0.extremum));
+    }
     // For each component that touches the saddle, where it does first.
     let (mut first, mut noted) = (vec![NONE; merges.len()], NONE);
     let end = |(Merge { extremum, end: saddle, towards }, list): (Merge, u32)| {
@@ -146,7 +149,7 @@ struct Sides {
 fn with_sides<G: Domain, S: Scalar, D: Direction>(
     domain: G,
     filtration: &Filtration<'_, S, D>,
-    basins: &[u32],
+    descent: &Descent,
     merges: &[Merge],
 ) -> (Vec<(Merge, u32)>, Sides) {
     let mut finite: Vec<(Merge, u32)> =
@@ -167,7 +170,7 @@ fn with_sides<G: Domain, S: Scalar, D: Direction>(
         if D::KIND == Kind::Maximum {
             neighbors.reverse();
         }
-        sides.basins.extend(neighbors.iter().map(|&u| basins[u as usize]));
+        sides.basins.extend(neighbors.iter().map(|&u| descent.basin(u)));
         sides.starts.push(sides.basins.len());
     }
     (finite, sides)

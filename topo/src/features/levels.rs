@@ -1,7 +1,7 @@
 //! The components of a sublevel or superlevel set, read off from a merge tree.
 
 use super::merge_tree::{MergeTree, TreeVertex};
-use super::segmentation::Segmentation;
+use super::segmentation::{Segmentation, of_basin};
 use crate::pairing::{NONE, UnionFind};
 use crate::scalar::Scalar;
 
@@ -19,7 +19,7 @@ pub struct LevelComponent<V, S> {
     pub size: usize,
 }
 
-impl<V: Copy, S: Scalar> MergeTree<V, S> {
+impl<V: Copy, S: Scalar> MergeTree<'_, V, S> {
     /// The components of the set of vertices up to a level (for maxima: from it upwards), by index of their extrema.
     /// O(vertices).
     pub fn at(&self, level: S) -> Vec<LevelComponent<V, S>> {
@@ -51,10 +51,12 @@ impl<V: Copy, S: Scalar> MergeTree<V, S> {
         (0..).zip(&alive).for_each(|(component, &leaf)| place[leaf as usize] = component);
         let component_of_leaf: Vec<u32> =
             (0..self.leaves.len() as u32).map(|leaf| place[components.find(leaf) as usize]).collect();
-        let reached = |(&basin, &value)| if self.has_reached(value, level) { basin } else { NONE };
-        let basins = self.basins.iter().zip(&self.values).map(reached).collect();
+        let label = |(basin, &value)| {
+            if self.has_reached(value, level) { of_basin(&component_of_leaf, basin) } else { NONE }
+        };
+        let labels = self.basins().iter().zip(&*self.values).map(label).collect();
         let extrema = alive.iter().map(|&leaf| self.leaves[leaf as usize].vertex).collect();
-        Segmentation::new(extrema, basins, &component_of_leaf)
+        Segmentation::new(extrema, labels)
     }
 
     /// The leaves of the components at a level, rising, and which leaves are merged there.

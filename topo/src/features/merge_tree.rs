@@ -4,15 +4,18 @@
 //! enter it. For minima this is called the join tree, for maxima the split tree (usage varies; this is TTK's).
 //!
 //! The tree is read off from the basins of steepest descent and the pairs, so that it costs little more than the pairs:
-//! nothing sorts all vertices. It keeps the basin and the value of each vertex, 12 bytes of an `f64` field.
+//! nothing sorts all vertices. It keeps the way down from each vertex, 4 bytes, and borrows the field. Ways are followed to their ends
+//! when it is first asked which vertices belong to what.
 
 use super::branches::{BranchEnd, Branches, enters, fill_levels, spilled};
-use super::segmentation::Segmentation;
+use super::segmentation::{Segmentation, of_basin};
 use crate::domain::Domain;
 use crate::error::Error;
 use crate::filtration::{Direction, Falling, Filtration, Kind, Rising};
 use crate::options::PersistenceOptions;
+use crate::pairing::{BasinLabels, Settled};
 use crate::scalar::{Scalar, wider_first};
+use std::borrow::Cow;
 
 /// A place in a [`MergeTree`].
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -54,7 +57,7 @@ pub struct Node<V, S> {
 /// # Ok::<(), topo::Error>(())
 /// ```
 #[derive(Debug, Clone)]
-pub struct MergeTree<V, S> {
+pub struct MergeTree<'f, V, S: Scalar> {
     pub(super) kind: Kind,
     /// By rising index.
     pub(super) leaves: Vec<TreeVertex<V, S>>,
@@ -62,10 +65,10 @@ pub struct MergeTree<V, S> {
     pub(super) endings: Vec<End<V, S>>,
     /// The leaf of each branch that does not end, and the last vertex.
     pub(super) roots: Vec<(u32, TreeVertex<V, S>)>,
-    /// For each vertex its leaf, the end of its steepest descent; `NONE` if it never enters.
-    pub(super) basins: Vec<u32>,
+    /// For each vertex its leaf, the end of its steepest descent.
+    pub(super) basins: BasinLabels,
     /// For each vertex its value, or the level up to which it is filled.
-    pub(super) values: Vec<S>,
+    pub(super) values: Cow<'f, [S]>,
 }
 
 /// A vertex with its index and value.
@@ -87,25 +90,33 @@ pub(super) struct End<V, S> {
     pub(super) saddle: TreeVertex<V, S>,
 }
 
-impl<V: PartialEq, S: Scalar> PartialEq for MergeTree<V, S> {
+impl<V: PartialEq, S: Scalar> PartialEq for MergeTree<'_, V, S> {
     /// Values of vertices that never enter do not count.
     fn eq(&self, other: &Self) -> bool {
-        let values = || self.values.iter().zip(&other.values).zip(&self.basins);
-        (self.kind, &self.leaves, &self.endings, &self.roots, &self.basins)
-            == (other.kind, &other.leaves, &other.endings, &other.roots, &other.basins)
-            && values().all(|((a, b), &basin)| !enters(basin) || a == b)
+        let values = || self.values.iter().zip(&*other.values);
+        (self.kind, &self.leaves, &self.endings, &self.roots)
+            == (other.kind, &other.leaves, &other.endings, &other.roots)
+            && self.basins().iter().eq(other.basins().iter())
+            && values().zip(self.basins().iter()).all(|((a, b), basin)| !enters(basin) || a == b)
     }
 }
 
-impl<V: Copy, S: Scalar> MergeTree<V, S> {
-    pub(crate) fn new<G: Domain<Vertex = V>, D: Direction>(domain: G, filtration: &Filtration<'_, S, D>) -> Self {
+impl<V, S: Scalar> MergeTree<'_, V, S> {
+    /// For each vertex its leaf.
+    pub(super) fn basins(&self) -> Settled<'_> {
+        self.basins.settled()
+    }
+}
+
+impl<'f, V: Copy, S: Scalar> MergeTree<'f, V, S> {
+    pub(crate) fn new<G: Domain<Vertex = V>, D: Direction>(domain: G, filtration: &Filtration<'f, S, D>) -> Self {
         Self::named(domain, filtration, |index| domain.vertex(index as usize))
     }
 
     /// The tree with vertices named otherwise than by the domain.
     pub(super) fn named<G: Domain, D: Direction>(
         domain: G,
-        filtration: &Filtration<'_, S, D>,
+        filtration: &Filtration<'f, S, D>,
         name: impl Fn(u32) -> V,
     ) -> Self {
         let branches = Branches::new(domain, filtration);
@@ -122,7 +133,7 @@ impl<V: Copy, S: Scalar> MergeTree<V, S> {
             endings: branches.ends.iter().map(end).collect(),
             roots: branches.essential.iter().map(|&(leaf, last)| (leaf, place(last))).collect(),
             basins: branches.basins,
-            values: filtration.field().to_vec(),
+            values: Cow::Borrowed(filtration.field()),
         }
     }
 
@@ -134,6 +145,21 @@ impl<V: Copy, S: Scalar> MergeTree<V, S> {
     /// Number of leaves, which come first among the [nodes](Self::nodes).
     pub fn leaf_count(&self) -> usize {
         self.leaves.len()
+    }
+
+    /// The tree with a copy of the field, where it borrows that.
+    ///
+    /// ```
+    /// fn tree_of(seconds: usize) -> Result<topo::MergeTree<'static, usize, f64>, topo::Error> {
+    ///     let wave: Vec<f64> = (0..seconds).map(|second| (second as f64).sin()).collect();
+    ///     Ok(topo::merge_tree(&topo::Path::new(seconds), &wave, topo::Kind::Maximum)?.into_owned())
+    /// }
+    /// assert_eq!(tree_of(60)?.leaf_count(), 10);
+    /// # Ok::<(), topo::Error>(())
+    /// ```
+    pub fn into_owned(self) -> MergeTree<'static, V, S> {
+        let Self { kind, leaves, endings, roots, basins, values } = self;
+        MergeTree { kind, leaves, endings, roots, basins, values: Cow::Owned(values.into_owned()) }
     }
 
     /// Leaves, then saddles in the order in which they enter, then roots that are neither.
@@ -185,7 +211,8 @@ impl<V: Copy, S: Scalar> MergeTree<V, S> {
     fn basins_of(&self, kept: &[bool]) -> Segmentation<V> {
         let leaves = self.leaves.iter().zip(kept).filter(|&(_, &kept)| kept);
         let extrema = leaves.map(|(leaf, _)| leaf.vertex).collect();
-        Segmentation::new(extrema, self.basins.clone(), &self.spilled(kept))
+        let segment_of_basin = self.spilled(kept);
+        Segmentation::new(extrema, self.basins().iter().map(|basin| of_basin(&segment_of_basin, basin)).collect())
     }
 
     /// The basins of as many leaves as are wanted, those of the most persistent branches, or of all if there are fewer; never fewer than
@@ -219,16 +246,16 @@ impl<V: Copy, S: Scalar> MergeTree<V, S> {
     /// The tree without branches that live no longer than a threshold: that of the field with their basins filled up
     /// (or, for maxima, cut off) to the saddle. O(vertices).
     #[must_use = "the tree itself is left as it is"]
-    pub fn simplify(&self, threshold: S::Width) -> Self {
+    pub fn simplify(&self, threshold: S::Width) -> MergeTree<'static, V, S> {
         self.pruned(&self.longer(threshold))
     }
 
     /// The tree with some branches only; those that end in others bring them along.
-    pub(super) fn pruned(&self, kept: &[bool]) -> Self {
+    pub(super) fn pruned(&self, kept: &[bool]) -> MergeTree<'static, V, S> {
         let place = self.spilled(kept);
         let levels = fill_levels(self.endings.iter().map(|end| (end.leaf, end.elder, end.saddle.value)), kept);
         let renumbered = |leaf: u32| place[leaf as usize];
-        let filled = |(&basin, &value): (&u32, &S)| {
+        let filled = |(basin, &value): (u32, &S)| {
             let level = levels.get(basin as usize).copied().flatten();
             level.filter(|&level| self.has_reached(value, level)).unwrap_or(value)
         };
@@ -238,13 +265,13 @@ impl<V: Copy, S: Scalar> MergeTree<V, S> {
             beyond: renumbered(end.beyond),
             ..*end
         };
-        Self {
+        MergeTree {
             kind: self.kind,
             leaves: self.leaves.iter().zip(kept).filter(|&(_, &kept)| kept).map(|(leaf, _)| *leaf).collect(),
             endings: self.endings.iter().filter(|end| kept[end.leaf as usize]).map(end).collect(),
             roots: self.roots.iter().map(|&(leaf, last)| (renumbered(leaf), last)).collect(),
-            values: self.basins.iter().zip(&self.values).map(filled).collect(),
-            basins: self.basins.iter().map(|&basin| place.get(basin as usize).copied().unwrap_or(basin)).collect(),
+            values: self.basins().iter().zip(&*self.values).map(filled).collect(),
+            basins: BasinLabels::new(self.basins().iter().map(|basin| of_basin(&place, basin))),
         }
     }
 
@@ -291,7 +318,7 @@ impl PersistenceOptions {
         domain: G,
         field: &[S],
         kind: Kind,
-    ) -> Result<MergeTree<G::Vertex, S>, Error> {
+    ) -> Result<MergeTree<'_, G::Vertex, S>, Error> {
         let count = domain.vertex_count();
         Ok(match kind {
             Kind::Minimum => MergeTree::new(domain, &Filtration::<S, Rising>::new(field, count, self.nan)?),
@@ -304,6 +331,10 @@ impl PersistenceOptions {
 ///
 /// # Errors
 /// If the field does not fit the domain, see [`Error`].
-pub fn merge_tree<G: Domain, S: Scalar>(domain: G, field: &[S], kind: Kind) -> Result<MergeTree<G::Vertex, S>, Error> {
+pub fn merge_tree<G: Domain, S: Scalar>(
+    domain: G,
+    field: &[S],
+    kind: Kind,
+) -> Result<MergeTree<'_, G::Vertex, S>, Error> {
     PersistenceOptions::new().merge_tree(domain, field, kind)
 }

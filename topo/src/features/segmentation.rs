@@ -31,12 +31,9 @@ pub struct Segmentation<V> {
 }
 
 impl<V: Copy> Segmentation<V> {
-    /// From the extremum of each segment, the basin of each vertex, and the segment of each basin.
-    pub(crate) fn new(extrema: Vec<V>, mut basins: Vec<u32>, segment_of_basin: &[u32]) -> Self {
-        for basin in &mut basins {
-            *basin = segment_of_basin.get(*basin as usize).copied().unwrap_or(NONE);
-        }
-        Self { extrema, segments: basins }
+    /// From the extremum of each segment, and the segment of each vertex, [`NONE`] if it has none.
+    pub(crate) fn new(extrema: Vec<V>, segments: Vec<u32>) -> Self {
+        Self { extrema, segments }
     }
 
     fn of_field<G: Domain<Vertex = V>, S: Scalar, D: Direction>(
@@ -49,7 +46,7 @@ impl<V: Copy> Segmentation<V> {
         let segment_of_basin = spilled(branches.ends.iter().map(|end| (end.extremum, end.beyond)), &kept);
         let survivors = branches.extrema.iter().zip(&kept).filter(|&(_, &kept)| kept);
         let extrema = survivors.map(|(&extremum, _)| domain.vertex(extremum as usize)).collect();
-        Self::new(extrema, branches.basins, &segment_of_basin)
+        Self::new(extrema, branches.basins.into_labels(|basin| of_basin(&segment_of_basin, basin)))
     }
 
     /// The extremum of each segment.
@@ -97,6 +94,11 @@ impl<V: Copy> Segmentation<V> {
         }
         Ok(sums)
     }
+}
+
+/// The segment of a basin, or of a vertex in none.
+pub(super) fn of_basin(segment_of_basin: &[u32], basin: u32) -> u32 {
+    segment_of_basin.get(basin as usize).copied().unwrap_or(NONE)
 }
 
 fn label(segment: u32) -> Option<usize> {

@@ -34,12 +34,14 @@ pub(crate) struct Scan {
 impl Scan {
     /// Joins the findings of consecutive ranges.
     fn concat(scans: Vec<Self>) -> Self {
-        let join = |mut all: Self, scan: Self| {
+        let [extrema, candidates] =
+            scans.iter().fold([0, 0], |[a, b], scan| [a + scan.extrema.len(), b + scan.candidates.len()]);
+        let mut all = Self { extrema: Vec::with_capacity(extrema), candidates: Vec::with_capacity(candidates) };
+        for scan in scans {
             all.extrema.extend(scan.extrema);
             all.candidates.extend(scan.candidates);
-            all
-        };
-        scans.into_iter().reduce(join).unwrap_or_default()
+        }
+        all
     }
 }
 
@@ -132,7 +134,10 @@ impl Basins {
             Scan::concat,
         );
         let descent = Descent::new(next, extrema);
-        let joins = parallel::filter_map(&candidates, filtration.watch(), |&SaddleCandidate { saddle, sides }| {
+        if candidates.len() > descent.extrema().len().max(descent.len() / MANY_CANDIDATES) {
+            descent.settle();
+        }
+        let joins = parallel::filter_map(candidates, filtration.watch(), |&SaddleCandidate { saddle, sides }| {
             let basins = sides.map(|side| descent.basin(side));
             (basins[0] != basins[1]).then_some(Join { saddle, basins })
         });
@@ -154,6 +159,10 @@ impl Basins {
         (merges, descent)
     }
 }
+
+/// Where one vertex in so many may be a saddle, as on noise, all ways down are followed to their ends at once: on white noise of 1024² that
+/// takes half the time of following those that are asked for.
+const MANY_CANDIDATES: usize = 16;
 
 /// What is left of a part of a domain once all that is final has been paired.
 #[derive(Debug)]

@@ -141,10 +141,9 @@ impl<'a, S: Scalar, D: Direction> Basins<'a, S, D> {
             let value = self.filtration.value(join.saddle);
             for basin in join.basins {
                 let lowest = &mut self.lowest[basin as usize];
-                // Saddles come by rising index.
-                if lowest.0 == NONE || D::precedes_lower_index(value, lowest.1) {
-                    *lowest = (place, value);
-                }
+                // Saddles come by rising index. Written in any case, as no branch could be foretold.
+                let is_lower = (lowest.0 == NONE) | D::precedes_lower_index(value, lowest.1);
+                *lowest = if is_lower { (place, value) } else { *lowest };
             }
         }
     }

@@ -5,6 +5,7 @@
 //! found out only for the vertices that are asked about, and every question shortens the way for the next.
 
 use core::sync::atomic::{AtomicU32, Ordering::Relaxed};
+use std::sync::OnceLock;
 
 /// The top bit of a pointer says that it is the number of a basin rather than a vertex.
 const BASIN: u32 = 1 << 31;
@@ -39,12 +40,7 @@ impl Descent {
 
     /// The basin of a vertex that enters.
     pub(crate) fn basin(&self, vertex: u32) -> u32 {
-        let mut pointer = self.pointer(vertex);
-        while pointer & BASIN == 0 {
-            pointer = self.pointer(pointer);
-        }
-        self.shorten(vertex, pointer);
-        pointer & !BASIN
+        follow(&self.next, vertex) & !BASIN
     }
 
     /// The basin of any vertex, if it enters.
@@ -52,55 +48,114 @@ impl Descent {
         (self.pointer(vertex) != OUTSIDE).then(|| self.basin(vertex))
     }
 
-    /// The basin of every vertex, [`OUTSIDE`] where it never enters; and the extrema.
-    pub(crate) fn into_basins(self) -> (Vec<u32>, Vec<u32>) {
-        // In place: both kinds of pointers are of one size.
-        let mut next: Vec<u32> = self.next.into_iter().map(AtomicU32::into_inner).collect();
-        // Most ways end within two passes, upwards and downwards, that skip without a branch.
-        (0..next.len()).for_each(|v| skip(&mut next, v));
-        (0..next.len()).rev().for_each(|v| skip(&mut next, v));
-        for v in 0..next.len() {
-            if next[v] & BASIN == 0 {
-                next[v] = follow(&mut next, v as u32);
-            }
-        }
-        next.iter_mut().filter(|pointer| **pointer != OUTSIDE).for_each(|pointer| *pointer &= !BASIN);
-        (next, self.extrema)
+    /// How many vertices there are.
+    pub(crate) fn len(&self) -> usize {
+        self.next.len()
+    }
+
+    /// Follows all ways to their ends.
+    pub(crate) fn settle(&self) {
+        settle(&self.next);
+    }
+
+    /// The way down from every vertex without the extrema; and the extrema.
+    pub(crate) fn into_labels(self) -> (BasinLabels, Vec<u32>) {
+        (BasinLabels { next: self.next, settled: OnceLock::new() }, self.extrema)
     }
 
     fn pointer(&self, vertex: u32) -> u32 {
         self.next[vertex as usize].load(Relaxed)
     }
+}
 
-    /// Lets all vertices on the way point to the basin itself.
-    fn shorten(&self, mut vertex: u32, basin: u32) {
-        loop {
-            let pointer = self.pointer(vertex);
-            if pointer & BASIN != 0 {
-                return;
-            }
-            self.next[vertex as usize].store(basin, Relaxed);
-            vertex = pointer;
+/// The basin of each vertex. All are found at once when one is first asked for: nodes and pairs of a merge tree need none.
+#[derive(Debug)]
+pub(crate) struct BasinLabels {
+    next: Vec<AtomicU32>,
+    /// Whether all ways have ended.
+    settled: OnceLock<()>,
+}
+
+impl BasinLabels {
+    /// From the basin of each vertex, [`OUTSIDE`] where it never enters.
+    pub(crate) fn new(basins: impl Iterator<Item = u32>) -> Self {
+        let next = basins.map(|basin| AtomicU32::new(basin | BASIN)).collect();
+        Self { next, settled: OnceLock::from(()) }
+    }
+
+    /// The basins themselves. O(n) at the first call.
+    pub(crate) fn settled(&self) -> Settled<'_> {
+        self.settled.get_or_init(|| settle(&self.next));
+        Settled(&self.next)
+    }
+
+    /// For each vertex what `label` makes of its basin, or of [`OUTSIDE`].
+    pub(crate) fn into_labels(self, label: impl Fn(u32) -> u32) -> Vec<u32> {
+        self.settled();
+        // In place: both are of one size.
+        self.next.into_iter().map(|pointer| label(basin(pointer.into_inner()))).collect()
+    }
+}
+
+impl Clone for BasinLabels {
+    fn clone(&self) -> Self {
+        Self::new(self.settled().iter())
+    }
+}
+
+/// The basin of every vertex.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Settled<'a>(&'a [AtomicU32]);
+
+impl<'a> Settled<'a> {
+    /// The basin of a vertex, [`OUTSIDE`] where it never enters.
+    pub(crate) fn of(self, vertex: u32) -> u32 {
+        basin(self.0[vertex as usize].load(Relaxed))
+    }
+
+    /// The basin of every vertex, [`OUTSIDE`] where it never enters.
+    pub(crate) fn iter(self) -> impl ExactSizeIterator<Item = u32> + 'a {
+        self.0.iter().map(|pointer| basin(pointer.load(Relaxed)))
+    }
+}
+
+/// The basin in a pointer to one.
+fn basin(pointer: u32) -> u32 {
+    if pointer == OUTSIDE { OUTSIDE } else { pointer & !BASIN }
+}
+
+/// Lets every vertex point to its basin. Most ways end within two passes, upwards and downwards, that skip without a branch.
+fn settle(next: &[AtomicU32]) {
+    next.iter().for_each(|pointer| skip(next, pointer));
+    next.iter().rev().for_each(|pointer| skip(next, pointer));
+    for (v, pointer) in (0..).zip(next) {
+        if pointer.load(Relaxed) & BASIN == 0 {
+            follow(next, v);
         }
     }
 }
 
 /// Lets a vertex point where the vertex it points to does.
-fn skip(next: &mut [u32], vertex: usize) {
-    let pointer = next[vertex];
-    let from = if pointer & BASIN == 0 { pointer as usize } else { vertex };
-    next[vertex] = next[from];
+fn skip(next: &[AtomicU32], of: &AtomicU32) {
+    let pointer = of.load(Relaxed);
+    let farther = next.get(pointer as usize).unwrap_or(of);
+    of.store(farther.load(Relaxed), Relaxed);
 }
 
-/// The basin to which the pointers lead from a vertex; all on the way point to it from now on.
-fn follow(next: &mut [u32], from: u32) -> u32 {
-    let mut basin = next[from as usize];
-    while basin & BASIN == 0 {
-        basin = next[basin as usize];
+/// The pointer to a basin at which the way from a vertex ends; all on the way point there from now on.
+fn follow(next: &[AtomicU32], from: u32) -> u32 {
+    let pointer = |vertex: u32| next[vertex as usize].load(Relaxed);
+    let mut end = pointer(from);
+    while end & BASIN == 0 {
+        end = pointer(end);
     }
     let mut vertex = from;
-    while next[vertex as usize] & BASIN == 0 {
-        vertex = core::mem::replace(&mut next[vertex as usize], basin);
+    loop {
+        let on = pointer(vertex);
+        if on & BASIN != 0 {
+            return end;
+        }
+        next[vertex as usize].store(end, Relaxed);
+        vertex = on;
     }
-    basin
 }

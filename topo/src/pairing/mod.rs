@@ -13,7 +13,7 @@ mod union_find;
 
 pub use basins::{Basins, Pointing};
 pub(crate) use basins::{Remnant, SaddleCandidate, Scan, basins_of_graph};
-pub(crate) use descent::OUTSIDE;
+pub(crate) use descent::{BasinLabels, Descent, OUTSIDE, Settled};
 pub(crate) use graph::Graph;
 pub use merges::Merge;
 pub(crate) use merges::NONE;

@@ -10,7 +10,7 @@ use topo::{Connectivity, Kind, NanPolicy, PersistenceOptions};
 /// A field and what it lives on.
 #[derive(Args, Clone, Debug)]
 pub(crate) struct FieldArgs {
-    /// An array or picture (.npy, .pgm, .png, whose colours become grey; .tif, such as an elevation model; .txt, .csv or .tsv of
+    /// An array or picture (.npy, .npz, .vti, .pgm, .png, whose colours become grey; .tif, such as an elevation model; .txt, .csv or .tsv of
     /// numbers), a mesh with --field, or a network's nodes (.csv with columns id, name, value)
     #[arg(value_name = "FIELD")]
     pub(crate) input: PathBuf,
@@ -29,6 +29,9 @@ pub(crate) struct FieldArgs {
     /// Of an array of three axes, the last with 3 or 4 values: one of these, from 0, or `volume` for all as they are
     #[arg(long, value_name = "N|volume", value_parser = Layer::parse)]
     pub(crate) layer: Option<Layer>,
+    /// Which array of a file that has several (.npz, .vti), by its name
+    #[arg(long, value_name = "NAME")]
+    pub(crate) array: Option<String>,
     /// What to do with NaN, and with values that a file calls no data
     #[arg(long, value_enum, default_value_t = NanName::Refuse)]
     pub(crate) nan: NanName,

@@ -75,6 +75,7 @@ impl DomainField {
             (args.connectivity.is_some() && form != Form::Array, "--connectivity", "an array"),
             (args.periodic.is_some() && form != Form::Array, "--periodic", "an array"),
             (args.layer.is_some() && form != Form::Array, "--layer", "an array"),
+            (args.array.is_some() && form != Form::Array, "--array", "an array"),
         ];
         if let Some(&(_, option, of)) = misplaced.iter().find(|(is_misplaced, ..)| *is_misplaced) {
             return Err(CommandError::Misplaced { path: path.clone(), option, of });
@@ -87,7 +88,7 @@ impl DomainField {
     }
 
     fn array(args: &FieldArgs) -> Result<Self, CommandError> {
-        let Array { values, shape } = read_array(&args.input)?.layer(args.layer, &args.input)?;
+        let Array { values, shape } = read_array(&args.input, args.array.as_deref())?.layer(args.layer, &args.input)?;
         let periodic = args.periodic.unwrap_or_default().zyx;
         if let Some(axis) = (0..3 - shape.len()).find(|&axis| periodic[axis]) {
             return Err(CommandError::NoAxis { path: args.input.clone(), axis: AXES[axis], axes: shape.len() });

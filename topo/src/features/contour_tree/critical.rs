@@ -10,7 +10,7 @@ use super::super::attributes::Ancestry;
 use super::super::merge_tree::MergeTree;
 use super::combine::{Combined, Edges, Merging, arcs_between_nodes, edges};
 use crate::filtration::{Direction, Falling, Filtration, Kind, Rising};
-use crate::pairing::NONE;
+use crate::pairing::{NONE, Settled};
 use crate::parallel;
 use crate::scalar::Scalar;
 
@@ -23,8 +23,8 @@ pub(super) struct Critical {
 
 /// The contour tree of what has these join and split trees, if there is one. All vertices enter.
 pub(super) fn combine<S: Scalar>(
-    join: &MergeTree<(), S>,
-    split: &MergeTree<(), S>,
+    join: &MergeTree<'_, (), S>,
+    split: &MergeTree<'_, (), S>,
     filtration: &Filtration<'_, S, Rising>,
 ) -> Option<Critical> {
     let vertices = critical_vertices(join, split, filtration);
@@ -54,11 +54,11 @@ pub(super) fn combine<S: Scalar>(
 
 /// Leaves, saddles and roots of both trees in the order in which they enter.
 fn critical_vertices<S: Scalar>(
-    join: &MergeTree<(), S>,
-    split: &MergeTree<(), S>,
+    join: &MergeTree<'_, (), S>,
+    split: &MergeTree<'_, (), S>,
     filtration: &Filtration<'_, S, Rising>,
 ) -> Vec<u32> {
-    let of_tree = |tree: &MergeTree<(), S>| -> Vec<u32> {
+    let of_tree = |tree: &MergeTree<'_, (), S>| -> Vec<u32> {
         let leaves = tree.leaves.iter().map(|leaf| leaf.index);
         let saddles = tree.endings.iter().map(|end| end.saddle.index);
         leaves.chain(saddles).chain(tree.roots.iter().map(|(_, last)| last.index)).collect()
@@ -73,6 +73,7 @@ fn critical_vertices<S: Scalar>(
 struct Branched<'a, S> {
     kind: Kind,
     ancestry: Ancestry,
+    basins: Settled<'a>,
     /// The critical vertices by rank, with their values.
     vertices: &'a [u32],
     values: &'a [S],
@@ -83,11 +84,11 @@ struct Branched<'a, S> {
 }
 
 impl<'a, S: Scalar> Branched<'a, S> {
-    fn new<D: Direction>(tree: &MergeTree<(), S>, vertices: &'a [u32], values: &'a [S]) -> Self {
-        let ancestry = Ancestry::new(tree);
+    fn new<D: Direction>(tree: &'a MergeTree<'_, (), S>, vertices: &'a [u32], values: &'a [S]) -> Self {
+        let (ancestry, basins) = (Ancestry::new(tree), tree.basins());
         let branch = |rank: usize| {
             let vertex = vertices[rank];
-            ancestry.branch_of(tree, vertex, values[rank], tree.basins[vertex as usize])
+            ancestry.branch_of(tree, vertex, values[rank], basins.of(vertex))
         };
         let branches: Vec<u32> = (0..vertices.len()).map(branch).collect();
         let mut starts = vec![0; tree.leaves.len() + 1];
@@ -107,7 +108,7 @@ impl<'a, S: Scalar> Branched<'a, S> {
         } else {
             all.rev().for_each(&mut put);
         }
-        Self { kind: D::KIND, ancestry, vertices, values, starts, ranks }
+        Self { kind: D::KIND, ancestry, basins, vertices, values, starts, ranks }
     }
 
     fn on_branch(&self, branch: u32) -> &[u32] {
@@ -115,7 +116,7 @@ impl<'a, S: Scalar> Branched<'a, S> {
     }
 
     /// The tree of the critical vertices: each is followed by the next on its branch, the last by the saddle at which the branch ends.
-    fn merging(&self, tree: &MergeTree<(), S>) -> Merging {
+    fn merging(&self, tree: &MergeTree<'_, (), S>) -> Merging {
         let (mut next, mut degrees) = (vec![NONE; self.vertices.len()], vec![0; self.vertices.len()]);
         let mut follow = |rank: u32, by: u32| {
             next[rank as usize] = by;
@@ -135,8 +136,8 @@ impl<'a, S: Scalar> Branched<'a, S> {
     }
 
     /// The rank of the last critical vertex on the branch of a vertex that enters no later than it.
-    fn last_before<D: Direction>(&self, tree: &MergeTree<(), S>, vertex: u32, value: S) -> u32 {
-        let branch = self.ancestry.branch_of(tree, vertex, value, tree.basins[vertex as usize]);
+    fn last_before<D: Direction>(&self, tree: &MergeTree<'_, (), S>, vertex: u32, value: S) -> u32 {
+        let branch = self.ancestry.branch_of(tree, vertex, value, self.basins.of(vertex));
         let on_branch = self.on_branch(branch);
         let has_entered = |&rank: &u32| {
             let (other, level) = (self.vertices[rank as usize], self.values[rank as usize]);
