@@ -24,6 +24,9 @@ const FREE_VALUES: usize = 1 << 21;
 /// The number of the tied boundary loops that each vertex is on, if it is on any.
 pub(crate) type TiedLoops = VertexData<Option<u32>>;
 
+/// The vertices of each boundary loop, the longest first; those that share a constant are one.
+type Rims = Vec<Vec<VertexId>>;
+
 /// A connected surface with its operators; see the module's head. Building costs one factorization.
 #[derive(Debug)]
 pub struct Operators {
@@ -45,8 +48,7 @@ pub struct Operators {
     /// inside: the constants, and with several boundary loops their harmonic extensions.
     free: Vec<VertexData<f64>>,
     bordered: bool,
-    /// The boundary loops, the longest first; those that share a constant are one.
-    rims: Vec<Vec<VertexId>>,
+    rims: Rims,
     /// The positions of the vertices, where they were given.
     points: Option<Vec<[f64; 3]>>,
     /// Boundary loops with the same number share their constant, as the two sides of a handle that was opened do.
@@ -149,7 +151,7 @@ impl Operators {
         (mesh, metric): (Mesh, Metric),
         flips: Vec<HalfedgeId>,
         weight: VertexData<f64>,
-        (points, tied, rims): (Option<&[[f64; 3]]>, Option<TiedLoops>, Vec<Vec<VertexId>>),
+        (points, tied, rims): (Option<&[[f64; 3]]>, Option<TiedLoops>, Rims),
         watch: Watch,
     ) -> Result<Self, PoissonError> {
         let curvature = angle_defects(&mesh, &metric);
@@ -361,7 +363,7 @@ impl Operators {
 }
 
 /// Boundary loops by their lengths, the longest first; all but so many are one.
-fn ranked(mut loops: Vec<Vec<VertexId>>, most: usize) -> Vec<Vec<VertexId>> {
+fn ranked(mut loops: Vec<Vec<VertexId>>, most: usize) -> Rims {
     loops.sort_by_key(|around| std::cmp::Reverse(around.len()));
     if loops.len() > most {
         let others = loops.split_off(most - 1).concat();
@@ -371,7 +373,7 @@ fn ranked(mut loops: Vec<Vec<VertexId>>, most: usize) -> Vec<Vec<VertexId>> {
 }
 
 /// The boundary loops of a coarse level in the order of the fine ones, of which `vertex` says what is left, and together where these are.
-fn as_on(fine: &[Vec<VertexId>], vertex: &[VertexId], loops: Vec<Vec<VertexId>>) -> Vec<Vec<VertexId>> {
+fn as_on(fine: &[Vec<VertexId>], vertex: &[VertexId], loops: Vec<Vec<VertexId>>) -> Rims {
     let mut place = HashMap::new();
     for (k, around) in fine.iter().enumerate() {
         around.iter().for_each(|&v| _ = place.insert(v, k));

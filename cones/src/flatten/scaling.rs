@@ -193,11 +193,12 @@ struct Failed {
 impl Failed {
     /// Whether it is worth it to try the same with other triangles.
     fn may_go_otherwise(&self) -> bool {
-        match &self.error {
-            ScalingError::Poisson(PoissonError::OutOfMemory(_)) | ScalingError::Interrupted(_) => false,
-            ScalingError::Hopeless { .. } => false,
-            _ => true,
-        }
+        !matches!(
+            self.error,
+            ScalingError::Poisson(PoissonError::OutOfMemory(_))
+                | ScalingError::Interrupted(_)
+                | ScalingError::Hopeless { .. }
+        )
     }
 }
 
