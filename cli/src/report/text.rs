@@ -40,14 +40,8 @@ impl UnwrapReport {
             self.beside().iter().map(|p| format!("{} cones {:.2}", p.count, p.area_distortion)).collect();
         let others = if others.is_empty() { String::new() } else { format!("; {}", others.join(", ")) };
         let missed = if number.is_met { "" } else { ", not met" };
-        let failed = if number.chosen == self.map.cones.len() {
-            String::new()
-        } else {
-            format!(" with {} cones, but other cones were taken", number.chosen)
-        };
         let (predicted, target) = (number.predicted, number.target);
-        let text =
-            format!("automatic: area distortion {predicted:.2} predicted{failed}, target {target}{missed}{others}");
+        let text = format!("automatic: area distortion {predicted:.2} predicted, target {target}{missed}{others}");
         labelled("number", &text)
     }
 }

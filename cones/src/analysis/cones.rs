@@ -42,7 +42,7 @@ pub(super) fn kind_name<S: serde::Serializer>(kind: &Kind, serializer: S) -> Res
 pub struct ChosenNumber {
     /// The area distortion that was aimed at.
     pub target: f64,
-    /// How many cones were chosen for it.
+    /// How many cones were chosen for it; once the model is flattened, how many were taken in the end.
     pub chosen: usize,
     /// The area distortion that is predicted for them, in all connected components together.
     #[cfg_attr(feature = "serde", serde(rename = "predicted_area"))]

@@ -10,7 +10,7 @@ use super::quality::Quality;
 use crate::cut::SeamPlan;
 use crate::error::Error;
 use crate::flatten::{
-    FoldOvers, Layout, MOST_BENT, Scaling, Seams, detach, relax, remove_fold_overs, scale, seam_lengths,
+    Fixed, FoldOvers, Layout, MOST_BENT, Scaling, Seams, detach, relax, remove_fold_overs, scale, seam_lengths,
 };
 
 /// Cones that somebody has chosen are doubted above this area distortion, this quasi-conformal distortion, or where lengths change
@@ -24,6 +24,8 @@ pub(crate) struct Flat {
     pub(crate) curvature: Vec<f64>,
     pub(crate) seams: Seams,
     pub(crate) layout: Layout,
+    /// The log scale factor of each vertex as linear theory predicts it.
+    pub(crate) predicted: VertexData<f64>,
     /// The log scale factor of each vertex.
     u: VertexData<f64>,
     /// The largest curvature left beside the cones, in radians.
@@ -69,22 +71,20 @@ impl Component {
         }
         task.stage((Stage::Layout, *index), times, |watch| -> Result<Flat, Error> {
             let mut layout = Layout::new(mesh, &scaling, &seams.cut, watch.within(0.0, 0.3))?;
-            // The two sides of an opened handle fit in length: neither may move without the other.
-            let mut is_held: VertexData<bool> = match &self.handles.of_vertex {
-                Some(of_vertex) => of_vertex.iter().map(Option::is_some).collect(),
-                None => VertexData::constant(mesh.vertex_count(), false),
-            };
-            vertices.iter().for_each(|&v| is_held[v] = true);
-            let removed = remove_fold_overs(mesh, metric, &scaling, &is_held, &mut layout, watch.within(0.3, 0.9));
+            let of_loop = self.handles.of_vertex.as_ref();
+            let is_side = of_loop.map(|of_loop| of_loop.iter().map(Option::is_some).collect());
+            let mut fixed = Fixed { is_cone: VertexData::constant(mesh.vertex_count(), false), is_side };
+            vertices.iter().for_each(|&v| fixed.is_cone[v] = true);
+            let removed = remove_fold_overs(mesh, metric, &scaling, &fixed, &mut layout, watch.within(0.3, 0.9));
             watch.ask(0.9)?;
             let mut quality = Quality::of(mesh, metric, &layout);
             if quality.bent_share > MOST_BENT {
-                relax(mesh, metric, &scaling, &is_held, &mut layout, watch.within(0.9, 1.0));
+                relax(mesh, metric, &scaling, &fixed, &mut layout, watch.within(0.9, 1.0));
                 watch.ask(1.0)?;
                 quality = Quality::of(mesh, metric, &layout);
             }
             let flat = self.flat((vertices.clone(), curvature.clone()), seams, (layout, quality), scaling, notes);
-            Ok(Flat { fold_overs: removed.err(), ..flat })
+            Ok(Flat { fold_overs: removed.err(), predicted: predicted.clone(), ..flat })
         })?
     }
 
@@ -132,6 +132,8 @@ impl Component {
             curvature,
             seams,
             layout,
+            // Nothing is distorted, unless cones were placed.
+            predicted: VertexData::constant(u.len(), 0.0),
             u,
             error,
             size: (-mean).exp() / self.surface.scale,

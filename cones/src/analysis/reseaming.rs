@@ -22,6 +22,9 @@ use crate::uv::{Effort, Separation, UvMap, room, separate_by};
 const MOST_TREES: u64 = 12;
 /// and so many triangles in all of them: 4 trees on 30,000.
 const TRIANGLES: usize = 120_000;
+/// With more cones than this there are none: of so many pieces few fit together on any tree, and taking them apart takes long. (`cheese`,
+/// 512 cones: six trees took half of the time.)
+const MOST_CONES: usize = 128;
 /// The paths of another tree may be longer by this share each; all of it is .2 to 3 % longer.
 const STRENGTH: f64 = 0.3;
 /// So many preferences are tried with each.
@@ -93,10 +96,10 @@ impl<'a> Reseaming<'a> {
         Ok(Opening { other, separation })
     }
 
-    /// What comes of other trees. Where triangles were detached or each vertex is a cone there are none.
+    /// What comes of other trees. Where triangles were detached or very many vertices are cones there are none.
     fn others(&self, watch: Watch) -> Result<Vec<Opening>, Interrupted> {
         let Self { mesh, flat, plan, .. } = *self;
-        if !flat.detached.is_empty() || flat.is_unfolded {
+        if !flat.detached.is_empty() || flat.is_unfolded || flat.cones.len() > MOST_CONES {
             return Ok(Vec::new());
         }
         let count = MOST_TREES.min((TRIANGLES / mesh.face_count().max(1)) as u64);

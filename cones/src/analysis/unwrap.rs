@@ -369,8 +369,14 @@ impl Analysis {
         })
     }
 
-    /// Whether the map that was made meets the target that its number of cones was chosen for.
+    /// The number of cones that were taken in the end, what is predicted for these, and whether the map that was made meets the target.
     fn measured(&self, number: ChosenNumber, flats: &[Flat]) -> ChosenNumber {
+        let mut predictor = Predictor::new(flats.len());
+        for (component, flat) in self.components().iter().zip(flats) {
+            let Component { index, operators, area, .. } = component;
+            predictor.put(*index, operators, *area, flat.cones.len(), flat.predicted.clone());
+        }
+        let Prediction { count: chosen, area_distortion: predicted, .. } = predictor.prediction();
         let scaled = |(component, flat): (&Component, &Flat)| {
             let whole: f64 = flat.quality.ratios.iter().map(|(area, _)| area).sum();
             let size = flat.size * flat.size * component.surface.scale * component.surface.scale;
@@ -378,7 +384,7 @@ impl Analysis {
             ratios.map(|(area, r)| (area / whole * component.area, r * size)).collect::<Vec<_>>()
         };
         let all: Vec<(f64, f64)> = self.components().iter().zip(flats).flat_map(scaled).collect();
-        ChosenNumber { is_met: distortion_of(&all) <= number.target + ROUNDING, ..number }
+        ChosenNumber { chosen, predicted, is_met: distortion_of(&all) <= number.target + ROUNDING, ..number }
     }
 
     /// Corners that no surface has get the positions of a triangle on the same three vertices, of another corner at their

@@ -7,7 +7,9 @@
 //!
 //! What may move: one displacement a vertex. The copies of a seam vertex move by the same displacement, turned by the
 //! rotations of the seams between them, so that seams stay rigid; cones stay where they are, so that curvature stays what
-//! it is. Two tools:
+//! it is. The sides of an opened handle fit in length, which only holding both keeps; where something stays bad all the same
+//! they may move too, each by itself: a few edges of a seam that fit less well are better than triangles that are detached.
+//! Two tools:
 //! 1. *Fans*: round a bad cone the neighbours are turned about it, radii kept, until the angles are positive, not too
 //!    unequal, and sum to the cone's angle.
 //! 2. *Untangling* ([`untangle`](super::untangle)) of patches round what is bad, from the triangles themselves to six
@@ -56,11 +58,11 @@ pub(crate) fn remove_fold_overs(
     input: &Mesh,
     metric: &Metric,
     scaling: &Scaling,
-    is_cone: &VertexData<bool>,
+    fixed: &Fixed,
     layout: &mut Layout,
     watch: Watch,
 ) -> Result<usize, FoldOvers> {
-    let Ok(mut untangler) = Untangler::new(input, metric, scaling, is_cone, layout, watch) else {
+    let Ok(mut untangler) = Untangler::new(input, metric, scaling, fixed, layout, watch) else {
         return Ok(0);
     };
     let mut bad = untangler.bad();
@@ -70,8 +72,12 @@ pub(crate) fn remove_fold_overs(
     untangler.spread_fans(&bad);
     bad = untangler.bad();
     let mut moved = 0;
-    for rings in 0..=MAX_RINGS {
-        let [from, to] = [rings, rings + 1].map(|rings| rings as f64 / (MAX_RINGS + 1) as f64);
+    let passes: &[bool] = if fixed.is_side.is_some() { &[true, false] } else { &[false] };
+    let rounds = passes.iter().flat_map(|&holds_sides| (0..=MAX_RINGS).map(move |rings| (holds_sides, rings)));
+    let count = passes.len() * (MAX_RINGS + 1);
+    for (round, (holds_sides, rings)) in rounds.enumerate() {
+        untangler.holds_sides = holds_sides;
+        let [from, to] = [round, round + 1].map(|round| round as f64 / count as f64);
         let watch = watch.within(from, to);
         if watch.stops_at(0.0) {
             return Ok(moved);
@@ -97,6 +103,13 @@ pub(crate) fn remove_fold_overs(
     let mut faces = untangler.patches(&bad, 0).concat();
     faces.sort_unstable();
     Err(bad.error(input, faces))
+}
+
+/// The vertices that stay where they are.
+pub(crate) struct Fixed {
+    pub(crate) is_cone: VertexData<bool>,
+    /// Whether each is on a side of an opened handle, where there are any.
+    pub(crate) is_side: Option<VertexData<bool>>,
 }
 
 /// What is wrong with a layout.
@@ -135,7 +148,9 @@ pub(super) struct Untangler<'a> {
     scaling: &'a Scaling,
     /// Θ, the angle of each vertex in the flat metric.
     angle: VertexData<f64>,
-    is_cone: &'a VertexData<bool>,
+    fixed: &'a Fixed,
+    /// Whether the sides of opened handles stay too.
+    holds_sides: bool,
     layout: &'a mut Layout,
     /// For each wedge the rotation that takes displacements of the vertex's first wedge to its own.
     turn: Vec<Complex64>,
@@ -148,7 +163,7 @@ impl<'a> Untangler<'a> {
         input: &'a Mesh,
         metric: &'a Metric,
         scaling: &'a Scaling,
-        is_cone: &'a VertexData<bool>,
+        fixed: &'a Fixed,
         layout: &'a mut Layout,
         watch: Watch,
     ) -> Result<Self, Interrupted> {
@@ -157,11 +172,15 @@ impl<'a> Untangler<'a> {
         watch.ask(0.0)?;
         let turn = wedge_turns(input, layout);
         watch.ask(0.0)?;
-        Ok(Self { input, metric, scaling, angle, is_cone, layout, turn, fanned: Vec::new() })
+        Ok(Self { input, metric, scaling, angle, fixed, holds_sides: true, layout, turn, fanned: Vec::new() })
     }
 
     pub(super) fn layout(&self) -> &Layout {
         self.layout
+    }
+
+    fn is_fixed(&self, v: VertexId) -> bool {
+        self.fixed.is_cone[v] || self.holds_sides && self.fixed.is_side.as_ref().is_some_and(|is_side| is_side[v])
     }
 
     fn positions(&self, f: FaceId) -> [Complex64; 3] {
@@ -208,7 +227,8 @@ impl<'a> Untangler<'a> {
     /// Spreads the neighbours of every cone with an angle of 2π and more at which something is bad.
     fn spread_fans(&mut self, bad: &Bad) {
         let touched = bad.faces.iter().flat_map(|&f| self.input.corners(f)).chain(bad.vertices.iter().copied());
-        let mut cones: Vec<VertexId> = touched.filter(|&v| self.is_cone[v] && self.angle[v] >= 2.0 * PI).collect();
+        let mut cones: Vec<VertexId> =
+            touched.filter(|&v| self.fixed.is_cone[v] && self.angle[v] >= 2.0 * PI).collect();
         cones.sort_unstable();
         cones.dedup();
         for &cone in &cones {
@@ -234,7 +254,7 @@ impl<'a> Untangler<'a> {
         for (k, &h) in around.iter().enumerate().skip(1) {
             turned += wanted[k - 1] - self.signed_angle(around[k - 1]);
             let neighbour = input.head(h);
-            if !self.is_cone[neighbour] {
+            if !self.is_fixed(neighbour) {
                 let spoke = self.layout.corner(input.next(h)) - self.layout.corner(h);
                 moves.push((input.next(h), spoke * (Complex64::cis(turned) - 1.0)));
             }
@@ -354,7 +374,7 @@ impl<'a> Untangler<'a> {
             *degree.entry(v).or_insert(0) += 1;
         }
         let held = |v: VertexId| fans == Fans::Held && input.neighbors(v).iter().any(|w| self.fanned.contains(w));
-        let is_inside = |v: VertexId| !self.is_cone[v] && degree[&v] == input.face_degree(v) && !held(v);
+        let is_inside = |v: VertexId| !self.is_fixed(v) && degree[&v] == input.face_degree(v) && !held(v);
         let moving: Vec<VertexId> = degree.keys().copied().filter(|&v| is_inside(v)).collect();
         if moving.is_empty() {
             return None;
@@ -449,24 +469,25 @@ mod tests {
         let scaling = scale(&mesh, &metric, &operators, &target, &zero, Watch::NONE).unwrap();
         let seams = Seams::new(&mesh, metric.lengths(), &cones, Watch::NONE).unwrap();
         let mut layout = Layout::new(&mesh, &scaling, &seams.cut, Watch::NONE).unwrap();
-        remove_fold_overs(&mesh, &metric, &scaling, &is_cone, &mut layout, Watch::NONE).unwrap();
+        let fixed = Fixed { is_cone, is_side: None };
+        remove_fold_overs(&mesh, &metric, &scaling, &fixed, &mut layout, Watch::NONE).unwrap();
         // Fold plain vertices over an edge of their stars: one inside, one on a seam.
         let plain = |wedges: usize| {
             let layout = &layout;
-            let is_cone = &is_cone;
+            let is_cone = &fixed.is_cone;
             mesh.vertices().filter(move |&v| layout.cut.wedges(v).len() == wedges && !is_cone[v])
         };
         let inside = plain(1).nth(20).unwrap();
         let seam = plain(2).nth(3).unwrap();
         for v in [inside, seam] {
             let mut folded = layout.clone();
-            let mut untangler = Untangler::new(&mesh, &metric, &scaling, &is_cone, &mut folded, Watch::NONE).unwrap();
+            let mut untangler = Untangler::new(&mesh, &metric, &scaling, &fixed, &mut folded, Watch::NONE).unwrap();
             let h = mesh.outgoing(v).next().unwrap();
             let spoke = untangler.layout.corner(mesh.next(h)) - untangler.layout.corner(h);
             untangler.displace(h, 1.5 * spoke);
             assert!(!untangler.bad().is_empty());
-            assert!(remove_fold_overs(&mesh, &metric, &scaling, &is_cone, &mut folded, Watch::NONE).unwrap() > 0);
-            let untangler = Untangler::new(&mesh, &metric, &scaling, &is_cone, &mut folded, Watch::NONE).unwrap();
+            assert!(remove_fold_overs(&mesh, &metric, &scaling, &fixed, &mut folded, Watch::NONE).unwrap() > 0);
+            let untangler = Untangler::new(&mesh, &metric, &scaling, &fixed, &mut folded, Watch::NONE).unwrap();
             assert!(untangler.bad().is_empty());
             for h in mesh.halfedges() {
                 let g = mesh.twin(h).unwrap();

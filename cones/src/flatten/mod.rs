@@ -12,7 +12,7 @@ mod untangle;
 
 pub(crate) use detach::detach;
 pub(crate) use fold_over::FoldOvers;
-pub(crate) use fold_over::remove_fold_overs;
+pub(crate) use fold_over::{Fixed, remove_fold_overs};
 pub use layout::Layout;
 pub(crate) use relax::{BENT, MOST_BENT, relax, stretch};
 pub use scaling::{Scaling, ScalingError, scale};

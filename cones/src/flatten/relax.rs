@@ -9,10 +9,10 @@
 //! A patch is only taken if it measures better than before, its angles and areas together: untangling's reference shapes are no
 //! thinner than one in a thousand, needles in space are.
 
-use geom::{FaceId, Mesh, Metric, Sides, VertexData, Watch};
+use geom::{FaceId, Mesh, Metric, Sides, Watch};
 use num_complex::Complex64;
 
-use super::fold_over::Untangler;
+use super::fold_over::{Fixed, Untangler};
 use super::layout::Layout;
 use super::scaling::Scaling;
 
@@ -48,7 +48,7 @@ pub(crate) fn relax(
     input: &Mesh,
     metric: &Metric,
     scaling: &Scaling,
-    is_cone: &VertexData<bool>,
+    fixed: &Fixed,
     layout: &mut Layout,
     watch: Watch,
 ) -> usize {
@@ -72,7 +72,7 @@ pub(crate) fn relax(
         let corners = input.sides(f).map(|h| layout.corner(h));
         stretch(metric.sides(input, f), corners).is_some_and(|[stretch, _]| stretch > BENT)
     };
-    let Ok(mut untangler) = Untangler::new(input, metric, scaling, is_cone, layout, watch) else { return 0 };
+    let Ok(mut untangler) = Untangler::new(input, metric, scaling, fixed, layout, watch) else { return 0 };
     let mut relaxed = 0;
     for _ in 0..ROUNDS {
         let bent: Vec<FaceId> = input.faces().filter(|&f| is_bent(untangler.layout(), f)).collect();
