@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
-"""Packs maps with this program, with xatlas and with Blender, and has each measured by the independent judge.
+"""Compares our maps, and our packing, with what xatlas and Blender make of the same meshes; the independent judge measures each.
 
-    packing.py PROGRAM JUDGE MESH...
+    packing.py PROGRAM JUDGE JUDGE_PYTHON MESH...            32 cones; others pack our islands, xatlas its own charts as well
+    packing.py --charts PROGRAM JUDGE JUDGE_PYTHON MESH...   hard shapes: default options and `--refine`; xatlas and Smart UV Project by their defaults
 
-Needs the packages xatlas and bpy beside numpy. Fill is the triangles' area over that of the square; Blender and xatlas get the
-islands that `cones unwrap` made ("our islands"), xatlas its own charts as well. Margin: 4 texels of 1024.
+Needs the packages xatlas and bpy beside numpy, the judge's python scipy. Fill is the triangles' area over that of the square; seconds of
+ours are of packing alone with 32 cones, of all with --charts. Margin: 4 texels of 1024.
 """
 import json
 import subprocess
@@ -74,7 +75,8 @@ def xatlas_packed(xatlas, atlas):
     return places[corners].astype(float)
 
 
-def blender(points, faces, uv):
+def in_blender(points, faces, uv, operate):
+    """What an operator on all faces in edit mode makes of texture coordinates."""
     import bpy
     bpy.ops.wm.read_factory_settings(use_empty=True)
     mesh = bpy.data.meshes.new("mesh")
@@ -87,11 +89,20 @@ def blender(points, faces, uv):
     bpy.ops.object.mode_set(mode="EDIT")
     bpy.ops.mesh.select_all(action="SELECT")
     bpy.ops.uv.select_all(action="SELECT")
-    bpy.ops.uv.pack_islands(rotate=True, rotate_method="ANY", margin_method="FRACTION", margin=MARGIN / TEXTURE, shape_method="CONCAVE")
+    operate(bpy.ops.uv)
     bpy.ops.object.mode_set(mode="OBJECT")
     places = np.empty(6 * len(faces), dtype=np.float32)
     mesh.uv_layers.active.data.foreach_get("uv", places)
     return places.astype(float).reshape(-1, 3, 2)
+
+
+def blender(points, faces, uv):
+    options = dict(rotate=True, rotate_method="ANY", margin_method="FRACTION", margin=MARGIN / TEXTURE, shape_method="CONCAVE")
+    return in_blender(points, faces, uv, lambda uv: uv.pack_islands(**options))
+
+
+def smart_project(points, faces, uv):
+    return in_blender(points, faces, uv, lambda uv: uv.smart_project(island_margin=MARGIN / TEXTURE))
 
 
 def area(uv):
@@ -100,23 +111,33 @@ def area(uv):
 
 
 def row(name, judge, mesh, out, fill, seconds):
-    judged = json.loads(run(sys.executable, judge, mesh, out, "--json"))
+    judged = json.loads(run(*judge, mesh, out, "--json"))
     islands = judged["islands"] if isinstance(judged["islands"], int) else len(judged["islands"])
     print(f"| {name} | {fill:.3f} | {islands} | {judged['seam_rel']:.2f} | {100 * judged['overlap']:.2f} % | {judged['area_D']:.3f} "
           f"| {judged['qc_mean']:.4f} | {seconds:.2f} |", flush=True)
 
 
-def main(program, judge, *meshes):
+# What we are asked for, each with its options; what others do; and which of our times counts.
+PACKING = ([("`--islands pack`", ["-n", CONES, "--islands", "pack"]), ("default", ["-n", CONES])],
+           [("Blender, our islands", blender), ("xatlas, our islands", xatlas_islands), ("xatlas", xatlas_charts)], "pack")
+CHARTS = ([("`cones --refine`", ["--refine"]), ("`cones`", ["--refine=never"])],
+          [("xatlas", xatlas_charts), ("Smart UV Project", smart_project)], "total")
+
+
+def main(program, judge, python, *meshes, compared=PACKING):
+    options, packers, time_of = compared
+    judge = (python, judge)
     print("| mesh, packer | fill | islands | seams | overlap | D | qc | s |\n|---|---|---|---|---|---|---|---|")
     with tempfile.TemporaryDirectory() as folder:
-        ours, packed = Path(folder, "ours.obj"), Path(folder, "packed.obj")
+        ours, theirs = Path(folder, "ours.obj"), Path(folder, "theirs.obj")
         for mesh in meshes:
             name = Path(mesh).stem
-            for label, more in [("cut further", ["--max-seam", "0.1"]), ("ours", [])]:
-                report = json.loads(run(program, "unwrap", mesh, "-n", CONES, "-o", ours, "--triangulate", "--json", *more))
-                row(f"{name}, {label}", judge, mesh, ours, report["distortion"]["fill"], report["times"]["pack"])
+            for label, more in options:
+                report = json.loads(run(program, "unwrap", mesh, "-o", ours, "--triangulate", "--json", *more))
+                row(f"{name}, {label}", judge, ours, ours, report["distortion"]["fill"], report["times"][time_of])
+            # What others get is our last triangles, since STL has no vertices.
             points, faces, uv = read(ours)
-            for label, pack in [("Blender, our islands", blender), ("xatlas, our islands", xatlas_islands), ("xatlas", xatlas_charts)]:
+            for label, pack in packers:
                 began = time.time()
                 try:
                     places = pack(points, faces, uv)
@@ -124,10 +145,11 @@ def main(program, judge, *meshes):
                     print(f"| {name}, {label} | {error} |", flush=True)
                     continue
                 took = time.time() - began
-                write(packed, points, faces, places)
+                write(theirs, points, faces, places)
                 side = max(1.0, np.ptp(places.reshape(-1, 2), axis=0).max())
-                row(f"{name}, {label}", judge, mesh, packed, area(places) / side**2, took)
+                row(f"{name}, {label}", judge, theirs, theirs, area(places) / side**2, took)
 
 
 if __name__ == "__main__":
-    main(*sys.argv[1:])
+    arguments = [argument for argument in sys.argv[1:] if argument != "--charts"]
+    main(*arguments, compared=CHARTS if "--charts" in sys.argv else PACKING)

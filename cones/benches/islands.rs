@@ -1,4 +1,5 @@
-//! Taking a layout apart beside finding alone what overlaps in it, as the surface grows.
+//! Taking a layout apart beside finding alone what overlaps in it, and flattening with and without all that is done about overlap, as the
+//! surface grows.
 //!
 //! `cargo bench -p cones --bench islands`. The surface is the built-in hare with 32 cones by persistence, whose layout lies over itself.
 
@@ -38,4 +39,27 @@ fn find_overlaps(bencher: Bencher, vertices: usize) {
 fn take_apart(bencher: Bencher, vertices: usize) {
     let (mesh, lengths, map) = layout(vertices);
     bencher.bench_local(|| separate(&mesh, &lengths, None, map.clone(), Watch::NONE));
+}
+
+/// Metric, layout, and what is done about overlap.
+fn flatten(bencher: Bencher, vertices: usize, islands: Islands) {
+    let analysis = Analysis::new(&shapes::hare(vertices).into()).expect("it is a sphere");
+    let cones = analysis.place(Placement::Persistence, 32).expect("there is room for them");
+    let options = Options { islands, ..Options::default() };
+    bencher.bench_local(|| analysis.flatten_with(&cones, &options).map(|atlas| atlas.uv.len()));
+}
+
+#[divan::bench(args = VERTICES, sample_count = 5, sample_size = 1)]
+fn flatten_as_laid_out(bencher: Bencher, vertices: usize) {
+    flatten(bencher, vertices, Islands::Single);
+}
+
+#[divan::bench(args = VERTICES, sample_count = 5, sample_size = 1)]
+fn flatten_without_overlap(bencher: Bencher, vertices: usize) {
+    flatten(bencher, vertices, Islands::OverlapFree);
+}
+
+#[divan::bench(args = VERTICES, sample_count = 5, sample_size = 1)]
+fn flatten_to_pack(bencher: Bencher, vertices: usize) {
+    flatten(bencher, vertices, Islands::Pack);
 }

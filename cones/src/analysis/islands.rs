@@ -41,16 +41,16 @@ impl Component {
         }
         let lengths = seam_lengths(&self.surface, &self.metric);
         let Opening { other, separation: done } =
-            task.stage(stage, times, |watch| Reseaming::new(mesh, flat, plan).best(watch))??;
+            task.stage(stage, times, |watch| Reseaming::new(mesh, flat, plan, islands == Islands::Pack).best(watch))??;
         if let Some((seams, layout)) = other {
             flat.seams = seams;
             flat.layout = layout;
         }
-        if done.overlaps.pairs.is_empty() {
+        self.note_overlap(flat, &done.left);
+        if done.map.cut == flat.seams.cut {
             flat.notes.extend(self.note_avoided(plan, &flat.seams));
             return Ok(());
         }
-        self.note_overlap(flat, &done.left);
         let cut = done.map.opened(mesh);
         let mut opened = vec![Complex64::ZERO; cut.wedge_count()];
         for (h, [x, y]) in done.map.position.iter_ids() {

@@ -110,6 +110,11 @@ impl SeamPlan {
         &self.plain
     }
 
+    /// What edges cost that seams run along: [`costs`](Self::costs), less where they are welcome.
+    pub(crate) fn path_costs(&self) -> &EdgeData<f64> {
+        &self.cost
+    }
+
     /// The edges that are cut whatever becomes of the islands.
     pub(crate) fn given(&self) -> &EdgeData<bool> {
         &self.given

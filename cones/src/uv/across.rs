@@ -20,10 +20,10 @@ pub(super) struct Across {
     /// The edge that closes it.
     edge: EdgeId,
     pub(super) length: f64,
-    /// The areas of rectangles about both sides, over that of one about the island.
-    pub(super) rectangles: f64,
     /// A point on it.
-    pub(super) middle: [f64; 2],
+    middle: [f64; 2],
+    /// The share of the area that is on its first side.
+    pub(super) share: f64,
     /// The triangles on one side, as they are numbered in the sweep.
     first: usize,
     end: usize,
@@ -135,6 +135,29 @@ impl<'a> Paths<'a> {
 
     /// The paths across an island that are not longer than `most` and leave at least a share of the area on either side.
     pub(super) fn across(&self, sweep: &Sweep, most: f64, least_share: f64) -> Vec<Across> {
+        let mut areas = vec![0.0];
+        for &f in &sweep.faces {
+            let [a, b, c] = self.mesh.sides(f).map(|h| self.map.position[h]);
+            let area = 0.5 * ((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])).abs();
+            areas.push(areas[areas.len() - 1] + area);
+        }
+        let count = sweep.faces.len();
+        let whole = areas[count];
+        let found = (1..count).filter_map(|k| {
+            let (edge, end) = (sweep.over[k]?, sweep.end[k]);
+            let share = (areas[end] - areas[k]) / whole;
+            let length = self.length(edge)?;
+            if length > most || share < least_share || share > 1.0 - least_share {
+                return None;
+            }
+            let middle = self.map.position[self.mesh.halfedge(edge)];
+            Some(Across { edge, length, middle, share, first: k, end })
+        });
+        found.collect()
+    }
+
+    /// For each path the areas of rectangles about both sides, over that of one about the island.
+    pub(super) fn rectangles(&self, sweep: &Sweep, across: &[Across]) -> Vec<f64> {
         let reach: Vec<Reach> = sweep.faces.iter().map(|&f| self.reach(f)).collect();
         let mut below = reach.clone();
         for k in (1..below.len()).rev() {
@@ -143,27 +166,11 @@ impl<'a> Paths<'a> {
         }
         let before = running(reach.iter());
         let after: Vec<Reach> = running(reach.iter().rev());
-        let mut areas = vec![0.0];
-        for &f in &sweep.faces {
-            let [a, b, c] = self.mesh.sides(f).map(|h| self.map.position[h]);
-            let area = 0.5 * ((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])).abs();
-            areas.push(areas[areas.len() - 1] + area);
-        }
-        let whole = areas[sweep.faces.len()];
-        let count = sweep.faces.len();
-        let found = (1..count).filter_map(|k| {
-            let (edge, end) = (sweep.over[k]?, sweep.end[k]);
-            let share = (areas[end] - areas[k]) / whole;
-            let length = self.length(edge)?;
-            if length > most || share < least_share || share > 1.0 - least_share {
-                return None;
-            }
-            let outside = farther(&before[k], &after[count - end]);
-            let rectangles = (rectangle(&below[k]) + rectangle(&outside)) / rectangle(&below[0]);
-            let middle = self.map.position[self.mesh.halfedge(edge)];
-            Some(Across { edge, length, rectangles, middle, first: k, end })
-        });
-        found.collect()
+        let both = |path: &Across| {
+            let outside = farther(&before[path.first], &after[sweep.faces.len() - path.end]);
+            (rectangle(&below[path.first]) + rectangle(&outside)) / rectangle(&below[0])
+        };
+        across.iter().map(both).collect()
     }
 
     /// The length of the path that an edge closes; nothing if both of its ends come to the same point.
@@ -187,6 +194,11 @@ impl<'a> Paths<'a> {
         [self.side(first, is_first), self.side(&sweep.faces, |f| !is_first(f))]
     }
 
+    /// What is open along a map.
+    pub(super) fn opened(&self) -> &CutMesh {
+        &self.opened
+    }
+
     fn reach(&self, f: FaceId) -> Reach {
         let mut reach = [f32::MIN; 2 * DIRECTIONS];
         for [x, y] in self.mesh.sides(f).map(|h| self.map.position[h]) {
@@ -198,6 +210,19 @@ impl<'a> Paths<'a> {
             }
         }
         reach
+    }
+}
+
+impl Across {
+    /// How far apart two paths are in their middles.
+    pub(super) fn distance(&self, other: &Self) -> f64 {
+        (self.middle[0] - other.middle[0]).hypot(self.middle[1] - other.middle[1])
+    }
+
+    /// Whether a triangle is on the side that the sweep goes through at once; none if it is not on the island.
+    pub(super) fn is_first(&self, sweep: &Sweep, f: FaceId) -> Option<bool> {
+        let place = sweep.place[f];
+        (place != u32::MAX).then(|| (self.first..self.end).contains(&(place as usize)))
     }
 }
 

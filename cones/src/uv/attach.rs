@@ -5,11 +5,10 @@
 //! stays untouched, the larger of two islands where it is, and two disks glued along one chain are a disk.
 //!
 //! An island is a list of pieces, each with the rigid motion that takes it from where it lay at first. Positions are
-//! computed once, from the first ones, and each piece has a tree of its triangles as they lay at first, which serves all tests:
-//! triangles of the smaller piece are taken to where the larger one lay.
+//! computed once, from the first ones, and one tree of all triangles as they lay at first serves all tests: triangles of the
+//! smaller piece are taken to where the larger one lay.
 
 use std::collections::HashSet;
-use std::sync::Arc;
 
 use geom::{CutMesh, EdgeData, FaceData, FaceId, HalfedgeId, Interrupted, Mesh, Watch};
 
@@ -20,9 +19,9 @@ use super::overlap::{Boxes, NEGLIGIBLE_DEPTH, Overlap, bounds};
 use super::triangle;
 
 /// Glued islands may overlap by this share of [`NEGLIGIBLE_DEPTH`], so that they do not overlap after some rounding.
-const ALLOWED: f64 = 0.5;
+pub(super) const ALLOWED: f64 = 0.5;
 /// Triangles of an island are tried in steps of so many, so that an overlap anywhere is soon found.
-const STRIDE: usize = 29;
+pub(super) const STRIDE: usize = 29;
 
 /// What a map is put together from.
 #[derive(Clone)]
@@ -37,8 +36,10 @@ pub(super) struct Pieces<'a> {
     /// The piece of each triangle, by breadth of islands.
     piece: FaceData<u32>,
     faces: Vec<Vec<FaceId>>,
-    /// The triangles of each piece as they lay at first.
-    boxes: Arc<[Boxes]>,
+    /// All triangles as they lay at first.
+    boxes: &'a Boxes,
+    /// The bounding box of each piece as it lay at first; none without area.
+    bounds: Vec<Option<[[f64; 2]; 2]>>,
     motion: Vec<Motion>,
     /// The island of each piece.
     island: Vec<u32>,
@@ -53,6 +54,7 @@ impl<'a> Pieces<'a> {
     pub(super) fn new(
         (mesh, lengths, kept): (&'a Mesh, &'a EdgeData<f64>, Option<&'a EdgeData<bool>>),
         map: &'a UvMap,
+        boxes: &'a Boxes,
         cut: EdgeData<bool>,
     ) -> Self {
         let opened = CutMesh::open(mesh, &cut);
@@ -60,7 +62,6 @@ impl<'a> Pieces<'a> {
         let piece: FaceData<u32> = mesh.faces().map(|f| opened.island(f)).collect();
         let mut faces = vec![Vec::new(); count];
         mesh.faces().for_each(|f| faces[piece[f] as usize].push(f));
-        let boxes = |faces: &Vec<FaceId>| Boxes::new(faces.iter().map(|&f| triangle::upright(map.triangle(mesh, f))));
         Self {
             mesh,
             map,
@@ -68,7 +69,8 @@ impl<'a> Pieces<'a> {
             kept,
             extent: map.extent(),
             piece,
-            boxes: faces.iter().map(boxes).collect(),
+            boxes,
+            bounds: faces.iter().map(|faces| boxes.bounds_of(faces.iter().map(|f| f.0))).collect(),
             faces,
             motion: vec![Motion::NONE; count],
             island: (0..count as u32).collect(),
@@ -162,19 +164,23 @@ impl<'a> Pieces<'a> {
         if self.faces[p as usize].len() > self.faces[q as usize].len() {
             return self.meetings_of([q, p], &motion.inverse(), visit);
         }
-        let [(few, moved), (_, still)] = [p, q].map(|piece| (&self.faces[piece as usize], &self.boxes[piece as usize]));
+        let [moved, still] = [p, q].map(|piece| self.bounds[piece as usize]);
         if !may_meet(moved, still, motion) {
             return true;
         }
+        let few = &self.faces[p as usize];
         let least = ALLOWED * NEGLIGIBLE_DEPTH * self.extent;
         let mut goes_on = true;
         for k in (0..STRIDE).flat_map(|first| (first..few.len()).step_by(STRIDE)) {
-            let Some(one) = moved.upright[k].map(|corners| motion.of_triangle(corners)) else { continue };
-            still.meeting(&one, |g| {
-                if let Some(other) = still.upright[g as usize]
+            let Some(one) = self.boxes.upright[few[k].0 as usize].map(|corners| motion.of_triangle(corners)) else {
+                continue;
+            };
+            self.boxes.meeting(&one, |g| {
+                if self.piece[FaceId(g)] == q
+                    && let Some(other) = self.boxes.upright[g as usize]
                     && let Some(depth) = triangle::depth(&one, &other).filter(|&depth| depth > least)
                 {
-                    let [f, g] = [few[k].0, self.faces[q as usize][g as usize].0];
+                    let f = few[k].0;
                     let area = triangle::common_area(&one, &other);
                     goes_on = visit(Overlap { triangles: [f.min(g), f.max(g)], depth: depth / self.extent, area });
                 }
@@ -217,9 +223,9 @@ impl<'a> Pieces<'a> {
     }
 }
 
-/// Whether the bounding boxes meet where the first is moved.
-fn may_meet(moved: &Boxes, still: &Boxes, motion: &Motion) -> bool {
-    let (Some([low, high]), Some(still)) = (moved.bounds(), still.bounds()) else { return false };
+/// Whether bounding boxes meet where the first is moved.
+fn may_meet(moved: Option<[[f64; 2]; 2]>, still: Option<[[f64; 2]; 2]>, motion: &Motion) -> bool {
+    let (Some([low, high]), Some(still)) = (moved, still) else { return false };
     let corners = [low, [high[0], low[1]], high, [low[0], high[1]]].map(|corner| motion.of(corner));
     let [low, high] = bounds(&corners);
     (0..2).all(|i| low[i] <= still[1][i] && still[0][i] <= high[i])

@@ -85,14 +85,43 @@ impl<'a> Loops<'a> {
         lengths: &EdgeData<f64>,
         extent: f64,
     ) -> Vec<Chain> {
-        let mesh = self.mesh;
-        let islands = |h: HalfedgeId| {
-            let g = mesh.twin(h).filter(|_| !is_kept(mesh.edge(h)))?;
+        let between = |h: HalfedgeId| {
+            let g = self.mesh.twin(h).filter(|_| !is_kept(self.mesh.edge(h)))?;
             Some([island(h), island(g)]).filter(|[a, b]| a < b)
         };
-        // Whether the edges of a halfedge and of the next one on the boundary also follow each other on the other side.
+        self.runs(between, position, lengths, extent)
+    }
+
+    /// The chains with one island on both sides, likewise.
+    pub(super) fn chains_within(
+        &self,
+        island: impl Fn(HalfedgeId) -> u32,
+        is_kept: impl Fn(EdgeId) -> bool,
+        position: impl Fn(HalfedgeId) -> [f64; 2],
+        lengths: &EdgeData<f64>,
+        extent: f64,
+    ) -> Vec<Chain> {
+        let within = |h: HalfedgeId| {
+            let g = self.mesh.twin(h).filter(|_| !is_kept(self.mesh.edge(h)))?;
+            Some([island(h), island(g)]).filter(|[a, b]| a == b)
+        };
+        self.runs(within, position, lengths, extent)
+    }
+
+    /// The chains of edges that have `islands`.
+    fn runs(
+        &self,
+        islands: impl Fn(HalfedgeId) -> Option<[u32; 2]>,
+        position: impl Fn(HalfedgeId) -> [f64; 2],
+        lengths: &EdgeData<f64>,
+        extent: f64,
+    ) -> Vec<Chain> {
+        let mesh = self.mesh;
+        // Whether the edges of a halfedge and of the next one on the boundary also follow each other on the other side, but not back
+        // along the same edge.
         let goes_on = |h: HalfedgeId, next: HalfedgeId| {
             islands(h).is_some()
+                && mesh.twin(h) != Some(next)
                 && islands(h) == islands(next)
                 && mesh.twin(next).is_some_and(|g| self.next[g].is_some() && self.next[g] == mesh.twin(h))
         };
@@ -113,7 +142,7 @@ impl<'a> Loops<'a> {
             {
                 run.push(next);
             }
-            is_done.extend(run.iter().copied());
+            is_done.extend(run.iter().flat_map(|&h| [Some(h), mesh.twin(h)]).flatten());
             let islands = islands(first).expect("it was asked for");
             chains.extend(self.congruent(&run, islands, &position, lengths, extent));
         }

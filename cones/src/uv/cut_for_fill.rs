@@ -98,7 +98,8 @@ fn best_cut(parts: &[Part], maps: &[UvMap], left: f64, options: &PackOptions) ->
         let Some(sweep) = sweep else { continue };
         let part = islands[island].0;
         let extent = islands[island].3.area.sqrt();
-        let across = promising(paths[part].across(sweep, left, LEAST_SHARE), extent, left);
+        let across = paths[part].across(sweep, left, LEAST_SHARE);
+        let across = promising(across.iter().zip(paths[part].rectangles(sweep, &across)), extent, left);
         trials.extend(across.into_iter().map(|across| Trial { part, island, sweep, across }));
     }
     let outlines: Vec<&Side> = islands.iter().map(|(_, _, _, side)| side).collect();
@@ -119,21 +120,18 @@ fn best_cut(parts: &[Part], maps: &[UvMap], left: f64, options: &PackOptions) ->
     (gains[best] > LEAST_GAIN).then(|| (*part, paths[*part].edges(across), across.length))
 }
 
-/// The paths that are worth packing.
-fn promising(mut across: Vec<Across>, extent: f64, left: f64) -> Vec<Across> {
+/// The paths that are worth packing, of some with their rectangles.
+fn promising<'a>(across: impl Iterator<Item = (&'a Across, f64)>, extent: f64, left: f64) -> Vec<Across> {
+    let mut across: Vec<(&Across, f64)> = across.collect();
     let mut chosen: Vec<Across> = Vec::new();
-    let far = |chosen: &[Across], path: &Across| {
-        let away = |q: &Across| (q.middle[0] - path.middle[0]).hypot(q.middle[1] - path.middle[1]);
-        chosen.iter().all(|q| away(q) > NEAR * extent)
-    };
     for (is_by_length, count) in [(false, TRIED / 2), (true, TRIED)] {
         // Half a tenth of what is left beside the length, lest the shortest of all paths win.
         let price = |path: &Across| if is_by_length { path.length + 0.05 * left } else { 1.0 };
-        let measure = |path: &Across| (path.rectangles - 1.0) / price(path);
+        let measure = |(path, rectangles): &(&Across, f64)| (rectangles - 1.0) / price(path);
         across.sort_by(|a, b| measure(a).total_cmp(&measure(b)));
-        for path in &across {
-            if chosen.len() < count && far(&chosen, path) {
-                chosen.push(path.clone());
+        for (path, _) in &across {
+            if chosen.len() < count && chosen.iter().all(|other| other.distance(path) > NEAR * extent) {
+                chosen.push((*path).clone());
             }
         }
     }

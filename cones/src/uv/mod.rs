@@ -15,6 +15,8 @@ mod attach;
 mod chains;
 mod cut_for_fill;
 mod divide;
+mod exchange;
+mod immersion;
 mod map;
 mod motion;
 mod overlap;
@@ -26,6 +28,7 @@ mod tests;
 mod triangle;
 
 pub use cut_for_fill::{Part, cut_for_fill};
+pub(crate) use exchange::Aim;
 pub use map::UvMap;
 pub use motion::Motion;
 pub use overlap::{NEGLIGIBLE_DEPTH, Overlap, Overlaps, overlaps, overlaps_watched};

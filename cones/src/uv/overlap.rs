@@ -21,7 +21,7 @@ pub const NEGLIGIBLE_DEPTH: f64 = 1e-9;
 /// is folded to a ball has n² of them.
 const MOST_PAIRS: usize = 16;
 /// So many pairs are kept in any case.
-const FREE_PAIRS: usize = 1 << 20;
+pub(super) const FREE_PAIRS: usize = 1 << 20;
 /// So many pairs are kept of one triangle with later ones.
 const MOST_OF_ONE: usize = 1 << 12;
 /// So many triangles are looked up in the tree between two looks at the watch.
@@ -172,6 +172,14 @@ impl Boxes {
     /// The lower left and the upper right corner of the bounding box of all; none without area.
     pub(super) fn bounds(&self) -> Option<[[f64; 2]; 2]> {
         self.tree.as_ref()?.bounds().map(|b| [[b.min_x, b.min_y], [b.max_x, b.max_y]])
+    }
+
+    /// The same of some triangles.
+    pub(super) fn bounds_of(&self, some: impl Iterator<Item = u32>) -> Option<[[f64; 2]; 2]> {
+        let boxes = some.filter_map(|f| self.upright[f as usize].as_ref()).map(bounds);
+        boxes.reduce(|[low, high], [l, h]| {
+            [[low[0].min(l[0]), low[1].min(l[1])], [high[0].max(h[0]), high[1].max(h[1])]]
+        })
     }
 
     /// Visits the triangles whose bounding boxes meet that of a triangle, in no order that means anything, as long as the

@@ -14,8 +14,11 @@ use rayon::prelude::*;
 use super::attach::Pieces;
 use super::chains::Chain;
 use super::divide::{Pair, Preference, SLIVER, divide};
+use super::exchange::{Aim, exchange};
+use super::immersion::overlaps_of_immersion;
 use super::map::UvMap;
-use super::overlap::{NEGLIGIBLE_DEPTH, Overlap, Overlaps, overlaps_watched};
+use super::overlap::{Boxes, NEGLIGIBLE_DEPTH, Overlap, Overlaps, overlaps_watched};
+use super::triangle;
 
 /// What is tried. Of 48 such preferences these four give the fewest islands on 105 layouts that lie over themselves: each alone
 /// leaves one island on 41 to 48 of them, all four together on 60.
@@ -92,12 +95,14 @@ pub(crate) fn separate_by(
     effort: Effort,
     watch: Watch,
 ) -> Result<Separation, Interrupted> {
-    let overlaps = on_one_island(mesh, &map, &map.cut, watch.within(0.0, 0.3))?;
+    let boxes = boxes(mesh, &map);
+    watch.ask(0.1)?;
+    let overlaps = of_any_kind(mesh, &map, &boxes, watch.within(0.1, 0.3))?;
     let left = Overlaps::default();
     if overlaps.pairs.is_empty() {
         return Ok(Separation { map, overlaps, added_seam: 0.0, left });
     }
-    let task = Task { mesh, lengths, kept, map: &map, overlaps: &overlaps };
+    let task = Task { mesh, lengths, kept, map: &map, boxes: &boxes, overlaps: &overlaps };
     let separated = task.best(effort, watch.within(0.3, 1.0))?;
     let added_seam = seam(mesh, lengths, &separated.cut) - seam(mesh, lengths, &map.cut);
     Ok(Separation { map: separated, overlaps, added_seam, left })
@@ -107,9 +112,22 @@ impl Separation {
     /// Looks for the pairs that could not be parted.
     pub(crate) fn look(&mut self, mesh: &Mesh, watch: Watch) -> Result<(), Interrupted> {
         if !self.overlaps.pairs.is_empty() {
-            self.left = on_one_island(mesh, &self.map, &self.map.cut, watch)?;
+            self.left = of_any_kind(mesh, &self.map, &boxes(mesh, &self.map), watch)?;
         }
         Ok(())
+    }
+
+    /// Moves lobes elsewhere ([`exchange`]).
+    pub(crate) fn exchanged(
+        mut self,
+        (mesh, lengths, kept): (&Mesh, &EdgeData<f64>, Option<&EdgeData<bool>>),
+        aim: &Aim,
+        watch: Watch,
+    ) -> Result<Self, Interrupted> {
+        let before = seam(mesh, lengths, &self.map.cut);
+        self.map = exchange(mesh, lengths, kept, self.map, aim, watch)?;
+        self.added_seam += seam(mesh, lengths, &self.map.cut) - before;
+        Ok(self)
     }
 
     /// What it costs.
@@ -123,6 +141,19 @@ fn on_one_island(mesh: &Mesh, map: &UvMap, cut: &EdgeData<bool>, watch: Watch) -
     let opened = CutMesh::open(mesh, cut);
     let asked = |pair: [u32; 2]| opened.island(FaceId(pair[0])) == opened.island(FaceId(pair[1]));
     overlaps_watched(&map.triangles(mesh), NEGLIGIBLE_DEPTH, asked, watch)
+}
+
+/// The pairs of triangles that overlap on an island, found from the boundary where that can be. `boxes` are the map's triangles.
+fn of_any_kind(mesh: &Mesh, map: &UvMap, boxes: &Boxes, watch: Watch) -> Result<Overlaps, Interrupted> {
+    match overlaps_of_immersion(mesh, map, &map.opened(mesh), boxes, watch.within(0.0, 0.5))? {
+        Some(overlaps) => Ok(overlaps),
+        None => on_one_island(mesh, map, &map.cut, watch.within(0.5, 1.0)),
+    }
+}
+
+/// The triangles of a map in a tree.
+fn boxes(mesh: &Mesh, map: &UvMap) -> Boxes {
+    Boxes::new(mesh.faces().map(|f| triangle::upright(map.triangle(mesh, f))))
 }
 
 fn seam(mesh: &Mesh, lengths: &EdgeData<f64>, cut: &EdgeData<bool>) -> f64 {
@@ -151,6 +182,7 @@ struct Task<'a> {
     /// What stays open.
     kept: Option<&'a EdgeData<bool>>,
     map: &'a UvMap,
+    boxes: &'a Boxes,
     overlaps: &'a Overlaps,
 }
 
@@ -191,18 +223,20 @@ impl Cost {
 
 impl Task<'_> {
     /// A map's islands, opened further along `cut`.
-    fn pieces<'b>(&'b self, map: &'b UvMap, cut: EdgeData<bool>) -> Pieces<'b> {
-        Pieces::new((self.mesh, self.lengths, self.kept), map, cut)
+    fn pieces<'b>(&'b self, map: &'b UvMap, boxes: &'b Boxes, cut: EdgeData<bool>) -> Pieces<'b> {
+        Pieces::new((self.mesh, self.lengths, self.kept), map, boxes, cut)
     }
 
     /// The best map.
     fn best(&self, effort: Effort, watch: Watch) -> Result<UvMap, Interrupted> {
         let preferences = if let Effort::Quick(count) = effort { count.max(1) } else { PREFERENCES.len() };
         let mut states = self.starts(preferences, watch.within(0.0, 0.5))?;
-        let before = self.cost(&sizes(self.mesh, &self.map.opened(self.mesh)), &self.map.cut).islands;
-        let runs = match effort {
-            Effort::Quick(_) => 0,
-            Effort::Thorough => (TRIANGLES / self.mesh.face_count().max(1)).min(MOST_RUNS),
+        let (runs, before) = match effort {
+            Effort::Quick(_) => (0, 0),
+            Effort::Thorough => {
+                let before = self.cost(&sizes(self.mesh, &self.map.opened(self.mesh)), &self.map.cut).islands;
+                ((TRIANGLES / self.mesh.face_count().max(1)).min(MOST_RUNS), before)
+            }
         };
         let mut tried = 0;
         while tried < runs && states.iter().all(|state| state.cost.islands > before) {
@@ -231,7 +265,7 @@ impl Task<'_> {
         let pairs = weighed(&self.overlaps.pairs);
         let run = |preference: &Preference| {
             let cut = self.cut(&pairs, preference, watch)?;
-            self.attached(self.pieces(self.map, cut), watch)
+            self.attached(self.pieces(self.map, self.boxes, cut), watch)
         };
         let most = (TRIANGLES / self.mesh.face_count().max(1)).clamp(1, preferences);
         let states: Vec<Result<State, Interrupted>> = PREFERENCES.par_iter().take(most).map(run).collect();
@@ -241,7 +275,8 @@ impl Task<'_> {
     /// What comes of gluing one of the longest chains all the same, and parting what lies over each other then; none if all have
     /// been tried.
     fn glued_otherwise(&self, state: &State, count: usize, watch: Watch) -> Result<Option<Vec<State>>, Interrupted> {
-        let pieces = self.pieces(&state.map, state.map.cut.clone());
+        let boxes_there = boxes(self.mesh, &state.map);
+        let pieces = self.pieces(&state.map, &boxes_there, state.map.cut.clone());
         let chains = pieces.chains();
         let gluings: Vec<(&Chain, &Preference)> = chains
             .iter()
@@ -259,7 +294,7 @@ impl Task<'_> {
             glued.glue(chain);
             let map = glued.map();
             let cut = divide(self.mesh, self.lengths, &map.cut, &weighed(&pairs), preference, watch)?;
-            self.attached(self.pieces(&map, cut), watch).map(Some)
+            self.attached(self.pieces(&map, &boxes(self.mesh, &map), cut), watch).map(Some)
         };
         let states: Vec<Result<Option<State>, Interrupted>> = gluings.par_iter().map(run).collect();
         Ok(Some(states.into_iter().collect::<Result<Vec<_>, _>>()?.into_iter().flatten().collect()))

@@ -90,7 +90,12 @@ proptest! {
     ) {
         let (mesh, map, lengths) = tree(&sides);
         let found: Vec<[u32; 2]> = overlaps(&map.triangles(&mesh)).pairs.iter().map(|pair| pair.triangles).collect();
-        prop_assert_eq!(found.into_iter().collect::<BTreeSet<_>>(), pairs_on_islands(&mesh, &map).into_iter().collect());
+        let expected = pairs_on_islands(&mesh, &map);
+        prop_assert_eq!(found.into_iter().collect::<BTreeSet<_>>(), expected.iter().copied().collect());
+        let boxes = overlap::Boxes::new(map.triangles(&mesh).into_iter().map(triangle::upright));
+        let from_boundary = immersion::overlaps_of_immersion(&mesh, &map, &map.opened(&mesh), &boxes, Watch::NONE);
+        let pairs = from_boundary.unwrap().expect("nothing is folded over").pairs;
+        prop_assert_eq!(pairs.iter().map(|pair| pair.triangles).collect::<BTreeSet<_>>(), expected.into_iter().collect());
         let done = separate(&mesh, &lengths, None, map.clone(), Watch::NONE).unwrap();
         check(&mesh, &map, &lengths, &done);
         prop_assert!(done.left.pairs.is_empty());

@@ -126,6 +126,20 @@ impl FieldArgs {
         PersistenceOptions::new().nan(if has_gaps { NanPolicy::Mask } else { self.nan.policy() })
     }
 
+    /// An option that is there, if any is: what is no field has none.
+    pub(crate) fn first_given(&self) -> Option<&'static str> {
+        let given = [
+            (self.field.is_some(), "--field"),
+            (self.edges.is_some(), "--edges"),
+            (self.connectivity.is_some(), "--connectivity"),
+            (self.periodic.is_some(), "--periodic"),
+            (self.layer.is_some(), "--layer"),
+            (self.array.is_some(), "--array"),
+            (self.nan != NanName::Refuse, "--nan"),
+        ];
+        given.into_iter().find_map(|(is_given, option)| is_given.then_some(option))
+    }
+
     /// The files that are read.
     pub(crate) fn files(&self) -> Vec<&Path> {
         let files = [Some(self.input.as_path()), self.edges.as_deref(), self.field.as_ref().and_then(Source::file)];

@@ -8,10 +8,10 @@ mod question;
 mod session;
 mod tabs;
 
-use crate::commands::persistence::NanName;
+use crate::commands::persistence::FieldArgs;
 use crate::commands::shared::{CandidateArgs, Chosen, Subject, warn};
 use crate::error::CommandError;
-use crate::input::{self, Layer, Source};
+use crate::input::read_model;
 use crate::limits;
 use crate::output;
 use crate::progress::Progress;
@@ -22,13 +22,10 @@ use guard::Guard;
 use http::{Request, Response};
 use session::Session;
 use std::net::{Ipv4Addr, TcpListener};
-use std::path::PathBuf;
 
 #[derive(Args, Debug)]
+#[command(mut_arg("input", |input| input.value_name("IN").help(INPUT)))]
 pub(crate) struct ViewArgs {
-    /// The surface: OBJ, OFF, PLY, STL or glTF, gzipped or not; or a field, such as an array or a picture
-    #[arg(value_name = "IN")]
-    input: PathBuf,
     /// The port to listen at, on this machine alone [default: any that is free]
     #[arg(long, value_name = "P", default_value_t = 0, hide_default_value = true)]
     port: u16,
@@ -37,19 +34,11 @@ pub(crate) struct ViewArgs {
     no_open: bool,
     #[command(flatten, next_help_heading = "Cones of a surface")]
     candidates: CandidateArgs,
-    /// Show these values on the mesh: phi, curvature, mean-curvature, height[:x|y|z], distance[:VERTEX], or a file .npy or .txt
-    #[arg(long, value_name = "VALUES", value_parser = Source::parse, help_heading = "Fields")]
-    field: Option<Source>,
-    /// A network's edges (.csv with columns a, b) [default: X.edges.csv beside X.nodes.csv]
-    #[arg(long, value_name = "FILE", help_heading = "Fields")]
-    edges: Option<PathBuf>,
-    /// Of an array of three axes, the last with 3 or 4 values: one of these, from 0, or `volume` for all as they are
-    #[arg(long, value_name = "N|volume", value_parser = Layer::parse, help_heading = "Fields")]
-    layer: Option<Layer>,
-    /// What to do with NaN, and with values that a file calls no data
-    #[arg(long, value_enum, default_value_t = NanName::Refuse, help_heading = "Fields")]
-    nan: NanName,
+    #[command(flatten, next_help_heading = "Fields")]
+    of: FieldArgs,
 }
+
+const INPUT: &str = "The surface: OBJ, OFF, PLY, STL or glTF, gzipped or not; or a field, as `persistence` takes it";
 
 pub(crate) fn run(args: &ViewArgs) -> Result<(), CommandError> {
     let listen = |source| CommandError::Listen { port: args.port, source };
@@ -60,14 +49,15 @@ pub(crate) fn run(args: &ViewArgs) -> Result<(), CommandError> {
         let page = field::page(args)?;
         return serve(args, &listener, &guard, |path, request| field::answer(&page, path, request));
     }
-    if let Some(option) = args.edges.as_ref().map(|_| "--edges").or(args.layer.map(|_| "--layer")) {
-        return Err(CommandError::Misplaced { path: args.input.clone(), option, of: "a field" });
+    let input = &args.of.input;
+    if let Some(option) = args.of.first_given() {
+        return Err(CommandError::Misplaced { path: input.clone(), option, of: "a field" });
     }
-    let options = args.candidates.options_for(&args.input);
-    let progress = Progress::begin(&args.input.display().to_string());
-    let (model, _) = input::read_model(&args.input)?;
-    limits::check_memory(&args.input, model.vertex_count())?;
-    let failed = |error| CommandError::Unwrap { path: args.input.clone(), error };
+    let options = args.candidates.options_for(input);
+    let progress = Progress::begin(&input.display().to_string());
+    let (model, _) = read_model(input)?;
+    limits::check_memory(input, model.vertex_count())?;
+    let failed = |error| CommandError::Unwrap { path: input.clone(), error };
     let analysis = Analysis::observed(&model, options.preparation, progress.observer()).map_err(failed)?;
     progress.finish();
     warn(analysis.repairs(), analysis.notes(), analysis.topology().components);
@@ -78,7 +68,7 @@ pub(crate) fn run(args: &ViewArgs) -> Result<(), CommandError> {
         None => model,
     };
     let chosen = Chosen::new(count(&options, &analysis).map_err(failed)?, options.placement, options.rule);
-    let subject = Subject::new(&args.input, &model, analysis, options);
+    let subject = Subject::new(input, &model, analysis, options);
     let session = Session::new(subject, &chosen, rayon::current_num_threads())?;
     serve(args, &listener, &guard, |path, request| session.answer(path, request))
 }

@@ -30,7 +30,7 @@ impl Enclosing {
 }
 
 /// The convex hull, counter-clockwise, by Andrew's monotone chain (1979).
-pub(super) fn convex_hull(mut points: Vec<Complex64>) -> Vec<Complex64> {
+pub(in crate::uv) fn convex_hull(mut points: Vec<Complex64>) -> Vec<Complex64> {
     points.sort_unstable_by(|p, q| p.re.total_cmp(&q.re).then(p.im.total_cmp(&q.im)));
     points.dedup();
     if points.len() < 3 {

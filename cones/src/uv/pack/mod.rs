@@ -30,6 +30,7 @@ pub use fill::fill;
 pub use island_place::IslandPlace;
 pub use options::{PackError, PackOptions, Rotations, Tiles};
 pub(crate) use room::room;
+pub(super) use room::{convex_hull, side};
 
 use super::across::Side;
 use block::{Block, blocks};

@@ -92,7 +92,7 @@ pub enum PackError {
     /// The density is no positive number.
     #[error("a texel density must be a positive number, but {0} is given")]
     Density(f64),
-    /// An island is larger than a tile.
+    /// An island is larger than a tile; of several, the largest: a density lower by `times` takes all.
     #[error(
         "island {island} (counted from 0) does not fit on a tile: it is {times:.2} times too large; lower the texel density or cut it"
     )]

@@ -2,18 +2,21 @@
 
 use num_complex::Complex64;
 
-use super::hull::{Enclosing, convex_hull, enclosing};
+use super::hull::{Enclosing, enclosing};
+
+pub(in crate::uv) use super::hull::convex_hull;
 
 /// The side of the smallest square about an island, in any turn; of several islands the root of the sum of squares, as if
 /// nothing could stand in another's square. `islands` are the points on their boundaries. Nothing is placed: this is for
 /// comparing. O(b log b) for b points.
 pub(crate) fn room(islands: Vec<Vec<Complex64>>) -> f64 {
-    let square = |points: Vec<Complex64>| {
-        let found = enclosing(&convex_hull(points));
-        let side = found.iter().map(Enclosing::side).fold(f64::INFINITY, f64::min);
-        if side.is_finite() { side * side } else { 0.0 }
-    };
-    islands.into_iter().map(square).sum::<f64>().sqrt()
+    islands.into_iter().map(|points| side(&convex_hull(points)).powi(2)).sum::<f64>().sqrt()
+}
+
+/// The side of the smallest square about a convex polygon, in any turn. O(h log h) for h corners.
+pub(in crate::uv) fn side(hull: &[Complex64]) -> f64 {
+    let side = enclosing(hull).iter().map(Enclosing::side).fold(f64::INFINITY, f64::min);
+    if side.is_finite() { side } else { 0.0 }
 }
 
 #[cfg(test)]

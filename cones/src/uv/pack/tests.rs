@@ -240,6 +240,19 @@ fn what_cannot_be_packed_is_said_by_name() {
 }
 
 #[test]
+fn of_islands_that_are_too_large_the_largest_is_named_and_by_how_much_is_enough_for_all() {
+    let stars: Vec<_> = (0..9).map(|k| star([0.0, 0.0], &[1.0, 0.7, 1.0 + f64::from(k * 5 % 9)])).collect();
+    let (triangles, island) = islands(&stars);
+    let at = |texel_density| PackOptions { tiles: Tiles::Udim { texel_density }, ..PackOptions::default() };
+    let error = pack(&triangles, &island, &at(1000.0), Watch::NONE).unwrap_err();
+    let PackError::TooLarge { island: largest, times } = error else { panic!("{error}") };
+    assert_eq!(largest, 7, "7 · 5 modulo 9 is 8");
+    let (packing, _) = check(&triangles, &island, &at(1000.0 / (1.01 * times)));
+    assert!(packing.tiles > 1);
+    assert!((packing.scale * 1024.0 - 1000.0 / (1.01 * times)).abs() < 1e-6);
+}
+
+#[test]
 fn threads_change_nothing() {
     let stars: Vec<_> = (1..20).map(|k| star([0.0, 0.0], &[f64::from(k), 3.0, 1.0, 4.0, 2.0])).collect();
     let (triangles, island) = islands(&stars);

@@ -18,7 +18,7 @@ pub(super) const MOST_TILES: usize = 8999;
 pub(super) enum Tiled {
     /// Where each goes.
     All(Vec<Put>),
-    /// This piece is larger than a tile.
+    /// This piece, the largest, is larger than a tile.
     TooLarge(usize),
     /// There are not enough tiles.
     TooMany,
@@ -27,7 +27,9 @@ pub(super) enum Tiled {
 /// Places pieces, largest first, each on the first of the last tiles that has room; tiles have the given side in the pieces'
 /// unit, margins being the `share` of it.
 pub(super) fn tiled(pieces: &[Piece], side: f64, share: f64, watch: Watch) -> Result<Tiled, Interrupted> {
-    if let Some(k) = pieces.iter().position(|piece| piece.side > (1.0 - share) * side) {
+    // The largest of all: what makes it fit makes all fit.
+    let largest = (0..pieces.len()).max_by(|&j, &k| pieces[j].side.total_cmp(&pieces[k].side).then(k.cmp(&j)));
+    if let Some(k) = largest.filter(|&k| pieces[k].side > (1.0 - share) * side) {
         return Ok(Tiled::TooLarge(k));
     }
     let cells = CELLS[usize::from(pieces.len() > FEW)];
