@@ -24,7 +24,7 @@ use session::Session;
 use std::net::{Ipv4Addr, TcpListener};
 
 #[derive(Args, Debug)]
-#[command(mut_arg("input", |input| input.value_name("IN").help(INPUT).help_heading("Arguments")))]
+#[command(mut_arg("input", |input| input.value_name("IN").help(INPUT).help_heading(None::<&str>)))]
 pub(crate) struct ViewArgs {
     /// The port to listen at, on this machine alone [default: any that is free]
     #[arg(long, value_name = "P", default_value_t = 0, hide_default_value = true)]
