@@ -24,10 +24,18 @@ pub(crate) enum FilePosition {
     Byte(u64),
 }
 
+/// Why a file cannot be opened or read.
+pub(super) fn unreadable(error: &io::Error) -> String {
+    match error.kind() {
+        io::ErrorKind::NotFound => "there is no such file".to_owned(),
+        _ => format!("cannot be read ({error})"),
+    }
+}
+
 /// What is wrong, and what to do.
 #[derive(Debug, Error)]
 pub(crate) enum Problem {
-    #[error("cannot be read ({0})")]
+    #[error("{}", unreadable(.0))]
     Io(#[from] io::Error),
     #[error(
         "is of no known form: give an array (.npy, .npz, .vti, .pgm, .png, .tif, .txt, .csv), a mesh (.obj, .ply, .off, .stl) or a network (.csv)"

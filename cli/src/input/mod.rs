@@ -66,8 +66,8 @@ impl Form {
     pub(crate) fn of(path: &Path) -> Result<Self, ReadError> {
         match ending(path).as_str() {
             "npy" | "npz" | "vti" | "pgm" | "png" | "txt" | "tsv" | "tif" | "tiff" => Ok(Self::Array),
-            "csv" if table::begins_with_numbers(path) => Ok(Self::Array),
-            "csv" => Ok(Self::Network),
+            "csv" if table::is_of_nodes(path) => Ok(Self::Network),
+            "csv" => Ok(Self::Array),
             "obj" | "ply" | "off" | "stl" | "glb" | "gltf" | "gz" => Ok(Self::Mesh),
             _ => Err(Problem::Form.in_file(path)),
         }

@@ -1,7 +1,7 @@
 //! Networks: a table of nodes and a table of edges.
 
 use super::decimal::Decimals;
-use super::error::{FilePosition, Problem, ReadError};
+use super::error::{FilePosition, Problem, ReadError, unreadable};
 use super::values::Values;
 use csv::{ReaderBuilder, StringRecord, Trim};
 use std::collections::HashMap;
@@ -115,7 +115,7 @@ fn fault(error: &csv::Error, path: &Path) -> ReadError {
             format!("there are {len} cells where the first line names {expected_len} columns")
         }
         csv::ErrorKind::Utf8 { .. } => "there is text that is not UTF-8: save the table as UTF-8".to_owned(),
-        csv::ErrorKind::Io(error) => format!("cannot be read ({error})"),
+        csv::ErrorKind::Io(error) => unreadable(error),
         _ => error.to_string(),
     };
     Problem::Csv(message).at(place, path)

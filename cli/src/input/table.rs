@@ -1,7 +1,7 @@
 //! Tables of numbers in text: a column is a series, several columns are a matrix, as spreadsheets and `numpy.savetxt` write them.
 //!
 //! Numbers are set apart by commas, semicolons, tabs or spaces; lines may be empty or begin with `#`. All lines have as many
-//! numbers as the first.
+//! numbers as the first. In `.csv` and `.tsv` the first may have names of columns instead, which are passed over.
 
 use super::array::Array;
 use super::decimal::Decimals;
@@ -15,8 +15,12 @@ pub(super) fn read(path: &Path) -> Result<Array, ReadError> {
     let bytes = std::fs::read(path).map_err(|error| Problem::from(error).in_file(path))?;
     let mut numbers = Decimals::default();
     let (mut rows, mut columns) = (0, 0);
+    let mut may_be_heading = path.extension().is_some_and(|ending| !ending.eq_ignore_ascii_case("txt"));
     for (line, text) in (1..).zip(bytes.split(|&byte| byte == b'\n')) {
         let text = String::from_utf8_lossy(text);
+        if cells(&text).next().is_some() && std::mem::take(&mut may_be_heading) && is_heading(&text) {
+            continue;
+        }
         let fault = |problem: Problem| problem.at(FilePosition::Line(line), path);
         let mut count = 0;
         for cell in cells(&text) {
@@ -39,12 +43,17 @@ pub(super) fn read(path: &Path) -> Result<Array, ReadError> {
     Ok(Array { values, shape: if columns == 1 { vec![rows] } else { vec![rows, columns] } })
 }
 
-/// Whether the first line of a file that is neither empty nor a comment has numbers only, and no names of columns.
-pub(super) fn begins_with_numbers(path: &Path) -> bool {
+/// Whether the first line of a file that is neither empty nor a comment has the names of a network's columns.
+pub(super) fn is_of_nodes(path: &Path) -> bool {
     let Ok(file) = File::open(path) else { return false };
     let mut lines = BufReader::new(file).lines().map_while(Result::ok);
     let first = lines.find(|line| cells(line).next().is_some());
-    first.is_some_and(|line| cells(&line).all(|cell| cell.parse::<f64>().is_ok()))
+    first.is_some_and(|line| cells(&line).any(|cell| cell.trim_matches('"') == "id"))
+}
+
+/// Whether a line names columns: none of its words is a number.
+fn is_heading(line: &str) -> bool {
+    cells(line).all(|cell| cell.parse::<f64>().is_err())
 }
 
 /// The words of a line. Between commas, semicolons or tabs there is one each, which may be empty.

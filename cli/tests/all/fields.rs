@@ -427,3 +427,21 @@ fn feature_points_are_the_most_persistent_extrema() {
     assert!(persistences.into_iter().all(|persistence| persistence > Some(0.3)));
     folder.run(&["features", "hare.obj", "-n", "4", "--min-persistence", "1"]).code(2);
 }
+
+#[test]
+fn a_spreadsheet_may_name_its_columns_and_a_missing_one_is_missed() {
+    let folder = Folder::new();
+    folder.write("plain.csv", "3\n1\n4\n1.5\n");
+    folder.write("named.csv", "level (m)\n3\n1\n4\n1.5\n");
+    let pairs = |input: &str| report(&folder, &[input])["sublevel"].clone();
+    assert_eq!(pairs("named.csv"), pairs("plain.csv"));
+    folder.write("late.csv", "level\n3\nlevel\n4\n");
+    let complaint = folder.complaint(&["persistence", "late.csv"]);
+    assert!(complaint.contains("late.csv, line 3: there is \"level\" where a number should be"), "{complaint}");
+    folder.write("series.txt", "level\n3\n4\n");
+    assert!(folder.complaint(&["persistence", "series.txt"]).contains("series.txt, line 1:"));
+    for missing in ["none.csv", "none.npy", "none.txt", "none.png"] {
+        let complaint = folder.complaint(&["persistence", missing]);
+        assert!(complaint.contains(&format!("{missing}: there is no such file")), "{complaint}");
+    }
+}

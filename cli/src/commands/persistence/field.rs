@@ -68,7 +68,8 @@ impl DomainField {
     /// Reads what the arguments name.
     pub(crate) fn read(args: &FieldArgs) -> Result<Self, CommandError> {
         let path = &args.input;
-        let form = Form::of(path)?;
+        let is_csv = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("csv"));
+        let form = if is_csv && args.edges.is_some() { Form::Network } else { Form::of(path)? };
         let misplaced = [
             (args.field.is_some() && form != Form::Mesh, "--field", "a mesh"),
             (args.edges.is_some() && form != Form::Network, "--edges", "a network"),
