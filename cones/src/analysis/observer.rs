@@ -77,7 +77,8 @@ pub struct Progress {
     pub component: usize,
     /// How many there are; 0 while that is not known.
     pub components: usize,
-    /// How much of the stage is done on it, from 0 to 1, where that is known.
+    /// How much of the stage is done on it, from 0 to 1, where that is known. It does not fall, but a stage may begin again: where other
+    /// cones are tried.
     pub fraction: Option<f64>,
 }
 
@@ -182,11 +183,16 @@ impl Task {
     ) -> Result<T, Error> {
         let began = Instant::now();
         self.tell(stage, component, Some(0.0));
+        // What is tried at the same time, or one after the other, tells fractions of its own: the greatest is told.
+        let greatest = AtomicU64::new(0);
         let observe = |fraction: f64| {
+            // Numbers that are not negative are in the order of their bits; NaN is none of them.
+            let known = if fraction >= 0.0 { fraction.to_bits() } else { 0 };
+            let known = greatest.fetch_max(known, Relaxed).max(known);
             let now = u64::try_from(self.began.elapsed().as_nanos()).unwrap_or(u64::MAX);
             if now - self.told.load(Relaxed).min(now) >= INTERVAL.as_nanos() as u64 {
                 self.told.store(now, Relaxed);
-                self.tell(stage, component, (!fraction.is_nan()).then_some(fraction));
+                self.tell(stage, component, (!fraction.is_nan()).then_some(f64::from_bits(known)));
             }
             if self.stopped.load(Relaxed) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
         };

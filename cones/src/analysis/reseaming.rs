@@ -87,7 +87,9 @@ impl<'a> Reseaming<'a> {
             };
         }
         let others = self.others(watch.within(0.2, 0.5))?;
+        watch.ask(0.5)?;
         let mut openings = self.ranked(std::iter::once(opening).chain(others));
+        watch.ask(0.5)?;
         self.resolve_further(&first, &mut openings[0], watch.within(0.5, 0.7))?;
         let fewest = openings[0].0.islands;
         openings.retain(|(cost, _)| cost.islands <= fewest);
@@ -96,6 +98,7 @@ impl<'a> Reseaming<'a> {
             .into_par_iter()
             .map(|(_, opening)| self.exchanged(opening, LONGEST_EXCHANGED, watch.within(0.7, 0.9)));
         let exchanged: Vec<Result<Opening, Interrupted>> = exchanged.collect();
+        watch.ask(0.9)?;
         let ranked = self.ranked(exchanged.into_iter().collect::<Result<Vec<_>, _>>()?);
         let (_, mut best) = ranked.into_iter().next().expect("the first is one of them");
         best.separation.look(self.mesh, watch.within(0.9, 1.0))?;

@@ -68,8 +68,8 @@ pub(crate) fn exchange(
     let rounds = (TRIANGLES / mesh.face_count().max(1)).min(MOST_EXCHANGES);
     for round in 0..rounds {
         watch.ask(round as f64 / rounds as f64)?;
-        let better = Island::largest(mesh, lengths, kept, &map).and_then(|island| island.exchanged(aim));
-        let Some(better) = better else { break };
+        let Some(island) = Island::largest(mesh, lengths, kept, &map, watch)? else { break };
+        let Some(better) = island.exchanged(aim, watch)? else { break };
         map = better;
     }
     Ok(map)
@@ -110,11 +110,15 @@ impl<'a> Island<'a> {
         lengths: &'a EdgeData<f64>,
         kept: Option<&EdgeData<bool>>,
         map: &'a UvMap,
-    ) -> Option<Self> {
+        watch: Watch,
+    ) -> Result<Option<Self>, Interrupted> {
         let paths = Paths::new(mesh, lengths, map);
         let islands = paths.islands();
-        let largest = (0..islands.len()).max_by_key(|&k| (islands[k].len(), std::cmp::Reverse(k)))?;
-        let sweep = paths.sweep(&islands[largest])?;
+        watch.ask(f64::NAN)?;
+        let largest = (0..islands.len()).max_by_key(|&k| (islands[k].len(), std::cmp::Reverse(k)));
+        let Some(largest) = largest else { return Ok(None) };
+        let Some(sweep) = paths.sweep(&islands[largest]) else { return Ok(None) };
+        watch.ask(f64::NAN)?;
         let opened = paths.opened();
         let island = |h: HalfedgeId| opened.island(mesh.face(h));
         let is_on = |h: HalfedgeId| island(h) as usize == largest;
@@ -125,8 +129,9 @@ impl<'a> Island<'a> {
         let loops = Loops::new(mesh, opened);
         let mut chains = loops.chains_within(island, is_kept, |h| map.position[h], lengths, map.extent());
         chains.retain(|chain| is_on(chain.sides[0]));
+        watch.ask(f64::NAN)?;
         let cut = mesh.edges().filter(|&e| map.cut[e]).map(|e| lengths[e]);
-        Some(Self {
+        Ok(Some(Self {
             others: (0..islands.len()).filter(|&k| k != largest).map(square).sum(),
             boundary: std::mem::take(&mut boundaries[largest]),
             area: mesh.faces().map(|f| 0.5 * triangle::twice_area(map.triangle(mesh, f)).abs()).sum(),
@@ -137,20 +142,27 @@ impl<'a> Island<'a> {
             paths,
             sweep,
             chains,
-        })
+        }))
     }
 
     /// The map after the best exchange; none if no exchange gains enough.
-    fn exchanged(&self, aim: &Aim) -> Option<UvMap> {
+    fn exchanged(&self, aim: &Aim, watch: Watch) -> Result<Option<UvMap>, Interrupted> {
         let before = self.cost(aim, self.seam, &convex_hull(self.boundary.iter().map(|&h| at(self.map, h)).collect()));
         let across = self.spread(aim);
+        watch.ask(f64::NAN)?;
         let found: Vec<Vec<Exchange>> = across.par_iter().map(|path| self.exchanges(path, aim, before)).collect();
         let mut exchanges: Vec<Exchange> = found.into_iter().flatten().collect();
         exchanges.sort_by(|a, b| a.cost.total_cmp(&b.cost));
         exchanges.truncate(TESTED);
+        watch.ask(f64::NAN)?;
         let boxes = Boxes::new(self.mesh.faces().map(|f| triangle::upright(self.map.triangle(self.mesh, f))));
-        let best = exchanges.iter().find_map(|exchange| self.made(exchange, &boxes))?;
-        Some(best.snapped(self.mesh, self.map))
+        for exchange in &exchanges {
+            watch.ask(f64::NAN)?;
+            if let Some(made) = self.made(exchange, &boxes) {
+                return Ok(Some(made.snapped(self.mesh, self.map)));
+            }
+        }
+        Ok(None)
     }
 
     fn cost(&self, aim: &Aim, seam: f64, hull: &[Complex64]) -> f64 {

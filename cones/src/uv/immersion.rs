@@ -33,6 +33,7 @@ pub(super) fn overlaps_of_immersion(
     if !EXTENTS.contains(&boxes.extent) || !is_immersion(mesh, map) {
         return Ok(None);
     }
+    watch.ask(0.0)?;
     let upright = |f: FaceId| boxes.upright[f.0 as usize].as_ref();
     let mut spread = Spread { partners: vec![Vec::new(); mesh.face_count()], waiting: Vec::new() };
     for &h in opened.boundary_loops().iter().flatten() {

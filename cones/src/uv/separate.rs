@@ -112,7 +112,9 @@ impl Separation {
     /// Looks for the pairs that could not be parted.
     pub(crate) fn look(&mut self, mesh: &Mesh, watch: Watch) -> Result<(), Interrupted> {
         if !self.overlaps.pairs.is_empty() {
-            self.left = of_any_kind(mesh, &self.map, &boxes(mesh, &self.map), watch)?;
+            let boxes = boxes(mesh, &self.map);
+            watch.ask(0.1)?;
+            self.left = of_any_kind(mesh, &self.map, &boxes, watch.within(0.1, 1.0))?;
         }
         Ok(())
     }
@@ -145,7 +147,9 @@ fn on_one_island(mesh: &Mesh, map: &UvMap, cut: &EdgeData<bool>, watch: Watch) -
 
 /// The pairs of triangles that overlap on an island, found from the boundary where that can be. `boxes` are the map's triangles.
 fn of_any_kind(mesh: &Mesh, map: &UvMap, boxes: &Boxes, watch: Watch) -> Result<Overlaps, Interrupted> {
-    match overlaps_of_immersion(mesh, map, &map.opened(mesh), boxes, watch.within(0.0, 0.5))? {
+    let opened = map.opened(mesh);
+    watch.ask(0.0)?;
+    match overlaps_of_immersion(mesh, map, &opened, boxes, watch.within(0.0, 0.5))? {
         Some(overlaps) => Ok(overlaps),
         None => on_one_island(mesh, map, &map.cut, watch.within(0.5, 1.0)),
     }
@@ -256,6 +260,7 @@ impl Task<'_> {
                 }
             }
         }
+        watch.ask(f64::NAN)?;
         let best = states.into_iter().min_by(|a, b| a.cost.partial_cmp(&b.cost).expect("no NaN"));
         Ok(best.expect("there are preferences").map.snapped(self.mesh, self.map))
     }
@@ -302,10 +307,13 @@ impl Task<'_> {
 
     fn attached(&self, mut pieces: Pieces, watch: Watch) -> Result<State, Interrupted> {
         pieces.attach(watch)?;
+        watch.ask(f64::NAN)?;
         let sizes = pieces.sizes();
         let largest = sizes.iter().copied().max().unwrap_or(0);
         let beside = 1.0 - largest as f64 / self.mesh.face_count().max(1) as f64;
-        Ok(State { cost: self.cost(&sizes, pieces.cut()), map: pieces.map(), beside, tried: 0, is_done: false })
+        let cost = self.cost(&sizes, pieces.cut());
+        watch.ask(f64::NAN)?;
+        Ok(State { cost, map: pieces.map(), beside, tried: 0, is_done: false })
     }
 
     /// Cuts by a preference until all pairs are parted, those too that were not kept at first.
