@@ -39,9 +39,12 @@ impl UnwrapReport {
         let others: Vec<String> =
             self.beside().iter().map(|p| format!("{} cones {:.2}", p.count, p.area_distortion)).collect();
         let others = if others.is_empty() { String::new() } else { format!("; {}", others.join(", ")) };
-        let missed = if number.is_met { "" } else { ", not met" };
-        let (predicted, target) = (number.predicted, number.target);
-        let text = format!("automatic: area distortion {predicted:.2} predicted, target {target}{missed}{others}");
+        let (predicted, target, reached) = (number.predicted, number.target, self.map.distortion.area_mean);
+        let target = match number.is_met {
+            true => format!(", target {target}"),
+            false => format!(", {reached:.2} reached: target {target} not met"),
+        };
+        let text = format!("automatic: area distortion {predicted:.2} predicted{target}{others}");
         labelled("number", &text)
     }
 }
