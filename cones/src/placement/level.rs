@@ -11,6 +11,11 @@ use crate::field::{Operators, coarse_level};
 /// norm with 3,000; searching takes about in proportion.
 const VERTICES: usize = 3000;
 
+/// A level has at least so many vertices for each boundary loop, if the surface has twice as many. On the dragon (437,645 vertices, 303
+/// holes and opened handles in its largest part) 3,000 promise an area distortion of 1.41 with 16 cones, where 32 have 1.48 when they are
+/// flattened; with 12,120 it is 1.82 and 1.47, and 64 cones are taken that have 1.27.
+const FOR_A_LOOP: usize = 40;
+
 /// For so many cones and more a level has more vertices than that.
 const MANY: usize = 32;
 
@@ -31,7 +36,8 @@ impl CoarseLevel {
     /// # Errors
     /// If the coarse Laplacian cannot be factored, or the watch has said stop.
     pub(crate) fn new(fine: &Operators, input: &Mesh, watch: Watch) -> Result<Self, PoissonError> {
-        Self::of_size(fine, input, VERTICES, watch)
+        let for_loops = FOR_A_LOOP * fine.mesh.boundary_loops().len();
+        Self::of_size(fine, input, for_loops.min(fine.mesh.vertex_count() / 2).max(VERTICES), watch)
     }
 
     /// A level to place so many cones on: its vertices grow with the root of their number. None where the surface has hardly
