@@ -50,7 +50,7 @@ impl Analysis {
             ConeChoice::Automatic => self.fewest(&mut shared, options, TARGET_DISTORTION, MOST_AUTOMATIC, task)?,
             ConeChoice::WithinDistortion(target) => self.fewest(&mut shared, options, *target, MOST_ORDERED, task)?,
             ConeChoice::Count(total) => {
-                let counts = self.share(&mut shared, options, *total, task)?;
+                let counts = self.apportion(&mut shared, options, *total, task)?;
                 self.placed(&mut shared, options, &counts, task)?
             }
             ConeChoice::Each(counts) => {
@@ -102,7 +102,13 @@ impl Analysis {
     }
 
     /// How many cones each component gets of a total.
-    fn share(&self, shared: &mut Shared, options: &Options, total: usize, task: &Task) -> Result<Vec<usize>, Error> {
+    fn apportion(
+        &self,
+        shared: &mut Shared,
+        options: &Options,
+        total: usize,
+        task: &Task,
+    ) -> Result<Vec<usize>, Error> {
         let components = self.components();
         let needed: usize = components.iter().map(Component::least).sum();
         if total < needed {
@@ -173,7 +179,7 @@ impl Analysis {
         each(components, &mut shared.times, |component, times| {
             let vertices = found[component.index].set.cones.clone();
             task.stage((Stage::Curvature, component.index), times, |watch| {
-                component.settle(vertices, options, watch).map_err(Error::from)
+                component.with_curvatures(vertices, options, watch).map_err(Error::from)
             })
         })
     }

@@ -148,8 +148,8 @@ impl Component {
                 placement.cones(self.ground(options.search, watch), count)
             })??;
             let placed = vertices.len();
-            let configured =
-                task.stage((Stage::Curvature, self.index), times, |watch| self.settle(vertices, options, watch))?;
+            let configured = task
+                .stage((Stage::Curvature, self.index), times, |watch| self.with_curvatures(vertices, options, watch))?;
             let mut configuration = match configured {
                 Err(CurvatureError::TooFew { .. }) if placed == count => {
                     count += 1 + count / 4;
@@ -171,7 +171,7 @@ impl Component {
     }
 
     /// Gives cones that were placed their curvatures: by a rule, or on a lattice, for which they may go elsewhere.
-    pub(crate) fn settle(
+    pub(crate) fn with_curvatures(
         &self,
         vertices: Vec<VertexId>,
         options: &Options,

@@ -258,11 +258,11 @@ mod tests {
     fn cones_are_apart_on_the_surface() {
         let (mesh, operators, _) = levels().swap_remove(0);
         let model = EnergyModel::new(&operators, &mesh);
-        let mut crowd = vec![VertexId(700)];
-        crowd.extend(operators.mesh().neighbors(VertexId(700)).iter().take(3));
-        let moved = apart(&model, crowd.clone(), 1.0);
+        let mut together = vec![VertexId(700)];
+        together.extend(operators.mesh().neighbors(VertexId(700)).iter().take(3));
+        let moved = apart(&model, together.clone(), 1.0);
         let separation = Separation::new(&operators, &moved);
-        assert!((0..moved.len()).all(|place| separation.admits(moved[place], place)), "{moved:?} of {crowd:?}");
+        assert!((0..moved.len()).all(|place| separation.admits(moved[place], place)), "{moved:?} of {together:?}");
         assert_eq!(apart(&model, moved.clone(), 1.0), moved);
     }
 

@@ -47,7 +47,7 @@ impl Configuration {
             CurvatureRule::Optimal => sets.iter().map(|set| able(set).then(|| Self::optimal(set))).collect(),
             CurvatureRule::Harmonic => {
                 let mut pinned = PinnedFactor::new(operators);
-                let mut settle = |set: &ConeSet| {
+                let mut configured = |set: &ConeSet| {
                     if watch.stops_at(f64::NAN) {
                         return None;
                     }
@@ -55,7 +55,7 @@ impl Configuration {
                     pinned.add(&set.cones[known..]);
                     able(set).then(|| Self::harmonic(set, &pinned))
                 };
-                sets.iter().map(&mut settle).collect()
+                sets.iter().map(&mut configured).collect()
             }
         }
     }

@@ -6,11 +6,11 @@
 mod automatic;
 mod coarse_to_fine;
 pub(crate) mod configuration;
-mod crowd;
 mod energy_model;
 mod exchange;
 mod iterative;
 mod level;
+mod many;
 mod matching_pursuit;
 mod nested;
 mod prediction;
@@ -158,7 +158,7 @@ impl<'a> Ground<'a> {
     /// The best cones of so many, for this number alone.
     fn refined(self, count: usize) -> Result<Vec<VertexId>, PoissonError> {
         if count > MOST_ORDERED {
-            return self.crowd(count);
+            return self.many(count);
         }
         let found = match self.level()? {
             Some(level) => coarse_to_fine::refined_from(self, level, count)?,
@@ -173,7 +173,7 @@ impl<'a> Ground<'a> {
 
 impl Ground<'_> {
     /// So many cones that they are placed many at a time.
-    fn crowd(self, count: usize) -> Result<Vec<VertexId>, PoissonError> {
+    fn many(self, count: usize) -> Result<Vec<VertexId>, PoissonError> {
         let level = match self.search {
             Search::Full => None,
             Search::CoarseToFine => {
@@ -181,8 +181,8 @@ impl Ground<'_> {
                 CoarseLevel::for_many(self.operators, self.input, count, watch)?
             }
         };
-        let Some(level) = level else { return Ok(crowd::crowd(&mut self.energy_model()?, count).cones) };
-        let set = crowd::crowd(&mut level.energy_model(self.watch), count);
+        let Some(level) = level else { return Ok(many::many_cones(&mut self.energy_model()?, count).cones) };
+        let set = many::many_cones(&mut level.energy_model(self.watch), count);
         let model = self.energy_model()?;
         Ok(coarse_to_fine::on_surface(&model, &level, &set))
     }

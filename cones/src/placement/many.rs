@@ -38,7 +38,7 @@ const LEAST_GAIN: f64 = 0.01;
 const HALVINGS: usize = 3;
 
 /// The best set of so many cones that was found, in the order of their curvature's size; fewer only where there is no room for more.
-pub(crate) fn crowd(model: &mut EnergyModel, count: usize) -> ConeSet {
+pub(crate) fn many_cones(model: &mut EnergyModel, count: usize) -> ConeSet {
     let comfortable = |model: &mut EnergyModel| {
         model.with_largest_curvature(COMFORTABLE_CURVATURE, |model| {
             model.with_largest_corner(COMFORTABLE_CORNER, |model| search(model, count))
@@ -220,7 +220,7 @@ mod tests {
         for shape in [shapes::hare(1500), shapes::torus(2, 1500), shapes::terrain(1500, 3)] {
             let mesh = shape.mesh();
             let operators = Operators::new(&mesh, &Metric::from_points(&mesh, &shape.points)).unwrap();
-            let set = crowd(&mut EnergyModel::new(&operators, &mesh), 40);
+            let set = many_cones(&mut EnergyModel::new(&operators, &mesh), 40);
             assert_eq!((set.cones.len(), set.shortfall), (40, 0.0));
             let full = refined(&mut EnergyModel::new(&operators, &mesh), 40);
             let ratio = set.log_scale_norm() / full.log_scale_norm();
