@@ -100,7 +100,7 @@ fn where_another_number_of_cones_is_taken_the_row_has_it_and_says_why_as_unwrapp
 }
 
 /// A sphere of so many rings and meridians, squeezed along the axes.
-fn squeezed(rings: u32, meridians: u32, [x, y, z]: [f64; 3]) -> String {
+pub(crate) fn squeezed(rings: u32, meridians: u32, [x, y, z]: [f64; 3]) -> String {
     let mut text = format!("v 0 0 {z}\nv 0 0 {}\n", -z);
     let vertex = |ring: u32, meridian: u32| 3 + (ring - 1) * meridians + meridian % meridians;
     for ring in 1..rings {

@@ -1,5 +1,6 @@
 //! `unwrap`, `extract`, `measure`, `shape` and `demo`, and what all subcommands share.
 
+use crate::comparing::squeezed;
 use crate::folder::{Folder, PROGRAM, stderr, stdout};
 use serde_json::Value;
 use std::fs;
@@ -384,4 +385,23 @@ fn the_demo_writes_what_it_promises_into_a_folder_of_its_own() {
     folder.write("mine/index.html", "<p>precious");
     assert!(folder.complaint(&["demo", "mine"]).contains("holds other files"));
     assert_eq!(folder.read("mine/index.html"), "<p>precious");
+}
+
+/// On spindles as thin as these few cones change lengths too much, or no flat metric is found with them.
+#[test]
+fn where_cones_fail_others_are_tried_and_the_map_that_measures_best_is_kept() {
+    let folder = Folder::new();
+    for (thickness, asked, said, best) in [
+        (1e-3, &[][..], "32 cones could not be flattened well (lengths would change a thousandfold): taking 64", 1.1),
+        (1e-5, &["-n", "4"], "4 cones could not be flattened well (no flat metric was found): taking 64", 30.0),
+    ] {
+        folder.write("spindle.obj", &squeezed(20, 20, [thickness, thickness, 1.0]));
+        let args = [&["unwrap", "spindle.obj", "-o", "out.obj", "--json"], asked].concat();
+        let done = folder.run(&args).success();
+        let report: Value = serde_json::from_str(&stdout(&done)).expect("it is JSON");
+        assert!(stderr(&done).contains(said), "{}", stderr(&done));
+        assert_eq!(report["cones"].as_array().map(Vec::len), Some(64));
+        let area = report["distortion"]["area_mean"].as_f64().expect("a number");
+        assert!(area < best && report["distortion"]["flipped"] == 0, "{area}");
+    }
 }
