@@ -62,7 +62,8 @@ impl Component {
         })??;
         let (factor, hierarchy) =
             task.stage((Stage::Hierarchy, index), &mut times, |watch| -> Result<_, Error> {
-                let smoothed = preparation.smooth.then(|| ConformalFactor::smoothed(&operators));
+                let smoothed =
+                    preparation.smooth.then(|| ConformalFactor::smoothed(&operators, watch.within(0.0, 0.4)));
                 if let Some(Err(_)) = &smoothed {
                     notes.push(Note::NotSmoothed { component: index });
                 }

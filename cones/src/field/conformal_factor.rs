@@ -5,7 +5,7 @@
 //! with the constants that make φ's L2 norm least. φ is low where the surface sticks out (positive curvature) and high at
 //! saddles. One solve on the factor of [`Operators`].
 
-use geom::{Metric, Poisson, PoissonError, VertexData, VertexId, laplacian};
+use geom::{Metric, Poisson, PoissonError, VertexData, VertexId, Watch, laplacian};
 
 use super::operators::Operators;
 
@@ -26,9 +26,11 @@ impl ConformalFactor {
     /// scans keep their places better. Costs a second factorization.
     ///
     /// # Errors
-    /// If M + tL cannot be factored.
-    pub fn smoothed(operators: &Operators) -> Result<Self, PoissonError> {
-        Ok(Self::of_curvature(operators, &diffuse(operators)?))
+    /// If M + tL cannot be factored, or the watch has said stop.
+    pub fn smoothed(operators: &Operators, watch: Watch) -> Result<Self, PoissonError> {
+        let diffused = diffuse(operators, watch)?;
+        watch.ask(1.0)?;
+        Ok(Self::of_curvature(operators, &diffused))
     }
 
     fn of_curvature(operators: &Operators, curvature: &VertexData<f64>) -> Self {
@@ -43,7 +45,7 @@ impl ConformalFactor {
 
 /// M(M + tL)⁻¹K with t = (3h)², h the mean edge length: one implicit step of the heat equation. Keeps ΣK. What the boundary
 /// has is its own affair and does not diffuse inside.
-fn diffuse(operators: &Operators) -> Result<VertexData<f64>, PoissonError> {
+fn diffuse(operators: &Operators, watch: Watch) -> Result<VertexData<f64>, PoissonError> {
     let Operators { mesh, metric, .. } = operators;
     let inside = |(v, k): (VertexId, &f64)| if mesh.is_boundary_vertex(v) { 0.0 } else { *k };
     let curvature: VertexData<f64> = operators.curvature.iter_ids().map(inside).collect();
@@ -55,7 +57,9 @@ fn diffuse(operators: &Operators) -> Result<VertexData<f64>, PoissonError> {
     for (v, &area) in mass.iter().enumerate() {
         *matrix.diagonal_mut(v) += area;
     }
-    let density = Poisson::definite(&matrix)?.solve(&curvature);
+    watch.ask(0.1)?;
+    let density = Poisson::definite_watched(&matrix, watch.within(0.1, 0.9))?
+        .solve_watched(&curvature, watch.within(0.9, 1.0))?;
     Ok(density.iter().zip(mass.iter()).map(|(x, m)| x * m).collect())
 }
 
@@ -67,7 +71,8 @@ mod tests {
     fn factors(shape: &shapes::Shape) -> (Operators, ConformalFactor, ConformalFactor) {
         let mesh = shape.mesh();
         let operators = Operators::new(&mesh, &Metric::from_points(&mesh, &shape.points)).unwrap();
-        let (plain, smooth) = (ConformalFactor::new(&operators), ConformalFactor::smoothed(&operators).unwrap());
+        let (plain, smooth) =
+            (ConformalFactor::new(&operators), ConformalFactor::smoothed(&operators, Watch::NONE).unwrap());
         (operators, plain, smooth)
     }
 
