@@ -96,7 +96,7 @@ pub(crate) fn remove_fold_overs(
             }
         }
         bad = untangler.bad();
-        if watch.stops_at(1.0) || bad.is_empty() {
+        if bad.is_empty() {
             return Ok(moved);
         }
     }

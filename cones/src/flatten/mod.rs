@@ -2,6 +2,8 @@
 //! triangles of the layout fold over.
 
 mod detach;
+#[cfg(test)]
+pub(crate) mod flattened;
 mod fold_over;
 mod layout;
 mod relax;

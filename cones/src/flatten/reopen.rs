@@ -119,23 +119,9 @@ impl Layout {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::field::Operators;
-    use crate::flatten::{Seams, Variation, scale};
-    use geom::{Metric, VertexData, VertexId, Watch, shapes};
-
-    /// A surface flattened with cones that share its curvature evenly, and its seams.
-    fn flattened(shape: &shapes::Shape, cones: &[VertexId]) -> (Mesh, Metric, Seams, Layout) {
-        let mesh = shape.mesh();
-        let metric = Metric::from_points(&mesh, &shape.points);
-        let operators = Operators::new(&mesh, &metric).unwrap();
-        let mut target = VertexData::constant(mesh.vertex_count(), 0.0);
-        cones.iter().for_each(|&v| target[v] = operators.total_curvature() / cones.len() as f64);
-        let zero = VertexData::constant(mesh.vertex_count(), 0.0);
-        let scaling = scale(&mesh, &metric, &operators, &target, &zero, Watch::NONE).unwrap();
-        let seams = Seams::new(&mesh, metric.lengths(), cones, Watch::NONE).unwrap();
-        let layout = Layout::new(&mesh, &scaling, &seams.cut, Watch::NONE).unwrap();
-        (mesh, metric, seams, layout)
-    }
+    use crate::flatten::flattened::flattened;
+    use crate::flatten::{Seams, Variation};
+    use geom::{VertexId, Watch, shapes};
 
     fn cases() -> Vec<(shapes::Shape, Vec<VertexId>)> {
         let cones = |count: u32, step: u32| (0..count).map(|k| VertexId(7 + k * step)).collect();

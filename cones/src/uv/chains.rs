@@ -85,11 +85,7 @@ impl<'a> Loops<'a> {
         lengths: &EdgeData<f64>,
         extent: f64,
     ) -> Vec<Chain> {
-        let between = |h: HalfedgeId| {
-            let g = self.mesh.twin(h).filter(|_| !is_kept(self.mesh.edge(h)))?;
-            Some([island(h), island(g)]).filter(|[a, b]| a < b)
-        };
-        self.runs(between, position, lengths, extent)
+        self.runs(|[a, b]| a < b, (island, is_kept), position, lengths, extent)
     }
 
     /// The chains with one island on both sides, likewise.
@@ -101,21 +97,22 @@ impl<'a> Loops<'a> {
         lengths: &EdgeData<f64>,
         extent: f64,
     ) -> Vec<Chain> {
-        let within = |h: HalfedgeId| {
-            let g = self.mesh.twin(h).filter(|_| !is_kept(self.mesh.edge(h)))?;
-            Some([island(h), island(g)]).filter(|[a, b]| a == b)
-        };
-        self.runs(within, position, lengths, extent)
+        self.runs(|[a, b]| a == b, (island, is_kept), position, lengths, extent)
     }
 
-    /// The chains of edges that have `islands`.
+    /// The chains of edges between islands that `fit`.
     fn runs(
         &self,
-        islands: impl Fn(HalfedgeId) -> Option<[u32; 2]>,
+        fit: impl Fn([u32; 2]) -> bool,
+        (island, is_kept): (impl Fn(HalfedgeId) -> u32, impl Fn(EdgeId) -> bool),
         position: impl Fn(HalfedgeId) -> [f64; 2],
         lengths: &EdgeData<f64>,
         extent: f64,
     ) -> Vec<Chain> {
+        let islands = |h: HalfedgeId| {
+            let g = self.mesh.twin(h).filter(|_| !is_kept(self.mesh.edge(h)))?;
+            Some([island(h), island(g)]).filter(|&islands| fit(islands))
+        };
         let mesh = self.mesh;
         // Whether the edges of a halfedge and of the next one on the boundary also follow each other on the other side, but not back
         // along the same edge.

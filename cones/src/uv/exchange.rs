@@ -272,22 +272,13 @@ fn at(map: &UvMap, h: HalfedgeId) -> Complex64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::field::Operators;
-    use crate::flatten::{Layout, Seams, scale};
+    use crate::flatten::flattened::flattened;
     use crate::uv::{overlaps, separate};
-    use geom::{Metric, VertexData, VertexId, shapes};
+    use geom::{VertexId, shapes};
 
     /// A surface flattened with cones that share its curvature evenly, taken apart.
     fn separated(shape: &shapes::Shape, cones: &[VertexId]) -> (Mesh, EdgeData<f64>, UvMap) {
-        let mesh = shape.mesh();
-        let metric = Metric::from_points(&mesh, &shape.points);
-        let operators = Operators::new(&mesh, &metric).unwrap();
-        let mut target = VertexData::constant(mesh.vertex_count(), 0.0);
-        cones.iter().for_each(|&v| target[v] = operators.total_curvature() / cones.len() as f64);
-        let zero = VertexData::constant(mesh.vertex_count(), 0.0);
-        let scaling = scale(&mesh, &metric, &operators, &target, &zero, Watch::NONE).unwrap();
-        let seams = Seams::new(&mesh, metric.lengths(), cones, Watch::NONE).unwrap();
-        let layout = Layout::new(&mesh, &scaling, &seams.cut, Watch::NONE).unwrap();
+        let (mesh, metric, seams, layout) = flattened(shape, cones);
         let position = mesh.halfedges().map(|h| [layout.corner(h).re, layout.corner(h).im]).collect();
         let map = UvMap { position, cut: seams.cut };
         let lengths = metric.lengths().clone();
