@@ -153,7 +153,7 @@ fn an_analysis_can_be_stopped_while_it_is_made() {
 }
 
 #[test]
-fn an_observer_hears_every_stage_of_every_part_in_fractions_that_rise() {
+fn an_observer_hears_every_stage_of_every_part() {
     let heard = Arc::new(std::sync::Mutex::new(Vec::new()));
     let listener = Arc::clone(&heard);
     let observer = move |progress: Progress| {
@@ -172,6 +172,28 @@ fn an_observer_hears_every_stage_of_every_part_in_fractions_that_rise() {
     }
     assert!(heard.iter().all(|told| told.components == if told.stage == cones::Stage::Prepare { 0 } else { 4 }));
     assert!(heard.iter().flat_map(|told| told.fraction).all(|fraction| (0.0..=1.0).contains(&fraction)));
+}
+
+#[test]
+fn fractions_told_of_a_stage_rise_until_it_begins_again() {
+    let heard = Arc::new(std::sync::Mutex::new(Vec::new()));
+    let listener = Arc::clone(&heard);
+    let observer = move |progress: Progress| {
+        listener.lock().expect("no panic").push(progress);
+        ControlFlow::Continue(())
+    };
+    // Its layout overlaps, so that other trees of seams are tried at the same time.
+    let analysis = Analysis::new(&model(&shapes::hare(4000))).expect("a sound model").with_observer(observer);
+    let as_laid_out = analysis.atlas(&Options { islands: Islands::Single, ..count(32) }).expect("it unwraps");
+    assert!(as_laid_out.notes.iter().any(|note| matches!(note, Note::Overlap { .. })), "{:?}", as_laid_out.notes);
+    heard.lock().expect("no panic").clear();
+    analysis.atlas(&Options { islands: Islands::Pack, ..count(32) }).expect("it unwraps");
+    let heard = heard.lock().expect("no panic");
+    for stage in cones::Stage::ALL {
+        let told: Vec<f64> = heard.iter().filter(|told| told.stage == stage).filter_map(|told| told.fraction).collect();
+        assert!(told.windows(2).all(|pair| pair[0] <= pair[1] || pair[1] == 0.0), "{stage:?}: {told:?}");
+    }
+    assert!(heard.len() > 50, "heard only {} times", heard.len());
 }
 
 #[test]

@@ -45,7 +45,9 @@ pub(crate) fn packed(
         let mut first = 0;
         for ((component, map), cut) in components.iter().zip(&maps).zip(&cuts) {
             let mesh = &component.surface.mesh;
+            watch.ask(0.5)?;
             let opened = CutMesh::open(mesh, cut);
+            watch.ask(0.5)?;
             triangles.extend(map.triangles(mesh));
             islands.push(mesh.faces().map(|f| first + opened.island(f)).collect());
             island.extend(islands.last().into_iter().flat_map(|islands| islands.iter().copied()));
@@ -55,6 +57,7 @@ pub(crate) fn packed(
                 new.map(|e| component.vertices_along(&Chain { vertices: mesh.ends(e).to_vec(), edges: vec![e] })),
             );
         }
+        watch.ask(0.5)?;
         let packing = pack(&triangles, &island, options, watch.within(0.5, 1.0))?;
         let placed = |(component, (map, islands)): (&Component, (&UvMap, &FaceData<u32>))| {
             let mesh = &component.surface.mesh;

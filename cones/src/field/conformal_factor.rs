@@ -58,7 +58,7 @@ fn diffuse(operators: &Operators, watch: Watch) -> Result<VertexData<f64>, Poiss
         *matrix.diagonal_mut(v) += area;
     }
     watch.ask(0.1)?;
-    let density = Poisson::definite_watched(&matrix, watch.within(0.1, 0.9))?
+    let density = Poisson::definite(&matrix, operators.points(), watch.within(0.1, 0.9))?
         .solve_watched(&curvature, watch.within(0.9, 1.0))?;
     Ok(density.iter().zip(mass.iter()).map(|(x, m)| x * m).collect())
 }

@@ -340,6 +340,11 @@ impl Operators {
         u
     }
 
+    /// The positions of the vertices, where they were given.
+    pub(super) fn points(&self) -> Option<&[[f64; 3]]> {
+        self.points.as_deref()
+    }
+
     /// Factors the Laplacian anew with more vertices pinned to 0 than the boundary, from its ordering on.
     pub(crate) fn refactored(&self, pinned: &[VertexId]) -> Result<Poisson, PoissonError> {
         let boundary = self.mesh.vertices().filter(|&v| self.mesh.is_boundary_vertex(v));

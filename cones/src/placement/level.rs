@@ -81,3 +81,25 @@ impl CoarseLevel {
         (self.vertex.len() as f32).sqrt().recip()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use geom::{Metric, shapes};
+
+    use super::*;
+
+    #[test]
+    fn a_level_has_room_for_every_hole() {
+        let sphere = shapes::sphere(9000);
+        // A triangle here and there is missing: a hundred holes that do not touch.
+        let triangles: Vec<[u32; 3]> =
+            sphere.triangles.iter().enumerate().filter(|(t, _)| t % 180 != 90).map(|(_, &t)| t).collect();
+        let mesh = Mesh::new(sphere.points.len(), &triangles).unwrap();
+        let holes = mesh.boundary_loops().len();
+        assert!(holes > 90);
+        let operators = |mesh: &Mesh| Operators::new(mesh, &Metric::from_points(mesh, &sphere.points)).unwrap();
+        let vertices = |mesh: &Mesh| CoarseLevel::new(&operators(mesh), mesh, Watch::NONE).unwrap().vertex.len();
+        assert_eq!(vertices(&sphere.mesh()), VERTICES);
+        assert_eq!(vertices(&mesh), FOR_A_LOOP * holes);
+    }
+}

@@ -4,7 +4,7 @@
 //! a path across, and these edges are a spanning tree of the island's triangles. Gone through in preorder, the triangles on
 //! one side of a path are a range. So areas and extents on both sides are found for all paths in one sweep.
 
-use geom::{CutMesh, EdgeData, EdgeId, FaceData, FaceId, Mesh, ShortestPaths, VertexId, edges_at};
+use geom::{CutMesh, EdgeData, EdgeId, FaceData, FaceId, Interrupted, Mesh, ShortestPaths, VertexId, Watch, edges_at};
 
 use super::map::UvMap;
 
@@ -58,11 +58,16 @@ pub(super) struct Side {
 
 impl<'a> Paths<'a> {
     /// `lengths` are those of space, infinite where nothing may be cut.
-    pub(super) fn new(mesh: &'a Mesh, lengths: &'a EdgeData<f64>, map: &'a UvMap) -> Self {
+    pub(super) fn new(
+        mesh: &'a Mesh,
+        lengths: &'a EdgeData<f64>,
+        map: &'a UvMap,
+        watch: Watch,
+    ) -> Result<Self, Interrupted> {
         let is_open = |v: VertexId| mesh.is_boundary_vertex(v) || edges_at(mesh, v).any(|(e, _)| map.cut[e]);
         let sources = mesh.vertices().filter(|&v| is_open(v)).zip(0..);
-        let shortest = ShortestPaths::new(mesh, lengths, sources);
-        Self { mesh, lengths, map, opened: map.opened(mesh), shortest }
+        let shortest = ShortestPaths::new_watched(mesh, lengths, sources, watch)?;
+        Ok(Self { mesh, lengths, map, opened: map.opened(mesh), shortest })
     }
 
     pub(super) fn island_count(&self) -> usize {

@@ -66,8 +66,9 @@ pub fn cut_for_fill(
     let mut maps: Vec<UvMap> = parts.iter().map(|part| part.map.clone()).collect();
     let mut left = most;
     for round in 0..MOST_CUTS {
-        watch.ask(round as f64 / MOST_CUTS as f64)?;
-        let Some((part, edges, length)) = best_cut(parts, &maps, left, options) else { break };
+        let at = |rounds: usize| rounds as f64 / MOST_CUTS as f64;
+        let watch = watch.within(at(round), at(round + 1));
+        let Some((part, edges, length)) = best_cut(parts, &maps, left, options, watch)? else { break };
         edges.iter().for_each(|&e| maps[part].cut[e] = true);
         left -= length;
     }
@@ -75,12 +76,21 @@ pub fn cut_for_fill(
 }
 
 /// The cut that gains most: its part, its edges, and its length.
-fn best_cut(parts: &[Part], maps: &[UvMap], left: f64, options: &PackOptions) -> Option<(usize, Vec<EdgeId>, f64)> {
-    let paths: Vec<Paths> =
-        parts.iter().zip(maps).map(|(part, map)| Paths::new(part.mesh, part.lengths, map)).collect();
+fn best_cut(
+    parts: &[Part],
+    maps: &[UvMap],
+    left: f64,
+    options: &PackOptions,
+    watch: Watch,
+) -> Result<Option<(usize, Vec<EdgeId>, f64)>, Interrupted> {
+    let found = watch.within(0.0, 0.2);
+    let paths: Result<Vec<Paths>, Interrupted> =
+        parts.iter().zip(maps).map(|(part, map)| Paths::new(part.mesh, part.lengths, map, found)).collect();
+    let paths = paths?;
     if paths.iter().map(Paths::island_count).sum::<usize>() > MOST_ISLANDS {
-        return None;
+        return Ok(None);
     }
+    watch.ask(0.2)?;
     // Each island's part and number in it, its triangles, and its outline.
     let mut islands = Vec::new();
     for (k, paths) in paths.iter().enumerate() {
@@ -92,32 +102,39 @@ fn best_cut(parts: &[Part], maps: &[UvMap], left: f64, options: &PackOptions) ->
     let whole: f64 = islands.iter().map(|(_, _, _, side)| side.area).sum();
     islands.sort_by(|a, b| b.3.area.total_cmp(&a.3.area).then((a.0, a.1).cmp(&(b.0, b.1))));
     let large = islands.iter().take(LARGEST).filter(|(_, _, _, side)| side.area > LEAST_ISLAND * whole).count();
+    watch.ask(0.25)?;
     let sweeps: Vec<Option<Sweep>> = islands[..large].iter().map(|(k, _, faces, _)| paths[*k].sweep(faces)).collect();
     let mut trials = Vec::new();
     for (island, sweep) in sweeps.iter().enumerate() {
         let Some(sweep) = sweep else { continue };
+        watch.ask(0.3)?;
         let part = islands[island].0;
         let extent = islands[island].3.area.sqrt();
         let across = paths[part].across(sweep, left, LEAST_SHARE);
+        watch.ask(0.3)?;
         let across = promising(across.iter().zip(paths[part].rectangles(sweep, &across)), extent, left);
         trials.extend(across.into_iter().map(|across| Trial { part, island, sweep, across }));
     }
+    // Trials are packed at the same time: how far they are together nobody knows.
+    let packing = watch.within(f64::NAN, f64::NAN);
+    packing.ask(0.0)?;
     let outlines: Vec<&Side> = islands.iter().map(|(_, _, _, side)| side).collect();
-    let before = rough_fill(&outlines, options);
+    let before = rough_fill(&outlines, options, packing)?;
     if before > ENOUGH {
-        return None;
+        return Ok(None);
     }
     let gain = |trial: &Trial| {
+        packing.ask(0.0)?;
         let sides = paths[trial.part].sides(trial.sweep, &trial.across);
         let mut outlines = outlines.clone();
         outlines.remove(trial.island);
         outlines.extend(&sides);
-        rough_fill(&outlines, options) - before - PRICE * trial.across.length / left
+        Ok(rough_fill(&outlines, options, packing)? - before - PRICE * trial.across.length / left)
     };
-    let gains: Vec<f64> = trials.par_iter().map(gain).collect();
-    let best = (0..trials.len()).max_by(|&a, &b| gains[a].total_cmp(&gains[b]).then(b.cmp(&a)))?;
-    let Trial { part, across, .. } = &trials[best];
-    (gains[best] > LEAST_GAIN).then(|| (*part, paths[*part].edges(across), across.length))
+    let gains = trials.par_iter().map(gain).collect::<Result<Vec<f64>, Interrupted>>()?;
+    let best = (0..trials.len()).max_by(|&a, &b| gains[a].total_cmp(&gains[b]).then(b.cmp(&a)));
+    let enough = best.filter(|&best| gains[best] > LEAST_GAIN).map(|best| &trials[best]);
+    Ok(enough.map(|Trial { part, across, .. }| (*part, paths[*part].edges(across), across.length)))
 }
 
 /// The paths that are worth packing, of some with their rectangles.

@@ -112,7 +112,7 @@ impl<'a> Island<'a> {
         map: &'a UvMap,
         watch: Watch,
     ) -> Result<Option<Self>, Interrupted> {
-        let paths = Paths::new(mesh, lengths, map);
+        let paths = Paths::new(mesh, lengths, map, watch.within(f64::NAN, f64::NAN))?;
         let islands = paths.islands();
         watch.ask(f64::NAN)?;
         let largest = (0..islands.len()).max_by_key(|&k| (islands[k].len(), std::cmp::Reverse(k)));

@@ -114,22 +114,19 @@ impl Poisson {
         Ok(Self { cholesky, unknown, vertex_count, closed: fixed.is_empty() })
     }
 
-    /// Factors a matrix that is positive definite as it is, such as M + tL; with [`solve`](Self::solve) alone.
+    /// Factors a matrix that is positive definite as it is, such as M + tL, for [`solve`](Self::solve) alone; in the order of
+    /// elimination that [`Poisson::new_watched`] takes, watched.
     ///
     /// # Errors
-    /// If it is not positive definite, or memory does not suffice.
-    pub fn definite(matrix: &SymmetricMatrix) -> Result<Self, PoissonError> {
-        Self::definite_watched(matrix, Watch::NONE)
-    }
-
-    /// [`Poisson::definite`], watched.
+    /// If it is not positive definite, memory does not suffice, or it is stopped.
     ///
-    /// # Errors
-    /// As [`Poisson::definite`], and if it is stopped.
-    pub fn definite_watched(matrix: &SymmetricMatrix, watch: Watch) -> Result<Self, PoissonError> {
+    /// # Panics
+    /// If there are fewer points than vertices.
+    pub fn definite(matrix: &SymmetricMatrix, points: Option<&[[f64; 3]]>, watch: Watch) -> Result<Self, PoissonError> {
         let vertex_count = matrix.dimension();
         let unknown: Vec<VertexId> = (0..vertex_count).map(VertexId::new).collect();
-        let cholesky = Cholesky::new_watched(matrix, None, watch)?;
+        let points = points.filter(|points| points.len() >= DISSECTED).map(|points| &points[..vertex_count]);
+        let cholesky = Cholesky::new_watched(matrix, points, watch)?;
         Ok(Self { cholesky, unknown, vertex_count, closed: false })
     }
 

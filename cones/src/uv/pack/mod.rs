@@ -23,7 +23,7 @@ mod search;
 mod skyline;
 mod tiles;
 
-use geom::Watch;
+use geom::{Interrupted, Watch};
 use num_complex::Complex64;
 
 pub use fill::fill;
@@ -153,7 +153,7 @@ pub fn pack(
 }
 
 /// How much of a square outlines fill, packed roughly: for comparing.
-pub(super) fn rough_fill(sides: &[&Side], options: &PackOptions) -> f64 {
+pub(super) fn rough_fill(sides: &[&Side], options: &PackOptions, watch: Watch) -> Result<f64, Interrupted> {
     let area: f64 = sides.iter().map(|side| side.area).sum();
     let unit = area.sqrt();
     let point = |[x, y]: [f64; 2]| Complex64::new(x / unit, y / unit);
@@ -163,10 +163,8 @@ pub(super) fn rough_fill(sides: &[&Side], options: &PackOptions) -> f64 {
         Piece::new(&outline, options.rotations, ROUGH_TURNS)
     };
     let pieces: Vec<Piece> = sides.iter().map(piece).collect();
-    match smallest_square(&pieces, share(options, pieces.len()), Effort::ROUGH, Watch::NONE) {
-        Ok((_, side)) if area > 0.0 => 1.0 / (side * side),
-        _ => 0.0,
-    }
+    let (_, side) = smallest_square(&pieces, share(options, pieces.len()), Effort::ROUGH, watch)?;
+    Ok(if area > 0.0 { 1.0 / (side * side) } else { 0.0 })
 }
 
 /// The margin as a share of a tile's side.

@@ -38,6 +38,7 @@ pub(super) fn outlines(
     let count = island.iter().max().map_or(0, |&last| last as usize + 1);
     let rows = Rows::sorted(count, (0..).zip(island).map(|(t, &i)| (i as usize, t)));
     let boxes: Vec<[[f64; 2]; 2]> = (0..count).map(|i| bounding_box(triangles, rows.row(i))).collect();
+    watch.ask(0.0)?;
     let extent = |[low, high]: &[[f64; 2]; 2]| (high[0] - low[0]).max(high[1] - low[1]);
     let unit = boxes.iter().map(extent).fold(0.0, f64::max);
     let unit = if unit > 0.0 { unit } else { 1.0 };
