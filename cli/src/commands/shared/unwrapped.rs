@@ -116,9 +116,8 @@ impl Unwrapped {
 
     /// What is said of that, a line each.
     pub(crate) fn warnings(&self) -> Vec<String> {
-        let mut lines = said(self.analysis.repairs(), &self.map.atlas.notes, self.analysis.topology().components);
-        lines.extend(self.map.flaws.iter().cloned().chain(self.hint()));
-        lines
+        let flaws = self.map.flaws.iter().cloned().chain(self.hint()).collect();
+        said(self.analysis.repairs(), &self.map.atlas.notes, flaws, self.analysis.topology().components)
     }
 
     /// What would help where angles are bent because the input's triangles are needles.
