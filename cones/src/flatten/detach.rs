@@ -161,41 +161,19 @@ impl Unfolding<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::field::Operators;
-    use crate::flatten::{Scaling, scale};
-    use geom::Watch;
     use geom::{VertexId, shapes};
 
-    /// A shape flattened with four cones.
-    struct Flattened {
-        mesh: Mesh,
-        metric: Metric,
-        scaling: Scaling,
-        seams: Seams,
-        layout: Layout,
-    }
+    use crate::flatten::flattened::Flattened;
 
-    impl Flattened {
-        fn new(shape: &shapes::Shape) -> Self {
-            let mesh = shape.mesh();
-            let metric = Metric::from_points(&mesh, &shape.points);
-            let operators = Operators::new(&mesh, &metric).unwrap();
-            let cones = [20, 170, 290, 410].map(VertexId);
-            let mut target = VertexData::constant(mesh.vertex_count(), 0.0);
-            cones.iter().for_each(|&v| target[v] = 0.25 * operators.total_curvature());
-            let zero = VertexData::constant(mesh.vertex_count(), 0.0);
-            let scaling = scale(&mesh, &metric, &operators, &target, &zero, Watch::NONE).unwrap();
-            let seams = Seams::new(&mesh, metric.lengths(), &cones, Watch::NONE).unwrap();
-            let layout = Layout::new(&mesh, &scaling, &seams.cut, Watch::NONE).unwrap();
-            Self { mesh, metric, scaling, seams, layout }
-        }
+    fn flattened(shape: &shapes::Shape) -> Flattened {
+        Flattened::new(shape, &[20, 170, 290, 410].map(VertexId))
     }
 
     #[test]
     fn what_is_detached_keeps_its_shape_and_all_islands_are_disks() {
         for (shape, out) in [(shapes::hare(900), [5, 6, 7, 300, 901]), (shapes::terrain(600, 2), [0, 1, 400, 401, 600])]
         {
-            let Flattened { mesh, metric, scaling, mut seams, mut layout } = Flattened::new(&shape);
+            let Flattened { mesh, metric, scaling, mut seams, mut layout } = flattened(&shape);
             let before = layout.clone();
             let was_cut = seams.cut.clone();
             // The rings of some vertices, lone triangles, and the two beside a seam.
@@ -238,7 +216,7 @@ mod tests {
 
     #[test]
     fn a_polygon_is_detached_as_a_whole() {
-        let Flattened { mesh, metric, scaling, mut seams, mut layout } = Flattened::new(&shapes::hare(900));
+        let Flattened { mesh, metric, scaling, mut seams, mut layout } = flattened(&shapes::hare(900));
         let before = layout.clone();
         // All round a vertex a fan of quadrilaterals: every other spoke is a diagonal.
         let is_plain = |v: &VertexId| {

@@ -119,7 +119,7 @@ impl Layout {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::flatten::flattened::flattened;
+    use crate::flatten::flattened::Flattened;
     use crate::flatten::{Seams, Variation};
     use geom::{VertexId, Watch, shapes};
 
@@ -135,7 +135,7 @@ mod tests {
     #[test]
     fn along_other_seams_all_triangles_keep_their_shape_and_seams_their_rotation() {
         for (shape, cones) in cases() {
-            let (mesh, metric, seams, layout) = flattened(&shape, &cones);
+            let Flattened { mesh, metric, seams, layout, .. } = Flattened::new(&shape, &cones);
             for number in 0..4 {
                 let variation = Variation { strength: 2.0, number };
                 let other = Seams::varied(&mesh, metric.lengths(), &cones, variation, Watch::NONE).unwrap();
@@ -156,7 +156,7 @@ mod tests {
     #[test]
     fn back_along_the_first_seams_it_is_the_same_map_moved() {
         for (shape, cones) in cases() {
-            let (mesh, metric, seams, layout) = flattened(&shape, &cones);
+            let Flattened { mesh, metric, seams, layout, .. } = Flattened::new(&shape, &cones);
             let variation = Variation { strength: 2.0, number: 1 };
             let other = Seams::varied(&mesh, metric.lengths(), &cones, variation, Watch::NONE).unwrap();
             let there = layout.reopened(&mesh, &seams.cut, &other.cut).unwrap();
@@ -174,7 +174,7 @@ mod tests {
     #[test]
     fn sides_that_do_not_meet_are_not_glued() {
         let (shape, cones) = &cases()[0];
-        let (mesh, metric, seams, mut layout) = flattened(shape, cones);
+        let Flattened { mesh, metric, seams, mut layout, .. } = Flattened::new(shape, cones);
         let variation = Variation { strength: 2.0, number: 1 };
         let other = Seams::varied(&mesh, metric.lengths(), cones, variation, Watch::NONE).unwrap();
         let is_glued = |e: &EdgeId| seams.cut[*e] && !other.cut[*e];

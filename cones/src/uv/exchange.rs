@@ -272,13 +272,13 @@ fn at(map: &UvMap, h: HalfedgeId) -> Complex64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::flatten::flattened::flattened;
+    use crate::flatten::flattened::Flattened;
     use crate::uv::{overlaps, separate};
     use geom::{VertexId, shapes};
 
     /// A surface flattened with cones that share its curvature evenly, taken apart.
     fn separated(shape: &shapes::Shape, cones: &[VertexId]) -> (Mesh, EdgeData<f64>, UvMap) {
-        let (mesh, metric, seams, layout) = flattened(shape, cones);
+        let Flattened { mesh, metric, seams, layout, .. } = Flattened::new(shape, cones);
         let position = mesh.halfedges().map(|h| [layout.corner(h).re, layout.corner(h).im]).collect();
         let map = UvMap { position, cut: seams.cut };
         let lengths = metric.lengths().clone();
