@@ -46,7 +46,8 @@ mod tests {
 
     #[test]
     fn an_error_ends_it() {
-        let failed = |number: usize, _: &mut Vec<u8>| if number == 9 { Err(io::ErrorKind::Other.into()) } else { Ok(()) };
+        let failed =
+            |number: usize, _: &mut Vec<u8>| if number == 9 { Err(io::ErrorKind::Other.into()) } else { Ok(()) };
         assert!(write_lines(20, &mut Vec::new(), failed).is_err());
     }
 }
