@@ -22,12 +22,7 @@ use commands::{
     simplify, tree, unwrap, view,
 };
 use error::CommandError;
-use mimalloc::MiMalloc;
 use std::process::ExitCode;
-
-/// Keeps what is freed, where glibc hands large buffers back to the system, which clears them again at the next request.
-#[global_allocator]
-static ALLOCATOR: MiMalloc = MiMalloc;
 
 fn main() -> ExitCode {
     let arguments = Arguments::parse();

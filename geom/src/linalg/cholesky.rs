@@ -424,8 +424,8 @@ fn blocks_of(columns: usize) -> Vec<Range<usize>> {
     let is_shared = parallel::threads() > 1;
     let halves = |from: usize| {
         let end = columns.min(from + BLOCK);
-        let middle = from + LANES;
-        if is_shared && end > middle + 1 { vec![from..middle, middle..end] } else { vec![from..end] }
+        let middle = if is_shared && end > from + LANES + 1 { from + LANES } else { from };
+        [from..middle, middle..end].into_iter().filter(|block| !block.is_empty())
     };
     (0..columns).step_by(BLOCK).flat_map(halves).collect()
 }
