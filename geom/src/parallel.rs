@@ -15,6 +15,18 @@ pub(crate) fn join<A, B>(a: impl FnOnce() -> A, b: impl FnOnce() -> B) -> (A, B)
     (a, b())
 }
 
+/// How many threads there are to work on. Nothing that is computed may depend on it, only how work is parted.
+#[cfg(feature = "rayon")]
+pub(crate) fn threads() -> usize {
+    rayon::current_num_threads()
+}
+
+/// How many threads there are to work on.
+#[cfg(not(feature = "rayon"))]
+pub(crate) fn threads() -> usize {
+    1
+}
+
 /// So many values are found one after the other at least: some tens of microseconds.
 #[cfg(feature = "rayon")]
 const LEAST: usize = 2048;

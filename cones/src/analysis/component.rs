@@ -18,7 +18,7 @@ use crate::error::Error;
 use crate::field::{ConformalFactor, Operators};
 use crate::flatten::Chain;
 use crate::hierarchy::ConeHierarchy;
-use crate::placement::{Automatic, CoarseLevel, EnergyTerms, Ground, Search, quantized};
+use crate::placement::{Automatic, CoarseLevel, EnergyTerms, Ground, Search, quantized, size_of_level};
 
 /// What is found once; see the module's head. It is never changed.
 #[derive(Debug)]
@@ -44,13 +44,21 @@ pub(crate) struct Component {
 }
 
 impl Component {
-    pub(crate) fn new(index: usize, ready: Ready, preparation: Preparation, task: &Task) -> Result<Self, Error> {
+    /// What is found once of a surface; with what its coarse level is made of, if it `is_searched` soon.
+    pub(crate) fn new(
+        index: usize,
+        ready: Ready,
+        (preparation, is_searched): (Preparation, bool),
+        task: &Task,
+    ) -> Result<Self, Error> {
         let Ready { surface, mut metric, way, handles } = ready;
         let mut notes = Vec::new();
         let mut times = Times::default();
         let operators = task.stage((Stage::Factor, index), &mut times, |watch| {
+            let ahead = if is_searched { size_of_level(&surface.mesh) } else { None };
             let made = |metric: &Metric| {
-                Operators::with_tied_loops(&surface.mesh, metric, &surface.points, handles.of_vertex.as_ref(), watch)
+                let tied = handles.of_vertex.as_ref();
+                Operators::with_tied_loops((&surface.mesh, metric), &surface.points, tied, ahead, watch)
             };
             let operators = made(&metric);
             if !matches!(operators, Err(PoissonError::NotPositiveDefinite)) {

@@ -1,5 +1,7 @@
 //! A component flattened with given cones: one attempt.
 
+use std::time::Instant;
+
 use geom::{FaceId, VertexData, VertexId, angle_defects};
 
 use super::component::Component;
@@ -57,14 +59,23 @@ impl Component {
         let Self { index, surface, metric, operators, .. } = self;
         let mesh = &surface.mesh;
         let Configuration { vertices, curvature, predicted, notes } = configuration;
-        let seams = task.stage((Stage::Cut, *index), times, |watch| plan.cut(mesh, vertices, watch))??;
-        let scaling = task.stage((Stage::Scale, *index), times, |watch| {
-            let mut target = VertexData::constant(mesh.vertex_count(), 0.0);
-            for (&v, &k) in vertices.iter().zip(curvature) {
-                target[v] = k;
-            }
-            scale(mesh, metric, operators, &target, predicted, watch)
-        })??;
+        let began = Instant::now();
+        let (mut of_cut, mut of_scale) = (Times::default(), Times::default());
+        // Neither needs the other.
+        let (seams, scaling) = rayon::join(
+            || task.stage((Stage::Cut, *index), &mut of_cut, |watch| plan.cut(mesh, vertices, watch)),
+            || {
+                task.stage((Stage::Scale, *index), &mut of_scale, |watch| {
+                    let mut target = VertexData::constant(mesh.vertex_count(), 0.0);
+                    for (&v, &k) in vertices.iter().zip(curvature) {
+                        target[v] = k;
+                    }
+                    scale(mesh, metric, operators, &target, predicted, watch)
+                })
+            },
+        );
+        *times += Times::on_clock([of_cut, of_scale], began.elapsed());
+        let (seams, scaling) = (seams??, scaling??);
         let mut notes = notes.clone();
         if scaling.mollified {
             notes.push(Note::Mollified { component: *index });

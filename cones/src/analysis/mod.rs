@@ -132,7 +132,23 @@ impl Analysis {
     /// # Errors
     /// As [`new`](Self::new), and if the observer has said stop.
     pub fn observed(model: &Model, preparation: Preparation, observer: impl Observer + 'static) -> Result<Self, Error> {
-        let observer: Arc<dyn Observer> = Arc::new(observer);
+        Self::made(model, (preparation, false), Arc::new(observer))
+    }
+
+    /// Analyses a model to be asked for a map with these options, while an observer listens: the same analysis as by
+    /// [`observed`](Self::observed), but what these options will look for cones on is found while the Laplacian is factored.
+    ///
+    /// # Errors
+    /// As [`observed`](Self::observed).
+    pub fn for_options(model: &Model, options: &Options, observer: impl Observer + 'static) -> Result<Self, Error> {
+        Self::made(model, (options.preparation, options.searches_coarse_level()), Arc::new(observer))
+    }
+
+    fn made(
+        model: &Model,
+        (preparation, is_searched): (Preparation, bool),
+        observer: Arc<dyn Observer>,
+    ) -> Result<Self, Error> {
         let mut times = Times::default();
         let mut prepared = Task::new(&observer, 0)
             .stage((Stage::Prepare, 0), &mut times, |watch| prepare_watched(model, preparation.weld, watch))??;
@@ -147,7 +163,7 @@ impl Analysis {
         };
         let topology = Topology::of(ready.iter().map(|ready: &Ready| &ready.surface));
         let is_opened = |_| preparation.handles == Handles::Always;
-        let components = made_of(ready, (preparation, &is_opened), &task, &mut times)?;
+        let components = made_of(ready, (preparation, is_searched, &is_opened), &task, &mut times)?;
         let notes = notes_of(&components);
         let model = refined.as_ref().map_or(model, |refined| &refined.model);
         let found = Found {
@@ -308,7 +324,7 @@ impl Found {
     fn opened_where(&self, is_opened: &IsOpened, task: &Task) -> Result<Self, Error> {
         let mut times = Times::default();
         let ready = self.components.iter().map(Component::ready).collect();
-        let components = made_of(ready, (self.preparation, is_opened), task, &mut times)?;
+        let components = made_of(ready, (self.preparation, false, is_opened), task, &mut times)?;
         Ok(Self {
             id: COUNT.fetch_add(1, Relaxed),
             points: self.points.clone(),
@@ -334,7 +350,7 @@ type IsOpened<'a> = dyn Fn(usize) -> bool + Sync + 'a;
 /// The components of surfaces that are ready, each with its handles opened or not.
 fn made_of(
     ready: Vec<Ready>,
-    (preparation, is_opened): (Preparation, &IsOpened),
+    (preparation, is_searched, is_opened): (Preparation, bool, &IsOpened),
     task: &Task,
     times: &mut Times,
 ) -> Result<Vec<Component>, Error> {
@@ -344,7 +360,7 @@ fn made_of(
         if is_opened(index) && ready.surface.mesh.genus() > 0 {
             ready = task.stage((Stage::Factor, index), &mut times, |watch| open_handles(ready, watch))??;
         }
-        let mut component = Component::new(index, ready, preparation, task)?;
+        let mut component = Component::new(index, ready, (preparation, is_searched), task)?;
         component.times += times;
         Ok(component)
     };

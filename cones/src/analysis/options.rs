@@ -2,7 +2,7 @@
 
 use crate::curvature::CurvatureRule;
 use crate::cut::{SeamOptions, Symmetry};
-use crate::placement::{Placement, Search};
+use crate::placement::{MOST_ORDERED, Placement, Search};
 use crate::uv::{PackOptions, Rotations};
 
 /// How a model is made ready.
@@ -134,6 +134,18 @@ impl Options {
             (_, rotations) => rotations,
         };
         PackOptions { rotations, ..self.packing }
+    }
+
+    /// Whether cones are searched for on the coarse level of a surface, where it has one.
+    pub(super) fn searches_coarse_level(&self) -> bool {
+        let is_searched = matches!(self.placement, Placement::Refined | Placement::Pursuit);
+        let counts = match &self.cones {
+            ConeChoice::Automatic | ConeChoice::WithinDistortion(_) => true,
+            ConeChoice::Count(count) => *count <= MOST_ORDERED,
+            ConeChoice::Each(counts) => counts.iter().any(|count| *count <= MOST_ORDERED),
+            ConeChoice::MinPersistence(_) | ConeChoice::Given(_) => false,
+        };
+        self.search == Search::CoarseToFine && is_searched && counts
     }
 
     /// The method that places so many cones on a component. A threshold of persistence speaks of extrema by persistence.

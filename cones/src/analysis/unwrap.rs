@@ -12,7 +12,7 @@ use super::component::Component;
 use super::cones::{ChosenNumber, Cones, Configuration};
 use super::flat::Flat;
 use super::note::Note;
-use super::observer::{Stage, Task, Times};
+use super::observer::{Silent, Stage, Task, Times};
 use super::options::{ConeChoice, Handles, Options};
 use super::packed::{Packed, packed};
 use super::{Analysis, each};
@@ -60,7 +60,7 @@ const ROUNDING: f64 = 0.005;
 /// # Errors
 /// If the model has no surface, or the options cannot be met.
 pub fn unwrap_model(model: &Model, options: &Options) -> Result<Atlas, Error> {
-    let analysis = Analysis::with(model, options.preparation)?;
+    let analysis = Analysis::for_options(model, options, Silent)?;
     let mut atlas = analysis.atlas(options)?;
     atlas.times += analysis.times();
     Ok(atlas)

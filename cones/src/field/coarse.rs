@@ -6,13 +6,10 @@
 //! solution on the fine one at the vertices that both have, and ⟨x, y⟩ weighted by area near to the fine product.
 //! What is spread evenly over the fine vertices is spread in the shares that they left.
 
-use geom::{Mesh, MeshError, PoissonError, Simplified, VertexData, VertexId, Watch, simplified};
+use geom::{Mesh, MeshError, PoissonError, Simplified, VertexId, Watch};
 
+use super::coarsened::coarsened;
 use super::operators::Operators;
-
-/// A vertex with so much curvature, in radians, is kept as one of twice its area is, with more by its square: corners stay where
-/// they are.
-const SHARP: f64 = 0.3;
 
 /// The operators of a coarse level with `count` of a surface's vertices, or more where others cannot be taken out, and which
 /// vertices they are. Takes about half the time of factoring the surface's Laplacian.
@@ -24,12 +21,12 @@ pub(crate) fn coarse_level(
     count: usize,
     watch: Watch,
 ) -> Result<(Operators, Vec<VertexId>), PoissonError> {
-    let Operators { mesh, metric, weight, curvature, .. } = fine;
-    let spread = VertexData::constant(mesh.vertex_count(), 1.0 / mesh.vertex_count() as f64);
-    let worth = |v: VertexId| 1.0 + (curvature[v] / SHARP).powi(2);
-    let handed_on = [weight.as_ref(), spread.as_ref(), curvature.as_ref()];
-    let Simplified { triangulation, metric, vertex, weights } =
-        simplified(mesh, metric, handed_on, worth, count, watch.within(0.0, 0.8))?;
+    let Operators { mesh, metric, weight, curvature, ahead, .. } = fine;
+    let ahead = ahead.as_ref().filter(|(asked, _)| *asked == count);
+    let Simplified { triangulation, metric, vertex, weights } = match ahead {
+        Some((_, coarsened)) => coarsened.clone(),
+        None => coarsened((mesh, metric), (weight, curvature), count, watch.within(0.0, 0.8))?,
+    };
     let mesh = Mesh::from_triangulation(triangulation)
         .unwrap_or_else(|error: MeshError| unreachable!("a manifold one stays so: {error}"));
     Ok((Operators::of_coarse((mesh, metric), (fine, &vertex), weights, watch.within(0.8, 1.0))?, vertex))

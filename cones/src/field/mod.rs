@@ -1,6 +1,7 @@
 //! The conformal factor and what it is solved with (paper §3.1).
 
 mod coarse;
+mod coarsened;
 mod conformal_factor;
 mod operators;
 mod pinned;

@@ -15,6 +15,8 @@ use geom::{
 };
 use rayon::prelude::*;
 
+use super::coarsened::{Coarsened, coarsened};
+
 /// So many boundary loops at least get a constant of their own, the longest ones; the others have one in common. (At the value of the
 /// longest loop 241 small holes of a scan were 0.4 below all around them.) Each costs a solve and a vector,
 const FREE_LOOPS: usize = 16;
@@ -61,6 +63,8 @@ pub struct Operators {
     /// On a coarse level, the share of the finer one's vertices that each vertex stands for: curvature that is spread evenly over
     /// these is spread so.
     spread: Option<VertexData<f64>>,
+    /// What a coarse level of so many vertices is made of, where one was asked for in advance.
+    pub(super) ahead: Option<(usize, Coarsened)>,
 }
 
 impl Operators {
@@ -69,7 +73,7 @@ impl Operators {
     /// # Errors
     /// If the Laplacian cannot be factored.
     pub fn new(mesh: &Mesh, metric: &Metric) -> Result<Self, PoissonError> {
-        Self::prepared(mesh, metric, None, None, Watch::NONE)
+        Self::prepared((mesh, metric), (None, None), None, Watch::NONE)
     }
 
     /// The same where the positions of the vertices are known, which on large surfaces makes the factorization faster; see
@@ -81,28 +85,28 @@ impl Operators {
     /// # Panics
     /// If there are fewer points than vertices.
     pub fn with_points(mesh: &Mesh, metric: &Metric, points: &[[f64; 3]], watch: Watch) -> Result<Self, PoissonError> {
-        Self::prepared(mesh, metric, Some(points), None, watch)
+        Self::prepared((mesh, metric), (Some(points), None), None, watch)
     }
 
-    /// The same where boundary loops whose vertices have the same number share their constant.
+    /// The same where boundary loops whose vertices have the same number share their constant; with what a coarse level of `ahead` vertices
+    /// is made of, found while the Laplacian is factored.
     ///
     /// # Errors
     /// As [`with_points`](Self::with_points).
     pub(crate) fn with_tied_loops(
-        mesh: &Mesh,
-        metric: &Metric,
+        (mesh, metric): (&Mesh, &Metric),
         points: &[[f64; 3]],
         tied: Option<&TiedLoops>,
+        ahead: Option<usize>,
         watch: Watch,
     ) -> Result<Self, PoissonError> {
-        Self::prepared(mesh, metric, Some(points), tied.cloned(), watch)
+        Self::prepared((mesh, metric), (Some(points), tied.cloned()), ahead, watch)
     }
 
     fn prepared(
-        mesh: &Mesh,
-        metric: &Metric,
-        points: Option<&[[f64; 3]]>,
-        tied: Option<TiedLoops>,
+        (mesh, metric): (&Mesh, &Metric),
+        (points, tied): (Option<&[[f64; 3]]>, Option<TiedLoops>),
+        ahead: Option<usize>,
         watch: Watch,
     ) -> Result<Self, PoissonError> {
         let intrinsic = delaunay_watched(mesh, metric, watch.within(0.0, 0.3));
@@ -117,7 +121,7 @@ impl Operators {
         weight.iter_mut().for_each(|w| *w /= area);
         let most = FREE_LOOPS.max(FREE_VALUES / mesh.vertex_count().max(1));
         let rims = ranked(tied_loops(&mesh, tied.as_ref()), most);
-        Self::of_delaunay((mesh, metric), intrinsic.flips, weight, (points, tied, rims), watch)
+        Self::of_delaunay((mesh, metric), intrinsic.flips, weight, (points, tied, rims), ahead, watch)
     }
 
     /// Whether this is a coarse level of a finer surface.
@@ -143,7 +147,7 @@ impl Operators {
     ) -> Result<Self, PoissonError> {
         let tied: Option<TiedLoops> = fine.tied.as_ref().map(|tied| vertex.iter().map(|&v| tied[v]).collect());
         let rims = as_on(&fine.rims, vertex, tied_loops(&surface.0, tied.as_ref()));
-        let operators = Self::of_delaunay(surface, Vec::new(), weight, (None, tied, rims), watch)?;
+        let operators = Self::of_delaunay(surface, Vec::new(), weight, (None, tied, rims), None, watch)?;
         Ok(Self { spread: Some(spread), curvature, ..operators })
     }
 
@@ -153,6 +157,7 @@ impl Operators {
         flips: Vec<HalfedgeId>,
         weight: VertexData<f64>,
         (points, tied, rims): (Option<&[[f64; 3]]>, Option<TiedLoops>, Rims),
+        ahead: Option<usize>,
         watch: Watch,
     ) -> Result<Self, PoissonError> {
         let curvature = angle_defects(&mesh, &metric);
@@ -160,7 +165,13 @@ impl Operators {
             return Err(Interrupted.into());
         }
         let laplacian = laplacian(&mesh, &metric);
-        let poisson = Poisson::new_watched(&laplacian, &rims.concat(), points, watch.within(0.5, 0.95))?;
+        let unknown = watch.within(f64::NAN, f64::NAN);
+        let coarsened = |count| coarsened((&mesh, &metric), (&weight, &curvature), count, unknown);
+        let (poisson, ahead) = rayon::join(
+            || Poisson::new_watched(&laplacian, &rims.concat(), points, watch.within(0.5, 0.95)),
+            || ahead.map(|count| coarsened(count).map(|coarsened| (count, coarsened))).transpose(),
+        );
+        let (poisson, ahead) = (poisson?, ahead?);
         let bordered = !rims.is_empty();
         let mut operators = Self {
             mesh,
@@ -178,6 +189,7 @@ impl Operators {
             flattening: OnceLock::new(),
             even: OnceLock::new(),
             spread: None,
+            ahead,
         };
         operators.add_free(VertexData::constant(operators.mesh.vertex_count(), 1.0));
         for around in rims.iter().skip(1) {

@@ -37,8 +37,9 @@ const LEAST_GAIN: f64 = 2e-4;
 /// # Errors
 /// If the watch has said stop.
 pub(crate) fn refined_from(ground: Ground, level: &CoarseLevel, count: usize) -> Result<Option<ConeSet>, PoissonError> {
-    let coarse = refined(&mut level.energy_model(ground.watch.within(0.0, 0.5)), count);
-    let mut model = ground.energy_model()?;
+    let mut coarse_model = level.energy_model(ground.watch.within(0.0, 0.5));
+    let (coarse, model) = rayon::join(|| refined(&mut coarse_model, count), || ground.energy_model());
+    let mut model = model?;
     let set = polished(&mut model, level, &coarse);
     Ok((set.cones.len() == count && (set.shortfall == 0.0 || coarse.shortfall > 0.0)).then_some(set))
 }
@@ -56,8 +57,8 @@ pub(crate) fn fewest_from(
     most: usize,
 ) -> Result<Automatic, PoissonError> {
     let mut coarse_model = level.energy_model(ground.watch.within(0.0, 0.5));
-    let coarse = automatic(&mut coarse_model, rule, target, most);
-    let mut model = ground.energy_model()?;
+    let (coarse, model) = rayon::join(|| automatic(&mut coarse_model, rule, target, most), || ground.energy_model());
+    let mut model = model?;
     let mut search = Fewest { model: &mut model, level, rule, target };
     let (set, predicted) = search.confirmed(&mut coarse_model, &coarse, most);
     let is_met = meets(&set, &predicted, target);

@@ -22,6 +22,16 @@ const MANY: usize = 32;
 /// Surfaces with fewer vertices have no coarse level: searching them takes little longer than making one.
 pub(crate) const LEAST_VERTICES: usize = 8000;
 
+/// So many vertices has the coarse level of a surface, which flips do not change; none where there is no such level.
+pub(crate) fn size_of_level(surface: &Mesh) -> Option<usize> {
+    (surface.vertex_count() >= LEAST_VERTICES).then(|| vertices_of_level(surface))
+}
+
+fn vertices_of_level(surface: &Mesh) -> usize {
+    let for_loops = FOR_A_LOOP * surface.boundary_loops().len();
+    for_loops.min(surface.vertex_count() / 2).max(VERTICES)
+}
+
 /// A coarse level; see the module's head. Its vertices are numbered by themselves.
 #[derive(Debug)]
 pub(crate) struct CoarseLevel {
@@ -36,8 +46,7 @@ impl CoarseLevel {
     /// # Errors
     /// If the coarse Laplacian cannot be factored, or the watch has said stop.
     pub(crate) fn new(fine: &Operators, input: &Mesh, watch: Watch) -> Result<Self, PoissonError> {
-        let for_loops = FOR_A_LOOP * fine.mesh.boundary_loops().len();
-        Self::of_size(fine, input, for_loops.min(fine.mesh.vertex_count() / 2).max(VERTICES), watch)
+        Self::of_size(fine, input, vertices_of_level(&fine.mesh), watch)
     }
 
     /// A level to place so many cones on: its vertices grow with the root of their number. None where the surface has hardly

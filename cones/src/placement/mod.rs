@@ -32,7 +32,7 @@ use crate::hierarchy::ConeHierarchy;
 pub(crate) use automatic::{Automatic, corners};
 pub(crate) use energy_model::EnergyTerms;
 pub use energy_model::{ConeSet, EnergyModel};
-pub(crate) use level::CoarseLevel;
+pub(crate) use level::{CoarseLevel, size_of_level};
 pub use nested::Nested;
 pub(crate) use nested::{ComponentOrder, cones_of_sequence, curve_of_sequence};
 pub use prediction::Prediction;

@@ -48,12 +48,12 @@ impl Quality {
         uv: &[Triangle],
         cones: Option<&[u32]>,
     ) -> Result<Self, DistortionError> {
-        let map = distortion::measure(points, triangles, uv)?;
+        let (map, overlaps) = rayon::join(|| distortion::measure(points, triangles, uv), || uv::overlaps(uv));
+        let map = map?;
         let cones: Vec<VertexId> = match cones {
             Some(known) => known.iter().map(|&v| VertexId::new(v as usize)).collect(),
             None => map.cones(CONE).into_iter().map(|(v, _)| v).collect(),
         };
-        let overlaps = uv::overlaps(uv);
         Ok(Self {
             distortion: DistortionReport {
                 area_mean: map.area.mean,

@@ -8,6 +8,7 @@ use thiserror::Error;
 
 use crate::linalg::{Cholesky, CholeskyError, SymmetricMatrix};
 use crate::mesh::{Id, VertexData, VertexId};
+use crate::parallel::try_each;
 use crate::watch::{Interrupted, Watch, unwatched};
 
 /// From so many vertices on it is worth it to dissect. (Approximate minimum degree takes half as long below, and its factor has
@@ -271,14 +272,19 @@ impl Poisson {
     fn spread(
         &self,
         block: &[f64],
-        finished: impl Fn(VertexData<f64>) -> VertexData<f64>,
+        finished: impl Fn(VertexData<f64>) -> VertexData<f64> + Sync,
         watch: Watch,
     ) -> Result<Vec<VertexData<f64>>, Interrupted> {
-        let column = |(k, x): (usize, &[f64])| {
-            watch.ask((k * x.len()) as f64 / block.len() as f64)?;
-            Ok(finished(self.scatter(x)))
-        };
-        block.chunks_exact(self.unknown.len()).enumerate().map(column).collect()
+        let n = self.unknown.len();
+        let mut columns: Vec<VertexData<f64>> = vec![Vec::new().into(); block.len() / n];
+        watch.shared(|watch| {
+            try_each(0, &mut columns, &|k, column| {
+                watch.ask((k * n) as f64 / block.len() as f64)?;
+                *column = finished(self.scatter(&block[k * n..(k + 1) * n]));
+                Ok(())
+            })
+        })?;
+        Ok(columns)
     }
 
     /// The backward substitution: `Σ k_v G e_v`, 0 at fixed vertices and at the grounded one. Costs half a solve, however many

@@ -15,6 +15,7 @@ mod colour;
 mod error;
 mod gltf;
 mod joined;
+mod lines;
 mod look;
 mod not_kept;
 mod obj;

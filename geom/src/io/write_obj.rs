@@ -9,11 +9,13 @@
 //! Other models are written with the shortest digits that read back as the same f64, with their normals, their colours behind the
 //! vertices, and the names of their materials.
 
+use std::collections::BTreeMap;
 use std::io::{self, Write};
 use std::ops::Range;
 
 use super::cells::Cells;
 use super::error::WriteError;
+use super::lines::write_lines;
 use super::look::{Look, one_word};
 use super::obj::is_face;
 use super::text::{Line, Lines};
@@ -80,33 +82,50 @@ impl Job<'_> {
     /// Writes a model that has no text of its own.
     fn write(&self, cells: Cells, mut out: impl Write) -> io::Result<()> {
         let look = Look::of(self.model);
-        for (v, [x, y, z]) in self.model.points().iter().enumerate() {
-            write!(out, "v {x:?} {y:?} {z:?}")?;
-            look.colour(v, &mut out)?;
-            out.write_all(b"\n")?;
-        }
+        write_lines(self.model.vertex_count(), &mut out, |v, text| {
+            let [x, y, z] = self.model.points()[v];
+            write!(text, "v {x:?} {y:?} {z:?}")?;
+            look.colour(v, text)?;
+            text.write_all(b"\n")
+        })?;
         look.normals(&mut out)?;
         self.addition("\n", &mut out)?;
+        // The corners of each line, and where it begins with another material.
+        let (mut corner, mut start) = (Vec::new(), vec![0]);
+        let mut materials = BTreeMap::new();
         let mut material = None;
         cells.for_each(|face, corners| {
             let next = self.model.attributes().material(face).filter(|_| self.content.material.is_none());
             if next != material {
-                writeln!(out, "usemtl {}", next.map_or_else(|| "none".into(), one_word))?;
+                materials.insert(start.len() - 1, next);
                 material = next;
             }
-            out.write_all(b"f")?;
-            for &corner in corners {
-                write!(out, " {}", self.model.corners()[corner as usize] + 1)?;
-                let texture = self.wedges.as_ref().map(|wedges| wedges.of_corner[corner as usize] + 1);
-                match (texture, look.normal(corner as usize)) {
-                    (Some(texture), Some(normal)) => write!(out, "/{texture}/{}", normal + 1)?,
-                    (Some(texture), None) => write!(out, "/{texture}")?,
-                    (None, Some(normal)) => write!(out, "//{}", normal + 1)?,
-                    (None, None) => {}
-                }
+            corner.extend_from_slice(corners);
+            start.push(corner.len());
+            Ok(())
+        })?;
+        write_lines(start.len() - 1, &mut out, |number, text| {
+            if let Some(material) = materials.get(&number) {
+                writeln!(text, "usemtl {}", material.map_or_else(|| "none".into(), one_word))?;
             }
-            out.write_all(b"\n")
+            self.cell(&corner[start[number]..start[number + 1]], &look, text)
         })
+    }
+
+    /// Writes the line of a polygon.
+    fn cell(&self, corners: &[u32], look: &Look, text: &mut Vec<u8>) -> io::Result<()> {
+        text.write_all(b"f")?;
+        for &corner in corners {
+            write!(text, " {}", self.model.corners()[corner as usize] + 1)?;
+            let texture = self.wedges.as_ref().map(|wedges| wedges.of_corner[corner as usize] + 1);
+            match (texture, look.normal(corner as usize)) {
+                (Some(texture), Some(normal)) => write!(text, "/{texture}/{}", normal + 1)?,
+                (Some(texture), None) => write!(text, "/{texture}")?,
+                (None, Some(normal)) => write!(text, "//{}", normal + 1)?,
+                (None, None) => {}
+            }
+        }
+        text.write_all(b"\n")
     }
 
     /// The lines that are added: material and texture coordinates.
@@ -115,11 +134,10 @@ impl Job<'_> {
             write!(out, "mtllib {library}{line_end}usemtl {name}{line_end}")?;
         }
         let (Some(uv), Some(wedges)) = (self.content.uv, &self.wedges) else { return Ok(()) };
-        for &corner in &wedges.first {
-            let [u, v] = uv[corner as usize];
-            write!(out, "vt {u:?} {v:?}{line_end}")?;
-        }
-        Ok(())
+        write_lines(wedges.first.len(), &mut out, |number, text| {
+            let [u, v] = uv[wedges.first[number] as usize];
+            write!(text, "vt {u:?} {v:?}{line_end}")
+        })
     }
 
     /// Writes the text of the model with the addition in it.

@@ -4,10 +4,14 @@
 //! the parts, which then have nothing to do with each other, are dissected in turn (George 1973). Where to split is told
 //! by positions, as in geometric dissection (Miller, Teng, Thurston & Vavasis 1993): through the median of the longest
 //! axis where a set is small. Where it is large, planes across each of the axes are tried, away from the median too, for
-//! one where the surface is narrow. Positions only guide: whatever they are, the order is complete.
+//! one where the surface is narrow. Positions only guide: whatever they are, the order is complete. Large parts are dissected in
+//! parallel; each has its place in the order, so that it is the same for any number of threads.
+
+use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
 use super::graph::Graph;
-use crate::watch::{Interrupted, Watch};
+use crate::parallel::{self, join};
+use crate::watch::{Interrupted, Progress, Watch};
 
 /// Sets of so many vertices are not split any more.
 const LEAF: usize = 16;
@@ -38,11 +42,9 @@ struct Plane {
 /// The vertices in an order of elimination.
 pub(crate) fn dissect(graph: &Graph, points: &[[f64; 3]], watch: Watch) -> Result<Vec<u32>, Interrupted> {
     let points: Vec<[f32; 3]> = points.iter().map(|p| p.map(|x| x as f32)).collect();
-    let mut places = places(graph, &points);
-    let mut dissection = Dissection { graph, part: vec![0; graph.len()], parts: 0, order: Vec::new() };
-    dissection.order.reserve(graph.len());
-    dissection.split(&mut places, watch)?;
-    Ok(dissection.order)
+    let mut order = vec![0; graph.len()];
+    Dissection::new(graph, watch).split(&mut places(graph, &points), &mut order)?;
+    Ok(order)
 }
 
 /// Each vertex with its position and its reach.
@@ -54,45 +56,60 @@ fn places(graph: &Graph, points: &[[f32; 3]]) -> Vec<Place> {
         // A hair more, for rounding.
         Place { at, reach: 1.0001 * reach, vertex }
     };
-    (0..graph.len() as u32).map(place).collect()
+    parallel::map(graph.len(), |vertex| place(vertex as u32))
 }
 
 struct Dissection<'a> {
     graph: &'a Graph,
-    /// The number of the part that a vertex near to a plane was last in.
-    part: Vec<u32>,
-    parts: u32,
-    order: Vec<u32>,
+    /// The number of the part that a vertex near to a plane was last in. Each is written where the set that it is in is split, and read there:
+    /// parts that are dissected at the same time have no edges between them.
+    part: Vec<AtomicU32>,
+    /// How many parts there have been. Which numbers they get says nothing.
+    parts: AtomicU32,
+    progress: Progress<'a>,
 }
 
-impl Dissection<'_> {
-    /// Appends a set of vertices to the order.
-    fn split(&mut self, places: &mut [Place], watch: Watch) -> Result<(), Interrupted> {
+impl<'a> Dissection<'a> {
+    fn new(graph: &'a Graph, watch: Watch<'a>) -> Self {
+        let part = (0..graph.len()).map(|_| AtomicU32::new(0)).collect();
+        Self { graph, part, parts: AtomicU32::new(0), progress: Progress::new(watch, graph.len()) }
+    }
+
+    /// Fills in the order of a set of vertices.
+    fn split(&self, places: &mut [Place], order: &mut [u32]) -> Result<(), Interrupted> {
         if places.len() <= LEAF {
-            self.order.extend(places.iter().map(|place| place.vertex));
+            put(places, order);
             return Ok(());
         }
-        if places.len() > LARGE {
-            watch.ask(self.order.len() as f64 / self.graph.len() as f64)?;
+        let is_large = places.len() > LARGE;
+        if is_large {
+            self.progress.ask()?;
         }
         let (low, high, separator) = self.separate(places);
-        self.split(low, watch)?;
-        self.split(high, watch)?;
-        self.order.extend(separator.iter().map(|place| place.vertex));
-        Ok(())
+        let (of_parts, last) = order.split_at_mut(low.len() + high.len());
+        let (of_low, of_high) = of_parts.split_at_mut(low.len());
+        put(separator, last);
+        if is_large {
+            let small = [&*low, &*high].map(|part| if part.len() > LARGE { 0 } else { part.len() });
+            self.progress.add(separator.len() + small[0] + small[1]);
+            let (low, high) = join(|| self.split(low, of_low), || self.split(high, of_high));
+            return low.and(high);
+        }
+        self.split(low, of_low)?;
+        self.split(high, of_high)
     }
 
     /// Sorts a set into two parts without edges between them, and the separator.
-    fn separate<'b>(&mut self, places: &'b mut [Place]) -> (&'b mut [Place], &'b mut [Place], &'b mut [Place]) {
+    fn separate<'b>(&self, places: &'b mut [Place]) -> (&'b mut [Place], &'b mut [Place], &'b mut [Place]) {
         let Plane { axis, below } = choose_plane(places);
         places.select_nth_unstable_by(below, |a, b| a.at[axis].total_cmp(&b.at[axis]).then(a.vertex.cmp(&b.vertex)));
         let plane = places[below].at[axis];
         let near = move |place: &&Place| (place.at[axis] - plane).abs() <= place.reach;
         let (low, high) = places.split_at_mut(below);
-        self.parts += 2;
-        let parts = [self.parts - 1, self.parts];
+        let before = self.parts.fetch_add(2, Relaxed);
+        let parts = [before + 1, before + 2];
         for (half, part) in [(&*low, parts[0]), (&*high, parts[1])] {
-            half.iter().filter(near).for_each(|place| self.part[place.vertex as usize] = part);
+            half.iter().filter(near).for_each(|place| self.part[place.vertex as usize].store(part, Relaxed));
         }
         let rim = |half: &[Place], other| half.iter().filter(near).filter(|place| self.touches(place, other)).count();
         if rim(low, parts[1]) <= rim(high, parts[0]) {
@@ -106,7 +123,7 @@ impl Dissection<'_> {
 
     /// Whether a vertex has a neighbour in a part.
     fn touches(&self, place: &Place, part: u32) -> bool {
-        self.graph.neighbors(place.vertex).iter().any(|&w| self.part[w as usize] == part)
+        self.graph.neighbors(place.vertex).iter().any(|&w| self.part[w as usize].load(Relaxed) == part)
     }
 
     /// Moves the vertices that touch the other part behind the others.
@@ -125,6 +142,11 @@ impl Dissection<'_> {
         }
         places.split_at_mut(inner)
     }
+}
+
+/// Writes down vertices in the order in which they are.
+fn put(places: &[Place], order: &mut [u32]) {
+    order.iter_mut().zip(places).for_each(|(vertex, place)| *vertex = place.vertex);
 }
 
 /// The plane to split a set at.
@@ -186,8 +208,7 @@ mod tests {
             let graph = Graph::of_lower_triangle(&start, &row);
             let points = shape.points.iter().map(|p| p.map(|x| x as f32)).collect::<Vec<_>>();
             let mut places = places(&graph, &points);
-            let mut dissection = Dissection { graph: &graph, part: vec![0; graph.len()], parts: 0, order: Vec::new() };
-            let (low, high, separator) = dissection.separate(&mut places);
+            let (low, high, separator) = Dissection::new(&graph, Watch::NONE).separate(&mut places);
             assert_eq!(low.len() + high.len() + separator.len(), graph.len());
             assert!(separator.len() < graph.len() / 10);
             let is_high: Vec<bool> = mesh.vertices().map(|v| high.iter().any(|place| place.vertex == v.0)).collect();

@@ -15,7 +15,7 @@ use super::elimination::Elimination;
 use super::error::CholeskyError;
 use super::front::Eliminator;
 use super::symmetric::SymmetricMatrix;
-use crate::parallel::join;
+use crate::parallel::{join, try_each};
 use crate::rows::Rows;
 use crate::watch::{Progress, Watch};
 
@@ -23,6 +23,9 @@ use crate::watch::{Progress, Watch};
 const GRAIN: usize = 1 << 16;
 /// After so many multiplications in fronts the watch is asked again: about a millisecond.
 const ASKED_AFTER: usize = 1 << 20;
+
+/// The places of the entries of so many columns are found one after the other: some hundred microseconds.
+const COLUMNS: usize = 1 << 12;
 
 /// How many matrices have been factored.
 static FACTORIZATIONS: AtomicUsize = AtomicUsize::new(0);
@@ -43,18 +46,40 @@ impl Entries {
         elimination: &Elimination,
         watch: Watch,
     ) -> Result<Self, CholeskyError> {
-        let n = matrix.dimension();
-        let mut places = Vec::with_capacity(matrix.stored());
-        for column in 0..n {
-            watch.ask_at_step(column, n)?;
-            for k in matrix.range(column) {
-                let (s, place) = elimination.place(column as u32, matrix.row[k]);
-                let place = u32::try_from(place).map_err(|_| CholeskyError::OutOfMemory(n))?;
-                places.push((s, (place, k as u32)));
-            }
+        let mut places = vec![(0, 0); matrix.stored()];
+        let mut blocks = Vec::new();
+        let mut rest = places.as_mut_slice();
+        for first in (0..matrix.dimension()).step_by(COLUMNS) {
+            let columns = first..matrix.dimension().min(first + COLUMNS);
+            let stored = matrix.range(columns.end - 1).end - matrix.range(first).start;
+            let block;
+            (block, rest) = rest.split_at_mut(stored);
+            blocks.push((columns, block));
         }
-        Ok(Self(Rows::sorted(elimination.len(), places.into_iter())))
+        watch.shared(|watch| {
+            try_each(0, &mut blocks, &|k, (columns, places)| {
+                watch.ask((k * COLUMNS) as f64 / matrix.dimension() as f64)?;
+                find_places(matrix, elimination, columns.clone(), places)
+            })
+        })?;
+        let entries = places.into_iter().zip(0..).map(|((s, place), k)| (s as usize, (place, k)));
+        Ok(Self(Rows::sorted(elimination.len(), entries)))
     }
+}
+
+/// For each entry of some columns its supernode, and its place among the values of that.
+fn find_places(
+    matrix: &SymmetricMatrix,
+    elimination: &Elimination,
+    columns: std::ops::Range<usize>,
+    places: &mut [(u32, u32)],
+) -> Result<(), CholeskyError> {
+    let entries = columns.flat_map(|column| matrix.range(column).map(move |k| (column as u32, matrix.row[k])));
+    for (found, (column, row)) in places.iter_mut().zip(entries) {
+        let (s, place) = elimination.place(column, row);
+        *found = (s as u32, u32::try_from(place).map_err(|_| CholeskyError::OutOfMemory(matrix.dimension()))?);
+    }
+    Ok(())
 }
 
 /// Fills in the values of the factor of a matrix whose entries are given; told whether they are 0 before.

@@ -7,6 +7,7 @@
 
 use std::f64::consts::PI;
 
+use crate::parallel::{self, try_each};
 use crate::vector::{Vec3, add, cross, dot, length, scale, sub, unit};
 use crate::watch::{Interrupted, Watch};
 
@@ -45,21 +46,37 @@ pub fn exposure(points: &[Vec3], triangles: &[[u32; 3]]) -> Vec<f64> {
 /// If a triangle names a point that is not there.
 pub fn exposure_watched(points: &[Vec3], triangles: &[[u32; 3]], watch: Watch) -> Result<Vec<f64>, Interrupted> {
     let normals = normals(points, triangles);
-    let mut light = vec![[0.0; 2]; points.len()];
-    for k in 0..DIRECTIONS {
-        watch.ask(k as f64 / DIRECTIONS as f64)?;
-        let direction = direction(k);
-        let view = View::new(points, direction);
-        let depth = view.draw();
-        for (v, (normal, light)) in normals.iter().zip(&mut light).enumerate() {
-            let cosine = dot(*normal, direction);
+    let mut seen: Vec<Vec<bool>> = vec![Vec::new(); DIRECTIONS];
+    watch.shared(|watch| {
+        try_each(0, &mut seen, &|k, seen| {
+            watch.ask(k as f64 / DIRECTIONS as f64)?;
+            *seen = seen_from(direction(k), points, &normals);
+            Ok(())
+        })
+    })?;
+    let light = |v: usize| {
+        let (mut all, mut light) = (0.0, 0.0);
+        for (k, seen) in seen.iter().enumerate() {
+            let cosine = dot(normals[v], direction(k));
             if cosine > 0.0 {
-                light[0] += cosine;
-                light[1] += if view.hides(&depth, v, cosine) { 0.0 } else { cosine };
+                all += cosine;
+                light += if seen[v] { cosine } else { 0.0 };
             }
         }
-    }
-    Ok(light.into_iter().map(|[all, seen]| if all > 0.0 { seen / all } else { 1.0 }).collect())
+        if all > 0.0 { light / all } else { 1.0 }
+    };
+    Ok(parallel::map(points.len(), light))
+}
+
+/// Whether each vertex that is turned to a direction is seen from there.
+fn seen_from(direction: Vec3, points: &[Vec3], normals: &[Vec3]) -> Vec<bool> {
+    let view = View::new(points, direction);
+    let depth = view.draw();
+    let is_seen = |(v, normal): (usize, &Vec3)| {
+        let cosine = dot(*normal, direction);
+        cosine > 0.0 && !view.hides(&depth, v, cosine)
+    };
+    normals.iter().enumerate().map(is_seen).collect()
 }
 
 /// The unit normals of vertices: the mean of their triangles', by area.

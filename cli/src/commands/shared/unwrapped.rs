@@ -62,7 +62,7 @@ impl Unwrapped {
     ) -> Result<Self, CommandError> {
         limits::check_memory(path, model.vertex_count())?;
         let failed = |error| CommandError::Unwrap { path: path.to_owned(), error };
-        let analysis = Analysis::observed(&model, options.preparation, progress.observer()).map_err(failed)?;
+        let analysis = Analysis::for_options(&model, &options, progress.observer()).map_err(failed)?;
         let atlas = analysis.atlas(&options).map_err(failed)?;
         let model = match analysis.refined() {
             Some(RefinedModel { model: refined, face, added, .. }) => refine_obj(&model, added, refined, face)

@@ -1,0 +1,27 @@
+//! A surface on few of its vertices, before anything is asked of it: what takes the time of a [coarse level](super::coarse), and needs no
+//! factor, so that it can be found while the surface's Laplacian is factored.
+
+use geom::{Interrupted, Mesh, Metric, Simplified, VertexData, VertexId, Watch, simplified};
+
+/// A vertex with so much curvature, in radians, is kept as one of twice its area is, with more by its square: corners stay where
+/// they are.
+const SHARP: f64 = 0.3;
+
+/// A surface on few of its vertices, with their weights, shares of the surface's vertices and curvatures.
+pub(crate) type Coarsened = Simplified<3>;
+
+/// An intrinsic Delaunay surface on `count` of its vertices, or more where others cannot be taken out; it is given with the weight and the
+/// curvature of each vertex.
+///
+/// # Errors
+/// If the watch has said stop.
+pub(super) fn coarsened(
+    (mesh, metric): (&Mesh, &Metric),
+    (weight, curvature): (&VertexData<f64>, &VertexData<f64>),
+    count: usize,
+    watch: Watch,
+) -> Result<Coarsened, Interrupted> {
+    let spread = VertexData::constant(mesh.vertex_count(), 1.0 / mesh.vertex_count() as f64);
+    let worth = |v: VertexId| 1.0 + (curvature[v] / SHARP).powi(2);
+    simplified(mesh, metric, [weight, &spread, curvature], worth, count, watch)
+}

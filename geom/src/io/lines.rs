@@ -1,0 +1,53 @@
+//! Lines of text, formatted on all threads and written in their order.
+
+use std::io::{self, Write};
+
+use crate::parallel::try_each;
+
+/// So many lines are formatted one after the other: about a millisecond.
+const LINES: usize = 1 << 12;
+/// So many blocks of these are in memory at a time.
+const BLOCKS: usize = 16;
+
+/// Writes so many lines; `line` appends one of them, with its end, to the text.
+///
+/// # Errors
+/// With the first error of `line` in the order of the lines, or when writing fails.
+pub(super) fn write_lines(
+    count: usize,
+    out: &mut impl Write,
+    line: impl Fn(usize, &mut Vec<u8>) -> io::Result<()> + Sync,
+) -> io::Result<()> {
+    let mut blocks: Vec<Vec<u8>> = vec![Vec::new(); BLOCKS.min(count.div_ceil(LINES))];
+    for first in (0..count).step_by(LINES * BLOCKS) {
+        try_each(0, &mut blocks, &|k, text| {
+            text.clear();
+            let from = (first + k * LINES).min(count);
+            (from..(from + LINES).min(count)).try_for_each(|number| line(number, text))
+        })?;
+        blocks.iter().try_for_each(|text| out.write_all(text))?;
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lines_come_in_their_order_however_many_there_are() {
+        for count in [0, 1, LINES, LINES + 1, 2 * LINES * BLOCKS + 5] {
+            let mut out = Vec::new();
+            write_lines(count, &mut out, |number, text| writeln!(text, "{number}")).unwrap();
+            let expected: String = (0..count).map(|number| format!("{number}\n")).collect();
+            assert!(out == expected.as_bytes(), "{count} lines");
+        }
+    }
+
+    #[test]
+    fn an_error_ends_it() {
+        let failed =
+            |number: usize, _: &mut Vec<u8>| if number == 9 { Err(io::ErrorKind::Other.into()) } else { Ok(()) };
+        assert!(write_lines(20, &mut Vec::new(), failed).is_err());
+    }
+}
