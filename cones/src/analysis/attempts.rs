@@ -39,7 +39,7 @@ const MOST_CONFORMAL: f64 = 1.02;
 /// corners would be cut to peel, thrice as long.
 const LONGEST_NET: f64 = 2.0;
 /// What a share of detached triangles costs beside the logarithms of the distortions: one in a hundred as much as a product of
-/// both that is 1.28 times larger. Detached triangles are islands of one to a few, with seams that do not match.
+/// both that is 1.28 times larger. Detached triangles are islands of one to a few, or stretched.
 const DETACHED_COST: f64 = 25.0;
 
 /// The attempts on one component.
@@ -250,8 +250,7 @@ fn failure(error: Error) -> Result<Failure, Error> {
 
 /// What attempts are compared by: the logarithms of both distortions, and the share of triangles that were detached.
 fn cost(flat: &Flat) -> f64 {
-    let distortions = flat.quality.area_distortion().ln() + flat.quality.quasi_conformal.ln();
-    let cost = distortions + DETACHED_COST * detached_share(flat);
+    let cost = flat.quality.cost() + DETACHED_COST * detached_share(flat);
     if cost.is_nan() { f64::INFINITY } else { cost }
 }
 

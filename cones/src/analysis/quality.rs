@@ -45,6 +45,11 @@ impl Quality {
         }
     }
 
+    /// What maps are compared by: the logarithms of both distortions, added up.
+    pub(crate) fn cost(&self) -> f64 {
+        self.area_distortion().ln() + self.quasi_conformal.ln()
+    }
+
     /// The area distortion D.
     pub(crate) fn area_distortion(&self) -> f64 {
         distortion_of(&self.ratios)

@@ -17,7 +17,7 @@ use rayon::prelude::*;
 use super::flat::Flat;
 use crate::cut::SeamPlan;
 use crate::flatten::{Layout, SeamError, Seams, Variation};
-use crate::uv::{Aim, Effort, Separation, UvMap, room, separate_by};
+use crate::uv::{Aim, Effort, Separation, UvMap, attached, room, separate_by};
 
 /// So many other trees at most,
 const MOST_TREES: u64 = 12;
@@ -77,8 +77,8 @@ impl<'a> Reseaming<'a> {
 
     /// The best opening. A layout that does not lie over itself stays as it is, unless room is asked for.
     pub(super) fn best(&self, watch: Watch) -> Result<Opening, Interrupted> {
-        let first = map(self.mesh, &self.flat.layout, &self.flat.seams.cut);
-        let separation = self.separated(first.clone(), Effort::Quick(usize::MAX), watch.within(0.0, 0.2))?;
+        let first = self.first(watch.within(0.0, 0.1))?;
+        let separation = self.separated(first.clone(), Effort::Quick(usize::MAX), watch.within(0.1, 0.2))?;
         let opening = Opening { other: None, separation };
         if opening.separation.overlaps.pairs.is_empty() {
             return match self.asks_for_room {
@@ -105,6 +105,15 @@ impl<'a> Reseaming<'a> {
         Ok(best)
     }
 
+    /// The layout as it came out, what was detached attached where there is room for it.
+    fn first(&self, watch: Watch) -> Result<UvMap, Interrupted> {
+        let first = map(self.mesh, &self.flat.layout, &self.flat.seams.cut);
+        match self.flat.detached.is_empty() {
+            true => Ok(first),
+            false => attached(self.mesh, self.plan.costs(), Some(self.plan.given()), &first, watch),
+        }
+    }
+
     /// Openings with their costs, the best first.
     fn ranked(&self, openings: impl IntoIterator<Item = Opening>) -> Vec<(Cost, Opening)> {
         let with_cost = |opening: Opening| (self.cost(&opening.separation), opening);
@@ -120,7 +129,7 @@ impl<'a> Reseaming<'a> {
         (cost, opening): &mut (Cost, Opening),
         watch: Watch,
     ) -> Result<(), Interrupted> {
-        if cost.islands <= self.flat.layout.cut.island_count() {
+        if cost.islands <= first.opened(self.mesh).island_count() {
             return Ok(());
         }
         let unparted = match &opening.other {

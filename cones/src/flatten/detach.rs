@@ -1,10 +1,12 @@
 //! What cannot be laid out with its neighbours becomes an island of its own.
 //!
 //! Where fold-overs cannot be removed, a few triangles of a flat metric stay flipped: at slits of a scan that almost touch, at needles
-//! round a cone of negative curvature. They are taken out of the layout, unfolded in one piece or several as they lie in
-//! space, and put beside it. What is left of the layout stays as it is; so that it stays a disk, a hole that does not reach
-//! a seam or the boundary is joined to the nearest by a further seam. A polygon goes as a whole, for its triangles share
-//! their corners' positions.
+//! round a cone of negative curvature. They are taken out of the layout, unfolded in one piece or several, and put beside it.
+//! Each keeps the sides that it has in the layout, as its mirror image where it is flipped: then the seams round it are rigid
+//! like all others, and what is detached may be attached elsewhere. Or, where that would be too stretched, all are unfolded
+//! as they lie in space ([`DetachedShape`]). What is left of the layout stays as it is; so that it stays a disk, a hole that
+//! does not reach a seam or the boundary is joined to the nearest by a further seam. A polygon goes as a whole, for its
+//! triangles share their corners' positions.
 
 use std::collections::VecDeque;
 
@@ -16,14 +18,23 @@ use num_complex::Complex64;
 use super::layout::Layout;
 use super::seams::Seams;
 
-/// Takes triangles out of a layout; `u` are the log scale factors that the flat metric has. The seams' `lengths` say which
+/// The shape of what is detached.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum DetachedShape {
+    /// With the sides that each triangle has in the layout: seams round it are rigid.
+    AsLaidOut,
+    /// As it lies in space, but for one scale: seams round it do not match.
+    AsInSpace,
+}
+
+/// Takes triangles out of a layout, unfolded in the shape given; `u` are the log scale factors that the flat metric has. The seams' `lengths` say which
 /// way further seams go; diagonals of polygons are infinitely long. O(V log V).
 pub(crate) fn detach(
     input: &Mesh,
     metric: &Metric,
     u: &VertexData<f64>,
     lengths: &EdgeData<f64>,
-    faces: &[FaceId],
+    (faces, shape): (&[FaceId], DetachedShape),
     seams: &mut Seams,
     layout: &mut Layout,
 ) {
@@ -34,9 +45,13 @@ pub(crate) fn detach(
     join_holes(input, lengths, &is_out, &mut seams.cut);
     faces.iter().flat_map(|&f| input.sides(f)).for_each(|h| seams.cut[input.edge(h)] |= input.twin(h).is_some());
     let position = input.halfedges().map(|h| layout.corner(h)).collect();
-    let mut unfolding = Unfolding { input, metric, lengths, was_cut: &was_cut, is_out, cut: &mut seams.cut, position };
+    let cut = &mut seams.cut;
+    let mut unfolding = Unfolding { input, metric, lengths, was_cut: &was_cut, is_out, cut, position, shape };
     for &seed in faces {
-        let scale = (input.corners(seed).iter().map(|&v| u[v]).sum::<f64>() / 3.0).exp();
+        let scale = match shape {
+            DetachedShape::AsLaidOut => 1.0,
+            DetachedShape::AsInSpace => (input.corners(seed).iter().map(|&v| u[v]).sum::<f64>() / 3.0).exp(),
+        };
         unfolding.unfold(seed, scale);
     }
     let position = unfolding.position;
@@ -109,10 +124,11 @@ struct Unfolding<'a> {
     cut: &'a mut EdgeData<bool>,
     /// The position of each corner.
     position: HalfedgeData<Complex64>,
+    shape: DetachedShape,
 }
 
 impl Unfolding<'_> {
-    /// Unfolds the triangles that hang together with `seed` and are out yet, as they lie in space but for one scale.
+    /// Unfolds the triangles that hang together with `seed` and are out yet, at one scale.
     fn unfold(&mut self, seed: FaceId, scale: f64) {
         if !std::mem::replace(&mut self.is_out[seed], false) {
             return;
@@ -148,7 +164,11 @@ impl Unfolding<'_> {
     /// its sides.
     fn place(&mut self, h: HalfedgeId, tail: Complex64, direction: Complex64) -> [HalfedgeId; 3] {
         let sides = [h, self.input.next(h), self.input.prev(h)];
-        let vectors = Sides(sides.map(|side| self.metric.length(self.input.edge(side)))).unfold();
+        let length = |side: HalfedgeId| match self.shape {
+            DetachedShape::AsLaidOut => (self.position[self.input.next(side)] - self.position[side]).norm(),
+            DetachedShape::AsInSpace => self.metric.length(self.input.edge(side)),
+        };
+        let vectors = Sides(sides.map(length)).unfold();
         let mut at = tail;
         for (side, [x, y]) in sides.into_iter().zip(vectors) {
             self.position[side] = at;
@@ -185,7 +205,8 @@ mod tests {
             faces.extend([Some(first), mesh.twin(first)].into_iter().flatten().map(|h| mesh.face(h)));
             faces.sort();
             faces.dedup();
-            detach(&mesh, &metric, &scaling.u, metric.lengths(), &faces, &mut seams, &mut layout);
+            let detached = (&faces[..], DetachedShape::AsInSpace);
+            detach(&mesh, &metric, &scaling.u, metric.lengths(), detached, &mut seams, &mut layout);
 
             let islands = layout.cut.island_count();
             assert!(islands > 2);
@@ -215,6 +236,32 @@ mod tests {
     }
 
     #[test]
+    fn what_is_detached_as_laid_out_has_rigid_seams_and_is_turned_over_where_it_was_flipped() {
+        let Flattened { mesh, metric, scaling, mut seams, mut layout } = Flattened::new(&shapes::hare(900));
+        let is_plain = |v: &VertexId| mesh.outgoing(*v).all(|h| !seams.cut[mesh.edge(h)]);
+        let middle = mesh.vertices().filter(is_plain).nth(40).expect("most vertices are such");
+        let ring: Vec<HalfedgeId> = mesh.outgoing(middle).collect();
+        // Drawn across the opposite side of one of its triangles, the vertex flips that.
+        let [b, c] = [mesh.next(ring[0]), mesh.prev(ring[0])].map(|h| layout.corner(h));
+        let wedge = layout.cut.wedge(ring[0]).index();
+        layout.position[wedge] = b + c - layout.position[wedge];
+        let area = |layout: &Layout, f: FaceId| {
+            let [a, b, c] = mesh.sides(f).map(|h| layout.corner(h));
+            ((b - a).conj() * (c - a)).im
+        };
+        let bad: Vec<FaceId> = ring.iter().map(|&h| mesh.face(h)).filter(|&f| area(&layout, f) <= 0.0).collect();
+        assert!(!bad.is_empty());
+        let length = |layout: &Layout, h: HalfedgeId| (layout.corner(mesh.next(h)) - layout.corner(h)).norm();
+        let before = layout.clone();
+        let detached = (&bad[..], DetachedShape::AsLaidOut);
+        detach(&mesh, &metric, &scaling.u, metric.lengths(), detached, &mut seams, &mut layout);
+        assert!(mesh.faces().all(|f| area(&layout, f) > 0.0));
+        for h in mesh.halfedges() {
+            assert!((length(&layout, h) / length(&before, h) - 1.0).abs() < 1e-9);
+        }
+    }
+
+    #[test]
     fn a_polygon_is_detached_as_a_whole() {
         let Flattened { mesh, metric, scaling, mut seams, mut layout } = flattened(&shapes::hare(900));
         let before = layout.clone();
@@ -228,7 +275,8 @@ mod tests {
         let mut lengths = metric.lengths().clone();
         spokes.iter().step_by(2).for_each(|&h| lengths[mesh.edge(h)] = f64::INFINITY);
         let halves: Vec<FaceId> = spokes.iter().step_by(2).map(|&h| mesh.face(h)).collect();
-        detach(&mesh, &metric, &scaling.u, &lengths, &halves, &mut seams, &mut layout);
+        let detached = (&halves[..], DetachedShape::AsInSpace);
+        detach(&mesh, &metric, &scaling.u, &lengths, detached, &mut seams, &mut layout);
         for (k, &h) in spokes.iter().enumerate() {
             let corners = |layout: &Layout| mesh.sides(mesh.face(h)).map(|side| layout.corner(side));
             assert_ne!(corners(&layout), corners(&before), "the other halves go, too");

@@ -12,7 +12,7 @@ mod scaling;
 mod seams;
 mod untangle;
 
-pub(crate) use detach::detach;
+pub(crate) use detach::{DetachedShape, detach};
 pub(crate) use fold_over::FoldOvers;
 pub(crate) use fold_over::{Fixed, remove_fold_overs};
 pub use layout::Layout;

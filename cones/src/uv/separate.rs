@@ -77,6 +77,24 @@ pub fn separate(
     Ok(done)
 }
 
+/// A map with its islands put together where their sides are congruent and nothing comes to lie over each other. Islands that
+/// overlap themselves still do. O(n log n).
+///
+/// # Errors
+/// If it is stopped.
+pub(crate) fn attached(
+    mesh: &Mesh,
+    lengths: &EdgeData<f64>,
+    kept: Option<&EdgeData<bool>>,
+    map: &UvMap,
+    watch: Watch,
+) -> Result<UvMap, Interrupted> {
+    let boxes = boxes(mesh, map);
+    let mut pieces = Pieces::new((mesh, lengths, kept), map, &boxes, map.cut.clone());
+    pieces.attach(watch)?;
+    Ok(pieces.map().snapped(mesh, map))
+}
+
 /// How much is tried.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Effort {
