@@ -237,7 +237,7 @@ mod tests {
 
     #[test]
     fn what_is_detached_as_laid_out_has_rigid_seams_and_is_turned_over_where_it_was_flipped() {
-        let Flattened { mesh, metric, scaling, mut seams, mut layout } = Flattened::new(&shapes::hare(900));
+        let Flattened { mesh, metric, scaling, mut seams, mut layout } = flattened(&shapes::hare(900));
         let is_plain = |v: &VertexId| mesh.outgoing(*v).all(|h| !seams.cut[mesh.edge(h)]);
         let middle = mesh.vertices().filter(is_plain).nth(40).expect("most vertices are such");
         let ring: Vec<HalfedgeId> = mesh.outgoing(middle).collect();
