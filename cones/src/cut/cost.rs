@@ -10,10 +10,8 @@ use geom::vector::{Vec3, angle, normal};
 use geom::{EdgeData, EdgeId, Interrupted, Mesh, Surface, Watch, exposure_watched};
 
 /// What a sharp edge is cheaper by at full weight, as a share of its length. At half the weight, the default, a way along sharp
-/// edges is taken that is up to a third longer; seams as a whole become little longer, since most have none beside them. Share of the
-/// seams on edges that bend by more than 30°, and their length over the shortest, with .25 → .5 → .7: part, 8 cones, .69, 1.036 → .81, 1.068 →
-/// .87, 1.079; fandisk, 8 cones, .50, 1.048 → .63, 1.054 → .77, 1.084; a box with bevelled edges, 16 cones, .66, 1.005 → .87, 1.040.
-const SHARP: f64 = 0.5;
+/// edges is taken that is up to 14 % longer.
+const SHARP: f64 = 0.25;
 /// What a wholly hidden edge is cheaper by. It moves seams little: at half the weight those of part, hare, bunny, rocker arm, fertility
 /// and octaflower, with 8 and 32 cones, see as much of the sky as the shortest to 0.01 but for octaflower, where sharp edges win.
 const HIDDEN: f64 = 0.15;
