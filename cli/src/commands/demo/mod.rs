@@ -56,7 +56,7 @@ pub(crate) fn run(args: &DemoArgs) -> Result<(), CommandError> {
         return output::print_json(&reports);
     }
     output::summary(&format!(
-        "{}\nWritten to {}: for each shape .obj (with checker.mtl), .png, -layout.png and .json; open {} to see them all.\n",
+        "{}\nWritten to {}: for each shape .obj (with checker.mtl), .png,\n-layout.png and .json; open {} to see them all.\n",
         overview(&reports),
         folder.display(),
         folder.join(gallery::NAME).display()
