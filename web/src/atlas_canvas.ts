@@ -1,8 +1,9 @@
 // The map on a plain canvas, where there is no WebGL: slower, the same otherwise.
 
 import { type Atlas, tiles } from "./atlas_view";
-import { CHECKER, css } from "./colours";
-import { coneColour } from "./geometry";
+import { CHECKER, PLAIN, css } from "./colours";
+import { CUT, SPARED, coneColour } from "./geometry";
+import type { Paint } from "./mesh_geometry";
 import type { Outline } from "./outline";
 
 export class AtlasCanvas implements Atlas {
@@ -10,9 +11,10 @@ export class AtlasCanvas implements Atlas {
   private readonly context: CanvasRenderingContext2D;
   private uv: Float32Array = new Float32Array();
   private tint: Uint8Array = new Uint8Array();
-  private isChecker = false;
+  private paintedWith: Paint = "plain";
   private squares = 32;
-  private outline: Outline = { segments: new Float32Array(), cones: [] };
+  private outline: Outline = { segments: new Float32Array(), corners: new Uint32Array(), cones: [] };
+  private pins: Float32Array[] = [new Float32Array(), new Float32Array()];
   private extent: [number, number] = [1, 1];
   private isDark = false;
   private centre: [number, number] = [0.5, 0.5];
@@ -58,8 +60,8 @@ export class AtlasCanvas implements Atlas {
     this.draw();
   }
 
-  colour(tint: Uint8Array, isChecker: boolean): void {
-    [this.tint, this.isChecker] = [tint, isChecker];
+  colour(paint: Paint, tint: Uint8Array): void {
+    [this.tint, this.paintedWith] = [tint, paint];
     this.draw();
   }
 
@@ -70,6 +72,11 @@ export class AtlasCanvas implements Atlas {
 
   theme(isDark: boolean): void {
     this.isDark = isDark;
+    this.draw();
+  }
+
+  showPins(...pins: [Float32Array, Float32Array]): void {
+    this.pins = pins;
     this.draw();
   }
 
@@ -107,12 +114,13 @@ export class AtlasCanvas implements Atlas {
     canvas.width = Math.max(1, element.clientWidth * ratio);
     canvas.height = Math.max(1, element.clientHeight * ratio);
     context.setTransform(ratio, 0, 0, ratio, 0, 0);
-    if (this.isChecker) this.paintChecker();
+    if (this.paintedWith === "checker") this.paintChecker();
     else this.paintTriangles();
     this.stroke(tiles(this.extent), this.isDark ? "#4a5160" : "#aab0bb", 1);
     this.stroke(this.outline.segments, this.isDark ? "#e6e8ee" : "#1d212b", 1.6);
+    [CUT, SPARED].forEach((colour, k) => this.stroke(this.pins[k], hex(colour), 3.4));
     for (const { at, cone } of this.outline.cones) {
-      context.fillStyle = `#${coneColour(cone.curvature).toString(16).padStart(6, "0")}`;
+      context.fillStyle = hex(coneColour(cone.curvature));
       context.beginPath();
       context.arc(...this.toScreen(at), 5, 0, 2 * Math.PI);
       context.fill();
@@ -123,7 +131,7 @@ export class AtlasCanvas implements Atlas {
     const { context, tint, uv } = this;
     for (let k = 0; k < uv.length; k += 6) {
       const at = (3 * k) / 2;
-      context.fillStyle = context.strokeStyle = css([tint[at], tint[at + 1], tint[at + 2]]);
+      context.fillStyle = context.strokeStyle = css(this.paintedWith === "plain" ? PLAIN : [tint[at], tint[at + 1], tint[at + 2]]);
       context.beginPath();
       this.trace(k);
       context.fill();
@@ -171,4 +179,8 @@ export class AtlasCanvas implements Atlas {
     context.stroke();
     context.lineWidth = 1;
   }
+}
+
+function hex(colour: number): string {
+  return `#${colour.toString(16).padStart(6, "0")}`;
 }

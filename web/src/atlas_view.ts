@@ -1,10 +1,12 @@
 // The map in the plane.
 
-import { BufferAttribute, BufferGeometry, CircleGeometry, Color, InstancedMesh, Matrix4, Mesh, MeshBasicMaterial, OrthographicCamera, Vector3 } from "three";
+import { CircleGeometry, Color, InstancedMesh, Matrix4, MeshBasicMaterial, OrthographicCamera, Vector3 } from "three";
 import { LineMaterial } from "three/examples/jsm/lines/LineMaterial.js";
 import { LineSegments2 } from "three/examples/jsm/lines/LineSegments2.js";
 import { LineSegmentsGeometry } from "three/examples/jsm/lines/LineSegmentsGeometry.js";
-import { coneColour } from "./geometry";
+import { CUT, SPARED, coneColour } from "./geometry";
+import type { Surface } from "./data";
+import { type Paint, TriangleMesh } from "./mesh_geometry";
 import { meshMaterial } from "./mesh_material";
 import type { Outline } from "./outline";
 import { Stage } from "./stage";
@@ -12,9 +14,11 @@ import { Stage } from "./stage";
 /** What shows a map: WebGL, or a plain canvas where that is missing. */
 export interface Atlas {
   fit(): void;
-  colour(tint: Uint8Array, isChecker: boolean): void;
+  colour(paint: Paint, tint: Uint8Array): void;
   show(uv: Float32Array, squares: number, outline: Outline, extent: [number, number], isDark: boolean): void;
   theme(isDark: boolean): void;
+  /** Edges that are pinned, both sides of each: those that are cut, and those that are not. */
+  showPins(cut: Float32Array, avoid: Float32Array): void;
   /** The point of the map under an event. */
   under(event: { clientX: number; clientY: number }): [number, number];
   toScreen(at: [number, number]): [number, number];
@@ -29,27 +33,26 @@ export class AtlasView implements Atlas {
   onDrawn = () => {};
   private readonly stage: Stage<OrthographicCamera>;
   private readonly material = meshMaterial(false);
-  private readonly geometry = new BufferGeometry();
   private readonly lines = new LineSegments2(new LineSegmentsGeometry(), new LineMaterial({ linewidth: 1.6 }));
   private readonly frame = new LineSegments2(new LineSegmentsGeometry(), new LineMaterial({ linewidth: 1 }));
+  private readonly pins = [CUT, SPARED].map((color) => new LineSegments2(new LineSegmentsGeometry(), new LineMaterial({ color, linewidth: 3.4 })));
+  private readonly triangles: TriangleMesh;
   private discs: InstancedMesh | null = null;
-  private outline: Outline = { segments: new Float32Array(), cones: [] };
+  private outline: Outline = { segments: new Float32Array(), corners: new Uint32Array(), cones: [] };
   private extent: [number, number] = [1, 1];
 
-  constructor(element: HTMLElement, canvas: HTMLCanvasElement, corners: number) {
+  constructor(element: HTMLElement, canvas: HTMLCanvasElement, surface: Surface) {
     this.stage = new Stage(element, canvas, new OrthographicCamera(0, 1, 1, 0, -10, 10), false);
-    this.geometry.setAttribute("position", new BufferAttribute(new Float32Array(3 * corners), 3));
-    this.geometry.setAttribute("normal", new BufferAttribute(new Float32Array(3 * corners), 3));
-    this.geometry.setAttribute("tint", new BufferAttribute(new Uint8Array(3 * corners), 3, true));
-    this.geometry.setAttribute("coordinates", new BufferAttribute(new Float32Array(2 * corners), 2));
-    const mesh = new Mesh(this.geometry, this.material);
-    for (const [k, one] of [mesh, this.frame, this.lines].entries()) {
+    this.triangles = new TriangleMesh(surface, this.material);
+    this.stage.backdrop.scene.add(this.triangles.mesh);
+    for (const [k, one] of this.allLines.entries()) {
       one.frustumCulled = false;
-      one.renderOrder = k;
+      one.renderOrder = k + 1;
+      one.material.depthTest = false;
       this.stage.scene.add(one);
     }
+    this.showPins(new Float32Array(), new Float32Array());
     (this.material as { depthTest: boolean }).depthTest = false;
-    for (const lines of [this.lines, this.frame]) lines.material.depthTest = false;
     this.stage.onResize = () => this.resize();
     this.stage.onDrawn = () => this.onDrawn();
     this.stage.controls.minZoom = 0.3;
@@ -71,24 +74,13 @@ export class AtlasView implements Atlas {
     this.stage.draw();
   }
 
-  colour(tint: Uint8Array, isChecker: boolean): void {
-    if (!isChecker) {
-      const attribute = this.geometry.getAttribute("tint") as BufferAttribute;
-      attribute.array.set(tint);
-      attribute.needsUpdate = true;
-    }
-    this.material.uniforms.isChecker.value = isChecker;
+  colour(paint: Paint, tint: Uint8Array): void {
+    this.triangles.paint(paint, tint);
     this.stage.draw();
   }
 
   show(uv: Float32Array, squares: number, outline: Outline, extent: [number, number], isDark: boolean): void {
-    const [position, coordinates] = ["position", "coordinates"].map((name) => this.geometry.getAttribute(name) as BufferAttribute);
-    for (let corner = 0; 2 * corner < uv.length; corner++) {
-      position.array[3 * corner] = uv[2 * corner];
-      position.array[3 * corner + 1] = uv[2 * corner + 1];
-    }
-    coordinates.array.set(uv);
-    position.needsUpdate = coordinates.needsUpdate = true;
+    this.triangles.shape({ position: (corner) => [uv[2 * corner], uv[2 * corner + 1], 0], normals: null, coordinates: uv });
     this.material.uniforms.squares.value = squares;
     this.outline = outline;
     segments(this.lines, outline.segments);
@@ -101,10 +93,20 @@ export class AtlasView implements Atlas {
     this.stage.draw();
   }
 
+  showPins(...pins: [Float32Array, Float32Array]): void {
+    this.pins.forEach((lines, k) => segments(lines, pins[k]));
+    this.stage.drawFront();
+  }
+
+  /** The lowest first. */
+  private get allLines() {
+    return [this.frame, this.lines, ...this.pins];
+  }
+
   theme(isDark: boolean): void {
     this.lines.material.color.set(INK[Number(isDark)]);
     this.frame.material.color.set(FRAME[Number(isDark)]);
-    this.stage.draw();
+    this.stage.drawFront();
   }
 
   under(event: { clientX: number; clientY: number }): [number, number] {
@@ -126,7 +128,7 @@ export class AtlasView implements Atlas {
       }
       this.discs = new InstancedMesh(new CircleGeometry(1, 24), new MeshBasicMaterial({ depthTest: false }), Math.max(256, 2 * cones.length));
       this.discs.frustumCulled = false;
-      this.discs.renderOrder = 4;
+      this.discs.renderOrder = 8;
       this.stage.scene.add(this.discs);
     }
     cones.forEach(({ cone }, k) => this.discs!.setColorAt(k, new Color(coneColour(cone.curvature))));
@@ -150,7 +152,7 @@ export class AtlasView implements Atlas {
     const half = 0.54 * Math.max(this.extent[1], (this.extent[0] * height) / width);
     [camera.top, camera.bottom, camera.right, camera.left] = [half, -half, (half * width) / height, (-half * width) / height];
     camera.updateProjectionMatrix();
-    for (const lines of [this.lines, this.frame]) lines.material.resolution.set(width, height);
+    for (const lines of this.allLines) lines.material.resolution.set(width, height);
     this.placeDiscs();
   }
 

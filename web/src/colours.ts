@@ -84,8 +84,8 @@ export function cornerColours(mode: Mode, surface: Surface, map: UvMap | null): 
   const of = (corner: number): Colour => {
     const t = Math.floor(corner / 3);
     if (mode === "islands" && map) return ISLANDS[map.island[t] % ISLANDS.length];
-    if (!found || !table || (!map && mode !== "factor")) return PLAIN;
-    const value = mode === "factor" ? factor[triangles[corner]] : mode === "area" ? map!.logArea[t] : map!.stretch[t];
+    if (!found || !table || (!map?.measured && mode !== "factor")) return PLAIN;
+    const value = mode === "factor" ? factor[triangles[corner]] : mode === "area" ? map!.measured!.logArea[t] : map!.measured!.stretch[t];
     return table[Math.round(255 * Math.min(Math.max(found.place(value) || 0, 0), 1))];
   };
   for (let corner = 0; corner < triangles.length; corner++) {

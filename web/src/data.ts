@@ -56,15 +56,6 @@ export interface MapMeta {
   cones: { vertex: number; curvature: number }[];
   method: string;
   angles: string;
-  distortion: {
-    area_mean: number;
-    quasi_conformal: { mean: number; p99: number; max: number };
-    flipped: number;
-    overlap_pairs: number;
-    seam_length: number;
-    curvature_error: number;
-  };
-  islands: number;
   tiles: number;
   fill: number;
   number: { target: number; chosen: number; curve?: unknown } | null;
@@ -72,13 +63,30 @@ export interface MapMeta {
   warnings: string[];
 }
 
+/** What a map is like, which is found after it. */
+export interface Measured {
+  meta: {
+    distortion: {
+      area_mean: number;
+      quasi_conformal: { mean: number; p99: number; max: number };
+      flipped: number;
+      overlap_pairs: number;
+      seam_length: number;
+      curvature_error: number;
+    };
+    islands: number;
+  };
+  logArea: Float32Array;
+  stretch: Float32Array;
+}
+
 export interface UvMap {
   meta: MapMeta;
+  /** None while it is being measured. */
+  measured: Measured | null;
   cones: Cone[];
   /** Two coordinates for each of three corners of each triangle. */
   uv: Float32Array;
-  logArea: Float32Array;
-  stretch: Float32Array;
   island: Uint32Array;
   seams: Uint32Array[];
 }

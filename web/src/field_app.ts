@@ -190,7 +190,7 @@ export class FieldApp {
     const ids = Array.from({ length: this.count() }, (_, k) => k);
     this.picture?.show(this.layer, colour, ids.map((k) => ({ vertex: direction.pairs[k].extremum, colour: direction.kind === "minimum" ? "#1f5fd0" : "#d62728", isSelected: k === this.selected })));
     if (this.view) {
-      this.view.colour(atCorners(field.triangles!, field.values.length, colour), false);
+      this.view.colour("tint", atCorners(field.triangles!, field.values.length, colour));
       const sign = direction.kind === "minimum" ? 1 : -1;
       this.view.showCones(ids.map((k) => ({ vertex: direction.pairs[k].extremum, curvature: sign })), this.selected);
     }

@@ -200,6 +200,10 @@ export function vertexOf(surface: Surface, { triangle, weights }: Place): number
   return surface.triangles[3 * triangle + most];
 }
 
+/** Edges that are cut by hand, and edges that are never cut. */
+export const CUT = 0xf0a010;
+export const SPARED = 0x18a070;
+
 export function coneColour(curvature: number): number {
   return curvature < 0 ? 0xd62728 : 0x1f5fd0;
 }

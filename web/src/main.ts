@@ -9,7 +9,7 @@ import { FieldApp } from "./field_app";
 import * as geometry from "./geometry";
 import type { Place } from "./geometry";
 import { History } from "./history";
-import { outline } from "./outline";
+import { type Outline, onMap, outline } from "./outline";
 import * as page from "./page";
 import { byId } from "./page";
 import * as pins from "./pins";
@@ -27,9 +27,11 @@ const TOOLS = [["edit", "cones"], ["cut", "cut"], ["avoid", "avoid"]] as const;
 const KEYS: Record<string, "cones" | pins.Pin> = { e: "cones", c: "cut", n: "avoid" };
 const HINTS = {
   cones: "click adds a cone, drag moves one",
-  cut: "click where the cut goes on",
-  avoid: "click along what stays whole",
+  cut: "click where the cut goes on, or twice on a seam",
+  avoid: "click along what stays whole, or twice on a seam",
 };
+/** A vertex on a seam of the map is taken hold of within so many pixels. */
+const REACH = 9;
 
 class App {
   private readonly corners: geometry.Corners;
@@ -51,6 +53,7 @@ class App {
   private mapOf = "";
   private readonly asked = new Set<string>();
   private grid: geometry.MapGrid | null = null;
+  private drawn: Outline | null = null;
   private mode: Mode = "checker";
   private isDark = false;
   /** What a click on the surface does. */
@@ -71,7 +74,7 @@ class App {
     const isDrawn = hasWebGl();
     this.view = isDrawn ? new SurfaceView(byId("surface"), canvasOf("surface"), surface) : null;
     this.atlas = isDrawn
-      ? new AtlasView(byId("atlas"), canvasOf("atlas"), surface.triangles.length)
+      ? new AtlasView(byId("atlas"), canvasOf("atlas"), surface)
       : new AtlasCanvas(byId("atlas"), canvasOf("atlas"));
     if (!isDrawn) page.message(byId("surface"), "This browser has no WebGL, so the surface cannot be shown. The map and all numbers are here.");
     this.question = { ...surface.chosen, given: null, cut: [], avoid: [] };
@@ -150,7 +153,13 @@ class App {
       this.showCones();
       this.view?.showSeams(found.seams);
     });
-    const map = this.source.map(question, serial, signal).then((map) => isNewest() && this.takeMap(map, question));
+    const map = this.source.map(question, serial, signal).then(async (map) => {
+      if (!isNewest()) return;
+      this.takeMap(map, question);
+      if (map.measured) return;
+      const measured = await this.source.measured(question, serial, signal);
+      if (isNewest()) this.takeMeasures({ ...map, measured }, question);
+    });
     // Cones that cannot be had are told of by both.
     await Promise.all([preview?.catch((error) => this.source.isLive || fail(error)), map.catch(fail)]);
   }
@@ -169,11 +178,10 @@ class App {
 
   private takeMap(map: UvMap, question: Question): void {
     this.map = map;
-    const isNear = !this.source.isLive && question.n !== null && map.cones.length !== question.n;
+    const isNear = this.isNear(map, question);
     this.mapOf = JSON.stringify(question);
     if (!isNear) {
       this.cones = map.cones;
-      if (!question.given) this.measuredHere().set(map.cones.length, map.meta.distortion.area_mean);
       this.view?.showSeams(map.seams);
     }
     byId("atlas").classList.remove("stale");
@@ -181,17 +189,36 @@ class App {
     this.grid = new geometry.MapGrid(map.uv, extent);
     const squares = checkerSquares(map.uv);
     this.view?.coordinates(map.uv, squares);
-    this.atlas.show(map.uv, squares, outline(this.surface, this.corners, this.boundary, map), extent, this.isDark);
+    this.drawn = outline(this.surface, this.corners, this.boundary, map);
+    this.atlas.show(map.uv, squares, this.drawn, extent, this.isDark);
     const badge = byId("badge");
     badge.hidden = !isNear;
     badge.textContent = `the map with ${map.cones.length} cones`;
-    this.colour(this.mode);
+    // Colours of what is not measured yet come with the measures.
+    if (map.measured || this.mode === "checker" || this.mode === "islands") this.colour(this.mode);
     this.showControls();
     this.showCones();
     page.warnings([...new Set([...this.surface.warnings, ...map.meta.warnings])]);
-    page.status(isNear ? `no map is stored for ${question.n} cones` : "exact map");
+    if (map.measured) this.takeMeasures(map, question);
+    else page.status("measuring the map …", "busy");
     this.mark(this.pinned, this.pinned);
     document.body.dataset.maps = String(Number(document.body.dataset.maps ?? 0) + 1);
+  }
+
+  /** What the map is like. */
+  private takeMeasures(map: UvMap, question: Question): void {
+    this.map = map;
+    const isNear = this.isNear(map, question);
+    if (!isNear && !question.given) this.measuredHere().set(map.cones.length, map.measured!.meta.distortion.area_mean);
+    this.colour(this.mode);
+    this.showCurve();
+    if (this.marked) this.mark(this.marked === this.pinned ? null : this.marked);
+    page.status(isNear ? `no map is stored for ${question.n} cones` : "exact map");
+  }
+
+  /** Whether a map is that of another number of cones, for want of one. */
+  private isNear(map: UvMap, question: Question): boolean {
+    return !this.source.isLive && question.n !== null && map.cones.length !== question.n;
   }
 
   /** What is foreseen of the method's cones. */
@@ -270,6 +297,8 @@ class App {
     byId<HTMLSelectElement>("angles").value = angles;
     const { cut, avoid } = this.question;
     this.view?.showPins(cut, avoid);
+    const { map } = this;
+    if (map) this.atlas.showPins(onMap(this.surface, this.corners, map.uv, cut), onMap(this.surface, this.corners, map.uv, avoid));
     for (const id of ["unpin", "save-pins"]) byId<HTMLButtonElement>(id).disabled = !cut.length && !avoid.length;
     byId<HTMLButtonElement>("undo").disabled = !this.history.canUndo;
     byId<HTMLButtonElement>("redo").disabled = !this.history.canRedo;
@@ -278,11 +307,11 @@ class App {
   private colour(mode: Mode): void {
     this.mode = mode;
     this.pressMode(mode);
-    const isChecker = mode === "checker" && this.map !== null;
-    const tint = isChecker ? new Uint8Array() : cornerColours(mode, this.surface, this.map);
-    this.view?.colour(tint, isChecker);
-    this.atlas.colour(tint, isChecker);
-    page.legend(mode, scale(mode, this.surface), this.map?.meta.islands ?? null);
+    const paint = mode === "plain" || (mode === "checker" && !this.map) ? "plain" : mode === "checker" ? "checker" : "tint";
+    const tint = paint === "tint" ? cornerColours(mode, this.surface, this.map) : new Uint8Array();
+    this.view?.colour(paint, tint);
+    this.atlas.colour(paint, tint);
+    page.legend(mode, scale(mode, this.surface), this.map?.measured?.meta.islands ?? null);
   }
 
   private name(vertex: number): number {
@@ -321,7 +350,8 @@ class App {
     const parts = [`vertex ${this.name(vertex)}`];
     if (cone) parts.push(`cone of ${page.turns(cone.curvature)}`);
     parts.push(`φ ${phi.toFixed(3)}`);
-    if (map) parts.push(`area × ${Math.exp(map.logArea[triangle]).toPrecision(3)}`, `σ₁/σ₂ ${map.stretch[triangle].toFixed(3)}`, `island ${map.island[triangle] + 1}`);
+    if (map?.measured) parts.push(`area × ${Math.exp(map.measured.logArea[triangle]).toPrecision(3)}`, `σ₁/σ₂ ${map.measured.stretch[triangle].toFixed(3)}`);
+    if (map) parts.push(`island ${map.island[triangle] + 1}`);
     return parts.join("  ·  ");
   }
 
@@ -370,9 +400,12 @@ class App {
     canvas.addEventListener("pointerleave", () => this.mark(null));
     onClick(canvas, (event) => {
       const place = under(event);
+      const vertex = this.tool ? this.vertexOnMap(event, place) : null;
+      if (vertex !== null) return this.use(vertex);
       if (place) this.view?.face(place);
       this.mark(place, place);
     });
+    canvas.addEventListener("dblclick", (event) => this.pinSeam(this.vertexOnMap(event, null)));
     this.atlas.onDrawn = () => this.placeMarks();
   }
 
@@ -407,10 +440,35 @@ class App {
     onClick(canvas, (event) => {
       const place = view.under(event);
       if (!place || !this.tool) this.mark(place, place);
-      else if (this.tool !== "cones") this.pin(this.tool, geometry.vertexOf(this.surface, place));
-      else if (view.coneUnder(event, place) === null) this.add(this.name(geometry.vertexOf(this.surface, place)));
+      else if (this.tool !== "cones" || view.coneUnder(event, place) === null) this.use(geometry.vertexOf(this.surface, place));
+    });
+    canvas.addEventListener("dblclick", (event) => {
+      const place = view.under(event);
+      if (place) this.pinSeam(geometry.vertexOf(this.surface, place));
     });
     view.stage.onDrawn = () => this.placeMarks();
+  }
+
+  /** The vertex of the map under an event: one on a seam or a boundary that is near, else the nearest of the triangle there. */
+  private vertexOnMap(event: { clientX: number; clientY: number }, place: Place | null): number | null {
+    const { map, drawn, surface } = this;
+    if (!map || !drawn) return null;
+    const box = byId("atlas").getBoundingClientRect();
+    let [nearest, found]: [number, number | null] = [REACH, null];
+    for (const corner of drawn.corners) {
+      for (const c of [corner, geometry.follow(corner)]) {
+        const [x, y] = this.atlas.toScreen([map.uv[2 * c], map.uv[2 * c + 1]]);
+        const away = Math.hypot(x + box.left - event.clientX, y + box.top - event.clientY);
+        if (away < nearest) [nearest, found] = [away, surface.triangles[c]];
+      }
+    }
+    return found ?? (place && geometry.vertexOf(surface, place));
+  }
+
+  /** Does at a vertex what the tool is for. */
+  private use(vertex: number): void {
+    if (this.tool === "cones") this.add(this.name(vertex));
+    else if (this.tool) this.pin(this.tool, vertex);
   }
 
   private key(event: KeyboardEvent): void {
@@ -438,7 +496,7 @@ class App {
     this.chainEnd = null;
     for (const [id, one] of TOOLS) byId(id).setAttribute("aria-pressed", String(one === this.tool));
     page.status(this.tool ? HINTS[this.tool] : this.map ? "exact map" : "");
-    if (this.view) this.view.stage.canvas.style.cursor = this.tool ? "crosshair" : "";
+    for (const canvas of document.querySelectorAll("canvas")) canvas.style.cursor = this.tool ? "crosshair" : "";
   }
 
   private select(k: number): void {
@@ -481,6 +539,14 @@ class App {
     const way = pins.chain(this.surface, this.corners, from, vertex);
     if (way) this.choose(pins.pinned(this.question, pin, way));
     else page.status("no edges lead there: it is another part", "failed");
+  }
+
+  /** Pins the seam of the map that a vertex is on, from end to end. */
+  private pinSeam(vertex: number | null): void {
+    const seam = vertex === null ? undefined : this.map?.seams.find((chain) => chain.includes(vertex));
+    if (!seam || !this.tool || this.tool === "cones") return;
+    this.chainEnd = null;
+    this.choose(pins.pinned(this.question, this.tool, Array.from(seam)));
   }
 
   private savePins(): void {

@@ -1,7 +1,7 @@
 // The material of both views: a colour a corner, or a checkerboard by texture coordinates, lit from the eye.
 
 import { DoubleSide, ShaderMaterial } from "three";
-import { CHECKER } from "./colours";
+import { CHECKER, PLAIN } from "./colours";
 
 const VERTEX = `
 attribute vec2 coordinates;
@@ -18,6 +18,8 @@ void main() {
 
 const FRAGMENT = `
 uniform bool isChecker;
+uniform bool isPlain;
+uniform vec3 plain;
 uniform bool isLit;
 uniform float squares;
 uniform vec3 even;
@@ -26,7 +28,7 @@ varying vec2 vCoordinates;
 varying vec3 vTint;
 varying vec3 vNormal;
 void main() {
-  vec3 colour = vTint;
+  vec3 colour = isPlain ? plain : vTint;
   if (isChecker) {
     vec2 at = vCoordinates * squares;
     vec2 width = max(fwidth(at), vec2(1e-5));
@@ -46,13 +48,15 @@ void main() {
 }`;
 
 export function meshMaterial(isLit: boolean): ShaderMaterial {
-  const [even, odd] = CHECKER.map((colour) => colour.map((x) => x / 255));
+  const [even, odd, plain] = [...CHECKER, PLAIN].map((colour) => colour.map((x) => x / 255));
   return new ShaderMaterial({
     vertexShader: VERTEX,
     fragmentShader: FRAGMENT,
     side: DoubleSide,
     uniforms: {
       isChecker: { value: false },
+      isPlain: { value: true },
+      plain: { value: plain },
       isLit: { value: isLit },
       squares: { value: 32 },
       even: { value: even },

@@ -63,8 +63,9 @@ export function legend(mode: Mode, scale: Scale | null, islands: number | null):
 
 export function numbers(map: UvMap | null, predicted: number | null): void {
   const rows: [string, string][] = [["Area distortion, predicted", predicted === null ? "–" : predicted.toFixed(3)]];
-  if (map) {
-    const { distortion, islands, fill, tiles, times } = map.meta;
+  if (map?.measured) {
+    const { fill, tiles, times } = map.meta;
+    const { distortion, islands } = map.measured.meta;
     const seconds = Object.values(times).reduce<number>((sum, time) => sum + (time ?? 0), 0);
     rows.push(
       ["Area distortion, measured", distortion.area_mean.toFixed(3)],

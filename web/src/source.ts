@@ -1,6 +1,6 @@
 // Where surfaces, cones and maps come from: the server of `cones view`, or the file that the page is.
 
-import { type Cone, Container, type Foreseen, pieces, type Preview, type Question, type Surface, type UvMap } from "./data";
+import { type Cone, Container, type Foreseen, type Measured, pieces, type Preview, type Question, type Surface, type UvMap } from "./data";
 import * as packed from "./packed";
 
 export interface Source {
@@ -10,6 +10,8 @@ export interface Source {
   foreseen(method: string, angles: string): Promise<Foreseen>;
   preview(question: Question, serial: number, signal: AbortSignal): Promise<Preview>;
   map(question: Question, serial: number, signal: AbortSignal): Promise<UvMap>;
+  /** What the map of a question is like, which that one did not say. */
+  measured(question: Question, serial: number, signal: AbortSignal): Promise<Measured>;
   save(kind: "obj" | "glb" | "cones", question: Question, serial: number): Promise<Blob>;
 }
 
@@ -52,13 +54,17 @@ class Live implements Source {
     const data = new Container(await (await this.ask("map", { ...question, serial }, signal)).arrayBuffer());
     return {
       meta: data.meta,
+      measured: null,
       cones: data.meta.cones,
       uv: data.floats("uv"),
-      logArea: data.floats("log_area"),
-      stretch: data.floats("stretch"),
       island: data.words("island"),
       seams: pieces(data.words("seams"), data.words("seam_lengths")),
     };
+  }
+
+  async measured(question: Question, serial: number, signal: AbortSignal): Promise<Measured> {
+    const data = new Container(await (await this.ask("measured", { ...question, serial }, signal)).arrayBuffer());
+    return { meta: data.meta, logArea: data.floats("log_area"), stretch: data.floats("stretch") };
   }
 
   async save(kind: string, question: Question, serial: number): Promise<Blob> {
@@ -79,7 +85,7 @@ class Live implements Source {
 
 /** What a report has of one number of cones. */
 interface Level {
-  meta: { n: number; cones: Cone[]; predicted: number | null; map: UvMap["meta"] | null };
+  meta: { n: number; cones: Cone[]; predicted: number | null; map: UvMap["meta"] | null; measured?: Measured["meta"] };
   range: { low: number[]; step: number } | null;
 }
 
@@ -129,13 +135,20 @@ class Stored implements Source {
     const bytes = (name: string) => this.data.bytes(`${name}.${at}`);
     return {
       meta: meta.map!,
+      measured: {
+        meta: meta.measured!,
+        logArea: packed.logarithms(bytes("log_area"), this.data.meta.most_log_area),
+        stretch: packed.logarithms(bytes("stretch"), this.data.meta.most_log_stretch).map(Math.exp),
+      },
       cones: this.cones(meta.cones),
       uv: packed.coordinates(bytes("uv"), bytes("others"), this.from, this.corners, range!),
-      logArea: packed.logarithms(bytes("log_area"), this.data.meta.most_log_area),
-      stretch: packed.logarithms(bytes("stretch"), this.data.meta.most_log_stretch).map(Math.exp),
       island: packed.sequence(bytes("island"), this.corners.length / 3),
       seams: packed.chains(bytes("seams")),
     };
+  }
+
+  measured(): Promise<Measured> {
+    throw new Error("a report's maps are measured");
   }
 
   save(): Promise<Blob> {

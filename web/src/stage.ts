@@ -2,9 +2,12 @@
 
 import { type Camera, MOUSE, Scene, TOUCH, Vector3, WebGLRenderer } from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
+import { Backdrop } from "./backdrop";
 
 export class Stage<C extends Camera> {
+  /** What is drawn each time, and behind that what is kept. */
   readonly scene = new Scene();
+  readonly backdrop = new Backdrop();
   readonly controls: OrbitControls;
   width = 1;
   height = 1;
@@ -16,6 +19,7 @@ export class Stage<C extends Camera> {
   private isAsked = false;
 
   constructor(readonly element: HTMLElement, readonly canvas: HTMLCanvasElement, readonly camera: C, turns: boolean) {
+    this.scene.add(this.backdrop.picture);
     this.renderer = new WebGLRenderer({ canvas, antialias: true, alpha: true });
     this.renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
     this.controls = new OrbitControls(camera, canvas);
@@ -31,12 +35,19 @@ export class Stage<C extends Camera> {
     this.resize();
   }
 
-  /** Asks for a picture. */
+  /** Asks for a picture, in which everything may have changed. */
   draw(): void {
+    this.backdrop.change();
+    this.drawFront();
+  }
+
+  /** Asks for a picture with the same backdrop. */
+  drawFront(): void {
     if (this.isAsked) return;
     this.isAsked = true;
     requestAnimationFrame(() => {
       this.isAsked = false;
+      this.backdrop.update(this.renderer, this.camera);
       this.renderer.render(this.scene, this.camera);
       this.onDrawn();
     });

@@ -1,27 +1,26 @@
 // The surface in space, with cones as spheres and seams as tubes.
 
 import {
-  BufferAttribute, BufferGeometry, Color, CylinderGeometry, InstancedMesh, Matrix4, Mesh, MeshBasicMaterial, MeshLambertMaterial,
-  HemisphereLight, PerspectiveCamera, Quaternion, SphereGeometry, Spherical, Vector3,
+  type BufferGeometry, Color, CylinderGeometry, HemisphereLight, InstancedMesh, Matrix4, MeshBasicMaterial, MeshLambertMaterial, PerspectiveCamera, Quaternion, SphereGeometry, Spherical, Vector3,
 } from "three";
 import type { Cone, Edge, Surface } from "./data";
-import { type Place, type Vec3, coneColour, cornerNormals, hitSurface, pointOf } from "./geometry";
+import { CUT, type Place, SPARED, type Vec3, coneColour, cornerNormals, hitSurface, pointOf } from "./geometry";
+import { type Paint, TriangleMesh } from "./mesh_geometry";
 import { meshMaterial } from "./mesh_material";
 import { Stage } from "./stage";
 
 const CONE = 0.013;
 const TUBE = 0.0028;
-/** Pins are thicker than seams, in the colours of their buttons. */
+/** Pins are thicker than seams. */
 const PIN = 0.0045;
-const CUT = 0xf0a010;
-const SPARED = 0x18a070;
 /** A cone is taken hold of within so many pixels. */
 const REACH = 14;
 
 export class SurfaceView {
   readonly stage: Stage<PerspectiveCamera>;
   private readonly material = meshMaterial(true);
-  private readonly geometry = new BufferGeometry();
+  private readonly triangles: TriangleMesh;
+  private readonly normals: Float32Array;
   private readonly up: Vector3;
   private radius = 1;
   private spheres: InstancedMesh | null = null;
@@ -32,21 +31,16 @@ export class SurfaceView {
 
   constructor(element: HTMLElement, canvas: HTMLCanvasElement, private readonly surface: Surface) {
     this.stage = new Stage(element, canvas, new PerspectiveCamera(32, 1, 0.01, 50), true);
-    const { points, triangles } = surface;
-    const position = new Float32Array(3 * triangles.length);
-    for (let k = 0; k < position.length; k++) position[k] = points[3 * triangles[(k - (k % 3)) / 3] + (k % 3)];
-    this.geometry.setAttribute("position", new BufferAttribute(position, 3));
-    this.geometry.setAttribute("normal", new BufferAttribute(cornerNormals(surface), 3));
-    this.geometry.setAttribute("tint", new BufferAttribute(new Uint8Array(3 * triangles.length), 3, true));
-    this.geometry.setAttribute("coordinates", new BufferAttribute(new Float32Array(2 * triangles.length), 2));
-    const mesh = new Mesh(this.geometry, this.material);
-    mesh.frustumCulled = false;
-    this.stage.scene.add(mesh, new HemisphereLight(0xffffff, 0x9aa0aa, 3));
+    this.triangles = new TriangleMesh(surface, this.material);
+    this.normals = cornerNormals(surface);
+    this.shape(null);
+    this.stage.backdrop.scene.add(this.triangles.mesh);
+    this.stage.scene.add(new HemisphereLight(0xffffff, 0x9aa0aa, 3));
     const size = [0, 1, 2].map((i) => {
       let [low, high] = [Infinity, -Infinity];
-      for (let k = i; k < position.length; k += 3) {
-        low = Math.min(low, position[k]);
-        high = Math.max(high, position[k]);
+      for (const v of surface.triangles) {
+        low = Math.min(low, surface.points[3 * v + i]);
+        high = Math.max(high, surface.points[3 * v + i]);
       }
       return high - low;
     });
@@ -78,17 +72,23 @@ export class SurfaceView {
     this.stage.draw();
   }
 
-  colour(tint: Uint8Array, isChecker: boolean): void {
-    if (!isChecker) this.replace("tint", tint);
-    this.material.uniforms.isChecker.value = isChecker;
+  /** Paints the surface; a tint has three bytes for each corner. */
+  colour(paint: Paint, tint: Uint8Array): void {
+    this.triangles.paint(paint, tint);
     this.stage.draw();
   }
 
   /** The map's coordinates, for the checkerboard. */
   coordinates(uv: Float32Array, squares: number): void {
-    this.replace("coordinates", uv);
+    this.shape(uv);
     this.material.uniforms.squares.value = squares;
     this.stage.draw();
+  }
+
+  private shape(coordinates: Float32Array | null): void {
+    const { points, triangles } = this.surface;
+    const position = (corner: number) => points.subarray(3 * triangles[corner], 3 * triangles[corner] + 3);
+    this.triangles.shape({ position, normals: this.normals, coordinates });
   }
 
   showCones(cones: Cone[], selected: number | null): void {
@@ -166,8 +166,7 @@ export class SurfaceView {
   /** Turns until a place is in front. */
   face(place: Place): void {
     const { camera, controls } = this.stage;
-    const normals = this.geometry.getAttribute("normal");
-    const normal = new Vector3().fromBufferAttribute(normals as BufferAttribute, 3 * place.triangle);
+    const normal = new Vector3().fromArray(this.normals, 9 * place.triangle);
     const direction = camera.position.clone().sub(controls.target);
     if (normal.dot(direction.clone().normalize()) > 0.3) return;
     const target = normal.multiplyScalar(direction.length());
@@ -197,12 +196,6 @@ export class SurfaceView {
     return new Vector3().fromArray(this.surface.points, 3 * vertex);
   }
 
-  private replace(name: string, values: Uint8Array | Float32Array): void {
-    const attribute = this.geometry.getAttribute(name) as BufferAttribute;
-    attribute.array.set(values);
-    attribute.needsUpdate = true;
-  }
-
   /** As many instances as are needed, twice that so that it is seldom made anew. */
   private room(old: InstancedMesh | null, geometry: BufferGeometry, material: MeshLambertMaterial | MeshBasicMaterial, count: number) {
     if (old) {
@@ -221,7 +214,7 @@ export class SurfaceView {
     mesh.count = count;
     mesh.instanceMatrix.needsUpdate = true;
     if (mesh.instanceColor) mesh.instanceColor.needsUpdate = true;
-    this.stage.draw();
+    this.stage.drawFront();
   }
 
   private resize(): void {

@@ -32,9 +32,10 @@ async function open(browser, url, how = {}) {
 const maps = (page) => page.evaluate(() => Number(document.body.dataset.maps ?? 0));
 const state = (page) => page.textContent("#state");
 
-/** Waits for the first map of a page. */
+/** Waits for the first map of a page, and for what it is like. */
 async function firstMap(page) {
   await page.waitForFunction(() => Number(document.body.dataset.maps ?? 0) > 0, null, { timeout: 60_000 });
+  await page.waitForFunction(() => !document.querySelector("#state").classList.contains("busy"), null, { timeout: 60_000 });
 }
 
 /** Does something and waits for the exact map of it. */
@@ -72,20 +73,26 @@ function writeFields(folder) {
   writeFileSync(join(folder, "series.txt"), Array.from({ length: 200 }, (_, x) => bump(x, x, 0).toFixed(4)).join("\n"));
 }
 
-/** The edges of the seams of a map as the server sends it, each by its vertices, the lower first. */
-function seamEdges(body) {
+/** The arrays of what the server sends, by name. */
+function arrays(body) {
   const length = body.readUInt32LE(0);
   const { arrays } = JSON.parse(body.subarray(4, 4 + length));
-  const words = (name) => Array.from({ length: arrays[name].length }, (_, k) => body.readUInt32LE(4 + length + arrays[name].at + 4 * k));
-  const [all, lengths] = [words("seams"), words("seam_lengths")];
-  const edges = new Set();
-  let at = 0;
-  for (const count of lengths) {
-    for (let k = at + 1; k < at + count; k++) edges.add([Math.min(all[k - 1], all[k]), Math.max(all[k - 1], all[k])].join());
-    at += count;
-  }
-  return edges;
+  const read = { u32: (at) => body.readUInt32LE(at), f32: (at) => body.readFloatLE(at) };
+  return (name) => Array.from({ length: arrays[name].length }, (_, k) => read[arrays[name].type](4 + length + arrays[name].at + 4 * k));
 }
+
+/** The seams of a map as the server sends it: chains of vertices. */
+function seams(body) {
+  const [all, lengths] = ["seams", "seam_lengths"].map(arrays(body));
+  let at = 0;
+  return lengths.map((length) => all.slice(at, (at += length)));
+}
+
+const edge = (a, b) => [Math.min(a, b), Math.max(a, b)].join();
+const edgesOf = (chain) => chain.slice(1).map((v, k) => edge(chain[k], v));
+
+/** The edges of the seams of a map as the server sends it, each by its vertices, the lower first. */
+const seamEdges = (body) => new Set(seams(body).flatMap(edgesOf));
 
 async function picture(page, name) {
   if (!pictures) return;
@@ -153,7 +160,7 @@ const comparable = areComparable(browser.version());
 try {
   const page = await open(browser, url, { colorScheme: "light" });
   await test("the map is there after loading", async () => {
-    await page.waitForFunction(() => Number(document.body.dataset.maps) >= 1, null, { timeout: 60_000 });
+    await firstMap(page);
     await page.waitForSelector("#curve polyline[points*=' ']", { timeout: 60_000 });
     assert.equal(await page.inputValue("#count"), "8");
     assert.equal(await page.locator("#cones li").count(), 8);
@@ -276,6 +283,35 @@ try {
     for (let k = 0; k < 3; k++) await afterMap(page, () => page.click("#undo"));
     assert.equal(await pins(), false);
     await page.click("#avoid");
+  });
+  await test("seams are pinned on the map as on the surface, one from end to end by a double click", async () => {
+    const asked = async (act) => {
+      const [request] = await Promise.all([page.waitForRequest((request) => request.url().endsWith("/map")), afterMap(page, act)]);
+      return request.postDataJSON();
+    };
+    const box = await page.locator("#atlas canvas").boundingBox();
+    const at = (x, y) => page.mouse.click(box.x + x * box.width, box.y + y * box.height);
+    await page.click("#cut");
+    await at(0.48, 0.5);
+    const { cut } = await asked(() => at(0.54, 0.45));
+    assert.ok(cut.length > 1, "clicks on the map pin what lies between");
+    await page.click("#avoid");
+    const [response] = await Promise.all([page.waitForResponse((response) => response.url().endsWith("/map") && response.ok()), afterMap(page, () => page.locator("#slider").press("ArrowRight"))]);
+    const body = await response.body();
+    // The middle of the longest seam that is not pinned, where the map has it on the screen: the unit square fills the height but for a rim.
+    const pinned = new Set(cut.map(String));
+    const free = seams(body).filter((chain) => !edgesOf(chain).some((one) => pinned.has(one)));
+    const seam = free.reduce((longest, chain) => (chain.length > longest.length ? chain : longest));
+    const triangles = arrays(Buffer.from(await (await fetch(`${url}surface`)).arrayBuffer()))("triangles");
+    const corner = triangles.indexOf(seam[seam.length >> 1]);
+    const [u, v] = arrays(body)("uv").slice(2 * corner, 2 * corner + 2);
+    const unit = Math.min(box.width, box.height) / 1.08;
+    const [x, y] = [box.x + 0.5 * box.width + (u - 0.5) * unit, box.y + 0.5 * box.height - (v - 0.5) * unit];
+    const { avoid } = await asked(() => page.mouse.dblclick(x, y));
+    assert.deepEqual(avoid.map(String).sort(), edgesOf(seam).sort(), "a seam from end to end");
+    for (let k = 0; k < 3; k++) await afterMap(page, () => page.click("#undo"));
+    await page.click("#avoid");
+    assert.equal(await page.isDisabled("#unpin"), true);
   });
   await test("cones are saved and loaded, maps are saved", async () => {
     const save = async (button) => {

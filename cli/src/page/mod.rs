@@ -34,14 +34,19 @@ pub(crate) struct Surface {
 pub(crate) struct Map {
     /// In the unit square, or on tiles of that size.
     pub(crate) uv: Vec<[[f32; 2]; 3]>,
-    /// The log of the ratio of areas, 0 where they are kept.
-    pub(crate) log_area: Vec<f32>,
-    /// σ₁/σ₂.
-    pub(crate) stretch: Vec<f32>,
     /// The island.
     pub(crate) island: Vec<u32>,
     /// Chains of vertices.
     pub(crate) seams: Vec<Vec<u32>>,
+}
+
+/// What a map does to each triangle.
+#[derive(Clone, Debug)]
+pub(crate) struct Stretches {
+    /// The log of the ratio of areas, 0 where they are kept.
+    pub(crate) log_area: Vec<f32>,
+    /// σ₁/σ₂.
+    pub(crate) stretch: Vec<f32>,
 }
 
 impl Surface {
@@ -60,10 +65,15 @@ impl Map {
         let lengths: Vec<u32> = self.seams.iter().map(|seam| seam.len() as u32).collect();
         Container::new(meta)
             .floats("uv", self.uv.as_flattened().as_flattened())
-            .floats("log_area", &self.log_area)
-            .floats("stretch", &self.stretch)
             .words("island", &self.island)
             .words("seams", &self.seams.concat())
             .words("seam_lengths", &lengths)
+    }
+}
+
+impl Stretches {
+    /// As plain arrays.
+    pub(crate) fn container(&self, meta: serde_json::Value) -> Container {
+        Container::new(meta).floats("log_area", &self.log_area).floats("stretch", &self.stretch)
     }
 }

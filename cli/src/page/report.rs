@@ -4,7 +4,7 @@
 //! by its element's name. Names of arrays of the map of level k end in `.k`.
 
 use super::packed::{self, MOST_LOG_AREA, MOST_LOG_STRETCH, Numbering, Range};
-use super::{Container, Map, PAGE, Surface};
+use super::{Container, Map, PAGE, Stretches, Surface};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use flate2::Compression;
@@ -49,14 +49,14 @@ impl<'a> Report<'a> {
     }
 
     /// A map of the surface in few bytes.
-    pub(crate) fn pack(&self, map: &Map) -> LevelMap {
+    pub(crate) fn pack(&self, map: &Map, stretches: &Stretches) -> LevelMap {
         let (range, coordinates, others) = packed::coordinates(&self.numbering, &self.surface.triangles, &map.uv);
         LevelMap {
             range,
             coordinates,
             others,
-            log_area: packed::logarithms(map.log_area.iter().map(|&x| f64::from(x)), MOST_LOG_AREA),
-            stretch: packed::logarithms(map.stretch.iter().map(|&x| f64::from(x).ln()), MOST_LOG_STRETCH),
+            log_area: packed::logarithms(stretches.log_area.iter().map(|&x| f64::from(x)), MOST_LOG_AREA),
+            stretch: packed::logarithms(stretches.stretch.iter().map(|&x| f64::from(x).ln()), MOST_LOG_STRETCH),
             island: packed::sequence(map.island.iter().copied()),
         }
     }

@@ -134,5 +134,5 @@ pub(crate) fn repair_text(repair: &Repair) -> String {
     let element = if repair.kind.is_of_faces() { "face" } else { "vertex" };
     let remedy = if repair.kind == RepairKind::Unwelded { "; --weld joins them" } else { "" };
     let Repair { kind, count, first, .. } = repair;
-    format!("{count} {} (first {element} {first}, counted from 0){remedy}", kind.description())
+    format!("{} (first {element} {first}, counted from 0){remedy}", kind.counted(*count))
 }

@@ -109,7 +109,10 @@ fn the_page_the_surface_cones_maps_and_files_are_served() {
     assert!(!cones["seams"].as_array().unwrap().is_empty());
     let map = viewer.post("map", r#"{"tab":"a","serial":1,"n":6}"#);
     assert_eq!(map.status, 200);
-    assert!(String::from_utf8_lossy(&map.body).contains("quasi_conformal"));
+    assert!(String::from_utf8_lossy(&map.body).contains("seam_lengths"));
+    let measured = viewer.post("measured", r#"{"tab":"a","serial":1,"n":6}"#);
+    assert_eq!(measured.status, 200);
+    assert!(String::from_utf8_lossy(&measured.body).contains("quasi_conformal"));
     let saved = |kind: &str| viewer.post(&format!("save/{kind}"), r#"{"tab":"a","serial":2,"n":6}"#).body;
     assert!(String::from_utf8(saved("obj")).expect("it is text").contains("\nvt "));
     assert!(saved("glb").starts_with(b"glTF"));

@@ -23,6 +23,7 @@ use std::path::Path;
 use super::colour::to_srgb;
 use super::error::{Fault, Place};
 use super::joined::Joined;
+use super::write_glb::GENERATOR;
 use crate::surface::{Attribute, Attributes, Domain, Meaning, Model, Polygons, Scalar, Skipped, TextureCoordinates};
 use accessor::{Accessor, Buffers};
 use container::Container;
@@ -298,13 +299,15 @@ fn material_names(document: &Document) -> Vec<String> {
 /// What is passed over, each once.
 fn left(document: &Document, seen: &[&str]) -> Vec<String> {
     let has_skin = document.nodes.iter().any(|node| node.skin.is_some());
+    // What we put on a map to look at it is no loss: who writes another GLB puts it there again.
+    let is_ours = document.asset.generator.as_deref() == Some(GENERATOR);
     let kinds = [
         ("tangents", false),
         ("morph targets", false),
         ("skins", has_skin),
         ("animations", !document.animations.is_empty()),
         ("cameras", !document.cameras.is_empty()),
-        ("textures", !document.images.is_empty()),
+        ("textures", !document.images.is_empty() && !is_ours),
     ];
     kinds.into_iter().filter(|(name, there)| *there || seen.contains(name)).map(|(name, _)| name.to_owned()).collect()
 }

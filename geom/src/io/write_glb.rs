@@ -21,7 +21,11 @@ use super::wedge::Wedges;
 use crate::surface::{Attribute, Domain, Meaning, Model, Triangles};
 use crate::vector::normal;
 
-/// Writes a model's triangles as `.glb`, with a texture coordinate for each corner and with these a PNG as the texture.
+/// The name that files of ours carry.
+pub(super) const GENERATOR: &str = "cones";
+
+/// Writes a model's triangles as `.glb`, with a texture coordinate for each corner and with these a PNG as the texture, for the map to be
+/// looked at: [`read_bytes`](super::read_bytes) passes over it without a word.
 ///
 /// # Errors
 /// When texture coordinates or triangles do not fit the model, when it is larger than 4 GB, or when writing fails.
@@ -291,7 +295,7 @@ fn document(
 ) -> Value {
     let Frame { centre, scale } = frame;
     let mut document = json!({
-        "asset": {"version": "2.0", "generator": "cones"},
+        "asset": {"version": "2.0", "generator": GENERATOR},
         "scene": 0,
         "scenes": [{"nodes": [0]}],
         "nodes": [{"mesh": 0, "translation": centre, "scale": [scale, scale, scale]}],

@@ -86,6 +86,27 @@ impl RepairKind {
         }
     }
 
+    /// The [description](Self::description) with how many there were, in the singular for one.
+    pub fn counted(self, count: usize) -> String {
+        if count != 1 {
+            return format!("{count} {}", self.description());
+        }
+        let one = match self {
+            Self::RepeatedVertex => "face that uses a vertex twice, left out",
+            Self::DuplicateFace => "copy of a face, left out",
+            Self::IsolatedVertex => "isolated vertex, left out",
+            Self::FlippedFace => "face oriented against its neighbours, turned",
+            Self::NonManifoldEdge => "edge with more than two faces, opened",
+            Self::NonManifoldVertex => "vertex with several fans of faces, opened",
+            Self::NonOrientableEdge => "edge where the surface cannot be oriented, opened",
+            Self::ZeroArea => "triangle without area, computed with slightly lengthened edges",
+            Self::ComponentWithoutArea => "part without any area, left out",
+            Self::Unwelded => "boundary vertex at the place of another one, not welded",
+            Self::Welded => "vertex at the place of another one, welded",
+        };
+        format!("1 {one}")
+    }
+
     /// Whether [`Repair::first`] counts faces (otherwise vertices).
     pub fn is_of_faces(self) -> bool {
         matches!(

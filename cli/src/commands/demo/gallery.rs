@@ -10,9 +10,12 @@ pub(crate) const NAME: &str = "index.html";
 /// The page begins with it, which tells a demo's folder from others.
 const MARK: &str = "<!doctype html><!-- cones demo -->\n";
 
-const STYLE: &str = "body{font:16px/1.5 system-ui,sans-serif;margin:2rem auto;max-width:1100px;color:#1d212b}\
+/// One column on a phone, light or dark as the system is.
+const STYLE: &str = ":root{color-scheme:light dark}\
+body{font:16px/1.5 system-ui,sans-serif;margin:2rem auto;padding:0 1rem;max-width:1100px}\
 section{display:grid;grid-template-columns:3fr 2fr;gap:1rem;align-items:center;margin:3rem 0}\
-h2{grid-column:1/3;margin:0}img{width:100%}";
+h2,p{grid-column:1/-1;margin:0}img{width:100%;border-radius:.4rem}\
+@media(max-width:700px){section{grid-template-columns:1fr}}";
 
 /// A page that shows the model and the layout of each shape.
 pub(crate) fn text(shapes: &[&str]) -> String {
@@ -24,7 +27,7 @@ pub(crate) fn text(shapes: &[&str]) -> String {
     };
     let sections: String = shapes.iter().map(section).collect();
     format!(
-        "{MARK}<meta charset=\"utf-8\"><title>cones demo</title><style>{STYLE}</style>\n<h1>Unwrapped by cones</h1>\n\
+        "{MARK}<meta charset=\"utf-8\"><meta name=\"viewport\" content=\"width=device-width,initial-scale=1\"><title>cones demo</title><style>{STYLE}</style>\n<h1>Unwrapped by cones</h1>\n\
          <p>Blue: cones of positive curvature; red: of negative. Dark lines: seams. Layouts: packed into the square of their texture.</p>\n{sections}"
     )
 }

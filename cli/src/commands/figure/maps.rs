@@ -60,8 +60,8 @@ impl<'a> Surface<'a> {
             Flattening::Exact => {
                 let shown = subject.map(analysis, &options)?;
                 let atlas = &shown.atlas;
-                let scene = subject.scene_of(&shown);
-                Ok(Map { cones: atlas.cones.len(), scene, quality: shown.quality, factor })
+                let (scene, quality) = (subject.scene_of(&shown), subject.measure(&shown.uv, &atlas.cones)?);
+                Ok(Map { cones: atlas.cones.len(), scene, quality, factor })
             }
             Flattening::By(baseline) => {
                 let cones = analysis.choose(&options).map_err(failed)?;

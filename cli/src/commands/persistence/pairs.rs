@@ -29,6 +29,8 @@ pub(crate) struct PairList {
     pub(crate) total: f64,
     /// How many essential classes there are.
     pub(crate) essential: usize,
+    /// What is no more persistent than this is not among the pairs.
+    pub(crate) floor: f64,
     /// How many finite pairs have no persistence.
     pub(crate) zero_pairs: usize,
 }
@@ -62,13 +64,16 @@ impl PairList {
         let essential = pairs.essential().count();
         let kept: Vec<Pair> = pairs.ranked().iter().filter(persists).map(tell).collect();
         let finite = || kept.iter().filter(|pair| pair.saddle.is_some());
+        let top = wanted.top.unwrap_or(usize::MAX);
+        let next = kept.iter().skip(top).find(|pair| pair.saddle.is_some());
         Self {
+            floor: next.map_or(least, |pair| pair.persistence.to_f64()),
             kind: pairs.kind(),
             count: finite().count(),
             total: finite().map(|pair| pair.persistence.to_f64()).sum(),
             essential,
             zero_pairs: pairs.zero_count(),
-            pairs: kept.into_iter().take(wanted.top.unwrap_or(usize::MAX)).collect(),
+            pairs: kept.into_iter().take(top).collect(),
         }
     }
 

@@ -86,7 +86,7 @@ fn direction(
 fn told<S: FieldScalar>(tree: &MergeTree<usize, S>, list: &PairList, vertices: usize) -> FieldDirection {
     let pairs = &list.pairs[..list.pairs.len().min(MOST_PAIRS)];
     let number: HashMap<usize, u32> = (0..).zip(pairs).map(|(k, pair)| (pair.extremum, k)).collect();
-    let thresholds = thresholds(pairs);
+    let thresholds = thresholds(pairs, list.floor);
     let finest = tree.segmentation(S::threshold(thresholds.last().copied().unwrap_or(0.0)));
     let (mut levels, mut survivors) = (Vec::new(), Vec::new());
     for threshold in thresholds {
@@ -116,13 +116,13 @@ fn told<S: FieldScalar>(tree: &MergeTree<usize, S>, list: &PairList, vertices: u
     FieldDirection { meta, basins: (0..vertices).map(basin).collect(), survivors }
 }
 
-/// For each level the persistence that its extrema are above, rising in their number.
-fn thresholds(pairs: &[Pair]) -> Vec<f64> {
+/// For each level the persistence that its extrema are above, rising in their number; the last is `floor`.
+fn thresholds(pairs: &[Pair], floor: f64) -> Vec<f64> {
     let mut found: Vec<f64> = Vec::new();
     for count in (1..=EACH).chain(MORE) {
         let next = pairs.get(count).filter(|pair| pair.saddle.is_some()).map(|pair| pair.persistence.to_f64());
         let is_last = count >= pairs.len();
-        let threshold = if is_last { Some(0.0) } else { next };
+        let threshold = if is_last { Some(floor) } else { next };
         // As persistent as those before, or a class that never ends: there is no level between.
         if let Some(threshold) = threshold.filter(|threshold| found.last().is_none_or(|last| threshold < last)) {
             found.push(threshold);
@@ -131,7 +131,7 @@ fn thresholds(pairs: &[Pair]) -> Vec<f64> {
             break;
         }
     }
-    if found.is_empty() { vec![0.0] } else { found }
+    if found.is_empty() { vec![floor] } else { found }
 }
 
 #[cfg(test)]
@@ -180,6 +180,23 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn where_few_pairs_are_wanted_no_level_has_more() {
+        let subject = bumps(24, 31);
+        let numbers = |top, min_persistence| {
+            let wanted = Wanted { options: PersistenceOptions::new(), min_persistence, top };
+            let list = PairList::new(&subject, Kind::Maximum, &wanted).unwrap();
+            let shown = direction(&subject, &list, wanted.options).unwrap();
+            let levels = shown.meta["levels"].as_array().unwrap().clone();
+            levels.iter().map(|level| level["n"].as_u64().unwrap()).collect::<Vec<_>>()
+        };
+        assert_eq!(numbers(Some(3), 0.0), [1, 2, 3]);
+        assert_eq!(numbers(Some(1), 0.0), [1]);
+        let all = numbers(None, 0.0);
+        let some = numbers(None, 0.5);
+        assert!(some.len() > 3 && some.len() < all.len() && all.starts_with(&some), "{some:?} {all:?}");
     }
 
     #[test]

@@ -54,13 +54,15 @@ pub(crate) fn html(path: &Path, unwrapped: &Unwrapped, progress: &Progress) -> R
 fn stored_level(subject: &Subject, report: &Report, options: &Options, n: usize) -> Result<Level, CommandError> {
     let shown = subject.map(&subject.analysis, options)?;
     let map = subject.drawn(&shown);
+    let quality = subject.measure(&shown.uv, &shown.atlas.cones)?;
     let meta = json!({
         "n": n,
         "cones": places(shown.atlas.cones.iter()),
         "predicted": null,
         "map": subject.map_meta(&shown, options),
+        "measured": Subject::measured_meta(&quality),
     });
-    Ok(Level { meta, map: Some(report.pack(&map)), seams: map.seams })
+    Ok(Level { meta, map: Some(report.pack(&map, &subject.stretches(&quality))), seams: map.seams })
 }
 
 /// Cones that are foreseen, with the seams that their map begins with; these are the shortest, and not yet straight.

@@ -34,7 +34,6 @@ pub(crate) struct Shown {
     pub(crate) atlas: Atlas,
     /// For each corner of the model, on tiles of unit size.
     pub(crate) uv: Vec<[f64; 2]>,
-    pub(crate) quality: Quality,
 }
 
 impl<'a> Subject<'a> {
@@ -127,15 +126,15 @@ impl<'a> Subject<'a> {
         Ok(Foreseen { extrema: order.extrema, levels })
     }
 
-    /// Unwraps it as far as the page shows it, with cones chosen or given by the options.
+    /// Unwraps it as far as the page shows it, with cones chosen or given by the options. What the map is like is
+    /// [measured](Self::measure) apart from that, which takes a sixth of the time.
     ///
     /// # Errors
-    /// As [`Analysis::atlas`], and if the map cannot be measured.
+    /// As [`Analysis::atlas`].
     pub(crate) fn map(&self, analysis: &Analysis, options: &Options) -> Result<Shown, CommandError> {
         let atlas = analysis.atlas(options).map_err(|error| CommandError::Unwrap { path: self.path.clone(), error })?;
         let uv = atlas.uv_in(UvSize::Unit);
-        let quality = self.measure(&uv, &atlas.cones)?;
-        Ok(Shown { atlas, uv, quality })
+        Ok(Shown { atlas, uv })
     }
 
     /// Measures texture coordinates at the corners of the model.
@@ -163,39 +162,48 @@ impl<'a> Subject<'a> {
 
     /// What is drawn of a map.
     pub(crate) fn drawn(&self, shown: &Shown) -> page::Map {
-        let Shown { atlas, uv, quality } = shown;
+        let Shown { atlas, uv } = shown;
         let narrow = |p: [f64; 2]| p.map(|x| x as f32);
+        let island = |&t: &u32| atlas.islands[t as usize].unwrap_or(0);
+        page::Map {
+            uv: self.corners.iter().map(|t| t.map(|c| narrow(uv[c as usize]))).collect(),
+            island: self.triangles.iter().map(island).collect(),
+            seams: atlas.seams.clone(),
+        }
+    }
+
+    /// What a map is coloured by.
+    pub(crate) fn stretches(&self, quality: &Quality) -> page::Stretches {
         let area = |t: &[u32; 3]| {
             let [a, b, c] = t.map(|v| self.model.points()[v as usize]);
             let [u, v] = [geom::vector::sub(b, a), geom::vector::sub(c, a)];
             geom::vector::length(geom::vector::cross(u, v))
         };
         let areas: Vec<f64> = self.vertices.iter().map(area).collect();
-        let island = |&t: &u32| atlas.islands[t as usize].unwrap_or(0);
-        page::Map {
-            uv: self.corners.iter().map(|t| t.map(|c| narrow(uv[c as usize]))).collect(),
+        page::Stretches {
             log_area: quality.log_areas(&areas).into_iter().map(|log| log as f32).collect(),
             stretch: quality.quasi_conformal.iter().map(|&stretch| stretch as f32).collect(),
-            island: self.triangles.iter().map(island).collect(),
-            seams: atlas.seams.clone(),
         }
     }
 
-    /// What the page says of a map.
+    /// What the page says of a map at once.
     pub(crate) fn map_meta(&self, shown: &Shown, options: &Options) -> Value {
-        let Shown { atlas, quality, .. } = shown;
+        let Shown { atlas, .. } = shown;
         json!({
             "cones": atlas.cones,
             "method": options.placement.name(),
             "angles": options.rule.name(),
-            "distortion": quality.distortion,
-            "islands": quality.islands.len(),
             "number": atlas.number,
             "tiles": atlas.tiles,
             "fill": atlas.fill,
             "times": Times::default().with(atlas.times),
             "warnings": sentences(&atlas.notes, self.analysis.topology().components),
         })
+    }
+
+    /// What the page says of a map when it is measured.
+    pub(crate) fn measured_meta(quality: &Quality) -> Value {
+        json!({ "distortion": quality.distortion, "islands": quality.islands.len() })
     }
 }
 

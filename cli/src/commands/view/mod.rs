@@ -4,6 +4,7 @@ mod browser;
 mod field;
 mod guard;
 mod http;
+mod maps;
 mod question;
 mod session;
 mod tabs;
@@ -70,7 +71,12 @@ pub(crate) fn run(args: &ViewArgs) -> Result<(), CommandError> {
     let chosen = Chosen::new(count(&options, &analysis).map_err(failed)?, options.placement, options.rule);
     let subject = Subject::new(input, &model, analysis, options);
     let session = Session::new(subject, &chosen, rayon::current_num_threads())?;
-    serve(args, &listener, &guard, |path, request| session.answer(path, request))
+    std::thread::scope(|scope| {
+        if let Some(begun) = session.begin(&chosen) {
+            scope.spawn(|| session.make(begun));
+        }
+        serve(args, &listener, &guard, |path, request| session.answer(path, request))
+    })
 }
 
 /// Says where the page is, opens it, and answers what it asks until the command is interrupted.

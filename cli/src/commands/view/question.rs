@@ -29,6 +29,11 @@ impl Question {
         serde_json::from_slice(body).map_err(|error| format!("the question is unclear: {error}"))
     }
 
+    /// What the page asks for first.
+    pub(super) fn of(n: Option<usize>, method: Placement, angles: CurvatureRule) -> Self {
+        Self { n, method: Some(method), angles: Some(angles), ..Self::default() }
+    }
+
     pub(super) fn placement(&self) -> Placement {
         self.method.unwrap_or_default()
     }

@@ -1,6 +1,7 @@
 //! What the page is told: the surface once, then cones and maps as it asks for them.
 
 use super::http::{Request, Response};
+use super::maps::{Begun, Maps};
 use super::question::Question;
 use super::tabs::Tabs;
 use crate::commands::shared::{Chosen, Shown, Subject};
@@ -12,13 +13,13 @@ use cones::{Analysis, Options, SeamOptions};
 use geom::io::{ObjContent, WriteError, write_glb, write_obj};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use serde_json::{Value, json};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::Arc;
 
 const HTML: &str = "text/html; charset=utf-8";
 const JSON: &str = "application/json";
 const BYTES: &str = "application/octet-stream";
 
-/// One surface on show. Everything but the newest map is found once, so that memory does not grow.
+/// One surface on show. Everything but maps is found once, and few maps are kept, so that memory does not grow.
 #[derive(Debug)]
 pub(super) struct Session<'a> {
     subject: Subject<'a>,
@@ -27,8 +28,7 @@ pub(super) struct Session<'a> {
     /// Threads for what must be there at once, and for maps: a map never holds up a preview.
     quick: ThreadPool,
     thorough: ThreadPool,
-    /// The newest map, which is what is saved.
-    newest: Mutex<Option<(Options, Arc<Shown>)>>,
+    maps: Maps,
 }
 
 /// An answer, or the refusal in its place.
@@ -44,14 +44,29 @@ impl<'a> Session<'a> {
         };
         let surface = subject.surface().container(subject.meta(chosen)).finish();
         let (quick, thorough) = (pool(1)?, pool(threads)?);
-        Ok(Self { subject, surface, tabs: Tabs::default(), quick, thorough, newest: Mutex::default() })
+        Ok(Self { subject, surface, tabs: Tabs::default(), quick, thorough, maps: Maps::default() })
+    }
+
+    /// Says that the map that the page asks for first is [made](Self::make) from now on.
+    pub(super) fn begin(&self, chosen: &Chosen) -> Option<Begun> {
+        let question = Question::of(chosen.n, self.subject.options.placement, self.subject.options.rule);
+        let options = question.options(&self.subject.options, self.subject.most()).ok()?;
+        Some(self.maps.begin(options))
+    }
+
+    /// Makes what was begun. Where it cannot be had nothing is said: the page will ask for it, and be told.
+    pub(super) fn make(&self, begun: Begun) {
+        let observed = begun.clone();
+        let analysis = self.subject.analysis.with_observer(move |_: cones::Progress| observed.goes_on());
+        let shown = self.thorough.install(|| self.subject.map(&analysis, begun.options()));
+        self.maps.end(begun, shown.ok().map(Arc::new));
     }
 
     /// Answers what is asked at a path below the page's.
     pub(super) fn answer(&self, path: &str, request: &Request) -> Response {
         let needed = match path {
             "" | "surface" => "GET",
-            "foreseen" | "cones" | "map" | "save/obj" | "save/glb" | "save/cones" | "leave" => "POST",
+            "foreseen" | "cones" | "map" | "measured" | "save/obj" | "save/glb" | "save/cones" | "leave" => "POST",
             _ => return Response::refusal(404, "there is nothing here"),
         };
         if request.method != needed {
@@ -64,6 +79,7 @@ impl<'a> Session<'a> {
                 "foreseen" => self.foreseen(&question),
                 "cones" => self.cones(&question),
                 "map" => self.map(&question),
+                "measured" => self.measured(&question),
                 "leave" => Ok(self.leave(&question)),
                 _ => self.save(path, &question),
             }),
@@ -101,6 +117,16 @@ impl<'a> Session<'a> {
         Ok(Response::new(BYTES, self.subject.drawn(&shown).container(meta).finish()))
     }
 
+    /// What the map that is asked for is like: its map is there before that.
+    fn measured(&self, question: &Question) -> Answer {
+        let options = self.options(question)?;
+        let shown = self.shown(question, &options)?;
+        let quality = self.thorough.install(|| self.subject.measure(&shown.uv, &shown.atlas.cones));
+        let quality = quality.map_err(|error| Response::refusal(422, &error.to_string()))?;
+        let container = self.subject.stretches(&quality).container(Subject::measured_meta(&quality));
+        Ok(Response::new(BYTES, container.finish()))
+    }
+
     /// A file of the map that is asked for.
     fn save(&self, path: &str, question: &Question) -> Answer {
         let options = self.options(question)?;
@@ -135,11 +161,11 @@ impl<'a> Session<'a> {
         to_json(&Value::Null)
     }
 
-    /// The map that is asked for: the newest one, or one that is then.
+    /// The map that is asked for: one that is known, or one that is then.
     fn shown(&self, question: &Question, options: &Options) -> Result<Arc<Shown>, Response> {
-        let lock = || self.newest.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some((_, shown)) = lock().as_ref().filter(|(of, _)| of == options) {
-            return Ok(Arc::clone(shown));
+        let turn = self.tabs.turn(&question.tab, question.serial);
+        if let Some(shown) = self.maps.find(options, || turn.goes_on()) {
+            return Ok(shown);
         }
         let analysis = self.listening(question);
         let shown = self.thorough.install(|| self.subject.map(&analysis, options));
@@ -147,7 +173,7 @@ impl<'a> Session<'a> {
             CommandError::Unwrap { error, .. } => cannot(&error),
             error => Response::refusal(422, &error.to_string()),
         })?);
-        *lock() = Some((options.clone(), Arc::clone(&shown)));
+        self.maps.keep(options.clone(), Arc::clone(&shown));
         Ok(shown)
     }
 
