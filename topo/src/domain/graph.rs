@@ -51,7 +51,7 @@ pub trait Domain: Copy {
     /// Pairs the extrema in the way that is fastest on this domain; by rising index.
     #[doc(hidden)]
     fn merges<S: Scalar, D: Direction>(&self, filtration: &Filtration<'_, S, D>) -> Vec<Merge> {
-        self.basins(filtration, Pointing::Any).pair(filtration).0
+        self.basins(filtration, Pointing::Any).pair(filtration).merges
     }
 
     /// What `pair` makes of the merges, each with the values at its extremum and at its end; nothing if the work is stopped. Of a component

@@ -5,7 +5,7 @@
 
 use crate::domain::Domain;
 use crate::filtration::{Direction, Filtration, Kind};
-use crate::pairing::{BasinLabels, Descent, Merge, NONE, OUTSIDE, Pointing, UnionFind};
+use crate::pairing::{BasinLabels, Descent, Merge, NONE, OUTSIDE, Paired, Pointing, UnionFind};
 use crate::scalar::Scalar;
 
 /// A branch ends at a saddle.
@@ -35,7 +35,7 @@ pub(crate) struct Branches {
 
 impl Branches {
     pub(crate) fn new<G: Domain, S: Scalar, D: Direction>(domain: G, filtration: &Filtration<'_, S, D>) -> Self {
-        let (merges, descent) = domain.basins(filtration, Pointing::Steepest).pair(filtration);
+        let Paired { merges, descent, .. } = domain.basins(filtration, Pointing::Steepest).pair(filtration);
         let essential = (0..).zip(&merges).filter(|(_, merge)| !merge.is_finite());
         let essential = essential.map(|(extremum, merge)| (extremum, merge.end)).collect();
         let ends = ends(domain, filtration, &descent, &merges);

@@ -6,14 +6,15 @@
 //!    them: on a smooth field about as many as there are extrema. A mere graph has to suspect every vertex with two.
 //! 2. *Descend.* Candidates follow the pointers to see which basins their sides belong to; see [`Descent`].
 //! 3. *Join.* A candidate between different basins joins them.
-//! 4. *Pair.* The elder rule on basins and joins; see [`boruvka`].
+//! 4. *Pair.* The elder rule on basins and joins; see [`elder_rule`].
 //!
 //! That basins and their joins carry the pairs is folklore in discrete Morse theory; merge trees from monotone paths are
 //! due to Chiang, Lenz, Lu & Rote (2005), "Simple and optimal output-sensitive construction of contour trees using
-//! monotone paths". Step 4 with the elder rule in place of sorting is ours. Nothing here is proportional to n log n.
+//! monotone paths". What is put in order are joins, digit by digit. Nothing here is proportional to n log n.
 
-use super::boruvka::{self, Join};
+use super::boruvka;
 use super::descent::{Descent, OUTSIDE};
+use super::elder_rule::{self, Ended, Join};
 use super::graph::Graph;
 use super::merges::Merge;
 use super::union_find::UnionFind;
@@ -144,10 +145,11 @@ impl Basins {
         Self { descent, joins }
     }
 
-    /// What becomes of each component, by rising index of its extremum; and the way down from each vertex.
-    pub(crate) fn pair<S: Scalar, D: Direction>(self, filtration: &Filtration<'_, S, D>) -> (Vec<Merge>, Descent) {
+    /// What becomes of each component.
+    pub(crate) fn pair<S: Scalar, D: Direction>(self, filtration: &Filtration<'_, S, D>) -> Paired {
         let Self { descent, joins } = self;
-        let (mut merges, mut components) = boruvka::pair(filtration, descent.extrema(), joins);
+        let Ended { mut merges, in_order, mut components } = elder_rule::pair(filtration, descent.extrema(), &joins);
+        drop(joins);
         let eldest: Vec<u32> =
             (0..).zip(&merges).filter(|(_, merge)| !merge.is_finite()).map(|(basin, _)| basin).collect();
         let last = match eldest[..] {
@@ -156,8 +158,19 @@ impl Basins {
             _ => last_of_each(filtration, &descent, &mut components, &eldest),
         };
         eldest.into_iter().zip(last).for_each(|(basin, last)| merges[basin as usize].end = last);
-        (merges, descent)
+        Paired { merges, in_order, descent }
     }
+}
+
+/// Basins, and what becomes of their components.
+#[derive(Debug)]
+pub(crate) struct Paired {
+    /// By rising index of the extremum.
+    pub(crate) merges: Vec<Merge>,
+    /// The basins of those that join an elder one, in the order in which they do; at one saddle in any order.
+    pub(crate) in_order: Vec<u32>,
+    /// The way down from each vertex.
+    pub(crate) descent: Descent,
 }
 
 /// Where one vertex in so many may be a saddle, as on noise, all ways down are followed to their ends at once: on white noise of 1024² that
