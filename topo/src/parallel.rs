@@ -32,6 +32,31 @@ pub(crate) fn map_blocks<T, R>(data: &mut [T], unit: usize, work: impl Fn(Range<
     data.chunks_mut(length).enumerate().map(work).collect()
 }
 
+/// Calls `work` with blocks of two lists of one length and the range each has in them, as [`map_blocks`] does.
+#[cfg(feature = "rayon")]
+pub(crate) fn map_blocks_of_two<T: Send, R: Send>(
+    [one, two]: [&mut [T]; 2],
+    unit: usize,
+    work: impl Fn(Range<usize>, [&mut [T]; 2]) -> R + Sync,
+) -> Vec<R> {
+    use rayon::prelude::*;
+    let length = block_length(unit);
+    let blocks = one.par_chunks_mut(length).zip(two.par_chunks_mut(length)).enumerate();
+    blocks.map(|(block, (one, two))| work(block * length..block * length + one.len(), [one, two])).collect()
+}
+
+/// Calls `work` with blocks of two lists of one length and the range each has in them, one after the other.
+#[cfg(not(feature = "rayon"))]
+pub(crate) fn map_blocks_of_two<T, R>(
+    [one, two]: [&mut [T]; 2],
+    unit: usize,
+    work: impl Fn(Range<usize>, [&mut [T]; 2]) -> R,
+) -> Vec<R> {
+    let length = block_length(unit);
+    let blocks = one.chunks_mut(length).zip(two.chunks_mut(length)).enumerate();
+    blocks.map(|(block, (one, two))| work(block * length..block * length + one.len(), [one, two])).collect()
+}
+
 /// How long a block of whole units is.
 fn block_length(unit: usize) -> usize {
     unit.max(1) * (BLOCK / unit.max(1)).max(1)
@@ -50,26 +75,20 @@ pub(crate) fn fold_blocks<T, R>(items: &[T], work: impl Fn(usize, &[T]) -> R) ->
     vec![work(0, items)]
 }
 
-/// The results that `map` has for `items`, in their order; those of some blocks only if the watch stops.
+/// The results that `map` has for the items of blocks, in their order; those of some blocks only if the watch stops.
 #[cfg(feature = "rayon")]
-pub(crate) fn filter_map<T: Sync, R: Send>(
-    items: Vec<T>,
+pub(crate) fn filter_map<T: Send, R: Send>(
+    blocks: Vec<Vec<T>>,
     watch: Watch<'_>,
-    map: impl Fn(&T) -> Option<R> + Sync + Send,
+    map: impl Fn(T) -> Option<R> + Sync + Send,
 ) -> Vec<R> {
     use rayon::prelude::*;
-    let blocks = items.par_chunks(BLOCK).map(|items| if watch.stops() { &[] } else { items });
-    blocks.flat_map_iter(|items| items.iter().filter_map(&map)).collect()
+    let blocks = blocks.into_par_iter().filter(|_| !watch.stops());
+    blocks.flat_map_iter(|items| items.into_iter().filter_map(&map)).collect()
 }
 
-/// The results that `map` has for `items`, in their order and, if they are of one size, in their place; only some if the watch stops.
+/// The results that `map` has for the items of blocks, in their order; those of the first blocks only if the watch stops.
 #[cfg(not(feature = "rayon"))]
-pub(crate) fn filter_map<T, R>(items: Vec<T>, watch: Watch<'_>, map: impl Fn(&T) -> Option<R>) -> Vec<R> {
-    let (mut count, mut stops) = (0usize, false);
-    let map_if_it_goes_on = |item: T| {
-        stops |= count.is_multiple_of(BLOCK) && watch.stops();
-        count += 1;
-        if stops { None } else { map(&item) }
-    };
-    items.into_iter().filter_map(map_if_it_goes_on).collect()
+pub(crate) fn filter_map<T, R>(blocks: Vec<Vec<T>>, watch: Watch<'_>, map: impl Fn(T) -> Option<R>) -> Vec<R> {
+    blocks.into_iter().take_while(|_| !watch.stops()).flatten().filter_map(map).collect()
 }

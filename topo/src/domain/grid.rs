@@ -372,7 +372,13 @@ impl<'a, S: Scalar, F: Direction, const D: usize> Scanner<'a, S, F, D> {
 }
 
 /// Sets a bit where the value of the other vertex is earlier than that of the centre.
-fn mark<S: Scalar>(sets: &mut [u32], others: &[S], centres: &[S], bit: usize, is_earlier: impl Fn(S, S) -> bool) {
+pub(super) fn mark<S: Scalar>(
+    sets: &mut [u32],
+    others: &[S],
+    centres: &[S],
+    bit: usize,
+    is_earlier: impl Fn(S, S) -> bool,
+) {
     for (set, (&other, &centre)) in sets.iter_mut().zip(others.iter().zip(centres)) {
         *set |= u32::from(is_earlier(other, centre)) << bit;
     }

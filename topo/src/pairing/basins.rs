@@ -32,20 +32,6 @@ pub(crate) struct Scan {
     pub(crate) candidates: Vec<SaddleCandidate>,
 }
 
-impl Scan {
-    /// Joins the findings of consecutive ranges.
-    fn concat(scans: Vec<Self>) -> Self {
-        let [extrema, candidates] =
-            scans.iter().fold([0, 0], |[a, b], scan| [a + scan.extrema.len(), b + scan.candidates.len()]);
-        let mut all = Self { extrema: Vec::with_capacity(extrema), candidates: Vec::with_capacity(candidates) };
-        for scan in scans {
-            all.extrema.extend(scan.extrema);
-            all.candidates.extend(scan.candidates);
-        }
-        all
-    }
-}
-
 /// A vertex with two earlier neighbours that may belong to different basins.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct SaddleCandidate {
@@ -78,6 +64,9 @@ pub(crate) fn basins_of_graph<G: Graph, S: Scalar, D: Direction>(
     let mut next = vec![OUTSIDE; graph.vertex_count()];
     let (mut extrema, mut candidates) = (Vec::new(), Vec::new());
     for (v, next) in (0..).zip(&mut next) {
+        if v as usize % parallel::BLOCK == 0 && filtration.stops() {
+            return Basins::none();
+        }
         let mut earlier = 0;
         graph.for_each_neighbor(v as usize, |u| {
             let u = u as u32;
@@ -106,7 +95,7 @@ fn joins_of_graph<G: Graph, S: Scalar, D: Direction>(
     candidates: &[u32],
 ) -> Vec<Join> {
     let mut joins = Vec::new();
-    for &saddle in candidates {
+    for &saddle in candidates.chunks(parallel::BLOCK).take_while(|_| !filtration.stops()).flatten() {
         let own = descent.basin(saddle);
         graph.for_each_neighbor(saddle as usize, |u| {
             if filtration.precedes(u as u32, saddle) {
@@ -121,24 +110,24 @@ fn joins_of_graph<G: Graph, S: Scalar, D: Direction>(
 }
 
 impl Basins {
+    /// Of work that is stopped.
+    fn none() -> Self {
+        Self { descent: Descent::new(Vec::new(), Vec::new()), joins: Vec::new() }
+    }
+
     /// From where vertices point to and what the scans of consecutive ranges have found; nothing if one was stopped.
     pub(crate) fn new<S: Scalar, D: Direction>(
-        mut next: Vec<u32>,
+        next: Vec<u32>,
         scans: Vec<Option<Scan>>,
         filtration: &Filtration<'_, S, D>,
     ) -> Self {
-        let Scan { extrema, candidates } = scans.into_iter().collect::<Option<_>>().map_or_else(
-            || {
-                next.fill(OUTSIDE);
-                Scan::default()
-            },
-            Scan::concat,
-        );
+        let Some(scans) = scans.into_iter().collect::<Option<Vec<_>>>() else { return Self::none() };
+        let mut extrema = Vec::with_capacity(scans.iter().map(|scan| scan.extrema.len()).sum());
+        scans.iter().for_each(|scan| extrema.extend_from_slice(&scan.extrema));
+        let candidates: Vec<_> = scans.into_iter().map(|scan| scan.candidates).collect();
         let descent = Descent::new(next, extrema);
-        if candidates.len() > descent.extrema().len().max(descent.len() / MANY_CANDIDATES) {
-            descent.settle();
-        }
-        let joins = parallel::filter_map(candidates, filtration.watch(), |&SaddleCandidate { saddle, sides }| {
+        descent.settle_for(candidates.iter().map(Vec::len).sum(), filtration.watch());
+        let joins = parallel::filter_map(candidates, filtration.watch(), |SaddleCandidate { saddle, sides }| {
             let basins = sides.map(|side| descent.basin(side));
             (basins[0] != basins[1]).then_some(Join { saddle, basins })
         });
@@ -172,10 +161,6 @@ pub(crate) struct Paired {
     /// The way down from each vertex.
     pub(crate) descent: Descent,
 }
-
-/// Where one vertex in so many may be a saddle, as on noise, all ways down are followed to their ends at once: on white noise of 1024² that
-/// takes half the time of following those that are asked for.
-const MANY_CANDIDATES: usize = 16;
 
 /// What is left of a part of a domain once all that is final has been paired.
 #[derive(Debug)]
@@ -223,7 +208,7 @@ impl Basins {
 
 /// The last vertex to enter, for the only component. Values are compared [`LANES`] abreast, which compiles to vector instructions; only
 /// the stretch that has the last value is searched.
-fn last_of_all<S: Scalar, D: Direction>(filtration: &Filtration<'_, S, D>) -> Vec<u32> {
+pub(crate) fn last_of_all<S: Scalar, D: Direction>(filtration: &Filtration<'_, S, D>) -> Vec<u32> {
     let later = |u: S, v: S| if D::precedes_higher_index(u, v) { v } else { u };
     let last_value = |values: &[S]| {
         let first = values.iter().copied().find(|value| !value.is_nan())?;
@@ -259,26 +244,13 @@ fn last_of_each<S: Scalar, D: Direction>(
 ) -> Vec<u32> {
     let mut last = descent.extrema().to_vec();
     for v in 0..filtration.field().len() as u32 {
+        if v as usize % parallel::BLOCK == 0 && filtration.stops() {
+            break;
+        }
         if let Some(basin) = descent.basin_if_any(v) {
             let last = &mut last[components.find(basin) as usize];
             *last = filtration.later(*last, v);
         }
     }
     eldest.iter().map(|&basin| last[basin as usize]).collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn findings_of_consecutive_ranges_come_one_after_the_other() {
-        let scan = |first: u32| Scan {
-            extrema: vec![first, first + 2],
-            candidates: vec![SaddleCandidate { saddle: first + 1, sides: [first, first + 2] }],
-        };
-        let all = Scan::concat(vec![scan(0), scan(10), Scan::default(), scan(20)]);
-        assert_eq!(all.extrema, [0, 2, 10, 12, 20, 22]);
-        assert_eq!(all.candidates.iter().map(|candidate| candidate.saddle).collect::<Vec<_>>(), [1, 11, 21]);
-    }
 }

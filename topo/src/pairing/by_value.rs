@@ -6,6 +6,7 @@
 //! quarter of the time of `sort_unstable`, and pairing them in this order half the time of pairing in rounds (see
 //! [`boruvka`](super::boruvka)), which need no order but look at each join several times.
 
+use crate::filtration::{Direction, Filtration, Kind};
 use crate::parallel::BLOCK;
 use crate::scalar::Scalar;
 use crate::watch::Watch;
@@ -22,14 +23,22 @@ const FEW: usize = 256;
 /// The upper bits of a value, and the place of the thing that has it.
 type Keyed = (u32, u32);
 
-/// The places of so many things in the order of their vertices by value; where values are equal they keep their order, so that vertices must
-/// come by rising index. None is NaN. If the watch stops, the order is none.
-pub(super) fn by_value<S: Scalar>(
-    field: &[S],
+/// The places of so many things in the order in which a vertex of each enters, given these by rising index. None is NaN. If the work is
+/// stopped, the order is none.
+pub(super) fn in_order<S: Scalar, D: Direction>(
+    filtration: &Filtration<'_, S, D>,
     count: usize,
     vertex: impl Fn(u32) -> u32,
-    watch: Watch<'_>,
-) -> impl DoubleEndedIterator<Item = u32> {
+) -> Vec<u32> {
+    let mut order = by_value(filtration.field(), count, vertex, filtration.watch());
+    if D::KIND == Kind::Maximum {
+        order.reverse();
+    }
+    order
+}
+
+/// The places of things by the values of their vertices; where these are equal they keep their order.
+fn by_value<S: Scalar>(field: &[S], count: usize, vertex: impl Fn(u32) -> u32, watch: Watch<'_>) -> Vec<u32> {
     let value = |place: u32| field[vertex(place) as usize];
     let places = 0..count as u32;
     let widest = places.clone().map(|place| bits(value(place)));
@@ -48,7 +57,7 @@ pub(super) fn by_value<S: Scalar>(
     } else {
         keyed.sort_unstable_by_key(|&(_, place)| (value(place).key(), place));
     }
-    keyed.into_iter().map(|(_, place)| place)
+    keyed.into_iter().map(|(_, place)| place).collect()
 }
 
 /// An integer that is no lower if the number is no lower.
@@ -98,8 +107,7 @@ mod tests {
     fn agrees_with_sorting<S: Scalar>(field: &[S]) {
         let mut sorted: Vec<u32> = (0..field.len() as u32).collect();
         sorted.sort_by_key(|&place| field[place as usize].key());
-        let order: Vec<u32> = by_value(field, field.len(), |place| place, Watch::NONE).collect();
-        assert_eq!(order, sorted);
+        assert_eq!(by_value(field, field.len(), |place| place, Watch::NONE), sorted);
     }
 
     #[test]

@@ -7,6 +7,7 @@ mod basins;
 mod boruvka;
 mod by_value;
 mod descent;
+mod duality;
 mod elder_rule;
 mod graph;
 mod merges;
@@ -14,7 +15,8 @@ mod sweep;
 mod union_find;
 
 pub use basins::{Basins, Pointing};
-pub(crate) use basins::{Paired, Remnant, SaddleCandidate, Scan, basins_of_graph};
+pub(crate) use basins::{Paired, Remnant, SaddleCandidate, Scan, basins_of_graph, last_of_all};
+pub(crate) use duality::{Crossing, pair_both};
 pub(crate) use descent::{BasinLabels, Descent, OUTSIDE, Settled};
 pub(crate) use graph::Graph;
 pub use merges::Merge;

@@ -39,6 +39,9 @@ pub(super) fn combine<S: Scalar>(
         .collect();
     let mut arc_of = vec![NONE; filtration.field().len()];
     parallel::map_blocks(&mut arc_of, 1, |range, arcs| {
+        if filtration.stops() {
+            return;
+        }
         for (v, arc) in (range.start as u32..).zip(arcs) {
             let value = filtration.value(v);
             let first = [(&upwards, &taken[0]), (&downwards, &taken[1])].map(|(tree, taken)| match tree.kind {
