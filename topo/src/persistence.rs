@@ -311,7 +311,11 @@ impl PersistenceOptions {
         watch: Watch<'_>,
     ) -> Result<Pairs<G::Vertex, S>, Error> {
         watch.held(|watch| {
-            let filtration = Filtration::<S, D>::new(field, domain.vertex_count(), self.nan)?.watched(watch);
+            let filtration = Filtration::<S, D>::unchecked(field, domain.vertex_count(), self.nan)?.watched(watch);
+            let looks_once = domain.looks_once() && !self.plain_sweep;
+            if !looks_once {
+                filtration.check()?;
+            }
             let zero_count = Cell::new(0);
             let pair = |merge: &Merge, birth, end| {
                 let pair = Pair {
@@ -332,6 +336,9 @@ impl PersistenceOptions {
             };
             if filtration.stops() {
                 return Err(Error::Interrupted);
+            }
+            if looks_once && pairs.is_empty() {
+                filtration.check()?;
             }
             if !self.keep_zeros && zero_count.get() > 0 {
                 pairs.retain(|pair| !pair.is_zero());

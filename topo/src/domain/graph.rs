@@ -54,6 +54,12 @@ pub trait Domain: Copy {
         self.basins(filtration, Pointing::Any).pair(filtration).merges
     }
 
+    /// Whether [`map_merges`](Self::map_merges) looks for NaN itself and then finds nothing, so that values come from memory once.
+    #[doc(hidden)]
+    fn looks_once(&self) -> bool {
+        false
+    }
+
     /// What `pair` makes of the merges, each with the values at its extremum and at its end; nothing if the work is stopped. Of a component
     /// that joins an elder one it is asked once; before that it may be asked what it made of one that has no end yet.
     #[doc(hidden)]

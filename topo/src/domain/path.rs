@@ -9,7 +9,6 @@ use super::graph::Domain;
 use crate::filtration::{Direction, Filtration};
 use crate::pairing::{Merge, NONE};
 use crate::scalar::Scalar;
-use core::hint::select_unpredictable;
 use core::ops::Range;
 
 /// `n` vertices in a row, each a neighbour of the next.
@@ -53,18 +52,27 @@ impl Domain for &Path {
         }
     }
 
+    fn looks_once(&self) -> bool {
+        true
+    }
+
     fn map_merges<S: Scalar, D: Direction, T>(
         &self,
         filtration: &Filtration<'_, S, D>,
         pair: impl Fn(&Merge, S, S) -> T,
     ) -> Vec<T> {
-        let mut stack = Stack { filtration, pair, basins: Vec::new(), is_minimum: true, separator: 0, level: None, pairs: Vec::new() };
-        let mut start = 0;
-        for stretch in filtration.field().split(|value| value.is_nan()) {
-            stack.pair(start as u32..(start + stretch.len()) as u32);
-            start += stretch.len() + 1;
+        let mut stack = Stack { filtration, pair, basins: Vec::new(), is_minimum: true, separator: 0, level: None, is_unpaired: false, pairs: Vec::new() };
+        let field = filtration.field();
+        if filtration.is_masked() {
+            let mut start = 0;
+            for stretch in field.split(|value| value.is_nan()) {
+                stack.pair(start as u32..(start + stretch.len()) as u32);
+                start += stretch.len() + 1;
+            }
+        } else {
+            stack.pair(0..field.len() as u32);
         }
-        stack.pairs
+        if stack.is_unpaired { Vec::new() } else { stack.pairs }
     }
 }
 
@@ -95,6 +103,8 @@ struct Stack<'a, S, D, P, T> {
     /// The last maximum of the stretch, and its value.
     separator: u32,
     level: Option<S>,
+    /// Whether a value has turned out to be no number.
+    is_unpaired: bool,
     /// What becomes of each basin, by rising index of its minimum.
     pairs: Vec<T>,
 }
@@ -111,6 +121,10 @@ impl<S: Scalar, D: Direction, P: Fn(&Merge, S, S) -> T, T> Stack<'_, S, D, P, T>
             }
             let end = last.min(start.saturating_add(SEARCHED as u32));
             let values = &self.filtration.field()[start as usize..=end as usize];
+            if values.iter().fold(false, |found, value| found | value.is_nan()) {
+                self.is_unpaired = true;
+                break;
+            }
             let (mut turns, mut count) = ([0; SEARCHED], 0);
             for (v, (&value, &next)) in (start..).zip(values.iter().zip(&values[1..])) {
                 let falls_on = D::precedes_lower_index(next, value);
@@ -168,14 +182,11 @@ impl<S: Scalar, D: Direction, P: Fn(&Merge, S, S) -> T, T> Stack<'_, S, D, P, T>
             && is_due(top.level)
         {
             self.basins.pop();
-            // Which is younger nothing foretells either.
             let is_top_younger = D::precedes_higher_index(below.birth, top.birth);
-            let younger = [select_unpredictable(is_top_younger, top.minimum, below.minimum), select_unpredictable(is_top_younger, top.place, below.place)];
-            let (minimum, place) = (below.minimum ^ top.minimum ^ younger[0], below.place ^ top.place ^ younger[1]);
-            let [birth, born] = [!is_top_younger, is_top_younger].map(|is| select_unpredictable(is, top.birth, below.birth));
-            let merge = Merge { extremum: younger[0], end: top.separator, towards: minimum };
-            self.pairs[younger[1] as usize] = (self.pair)(&merge, born, top.level);
-            top = Basin { minimum, place, birth, ..below };
+            let (elder, younger) = if is_top_younger { (below, top) } else { (top, below) };
+            let merge = Merge { extremum: younger.minimum, end: top.separator, towards: elder.minimum };
+            self.pairs[younger.place as usize] = (self.pair)(&merge, younger.birth, top.level);
+            top = Basin { separator: below.separator, level: below.level, ..elder };
         }
         self.basins.push(top);
     }

@@ -34,11 +34,12 @@ pub(crate) fn pair<S: Scalar, D: Direction>(
     extrema: &[u32],
     joins: &[Join],
 ) -> Ended {
+    // First, as sorting takes most memory.
+    let order = by_value::in_order(filtration, joins.len(), |place| joins[place as usize].saddle);
     let births: Vec<S> = extrema.iter().map(|&extremum| filtration.value(extremum)).collect();
     let is_elder = |a: u32, b: u32| enters_before::<S, D>(&births, a, b);
     let mut components = Components::new(extrema);
     let mut in_order = Vec::with_capacity(extrema.len());
-    let order = by_value::in_order(filtration, joins.len(), |place| joins[place as usize].saddle);
     for &place in order.chunks(BLOCK).take_while(|_| !filtration.stops()).flatten() {
         let Join { saddle, basins } = joins[place as usize];
         in_order.extend(components.join(saddle, basins, is_elder));
