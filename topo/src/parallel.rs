@@ -32,29 +32,64 @@ pub(crate) fn map_blocks<T, R>(data: &mut [T], unit: usize, work: impl Fn(Range<
     data.chunks_mut(length).enumerate().map(work).collect()
 }
 
-/// Calls `work` with blocks of two lists of one length and the range each has in them, as [`map_blocks`] does.
+/// Calls `work` with blocks of `data` and the range each has in it, to note what it finds there; the findings of consecutive ranges.
 #[cfg(feature = "rayon")]
-pub(crate) fn map_blocks_of_two<T: Send, R: Send>(
+pub(crate) fn scan_blocks<T: Send, R: Default + Send>(
+    data: &mut [T],
+    unit: usize,
+    work: impl Fn(Range<usize>, &mut [T], &mut R) + Sync,
+) -> Vec<R> {
+    map_blocks(data, unit, |range, data| {
+        let mut found = R::default();
+        work(range, data, &mut found);
+        found
+    })
+}
+
+/// Calls `work` with blocks of `data` and the range each has in it, to note what it finds there; all findings in one.
+#[cfg(not(feature = "rayon"))]
+pub(crate) fn scan_blocks<T, R: Default>(
+    data: &mut [T],
+    unit: usize,
+    work: impl Fn(Range<usize>, &mut [T], &mut R),
+) -> Vec<R> {
+    let (length, mut found) = (block_length(unit), R::default());
+    for (block, data) in data.chunks_mut(length).enumerate() {
+        work(block * length..block * length + data.len(), data, &mut found);
+    }
+    vec![found]
+}
+
+/// [`scan_blocks`] of two lists of one length.
+#[cfg(feature = "rayon")]
+pub(crate) fn scan_blocks_of_two<T: Send, R: Default + Send>(
     [one, two]: [&mut [T]; 2],
     unit: usize,
-    work: impl Fn(Range<usize>, [&mut [T]; 2]) -> R + Sync,
+    work: impl Fn(Range<usize>, [&mut [T]; 2], &mut R) + Sync,
 ) -> Vec<R> {
     use rayon::prelude::*;
     let length = block_length(unit);
     let blocks = one.par_chunks_mut(length).zip(two.par_chunks_mut(length)).enumerate();
-    blocks.map(|(block, (one, two))| work(block * length..block * length + one.len(), [one, two])).collect()
+    let scan = |(block, (one, two)): (usize, (&mut [T], &mut [T]))| {
+        let mut found = R::default();
+        work(block * length..block * length + one.len(), [one, two], &mut found);
+        found
+    };
+    blocks.map(scan).collect()
 }
 
-/// Calls `work` with blocks of two lists of one length and the range each has in them, one after the other.
+/// [`scan_blocks`] of two lists of one length.
 #[cfg(not(feature = "rayon"))]
-pub(crate) fn map_blocks_of_two<T, R>(
+pub(crate) fn scan_blocks_of_two<T, R: Default>(
     [one, two]: [&mut [T]; 2],
     unit: usize,
-    work: impl Fn(Range<usize>, [&mut [T]; 2]) -> R,
+    work: impl Fn(Range<usize>, [&mut [T]; 2], &mut R),
 ) -> Vec<R> {
-    let length = block_length(unit);
-    let blocks = one.chunks_mut(length).zip(two.chunks_mut(length)).enumerate();
-    blocks.map(|(block, (one, two))| work(block * length..block * length + one.len(), [one, two])).collect()
+    let (length, mut found) = (block_length(unit), R::default());
+    for (block, (one, two)) in one.chunks_mut(length).zip(two.chunks_mut(length)).enumerate() {
+        work(block * length..block * length + one.len(), [one, two], &mut found);
+    }
+    vec![found]
 }
 
 /// How long a block of whole units is.
@@ -87,8 +122,20 @@ pub(crate) fn filter_map<T: Send, R: Send>(
     blocks.flat_map_iter(|items| items.into_iter().filter_map(&map)).collect()
 }
 
-/// The results that `map` has for the items of blocks, in their order; those of the first blocks only if the watch stops.
+/// The results that `map` has for the items of blocks, in their order and, if there is one block and both are of one size, in their place;
+/// only some if the watch stops.
 #[cfg(not(feature = "rayon"))]
 pub(crate) fn filter_map<T, R>(blocks: Vec<Vec<T>>, watch: Watch<'_>, map: impl Fn(T) -> Option<R>) -> Vec<R> {
-    blocks.into_iter().take_while(|_| !watch.stops()).flatten().filter_map(map).collect()
+    let (mut count, mut stops) = (0usize, false);
+    let mut map_if_it_goes_on = |item: T| {
+        stops |= count.is_multiple_of(BLOCK) && watch.stops();
+        count += 1;
+        if stops { None } else { map(item) }
+    };
+    let results = blocks.into_iter().map(|items| items.into_iter().filter_map(&mut map_if_it_goes_on).collect::<Vec<R>>());
+    let joined = results.reduce(|mut all, more| {
+        all.extend(more);
+        all
+    });
+    joined.unwrap_or_default()
 }

@@ -102,22 +102,22 @@ impl Picture {
         let width = grid.shape()[1];
         let (mut inside, mut outside) = (vec![0; count], vec![0; count + 1]);
         let nexts = [&mut inside[..], &mut outside[..count]];
-        let scans = parallel::map_blocks_of_two(nexts, width, |vertices, [inside, outside]| {
+        let scans = parallel::scan_blocks_of_two(nexts, width, |vertices, [inside, outside], found: &mut Found| {
             if filtration.stops() {
-                return None;
+                return;
             }
-            let mut scanner = Scanner::new(grid, filtration);
+            let mut scanner = Scanner::new(grid, filtration, found);
             let rows = inside.chunks_mut(width).zip(outside.chunks_mut(width));
             for (y, (inside, outside)) in (vertices.start / width..).zip(rows) {
                 scanner.scan_row(y, [inside, outside]);
             }
-            Some(scanner.found)
         });
-        let mut all = Found::default();
-        for Found { extrema, crossings } in scans.into_iter().collect::<Option<Vec<_>>>().unwrap_or_default() {
+        let joined = scans.into_iter().reduce(|mut all, Found { extrema, crossings }| {
             all.extrema.iter_mut().zip(extrema).for_each(|(all, extrema)| all.extend(extrema));
             all.crossings.extend(crossings);
-        }
+            all
+        });
+        let all = joined.filter(|_| !filtration.stops()).unwrap_or_default();
         let [minima, mut maxima] = all.extrema;
         maxima.push(count as u32);
         let descents = [Descent::new(inside, minima), Descent::new(outside, maxima)];
@@ -148,11 +148,11 @@ struct Scanner<'a, S, D> {
     sets: [u32; SPAN],
     /// Of a span the extrema and the saddles.
     noted: [[u32; SPAN]; 3],
-    found: Found,
+    found: &'a mut Found,
 }
 
 impl<'a, S: Scalar, D: Direction> Scanner<'a, S, D> {
-    fn new(grid: &Grid<2>, filtration: &'a Filtration<'a, S, D>) -> Self {
+    fn new(grid: &Grid<2>, filtration: &'a Filtration<'a, S, D>, found: &'a mut Found) -> Self {
         let (shape, neighbors) = (grid.shape(), neighbors(grid.connectivity()));
         let mut leaps = [0; 9];
         for (leap, [dy, dx]) in leaps.iter_mut().zip(ROUND) {
@@ -166,7 +166,7 @@ impl<'a, S: Scalar, D: Direction> Scanner<'a, S, D> {
             leaps,
             sets: [0; SPAN],
             noted: [[0; SPAN]; 3],
-            found: Found::default(),
+            found,
         }
     }
 

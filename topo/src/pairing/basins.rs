@@ -118,10 +118,12 @@ impl Basins {
     /// From where vertices point to and what the scans of consecutive ranges have found; nothing if one was stopped.
     pub(crate) fn new<S: Scalar, D: Direction>(
         next: Vec<u32>,
-        scans: Vec<Option<Scan>>,
+        scans: Vec<Scan>,
         filtration: &Filtration<'_, S, D>,
     ) -> Self {
-        let Some(scans) = scans.into_iter().collect::<Option<Vec<_>>>() else { return Self::none() };
+        if filtration.stops() {
+            return Self::none();
+        }
         let mut extrema = Vec::with_capacity(scans.iter().map(|scan| scan.extrema.len()).sum());
         scans.iter().for_each(|scan| extrema.extend_from_slice(&scan.extrema));
         let candidates: Vec<_> = scans.into_iter().map(|scan| scan.candidates).collect();
