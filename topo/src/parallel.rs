@@ -132,7 +132,8 @@ pub(crate) fn filter_map<T, R>(blocks: Vec<Vec<T>>, watch: Watch<'_>, map: impl 
         count += 1;
         if stops { None } else { map(item) }
     };
-    let results = blocks.into_iter().map(|items| items.into_iter().filter_map(&mut map_if_it_goes_on).collect::<Vec<R>>());
+    let results =
+        blocks.into_iter().map(|items| items.into_iter().filter_map(&mut map_if_it_goes_on).collect::<Vec<R>>());
     let joined = results.reduce(|mut all, more| {
         all.extend(more);
         all

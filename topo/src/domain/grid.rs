@@ -220,12 +220,7 @@ struct Look {
 }
 
 impl<'a, S: Scalar, F: Direction, const D: usize> Scanner<'a, S, F, D> {
-    fn new(
-        grid: &'a Grid<D>,
-        filtration: &'a Filtration<'a, S, F>,
-        pointing: Pointing,
-        found: &'a mut Scan,
-    ) -> Self {
+    fn new(grid: &'a Grid<D>, filtration: &'a Filtration<'a, S, F>, pointing: Pointing, found: &'a mut Scan) -> Self {
         let (there, looks, earliest) = (Vec::new(), Vec::new(), Vec::new());
         let (stencil, leaps, sets) = (grid.stencil(), [0; 32], [0; SPAN]);
         Self { grid, filtration, stencil, here: 0, there, looks, leaps, sets, pointing, earliest, found }

@@ -61,7 +61,16 @@ impl Domain for &Path {
         filtration: &Filtration<'_, S, D>,
         pair: impl Fn(&Merge, S, S) -> T,
     ) -> Vec<T> {
-        let mut stack = Stack { filtration, pair, basins: Vec::new(), is_minimum: true, separator: 0, level: None, is_unpaired: false, pairs: Vec::new() };
+        let mut stack = Stack {
+            filtration,
+            pair,
+            basins: Vec::new(),
+            is_minimum: true,
+            separator: 0,
+            level: None,
+            is_unpaired: false,
+            pairs: Vec::new(),
+        };
         let field = filtration.field();
         if filtration.is_masked() {
             let mut start = 0;

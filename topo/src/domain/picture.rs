@@ -237,7 +237,8 @@ impl<'a, S: Scalar, D: Direction> Scanner<'a, S, D> {
         let x = span.start + offset;
         let around = &self.table[self.sets[offset] as usize % 256];
         for crossing in &around.crossings[..usize::from(around.count)] {
-            let mut sides = crossing.map(|sides| sides.map(|place| saddle.wrapping_add(self.leaps[usize::from(place)])));
+            let mut sides =
+                crossing.map(|sides| sides.map(|place| saddle.wrapping_add(self.leaps[usize::from(place)])));
             if self.is_at_border(y, x) {
                 let within = |place: u8| self.is_within(y, x, ROUND[usize::from(place)]);
                 for (side, place) in sides[1].iter_mut().zip(crossing[1]) {

@@ -134,7 +134,10 @@ fn basin(pointer: u32) -> u32 {
 fn settle(next: &[AtomicU32], watch: Watch<'_>) {
     let goes_on = |_: &&[AtomicU32]| !watch.stops();
     next.chunks(SETTLED).take_while(goes_on).flatten().for_each(|pointer| skip(next, pointer));
-    next.rchunks(SETTLED).take_while(goes_on).flat_map(|block| block.iter().rev()).for_each(|pointer| skip(next, pointer));
+    next.rchunks(SETTLED)
+        .take_while(goes_on)
+        .flat_map(|block| block.iter().rev())
+        .for_each(|pointer| skip(next, pointer));
     for (v, pointer) in (0..).zip(next.chunks(SETTLED).take_while(goes_on).flatten()) {
         if pointer.load(Relaxed) & BASIN == 0 {
             follow(next, v);

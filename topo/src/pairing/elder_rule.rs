@@ -69,12 +69,7 @@ impl<'a> Components<'a> {
 
     /// Ends the younger one of the components of two basins at a saddle and tells which it is; none if they are the same.
     #[inline]
-    pub(super) fn join(
-        &mut self,
-        saddle: u32,
-        basins: [u32; 2],
-        is_elder: impl Fn(u32, u32) -> bool,
-    ) -> Option<u32> {
+    pub(super) fn join(&mut self, saddle: u32, basins: [u32; 2], is_elder: impl Fn(u32, u32) -> bool) -> Option<u32> {
         let [a, b] = basins.map(|basin| self.merged.find(basin));
         if a == b {
             return None;

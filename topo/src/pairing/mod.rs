@@ -16,8 +16,8 @@ mod union_find;
 
 pub use basins::{Basins, Pointing};
 pub(crate) use basins::{Paired, Remnant, SaddleCandidate, Scan, basins_of_graph, last_of_all};
-pub(crate) use duality::{Crossing, pair_both};
 pub(crate) use descent::{BasinLabels, Descent, OUTSIDE, Settled};
+pub(crate) use duality::{Crossing, pair_both};
 pub(crate) use graph::Graph;
 pub use merges::Merge;
 pub(crate) use merges::NONE;

@@ -78,7 +78,8 @@ fn trees_segmentations_holes_and_simpler_fields_are_stopped_wherever_they_are() 
     }
     assert!(asked(|watch| options.simplify_watched(&grid, &field, 1000, watch)) > 40);
     let filled = Grid::new([500, 400], Connectivity::Freudenthal);
-    let smooth: Vec<u32> = (0..200_000u32).map(|v| (v / 400).abs_diff(250).pow(2) + (v % 400).abs_diff(100 + v / 3000).pow(2)).collect();
+    let smooth: Vec<u32> =
+        (0..200_000u32).map(|v| (v / 400).abs_diff(250).pow(2) + (v % 400).abs_diff(100 + v / 3000).pow(2)).collect();
     for field in [field, smooth] {
         assert!(asked(|watch| options.contour_tree_watched(&filled, &field, watch)) > 10);
     }

@@ -32,7 +32,8 @@ pub(crate) fn shares(values: &[f64]) -> Vec<f64> {
 pub(super) fn marked(values: &[f64], [height, width]: [usize; 2], lists: &[PairList], most: usize) -> Picture {
     let grey = |share: f64| if share.is_nan() { [0; 3] } else { [(255.0 * share).round() as u8; 3] };
     let factor = enlargement([height, width]);
-    let mut picture = Picture { width, height, pixels: shares(values).into_iter().map(grey).collect() }.enlarged(factor);
+    let mut picture =
+        Picture { width, height, pixels: shares(values).into_iter().map(grey).collect() }.enlarged(factor);
     let scale = picture.width.max(picture.height) as f64 / 1000.0;
     for list in lists {
         let colour = encode(if list.kind == Kind::Minimum { MINIMUM } else { MAXIMUM });
@@ -55,7 +56,11 @@ fn enlargement([height, width]: [usize; 2]) -> usize {
 }
 
 /// A picture of colours shaded by a field.
-pub(super) fn segmented(colours: impl Iterator<Item = [u8; 3]>, values: &[f64], [height, width]: [usize; 2]) -> Picture {
+pub(super) fn segmented(
+    colours: impl Iterator<Item = [u8; 3]>,
+    values: &[f64],
+    [height, width]: [usize; 2],
+) -> Picture {
     Picture { width, height, pixels: shaded(colours, values) }.enlarged(enlargement([height, width]))
 }
 
@@ -94,7 +99,12 @@ mod tests {
         assert_eq!((picture.width, picture.height, picture.pixels.len()), (480, 480, 480 * 480));
         let striped = segmented([[255; 3], [0; 3]].into_iter(), &[1.0, 1.0], [1, 2]);
         assert_eq!((striped.width, striped.height), (480, 240));
-        assert!(striped.pixels.chunks(480).all(|row| row[..240].iter().all(|pixel| pixel[0] > 90) && row[240..] == [[0; 3]; 240]));
+        assert!(
+            striped
+                .pixels
+                .chunks(480)
+                .all(|row| row[..240].iter().all(|pixel| pixel[0] > 90) && row[240..] == [[0; 3]; 240])
+        );
         let tall = marked(&[0.0; 600], [300, 2], &[], 0);
         assert_eq!((tall.width, tall.height), (2, 300));
     }
