@@ -131,7 +131,10 @@ fn merge_tree(
 ) -> PyResult<Tree> {
     let (options, kind) = (options(masks_nan, false), kind(is_superlevel));
     on_domain!(domain, field, (on, slice) => {
-        let tree = |watch| Ok(options.merge_tree_watched(on, slice, kind, watch)?.into_owned());
+        let tree = |watch: Watch<'_>| {
+            let tree = options.merge_tree_watched(on, slice, kind, watch)?;
+            Ok::<_, topo::Error>(tree.into_owned())
+        };
         let tree: Box<dyn AnyTree> = Box::new(stoppable(py, slice.len(), tree)?);
         Ok(Tree(tree))
     })
@@ -150,7 +153,7 @@ fn segmentation<'py>(
     let (options, kind) = (options(masks_nan, false), kind(is_superlevel));
     on_domain!(domain, field, (on, slice) => {
         let least = threshold_of(slice, least)?;
-        let basins = |watch| options.segmentation_watched(on, slice, kind, least, watch);
+        let basins = |watch: Watch<'_>| options.segmentation_watched(on, slice, kind, least, watch);
         Ok(segments(py, &stoppable(py, slice.len(), basins)?))
     })
 }
@@ -167,7 +170,7 @@ fn simplify<'py>(
     let options = options(masks_nan, false);
     on_domain!(domain, field, (on, slice) => {
         let least = threshold_of(slice, least)?;
-        let simpler = |watch| options.simplify_watched(on, slice, least, watch);
+        let simpler = |watch: Watch<'_>| options.simplify_watched(on, slice, least, watch);
         Ok(PyArray1::from_vec(py, stoppable(py, slice.len(), simpler)?).into_any())
     })
 }

@@ -125,7 +125,7 @@ impl<S: Scalar, D: Direction, P: Fn(&Merge, S, S) -> T, T> Stack<'_, S, D, P, T>
         let mut latest = self.filtration.later(stretch.start, last);
         let mut falls = true;
         for start in stretch.step_by(SEARCHED) {
-            if start / SEARCHED as u32 % ASKED == 0 && self.filtration.stops() {
+            if (start / SEARCHED as u32).is_multiple_of(ASKED) && self.filtration.stops() {
                 break;
             }
             let end = last.min(start.saturating_add(SEARCHED as u32));

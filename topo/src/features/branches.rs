@@ -175,7 +175,7 @@ impl Sides {
         placed.sort_unstable();
         let mut neighbors = Vec::new();
         for (list, at_saddle) in (0..).zip(placed.chunk_by(|a, b| a.0 == b.0)) {
-            if list as usize % LOOKED_AT == 0 && filtration.stops() {
+            if (list as usize).is_multiple_of(LOOKED_AT) && filtration.stops() {
                 return Self { lists: Vec::new(), ..sides };
             }
             at_saddle.iter().for_each(|&(_, place)| sides.lists[place as usize] = list);

@@ -64,7 +64,7 @@ pub(crate) fn basins_of_graph<G: Graph, S: Scalar, D: Direction>(
     let mut next = vec![OUTSIDE; graph.vertex_count()];
     let (mut extrema, mut candidates) = (Vec::new(), Vec::new());
     for (v, next) in (0..).zip(&mut next) {
-        if v as usize % parallel::BLOCK == 0 && filtration.stops() {
+        if (v as usize).is_multiple_of(parallel::BLOCK) && filtration.stops() {
             return Basins::none();
         }
         let mut earlier = 0;
@@ -246,7 +246,7 @@ fn last_of_each<S: Scalar, D: Direction>(
 ) -> Vec<u32> {
     let mut last = descent.extrema().to_vec();
     for v in 0..filtration.field().len() as u32 {
-        if v as usize % parallel::BLOCK == 0 && filtration.stops() {
+        if (v as usize).is_multiple_of(parallel::BLOCK) && filtration.stops() {
             break;
         }
         if let Some(basin) = descent.basin_if_any(v) {

@@ -58,7 +58,7 @@ impl Merging {
         let mut components = UnionFind::new(n);
         let (mut next, mut degrees) = (vec![NONE; n], vec![0; n]);
         for v in entering {
-            if v % ASKED == 0 && watch.stops() {
+            if v.is_multiple_of(ASKED) && watch.stops() {
                 break;
             }
             domain.for_each_neighbor(order[v as usize] as usize, |u| {
