@@ -102,18 +102,19 @@ def test_ctrl_c_stops_the_work():
 
 
 @pytest.mark.skipif(os.name == "nt", reason="signals are sent")
-def test_ctrl_c_stops_the_pairs_of_one_array():
-    program = """
+@pytest.mark.parametrize("asked", ["sublevel(field)", "merge_tree(field)", "segmentation(field)", "simplify(field, 0.1)", "holes(field)"])
+def test_ctrl_c_stops_what_is_asked_of_one_array(asked):
+    program = f"""
         import numpy as np, signal, time
         from cones import topo
         signal.signal(signal.SIGINT, signal.default_int_handler)
         field = np.random.default_rng(6).random((220, 220, 220), dtype=np.float32)
         begin = time.perf_counter()
-        topo.sublevel(field)
+        topo.{asked}
         print(time.perf_counter() - begin, flush=True)
         try:
             while True:
-                topo.sublevel(field)
+                topo.{asked}
         except KeyboardInterrupt:
             print("stopped", flush=True)
     """

@@ -95,6 +95,7 @@ impl Direction for Falling {
 #[derive(Debug, Clone, Copy)]
 pub struct Filtration<'a, S, D> {
     field: &'a [S],
+    is_masked: bool,
     direction: PhantomData<D>,
     watch: Watch<'a>,
 }
@@ -102,16 +103,30 @@ pub struct Filtration<'a, S, D> {
 impl<'a, S: Scalar, D: Direction> Filtration<'a, S, D> {
     /// Checks a field for a domain of `vertices` vertices.
     pub(crate) fn new(field: &'a [S], vertices: usize, nan: NanPolicy) -> Result<Self, Error> {
+        let filtration = Self::unchecked(field, vertices, nan)?;
+        filtration.check()?;
+        Ok(filtration)
+    }
+
+    /// Checks no more than the number of values.
+    pub(crate) fn unchecked(field: &'a [S], vertices: usize, nan: NanPolicy) -> Result<Self, Error> {
         if field.len() != vertices {
             return Err(Error::Length { values: field.len(), vertices });
         }
         check_vertex_count(vertices)?;
-        if nan == NanPolicy::Refuse
-            && let Some(vertex) = first_nan(field)
-        {
-            return Err(Error::NotANumber { vertex });
-        }
-        Ok(Self { field, direction: PhantomData, watch: Watch::NONE })
+        let is_masked = nan == NanPolicy::Mask;
+        Ok(Self { field, is_masked, direction: PhantomData, watch: Watch::NONE })
+    }
+
+    /// Refuses NaN unless it is masked.
+    pub(crate) fn check(&self) -> Result<(), Error> {
+        let first = if self.is_masked { None } else { first_nan(self.field) };
+        first.map_or(Ok(()), |vertex| Err(Error::NotANumber { vertex }))
+    }
+
+    /// Whether there may be NaN, which never enters.
+    pub(crate) fn is_masked(&self) -> bool {
+        self.is_masked
     }
 
     /// The same, for work that can be stopped.
@@ -131,7 +146,7 @@ impl<'a, S: Scalar, D: Direction> Filtration<'a, S, D> {
 
     /// The same field and the reverse order.
     pub(crate) fn backwards(&self) -> Filtration<'a, S, Falling> {
-        Filtration { field: self.field, direction: PhantomData, watch: self.watch }
+        Filtration { field: self.field, is_masked: self.is_masked, direction: PhantomData, watch: self.watch }
     }
 
     /// The field itself, by vertex index.

@@ -148,6 +148,7 @@
 //! | the most persistent ones first, or some of them | [`Pairs::ranked`], [`Pairs::top`] | O(e log e), O(e) |
 //! | both kinds, and extrema ranked by persistence | [`persistence`](fn@persistence), [`Persistence::hierarchy`] | two scans |
 //! | holes of pictures, cavities of volumes | [`holes`](fn@holes) | a scan, and a copy of the field |
+//! | all there is of a picture: pairs and holes | [`pairs_and_holes`](fn@pairs_and_holes) | a scan, and O(e log e) |
 //! | how components merge: nodes, arcs, parents, sizes | [`merge_tree`](fn@merge_tree), [`MergeTree::branches`] | two to three scans |
 //! | the components at a level, their vertices, heights, sums | [`MergeTree::at`], [`MergeTree::components`] | O(n) |
 //! | the tree of the branches that are large enough | [`MergeTree::simplify`], [`MergeTree::filter`] | O(n), O(n log e) |
@@ -222,7 +223,7 @@
 //! # How fast
 //!
 //! Nothing sorts all vertices. Most of them are found to be regular by a look at their neighbours; the rest is a graph
-//! of basins, paired by Borůvka's method with the elder rule. On smooth fields a grid takes a quarter to a half of the
+//! of basins, which are paired by the elder rule. Joins are put in order digit by digit. On smooth fields a grid takes a quarter to a half of the
 //! time that sorting its values takes, and 5 bytes a vertex; see `benches/persistence`. The plain method is there too
 //! ([`PersistenceOptions::plain_sweep`]), and both are tested to agree vertex by vertex.
 
@@ -243,7 +244,8 @@ pub use error::Error;
 pub use features::{
     Branch, ContourArc, ContourNode, ContourTree, Dendrogram, Diagram, Extended, Extremum, Hierarchy, Hole, Holes,
     LevelComponent, Link, Loop, Matching, MergeTree, Node, Segmentation, Wasserstein, contour_tree,
-    extended_persistence, holes, isolation, merge_tree, segmentation, simplify, single_linkage, weighted_edges,
+    extended_persistence, holes, holes_watched, isolation, merge_tree, pairs_and_holes, pairs_and_holes_watched,
+    segmentation, simplify, single_linkage, weighted_edges,
 };
 #[doc(hidden)]
 pub use filtration::{Direction, Filtration};

@@ -32,6 +32,66 @@ pub(crate) fn map_blocks<T, R>(data: &mut [T], unit: usize, work: impl Fn(Range<
     data.chunks_mut(length).enumerate().map(work).collect()
 }
 
+/// Calls `work` with blocks of `data` and the range each has in it, to note what it finds there; the findings of consecutive ranges.
+#[cfg(feature = "rayon")]
+pub(crate) fn scan_blocks<T: Send, R: Default + Send>(
+    data: &mut [T],
+    unit: usize,
+    work: impl Fn(Range<usize>, &mut [T], &mut R) + Sync,
+) -> Vec<R> {
+    map_blocks(data, unit, |range, data| {
+        let mut found = R::default();
+        work(range, data, &mut found);
+        found
+    })
+}
+
+/// Calls `work` with blocks of `data` and the range each has in it, to note what it finds there; all findings in one.
+#[cfg(not(feature = "rayon"))]
+pub(crate) fn scan_blocks<T, R: Default>(
+    data: &mut [T],
+    unit: usize,
+    work: impl Fn(Range<usize>, &mut [T], &mut R),
+) -> Vec<R> {
+    let (length, mut found) = (block_length(unit), R::default());
+    for (block, data) in data.chunks_mut(length).enumerate() {
+        work(block * length..block * length + data.len(), data, &mut found);
+    }
+    vec![found]
+}
+
+/// [`scan_blocks`] of two lists of one length.
+#[cfg(feature = "rayon")]
+pub(crate) fn scan_blocks_of_two<T: Send, R: Default + Send>(
+    [one, two]: [&mut [T]; 2],
+    unit: usize,
+    work: impl Fn(Range<usize>, [&mut [T]; 2], &mut R) + Sync,
+) -> Vec<R> {
+    use rayon::prelude::*;
+    let length = block_length(unit);
+    let blocks = one.par_chunks_mut(length).zip(two.par_chunks_mut(length)).enumerate();
+    let scan = |(block, (one, two)): (usize, (&mut [T], &mut [T]))| {
+        let mut found = R::default();
+        work(block * length..block * length + one.len(), [one, two], &mut found);
+        found
+    };
+    blocks.map(scan).collect()
+}
+
+/// [`scan_blocks`] of two lists of one length.
+#[cfg(not(feature = "rayon"))]
+pub(crate) fn scan_blocks_of_two<T, R: Default>(
+    [one, two]: [&mut [T]; 2],
+    unit: usize,
+    work: impl Fn(Range<usize>, [&mut [T]; 2], &mut R),
+) -> Vec<R> {
+    let (length, mut found) = (block_length(unit), R::default());
+    for (block, (one, two)) in one.chunks_mut(length).zip(two.chunks_mut(length)).enumerate() {
+        work(block * length..block * length + one.len(), [one, two], &mut found);
+    }
+    vec![found]
+}
+
 /// How long a block of whole units is.
 fn block_length(unit: usize) -> usize {
     unit.max(1) * (BLOCK / unit.max(1)).max(1)
@@ -50,26 +110,33 @@ pub(crate) fn fold_blocks<T, R>(items: &[T], work: impl Fn(usize, &[T]) -> R) ->
     vec![work(0, items)]
 }
 
-/// The results that `map` has for `items`, in their order; those of some blocks only if the watch stops.
+/// The results that `map` has for the items of blocks, in their order; those of some blocks only if the watch stops.
 #[cfg(feature = "rayon")]
-pub(crate) fn filter_map<T: Sync, R: Send>(
-    items: Vec<T>,
+pub(crate) fn filter_map<T: Send, R: Send>(
+    blocks: Vec<Vec<T>>,
     watch: Watch<'_>,
-    map: impl Fn(&T) -> Option<R> + Sync + Send,
+    map: impl Fn(T) -> Option<R> + Sync + Send,
 ) -> Vec<R> {
     use rayon::prelude::*;
-    let blocks = items.par_chunks(BLOCK).map(|items| if watch.stops() { &[] } else { items });
-    blocks.flat_map_iter(|items| items.iter().filter_map(&map)).collect()
+    let blocks = blocks.into_par_iter().filter(|_| !watch.stops());
+    blocks.flat_map_iter(|items| items.into_iter().filter_map(&map)).collect()
 }
 
-/// The results that `map` has for `items`, in their order and, if they are of one size, in their place; only some if the watch stops.
+/// The results that `map` has for the items of blocks, in their order and, if there is one block and both are of one size, in their place;
+/// only some if the watch stops.
 #[cfg(not(feature = "rayon"))]
-pub(crate) fn filter_map<T, R>(items: Vec<T>, watch: Watch<'_>, map: impl Fn(&T) -> Option<R>) -> Vec<R> {
+pub(crate) fn filter_map<T, R>(blocks: Vec<Vec<T>>, watch: Watch<'_>, map: impl Fn(T) -> Option<R>) -> Vec<R> {
     let (mut count, mut stops) = (0usize, false);
-    let map_if_it_goes_on = |item: T| {
+    let mut map_if_it_goes_on = |item: T| {
         stops |= count.is_multiple_of(BLOCK) && watch.stops();
         count += 1;
-        if stops { None } else { map(&item) }
+        if stops { None } else { map(item) }
     };
-    items.into_iter().filter_map(map_if_it_goes_on).collect()
+    let results =
+        blocks.into_iter().map(|items| items.into_iter().filter_map(&mut map_if_it_goes_on).collect::<Vec<R>>());
+    let joined = results.reduce(|mut all, more| {
+        all.extend(more);
+        all
+    });
+    joined.unwrap_or_default()
 }

@@ -119,6 +119,23 @@ impl<V: Copy, S: Scalar> Pairs<V, S> {
         Self { kind, pairs, zero_count }
     }
 
+    /// From merges by rising index of their extrema, those of zero persistence left out and counted.
+    pub(crate) fn of_merges<D: Direction>(
+        filtration: &Filtration<'_, S, D>,
+        merges: &[Merge],
+        vertex: impl Fn(u32) -> V,
+    ) -> Self {
+        let pair = |merge: &Merge| Pair {
+            extremum: vertex(merge.extremum),
+            saddle: merge.is_finite().then(|| vertex(merge.end)),
+            birth: filtration.value(merge.extremum),
+            end: filtration.value(merge.end),
+        };
+        let pairs: Vec<_> = merges.iter().map(pair).filter(|pair| !pair.is_zero()).collect();
+        let zero_count = merges.len() - pairs.len();
+        Self::new(D::KIND, pairs, zero_count)
+    }
+
     /// The pairs as arrays of vertices and values, in their order.
     pub fn columns(&self) -> PairColumns<V, S> {
         PairColumns {
@@ -203,7 +220,8 @@ impl<V: Copy, S: Scalar> Pairs<V, S> {
 
     /// Sum of the persistences of the finite pairs.
     pub fn total_persistence(&self) -> f64 {
-        self.finite().filter_map(|pair| pair.persistence().to_f64()).sum()
+        // Not by `sum`, which makes -0.0 of nothing.
+        self.finite().filter_map(|pair| pair.persistence().to_f64()).fold(0.0, |sum, persistence| sum + persistence)
     }
 }
 
@@ -293,7 +311,11 @@ impl PersistenceOptions {
         watch: Watch<'_>,
     ) -> Result<Pairs<G::Vertex, S>, Error> {
         watch.held(|watch| {
-            let filtration = Filtration::<S, D>::new(field, domain.vertex_count(), self.nan)?.watched(watch);
+            let filtration = Filtration::<S, D>::unchecked(field, domain.vertex_count(), self.nan)?.watched(watch);
+            let looks_once = domain.looks_once() && !self.plain_sweep;
+            if !looks_once {
+                filtration.check()?;
+            }
             let zero_count = Cell::new(0);
             let pair = |merge: &Merge, birth, end| {
                 let pair = Pair {
@@ -314,6 +336,9 @@ impl PersistenceOptions {
             };
             if filtration.stops() {
                 return Err(Error::Interrupted);
+            }
+            if looks_once && pairs.is_empty() {
+                filtration.check()?;
             }
             if !self.keep_zeros && zero_count.get() > 0 {
                 pairs.retain(|pair| !pair.is_zero());

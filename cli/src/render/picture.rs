@@ -44,6 +44,14 @@ impl Picture {
         Self { width, height, pixels: vec![encode(paper); width * height] }
     }
 
+    /// Each pixel as a square of so many.
+    pub(crate) fn enlarged(&self, factor: usize) -> Self {
+        let (width, height) = (self.width * factor, self.height * factor);
+        let row = |y: usize| &self.pixels[y * self.width..(y + 1) * self.width];
+        let wide = |y: usize| row(y / factor).iter().flat_map(|&pixel| std::iter::repeat_n(pixel, factor));
+        Self { width, height, pixels: (0..height).flat_map(wide).collect() }
+    }
+
     /// Puts another on it with the upper left corner at a place; what reaches beyond is cut off.
     pub(crate) fn place(&mut self, other: &Self, [x, y]: [usize; 2]) {
         let columns = other.width.min(self.width.saturating_sub(x));

@@ -187,7 +187,8 @@ fn extrema_are_drawn_over_the_picture_and_segments_are_shaded_by_it() {
     folder.run(&[&["persistence", "a.csv"], &pictures[..]].concat()).success();
     for name in ["p.png", "s.png"] {
         let report = json(&folder, &["persistence", name]);
-        assert_eq!(report["input"]["shape"], serde_json::json!([3, 4]), "{name}");
+        // Each of three by four values is a square of 120 pixels.
+        assert_eq!(report["input"]["shape"], serde_json::json!([360, 480]), "{name}");
     }
     assert!(folder.complaint(&["persistence", "s.txt", "--picture", "q.png"]).contains("two axes"));
 }

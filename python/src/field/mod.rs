@@ -92,27 +92,26 @@ fn pairs_of(
     keeps_zeros: bool,
 ) -> PyResult<Pairs> {
     let options = options(masks_nan, keeps_zeros);
-    on_domain!(domain, field, (on, slice) => pairs(py, slice.len(), |watch| match is_superlevel {
+    on_domain!(domain, field, (on, slice) => Ok(Pairs::new(stoppable(py, slice.len(), |watch| match is_superlevel {
         true => options.superlevel_watched(on, slice, watch),
         false => options.sublevel_watched(on, slice, watch),
-    }))
+    })?)))
 }
 
 /// So many values are paired within some 50 ms: below that the caller's thread does not look for signals.
 const FEW: usize = 1 << 20;
 
-/// Computes pairs without the interpreter's lock, so that Ctrl-C stops it where it is long.
-fn pairs<S: Number>(
+/// Computes something on so many vertices without the interpreter's lock, so that Ctrl-C stops it where it is long.
+fn stoppable<T: Send>(
     py: Python<'_>,
     vertices: usize,
-    compute: impl FnOnce(Watch<'_>) -> Result<topo::Pairs<usize, S>, topo::Error> + Send,
-) -> PyResult<Pairs> {
-    let pairs = if vertices <= FEW {
-        on_pool(py, || compute(Watch::NONE))?
+    compute: impl FnOnce(Watch<'_>) -> Result<T, topo::Error> + Send,
+) -> PyResult<T> {
+    if vertices <= FEW {
+        on_pool(py, || compute(Watch::NONE))
     } else {
-        watched(py, None, |told| compute(Watch::new(&|| told.goes_on())))?
-    };
-    Ok(Pairs::new(pairs))
+        watched(py, None, |told| compute(Watch::new(&|| told.goes_on())))
+    }
 }
 
 /// Computes something without the interpreter's lock, on the pool.
@@ -132,7 +131,11 @@ fn merge_tree(
 ) -> PyResult<Tree> {
     let (options, kind) = (options(masks_nan, false), kind(is_superlevel));
     on_domain!(domain, field, (on, slice) => {
-        let tree: Box<dyn AnyTree> = Box::new(on_pool(py, || Ok(options.merge_tree(on, slice, kind)?.into_owned()))?);
+        let tree = |watch: Watch<'_>| {
+            let tree = options.merge_tree_watched(on, slice, kind, watch)?;
+            Ok::<_, topo::Error>(tree.into_owned())
+        };
+        let tree: Box<dyn AnyTree> = Box::new(stoppable(py, slice.len(), tree)?);
         Ok(Tree(tree))
     })
 }
@@ -150,7 +153,8 @@ fn segmentation<'py>(
     let (options, kind) = (options(masks_nan, false), kind(is_superlevel));
     on_domain!(domain, field, (on, slice) => {
         let least = threshold_of(slice, least)?;
-        Ok(segments(py, &on_pool(py, || options.segmentation(on, slice, kind, least))?))
+        let basins = |watch: Watch<'_>| options.segmentation_watched(on, slice, kind, least, watch);
+        Ok(segments(py, &stoppable(py, slice.len(), basins)?))
     })
 }
 
@@ -166,7 +170,8 @@ fn simplify<'py>(
     let options = options(masks_nan, false);
     on_domain!(domain, field, (on, slice) => {
         let least = threshold_of(slice, least)?;
-        Ok(PyArray1::from_vec(py, on_pool(py, || options.simplify(on, slice, least))?).into_any())
+        let simpler = |watch: Watch<'_>| options.simplify_watched(on, slice, least, watch);
+        Ok(PyArray1::from_vec(py, stoppable(py, slice.len(), simpler)?).into_any())
     })
 }
 
@@ -181,10 +186,10 @@ fn holes<'py>(
     let kind = kind(is_superlevel);
     match &domain.kind {
         DomainKind::Picture(on) => with_field!(field, [u8, u16, i16, i32, i64, u64, f32, f64], slice => {
-            Ok(hole_columns(py, &on_pool(py, || topo::holes(on, slice, kind))?))
+            Ok(hole_columns(py, &stoppable(py, slice.len(), |watch| topo::holes_watched(on, slice, kind, watch))?))
         }),
         DomainKind::Volume(on) => with_field!(field, [u8, u16, i16, i32, i64, u64, f32, f64], slice => {
-            Ok(hole_columns(py, &on_pool(py, || topo::holes(on, slice, kind))?))
+            Ok(hole_columns(py, &stoppable(py, slice.len(), |watch| topo::holes_watched(on, slice, kind, watch))?))
         }),
         _ => Err(Error::new_err("holes are those of pictures and volumes: give an array of two or three axes")),
     }

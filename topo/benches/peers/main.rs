@@ -40,6 +40,9 @@ fn main() -> Result<(), Box<dyn Error>> {
 fn once(what: &str, shape: &[usize], field: &[f64]) -> Result<(), Box<dyn Error>> {
     match *shape {
         [n] => drop(topo::sublevel(&Path::new(n), field)?),
+        [h, w] if what == "pairs and holes" => {
+            drop(topo::pairs_and_holes(&Grid::new([h, w], Connectivity::Full), field, Kind::Minimum)?);
+        }
         [h, w] => on_grid(what, Grid::new([h, w], Connectivity::Full), field)?,
         [d, h, w] => on_grid(what, Grid::new([d, h, w], Connectivity::Axis), field)?,
         _ => return Err("one to three axes".into()),
@@ -53,10 +56,7 @@ where
 {
     match what {
         "pairs" => drop(topo::sublevel(&grid, field)?),
-        "pairs and holes" => {
-            drop(topo::sublevel(&grid, field)?);
-            drop(topo::holes(&grid, field, Kind::Minimum)?);
-        }
+        "holes" => drop(topo::holes(&grid, field, Kind::Minimum)?),
         "tree" => drop(topo::merge_tree(&grid, field, Kind::Minimum)?),
         "contour tree" => drop(topo::contour_tree(&grid, field)?),
         "sort" => {

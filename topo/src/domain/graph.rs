@@ -51,7 +51,13 @@ pub trait Domain: Copy {
     /// Pairs the extrema in the way that is fastest on this domain; by rising index.
     #[doc(hidden)]
     fn merges<S: Scalar, D: Direction>(&self, filtration: &Filtration<'_, S, D>) -> Vec<Merge> {
-        self.basins(filtration, Pointing::Any).pair(filtration).0
+        self.basins(filtration, Pointing::Any).pair(filtration).merges
+    }
+
+    /// Whether [`map_merges`](Self::map_merges) looks for NaN itself and then finds nothing, so that values come from memory once.
+    #[doc(hidden)]
+    fn looks_once(&self) -> bool {
+        false
     }
 
     /// What `pair` makes of the merges, each with the values at its extremum and at its end; nothing if the work is stopped. Of a component

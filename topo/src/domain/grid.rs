@@ -170,16 +170,15 @@ impl<const D: usize> Domain for &Grid<D> {
         // Zeros are memory that no thread has touched yet; the scan writes every pointer.
         let mut next = vec![0; self.vertex_count()];
         let row_length = self.shape[2];
-        let scans = parallel::map_blocks(&mut next, row_length, |vertices, next| {
+        let scans = parallel::scan_blocks(&mut next, row_length, |vertices, next, found: &mut Scan| {
             if filtration.stops() {
-                return None;
+                return;
             }
-            let mut scanner = Scanner::new(self, filtration, pointing);
+            let mut scanner = Scanner::new(self, filtration, pointing, found);
             let first_row = vertices.start / row_length;
             for (row, next) in (first_row..).zip(next.chunks_mut(row_length)) {
                 scanner.scan_row(row, next);
             }
-            Some(scanner.found)
         });
         Basins::new(next, scans, filtration)
     }
@@ -207,7 +206,7 @@ struct Scanner<'a, S, F, const D: usize> {
     pointing: Pointing,
     /// Of steepest descent, for each vertex of a span the earliest value around it so far.
     earliest: Vec<S>,
-    found: Scan,
+    found: &'a mut Scan,
 }
 
 /// A stencil vertex as seen from all vertices of a row.
@@ -221,9 +220,9 @@ struct Look {
 }
 
 impl<'a, S: Scalar, F: Direction, const D: usize> Scanner<'a, S, F, D> {
-    fn new(grid: &'a Grid<D>, filtration: &'a Filtration<'a, S, F>, pointing: Pointing) -> Self {
+    fn new(grid: &'a Grid<D>, filtration: &'a Filtration<'a, S, F>, pointing: Pointing, found: &'a mut Scan) -> Self {
         let (there, looks, earliest) = (Vec::new(), Vec::new(), Vec::new());
-        let (stencil, leaps, sets, found) = (grid.stencil(), [0; 32], [0; SPAN], Scan::default());
+        let (stencil, leaps, sets) = (grid.stencil(), [0; 32], [0; SPAN]);
         Self { grid, filtration, stencil, here: 0, there, looks, leaps, sets, pointing, earliest, found }
     }
 
@@ -372,7 +371,13 @@ impl<'a, S: Scalar, F: Direction, const D: usize> Scanner<'a, S, F, D> {
 }
 
 /// Sets a bit where the value of the other vertex is earlier than that of the centre.
-fn mark<S: Scalar>(sets: &mut [u32], others: &[S], centres: &[S], bit: usize, is_earlier: impl Fn(S, S) -> bool) {
+pub(super) fn mark<S: Scalar>(
+    sets: &mut [u32],
+    others: &[S],
+    centres: &[S],
+    bit: usize,
+    is_earlier: impl Fn(S, S) -> bool,
+) {
     for (set, (&other, &centre)) in sets.iter_mut().zip(others.iter().zip(centres)) {
         *set |= u32::from(is_earlier(other, centre)) << bit;
     }

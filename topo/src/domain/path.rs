@@ -52,24 +52,44 @@ impl Domain for &Path {
         }
     }
 
+    fn looks_once(&self) -> bool {
+        true
+    }
+
     fn map_merges<S: Scalar, D: Direction, T>(
         &self,
         filtration: &Filtration<'_, S, D>,
         pair: impl Fn(&Merge, S, S) -> T,
     ) -> Vec<T> {
-        let mut stack =
-            Stack { filtration, pair, basins: Vec::new(), separator: 0, is_minimum: true, pairs: Vec::new() };
-        let mut start = 0;
-        for stretch in filtration.field().split(|value| value.is_nan()) {
-            stack.pair(start as u32..(start + stretch.len()) as u32);
-            start += stretch.len() + 1;
+        let mut stack = Stack {
+            filtration,
+            pair,
+            basins: Vec::new(),
+            is_minimum: true,
+            separator: 0,
+            level: None,
+            is_unpaired: false,
+            pairs: Vec::new(),
+        };
+        let field = filtration.field();
+        if filtration.is_masked() {
+            let mut start = 0;
+            for stretch in field.split(|value| value.is_nan()) {
+                stack.pair(start as u32..(start + stretch.len()) as u32);
+                start += stretch.len() + 1;
+            }
+        } else {
+            stack.pair(0..field.len() as u32);
         }
-        stack.pairs
+        if stack.is_unpaired { Vec::new() } else { stack.pairs }
     }
 }
 
 /// So many vertices are searched for extrema at a time.
 const SEARCHED: usize = 1024;
+
+/// One time in so many the watch is asked.
+const ASKED: u32 = 64;
 
 /// A basin that waits, and the maximum that separates it from the one below it on the stack.
 #[derive(Clone, Copy)]
@@ -87,10 +107,13 @@ struct Stack<'a, S, D, P, T> {
     filtration: &'a Filtration<'a, S, D>,
     pair: P,
     basins: Vec<Basin<S>>,
-    /// The last maximum.
-    separator: u32,
     /// Whether the next extremum is a minimum.
     is_minimum: bool,
+    /// The last maximum of the stretch, and its value.
+    separator: u32,
+    level: Option<S>,
+    /// Whether a value has turned out to be no number.
+    is_unpaired: bool,
     /// What becomes of each basin, by rising index of its minimum.
     pairs: Vec<T>,
 }
@@ -102,8 +125,15 @@ impl<S: Scalar, D: Direction, P: Fn(&Merge, S, S) -> T, T> Stack<'_, S, D, P, T>
         let mut latest = self.filtration.later(stretch.start, last);
         let mut falls = true;
         for start in stretch.step_by(SEARCHED) {
+            if (start / SEARCHED as u32).is_multiple_of(ASKED) && self.filtration.stops() {
+                break;
+            }
             let end = last.min(start.saturating_add(SEARCHED as u32));
             let values = &self.filtration.field()[start as usize..=end as usize];
+            if values.iter().fold(false, |found, value| found | value.is_nan()) {
+                self.is_unpaired = true;
+                break;
+            }
             let (mut turns, mut count) = ([0; SEARCHED], 0);
             for (v, (&value, &next)) in (start..).zip(values.iter().zip(&values[1..])) {
                 let falls_on = D::precedes_lower_index(next, value);
@@ -111,44 +141,63 @@ impl<S: Scalar, D: Direction, P: Fn(&Merge, S, S) -> T, T> Stack<'_, S, D, P, T>
                 count += usize::from(falls_on != falls);
                 falls = falls_on;
             }
-            turns[..count].iter().for_each(|&v| latest = self.turn(v, latest));
+            latest = self.turn(&turns[..count], latest);
         }
         if falls {
-            self.turn(last, latest);
+            latest = self.turn(&[last], latest);
         }
         self.end(latest);
     }
 
-    /// Minima and maxima in turn, with a minimum at both ends; the later of a vertex and this one, if it is a maximum.
-    fn turn(&mut self, v: u32, latest: u32) -> u32 {
-        let value = self.filtration.value(v);
-        let is_minimum = self.is_minimum;
-        self.is_minimum = !is_minimum;
-        if is_minimum {
-            let (place, separator) = (self.pairs.len() as u32, self.separator);
-            let level = self.filtration.value(separator);
-            self.basins.push(Basin { minimum: v, place, birth: value, separator, level });
-            self.pairs.push((self.pair)(&Merge::born(v), value, value));
-            return latest;
+    /// Minima and maxima in turn, with a minimum at both ends of a stretch; the latest of a vertex and these maxima.
+    fn turn(&mut self, mut turns: &[u32], mut latest: u32) -> u32 {
+        if !self.is_minimum
+            && let [first, others @ ..] = turns
+        {
+            latest = self.maximum(*first, latest);
+            (self.is_minimum, turns) = (true, others);
         }
+        let (couples, rest) = turns.as_chunks::<2>();
+        for &[minimum, maximum] in couples {
+            self.minimum(minimum);
+            latest = self.maximum(maximum, latest);
+        }
+        for &minimum in rest {
+            self.minimum(minimum);
+            self.is_minimum = false;
+        }
+        latest
+    }
+
+    fn minimum(&mut self, v: u32) {
+        let value = self.filtration.value(v);
+        let (place, level) = (self.pairs.len() as u32, self.level.unwrap_or(value));
+        self.basins.push(Basin { minimum: v, place, birth: value, separator: self.separator, level });
+        self.pairs.push((self.pair)(&Merge::born(v), value, value));
+    }
+
+    /// Merges what lies below a maximum; the latest of it and a vertex.
+    fn maximum(&mut self, v: u32, latest: u32) -> u32 {
+        let value = self.filtration.value(v);
         self.settle(|level| D::precedes_higher_index(level, value));
-        self.separator = v;
+        (self.separator, self.level) = (v, Some(value));
         self.filtration.later(latest, v)
     }
 
     /// Merges basins across the separators on top for whose values `is_due` holds.
     fn settle(&mut self, is_due: impl Fn(S) -> bool) {
-        while let [.., below, top] = &mut self.basins[..]
+        let Some(mut top) = self.basins.pop() else { return };
+        while let Some(&below) = self.basins.last()
             && is_due(top.level)
         {
-            let (saddle, level) = (top.separator, top.level);
-            let is_top_younger = D::precedes_higher_index(below.birth, top.birth);
-            let (elder, younger) = if is_top_younger { (*below, *top) } else { (*top, *below) };
-            (below.minimum, below.place, below.birth) = (elder.minimum, elder.place, elder.birth);
-            let merge = Merge { extremum: younger.minimum, end: saddle, towards: elder.minimum };
-            self.pairs[younger.place as usize] = (self.pair)(&merge, younger.birth, level);
             self.basins.pop();
+            let is_top_younger = D::precedes_higher_index(below.birth, top.birth);
+            let (elder, younger) = if is_top_younger { (below, top) } else { (top, below) };
+            let merge = Merge { extremum: younger.minimum, end: top.separator, towards: elder.minimum };
+            self.pairs[younger.place as usize] = (self.pair)(&merge, younger.birth, top.level);
+            top = Basin { separator: below.separator, level: below.level, ..elder };
         }
+        self.basins.push(top);
     }
 
     /// Merges all basins that wait; the eldest has its end at the last vertex to enter.
@@ -158,6 +207,6 @@ impl<S: Scalar, D: Direction, P: Fn(&Merge, S, S) -> T, T> Stack<'_, S, D, P, T>
             let merge = Merge { extremum: minimum, end: latest, towards: NONE };
             self.pairs[place as usize] = (self.pair)(&merge, birth, self.filtration.value(latest));
         }
-        self.is_minimum = true;
+        (self.is_minimum, self.level) = (true, None);
     }
 }

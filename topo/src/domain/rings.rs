@@ -121,18 +121,16 @@ pub(crate) fn basins<S: Scalar, D: Direction>(
     pointing: Pointing,
 ) -> Basins {
     let mut next = vec![0; domain.vertex_count()];
-    let scans = parallel::map_blocks(&mut next, 1, |vertices, next| {
+    let scans = parallel::scan_blocks(&mut next, 1, |vertices, next, found| {
         if filtration.stops() {
-            return None;
+            return;
         }
-        let mut found = Scan::default();
         for (v, next) in vertices.zip(next) {
-            scan(domain, filtration, v as u32, next, &mut found);
+            scan(domain, filtration, v as u32, next, found);
             if pointing == Pointing::Steepest && *next != OUTSIDE {
                 *next = earliest_in_link(domain, filtration, v as u32, *next);
             }
         }
-        Some(found)
     });
     Basins::new(next, scans, filtration)
 }

@@ -4,8 +4,9 @@
 //! Pascucci, Cole-McLaughlin & Scorzelli (2004), "Multi-resolution computation and presentation of contour trees".
 
 use crate::domain::Domain;
+use crate::error::Error;
 use crate::filtration::{Direction, Filtration, Kind};
-use crate::pairing::{BasinLabels, Descent, Merge, NONE, OUTSIDE, Pointing, UnionFind};
+use crate::pairing::{BasinLabels, Descent, Merge, NONE, OUTSIDE, Paired, Pointing, UnionFind};
 use crate::scalar::Scalar;
 
 /// A branch ends at a saddle.
@@ -34,13 +35,23 @@ pub(crate) struct Branches {
 }
 
 impl Branches {
-    pub(crate) fn new<G: Domain, S: Scalar, D: Direction>(domain: G, filtration: &Filtration<'_, S, D>) -> Self {
-        let (merges, descent) = domain.basins(filtration, Pointing::Steepest).pair(filtration);
+    /// Finds them, unless the work is stopped.
+    pub(crate) fn new<G: Domain, S: Scalar, D: Direction>(
+        domain: G,
+        filtration: &Filtration<'_, S, D>,
+    ) -> Result<Self, Error> {
+        let Paired { merges, in_order, descent } = domain.basins(filtration, Pointing::Steepest).pair(filtration);
+        if filtration.stops() {
+            return Err(Error::Interrupted);
+        }
         let essential = (0..).zip(&merges).filter(|(_, merge)| !merge.is_finite());
         let essential = essential.map(|(extremum, merge)| (extremum, merge.end)).collect();
-        let ends = ends(domain, filtration, &descent, &merges);
+        let ends = ends(domain, filtration, &descent, &merges, in_order);
+        if filtration.stops() {
+            return Err(Error::Interrupted);
+        }
         let (basins, extrema) = descent.into_labels();
-        Self { extrema, basins, ends, essential }
+        Ok(Self { extrema, basins, ends, essential })
     }
 
     /// For each extremum whether its branch lives longer than a threshold.
@@ -102,78 +113,92 @@ pub(crate) fn spilled(ends: impl Iterator<Item = (u32, u32)>, kept: &[bool]) -> 
     (0..groups.len() as u32).map(|extremum| place_of_group[groups.find(extremum) as usize]).collect()
 }
 
-/// The branches that end, in the order in which they do.
+/// So many saddles are looked around at before the watch is asked.
+const LOOKED_AT: usize = 1 << 13;
+
+/// The branches that end, in the order in which they do; not all if the work is stopped.
 fn ends<G: Domain, S: Scalar, D: Direction>(
     domain: G,
     filtration: &Filtration<'_, S, D>,
     descent: &Descent,
     merges: &[Merge],
+    mut in_order: Vec<u32>,
 ) -> Vec<BranchEnd> {
-    let basin = |vertex: u32| descent.basin(vertex);
-    let mut components = UnionFind::new(merges.len());
-    let (finite, sides) = with_sides(domain, filtration, descent, merges);
-    let mut finite = filtration.sorted(&finite, |end| end.0.end);
+    let saddle = |basin: u32| merges[basin as usize].end;
     // Of several that end at one saddle the elder first, so that each finds the eldest of all.
-    for at_saddle in finite.chunk_by_mut(|a, b| a.0.end == b.0.end).filter(|at_saddle| at_saddle.len() > 1) {
-        at_saddle.copy_from_slice(&filtration.sorted(at_saddle, |end| end.0.extremum));
+    for at_saddle in in_order.chunk_by_mut(|&a, &b| saddle(a) == saddle(b)).filter(|at_saddle| at_saddle.len() > 1) {
+        at_saddle.copy_from_slice(&filtration.sorted(at_saddle, |&basin| merges[basin as usize].extremum));
     }
+    let sides = Sides::new(domain, filtration, descent, in_order.iter().map(|&basin| saddle(basin)));
     // For each component that touches the saddle, where it does first.
     let (mut first, mut noted) = (vec![NONE; merges.len()], NONE);
-    let end = |(Merge { extremum, end: saddle, towards }, list): (Merge, u32)| {
-        let around = &sides.basins[sides.starts[list as usize]..sides.starts[list as usize + 1]];
+    let mut components = UnionFind::new(merges.len());
+    let end = |(&extremum, &list): (&u32, &u32)| {
+        let Merge { end: saddle, towards, .. } = merges[extremum as usize];
+        let around = sides.of(list);
         if noted != saddle {
             noted = saddle;
             for (place, &basin) in around.iter().enumerate().rev() {
                 first[components.find(basin) as usize] = place as u32;
             }
         }
-        let (extremum, elder) = (basin(extremum), components.find(basin(towards)));
+        let elder = components.find(descent.basin(towards));
         let [from, to] = [extremum, elder].map(|component| first[component as usize]);
         // From now on the younger component is a part of the elder one.
         first[elder as usize] = from.min(to);
         components.join(extremum, elder);
         BranchEnd { extremum, saddle, elder, beyond: around[to as usize] }
     };
-    finite.into_iter().map(end).collect()
+    in_order.iter().zip(&sides.lists).map(end).collect()
 }
 
-/// The basins around each saddle, those of earlier neighbours first.
+/// The basins around saddles, those of earlier neighbours first.
 struct Sides {
-    /// Where the list of each begins, and the end of the last.
+    /// For each saddle that was asked for its list.
+    lists: Vec<u32>,
+    /// Where each list begins, and the end of the last.
     starts: Vec<usize>,
     basins: Vec<u32>,
 }
 
-/// The merges at saddles, each with the place of its saddle's list of basins. These are collected as the field lies in
-/// memory: on noise that takes half the time of looking around when saddles come by value.
-fn with_sides<G: Domain, S: Scalar, D: Direction>(
-    domain: G,
-    filtration: &Filtration<'_, S, D>,
-    descent: &Descent,
-    merges: &[Merge],
-) -> (Vec<(Merge, u32)>, Sides) {
-    let mut finite: Vec<(Merge, u32)> =
-        merges.iter().filter(|merge| merge.is_finite()).map(|&merge| (merge, 0)).collect();
-    finite.sort_unstable_by_key(|end| end.0.end);
-    let mut sides = Sides { starts: vec![0], basins: Vec::new() };
-    let mut neighbors = Vec::new();
-    for (list, at_saddle) in (0..).zip(finite.chunk_by_mut(|a, b| a.0.end == b.0.end)) {
-        let saddle = at_saddle[0].0.end;
-        at_saddle.iter_mut().for_each(|end| end.1 = list);
-        neighbors.clear();
-        domain.for_each_neighbor(saddle as usize, |u| {
-            if filtration.precedes(u as u32, saddle) {
-                neighbors.push(u as u32);
+impl Sides {
+    /// Looks around saddles, of which some come several times in a row. That is done as the field lies in memory: on noise it takes half the
+    /// time of looking around when saddles come by value. No lists if the work is stopped.
+    fn new<G: Domain, S: Scalar, D: Direction>(
+        domain: G,
+        filtration: &Filtration<'_, S, D>,
+        descent: &Descent,
+        saddles: impl ExactSizeIterator<Item = u32>,
+    ) -> Self {
+        let mut sides = Self { lists: vec![0; saddles.len()], starts: vec![0], basins: Vec::new() };
+        let mut placed: Vec<(u32, u32)> = saddles.zip(0..).collect();
+        placed.sort_unstable();
+        let mut neighbors = Vec::new();
+        for (list, at_saddle) in (0..).zip(placed.chunk_by(|a, b| a.0 == b.0)) {
+            if (list as usize).is_multiple_of(LOOKED_AT) && filtration.stops() {
+                return Self { lists: Vec::new(), ..sides };
             }
-        });
-        neighbors.sort_unstable_by_key(|&u| (filtration.value(u).key(), u));
-        if D::KIND == Kind::Maximum {
-            neighbors.reverse();
+            at_saddle.iter().for_each(|&(_, place)| sides.lists[place as usize] = list);
+            let saddle = at_saddle[0].0;
+            neighbors.clear();
+            domain.for_each_neighbor(saddle as usize, |u| {
+                if filtration.precedes(u as u32, saddle) {
+                    neighbors.push(u as u32);
+                }
+            });
+            neighbors.sort_unstable_by_key(|&u| (filtration.value(u).key(), u));
+            if D::KIND == Kind::Maximum {
+                neighbors.reverse();
+            }
+            sides.basins.extend(neighbors.iter().map(|&u| descent.basin(u)));
+            sides.starts.push(sides.basins.len());
         }
-        sides.basins.extend(neighbors.iter().map(|&u| descent.basin(u)));
-        sides.starts.push(sides.basins.len());
+        sides
     }
-    (finite, sides)
+
+    fn of(&self, list: u32) -> &[u32] {
+        &self.basins[self.starts[list as usize]..self.starts[list as usize + 1]]
+    }
 }
 
 /// Whether a vertex with this basin enters.

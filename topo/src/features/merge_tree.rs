@@ -11,10 +11,11 @@ use super::branches::{BranchEnd, Branches, enters, fill_levels, spilled};
 use super::segmentation::{Segmentation, of_basin};
 use crate::domain::Domain;
 use crate::error::Error;
-use crate::filtration::{Direction, Falling, Filtration, Kind, Rising};
+use crate::filtration::{Direction, Falling, Filtration, Kind, NanPolicy, Rising};
 use crate::options::PersistenceOptions;
 use crate::pairing::{BasinLabels, Settled};
 use crate::scalar::{Scalar, wider_first};
+use crate::watch::Watch;
 use std::borrow::Cow;
 
 /// A place in a [`MergeTree`].
@@ -109,17 +110,24 @@ impl<V, S: Scalar> MergeTree<'_, V, S> {
 }
 
 impl<'f, V: Copy, S: Scalar> MergeTree<'f, V, S> {
-    pub(crate) fn new<G: Domain<Vertex = V>, D: Direction>(domain: G, filtration: &Filtration<'f, S, D>) -> Self {
-        Self::named(domain, filtration, |index| domain.vertex(index as usize))
+    fn new<G: Domain<Vertex = V>, D: Direction>(
+        domain: G,
+        field: &'f [S],
+        nan: NanPolicy,
+        watch: Watch<'_>,
+    ) -> Result<Self, Error> {
+        let filtration = Filtration::<S, D>::new(field, domain.vertex_count(), nan)?.watched(watch);
+        Self::named(domain, &filtration, field, |index| domain.vertex(index as usize))
     }
 
-    /// The tree with vertices named otherwise than by the domain.
+    /// The tree with vertices named otherwise than by the domain, unless the work is stopped.
     pub(super) fn named<G: Domain, D: Direction>(
         domain: G,
-        filtration: &Filtration<'f, S, D>,
+        filtration: &Filtration<'_, S, D>,
+        field: &'f [S],
         name: impl Fn(u32) -> V,
-    ) -> Self {
-        let branches = Branches::new(domain, filtration);
+    ) -> Result<Self, Error> {
+        let branches = Branches::new(domain, filtration)?;
         let place = |index: u32| TreeVertex { index, vertex: name(index), value: filtration.value(index) };
         let end = |&BranchEnd { extremum, saddle, elder, beyond }: &BranchEnd| End {
             leaf: extremum,
@@ -127,14 +135,14 @@ impl<'f, V: Copy, S: Scalar> MergeTree<'f, V, S> {
             beyond,
             saddle: place(saddle),
         };
-        Self {
+        Ok(Self {
             kind: D::KIND,
             leaves: branches.extrema.iter().map(|&extremum| place(extremum)).collect(),
             endings: branches.ends.iter().map(end).collect(),
             roots: branches.essential.iter().map(|&(leaf, last)| (leaf, place(last))).collect(),
             basins: branches.basins,
-            values: Cow::Borrowed(filtration.field()),
-        }
+            values: Cow::Borrowed(field),
+        })
     }
 
     /// Whether leaves are minima or maxima.
@@ -319,10 +327,23 @@ impl PersistenceOptions {
         field: &[S],
         kind: Kind,
     ) -> Result<MergeTree<'_, G::Vertex, S>, Error> {
-        let count = domain.vertex_count();
-        Ok(match kind {
-            Kind::Minimum => MergeTree::new(domain, &Filtration::<S, Rising>::new(field, count, self.nan)?),
-            Kind::Maximum => MergeTree::new(domain, &Filtration::<S, Falling>::new(field, count, self.nan)?),
+        self.merge_tree_watched(domain, field, kind, Watch::NONE)
+    }
+
+    /// [`merge_tree`](fn@crate::merge_tree) with these options that can be stopped.
+    ///
+    /// # Errors
+    /// If the field does not fit the domain, see [`Error`]; [`Error::Interrupted`] if the watch has stopped the work.
+    pub fn merge_tree_watched<'f, G: Domain, S: Scalar>(
+        self,
+        domain: G,
+        field: &'f [S],
+        kind: Kind,
+        watch: Watch<'_>,
+    ) -> Result<MergeTree<'f, G::Vertex, S>, Error> {
+        watch.held(|watch| match kind {
+            Kind::Minimum => MergeTree::new::<G, Rising>(domain, field, self.nan, watch),
+            Kind::Maximum => MergeTree::new::<G, Falling>(domain, field, self.nan, watch),
         })
     }
 }

@@ -19,7 +19,7 @@ pub use contour_tree::{ContourArc, ContourNode, ContourTree, contour_tree};
 pub use diagram::{Diagram, Matching, Wasserstein};
 pub use extended::{Extended, Loop, extended_persistence};
 pub use hierarchy::{Extremum, Hierarchy};
-pub use holes::{Hole, Holes, holes};
+pub use holes::{Hole, Holes, holes, holes_watched, pairs_and_holes, pairs_and_holes_watched};
 pub use isolation::isolation;
 pub use levels::LevelComponent;
 pub use linkage::{Dendrogram, Link, single_linkage, weighted_edges};

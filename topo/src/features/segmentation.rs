@@ -10,6 +10,7 @@ use crate::filtration::{Direction, Falling, Filtration, Kind, Rising};
 use crate::options::PersistenceOptions;
 use crate::pairing::NONE;
 use crate::scalar::Scalar;
+use crate::watch::Watch;
 
 /// Every vertex with its extremum.
 ///
@@ -40,13 +41,14 @@ impl<V: Copy> Segmentation<V> {
         domain: G,
         filtration: &Filtration<'_, S, D>,
         threshold: S::Width,
-    ) -> Self {
-        let branches = Branches::new(domain, filtration);
+    ) -> Result<Self, Error> {
+        let branches = Branches::new(domain, filtration)?;
         let kept = branches.longer(filtration, threshold);
         let segment_of_basin = spilled(branches.ends.iter().map(|end| (end.extremum, end.beyond)), &kept);
         let survivors = branches.extrema.iter().zip(&kept).filter(|&(_, &kept)| kept);
         let extrema = survivors.map(|(&extremum, _)| domain.vertex(extremum as usize)).collect();
-        Self::new(extrema, branches.basins.into_labels(|basin| of_basin(&segment_of_basin, basin)))
+        let labels = branches.basins.into_labels(filtration.watch(), |basin| of_basin(&segment_of_basin, basin));
+        if filtration.stops() { Err(Error::Interrupted) } else { Ok(Self::new(extrema, labels)) }
     }
 
     /// The extremum of each segment.
@@ -117,13 +119,30 @@ impl PersistenceOptions {
         kind: Kind,
         threshold: S::Width,
     ) -> Result<Segmentation<G::Vertex>, Error> {
+        self.segmentation_watched(domain, field, kind, threshold, Watch::NONE)
+    }
+
+    /// [`segmentation`](fn@crate::segmentation) with these options that can be stopped.
+    ///
+    /// # Errors
+    /// If the field does not fit the domain, see [`Error`]; [`Error::Interrupted`] if the watch has stopped the work.
+    pub fn segmentation_watched<G: Domain, S: Scalar>(
+        self,
+        domain: G,
+        field: &[S],
+        kind: Kind,
+        threshold: S::Width,
+        watch: Watch<'_>,
+    ) -> Result<Segmentation<G::Vertex>, Error> {
         let count = domain.vertex_count();
-        Ok(match kind {
+        watch.held(|watch| match kind {
             Kind::Minimum => {
-                Segmentation::of_field(domain, &Filtration::<S, Rising>::new(field, count, self.nan)?, threshold)
+                let filtration = Filtration::<S, Rising>::new(field, count, self.nan)?.watched(watch);
+                Segmentation::of_field(domain, &filtration, threshold)
             }
             Kind::Maximum => {
-                Segmentation::of_field(domain, &Filtration::<S, Falling>::new(field, count, self.nan)?, threshold)
+                let filtration = Filtration::<S, Falling>::new(field, count, self.nan)?.watched(watch);
+                Segmentation::of_field(domain, &filtration, threshold)
             }
         })
     }

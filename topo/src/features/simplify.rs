@@ -13,6 +13,7 @@ use crate::error::Error;
 use crate::filtration::{Direction, Falling, Filtration, NanPolicy, Rising};
 use crate::options::PersistenceOptions;
 use crate::scalar::Scalar;
+use crate::watch::Watch;
 
 /// A field at most `threshold` away from the given one everywhere, all of whose finite pairs are more persistent than
 /// that, except pairs of zero persistence on the plateaus that this leaves.
@@ -36,7 +37,21 @@ impl PersistenceOptions {
     /// # Errors
     /// If the field does not fit the domain, see [`Error`].
     pub fn simplify<G: Domain, S: Scalar>(self, domain: G, field: &[S], threshold: S::Width) -> Result<Vec<S>, Error> {
-        until_stable(domain, field, threshold, self.nan)
+        self.simplify_watched(domain, field, threshold, Watch::NONE)
+    }
+
+    /// [`simplify`](fn@crate::simplify) with these options that can be stopped.
+    ///
+    /// # Errors
+    /// If the field does not fit the domain, see [`Error`]; [`Error::Interrupted`] if the watch has stopped the work.
+    pub fn simplify_watched<G: Domain, S: Scalar>(
+        self,
+        domain: G,
+        field: &[S],
+        threshold: S::Width,
+        watch: Watch<'_>,
+    ) -> Result<Vec<S>, Error> {
+        watch.held(|watch| until_stable(domain, field, threshold, self.nan, watch))
     }
 }
 
@@ -46,11 +61,12 @@ fn until_stable<G: Domain, S: Scalar>(
     field: &[S],
     threshold: S::Width,
     nan: NanPolicy,
+    watch: Watch<'_>,
 ) -> Result<Vec<S>, Error> {
     let mut simplified = field.to_vec();
     loop {
-        let filled = fill::<G, S, Rising>(domain, &simplified, threshold, nan)?;
-        let cut = fill::<G, S, Falling>(domain, &filled, threshold, nan)?;
+        let filled = fill::<G, S, Rising>(domain, &simplified, threshold, nan, watch)?;
+        let cut = fill::<G, S, Falling>(domain, &filled, threshold, nan, watch)?;
         let is_stable = cut.iter().zip(&simplified).all(|(new, old)| new.key() == old.key());
         simplified = cut;
         if is_stable {
@@ -64,8 +80,9 @@ fn fill<G: Domain, S: Scalar, D: Direction>(
     field: &[S],
     threshold: S::Width,
     nan: NanPolicy,
+    watch: Watch<'_>,
 ) -> Result<Vec<S>, Error> {
-    let filtration = Filtration::<S, D>::new(field, domain.vertex_count(), nan)?;
-    let branches = Branches::new(domain, &filtration);
+    let filtration = Filtration::<S, D>::new(field, domain.vertex_count(), nan)?.watched(watch);
+    let branches = Branches::new(domain, &filtration)?;
     Ok(branches.filled(&filtration, &branches.longer(&filtration, threshold)))
 }

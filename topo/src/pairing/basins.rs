@@ -6,14 +6,15 @@
 //!    them: on a smooth field about as many as there are extrema. A mere graph has to suspect every vertex with two.
 //! 2. *Descend.* Candidates follow the pointers to see which basins their sides belong to; see [`Descent`].
 //! 3. *Join.* A candidate between different basins joins them.
-//! 4. *Pair.* The elder rule on basins and joins; see [`boruvka`].
+//! 4. *Pair.* The elder rule on basins and joins; see [`elder_rule`].
 //!
 //! That basins and their joins carry the pairs is folklore in discrete Morse theory; merge trees from monotone paths are
 //! due to Chiang, Lenz, Lu & Rote (2005), "Simple and optimal output-sensitive construction of contour trees using
-//! monotone paths". Step 4 with the elder rule in place of sorting is ours. Nothing here is proportional to n log n.
+//! monotone paths". What is put in order are joins, digit by digit. Nothing here is proportional to n log n.
 
-use super::boruvka::{self, Join};
+use super::boruvka;
 use super::descent::{Descent, OUTSIDE};
+use super::elder_rule::{self, Ended, Join};
 use super::graph::Graph;
 use super::merges::Merge;
 use super::union_find::UnionFind;
@@ -29,20 +30,6 @@ pub(crate) struct Scan {
     /// Vertices at which something may merge, by rising index, with two earlier neighbours in different parts of the
     /// lower link. A vertex with more than two parts has more than one entry.
     pub(crate) candidates: Vec<SaddleCandidate>,
-}
-
-impl Scan {
-    /// Joins the findings of consecutive ranges.
-    fn concat(scans: Vec<Self>) -> Self {
-        let [extrema, candidates] =
-            scans.iter().fold([0, 0], |[a, b], scan| [a + scan.extrema.len(), b + scan.candidates.len()]);
-        let mut all = Self { extrema: Vec::with_capacity(extrema), candidates: Vec::with_capacity(candidates) };
-        for scan in scans {
-            all.extrema.extend(scan.extrema);
-            all.candidates.extend(scan.candidates);
-        }
-        all
-    }
 }
 
 /// A vertex with two earlier neighbours that may belong to different basins.
@@ -77,6 +64,9 @@ pub(crate) fn basins_of_graph<G: Graph, S: Scalar, D: Direction>(
     let mut next = vec![OUTSIDE; graph.vertex_count()];
     let (mut extrema, mut candidates) = (Vec::new(), Vec::new());
     for (v, next) in (0..).zip(&mut next) {
+        if (v as usize).is_multiple_of(parallel::BLOCK) && filtration.stops() {
+            return Basins::none();
+        }
         let mut earlier = 0;
         graph.for_each_neighbor(v as usize, |u| {
             let u = u as u32;
@@ -105,7 +95,7 @@ fn joins_of_graph<G: Graph, S: Scalar, D: Direction>(
     candidates: &[u32],
 ) -> Vec<Join> {
     let mut joins = Vec::new();
-    for &saddle in candidates {
+    for &saddle in candidates.chunks(parallel::BLOCK).take_while(|_| !filtration.stops()).flatten() {
         let own = descent.basin(saddle);
         graph.for_each_neighbor(saddle as usize, |u| {
             if filtration.precedes(u as u32, saddle) {
@@ -120,34 +110,37 @@ fn joins_of_graph<G: Graph, S: Scalar, D: Direction>(
 }
 
 impl Basins {
+    /// Of work that is stopped.
+    fn none() -> Self {
+        Self { descent: Descent::new(Vec::new(), Vec::new()), joins: Vec::new() }
+    }
+
     /// From where vertices point to and what the scans of consecutive ranges have found; nothing if one was stopped.
     pub(crate) fn new<S: Scalar, D: Direction>(
-        mut next: Vec<u32>,
-        scans: Vec<Option<Scan>>,
+        next: Vec<u32>,
+        scans: Vec<Scan>,
         filtration: &Filtration<'_, S, D>,
     ) -> Self {
-        let Scan { extrema, candidates } = scans.into_iter().collect::<Option<_>>().map_or_else(
-            || {
-                next.fill(OUTSIDE);
-                Scan::default()
-            },
-            Scan::concat,
-        );
-        let descent = Descent::new(next, extrema);
-        if candidates.len() > descent.extrema().len().max(descent.len() / MANY_CANDIDATES) {
-            descent.settle();
+        if filtration.stops() {
+            return Self::none();
         }
-        let joins = parallel::filter_map(candidates, filtration.watch(), |&SaddleCandidate { saddle, sides }| {
+        let mut extrema = Vec::with_capacity(scans.iter().map(|scan| scan.extrema.len()).sum());
+        scans.iter().for_each(|scan| extrema.extend_from_slice(&scan.extrema));
+        let candidates: Vec<_> = scans.into_iter().map(|scan| scan.candidates).collect();
+        let descent = Descent::new(next, extrema);
+        descent.settle_for(candidates.iter().map(Vec::len).sum(), filtration.watch());
+        let joins = parallel::filter_map(candidates, filtration.watch(), |SaddleCandidate { saddle, sides }| {
             let basins = sides.map(|side| descent.basin(side));
             (basins[0] != basins[1]).then_some(Join { saddle, basins })
         });
         Self { descent, joins }
     }
 
-    /// What becomes of each component, by rising index of its extremum; and the way down from each vertex.
-    pub(crate) fn pair<S: Scalar, D: Direction>(self, filtration: &Filtration<'_, S, D>) -> (Vec<Merge>, Descent) {
+    /// What becomes of each component.
+    pub(crate) fn pair<S: Scalar, D: Direction>(self, filtration: &Filtration<'_, S, D>) -> Paired {
         let Self { descent, joins } = self;
-        let (mut merges, mut components) = boruvka::pair(filtration, descent.extrema(), joins);
+        let Ended { mut merges, in_order, mut components } = elder_rule::pair(filtration, descent.extrema(), &joins);
+        drop(joins);
         let eldest: Vec<u32> =
             (0..).zip(&merges).filter(|(_, merge)| !merge.is_finite()).map(|(basin, _)| basin).collect();
         let last = match eldest[..] {
@@ -156,13 +149,20 @@ impl Basins {
             _ => last_of_each(filtration, &descent, &mut components, &eldest),
         };
         eldest.into_iter().zip(last).for_each(|(basin, last)| merges[basin as usize].end = last);
-        (merges, descent)
+        Paired { merges, in_order, descent }
     }
 }
 
-/// Where one vertex in so many may be a saddle, as on noise, all ways down are followed to their ends at once: on white noise of 1024² that
-/// takes half the time of following those that are asked for.
-const MANY_CANDIDATES: usize = 16;
+/// Basins, and what becomes of their components.
+#[derive(Debug)]
+pub(crate) struct Paired {
+    /// By rising index of the extremum.
+    pub(crate) merges: Vec<Merge>,
+    /// The basins of those that join an elder one, in the order in which they do; at one saddle in any order.
+    pub(crate) in_order: Vec<u32>,
+    /// The way down from each vertex.
+    pub(crate) descent: Descent,
+}
 
 /// What is left of a part of a domain once all that is final has been paired.
 #[derive(Debug)]
@@ -210,7 +210,7 @@ impl Basins {
 
 /// The last vertex to enter, for the only component. Values are compared [`LANES`] abreast, which compiles to vector instructions; only
 /// the stretch that has the last value is searched.
-fn last_of_all<S: Scalar, D: Direction>(filtration: &Filtration<'_, S, D>) -> Vec<u32> {
+pub(crate) fn last_of_all<S: Scalar, D: Direction>(filtration: &Filtration<'_, S, D>) -> Vec<u32> {
     let later = |u: S, v: S| if D::precedes_higher_index(u, v) { v } else { u };
     let last_value = |values: &[S]| {
         let first = values.iter().copied().find(|value| !value.is_nan())?;
@@ -246,26 +246,13 @@ fn last_of_each<S: Scalar, D: Direction>(
 ) -> Vec<u32> {
     let mut last = descent.extrema().to_vec();
     for v in 0..filtration.field().len() as u32 {
+        if (v as usize).is_multiple_of(parallel::BLOCK) && filtration.stops() {
+            break;
+        }
         if let Some(basin) = descent.basin_if_any(v) {
             let last = &mut last[components.find(basin) as usize];
             *last = filtration.later(*last, v);
         }
     }
     eldest.iter().map(|&basin| last[basin as usize]).collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn findings_of_consecutive_ranges_come_one_after_the_other() {
-        let scan = |first: u32| Scan {
-            extrema: vec![first, first + 2],
-            candidates: vec![SaddleCandidate { saddle: first + 1, sides: [first, first + 2] }],
-        };
-        let all = Scan::concat(vec![scan(0), scan(10), Scan::default(), scan(20)]);
-        assert_eq!(all.extrema, [0, 2, 10, 12, 20, 22]);
-        assert_eq!(all.candidates.iter().map(|candidate| candidate.saddle).collect::<Vec<_>>(), [1, 11, 21]);
-    }
 }

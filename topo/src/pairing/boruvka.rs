@@ -1,58 +1,22 @@
-//! The elder rule on basins, without sorting.
+//! The elder rule on the basins of a part of a domain: which pairs are final whatever the other parts are.
 //!
-//! Basins joined at saddles form a small graph. Borůvka's idea (1926) of letting all components act at once, with the
-//! elder rule for its direction: the lowest join of a basin is where its component first meets another. If the basin
-//! beyond is elder, this one dies there, whatever happens elsewhere; otherwise it waits. In a round every basin whose
-//! lowest join leads to an elder one is paired and merged into it, and joins that have become inner ones are dropped.
-//!
-//! Each round pairs at least one basin, the first ones more than half. Young basins in a row can make rounds slow; so
-//! when one pairs less than half, the remaining joins are sorted and paired one by one.
-//!
-//! Of a part of a domain only some pairs are final: those of components that die before anything enters them that is
-//! shared with other parts. [`pair_inside`] finds these in the same rounds and leaves the other joins.
+//! Borůvka's idea (1926) of letting all components act at once, with the elder rule for its direction: the lowest join of a basin is where
+//! its component first meets another. If the basin beyond is elder, this one dies there, whatever happens elsewhere; otherwise it waits. In
+//! a round every basin whose lowest join leads to an elder one is paired and merged into it, and joins that have become inner ones are
+//! dropped; basins that something shared with other parts enters first stay. Each round pairs at least one basin, the first ones more than
+//! half; when one pairs less, what is left is left.
 
+use super::elder_rule::Join;
 use super::merges::{Merge, NONE};
 use super::union_find::UnionFind;
 use crate::filtration::{Direction, Filtration};
-use crate::parallel::BLOCK;
 use crate::scalar::Scalar;
 
-/// A vertex at which two basins touch.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Join {
-    pub(crate) saddle: u32,
-    pub(crate) basins: [u32; 2],
-}
-
-/// Below this many joins sorting them is as fast as another round.
+/// So few joins are as well left as they are.
 const FEW_JOINS: usize = 64;
 
-/// A round must pair one basin in this many, or sorting takes over. Of 2, 3, 4, 10 and always sorting, 2 was fastest on
-/// white noise and on smooth noise, 1024² with Freudenthal edges: by 5 and 15 % over 10, by 20 and 30 % over sorting.
+/// A round must pair one basin in this many, or it was the last.
 const SLOW_ROUND: usize = 2;
-
-/// Pairs basins given their extrema, by rising index, and their joins, by rising index of the saddle: what becomes of each
-/// basin, where the eldest have no end yet, and the basins of each connected component, the eldest at the root.
-pub(crate) fn pair<S: Scalar, D: Direction>(
-    filtration: &Filtration<'_, S, D>,
-    extrema: &[u32],
-    mut joins: Vec<Join>,
-) -> (Vec<Merge>, UnionFind) {
-    let mut basins = Basins::new(filtration, extrema);
-    let mut active: Vec<u32> = (0..extrema.len() as u32).collect();
-    while joins.len() > FEW_JOINS && !filtration.stops() {
-        let count = active.len();
-        let paired = basins.round(&mut active, &joins);
-        basins.relabel_all(&mut joins);
-        if paired * SLOW_ROUND < count {
-            break;
-        }
-    }
-    if !filtration.stops() {
-        basins.pair_in_order(&joins);
-    }
-    (basins.merges, basins.merged)
-}
 
 /// Pairs the basins whose components no *open* vertex enters before they die, given open vertices with their basins: what
 /// becomes of each basin, where those that are not paired have no end; the basins grouped by what they have merged into;
@@ -136,8 +100,7 @@ impl<'a, S: Scalar, D: Direction> Basins<'a, S, D> {
     }
 
     fn find_lowest(&mut self, joins: &[Join]) {
-        let blocks = joins.chunks(BLOCK).zip((0..).step_by(BLOCK)).take_while(|_| !self.filtration.stops());
-        for (join, place) in blocks.flat_map(|(joins, start)| joins.iter().zip(start..)) {
+        for (join, place) in joins.iter().zip(0..) {
             let value = self.filtration.value(join.saddle);
             for basin in join.basins {
                 let lowest = &mut self.lowest[basin as usize];
@@ -159,33 +122,10 @@ impl<'a, S: Scalar, D: Direction> Basins<'a, S, D> {
         dies
     }
 
-    /// Relabels joins and drops those that are inner ones; all if the work is stopped.
-    fn relabel_all(&mut self, joins: &mut Vec<Join>) {
-        let (mut count, mut stops) = (0usize, false);
-        joins.retain_mut(|join| {
-            count += 1;
-            stops |= count.is_multiple_of(BLOCK) && self.filtration.stops();
-            !stops && self.relabel(join)
-        });
-    }
-
     /// Replaces basins by what they have merged into; whether the join still joins two.
     fn relabel(&mut self, join: &mut Join) -> bool {
         join.basins = join.basins.map(|basin| self.merged.find(basin));
         join.basins[0] != join.basins[1]
-    }
-
-    /// The plain sweep, on the joins that are left.
-    fn pair_in_order(&mut self, joins: &[Join]) {
-        let filtration = self.filtration;
-        let sorted = filtration.sorted(joins, |join| join.saddle);
-        for &(mut join) in sorted.chunks(BLOCK).take_while(|_| !filtration.stops()).flatten() {
-            if self.relabel(&mut join) {
-                let [a, b] = join.basins;
-                let (elder, younger) = if self.is_elder(a, b) { (a, b) } else { (b, a) };
-                self.merge(younger, elder, join.saddle);
-            }
-        }
     }
 
     fn merge(&mut self, younger: u32, towards: u32, saddle: u32) {

@@ -2,7 +2,7 @@
 
 use proptest::prelude::*;
 use std::collections::BTreeMap;
-use topo::{Connectivity, Error, Grid, Kind};
+use topo::{Connectivity, Error, Grid, Kind, Scalar};
 
 /// A cell by its place, with the value at which it enters and its faces.
 type Cells = BTreeMap<Vec<i32>, (i32, Vec<Vec<i32>>)>;
@@ -148,10 +148,58 @@ proptest! {
     }
 }
 
+/// Both at once and one after the other.
+fn assert_both<S: Scalar>(shape: [usize; 2], field: &[S]) {
+    for connectivity in [Connectivity::Axis, Connectivity::Full, Connectivity::Freudenthal] {
+        let grid = Grid::new(shape, connectivity);
+        let (pairs, holes) = topo::pairs_and_holes(&grid, field, Kind::Minimum).expect("fits");
+        assert_eq!(pairs, topo::sublevel(&grid, field).expect("fits"), "{connectivity:?}");
+        assert_eq!(holes, topo::holes(&grid, field, Kind::Minimum).expect("fits"), "{connectivity:?}");
+        let (pairs, holes) = topo::pairs_and_holes(&grid, field, Kind::Maximum).expect("fits");
+        assert_eq!(pairs, topo::superlevel(&grid, field).expect("fits"), "{connectivity:?}");
+        assert_eq!(holes, topo::holes(&grid, field, Kind::Maximum).expect("fits"), "{connectivity:?}");
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(300))]
+
+    #[test]
+    fn pairs_and_holes_are_those_of_either((shape, levels, seed) in ([0..40usize, 0..40usize], 1..2000u64, any::<u64>())) {
+        let word = |v: u64| (v ^ seed).wrapping_mul(0x9e37_79b9_7f4a_7c15).rotate_left(29).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        let field: Vec<u64> = (0..(shape[0] * shape[1]) as u64).map(|v| (word(v) >> 20) % levels).collect();
+        assert_both(shape, &field);
+        // Levels at both infinities, and zeros of both signs.
+        let middle = levels as f64 / 2.0;
+        let float = |&level: &u64| {
+            let value = level as f64 - middle;
+            if value.abs() + 1.0 > middle { value * f64::INFINITY } else { value.floor() * 0.0f64.max(value.abs() - 2.0) }
+        };
+        let floats: Vec<f64> = field.iter().map(float).map(|value: f64| if value.is_nan() { -0.0 } else { value }).collect();
+        assert_both(shape, &floats);
+    }
+}
+
+#[test]
+fn so_they_are_across_blocks_and_spans() {
+    for shape in [[70, 1100], [1100, 70], [1, 70_000], [70_000, 1]] {
+        let noise = |v: usize| (v as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 44;
+        let field: Vec<u64> = (0..shape[0] * shape[1]).map(noise).collect();
+        assert_both(shape, &field);
+        assert_both(shape, &field.iter().map(|value| value >> 14).collect::<Vec<_>>());
+        let smooth = |v: usize| ((v / shape[1]) as f32 / 9.0).sin() + ((v % shape[1]) as f32 / 7.0).cos();
+        assert_both(shape, &(0..field.len()).map(smooth).collect::<Vec<_>>());
+    }
+}
+
 #[test]
 fn what_has_no_holes_is_told() {
     let grid = Grid::new([3, 3], Connectivity::Full);
     assert_eq!(topo::holes(&grid.periodic([true, false]), &[0; 9], Kind::Minimum), Err(Error::Periodic));
+    let both = topo::pairs_and_holes(&grid.periodic([true, false]), &[0; 9], Kind::Minimum);
+    assert_eq!(both.expect_err("round an axis"), Error::Periodic);
+    let both = topo::pairs_and_holes(&grid, &[f32::NAN; 9], Kind::Maximum);
+    assert_eq!(both.expect_err("no numbers"), Error::NotANumber { vertex: 0 });
     assert_eq!(topo::holes(&grid, &[0; 8], Kind::Minimum), Err(Error::Length { values: 8, vertices: 9 }));
     assert_eq!(topo::holes(&grid, &[f64::NAN; 9], Kind::Minimum), Err(Error::NotANumber { vertex: 0 }));
     assert!(topo::holes(&grid, &[u8::MAX; 9], Kind::Minimum).expect("fits").is_empty());

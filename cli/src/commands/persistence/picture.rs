@@ -12,6 +12,8 @@ const RADII: (f64, f64) = (9.0, 3.5);
 const LEAST_RADIUS: f64 = 1.5;
 /// How much larger the white disc under each mark is.
 const RIM: f64 = 1.4;
+/// A field with fewer pixels along its longer side is drawn larger, by whole factors up to so many.
+const READABLE: usize = 480;
 /// The share of its colour that a segment keeps where the field is lowest.
 const DARKEST: f64 = 0.35;
 
@@ -29,8 +31,10 @@ pub(crate) fn shares(values: &[f64]) -> Vec<f64> {
 /// the largest; black where there is no value.
 pub(super) fn marked(values: &[f64], [height, width]: [usize; 2], lists: &[PairList], most: usize) -> Picture {
     let grey = |share: f64| if share.is_nan() { [0; 3] } else { [(255.0 * share).round() as u8; 3] };
-    let mut picture = Picture { width, height, pixels: shares(values).into_iter().map(grey).collect() };
-    let scale = width.max(height) as f64 / 1000.0;
+    let factor = enlargement([height, width]);
+    let mut picture =
+        Picture { width, height, pixels: shares(values).into_iter().map(grey).collect() }.enlarged(factor);
+    let scale = picture.width.max(picture.height) as f64 / 1000.0;
     for list in lists {
         let colour = encode(if list.kind == Kind::Minimum { MINIMUM } else { MAXIMUM });
         let shown = list.pairs.len().min(most);
@@ -38,7 +42,7 @@ pub(super) fn marked(values: &[f64], [height, width]: [usize; 2], lists: &[PairL
         for (rank, pair) in list.pairs[..shown].iter().enumerate().rev() {
             let share = rank as f64 / shown as f64;
             let radius = (scale * (RADII.0 + share * (RADII.1 - RADII.0))).max(LEAST_RADIUS);
-            let centre = [pair.extremum / width, pair.extremum % width];
+            let centre = [pair.extremum / width, pair.extremum % width].map(|at| at * factor + factor / 2);
             disc(&mut picture, centre, RIM * radius, encode(PAPER));
             disc(&mut picture, centre, radius, colour);
         }
@@ -46,8 +50,22 @@ pub(super) fn marked(values: &[f64], [height, width]: [usize; 2], lists: &[PairL
     picture
 }
 
+/// How many pixels along each axis stand for one value of a picture.
+fn enlargement([height, width]: [usize; 2]) -> usize {
+    (READABLE / width.max(height).max(1)).max(1)
+}
+
+/// A picture of colours shaded by a field.
+pub(super) fn segmented(
+    colours: impl Iterator<Item = [u8; 3]>,
+    values: &[f64],
+    [height, width]: [usize; 2],
+) -> Picture {
+    Picture { width, height, pixels: shaded(colours, values) }.enlarged(enlargement([height, width]))
+}
+
 /// Colours shaded by a field.
-pub(super) fn shaded(colours: impl Iterator<Item = [u8; 3]>, values: &[f64]) -> Vec<[u8; 3]> {
+fn shaded(colours: impl Iterator<Item = [u8; 3]>, values: &[f64]) -> Vec<[u8; 3]> {
     let shade = |(colour, share): ([u8; 3], f64)| {
         let light = DARKEST + (1.0 - DARKEST) * if share.is_nan() { 0.0 } else { share };
         colour.map(|part| (f64::from(part) * light).round() as u8)
@@ -74,6 +92,22 @@ fn disc(picture: &mut Picture, [row, column]: [usize; 2], radius: f64, colour: [
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn small_fields_are_drawn_large_enough_to_read() {
+        let picture = marked(&[0.0; 64], [8, 8], &[], 0);
+        assert_eq!((picture.width, picture.height, picture.pixels.len()), (480, 480, 480 * 480));
+        let striped = segmented([[255; 3], [0; 3]].into_iter(), &[1.0, 1.0], [1, 2]);
+        assert_eq!((striped.width, striped.height), (480, 240));
+        assert!(
+            striped
+                .pixels
+                .chunks(480)
+                .all(|row| row[..240].iter().all(|pixel| pixel[0] > 90) && row[240..] == [[0; 3]; 240])
+        );
+        let tall = marked(&[0.0; 600], [300, 2], &[], 0);
+        assert_eq!((tall.width, tall.height), (2, 300));
+    }
 
     #[test]
     fn shades_are_shared_out_between_the_tails() {

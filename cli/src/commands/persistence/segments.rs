@@ -2,11 +2,11 @@
 
 use super::explain;
 use super::field::{DomainField, Places, on};
-use super::picture::shaded;
+use super::picture::segmented;
 use crate::error::CommandError;
 use crate::input::{FieldScalar, each, write_labels};
 use crate::output;
-use crate::render::{Picture, encode_hue};
+use crate::render::encode_hue;
 use std::io::{self, Write};
 use std::path::Path;
 use topo::{Kind, PersistenceOptions, Segmentation};
@@ -38,8 +38,8 @@ pub(super) fn write(
             output::write(path, |out| Ok(write_ply(points, triangles, &colours, out)?))
         }
         ("png", Places::Array(shape)) if shape.len() == 2 => {
-            let pixels = shaded(segments.labels().map(colour), &subject.values.to_f64());
-            output::write_png(path, &Picture { width: shape[1], height: shape[0], pixels })
+            let picture = segmented(segments.labels().map(colour), &subject.values.to_f64(), [shape[0], shape[1]]);
+            output::write_png(path, &picture)
         }
         (_, places) => {
             let shape = if let Places::Array(shape) = places { shape.clone() } else { vec![subject.vertex_count()] };

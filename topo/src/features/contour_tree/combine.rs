@@ -5,6 +5,7 @@ use super::ContourArc;
 use crate::domain::Domain;
 use crate::error::Error;
 use crate::pairing::{NONE, UnionFind};
+use crate::watch::Watch;
 
 /// Nodes and arcs on ranks: places in the order in which vertices enter.
 pub(super) struct Combined {
@@ -16,14 +17,20 @@ pub(super) struct Combined {
 }
 
 /// The tree of a domain given all vertices that enter, in their order.
-pub(super) fn combine<G: Domain>(domain: G, order: &[u32]) -> Result<Combined, Error> {
+pub(super) fn combine<G: Domain>(domain: G, order: &[u32], watch: Watch<'_>) -> Result<Combined, Error> {
     let mut ranks = vec![NONE; domain.vertex_count()];
     order.iter().zip(0..).for_each(|(&v, rank)| ranks[v as usize] = rank);
-    let join = Merging::new(domain, order, &ranks, 0..order.len() as u32, |u, v| u < v);
-    let split = Merging::new(domain, order, &ranks, (0..order.len() as u32).rev(), |u, v| u > v);
+    let join = Merging::new(domain, order, &ranks, 0..order.len() as u32, watch, |u, v| u < v);
+    let split = Merging::new(domain, order, &ranks, (0..order.len() as u32).rev(), watch, |u, v| u > v);
+    if watch.stops() {
+        return Err(Error::Interrupted);
+    }
     let edges = edges(join, split).ok_or(Error::Loops)?.in_order;
     Ok(arcs_between_nodes(&edges, order.len()).0)
 }
+
+/// One vertex in so many the watch is asked.
+const ASKED: u32 = 1 << 15;
 
 /// The join or the split tree of vertices.
 pub(super) struct Merging {
@@ -44,12 +51,16 @@ impl Merging {
         order: &[u32],
         ranks: &[u32],
         entering: impl Iterator<Item = u32>,
+        watch: Watch<'_>,
         is_earlier: impl Fn(u32, u32) -> bool,
     ) -> Self {
         let n = order.len();
         let mut components = UnionFind::new(n);
         let (mut next, mut degrees) = (vec![NONE; n], vec![0; n]);
         for v in entering {
+            if v.is_multiple_of(ASKED) && watch.stops() {
+                break;
+            }
             domain.for_each_neighbor(order[v as usize] as usize, |u| {
                 let u = ranks[u];
                 if u == NONE || !is_earlier(u, v) {

@@ -39,6 +39,9 @@ pub(super) fn combine<S: Scalar>(
         .collect();
     let mut arc_of = vec![NONE; filtration.field().len()];
     parallel::map_blocks(&mut arc_of, 1, |range, arcs| {
+        if filtration.stops() {
+            return;
+        }
         for (v, arc) in (range.start as u32..).zip(arcs) {
             let value = filtration.value(v);
             let first = [(&upwards, &taken[0]), (&downwards, &taken[1])].map(|(tree, taken)| match tree.kind {
@@ -74,13 +77,14 @@ struct Branched<'a, S> {
     kind: Kind,
     ancestry: Ancestry,
     basins: Settled<'a>,
-    /// The critical vertices by rank, with their values.
+    /// The critical vertices by rank.
     vertices: &'a [u32],
-    values: &'a [S],
     /// Where the list of each branch begins, and the end of the last.
     starts: Vec<u32>,
     /// The ranks on each branch in the order in which they enter; first its leaf.
     ranks: Vec<u32>,
+    /// The values there.
+    levels: Vec<S>,
 }
 
 impl<'a, S: Scalar> Branched<'a, S> {
@@ -108,7 +112,8 @@ impl<'a, S: Scalar> Branched<'a, S> {
         } else {
             all.rev().for_each(&mut put);
         }
-        Self { kind: D::KIND, ancestry, basins, vertices, values, starts, ranks }
+        let levels = ranks.iter().map(|&rank: &u32| values[rank as usize]).collect();
+        Self { kind: D::KIND, ancestry, basins, vertices, starts, ranks, levels }
     }
 
     fn on_branch(&self, branch: u32) -> &[u32] {
@@ -138,14 +143,23 @@ impl<'a, S: Scalar> Branched<'a, S> {
     /// The rank of the last critical vertex on the branch of a vertex that enters no later than it.
     fn last_before<D: Direction>(&self, tree: &MergeTree<'_, (), S>, vertex: u32, value: S) -> u32 {
         let branch = self.ancestry.branch_of(tree, vertex, value, self.basins.of(vertex));
-        let on_branch = self.on_branch(branch);
-        let has_entered = |&rank: &u32| {
-            let (other, level) = (self.vertices[rank as usize], self.values[rank as usize]);
-            match other < vertex {
-                true => D::precedes_higher_index(level, value),
-                false => other == vertex || D::precedes_lower_index(level, value),
-            }
+        let [first, end] = [branch, branch + 1].map(|branch| self.starts[branch as usize] as usize);
+        let (levels, ranks) = (&self.levels[first..end], &self.ranks[first..end]);
+        let has_entered = |other: u32, level: S| match other < vertex {
+            true => D::precedes_higher_index(level, value),
+            false => other == vertex || D::precedes_lower_index(level, value),
         };
-        on_branch[on_branch.partition_point(has_entered).max(1) - 1]
+        // By values alone, which lie side by side: those before it, and those equal to it, of which only the vertices tell.
+        let is_lower = |level: S| D::precedes_higher_index(level, value) && D::precedes_lower_index(level, value);
+        let is_no_higher = |level: S| D::precedes_higher_index(level, value) || D::precedes_lower_index(level, value);
+        let end = levels.partition_point(|&level| is_no_higher(level));
+        let has_equal = levels[..end].last().is_some_and(|&level| !is_lower(level));
+        let entered = if !has_equal {
+            end
+        } else {
+            let start = levels[..end].partition_point(|&level| is_lower(level));
+            start + ranks[start..end].partition_point(|&rank| has_entered(self.vertices[rank as usize], value))
+        };
+        ranks[entered.max(1) - 1]
     }
 }

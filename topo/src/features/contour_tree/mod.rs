@@ -23,6 +23,7 @@ use crate::filtration::{Filtration, Rising};
 use crate::options::PersistenceOptions;
 use crate::pairing::NONE;
 use crate::scalar::Scalar;
+use crate::watch::Watch;
 use combine::Combined;
 use critical::Critical;
 
@@ -77,7 +78,7 @@ pub struct ContourTree<V, S> {
 impl<V: Copy, S: Scalar> ContourTree<V, S> {
     fn new<G: Domain<Vertex = V>>(domain: G, filtration: &Filtration<'_, S, Rising>) -> Result<Self, Error> {
         if domain.fills_loops()
-            && let Some(tree) = Self::of_critical(domain, filtration)
+            && let Some(tree) = Self::of_critical(domain, filtration)?
         {
             return Ok(tree);
         }
@@ -85,27 +86,32 @@ impl<V: Copy, S: Scalar> ContourTree<V, S> {
     }
 
     /// From what is critical in the join or the split tree; for domains whose loops are filled, and fields without NaN.
-    fn of_critical<G: Domain<Vertex = V>>(domain: G, filtration: &Filtration<'_, S, Rising>) -> Option<Self> {
+    fn of_critical<G: Domain<Vertex = V>>(
+        domain: G,
+        filtration: &Filtration<'_, S, Rising>,
+    ) -> Result<Option<Self>, Error> {
         if filtration.field().iter().any(|value| value.is_nan()) {
-            return None;
+            return Ok(None);
         }
-        let join = MergeTree::named(domain, filtration, |_| ());
+        let join = MergeTree::named(domain, filtration, filtration.field(), |_| ())?;
         if join.leaf_count() > filtration.field().len() / MANY_LEAVES + FEW_LEAVES {
-            return None;
+            return Ok(None);
         }
-        let split = MergeTree::named(domain, &filtration.backwards(), |_| ());
-        let Critical { vertices, tree, arc_of } = critical::combine(&join, &split, filtration)?;
+        let split = MergeTree::named(domain, &filtration.backwards(), filtration.field(), |_| ())?;
+        let Some(Critical { vertices, tree, arc_of }) = critical::combine(&join, &split, filtration) else {
+            return Ok(None);
+        };
         let node = |&rank: &u32| {
             let vertex = vertices[rank as usize];
             ContourNode { vertex: domain.vertex(vertex as usize), value: filtration.value(vertex) }
         };
-        Some(Self { nodes: tree.critical.iter().map(node).collect(), arcs: tree.arcs, arc_of })
+        Ok(Some(Self { nodes: tree.critical.iter().map(node).collect(), arcs: tree.arcs, arc_of }))
     }
 
     /// From all vertices, sorted.
     fn of_all<G: Domain<Vertex = V>>(domain: G, filtration: &Filtration<'_, S, Rising>) -> Result<Self, Error> {
         let order = filtration.order();
-        let Combined { critical, arcs, arc_of: arc_of_rank } = combine::combine(domain, &order)?;
+        let Combined { critical, arcs, arc_of: arc_of_rank } = combine::combine(domain, &order, filtration.watch())?;
         let node = |&rank: &u32| {
             let vertex = order[rank as usize];
             ContourNode { vertex: domain.vertex(vertex as usize), value: filtration.value(vertex) }
@@ -180,7 +186,24 @@ impl PersistenceOptions {
         domain: G,
         field: &[S],
     ) -> Result<ContourTree<G::Vertex, S>, Error> {
-        ContourTree::new(domain, &Filtration::new(field, domain.vertex_count(), self.nan)?)
+        self.contour_tree_watched(domain, field, Watch::NONE)
+    }
+
+    /// [`contour_tree`](fn@crate::contour_tree) with these options that can be stopped.
+    ///
+    /// # Errors
+    /// As those of [`contour_tree`](fn@crate::contour_tree); [`Error::Interrupted`] if the watch has stopped the work.
+    pub fn contour_tree_watched<G: Domain, S: Scalar>(
+        self,
+        domain: G,
+        field: &[S],
+        watch: Watch<'_>,
+    ) -> Result<ContourTree<G::Vertex, S>, Error> {
+        watch.held(|watch| {
+            let filtration = Filtration::new(field, domain.vertex_count(), self.nan)?.watched(watch);
+            let tree = ContourTree::new(domain, &filtration);
+            if filtration.stops() { Err(Error::Interrupted) } else { tree }
+        })
     }
 }
 
