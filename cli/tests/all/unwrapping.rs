@@ -370,7 +370,7 @@ fn the_demo_writes_what_it_promises_into_a_folder_of_its_own() {
     let folder = Folder::new();
     let done = folder.run(&["demo"]).success();
     let text = stdout(&done);
-    for column in ["vertices", "cones", "area D", "u L2", "quasi-conf.", "flips", "scale"] {
+    for column in ["shape", "vertices", "cones", "area D", "quasi-conf.", "flips", "seconds"] {
         assert!(text.contains(column), "{column}: {text}");
     }
     let page = folder.read("cones-demo/index.html");

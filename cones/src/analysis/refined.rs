@@ -7,7 +7,7 @@
 
 use geom::{
     CommonRefinement, EdgeData, EdgeId, FaceData, FaceId, HalfedgeData, HalfedgeId, Id, Intrinsic, Mesh, MeshError,
-    Metric, Model, Place, Prepared, Refinement, Surface, Triangles, Triangulation, VertexId, Watch, delaunay,
+    Metric, Model, Prepared, Refinement, Surface, SurfacePoint, Triangles, Triangulation, VertexId, Watch, delaunay,
     refine_watched,
 };
 use rayon::prelude::*;
@@ -275,11 +275,11 @@ impl Growing {
 }
 
 /// The vertices that a place is between, with their weights.
-fn made_of(place: Place, input: &Mesh) -> [(VertexId, f64); 3] {
+fn made_of(place: SurfacePoint, input: &Mesh) -> [(VertexId, f64); 3] {
     let f = match place {
-        Place::Vertex(v) => return [(v, 1.0), (v, 0.0), (v, 0.0)],
-        Place::Edge(h, _) => input.face(h),
-        Place::Face(f, _) => f,
+        SurfacePoint::Vertex(v) => return [(v, 1.0), (v, 0.0), (v, 0.0)],
+        SurfacePoint::Edge(h, _) => input.face(h),
+        SurfacePoint::Face(f, _) => f,
     };
     let (corners, weights) = (input.corners(f), place.barycentric(input, f));
     [0, 1, 2].map(|s| (corners[s], weights[s]))

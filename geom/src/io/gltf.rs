@@ -24,7 +24,9 @@ use super::colour::to_srgb;
 use super::error::{Fault, Place};
 use super::joined::Joined;
 use super::write_glb::GENERATOR;
-use crate::surface::{Attribute, Attributes, Domain, Meaning, Model, Polygons, Scalar, Skipped, TextureCoordinates};
+use crate::surface::{
+    Attribute, AttributeDomain, Attributes, Meaning, Model, Polygons, ScalarType, Skipped, TextureCoordinates,
+};
 use accessor::{Accessor, Buffers};
 use container::Container;
 pub(super) use container::MAGIC;
@@ -209,7 +211,7 @@ impl Draft {
                 Meaning::Normal => place.normal([0, 1, 2].map(number)).into_iter().for_each(|x| rows.push(x)),
                 Meaning::Colour => {
                     let share = |k| if k < 3 { to_srgb(number(k)) } else { number(k) };
-                    (0..width).for_each(|k| rows.push(share(k) * Scalar::U16.one()));
+                    (0..width).for_each(|k| rows.push(share(k) * ScalarType::U16.one()));
                 }
                 Meaning::Other(_) => (0..width).for_each(|k| rows.push(number(k))),
             }
@@ -244,7 +246,7 @@ impl Draft {
 
 /// The indices of a primitive, all of vertices that are there.
 fn indices(accessor: &Accessor, vertices: usize) -> Result<Vec<u32>, Fault> {
-    if accessor.width != 1 || !matches!(accessor.scalar, Scalar::U8 | Scalar::U16 | Scalar::U32) {
+    if accessor.width != 1 || !matches!(accessor.scalar, ScalarType::U8 | ScalarType::U16 | ScalarType::U32) {
         return Err(Fault::unexpected(Place::File, "indices that are no unsigned integers", "unsigned integers"));
     }
     (0..accessor.count)
@@ -274,12 +276,14 @@ fn compact(indices: &[u32], count: usize) -> (Vec<u32>, Vec<u32>) {
 /// A table without rows for an attribute of that name.
 fn empty(name: &str, accessor: &Accessor) -> Attribute {
     let other = |name: &str| {
-        let scalar = if accessor.is_normalized { Scalar::F32 } else { accessor.scalar };
-        Attribute::new(Meaning::Other(name.to_owned()), Domain::Vertices, scalar, accessor.width)
+        let scalar = if accessor.is_normalized { ScalarType::F32 } else { accessor.scalar };
+        Attribute::new(Meaning::Other(name.to_owned()), AttributeDomain::Vertices, scalar, accessor.width)
     };
     match name {
-        "NORMAL" => Attribute::new(Meaning::Normal, Domain::Vertices, Scalar::F32, 3),
-        "COLOR_0" => Attribute::new(Meaning::Colour, Domain::Vertices, Scalar::U16, accessor.width.clamp(3, 4)),
+        "NORMAL" => Attribute::new(Meaning::Normal, AttributeDomain::Vertices, ScalarType::F32, 3),
+        "COLOR_0" => {
+            Attribute::new(Meaning::Colour, AttributeDomain::Vertices, ScalarType::U16, accessor.width.clamp(3, 4))
+        }
         // Names of a program's own begin with `_`.
         name => other(name.strip_prefix('_').unwrap_or(name)),
     }

@@ -38,7 +38,8 @@ impl Joined {
     /// Tables of the split vertices, whose corners are given, as tables of the joined ones.
     pub(super) fn tables(&self, tables: Vec<Attribute>, corners: &[u32]) -> Vec<Attribute> {
         let joined = |table: Attribute| {
-            let is_of_vertices = table.domain() == crate::surface::Domain::Vertices && table.rows() == self.of.len();
+            let is_of_vertices =
+                table.domain() == crate::surface::AttributeDomain::Vertices && table.rows() == self.of.len();
             if is_of_vertices { table.joined(&self.of, self.count, corners) } else { table }
         };
         tables.into_iter().map(joined).collect()

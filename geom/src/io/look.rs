@@ -2,7 +2,7 @@
 
 use std::io::{self, Write};
 
-use crate::surface::{Attribute, Meaning, Model, Scalar};
+use crate::surface::{Attribute, Meaning, Model, ScalarType};
 
 /// The tables of a model that an OBJ can hold.
 pub(super) struct Look<'a> {
@@ -20,7 +20,7 @@ impl<'a> Look<'a> {
         let mut colour_row = Vec::new();
         if let Some(colours) = colours {
             // A vertex without corners has the row of its number, if rows are the vertices'.
-            let is_of_vertices = colours.domain() == crate::surface::Domain::Vertices;
+            let is_of_vertices = colours.domain() == crate::surface::AttributeDomain::Vertices;
             let own = |v| if is_of_vertices { v } else { Attribute::NONE };
             colour_row = (0..model.vertex_count() as u32).map(own).collect();
             for (corner, &v) in model.corners().iter().enumerate().rev() {
@@ -40,7 +40,7 @@ impl<'a> Look<'a> {
         (0..width).try_for_each(|_| {
             let share = row.next().map_or(1.0, |x| x / table.scalar().one());
             // Five digits give 16 bits back.
-            let share = if table.scalar() == Scalar::F64 { share } else { (share * 1e5).round() / 1e5 };
+            let share = if table.scalar() == ScalarType::F64 { share } else { (share * 1e5).round() / 1e5 };
             write!(out, " {share}")
         })
     }
@@ -52,7 +52,7 @@ impl<'a> Look<'a> {
             out.write_all(b"vn")?;
             for x in table.row(row) {
                 // Those of f32 have its digits.
-                if table.scalar() == Scalar::F64 { write!(out, " {x:?}")? } else { write!(out, " {:?}", x as f32)? }
+                if table.scalar() == ScalarType::F64 { write!(out, " {x:?}")? } else { write!(out, " {:?}", x as f32)? }
             }
             out.write_all(b"\n")?;
         }

@@ -3,7 +3,7 @@
 use std::fmt;
 
 use super::write_glb;
-use crate::surface::{Attribute, Attributes, Domain, Meaning, Model};
+use crate::surface::{Attribute, AttributeDomain, Attributes, Meaning, Model};
 
 /// The formats that are written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -89,15 +89,17 @@ fn is_kept(attributes: &Attributes, table: &Attribute, format: MeshFormat) -> bo
         (MeshFormat::Glb, _) => write_glb::is_written(table) && is_first,
         (MeshFormat::Obj, Meaning::Normal) => is_first,
         // An OBJ has one colour for each vertex.
-        (MeshFormat::Obj, Meaning::Colour) => is_first && table.domain() == Domain::Vertices,
+        (MeshFormat::Obj, Meaning::Colour) => is_first && table.domain() == AttributeDomain::Vertices,
         (MeshFormat::Obj, Meaning::Other(_)) => false,
     }
 }
 
 fn name(table: &Attribute) -> String {
     match table.domain() {
-        Domain::Faces => format!("{} of faces", table.meaning()),
-        Domain::Corners if *table.meaning() == Meaning::Colour => "more than one colour at a vertex".to_owned(),
-        Domain::Vertices | Domain::Corners => table.meaning().to_string(),
+        AttributeDomain::Faces => format!("{} of faces", table.meaning()),
+        AttributeDomain::Corners if *table.meaning() == Meaning::Colour => {
+            "more than one colour at a vertex".to_owned()
+        }
+        AttributeDomain::Vertices | AttributeDomain::Corners => table.meaning().to_string(),
     }
 }

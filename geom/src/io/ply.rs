@@ -17,7 +17,9 @@ mod values;
 
 use super::error::{Fault, Place, Problem};
 use super::joined::Joined;
-use crate::surface::{Attributes, Domain, MAX_COORDINATE, Model, Polygons, Skipped, TextureCoordinates, is_coordinate};
+use crate::surface::{
+    AttributeDomain, Attributes, MAX_COORDINATE, Model, Polygons, Skipped, TextureCoordinates, is_coordinate,
+};
 use columns::{Columns, tables};
 use header::{Element, Encoding, Header, Shape};
 use values::{Binary, Text, Values};
@@ -151,8 +153,8 @@ impl Draft {
     /// Keeps what an element says besides.
     fn keep(&mut self, element: &Element, columns: Columns) {
         match element.name.as_str() {
-            "vertex" => self.attributes.tables.extend(tables(columns, Domain::Vertices)),
-            "face" => self.attributes.tables.extend(tables(columns, Domain::Faces)),
+            "vertex" => self.attributes.tables.extend(tables(columns, AttributeDomain::Vertices)),
+            "face" => self.attributes.tables.extend(tables(columns, AttributeDomain::Faces)),
             "tristrips" => {}
             _ => self.attributes.listings.push(columns.listing(&element.name, element.count as usize)),
         }

@@ -4,7 +4,7 @@
 use std::cmp::Ordering;
 
 use super::error::WriteError;
-use crate::surface::{Attribute, Domain, Model};
+use crate::surface::{Attribute, AttributeDomain, Model};
 
 /// The wedges of a map, numbered by their first corners.
 pub(super) struct Wedges {
@@ -112,7 +112,7 @@ impl Split {
     /// The row of a table that a vertex of the file has.
     pub(super) fn row(&self, model: &Model, table: &Attribute, vertex: usize) -> Option<usize> {
         match self.corner[vertex] {
-            Attribute::NONE => (table.domain() == Domain::Vertices).then_some(vertex),
+            Attribute::NONE => (table.domain() == AttributeDomain::Vertices).then_some(vertex),
             corner => table.row_at(model.corners(), corner as usize),
         }
     }

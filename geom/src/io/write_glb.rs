@@ -18,7 +18,7 @@ use super::cells::Cells;
 use super::colour::to_linear;
 use super::error::WriteError;
 use super::wedge::Wedges;
-use crate::surface::{Attribute, Domain, Meaning, Model, Triangles};
+use crate::surface::{Attribute, AttributeDomain, Meaning, Model, Triangles};
 use crate::vector::normal;
 
 /// The name that files of ours carry.
@@ -38,7 +38,7 @@ pub fn write_glb(
 ) -> Result<(), WriteError> {
     let tables: Vec<&Attribute> = model.attributes().tables.iter().filter(|table| is_written(table)).collect();
     let of_corners: Vec<&Attribute> =
-        tables.iter().copied().filter(|table| table.domain() == Domain::Corners).collect();
+        tables.iter().copied().filter(|table| table.domain() == AttributeDomain::Corners).collect();
     let wedges = Wedges::split(model, uv, &of_corners)?;
     Cells::new(model, Some(triangles))?;
     let frame = Frame::of(model);
@@ -56,7 +56,7 @@ pub fn write_glb(
 
 /// Whether a table can be written: normals, colours, and rows of up to four numbers.
 pub(super) fn is_written(table: &Attribute) -> bool {
-    table.domain() != Domain::Faces && table.width().is_some_and(|width| width <= 4)
+    table.domain() != AttributeDomain::Faces && table.width().is_some_and(|width| width <= 4)
 }
 
 /// Names that glTF has for kinds of buffers and numbers.

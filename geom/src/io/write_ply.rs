@@ -16,7 +16,7 @@ use super::error::WriteError;
 use super::look::one_word;
 use super::ply::SOURCE;
 use super::wedge::{Split, Wedges};
-use crate::surface::{Attribute, Domain, Listing, Meaning, Model, Scalar, Triangles};
+use crate::surface::{Attribute, AttributeDomain, Listing, Meaning, Model, ScalarType, Triangles};
 
 /// Writes a model as binary PLY, with a texture coordinate for each corner and triangles in the place of polygons if given.
 ///
@@ -28,7 +28,8 @@ pub fn write_ply(
     triangles: Option<&Triangles>,
     mut out: impl Write,
 ) -> Result<(), WriteError> {
-    let of_corners: Vec<&Attribute> = model.attributes().tables.iter().filter(is_of(Domain::Corners)).collect();
+    let of_corners: Vec<&Attribute> =
+        model.attributes().tables.iter().filter(is_of(AttributeDomain::Corners)).collect();
     let wedges = Wedges::split(model, uv, &of_corners)?;
     let longest = model.faces().map(<[u32]>::len).max().unwrap_or(0);
     let tables = &model.attributes().tables;
@@ -38,11 +39,11 @@ pub fn write_ply(
         split: Split::new(model, &wedges),
         count: Count::for_lists_up_to(longest),
         vertex_columns: columns(
-            tables.iter().filter(|table| table.domain() != Domain::Faces),
+            tables.iter().filter(|table| table.domain() != AttributeDomain::Faces),
             &["x", "y", "z", "s", "t", SOURCE],
         ),
         face_columns: columns(
-            tables.iter().filter(is_of(Domain::Faces)),
+            tables.iter().filter(is_of(AttributeDomain::Faces)),
             &["vertex_indices", "vertex_index", "texcoord"],
         ),
     };
@@ -59,7 +60,7 @@ pub fn write_ply(
     Ok(())
 }
 
-fn is_of(domain: Domain) -> impl Fn(&&Attribute) -> bool {
+fn is_of(domain: AttributeDomain) -> impl Fn(&&Attribute) -> bool {
     move |table| table.domain() == domain
 }
 
@@ -138,7 +139,7 @@ impl Job<'_> {
 struct Column<'a> {
     table: &'a Attribute,
     /// The type that is written.
-    scalar: Scalar,
+    scalar: ScalarType,
     /// The type of lists' lengths.
     count: Count,
     names: Vec<String>,
@@ -161,8 +162,9 @@ fn columns<'a>(tables: impl Iterator<Item = &'a Attribute>, taken: &[&str]) -> V
 
 impl<'a> Column<'a> {
     fn new(table: &'a Attribute) -> Self {
-        let is_wide = *table.meaning() == Meaning::Colour && matches!(table.scalar(), Scalar::U16 | Scalar::U32);
-        let scalar = if is_wide { Scalar::U8 } else { table.scalar() };
+        let is_wide =
+            *table.meaning() == Meaning::Colour && matches!(table.scalar(), ScalarType::U16 | ScalarType::U32);
+        let scalar = if is_wide { ScalarType::U8 } else { table.scalar() };
         let longest = match table.width() {
             Some(_) => 0,
             None => (0..table.rows()).map(|row| table.row(row).len()).max().unwrap_or(0),
@@ -212,17 +214,17 @@ fn names(table: &Attribute) -> Vec<String> {
     (0..width).map(|k| known.get(k).map_or_else(|| format!("{}_{k}", known[0]), ToString::to_string)).collect()
 }
 
-fn scalar_name(scalar: Scalar) -> &'static str {
+fn scalar_name(scalar: ScalarType) -> &'static str {
     match scalar {
-        Scalar::I8 => "int8",
+        ScalarType::I8 => "int8",
         // What is called uchar meshio reads with a sign.
-        Scalar::U8 => "uint8",
-        Scalar::I16 => "short",
-        Scalar::U16 => "ushort",
-        Scalar::I32 => "int",
-        Scalar::U32 => "uint",
-        Scalar::F32 => "float",
-        Scalar::F64 => "double",
+        ScalarType::U8 => "uint8",
+        ScalarType::I16 => "short",
+        ScalarType::U16 => "ushort",
+        ScalarType::I32 => "int",
+        ScalarType::U32 => "uint",
+        ScalarType::F32 => "float",
+        ScalarType::F64 => "double",
     }
 }
 

@@ -4,7 +4,7 @@ use std::cmp::Ordering;
 use std::collections::{BinaryHeap, VecDeque};
 use std::f64::consts::PI;
 
-use super::Place;
+use super::SurfacePoint;
 use super::common::CommonRefinement;
 use super::overlay::Overlay;
 use super::plane::{Point, minus, wedge};
@@ -39,7 +39,7 @@ pub struct Refinement {
     /// Its edge lengths.
     pub metric: Metric,
     /// Where each vertex is on the input.
-    pub place: VertexData<Place>,
+    pub place: VertexData<SurfacePoint>,
     /// What both triangulations cut the surface into.
     pub common: CommonRefinement,
     /// Whether all triangles have the least angle, but those at narrow corners; not so where the cap was reached.

@@ -1,6 +1,6 @@
 //! The common refinement of the input's triangles and the intrinsic ones.
 
-use super::Place;
+use super::SurfacePoint;
 use super::cut::{Cut, Node};
 use super::overlay::Overlay;
 use super::plane::{Point, minus, wedge};
@@ -11,7 +11,7 @@ use crate::mesh::{EdgeId, FaceData, FaceId, HalfedgeId, Id, Triangulation, Verte
 #[derive(Clone, Debug)]
 pub struct CommonRefinement {
     /// Where each vertex is on the input: first the intrinsic triangulation's vertices, then the crossings of edges.
-    pub place: VertexData<Place>,
+    pub place: VertexData<SurfacePoint>,
     /// The vertices of each triangle, counter-clockwise.
     pub triangles: FaceData<[u32; 3]>,
     /// The triangle of the input that each is part of.
@@ -30,7 +30,9 @@ impl CommonRefinement {
         let mut first_crossing = Vec::with_capacity(overlay.triangulation.edge_count() + 1);
         for e in overlay.triangulation.edges() {
             first_crossing.push(place.len() as u32);
-            place.extend(overlay.crossed_at(e).iter().map(|crossing| Place::Edge(crossing.halfedge, crossing.along)));
+            place.extend(
+                overlay.crossed_at(e).iter().map(|crossing| SurfacePoint::Edge(crossing.halfedge, crossing.along)),
+            );
         }
         first_crossing.push(place.len() as u32);
         let mut common = Self {

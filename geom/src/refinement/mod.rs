@@ -23,7 +23,7 @@ use crate::mesh::{FaceId, HalfedgeId, Triangulation, VertexId};
 
 /// Where a point is on the input's surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Place {
+pub enum SurfacePoint {
     /// At a vertex.
     Vertex(VertexId),
     /// On the edge of this halfedge, so far along it, from 0 to 1.
@@ -32,7 +32,7 @@ pub enum Place {
     Face(FaceId, [f64; 3]),
 }
 
-impl Place {
+impl SurfacePoint {
     /// Barycentric coordinates in a triangle that it is part of; the middle where it is none of it.
     pub fn barycentric(self, input: &Triangulation, f: FaceId) -> [f64; 3] {
         let at_corner = |s: usize| [0, 1, 2].map(|k| f64::from(u8::from(k == s)));

@@ -6,7 +6,7 @@
 //! integers, so that no rounding can tear the correspondence, and nothing need be traced. A flip costs what the quad's
 //! crossings count. Rounding moves a crossing along its edges by some 1e-16 of their lengths, never past another.
 
-use super::Place;
+use super::SurfacePoint;
 use super::cut::{Chord, Crossing, Cut, Node};
 use super::plane::{Point, crossing, mean_value, minus};
 use crate::intrinsic::{Metric, Sides, TOLERANCE, opposite_cosines, other_diagonal};
@@ -29,7 +29,7 @@ pub(super) struct Overlay<'a> {
     pub(super) length: Vec<f64>,
     trace: Vec<Trace>,
     /// Where each vertex is on the input.
-    pub(super) place: Vec<Place>,
+    pub(super) place: Vec<SurfacePoint>,
 }
 
 impl<'a> Overlay<'a> {
@@ -39,7 +39,7 @@ impl<'a> Overlay<'a> {
             triangulation: input.clone(),
             length: metric.lengths().to_vec(),
             trace: input.edges().map(|e| Trace::Along(input.halfedge(e))).collect(),
-            place: input.vertices().map(Place::Vertex).collect(),
+            place: input.vertices().map(SurfacePoint::Vertex).collect(),
         }
     }
 
@@ -95,9 +95,9 @@ impl<'a> Overlay<'a> {
         let corners = self.triangulation.corners(f).map(|v| self.place[v.index()]);
         let by_corner = || {
             corners.into_iter().find_map(|place| match place {
-                Place::Vertex(_) => None,
-                Place::Edge(h, _) => Some(self.input.face(h)),
-                Place::Face(home, _) => Some(home),
+                SurfacePoint::Vertex(_) => None,
+                SurfacePoint::Edge(h, _) => Some(self.input.face(h)),
+                SurfacePoint::Face(home, _) => Some(home),
             })
         };
         // A triangle that nothing crosses, whose corners are vertices of the input, has sides of the input.
@@ -110,7 +110,7 @@ impl<'a> Overlay<'a> {
             Node::Corner(s) => self.place[self.triangulation.corners(f)[s].index()].barycentric(self.input, home),
             Node::Side(s, k) => {
                 let Crossing { halfedge, along, .. } = cut.sides[s][k];
-                Place::Edge(halfedge, along).barycentric(self.input, home)
+                SurfacePoint::Edge(halfedge, along).barycentric(self.input, home)
             }
         }
     }
@@ -192,7 +192,7 @@ impl<'a> Overlay<'a> {
             let node = self.barycentric(home, f, &cut, node);
             (0..3).for_each(|c| at[c] += weight * node[c]);
         }
-        self.place.push(Place::Face(home, at));
+        self.place.push(SurfacePoint::Face(home, at));
         self.length.extend([1, 2, 0].map(|s: usize| {
             let [x, y] = minus(p, corners[s]);
             x.hypot(y)
@@ -207,11 +207,11 @@ impl<'a> Overlay<'a> {
         let e = t.edge(h);
         let shared = self.shared(h).expect("a boundary edge is part of one");
         let along = |v: VertexId, corner: f64| match self.place[v.index()] {
-            Place::Edge(_, along) => along,
+            SurfacePoint::Edge(_, along) => along,
             _ => corner,
         };
         let (from, to) = (along(t.tail(h), 0.0), along(t.head(h), 1.0));
-        let place = Place::Edge(shared, from + share * (to - from));
+        let place = SurfacePoint::Edge(shared, from + share * (to - from));
         let [a, b] = [t.next(h), t.prev(h)];
         let whole = self.length[e.index()];
         let [_, left, right] = [h, a, b].map(|h| self.length[t.edge(h).index()]);

@@ -6,7 +6,7 @@
 
 /// The type of a number in a file. All of them fit in f64 exactly.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Scalar {
+pub enum ScalarType {
     /// Eight bits with a sign.
     I8,
     /// Eight bits.
@@ -25,7 +25,7 @@ pub enum Scalar {
     F64,
 }
 
-impl Scalar {
+impl ScalarType {
     /// How many bytes it takes.
     pub const fn size(self) -> usize {
         match self {
@@ -91,7 +91,7 @@ impl Scalar {
 pub enum Meaning {
     /// Directions, x y z.
     Normal,
-    /// Red, green, blue and perhaps alpha, shares of [`Scalar::one`].
+    /// Red, green, blue and perhaps alpha, shares of [`ScalarType::one`].
     Colour,
     /// What the file calls so.
     Other(String),
@@ -109,7 +109,7 @@ impl std::fmt::Display for Meaning {
 
 /// What an attribute has a row for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Domain {
+pub enum AttributeDomain {
     /// Each vertex.
     Vertices,
     /// Each corner, which names its row.
@@ -122,8 +122,8 @@ pub enum Domain {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Attribute {
     meaning: Meaning,
-    domain: Domain,
-    scalar: Scalar,
+    domain: AttributeDomain,
+    scalar: ScalarType,
     /// How many numbers a row has, if all have as many.
     width: Option<usize>,
     /// Where rows begin, and at the end where the last ends, where they differ in length.
@@ -140,7 +140,7 @@ impl Attribute {
 
     /// A table of rows of `width` numbers, without rows yet.
     #[cfg_attr(not(feature = "files"), allow(dead_code, reason = "readers of files make tables, and tests"))]
-    pub(crate) fn new(meaning: Meaning, domain: Domain, scalar: Scalar, width: usize) -> Self {
+    pub(crate) fn new(meaning: Meaning, domain: AttributeDomain, scalar: ScalarType, width: usize) -> Self {
         let (start, bytes, index) = (Vec::new(), Vec::new(), Vec::new());
         Self { meaning, domain, scalar, width: Some(width.max(1)), start, bytes, index }
     }
@@ -151,12 +151,12 @@ impl Attribute {
     }
 
     /// What it has a row for.
-    pub fn domain(&self) -> Domain {
+    pub fn domain(&self) -> AttributeDomain {
         self.domain
     }
 
     /// The type that its numbers had in the file.
-    pub fn scalar(&self) -> Scalar {
+    pub fn scalar(&self) -> ScalarType {
         self.scalar
     }
 
@@ -192,16 +192,16 @@ impl Attribute {
     /// for what faces have.
     pub fn row_at(&self, corners: &[u32], corner: usize) -> Option<usize> {
         let row = match self.domain {
-            Domain::Vertices => *corners.get(corner)?,
-            Domain::Corners => *self.index.get(corner)?,
-            Domain::Faces => return None,
+            AttributeDomain::Vertices => *corners.get(corner)?,
+            AttributeDomain::Corners => *self.index.get(corner)?,
+            AttributeDomain::Faces => return None,
         };
         ((row as usize) < self.rows()).then_some(row as usize)
     }
 
     /// The same table for corners, of which each names its row.
     pub(crate) fn at_corners(self, index: Vec<u32>) -> Self {
-        Self { domain: Domain::Corners, index, ..self }
+        Self { domain: AttributeDomain::Corners, index, ..self }
     }
 
     /// Appends a number of a row.
@@ -261,12 +261,12 @@ impl Attribute {
 #[cfg(feature = "files")]
 impl Attribute {
     /// A table of rows of any lengths, without rows yet.
-    pub(crate) fn lists(meaning: Meaning, domain: Domain, scalar: Scalar) -> Self {
+    pub(crate) fn lists(meaning: Meaning, domain: AttributeDomain, scalar: ScalarType) -> Self {
         Self { width: None, start: vec![0], ..Self::new(meaning, domain, scalar, 1) }
     }
 
     /// The same table for vertices or faces.
-    pub(crate) fn of_domain(self, domain: Domain) -> Self {
+    pub(crate) fn of_domain(self, domain: AttributeDomain) -> Self {
         Self { domain, ..self }
     }
 
@@ -278,7 +278,7 @@ impl Attribute {
             return None;
         }
         let same = columns.iter().all(|column| column.scalar == first.scalar);
-        let scalar = if same { first.scalar } else { Scalar::F64 };
+        let scalar = if same { first.scalar } else { ScalarType::F64 };
         let mut table = Self::new(meaning, first.domain, scalar, columns.len());
         for row in 0..first.rows() {
             for column in columns {
@@ -340,7 +340,7 @@ pub struct Attributes {
 impl Attributes {
     /// The first table of a meaning, of vertices or corners.
     pub fn table(&self, meaning: &Meaning) -> Option<&Attribute> {
-        self.tables.iter().find(|table| table.meaning == *meaning && table.domain != Domain::Faces)
+        self.tables.iter().find(|table| table.meaning == *meaning && table.domain != AttributeDomain::Faces)
     }
 
     /// The name of a face's material.
@@ -351,9 +351,9 @@ impl Attributes {
     /// Leaves out tables whose rows are not as many as they should be.
     pub(super) fn fitting(mut self, vertices: usize, faces: usize, corners: usize) -> Self {
         self.tables.retain(|table| match table.domain {
-            Domain::Vertices => table.rows() == vertices,
-            Domain::Faces => table.rows() == faces,
-            Domain::Corners => table.index.len() == corners,
+            AttributeDomain::Vertices => table.rows() == vertices,
+            AttributeDomain::Faces => table.rows() == faces,
+            AttributeDomain::Corners => table.index.len() == corners,
         });
         if self.face_material.len() != faces {
             self.face_material.clear();
@@ -366,7 +366,7 @@ impl Attributes {
 mod tests {
     use super::*;
 
-    fn table(meaning: Meaning, domain: Domain, scalar: Scalar, width: usize, values: &[f64]) -> Attribute {
+    fn table(meaning: Meaning, domain: AttributeDomain, scalar: ScalarType, width: usize, values: &[f64]) -> Attribute {
         let mut table = Attribute::new(meaning, domain, scalar, width);
         values.iter().for_each(|&x| table.push(x));
         table
@@ -374,7 +374,7 @@ mod tests {
 
     #[test]
     fn every_type_gives_its_numbers_back_and_bounds_what_does_not_fit() {
-        use Scalar::{F32, F64, I8, I16, I32, U8, U16, U32};
+        use ScalarType::{F32, F64, I8, I16, I32, U8, U16, U32};
         for scalar in [I8, U8, I16, U16, I32, U32, F32, F64] {
             let mut bytes = Vec::new();
             [scalar.one(), 0.0, 1.0].into_iter().for_each(|x| scalar.encode(x, &mut bytes));
@@ -388,11 +388,11 @@ mod tests {
 
     #[test]
     fn joined_vertices_that_differ_keep_their_numbers_at_corners() {
-        let same = table(Meaning::Colour, Domain::Vertices, Scalar::U8, 1, &[1.0, 2.0, 3.0, 1.0]);
+        let same = table(Meaning::Colour, AttributeDomain::Vertices, ScalarType::U8, 1, &[1.0, 2.0, 3.0, 1.0]);
         let joined = [0, 1, 2, 0];
         assert_eq!(same.clone().joined(&joined, 3, &[0, 1, 2]).rows(), 3);
-        let other = table(Meaning::Colour, Domain::Vertices, Scalar::U8, 1, &[1.0, 2.0, 3.0, 9.0]);
+        let other = table(Meaning::Colour, AttributeDomain::Vertices, ScalarType::U8, 1, &[1.0, 2.0, 3.0, 9.0]);
         let apart = other.joined(&joined, 3, &[3, 1, 2]);
-        assert_eq!((apart.domain(), apart.rows()), (Domain::Corners, 4));
+        assert_eq!((apart.domain(), apart.rows()), (AttributeDomain::Corners, 4));
     }
 }

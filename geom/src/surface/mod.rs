@@ -9,7 +9,7 @@ mod refine_attributes;
 mod texture_seams;
 mod triangulate;
 
-pub use attributes::{Attribute, Attributes, Domain, Listing, Meaning, Scalar};
+pub use attributes::{Attribute, AttributeDomain, Attributes, Listing, Meaning, ScalarType};
 pub use curvature::{gaussian_curvature, mean_curvature};
 pub use exposure::{exposure, exposure_watched};
 pub use model::{MAX_COORDINATE, Model, ModelError, Skipped, TextureCoordinates};

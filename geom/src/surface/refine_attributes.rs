@@ -1,6 +1,6 @@
 //! Attributes of a surface that was cut finer.
 
-use super::attributes::{Attribute, Attributes, Domain};
+use super::attributes::{Attribute, AttributeDomain, Attributes};
 use super::model::Model;
 
 /// The attributes of a model whose faces were cut into triangles. `added` says what new vertices are made of, vertices of
@@ -16,14 +16,14 @@ pub fn refine_attributes(model: &Model, refined: &Model, added: &[[(u32, f64); 3
         None => [(vertex, 1.0), (vertex, 0.0), (vertex, 0.0)],
     };
     let table = |table: &Attribute| match table.domain() {
-        Domain::Faces => table.picked(face.iter().map(|&f| f as usize)),
-        Domain::Vertices => {
+        AttributeDomain::Faces => table.picked(face.iter().map(|&f| f as usize)),
+        AttributeDomain::Vertices => {
             let mut mixed = table.picked(0..model.vertex_count());
             (model.vertex_count() as u32..refined.vertex_count() as u32)
                 .for_each(|vertex| mixed.mix(table, &parts_of(vertex).map(|(v, weight)| (v as usize, weight))));
             mixed
         }
-        Domain::Corners => at_corners(table, model, refined, parts_of, face),
+        AttributeDomain::Corners => at_corners(table, model, refined, parts_of, face),
     };
     let is_there = !attributes.face_material.is_empty();
     let material = |&f: &u32| attributes.face_material.get(f as usize).copied().unwrap_or(Attribute::NONE);
@@ -71,14 +71,14 @@ fn row_in(table: &Attribute, model: &Model, face: u32, vertex: u32) -> Option<us
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Meaning, Scalar};
+    use crate::{Meaning, ScalarType};
 
     fn square() -> Model {
         let points = vec![[0.0; 3], [2.0, 0.0, 0.0], [2.0, 2.0, 0.0], [0.0, 2.0, 0.0]];
         Model::from_polygons(points, [[0, 1, 2, 3]]).unwrap()
     }
 
-    fn table(meaning: Meaning, domain: Domain, scalar: Scalar, width: usize, values: &[f64]) -> Attribute {
+    fn table(meaning: Meaning, domain: AttributeDomain, scalar: ScalarType, width: usize, values: &[f64]) -> Attribute {
         let mut table = Attribute::new(meaning, domain, scalar, width);
         values.iter().for_each(|&x| table.push(x));
         table
@@ -91,11 +91,13 @@ mod tests {
         points.push([0.5, 0.5, 0.0]);
         let triangles = [[0, 1, 4], [1, 2, 4], [2, 3, 4], [3, 0, 4]];
         let refined = Model::from_triangles(points, &triangles).unwrap();
-        let colour = table(Meaning::Colour, Domain::Vertices, Scalar::U8, 1, &[200.0, 0.0, 100.0, 0.0]);
-        let label = table(Meaning::Other("label".into()), Domain::Vertices, Scalar::I32, 1, &[7.0, 0.0, 1.0, 0.0]);
-        let face = table(Meaning::Other("part".into()), Domain::Faces, Scalar::I32, 1, &[5.0]);
+        let colour = table(Meaning::Colour, AttributeDomain::Vertices, ScalarType::U8, 1, &[200.0, 0.0, 100.0, 0.0]);
+        let label =
+            table(Meaning::Other("label".into()), AttributeDomain::Vertices, ScalarType::I32, 1, &[7.0, 0.0, 1.0, 0.0]);
+        let face = table(Meaning::Other("part".into()), AttributeDomain::Faces, ScalarType::I32, 1, &[5.0]);
         let normals = [0.0, 0.0, 1.0, 1.0, 0.0, 0.0];
-        let normal = table(Meaning::Normal, Domain::Vertices, Scalar::F64, 3, &normals).at_corners(vec![0, 0, 1, 0]);
+        let normal = table(Meaning::Normal, AttributeDomain::Vertices, ScalarType::F64, 3, &normals)
+            .at_corners(vec![0, 0, 1, 0]);
         let tables = vec![colour, label, face, normal];
         let model = model.with_attributes(Attributes { tables, face_material: vec![0], ..Attributes::default() });
         let mixed = refine_attributes(&model, &refined, &[[(0, 0.75), (2, 0.25), (1, 0.0)]], &[0; 4]);

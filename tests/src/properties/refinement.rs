@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use geom::{Id, LEAST_ANGLE, Mesh, Place, Refinement, VertexId, angle_defects, refine};
+use geom::{Id, LEAST_ANGLE, Mesh, Refinement, SurfacePoint, VertexId, angle_defects, refine};
 
 use super::{assert_close, metric_of};
 use crate::decode::{self, Bytes};
@@ -22,7 +22,7 @@ pub fn refinement(bytes: &[u8]) {
     triangulation.check();
     assert_eq!(triangulation.euler_characteristic(), mesh.euler_characteristic());
     assert!(triangulation.vertex_count() <= 21 * mesh.vertex_count() + 10_000, "there is a cap");
-    assert!(mesh.vertices().all(|v| place[v] == Place::Vertex(v)), "the input's vertices stay");
+    assert!(mesh.vertices().all(|v| place[v] == SurfacePoint::Vertex(v)), "the input's vertices stay");
     let longest = metric.lengths().iter().fold(0.0_f64, |most, &l| most.max(l));
     assert_close(fine.area(triangulation), metric.area(&mesh), 1e-9, longest * longest);
 

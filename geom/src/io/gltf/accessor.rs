@@ -6,7 +6,7 @@ use std::collections::HashMap;
 use super::super::MOST_EXPANSION;
 use super::super::error::{Fault, Place};
 use super::document::{self, Document, Sparse};
-use crate::surface::Scalar;
+use crate::surface::ScalarType;
 
 /// The buffers with what the document says of them.
 pub(super) struct Buffers<'a> {
@@ -19,7 +19,7 @@ pub(super) struct Accessor<'a> {
     /// From the first element on; empty where all are zeros but the replaced ones.
     bytes: &'a [u8],
     stride: usize,
-    pub(super) scalar: Scalar,
+    pub(super) scalar: ScalarType,
     pub(super) width: usize,
     pub(super) count: usize,
     pub(super) is_normalized: bool,
@@ -135,14 +135,14 @@ impl Accessor<'_> {
     }
 }
 
-fn scalar(component_type: u32) -> Option<Scalar> {
+fn scalar(component_type: u32) -> Option<ScalarType> {
     Some(match component_type {
-        5120 => Scalar::I8,
-        5121 => Scalar::U8,
-        5122 => Scalar::I16,
-        5123 => Scalar::U16,
-        5125 => Scalar::U32,
-        5126 => Scalar::F32,
+        5120 => ScalarType::I8,
+        5121 => ScalarType::U8,
+        5122 => ScalarType::I16,
+        5123 => ScalarType::U16,
+        5125 => ScalarType::U32,
+        5126 => ScalarType::F32,
         _ => return None,
     })
 }

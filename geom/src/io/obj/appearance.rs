@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use super::super::text::{Words, number};
 use super::resolve;
-use crate::surface::{Attribute, Attributes, Domain, Meaning, Scalar};
+use crate::surface::{Attribute, AttributeDomain, Attributes, Meaning, ScalarType};
 
 /// What a text says of how its surface looks. What is no number here is no reason to refuse the surface.
 pub(super) struct Appearance {
@@ -27,7 +27,7 @@ pub(super) struct Appearance {
 impl Default for Appearance {
     fn default() -> Self {
         Self {
-            normals: Attribute::new(Meaning::Normal, Domain::Vertices, Scalar::F32, 3),
+            normals: Attribute::new(Meaning::Normal, AttributeDomain::Vertices, ScalarType::F32, 3),
             normal_corners: Vec::new(),
             behind: Vec::new(),
             width: None,
@@ -116,8 +116,8 @@ impl Appearance {
 /// Shares of 1, or of 255 where any is larger than 1, in the 16 bits that colours have between formats.
 fn colours(values: &[f64], width: usize) -> Attribute {
     let unit = if values.iter().any(|&x| x > 1.0) { 255.0 } else { 1.0 };
-    let mut table = Attribute::new(Meaning::Colour, Domain::Vertices, Scalar::U16, width);
+    let mut table = Attribute::new(Meaning::Colour, AttributeDomain::Vertices, ScalarType::U16, width);
     // What is no number becomes 0.
-    values.iter().for_each(|&x| table.push(x / unit * Scalar::U16.one()));
+    values.iter().for_each(|&x| table.push(x / unit * ScalarType::U16.one()));
     table
 }

@@ -2,7 +2,7 @@
 
 use super::Role;
 use super::header::{Element, Property, Shape};
-use crate::surface::{Attribute, Domain, Listing, Meaning, Scalar};
+use crate::surface::{Attribute, AttributeDomain, Listing, Meaning, ScalarType};
 
 /// The columns of an element, one a property that has no other role.
 pub(super) struct Columns {
@@ -36,13 +36,13 @@ impl Columns {
 fn empty(property: &Property) -> Attribute {
     let meaning = Meaning::Other(property.name.clone());
     match property.shape {
-        Shape::One(scalar) => Attribute::new(meaning, Domain::Vertices, scalar, 1),
-        Shape::List { item, .. } => Attribute::lists(meaning, Domain::Vertices, item),
+        Shape::One(scalar) => Attribute::new(meaning, AttributeDomain::Vertices, scalar, 1),
+        Shape::List { item, .. } => Attribute::lists(meaning, AttributeDomain::Vertices, item),
     }
 }
 
 /// The columns of vertices or faces, normals and colours put together.
-pub(super) fn tables(columns: Columns, domain: Domain) -> Vec<Attribute> {
+pub(super) fn tables(columns: Columns, domain: AttributeDomain) -> Vec<Attribute> {
     let mut columns: Vec<Attribute> = columns.of_property.into_iter().flatten().collect();
     let mut tables = Vec::new();
     for (names, meaning) in [
@@ -73,6 +73,6 @@ fn position(columns: &[Attribute], name: &str) -> Option<usize> {
 fn fits(column: &Attribute, meaning: &Meaning) -> bool {
     match meaning {
         Meaning::Normal => column.scalar().is_float(),
-        _ => !matches!(column.scalar(), Scalar::I8 | Scalar::I16 | Scalar::I32),
+        _ => !matches!(column.scalar(), ScalarType::I8 | ScalarType::I16 | ScalarType::I32),
     }
 }

@@ -2,7 +2,7 @@
 
 use super::super::error::{Fault, Place};
 use super::super::text::{Line, Lines, Words};
-use crate::surface::Scalar;
+use crate::surface::ScalarType;
 
 /// What the header says.
 pub(super) struct Header {
@@ -49,21 +49,21 @@ pub(super) struct Property {
 /// One number, or a counted list of them.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Shape {
-    One(Scalar),
-    List { count: Scalar, item: Scalar },
+    One(ScalarType),
+    List { count: ScalarType, item: ScalarType },
 }
 
 /// The type of that name: those of the first version and those with their number of bits.
-fn scalar_named(word: &[u8]) -> Option<Scalar> {
+fn scalar_named(word: &[u8]) -> Option<ScalarType> {
     Some(match word {
-        b"char" | b"int8" => Scalar::I8,
-        b"uchar" | b"uint8" => Scalar::U8,
-        b"short" | b"int16" => Scalar::I16,
-        b"ushort" | b"uint16" => Scalar::U16,
-        b"int" | b"int32" => Scalar::I32,
-        b"uint" | b"uint32" => Scalar::U32,
-        b"float" | b"float32" => Scalar::F32,
-        b"double" | b"float64" => Scalar::F64,
+        b"char" | b"int8" => ScalarType::I8,
+        b"uchar" | b"uint8" => ScalarType::U8,
+        b"short" | b"int16" => ScalarType::I16,
+        b"ushort" | b"uint16" => ScalarType::U16,
+        b"int" | b"int32" => ScalarType::I32,
+        b"uint" | b"uint32" => ScalarType::U32,
+        b"float" | b"float32" => ScalarType::F32,
+        b"double" | b"float64" => ScalarType::F64,
         _ => return None,
     })
 }
@@ -138,7 +138,7 @@ fn read_property(mut words: Words) -> Result<Property, Fault> {
     Ok(Property { name, shape })
 }
 
-fn read_scalar(words: &mut Words) -> Result<Scalar, Fault> {
+fn read_scalar(words: &mut Words) -> Result<ScalarType, Fault> {
     let word = words.expect("type of a property")?;
     scalar_named(word).ok_or_else(|| words.unexpected(word, "a type such as `float`, `double`, `uchar` or `int`"))
 }

@@ -3,7 +3,7 @@
 use super::super::error::{Fault, Place};
 use super::super::text::{Line, Lines, Words, number};
 use super::header::{ByteOrder, Header};
-use crate::surface::Scalar;
+use crate::surface::ScalarType;
 
 /// Where numbers come from.
 pub(super) trait Values {
@@ -20,13 +20,13 @@ pub(super) trait Values {
     fn place(&self) -> Place;
 
     /// How many numbers of this type there can still be.
-    fn room(&self, scalar: Scalar) -> usize;
+    fn room(&self, scalar: ScalarType) -> usize;
 
     /// The next number; `name` is the property's, for messages.
-    fn scalar(&mut self, scalar: Scalar, name: &str) -> Result<f64, Fault>;
+    fn scalar(&mut self, scalar: ScalarType, name: &str) -> Result<f64, Fault>;
 
     /// The next list, put in place of `list`. Its count is believed only as far as there are numbers.
-    fn list(&mut self, count: Scalar, item: Scalar, name: &str, list: &mut Vec<f64>) -> Result<(), Fault> {
+    fn list(&mut self, count: ScalarType, item: ScalarType, name: &str, list: &mut Vec<f64>) -> Result<(), Fault> {
         let count = self.scalar(count, name)?;
         if !(count >= 0.0 && count <= self.room(item) as f64 && count.fract() == 0.0) {
             let found = format!("a list `{name}` of {count} numbers");
@@ -83,11 +83,11 @@ impl Values for Text<'_> {
         self.words.place()
     }
 
-    fn room(&self, _: Scalar) -> usize {
+    fn room(&self, _: ScalarType) -> usize {
         self.size
     }
 
-    fn scalar(&mut self, _: Scalar, name: &str) -> Result<f64, Fault> {
+    fn scalar(&mut self, _: ScalarType, name: &str) -> Result<f64, Fault> {
         let word = self.words.next();
         let word = word.ok_or_else(|| Fault::unexpected(self.place(), "the end of the line", format!("`{name}`")))?;
         number(word).ok_or_else(|| self.words.unexpected(word, format!("a number for `{name}`")))
@@ -116,16 +116,16 @@ impl<'a> Binary<'a> {
         Some(bytes)
     }
 
-    fn decode(&mut self, scalar: Scalar) -> Option<f64> {
+    fn decode(&mut self, scalar: ScalarType) -> Option<f64> {
         Some(match scalar {
-            Scalar::I8 => i8::from_le_bytes(self.take()?).into(),
-            Scalar::U8 => u8::from_le_bytes(self.take()?).into(),
-            Scalar::I16 => i16::from_le_bytes(self.take()?).into(),
-            Scalar::U16 => u16::from_le_bytes(self.take()?).into(),
-            Scalar::I32 => i32::from_le_bytes(self.take()?).into(),
-            Scalar::U32 => u32::from_le_bytes(self.take()?).into(),
-            Scalar::F32 => f32::from_le_bytes(self.take()?).into(),
-            Scalar::F64 => f64::from_le_bytes(self.take()?),
+            ScalarType::I8 => i8::from_le_bytes(self.take()?).into(),
+            ScalarType::U8 => u8::from_le_bytes(self.take()?).into(),
+            ScalarType::I16 => i16::from_le_bytes(self.take()?).into(),
+            ScalarType::U16 => u16::from_le_bytes(self.take()?).into(),
+            ScalarType::I32 => i32::from_le_bytes(self.take()?).into(),
+            ScalarType::U32 => u32::from_le_bytes(self.take()?).into(),
+            ScalarType::F32 => f32::from_le_bytes(self.take()?).into(),
+            ScalarType::F64 => f64::from_le_bytes(self.take()?),
         })
     }
 }
@@ -145,11 +145,11 @@ impl Values for Binary<'_> {
         Place::Byte(self.at as u64)
     }
 
-    fn room(&self, scalar: Scalar) -> usize {
+    fn room(&self, scalar: ScalarType) -> usize {
         (self.bytes.len() - self.at) / scalar.size()
     }
 
-    fn scalar(&mut self, scalar: Scalar, name: &str) -> Result<f64, Fault> {
+    fn scalar(&mut self, scalar: ScalarType, name: &str) -> Result<f64, Fault> {
         let value = self.decode(scalar);
         value.ok_or_else(|| Fault::unexpected(self.place(), "the end of the file", format!("a number for `{name}`")))
     }

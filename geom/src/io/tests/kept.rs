@@ -1,7 +1,7 @@
 //! Normals, colours, materials and whatever else there is, from format to format.
 
 use super::*;
-use crate::surface::{Attribute, Domain, Meaning, Scalar};
+use crate::surface::{Attribute, AttributeDomain, Meaning, ScalarType};
 
 const PLY: &str = "ply
 format ascii 1.0
@@ -152,19 +152,19 @@ fn colours_that_are_floats_stay_floats_in_ply() {
     let floats = PLY.replacen("uchar red", "float red", 1).replacen("uchar green", "float green", 1);
     let model = read_bytes(floats.into(), "a.ply").unwrap();
     let table = model.attributes().table(&Meaning::Colour).map(Attribute::scalar);
-    assert_eq!(table, Some(Scalar::F64), "columns of two types are shares");
+    assert_eq!(table, Some(ScalarType::F64), "columns of two types are shares");
     let all = PLY.replacen("uchar red", "float red", 1).replacen("uchar green", "float green", 1);
     let all = all.replacen("uchar blue", "float blue", 1).replacen("uchar alpha", "float alpha", 1);
     let back = written(&read_bytes(all.into(), "a.ply").unwrap(), None, MeshFormat::Ply);
     let table = back.attributes().table(&Meaning::Colour).unwrap();
-    assert_eq!((table.scalar(), table.domain()), (Scalar::F32, Domain::Vertices));
+    assert_eq!((table.scalar(), table.domain()), (ScalarType::F32, AttributeDomain::Vertices));
 }
 
 #[test]
 fn no_two_properties_of_a_ply_have_one_name() {
     let mut model = obj(TETRAHEDRON);
     let table = |name: &str| {
-        let mut table = Attribute::new(Meaning::Other(name.into()), Domain::Vertices, Scalar::U8, 1);
+        let mut table = Attribute::new(Meaning::Other(name.into()), AttributeDomain::Vertices, ScalarType::U8, 1);
         (0..4).for_each(|v| table.push(f64::from(v)));
         table
     };
