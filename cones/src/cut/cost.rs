@@ -7,7 +7,7 @@
 use std::f64::consts::PI;
 
 use geom::vector::{Vec3, angle, normal};
-use geom::{EdgeData, EdgeId, Interrupted, Mesh, Surface, VertexData, Watch, edges_at, exposure_watched};
+use geom::{EdgeData, EdgeId, Interrupted, Mesh, Surface, VertexId, Watch, edges_at, exposure_watched};
 
 /// What a sharp edge is cheaper by at full weight, as a share of its length. At half the weight, the default, a way along sharp
 /// edges is taken that is up to a third longer; seams as a whole become little longer, since most have none beside them.
@@ -42,11 +42,14 @@ pub(crate) fn shares(surface: &Surface, weight: f64, watch: Watch) -> Result<Edg
     let triangles: Vec<[u32; 3]> = mesh.faces().map(|f| mesh.corners(f).map(|v| v.0)).collect();
     let seen = exposure_watched(points, &triangles, watch)?;
     let bends: EdgeData<f64> = mesh.edges().map(|e| bend(mesh, points, e)).collect();
-    let rough: VertexData<f64> = mesh.vertices().map(|v| median(edges_at(mesh, v).map(|(e, _)| bends[e]))).collect();
+    watch.ask(1.0)?;
+    let rough = |v: VertexId| median(edges_at(mesh, v).map(|(e, _)| bends[e]));
     let share = |e: EdgeId| {
         let [a, b] = mesh.ends(e);
-        let smooth = SMOOTH.max(8.0 * rough[a].min(rough[b]));
-        let sharp = ((bends[e] - smooth) / CREASE).clamp(0.0, 1.0);
+        let sharp = match bends[e] > SMOOTH {
+            true => ((bends[e] - SMOOTH.max(8.0 * rough(a).min(rough(b)))) / CREASE).clamp(0.0, 1.0),
+            false => 0.0,
+        };
         let hidden = 1.0 - 0.5 * (seen[a.0 as usize] + seen[b.0 as usize]);
         1.0 - weight * (SHARP * sharp).max(HIDDEN * hidden)
     };

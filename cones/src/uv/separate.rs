@@ -298,8 +298,11 @@ impl Task<'_> {
     /// What comes of gluing one of the longest chains all the same, and parting what lies over each other then; none if all have
     /// been tried.
     fn glued_otherwise(&self, state: &State, count: usize, watch: Watch) -> Result<Option<Vec<State>>, Interrupted> {
+        let ask = || watch.ask(f64::NAN);
         let boxes_there = boxes(self.mesh, &state.map);
+        ask()?;
         let pieces = self.pieces(&state.map, &boxes_there, state.map.cut.clone());
+        ask()?;
         let chains = pieces.chains();
         let gluings: Vec<(&Chain, &Preference)> = chains
             .iter()
@@ -312,18 +315,23 @@ impl Task<'_> {
         }
         let run = |&(chain, preference): &(&Chain, &Preference)| -> Result<Option<State>, Interrupted> {
             let most = MOST_PAIRS * self.mesh.face_count();
+            ask()?;
             let Some(pairs) = pieces.overlaps_when_glued(chain, most) else { return Ok(None) };
+            ask()?;
             let mut glued = pieces.clone();
             glued.glue(chain);
             let map = glued.map();
             let cut = divide(self.mesh, self.lengths, &map.cut, &weighed(&pairs), preference, watch)?;
-            self.attached(self.pieces(&map, &boxes(self.mesh, &map), cut), watch).map(Some)
+            let boxes = boxes(self.mesh, &map);
+            ask()?;
+            self.attached(self.pieces(&map, &boxes, cut), watch).map(Some)
         };
         let states: Vec<Result<Option<State>, Interrupted>> = gluings.par_iter().map(run).collect();
         Ok(Some(states.into_iter().collect::<Result<Vec<_>, _>>()?.into_iter().flatten().collect()))
     }
 
     fn attached(&self, mut pieces: Pieces, watch: Watch) -> Result<State, Interrupted> {
+        watch.ask(f64::NAN)?;
         pieces.attach(watch)?;
         watch.ask(f64::NAN)?;
         let sizes = pieces.sizes();
