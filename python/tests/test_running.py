@@ -102,7 +102,7 @@ def test_ctrl_c_stops_the_work():
 
 
 @pytest.mark.skipif(os.name == "nt", reason="signals are sent")
-@pytest.mark.parametrize("asked", ["sublevel(field)", "merge_tree(field)", "segmentation(field)", "simplify(field, 0.1)", "holes(field)"])
+@pytest.mark.parametrize("asked", ["sublevel(field)", "merge_tree(field)", "segmentation(field)", "simplify(field, threshold=0.1)", "holes(field)"])
 def test_ctrl_c_stops_what_is_asked_of_one_array(asked):
     program = f"""
         import numpy as np, signal, time
