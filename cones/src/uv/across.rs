@@ -4,6 +4,8 @@
 //! a path across, and these edges are a spanning tree of the island's triangles. Gone through in preorder, the triangles on
 //! one side of a path are a range. So areas and extents on both sides are found for all paths in one sweep.
 
+use std::f64::consts::PI;
+
 use geom::{CutMesh, EdgeData, EdgeId, FaceData, FaceId, Interrupted, Mesh, ShortestPaths, VertexId, Watch, edges_at};
 
 use super::map::UvMap;
@@ -155,15 +157,18 @@ impl<'a> Paths<'a> {
             if length > most || share < least_share || share > 1.0 - least_share {
                 return None;
             }
-            let middle = self.map.position[self.mesh.halfedge(edge)];
+            let middle = self.middle(edge);
             Some(Across { edge, length, middle, share, first: k, end })
         });
         found.collect()
     }
 
-    /// For each path the areas of rectangles about both sides, over that of one about the island.
+    /// For each path the areas of rectangles about both sides, over that of one about the island. However the island lies
+    /// they are the same.
     pub(super) fn rectangles(&self, sweep: &Sweep, across: &[Across]) -> Vec<f64> {
-        let reach: Vec<Reach> = sweep.faces.iter().map(|&f| self.reach(f)).collect();
+        let axis = self.axis(&sweep.faces);
+        let directions = std::array::from_fn(|k| (axis + PI * k as f64 / DIRECTIONS as f64).sin_cos());
+        let reach: Vec<Reach> = sweep.faces.iter().map(|&f| self.reach(f, &directions)).collect();
         let mut below = reach.clone();
         for k in (1..below.len()).rev() {
             let parent = sweep.parent(self.mesh, k);
@@ -204,11 +209,31 @@ impl<'a> Paths<'a> {
         &self.opened
     }
 
-    fn reach(&self, f: FaceId) -> Reach {
+    /// The middle of an edge that is not open.
+    fn middle(&self, e: EdgeId) -> [f64; 2] {
+        let h = self.mesh.halfedge(e);
+        let [p, q] = [h, self.mesh.next(h)].map(|h| self.map.position[h]);
+        [0.5 * (p[0] + q[0]), 0.5 * (p[1] + q[1])]
+    }
+
+    /// The angle of the direction along which corners are spread most.
+    fn axis(&self, faces: &[FaceId]) -> f64 {
+        let corners = || faces.iter().flat_map(|&f| self.mesh.sides(f)).map(|h| self.map.position[h]);
+        let count = 3.0 * faces.len() as f64;
+        let sum = corners().fold([0.0; 2], |sum, [x, y]| [sum[0] + x, sum[1] + y]);
+        let mut spread = [0.0; 2];
+        for [x, y] in corners() {
+            let [x, y] = [x - sum[0] / count, y - sum[1] / count];
+            spread = [spread[0] + x * x - y * y, spread[1] + 2.0 * x * y];
+        }
+        0.5 * spread[1].atan2(spread[0])
+    }
+
+    /// How far a triangle reaches in directions, given by sine and cosine.
+    fn reach(&self, f: FaceId, directions: &[(f64, f64); DIRECTIONS]) -> Reach {
         let mut reach = [f32::MIN; 2 * DIRECTIONS];
         for [x, y] in self.mesh.sides(f).map(|h| self.map.position[h]) {
-            for k in 0..DIRECTIONS {
-                let (sin, cos) = (std::f64::consts::PI * k as f64 / DIRECTIONS as f64).sin_cos();
+            for (k, (sin, cos)) in directions.iter().enumerate() {
                 let at = (cos * x + sin * y) as f32;
                 reach[k] = reach[k].max(at);
                 reach[k + DIRECTIONS] = reach[k + DIRECTIONS].max(-at);

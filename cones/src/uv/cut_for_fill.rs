@@ -142,8 +142,10 @@ fn promising<'a>(across: impl Iterator<Item = (&'a Across, f64)>, extent: f64, l
     let mut across: Vec<(&Across, f64)> = across.collect();
     let mut chosen: Vec<Across> = Vec::new();
     for (is_by_length, count) in [(false, TRIED / 2), (true, TRIED)] {
-        // Half a tenth of what is left beside the length, lest the shortest of all paths win.
-        let price = |path: &Across| if is_by_length { path.length + 0.05 * left } else { 1.0 };
+        // Half a tenth of what is left beside the length, lest the shortest of all paths win; and a little of the length where it
+        // does not count, since neighbouring paths often leave the same rectangles.
+        let price =
+            |path: &Across| if is_by_length { path.length + 0.05 * left } else { 1.0 + 1e-4 * path.length / left };
         let measure = |(path, rectangles): &(&Across, f64)| (rectangles - 1.0) / price(path);
         across.sort_by(|a, b| measure(a).total_cmp(&measure(b)));
         for (path, _) in &across {
