@@ -35,7 +35,11 @@ pub(crate) fn packed(
     let cuts_further = options.islands == Islands::Pack;
     let options = &options.packing_for_texture();
     task.stage((Stage::Pack, 0), times, |watch| {
-        let maps: Vec<UvMap> = components.iter().zip(flats).map(|(component, flat)| map(component, flat)).collect();
+        let mut maps: Vec<UvMap> = Vec::with_capacity(components.len());
+        for (component, flat) in components.iter().zip(flats) {
+            maps.push(map(component, flat));
+            watch.ask(0.0)?;
+        }
         let cuts = match cuts_further {
             true => further_cuts(components, &maps, options, watch.within(0.0, 0.5))?,
             false => maps.iter().map(|map| map.cut.clone()).collect(),

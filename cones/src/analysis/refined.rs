@@ -180,27 +180,33 @@ pub(crate) fn refine_all(
             let metric = surface.metric();
             refine_watched(&surface.mesh, &metric, LARGEST * metric.area(&surface.mesh).sqrt(), watch)
         };
-        let refinements: Vec<Refinement> = surfaces.par_iter().with_max_len(1).map(refine).collect();
-        watch.ask(1.0).map(|()| refinements)
+        surfaces.par_iter().with_max_len(1).map(refine).collect::<Result<Vec<Refinement>, _>>()
     })??;
     let is_complete = refinements.iter().all(|refinement| refinement.is_complete);
-    let mut growing =
-        Growing { points: model.points().to_vec(), added: Vec::new(), triangles: Vec::new(), face: Vec::new() };
-    let refined = surfaces.into_iter().zip(refinements);
-    let mut ready: Vec<Ready> =
-        refined.map(|(surface, refinement)| growing.add(model, &triangles, surface, refinement)).collect();
-    let kept = growing.triangles.len();
-    for &t in &left_out {
-        growing.triangles.push(triangles.corners[t as usize].map(|c| model.corners()[c as usize]));
-        growing.face.push(triangles.face_of[t as usize]);
-    }
-    let number = growing.sort_by_face();
-    ready.iter_mut().for_each(|ready| ready.renumber(&number));
-    let left_out = number[kept..].to_vec();
-    let Growing { points, added, triangles, face } = growing;
-    let model = Model::from_triangles(points, &triangles).map_err(Error::Refined)?;
-    let triangles = model.triangles();
-    Ok((ready, RefinedModel { model, face, added, is_complete }, triangles, left_out))
+    task.stage((Stage::Prepare, 0), times, |watch: Watch| {
+        let mut growing =
+            Growing { points: model.points().to_vec(), added: Vec::new(), triangles: Vec::new(), face: Vec::new() };
+        let mut ready: Vec<Ready> = Vec::with_capacity(surfaces.len());
+        for (surface, refinement) in surfaces.into_iter().zip(refinements) {
+            ready.push(growing.add(model, &triangles, surface, refinement));
+            watch.ask(0.5)?;
+        }
+        let kept = growing.triangles.len();
+        for &t in &left_out {
+            growing.triangles.push(triangles.corners[t as usize].map(|c| model.corners()[c as usize]));
+            growing.face.push(triangles.face_of[t as usize]);
+        }
+        let number = growing.sort_by_face();
+        watch.ask(0.7)?;
+        ready.iter_mut().for_each(|ready| ready.renumber(&number));
+        watch.ask(0.8)?;
+        let left_out = number[kept..].to_vec();
+        let Growing { points, added, triangles, face } = growing;
+        let model = Model::from_triangles(points, &triangles).map_err(Error::Refined)?;
+        watch.ask(0.9)?;
+        let triangles = model.triangles();
+        Ok((ready, RefinedModel { model, face, added, is_complete }, triangles, left_out))
+    })?
 }
 
 /// A refined model as far as it is known.

@@ -10,7 +10,7 @@
 //! 30 end in one island with the first tree alone, 36 with 12 others, one preference each and half the variation, 38 with two
 //! preferences and more than twice of it, 40 with four preferences, 41 with 24 trees besides.
 
-use geom::{EdgeData, HalfedgeData, Interrupted, Mesh, Watch};
+use geom::{CutMesh, EdgeData, HalfedgeData, Interrupted, Mesh, Watch};
 use num_complex::Complex64;
 use rayon::prelude::*;
 
@@ -88,7 +88,7 @@ impl<'a> Reseaming<'a> {
         }
         let others = self.others(watch.within(0.2, 0.5))?;
         watch.ask(0.5)?;
-        let mut openings = self.ranked(std::iter::once(opening).chain(others));
+        let mut openings = self.ranked(std::iter::once(opening).chain(others), watch)?;
         watch.ask(0.5)?;
         self.resolve_further(&first, &mut openings[0], watch.within(0.5, 0.7))?;
         let fewest = openings[0].0.islands;
@@ -99,7 +99,7 @@ impl<'a> Reseaming<'a> {
             .map(|(_, opening)| self.exchanged(opening, LONGEST_EXCHANGED, watch.within(0.7, 0.9)));
         let exchanged: Vec<Result<Opening, Interrupted>> = exchanged.collect();
         watch.ask(0.9)?;
-        let ranked = self.ranked(exchanged.into_iter().collect::<Result<Vec<_>, _>>()?);
+        let ranked = self.ranked(exchanged.into_iter().collect::<Result<Vec<_>, _>>()?, watch)?;
         let (_, mut best) = ranked.into_iter().next().expect("the first is one of them");
         best.separation.look(self.mesh, watch.within(0.9, 1.0))?;
         Ok(best)
@@ -115,11 +115,15 @@ impl<'a> Reseaming<'a> {
     }
 
     /// Openings with their costs, the best first.
-    fn ranked(&self, openings: impl IntoIterator<Item = Opening>) -> Vec<(Cost, Opening)> {
-        let with_cost = |opening: Opening| (self.cost(&opening.separation), opening);
-        let mut ranked: Vec<(Cost, Opening)> = openings.into_iter().map(with_cost).collect();
+    fn ranked(
+        &self,
+        openings: impl IntoIterator<Item = Opening>,
+        watch: Watch,
+    ) -> Result<Vec<(Cost, Opening)>, Interrupted> {
+        let with_cost = |opening: Opening| Ok((self.cost(&opening.separation, watch)?, opening));
+        let mut ranked = openings.into_iter().map(with_cost).collect::<Result<Vec<(Cost, Opening)>, _>>()?;
         ranked.sort_by(|a, b| a.0.partial_cmp(&b.0).expect("no NaN"));
-        ranked
+        Ok(ranked)
     }
 
     /// Tries more where there are more islands than there were.
@@ -137,8 +141,9 @@ impl<'a> Reseaming<'a> {
             None => first.clone(),
         };
         let further = self.separated(unparted, Effort::Thorough, watch)?;
-        if self.cost(&further) < *cost {
-            *cost = self.cost(&further);
+        let cost_there = self.cost(&further, watch)?;
+        if cost_there < *cost {
+            *cost = cost_there;
             opening.separation = further;
         }
         Ok(())
@@ -167,6 +172,7 @@ impl<'a> Reseaming<'a> {
                 Err(SeamError::Interrupted(why)) => return Err(why),
                 seams => seams.ok(),
             };
+            watch.ask(f64::NAN)?;
             let layout = |seams: Seams| {
                 let layout = flat.layout.reopened(mesh, &flat.seams.cut, &seams.cut)?;
                 Some((seams, layout))
@@ -196,11 +202,14 @@ impl<'a> Reseaming<'a> {
         separate_by(self.mesh, self.plan.costs(), Some(self.plan.given()), map, effort, watch)
     }
 
-    fn cost(&self, separation: &Separation) -> Cost {
-        let cost = separation.cost(self.mesh, self.plan.costs());
+    fn cost(&self, separation: &Separation, watch: Watch) -> Result<Cost, Interrupted> {
+        let opened = separation.map.opened(self.mesh);
+        watch.ask(f64::NAN)?;
+        let cost = separation.cost(self.mesh, self.plan.costs(), &opened);
         let longer = if self.seam > 0.0 { cost.seam / self.seam } else { 1.0 };
-        let room = if self.area > 0.0 { room(boundaries(self.mesh, &separation.map)) / self.area.sqrt() } else { 0.0 };
-        Cost { islands: cost.islands + usize::from(longer > LONGEST), extent: longer + ROOM * room }
+        let boundaries = boundaries(self.mesh, &separation.map, &opened);
+        let room = if self.area > 0.0 { room(boundaries) / self.area.sqrt() } else { 0.0 };
+        Ok(Cost { islands: cost.islands + usize::from(longer > LONGEST), extent: longer + ROOM * room })
     }
 }
 
@@ -212,8 +221,7 @@ pub(super) fn map(mesh: &Mesh, layout: &Layout, cut: &EdgeData<bool>) -> UvMap {
 }
 
 /// The points on the boundary of each island.
-fn boundaries(mesh: &Mesh, map: &UvMap) -> Vec<Vec<Complex64>> {
-    let opened = map.opened(mesh);
+fn boundaries(mesh: &Mesh, map: &UvMap, opened: &CutMesh) -> Vec<Vec<Complex64>> {
     let mut points = vec![Vec::new(); opened.island_count()];
     for &h in opened.boundary_loops().iter().flatten() {
         let [x, y] = map.position[h];

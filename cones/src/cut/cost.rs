@@ -8,6 +8,7 @@ use std::f64::consts::PI;
 
 use geom::vector::{Vec3, angle, normal};
 use geom::{EdgeData, EdgeId, Interrupted, Mesh, Surface, VertexId, Watch, edges_at, exposure_watched};
+use rayon::prelude::*;
 
 /// What a sharp edge is cheaper by at full weight, as a share of its length. At half the weight, the default, a way along sharp
 /// edges is taken that is up to a third longer; seams as a whole become little longer, since most have none beside them.
@@ -20,6 +21,9 @@ const HIDDEN: f64 = 0.15;
 const SMOOTH: f64 = 10.0 * PI / 180.0;
 /// From so much more on it is as sharp as can be.
 const CREASE: f64 = 30.0 * PI / 180.0;
+
+/// The watch is asked once for so many bends.
+const EDGES_AT_ONCE: usize = 1 << 16;
 
 /// The angle between the normals of the two triangles at an edge: 0 where it is flat, on the boundary, and beside a triangle
 /// without area.
@@ -41,7 +45,7 @@ pub(crate) fn shares(surface: &Surface, weight: f64, watch: Watch) -> Result<Edg
     }
     let triangles: Vec<[u32; 3]> = mesh.faces().map(|f| mesh.corners(f).map(|v| v.0)).collect();
     let seen = exposure_watched(points, &triangles, watch)?;
-    let bends: EdgeData<f64> = mesh.edges().map(|e| bend(mesh, points, e)).collect();
+    let bends = bends(surface, watch)?;
     watch.ask(1.0)?;
     let rough = |v: VertexId| median(edges_at(mesh, v).map(|(e, _)| bends[e]));
     let share = |e: EdgeId| {
@@ -54,6 +58,18 @@ pub(crate) fn shares(surface: &Surface, weight: f64, watch: Watch) -> Result<Edg
         1.0 - weight * (SHARP * sharp).max(HIDDEN * hidden)
     };
     Ok(mesh.edges().map(share).collect())
+}
+
+/// The bend of each edge.
+fn bends(Surface { mesh, points, .. }: &Surface, watch: Watch) -> Result<EdgeData<f64>, Interrupted> {
+    let mut bends: Vec<f64> = vec![0.0; mesh.edge_count()];
+    bends.par_chunks_mut(EDGES_AT_ONCE).enumerate().try_for_each(|(k, bends)| {
+        watch.ask(1.0)?;
+        let first = k * EDGES_AT_ONCE;
+        bends.iter_mut().zip(first..).for_each(|(value, e)| *value = bend(mesh, points, EdgeId(e as u32)));
+        Ok(())
+    })?;
+    Ok(bends.into())
 }
 
 /// The lower one where two are in the middle; 0 of none.

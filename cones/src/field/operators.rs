@@ -358,13 +358,10 @@ impl Operators {
     }
 
     /// Factors the Laplacian anew with more vertices pinned to 0 than the boundary, from its ordering on.
-    pub(crate) fn refactored(&self, pinned: &[VertexId]) -> Result<Poisson, PoissonError> {
+    pub(crate) fn refactored(&self, pinned: &[VertexId], watch: Watch) -> Result<Poisson, PoissonError> {
         let boundary = self.mesh.vertices().filter(|&v| self.mesh.is_boundary_vertex(v));
         let fixed: Vec<VertexId> = boundary.chain(pinned.iter().copied()).collect();
-        match &self.points {
-            Some(points) => Poisson::with_points(&self.laplacian, &fixed, points),
-            None => Poisson::new(&self.laplacian, &fixed),
-        }
+        Poisson::new_watched(&self.laplacian, &fixed, self.points(), watch)
     }
 
     /// The harmonic function that is 1 on one boundary loop, or those tied to it, and 0 on the others.

@@ -26,7 +26,10 @@ pub(crate) fn iterative_refactoring(
         }
         cones.extend(new);
         if cones.len() < count {
-            phi = operators.refactored(&cones)?.solve(&source);
+            let part = |done: usize| done as f64 / count as f64;
+            let watch = watch.within(part(cones.len() - 1), part(cones.len()));
+            phi =
+                operators.refactored(&cones, watch.within(0.0, 0.9))?.solve_watched(&source, watch.within(0.9, 1.0))?;
         }
     }
     cones.truncate(count);

@@ -165,22 +165,28 @@ impl<'a> Paths<'a> {
 
     /// For each path the areas of rectangles about both sides, over that of one about the island. However the island lies
     /// they are the same.
-    pub(super) fn rectangles(&self, sweep: &Sweep, across: &[Across]) -> Vec<f64> {
+    ///
+    /// # Errors
+    /// If it is stopped.
+    pub(super) fn rectangles(&self, sweep: &Sweep, across: &[Across], watch: Watch) -> Result<Vec<f64>, Interrupted> {
         let axis = self.axis(&sweep.faces);
         let directions = std::array::from_fn(|k| (axis + PI * k as f64 / DIRECTIONS as f64).sin_cos());
         let reach: Vec<Reach> = sweep.faces.iter().map(|&f| self.reach(f, &directions)).collect();
+        watch.ask(0.4)?;
         let mut below = reach.clone();
         for k in (1..below.len()).rev() {
             let parent = sweep.parent(self.mesh, k);
             below[parent] = farther(&below[parent], &below[k]);
         }
+        watch.ask(0.6)?;
         let before = running(reach.iter());
         let after: Vec<Reach> = running(reach.iter().rev());
         let both = |path: &Across| {
             let outside = farther(&before[path.first], &after[sweep.faces.len() - path.end]);
             (rectangle(&below[path.first]) + rectangle(&outside)) / rectangle(&below[0])
         };
-        across.iter().map(both).collect()
+        watch.ask(0.9)?;
+        Ok(across.iter().map(both).collect())
     }
 
     /// The length of the path that an edge closes; nothing if both of its ends come to the same point.

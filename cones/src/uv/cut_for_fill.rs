@@ -5,7 +5,7 @@
 //! the most promising are packed, roughly, and the one that gains most is cut, as long as it gains enough and
 //! the seam that may be added lasts. Nothing moves: whoever packs finds more islands.
 
-use geom::{EdgeData, EdgeId, Interrupted, Mesh, Watch};
+use geom::{EdgeData, EdgeId, FaceId, Interrupted, Mesh, Watch};
 use rayon::prelude::*;
 
 use super::across::{Across, Paths, Side, Sweep};
@@ -103,7 +103,11 @@ fn best_cut(
     islands.sort_by(|a, b| b.3.area.total_cmp(&a.3.area).then((a.0, a.1).cmp(&(b.0, b.1))));
     let large = islands.iter().take(LARGEST).filter(|(_, _, _, side)| side.area > LEAST_ISLAND * whole).count();
     watch.ask(0.25)?;
-    let sweeps: Vec<Option<Sweep>> = islands[..large].iter().map(|(k, _, faces, _)| paths[*k].sweep(faces)).collect();
+    let sweep = |(k, _, faces, _): &(usize, usize, Vec<FaceId>, Side)| {
+        watch.ask(0.3)?;
+        Ok(paths[*k].sweep(faces))
+    };
+    let sweeps = islands[..large].iter().map(sweep).collect::<Result<Vec<Option<Sweep>>, Interrupted>>()?;
     let mut trials = Vec::new();
     for (island, sweep) in sweeps.iter().enumerate() {
         let Some(sweep) = sweep else { continue };
@@ -112,7 +116,8 @@ fn best_cut(
         let extent = islands[island].3.area.sqrt();
         let across = paths[part].across(sweep, left, LEAST_SHARE);
         watch.ask(0.3)?;
-        let across = promising(across.iter().zip(paths[part].rectangles(sweep, &across)), extent, left);
+        let rectangles = paths[part].rectangles(sweep, &across, watch.within(0.3, 0.3))?;
+        let across = promising(across.iter().zip(rectangles), extent, left);
         trials.extend(across.into_iter().map(|across| Trial { part, island, sweep, across }));
     }
     // Trials are packed at the same time: how far they are together nobody knows.

@@ -122,6 +122,7 @@ pub(crate) fn separate_by(
     }
     let task = Task { mesh, lengths, kept, map: &map, boxes: &boxes, overlaps: &overlaps };
     let separated = task.best(effort, watch.within(0.3, 1.0))?;
+    watch.ask(f64::NAN)?;
     let added_seam = seam(mesh, lengths, &separated.cut) - seam(mesh, lengths, &map.cut);
     Ok(Separation { map: separated, overlaps, added_seam, left })
 }
@@ -150,9 +151,9 @@ impl Separation {
         Ok(self)
     }
 
-    /// What it costs.
-    pub(crate) fn cost(&self, mesh: &Mesh, lengths: &EdgeData<f64>) -> Cost {
-        Cost::new(mesh, lengths, &sizes(mesh, &self.map.opened(mesh)), &self.map.cut)
+    /// What it costs; `opened` is its map's.
+    pub(crate) fn cost(&self, mesh: &Mesh, lengths: &EdgeData<f64>, opened: &CutMesh) -> Cost {
+        Cost::new(mesh, lengths, &sizes(mesh, opened), &self.map.cut)
     }
 }
 

@@ -10,7 +10,7 @@ use super::overlay::Overlay;
 use super::plane::{Point, minus, wedge};
 use crate::intrinsic::{Metric, Sides};
 use crate::mesh::{EdgeId, FaceId, HalfedgeId, Id, Triangulation, VertexData, VertexId};
-use crate::watch::Watch;
+use crate::watch::{Interrupted, Watch, unwatched};
 
 /// Angles are at least this, in radians, but beside narrow corners: 25°. Chew's algorithm is proven to end up to 26.5°.
 pub const LEAST_ANGLE: f64 = 25.0 * PI / 180.0;
@@ -28,7 +28,7 @@ const LEAST_WEIGHT: f64 = 1e-3;
 const MOST_STEPS: usize = 1000;
 /// Triangles that a vertex may take away, as far as they are looked at for boundary edges.
 const LARGEST_CAVITY: usize = 256;
-/// Vertices between two looks at the watch.
+/// Vertices put in, or edges looked at, between two looks at the watch.
 const STRIDE: usize = 256;
 
 /// A surface with an even intrinsic triangulation.
@@ -61,18 +61,28 @@ pub struct Refinement {
 /// # Ok::<(), geom::MeshError>(())
 /// ```
 pub fn refine(input: &Triangulation, metric: &Metric, largest: f64) -> Refinement {
-    refine_watched(input, metric, largest, Watch::NONE)
+    unwatched(refine_watched(input, metric, largest, Watch::NONE))
 }
 
-/// [`refine`], watched. Stopped, it returns a triangulation of the same surface that is not refined as far.
-pub fn refine_watched(input: &Triangulation, metric: &Metric, largest: f64, watch: Watch) -> Refinement {
+/// [`refine`], watched.
+///
+/// # Errors
+/// If it is stopped.
+pub fn refine_watched(
+    input: &Triangulation,
+    metric: &Metric,
+    largest: f64,
+    watch: Watch,
+) -> Result<Refinement, Interrupted> {
     let mut chew = Chew::new(input, metric, largest);
-    chew.flip_all(watch.within(0.0, 0.2));
-    let is_complete = chew.run(MOST_PER_VERTEX * input.vertex_count() + SPARE, watch.within(0.2, 0.9));
+    watch.ask(0.05)?;
+    chew.flip_all(watch.within(0.05, 0.2))?;
+    watch.ask(0.2)?;
+    let is_complete = chew.run(MOST_PER_VERTEX * input.vertex_count() + SPARE, watch.within(0.2, 0.7))?;
     let overlay = chew.overlay;
-    let common = CommonRefinement::new(input, &overlay);
+    let common = CommonRefinement::new(input, &overlay, watch.within(0.7, 1.0))?;
     let Overlay { triangulation, length, place, .. } = overlay;
-    Refinement { triangulation, metric: Metric::new(length.into()), place: place.into(), common, is_complete }
+    Ok(Refinement { triangulation, metric: Metric::new(length.into()), place: place.into(), common, is_complete })
 }
 
 /// A bad triangle, as it was when it was found.
@@ -121,18 +131,23 @@ impl<'a> Chew<'a> {
         Self { overlay: Overlay::new(input, metric), largest, is_narrow, bad: BinaryHeap::new() }
     }
 
-    fn flip_all(&mut self, watch: Watch) {
+    fn flip_all(&mut self, watch: Watch) -> Result<(), Interrupted> {
         let edges: Vec<EdgeId> = self.overlay.triangulation.edges().collect();
-        self.flip(edges, watch);
+        self.flip(edges, watch)
     }
 
     /// Flips edges until all are Delaunay, beginning with these.
-    fn flip(&mut self, edges: Vec<EdgeId>, watch: Watch) {
+    fn flip(&mut self, edges: Vec<EdgeId>, watch: Watch) -> Result<(), Interrupted> {
         let mut budget = 64 * edges.len() + 1024;
         let mut queue: VecDeque<EdgeId> = edges.into();
+        let mut looked_at = 0_usize;
         while let Some(e) = queue.pop_front() {
-            if budget == 0 || (budget.is_multiple_of(4096) && watch.stops_at(f64::NAN)) {
-                return;
+            looked_at += 1;
+            if looked_at.is_multiple_of(STRIDE) {
+                watch.ask(f64::NAN)?;
+            }
+            if budget == 0 {
+                break;
             }
             if self.overlay.flip_to_delaunay(e) {
                 budget -= 1;
@@ -144,6 +159,7 @@ impl<'a> Chew<'a> {
                 }
             }
         }
+        Ok(())
     }
 
     /// Puts a triangle on the heap if it is bad.
@@ -166,7 +182,7 @@ impl<'a> Chew<'a> {
     }
 
     /// Inserts vertices until no triangle is bad, or so many; whether none is.
-    fn run(&mut self, most: usize, watch: Watch) -> bool {
+    fn run(&mut self, most: usize, watch: Watch) -> Result<bool, Interrupted> {
         self.overlay.triangulation.faces().for_each(|f| self.look_at(f));
         let mut inserted = 0;
         let mut is_complete = true;
@@ -174,8 +190,11 @@ impl<'a> Chew<'a> {
             if self.badness(face) != Some(radius) {
                 continue;
             }
-            if inserted == most || (inserted.is_multiple_of(STRIDE) && watch.stops_at(f64::NAN)) {
-                return false;
+            if inserted == most {
+                return Ok(false);
+            }
+            if inserted.is_multiple_of(STRIDE) {
+                watch.ask(f64::NAN)?;
             }
             inserted += 1;
             let before = self.overlay.triangulation.edge_count();
@@ -204,11 +223,11 @@ impl<'a> Chew<'a> {
                 let sides = [Some(h), self.overlay.triangulation.twin(h)];
                 sides.into_iter().flatten().for_each(|h| self.look_at(self.overlay.triangulation.face(h)));
             }
-            self.flip(edges, Watch::NONE);
+            self.flip(edges, watch)?;
             // Where a boundary edge was split it may be as it was.
             self.look_at(face);
         }
-        is_complete
+        Ok(is_complete)
     }
 
     /// Where a boundary edge is split: in the middle, but beside a narrow corner at a power of two from it, so that both sides

@@ -5,6 +5,10 @@ use super::cut::{Cut, Node};
 use super::overlay::Overlay;
 use super::plane::{Point, minus, wedge};
 use crate::mesh::{EdgeId, FaceData, FaceId, HalfedgeId, Id, Triangulation, VertexData};
+use crate::watch::{Interrupted, Watch};
+
+/// The watch is asked once for so many intrinsic triangles.
+const STRIDE: usize = 1 << 14;
 
 /// Triangles each of which is part of one triangle of the input and of one intrinsic triangle: the input's surface, cut
 /// where edges of either run.
@@ -25,7 +29,7 @@ pub struct CommonRefinement {
 }
 
 impl CommonRefinement {
-    pub(super) fn new(input: &Triangulation, overlay: &Overlay) -> Self {
+    pub(super) fn new(input: &Triangulation, overlay: &Overlay, watch: Watch) -> Result<Self, Interrupted> {
         let mut place = overlay.place.clone();
         let mut first_crossing = Vec::with_capacity(overlay.triangulation.edge_count() + 1);
         for e in overlay.triangulation.edges() {
@@ -43,13 +47,18 @@ impl CommonRefinement {
             corner: Vec::new().into(),
             first_crossing,
         };
-        common.fill(input, overlay);
-        common
+        watch.ask(0.2)?;
+        common.fill(input, overlay, watch.within(0.2, 1.0))?;
+        Ok(common)
     }
 
-    fn fill(&mut self, input: &Triangulation, overlay: &Overlay) {
+    fn fill(&mut self, input: &Triangulation, overlay: &Overlay, watch: Watch) -> Result<(), Interrupted> {
         let (mut triangles, mut homes, mut intrinsic, mut corners) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+        let count = overlay.triangulation.face_count();
         for f in overlay.triangulation.faces() {
+            if f.index().is_multiple_of(STRIDE) {
+                watch.ask(f.index() as f64 / count as f64)?;
+            }
             let cut = overlay.cut(f);
             let layout = overlay.layout(f);
             let sides = overlay.triangulation.sides(f);
@@ -70,6 +79,7 @@ impl CommonRefinement {
         }
         (self.triangles, self.input) = (triangles.into(), homes.into());
         (self.intrinsic, self.corner) = (intrinsic.into(), corners.into());
+        Ok(())
     }
 
     fn vertex(&self, overlay: &Overlay, f: FaceId, node: Node) -> u32 {

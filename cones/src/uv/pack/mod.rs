@@ -186,6 +186,7 @@ fn in_square(outlines: &[Outline], options: &PackOptions, share: f64, watch: Wat
     let mut guess = 1.5 * area.sqrt();
     let mut growth = 1.0;
     for round in 1.. {
+        watch.ask(0.0)?;
         let blocks = blocks(outlines, options.rotations, share * guess, f64::INFINITY);
         let pieces: Vec<Piece> = blocks.iter().map(|block| block.piece.clone()).collect();
         let (puts, side) = smallest_square(&pieces, share, Effort::FULL, watch)?;

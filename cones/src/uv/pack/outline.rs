@@ -4,13 +4,15 @@
 //! the same two points cancels. What is left bounds the island, and its winding number about a point off it is the number of
 //! triangles that cover the point, however the island lies over itself. The sides of triangles without area are all kept.
 
-use geom::{Rows, Watch};
+use geom::{Interrupted, Rows, Watch};
 use num_complex::Complex64;
 
 use super::options::PackError;
 
 /// Coordinates up to here can be measured with.
 const MOST: f64 = 1e300;
+/// The watch is asked once for so many buckets of sides.
+const BUCKETS_AT_ONCE: usize = 1 << 18;
 
 /// An island, about its centre and in a common unit.
 #[derive(Clone, Debug)]
@@ -42,9 +44,9 @@ pub(super) fn outlines(
     let unit = if unit > 0.0 { unit } else { 1.0 };
     let mut outlines = Vec::with_capacity(count);
     for (i, [low, high]) in boxes.iter().enumerate() {
-        watch.ask(i as f64 / count as f64)?;
+        let watch = watch.within(i as f64 / count as f64, (i + 1) as f64 / count as f64);
         let centre = if rows.row(i).is_empty() { [0.0; 2] } else { [0, 1].map(|k| 0.5 * low[k] + 0.5 * high[k]) };
-        outlines.push(outline(triangles, rows.row(i), centre, unit));
+        outlines.push(outline(triangles, rows.row(i), (centre, unit), watch)?);
     }
     Ok((outlines, unit))
 }
@@ -60,7 +62,14 @@ fn bounding_box(triangles: &[[[f64; 2]; 3]], members: &[u32]) -> [[f64; 2]; 2] {
     found
 }
 
-fn outline(triangles: &[[[f64; 2]; 3]], members: &[u32], centre: [f64; 2], unit: f64) -> Outline {
+/// The outline of some triangles about a centre.
+fn outline(
+    triangles: &[[[f64; 2]; 3]],
+    members: &[u32],
+    (centre, unit): ([f64; 2], f64),
+    watch: Watch,
+) -> Result<Outline, Interrupted> {
+    watch.ask(0.0)?;
     let place = |p: [f64; 2]| Complex64::new((p[0] - centre[0]) / unit, (p[1] - centre[1]) / unit);
     let mut area = 0.0;
     let mut upright: Vec<[[f64; 2]; 3]> = Vec::with_capacity(members.len());
@@ -76,8 +85,9 @@ fn outline(triangles: &[[[f64; 2]; 3]], members: &[u32], centre: [f64; 2], unit:
             _ => edges.extend(sides([a, b, c]).map(|side| side.map(place))),
         }
     }
-    edges.extend(uncancelled(&upright).into_iter().map(|side| side.map(place)));
-    Outline { edges, centre, area }
+    watch.ask(0.2)?;
+    edges.extend(uncancelled(&upright, watch.within(0.2, 1.0))?.into_iter().map(|side| side.map(place)));
+    Ok(Outline { edges, centre, area })
 }
 
 fn sides([a, b, c]: [[f64; 2]; 3]) -> [[[f64; 2]; 2]; 3] {
@@ -88,14 +98,18 @@ fn sides([a, b, c]: [[f64; 2]; 3]) -> [[[f64; 2]; 2]; 3] {
 type Edge = ([[u64; 2]; 2], i32);
 
 /// The sides that do not run both ways, in the order in which they come.
-fn uncancelled(triangles: &[[[f64; 2]; 3]]) -> Vec<[[f64; 2]; 2]> {
+fn uncancelled(triangles: &[[[f64; 2]; 3]], watch: Watch) -> Result<Vec<[[f64; 2]; 2]>, Interrupted> {
     let all: Vec<[[f64; 2]; 2]> = triangles.iter().flat_map(|&t| sides(t)).collect();
     let edges: Vec<Edge> = all.iter().copied().map(edge).collect();
     let buckets = all.len().next_power_of_two();
     let bucket = |edge: &Edge| (mixed(edge) >> 16) as usize % buckets;
+    watch.ask(0.3)?;
     let mut rows = Rows::sorted(buckets, edges.iter().map(bucket).zip(0..));
     let mut is_left = vec![false; all.len()];
     for b in 0..buckets {
+        if b % BUCKETS_AT_ONCE == 0 {
+            watch.ask(0.5 + 0.5 * b as f64 / buckets as f64)?;
+        }
         let row: &mut [u32] = rows.row_mut(b);
         // A side's number breaks ties, so that those of an edge stay in their order.
         row.sort_unstable_by_key(|&k| (edges[k as usize].0, k));
@@ -110,7 +124,7 @@ fn uncancelled(triangles: &[[[f64; 2]; 3]]) -> Vec<[[f64; 2]; 2]> {
             }
         }
     }
-    all.into_iter().zip(is_left).filter_map(|(side, is_left)| is_left.then_some(side)).collect()
+    Ok(all.into_iter().zip(is_left).filter_map(|(side, is_left)| is_left.then_some(side)).collect())
 }
 
 fn edge([a, b]: [[f64; 2]; 2]) -> Edge {

@@ -79,15 +79,27 @@ struct Found {
 
 impl Level {
     /// A grid of so many cells on a square of a side, margins being the `share` of it.
-    pub(super) fn new(pieces: &[Piece], turns: Option<&[usize]>, cells: f64, side: f64, share: f64) -> Self {
+    ///
+    /// # Errors
+    /// If it is stopped.
+    pub(super) fn new(
+        pieces: &[Piece],
+        turns: Option<&[usize]>,
+        cells: f64,
+        (side, share): (f64, f64),
+        watch: Watch,
+    ) -> Result<Self, Interrupted> {
         let (scale, margin) = (cells / side, share * cells);
-        let shapes = |(k, piece): (usize, &Piece)| {
+        let shapes = |(k, piece): (usize, &Piece)| -> Result<Vec<Shape>, Interrupted> {
             let wanted = |j: &usize| turns.is_none_or(|turns| turns[k] == *j);
-            let turns = (0..piece.turns.len()).filter(wanted);
-            turns.map(|j| Shape::new(&piece.edges, piece.turns[j], scale, margin)).collect()
+            let shape = |j: usize| {
+                watch.ask(0.0)?;
+                Ok(Shape::new(&piece.edges, piece.turns[j], scale, margin))
+            };
+            (0..piece.turns.len()).filter(wanted).map(shape).collect()
         };
-        let shapes = pieces.par_iter().enumerate().map(shapes).collect();
-        Self { scale, margin, most: (cells - margin) as usize, shapes }
+        let shapes = pieces.par_iter().enumerate().map(shapes).collect::<Result<_, _>>()?;
+        Ok(Self { scale, margin, most: (cells - margin) as usize, shapes })
     }
 
     /// Carries a plan out in a square of a side; the piece that does not fit if one does not.
@@ -182,8 +194,7 @@ pub(super) fn smallest_square(
     let mut side = largest.max((area / EXPECTED).sqrt());
     let side_or_one = |side: f64| if side > 0.0 { side } else { 1.0 };
     let (coarse, first) = loop {
-        watch.ask(0.0)?;
-        let level = Level::new(pieces, None, cells, side_or_one(side), share);
+        let level = Level::new(pieces, None, cells, (side_or_one(side), share), watch.within(0.0, 0.05))?;
         match level.carry_out(&by_size(pieces), level.most, &mut 0) {
             Ok(found) => break (level, found),
             Err(_) => side = 1.08 * side_or_one(side),
@@ -295,7 +306,7 @@ fn refine(
     watch: Watch,
 ) -> Result<Option<(Vec<Put>, f64)>, Interrupted> {
     let turns: Vec<usize> = best.spots.iter().map(|&(turn, _)| turn).collect();
-    let level = Level::new(pieces, Some(&turns), FINE, side, share);
+    let level = Level::new(pieces, Some(&turns), FINE, (side, share), watch)?;
     let mut plan = Plan { turns: vec![None; pieces.len()], ..best.plan.clone() };
     let mut found: Option<Found> = None;
     for is_low in [best.plan.is_low, !best.plan.is_low] {

@@ -33,7 +33,7 @@ pub(super) fn tiled(pieces: &[Piece], side: f64, share: f64, watch: Watch) -> Re
         return Ok(Tiled::TooLarge(k));
     }
     let cells = CELLS[usize::from(pieces.len() > FEW)];
-    let level = Level::new(pieces, None, cells, side, share);
+    let level = Level::new(pieces, None, cells, (side, share), watch)?;
     let mut order: Vec<usize> = (0..pieces.len()).collect();
     order.sort_by(|&a, &b| pieces[b].side.total_cmp(&pieces[a].side));
     let mut bins: Vec<Option<Bin>> = Vec::new();
