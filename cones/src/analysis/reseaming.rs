@@ -17,7 +17,7 @@ use rayon::prelude::*;
 use super::flat::Flat;
 use crate::cut::SeamPlan;
 use crate::flatten::{Layout, SeamError, Seams, Variation};
-use crate::uv::{Aim, Effort, Separation, UvMap, attached, room, separate_by};
+use crate::uv::{Aim, Effort, Separation, UvMap, attached, is_searched, room, separate_by};
 
 /// So many other trees at most,
 const MOST_TREES: u64 = 12;
@@ -133,7 +133,8 @@ impl<'a> Reseaming<'a> {
         (cost, opening): &mut (Cost, Opening),
         watch: Watch,
     ) -> Result<(), Interrupted> {
-        if cost.islands <= first.opened(self.mesh).island_count() {
+        let is_done = opening.other.is_none() && !is_searched(self.mesh);
+        if is_done || cost.islands <= first.opened(self.mesh).island_count() {
             return Ok(());
         }
         let unparted = match &opening.other {

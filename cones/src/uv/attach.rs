@@ -7,6 +7,9 @@
 //! An island is a list of pieces, each with the rigid motion that takes it from where it lay at first. Positions are
 //! computed once, from the first ones, and one tree of all triangles as they lay at first serves all tests: triangles of the
 //! smaller piece are taken to where the larger one lay.
+//!
+//! Whether islands come to lie over each other their boundaries tell. If that of the smaller one meets nothing of the larger, all of this
+//! is covered equally often, and so not at all. So only triangles on that boundary are tested, which are few.
 
 use std::collections::HashSet;
 
@@ -40,6 +43,8 @@ pub(super) struct Pieces<'a> {
     boxes: &'a Boxes,
     /// The bounding box of each piece as it lay at first; none without area.
     bounds: Vec<Option<[[f64; 2]; 2]>>,
+    /// The area of each piece in the plane.
+    area: Vec<f64>,
     motion: Vec<Motion>,
     /// The island of each piece.
     island: Vec<u32>,
@@ -71,6 +76,7 @@ impl<'a> Pieces<'a> {
             piece,
             boxes,
             bounds: faces.iter().map(|faces| boxes.bounds_of(faces.iter().map(|f| f.0))).collect(),
+            area: faces.iter().map(|faces| faces.iter().map(|f| boxes.area(f.0)).sum()).collect(),
             faces,
             motion: vec![Motion::NONE; count],
             island: (0..count as u32).collect(),
@@ -129,9 +135,39 @@ impl<'a> Pieces<'a> {
         }
     }
 
-    /// Whether the two islands of a chain lie beside each other when it is glued.
+    /// Whether the two islands of a chain lie beside each other when it is glued; see the module's head.
     fn can_glue(&self, chain: &Chain) -> bool {
-        self.meetings(chain, |_| false)
+        let area = |island: u32| self.pieces[island as usize].iter().map(|&p| self.area[p as usize]).sum::<f64>();
+        let [left, right] = chain.islands;
+        let (small, large, motion) = match area(left) < area(right) {
+            true => (left, right, chain.motion.inverse()),
+            false => (right, left, chain.motion),
+        };
+        self.pieces[small as usize].iter().all(|&p| {
+            let tested = self.boundary(p);
+            self.pieces[large as usize].iter().all(|&q| {
+                let motion = self.between([p, q], &motion);
+                match self.faces[q as usize].len() < tested.len() {
+                    true => self.meetings_of([q, p], &self.faces[q as usize], &motion.inverse(), &mut |_| false),
+                    false => self.meetings_of([p, q], &tested, &motion, &mut |_| false),
+                }
+            })
+        })
+    }
+
+    /// The triangles of a piece that are on the boundary of its island; all of them where one of these has no area.
+    fn boundary(&self, p: u32) -> Vec<FaceId> {
+        let all = &self.faces[p as usize];
+        let is_on = |f: &FaceId| self.mesh.sides(*f).into_iter().any(|h| self.loops.has(h));
+        let found: Vec<FaceId> = all.iter().copied().filter(is_on).collect();
+        let has_area = |f: &FaceId| self.boxes.upright[f.0 as usize].is_some();
+        if found.iter().all(has_area) { found } else { all.clone() }
+    }
+
+    /// What takes a piece from where it lay at first to where another did, when its island is moved.
+    fn between(&self, pieces: [u32; 2], motion: &Motion) -> Motion {
+        let [to_place, place] = pieces.map(|piece| self.motion[piece as usize]);
+        place.inverse().after(&motion.after(&to_place))
     }
 
     /// The pairs of triangles that lie over each other when a chain is glued; none if there are too many.
@@ -150,8 +186,13 @@ impl<'a> Pieces<'a> {
         let (small, large, motion) = self.gluing(chain);
         for &p in &self.pieces[small as usize] {
             for &q in &self.pieces[large as usize] {
-                let [to_place, place] = [p, q].map(|piece| self.motion[piece as usize]);
-                if !self.meetings_of([p, q], &place.inverse().after(&motion.after(&to_place)), &mut visit) {
+                let motion = self.between([p, q], &motion);
+                let [faces, others] = [p, q].map(|piece| &self.faces[piece as usize]);
+                let goes_on = match faces.len() > others.len() {
+                    true => self.meetings_of([q, p], others, &motion.inverse(), &mut visit),
+                    false => self.meetings_of([p, q], faces, &motion, &mut visit),
+                };
+                if !goes_on {
                     return false;
                 }
             }
@@ -159,16 +200,18 @@ impl<'a> Pieces<'a> {
         true
     }
 
-    /// The same for two pieces, `motion` taking the first to where the second lay at first.
-    fn meetings_of(&self, [p, q]: [u32; 2], motion: &Motion, visit: &mut impl FnMut(Overlap) -> bool) -> bool {
-        if self.faces[p as usize].len() > self.faces[q as usize].len() {
-            return self.meetings_of([q, p], &motion.inverse(), visit);
-        }
+    /// The same for some triangles of a piece and all of another, `motion` taking the first to where the second lay at first.
+    fn meetings_of(
+        &self,
+        [p, q]: [u32; 2],
+        few: &[FaceId],
+        motion: &Motion,
+        visit: &mut impl FnMut(Overlap) -> bool,
+    ) -> bool {
         let [moved, still] = [p, q].map(|piece| self.bounds[piece as usize]);
         if !may_meet(moved, still, motion) {
             return true;
         }
-        let few = &self.faces[p as usize];
         let least = ALLOWED * NEGLIGIBLE_DEPTH * self.extent;
         let mut goes_on = true;
         for k in (0..STRIDE).flat_map(|first| (first..few.len()).step_by(STRIDE)) {

@@ -56,6 +56,11 @@ impl<'a> Loops<'a> {
         self.previous[next] = Some(h);
     }
 
+    /// Whether a halfedge is on the boundary.
+    pub(super) fn has(&self, h: HalfedgeId) -> bool {
+        self.next[h].is_some()
+    }
+
     /// Takes the sides of a chain off the boundary.
     pub(super) fn glue(&mut self, chain: &Chain) {
         for &h in &chain.sides {

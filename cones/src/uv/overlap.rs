@@ -182,6 +182,11 @@ impl Boxes {
         })
     }
 
+    /// The area of a triangle.
+    pub(super) fn area(&self, f: u32) -> f64 {
+        self.upright[f as usize].map_or(0.0, |corners| 0.5 * triangle::twice_area(corners))
+    }
+
     /// Visits the triangles whose bounding boxes meet that of a triangle, in no order that means anything, as long as the
     /// visitor says to go on.
     pub(super) fn meeting(&self, triangle: &Triangle, mut visit: impl FnMut(u32) -> bool) {

@@ -95,6 +95,11 @@ pub(crate) fn attached(
     Ok(pieces.map().snapped(mesh, map))
 }
 
+/// Whether more is tried with all effort than preferences alone; not so on large surfaces.
+pub(crate) fn is_searched(mesh: &Mesh) -> bool {
+    mesh.face_count() <= TRIANGLES
+}
+
 /// How much is tried.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Effort {
