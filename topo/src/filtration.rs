@@ -55,6 +55,9 @@ pub trait Direction: Copy + Debug + Send + Sync + 'static {
 
     /// Whether a vertex of value `a` enters before one of value `b` and *lower* index. False if one is NaN.
     fn precedes_lower_index<S: Scalar>(a: S, b: S) -> bool;
+
+    /// The value that enters first; `b` if `a` is NaN. Of floating-point numbers an instruction.
+    fn first<S: Scalar>(a: S, b: S) -> S;
 }
 
 /// Sublevel sets: low values first.
@@ -75,6 +78,10 @@ impl Direction for Rising {
     fn precedes_lower_index<S: Scalar>(a: S, b: S) -> bool {
         a < b
     }
+
+    fn first<S: Scalar>(a: S, b: S) -> S {
+        if a < b { a } else { b }
+    }
 }
 
 impl Direction for Falling {
@@ -86,6 +93,10 @@ impl Direction for Falling {
 
     fn precedes_lower_index<S: Scalar>(a: S, b: S) -> bool {
         a >= b
+    }
+
+    fn first<S: Scalar>(a: S, b: S) -> S {
+        if a > b { a } else { b }
     }
 }
 

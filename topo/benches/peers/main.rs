@@ -43,6 +43,9 @@ fn once(what: &str, shape: &[usize], field: &[f64]) -> Result<(), Box<dyn Error>
         [h, w] if what == "pairs and holes" => {
             drop(topo::pairs_and_holes(&Grid::new([h, w], Connectivity::Full), field, Kind::Minimum)?);
         }
+        [h, w] if what.starts_with("freudenthal ") => {
+            on_grid(&what["freudenthal ".len()..], Grid::new([h, w], Connectivity::Freudenthal), field)?;
+        }
         [h, w] => on_grid(what, Grid::new([h, w], Connectivity::Full), field)?,
         [d, h, w] => on_grid(what, Grid::new([d, h, w], Connectivity::Axis), field)?,
         _ => return Err("one to three axes".into()),
@@ -58,6 +61,7 @@ where
         "pairs" => drop(topo::sublevel(&grid, field)?),
         "holes" => drop(topo::holes(&grid, field, Kind::Minimum)?),
         "tree" => drop(topo::merge_tree(&grid, field, Kind::Minimum)?),
+        "segmentation" => drop(topo::segmentation(&grid, field, Kind::Minimum, 0.5)?),
         "contour tree" => drop(topo::contour_tree(&grid, field)?),
         "sort" => {
             let mut keys: Vec<(u64, u32)> =

@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 """Times of topo beside those of GUDHI, cripser and higra: the table of BENCHMARKS.md.
 
-    peers.py [FOLDER]
+    peers.py [FOLDER [ROW...]]
 
-Makes a virtual environment in FOLDER (target/peers if none is named), installs the other libraries there from PyPI, builds
+Runs all rows, or those with these numbers, the first being 0. Makes a virtual environment in FOLDER (target/peers if none is named), installs the other libraries there from PyPI, builds
 `--bench peers`, and runs all of them on the same fields, each call in a process of its own, in turn, three rounds of it. What is printed is
 the least processor time of any round, on one thread; memory is how far the first call raises the peak of its process. The others give
 values, topo vertices and values. Needs Linux and cargo.
@@ -27,11 +27,22 @@ ROWS = [
     ("smooth", (1024, 1024), "pairs and holes", ["GUDHI, rectangle (H0 and H1)"]),
     ("smooth", (4096, 4096), "pairs", ["GUDHI, rectangle (H0 and H1)"]),
     ("smooth", (4096, 4096), "pairs and holes", ["GUDHI, rectangle (H0 and H1)"]),
+    ("random", (1024, 1024), "pairs", ["GUDHI, rectangle (H0 and H1)", "cripser"]),
     ("random", (1024, 1024), "pairs and holes", ["GUDHI, rectangle (H0 and H1)"]),
     ("smooth", (1024, 1024), "tree", ["higra"]),
     ("random", (1024, 1024), "tree", ["higra"]),
     ("smooth", (128, 128, 128), "pairs", ["cripser"]),
     ("smooth", (64, 64, 64), "pairs", ["cripser", "GUDHI, complex (H0 to H2)"]),
+    ("smooth", (1024, 1024), "sort", []),
+    ("random", (1024, 1024), "sort", []),
+    ("smooth", (1024, 1024), "segmentation", []),
+    ("random", (1024, 1024), "segmentation", []),
+    ("smooth", (1024, 1024), "contour tree", []),
+    ("random", (1024, 1024), "contour tree", []),
+    ("smooth", (1024, 1024), "freudenthal pairs", []),
+    ("smooth", (1024, 1024), "freudenthal tree", []),
+    ("smooth", (1024, 1024), "freudenthal segmentation", []),
+    ("smooth", (1024, 1024), "freudenthal contour tree", []),
 ]
 
 
@@ -114,7 +125,7 @@ def prepared(folder):
     return python, made[-1]
 
 
-def main(folder):
+def main(folder, rows):
     python, program = prepared(folder)
     one_thread = {**os.environ, "OMP_NUM_THREADS": "1"}
 
@@ -123,7 +134,7 @@ def main(folder):
         return done.stdout.decode() if done.returncode == 0 else None
 
     print("| field | what | topo | bytes a vertex | beside it, seconds, times as long, bytes a vertex |\n|---|---|---|---|---|")
-    for name, shape, what, others in ROWS:
+    for name, shape, what, others in [ROWS[row] for row in rows]:
         with tempfile.TemporaryDirectory() as scratch:
             path, text = Path(scratch) / "field", "x".join(map(str, shape))
             make = "import sys; sys.path.insert(0, sys.argv[1]); import peers; peers.field(sys.argv[2], eval(sys.argv[3])).tofile(sys.argv[4])"
@@ -139,7 +150,7 @@ def main(folder):
         vertices = math.prod(shape)
         ours, bytes_taken = best.pop("topo")
         told = [f"{who}: failed" if not of else f"{who} {of[0]:.3f}, {of[0] / ours:.1f}, {of[1] / vertices:.0f}" for who, of in best.items()]
-        row = [f"{name}, {' × '.join(map(str, shape))}", what, f"{ours:.3f}", f"{bytes_taken / vertices:.1f}", "; ".join(told)]
+        row = [f"{name}, {' × '.join(map(str, shape))}", what, f"{ours:.4f}", f"{bytes_taken / vertices:.1f}", "; ".join(told)]
         print("| " + " | ".join(row) + " |", flush=True)
 
 
@@ -147,4 +158,5 @@ if __name__ == "__main__":
     if sys.argv[1:2] == ["--measure"]:
         measure(sys.argv[2], sys.argv[3], eval(sys.argv[4]))
     else:
-        main(Path(sys.argv[1] if len(sys.argv) > 1 else ROOT / "target" / "peers").resolve())
+        folder = Path(sys.argv[1] if len(sys.argv) > 1 else ROOT / "target" / "peers").resolve()
+        main(folder, [int(row) for row in sys.argv[2:]] or range(len(ROWS)))

@@ -56,7 +56,7 @@ impl Adjacency {
     }
 
     fn both_ways(vertices: usize, edges: impl Iterator<Item = [u32; 2]> + Clone) -> Self {
-        let ends = edges.flat_map(|[a, b]| [(a, b), (b, a)]);
+        let ends = edges.map(|[a, b]| [(a, b), (b, a)]);
         Self { neighbors: Rows::sorted(vertices, ends).without_repetitions() }
     }
 

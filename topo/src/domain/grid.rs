@@ -180,7 +180,7 @@ impl<const D: usize> Domain for &Grid<D> {
                 scanner.scan_row(row, next);
             }
         });
-        Basins::new(next, scans, filtration)
+        Basins::new(next, scans, filtration, pointing)
     }
 }
 
@@ -237,7 +237,7 @@ impl<'a, S: Scalar, F: Direction, const D: usize> Scanner<'a, S, F, D> {
             let span = start..length.min(start + SPAN);
             match self.pointing {
                 Pointing::Any => self.find_earlier(&span),
-                Pointing::Steepest => self.find_earliest(&span, &mut next[span.clone()]),
+                Pointing::Steepest | Pointing::Labels => self.find_earliest(&span, &mut next[span.clone()]),
             }
             self.find_earlier_round_the_ends(&span);
             self.point_and_collect(span.clone(), &mut next[span.clone()]);
@@ -286,8 +286,8 @@ impl<'a, S: Scalar, F: Direction, const D: usize> Scanner<'a, S, F, D> {
             let sets = &mut self.sets[inside.clone()];
             let so_far = (&mut self.earliest[inside.clone()], &mut farthest[inside]);
             match (neighbors >> look.bit & 1 != 0, look.leap < 0) {
-                (true, true) => mark_and_reduce(sets, so_far, others, centres, look, F::precedes_higher_index),
-                (true, false) => mark_and_reduce(sets, so_far, others, centres, look, F::precedes_lower_index),
+                (true, true) => mark_and_reduce::<S, F>(sets, so_far, others, centres, look, F::precedes_higher_index),
+                (true, false) => mark_and_reduce::<S, F>(sets, so_far, others, centres, look, F::precedes_lower_index),
                 (false, true) => mark(sets, others, centres, look.bit, F::precedes_higher_index),
                 (false, false) => mark(sets, others, centres, look.bit, F::precedes_lower_index),
             }
@@ -326,7 +326,7 @@ impl<'a, S: Scalar, F: Direction, const D: usize> Scanner<'a, S, F, D> {
     /// Points each vertex of a span to an earlier neighbour; notes extrema and candidates for saddles.
     fn point_and_collect(&mut self, span: Range<usize>, next: &mut [u32]) {
         let first = (self.here + span.start) as u32;
-        let is_steepest = self.pointing == Pointing::Steepest;
+        let is_steepest = self.pointing.is_steepest();
         for (v, (&set, next)) in (first..).zip(self.sets.iter().zip(next)) {
             let neighbors = self.stencil.neighbors(set);
             if neighbors == 0 {
@@ -356,7 +356,7 @@ impl<'a, S: Scalar, F: Direction, const D: usize> Scanner<'a, S, F, D> {
                 continue;
             }
             next[x] = neighbor(self.grid, self.stencil, v, neighbors.trailing_zeros());
-            if self.pointing == Pointing::Steepest {
+            if self.pointing.is_steepest() {
                 self.grid.for_each_neighbor(v as usize, |u| next[x] = self.filtration.earlier(u as u32, next[x]));
             }
         }
@@ -384,7 +384,7 @@ pub(super) fn mark<S: Scalar>(
 }
 
 /// The same for a neighbour, which becomes the earliest so far where it is earlier than that: its value, and how far it is.
-fn mark_and_reduce<S: Scalar>(
+fn mark_and_reduce<S: Scalar, F: Direction>(
     sets: &mut [u32],
     (earliest, farthest): (&mut [S], &mut [u32]),
     others: &[S],
@@ -398,7 +398,7 @@ fn mark_and_reduce<S: Scalar>(
     {
         *set |= u32::from(is_earlier(other, centre)) << look.bit;
         let is_earliest = is_earlier(other, *earliest);
-        *earliest = if is_earliest { other } else { *earliest };
+        *earliest = F::first(other, *earliest);
         // As bits, which compiles to vector instructions where a choice does not.
         *farthest ^= (*farthest ^ leap) & u32::from(is_earliest).wrapping_neg();
     }

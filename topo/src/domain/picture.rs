@@ -121,7 +121,11 @@ impl Picture {
         let [minima, mut maxima] = all.extrema;
         maxima.push(count as u32);
         let descents = [Descent::new(inside, minima), Descent::new(outside, maxima)];
-        descents.iter().for_each(|descent| descent.settle_for(all.crossings.len(), filtration.watch()));
+        for descent in &descents {
+            if descent.is_worth_settling_for(all.crossings.len()) {
+                descent.settle(filtration.watch());
+            }
+        }
         Self { descents, crossings: all.crossings }
     }
 }

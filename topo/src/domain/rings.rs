@@ -127,12 +127,12 @@ pub(crate) fn basins<S: Scalar, D: Direction>(
         }
         for (v, next) in vertices.zip(next) {
             scan(domain, filtration, v as u32, next, found);
-            if pointing == Pointing::Steepest && *next != OUTSIDE {
+            if pointing.is_steepest() && *next != OUTSIDE {
                 *next = earliest_in_link(domain, filtration, v as u32, *next);
             }
         }
     });
-    Basins::new(next, scans, filtration)
+    Basins::new(next, scans, filtration, pointing)
 }
 
 /// Points a vertex to an earlier neighbour; notes it if it is an extremum or may be a saddle.

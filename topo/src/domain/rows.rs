@@ -12,35 +12,25 @@ pub(super) struct Rows<T> {
 }
 
 impl<T: Copy + Default> Rows<T> {
-    /// Sorts things by the vertex they belong to; those of one vertex keep their order. They are gone through twice.
-    pub(super) fn sorted(vertices: usize, things: impl Iterator<Item = (u32, T)> + Clone) -> Self {
+    /// Sorts things, which come several at a time, by the vertex they belong to; those of one vertex keep their order. They are gone
+    /// through twice.
+    pub(super) fn sorted<const N: usize>(vertices: usize, things: impl Iterator<Item = [(u32, T); N]> + Clone) -> Self {
         // Counted two places on, and filled one place on, so that each start ends up where the list before has been filled to.
         let mut starts = vec![0; vertices + 2];
-        things.clone().for_each(|(of, _)| starts[of as usize + 2] += 1);
+        things.clone().for_each(|things| things.iter().for_each(|&(of, _)| starts[of as usize + 2] += 1));
         for v in 0..vertices {
             starts[v + 2] += starts[v + 1];
         }
         let mut items = vec![T::default(); starts[vertices + 1]];
-        for (of, thing) in things {
-            let place = &mut starts[of as usize + 1];
-            items[*place] = thing;
-            *place += 1;
-        }
+        things.for_each(|things| {
+            for &(of, thing) in &things {
+                let place = &mut starts[of as usize + 1];
+                items[*place] = thing;
+                *place += 1;
+            }
+        });
         starts.pop();
         Self { starts, items }
-    }
-
-    /// No lists yet, but room for so many lists and things.
-    pub(super) fn with_capacity(vertices: usize, things: usize) -> Self {
-        let mut starts = Vec::with_capacity(vertices + 1);
-        starts.push(0);
-        Self { starts, items: Vec::with_capacity(things) }
-    }
-
-    /// Adds the list of the next vertex, which `append` appends to all things.
-    pub(super) fn append(&mut self, append: impl FnOnce(&mut Vec<T>)) {
-        append(&mut self.items);
-        self.starts.push(self.items.len());
     }
 
     /// How many lists there are.
@@ -51,6 +41,34 @@ impl<T: Copy + Default> Rows<T> {
     /// The list of a vertex.
     pub(super) fn of(&self, vertex: usize) -> &[T] {
         &self.items[self.starts[vertex]..self.starts[vertex + 1]]
+    }
+}
+
+impl<T: Copy + Default> Rows<[T; 2]> {
+    /// With each list of twos replaced by the firsts of them, if `order` has put these in order and says so, or by what it has appended to an
+    /// empty list, which must not take more room. What is new stays where lists were.
+    pub(super) fn flattened(self, mut order: impl FnMut(&mut [[T; 2]], &mut Vec<T>) -> bool) -> Rows<T> {
+        let Self { mut starts, items } = self;
+        let mut items = items.into_flattened();
+        let (mut kept, mut made) = (0, Vec::new());
+        for v in 0..starts.len() - 1 {
+            let list = 2 * starts[v]..2 * starts[v + 1];
+            starts[v] = kept;
+            made.clear();
+            if order(items[list.clone()].as_chunks_mut().0, &mut made) {
+                for first in list.step_by(2) {
+                    items[kept] = items[first];
+                    kept += 1;
+                }
+            } else {
+                items[kept..kept + made.len()].copy_from_slice(&made);
+                kept += made.len();
+            }
+        }
+        *starts.last_mut().expect("there is one start more than there are vertices") = kept;
+        items.truncate(kept);
+        items.shrink_to_fit();
+        Rows { starts, items }
     }
 }
 

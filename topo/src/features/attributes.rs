@@ -135,11 +135,21 @@ impl Ancestry {
     ) -> u32 {
         let ending = |leaf: u32| tree.endings.get(self.ending[leaf as usize] as usize);
         let has_ended = |leaf: u32| ending(leaf).is_some_and(|end| !tree.is_before(vertex, value, &end.saddle));
-        let mut leaf = basin;
-        while let Some(end) = ending(leaf).filter(|_| has_ended(leaf)) {
-            let skip = self.skip[leaf as usize];
-            leaf = if has_ended(skip) { skip } else { end.elder };
+        self.branch_going_on(basin, has_ended, |leaf| ending(leaf).map_or(leaf, |end| end.elder))
+    }
+
+    /// The first branch that has not ended, from one on; given which have, and the elder of each that does.
+    #[inline]
+    pub(super) fn branch_going_on(
+        &self,
+        mut branch: u32,
+        has_ended: impl Fn(u32) -> bool,
+        elder: impl Fn(u32) -> u32,
+    ) -> u32 {
+        while has_ended(branch) {
+            let skip = self.skip[branch as usize];
+            branch = if has_ended(skip) { skip } else { elder(branch) };
         }
-        leaf
+        branch
     }
 }

@@ -30,17 +30,18 @@ pub(crate) struct Branches {
     pub(crate) basins: BasinLabels,
     /// The branches that end, in the order in which they do.
     pub(crate) ends: Vec<BranchEnd>,
-    /// The others, with the last vertex to enter.
+    /// The others, with the last vertex to enter, where not only labels are wanted.
     pub(crate) essential: Vec<(u32, u32)>,
 }
 
 impl Branches {
-    /// Finds them, unless the work is stopped.
+    /// Finds them, unless the work is stopped; `pointing` is the steepest, or that for labels.
     pub(crate) fn new<G: Domain, S: Scalar, D: Direction>(
         domain: G,
         filtration: &Filtration<'_, S, D>,
+        pointing: Pointing,
     ) -> Result<Self, Error> {
-        let Paired { merges, in_order, descent } = domain.basins(filtration, Pointing::Steepest).pair(filtration);
+        let Paired { merges, in_order, descent } = domain.basins(filtration, pointing).pair(filtration);
         if filtration.stops() {
             return Err(Error::Interrupted);
         }
@@ -116,7 +117,7 @@ pub(crate) fn spilled(ends: impl Iterator<Item = (u32, u32)>, kept: &[bool]) -> 
 /// So many saddles are looked around at before the watch is asked.
 const LOOKED_AT: usize = 1 << 13;
 
-/// The branches that end, in the order in which they do; not all if the work is stopped.
+/// The branches that end, in the order in which they do; none if the work is stopped.
 fn ends<G: Domain, S: Scalar, D: Direction>(
     domain: G,
     filtration: &Filtration<'_, S, D>,
@@ -124,80 +125,153 @@ fn ends<G: Domain, S: Scalar, D: Direction>(
     merges: &[Merge],
     mut in_order: Vec<u32>,
 ) -> Vec<BranchEnd> {
-    let saddle = |basin: u32| merges[basin as usize].end;
-    // Of several that end at one saddle the elder first, so that each finds the eldest of all.
-    for at_saddle in in_order.chunk_by_mut(|&a, &b| saddle(a) == saddle(b)).filter(|at_saddle| at_saddle.len() > 1) {
-        at_saddle.copy_from_slice(&filtration.sorted(at_saddle, |&basin| merges[basin as usize].extremum));
+    let saddles: Vec<u32> = in_order.iter().map(|&basin| merges[basin as usize].end).collect();
+    let distinct = VertexSet::new(filtration.field().len(), saddles.iter().copied());
+    let sides = Sides::new(domain, filtration, descent, &distinct);
+    if filtration.stops() {
+        return Vec::new();
     }
-    let sides = Sides::new(domain, filtration, descent, in_order.iter().map(|&basin| saddle(basin)));
     // For each component that touches the saddle, where it does first.
-    let (mut first, mut noted) = (vec![NONE; merges.len()], NONE);
+    let mut first = vec![NONE; merges.len()];
     let mut components = UnionFind::new(merges.len());
-    let end = |(&extremum, &list): (&u32, &u32)| {
-        let Merge { end: saddle, towards, .. } = merges[extremum as usize];
-        let around = sides.of(list);
-        if noted != saddle {
-            noted = saddle;
-            for (place, &basin) in around.iter().enumerate().rev() {
-                first[components.find(basin) as usize] = place as u32;
-            }
+    let mut ends = Vec::with_capacity(in_order.len());
+    let mut rest = &mut in_order[..];
+    for at_saddle in saddles.chunk_by(|a, b| a == b) {
+        let (ending, others) = rest.split_at_mut(at_saddle.len());
+        rest = others;
+        if ending.len() > 1 {
+            // The elder first, as the younger spill into what the elder have become.
+            ending.copy_from_slice(&filtration.sorted(ending, |&basin| merges[basin as usize].extremum));
         }
-        let elder = components.find(descent.basin(towards));
-        let [from, to] = [extremum, elder].map(|component| first[component as usize]);
-        // From now on the younger component is a part of the elder one.
-        first[elder as usize] = from.min(to);
-        components.join(extremum, elder);
-        BranchEnd { extremum, saddle, elder, beyond: around[to as usize] }
-    };
-    in_order.iter().zip(&sides.lists).map(end).collect()
+        // All components that meet here end but one.
+        let (saddle, mut elder) = (at_saddle[0], NONE);
+        let around = sides.of(distinct.place(saddle));
+        let ends_here = |component: u32| match ending[..] {
+            [only] => component == only,
+            _ => merges[component as usize].is_finite() && merges[component as usize].end == saddle,
+        };
+        for (place, &basin) in around.iter().enumerate().rev() {
+            let component = components.find(basin);
+            first[component as usize] = place as u32;
+            elder = if ends_here(component) { elder } else { component };
+        }
+        for &mut extremum in ending {
+            let [from, to] = [extremum, elder].map(|component| first[component as usize]);
+            // From now on the younger component is a part of the elder one.
+            first[elder as usize] = from.min(to);
+            components.join(extremum, elder);
+            ends.push(BranchEnd { extremum, saddle, elder, beyond: around[to as usize] });
+        }
+    }
+    ends
 }
 
-/// The basins around saddles, those of earlier neighbours first.
+/// The basins around each of some saddles in the order in which the first neighbours in them enter; where there are two, in any, since
+/// they are in different components. Only round a vertex of very many neighbours one may come more than once.
 struct Sides {
-    /// For each saddle that was asked for its list.
-    lists: Vec<u32>,
     /// Where each list begins, and the end of the last.
     starts: Vec<usize>,
     basins: Vec<u32>,
 }
 
 impl Sides {
-    /// Looks around saddles, of which some come several times in a row. That is done as the field lies in memory: on noise it takes half the
-    /// time of looking around when saddles come by value. No lists if the work is stopped.
+    /// Looks around saddles as they lie in memory: on noise that takes half the time of looking around when they come by value. Not
+    /// around all if the work is stopped.
     fn new<G: Domain, S: Scalar, D: Direction>(
         domain: G,
         filtration: &Filtration<'_, S, D>,
         descent: &Descent,
-        saddles: impl ExactSizeIterator<Item = u32>,
+        saddles: &VertexSet,
     ) -> Self {
-        let mut sides = Self { lists: vec![0; saddles.len()], starts: vec![0], basins: Vec::new() };
-        let mut placed: Vec<(u32, u32)> = saddles.zip(0..).collect();
-        placed.sort_unstable();
-        let mut neighbors = Vec::new();
-        for (list, at_saddle) in (0..).zip(placed.chunk_by(|a, b| a.0 == b.0)) {
-            if (list as usize).is_multiple_of(LOOKED_AT) && filtration.stops() {
-                return Self { lists: Vec::new(), ..sides };
+        let (mut starts, mut basins) = (Vec::with_capacity(saddles.len() + 1), Vec::new());
+        starts.push(0);
+        let (mut neighbors, mut around) = (Vec::new(), Vec::new());
+        for (place, saddle) in saddles.iter().enumerate() {
+            if place.is_multiple_of(LOOKED_AT) && filtration.stops() {
+                break;
             }
-            at_saddle.iter().for_each(|&(_, place)| sides.lists[place as usize] = list);
-            let saddle = at_saddle[0].0;
             neighbors.clear();
             domain.for_each_neighbor(saddle as usize, |u| {
                 if filtration.precedes(u as u32, saddle) {
                     neighbors.push(u as u32);
                 }
             });
-            neighbors.sort_unstable_by_key(|&u| (filtration.value(u).key(), u));
-            if D::KIND == Kind::Maximum {
-                neighbors.reverse();
+            distinct_basins(descent, &neighbors, &mut around);
+            if around.len() != 2 {
+                neighbors.sort_unstable_by_key(|&u| (filtration.value(u).key(), u));
+                if D::KIND == Kind::Maximum {
+                    neighbors.reverse();
+                }
+                distinct_basins(descent, &neighbors, &mut around);
             }
-            sides.basins.extend(neighbors.iter().map(|&u| descent.basin(u)));
-            sides.starts.push(sides.basins.len());
+            basins.extend_from_slice(&around);
+            starts.push(basins.len());
         }
-        sides
+        Self { starts, basins }
     }
 
-    fn of(&self, list: u32) -> &[u32] {
-        &self.basins[self.starts[list as usize]..self.starts[list as usize + 1]]
+    fn of(&self, place: usize) -> &[u32] {
+        &self.basins[self.starts[place]..self.starts[place + 1]]
+    }
+}
+
+/// The basins of some vertices, each where it comes first, if it is among the first [`DISTINCT`].
+fn distinct_basins(descent: &Descent, vertices: &[u32], basins: &mut Vec<u32>) {
+    basins.clear();
+    for &vertex in vertices {
+        let basin = descent.basin(vertex);
+        if !basins.iter().take(DISTINCT).any(|&other| other == basin) {
+            basins.push(basin);
+        }
+    }
+}
+
+/// So many basins are compared with each other.
+const DISTINCT: usize = 32;
+
+/// Some of the vertices of a domain, each with its place among them by rising index: a bit for each vertex.
+struct VertexSet {
+    words: Vec<u64>,
+    /// How many vertices come before each word.
+    before: Vec<u32>,
+    count: usize,
+}
+
+impl VertexSet {
+    fn new(vertices: usize, members: impl Iterator<Item = u32>) -> Self {
+        let mut words = vec![0u64; vertices.div_ceil(64)];
+        members.for_each(|v| words[v as usize / 64] |= 1 << (v % 64));
+        let mut count = 0;
+        let count_before = |word: &u64| {
+            let before = count;
+            count += word.count_ones();
+            before
+        };
+        let before = words.iter().map(count_before).collect();
+        Self { words, before, count: count as usize }
+    }
+
+    fn len(&self) -> usize {
+        self.count
+    }
+
+    /// The place of a member.
+    fn place(&self, member: u32) -> usize {
+        let word = member as usize / 64;
+        let lower = self.words[word] & ((1 << (member % 64)) - 1);
+        (self.before[word] + lower.count_ones()) as usize
+    }
+
+    /// By rising index.
+    fn iter(&self) -> impl Iterator<Item = u32> {
+        (0..).step_by(64).zip(&self.words).flat_map(|(first, &word)| {
+            let mut rest = word;
+            core::iter::from_fn(move || {
+                let bit = (rest != 0).then(|| rest.trailing_zeros())?;
+                rest &= rest - 1;
+                Some(first + bit)
+            })
+        })
     }
 }
 

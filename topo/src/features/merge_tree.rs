@@ -13,7 +13,7 @@ use crate::domain::Domain;
 use crate::error::Error;
 use crate::filtration::{Direction, Falling, Filtration, Kind, NanPolicy, Rising};
 use crate::options::PersistenceOptions;
-use crate::pairing::{BasinLabels, Settled};
+use crate::pairing::{BasinLabels, Pointing, Settled};
 use crate::scalar::{Scalar, wider_first};
 use crate::watch::Watch;
 use std::borrow::Cow;
@@ -127,7 +127,7 @@ impl<'f, V: Copy, S: Scalar> MergeTree<'f, V, S> {
         field: &'f [S],
         name: impl Fn(u32) -> V,
     ) -> Result<Self, Error> {
-        let branches = Branches::new(domain, filtration)?;
+        let branches = Branches::new(domain, filtration, Pointing::Steepest)?;
         let place = |index: u32| TreeVertex { index, vertex: name(index), value: filtration.value(index) };
         let end = |&BranchEnd { extremum, saddle, elder, beyond }: &BranchEnd| End {
             leaf: extremum,

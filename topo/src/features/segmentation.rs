@@ -8,7 +8,7 @@ use crate::domain::Domain;
 use crate::error::Error;
 use crate::filtration::{Direction, Falling, Filtration, Kind, Rising};
 use crate::options::PersistenceOptions;
-use crate::pairing::NONE;
+use crate::pairing::{NONE, Pointing};
 use crate::scalar::Scalar;
 use crate::watch::Watch;
 
@@ -42,7 +42,7 @@ impl<V: Copy> Segmentation<V> {
         filtration: &Filtration<'_, S, D>,
         threshold: S::Width,
     ) -> Result<Self, Error> {
-        let branches = Branches::new(domain, filtration)?;
+        let branches = Branches::new(domain, filtration, Pointing::Labels)?;
         let kept = branches.longer(filtration, threshold);
         let segment_of_basin = spilled(branches.ends.iter().map(|end| (end.extremum, end.beyond)), &kept);
         let survivors = branches.extrema.iter().zip(&kept).filter(|&(_, &kept)| kept);

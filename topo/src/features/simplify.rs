@@ -12,6 +12,7 @@ use crate::domain::Domain;
 use crate::error::Error;
 use crate::filtration::{Direction, Falling, Filtration, NanPolicy, Rising};
 use crate::options::PersistenceOptions;
+use crate::pairing::Pointing;
 use crate::scalar::Scalar;
 use crate::watch::Watch;
 
@@ -83,6 +84,6 @@ fn fill<G: Domain, S: Scalar, D: Direction>(
     watch: Watch<'_>,
 ) -> Result<Vec<S>, Error> {
     let filtration = Filtration::<S, D>::new(field, domain.vertex_count(), nan)?.watched(watch);
-    let branches = Branches::new(domain, &filtration)?;
+    let branches = Branches::new(domain, &filtration, Pointing::Labels)?;
     Ok(branches.filled(&filtration, &branches.longer(&filtration, threshold)))
 }

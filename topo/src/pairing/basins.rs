@@ -46,6 +46,15 @@ pub enum Pointing {
     Any,
     /// The earliest: basins of steepest descent.
     Steepest,
+    /// The earliest, and what is asked for is the basin of every vertex: all ways are followed at once, and no component's last vertex is
+    /// found.
+    Labels,
+}
+
+impl Pointing {
+    pub(crate) fn is_steepest(self) -> bool {
+        self != Self::Any
+    }
 }
 
 /// Every vertex with its way down to an extremum, and where the basins touch.
@@ -53,6 +62,7 @@ pub enum Pointing {
 pub struct Basins {
     descent: Descent,
     joins: Vec<Join>,
+    pointing: Pointing,
 }
 
 /// The basins of a graph of which nothing more is known.
@@ -83,8 +93,11 @@ pub(crate) fn basins_of_graph<G: Graph, S: Scalar, D: Direction>(
         }
     }
     let descent = Descent::new(next, extrema);
+    if pointing == Pointing::Labels {
+        descent.settle(filtration.watch());
+    }
     let joins = joins_of_graph(graph, filtration, &descent, &candidates);
-    Basins { descent, joins }
+    Basins { descent, joins, pointing }
 }
 
 /// The joins between the basins of all earlier neighbours of each candidate.
@@ -112,7 +125,7 @@ fn joins_of_graph<G: Graph, S: Scalar, D: Direction>(
 impl Basins {
     /// Of work that is stopped.
     fn none() -> Self {
-        Self { descent: Descent::new(Vec::new(), Vec::new()), joins: Vec::new() }
+        Self { descent: Descent::new(Vec::new(), Vec::new()), joins: Vec::new(), pointing: Pointing::Any }
     }
 
     /// From where vertices point to and what the scans of consecutive ranges have found; nothing if one was stopped.
@@ -120,6 +133,7 @@ impl Basins {
         next: Vec<u32>,
         scans: Vec<Scan>,
         filtration: &Filtration<'_, S, D>,
+        pointing: Pointing,
     ) -> Self {
         if filtration.stops() {
             return Self::none();
@@ -128,23 +142,26 @@ impl Basins {
         scans.iter().for_each(|scan| extrema.extend_from_slice(&scan.extrema));
         let candidates: Vec<_> = scans.into_iter().map(|scan| scan.candidates).collect();
         let descent = Descent::new(next, extrema);
-        descent.settle_for(candidates.iter().map(Vec::len).sum(), filtration.watch());
-        let joins = parallel::filter_map(candidates, filtration.watch(), |SaddleCandidate { saddle, sides }| {
+        if pointing == Pointing::Labels || descent.is_worth_settling_for(candidates.iter().map(Vec::len).sum()) {
+            descent.settle(filtration.watch());
+        }
+        let mut joins = parallel::filter_map(candidates, filtration.watch(), |SaddleCandidate { saddle, sides }| {
             let basins = sides.map(|side| descent.basin(side));
             (basins[0] != basins[1]).then_some(Join { saddle, basins })
         });
-        Self { descent, joins }
+        joins.shrink_to_fit(); // they are where candidates were
+        Self { descent, joins, pointing }
     }
 
     /// What becomes of each component.
     pub(crate) fn pair<S: Scalar, D: Direction>(self, filtration: &Filtration<'_, S, D>) -> Paired {
-        let Self { descent, joins } = self;
+        let Self { descent, joins, pointing } = self;
         let Ended { mut merges, in_order, mut components } = elder_rule::pair(filtration, descent.extrema(), &joins);
         drop(joins);
         let eldest: Vec<u32> =
             (0..).zip(&merges).filter(|(_, merge)| !merge.is_finite()).map(|(basin, _)| basin).collect();
         let last = match eldest[..] {
-            _ if filtration.stops() => Vec::new(),
+            _ if pointing == Pointing::Labels || filtration.stops() => Vec::new(),
             [_] => last_of_all(filtration),
             _ => last_of_each(filtration, &descent, &mut components, &eldest),
         };
@@ -182,7 +199,7 @@ impl Basins {
         filtration: &Filtration<'_, S, D>,
         open: &[u32],
     ) -> Remnant {
-        let Self { descent, joins } = self;
+        let Self { descent, joins, .. } = self;
         let open: Vec<(u32, u32)> = open.iter().map(|&vertex| (descent.basin(vertex), vertex)).collect();
         let (mut merges, mut components, joins) = boruvka::pair_inside(filtration, descent.extrema(), joins, &open);
         merges.retain(Merge::is_finite);

@@ -25,7 +25,7 @@ type Keyed = (u32, u32);
 
 /// The places of so many things in the order in which a vertex of each enters, given these by rising index. None is NaN. If the work is
 /// stopped, the order is none.
-pub(super) fn in_order<S: Scalar, D: Direction>(
+pub(crate) fn in_order<S: Scalar, D: Direction>(
     filtration: &Filtration<'_, S, D>,
     count: usize,
     vertex: impl Fn(u32) -> u32,

@@ -29,6 +29,8 @@ const MANY_CANDIDATES: usize = 16;
 pub(crate) struct Descent {
     next: Vec<AtomicU32>,
     extrema: Vec<u32>,
+    /// Whether all ways have been followed to their ends.
+    settled: OnceLock<()>,
 }
 
 impl Descent {
@@ -38,7 +40,7 @@ impl Descent {
         for (&extremum, basin) in extrema.iter().zip(0..) {
             next[extremum as usize] = BASIN | basin;
         }
-        Self { next: next.into_iter().map(AtomicU32::new).collect(), extrema }
+        Self { next: next.into_iter().map(AtomicU32::new).collect(), extrema, settled: OnceLock::new() }
     }
 
     /// The extrema by basin, which is by rising vertex index.
@@ -47,8 +49,10 @@ impl Descent {
     }
 
     /// The basin of a vertex that enters.
+    #[inline]
     pub(crate) fn basin(&self, vertex: u32) -> u32 {
-        follow(&self.next, vertex) & !BASIN
+        let pointer = self.pointer(vertex);
+        (if pointer & BASIN == 0 { follow(&self.next, vertex) } else { pointer }) & !BASIN
     }
 
     /// The basin of any vertex, if it enters.
@@ -56,16 +60,19 @@ impl Descent {
         (self.pointer(vertex) != OUTSIDE).then(|| self.basin(vertex))
     }
 
-    /// Follows all ways to their ends if so many candidates for saddles make that worth while.
-    pub(crate) fn settle_for(&self, candidates: usize, watch: Watch<'_>) {
-        if candidates > self.extrema.len().max(self.next.len() / MANY_CANDIDATES) {
-            settle(&self.next, watch);
-        }
+    /// Whether so many candidates for saddles make it worth while to follow all ways to their ends.
+    pub(crate) fn is_worth_settling_for(&self, candidates: usize) -> bool {
+        candidates > self.extrema.len().max(self.next.len() / MANY_CANDIDATES)
+    }
+
+    /// Follows all ways to their ends.
+    pub(crate) fn settle(&self, watch: Watch<'_>) {
+        self.settled.get_or_init(|| settle(&self.next, watch));
     }
 
     /// The way down from every vertex without the extrema; and the extrema.
     pub(crate) fn into_labels(self) -> (BasinLabels, Vec<u32>) {
-        (BasinLabels { next: self.next, settled: OnceLock::new() }, self.extrema)
+        (BasinLabels { next: self.next, settled: self.settled }, self.extrema)
     }
 
     fn pointer(&self, vertex: u32) -> u32 {

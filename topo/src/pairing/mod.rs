@@ -16,6 +16,7 @@ mod union_find;
 
 pub use basins::{Basins, Pointing};
 pub(crate) use basins::{Paired, Remnant, SaddleCandidate, Scan, basins_of_graph, last_of_all};
+pub(crate) use by_value::in_order;
 pub(crate) use descent::{BasinLabels, Descent, OUTSIDE, Settled};
 pub(crate) use duality::{Crossing, pair_both};
 pub(crate) use graph::Graph;

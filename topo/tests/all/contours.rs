@@ -356,3 +356,29 @@ fn critical_vertices_give_the_tree_of_all() {
         }
     }
 }
+
+/// The same across the blocks that rows are labelled in, on hills, terraces and noise.
+#[test]
+fn critical_vertices_give_the_tree_of_all_on_large_grids() {
+    let hills = |y: usize, x: usize| ((y as f64 / 9.0).sin() * (x as f64 / 7.0).cos() * 1e6) as i64;
+    let noise = |y: usize, x: usize| (y * 7919 + x * 104_729) as i64 * (y as i64 - 3 * x as i64 + 5) % 1009;
+    let fields: [&dyn Fn(usize, usize) -> i64; 3] =
+        [&hills, &|y, x| hills(y, x) / 50_000, &|y, x| hills(y, x) + 300 * noise(y, x)];
+    for field in fields {
+        let shape = [150, 331];
+        let field: Vec<i64> = (0..shape[0] * shape[1]).map(|v| field(v / shape[1], v % shape[1])).collect();
+        let pictures = [Connectivity::Freudenthal, Connectivity::Full].map(|edges| Grid::new(shape, edges));
+        pictures.iter().for_each(|picture| equals_the_tree_of_all(picture, &field));
+        equals_the_tree_of_all(&Grid::new([10, 15, 331], Connectivity::Freudenthal), &field);
+    }
+}
+
+fn equals_the_tree_of_all<G: Domain<Vertex = usize>>(grid: G, field: &[i64]) {
+    let mut lists = vec![Vec::new(); field.len()];
+    for (v, list) in lists.iter_mut().enumerate() {
+        grid.for_each_neighbor(v, |u| list.push(u));
+    }
+    let listed = Adjacency::new(&lists).expect("neighbours exist");
+    let (on_grid, on_lists) = (topo::contour_tree(grid, field), topo::contour_tree(&listed, field));
+    assert_eq!(on_grid, on_lists);
+}

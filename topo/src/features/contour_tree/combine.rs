@@ -117,8 +117,8 @@ impl Merging {
 pub(super) struct Edges {
     /// By rising ends.
     pub(super) in_order: Vec<[u32; 2]>,
-    /// As they were found.
-    pub(super) found: Vec<[u32; 2]>,
+    /// For each of these as the how many-th it was found.
+    pub(super) order: Vec<u32>,
     /// For each vertex the number of the edge, as found, of which its way to the next is a part in the join and in the split tree, the
     /// first of both where they differ; [`NONE`] if of none.
     pub(super) taken: [Vec<u32>; 2],
@@ -147,13 +147,31 @@ pub(super) fn edges(mut join: Merging, mut split: Merging) -> Option<Edges> {
             leaves.push(next);
         }
     }
-    let mut in_order = found.clone();
-    in_order.sort_unstable_by_key(|&[_, upper]| upper);
-    let has_join_tree = join.is_of(in_order.iter().copied());
-    in_order.sort_unstable();
+    let all: Vec<u32> = (0..found.len() as u32).collect();
+    let by_upper = by_end(&all, n, |edge| found[edge as usize][1]);
+    let has_join_tree = join.is_of(by_upper.iter().map(|&edge| found[edge as usize]));
+    let order = by_end(&by_upper, n, |edge| found[edge as usize][0]);
+    drop((all, by_upper));
+    let in_order: Vec<[u32; 2]> = order.iter().map(|&edge| found[edge as usize]).collect();
     let downwards = in_order.iter().rev().map(|&[lower, upper]| [upper, lower]);
     let is_right = has_join_tree && split.is_of(downwards);
-    is_right.then_some(Edges { in_order, found, taken: [join.taken, split.taken] })
+    is_right.then_some(Edges { in_order, order, taken: [join.taken, split.taken] })
+}
+
+/// Edges in the order of an end each, of `n` vertices; those with the same keep their order. They are counted, not compared.
+fn by_end(edges: &[u32], n: usize, end: impl Fn(u32) -> u32) -> Vec<u32> {
+    let mut places = vec![0u32; n + 1];
+    edges.iter().for_each(|&edge| places[end(edge) as usize + 1] += 1);
+    for v in 0..n {
+        places[v + 1] += places[v];
+    }
+    let mut sorted = vec![0; edges.len()];
+    for &edge in edges {
+        let place = &mut places[end(edge) as usize];
+        sorted[*place as usize] = edge;
+        *place += 1;
+    }
+    sorted
 }
 
 /// Nodes and arcs of a tree whose regular vertices have one edge down and one up, given its edges by rising lower end; and the arc of
@@ -166,7 +184,11 @@ pub(super) fn arcs_between_nodes(edges: &[[u32; 2]], n: usize) -> (Combined, Vec
     });
     let is_regular = |v: u32| (down[v as usize], up[v as usize]) == (1, 1);
     let critical: Vec<u32> = (0..n as u32).filter(|&v| !is_regular(v)).collect();
-    let node = |v: u32| critical.partition_point(|&other| other < v);
+    let mut node_of = vec![NONE; n];
+    critical.iter().zip(0..).for_each(|(&v, node)| node_of[v as usize] = node);
+    let node = |v: u32| node_of[v as usize] as usize;
+    let is_regular = |v: u32| node_of[v as usize] == NONE;
+    drop((down, up));
     let mut arcs: Vec<ContourArc> = Vec::new();
     let (mut arc_of, mut of_edges) = (vec![NONE; n], Vec::with_capacity(edges.len()));
     for &[lower, upper] in edges {

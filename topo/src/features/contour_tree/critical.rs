@@ -5,12 +5,16 @@
 //! whichever of the two ways is taken out first, as a part of an edge, takes the vertex along. That is what becomes of it where all
 //! vertices are in the trees; so the result is the same, where there is a contour tree at all. It is relied upon where the domain says
 //! that its loops are filled.
+//!
+//! What takes time is to find the two places of each regular vertex. Values are compared once, to tell how many critical vertices are lower
+//! ([`Ranks`]); the rest is done with numbers. Most vertices lie on the longest branch, where a table has the answer.
 
 use super::super::attributes::Ancestry;
 use super::super::merge_tree::MergeTree;
 use super::combine::{Combined, Edges, Merging, arcs_between_nodes, edges};
-use crate::filtration::{Direction, Falling, Filtration, Kind, Rising};
-use crate::pairing::{NONE, Settled};
+use super::ranks::Ranks;
+use crate::filtration::{Filtration, Kind, Rising};
+use crate::pairing::{NONE, Settled, in_order};
 use crate::parallel;
 use crate::scalar::Scalar;
 
@@ -27,139 +31,181 @@ pub(super) fn combine<S: Scalar>(
     split: &MergeTree<'_, (), S>,
     filtration: &Filtration<'_, S, Rising>,
 ) -> Option<Critical> {
-    let vertices = critical_vertices(join, split, filtration);
-    let values: Vec<S> = vertices.iter().map(|&vertex| filtration.value(vertex)).collect();
-    let upwards = Branched::new::<Rising>(join, &vertices, &values);
-    let downwards = Branched::new::<Falling>(split, &vertices, &values);
-    let Edges { in_order, found, taken } = edges(upwards.merging(join), downwards.merging(split))?;
+    let (vertices, mut arc_of) = critical_vertices([join, split], filtration);
+    if filtration.stops() {
+        return None; // the order is none
+    }
+    let upwards = Branched::new(join, &vertices, &arc_of);
+    let downwards = Branched::new(split, &vertices, &arc_of);
+    let Edges { in_order, order, taken } = edges(upwards.merging(join), downwards.merging(split))?;
     let (tree, arc_in_order) = arcs_between_nodes(&in_order, vertices.len());
-    let arc_of_edge: Vec<u32> = found
-        .iter()
-        .map(|edge| arc_in_order[in_order.binary_search(edge).expect("both lists have the same edges")])
-        .collect();
-    let mut arc_of = vec![NONE; filtration.field().len()];
+    let mut arc_of_edge = vec![NONE; order.len()];
+    order.iter().zip(arc_in_order).for_each(|(&found, arc)| arc_of_edge[found as usize] = arc);
+    let values: Vec<S> = vertices.iter().map(|&vertex| filtration.value(vertex)).collect();
+    let ranks = Ranks::new(&vertices, &values);
     parallel::map_blocks(&mut arc_of, 1, |range, arcs| {
         if filtration.stops() {
             return;
         }
-        for (v, arc) in (range.start as u32..).zip(arcs) {
-            let value = filtration.value(v);
-            let first = [(&upwards, &taken[0]), (&downwards, &taken[1])].map(|(tree, taken)| match tree.kind {
-                Kind::Minimum => taken[tree.last_before::<Rising>(join, v, value) as usize],
-                Kind::Maximum => taken[tree.last_before::<Falling>(split, v, value) as usize],
-            });
-            *arc = arc_of_edge.get(first[0].min(first[1]) as usize).copied().unwrap_or(NONE);
+        for (v, arc) in (range.start as u32..).zip(arcs).filter(|(_, arc)| **arc == NONE) {
+            let before = ranks.before(v, filtration.value(v));
+            let last = [&upwards, &downwards].map(|tree| tree.last_before(v, before) as usize);
+            let first = taken[0][last[0]].min(taken[1][last[1]]);
+            *arc = arc_of_edge.get(first as usize).copied().unwrap_or(NONE);
         }
     });
     vertices.iter().zip(&tree.arc_of).for_each(|(&vertex, &arc)| arc_of[vertex as usize] = arc);
     Some(Critical { vertices, tree, arc_of })
 }
 
-/// Leaves, saddles and roots of both trees in the order in which they enter.
+/// Leaves, saddles and roots of the trees in the order in which they enter; and for each vertex its place among these, or [`NONE`].
 fn critical_vertices<S: Scalar>(
-    join: &MergeTree<'_, (), S>,
-    split: &MergeTree<'_, (), S>,
+    trees: [&MergeTree<'_, (), S>; 2],
     filtration: &Filtration<'_, S, Rising>,
-) -> Vec<u32> {
-    let of_tree = |tree: &MergeTree<'_, (), S>| -> Vec<u32> {
+) -> (Vec<u32>, Vec<u32>) {
+    let mut rank_of = vec![NONE; filtration.field().len()];
+    let mut count = 0;
+    for tree in trees {
         let leaves = tree.leaves.iter().map(|leaf| leaf.index);
         let saddles = tree.endings.iter().map(|end| end.saddle.index);
-        leaves.chain(saddles).chain(tree.roots.iter().map(|(_, last)| last.index)).collect()
-    };
-    let mut vertices = [of_tree(join), of_tree(split)].concat();
-    vertices.sort_unstable();
-    vertices.dedup();
-    filtration.sorted(&vertices, |&vertex| vertex)
+        for vertex in leaves.chain(saddles).chain(tree.roots.iter().map(|(_, last)| last.index)) {
+            count += usize::from(rank_of[vertex as usize] == NONE);
+            rank_of[vertex as usize] = 0;
+        }
+    }
+    let mut by_index: Vec<u32> = Vec::with_capacity(count);
+    by_index.extend((0..).zip(&rank_of).filter(|&(_, &rank)| rank != NONE).map(|(vertex, _)| vertex));
+    let order = in_order(filtration, by_index.len(), |place| by_index[place as usize]);
+    let vertices: Vec<u32> = order.iter().map(|&place| by_index[place as usize]).collect();
+    (0..).zip(&vertices).for_each(|(rank, &vertex)| rank_of[vertex as usize] = rank);
+    (vertices, rank_of)
 }
 
-/// Critical vertices on the branches of one of the trees.
-struct Branched<'a, S> {
+/// Critical vertices on the branches of one of the trees. They go by their *turns* there: ranks in the join tree, and in the split tree
+/// ranks from the last on.
+struct Branched<'a> {
     kind: Kind,
     ancestry: Ancestry,
     basins: Settled<'a>,
-    /// The critical vertices by rank.
-    vertices: &'a [u32],
+    /// How many critical vertices there are.
+    count: u32,
+    /// For each branch the turn at which it ends, [`NONE`] if it never does, and the branch in which it ends.
+    ends: Vec<(u32, u32)>,
     /// Where the list of each branch begins, and the end of the last.
     starts: Vec<u32>,
-    /// The ranks on each branch in the order in which they enter; first its leaf.
-    ranks: Vec<u32>,
-    /// The values there.
-    levels: Vec<S>,
+    /// The turns on each branch, rising; first that of its leaf.
+    turns: Vec<u32>,
+    /// The branch with the longest list, on which most vertices are searched.
+    longest: u32,
+    /// For each turn the last one before it on that branch.
+    last_on_longest: Vec<u32>,
 }
 
-impl<'a, S: Scalar> Branched<'a, S> {
-    fn new<D: Direction>(tree: &'a MergeTree<'_, (), S>, vertices: &'a [u32], values: &'a [S]) -> Self {
-        let (ancestry, basins) = (Ancestry::new(tree), tree.basins());
-        let branch = |rank: usize| {
-            let vertex = vertices[rank];
-            ancestry.branch_of(tree, vertex, values[rank], basins.of(vertex))
+impl<'a> Branched<'a> {
+    /// From the critical vertices by rank, and their ranks.
+    fn new<S: Scalar>(tree: &'a MergeTree<'_, (), S>, vertices: &[u32], rank_of: &[u32]) -> Self {
+        let mut branched = Self {
+            kind: tree.kind,
+            ancestry: Ancestry::new(tree),
+            basins: tree.basins(),
+            count: vertices.len() as u32,
+            ends: vec![(NONE, NONE); tree.leaves.len()],
+            starts: vec![0; tree.leaves.len() + 1],
+            turns: vec![0; vertices.len()],
+            longest: 0,
+            last_on_longest: Vec::new(),
         };
-        let branches: Vec<u32> = (0..vertices.len()).map(branch).collect();
-        let mut starts = vec![0; tree.leaves.len() + 1];
-        branches.iter().for_each(|&branch| starts[branch as usize + 1] += 1);
-        for branch in 0..tree.leaves.len() {
-            starts[branch + 1] += starts[branch];
+        for end in &tree.endings {
+            let turn = branched.turn(rank_of[end.saddle.index as usize]);
+            branched.ends[end.leaf as usize] = (turn, end.elder);
         }
-        let (mut filled, mut ranks) = (starts.clone(), vec![0; vertices.len()]);
-        let mut put = |rank: u32| {
-            let place = &mut filled[branches[rank as usize] as usize];
-            ranks[*place as usize] = rank;
-            *place += 1;
-        };
-        let all = 0..vertices.len() as u32;
-        if D::KIND == Kind::Minimum {
-            all.for_each(&mut put);
-        } else {
-            all.rev().for_each(&mut put);
-        }
-        let levels = ranks.iter().map(|&rank: &u32| values[rank as usize]).collect();
-        Self { kind: D::KIND, ancestry, basins, vertices, starts, ranks, levels }
+        branched.fill(vertices);
+        branched.tabulate();
+        branched
     }
 
+    /// The turn of a rank, and the rank of a turn.
+    fn turn(&self, rank: u32) -> u32 {
+        match self.kind {
+            Kind::Minimum => rank,
+            Kind::Maximum => self.count - 1 - rank,
+        }
+    }
+
+    /// Puts the critical vertices into the lists of their branches.
+    fn fill(&mut self, vertices: &[u32]) {
+        let branch = |turn: u32| self.branch_of(vertices[self.turn(turn) as usize], turn + 1);
+        let branches: Vec<u32> = (0..self.count).map(branch).collect();
+        branches.iter().for_each(|&branch| self.starts[branch as usize + 1] += 1);
+        for branch in 1..self.starts.len() {
+            self.starts[branch] += self.starts[branch - 1];
+        }
+        let mut filled = self.starts.clone();
+        for (turn, &branch) in (0..).zip(&branches) {
+            let place = &mut filled[branch as usize];
+            self.turns[*place as usize] = turn;
+            *place += 1;
+        }
+    }
+
+    /// Notes what comes last on the branch with the longest list.
+    fn tabulate(&mut self) {
+        let branches = 0..self.starts.len() as u32 - 1;
+        self.longest = branches.max_by_key(|&branch| self.on_branch(branch).len()).unwrap_or(0);
+        let mut table = Vec::with_capacity(self.count as usize + 1);
+        let mut last = NONE;
+        for &turn in self.on_branch(self.longest) {
+            table.resize(turn as usize + 1, last);
+            last = turn;
+        }
+        table.resize(self.count as usize + 1, last);
+        self.last_on_longest = table;
+    }
+
+    /// The branch whose component a vertex enters before a turn, and after the one before that.
+    fn branch_of(&self, vertex: u32, turn: u32) -> u32 {
+        let end = |branch: u32| self.ends[branch as usize];
+        self.ancestry.branch_going_on(self.basins.of(vertex), |branch| end(branch).0 < turn, |branch| end(branch).1)
+    }
+
+    /// The turns on a branch.
     fn on_branch(&self, branch: u32) -> &[u32] {
-        &self.ranks[self.starts[branch as usize] as usize..self.starts[branch as usize + 1] as usize]
+        &self.turns[self.starts[branch as usize] as usize..self.starts[branch as usize + 1] as usize]
     }
 
     /// The tree of the critical vertices: each is followed by the next on its branch, the last by the saddle at which the branch ends.
-    fn merging(&self, tree: &MergeTree<'_, (), S>) -> Merging {
-        let (mut next, mut degrees) = (vec![NONE; self.vertices.len()], vec![0; self.vertices.len()]);
-        let mut follow = |rank: u32, by: u32| {
+    fn merging<S: Scalar>(&self, tree: &MergeTree<'_, (), S>) -> Merging {
+        let (mut next, mut degrees) = (vec![NONE; self.count as usize], vec![0; self.count as usize]);
+        let mut follow = |turn: u32, by: u32| {
+            let [rank, by] = [turn, by].map(|turn| self.turn(turn));
             next[rank as usize] = by;
             degrees[by as usize] += 1;
         };
-        let mut rank_of: Vec<(u32, u32)> = self.vertices.iter().copied().zip(0..).collect();
-        rank_of.sort_unstable();
         for branch in 0..tree.leaves.len() as u32 {
             self.on_branch(branch).windows(2).for_each(|pair| follow(pair[0], pair[1]));
         }
         for end in &tree.endings {
-            let place = rank_of.partition_point(|&(vertex, _)| vertex < end.saddle.index);
             let last = self.on_branch(end.leaf).last().expect("a branch begins with its leaf");
-            follow(*last, rank_of[place].1);
+            follow(*last, self.ends[end.leaf as usize].0);
         }
         Merging::of_next(next, degrees)
     }
 
-    /// The rank of the last critical vertex on the branch of a vertex that enters no later than it.
-    fn last_before<D: Direction>(&self, tree: &MergeTree<'_, (), S>, vertex: u32, value: S) -> u32 {
-        let branch = self.ancestry.branch_of(tree, vertex, value, self.basins.of(vertex));
-        let [first, end] = [branch, branch + 1].map(|branch| self.starts[branch as usize] as usize);
-        let (levels, ranks) = (&self.levels[first..end], &self.ranks[first..end]);
-        let has_entered = |other: u32, level: S| match other < vertex {
-            true => D::precedes_higher_index(level, value),
-            false => other == vertex || D::precedes_lower_index(level, value),
+    /// The rank of the last critical vertex on the branch of a regular vertex that enters before it, given how many critical vertices are
+    /// lower.
+    #[inline]
+    fn last_before(&self, vertex: u32, lower: u32) -> u32 {
+        let turn = match self.kind {
+            Kind::Minimum => lower,
+            Kind::Maximum => self.count - lower,
         };
-        // By values alone, which lie side by side: those before it, and those equal to it, of which only the vertices tell.
-        let is_lower = |level: S| D::precedes_higher_index(level, value) && D::precedes_lower_index(level, value);
-        let is_no_higher = |level: S| D::precedes_higher_index(level, value) || D::precedes_lower_index(level, value);
-        let end = levels.partition_point(|&level| is_no_higher(level));
-        let has_equal = levels[..end].last().is_some_and(|&level| !is_lower(level));
-        let entered = if !has_equal {
-            end
+        let branch = self.branch_of(vertex, turn);
+        let last = if branch == self.longest {
+            self.last_on_longest[turn as usize]
         } else {
-            let start = levels[..end].partition_point(|&level| is_lower(level));
-            start + ranks[start..end].partition_point(|&rank| has_entered(self.vertices[rank as usize], value))
+            let turns = self.on_branch(branch);
+            turns[turns.partition_point(|&other| other < turn).max(1) - 1]
         };
-        ranks[entered.max(1) - 1]
+        self.turn(last)
     }
 }

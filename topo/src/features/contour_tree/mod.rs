@@ -15,6 +15,7 @@
 mod combine;
 mod critical;
 mod prune;
+mod ranks;
 
 use super::merge_tree::MergeTree;
 use crate::domain::Domain;
@@ -28,7 +29,7 @@ use combine::Combined;
 use critical::Critical;
 
 /// Where one vertex in so many is a minimum, as on white noise, most are critical, and all are sorted: on white noise of 1024² with
-/// Freudenthal edges, where one in seven is, that takes 0.8 of the time.
+/// Freudenthal edges, where one in seven is, that takes 0.95 of the time and three quarters of the memory.
 const MANY_LEAVES: usize = 16;
 
 /// So few minima are never too many.
@@ -98,9 +99,11 @@ impl<V: Copy, S: Scalar> ContourTree<V, S> {
             return Ok(None);
         }
         let split = MergeTree::named(domain, &filtration.backwards(), filtration.field(), |_| ())?;
-        let Some(Critical { vertices, tree, arc_of }) = critical::combine(&join, &split, filtration) else {
-            return Ok(None);
-        };
+        let critical = critical::combine(&join, &split, filtration);
+        if filtration.stops() {
+            return Err(Error::Interrupted);
+        }
+        let Some(Critical { vertices, tree, arc_of }) = critical else { return Ok(None) };
         let node = |&rank: &u32| {
             let vertex = vertices[rank as usize];
             ContourNode { vertex: domain.vertex(vertex as usize), value: filtration.value(vertex) }
@@ -208,7 +211,7 @@ impl PersistenceOptions {
 }
 
 /// The contour tree of a field. On grids with ends whose loops are filled by triangles it is found from both merge trees of the field: O(n log e + m)
-/// for n vertices, e extrema and m edges, and some 32 bytes a vertex beyond the input. Elsewhere, and where extrema are many, all vertices are
+/// for n vertices, e extrema and m edges, and some 18 bytes a vertex beyond the input. Elsewhere, and where extrema are many, all vertices are
 /// sorted: O(n log n + m), and some 40 bytes a vertex, 60 if most are nodes.
 ///
 /// # Errors
