@@ -93,18 +93,19 @@ impl Fewest<'_, '_> {
             return best;
         }
         let mut count = coarse.set.cones.len();
+        let mut least = least_cones(self.model.operators());
+        while !meets(&best.0, &best.1, self.target) && count < most && !self.model.is_over() {
+            least = count + 1;
+            count = enough_cones(&coarse.curve, (count, best.1.area_distortion), self.target, most);
+            let more = refined(coarse_model, count);
+            best = self.polished(&more);
+        }
         if meets(&best.0, &best.1, self.target) {
-            let least = least_cones(self.model.operators());
             while best.0.cones.len() > least
                 && let Some(fewer) = self.fewer(&best.0)
             {
                 best = fewer;
             }
-        }
-        while !meets(&best.0, &best.1, self.target) && count < most && !self.model.is_over() {
-            count += 1;
-            let more = refined(coarse_model, count);
-            best = self.polished(&more);
         }
         best
     }
@@ -137,6 +138,17 @@ impl Fewest<'_, '_> {
         let predicted = predict(self.model.operators(), &set, self.rule);
         (set, predicted)
     }
+}
+
+/// How many cones are tried where `count` of them have `reached` an area distortion that misses the target: as many as lower its excess
+/// over 1 as far on the coarse level's curve, one more at least. With one more at a time each number is polished: on a hare of
+/// 930,576 vertices, which the level gives 19 cones, 447 vertices were solved for by the 25th, and the search took more than 44 s; now 12.
+fn enough_cones(curve: &[Prediction], (count, reached): (usize, f64), target: f64, most: usize) -> usize {
+    let excess = |point: &Prediction| point.area_distortion - 1.0;
+    let Some(here) = curve.iter().find(|point| point.count == count).map(excess) else { return count + 1 };
+    let enough = here * (target - 1.0) / (reached - 1.0);
+    let mut more = curve.iter().filter(|point| (count + 1..most).contains(&point.count));
+    more.find(|point| excess(point) <= enough).map_or(most, |point| point.count)
 }
 
 /// The nested order of so many cones that a coarse level has, with the best curvatures on the surface.
@@ -265,6 +277,18 @@ mod tests {
         let separation = Separation::new(&operators, &moved);
         assert!((0..moved.len()).all(|place| separation.admits(moved[place], place)), "{moved:?} of {together:?}");
         assert_eq!(apart(&model, moved.clone(), 1.0), moved);
+    }
+
+    #[test]
+    fn as_many_cones_more_are_tried_as_the_level_needs_to_fall_as_far() {
+        let point = |count: usize| Prediction { count, log_scale_norm: 0.0, area_distortion: 1.0 + 1.0 / count as f64 };
+        let curve: Vec<Prediction> = (2..=20).map(point).collect();
+        let tried = |reached: f64| enough_cones(&curve, (4, reached), 1.25, 20);
+        assert_eq!([1.2501, 1.3, 1.37, 1.5].map(tried), [5, 5, 6, 8]);
+        assert_eq!([3.0, f64::INFINITY, f64::NAN].map(tried), [20; 3], "nothing on the curve is enough");
+        assert_eq!(tried(1.2), 5, "the target is met, but curvature cannot be taken: one more");
+        assert_eq!(enough_cones(&curve, (1, 1.5), 1.25, 20), 2, "the curve knows nothing of one cone");
+        assert_eq!(enough_cones(&curve, (19, 1.5), 1.25, 20), 20);
     }
 
     #[test]

@@ -230,9 +230,9 @@ impl<'a> EnergyModel<'a> {
                 g.iter_mut().zip(self.operators.weight.iter()).for_each(|(g, w)| *g *= w);
                 Ok(())
             })?;
-            let mut columns = self.operators.poisson.solve_many_watched(&green, watch)?;
-            columns.iter_mut().for_each(|h| self.operators.subtract_spread_mean(h));
-            Ok(columns)
+            self.operators.poisson.solve_many_in_place(&mut green, watch)?;
+            green.par_iter_mut().for_each(|h| self.operators.subtract_spread_mean(h));
+            Ok(green)
         };
         let nothing = |_| vec![VertexData::constant(self.operators.mesh.vertex_count(), 0.0); vertices.len()];
         solve().unwrap_or_else(nothing)

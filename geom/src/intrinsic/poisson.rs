@@ -185,7 +185,9 @@ impl Poisson {
     /// # Panics
     /// If `b` is not as long as there are vertices.
     pub fn solve_watched(&self, b: &[f64], watch: Watch) -> Result<VertexData<f64>, Interrupted> {
-        Ok(self.shifted(self.scatter(&self.cholesky.solve_watched(&self.gather(b), watch)?)))
+        let mut x = self.scatter(&self.cholesky.solve_watched(&self.gather(b), watch)?);
+        self.shift(&mut x);
+        Ok(x)
     }
 
     /// Solves for several right-hand sides at once, which is 4–5 times cheaper for each than one by one; without
@@ -209,17 +211,31 @@ impl Poisson {
         right_hand_sides: &[VertexData<f64>],
         watch: Watch,
     ) -> Result<Vec<VertexData<f64>>, Interrupted> {
-        let n = self.unknown.len();
-        if n == 0 {
-            return Ok(vec![VertexData::constant(self.vertex_count, 0.0); right_hand_sides.len()]);
-        }
-        let mut block = Vec::with_capacity(n * right_hand_sides.len());
-        for (k, b) in right_hand_sides.iter().enumerate() {
-            watch.within(0.0, 0.1).ask(k as f64 / right_hand_sides.len() as f64)?;
-            block.extend(self.gather(b));
-        }
-        self.cholesky.solve_in_place(&mut block, watch.within(0.1, 0.9))?;
-        self.spread(&block, |x| self.shifted(x), watch.within(0.9, 1.0))
+        let mut x = right_hand_sides.to_vec();
+        self.solve_many_in_place(&mut x, watch)?;
+        Ok(x)
+    }
+
+    /// [`Poisson::solve_many`] in place of the right-hand sides, watched: half of the memory.
+    ///
+    /// # Errors
+    /// If it is stopped; what is left is neither right-hand sides nor solutions then.
+    ///
+    /// # Panics
+    /// If a right-hand side is not as long as there are vertices.
+    pub fn solve_many_in_place(&self, columns: &mut [VertexData<f64>], watch: Watch) -> Result<(), Interrupted> {
+        columns.iter().for_each(|b| self.check(b));
+        let mut all: Vec<&mut [f64]> = columns.iter_mut().map(|column| &mut **column).collect();
+        self.cholesky.solve_columns(&mut all, &|row| self.unknown[row].index(), watch.within(0.0, 0.9))?;
+        let (watch, count) = (watch.within(0.9, 1.0), columns.len());
+        watch.shared(|watch| {
+            try_each(0, columns, &|k, x| {
+                watch.ask(k as f64 / count as f64)?;
+                self.clear_fixed(x);
+                self.shift(x);
+                Ok(())
+            })
+        })
     }
 
     /// On a closed surface, the vertex that was left out to make the Laplacian definite.
@@ -261,29 +277,9 @@ impl Poisson {
     ) -> Result<Vec<VertexData<f64>>, Interrupted> {
         let row = |&(v, value): &(VertexId, f64)| Some((self.unknown.binary_search(&v).ok()? as u32, value));
         let rows: Vec<Vec<(u32, f64)>> = right_hand_sides.iter().map(|b| b.iter().filter_map(row).collect()).collect();
-        let n = self.unknown.len();
-        if n == 0 {
-            return Ok(vec![VertexData::constant(self.vertex_count, 0.0); rows.len()]);
-        }
-        self.spread(&self.cholesky.solve_sparse(&rows, watch.within(0.0, 0.9))?, |x| x, watch.within(0.9, 1.0))
-    }
-
-    /// The columns of a block of solutions, each finished.
-    fn spread(
-        &self,
-        block: &[f64],
-        finished: impl Fn(VertexData<f64>) -> VertexData<f64> + Sync,
-        watch: Watch,
-    ) -> Result<Vec<VertexData<f64>>, Interrupted> {
-        let n = self.unknown.len();
-        let mut columns: Vec<VertexData<f64>> = vec![Vec::new().into(); block.len() / n];
-        watch.shared(|watch| {
-            try_each(0, &mut columns, &|k, column| {
-                watch.ask((k * n) as f64 / block.len() as f64)?;
-                *column = finished(self.scatter(&block[k * n..(k + 1) * n]));
-                Ok(())
-            })
-        })?;
+        let mut columns = vec![VertexData::constant(self.vertex_count, 0.0); rows.len()];
+        let mut all: Vec<&mut [f64]> = columns.iter_mut().map(|column| &mut **column).collect();
+        self.cholesky.solve_sparse(&rows, &mut all, &|row| self.unknown[row].index(), watch)?;
         Ok(columns)
     }
 
@@ -302,13 +298,28 @@ impl Poisson {
         self.cholesky.factor_len()
     }
 
-    fn gather(&self, b: &[f64]) -> Vec<f64> {
+    /// A right-hand side has a value a vertex, and sums to zero where it has to.
+    fn check(&self, b: &[f64]) {
         assert_eq!(b.len(), self.vertex_count, "a right-hand side has one value a vertex");
         debug_assert!(
             !self.closed || b.iter().sum::<f64>().abs() <= 1e-8 * (1.0 + b.iter().map(|b| b.abs()).sum::<f64>()),
             "on a closed surface the right-hand side sums to zero"
         );
+    }
+
+    fn gather(&self, b: &[f64]) -> Vec<f64> {
+        self.check(b);
         self.unknown.iter().map(|v| b[v.index()]).collect()
+    }
+
+    /// 0 at the vertices that are not solved for.
+    fn clear_fixed(&self, x: &mut [f64]) {
+        let mut from = 0;
+        for v in &self.unknown {
+            x[from..v.index()].fill(0.0);
+            from = v.index() + 1;
+        }
+        x[from..].fill(0.0);
     }
 
     fn scatter(&self, x: &[f64]) -> VertexData<f64> {
@@ -320,12 +331,11 @@ impl Poisson {
     }
 
     /// Shifts a solution on a closed surface to mean zero.
-    fn shifted(&self, mut x: VertexData<f64>) -> VertexData<f64> {
+    fn shift(&self, x: &mut [f64]) {
         if self.closed {
             let mean = x.iter().sum::<f64>() / self.vertex_count as f64;
             x.iter_mut().for_each(|x| *x -= mean);
         }
-        x
     }
 }
 

@@ -20,7 +20,7 @@ use super::symmetric::SymmetricMatrix;
 use crate::parallel::{self, try_each};
 use crate::watch::{Interrupted, Watch, unwatched};
 
-/// So many rows of a block are copied column after column, which stay in the cache meanwhile.
+/// So many rows of a block are copied column after column: their values for all columns stay in the cache meanwhile.
 const ROWS: usize = 1 << 9;
 /// So many right-hand sides are solved for at once.
 const BLOCK: usize = 16;
@@ -192,11 +192,11 @@ impl Cholesky {
     pub fn solve_watched(&self, b: &[f64], watch: Watch) -> Result<Vec<f64>, Interrupted> {
         assert_eq!(b.len(), self.matrix.dimension(), "a right-hand side has one value a row");
         let mut x = b.to_vec();
-        self.solve_one(&mut x, watch.within(0.0, 0.4))?;
+        self.solve_one(&mut x, &|row| row, watch.within(0.0, 0.4))?;
         let product = self.matrix.multiply(&x);
         let mut residual: Vec<f64> = b.iter().zip(&product).map(|(b, p)| b - p).collect();
         if norm(&residual) > 1e-13 * norm(b) {
-            self.solve_one(&mut residual, watch.within(0.5, 0.9))?;
+            self.solve_one(&mut residual, &|row| row, watch.within(0.5, 0.9))?;
             for (x, correction) in x.iter_mut().zip(&residual) {
                 *x += correction;
             }
@@ -205,67 +205,67 @@ impl Cholesky {
     }
 
     /// Solves A x = b in place, for one right-hand side.
-    fn solve_one(&self, b: &mut [f64], watch: Watch) -> Result<(), Interrupted> {
+    fn solve_one(&self, b: &mut [f64], place: &impl Fn(usize) -> usize, watch: Watch) -> Result<(), Interrupted> {
         watch.ask(0.0)?;
-        let mut x: Vec<f64> = self.elimination.order.iter().map(|&v| b[v as usize]).collect();
+        let mut x: Vec<f64> = self.elimination.order.iter().map(|&row| b[place(row as usize)]).collect();
         self.forward(&mut x, 0..self.elimination.len(), watch.within(0.0, 0.5))?;
         self.backward(&mut x, watch.within(0.5, 1.0))?;
-        self.elimination.order.iter().zip(x).for_each(|(&v, x)| b[v as usize] = x);
+        self.elimination.order.iter().zip(x).for_each(|(&row, x)| b[place(row as usize)] = x);
         Ok(())
     }
 
-    /// Solves A x = b for each of the columns of `b`, in place, without refinement.
-    pub(crate) fn solve_in_place(&self, b: &mut [f64], watch: Watch) -> Result<(), Interrupted> {
-        let n = self.matrix.dimension();
-        if n == 0 {
-            return Ok(());
-        }
-        let columns = b.len() / n;
-        let mut rest = b;
-        let mut blocks = Vec::new();
-        for columns in blocks_of(columns) {
-            let block;
-            (block, rest) = std::mem::take(&mut rest).split_at_mut(n * columns.len());
-            blocks.push((columns, block));
-        }
+    /// Solves A x = b for each of the columns in place, without refinement; row k is at `place(k)` of a column, and what is elsewhere
+    /// stays.
+    pub(crate) fn solve_columns(
+        &self,
+        columns: &mut [&mut [f64]],
+        place: &(impl Fn(usize) -> usize + Sync),
+        watch: Watch,
+    ) -> Result<(), Interrupted> {
+        let count = if self.matrix.dimension() > 0 { columns.len() } else { 0 };
         watch.shared(|watch| {
-            try_each(0, &mut blocks, &|_, (of_block, block)| {
-                let watch = watch_of_block(watch, of_block, columns);
-                if block.len() == n { self.solve_one(block, watch) } else { self.solve_block(block, watch) }
+            try_each(0, &mut parted(&mut columns[..count]), &|_, (of_block, block)| {
+                let watch = watch_of_block(watch, of_block, count);
+                match block {
+                    [alone] => self.solve_one(alone, place, watch),
+                    _ => self.solve_block(block, place, watch),
+                }
             })
         })
     }
 
-    /// Solves A x = b for right-hand sides with few entries that are not 0, given as (row, value); the columns of x one
-    /// after the other. Costs little more than half as much as other right-hand sides.
-    pub(crate) fn solve_sparse(&self, b: &[Vec<(u32, f64)>], watch: Watch) -> Result<Vec<f64>, Interrupted> {
-        let n = self.matrix.dimension();
-        let columns = b.len();
-        let mut x = vec![0.0; n * columns];
-        let mut rest = x.as_mut_slice();
-        let mut blocks = Vec::new();
-        for columns in blocks_of(columns) {
-            let block;
-            (block, rest) = rest.split_at_mut(n * columns.len());
-            blocks.push((columns, block));
-        }
+    /// Solves A x = b for right-hand sides with few entries that are not 0, given as (row, value), into columns where row k is at
+    /// `place(k)`. Costs little more than half as much as other right-hand sides.
+    pub(crate) fn solve_sparse(
+        &self,
+        b: &[Vec<(u32, f64)>],
+        columns: &mut [&mut [f64]],
+        place: &(impl Fn(usize) -> usize + Sync),
+        watch: Watch,
+    ) -> Result<(), Interrupted> {
+        let count = if self.matrix.dimension() > 0 { columns.len() } else { 0 };
         watch.shared(|watch| {
-            try_each(0, &mut blocks, &|_, (of_block, x)| {
-                self.solve_sparse_block(&b[of_block.clone()], x, watch_of_block(watch, of_block, columns))
+            try_each(0, &mut parted(&mut columns[..count]), &|_, (of_block, block)| {
+                self.solve_sparse_block(&b[of_block.clone()], block, place, watch_of_block(watch, of_block, count))
             })
-        })?;
-        Ok(x)
+        })
     }
 
     /// [`Self::solve_sparse`] for one block of right-hand sides.
-    fn solve_sparse_block(&self, b: &[Vec<(u32, f64)>], x: &mut [f64], watch: Watch) -> Result<(), Interrupted> {
+    fn solve_sparse_block(
+        &self,
+        b: &[Vec<(u32, f64)>],
+        columns: &mut [&mut [f64]],
+        place: &impl Fn(usize) -> usize,
+        watch: Watch,
+    ) -> Result<(), Interrupted> {
         let n = self.matrix.dimension();
         let mut half = vec![0.0; n];
         watch.ask(0.0)?;
-        if let [b] = b {
+        if let ([b], [column]) = (b, &mut *columns) {
             self.forward_sparse(b, &mut half);
             self.backward(&mut half, watch)?;
-            self.elimination.order.iter().zip(half).for_each(|(&v, y)| x[v as usize] = y);
+            self.elimination.step.iter().enumerate().for_each(|(k, &step)| column[place(k)] = half[step as usize]);
             return Ok(());
         }
         let padded = b.len().next_multiple_of(LANES);
@@ -277,7 +277,7 @@ impl Cholesky {
             }
         }
         substitute(&self.elimination, self.factor(), Passes::Backward, padded, &mut block, watch)?;
-        self.unpack(&block, x, watch)
+        self.unpack(&block, columns, place, watch)
     }
 
     /// C⁻¹ e for a unit vector: its nonzero entries, by step.
@@ -371,41 +371,48 @@ impl Cholesky {
     }
 
     /// Solves for several columns at once.
-    fn solve_block(&self, b: &mut [f64], watch: Watch) -> Result<(), Interrupted> {
-        let order = &self.elimination.order;
-        let n = order.len();
-        let columns = b.len() / n;
+    fn solve_block(
+        &self,
+        columns: &mut [&mut [f64]],
+        place: &impl Fn(usize) -> usize,
+        watch: Watch,
+    ) -> Result<(), Interrupted> {
         // Others are zero.
-        let padded = columns.next_multiple_of(LANES);
-        let mut x = vec![0.0; n * padded];
-        for (first, order) in self.ordered_rows() {
+        let padded = columns.len().next_multiple_of(LANES);
+        let mut x = vec![0.0; self.matrix.dimension() * padded];
+        for (first, steps) in self.rows_in_pieces() {
             watch.ask(0.0)?;
-            let rows = &mut x[first * padded..(first + order.len()) * padded];
-            for (k, column) in b.chunks_exact(n).enumerate() {
-                rows[k..].iter_mut().step_by(padded).zip(order).for_each(|(x, &v)| *x = column[v as usize]);
+            for (k, column) in columns.iter().enumerate() {
+                let rows = (first..).zip(steps);
+                rows.for_each(|(row, &step)| x[step as usize * padded + k] = column[place(row)]);
             }
         }
         substitute(&self.elimination, self.factor(), Passes::Both, padded, &mut x, watch)?;
-        self.unpack(&x, b, watch)
+        self.unpack(&x, columns, place, watch)
     }
 
-    /// The columns of what lies row by row in the order of the elimination.
-    fn unpack(&self, x: &[f64], columns: &mut [f64], watch: Watch) -> Result<(), Interrupted> {
-        let n = self.elimination.order.len();
-        let padded = x.len() / n;
-        for (first, order) in self.ordered_rows() {
+    /// The columns of what lies step by step in the order of the elimination.
+    fn unpack(
+        &self,
+        x: &[f64],
+        columns: &mut [&mut [f64]],
+        place: &impl Fn(usize) -> usize,
+        watch: Watch,
+    ) -> Result<(), Interrupted> {
+        let padded = columns.len().next_multiple_of(LANES);
+        for (first, steps) in self.rows_in_pieces() {
             watch.ask(1.0)?;
-            let rows = &x[first * padded..(first + order.len()) * padded];
-            for (k, column) in columns.chunks_exact_mut(n).enumerate() {
-                rows[k..].iter().step_by(padded).zip(order).for_each(|(x, &v)| column[v as usize] = *x);
+            for (k, column) in columns.iter_mut().enumerate() {
+                let rows = (first..).zip(steps);
+                rows.for_each(|(row, &step)| column[place(row)] = x[step as usize * padded + k]);
             }
         }
         Ok(())
     }
 
-    /// The order of the elimination in pieces, each with the first of its steps.
-    fn ordered_rows(&self) -> impl Iterator<Item = (usize, &[u32])> {
-        self.elimination.order.chunks(ROWS).enumerate().map(|(k, order)| (k * ROWS, order))
+    /// The rows in pieces, the first of each with the steps in which they are eliminated.
+    fn rows_in_pieces(&self) -> impl Iterator<Item = (usize, &[u32])> {
+        self.elimination.step.chunks(ROWS).enumerate().map(|(k, steps)| (k * ROWS, steps))
     }
 
     fn steps_and_rows(&self, s: usize) -> (usize, usize, &[u32]) {
@@ -428,6 +435,18 @@ fn blocks_of(columns: usize) -> Vec<Range<usize>> {
         [from..middle, middle..end].into_iter().filter(|block| !block.is_empty())
     };
     (0..columns).step_by(BLOCK).flat_map(halves).collect()
+}
+
+/// Right-hand sides by blocks.
+fn parted<'a, 'b>(columns: &'a mut [&'b mut [f64]]) -> Vec<(Range<usize>, &'a mut [&'b mut [f64]])> {
+    let of_blocks = blocks_of(columns.len());
+    let mut rest = columns;
+    let mut part = |of_block: Range<usize>| {
+        let block;
+        (block, rest) = std::mem::take(&mut rest).split_at_mut(of_block.len());
+        (of_block, block)
+    };
+    of_blocks.into_iter().map(&mut part).collect()
 }
 
 /// The watch of a block of right-hand sides.
@@ -471,6 +490,21 @@ mod tests {
         let mut matrix = laplacian(&mesh, &Metric::from_points(&mesh, &shape.points));
         (0..matrix.dimension()).for_each(|v| *matrix.diagonal_mut(v) += 1e-3);
         (matrix, shape.points.clone())
+    }
+
+    /// The same for columns one after the other.
+    impl Cholesky {
+        fn solve_in_place(&self, b: &mut [f64], watch: Watch) -> Result<(), Interrupted> {
+            let mut columns: Vec<&mut [f64]> = b.chunks_exact_mut(self.matrix.dimension().max(1)).collect();
+            self.solve_columns(&mut columns, &|row| row, watch)
+        }
+
+        fn solved_sparse(&self, b: &[Vec<(u32, f64)>], watch: Watch) -> Result<Vec<Vec<f64>>, Interrupted> {
+            let mut x = vec![vec![0.0; self.matrix.dimension()]; b.len()];
+            let mut columns: Vec<&mut [f64]> = x.iter_mut().map(Vec::as_mut_slice).collect();
+            self.solve_sparse(b, &mut columns, &|row| row, watch)?;
+            Ok(x)
+        }
     }
 
     fn right_hand_side(n: usize) -> Vec<f64> {
@@ -633,7 +667,7 @@ mod tests {
                 let cholesky = Cholesky::with_points(&matrix, &points).unwrap();
                 let mut x = b.clone();
                 cholesky.solve_in_place(&mut x, Watch::NONE).unwrap();
-                let some = cholesky.solve_sparse(&sparse, Watch::NONE).unwrap();
+                let some = cholesky.solved_sparse(&sparse, Watch::NONE).unwrap();
                 (cholesky.elimination.order.clone(), cholesky.factor().to_vec(), x, some)
             })
         };
@@ -708,6 +742,6 @@ mod tests {
         let cholesky = Cholesky::with_points(&matrix, &points).unwrap();
         let never: &(dyn Fn(f64) -> ControlFlow<()> + Sync) = &|_| ControlFlow::Break(());
         assert_eq!(cholesky.solve_in_place(&mut b.clone(), Watch::new(never)), Err(Interrupted));
-        assert_eq!(cholesky.solve_sparse(&[vec![(0, 1.0)]], Watch::new(never)), Err(Interrupted));
+        assert_eq!(cholesky.solved_sparse(&[vec![(0, 1.0)]], Watch::new(never)), Err(Interrupted));
     }
 }
