@@ -71,9 +71,9 @@ pub(crate) fn pools(count: usize) -> Vec<ThreadPool> {
     (0..count).map_while(|k| ThreadPoolBuilder::new().num_threads(share(k)).build().ok()).collect()
 }
 
-/// How far a thread that [gives way](give_way) does: of a core that both want it gets a tenth.
+/// How far a thread that [gives way](give_way) does: of a core that both want it gets a quarter.
 #[cfg(target_os = "linux")]
-const NICE: i32 = 10;
+const NICE: i32 = 5;
 
 /// From here on this thread works with what others leave of the processor. Elsewhere than on Linux threads cannot be told apart so.
 #[cfg(target_os = "linux")]
