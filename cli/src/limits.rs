@@ -71,6 +71,20 @@ pub(crate) fn pools(count: usize) -> Vec<ThreadPool> {
     (0..count).map_while(|k| ThreadPoolBuilder::new().num_threads(share(k)).build().ok()).collect()
 }
 
+/// How far a thread that [gives way](give_way) does: of a core that both want it gets a quarter.
+#[cfg(target_os = "linux")]
+const NICE: i32 = 5;
+
+/// From here on this thread works with what others leave of the processor. Elsewhere than on Linux threads cannot be told apart so.
+#[cfg(target_os = "linux")]
+pub(crate) fn give_way() {
+    // Where it is not allowed the work goes on as before.
+    let _ = rustix::process::setpriority_process(Some(rustix::thread::gettid()), NICE);
+}
+
+#[cfg(not(target_os = "linux"))]
+pub(crate) fn give_way() {}
+
 /// The number of threads that rayon takes where it is not told.
 fn from_environment() -> Option<NonZeroUsize> {
     std::env::var("RAYON_NUM_THREADS").ok()?.parse().ok()

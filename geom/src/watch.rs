@@ -61,7 +61,7 @@ impl<'a> Watch<'a> {
     }
 
     /// Does work on several threads with a watch that tells the greatest fraction of them, so that what is told never falls.
-    pub(crate) fn shared<T>(self, work: impl FnOnce(Watch) -> T) -> T {
+    pub fn shared<T>(self, work: impl FnOnce(Watch) -> T) -> T {
         let told = Mutex::new(0.0f64);
         let rising = |fraction: f64| {
             // An observer that panicked has stopped the work by that.

@@ -4,14 +4,14 @@ use std::sync::Arc;
 
 use cones::report::{MeasuredAtlas, sentences};
 use cones::{Analysis as Found, ConeOrder, Kind, ModelExtremum, Options, Preparation, RefinedModel};
-use geom::Model;
+use geom::{Model, Watch};
 use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use pythonize::{depythonize, pythonize};
 
 use crate::atlas::{dictionary, size_by_name, times};
-use crate::error::{Failed, exception};
+use crate::error::Failed;
 use crate::mesh::Mesh;
 use crate::watched::watched;
 
@@ -37,7 +37,7 @@ impl From<Failed<NoMap>> for PyErr {
     fn from(Failed(error): Failed<NoMap>) -> Self {
         match error {
             NoMap::Cones(error) => Failed(error).into(),
-            NoMap::Distortion(error) => exception(&error),
+            NoMap::Distortion(error) => Failed(error).into(),
         }
     }
 }
@@ -175,7 +175,9 @@ impl Analysis {
         let (options, size) = (self.options(options)?, size_by_name(scale)?);
         let measured = watched(py, progress, |told| {
             let atlas = work(&self.found.with_observer(told.observer()), &options).map_err(NoMap::Cones)?;
-            MeasuredAtlas::new(&self.model, atlas, size, options.preparation.weld).map_err(NoMap::Distortion)
+            let stops = |_| told.goes_on();
+            MeasuredAtlas::new_watched(&self.model, atlas, size, options.preparation.weld, Watch::new(&stops))
+                .map_err(NoMap::Distortion)
         })?;
         dictionary(py, measured, &self.found, &options)
     }

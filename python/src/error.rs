@@ -39,6 +39,15 @@ impl From<Failed<cones::Error>> for PyErr {
     }
 }
 
+impl From<Failed<geom::distortion::DistortionError>> for PyErr {
+    fn from(Failed(error): Failed<geom::distortion::DistortionError>) -> Self {
+        match error {
+            geom::distortion::DistortionError::Interrupted(_) => PyKeyboardInterrupt::new_err(()),
+            error => exception(&error),
+        }
+    }
+}
+
 impl From<Failed<geom::io::ReadError>> for PyErr {
     fn from(Failed(error): Failed<geom::io::ReadError>) -> Self {
         match error.problem() {
@@ -58,11 +67,4 @@ macro_rules! from {
     };
 }
 
-from!(
-    geom::ModelError,
-    geom::PrepareError,
-    geom::io::WriteError,
-    geom::distortion::DistortionError,
-    cones::uv::PackError,
-    topo::Error
-);
+from!(geom::ModelError, geom::PrepareError, geom::io::WriteError, cones::uv::PackError, topo::Error);

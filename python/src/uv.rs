@@ -2,8 +2,9 @@
 
 use cones::report::Quality;
 use cones::uv::{PackError, PackOptions, Packing, Parted};
+use geom::distortion::measure_watched;
 use geom::vector::{length, normal};
-use geom::{Model, PrepareError};
+use geom::{Model, PrepareError, Watch};
 use numpy::{PyArray1, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
@@ -45,14 +46,21 @@ pub(crate) fn measure<'py>(
     let uv = checked(&mesh.0, &uv)?;
     let cones = cones.as_ref().map(|cones| cones.as_slice()).transpose()?;
     let model = &mesh.0;
-    let quality = watched(py, None, |_| {
+    let quality = watched(py, None, |told| {
         let triangles = model.triangles();
         let mut vertices = triangles.vertices(model);
         if weld {
             let first = model.first_at_place();
             vertices.iter_mut().flatten().for_each(|v| *v = first[*v as usize]);
         }
-        Quality::measure(model.points(), &vertices, &corner_uv(&triangles.corners, uv), cones)
+        let stops = |_| told.goes_on();
+        Quality::measure_watched(
+            model.points(),
+            &vertices,
+            &corner_uv(&triangles.corners, uv),
+            cones,
+            Watch::new(&stops),
+        )
     })?;
     let report = pythonize(py, &quality)?.cast_into::<PyDict>()?;
     report.set_item("overlapping", PyArray1::from_vec(py, quality.overlapping))?;
@@ -113,8 +121,10 @@ pub(crate) fn pack<'py>(
         }
         None => {
             let map = corner_uv(&triangles.corners, uv);
-            let measured =
-                geom::distortion::measure(model.points(), &triangles.vertices(model), &map).map_err(Failed)?;
+            let measured = watched(py, None, |told| {
+                let stops = |_| told.goes_on();
+                measure_watched(model.points(), &triangles.vertices(model), &map, Watch::new(&stops))
+            })?;
             measured.triangle_island.iter().map(|&island| Some(island)).collect()
         }
     };

@@ -130,6 +130,38 @@ def test_ctrl_c_stops_what_is_asked_of_one_array(asked):
     assert waited < 0.5 * takes + 0.1
 
 
+@pytest.mark.skipif(os.name == "nt", reason="signals are sent")
+def test_ctrl_c_stops_measuring():
+    program = """
+        import cones, numpy as np, signal, time
+        signal.signal(signal.SIGINT, signal.default_int_handler)
+        n = 700
+        at = np.stack(np.meshgrid(np.arange(n), np.arange(n)), axis=-1).reshape(-1, 2) / n
+        points = np.column_stack([at, 0.1 * np.sin(9 * at[:, 0])])
+        first = (np.arange(n - 1)[:, None] * n + np.arange(n - 1)).ravel()
+        faces = np.concatenate([np.stack([first, first + 1, first + n + 1], 1), np.stack([first, first + n + 1, first + n], 1)])
+        mesh, uv = cones.Mesh(points, faces), at[faces.ravel()]
+        begin = time.perf_counter()
+        cones.measure(mesh, uv=uv)
+        print(time.perf_counter() - begin, flush=True)
+        try:
+            while True:
+                cones.measure(mesh, uv=uv)
+        except KeyboardInterrupt:
+            print("stopped", flush=True)
+    """
+    running = subprocess.Popen([sys.executable, "-c", textwrap.dedent(program)], stdout=subprocess.PIPE, text=True)
+    takes = float(running.stdout.readline())
+    time.sleep(0.3 * takes)
+    begin = time.perf_counter()
+    running.send_signal(signal.SIGINT)
+    assert running.stdout.readline() == "stopped\n"
+    waited = time.perf_counter() - begin
+    assert running.wait(30) == 0
+    # Measuring that is not stopped would go on for most of its time.
+    assert waited < 0.4 * takes + 0.1, (waited, takes)
+
+
 def _extrema(field):
     return topo.superlevel(field).array["extremum"]
 

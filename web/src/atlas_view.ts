@@ -42,7 +42,7 @@ export class AtlasView implements Atlas {
   private extent: [number, number] = [1, 1];
 
   constructor(element: HTMLElement, canvas: HTMLCanvasElement, surface: Surface) {
-    this.stage = new Stage(element, canvas, new OrthographicCamera(0, 1, 1, 0, -10, 10), false);
+    this.stage = new Stage(element, canvas, new OrthographicCamera(0, 1, 1, 0, -10, 10), surface.triangles.length / 3);
     this.triangles = new TriangleMesh(surface, this.material);
     this.stage.backdrop.scene.add(this.triangles.mesh);
     for (const [k, one] of this.allLines.entries()) {
@@ -80,7 +80,10 @@ export class AtlasView implements Atlas {
   }
 
   show(uv: Float32Array, squares: number, outline: Outline, extent: [number, number], isDark: boolean): void {
-    this.triangles.shape({ position: (corner) => [uv[2 * corner], uv[2 * corner + 1], 0], normals: null, coordinates: uv });
+    const position = (corner: number, into: Float32Array, at: number) => {
+      for (let i = 0; i < 2; i++) into[at + i] = uv[2 * corner + i];
+    };
+    this.triangles.shape({ position, normals: null, coordinates: uv });
     this.material.uniforms.squares.value = squares;
     this.outline = outline;
     segments(this.lines, outline.segments);

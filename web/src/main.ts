@@ -4,7 +4,7 @@ import { AtlasCanvas } from "./atlas_canvas";
 import { type Atlas, AtlasView } from "./atlas_view";
 import { CurveChart, DiagramChart } from "./charts";
 import { type Mode, cornerColours, scale } from "./colours";
-import type { Cone, Foreseen, ForeseenLevel, Question, Surface, UvMap } from "./data";
+import type { Cone, Edge, Foreseen, ForeseenLevel, Question, Surface, UvMap } from "./data";
 import { FieldApp } from "./field_app";
 import * as geometry from "./geometry";
 import type { Place } from "./geometry";
@@ -14,7 +14,7 @@ import * as page from "./page";
 import { byId } from "./page";
 import * as pins from "./pins";
 import { Replaced, type Source, source, stored } from "./source";
-import { hasWebGl, onClick } from "./stage";
+import { onClick, webGl } from "./stage";
 import { SurfaceView } from "./surface_view";
 
 /** A map is asked for when the choice has stood so long, in milliseconds. */
@@ -54,6 +54,8 @@ class App {
   private readonly asked = new Set<string>();
   private grid: geometry.MapGrid | null = null;
   private drawn: Outline | null = null;
+  /** The pins that are shown, and on which map. */
+  private pinsShown: { cut: Edge[]; avoid: Edge[]; map: UvMap | null } = { cut: [], avoid: [], map: null };
   private mode: Mode = "checker";
   private isDark = false;
   /** What a click on the surface does. */
@@ -63,6 +65,8 @@ class App {
   private selected: number | null = null;
   private serial = Date.now();
   private running: AbortController | null = null;
+  /** Whether the source may be at work on what was asked. */
+  private isAsking = false;
   private waiting = 0;
   private marked: Place | null = null;
   private pinned: Place | null = null;
@@ -71,12 +75,11 @@ class App {
     this.corners = geometry.cornersAt(surface);
     this.boundary = geometry.boundary(surface, this.corners);
     const canvasOf = (id: string) => byId(id).querySelector("canvas")!;
-    const isDrawn = hasWebGl();
-    this.view = isDrawn ? new SurfaceView(byId("surface"), canvasOf("surface"), surface) : null;
-    this.atlas = isDrawn
+    this.view = webGl(canvasOf("surface")) ? new SurfaceView(byId("surface"), canvasOf("surface"), surface) : null;
+    this.atlas = webGl(canvasOf("atlas"))
       ? new AtlasView(byId("atlas"), canvasOf("atlas"), surface)
       : new AtlasCanvas(byId("atlas"), canvasOf("atlas"));
-    if (!isDrawn) page.message(byId("surface"), "This browser has no WebGL, so the surface cannot be shown. The map and all numbers are here.");
+    if (!this.view) page.message(byId("surface"), "This browser has no WebGL, so the surface cannot be shown. The map and all numbers are here.");
     this.question = { ...surface.chosen, given: null, cut: [], avoid: [] };
     this.curve = new CurveChart(byId("curve"), (n) => this.choose({ n, given: null }));
     this.diagram = new DiagramChart(byId("diagram"));
@@ -119,8 +122,14 @@ class App {
     clearTimeout(this.waiting);
     byId("atlas").classList.add("stale");
     page.status("computing the map …", "busy");
-    const begin = () => void this.ask(serial, signal);
-    this.waiting = window.setTimeout(begin, this.map ? PATIENCE : 0);
+    if (this.isAsking) this.source.stop(serial);
+    this.isAsking = false;
+    const begin = () => {
+      this.isAsking = true;
+      void this.ask(serial, signal);
+    };
+    if (this.map) this.waiting = window.setTimeout(begin, PATIENCE);
+    else begin();
   }
 
   /** The cones that are foreseen, until there is better. */
@@ -214,6 +223,7 @@ class App {
     this.showCurve();
     if (this.marked) this.mark(this.marked === this.pinned ? null : this.marked);
     page.status(isNear ? `no map is stored for ${question.n} cones` : "exact map");
+    this.isAsking = false;
   }
 
   /** Whether a map is that of another number of cones, for want of one. */
@@ -296,12 +306,19 @@ class App {
     byId<HTMLSelectElement>("method").value = given ? "" : method;
     byId<HTMLSelectElement>("angles").value = angles;
     const { cut, avoid } = this.question;
-    this.view?.showPins(cut, avoid);
-    const { map } = this;
-    if (map) this.atlas.showPins(onMap(this.surface, this.corners, map.uv, cut), onMap(this.surface, this.corners, map.uv, avoid));
+    this.showPins(cut, avoid);
     for (const id of ["unpin", "save-pins"]) byId<HTMLButtonElement>(id).disabled = !cut.length && !avoid.length;
     byId<HTMLButtonElement>("undo").disabled = !this.history.canUndo;
     byId<HTMLButtonElement>("redo").disabled = !this.history.canRedo;
+  }
+
+  /** Shows what is pinned, where that or the map is another: the map is drawn anew for it. */
+  private showPins(cut: Edge[], avoid: Edge[]): void {
+    const { map, pinsShown } = this;
+    if (pinsShown.cut === cut && pinsShown.avoid === avoid && pinsShown.map === map) return;
+    this.pinsShown = { cut, avoid, map };
+    this.view?.showPins(cut, avoid);
+    if (map) this.atlas.showPins(onMap(this.surface, this.corners, map.uv, cut), onMap(this.surface, this.corners, map.uv, avoid));
   }
 
   private colour(mode: Mode): void {

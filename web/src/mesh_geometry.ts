@@ -9,7 +9,8 @@ export type Paint = "checker" | "plain" | "tint";
 
 /** Where corners are, what their normals are, and their texture coordinates: rows of three, three and two numbers. */
 interface Corners {
-  position: (corner: number) => ArrayLike<number>;
+  /** Writes the place of a corner. */
+  position: (corner: number, into: Float32Array, at: number) => void;
   normals: Float32Array | null;
   coordinates: Float32Array | null;
 }
@@ -62,27 +63,33 @@ export class TriangleMesh {
 }
 
 /** Corners of one vertex with the same normal and coordinates are one: a corner of each, and which of them each corner is. */
-function wedges({ triangles, points }: Surface, { normals, coordinates }: Corners): { corner: number[]; index: Uint32Array } {
+function wedges({ triangles, points }: Surface, { normals, coordinates }: Corners): { corner: Uint32Array; index: Uint32Array } {
   const first = new Int32Array(points.length / 3).fill(-1);
-  const [corner, next]: [number[], number[]] = [[], []];
+  const corner = new Uint32Array(triangles.length);
+  const next = new Int32Array(triangles.length);
   const index = new Uint32Array(triangles.length);
-  const alike = (values: Float32Array | null, width: number, a: number, b: number) => {
-    for (let i = 0; values && i < width; i++) {
-      if (values[width * a + i] !== values[width * b + i]) return false;
-    }
-    return true;
-  };
+  let count = 0;
   for (let c = 0; c < triangles.length; c++) {
-    let k = first[triangles[c]];
+    const v = triangles[c];
+    let k = first[v];
     while (k >= 0 && !(alike(coordinates, 2, corner[k], c) && alike(normals, 3, corner[k], c))) k = next[k];
     if (k < 0) {
-      k = corner.push(c) - 1;
-      next.push(first[triangles[c]]);
-      first[triangles[c]] = k;
+      k = count++;
+      corner[k] = c;
+      next[k] = first[v];
+      first[v] = k;
     }
     index[c] = k;
   }
-  return { corner, index };
+  return { corner: corner.slice(0, count), index };
+}
+
+/** Whether two corners have the same row of values. */
+function alike(values: Float32Array | null, width: number, a: number, b: number): boolean {
+  for (let i = 0; values && i < width; i++) {
+    if (values[width * a + i] !== values[width * b + i]) return false;
+  }
+  return true;
 }
 
 function fill(geometry: BufferGeometry, corners: ArrayLike<number>, { position, normals, coordinates }: Corners): void {
@@ -91,7 +98,7 @@ function fill(geometry: BufferGeometry, corners: ArrayLike<number>, { position, 
   const at = new Float32Array(2 * corners.length);
   for (let k = 0; k < corners.length; k++) {
     const c = corners[k];
-    positions.set(position(c), 3 * k);
+    position(c, positions, 3 * k);
     for (let i = 0; normals && i < 3; i++) normal[3 * k + i] = normals[3 * c + i];
     for (let i = 0; coordinates && i < 2; i++) at[2 * k + i] = coordinates[2 * c + i];
   }

@@ -13,6 +13,8 @@ export interface Source {
   /** What the map of a question is like, which that one did not say. */
   measured(question: Question, serial: number, signal: AbortSignal): Promise<Measured>;
   save(kind: "obj" | "glb" | "cones", question: Question, serial: number): Promise<Blob>;
+  /** Wants nothing any more of what was asked before a question of that number. */
+  stop(serial: number): void;
 }
 
 /** An answer that a newer question has replaced. */
@@ -69,6 +71,10 @@ class Live implements Source {
 
   async save(kind: string, question: Question, serial: number): Promise<Blob> {
     return (await this.ask(`save/${kind}`, { ...question, serial })).blob();
+  }
+
+  stop(serial: number): void {
+    navigator.sendBeacon("stop", JSON.stringify({ tab: this.tab, serial }));
   }
 
   private async ask(path: string, question?: object, signal?: AbortSignal): Promise<Response> {
@@ -154,6 +160,8 @@ class Stored implements Source {
   save(): Promise<Blob> {
     throw new Error("a report saves nothing");
   }
+
+  stop(): void {}
 
   private get levels(): Level[] {
     return this.data.meta.levels;

@@ -30,7 +30,7 @@ export class SurfaceView {
   private cones: Cone[] = [];
 
   constructor(element: HTMLElement, canvas: HTMLCanvasElement, private readonly surface: Surface) {
-    this.stage = new Stage(element, canvas, new PerspectiveCamera(32, 1, 0.01, 50), true);
+    this.stage = new Stage(element, canvas, new PerspectiveCamera(32, 1, 0.01, 50), surface.triangles.length / 3);
     this.triangles = new TriangleMesh(surface, this.material);
     this.normals = cornerNormals(surface);
     this.shape(null);
@@ -87,14 +87,17 @@ export class SurfaceView {
 
   private shape(coordinates: Float32Array | null): void {
     const { points, triangles } = this.surface;
-    const position = (corner: number) => points.subarray(3 * triangles[corner], 3 * triangles[corner] + 3);
+    const position = (corner: number, into: Float32Array, at: number) => {
+      const from = 3 * triangles[corner];
+      for (let i = 0; i < 3; i++) into[at + i] = points[from + i];
+    };
     this.triangles.shape({ position, normals: this.normals, coordinates });
   }
 
   showCones(cones: Cone[], selected: number | null): void {
     this.cones = cones;
     if (!this.spheres || this.spheres.instanceMatrix.count < cones.length) {
-      this.spheres = this.room(this.spheres, new SphereGeometry(1, 24, 16), new MeshLambertMaterial(), cones.length);
+      this.spheres = this.room(this.spheres, new SphereGeometry(1, 16, 10), new MeshLambertMaterial(), cones.length);
     }
     const crowd = Math.min(1, Math.sqrt(40 / Math.max(1, cones.length)));
     cones.forEach(({ vertex, curvature }, k) => {

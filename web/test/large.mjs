@@ -1,4 +1,4 @@
-// How long a large surface takes on the page, and what many moves of the slider leave in memory.
+// How long a large surface takes on the page, and what moves of the slider leave in memory, told at each hundred.
 //
 //     node test/large.mjs PROGRAM MESH [MOVES]
 //
@@ -71,12 +71,12 @@ try {
     await settled();
     console.log(`exact map with ${n} cones after ${Math.round(took)} ms |`, (await page.textContent("#numbers")).match(/Time.*/)[0]);
   }
-  const move = (count) => page.evaluate(async (count) => {
+  const move = (from, count) => page.evaluate(async ([from, count]) => {
     const slider = document.querySelector("#slider");
     const [least, most] = [slider.min, slider.max].map(Number);
     const next = () => new Promise(requestAnimationFrame);
     const times = { script: [], shown: [] };
-    for (let k = 0; k < count; k++) {
+    for (let k = from; k < from + count; k++) {
       // As a hand moves it, some 12 steps a second.
       await new Promise((done) => setTimeout(done, 50));
       await next();
@@ -90,7 +90,7 @@ try {
       times.shown.push(performance.now() - began);
     }
     return times;
-  }, count);
+  }, [from, count]);
   const held = async () => {
     await page.evaluate(() => gc());
     return [await page.evaluate(() => performance.memory.usedJSHeapSize / 1048576), resident()];
@@ -99,14 +99,18 @@ try {
     const sorted = times.toSorted((a, b) => a - b);
     return [0.5, 0.99, 1].map((share) => sorted[Math.ceil(share * sorted.length) - 1].toFixed(1)).join(", ");
   };
-  await move(60);
+  await move(0, 60);
   await settled();
-  const before = await held();
-  const times = await move(Number(moves));
-  await settled();
-  const after = await held();
+  const told = (count, [page, server]) => console.log(`${count} moves: page ${page.toFixed(1)} MB, server ${server.toFixed(0)} MB`);
+  told(0, await held());
+  const times = { script: [], shown: [] };
+  for (let done = 0; done < Number(moves); done += 100) {
+    const some = await move(done, Math.min(100, Number(moves) - done));
+    for (const name of Object.keys(times)) times[name].push(...some[name]);
+    await settled();
+    told(times.shown.length, await held());
+  }
   for (const name of ["script", "shown"]) console.log(`${moves} moves, ${name} after ms (half, 99 %, all within): ${summary(times[name])}`);
-  console.log(`page ${before[0].toFixed(1)} -> ${after[0].toFixed(1)} MB, server ${before[1].toFixed(0)} -> ${after[1].toFixed(0)} MB`);
 } finally {
   await browser.close();
   server.kill();

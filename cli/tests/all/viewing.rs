@@ -125,6 +125,9 @@ fn a_newer_question_of_the_same_tab_stops_an_older_one() {
     assert_eq!(viewer.post("map", r#"{"tab":"a","serial":2,"n":6}"#).status, 200);
     assert_eq!(viewer.post("map", r#"{"tab":"a","serial":1,"n":7}"#).status, 409);
     assert_eq!(viewer.post("map", r#"{"tab":"b","serial":1,"n":7}"#).status, 200);
+    assert_eq!(viewer.post("stop", r#"{"tab":"b","serial":2}"#).status, 200);
+    assert_eq!(viewer.post("map", r#"{"tab":"b","serial":1,"n":9}"#).status, 409);
+    assert_eq!(viewer.post("map", r#"{"tab":"b","serial":2,"n":7}"#).status, 200);
     assert_eq!(viewer.post("leave", r#"{"tab":"b"}"#).status, 200);
     assert_eq!(viewer.post("map", r#"{"tab":"b","serial":9,"n":8}"#).status, 409);
 }

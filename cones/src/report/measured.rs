@@ -1,7 +1,7 @@
 //! An atlas as it is written.
 
-use geom::Model;
 use geom::distortion::DistortionError;
+use geom::{Model, Watch};
 
 use super::quality::Quality;
 use super::unwrapping::Report;
@@ -41,6 +41,20 @@ impl MeasuredAtlas {
     /// # Errors
     /// If it has a coordinate that is not finite.
     pub fn new(model: &Model, atlas: Atlas, size: UvSize, weld: bool) -> Result<Self, DistortionError> {
+        Self::new_watched(model, atlas, size, weld, Watch::NONE)
+    }
+
+    /// [`new`](Self::new), watched.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new), and if it is stopped.
+    pub fn new_watched(
+        model: &Model,
+        atlas: Atlas,
+        size: UvSize,
+        weld: bool,
+        watch: Watch,
+    ) -> Result<Self, DistortionError> {
         let uv = atlas.uv_in(size);
         let triangles = atlas.surface_triangles();
         let mut vertices: Vec<[u32; 3]> = triangles.iter().map(|t| t.map(|c| model.corners()[c as usize])).collect();
@@ -50,7 +64,7 @@ impl MeasuredAtlas {
             vertices.iter_mut().flatten().chain(&mut cones).for_each(|v| *v = first[*v as usize]);
         }
         let corners: Vec<[[f64; 2]; 3]> = triangles.iter().map(|t| t.map(|c| uv[c as usize])).collect();
-        let quality = Quality::measure(model.points(), &vertices, &corners, Some(&cones))?;
+        let quality = Quality::measure_watched(model.points(), &vertices, &corners, Some(&cones), watch)?;
         let flaws = flaw(model, &quality, &triangles).into_iter().collect();
         Ok(Self { atlas, uv, quality, flaws })
     }

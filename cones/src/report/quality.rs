@@ -1,9 +1,9 @@
 //! How good a map is.
 
 use geom::distortion::{self, DistortionError, Island, Percentiles};
-use geom::{Id, VertexId};
+use geom::{Id, VertexId, Watch};
 
-use crate::uv::{self, Overlaps, Triangle};
+use crate::uv::{self, NEGLIGIBLE_DEPTH, Overlaps, Triangle};
 
 /// Points of the grid along the layout's longer side on which overlaps are looked for.
 const OVERLAP_GRID: usize = 2048;
@@ -48,8 +48,29 @@ impl Quality {
         uv: &[Triangle],
         cones: Option<&[u32]>,
     ) -> Result<Self, DistortionError> {
-        let (map, overlaps) = rayon::join(|| distortion::measure(points, triangles, uv), || uv::overlaps(uv));
-        let map = map?;
+        Self::measure_watched(points, triangles, uv, cones, Watch::NONE)
+    }
+
+    /// [`measure`](Self::measure), watched.
+    ///
+    /// # Errors
+    /// As [`measure`](Self::measure), and if it is stopped.
+    pub fn measure_watched(
+        points: &[[f64; 3]],
+        triangles: &[[u32; 3]],
+        uv: &[Triangle],
+        cones: Option<&[u32]>,
+        watch: Watch,
+    ) -> Result<Self, DistortionError> {
+        let (map, overlaps) = watch.within(0.0, 0.8).shared(|watch| {
+            rayon::join(
+                || distortion::measure_watched(points, triangles, uv, watch),
+                || uv::overlaps_watched(uv, NEGLIGIBLE_DEPTH, |_| true, watch),
+            )
+        });
+        let (map, overlaps) = (map?, overlaps?);
+        let overlap = OverlapReport::new(&overlaps, uv);
+        watch.ask(0.9)?;
         let cones: Vec<VertexId> = match cones {
             Some(known) => known.iter().map(|&v| VertexId::new(v as usize)).collect(),
             None => map.cones(CONE).into_iter().map(|(v, _)| v).collect(),
@@ -64,7 +85,7 @@ impl Quality {
                 area: map.area,
                 flipped: map.flipped,
                 degenerate: map.degenerate,
-                overlap: OverlapReport::new(&overlaps, uv),
+                overlap,
                 fill: uv::fill(uv),
                 seam_length: map.seam_length,
                 curvature_error: map.curvature_error(&cones),

@@ -10,11 +10,11 @@ pub(crate) const NAME: &str = "index.html";
 /// The page begins with it, which tells a demo's folder from others.
 const MARK: &str = "<!doctype html><!-- cones demo -->\n";
 
-/// One column on a phone, light or dark as the system is.
+/// One column on a phone, light or dark as the system is; a shape with its map is seen at once on a small screen.
 const STYLE: &str = ":root{color-scheme:light dark}\
 body{font:16px/1.5 system-ui,sans-serif;margin:2rem auto;padding:0 1rem;max-width:1100px}\
 section{display:grid;grid-template-columns:3fr 2fr;gap:1rem;align-items:center;margin:3rem 0}\
-h2,p{grid-column:1/-1;margin:0}img{width:100%;border-radius:.4rem}\
+h2,p{grid-column:1/-1;margin:0}img{width:100%;max-height:28rem;object-fit:contain;border-radius:.4rem}\
 @media(max-width:700px){section{grid-template-columns:1fr}}";
 
 /// A page that shows the model and the layout of each shape.

@@ -6,7 +6,7 @@ use crate::error::CommandError;
 use crate::render::{Paint, Picture, Scene, Shot, View, draw_bare_layout, draw_layout, draw_model};
 use cones::report::Quality;
 use cones::{Analysis, ConeChoice, Preparation, SeamOptions};
-use geom::Model;
+use geom::{Model, Watch};
 use std::path::Path;
 
 /// A surface with an analysis for each way of preparing it.
@@ -60,14 +60,15 @@ impl<'a> Surface<'a> {
             Flattening::Exact => {
                 let shown = subject.map(analysis, &options)?;
                 let atlas = &shown.atlas;
-                let (scene, quality) = (subject.scene_of(&shown), subject.measure(&shown.uv, &atlas.cones)?);
+                let (scene, quality) =
+                    (subject.scene_of(&shown), subject.measure(&shown.uv, &atlas.cones, Watch::NONE)?);
                 Ok(Map { cones: atlas.cones.len(), scene, quality, factor })
             }
             Flattening::By(baseline) => {
                 let cones = analysis.choose(&options).map_err(failed)?;
                 let map = analysis.flatten_by(baseline, &cones).map_err(failed)?;
                 let seams = analysis.seams(&cones, &SeamOptions::default()).map_err(failed)?;
-                let quality = subject.measure(&map.uv, cones.as_slice())?;
+                let quality = subject.measure(&map.uv, cones.as_slice(), Watch::NONE)?;
                 let scene = subject.scene(&map.uv, seams, cones.as_slice());
                 Ok(Map { cones: cones.len(), scene, quality, factor })
             }

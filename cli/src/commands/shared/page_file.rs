@@ -6,6 +6,7 @@ use crate::error::CommandError;
 use crate::page::{Level, Report};
 use crate::progress::Progress;
 use cones::{ConeChoice, Options, SeamOptions};
+use geom::Watch;
 use serde_json::{Value, json};
 use std::path::Path;
 
@@ -54,7 +55,7 @@ pub(crate) fn html(path: &Path, unwrapped: &Unwrapped, progress: &Progress) -> R
 fn stored_level(subject: &Subject, report: &Report, options: &Options, n: usize) -> Result<Level, CommandError> {
     let shown = subject.map(&subject.analysis, options)?;
     let map = subject.drawn(&shown);
-    let quality = subject.measure(&shown.uv, &shown.atlas.cones)?;
+    let quality = subject.measure(&shown.uv, &shown.atlas.cones, Watch::NONE)?;
     let meta = json!({
         "n": n,
         "cones": places(shown.atlas.cones.iter()),

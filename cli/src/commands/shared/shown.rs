@@ -7,7 +7,7 @@ use crate::render::{Mark, Scene, extent};
 use crate::report::{SCHEMA, Times};
 use cones::report::{Quality, UvSize, sentences};
 use cones::{Analysis, Atlas, Cone, CurvatureRule, MOST_ORDERED, ModelExtremum, Options, Placement};
-use geom::{Model, Triangles};
+use geom::{Model, Triangles, Watch};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
@@ -140,12 +140,18 @@ impl<'a> Subject<'a> {
     /// Measures texture coordinates at the corners of the model.
     ///
     /// # Errors
-    /// If they cannot be measured.
-    pub(crate) fn measure(&self, uv: &[[f64; 2]], cones: &[Cone]) -> Result<Quality, CommandError> {
+    /// If they cannot be measured, or it is stopped.
+    pub(crate) fn measure(&self, uv: &[[f64; 2]], cones: &[Cone], watch: Watch) -> Result<Quality, CommandError> {
         let first = |v: u32| self.first.as_ref().map_or(v, |first| first[v as usize]);
         let cones: Vec<u32> = cones.iter().map(|cone| first(cone.vertex)).collect();
-        Quality::measure(self.model.points(), &self.vertices, &corner_uv(&self.corners, uv), Some(&cones))
-            .map_err(|error| CommandError::Measure { path: self.path.clone(), error })
+        Quality::measure_watched(
+            self.model.points(),
+            &self.vertices,
+            &corner_uv(&self.corners, uv),
+            Some(&cones),
+            watch,
+        )
+        .map_err(|error| CommandError::Measure { path: self.path.clone(), error })
     }
 
     /// What pictures are drawn of, with texture coordinates, seams and cones.

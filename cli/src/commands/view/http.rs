@@ -39,16 +39,18 @@ pub(super) struct Response {
     pub(super) status: u16,
     pub(super) kind: &'static str,
     pub(super) body: Vec<u8>,
+    /// What the page is going to ask for: it is sent for while its script is still being read.
+    pub(super) ahead: Option<&'static str>,
 }
 
 impl Response {
     pub(super) fn new(kind: &'static str, body: Vec<u8>) -> Self {
-        Self { status: 200, kind, body }
+        Self { status: 200, kind, body, ahead: None }
     }
 
     /// A refusal, or a sentence why something cannot be had.
     pub(super) fn refusal(status: u16, text: &str) -> Self {
-        Self { status, kind: "text/plain; charset=utf-8", body: text.as_bytes().to_vec() }
+        Self { status, ..Self::new("text/plain; charset=utf-8", text.as_bytes().to_vec()) }
     }
 
     fn write(&self, mut out: impl Write) -> io::Result<()> {
@@ -66,16 +68,18 @@ impl Response {
             431 => "Request Header Fields Too Large",
             _ => "Service Unavailable",
         };
+        let ahead = self.ahead.map(|path| format!("Link: <{path}>; rel=preload; as=fetch; crossorigin\r\n"));
         // The page has its script and style inside and talks to its server alone.
         write!(
             out,
             "HTTP/1.1 {} {reason}\r\nContent-Type: {}\r\nContent-Length: {}\r\nConnection: close\r\nCache-Control: no-store\r\n\
              X-Content-Type-Options: nosniff\r\nReferrer-Policy: no-referrer\r\nCross-Origin-Resource-Policy: same-origin\r\n\
              Content-Security-Policy: default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; \
-             connect-src 'self'; img-src data: blob:; base-uri 'none'; form-action 'none'; frame-ancestors 'none'\r\n\r\n",
+             connect-src 'self'; img-src data: blob:; base-uri 'none'; form-action 'none'; frame-ancestors 'none'\r\n{}\r\n",
             self.status,
             self.kind,
-            self.body.len()
+            self.body.len(),
+            ahead.unwrap_or_default()
         )?;
         out.write_all(&self.body)?;
         out.flush()

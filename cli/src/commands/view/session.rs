@@ -7,9 +7,12 @@ use super::tabs::Tabs;
 use crate::commands::shared::{Chosen, Shown, Subject};
 use crate::error::CommandError;
 use crate::input::cone_file;
+use crate::limits;
 use crate::page::PAGE;
 use crate::render::Checker;
 use cones::{Analysis, Options, SeamOptions};
+use geom::Watch;
+use geom::distortion::DistortionError;
 use geom::io::{ObjContent, WriteError, write_glb, write_obj};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use serde_json::{Value, json};
@@ -25,7 +28,7 @@ pub(super) struct Session<'a> {
     subject: Subject<'a>,
     surface: Vec<u8>,
     tabs: Tabs,
-    /// Threads for what must be there at once, and for maps: a map never holds up a preview.
+    /// Threads for what must be there at once, and for maps: a map never holds up a preview, nor the browser that draws.
     quick: ThreadPool,
     thorough: ThreadPool,
     maps: Maps,
@@ -38,12 +41,12 @@ impl<'a> Session<'a> {
     /// # Errors
     /// If threads cannot be had.
     pub(super) fn new(subject: Subject<'a>, chosen: &Chosen, threads: usize) -> Result<Self, CommandError> {
-        let pool = |threads| {
-            let built = ThreadPoolBuilder::new().num_threads(threads).build();
-            built.map_err(|error| CommandError::Threads(std::io::Error::other(error)))
+        let built = |builder: ThreadPoolBuilder| {
+            builder.build().map_err(|error| CommandError::Threads(std::io::Error::other(error)))
         };
         let surface = subject.surface().container(subject.meta(chosen)).finish();
-        let (quick, thorough) = (pool(1)?, pool(threads)?);
+        let quick = built(ThreadPoolBuilder::new().num_threads(1))?;
+        let thorough = built(ThreadPoolBuilder::new().num_threads(threads).start_handler(|_| limits::give_way()))?;
         Ok(Self { subject, surface, tabs: Tabs::default(), quick, thorough, maps: Maps::default() })
     }
 
@@ -66,21 +69,24 @@ impl<'a> Session<'a> {
     pub(super) fn answer(&self, path: &str, request: &Request) -> Response {
         let needed = match path {
             "" | "surface" => "GET",
-            "foreseen" | "cones" | "map" | "measured" | "save/obj" | "save/glb" | "save/cones" | "leave" => "POST",
+            "foreseen" | "cones" | "map" | "measured" | "save/obj" | "save/glb" | "save/cones" | "stop" | "leave" => {
+                "POST"
+            }
             _ => return Response::refusal(404, "there is nothing here"),
         };
         if request.method != needed {
             return Response::refusal(405, &format!("this is asked for with {needed}"));
         }
         let answered = match path {
-            "" => Ok(Response::new(HTML, PAGE.as_bytes().to_vec())),
+            "" => Ok(Response { ahead: Some("surface"), ..Response::new(HTML, PAGE.as_bytes().to_vec()) }),
             "surface" => Ok(Response::new(BYTES, self.surface.clone())),
             _ => Question::parse(&request.body).map_err(unclear).and_then(|question| match path {
                 "foreseen" => self.foreseen(&question),
                 "cones" => self.cones(&question),
                 "map" => self.map(&question),
                 "measured" => self.measured(&question),
-                "leave" => Ok(self.leave(&question)),
+                "stop" => Ok(self.stop(&question, question.serial)),
+                "leave" => Ok(self.stop(&question, u64::MAX)),
                 _ => self.save(path, &question),
             }),
         };
@@ -121,8 +127,11 @@ impl<'a> Session<'a> {
     fn measured(&self, question: &Question) -> Answer {
         let options = self.options(question)?;
         let shown = self.shown(question, &options)?;
-        let quality = self.thorough.install(|| self.subject.measure(&shown.uv, &shown.atlas.cones));
-        let quality = quality.map_err(|error| Response::refusal(422, &error.to_string()))?;
+        let turn = self.tabs.turn(&question.tab, question.serial);
+        let goes_on = |_| turn.goes_on();
+        let watch = Watch::new(&goes_on);
+        let quality = self.thorough.install(|| self.subject.measure(&shown.uv, &shown.atlas.cones, watch));
+        let quality = quality.map_err(|error| refused(&error))?;
         let container = self.subject.stretches(&quality).container(Subject::measured_meta(&quality));
         Ok(Response::new(BYTES, container.finish()))
     }
@@ -155,9 +164,9 @@ impl<'a> Session<'a> {
         Ok(bytes)
     }
 
-    /// The tab wants nothing any more.
-    fn leave(&self, question: &Question) -> Response {
-        self.tabs.turn(&question.tab, u64::MAX);
+    /// The tab wants nothing any more of what it asked for before its question of that number.
+    fn stop(&self, question: &Question, serial: u64) -> Response {
+        self.tabs.turn(&question.tab, serial);
         to_json(&Value::Null)
     }
 
@@ -169,10 +178,7 @@ impl<'a> Session<'a> {
         }
         let analysis = self.listening(question);
         let shown = self.thorough.install(|| self.subject.map(&analysis, options));
-        let shown = Arc::new(shown.map_err(|error| match error {
-            CommandError::Unwrap { error, .. } => cannot(&error),
-            error => Response::refusal(422, &error.to_string()),
-        })?);
+        let shown = Arc::new(shown.map_err(|error| refused(&error))?);
         self.maps.keep(options.clone(), Arc::clone(&shown));
         Ok(shown)
     }
@@ -200,4 +206,15 @@ fn unclear(why: String) -> Response {
 fn cannot(error: &cones::Error) -> Response {
     let status = if matches!(error, cones::Error::Interrupted) { 409 } else { 422 };
     Response::refusal(status, &error.to_string())
+}
+
+/// The same for a map.
+fn refused(error: &CommandError) -> Response {
+    match error {
+        CommandError::Unwrap { error, .. } => cannot(error),
+        CommandError::Measure { error: error @ DistortionError::Interrupted(_), .. } => {
+            Response::refusal(409, &error.to_string())
+        }
+        error => Response::refusal(422, &error.to_string()),
+    }
 }
