@@ -101,6 +101,19 @@ def test_ctrl_c_stops_the_work():
     assert running.wait(30) == 0
 
 
+def _interrupted(program, share):
+    """How long a program's work takes, which it prints, and how long after an interrupt it says `stopped`, a share of that work later."""
+    running = subprocess.Popen([sys.executable, "-c", textwrap.dedent(program)], stdout=subprocess.PIPE, text=True)
+    takes = float(running.stdout.readline())
+    time.sleep(share * takes)
+    begin = time.perf_counter()
+    running.send_signal(signal.SIGINT)
+    assert running.stdout.readline() == "stopped\n"
+    waited = time.perf_counter() - begin
+    assert running.wait(30) == 0
+    return takes, waited
+
+
 @pytest.mark.skipif(os.name == "nt", reason="signals are sent")
 @pytest.mark.parametrize("asked", ["sublevel(field)", "merge_tree(field)", "segmentation(field)", "simplify(field, threshold=0.1)", "holes(field)"])
 def test_ctrl_c_stops_what_is_asked_of_one_array(asked):
@@ -118,14 +131,7 @@ def test_ctrl_c_stops_what_is_asked_of_one_array(asked):
         except KeyboardInterrupt:
             print("stopped", flush=True)
     """
-    running = subprocess.Popen([sys.executable, "-c", textwrap.dedent(program)], stdout=subprocess.PIPE, text=True)
-    takes = float(running.stdout.readline())
-    time.sleep(0.2 * takes)
-    begin = time.perf_counter()
-    running.send_signal(signal.SIGINT)
-    assert running.stdout.readline() == "stopped\n"
-    waited = time.perf_counter() - begin
-    assert running.wait(30) == 0
+    takes, waited = _interrupted(program, 0.2)
     # Work that is not stopped would go on for most of its time.
     assert waited < 0.5 * takes + 0.1
 
@@ -150,14 +156,7 @@ def test_ctrl_c_stops_measuring():
         except KeyboardInterrupt:
             print("stopped", flush=True)
     """
-    running = subprocess.Popen([sys.executable, "-c", textwrap.dedent(program)], stdout=subprocess.PIPE, text=True)
-    takes = float(running.stdout.readline())
-    time.sleep(0.3 * takes)
-    begin = time.perf_counter()
-    running.send_signal(signal.SIGINT)
-    assert running.stdout.readline() == "stopped\n"
-    waited = time.perf_counter() - begin
-    assert running.wait(30) == 0
+    takes, waited = _interrupted(program, 0.3)
     # Measuring that is not stopped would go on for most of its time.
     assert waited < 0.4 * takes + 0.1, (waited, takes)
 
