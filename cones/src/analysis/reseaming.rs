@@ -37,6 +37,9 @@ const LONGEST: f64 = 1.2;
 const ROOM: f64 = 0.5;
 /// Of so many openings of fewest islands lobes are moved: of one alone the fill on those is .46 to .47, of four .518, of all thirteen .519.
 const BEST: usize = 4;
+/// Of a model of several parts the square about an island is not to be larger than one that is filled so far: else its component is opened
+/// along other trees and lobes are moved as if it lay over itself (teapot with 32 cones: fill .492 → .614, seams 3.8 % longer).
+const ENOUGH: f64 = 0.65;
 /// Seams are not made longer than so many times those there were for the sake of room.
 const LONGEST_EXCHANGED: f64 = 1.1;
 
@@ -62,6 +65,8 @@ pub(super) struct Reseaming<'a> {
     plan: &'a SeamPlan,
     /// Whether it is to take less room even if it does not lie over itself.
     asks_for_room: bool,
+    /// Its share of the model's area.
+    share: f64,
     /// Of the seams there are.
     seam: f64,
     /// In the plane.
@@ -69,20 +74,23 @@ pub(super) struct Reseaming<'a> {
 }
 
 impl<'a> Reseaming<'a> {
-    pub(super) fn new(mesh: &'a Mesh, flat: &'a Flat, plan: &'a SeamPlan, asks_for_room: bool) -> Self {
+    pub(super) fn new(mesh: &'a Mesh, flat: &'a Flat, plan: &'a SeamPlan, asks_for_room: bool, share: f64) -> Self {
         let area = |[a, b, c]: [Complex64; 3]| 0.5 * ((b - a).conj() * (c - a)).im.abs();
         let area = mesh.faces().map(|f| area(mesh.sides(f).map(|h| flat.layout.corner(h)))).sum();
-        Self { mesh, flat, plan, asks_for_room, seam: seam(mesh, plan.costs(), &flat.seams.cut), area }
+        Self { mesh, flat, plan, asks_for_room, share, seam: seam(mesh, plan.costs(), &flat.seams.cut), area }
     }
 
-    /// The best opening. A layout that does not lie over itself stays as it is, unless room is asked for.
+    /// The best opening. A layout that does not lie over itself stays as it is, unless room is asked for or the model's square is as large as it
+    /// is for this component alone.
     pub(super) fn best(&self, watch: Watch) -> Result<Opening, Interrupted> {
         let first = self.first(watch.within(0.0, 0.1))?;
         let separation = self.separated(first.clone(), Effort::Quick(usize::MAX), watch.within(0.1, 0.2))?;
         let opening = Opening { other: None, separation };
-        if opening.separation.overlaps.pairs.is_empty() {
+        let bounds_the_square = self.bounds_the_square(&opening.separation.map);
+        let always = bounds_the_square || self.asks_for_room;
+        if opening.separation.overlaps.pairs.is_empty() && !bounds_the_square {
             return match self.asks_for_room {
-                true => self.exchanged(opening, 1.0, watch.within(0.2, 1.0)),
+                true => self.exchanged(opening, (1.0, always), watch.within(0.2, 1.0)),
                 false => Ok(opening),
             };
         }
@@ -96,7 +104,7 @@ impl<'a> Reseaming<'a> {
         openings.truncate(BEST);
         let exchanged = openings
             .into_par_iter()
-            .map(|(_, opening)| self.exchanged(opening, LONGEST_EXCHANGED, watch.within(0.7, 0.9)));
+            .map(|(_, opening)| self.exchanged(opening, (LONGEST_EXCHANGED, always), watch.within(0.7, 0.9)));
         let exchanged: Vec<Result<Opening, Interrupted>> = exchanged.collect();
         watch.ask(0.9)?;
         let ranked = self.ranked(exchanged.into_iter().collect::<Result<Vec<_>, _>>()?, watch)?;
@@ -112,6 +120,16 @@ impl<'a> Reseaming<'a> {
             true => Ok(first),
             false => attached(self.mesh, self.plan.costs(), Some(self.plan.given()), &first, watch),
         }
+    }
+
+    /// Whether the model's square is as large as it is for one island of this component, which is not all of the model.
+    fn bounds_the_square(&self, map: &UvMap) -> bool {
+        if self.share == 1.0 {
+            return false;
+        }
+        let boundaries = boundaries(self.mesh, map, &map.opened(self.mesh));
+        let largest = boundaries.into_iter().map(|island| room(vec![island])).fold(0.0, f64::max);
+        largest * largest * ENOUGH > self.area / self.share
     }
 
     /// Openings with their costs, the best first.
@@ -150,12 +168,12 @@ impl<'a> Reseaming<'a> {
         Ok(())
     }
 
-    /// An opening with its lobes where they take less room, and seams at most so many times those there were.
-    fn exchanged(&self, opening: Opening, longest: f64, watch: Watch) -> Result<Opening, Interrupted> {
+    /// An opening with its lobes where they take less room, and seams at most so many times those there were; `always` as in [`Aim`].
+    fn exchanged(&self, opening: Opening, (longest, always): (f64, bool), watch: Watch) -> Result<Opening, Interrupted> {
         let Opening { other, separation } = opening;
         let costs = self.plan.path_costs();
         let seam = seam(self.mesh, costs, &self.flat.seams.cut);
-        let aim = Aim { seam, room: ROOM, longest: longest * seam };
+        let aim = Aim { seam, room: ROOM, longest: longest * seam, always };
         let surface = (self.mesh, costs, Some(self.plan.given()));
         Ok(Opening { other, separation: separation.exchanged(surface, &aim, watch)? })
     }
