@@ -41,8 +41,9 @@ impl Component {
             return Ok(());
         }
         let lengths = seam_lengths(&self.surface, &self.metric);
-        let Opening { other, separation: done } =
-            task.stage(stage, times, |watch| Reseaming::new(mesh, flat, plan, islands == Islands::Pack, share).best(watch))??;
+        let Opening { other, separation: done } = task.stage(stage, times, |watch| {
+            Reseaming::new(mesh, flat, plan, islands == Islands::Pack, share).best(watch)
+        })??;
         if let Some((seams, layout)) = other {
             flat.seams = seams;
             flat.layout = layout;

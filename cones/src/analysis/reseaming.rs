@@ -10,6 +10,8 @@
 //! 30 end in one island with the first tree alone, 36 with 12 others, one preference each and half the variation, 38 with two
 //! preferences and more than twice of it, 40 with four preferences, 41 with 24 trees besides.
 
+use std::ops::RangeInclusive;
+
 use geom::{CutMesh, EdgeData, HalfedgeData, Interrupted, Mesh, Watch};
 use num_complex::Complex64;
 use rayon::prelude::*;
@@ -30,6 +32,9 @@ const MOST_CONES: usize = 128;
 const STRENGTH: f64 = 0.3;
 /// So many preferences are tried with each.
 const PREFERENCES: usize = 2;
+/// Other preferences are tried with all trees where the best leaves so many islands, or one less and long seams. (With more islands, as of many
+/// handles, one less is not worth the time.)
+const INSISTED: RangeInclusive<usize> = 3..=12;
 /// Seams that are longer by more than this count as an island.
 const LONGEST: f64 = 1.2;
 /// The side of the islands' squares, over the root of their area, counts as such a share of the seams. On 12 surfaces with 32 cones
@@ -98,6 +103,9 @@ impl<'a> Reseaming<'a> {
         watch.ask(0.5)?;
         let mut openings = self.ranked(std::iter::once(opening).chain(others), watch)?;
         watch.ask(0.5)?;
+        if INSISTED.contains(&openings[0].0.islands) {
+            openings = self.insisted(&first, openings, watch.within(0.5, 0.5))?;
+        }
         self.resolve_further(&first, &mut openings[0], watch.within(0.5, 0.7))?;
         let fewest = openings[0].0.islands;
         openings.retain(|(cost, _)| cost.islands <= fewest);
@@ -155,11 +163,7 @@ impl<'a> Reseaming<'a> {
         if is_done || cost.islands <= first.opened(self.mesh).island_count() {
             return Ok(());
         }
-        let unparted = match &opening.other {
-            Some((seams, layout)) => map(self.mesh, layout, &seams.cut),
-            None => first.clone(),
-        };
-        let further = self.separated(unparted, Effort::Thorough, watch)?;
+        let further = self.separated(self.unparted(first, opening), Effort::Thorough, watch)?;
         let cost_there = self.cost(&further, watch)?;
         if cost_there < *cost {
             *cost = cost_there;
@@ -168,8 +172,37 @@ impl<'a> Reseaming<'a> {
         Ok(())
     }
 
+    /// The openings and what other preferences make of their trees, with their costs, the best first.
+    fn insisted(
+        &self,
+        first: &UvMap,
+        openings: Vec<(Cost, Opening)>,
+        watch: Watch,
+    ) -> Result<Vec<(Cost, Opening)>, Interrupted> {
+        let otherwise = |(_, opening): &(Cost, Opening)| {
+            let separation = self.separated(self.unparted(first, opening), Effort::Insistent, watch)?;
+            Ok(Opening { other: opening.other.clone(), separation })
+        };
+        let others: Vec<Result<Opening, Interrupted>> = openings.par_iter().map(otherwise).collect();
+        let others = others.into_iter().collect::<Result<Vec<_>, _>>()?;
+        self.ranked(openings.into_iter().map(|(_, opening)| opening).chain(others), watch)
+    }
+
+    /// The map that an opening came of.
+    fn unparted(&self, first: &UvMap, opening: &Opening) -> UvMap {
+        match &opening.other {
+            Some((seams, layout)) => map(self.mesh, layout, &seams.cut),
+            None => first.clone(),
+        }
+    }
+
     /// An opening with its lobes where they take less room, and seams at most so many times those there were; `always` as in [`Aim`].
-    fn exchanged(&self, opening: Opening, (longest, always): (f64, bool), watch: Watch) -> Result<Opening, Interrupted> {
+    fn exchanged(
+        &self,
+        opening: Opening,
+        (longest, always): (f64, bool),
+        watch: Watch,
+    ) -> Result<Opening, Interrupted> {
         let Opening { other, separation } = opening;
         let costs = self.plan.path_costs();
         let seam = seam(self.mesh, costs, &self.flat.seams.cut);
