@@ -55,6 +55,7 @@ class App {
   /** The question that the map answers. */
   private mapOf = "";
   private readonly asked = new Map<string, Promise<void>>();
+  /** What finds triangles of the map, once it is asked. */
   private grid: geometry.MapGrid | null = null;
   private drawn: Outline | null = null;
   /** The pins that are shown, and on which map. */
@@ -194,7 +195,7 @@ class App {
     const away = ({ n }: ForeseenLevel) => Math.abs(n - this.count());
     for (const level of (this.foreseen()?.levels ?? []).toSorted((a, b) => away(a) - away(b))) {
       if (known.has(level.n)) continue;
-      while (performance.now() - this.moved < HELD) await new Promise((done) => setTimeout(done, HELD));
+      while (this.isHeld || performance.now() - this.moved < HELD) await new Promise((done) => setTimeout(done, HELD));
       if (serial !== this.serial) return;
       const found = await this.source.preview(withCones(question, level), serial, signal);
       if (serial !== this.serial) return;
@@ -263,7 +264,7 @@ class App {
     }
     byId("atlas").classList.remove("stale");
     const extent = geometry.extent(map.uv);
-    this.grid = new geometry.MapGrid(map.uv, extent);
+    this.grid = null;
     const squares = checkerSquares(map.uv);
     this.view?.coordinates(map.uv, squares, isPatient);
     this.drawn = outline(this.surface, this.corners, this.boundary, map);
@@ -496,7 +497,11 @@ class App {
   }
 
   private listenToAtlas(canvas: HTMLCanvasElement): void {
-    const under = (event: PointerEvent) => this.grid?.at(...this.atlas.under(event)) ?? null;
+    const under = (event: PointerEvent) => {
+      if (!this.map) return null;
+      this.grid ??= new geometry.MapGrid(this.map.uv, geometry.extent(this.map.uv));
+      return this.grid.at(...this.atlas.under(event));
+    };
     canvas.addEventListener("pointermove", (event) => event.buttons || this.mark(under(event)));
     canvas.addEventListener("pointerleave", () => this.mark(null));
     onClick(canvas, (event) => {

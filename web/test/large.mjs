@@ -113,6 +113,8 @@ try {
     await page.mouse.down();
     await page.waitForTimeout(200);
     await browser.startTracing(page, { categories: ["benchmark", "cc", "input"] });
+    // All processes of the browser begin to trace, which is no part of a move.
+    await page.waitForTimeout(300);
     for (let k = from; k < from + count; k++) {
       const began = performance.now();
       await page.mouse.move(...at(number(k)));
@@ -137,7 +139,8 @@ try {
     const some = await drag(done, Math.min(100, Number(moves) - done));
     times.push(...some);
     await settled();
-    console.log(`moves ${done} to ${done + some.length}: ${told(some)}; ${await held()}`);
+    const late = some.flatMap((time, k) => (time > 50 ? [`${k}: ${time.toFixed(0)}`] : []));
+    console.log(`moves ${done} to ${done + some.length}: ${told(some)}${late.length ? ` (${late.join(", ")})` : ""}; ${await held()}`);
   }
   if (times.length) console.log(`all moves: ${told(times)}`);
 } finally {
