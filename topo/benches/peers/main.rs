@@ -1,6 +1,6 @@
 //! One measurement for `peers.py`: reads a field of `f64` and does one thing to it, several times.
 //!
-//! Arguments: what, the lengths of the axes as in `1024x1024`, the file, how often. Prints the least mean seconds of
+//! Arguments: what (behind the name of a connectivity if it is not `Full` for pictures, `Axis` for volumes), the lengths of the axes as in `1024x1024`, the file, how often. Prints the least mean seconds of
 //! processor time of a call, and the bytes that the first one took beyond what was there. Without arguments, as `cargo bench` calls it, it does nothing.
 
 use std::error::Error;
@@ -43,14 +43,29 @@ fn once(what: &str, shape: &[usize], field: &[f64]) -> Result<(), Box<dyn Error>
         [h, w] if what == "pairs and holes" => {
             drop(topo::pairs_and_holes(&Grid::new([h, w], Connectivity::Full), field, Kind::Minimum)?);
         }
-        [h, w] if what.starts_with("freudenthal ") => {
-            on_grid(&what["freudenthal ".len()..], Grid::new([h, w], Connectivity::Freudenthal), field)?;
+        [h, w] => {
+            let (connectivity, what) = connectivity(what).unwrap_or((Connectivity::Full, what));
+            on_grid(what, Grid::new([h, w], connectivity), field)?;
         }
-        [h, w] => on_grid(what, Grid::new([h, w], Connectivity::Full), field)?,
-        [d, h, w] => on_grid(what, Grid::new([d, h, w], Connectivity::Axis), field)?,
+        [d, h, w] => {
+            let (connectivity, what) = connectivity(what).unwrap_or((Connectivity::Axis, what));
+            on_grid(what, Grid::new([d, h, w], connectivity), field)?;
+        }
         _ => return Err("one to three axes".into()),
     }
     Ok(())
+}
+
+/// The edges that are named first, and what is to be done.
+fn connectivity(what: &str) -> Option<(Connectivity, &str)> {
+    let (edges, what) = what.split_once(' ')?;
+    let connectivity = match edges {
+        "axis" => Connectivity::Axis,
+        "full" => Connectivity::Full,
+        "freudenthal" => Connectivity::Freudenthal,
+        _ => return None,
+    };
+    Some((connectivity, what))
 }
 
 fn on_grid<const D: usize>(what: &str, grid: Grid<D>, field: &[f64]) -> Result<(), Box<dyn Error>>
