@@ -4,7 +4,8 @@
 //! processor time of a call, and the bytes that the first one took beyond what was there. Without arguments, as `cargo bench` calls it, it does nothing.
 
 use std::error::Error;
-use std::fs;
+use std::fs::{self, File};
+use std::io::{BufReader, Read};
 use std::time::Instant;
 use topo::{Connectivity, Grid, Kind, Path};
 
@@ -15,10 +16,12 @@ fn main() -> Result<(), Box<dyn Error>> {
     let args: Vec<String> = std::env::args().skip(1).filter(|arg| arg != "--bench").collect();
     let [what, shape, file, times] = &args[..] else { return Ok(()) };
     let shape: Vec<usize> = shape.split('x').map(str::parse).collect::<Result<_, _>>()?;
-    let bytes = fs::read(file)?;
-    let (numbers, _) = bytes.as_chunks::<8>();
-    let field: Vec<f64> = numbers.iter().map(|&bytes| f64::from_le_bytes(bytes)).collect();
-    drop(bytes);
+    // Little by little: a large buffer that is freed changes what the system's allocator does afterwards.
+    let (mut file, mut field, mut number) = (BufReader::new(File::open(file)?), Vec::with_capacity(shape.iter().product()), [0; 8]);
+    while field.len() < field.capacity() {
+        file.read_exact(&mut number)?;
+        field.push(f64::from_le_bytes(number));
+    }
     let call = || once(what, &shape, &field);
     let before = resident("VmRSS")?;
     call()?;

@@ -3,7 +3,7 @@
 //! Basins that touch at saddles form a small graph, and this is Kruskal's algorithm (1956) on it: a join between two components ends the
 //! younger one. Only joins are put in order, never the vertices (see [`joins`](super::joins)).
 
-use super::joins::{Join, for_each_saddle, parted};
+use super::joins::{Join, Parts};
 use super::merges::{BranchEnd, Merge};
 use super::union_find::UnionFind;
 use crate::filtration::{Direction, Filtration};
@@ -24,12 +24,12 @@ pub(crate) fn pair<S: Scalar, D: Direction>(
     extrema: &[u32],
     joins: Vec<Join>,
 ) -> Ended {
-    let parts = parted(filtration, joins); // first, as it takes most memory
+    let parts = Parts::new(filtration, joins); // first, as it takes most memory
     let births = births(filtration, extrema);
     let is_elder = |a: u32, b: u32| enters_before::<S, D>(&births, a, b);
     let mut merges = born(extrema);
     let mut components = UnionFind::new(extrema.len());
-    for_each_saddle(filtration, parts, &mut components, |components, joins| {
+    parts.for_each_saddle(filtration, &mut components, |components, joins| {
         for &Join { saddle, basins } in joins {
             if let Some(met) = meet(components, basins, is_elder) {
                 note(&mut merges, extrema, saddle, met);
@@ -47,12 +47,12 @@ pub(crate) fn branch<S: Scalar, D: Direction>(
     extrema: &[u32],
     joins: Vec<Join>,
 ) -> (Vec<BranchEnd>, UnionFind) {
-    let parts = parted(filtration, joins);
+    let parts = Parts::new(filtration, joins);
     let births = births(filtration, extrema);
     let is_elder = |a: u32, b: u32| enters_before::<S, D>(&births, a, b);
     let mut components = UnionFind::new(extrema.len());
     let mut ends = Vec::with_capacity(extrema.len());
-    for_each_saddle(filtration, parts, &mut components, |components, joins| match *joins {
+    parts.for_each_saddle(filtration, &mut components, |components, joins| match *joins {
         [Join { saddle, basins }] => {
             let [first, second] = basins.map(|basin| components.find(basin));
             if first != second {

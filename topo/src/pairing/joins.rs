@@ -11,14 +11,14 @@ use crate::filtration::{Direction, Filtration, Kind};
 use crate::scalar::Scalar;
 
 /// A vertex at which two basins touch.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Join {
     pub(crate) saddle: u32,
     pub(crate) basins: [u32; 2],
 }
 
 /// So many joins are put in order at once, unless there are more than [`MOST_PARTS`] times as many.
-const PART: usize = 1 << 15;
+const PART: usize = 1 << 13;
 
 /// Joins go to so many parts at most, as each is written to by itself.
 const MOST_PARTS: usize = 16;
@@ -26,61 +26,83 @@ const MOST_PARTS: usize = 16;
 /// So many joins for each part are looked at to find where parts should begin.
 const SAMPLED: usize = 64;
 
-/// Calls `visit` with the joins of each saddle, saddles in the order in which they enter, joins as they are given: by rising index of the
-/// saddle, in [parts](parted). Joins of basins that `visit` has put into one set before may be missing. Ends early if the work is stopped.
-pub(super) fn for_each_saddle<S: Scalar, D: Direction>(
-    filtration: &Filtration<'_, S, D>,
-    mut parts: Vec<Vec<Join>>,
-    sets: &mut UnionFind,
-    mut visit: impl FnMut(&mut UnionFind, &[Join]),
-) {
-    if D::KIND == Kind::Minimum {
-        parts.reverse();
-    }
-    let (mut is_first, mut at_saddle) = (true, Vec::new());
-    while let Some(mut joins) = parts.pop() {
-        if !core::mem::take(&mut is_first) {
-            joins.retain(|join| sets.find(join.basins[0]) != sets.find(join.basins[1]));
-        }
-        let order = by_value::in_order(filtration, joins.len(), |place| joins[place as usize].saddle);
-        if filtration.stops() {
-            return;
-        }
-        let join = |place: u32| &joins[place as usize];
-        for places in order.chunk_by(|&a, &b| join(a).saddle == join(b).saddle) {
-            if let [place] = *places {
-                visit(sets, core::slice::from_ref(join(place)));
-                continue;
-            }
-            at_saddle.clear();
-            at_saddle.extend(places.iter().map(|&place| *join(place)));
-            if D::KIND == Kind::Maximum {
-                at_saddle.reverse(); // as the order is
-            }
-            visit(sets, &at_saddle);
-        }
-    }
+/// Joins parted by value; those that enter last come first.
+pub(super) struct Parts {
+    joins: Vec<Join>,
+    /// Where each part begins.
+    begins: Vec<usize>,
 }
 
-/// Joins in parts, each of which has lower values than the next; within each as they are given.
-pub(super) fn parted<S: Scalar, D: Direction>(filtration: &Filtration<'_, S, D>, joins: Vec<Join>) -> Vec<Vec<Join>> {
-    let count = (joins.len() / PART).min(MOST_PARTS);
-    if count < 2 {
-        return vec![joins];
+impl Parts {
+    /// Parts joins that are given by rising index of the saddle. Within a part they stay as they are.
+    pub(super) fn new<S: Scalar, D: Direction>(filtration: &Filtration<'_, S, D>, joins: Vec<Join>) -> Self {
+        let count = (joins.len() / PART).min(MOST_PARTS);
+        if count < 2 {
+            return Self { joins, begins: vec![0] };
+        }
+        let bits = |join: &Join| by_value::bits(filtration.value(join.saddle));
+        let mut sample: Vec<u64> = joins.iter().step_by(joins.len() / (count * SAMPLED)).map(bits).collect();
+        sample.sort_unstable();
+        let lowest: Vec<u64> = (1..count).map(|part| sample[part * sample.len() / count]).collect();
+        let mut sizes = vec![0; count];
+        let part_of = |join: &Join| {
+            let bits = bits(join);
+            let lower = lowest.partition_point(|&lowest| lowest <= bits);
+            let part = if D::KIND == Kind::Minimum { count - 1 - lower } else { lower };
+            sizes[part] += 1;
+            part as u8
+        };
+        let part_of: Vec<u8> = joins.iter().map(part_of).collect();
+        let begin = |end: &mut usize, size: usize| {
+            *end += size;
+            Some(*end - size)
+        };
+        let begins: Vec<usize> = sizes.into_iter().scan(0, begin).collect();
+        let (mut filled, mut parted) = (begins.clone(), vec![Join::default(); joins.len()]);
+        for (&join, part) in joins.iter().zip(part_of) {
+            let place = &mut filled[usize::from(part)];
+            parted[*place] = join;
+            *place += 1;
+        }
+        Self { joins: parted, begins }
     }
-    let bits = |join: &Join| by_value::bits(filtration.value(join.saddle));
-    let mut sample: Vec<u64> = joins.iter().step_by(joins.len() / (count * SAMPLED)).map(bits).collect();
-    sample.sort_unstable();
-    let begins: Vec<u64> = (1..count).map(|part| sample[part * sample.len() / count]).collect();
-    let mut sizes = vec![0usize; count];
-    let part_of = |join: &Join| {
-        let bits = bits(join);
-        let part = begins.partition_point(|&begin| begin <= bits);
-        sizes[part] += 1;
-        part as u8
-    };
-    let part_of: Vec<u8> = joins.iter().map(part_of).collect();
-    let mut parts: Vec<Vec<Join>> = sizes.into_iter().map(Vec::with_capacity).collect();
-    joins.iter().zip(part_of).for_each(|(&join, part)| parts[usize::from(part)].push(join));
-    parts
+
+    /// Calls `visit` with the joins of each saddle, saddles in the order in which they enter, joins as they were given. Joins of basins that
+    /// `visit` has put into one set before may be missing. Ends early if the work is stopped.
+    pub(super) fn for_each_saddle<S: Scalar, D: Direction>(
+        self,
+        filtration: &Filtration<'_, S, D>,
+        sets: &mut UnionFind,
+        mut visit: impl FnMut(&mut UnionFind, &[Join]),
+    ) {
+        let Self { mut joins, begins } = self;
+        let (mut is_first, mut left, mut at_saddle) = (true, Vec::new(), Vec::new());
+        for begin in begins.into_iter().rev() {
+            let mut part = &joins[begin..];
+            if !is_first {
+                left.clear();
+                left.extend(part.iter().filter(|join| sets.find(join.basins[0]) != sets.find(join.basins[1])));
+                part = &left;
+            }
+            let order = by_value::in_order(filtration, part.len(), |place| part[place as usize].saddle);
+            if filtration.stops() {
+                return;
+            }
+            let join = |place: u32| &part[place as usize];
+            for places in order.chunk_by(|&a, &b| join(a).saddle == join(b).saddle) {
+                if let [place] = *places {
+                    visit(sets, core::slice::from_ref(join(place)));
+                    continue;
+                }
+                at_saddle.clear();
+                at_saddle.extend(places.iter().map(|&place| *join(place)));
+                if D::KIND == Kind::Maximum {
+                    at_saddle.reverse(); // as the order is
+                }
+                visit(sets, &at_saddle);
+            }
+            joins.truncate(begin);
+            is_first = false;
+        }
+    }
 }
