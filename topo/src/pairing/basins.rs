@@ -96,7 +96,7 @@ pub(crate) fn basins_of_graph<G: Graph, S: Scalar, D: Direction>(
     }
     let descent = Descent::new(next, extrema);
     if pointing == Pointing::Labels {
-        descent.settle(filtration.watch());
+        descent.shorten(filtration.watch());
     }
     let joins = joins_of_graph(graph, filtration, &descent, &candidates, pointing);
     Basins { descent, joins, pointing }
@@ -170,8 +170,10 @@ impl Basins {
         scans.iter().for_each(|scan| extrema.extend_from_slice(&scan.extrema));
         let candidates: Vec<_> = scans.into_iter().map(|scan| scan.candidates).collect();
         let descent = Descent::new(next, extrema);
-        if pointing == Pointing::Labels || descent.is_worth_settling_for(candidates.iter().map(Vec::len).sum()) {
+        if descent.is_worth_settling_for(candidates.iter().map(Vec::len).sum()) {
             descent.settle(filtration.watch());
+        } else if pointing == Pointing::Labels {
+            descent.shorten(filtration.watch());
         }
         let mut joins = parallel::filter_map(candidates, filtration.watch(), |SaddleCandidate { saddle, sides }| {
             let basins = sides.map(|side| descent.basin(side));
