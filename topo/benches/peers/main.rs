@@ -17,7 +17,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     let [what, shape, file, times] = &args[..] else { return Ok(()) };
     let shape: Vec<usize> = shape.split('x').map(str::parse).collect::<Result<_, _>>()?;
     // Little by little: a large buffer that is freed changes what the system's allocator does afterwards.
-    let (mut file, mut field, mut number) = (BufReader::new(File::open(file)?), Vec::with_capacity(shape.iter().product()), [0; 8]);
+    let (mut file, mut field, mut number) =
+        (BufReader::new(File::open(file)?), Vec::with_capacity(shape.iter().product()), [0; 8]);
     while field.len() < field.capacity() {
         file.read_exact(&mut number)?;
         field.push(f64::from_le_bytes(number));

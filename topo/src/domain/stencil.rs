@@ -68,7 +68,8 @@ impl Stencil {
             adjacent.fold(0, |set, (bit, _)| set | 1 << bit)
         };
         let adjacent = offsets.iter().map(adjacent_to).collect();
-        let mut stencil = Self { offsets, neighbor_bits, adjacent, splits: Vec::new(), parts: Vec::new(), first_parts: Vec::new() };
+        let mut stencil =
+            Self { offsets, neighbor_bits, adjacent, splits: Vec::new(), parts: Vec::new(), first_parts: Vec::new() };
         if stencil.offsets.len() <= MAX_TABLE_BITS {
             stencil.fill_table();
         }

@@ -65,8 +65,9 @@ impl<V: Copy, S: Scalar> MergeTree<'_, V, S> {
         for end in self.ends.iter().take_while(|end| self.has_reached(self.value(end.saddle), level)) {
             components.join(end.extremum, end.elder);
         }
-        let is_eldest =
-            |&leaf: &u32| self.has_reached(self.value(self.leaves[leaf as usize]), level) && components.find(leaf) == leaf;
+        let is_eldest = |&leaf: &u32| {
+            self.has_reached(self.value(self.leaves[leaf as usize]), level) && components.find(leaf) == leaf
+        };
         ((0..self.leaves.len() as u32).filter(is_eldest).collect(), components)
     }
 }

@@ -176,7 +176,8 @@ impl<'f, V: Copy, S: Scalar> MergeTree<'f, V, S> {
     /// Leaves, then saddles in the order in which they enter, then roots that are neither.
     pub fn nodes(&self) -> Vec<Node<V, S>> {
         let node = |vertex: u32, name: V| Node { vertex: name, value: self.value(vertex), parent: None };
-        let mut nodes: Vec<_> = self.leaves.iter().zip(&self.leaf_names).map(|(&leaf, &name)| node(leaf, name)).collect();
+        let mut nodes: Vec<_> =
+            self.leaves.iter().zip(&self.leaf_names).map(|(&leaf, &name)| node(leaf, name)).collect();
         // For each branch its last node so far.
         let mut tops: Vec<usize> = (0..nodes.len()).collect();
         let mut last_saddle = None;

@@ -183,6 +183,11 @@ impl Basins {
         Self { descent, joins, pointing }
     }
 
+    /// From ways to any earlier neighbours and joins by rising index of the saddle.
+    pub(crate) fn of_joins(descent: Descent, joins: Vec<Join>) -> Self {
+        Self { descent, joins, pointing: Pointing::Any }
+    }
+
     /// What becomes of each component, by rising index of the extremum.
     pub(crate) fn pair<S: Scalar, D: Direction>(self, filtration: &Filtration<'_, S, D>) -> Vec<Merge> {
         let Self { descent, joins, .. } = self;

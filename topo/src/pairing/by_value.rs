@@ -38,7 +38,12 @@ pub(crate) fn in_order<S: Scalar, D: Direction>(
 }
 
 /// The places of things by the values of their vertices; where these are equal they keep their order.
-pub(super) fn by_value<S: Scalar>(field: &[S], count: usize, vertex: impl Fn(u32) -> u32, watch: Watch<'_>) -> Vec<u32> {
+pub(super) fn by_value<S: Scalar>(
+    field: &[S],
+    count: usize,
+    vertex: impl Fn(u32) -> u32,
+    watch: Watch<'_>,
+) -> Vec<u32> {
     let value = |place: u32| field[vertex(place) as usize];
     let places = 0..count as u32;
     let widest = places.clone().map(|place| bits(value(place)));

@@ -55,6 +55,13 @@ impl Descent {
         (if pointer & BASIN == 0 { follow(&self.next, vertex) } else { pointer }) & !BASIN
     }
 
+    /// The basin of a vertex once all ways have been followed to their ends, [`OUTSIDE`] if it never enters; any number that differs from
+    /// those of other basins.
+    #[inline]
+    pub(crate) fn basin_or_outside(&self, vertex: u32) -> u32 {
+        self.pointer(vertex)
+    }
+
     /// The basin of any vertex, if it enters.
     pub(crate) fn basin_if_any(&self, vertex: u32) -> Option<u32> {
         (self.pointer(vertex) != OUTSIDE).then(|| self.basin(vertex))

@@ -21,6 +21,7 @@ pub(crate) use by_value::in_order;
 pub(crate) use descent::{BasinLabels, Descent, OUTSIDE, Settled};
 pub(crate) use duality::{Crossing, pair_both};
 pub(crate) use graph::Graph;
+pub(crate) use joins::Join;
 pub use merges::Merge;
 pub(crate) use merges::{BranchEnd, NONE};
 pub(crate) use sweep::sweep;
