@@ -108,7 +108,7 @@ pub(crate) fn fold_blocks<T: Sync, R: Send>(items: &[T], work: impl Fn(usize, &[
 #[cfg(feature = "rayon")]
 pub(crate) fn map_each<T: Sync, R: Send>(things: &[T], work: impl Fn(&T) -> R + Sync) -> Vec<R> {
     use rayon::prelude::*;
-    things.par_iter().map(work).collect()
+    things.par_iter().map(|thing| work(thing)).collect()
 }
 
 /// The results of `work` for some things, in their order.
