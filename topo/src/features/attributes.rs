@@ -43,12 +43,12 @@ impl<V: Copy, S: Scalar> MergeTree<'_, V, S> {
         for (leaf, last, name) in self.roots_and_names() {
             ends[leaf as usize] = Some((name, self.value(last), None));
         }
-        let branch = |((leaf, end), size): ((u32, Option<(V, S, Option<V>)>), usize)| {
-            let (last, end, parent) = end?;
+        let branch = |((leaf, end), size)| {
+            let (last, end, parent): (V, S, Option<V>) = end?;
             let (extremum, birth) = (self.leaf_name(leaf), self.value(self.leaves[leaf as usize]));
             Some(Branch { pair: Pair { extremum, saddle: parent.map(|_| last), birth, end }, parent, size })
         };
-        (0..).zip(ends).zip(sizes).filter_map(branch).collect()
+        (0u32..).zip(ends).zip(sizes).filter_map(branch).collect()
     }
 
     /// For each of the [branches](Self::branches) the sum of what the vertices of its component weigh just before the
