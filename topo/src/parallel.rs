@@ -106,9 +106,9 @@ pub(crate) fn fold_blocks<T: Sync, R: Send>(items: &[T], work: impl Fn(usize, &[
 
 /// The results of `work` for some things, in their order.
 #[cfg(feature = "rayon")]
-pub(crate) fn map_each<T: Sync, R: Send>(things: &[T], work: impl Fn(&T) -> R + Sync) -> Vec<R> {
+pub(crate) fn map_each<T: Sync, R: Send>(things: &[T], work: impl Fn(&T) -> R + Sync + Send) -> Vec<R> {
     use rayon::prelude::*;
-    things.par_iter().map(|thing| work(thing)).collect()
+    things.par_iter().map(work).collect()
 }
 
 /// The results of `work` for some things, in their order.
