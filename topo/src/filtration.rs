@@ -8,6 +8,7 @@ use crate::error::{Error, check_vertex_count};
 use crate::parallel;
 use crate::scalar::Scalar;
 use crate::watch::Watch;
+use core::cmp::Ordering;
 use core::fmt::Debug;
 use core::marker::PhantomData;
 
@@ -176,6 +177,11 @@ impl<'a, S: Scalar, D: Direction> Filtration<'a, S, D> {
         if u < v { D::precedes_higher_index(a, b) } else { u > v && D::precedes_lower_index(a, b) }
     }
 
+    /// Which of two vertices that enter does so earlier.
+    pub(crate) fn compare(&self, u: u32, v: u32) -> Ordering {
+        self.precedes(v, u).cmp(&self.precedes(u, v))
+    }
+
     /// The one of two vertices that enters later.
     pub(crate) fn later(&self, u: u32, v: u32) -> u32 {
         if self.precedes(u, v) { v } else { u }
@@ -198,32 +204,6 @@ impl<'a, S: Scalar, D: Direction> Filtration<'a, S, D> {
         keyed.sort_unstable();
         let order = keyed.into_iter().map(|(_, vertex)| vertex);
         if D::KIND == Kind::Minimum { order.collect() } else { order.rev().collect() }
-    }
-
-    /// Things in the order in which a vertex of theirs enters; things of the same vertex keep their order.
-    pub(crate) fn sorted<T: Copy>(&self, things: &[T], vertex: impl Fn(&T) -> u32) -> Vec<T> {
-        let backwards = if D::KIND == Kind::Minimum { 0 } else { u32::MAX };
-        let keyed = things.iter().zip(0u32..).map(|(thing, place)| {
-            let vertex = vertex(thing);
-            (self.value(vertex).key(), vertex, place ^ backwards)
-        });
-        let mut keyed: Vec<_> = keyed.collect();
-        sort_watched(&mut keyed, self.watch);
-        let sorted = keyed.into_iter().map(|(_, _, place)| things[(place ^ backwards) as usize]);
-        if D::KIND == Kind::Minimum { sorted.collect() } else { sorted.rev().collect() }
-    }
-}
-
-/// Sorts things that all differ; what is watched by halves, so that it can be left as it is between them.
-fn sort_watched<T: Ord>(things: &mut [T], watch: Watch<'_>) {
-    /// So many are sorted within some 10 ms.
-    const FEW: usize = 1 << 17;
-    if !watch.is_watched() || things.len() <= FEW {
-        things.sort_unstable();
-    } else if !watch.stops() {
-        let (lower, _, upper) = things.select_nth_unstable(things.len() / 2);
-        sort_watched(lower, watch);
-        sort_watched(upper, watch);
     }
 }
 
@@ -266,15 +246,6 @@ mod tests {
                 assert_eq!(filtration.precedes(u, v), i < j);
             }
         }
-    }
-
-    #[test]
-    fn what_is_watched_is_sorted_in_the_same_order() {
-        let shuffled: Vec<u64> = (0..500_000).map(|v: u64| v.wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 20).collect();
-        let (mut watched, mut plain) = (shuffled.clone(), shuffled);
-        sort_watched(&mut watched, Watch::new(&|| core::ops::ControlFlow::Continue(())));
-        plain.sort_unstable();
-        assert_eq!(watched, plain);
     }
 
     #[test]

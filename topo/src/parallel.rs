@@ -104,6 +104,19 @@ pub(crate) fn fold_blocks<T: Sync, R: Send>(items: &[T], work: impl Fn(usize, &[
     items.par_chunks(BLOCK).enumerate().map(|(block, items)| work(block * BLOCK, items)).collect()
 }
 
+/// The results of `work` for some things, in their order.
+#[cfg(feature = "rayon")]
+pub(crate) fn map_each<T: Sync, R: Send>(things: &[T], work: impl Fn(&T) -> R + Sync + Send) -> Vec<R> {
+    use rayon::prelude::*;
+    things.par_iter().map(work).collect()
+}
+
+/// The results of `work` for some things, in their order.
+#[cfg(not(feature = "rayon"))]
+pub(crate) fn map_each<T, R>(things: &[T], work: impl Fn(&T) -> R) -> Vec<R> {
+    things.iter().map(work).collect()
+}
+
 /// The result of `work` for all `items` as one block.
 #[cfg(not(feature = "rayon"))]
 pub(crate) fn fold_blocks<T, R>(items: &[T], work: impl Fn(usize, &[T]) -> R) -> Vec<R> {

@@ -1,10 +1,11 @@
 //! One measurement for `peers.py`: reads a field of `f64` and does one thing to it, several times.
 //!
-//! Arguments: what, the lengths of the axes as in `1024x1024`, the file, how often. Prints the least mean seconds of
+//! Arguments: what (behind the name of a connectivity if it is not `Full` for pictures, `Axis` for volumes), the lengths of the axes as in `1024x1024`, the file, how often. Prints the least mean seconds of
 //! processor time of a call, and the bytes that the first one took beyond what was there. Without arguments, as `cargo bench` calls it, it does nothing.
 
 use std::error::Error;
-use std::fs;
+use std::fs::{self, File};
+use std::io::{BufReader, Read};
 use std::time::Instant;
 use topo::{Connectivity, Grid, Kind, Path};
 
@@ -15,10 +16,13 @@ fn main() -> Result<(), Box<dyn Error>> {
     let args: Vec<String> = std::env::args().skip(1).filter(|arg| arg != "--bench").collect();
     let [what, shape, file, times] = &args[..] else { return Ok(()) };
     let shape: Vec<usize> = shape.split('x').map(str::parse).collect::<Result<_, _>>()?;
-    let bytes = fs::read(file)?;
-    let (numbers, _) = bytes.as_chunks::<8>();
-    let field: Vec<f64> = numbers.iter().map(|&bytes| f64::from_le_bytes(bytes)).collect();
-    drop(bytes);
+    // Little by little: a large buffer that is freed changes what the system's allocator does afterwards.
+    let (mut file, mut field, mut number) =
+        (BufReader::new(File::open(file)?), Vec::with_capacity(shape.iter().product()), [0; 8]);
+    while field.len() < field.capacity() {
+        file.read_exact(&mut number)?;
+        field.push(f64::from_le_bytes(number));
+    }
     let call = || once(what, &shape, &field);
     let before = resident("VmRSS")?;
     call()?;
@@ -43,14 +47,29 @@ fn once(what: &str, shape: &[usize], field: &[f64]) -> Result<(), Box<dyn Error>
         [h, w] if what == "pairs and holes" => {
             drop(topo::pairs_and_holes(&Grid::new([h, w], Connectivity::Full), field, Kind::Minimum)?);
         }
-        [h, w] if what.starts_with("freudenthal ") => {
-            on_grid(&what["freudenthal ".len()..], Grid::new([h, w], Connectivity::Freudenthal), field)?;
+        [h, w] => {
+            let (connectivity, what) = connectivity(what).unwrap_or((Connectivity::Full, what));
+            on_grid(what, Grid::new([h, w], connectivity), field)?;
         }
-        [h, w] => on_grid(what, Grid::new([h, w], Connectivity::Full), field)?,
-        [d, h, w] => on_grid(what, Grid::new([d, h, w], Connectivity::Axis), field)?,
+        [d, h, w] => {
+            let (connectivity, what) = connectivity(what).unwrap_or((Connectivity::Axis, what));
+            on_grid(what, Grid::new([d, h, w], connectivity), field)?;
+        }
         _ => return Err("one to three axes".into()),
     }
     Ok(())
+}
+
+/// The edges that are named first, and what is to be done.
+fn connectivity(what: &str) -> Option<(Connectivity, &str)> {
+    let (edges, what) = what.split_once(' ')?;
+    let connectivity = match edges {
+        "axis" => Connectivity::Axis,
+        "full" => Connectivity::Full,
+        "freudenthal" => Connectivity::Freudenthal,
+        _ => return None,
+    };
+    Some((connectivity, what))
 }
 
 fn on_grid<const D: usize>(what: &str, grid: Grid<D>, field: &[f64]) -> Result<(), Box<dyn Error>>

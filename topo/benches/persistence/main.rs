@@ -306,11 +306,37 @@ mod mesh {
         sort_floor(bencher, &mesh_field());
     }
 
+    fn mesh() -> TriangleMesh {
+        TriangleMesh::new((SIDE * SIDE) as usize, &triangles()).expect("corners exist")
+    }
+
+    #[divan::bench(sample_count = 5, sample_size = 1)]
+    fn checking_triangles(bencher: Bencher<'_, '_>) {
+        let triangles = triangles();
+        bencher
+            .counter(ItemsCount::new(SIDE * SIDE))
+            .bench_local(|| TriangleMesh::new((SIDE * SIDE) as usize, black_box(&triangles)));
+    }
+
+    #[divan::bench(sample_count = 5, sample_size = 1)]
+    fn making_rings(bencher: Bencher<'_, '_>) {
+        let bencher = bencher.counter(ItemsCount::new(SIDE * SIDE)).with_inputs(mesh);
+        bencher.bench_local_values(|mesh| {
+            (&mesh).for_each_neighbor(0, |_| ());
+            mesh
+        });
+    }
+
+    #[divan::bench(sample_count = 5, sample_size = 1)]
+    fn sublevel_triangles(bencher: Bencher<'_, '_>) {
+        bench_sublevel(bencher, &mesh(), &mesh_field());
+    }
+
     #[divan::bench(sample_count = 5, sample_size = 1)]
     fn sublevel_rings(bencher: Bencher<'_, '_>) {
-        let field = mesh_field();
-        let mesh = TriangleMesh::new(field.len(), &triangles()).expect("corners exist");
-        bench_sublevel(bencher, &mesh, &field);
+        let mesh = mesh();
+        (&mesh).for_each_neighbor(0, |_| ());
+        bench_sublevel(bencher, &mesh, &mesh_field());
     }
 
     #[divan::bench(sample_count = 5, sample_size = 1)]

@@ -51,7 +51,7 @@ pub trait Domain: Copy {
     /// Pairs the extrema in the way that is fastest on this domain; by rising index.
     #[doc(hidden)]
     fn merges<S: Scalar, D: Direction>(&self, filtration: &Filtration<'_, S, D>) -> Vec<Merge> {
-        self.basins(filtration, Pointing::Any).pair(filtration).merges
+        self.basins(filtration, Pointing::Any).pair(filtration)
     }
 
     /// Whether [`map_merges`](Self::map_merges) looks for NaN itself and then finds nothing, so that values come from memory once.

@@ -7,7 +7,7 @@
 use super::graph::Domain;
 use super::stencil::{Connectivity, Offset, Stencil};
 use crate::filtration::{Direction, Filtration};
-use crate::pairing::{Basins, OUTSIDE, Pointing, SaddleCandidate, Scan};
+use crate::pairing::{Basins, OUTSIDE, Pointing, SaddleCandidate, Scan, note_sides};
 use crate::parallel;
 use crate::scalar::Scalar;
 use core::ops::{Range, RangeInclusive};
@@ -187,6 +187,9 @@ impl<const D: usize> Domain for &Grid<D> {
 /// How many vertices of a row are scanned at a time, so that rows and sets stay in the first-level cache.
 const SPAN: usize = 512;
 
+/// Earlier neighbours fall into fewer parts: no more than there are neighbours, or corners of a cube, where all 26 are neighbours.
+const MAX_PARTS: usize = 16;
+
 /// Scans rows of a grid one after the other.
 struct Scanner<'a, S, F, const D: usize> {
     grid: &'a Grid<D>,
@@ -342,7 +345,12 @@ impl<'a, S: Scalar, F: Direction, const D: usize> Scanner<'a, S, F, D> {
                 let x = v as usize - self.here;
                 let is_end = self.grid.periodic[2] && (x == 0 || x + 1 == self.grid.shape[2]);
                 let leaps = (!is_end).then_some(&self.leaps);
-                note_candidates(self.grid, self.stencil, leaps, &mut self.found.candidates, v, set);
+                let around = Around { grid: self.grid, stencil: self.stencil, leaps, vertex: v, set };
+                if is_steepest {
+                    around.note_earliest(self.filtration, &mut self.found.candidates);
+                } else {
+                    around.note_candidates(&mut self.found.candidates);
+                }
             }
         }
     }
@@ -404,26 +412,59 @@ fn mark_and_reduce<S: Scalar, F: Direction>(
     }
 }
 
-/// Notes one neighbour of each part of a set against one of the first part, given how far neighbours are by index if all are within
-/// the rows.
-fn note_candidates<const D: usize>(
-    grid: &Grid<D>,
-    stencil: &Stencil,
-    leaps: Option<&[u32; 32]>,
-    candidates: &mut Vec<SaddleCandidate>,
-    saddle: u32,
+/// A vertex with the set of what is earlier around it.
+struct Around<'a, const D: usize> {
+    grid: &'a Grid<D>,
+    stencil: &'a Stencil,
+    /// How far neighbours are by index, if all are within the rows.
+    leaps: Option<&'a [u32; 32]>,
+    vertex: u32,
     set: u32,
-) {
-    let side = |bit: u32| match leaps {
-        Some(leaps) => saddle.wrapping_add(leaps[bit as usize % 32]),
-        None => neighbor(grid, stencil, saddle, bit),
-    };
-    let parts = stencil.parts(set);
-    let first = side(parts.trailing_zeros());
-    let mut others = parts & (parts - 1);
-    while others != 0 {
-        candidates.push(SaddleCandidate { saddle, sides: [first, side(others.trailing_zeros())] });
-        others &= others - 1;
+}
+
+impl<const D: usize> Around<'_, D> {
+    #[inline]
+    fn neighbor(&self, bit: u32) -> u32 {
+        match self.leaps {
+            Some(leaps) => self.vertex.wrapping_add(leaps[bit as usize % 32]),
+            None => neighbor(self.grid, self.stencil, self.vertex, bit),
+        }
+    }
+
+    /// Notes one neighbour of each part of the set against one of the first part.
+    #[inline]
+    fn note_candidates(&self, candidates: &mut Vec<SaddleCandidate>) {
+        let parts = self.stencil.parts(self.set);
+        let first = self.neighbor(parts.trailing_zeros());
+        let mut others = parts & (parts - 1);
+        while others != 0 {
+            let sides = [first, self.neighbor(others.trailing_zeros())];
+            candidates.push(SaddleCandidate { saddle: self.vertex, sides });
+            others &= others - 1;
+        }
+    }
+
+    /// Notes the earliest neighbour in each part of the set.
+    #[inline]
+    fn note_earliest<S: Scalar, F: Direction>(
+        &self,
+        filtration: &Filtration<'_, S, F>,
+        candidates: &mut Vec<SaddleCandidate>,
+    ) {
+        let (mut rest, mut sides, mut count) = (self.set, [0; MAX_PARTS], 0);
+        while self.stencil.neighbors(rest) != 0 {
+            let mut part = self.stencil.first_part(rest);
+            rest &= !part;
+            let mut earliest = self.neighbor(part.trailing_zeros());
+            part &= part - 1;
+            while part != 0 {
+                earliest = filtration.earlier(self.neighbor(part.trailing_zeros()), earliest);
+                part &= part - 1;
+            }
+            sides[count] = earliest;
+            count += 1;
+        }
+        note_sides(filtration, self.vertex, &mut sides[..count], candidates);
     }
 }
 

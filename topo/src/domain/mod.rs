@@ -10,6 +10,7 @@ mod rings;
 mod rows;
 mod stencil;
 mod triangle_mesh;
+mod triangles;
 
 pub use adjacency::Adjacency;
 pub use csr::CsrGraph;

@@ -9,7 +9,7 @@ use core::fmt;
 
 use super::graph::Domain;
 use crate::filtration::{Direction, Filtration};
-use crate::pairing::{Basins, OUTSIDE, Pointing, SaddleCandidate, Scan};
+use crate::pairing::{Basins, OUTSIDE, Pointing, SaddleCandidate, Scan, note_sides};
 use crate::parallel;
 use crate::scalar::Scalar;
 
@@ -126,7 +126,7 @@ pub(crate) fn basins<S: Scalar, D: Direction>(
             return;
         }
         for (v, next) in vertices.zip(next) {
-            scan(domain, filtration, v as u32, next, found);
+            scan(domain, filtration, pointing, v as u32, next, found);
             if pointing.is_steepest() && *next != OUTSIDE {
                 *next = earliest_in_link(domain, filtration, v as u32, *next);
             }
@@ -139,6 +139,7 @@ pub(crate) fn basins<S: Scalar, D: Direction>(
 fn scan<S: Scalar, D: Direction>(
     domain: impl Linked,
     filtration: &Filtration<'_, S, D>,
+    pointing: Pointing,
     v: u32,
     next: &mut u32,
     found: &mut Scan,
@@ -159,8 +160,11 @@ fn scan<S: Scalar, D: Direction>(
         }
     } else if runs > 1 {
         // The last run may go on with the first.
-        runs -= u32::from(starts && was_earlier && domain.is_closed(v as usize));
-        if runs > 1 {
+        let goes_round = starts && was_earlier && domain.is_closed(v as usize);
+        runs -= u32::from(goes_round);
+        if runs > 1 && pointing.is_steepest() {
+            note_earliest(domain, filtration, v, goes_round, &mut found.candidates);
+        } else if runs > 1 {
             note_candidates(domain, filtration, v, runs as usize, &mut found.candidates);
         }
     }
@@ -197,4 +201,30 @@ fn note_candidates<S: Scalar, D: Direction>(
         was_earlier = is_earlier && is_joined;
     });
     candidates.extend(sides[1..runs].iter().map(|&side| SaddleCandidate { saddle, sides: [sides[0], side] }));
+}
+
+/// Notes the earliest vertex of each run, given whether the last run goes on with the first.
+#[cold]
+fn note_earliest<S: Scalar, D: Direction>(
+    domain: impl Linked,
+    filtration: &Filtration<'_, S, D>,
+    saddle: u32,
+    goes_round: bool,
+    candidates: &mut Vec<SaddleCandidate>,
+) {
+    let mut sides: Vec<u32> = Vec::new();
+    let mut was_earlier = false;
+    domain.for_each_in_link(saddle as usize, |u, is_joined| {
+        let is_earlier = filtration.precedes(u, saddle);
+        match sides.last_mut() {
+            Some(side) if is_earlier && was_earlier => *side = filtration.earlier(u, *side),
+            _ if is_earlier => sides.push(u),
+            _ => {}
+        }
+        was_earlier = is_earlier && is_joined;
+    });
+    if goes_round && let Some(last) = sides.pop() {
+        sides[0] = filtration.earlier(last, sides[0]);
+    }
+    note_sides(filtration, saddle, &mut sides, candidates);
 }

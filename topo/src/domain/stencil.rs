@@ -31,7 +31,7 @@ pub(crate) type Offset = [i8; 3];
 /// Sets of more offsets than this are flooded anew for each vertex; below, a table of 2ⁿ bits (32 KB) is filled once.
 const MAX_TABLE_BITS: usize = 18;
 
-/// Parts of sets of more offsets than this are flooded anew; below, a table of 2ⁿ words (1 KB) is filled once.
+/// Parts of sets of more offsets than this are flooded anew; below, two tables of 2ⁿ words (1 KB) are filled once.
 const MAX_PART_BITS: usize = 8;
 
 /// Neighbours of a grid vertex, one bit each, true neighbours first.
@@ -45,6 +45,8 @@ pub(crate) struct Stencil {
     splits: Vec<u64>,
     /// For each set of few offsets one neighbour of each part.
     parts: Vec<u32>,
+    /// For each set of few offsets its first part.
+    first_parts: Vec<u32>,
 }
 
 impl Stencil {
@@ -66,12 +68,15 @@ impl Stencil {
             adjacent.fold(0, |set, (bit, _)| set | 1 << bit)
         };
         let adjacent = offsets.iter().map(adjacent_to).collect();
-        let mut stencil = Self { offsets, neighbor_bits, adjacent, splits: Vec::new(), parts: Vec::new() };
+        let mut stencil =
+            Self { offsets, neighbor_bits, adjacent, splits: Vec::new(), parts: Vec::new(), first_parts: Vec::new() };
         if stencil.offsets.len() <= MAX_TABLE_BITS {
             stencil.fill_table();
         }
         if stencil.offsets.len() <= MAX_PART_BITS {
-            stencil.parts = (0..1 << stencil.offsets.len()).map(|set| stencil.parts_by_flooding(set)).collect();
+            let sets = 0..1 << stencil.offsets.len();
+            stencil.parts = sets.clone().map(|set| stencil.parts_by_flooding(set)).collect();
+            stencil.first_parts = sets.map(|set| stencil.first_part_by_flooding(set)).collect();
         }
         stencil
     }
@@ -117,6 +122,17 @@ impl Stencil {
             rest &= !self.component(set, first);
         }
         parts
+    }
+
+    /// The first part of the neighbours in a set; none if there is none.
+    #[inline]
+    pub(crate) fn first_part(&self, set: u32) -> u32 {
+        self.first_parts.get(set as usize).copied().unwrap_or_else(|| self.first_part_by_flooding(set))
+    }
+
+    fn first_part_by_flooding(&self, set: u32) -> u32 {
+        let neighbors = self.neighbors(set);
+        if neighbors == 0 { 0 } else { self.neighbors(self.component(set, neighbors.trailing_zeros())) }
     }
 
     /// The connected component of one of the bits of a set.
@@ -203,6 +219,7 @@ mod tests {
                 assert!(sets.clone().all(|set| stencil.splits(set) == stencil.splits_by_flooding(set)));
                 assert_eq!(stencil.parts.is_empty(), stencil.offsets.len() > MAX_PART_BITS);
                 assert!(sets.clone().all(|set| stencil.parts(set) == stencil.parts_by_flooding(set)));
+                assert!(sets.clone().all(|set| stencil.first_part(set) == stencil.first_part_by_flooding(set)));
                 assert!(sets.into_iter().all(|set| stencil.splits(set) == (stencil.parts(set).count_ones() > 1)));
             }
         }

@@ -1,16 +1,19 @@
-//! Triangle meshes with their neighbours in cyclic order.
+//! Triangle meshes, with their neighbours in cyclic order where these are asked for.
 //!
-//! The triangles need be no surface. At a boundary the ring is an open chain; where sheets meet there are several chains.
+//! The triangles need be no surface. Pairs are found from them as they are (see [`triangles`]). What else asks for neighbours gets them in
+//! rings. At a boundary the ring is an open chain; where sheets meet there are several chains.
 //! Chains that share a vertex are counted as different parts, which costs time and changes no pair (see [`rings`]).
 
 use super::graph::Domain;
 use super::rings::{self, Linked};
-use super::rows::{Rows, known, vertex_index};
+use super::rows::{Rows, vertex_index};
+use super::triangles;
 use crate::error::{Error, check_vertex_count};
 use crate::filtration::{Direction, Filtration};
 use crate::pairing::{Basins, Pointing};
 use crate::scalar::Scalar;
 use num_traits::PrimInt;
+use std::sync::OnceLock;
 
 /// Marks the last vertex of an open chain. A ring without a mark is closed.
 const END: u32 = 1 << 31;
@@ -26,47 +29,74 @@ const NONE: u32 = u32::MAX;
 /// assert_eq!((persistence.minima.len(), persistence.maxima.len()), (1, 1));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone)]
 pub struct TriangleMesh {
-    rings: Rows<u32>,
+    vertices: usize,
+    triangles: Vec<[u32; 3]>,
+    /// The neighbours of each vertex, made when they are first asked for.
+    rings: OnceLock<Rows<u32>>,
 }
 
+impl PartialEq for TriangleMesh {
+    /// Whether the triangles are the same.
+    fn eq(&self, other: &Self) -> bool {
+        (self.vertices, &self.triangles) == (other.vertices, &other.triangles)
+    }
+}
+
+impl Eq for TriangleMesh {}
+
 impl TriangleMesh {
-    /// From the corners of the triangles, arrays or tuples of integers of any type, in any orientation. O(vertices + triangles);
-    /// fastest where neighbours are oriented alike.
+    /// From the corners of the triangles, arrays or tuples of integers of any type, in any orientation. O(vertices + triangles).
+    ///
+    /// Pairs are found from the triangles as they are. What asks for neighbours (trees, segmentations, the plain sweep) has them put into
+    /// rings first, once for a mesh; that is fastest where neighbouring triangles are oriented alike.
     ///
     /// # Errors
     /// If a corner is not a vertex, or if there are more than 2³¹ - 1 triangles.
     pub fn new<I: PrimInt>(vertices: usize, triangles: &[impl Into<[I; 3]> + Copy]) -> Result<Self, Error> {
         check_vertex_count(vertices.max(triangles.len()))?;
-        for (triangle, &corners) in triangles.iter().enumerate() {
-            for corner in corners.into() {
-                vertex_index(corner, vertices).map_err(|vertex| Error::Triangle { triangle, vertex, vertices })?;
+        let checked = |(triangle, &corners): (usize, &_)| {
+            let corners: [I; 3] = Into::into(corners);
+            let mut indices = [0; 3];
+            for (index, corner) in indices.iter_mut().zip(corners) {
+                *index =
+                    vertex_index(corner, vertices).map_err(|vertex| Error::Triangle { triangle, vertex, vertices })?;
             }
-        }
-        let corners = triangles.iter().map(|&corners| corners.into().map(known));
-        let links = Rows::sorted(vertices, corners.filter(|[a, b, c]| a != b || b != c).map(link_edges));
-        let mut chaining = Chaining::default();
-        let rings = links.flattened(|link, ring| {
-            let is_cycle = is_cycle(link);
-            if !is_cycle {
-                chaining.append_ring(vertices, link, ring);
-            }
-            is_cycle
-        });
-        Ok(Self { rings })
+            Ok(indices)
+        };
+        let triangles = triangles.iter().enumerate().map(checked).collect::<Result<_, Error>>()?;
+        Ok(Self { vertices, triangles, rings: OnceLock::new() })
+    }
+
+    fn rings(&self) -> &Rows<u32> {
+        self.rings.get_or_init(|| rings_of(self.vertices, &self.triangles))
     }
 
     fn ring(&self, vertex: usize) -> &[u32] {
-        self.rings.of(vertex)
+        self.rings().of(vertex)
     }
+}
+
+/// The neighbours of each vertex in cyclic order.
+fn rings_of(vertices: usize, triangles: &[[u32; 3]]) -> Rows<u32> {
+    let corners = triangles.iter().copied();
+    let links = Rows::sorted(vertices, corners.filter(|[a, b, c]| a != b || b != c).map(link_edges));
+    let mut chaining = Chaining::default();
+    links.flattened(|link, ring| {
+        let is_cycle = is_cycle(link);
+        if !is_cycle {
+            chaining.append_ring(vertices, link, ring);
+        }
+        is_cycle
+    })
 }
 
 impl Domain for &TriangleMesh {
     type Vertex = usize;
 
     fn vertex_count(&self) -> usize {
-        self.rings.len()
+        self.vertices
     }
 
     fn vertex(&self, index: usize) -> usize {
@@ -78,13 +108,16 @@ impl Domain for &TriangleMesh {
     }
 
     fn basins<S: Scalar, D: Direction>(&self, filtration: &Filtration<'_, S, D>, pointing: Pointing) -> Basins {
+        if pointing == Pointing::Any && self.rings.get().is_none() {
+            return triangles::basins(self.vertices, &self.triangles, filtration);
+        }
         rings::basins(*self, filtration, pointing)
     }
 }
 
 impl Linked for &TriangleMesh {
     fn vertex_count(&self) -> usize {
-        self.rings.len()
+        self.vertices
     }
 
     #[inline]

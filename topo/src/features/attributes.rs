@@ -5,7 +5,7 @@
 //! a long row: O(log n) for n branches at worst, mostly one step.
 
 use super::branches::enters;
-use super::merge_tree::{MergeTree, TreeVertex};
+use super::merge_tree::MergeTree;
 use crate::error::Error;
 use crate::pairing::NONE;
 use crate::persistence::Pair;
@@ -37,17 +37,18 @@ impl<V: Copy, S: Scalar> MergeTree<'_, V, S> {
     pub fn branches(&self) -> Vec<Branch<V, S>> {
         let sizes = self.accumulated(|_| 1);
         let mut ends = vec![None; self.leaves.len()];
-        for end in &self.endings {
-            ends[end.leaf as usize] = Some((end.saddle, Some(self.leaves[end.elder as usize].vertex)));
+        for (end, saddle) in self.ends_and_saddles() {
+            ends[end.extremum as usize] = Some((saddle, self.value(end.saddle), Some(self.leaf_name(end.elder))));
         }
-        self.roots.iter().for_each(|&(leaf, last)| ends[leaf as usize] = Some((last, None)));
-        let branch = |((born, end), size): ((&TreeVertex<V, S>, _), usize)| {
-            let (end, parent): (TreeVertex<V, S>, Option<V>) = end?;
-            let saddle = parent.map(|_| end.vertex);
-            let pair = Pair { extremum: born.vertex, saddle, birth: born.value, end: end.value };
-            Some(Branch { pair, parent, size })
+        for (leaf, last, name) in self.roots_and_names() {
+            ends[leaf as usize] = Some((name, self.value(last), None));
+        }
+        let branch = |((leaf, end), size)| {
+            let (last, end, parent): (V, S, Option<V>) = end?;
+            let (extremum, birth) = (self.leaf_name(leaf), self.value(self.leaves[leaf as usize]));
+            Some(Branch { pair: Pair { extremum, saddle: parent.map(|_| last), birth, end }, parent, size })
         };
-        self.leaves.iter().zip(ends).zip(sizes).filter_map(branch).collect()
+        (0u32..).zip(ends).zip(sizes).filter_map(branch).collect()
     }
 
     /// For each of the [branches](Self::branches) the sum of what the vertices of its component weigh just before the
@@ -77,8 +78,8 @@ impl<V: Copy, S: Scalar> MergeTree<'_, V, S> {
     pub fn filter(&self, mut is_wanted: impl FnMut(&Branch<V, S>) -> bool) -> MergeTree<'static, V, S> {
         let mut kept: Vec<bool> = self.branches().iter().map(&mut is_wanted).collect();
         self.roots.iter().for_each(|root| kept[root.0 as usize] = true);
-        for end in &self.endings {
-            kept[end.elder as usize] |= kept[end.leaf as usize];
+        for end in &self.ends {
+            kept[end.elder as usize] |= kept[end.extremum as usize];
         }
         self.pruned(&kept)
     }
@@ -92,8 +93,8 @@ impl<V: Copy, S: Scalar> MergeTree<'_, V, S> {
                 sums[ancestry.branch_of(self, v as u32, value, basin) as usize] += weight(v);
             }
         }
-        for end in &self.endings {
-            let ended = sums[end.leaf as usize];
+        for end in &self.ends {
+            let ended = sums[end.extremum as usize];
             sums[end.elder as usize] += ended;
         }
         sums
@@ -114,8 +115,8 @@ impl Ancestry {
         let (mut ending, mut depth) = (vec![NONE; count], vec![0u32; count]);
         let mut skip: Vec<u32> = (0..count as u32).collect();
         // What ends later has its place before what ends in it.
-        for (place, end) in (0..tree.endings.len() as u32).zip(&tree.endings).rev() {
-            let (leaf, elder) = (end.leaf as usize, end.elder as usize);
+        for (place, end) in (0..tree.ends.len() as u32).zip(&tree.ends).rev() {
+            let (leaf, elder) = (end.extremum as usize, end.elder as usize);
             (ending[leaf], depth[leaf]) = (place, depth[elder] + 1);
             let once = skip[elder] as usize;
             let twice = skip[once] as usize;
@@ -133,8 +134,8 @@ impl Ancestry {
         value: S,
         basin: u32,
     ) -> u32 {
-        let ending = |leaf: u32| tree.endings.get(self.ending[leaf as usize] as usize);
-        let has_ended = |leaf: u32| ending(leaf).is_some_and(|end| !tree.is_before(vertex, value, &end.saddle));
+        let ending = |leaf: u32| tree.ends.get(self.ending[leaf as usize] as usize);
+        let has_ended = |leaf: u32| ending(leaf).is_some_and(|end| !tree.is_before(vertex, value, end.saddle));
         self.branch_going_on(basin, has_ended, |leaf| ending(leaf).map_or(leaf, |end| end.elder))
     }
 

@@ -1,6 +1,6 @@
 //! The components of a sublevel or superlevel set, read off from a merge tree.
 
-use super::merge_tree::{MergeTree, TreeVertex};
+use super::merge_tree::MergeTree;
 use super::segmentation::{Segmentation, of_basin};
 use crate::pairing::{NONE, UnionFind};
 use crate::scalar::Scalar;
@@ -25,10 +25,10 @@ impl<V: Copy, S: Scalar> MergeTree<'_, V, S> {
     pub fn at(&self, level: S) -> Vec<LevelComponent<V, S>> {
         let components = self.components(level);
         let mut saddles = vec![None; self.leaves.len()];
-        self.endings.iter().for_each(|end| saddles[end.leaf as usize] = Some(end.saddle.vertex));
+        self.ends_and_saddles().for_each(|(end, saddle)| saddles[end.extremum as usize] = Some(saddle));
         let alive = self.eldest_at(level).0;
         let component = |(&leaf, size): (&u32, usize)| {
-            let TreeVertex { vertex: extremum, value, .. } = self.leaves[leaf as usize];
+            let (extremum, value) = (self.leaf_name(leaf), self.value(self.leaves[leaf as usize]));
             LevelComponent { extremum, value, saddle: saddles[leaf as usize], size }
         };
         alive.iter().zip(components.sizes()).map(component).collect()
@@ -55,18 +55,19 @@ impl<V: Copy, S: Scalar> MergeTree<'_, V, S> {
             if self.has_reached(value, level) { of_basin(&component_of_leaf, basin) } else { NONE }
         };
         let labels = self.basins().iter().zip(&*self.values).map(label).collect();
-        let extrema = alive.iter().map(|&leaf| self.leaves[leaf as usize].vertex).collect();
+        let extrema = alive.iter().map(|&leaf| self.leaf_name(leaf)).collect();
         Segmentation::new(extrema, labels)
     }
 
     /// The leaves of the components at a level, rising, and which leaves are merged there.
     fn eldest_at(&self, level: S) -> (Vec<u32>, UnionFind) {
         let mut components = UnionFind::new(self.leaves.len());
-        for end in self.endings.iter().take_while(|end| self.has_reached(end.saddle.value, level)) {
-            components.join(end.leaf, end.elder);
+        for end in self.ends.iter().take_while(|end| self.has_reached(self.value(end.saddle), level)) {
+            components.join(end.extremum, end.elder);
         }
-        let is_eldest =
-            |leaf: &u32| self.has_reached(self.leaves[*leaf as usize].value, level) && components.find(*leaf) == *leaf;
+        let is_eldest = |&leaf: &u32| {
+            self.has_reached(self.value(self.leaves[leaf as usize]), level) && components.find(leaf) == leaf
+        };
         ((0..self.leaves.len() as u32).filter(is_eldest).collect(), components)
     }
 }

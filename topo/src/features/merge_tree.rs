@@ -7,13 +7,13 @@
 //! nothing sorts all vertices. It keeps the way down from each vertex, 4 bytes, and borrows the field. Ways are followed to their ends
 //! when it is first asked which vertices belong to what.
 
-use super::branches::{BranchEnd, Branches, enters, fill_levels, spilled};
+use super::branches::{Branches, enters, fill_levels, spilled};
 use super::segmentation::{Segmentation, of_basin};
 use crate::domain::Domain;
 use crate::error::Error;
 use crate::filtration::{Direction, Falling, Filtration, Kind, NanPolicy, Rising};
 use crate::options::PersistenceOptions;
-use crate::pairing::{BasinLabels, Pointing, Settled};
+use crate::pairing::{BasinLabels, BranchEnd, Pointing, Settled};
 use crate::scalar::{Scalar, wider_first};
 use crate::watch::Watch;
 use std::borrow::Cow;
@@ -61,42 +61,28 @@ pub struct Node<V, S> {
 pub struct MergeTree<'f, V, S: Scalar> {
     pub(super) kind: Kind,
     /// By rising index.
-    pub(super) leaves: Vec<TreeVertex<V, S>>,
+    pub(super) leaves: Vec<u32>,
+    leaf_names: Vec<V>,
     /// In the order in which branches end.
-    pub(super) endings: Vec<End<V, S>>,
+    pub(super) ends: Vec<BranchEnd>,
+    /// For each branch that ends the name of its saddle.
+    saddle_names: Vec<V>,
     /// The leaf of each branch that does not end, and the last vertex.
-    pub(super) roots: Vec<(u32, TreeVertex<V, S>)>,
+    pub(super) roots: Vec<(u32, u32)>,
+    root_names: Vec<V>,
     /// For each vertex its leaf, the end of its steepest descent.
     pub(super) basins: BasinLabels,
-    /// For each vertex its value, or the level up to which it is filled.
+    /// For each vertex its value, or the level up to which it is filled. Leaves, saddles and roots are never filled beyond their own values.
     pub(super) values: Cow<'f, [S]>,
-}
-
-/// A vertex with its index and value.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct TreeVertex<V, S> {
-    pub(super) index: u32,
-    pub(super) vertex: V,
-    pub(super) value: S,
-}
-
-/// Where a branch ends.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct End<V, S> {
-    pub(super) leaf: u32,
-    /// Whose branch goes on.
-    pub(super) elder: u32,
-    /// Into whose basin it spills.
-    pub(super) beyond: u32,
-    pub(super) saddle: TreeVertex<V, S>,
 }
 
 impl<V: PartialEq, S: Scalar> PartialEq for MergeTree<'_, V, S> {
     /// Values of vertices that never enter do not count.
     fn eq(&self, other: &Self) -> bool {
         let values = || self.values.iter().zip(&*other.values);
-        (self.kind, &self.leaves, &self.endings, &self.roots)
-            == (other.kind, &other.leaves, &other.endings, &other.roots)
+        (self.kind, &self.leaves, &self.ends, &self.roots) == (other.kind, &other.leaves, &other.ends, &other.roots)
+            && (&self.leaf_names, &self.saddle_names, &self.root_names)
+                == (&other.leaf_names, &other.saddle_names, &other.root_names)
             && self.basins().iter().eq(other.basins().iter())
             && values().zip(self.basins().iter()).all(|((a, b), basin)| !enters(basin) || a == b)
     }
@@ -127,22 +113,38 @@ impl<'f, V: Copy, S: Scalar> MergeTree<'f, V, S> {
         field: &'f [S],
         name: impl Fn(u32) -> V,
     ) -> Result<Self, Error> {
-        let branches = Branches::new(domain, filtration, Pointing::Steepest)?;
-        let place = |index: u32| TreeVertex { index, vertex: name(index), value: filtration.value(index) };
-        let end = |&BranchEnd { extremum, saddle, elder, beyond }: &BranchEnd| End {
-            leaf: extremum,
-            elder,
-            beyond,
-            saddle: place(saddle),
-        };
+        let Branches { extrema, basins, ends, essential } = Branches::new(domain, filtration, Pointing::Steepest)?;
         Ok(Self {
             kind: D::KIND,
-            leaves: branches.extrema.iter().map(|&extremum| place(extremum)).collect(),
-            endings: branches.ends.iter().map(end).collect(),
-            roots: branches.essential.iter().map(|&(leaf, last)| (leaf, place(last))).collect(),
-            basins: branches.basins,
+            leaf_names: extrema.iter().map(|&extremum| name(extremum)).collect(),
+            leaves: extrema,
+            saddle_names: ends.iter().map(|end| name(end.saddle)).collect(),
+            ends,
+            root_names: essential.iter().map(|&(_, last)| name(last)).collect(),
+            roots: essential,
+            basins,
             values: Cow::Borrowed(field),
         })
+    }
+
+    /// The value at a vertex.
+    pub(super) fn value(&self, vertex: u32) -> S {
+        self.values[vertex as usize]
+    }
+
+    /// What a leaf is called.
+    pub(super) fn leaf_name(&self, leaf: u32) -> V {
+        self.leaf_names[leaf as usize]
+    }
+
+    /// The branches that end, with what their saddles are called.
+    pub(super) fn ends_and_saddles(&self) -> impl Iterator<Item = (&BranchEnd, V)> {
+        self.ends.iter().zip(self.saddle_names.iter().copied())
+    }
+
+    /// The branches that do not end: leaves, last vertices, and what these are called.
+    pub(super) fn roots_and_names(&self) -> impl Iterator<Item = (u32, u32, V)> {
+        self.roots.iter().zip(&self.root_names).map(|(&(leaf, last), &name)| (leaf, last, name))
     }
 
     /// Whether leaves are minima or maxima.
@@ -166,33 +168,35 @@ impl<'f, V: Copy, S: Scalar> MergeTree<'f, V, S> {
     /// # Ok::<(), topo::Error>(())
     /// ```
     pub fn into_owned(self) -> MergeTree<'static, V, S> {
-        let Self { kind, leaves, endings, roots, basins, values } = self;
-        MergeTree { kind, leaves, endings, roots, basins, values: Cow::Owned(values.into_owned()) }
+        let Self { kind, leaves, leaf_names, ends, saddle_names, roots, root_names, basins, values } = self;
+        let values = Cow::Owned(values.into_owned());
+        MergeTree { kind, leaves, leaf_names, ends, saddle_names, roots, root_names, basins, values }
     }
 
     /// Leaves, then saddles in the order in which they enter, then roots that are neither.
     pub fn nodes(&self) -> Vec<Node<V, S>> {
-        let node = |place: &TreeVertex<V, S>| Node { vertex: place.vertex, value: place.value, parent: None };
-        let mut nodes: Vec<_> = self.leaves.iter().map(node).collect();
+        let node = |vertex: u32, name: V| Node { vertex: name, value: self.value(vertex), parent: None };
+        let mut nodes: Vec<_> =
+            self.leaves.iter().zip(&self.leaf_names).map(|(&leaf, &name)| node(leaf, name)).collect();
         // For each branch its last node so far.
         let mut tops: Vec<usize> = (0..nodes.len()).collect();
         let mut last_saddle = None;
-        for End { leaf, elder, saddle, .. } in &self.endings {
-            let (younger, elder) = (*leaf as usize, *elder as usize);
-            if last_saddle.replace(saddle.index) != Some(saddle.index) {
+        for (&BranchEnd { extremum, elder, saddle, .. }, name) in self.ends_and_saddles() {
+            let (younger, elder) = (extremum as usize, elder as usize);
+            if last_saddle.replace(saddle) != Some(saddle) {
                 nodes[tops[elder]].parent = Some(nodes.len());
                 tops[elder] = nodes.len();
-                nodes.push(node(saddle));
+                nodes.push(node(saddle, name));
             }
             nodes[tops[younger]].parent = Some(tops[elder]);
         }
-        let mut is_node: Vec<u32> =
-            self.leaves.iter().chain(self.endings.iter().map(|end| &end.saddle)).map(|place| place.index).collect();
+        let saddles = self.ends.iter().map(|end| end.saddle);
+        let mut is_node: Vec<u32> = self.leaves.iter().copied().chain(saddles).collect();
         is_node.sort_unstable();
-        for (leaf, last) in &self.roots {
-            if is_node.binary_search(&last.index).is_err() {
-                nodes[tops[*leaf as usize]].parent = Some(nodes.len());
-                nodes.push(node(last));
+        for (leaf, last, name) in self.roots_and_names() {
+            if is_node.binary_search(&last).is_err() {
+                nodes[tops[leaf as usize]].parent = Some(nodes.len());
+                nodes.push(node(last, name));
             }
         }
         nodes
@@ -217,8 +221,7 @@ impl<'f, V: Copy, S: Scalar> MergeTree<'f, V, S> {
     }
 
     fn basins_of(&self, kept: &[bool]) -> Segmentation<V> {
-        let leaves = self.leaves.iter().zip(kept).filter(|&(_, &kept)| kept);
-        let extrema = leaves.map(|(leaf, _)| leaf.vertex).collect();
+        let extrema = those(&self.leaf_names, kept);
         let segment_of_basin = self.spilled(kept);
         Segmentation::new(extrema, self.basins().iter().map(|basin| of_basin(&segment_of_basin, basin)).collect())
     }
@@ -238,11 +241,11 @@ impl<'f, V: Copy, S: Scalar> MergeTree<'f, V, S> {
     /// ```
     pub fn clusters(&self, count: usize) -> Segmentation<V> {
         let mut kept = vec![true; self.leaves.len()];
-        let width = |end: &End<V, S>| self.leaves[end.leaf as usize].value.width(end.saddle.value);
-        let mut ended: Vec<(S::Width, u32)> = self.endings.iter().map(|end| (width(end), end.leaf)).collect();
-        let entering = |leaf: u32| self.leaves[leaf as usize].value.key();
+        let born = |leaf: u32| self.value(self.leaves[leaf as usize]);
+        let width = |end: &BranchEnd| born(end.extremum).width(self.value(end.saddle));
+        let mut ended: Vec<(S::Width, u32)> = self.ends.iter().map(|end| (width(end), end.extremum)).collect();
         ended.sort_unstable_by(|a, b| {
-            let first = (entering(a.1), a.1).cmp(&(entering(b.1), b.1));
+            let first = (born(a.1).key(), a.1).cmp(&(born(b.1).key(), b.1));
             wider_first(&a.0, &b.0).then(if self.kind == Kind::Minimum { first } else { first.reverse() })
         });
         for &(_, leaf) in ended.iter().skip(count.saturating_sub(self.roots.len())) {
@@ -261,23 +264,26 @@ impl<'f, V: Copy, S: Scalar> MergeTree<'f, V, S> {
     /// The tree with some branches only; those that end in others bring them along.
     pub(super) fn pruned(&self, kept: &[bool]) -> MergeTree<'static, V, S> {
         let place = self.spilled(kept);
-        let levels = fill_levels(self.endings.iter().map(|end| (end.leaf, end.elder, end.saddle.value)), kept);
+        let levels = fill_levels(self.ends.iter().map(|end| (end.extremum, end.elder, self.value(end.saddle))), kept);
         let renumbered = |leaf: u32| place[leaf as usize];
         let filled = |(basin, &value): (u32, &S)| {
             let level = levels.get(basin as usize).copied().flatten();
             level.filter(|&level| self.has_reached(value, level)).unwrap_or(value)
         };
-        let end = |end: &End<V, S>| End {
-            leaf: renumbered(end.leaf),
-            elder: renumbered(end.elder),
-            beyond: renumbered(end.beyond),
-            ..*end
+        let ends = self.ends_and_saddles().filter(|(end, _)| kept[end.extremum as usize]);
+        let end = |(end, name): (&BranchEnd, V)| {
+            let [extremum, elder, beyond] = [end.extremum, end.elder, end.beyond].map(renumbered);
+            (BranchEnd { extremum, saddle: end.saddle, elder, beyond }, name)
         };
+        let (ends, saddle_names) = ends.map(end).unzip();
         MergeTree {
             kind: self.kind,
-            leaves: self.leaves.iter().zip(kept).filter(|&(_, &kept)| kept).map(|(leaf, _)| *leaf).collect(),
-            endings: self.endings.iter().filter(|end| kept[end.leaf as usize]).map(end).collect(),
+            leaves: those(&self.leaves, kept),
+            leaf_names: those(&self.leaf_names, kept),
+            ends,
+            saddle_names,
             roots: self.roots.iter().map(|&(leaf, last)| (renumbered(leaf), last)).collect(),
+            root_names: self.root_names.clone(),
             values: self.basins().iter().zip(&*self.values).map(filled).collect(),
             basins: BasinLabels::new(self.basins().iter().map(|basin| of_basin(&place, basin))),
         }
@@ -286,15 +292,15 @@ impl<'f, V: Copy, S: Scalar> MergeTree<'f, V, S> {
     /// Whether the branch of each leaf lives longer than a threshold.
     fn longer(&self, threshold: S::Width) -> Vec<bool> {
         let mut is_longer = vec![true; self.leaves.len()];
-        for end in &self.endings {
-            let born = self.leaves[end.leaf as usize].value;
-            is_longer[end.leaf as usize] = born.width(end.saddle.value) > threshold;
+        for end in &self.ends {
+            let born = self.value(self.leaves[end.extremum as usize]);
+            is_longer[end.extremum as usize] = born.width(self.value(end.saddle)) > threshold;
         }
         is_longer
     }
 
     fn spilled(&self, kept: &[bool]) -> Vec<u32> {
-        spilled(self.endings.iter().map(|end| (end.leaf, end.beyond)), kept)
+        spilled(self.ends.iter().map(|end| (end.extremum, end.beyond)), kept)
     }
 
     /// Whether a value has been reached at a level.
@@ -306,14 +312,20 @@ impl<'f, V: Copy, S: Scalar> MergeTree<'f, V, S> {
     }
 
     /// Whether the vertex with an index and a value enters before a saddle.
-    pub(super) fn is_before(&self, index: u32, value: S, saddle: &TreeVertex<V, S>) -> bool {
-        match (self.kind, index < saddle.index) {
-            (Kind::Minimum, true) => Rising::precedes_higher_index(value, saddle.value),
-            (Kind::Minimum, false) => Rising::precedes_lower_index(value, saddle.value),
-            (Kind::Maximum, true) => Falling::precedes_higher_index(value, saddle.value),
-            (Kind::Maximum, false) => index != saddle.index && Falling::precedes_lower_index(value, saddle.value),
+    pub(super) fn is_before(&self, index: u32, value: S, saddle: u32) -> bool {
+        let level = self.value(saddle);
+        match (self.kind, index < saddle) {
+            (Kind::Minimum, true) => Rising::precedes_higher_index(value, level),
+            (Kind::Minimum, false) => Rising::precedes_lower_index(value, level),
+            (Kind::Maximum, true) => Falling::precedes_higher_index(value, level),
+            (Kind::Maximum, false) => index != saddle && Falling::precedes_lower_index(value, level),
         }
     }
+}
+
+/// Those things that are kept.
+fn those<T: Copy>(things: &[T], kept: &[bool]) -> Vec<T> {
+    things.iter().zip(kept).filter(|&(_, &kept)| kept).map(|(&thing, _)| thing).collect()
 }
 
 impl PersistenceOptions {

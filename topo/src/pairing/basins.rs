@@ -14,9 +14,10 @@
 
 use super::boruvka;
 use super::descent::{Descent, OUTSIDE};
-use super::elder_rule::{self, Ended, Join};
+use super::elder_rule::{self, Ended};
 use super::graph::Graph;
-use super::merges::Merge;
+use super::joins::Join;
+use super::merges::{BranchEnd, Merge};
 use super::union_find::UnionFind;
 use crate::filtration::{Direction, Filtration, Kind};
 use crate::parallel;
@@ -28,7 +29,8 @@ pub(crate) struct Scan {
     /// Vertices without an earlier neighbour, by rising index.
     pub(crate) extrema: Vec<u32>,
     /// Vertices at which something may merge, by rising index, with two earlier neighbours in different parts of the
-    /// lower link. A vertex with more than two parts has more than one entry.
+    /// lower link. A vertex with more than two parts has more than one entry. If vertices point to their earliest neighbours, entries are as
+    /// [`note_sides`] makes them.
     pub(crate) candidates: Vec<SaddleCandidate>,
 }
 
@@ -94,32 +96,58 @@ pub(crate) fn basins_of_graph<G: Graph, S: Scalar, D: Direction>(
     }
     let descent = Descent::new(next, extrema);
     if pointing == Pointing::Labels {
-        descent.settle(filtration.watch());
+        descent.shorten(filtration.watch());
     }
-    let joins = joins_of_graph(graph, filtration, &descent, &candidates);
+    let joins = joins_of_graph(graph, filtration, &descent, &candidates, pointing);
     Basins { descent, joins, pointing }
 }
 
-/// The joins between the basins of all earlier neighbours of each candidate.
+/// The joins between the basins of all earlier neighbours of each candidate. Where vertices point to their earliest neighbours, joins lead to
+/// the other basins in the order in which the first neighbours in these enter.
 fn joins_of_graph<G: Graph, S: Scalar, D: Direction>(
     graph: G,
     filtration: &Filtration<'_, S, D>,
     descent: &Descent,
     candidates: &[u32],
+    pointing: Pointing,
 ) -> Vec<Join> {
-    let mut joins = Vec::new();
+    let (mut joins, mut others) = (Vec::new(), Vec::new());
     for &saddle in candidates.chunks(parallel::BLOCK).take_while(|_| !filtration.stops()).flatten() {
         let own = descent.basin(saddle);
+        others.clear();
         graph.for_each_neighbor(saddle as usize, |u| {
-            if filtration.precedes(u as u32, saddle) {
-                let basin = descent.basin(u as u32);
+            let u = u as u32;
+            if filtration.precedes(u, saddle) {
+                let basin = descent.basin(u);
                 if basin != own {
-                    joins.push(Join { saddle, basins: [own, basin] });
+                    others.push((u, basin));
                 }
             }
         });
+        if pointing.is_steepest() && others.len() > 1 {
+            others.sort_unstable_by(|&(u, _), &(v, _)| filtration.compare(u, v));
+        }
+        joins.extend(others.iter().map(|&(_, basin)| Join { saddle, basins: [own, basin] }));
     }
     joins
+}
+
+/// Notes joins from the earliest side of a saddle to its other sides in the order in which these enter; each side a neighbour, the earliest
+/// of its part of the lower link.
+pub(crate) fn note_sides<S: Scalar, D: Direction>(
+    filtration: &Filtration<'_, S, D>,
+    saddle: u32,
+    sides: &mut [u32],
+    candidates: &mut Vec<SaddleCandidate>,
+) {
+    match sides {
+        [a, b] if filtration.precedes(*b, *a) => candidates.push(SaddleCandidate { saddle, sides: [*b, *a] }),
+        [a, b] => candidates.push(SaddleCandidate { saddle, sides: [*a, *b] }),
+        _ => {
+            sides.sort_unstable_by(|&u, &v| filtration.compare(u, v));
+            candidates.extend(sides[1..].iter().map(|&side| SaddleCandidate { saddle, sides: [sides[0], side] }));
+        }
+    }
 }
 
 impl Basins {
@@ -142,8 +170,10 @@ impl Basins {
         scans.iter().for_each(|scan| extrema.extend_from_slice(&scan.extrema));
         let candidates: Vec<_> = scans.into_iter().map(|scan| scan.candidates).collect();
         let descent = Descent::new(next, extrema);
-        if pointing == Pointing::Labels || descent.is_worth_settling_for(candidates.iter().map(Vec::len).sum()) {
+        if descent.is_worth_settling_for(candidates.iter().map(Vec::len).sum()) {
             descent.settle(filtration.watch());
+        } else if pointing == Pointing::Labels {
+            descent.shorten(filtration.watch());
         }
         let mut joins = parallel::filter_map(candidates, filtration.watch(), |SaddleCandidate { saddle, sides }| {
             let basins = sides.map(|side| descent.basin(side));
@@ -153,32 +183,60 @@ impl Basins {
         Self { descent, joins, pointing }
     }
 
-    /// What becomes of each component.
-    pub(crate) fn pair<S: Scalar, D: Direction>(self, filtration: &Filtration<'_, S, D>) -> Paired {
+    /// From ways to any earlier neighbours and joins by rising index of the saddle.
+    pub(crate) fn of_joins(descent: Descent, joins: Vec<Join>) -> Self {
+        Self { descent, joins, pointing: Pointing::Any }
+    }
+
+    /// What becomes of each component, by rising index of the extremum.
+    pub(crate) fn pair<S: Scalar, D: Direction>(self, filtration: &Filtration<'_, S, D>) -> Vec<Merge> {
+        let Self { descent, joins, .. } = self;
+        let Ended { mut merges, mut components } = elder_rule::pair(filtration, descent.extrema(), joins);
+        let eldest = (0..).zip(&merges).filter(|(_, merge)| !merge.is_finite()).map(|(basin, _)| basin).collect();
+        for (basin, last) in last_of_eldest(filtration, &descent, &mut components, eldest) {
+            merges[basin as usize].end = last;
+        }
+        merges
+    }
+
+    /// The branches of the tree of components, if vertices point to their earliest neighbours.
+    pub(crate) fn branch<S: Scalar, D: Direction>(self, filtration: &Filtration<'_, S, D>) -> Branched {
         let Self { descent, joins, pointing } = self;
-        let Ended { mut merges, in_order, mut components } = elder_rule::pair(filtration, descent.extrema(), &joins);
-        drop(joins);
-        let eldest: Vec<u32> =
-            (0..).zip(&merges).filter(|(_, merge)| !merge.is_finite()).map(|(basin, _)| basin).collect();
-        let last = match eldest[..] {
-            _ if pointing == Pointing::Labels || filtration.stops() => Vec::new(),
-            [_] => last_of_all(filtration),
-            _ => last_of_each(filtration, &descent, &mut components, &eldest),
-        };
-        eldest.into_iter().zip(last).for_each(|(basin, last)| merges[basin as usize].end = last);
-        Paired { merges, in_order, descent }
+        let (ends, mut components) = elder_rule::branch(filtration, descent.extrema(), joins);
+        let mut essential = Vec::new();
+        if pointing != Pointing::Labels && !filtration.stops() {
+            let is_eldest = |&basin: &u32| components.find(basin) == basin;
+            let eldest = (0..descent.extrema().len() as u32).filter(is_eldest).collect();
+            essential = last_of_eldest(filtration, &descent, &mut components, eldest);
+        }
+        Branched { ends, essential, descent }
     }
 }
 
-/// Basins, and what becomes of their components.
+/// Basins with the branches on them.
 #[derive(Debug)]
-pub(crate) struct Paired {
-    /// By rising index of the extremum.
-    pub(crate) merges: Vec<Merge>,
-    /// The basins of those that join an elder one, in the order in which they do; at one saddle in any order.
-    pub(crate) in_order: Vec<u32>,
+pub(crate) struct Branched {
+    /// The branches that end, in the order in which they do.
+    pub(crate) ends: Vec<BranchEnd>,
+    /// The basins of the others with the last vertices to enter, if not only labels are wanted.
+    pub(crate) essential: Vec<(u32, u32)>,
     /// The way down from each vertex.
     pub(crate) descent: Descent,
+}
+
+/// The basins that are the eldest of a component, each with the last vertex to enter it; none if the work is stopped.
+fn last_of_eldest<S: Scalar, D: Direction>(
+    filtration: &Filtration<'_, S, D>,
+    descent: &Descent,
+    components: &mut UnionFind,
+    eldest: Vec<u32>,
+) -> Vec<(u32, u32)> {
+    let last = match eldest[..] {
+        _ if filtration.stops() => Vec::new(),
+        [_] => last_of_all(filtration),
+        _ => last_of_each(filtration, descent, components, &eldest),
+    };
+    eldest.into_iter().zip(last).collect()
 }
 
 /// What is left of a part of a domain once all that is final has been paired.

@@ -6,7 +6,7 @@
 //! dropped; basins that something shared with other parts enters first stay. Each round pairs at least one basin, the first ones more than
 //! half; when one pairs less, what is left is left.
 
-use super::elder_rule::Join;
+use super::joins::Join;
 use super::merges::{Merge, NONE};
 use super::union_find::UnionFind;
 use crate::filtration::{Direction, Filtration};

@@ -38,7 +38,12 @@ pub(crate) fn in_order<S: Scalar, D: Direction>(
 }
 
 /// The places of things by the values of their vertices; where these are equal they keep their order.
-fn by_value<S: Scalar>(field: &[S], count: usize, vertex: impl Fn(u32) -> u32, watch: Watch<'_>) -> Vec<u32> {
+pub(super) fn by_value<S: Scalar>(
+    field: &[S],
+    count: usize,
+    vertex: impl Fn(u32) -> u32,
+    watch: Watch<'_>,
+) -> Vec<u32> {
     let value = |place: u32| field[vertex(place) as usize];
     let places = 0..count as u32;
     let widest = places.clone().map(|place| bits(value(place)));
@@ -61,7 +66,7 @@ fn by_value<S: Scalar>(field: &[S], count: usize, vertex: impl Fn(u32) -> u32, w
 }
 
 /// An integer that is no lower if the number is no lower.
-fn bits<S: Scalar>(value: S) -> u64 {
+pub(super) fn bits<S: Scalar>(value: S) -> u64 {
     value.to_f64().and_then(Scalar::key).unwrap_or(u64::MAX)
 }
 

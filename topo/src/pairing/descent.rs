@@ -55,6 +55,13 @@ impl Descent {
         (if pointer & BASIN == 0 { follow(&self.next, vertex) } else { pointer }) & !BASIN
     }
 
+    /// The basin of a vertex once all ways have been followed to their ends, [`OUTSIDE`] if it never enters; any number that differs from
+    /// those of other basins.
+    #[inline]
+    pub(crate) fn basin_or_outside(&self, vertex: u32) -> u32 {
+        self.pointer(vertex)
+    }
+
     /// The basin of any vertex, if it enters.
     pub(crate) fn basin_if_any(&self, vertex: u32) -> Option<u32> {
         (self.pointer(vertex) != OUTSIDE).then(|| self.basin(vertex))
@@ -63,6 +70,11 @@ impl Descent {
     /// Whether so many candidates for saddles make it worth while to follow all ways to their ends.
     pub(crate) fn is_worth_settling_for(&self, candidates: usize) -> bool {
         candidates > self.extrema.len().max(self.next.len() / MANY_CANDIDATES)
+    }
+
+    /// Follows most ways to their ends, all of one bend: there is no need to settle before [`BasinLabels::into_labels`].
+    pub(crate) fn shorten(&self, watch: Watch<'_>) {
+        shorten(&self.next, watch);
     }
 
     /// Follows all ways to their ends.
@@ -101,11 +113,21 @@ impl BasinLabels {
         Settled(&self.next)
     }
 
-    /// For each vertex what `label` makes of its basin, or of [`OUTSIDE`]; of anything once the watch stops.
+    /// For each vertex what `label` makes of its basin, or of [`OUTSIDE`]; of anything once the watch stops. Ways that have not ended are
+    /// followed on the way: they end at a basin, or at a vertex that has its label.
     pub(crate) fn into_labels(self, watch: Watch<'_>, label: impl Fn(u32) -> u32) -> Vec<u32> {
-        self.settled.get_or_init(|| settle(&self.next, watch));
-        // In place: both are of one size.
-        self.next.into_iter().map(|pointer| label(basin(pointer.into_inner()))).collect()
+        // In place and at no cost: both are the same bits.
+        let mut labels: Vec<u32> = self.next.into_iter().map(AtomicU32::into_inner).collect();
+        for start in (0..labels.len()).step_by(SETTLED).take_while(|_| !watch.stops()) {
+            for v in start..labels.len().min(start + SETTLED) {
+                let mut pointer = labels[v];
+                while pointer & BASIN == 0 && pointer as usize >= v {
+                    pointer = labels[pointer as usize];
+                }
+                labels[v] = if pointer & BASIN == 0 { labels[pointer as usize] } else { label(basin(pointer)) };
+            }
+        }
+        labels
     }
 }
 
@@ -136,20 +158,27 @@ fn basin(pointer: u32) -> u32 {
     if pointer == OUTSIDE { OUTSIDE } else { pointer & !BASIN }
 }
 
-/// Lets every vertex point to its basin, unless the watch stops. Most ways end within two passes, upwards and downwards, that skip without
-/// a branch.
+/// Lets every vertex point to its basin, unless the watch stops.
 fn settle(next: &[AtomicU32], watch: Watch<'_>) {
+    shorten(next, watch);
+    let goes_on = |_: &&[AtomicU32]| !watch.stops();
+    for (v, pointer) in (0..).zip(next.chunks(SETTLED).take_while(goes_on).flatten()) {
+        if pointer.load(Relaxed) & BASIN == 0 {
+            follow(next, v);
+        }
+    }
+}
+
+/// Lets most vertices point to their basins, unless the watch stops: most ways end within three passes, up, down and up, that skip
+/// without a branch. After two one vertex in ten of a smooth picture still points to another.
+fn shorten(next: &[AtomicU32], watch: Watch<'_>) {
     let goes_on = |_: &&[AtomicU32]| !watch.stops();
     next.chunks(SETTLED).take_while(goes_on).flatten().for_each(|pointer| skip(next, pointer));
     next.rchunks(SETTLED)
         .take_while(goes_on)
         .flat_map(|block| block.iter().rev())
         .for_each(|pointer| skip(next, pointer));
-    for (v, pointer) in (0..).zip(next.chunks(SETTLED).take_while(goes_on).flatten()) {
-        if pointer.load(Relaxed) & BASIN == 0 {
-            follow(next, v);
-        }
-    }
+    next.chunks(SETTLED).take_while(goes_on).flatten().for_each(|pointer| skip(next, pointer));
 }
 
 /// Lets a vertex point where the vertex it points to does.

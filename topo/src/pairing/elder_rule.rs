@@ -1,29 +1,19 @@
 //! The elder rule on basins and their joins, the earliest join first.
 //!
 //! Basins that touch at saddles form a small graph, and this is Kruskal's algorithm (1956) on it: a join between two components ends the
-//! younger one. Only joins are put in order, never the vertices (see [`by_value`]).
+//! younger one. Only joins are put in order, never the vertices (see [`joins`](super::joins)).
 
-use super::by_value;
-use super::merges::Merge;
+use super::joins::{Join, Parts};
+use super::merges::{BranchEnd, Merge};
 use super::union_find::UnionFind;
 use crate::filtration::{Direction, Filtration};
-use crate::parallel::BLOCK;
 use crate::scalar::Scalar;
-
-/// A vertex at which two basins touch.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Join {
-    pub(crate) saddle: u32,
-    pub(crate) basins: [u32; 2],
-}
 
 /// What becomes of the basins.
 #[derive(Debug)]
 pub(crate) struct Ended {
     /// The end of each basin; the eldest have none yet.
     pub(crate) merges: Vec<Merge>,
-    /// Those that end, in the order in which they do.
-    pub(crate) in_order: Vec<u32>,
     /// The basins of each connected component, the eldest at the root.
     pub(crate) components: UnionFind,
 }
@@ -32,19 +22,101 @@ pub(crate) struct Ended {
 pub(crate) fn pair<S: Scalar, D: Direction>(
     filtration: &Filtration<'_, S, D>,
     extrema: &[u32],
-    joins: &[Join],
+    joins: Vec<Join>,
 ) -> Ended {
-    // First, as sorting takes most memory.
-    let order = by_value::in_order(filtration, joins.len(), |place| joins[place as usize].saddle);
-    let births: Vec<S> = extrema.iter().map(|&extremum| filtration.value(extremum)).collect();
+    let parts = Parts::new(filtration, joins); // first, as it takes most memory
+    let births = births(filtration, extrema);
     let is_elder = |a: u32, b: u32| enters_before::<S, D>(&births, a, b);
-    let mut components = Components::new(extrema);
-    let mut in_order = Vec::with_capacity(extrema.len());
-    for &place in order.chunks(BLOCK).take_while(|_| !filtration.stops()).flatten() {
-        let Join { saddle, basins } = joins[place as usize];
-        in_order.extend(components.join(saddle, basins, is_elder));
+    let mut merges = born(extrema);
+    let mut components = UnionFind::new(extrema.len());
+    parts.for_each_saddle(filtration, &mut components, |components, joins| {
+        for &Join { saddle, basins } in joins {
+            if let Some(met) = meet(components, basins, is_elder) {
+                note(&mut merges, extrema, saddle, met);
+            }
+        }
+    });
+    Ended { merges, components }
+}
+
+/// The branches that end, in the order in which they do, and the basins of each connected component, the eldest at the root; from extrema, by
+/// rising index, and joins, by rising index of the saddle. Round each saddle joins lead from the basin of its earliest neighbour to other
+/// basins in the order in which the first neighbours in them enter. Nonsense if the work is stopped.
+pub(crate) fn branch<S: Scalar, D: Direction>(
+    filtration: &Filtration<'_, S, D>,
+    extrema: &[u32],
+    joins: Vec<Join>,
+) -> (Vec<BranchEnd>, UnionFind) {
+    let parts = Parts::new(filtration, joins);
+    let births = births(filtration, extrema);
+    let is_elder = |a: u32, b: u32| enters_before::<S, D>(&births, a, b);
+    let mut components = UnionFind::new(extrema.len());
+    let mut ends = Vec::with_capacity(extrema.len());
+    parts.for_each_saddle(filtration, &mut components, |components, joins| match *joins {
+        [Join { saddle, basins }] => {
+            let [first, second] = basins.map(|basin| components.find(basin));
+            if first != second {
+                let is_first_elder = is_elder(first, second);
+                let (elder, extremum, beyond) =
+                    if is_first_elder { (first, second, basins[0]) } else { (second, first, basins[1]) };
+                components.join(extremum, elder);
+                ends.push(BranchEnd { extremum, saddle, elder, beyond });
+            }
+        }
+        _ => end_branches(components, joins, is_elder, &mut ends),
+    });
+    (ends, components)
+}
+
+/// Ends all components that meet at a saddle but the eldest.
+fn end_branches(
+    components: &mut UnionFind,
+    joins: &[Join],
+    is_elder: impl Fn(u32, u32) -> bool,
+    ends: &mut Vec<BranchEnd>,
+) {
+    let Some(&Join { saddle, basins: [earliest, _] }) = joins.first() else { return };
+    let basins: Vec<u32> = [earliest].into_iter().chain(joins.iter().map(|join| join.basins[1])).collect();
+    // Each component with the place of its first basin.
+    let mut met: Vec<(u32, usize)> = basins.iter().map(|&basin| components.find(basin)).zip(0..).collect();
+    met.sort_unstable();
+    met.dedup_by_key(|&mut (component, _)| component);
+    // The elder ones end first, as the younger spill into what they have become.
+    met.sort_unstable_by(|&(a, _), &(b, _)| is_elder(b, a).cmp(&is_elder(a, b)));
+    let (elder, mut first) = met[0];
+    for &(extremum, place) in &met[1..] {
+        ends.push(BranchEnd { extremum, saddle, elder, beyond: basins[first] });
+        components.join(extremum, elder);
+        first = first.min(place);
     }
-    Ended { merges: components.merges, in_order, components: components.merged }
+}
+
+/// The values at the extrema of basins.
+fn births<S: Scalar, D: Direction>(filtration: &Filtration<'_, S, D>, extrema: &[u32]) -> Vec<S> {
+    extrema.iter().map(|&extremum| filtration.value(extremum)).collect()
+}
+
+/// Basins of which only their births are known.
+fn born(extrema: &[u32]) -> Vec<Merge> {
+    extrema.iter().map(|&extremum| Merge::born(extremum)).collect()
+}
+
+/// Puts the younger one of the components of two basins into the other; tells which is younger and which elder, nothing if they are the same.
+#[inline]
+fn meet(components: &mut UnionFind, basins: [u32; 2], is_elder: impl Fn(u32, u32) -> bool) -> Option<[u32; 2]> {
+    let [a, b] = basins.map(|basin| components.find(basin));
+    if a == b {
+        return None;
+    }
+    let [younger, elder] = if is_elder(a, b) { [b, a] } else { [a, b] };
+    components.join(younger, elder);
+    Some([younger, elder])
+}
+
+/// Notes that a component has ended in an elder one.
+fn note(merges: &mut [Merge], extrema: &[u32], saddle: u32, met: [u32; 2]) {
+    let [extremum, towards] = met.map(|basin| extrema[basin as usize]);
+    merges[met[0] as usize] = Merge { extremum, end: saddle, towards };
 }
 
 /// Whether the extremum of one basin enters before that of another, given their values. Basins are numbered as their extrema are.
@@ -63,21 +135,14 @@ pub(super) struct Components<'a> {
 impl<'a> Components<'a> {
     /// Each basin by itself.
     pub(super) fn new(extrema: &'a [u32]) -> Self {
-        let merges = extrema.iter().map(|&extremum| Merge::born(extremum)).collect();
-        Self { extrema, merged: UnionFind::new(extrema.len()), merges }
+        Self { extrema, merged: UnionFind::new(extrema.len()), merges: born(extrema) }
     }
 
     /// Ends the younger one of the components of two basins at a saddle and tells which it is; none if they are the same.
     #[inline]
     pub(super) fn join(&mut self, saddle: u32, basins: [u32; 2], is_elder: impl Fn(u32, u32) -> bool) -> Option<u32> {
-        let [a, b] = basins.map(|basin| self.merged.find(basin));
-        if a == b {
-            return None;
-        }
-        let (elder, younger) = if is_elder(a, b) { (a, b) } else { (b, a) };
-        self.merged.join(younger, elder);
-        let [extremum, towards] = [younger, elder].map(|basin| self.extrema[basin as usize]);
-        self.merges[younger as usize] = Merge { extremum, end: saddle, towards };
-        Some(younger)
+        let met = meet(&mut self.merged, basins, is_elder)?;
+        note(&mut self.merges, self.extrema, saddle, met);
+        Some(met[0])
     }
 }

@@ -25,3 +25,15 @@ impl Merge {
         self.towards != NONE
     }
 }
+
+/// A branch ends at a saddle. Extrema go by their basins.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct BranchEnd {
+    /// The extremum whose branch it is.
+    pub(crate) extremum: u32,
+    pub(crate) saddle: u32,
+    /// The eldest extremum of all that meet at the saddle, whose branch goes on.
+    pub(crate) elder: u32,
+    /// The extremum to which one comes from the saddle by steepest descent into the elder component.
+    pub(crate) beyond: u32,
+}

@@ -225,13 +225,22 @@ proptest! {
 
     #[test]
     fn triangles_are_paired_as_by_the_sweep_and_as_their_edges(
-        ((count, triangles), field) in triangles().prop_flat_map(|mesh| { let count = mesh.0; (Just(mesh), field(count)) })
+        ((count, triangles), field) in triangles().prop_flat_map(|mesh| { let count = mesh.0; (Just(mesh), field(count)) }),
+        masked in proptest::collection::vec(any::<prop::sample::Index>(), 0..5)
     ) {
         let mesh = TriangleMesh::new(count, &triangles).expect("corners exist");
         assert_fast_equals_plain(&mesh, &field);
         let edges: Vec<_> = triangles.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]).map(|edge| edge.map(|v| v as usize)).collect();
         let graph = Adjacency::from_edges(count, &edges).expect("ends exist");
-        prop_assert_eq!(topo::persistence(&mesh, &field), topo::persistence(&graph, &field));
+        let of_graph = topo::persistence(&graph, &field);
+        // By its rings, which the sweep has made, and by the triangles alone.
+        prop_assert_eq!(topo::persistence(&mesh, &field), of_graph.clone());
+        let fresh = TriangleMesh::new(count, &triangles).expect("corners exist");
+        prop_assert_eq!(topo::persistence(&fresh, &field), of_graph);
+        let mut field = field;
+        masked.iter().for_each(|index| field[index.index(count)] = f64::NAN);
+        assert_fast_equals_plain(&fresh, &field);
+        assert_fast_equals_plain(&TriangleMesh::new(count, &triangles).expect("corners exist"), &field);
     }
 
     #[test]

@@ -74,6 +74,55 @@ fn assert_steepest<G: Domain<Vertex = usize>>(domain: G, field: &[f64]) {
     }
 }
 
+/// For each vertex the extremum of its segment by what a flood does: vertices enter one by one; where components meet, every one but the eldest
+/// ends, the elder ones first, and spills into the basin of the earliest neighbour in what goes on.
+fn flooded<G: Domain<Vertex = usize>>(domain: G, field: &[f64], kind: Kind, threshold: f64) -> Vec<Option<usize>> {
+    let before = |u: usize, v: usize| is_before(kind, field, u, v);
+    let order = |&u: &usize, &v: &usize| before(v, u).cmp(&before(u, v));
+    let mut vertices: Vec<usize> = (0..field.len()).filter(|&v| !field[v].is_nan()).collect();
+    vertices.sort_by(order);
+    let mut basin: Vec<Option<usize>> = vec![None; field.len()];
+    // For each extremum that of its component, and into whose basin it spills.
+    let (mut component, mut beyond) = (vec![0; field.len()], vec![None; field.len()]);
+    for v in vertices {
+        let mut around = Vec::new();
+        domain.for_each_neighbor(v, |u| around.extend((!field[u].is_nan() && before(u, v)).then_some(u)));
+        around.sort_by(order);
+        let basins: Vec<usize> = around.iter().filter_map(|&u| basin[u]).collect();
+        basin[v] = basins.first().copied().or(Some(v));
+        component[v] = v;
+        let mut met: Vec<usize> = basins.iter().map(|&basin| component[basin]).collect();
+        met.sort_by(order);
+        met.dedup();
+        for &younger in met.iter().skip(1) {
+            let first = basins.iter().copied().find(|&basin| component[basin] == met[0]);
+            if field[younger] == field[v] || (field[younger] - field[v]).abs() <= threshold {
+                beyond[younger] = first;
+            }
+            component.iter_mut().filter(|of| **of == younger).for_each(|of| *of = met[0]);
+        }
+    }
+    let end = |mut extremum: usize| {
+        while let Some(next) = beyond[extremum] {
+            extremum = next;
+        }
+        extremum
+    };
+    basin.into_iter().map(|basin| basin.map(end)).collect()
+}
+
+/// Segments are where a flood spills.
+fn assert_spills<G: Domain<Vertex = usize>>(domain: G, field: &[f64]) {
+    let options = PersistenceOptions::new().nan(NanPolicy::Mask);
+    for kind in [Kind::Minimum, Kind::Maximum] {
+        for threshold in [0.0, 1.0, 2.0] {
+            let segments = options.segmentation(domain, field, kind, threshold).expect("fits");
+            let extrema: Vec<_> = segments.labels().map(|label| Some(segments.extrema()[label?])).collect();
+            assert_eq!(extrema, flooded(domain, field, kind, threshold));
+        }
+    }
+}
+
 fn grid<const D: usize>(max: usize) -> impl Strategy<Value = (Grid<D>, Vec<f64>)> {
     let connectivity = prop_oneof![Just(Connectivity::Axis), Just(Connectivity::Full), Just(Connectivity::Freudenthal)];
     let shape = proptest::array::uniform::<_, D>(1..=max);
@@ -90,18 +139,22 @@ proptest! {
     #[test]
     fn basins_in_a_picture_are_of_steepest_descent((grid, field) in grid::<2>(12)) {
         assert_steepest(&grid, &field);
+        assert_spills(&grid, &field);
     }
 
     #[test]
     fn basins_in_a_volume_are_of_steepest_descent((grid, field) in grid::<3>(5)) {
         assert_steepest(&grid, &field);
+        assert_spills(&grid, &field);
     }
 
     #[test]
     fn basins_on_a_path_and_a_strip_are_of_steepest_descent(field in (1..60usize).prop_flat_map(field)) {
         assert_steepest(&Path::new(field.len()), &field);
         let strip: Vec<[u32; 3]> = (2..field.len() as u32).map(|v| [v - 2, v - 1, v]).collect();
-        assert_steepest(&TriangleMesh::new(field.len(), &strip).expect("corners exist"), &field);
+        let strip = TriangleMesh::new(field.len(), &strip).expect("corners exist");
+        assert_steepest(&strip, &field);
+        assert_spills(&strip, &field);
     }
 
     #[test]

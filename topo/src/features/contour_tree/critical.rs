@@ -66,9 +66,8 @@ fn critical_vertices<S: Scalar>(
     let mut rank_of = vec![NONE; filtration.field().len()];
     let mut count = 0;
     for tree in trees {
-        let leaves = tree.leaves.iter().map(|leaf| leaf.index);
-        let saddles = tree.endings.iter().map(|end| end.saddle.index);
-        for vertex in leaves.chain(saddles).chain(tree.roots.iter().map(|(_, last)| last.index)) {
+        let saddles = tree.ends.iter().map(|end| end.saddle);
+        for vertex in tree.leaves.iter().copied().chain(saddles).chain(tree.roots.iter().map(|&(_, last)| last)) {
             count += usize::from(rank_of[vertex as usize] == NONE);
             rank_of[vertex as usize] = 0;
         }
@@ -115,9 +114,9 @@ impl<'a> Branched<'a> {
             longest: 0,
             last_on_longest: Vec::new(),
         };
-        for end in &tree.endings {
-            let turn = branched.turn(rank_of[end.saddle.index as usize]);
-            branched.ends[end.leaf as usize] = (turn, end.elder);
+        for end in &tree.ends {
+            let turn = branched.turn(rank_of[end.saddle as usize]);
+            branched.ends[end.extremum as usize] = (turn, end.elder);
         }
         branched.fill(vertices);
         branched.tabulate();
@@ -184,9 +183,9 @@ impl<'a> Branched<'a> {
         for branch in 0..tree.leaves.len() as u32 {
             self.on_branch(branch).windows(2).for_each(|pair| follow(pair[0], pair[1]));
         }
-        for end in &tree.endings {
-            let last = self.on_branch(end.leaf).last().expect("a branch begins with its leaf");
-            follow(*last, self.ends[end.leaf as usize].0);
+        for end in &tree.ends {
+            let last = self.on_branch(end.extremum).last().expect("a branch begins with its leaf");
+            follow(*last, self.ends[end.extremum as usize].0);
         }
         Merging::of_next(next, degrees)
     }
