@@ -98,6 +98,10 @@ export class AtlasCanvas implements Atlas {
     return (this.zoom * Math.min(clientWidth / this.extent[0], clientHeight / this.extent[1])) / 1.08;
   }
 
+  drawn(): Promise<void> {
+    return new Promise((done) => requestAnimationFrame(() => done()));
+  }
+
   private draw(): void {
     if (this.isAsked) return;
     this.isAsked = true;

@@ -14,14 +14,16 @@ import { Stage } from "./stage";
 /** What shows a map: WebGL, or a plain canvas where that is missing. */
 export interface Atlas {
   fit(): void;
-  colour(paint: Paint, tint: Uint8Array): void;
-  show(uv: Float32Array, squares: number, outline: Outline, extent: [number, number], isDark: boolean): void;
+  colour(paint: Paint, tint: Uint8Array, isPatient?: boolean): void;
+  show(uv: Float32Array, squares: number, outline: Outline, extent: [number, number], isDark: boolean, isPatient: boolean): void;
   theme(isDark: boolean): void;
   /** Edges that are pinned, both sides of each: those that are cut, and those that are not. */
   showPins(cut: Float32Array, avoid: Float32Array): void;
   /** The point of the map under an event. */
   under(event: { clientX: number; clientY: number }): [number, number];
   toScreen(at: [number, number]): [number, number];
+  /** Waits until all is drawn that has been asked for. */
+  drawn(): Promise<void>;
   onDrawn: () => void;
 }
 
@@ -53,6 +55,7 @@ export class AtlasView implements Atlas {
     }
     this.showPins(new Float32Array(), new Float32Array());
     (this.material as { depthTest: boolean }).depthTest = false;
+    this.stage.isOnePiece = true;
     this.stage.onResize = () => this.resize();
     this.stage.onDrawn = () => this.onDrawn();
     this.stage.controls.minZoom = 0.3;
@@ -74,12 +77,16 @@ export class AtlasView implements Atlas {
     this.stage.draw();
   }
 
-  colour(paint: Paint, tint: Uint8Array): void {
+  colour(paint: Paint, tint: Uint8Array, isPatient = false): void {
     this.triangles.paint(paint, tint);
-    this.stage.draw();
+    this.stage.draw(isPatient);
   }
 
-  show(uv: Float32Array, squares: number, outline: Outline, extent: [number, number], isDark: boolean): void {
+  drawn(): Promise<void> {
+    return this.stage.drawn();
+  }
+
+  show(uv: Float32Array, squares: number, outline: Outline, extent: [number, number], isDark: boolean, isPatient: boolean): void {
     const position = (corner: number, into: Float32Array, at: number) => {
       for (let i = 0; i < 2; i++) into[at + i] = uv[2 * corner + i];
     };
@@ -93,7 +100,7 @@ export class AtlasView implements Atlas {
     this.theme(isDark);
     this.makeDiscs();
     if (isOther) this.fit();
-    this.stage.draw();
+    this.stage.draw(isPatient);
   }
 
   showPins(...pins: [Float32Array, Float32Array]): void {

@@ -18,9 +18,13 @@ interface Frame {
   bottom: number;
 }
 
-/** An empty chart as large as its place, again when that changes. */
+/**
+ * An empty chart as large as its place, again when that changes. What each choice changes lies on a sheet of its own above the rest, which
+ * the browser keeps painted: without a graphics card the distortion curve and 1200 dots take it 33 ms a time.
+ */
 export abstract class Chart {
   protected frame: Frame = { width: 1, height: 1, left: 34, bottom: 18 };
+  private readonly sheet = element("svg", { class: "marks", "aria-hidden": "true" });
 
   constructor(protected readonly place: HTMLElement, private readonly label: string) {
     new ResizeObserver(() => this.draw()).observe(place);
@@ -28,13 +32,26 @@ export abstract class Chart {
 
   protected abstract fill(svg: SVGElement): void;
 
+  /** What a choice changes. */
+  protected marks(): SVGElement[] {
+    return [];
+  }
+
   protected draw(): void {
     const [width, height] = [this.place.clientWidth, this.place.clientHeight];
     if (width < 40 || height < 40) return;
     this.frame = { ...this.frame, width, height };
-    const svg = element("svg", { viewBox: `0 0 ${width} ${height}`, role: "img", "aria-label": this.label });
+    const viewBox = `0 0 ${width} ${height}`;
+    const svg = element("svg", { viewBox, role: "img", "aria-label": this.label });
+    this.sheet.setAttribute("viewBox", viewBox);
     this.fill(svg);
-    this.place.replaceChildren(svg);
+    this.place.replaceChildren(svg, this.sheet);
+    this.mark();
+  }
+
+  /** Draws the marks anew, and nothing else. */
+  protected mark(): void {
+    this.sheet.replaceChildren(...this.marks());
   }
 
   /** A line across at each mark of an axis. */
@@ -56,6 +73,8 @@ export class CurveChart extends Chart {
   private measured = new Map<number, number>();
   private chosen = 0;
   private most = 64;
+  /** What is drawn below the marks. */
+  private drawn = "";
 
   constructor(place: HTMLElement, choose: (n: number) => void) {
     super(place, "Predicted area distortion for each number of cones; the slider chooses one");
@@ -69,7 +88,10 @@ export class CurveChart extends Chart {
   show(curve: ForeseenLevel[], measured: Map<number, number>, chosen: number, most: number): void {
     this.curve = curve.filter(({ n }) => n <= most);
     [this.measured, this.chosen, this.most] = [measured, chosen, most];
-    this.draw();
+    const drawn = JSON.stringify([this.curve.map(({ predicted_area }) => predicted_area), [...measured], most]);
+    if (drawn !== this.drawn) this.draw();
+    else this.mark();
+    this.drawn = drawn;
   }
 
   private number(x: number): number {
@@ -77,24 +99,43 @@ export class CurveChart extends Chart {
     return ((x - left) / (width - left - 8)) * this.most;
   }
 
-  protected fill(svg: SVGElement): void {
+  /** The largest distortion in the frame, and where numbers and distortions are. */
+  private places(): { top: number; x: (n: number) => number; y: (d: number) => number } {
     const { width, height, left, bottom } = this.frame;
-    const x = (n: number) => left + ((width - left - 8) * n) / this.most;
     const values = [...this.curve.map((point) => point.predicted_area), ...this.measured.values()];
     const top = Math.min(10, Math.max(1.5, ...values));
-    const y = (d: number) => height - bottom - ((height - bottom - 8) * Math.log(Math.min(top, Math.max(1, d)))) / Math.log(top);
+    return {
+      top,
+      x: (n) => left + ((width - left - 8) * n) / this.most,
+      y: (d) => height - bottom - ((height - bottom - 8) * Math.log(Math.min(top, Math.max(1, d)))) / Math.log(top),
+    };
+  }
+
+  protected marks(): SVGElement[] {
+    const { chosen, frame, measured } = this;
+    const { x, y } = this.places();
+    if (chosen > this.most) return [];
+    const line = element("line", { x1: x(chosen), x2: x(chosen), y1: 4, y2: frame.height - frame.bottom, stroke: "var(--accent)", "stroke-dasharray": "3 3" });
+    return measured.has(chosen) ? [line, this.dot(x(chosen), y(measured.get(chosen)!), 5, chosen)] : [line];
+  }
+
+  /** What was measured with so many cones. */
+  private dot(cx: number, cy: number, r: number, n: number): SVGElement {
+    const dot = element("circle", { cx, cy, r, fill: "var(--ink)" });
+    dot.append(element("title", {}, `${n} cones: measured ${this.measured.get(n)!.toFixed(3)}`));
+    return dot;
+  }
+
+  protected fill(svg: SVGElement): void {
+    const { width, height } = this.frame;
+    const { top, x, y } = this.places();
     const ticks = [1, 1.25, 1.5, 2, 3, 5, 10].filter((d) => d <= top * 1.001);
     const isRoomy = (d: number, k: number) => k === 0 || y(ticks[k - 1]) - y(d) > 13;
     const numbers = [1, 0.25, 0.5, 0.75].map((share, k) => (k ? Math.round(share * this.most) : this.most));
     this.axes(svg, numbers.map((n) => [x(n), String(n)]), ticks.filter(isRoomy).map((d) => [y(d), String(d)]));
-    if (this.chosen <= this.most) svg.append(element("line", { x1: x(this.chosen), x2: x(this.chosen), y1: 4, y2: height - bottom, stroke: "var(--accent)", "stroke-dasharray": "3 3" }));
     const points = this.curve.map(({ n, predicted_area }) => `${x(n)},${y(predicted_area)}`).join(" ");
     svg.append(element("polyline", { points, fill: "none", stroke: "var(--accent)", "stroke-width": 2 }));
-    for (const [n, d] of [...this.measured].filter(([n]) => n <= this.most)) {
-      const dot = element("circle", { cx: x(n), cy: y(d), r: n === this.chosen ? 5 : 3, fill: "var(--ink)" });
-      dot.append(element("title", {}, `${n} cones: measured ${d.toFixed(3)}`));
-      svg.append(dot);
-    }
+    for (const [n, d] of this.measured) if (n <= this.most) svg.append(this.dot(x(n), y(d), 3, n));
     if (!this.curve.length) svg.append(element("text", { x: width / 2, y: height / 2, "text-anchor": "middle" }, "being found …"));
   }
 }
@@ -106,8 +147,6 @@ const MOST = 1200;
 export class DiagramChart extends Chart {
   private extrema: Extremum[] = [];
   private chosen = new Set<number>();
-  /** Drawn anew for each choice; what lies below is not. */
-  private marks = element("g", {});
   private at: (extremum: Extremum) => [number, number] = () => [0, 0];
 
   constructor(place: HTMLElement) {
@@ -139,13 +178,11 @@ export class DiagramChart extends Chart {
     this.axes(svg, [low, high].map((v, k) => [x(v), marks[k]]), [low, high].map((v, k) => [y(v), marks[k]]));
     svg.append(element("line", { x1: x(low), y1: y(low), x2: x(high), y2: y(high), stroke: "var(--line)", "stroke-width": 1.5 }));
     for (const extremum of this.extrema.slice(0, MOST)) svg.append(this.dot(extremum, { r: 2, "fill-opacity": 0.35 }));
-    svg.append(this.marks);
-    this.mark();
   }
 
-  private mark(): void {
+  protected marks(): SVGElement[] {
     const chosen = this.extrema.filter((extremum) => this.chosen.has(extremum.vertex));
-    this.marks.replaceChildren(...chosen.map((extremum) => this.dot(extremum, { r: 5, stroke: "var(--ink)" })));
+    return chosen.map((extremum) => this.dot(extremum, { r: 5, stroke: "var(--ink)" }));
   }
 
   private dot(extremum: Extremum, how: Record<string, string | number>): SVGElement {

@@ -41,7 +41,7 @@ export class FieldApp {
     this.at = field.directions.length - 1;
     this.arrange();
     const canvas = byId("surface").querySelector("canvas")!;
-    if (field.kind === "mesh" && webGl(canvas)) this.view = new SurfaceView(byId("surface"), canvas, this.surface());
+    if (field.kind === "mesh" && webGl(canvas, false)) this.view = new SurfaceView(byId("surface"), canvas, this.surface());
     else if (field.kind === "array") this.picture = new FieldPicture(byId("surface"), canvas, field);
     else page.message(byId("surface"), field.kind === "mesh" ? "This browser has no WebGL, so the surface cannot be shown." : "A network's nodes are nowhere in space. Its tree and its pairs are here.");
     const colour = (k: number) => css(segmentColour(k));

@@ -37,7 +37,7 @@ abstract class PairChart extends Chart {
     return death ?? this.range[this.direction!.kind === "minimum" ? 1 : 0];
   }
 
-  protected mark(name: string, k: number, attributes: Record<string, string | number>): SVGElement {
+  protected pair(name: string, k: number, attributes: Record<string, string | number>): SVGElement {
     const pair = this.direction!.pairs[k];
     const made = element(name, { "data-pair": k, ...attributes });
     made.append(element("title", {}, `${this.direction!.kind} at ${pair.extremum}: ${short(pair.birth)} to ${pair.death === null ? "the end" : short(pair.death)}, persistence ${short(pair.persistence)}`));
@@ -71,8 +71,8 @@ export class TreeChart extends PairChart {
       const pair = pairs[k];
       const [from, to] = [y(pair.birth), y(this.death(pair))];
       const across = pair.parent === null ? "" : `H${x(pair.parent)}`;
-      svg.append(this.mark("path", k, { d: `M${x(k)} ${from}V${to}${across}`, fill: "none", "stroke-linejoin": "round", ...this.strength(k) }));
-      if (k < this.count) svg.append(this.mark("circle", k, { cx: x(k), cy: from, r: k === this.selected ? 6 : 4, fill: this.colour(k) }));
+      svg.append(this.pair("path", k, { d: `M${x(k)} ${from}V${to}${across}`, fill: "none", "stroke-linejoin": "round", ...this.strength(k) }));
+      if (k < this.count) svg.append(this.pair("circle", k, { cx: x(k), cy: from, r: k === this.selected ? 6 : 4, fill: this.colour(k) }));
     }
   }
 }
@@ -89,7 +89,7 @@ export class BarcodeChart extends PairChart {
     for (let k = 0; k < shown; k++) {
       const y = 6 + step * (k + 0.5);
       const thick = { "stroke-width": Math.max(1, 0.7 * step) };
-      svg.append(this.mark("line", k, { x1: x(pairs[k].birth), x2: x(this.death(pairs[k])), y1: y, y2: y, ...this.strength(k), ...thick }));
+      svg.append(this.pair("line", k, { x1: x(pairs[k].birth), x2: x(this.death(pairs[k])), y1: y, y2: y, ...this.strength(k), ...thick }));
     }
   }
 }
@@ -106,7 +106,7 @@ export class PairDiagram extends PairChart {
     svg.append(element("line", { x1: x(low), y1: y(low), x2: x(high), y2: y(high), stroke: "var(--line)", "stroke-width": 1.5 }));
     this.direction!.pairs.forEach((pair, k) => {
       const isThere = k < this.count;
-      svg.append(this.mark("circle", k, {
+      svg.append(this.pair("circle", k, {
         cx: x(pair.birth), cy: y(this.death(pair)), r: k === this.selected ? 7 : isThere ? 4.5 : 2,
         fill: isThere ? this.colour(k) : "var(--quiet)", "fill-opacity": isThere ? 1 : 0.4,
       }));

@@ -4,7 +4,7 @@ import { AtlasCanvas } from "./atlas_canvas";
 import { type Atlas, AtlasView } from "./atlas_view";
 import { CurveChart, DiagramChart } from "./charts";
 import { type Mode, cornerColours, scale } from "./colours";
-import type { Cone, Edge, Foreseen, ForeseenLevel, Question, Surface, UvMap } from "./data";
+import type { Cone, Edge, Foreseen, ForeseenLevel, Preview, Question, Surface, UvMap } from "./data";
 import { FieldApp } from "./field_app";
 import * as geometry from "./geometry";
 import type { Place } from "./geometry";
@@ -17,8 +17,11 @@ import { Replaced, type Source, source, stored } from "./source";
 import { onClick, webGl } from "./stage";
 import { SurfaceView } from "./surface_view";
 
-/** A map is asked for when the choice has stood so long, in milliseconds. */
+/** A map is asked for when the choice has stood so long, in milliseconds; when it has stood so long while the slider is still held. */
 const PATIENCE = 120;
+const HELD = 400;
+/** And it rests, as far as the list of cones goes. */
+const REST = 250;
 /** The area distortion that is aimed at where no number of cones is chosen. */
 const TARGET = 1.25;
 
@@ -51,7 +54,8 @@ class App {
   private map: UvMap | null = null;
   /** The question that the map answers. */
   private mapOf = "";
-  private readonly asked = new Set<string>();
+  private readonly asked = new Map<string, Promise<void>>();
+  /** What finds triangles of the map, once it is asked. */
   private grid: geometry.MapGrid | null = null;
   private drawn: Outline | null = null;
   /** The pins that are shown, and on which map. */
@@ -67,15 +71,27 @@ class App {
   private running: AbortController | null = null;
   /** Whether the source may be at work on what was asked. */
   private isAsking = false;
-  private waiting = 0;
+  /** What is asked next, and when. */
+  private waiting: { timer: number; begin: () => void } | null = null;
+  private isHeld = false;
+  private listing = 0;
+  /** When there was the last sign of somebody who is about to do something. */
+  private moved = 0;
+  /** What was found of the cones and seams of a method with certain pins, for each number. */
+  private readonly previews = { of: "", found: new Map<number, Preview>() };
   private marked: Place | null = null;
   private pinned: Place | null = null;
 
   constructor(private readonly source: Source, private readonly surface: Surface) {
     this.corners = geometry.cornersAt(surface);
     this.boundary = geometry.boundary(surface, this.corners);
+    // What is written above the views comes first: it says how high these are.
+    this.pressMode = page.modeButtons((mode) => this.colour(mode));
+    page.about(surface);
+    page.warnings(surface.warnings);
+    this.showLegend();
     const canvasOf = (id: string) => byId(id).querySelector("canvas")!;
-    this.view = webGl(canvasOf("surface")) ? new SurfaceView(byId("surface"), canvasOf("surface"), surface) : null;
+    this.view = webGl(canvasOf("surface"), false) ? new SurfaceView(byId("surface"), canvasOf("surface"), surface) : null;
     this.atlas = webGl(canvasOf("atlas"))
       ? new AtlasView(byId("atlas"), canvasOf("atlas"), surface)
       : new AtlasCanvas(byId("atlas"), canvasOf("atlas"));
@@ -83,9 +99,6 @@ class App {
     this.question = { ...surface.chosen, given: null, cut: [], avoid: [] };
     this.curve = new CurveChart(byId("curve"), (n) => this.choose({ n, given: null }));
     this.diagram = new DiagramChart(byId("diagram"));
-    this.pressMode = page.modeButtons((mode) => this.colour(mode));
-    page.about(surface);
-    page.warnings(surface.warnings);
     this.listen();
     page.theme((isDark) => {
       this.isDark = isDark;
@@ -117,26 +130,45 @@ class App {
     const serial = ++this.serial;
     this.selected = null;
     this.showControls();
-    this.learn();
+    // All numbers take as much computing as a third of the first map, which comes first.
+    if (!this.isOpening()) void this.learn();
     this.foresee();
-    clearTimeout(this.waiting);
-    byId("atlas").classList.add("stale");
+    clearTimeout(this.waiting?.timer);
+    if (!this.isHeld) byId("atlas").classList.add("stale");
     page.status("computing the map …", "busy");
     if (this.isAsking) this.source.stop(serial);
     this.isAsking = false;
     const begin = () => {
+      this.waiting = null;
       this.isAsking = true;
       void this.ask(serial, signal);
     };
-    if (this.map) this.waiting = window.setTimeout(begin, PATIENCE);
-    else begin();
+    if (!this.map) return begin();
+    this.waiting = { timer: window.setTimeout(begin, this.isHeld ? HELD : PATIENCE), begin };
+  }
+
+  /** Whether the first map is still to come, and nothing else was chosen. */
+  private isOpening(): boolean {
+    return this.source.isLive && !this.map && !this.history.canUndo;
+  }
+
+  /** The slider is let go: what is waited for begins after so many milliseconds. */
+  private release(patience: number): void {
+    this.isHeld = false;
+    if (!this.waiting) return;
+    clearTimeout(this.waiting.timer);
+    this.waiting.timer = window.setTimeout(this.waiting.begin, patience);
   }
 
   /** The cones that are foreseen, until there is better. */
   private foresee(): void {
     const { n, given } = this.question;
     const level = this.level();
-    if (given) {
+    const preview = given || !level ? undefined : this.previewsHere().get(level.n);
+    if (preview && (n === null || level!.n === n)) {
+      this.cones = preview.cones;
+      this.predicted = preview.predicted;
+    } else if (given) {
       const known = new Map(this.cones.map((cone) => [cone.vertex, cone.curvature]));
       this.cones = given.map(([vertex, curvature]) => ({ vertex, curvature: curvature ?? known.get(vertex) ?? NaN }));
       this.predicted = null;
@@ -144,19 +176,46 @@ class App {
       this.cones = level.cones.map(([vertex, curvature]) => ({ vertex, curvature: curvature ?? NaN }));
       this.predicted = level.predicted_area;
     } else return;
-    this.view?.showSeams([]);
+    this.view?.showSeams(preview?.seams ?? []);
     this.showCones();
+  }
+
+  private previewsHere(): Map<number, Preview> {
+    const { cut, avoid } = this.question;
+    const of = this.methodKey() + JSON.stringify([cut, avoid]);
+    if (of !== this.previews.of) this.previews.found.clear();
+    this.previews.of = of;
+    return this.previews.found;
+  }
+
+  /** Finds the seams of other numbers of cones while nothing else is to be done, the nearest first: the slider shows them at once then. */
+  private async prepare(serial: number, signal: AbortSignal): Promise<void> {
+    const { question } = this;
+    const known = this.previewsHere();
+    const away = ({ n }: ForeseenLevel) => Math.abs(n - this.count());
+    for (const level of (this.foreseen()?.levels ?? []).toSorted((a, b) => away(a) - away(b))) {
+      if (known.has(level.n)) continue;
+      while (this.isHeld || performance.now() - this.moved < HELD) await new Promise((done) => setTimeout(done, HELD));
+      if (serial !== this.serial) return;
+      const found = await this.source.preview(withCones(question, level), serial, signal);
+      if (serial !== this.serial) return;
+      known.set(level.n, found);
+    }
   }
 
   private async ask(serial: number, signal: AbortSignal): Promise<void> {
     const question = { ...this.question };
     const isNewest = () => serial === this.serial;
     const fail = (error: unknown) => {
-      if (isNewest() && !(error instanceof Replaced)) page.status(String((error as Error).message ?? error), "failed");
+      if (!isNewest() || error instanceof Replaced) return;
+      page.status(String((error as Error).message ?? error), "failed");
+      void this.learn();
     };
     const early = this.early(question);
     const preview = early && this.source.preview(early, serial, signal).then((found) => {
-      if (!isNewest() || this.mapIsOf(question)) return;
+      if (!isNewest()) return;
+      if (this.source.isLive && !question.given) this.previewsHere().set(found.cones.length, found);
+      if (this.mapIsOf(question)) return;
       this.cones = found.cones;
       this.predicted = found.predicted ?? this.predicted;
       this.showCones();
@@ -165,9 +224,18 @@ class App {
     const map = this.source.map(question, serial, signal).then(async (map) => {
       if (!isNewest()) return;
       this.takeMap(map, question);
-      if (map.measured) return;
-      const measured = await this.source.measured(question, serial, signal);
-      if (isNewest()) this.takeMeasures({ ...map, measured }, question);
+      // Whoever measures wants the processor that what draws may need.
+      await Promise.all([this.view?.stage.drawn(), this.atlas.drawn()]);
+      document.body.dataset.maps = String(Number(document.body.dataset.maps ?? 0) + 1);
+      if (!isNewest()) return;
+      const learnt = this.learn();
+      if (!map.measured) {
+        const measured = await this.source.measured(question, serial, signal);
+        if (!isNewest()) return;
+        this.takeMeasures({ ...map, measured }, question);
+      }
+      await learnt;
+      if (this.source.isLive && isNewest()) await this.prepare(serial, signal).catch(() => {});
     });
     // Cones that cannot be had are told of by both.
     await Promise.all([preview?.catch((error) => this.source.isLive || fail(error)), map.catch(fail)]);
@@ -177,9 +245,8 @@ class App {
   private early(question: Question): Question | null {
     if (!this.source.isLive || question.given) return question;
     const level = this.level();
-    return level ? { ...question, given: level.cones.map(([vertex]) => [vertex, null]) } : null;
+    return level && !this.previewsHere().has(level.n) ? withCones(question, level) : null;
   }
-
 
   private mapIsOf(question: Question): boolean {
     return this.mapOf === JSON.stringify(question);
@@ -188,6 +255,8 @@ class App {
   private takeMap(map: UvMap, question: Question): void {
     this.map = map;
     const isNear = this.isNear(map, question);
+    // The first one is waited for.
+    const isPatient = this.mapOf !== "";
     this.mapOf = JSON.stringify(question);
     if (!isNear) {
       this.cones = map.cones;
@@ -195,23 +264,22 @@ class App {
     }
     byId("atlas").classList.remove("stale");
     const extent = geometry.extent(map.uv);
-    this.grid = new geometry.MapGrid(map.uv, extent);
+    this.grid = null;
     const squares = checkerSquares(map.uv);
-    this.view?.coordinates(map.uv, squares);
+    this.view?.coordinates(map.uv, squares, isPatient);
     this.drawn = outline(this.surface, this.corners, this.boundary, map);
-    this.atlas.show(map.uv, squares, this.drawn, extent, this.isDark);
+    this.atlas.show(map.uv, squares, this.drawn, extent, this.isDark, isPatient);
     const badge = byId("badge");
     badge.hidden = !isNear;
     badge.textContent = `the map with ${map.cones.length} cones`;
     // Colours of what is not measured yet come with the measures.
-    if (map.measured || this.mode === "checker" || this.mode === "islands") this.colour(this.mode);
+    if (map.measured || !isOfMeasures(this.mode)) this.colour(this.mode, isPatient);
     this.showControls();
     this.showCones();
     page.warnings([...new Set([...this.surface.warnings, ...map.meta.warnings])]);
     if (map.measured) this.takeMeasures(map, question);
     else page.status("measuring the map …", "busy");
     this.mark(this.pinned, this.pinned);
-    document.body.dataset.maps = String(Number(document.body.dataset.maps ?? 0) + 1);
   }
 
   /** What the map is like. */
@@ -219,7 +287,8 @@ class App {
     this.map = map;
     const isNear = this.isNear(map, question);
     if (!isNear && !question.given) this.measuredHere().set(map.cones.length, map.measured!.meta.distortion.area_mean);
-    this.colour(this.mode);
+    if (isOfMeasures(this.mode)) this.colour(this.mode, true);
+    else this.showLegend();
     this.showCurve();
     if (this.marked) this.mark(this.marked === this.pinned ? null : this.marked);
     page.status(isNear ? `no map is stored for ${question.n} cones` : "exact map");
@@ -260,39 +329,47 @@ class App {
     return here;
   }
 
-  /** Asks once for what is foreseen of a method. */
-  private learn(): void {
+  /** Asks once for what is foreseen of a method; waits until it is known, or cannot be. */
+  private learn(): Promise<void> {
     const key = this.methodKey();
-    if (this.known.has(key) || this.asked.has(key)) return;
-    this.asked.add(key);
+    const asked = this.asked.get(key) ?? this.learnOf(key);
+    this.asked.set(key, asked);
+    return asked;
+  }
+
+  private async learnOf(key: string): Promise<void> {
     const [method, angles] = JSON.parse(key);
-    this.source.foreseen(method, angles).then(
-      (foreseen) => {
-        this.known.set(key, foreseen);
-        if (key !== this.methodKey()) return;
-        if (this.mapIsOf(this.question)) this.showCurve();
-        else this.foresee();
-      },
-      (error) => {
-        this.asked.delete(key);
-        page.status(error.message, "failed");
-      },
-    );
+    try {
+      this.known.set(key, await this.source.foreseen(method, angles));
+      if (key !== this.methodKey()) return;
+      if (this.mapIsOf(this.question)) this.showCones();
+      else this.foresee();
+    } catch (error) {
+      this.asked.delete(key);
+      page.status((error as Error).message, "failed");
+    }
   }
 
   private showCurve(): void {
-    const foreseen = this.foreseen();
-    this.curve.show(foreseen?.levels ?? [], this.measuredHere(), this.count(), this.surface.most);
-    this.diagram.show(foreseen?.extrema ?? [], this.cones.map(({ vertex }) => vertex));
+    this.curve.show(this.foreseen()?.levels ?? [], this.measuredHere(), this.count(), this.surface.most);
     if (!this.question.given) this.predicted ??= this.level()?.predicted_area ?? null;
     page.numbers(this.mapIsOf(this.question) || !this.source.isLive ? this.map : null, this.predicted);
   }
 
   private showCones(): void {
     this.view?.showCones(this.cones, this.selected);
-    page.coneList(this.cones, this.selected, (v) => this.name(v), (k) => this.select(k));
     byId<HTMLButtonElement>("remove").disabled = this.selected === null;
     this.showCurve();
+    // What is not looked at while the slider moves waits until it rests: a smaller part of the window is drawn so.
+    clearTimeout(this.listing);
+    if (this.isHeld) this.listing = window.setTimeout(() => this.list(), REST);
+    else this.list();
+  }
+
+  private list(): void {
+    byId("atlas").classList.toggle("stale", !this.mapIsOf(this.question));
+    page.coneList(this.cones, this.selected, (v) => this.name(v), (k) => this.select(k));
+    this.diagram.show(this.foreseen()?.extrema ?? [], this.cones.map(({ vertex }) => vertex));
   }
 
   private showControls(): void {
@@ -321,14 +398,18 @@ class App {
     if (map) this.atlas.showPins(onMap(this.surface, this.corners, map.uv, cut), onMap(this.surface, this.corners, map.uv, avoid));
   }
 
-  private colour(mode: Mode): void {
+  private colour(mode: Mode, isPatient = false): void {
     this.mode = mode;
     this.pressMode(mode);
     const paint = mode === "plain" || (mode === "checker" && !this.map) ? "plain" : mode === "checker" ? "checker" : "tint";
     const tint = paint === "tint" ? cornerColours(mode, this.surface, this.map) : new Uint8Array();
-    this.view?.colour(paint, tint);
-    this.atlas.colour(paint, tint);
-    page.legend(mode, scale(mode, this.surface), this.map?.measured?.meta.islands ?? null);
+    this.view?.colour(paint, tint, isPatient);
+    this.atlas.colour(paint, tint, isPatient);
+    this.showLegend();
+  }
+
+  private showLegend(): void {
+    page.legend(this.mode, scale(this.mode, this.surface), this.map?.measured?.meta.islands ?? null);
   }
 
   private name(vertex: number): number {
@@ -378,6 +459,10 @@ class App {
     const input = (id: string) => byId<HTMLInputElement>(id);
     const number = (id: string) => Math.min(this.surface.most, Math.max(this.surface.least, Math.round(Number(input(id).value) || 0)));
     input("slider").addEventListener("input", () => this.choose({ n: number("slider"), given: null }));
+    for (const begin of ["pointerdown", "keydown"]) input("slider").addEventListener(begin, () => (this.isHeld = true));
+    for (const end of ["pointerup", "pointercancel"]) addEventListener(end, () => this.isHeld && this.release(0));
+    for (const end of ["keyup", "blur"]) input("slider").addEventListener(end, () => this.isHeld && this.release(PATIENCE));
+    for (const sign of ["pointermove", "pointerdown", "keydown"]) addEventListener(sign, () => (this.moved = performance.now()), true);
     input("count").addEventListener("change", () => this.choose({ n: number("count"), given: null }));
     const method = byId<HTMLSelectElement>("method");
     method.append(new Option("by hand", "", false, false), ...this.surface.methods.map(({ name, description }) => {
@@ -412,7 +497,11 @@ class App {
   }
 
   private listenToAtlas(canvas: HTMLCanvasElement): void {
-    const under = (event: PointerEvent) => this.grid?.at(...this.atlas.under(event)) ?? null;
+    const under = (event: PointerEvent) => {
+      if (!this.map) return null;
+      this.grid ??= new geometry.MapGrid(this.map.uv, geometry.extent(this.map.uv));
+      return this.grid.at(...this.atlas.under(event));
+    };
     canvas.addEventListener("pointermove", (event) => event.buttons || this.mark(under(event)));
     canvas.addEventListener("pointerleave", () => this.mark(null));
     onClick(canvas, (event) => {
@@ -601,6 +690,16 @@ class App {
       if (!(error instanceof Replaced)) page.status((error as Error).message, "failed");
     }
   }
+}
+
+/** The same question with the cones of a level, whose curvatures follow the rule. */
+function withCones(question: Question, { cones }: ForeseenLevel): Question {
+  return { ...question, given: cones.map(([vertex]) => [vertex, null]) };
+}
+
+/** Whether a colour tells what is measured of a map. */
+function isOfMeasures(mode: Mode): boolean {
+  return mode === "area" || mode === "stretch";
 }
 
 /** So many squares to a unit of the map that they are small against its islands, as in pictures. */

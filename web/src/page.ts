@@ -61,28 +61,31 @@ export function legend(mode: Mode, scale: Scale | null, islands: number | null):
   place.replaceChildren(ramp, make("span", scale.title));
 }
 
+/** What is known of a map: the same rows whatever that is, so that nothing moves. */
 export function numbers(map: UvMap | null, predicted: number | null): void {
-  const rows: [string, string][] = [["Area distortion, predicted", predicted === null ? "–" : predicted.toFixed(3)]];
-  if (map?.measured) {
-    const { fill, tiles, times } = map.meta;
-    const { distortion, islands } = map.measured.meta;
-    const seconds = Object.values(times).reduce<number>((sum, time) => sum + (time ?? 0), 0);
-    rows.push(
-      ["Area distortion, measured", distortion.area_mean.toFixed(3)],
-      ["Quasi-conformal, mean", distortion.quasi_conformal.mean.toFixed(4)],
-      ["Quasi-conformal, 99 %", distortion.quasi_conformal.p99.toFixed(3)],
-      ["Flipped; overlapping pairs", `${distortion.flipped}; ${distortion.overlap_pairs}`],
-      ["Islands", String(islands)],
-      ["Seams, over √area", distortion.seam_length.toFixed(2)],
-      [tiles > 1 ? `Filled, of ${tiles} tiles` : "Filled", `${(100 * fill).toFixed(0)} %`],
-      ["Curvature off the cones", `${distortion.curvature_error.toExponential(0)} rad`],
-      ["Time", `${seconds.toFixed(2)} s`],
-    );
-  }
-  byId("numbers").replaceChildren(...rows.map(([name, value]) => {
-    const row = make("tr");
-    row.append(make("td", name), make("td", value));
-    return row;
+  const measured = map?.measured?.meta;
+  const { fill = NaN, tiles = 1, times = {} } = (measured && map?.meta) || {};
+  const { area_mean, quasi_conformal, flipped, overlap_pairs, seam_length, curvature_error } = measured?.distortion ?? {};
+  const told = (value: number | null | undefined, digits: number) => value?.toFixed(digits) ?? "–";
+  const seconds = Object.values(times).reduce<number>((sum, time) => sum + (time ?? 0), 0);
+  const rows: [string, string][] = [
+    ["Area distortion, predicted", told(predicted, 3)],
+    ["Area distortion, measured", told(area_mean, 3)],
+    ["Quasi-conformal, mean", told(quasi_conformal?.mean, 4)],
+    ["Quasi-conformal, 99 %", told(quasi_conformal?.p99, 3)],
+    ["Flipped; overlapping pairs", measured ? `${flipped}; ${overlap_pairs}` : "–"],
+    ["Islands", told(measured?.islands, 0)],
+    ["Seams, over √area", told(seam_length, 2)],
+    [tiles > 1 ? `Filled, of ${tiles} tiles` : "Filled", measured ? `${(100 * fill).toFixed(0)} %` : "–"],
+    ["Curvature off the cones", curvature_error === undefined ? "–" : `${curvature_error.toExponential(0)} rad`],
+    ["Time", measured ? `${seconds.toFixed(2)} s` : "–"],
+  ];
+  const table = byId<HTMLTableElement>("numbers");
+  while (table.rows.length < rows.length) table.append(make("tr"));
+  rows.forEach((row, k) => row.forEach((text, i) => {
+    const cell = table.rows[k].cells[i] ?? table.rows[k].appendChild(make("td"));
+    // What is the same is not painted again.
+    if (cell.textContent !== text) cell.textContent = text;
   }));
 }
 

@@ -14,6 +14,8 @@ export class Stage<C extends Camera> {
   readonly scene = new Scene();
   readonly backdrop: Backdrop;
   readonly controls: OrbitControls;
+  /** Whether what is before the backdrop is a part of it, so that both are shown at once. */
+  isOnePiece = false;
   width = 1;
   height = 1;
   /** Called after each picture. */
@@ -22,6 +24,7 @@ export class Stage<C extends Camera> {
   onResize = () => {};
   private readonly renderer: WebGLRenderer;
   private isAsked = false;
+  private readonly awaited: (() => void)[] = [];
 
   /** A stage on a canvas that has a [context](webGl), for a backdrop of so many triangles. */
   constructor(readonly element: HTMLElement, readonly canvas: HTMLCanvasElement, readonly camera: C, triangles: number) {
@@ -45,9 +48,9 @@ export class Stage<C extends Camera> {
     this.resize();
   }
 
-  /** Asks for a picture, in which everything may have changed. */
-  draw(): void {
-    this.backdrop.change();
+  /** Asks for a picture, in which everything may have changed; where drawing takes long a patient one is seen some frames later. */
+  draw(isPatient = false): void {
+    this.backdrop.change(isPatient);
     this.drawFront();
   }
 
@@ -57,10 +60,29 @@ export class Stage<C extends Camera> {
     this.isAsked = true;
     requestAnimationFrame(() => {
       this.isAsked = false;
-      this.backdrop.update(this.renderer, this.camera);
-      this.renderer.render(this.scene, this.camera);
-      this.onDrawn();
+      const isMore = this.backdrop.update(this.renderer, this.camera);
+      if (!(isMore && this.isOnePiece)) {
+        this.renderer.render(this.scene, this.camera);
+        this.onDrawn();
+      }
+      if (isMore) this.drawFront();
+      else this.awaited.splice(0).forEach((done) => done());
     });
+  }
+
+  /** Waits until all is drawn that has been asked for, which is later than that it is sent to be. */
+  async drawn(): Promise<void> {
+    await new Promise<void>((done) => {
+      this.awaited.push(done);
+      this.drawFront();
+    });
+    const context = this.renderer.getContext() as WebGL2RenderingContext;
+    const fence = context.fenceSync(context.SYNC_GPU_COMMANDS_COMPLETE, 0);
+    context.flush();
+    while (fence && !context.isContextLost() && context.getSyncParameter(fence, context.SYNC_STATUS) !== context.SIGNALED) {
+      await new Promise((done) => setTimeout(done, 8));
+    }
+    context.deleteSync(fence);
   }
 
   /** Where a point is in the element, in pixels. */
@@ -75,19 +97,25 @@ export class Stage<C extends Camera> {
     return [(2 * (event.clientX - box.left)) / box.width - 1, 1 - (2 * (event.clientY - box.top)) / box.height];
   }
 
+  /** How many pixels the canvas is high. */
+  get pixelsHigh(): number {
+    return this.height * this.renderer.getPixelRatio();
+  }
+
   private resize(): void {
-    this.width = Math.max(1, this.element.clientWidth);
-    this.height = Math.max(1, this.element.clientHeight);
-    this.renderer.setSize(this.width, this.height, false);
+    const [width, height] = [Math.max(1, this.element.clientWidth), Math.max(1, this.element.clientHeight)];
+    if (width === this.width && height === this.height) return;
+    [this.width, this.height] = [width, height];
+    this.renderer.setSize(width, height, false);
     this.onResize();
     this.draw();
   }
 }
 
-/** What a canvas is drawn on with; none where there is no WebGL. */
-export function webGl(canvas: HTMLCanvasElement): WebGL2RenderingContext | null {
+/** What a canvas is drawn on with; none where there is no WebGL. Asked again it is the same, however smooth. */
+export function webGl(canvas: HTMLCanvasElement, isSmooth = true): WebGL2RenderingContext | null {
   try {
-    return canvas.getContext("webgl2", { alpha: true, antialias: true });
+    return canvas.getContext("webgl2", { alpha: true, antialias: isSmooth });
   } catch {
     return null;
   }

@@ -1,10 +1,9 @@
 // The surface in space, with cones as spheres and seams as tubes.
 
-import {
-  type BufferGeometry, Color, CylinderGeometry, HemisphereLight, InstancedMesh, Matrix4, MeshBasicMaterial, MeshLambertMaterial, PerspectiveCamera, Quaternion, SphereGeometry, Spherical, Vector3,
-} from "three";
+import { PerspectiveCamera, Quaternion, Spherical, Vector3 } from "three";
 import type { Cone, Edge, Surface } from "./data";
 import { CUT, type Place, SPARED, type Vec3, coneColour, cornerNormals, hitSurface, pointOf } from "./geometry";
+import { Spheres, Tubes } from "./impostors";
 import { type Paint, TriangleMesh } from "./mesh_geometry";
 import { meshMaterial } from "./mesh_material";
 import { Stage } from "./stage";
@@ -23,10 +22,10 @@ export class SurfaceView {
   private readonly normals: Float32Array;
   private readonly up: Vector3;
   private radius = 1;
-  private spheres: InstancedMesh | null = null;
-  private seams: InstancedMesh | null = null;
-  private cuts: InstancedMesh | null = null;
-  private spared: InstancedMesh | null = null;
+  private readonly spheres = new Spheres();
+  private readonly seams = new Tubes(TUBE, 0x1d212b, 1);
+  private readonly cuts = new Tubes(PIN, CUT, 2);
+  private readonly spared = new Tubes(PIN, SPARED, 2);
   private cones: Cone[] = [];
 
   constructor(element: HTMLElement, canvas: HTMLCanvasElement, private readonly surface: Surface) {
@@ -35,7 +34,7 @@ export class SurfaceView {
     this.normals = cornerNormals(surface);
     this.shape(null);
     this.stage.backdrop.scene.add(this.triangles.mesh);
-    this.stage.scene.add(new HemisphereLight(0xffffff, 0x9aa0aa, 3));
+    this.stage.scene.add(...this.fronts.map(({ mesh }) => mesh));
     const size = [0, 1, 2].map((i) => {
       let [low, high] = [Infinity, -Infinity];
       for (const v of surface.triangles) {
@@ -73,16 +72,16 @@ export class SurfaceView {
   }
 
   /** Paints the surface; a tint has three bytes for each corner. */
-  colour(paint: Paint, tint: Uint8Array): void {
+  colour(paint: Paint, tint: Uint8Array, isPatient = false): void {
     this.triangles.paint(paint, tint);
-    this.stage.draw();
+    this.stage.draw(isPatient);
   }
 
   /** The map's coordinates, for the checkerboard. */
-  coordinates(uv: Float32Array, squares: number): void {
+  coordinates(uv: Float32Array, squares: number, isPatient: boolean): void {
     this.shape(uv);
     this.material.uniforms.squares.value = squares;
-    this.stage.draw();
+    this.stage.draw(isPatient);
   }
 
   private shape(coordinates: Float32Array | null): void {
@@ -96,49 +95,25 @@ export class SurfaceView {
 
   showCones(cones: Cone[], selected: number | null): void {
     this.cones = cones;
-    if (!this.spheres || this.spheres.instanceMatrix.count < cones.length) {
-      this.spheres = this.room(this.spheres, new SphereGeometry(1, 16, 10), new MeshLambertMaterial(), cones.length);
-    }
     const crowd = Math.min(1, Math.sqrt(40 / Math.max(1, cones.length)));
-    cones.forEach(({ vertex, curvature }, k) => {
+    this.spheres.show(cones.map(({ vertex, curvature }, k) => {
       const known = Number.isNaN(curvature) ? 1 : Math.min(1.6, Math.sqrt(Math.abs(curvature) / Math.PI) + 0.5);
       const radius = CONE * crowd * known * (k === selected ? 1.5 : 1);
-      this.spheres!.setMatrixAt(k, new Matrix4().makeScale(radius, radius, radius).setPosition(this.at(vertex)));
-      this.spheres!.setColorAt(k, new Color(k === selected ? 0xffc400 : coneColour(curvature)));
-    });
-    this.finish(this.spheres, cones.length);
+      return { at: this.at(vertex).toArray(), radius, colour: k === selected ? 0xffc400 : coneColour(curvature) };
+    }));
+    this.stage.drawFront();
   }
 
   showSeams(seams: Uint32Array[]): void {
-    this.seams = this.drawn(this.seams, seams, TUBE, 0x1d212b);
+    this.seams.show(this.surface.points, seams);
+    this.stage.drawFront();
   }
 
   /** Edges that are pinned: those that are cut, and those that are not. */
   showPins(cut: Edge[], avoid: Edge[]): void {
-    this.cuts = this.drawn(this.cuts, cut, PIN, CUT);
-    this.spared = this.drawn(this.spared, avoid, PIN, SPARED);
-  }
-
-  /** Chains of vertices as tubes, in those that there are or, where these are too few, in others. */
-  private drawn(tubes: InstancedMesh | null, chains: ArrayLike<number>[], radius: number, colour: number): InstancedMesh {
-    const count = chains.reduce((sum, chain) => sum + Math.max(0, chain.length - 1), 0);
-    if (!tubes || tubes.instanceMatrix.count < count) {
-      const tube = new CylinderGeometry(1, 1, 1, 6, 1, true);
-      tubes = this.room(tubes, tube, new MeshBasicMaterial({ color: colour }), count);
-    }
-    let k = 0;
-    const [along, turn, y] = [new Vector3(), new Quaternion(), new Vector3(0, 1, 0)];
-    for (const chain of chains) {
-      for (let i = 1; i < chain.length; i++) {
-        const [a, b] = [this.at(chain[i - 1]), this.at(chain[i])];
-        const length = along.subVectors(b, a).length();
-        turn.setFromUnitVectors(y, along.normalize());
-        // A little longer, so that there are no gaps where tubes meet.
-        tubes.setMatrixAt(k++, new Matrix4().compose(a.add(b).multiplyScalar(0.5), turn, new Vector3(radius, length + radius, radius)));
-      }
-    }
-    this.finish(tubes, count);
-    return tubes;
+    this.cuts.show(this.surface.points, cut);
+    this.spared.show(this.surface.points, avoid);
+    this.stage.drawFront();
   }
 
   /** The point of the surface under an event. */
@@ -199,30 +174,14 @@ export class SurfaceView {
     return new Vector3().fromArray(this.surface.points, 3 * vertex);
   }
 
-  /** As many instances as are needed, twice that so that it is seldom made anew. */
-  private room(old: InstancedMesh | null, geometry: BufferGeometry, material: MeshLambertMaterial | MeshBasicMaterial, count: number) {
-    if (old) {
-      this.stage.scene.remove(old);
-      old.geometry.dispose();
-      (old.material as MeshBasicMaterial).dispose();
-      old.dispose();
-    }
-    const mesh = new InstancedMesh(geometry, material, Math.max(64, 2 * count));
-    mesh.frustumCulled = false;
-    this.stage.scene.add(mesh);
-    return mesh;
-  }
-
-  private finish(mesh: InstancedMesh, count: number): void {
-    mesh.count = count;
-    mesh.instanceMatrix.needsUpdate = true;
-    if (mesh.instanceColor) mesh.instanceColor.needsUpdate = true;
-    this.stage.drawFront();
+  private get fronts() {
+    return [this.seams, this.cuts, this.spared, this.spheres];
   }
 
   private resize(): void {
     this.stage.camera.aspect = this.stage.width / this.stage.height;
     this.stage.camera.updateProjectionMatrix();
+    for (const one of this.fronts) one.resize(this.stage.camera, this.stage.pixelsHigh);
   }
 
   private key(event: KeyboardEvent): void {

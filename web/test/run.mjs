@@ -100,8 +100,8 @@ async function picture(page, name) {
   await page.screenshot({ path: join(pictures, `${name}.png`), fullPage: name.includes("phone") });
 }
 
-/** How many colours are seen in a part of the page: few where nothing is drawn. */
-async function seen(page, selector) {
+/** How many colours are seen in a part of the page, and how many pixels as dark as seams. */
+async function look(page, selector) {
   const png = (await page.locator(selector).screenshot()).toString("base64");
   return page.evaluate(async (png) => {
     // Not by fetch: the page may talk to its server alone.
@@ -114,10 +114,17 @@ async function seen(page, selector) {
     context.drawImage(image, 0, 0);
     const { data } = context.getImageData(0, 0, image.width, image.height);
     const colours = new Set();
-    for (let k = 0; k < data.length; k += 4) colours.add((data[k] >> 4) * 256 + (data[k + 1] >> 4) * 16 + (data[k + 2] >> 4));
-    return colours.size;
+    let dark = 0;
+    for (let k = 0; k < data.length; k += 4) {
+      colours.add((data[k] >> 4) * 256 + (data[k + 1] >> 4) * 16 + (data[k + 2] >> 4));
+      dark += Number(Math.max(data[k], data[k + 1], data[k + 2]) < 48);
+    }
+    return { colours: colours.size, dark };
   }, png);
 }
+
+/** How many colours are seen: few where nothing is drawn. */
+const seen = async (page, selector) => (await look(page, selector)).colours;
 
 /** Whether anything is cut off at the sides, or lies over something else. */
 async function flaws(page) {
@@ -190,7 +197,35 @@ try {
     });
     await page.waitForFunction(() => document.querySelector("#state").textContent === "exact map");
     assert.equal(await page.locator("#cones li").count(), 5);
-    assert.match(await page.textContent("#numbers"), /measured/);
+    assert.match(await page.textContent("#numbers"), /measured\d/);
+  });
+  await test("seams of all numbers are known before the slider moves; the map of the last comes when it is let go", async () => {
+    const asked = [];
+    const note = (request) => asked.push(request.url().split("/").at(-1));
+    page.on("request", note);
+    // Seams of all numbers are found while nothing else is to be done.
+    for (let quiet = 0, count = -1; quiet < 8; quiet = count === asked.length ? quiet + 1 : 0, count = asked.length) await page.waitForTimeout(100);
+    asked.length = 0;
+    const box = await page.locator("#slider").boundingBox();
+    const at = (n) => [box.x + 8 + ((box.width - 16) * (n - 3)) / 61, box.y + box.height / 2];
+    await page.mouse.move(...at(5));
+    await page.mouse.down();
+    const dark = [];
+    for (const n of [12, 40, 20, 30]) {
+      await page.mouse.move(...at(n));
+      await page.waitForTimeout(60);
+      dark.push((await look(page, "#surface canvas")).dark);
+    }
+    await page.waitForTimeout(400);
+    const rows = await page.locator("#cones li").count();
+    assert.equal(String(rows), await page.inputValue("#count"));
+    assert.ok(!asked.includes("cones"), `${asked}`);
+    assert.ok(dark.every((pixels) => pixels > 150), `seams are seen: ${dark}`);
+    await afterMap(page, () => page.mouse.up());
+    assert.ok(asked.includes("map") && !asked.includes("cones"), `${asked}`);
+    assert.equal(await page.locator("#cones li").count(), rows);
+    page.off("request", note);
+    await afterMap(page, () => page.fill("#count", "5").then(() => page.press("#count", "Enter")));
   });
   await test("every colour has its legend, and is another picture", async () => {
     for (const [mode, legend] of [["area", "ideal 1"], ["stretch", "ideal 1"], ["factor", "φ"], ["islands", "island"], ["plain", ""], ["checker", "squares"]]) {

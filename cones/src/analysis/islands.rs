@@ -15,14 +15,15 @@ use crate::flatten::seam_lengths;
 use crate::uv::{NEGLIGIBLE_DEPTH, Overlaps, overlaps_watched};
 
 impl Component {
-    /// Opens the layout along other seams and takes it apart where it lies over itself, or says that it does.
+    /// Opens the layout along other seams and takes it apart where it lies over itself, or says that it does. `share` is the component's
+    /// of the model's area.
     ///
     /// # Errors
     /// If the observer has said stop.
     pub(crate) fn part_islands(
         &self,
         flat: &mut Flat,
-        (islands, plan): (Islands, &SeamPlan),
+        (islands, plan, share): (Islands, &SeamPlan, f64),
         task: &Task,
         times: &mut Times,
     ) -> Result<(), Error> {
@@ -40,8 +41,9 @@ impl Component {
             return Ok(());
         }
         let lengths = seam_lengths(&self.surface, &self.metric);
-        let Opening { other, separation: done } =
-            task.stage(stage, times, |watch| Reseaming::new(mesh, flat, plan, islands == Islands::Pack).best(watch))??;
+        let Opening { other, separation: done } = task.stage(stage, times, |watch| {
+            Reseaming::new(mesh, flat, plan, islands == Islands::Pack, share).best(watch)
+        })??;
         if let Some((seams, layout)) = other {
             flat.seams = seams;
             flat.layout = layout;

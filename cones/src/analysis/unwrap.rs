@@ -100,12 +100,13 @@ impl Analysis {
         self.check_seams(&options.seams)?;
         let task = self.task();
         let mut times = Times::default();
+        let area = self.area();
         let flats = each(self.components(), &mut times, |component, times| {
             let plan = self.plan(component, &options.seams, &task, times)?;
             let mut flat = component.flatten(&cones.configurations[component.index], &plan, &task, times)?;
             component.detach_fold_overs(&mut flat);
             flat.notes.extend(component.doubt(&flat, cones.placement.is_none()));
-            component.part_islands(&mut flat, (options.islands, &plan), &task, times)?;
+            component.part_islands(&mut flat, (options.islands, &plan, component.area / area), &task, times)?;
             Ok(flat)
         })?;
         let own = cones.notes.iter().filter(|note| note.component().is_none()).cloned().collect();
@@ -248,13 +249,19 @@ impl Analysis {
     /// Flattens the model with the cones chosen, or on components where these fail with the best of others.
     fn with_chosen(&self, (shared, configurations): Chosen, options: &Options, task: &Task) -> Result<Atlas, Error> {
         let Shared { notes, number, mut times } = shared;
+        let area = self.area();
         let flats = each(self.components(), &mut times, |component, times| {
             let plan = self.plan(component, &options.seams, task, times)?;
             let mut flat = component.flatten_well(&configurations[component.index], (options, &plan), task, times)?;
-            component.part_islands(&mut flat, (options.islands, &plan), task, times)?;
+            component.part_islands(&mut flat, (options.islands, &plan, component.area / area), task, times)?;
             Ok(flat)
         })?;
         self.assemble(flats, notes, (number, options.quantize), options, task, times)
+    }
+
+    /// Of all components, in the model's units.
+    fn area(&self) -> f64 {
+        self.components().iter().map(|component| component.area).sum()
     }
 
     /// Where the seams of a component go.

@@ -26,9 +26,12 @@ const NEAR: f64 = 0.06;
 /// A cut must raise the fill by so much, and by so much more if it takes all of the seam that is left.
 const LEAST_GAIN: f64 = 0.012;
 const PRICE: f64 = 0.03;
-/// Where there are more islands, or so much is filled, cuts gain too little for what they cost: bones, 26 islands that fill
-/// .75, took 5 s for nothing.
+/// So many islands are packed for comparing, the largest.
 const MOST_ISLANDS: usize = 16;
+/// Where the others have more than this share of the area, or so much is filled, cuts gain too little for what they cost: bones, 26
+/// islands that fill .75, took 5 s for nothing. On the dragon, 407 islands of which six have all but a thousandth, two cuts raise the fill
+/// from .517 to .615 for 2.8 % of seam.
+const MOST_BESIDE: f64 = 0.05;
 const ENOUGH: f64 = 0.72;
 
 /// A map of a part of a model, with the lengths of its edges in space: infinite where nothing may be cut.
@@ -87,9 +90,6 @@ fn best_cut(
     let paths: Result<Vec<Paths>, Interrupted> =
         parts.iter().zip(maps).map(|(part, map)| Paths::new(part.mesh, part.lengths, map, found)).collect();
     let paths = paths?;
-    if paths.iter().map(Paths::island_count).sum::<usize>() > MOST_ISLANDS {
-        return Ok(None);
-    }
     watch.ask(0.2)?;
     // Each island's part and number in it, its triangles, and its outline.
     let mut islands = Vec::new();
@@ -101,6 +101,11 @@ fn best_cut(
     }
     let whole: f64 = islands.iter().map(|(_, _, _, side)| side.area).sum();
     islands.sort_by(|a, b| b.3.area.total_cmp(&a.3.area).then((a.0, a.1).cmp(&(b.0, b.1))));
+    let beside: f64 = islands.iter().skip(MOST_ISLANDS).map(|(_, _, _, side)| side.area).sum();
+    if beside > MOST_BESIDE * whole {
+        return Ok(None);
+    }
+    islands.truncate(MOST_ISLANDS);
     let large = islands.iter().take(LARGEST).filter(|(_, _, _, side)| side.area > LEAST_ISLAND * whole).count();
     watch.ask(0.25)?;
     let sweep = |(k, _, faces, _): &(usize, usize, Vec<FaceId>, Side)| {
