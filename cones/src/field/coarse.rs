@@ -21,11 +21,11 @@ pub(crate) fn coarse_level(
     count: usize,
     watch: Watch,
 ) -> Result<(Operators, Vec<VertexId>), PoissonError> {
-    let Operators { mesh, metric, weight, curvature, ahead, .. } = fine;
+    let Operators { mesh, metric, weight, spread, curvature, ahead, .. } = fine;
     let ahead = ahead.as_ref().filter(|(asked, _)| *asked == count);
     let Simplified { triangulation, metric, vertex, weights } = match ahead {
         Some((_, coarsened)) => coarsened.clone(),
-        None => coarsened((mesh, metric), (weight, curvature), count, watch.within(0.0, 0.8))?,
+        None => coarsened((mesh, metric), (weight, spread.as_ref(), curvature), count, watch.within(0.0, 0.8))?,
     };
     let mesh = Mesh::from_triangulation(triangulation)
         .unwrap_or_else(|error: MeshError| unreachable!("a manifold one stays so: {error}"));

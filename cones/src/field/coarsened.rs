@@ -11,17 +11,18 @@ const SHARP: f64 = 0.3;
 pub(crate) type Coarsened = Simplified<3>;
 
 /// An intrinsic Delaunay surface on `count` of its vertices, or more where others cannot be taken out; it is given with the weight and the
-/// curvature of each vertex.
+/// curvature of each vertex, and the share of a finer surface's vertices that it stands for where it is a coarse level itself.
 ///
 /// # Errors
 /// If the watch has said stop.
 pub(super) fn coarsened(
     (mesh, metric): (&Mesh, &Metric),
-    (weight, curvature): (&VertexData<f64>, &VertexData<f64>),
+    (weight, spread, curvature): (&VertexData<f64>, Option<&VertexData<f64>>, &VertexData<f64>),
     count: usize,
     watch: Watch,
 ) -> Result<Coarsened, Interrupted> {
-    let spread = VertexData::constant(mesh.vertex_count(), 1.0 / mesh.vertex_count() as f64);
+    let even = || VertexData::constant(mesh.vertex_count(), 1.0 / mesh.vertex_count() as f64);
+    let spread = spread.cloned().unwrap_or_else(even);
     let worth = |v: VertexId| 1.0 + (curvature[v] / SHARP).powi(2);
     simplified(mesh, metric, [weight, &spread, curvature], worth, count, watch)
 }

@@ -62,7 +62,7 @@ pub struct Operators {
     even: OnceLock<VertexData<f64>>,
     /// On a coarse level, the share of the finer one's vertices that each vertex stands for: curvature that is spread evenly over
     /// these is spread so.
-    spread: Option<VertexData<f64>>,
+    pub(super) spread: Option<VertexData<f64>>,
     /// What a coarse level of so many vertices is made of, where one was asked for in advance.
     pub(super) ahead: Option<(usize, Coarsened)>,
 }
@@ -147,7 +147,10 @@ impl Operators {
     ) -> Result<Self, PoissonError> {
         let tied: Option<TiedLoops> = fine.tied.as_ref().map(|tied| vertex.iter().map(|&v| tied[v]).collect());
         let rims = as_on(&fine.rims, vertex, tied_loops(&surface.0, tied.as_ref()));
-        let operators = Self::of_delaunay(surface, Vec::new(), weight, (None, tied, rims), None, watch)?;
+        let points: Option<Vec<[f64; 3]>> =
+            fine.points().map(|points| vertex.iter().map(|v| points[v.0 as usize]).collect());
+        let carried = (points.as_deref(), tied, rims);
+        let operators = Self::of_delaunay(surface, Vec::new(), weight, carried, None, watch)?;
         Ok(Self { spread: Some(spread), curvature, ..operators })
     }
 
@@ -166,7 +169,7 @@ impl Operators {
         }
         let laplacian = laplacian(&mesh, &metric);
         let unknown = watch.within(f64::NAN, f64::NAN);
-        let coarsened = |count| coarsened((&mesh, &metric), (&weight, &curvature), count, unknown);
+        let coarsened = |count| coarsened((&mesh, &metric), (&weight, None, &curvature), count, unknown);
         let (poisson, ahead) = rayon::join(
             || Poisson::new_watched(&laplacian, &rims.concat(), points, watch.within(0.5, 0.95)),
             || ahead.map(|count| coarsened(count).map(|coarsened| (count, coarsened))).transpose(),

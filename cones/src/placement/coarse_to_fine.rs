@@ -2,7 +2,8 @@
 //!
 //! The whole search is made on the [coarse level](super::level), where solves cost next to nothing. Its cones are vertices of
 //! the surface, so the surface's energy model tells at once how good they are there: a solve for each. Then, for each cone, the
-//! best vertex round it that the columns of all cones promise is solved for too, and cones are exchanged with these.
+//! best vertex round it that the columns of all cones promise is solved for too, and cones are exchanged with these. Of a large surface that is
+//! done on a middle level, and the cones that come out are fitted on the surface.
 
 use geom::{Interrupted, PoissonError, VertexId};
 
@@ -118,7 +119,7 @@ impl Fewest<'_, '_> {
         let fewer = exchange(self.model, drop_cheapest(self.model, set));
         let mut fewer = self.predicted(fewer);
         if fewer.1.area_distortion > self.target && fewer.1.area_distortion < NEAR * self.target {
-            let new = candidates(self.model, &fewer.0, REACH * self.level.spacing());
+            let new = candidates(self.model, &fewer.0, REACH * self.level.finest().spacing());
             self.model.add(&new);
             let exchanged = exchange(self.model, fewer.0);
             fewer = self.predicted(exchanged);
@@ -170,7 +171,19 @@ pub(crate) fn on_surface(model: &EnergyModel, level: &CoarseLevel, coarse: &Cone
 /// A coarse level's cones, moved to where they are best on the surface.
 pub(crate) fn polished(model: &mut EnergyModel, level: &CoarseLevel, coarse: &ConeSet) -> ConeSet {
     let reach = REACH * level.spacing();
-    let cones = apart(model, level.of_surface(&coarse.cones), reach);
+    let Some((middle, cones)) = level.in_middle(&coarse.cones) else {
+        return polished_within(reach, model, level.of_surface(&coarse.cones));
+    };
+    let watch = model.watch();
+    let set = polished_within(reach, &mut middle.energy_model(watch.within(f64::NAN, f64::NAN)), cones);
+    let cones = apart(model, middle.of_surface(&set.cones), REACH * middle.spacing());
+    model.add(&cones);
+    within_comfort(model, |model| model.fit(&cones))
+}
+
+/// Cones moved to where they are best, not far.
+fn polished_within(reach: f32, model: &mut EnergyModel, cones: Vec<VertexId>) -> ConeSet {
+    let cones = apart(model, cones, reach);
     model.add(&cones);
     within_comfort(model, |model| {
         let mut set = model.fit(&cones);
@@ -265,6 +278,24 @@ mod tests {
         }
         let mean = (ratios.iter().map(|ratio| ratio.ln()).sum::<f64>() / ratios.len() as f64).exp();
         assert!(mean < 1.03 && ratios.iter().all(|&ratio| ratio < 1.1), "{mean}: {ratios:?}");
+    }
+
+    #[test]
+    fn polished_on_a_middle_level_cones_are_nearly_as_good() {
+        for (mesh, operators, level) in levels() {
+            let middle = CoarseLevel::of_size(&operators, &mesh, 1200, Watch::NONE).unwrap();
+            let coarsest = CoarseLevel::of_middle(middle, &mesh, 400, Watch::NONE).unwrap();
+            let norm = |level: &CoarseLevel| {
+                let set = refined(&mut level.energy_model(Watch::NONE), 8);
+                let mut model = EnergyModel::new(&operators, &mesh);
+                let found = polished(&mut model, level, &set);
+                assert_eq!((found.cones.len(), found.shortfall), (8, 0.0));
+                (found.log_scale_norm(), model.pool().len())
+            };
+            let (directly, through_middle) = (norm(&level), norm(&coarsest));
+            assert!(through_middle.0 < 1.05 * directly.0 + 1e-3, "{through_middle:?} for {directly:?}");
+            assert_eq!(through_middle.1, 8, "only the cones are solved for on the surface");
+        }
     }
 
     #[test]

@@ -170,7 +170,7 @@ pub(crate) fn other_diagonal(ij: f64, [jk, ki, il, lj]: [f64; 4]) -> f64 {
 }
 
 /// The length that Ptolemy's relation gives to the other diagonal.
-fn ptolemy(ij: f64, [jk, ki, il, lj]: [f64; 4]) -> f64 {
+pub(super) fn ptolemy(ij: f64, [jk, ki, il, lj]: [f64; 4]) -> f64 {
     (jk * il + ki * lj) / ij
 }
 

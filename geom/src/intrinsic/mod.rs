@@ -5,6 +5,7 @@ mod delaunay;
 mod double;
 mod laplacian;
 mod metric;
+mod part;
 mod poisson;
 mod simplification;
 
@@ -14,5 +15,6 @@ pub(crate) use delaunay::{TOLERANCE, opposite_cosines, other_diagonal};
 pub use double::Double;
 pub use laplacian::{edge_weights, laplacian};
 pub use metric::{Metric, Sides};
+pub use part::Part;
 pub use poisson::{ForwardSolution, Poisson, PoissonError};
 pub use simplification::{Simplified, simplified};

@@ -190,6 +190,32 @@ impl Poisson {
         Ok(x)
     }
 
+    /// Solves for another Laplacian of the same surface, with the same vertices fixed, by conjugate gradients that this factor preconditions:
+    /// until no entry of the residual is larger than `tolerance`, or as long as factoring anew would take. Fast where the two
+    /// differ much at few vertices alone. `None` where they differ too much.
+    ///
+    /// # Errors
+    /// If it is stopped.
+    ///
+    /// # Panics
+    /// If `b` is not as long as there are vertices.
+    pub fn solve_perturbed(
+        &self,
+        laplacian: &SymmetricMatrix,
+        b: &[f64],
+        tolerance: f64,
+        watch: Watch,
+    ) -> Result<Option<VertexData<f64>>, Interrupted> {
+        let matrix = restrict(laplacian, &self.unknown);
+        watch.ask(0.0)?;
+        let x = self.cholesky.solve_perturbed(&matrix, &self.gather(b), tolerance, watch)?;
+        Ok(x.map(|x| {
+            let mut x = self.scatter(&x);
+            self.shift(&mut x);
+            x
+        }))
+    }
+
     /// Solves for several right-hand sides at once, which is 4–5 times cheaper for each than one by one; without
     /// refinement.
     ///

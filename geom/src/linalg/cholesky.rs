@@ -169,6 +169,11 @@ impl Cholesky {
         factor(&self.elimination, &self.entries, &self.matrix.value, values, is_new, watch)
     }
 
+    /// The matrix that is factored.
+    pub(super) fn matrix(&self) -> &SymmetricMatrix {
+        &self.matrix
+    }
+
     /// The values of the factor, supernode after supernode.
     fn factor(&self) -> &[f64] {
         &self.values[..self.elimination.value_count()]
@@ -459,7 +464,7 @@ fn norm(x: &[f64]) -> f64 {
     x.iter().map(|x| x * x).sum::<f64>().sqrt()
 }
 
-fn dot(a: &[f64], b: &[f64]) -> f64 {
+pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
     let mut sum = [0.0; 8];
     let (a, a_tail) = a.as_chunks::<8>();
     let (b, b_tail) = b.as_chunks::<8>();

@@ -2,7 +2,7 @@
 //!
 //! A [`SymmetricMatrix`] is ordered (`dissection`, or approximate minimum degree), the work of its factorization is laid out from
 //! its pattern alone (`elimination`), the values are factored front by front (`cholesky`, `factorization`, `front`), and the factor is asked
-//! by `substitution`.
+//! by `substitution`; also for other matrices that differ little from the factored one (`perturbed`).
 
 mod cholesky;
 mod dissection;
@@ -12,6 +12,7 @@ mod factorization;
 mod front;
 mod gram;
 mod graph;
+mod perturbed;
 mod registers;
 mod substitution;
 mod symmetric;

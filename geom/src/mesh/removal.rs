@@ -52,7 +52,7 @@ impl Triangulation {
         }
     }
 
-    /// The triangles that are not gone, by themselves, with the vertices and edges that they have: each with its former name, in
+    /// The triangles that are not gone (or wanted, of a triangulation without gaps), by themselves, with the vertices and edges that they have: each with its former name, in
     /// order. O(F).
     pub(crate) fn without_gaps(&self, is_gone: impl Fn(FaceId) -> bool) -> (Self, Vec<VertexId>, Vec<EdgeId>) {
         let kept: Vec<FaceId> = self.faces().filter(|&f| !is_gone(f)).collect();
@@ -61,11 +61,16 @@ impl Triangulation {
         let (edges, edge) = renumbered(self.edge_count(), sides().map(|h| self.edge(h).index()));
         let (_, halfedge) = renumbered(self.halfedge_count(), sides().map(Id::index));
         let twin = |h: HalfedgeId| self.twin(h).map_or(NONE, |g| halfedge[g.index()]);
+        // Of a side that is not there the twin is.
+        let side = |h: HalfedgeId| match halfedge[h.index()] {
+            NONE => HalfedgeId(halfedge[self.twin[h.index()] as usize]),
+            side => HalfedgeId(side),
+        };
         let compact = Self {
             tail: sides().map(|h| VertexId(vertex[self.tail(h).index()])).collect(),
             twin: sides().map(twin).collect(),
             edge: sides().map(|h| EdgeId(edge[self.edge(h).index()])).collect(),
-            edge_halfedge: edges.iter().map(|&e| HalfedgeId(halfedge[self.halfedge(EdgeId(e)).index()])).collect(),
+            edge_halfedge: edges.iter().map(|&e| side(self.halfedge(EdgeId(e)))).collect(),
             vertex_count: vertices.len(),
         };
         (compact, vertices.into_iter().map(VertexId).collect(), edges.into_iter().map(EdgeId).collect())

@@ -4,46 +4,22 @@
 //! `l_ij e^((u_i + u_j)/2)` has it, u held at given values on the boundary. The u minimise a convex energy with gradient
 //! K^T - K(u) and Hessian L(u), the cotangent Laplacian of the scaled metric (Springborn, Schröder & Pinkall 2008), when
 //! the triangulation is kept Delaunay by Ptolemaic flips (Gu, Luo, Sun & Wu 2018; Springborn 2020; Gillespie, Springborn &
-//! Crane 2021): then the solution exists for every target below 2π that satisfies Gauss–Bonnet. Newton's method with a
-//! line search on the directional derivative finds it in 4–9 factorizations.
+//! Crane 2021): then the solution exists for every target below 2π that satisfies Gauss–Bonnet. Newton's method finds
+//! it (`newton`).
 //!
 //! Every inner edge may flip, seams too, for the cut is made later on the input's triangles; all flips are logged from
 //! the input's triangulation on, so that the layout can undo them.
 
+mod newton;
+
 use geom::{
-    Double, HalfedgeId, Id, Interrupted, Intrinsic, Mesh, Metric, Poisson, PoissonError, SymmetricMatrix,
-    Triangulation, VertexData, VertexId, Watch, delaunay_watched, laplacian, ptolemaic_delaunay_watched,
+    Double, HalfedgeId, Interrupted, Intrinsic, Mesh, Metric, PoissonError, Triangulation, VertexData, VertexId, Watch,
+    delaunay_watched,
 };
-use sprs::TriMat;
 use thiserror::Error;
 
 use crate::field::Operators;
-
-/// The curvature error that counts as reached.
-const ACCURACY: f64 = 1e-9;
-/// Where Newton converges quadratically, it goes on to here: what is left distorts the layout.
-const GOAL: f64 = 1e-13;
-/// From here one more step gets as far as rounding allows.
-const LAST_STEP: f64 = 1e-10;
-/// A step that lowers the error to this share of itself was a good one: the next can do with the same factor. (Solving
-/// costs a tenth of factoring; on meshes of 29–134 thousand vertices this saves a third of Newton's time.)
-const GOOD_STEP: f64 = 0.03;
-/// More steps than this, and the triangles are too degenerate for the method.
-const MAX_STEPS: usize = 25;
-/// Added to the Hessian's diagonal where triangles have no area. The least eigenvalue of the Laplacian of a surface with a
-/// million vertices is about 4e-5.
-const DAMPING: f64 = 1e-6;
-/// No log scale factor changes by more than this in a step.
-const MAX_STEP: f64 = 5.0;
-/// Where so many steps have not brought the error down to [`HARDLY`] of the first one, the method is stuck: on a scan of 437,645 vertices
-/// with cones in bad places it stayed at 0.6 to 1.1 of it for fifteen steps, and got stuck at 0.08 in the end. Where it does succeed, it is
-/// at a third after five.
-const PATIENCE: usize = 10;
-/// Below so many vertices all steps cost little. A spindle squeezed by 10⁶ needs more than [`PATIENCE`].
-const PATIENT_BELOW: usize = 20_000;
-const HARDLY: f64 = 0.5;
-/// From here on triangles at the boundary that have no area will have none in the end.
-const SETTLED: f64 = 0.1;
+use newton::Newton;
 
 /// Why no metric with the target curvature was found.
 #[derive(Clone, Debug, Error)]
@@ -147,6 +123,7 @@ pub fn scale(
         poisson: &operators.poisson,
         starts_from_factor: true,
         original: None,
+        goal: newton::GOAL,
         watch,
     };
     let intrinsic = Intrinsic {
@@ -208,205 +185,6 @@ impl<E: Into<ScalingError>> From<E> for Failed {
     fn from(error: E) -> Self {
         Self { error: error.into(), u: None }
     }
-}
-
-#[derive(Clone)]
-struct Newton<'a> {
-    target: &'a VertexData<f64>,
-    start: &'a VertexData<f64>,
-    fixed: Vec<VertexId>,
-    /// The factor that is already there. Others are made in the same order of elimination.
-    poisson: &'a Poisson,
-    /// Where u is 0 to begin with, the first step can use it.
-    starts_from_factor: bool,
-    /// On a double, the vertex of the surface for each of its own. Log scale factors are the same on both halves.
-    original: Option<&'a VertexData<VertexId>>,
-    watch: Watch<'a>,
-}
-
-impl Newton<'_> {
-    /// Finds the metric from a Delaunay triangulation on; its lengths stay unscaled while flips change it.
-    fn run(&self, mut state: Intrinsic) -> Result<Scaling, Failed> {
-        let starts_at_zero = self.fixed.is_empty();
-        let mut u = if starts_at_zero { VertexData::constant(self.start.len(), 0.0) } else { self.start.clone() };
-        let mut metric = self.scaled(&mut state, &u);
-        self.watch.ask(0.0)?;
-        let mut residual = self.residual(&state.triangulation, &metric);
-        let mut factored: Option<Poisson> = None;
-        let mut steps = 0;
-        let mut last = false;
-        let mut keep_factor = false;
-        let first = largest(&residual).1;
-        let mut least = first;
-        loop {
-            let (vertex, error) = largest(&residual);
-            // How much of the way from the first error to the last is done, in logarithms.
-            let done = ((error / first).ln() / (GOAL / first).ln()).clamp(0.0, 1.0);
-            self.watch.ask(done)?;
-            if error <= GOAL || last || steps >= MAX_STEPS {
-                return self.finish(state, u, metric, steps, error, vertex);
-            }
-            least = least.min(error);
-            let is_large = self.target.len() >= PATIENT_BELOW;
-            if is_large && steps >= PATIENCE && least > (HARDLY * first).max(SETTLED) {
-                return Err(ScalingError::Hopeless { error, vertex }.into());
-            }
-            if error <= SETTLED
-                && !self.fixed.is_empty()
-                && self.original.is_none()
-                && let Some(vertex) = without_area(&state.triangulation, &metric)
-            {
-                return Err(Failed { error: ScalingError::NoTriangle(vertex), u: Some(u) });
-            }
-            let step = match self.starts_from_factor && steps == 0 && starts_at_zero {
-                true => self.poisson.solve_watched(&residual, self.watch.within(done, done))?,
-                false => {
-                    if !keep_factor || factored.is_none() {
-                        let hessian = self.hessian(&state.triangulation, &metric);
-                        self.watch.ask(done)?;
-                        let watch = self.watch.within(done, done);
-                        factored = Some(match factored.take() {
-                            Some(poisson) => poisson.refactor_watched(&hessian, watch)?,
-                            None => self.poisson.another_watched(&hessian, watch)?,
-                        });
-                    }
-                    let factored = factored.as_ref().expect("it was just factored");
-                    factored.solve_watched(&residual, self.watch.within(done, done))?
-                }
-            };
-            self.watch.ask(done)?;
-            steps += 1;
-            last = error <= LAST_STEP;
-            let slope = dot(&step, &residual);
-            if !slope.is_finite() {
-                return Err(ScalingError::Stuck { error, vertex }.into());
-            }
-            let mut length = (MAX_STEP / step.iter().fold(0.0, |m: f64, d| m.max(d.abs()))).min(1.0);
-            let from = u.clone();
-            let mut halvings = 0;
-            loop {
-                u = from.iter().zip(step.iter()).map(|(u, d)| u + length * d).collect();
-                metric = self.scaled(&mut state, &u);
-                self.watch.ask(done)?;
-                residual = self.residual(&state.triangulation, &metric);
-                self.watch.ask(done)?;
-                let new_slope = dot(&step, &residual);
-                let left = largest(&residual).1;
-                keep_factor = left <= GOOD_STEP * error;
-                let converged = left <= error.min(ACCURACY);
-                if converged || new_slope >= -0.5 * slope {
-                    break;
-                }
-                halvings += 1;
-                if halvings > 30 || error <= ACCURACY {
-                    // No further: rounding is all that is left, or the method is stuck.
-                    u = from;
-                    metric = self.scaled(&mut state, &u);
-                    residual = self.residual(&state.triangulation, &metric);
-                    let (vertex, error) = largest(&residual);
-                    return self.finish(state, u, metric, steps, error, vertex);
-                }
-                length *= 0.5;
-            }
-        }
-    }
-
-    /// The Delaunay metric with log scale factors u.
-    fn scaled(&self, state: &mut Intrinsic, u: &VertexData<f64>) -> Metric {
-        let spread: Option<VertexData<f64>> = self.original.map(|original| original.iter().map(|&v| u[v]).collect());
-        let u = spread.as_ref().unwrap_or(u);
-        let watch = self.watch.within(f64::NAN, f64::NAN);
-        ptolemaic_delaunay_watched(&mut state.triangulation, &mut state.metric, u, &mut state.flips, watch)
-    }
-
-    /// The Laplacian of the scaled metric; that of a double as it acts on what is the same on both halves. Where triangles
-    /// have no area it may be singular, and is made definite.
-    fn hessian(&self, triangulation: &Triangulation, metric: &Metric) -> SymmetricMatrix {
-        let mut hessian = laplacian(triangulation, metric);
-        if let Some(original) = self.original {
-            hessian = fold(&hessian, original, self.target.len());
-        }
-        if without_area(triangulation, metric).is_some() {
-            for v in 0..hessian.dimension() {
-                let diagonal = hessian.diagonal_mut(v);
-                *diagonal += if *diagonal < DAMPING { 1.0 } else { DAMPING };
-            }
-        }
-        hessian
-    }
-
-    /// K^T - K, 0 at fixed vertices.
-    fn residual(&self, triangulation: &Triangulation, metric: &Metric) -> VertexData<f64> {
-        let sums = metric.angle_sums(triangulation);
-        let mut residual: VertexData<f64> =
-            self.target.iter().zip(sums.iter()).map(|(k, sum)| k - (2.0 * std::f64::consts::PI - sum)).collect();
-        for &v in &self.fixed {
-            residual[v] = 0.0;
-        }
-        if self.fixed.is_empty() {
-            // Gauss–Bonnet: what it sums to is rounding, and belongs to no vertex.
-            let mean = residual.iter().sum::<f64>() / residual.len() as f64;
-            residual.iter_mut().for_each(|r| *r -= mean);
-        }
-        residual
-    }
-
-    fn finish(
-        &self,
-        state: Intrinsic,
-        u: VertexData<f64>,
-        metric: Metric,
-        steps: usize,
-        error: f64,
-        vertex: VertexId,
-    ) -> Result<Scaling, Failed> {
-        if error.is_nan() || error > ACCURACY {
-            return Err(ScalingError::Stuck { error, vertex }.into());
-        }
-        let Intrinsic { triangulation, flips, .. } = state;
-        if let Some(vertex) = without_area(&triangulation, &metric) {
-            return Err(Failed { error: ScalingError::NoTriangle(vertex), u: Some(u) });
-        }
-        Ok(Scaling { u, triangulation, metric, flips, steps, error, mollified: false })
-    }
-}
-
-/// A corner of a triangle without area, if there is any.
-fn without_area(triangulation: &Triangulation, metric: &Metric) -> Option<VertexId> {
-    let found = triangulation.faces().find(|&f| metric.sides(triangulation, f).area() <= 0.0);
-    found.map(|f| triangulation.corners(f)[0])
-}
-
-/// The rows of the first `count` vertices, their columns added up by the vertex that each stands for.
-fn fold(matrix: &SymmetricMatrix, original: &VertexData<VertexId>, count: usize) -> SymmetricMatrix {
-    let mut folded = TriMat::with_capacity((count, count), matrix.stored() + count);
-    let mut add = |v: usize, w: usize, value: f64| {
-        if v < count {
-            folded.add_triplet(v, original[VertexId::new(w)].index(), value);
-        }
-    };
-    for v in 0..matrix.dimension() {
-        for (w, value) in matrix.column(v) {
-            add(v, w, value);
-            if v != w {
-                add(w, v, value);
-            }
-        }
-    }
-    SymmetricMatrix::from(&folded.to_csr())
-}
-
-fn largest(residual: &VertexData<f64>) -> (VertexId, f64) {
-    residual.iter_ids().fold(
-        (VertexId(0), 0.0),
-        |(at, most), (v, r)| {
-            if r.abs() > most || r.is_nan() { (v, r.abs()) } else { (at, most) }
-        },
-    )
-}
-
-fn dot(x: &[f64], y: &[f64]) -> f64 {
-    x.iter().zip(y).map(|(x, y)| x * y).sum()
 }
 
 #[cfg(test)]
