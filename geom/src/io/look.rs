@@ -65,9 +65,10 @@ impl<'a> Look<'a> {
     }
 }
 
-/// A name without spaces, at which many readers end it.
+/// A name without spaces, at which many readers end it, nor `#` before it, which begins a comment.
 pub(super) fn one_word(name: &str) -> String {
     let word = name.split(|c: char| c.is_whitespace() || c.is_control()).filter(|part| !part.is_empty());
     let word = word.collect::<Vec<_>>().join("_");
-    if word.is_empty() { "unnamed".to_owned() } else { word }
+    let word = word.trim_start_matches('#');
+    if word.is_empty() { "unnamed" } else { word }.to_owned()
 }

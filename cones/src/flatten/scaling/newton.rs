@@ -101,7 +101,13 @@ impl Newton<'_> {
             }
             let watch = self.watch.within(done, done);
             let step = match self.starts_from_factor && steps == 0 && starts_at_zero {
-                true => self.poisson.solve_watched(&residual, watch)?,
+                true => {
+                    // What is lacking in exactness the next step corrects.
+                    let mut step = [residual.clone()];
+                    self.poisson.solve_many_in_place(&mut step, watch)?;
+                    let [step] = step;
+                    step
+                }
                 false => {
                     let hessian = self.hessian(&state.triangulation, &metric);
                     self.watch.ask(done)?;
