@@ -59,7 +59,7 @@ class App {
   private grid: geometry.MapGrid | null = null;
   private drawn: Outline | null = null;
   /** The pins that are shown, and on which map. */
-  private pinsShown: { cut: Edge[]; avoid: Edge[]; map: UvMap | null } = { cut: [], avoid: [], map: null };
+  private pinsShown: { cut: Edge[]; avoid: Edge[]; uv: UvMap["uv"] | undefined } = { cut: [], avoid: [], uv: undefined };
   private mode: Mode = "checker";
   private isDark = false;
   /** What a click on the surface does. */
@@ -74,6 +74,8 @@ class App {
   /** What is asked next, and when. */
   private waiting: { timer: number; begin: () => void } | null = null;
   private isHeld = false;
+  /** Whether the map that is shown is told to be of another choice. */
+  private isStale = false;
   private listing = 0;
   /** When there was the last sign of somebody who is about to do something. */
   private moved = 0;
@@ -132,10 +134,10 @@ class App {
     this.showControls();
     // All numbers take as much computing as a third of the first map, which comes first.
     if (!this.isOpening()) void this.learn();
+    if (!this.isHeld) this.stale(true);
     this.foresee();
     clearTimeout(this.waiting?.timer);
-    if (!this.isHeld) byId("atlas").classList.add("stale");
-    page.status("computing the map …", "busy");
+    if (!this.isHeld) page.status("computing the map …", "busy");
     if (this.isAsking) this.source.stop(serial);
     this.isAsking = false;
     const begin = () => {
@@ -158,6 +160,7 @@ class App {
     if (!this.waiting) return;
     clearTimeout(this.waiting.timer);
     this.waiting.timer = window.setTimeout(this.waiting.begin, patience);
+    this.rest();
   }
 
   /** The cones that are foreseen, until there is better. */
@@ -262,7 +265,7 @@ class App {
       this.cones = map.cones;
       this.view?.showSeams(map.seams);
     }
-    byId("atlas").classList.remove("stale");
+    this.stale(false);
     const extent = geometry.extent(map.uv);
     this.grid = null;
     const squares = checkerSquares(map.uv);
@@ -353,7 +356,7 @@ class App {
   private showCurve(): void {
     this.curve.show(this.foreseen()?.levels ?? [], this.measuredHere(), this.count(), this.surface.most);
     if (!this.question.given) this.predicted ??= this.level()?.predicted_area ?? null;
-    page.numbers(this.mapIsOf(this.question) || !this.source.isLive ? this.map : null, this.predicted);
+    page.numbers(!this.isStale || this.mapIsOf(this.question) || !this.source.isLive ? this.map : null, this.predicted);
   }
 
   private showCones(): void {
@@ -362,12 +365,25 @@ class App {
     this.showCurve();
     // What is not looked at while the slider moves waits until it rests: a smaller part of the window is drawn so.
     clearTimeout(this.listing);
-    if (this.isHeld) this.listing = window.setTimeout(() => this.list(), REST);
+    if (this.isHeld) this.listing = window.setTimeout(() => this.rest(), REST);
     else this.list();
   }
 
+  /** The slider rests, or is let go: what still told of the map that is shown tells of the one that is to come. */
+  private rest(): void {
+    clearTimeout(this.listing);
+    this.list();
+    this.showCurve();
+    if (this.isStale) page.status("computing the map …", "busy");
+  }
+
+  private stale(isStale: boolean): void {
+    this.isStale = isStale;
+    byId("atlas").classList.toggle("stale", isStale);
+  }
+
   private list(): void {
-    byId("atlas").classList.toggle("stale", !this.mapIsOf(this.question));
+    this.stale(!this.mapIsOf(this.question));
     page.coneList(this.cones, this.selected, (v) => this.name(v), (k) => this.select(k));
     this.diagram.show(this.foreseen()?.extrema ?? [], this.cones.map(({ vertex }) => vertex));
   }
@@ -392,8 +408,9 @@ class App {
   /** Shows what is pinned, where that or the map is another: the map is drawn anew for it. */
   private showPins(cut: Edge[], avoid: Edge[]): void {
     const { map, pinsShown } = this;
-    if (pinsShown.cut === cut && pinsShown.avoid === avoid && pinsShown.map === map) return;
-    this.pinsShown = { cut, avoid, map };
+    // The measures of a map come later, with its coordinates as they were.
+    if (pinsShown.cut === cut && pinsShown.avoid === avoid && pinsShown.uv === map?.uv) return;
+    this.pinsShown = { cut, avoid, uv: map?.uv };
     this.view?.showPins(cut, avoid);
     if (map) this.atlas.showPins(onMap(this.surface, this.corners, map.uv, cut), onMap(this.surface, this.corners, map.uv, avoid));
   }
