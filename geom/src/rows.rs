@@ -79,6 +79,7 @@ impl<T, R: IntoIterator<Item = T>> FromIterator<R> for Rows<T> {
             all.item.extend(row);
             all.start.push(u32::try_from(all.item.len()).expect("rows have fewer than 2³² items"));
         }
+        all.item.shrink_to_fit();
         all
     }
 }

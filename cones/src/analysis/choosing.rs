@@ -177,7 +177,11 @@ impl Analysis {
         let Prediction { count: chosen, area_distortion: predicted, .. } = predicted;
         shared.number = Some(ChosenNumber { target, chosen, predicted, is_met, curve });
         each(components, &mut shared.times, |component, times| {
-            let vertices = found[component.index].set.cones.clone();
+            let Automatic { set, curvatures, .. } = &found[component.index];
+            let vertices = set.cones.clone();
+            if let (Some(known), None) = (curvatures, options.quantize) {
+                return Ok(Ok(component.configured(vertices, known.clone())));
+            }
             task.stage((Stage::Curvature, component.index), times, |watch| {
                 component.with_curvatures(vertices, options, watch).map_err(Error::from)
             })

@@ -218,6 +218,11 @@ impl Component {
         watch: Watch,
     ) -> Result<Configuration, CurvatureError> {
         let found = cone_curvatures(&self.operators, &self.surface.mesh, &vertices, rule, watch)?;
+        Ok(self.configured(vertices, found))
+    }
+
+    /// Cones with the curvatures that a rule has given them.
+    pub(crate) fn configured(&self, vertices: Vec<VertexId>, found: ConeCurvatures) -> Configuration {
         let mut notes = Vec::new();
         if let [first, ..] = found.out_of_bounds[..] {
             notes.push(Note::HarmonicOutOfBounds {
@@ -227,7 +232,7 @@ impl Component {
                 first: self.surface.vertex[first],
             });
         }
-        Ok(Configuration { vertices, curvature: found.curvature, predicted: found.predicted, notes })
+        Configuration { vertices, curvature: found.curvature, predicted: found.predicted, notes }
     }
 
     /// Takes curvatures as they are given.

@@ -16,7 +16,7 @@ use super::nested::Nested;
 use super::prediction::{Prediction, predict};
 use super::pursuit::pursuit;
 use super::refined::{by_curvature, refined, rounds};
-use crate::curvature::{CurvatureRule, least_cones};
+use crate::curvature::{ConeCurvatures, CurvatureRule, least_cones};
 use crate::field::Operators;
 
 /// A knee leaves at most this share of the log scale factor's norm. Smooth surfaces keep a half to a third of it where cones
@@ -44,6 +44,8 @@ pub(crate) struct Automatic {
     pub(crate) curve: Vec<Prediction>,
     /// Whether the nested order and the curve are those of the coarse level, in its vertices.
     pub(crate) is_from_level: bool,
+    /// The cones' curvatures by the rule, where the prediction took them.
+    pub(crate) curvatures: Option<ConeCurvatures>,
 }
 
 impl Automatic {
@@ -68,7 +70,8 @@ pub(crate) fn automatic(model: &mut EnergyModel, rule: CurvatureRule, target: f6
             (set, predicted)
         }
     };
-    Automatic { set, predicted, is_met: predicted.area_distortion <= target, nested, curve, is_from_level: false }
+    let is_met = predicted.area_distortion <= target;
+    Automatic { set, predicted, is_met, nested, curve, is_from_level: false, curvatures: None }
 }
 
 /// [`automatic`], and a few cones more where these leave nearly nothing to distort. A fit for the corners; a search more only
@@ -95,18 +98,27 @@ impl Automatic {
     pub(super) fn with_knee(self, model: &EnergyModel, set: ConeSet, rule: CurvatureRule, target: f64) -> Self {
         let predicted = predict(model.operators(), &set, rule);
         let is_met = predicted.area_distortion <= target;
-        if is_met || !self.is_met { Self { set, predicted, is_met, ..self } } else { self }
+        if is_met || !self.is_met { Self { set, predicted, is_met, curvatures: None, ..self } } else { self }
     }
 }
 
 /// A cone at each corner, if there are few and they are the curve's knee.
 pub(super) fn at_corners(model: &mut EnergyModel, found: &Automatic) -> Option<ConeSet> {
-    let count = found.set.cones.len();
-    let most = if count == 0 { 0 } else { (2 * count).max(FEW) };
-    let corners = corners(model.operators(), most).filter(|corners| corners.len() > count)?;
+    let corners = few_corners(model.operators(), found)?;
     model.add(&corners);
     let set = model.fit(&corners);
     found.has_knee_at(&set).then(|| by_curvature(model, &set))
+}
+
+/// Whether there are so few corners that a cone at each may be the knee.
+pub(super) fn has_few_corners(operators: &Operators, found: &Automatic) -> bool {
+    few_corners(operators, found).is_some()
+}
+
+fn few_corners(operators: &Operators, found: &Automatic) -> Option<Vec<VertexId>> {
+    let count = found.set.cones.len();
+    let most = if count == 0 { 0 } else { (2 * count).max(FEW) };
+    corners(operators, most).filter(|corners| corners.len() > count)
 }
 
 /// The number of cones where the nested order tells of a knee beyond what was found, with a norm as that order has it.
@@ -134,7 +146,7 @@ pub(crate) fn shortest(model: &mut EnergyModel, order: &[VertexId], rule: Curvat
     let enough = first_within(&curve, least_cones(operators), target).copied();
     let set = nested.sets[enough.map_or(order.len(), |point| point.count)].clone();
     let predicted = enough.unwrap_or_else(|| predict(operators, &set, rule));
-    Automatic { set, predicted, is_met: enough.is_some(), nested, curve, is_from_level: false }
+    Automatic { set, predicted, is_met: enough.is_some(), nested, curve, is_from_level: false, curvatures: None }
 }
 
 /// Where a curve first keeps the area distortion within a target, from `least` cones on.

@@ -2,23 +2,24 @@
 //!
 //! The whole search is made on the [coarse level](super::level), where solves cost next to nothing. Its cones are vertices of
 //! the surface, so the surface's energy model tells at once how good they are there: a solve for each. Then, for each cone, the
-//! best vertex round it that the columns of all cones promise is solved for too, and cones are exchanged with these. Of a large surface that is
-//! done on a middle level, and the cones that come out are fitted on the surface.
+//! best vertex round it that the columns of all cones promise is solved for too, and cones are exchanged with these. Of a large surface
+//! all of that is done on a middle level; on the surface the cones that come out get their curvatures, and what is predicted for them is looked at.
 
 use geom::{Interrupted, PoissonError, VertexId};
 
 use super::Ground;
-use super::automatic::{Automatic, at_corners, automatic, bend, meets};
+use super::automatic::{Automatic, at_corners, automatic, bend, has_few_corners, meets};
 use super::energy_model::{ConeSet, EnergyModel};
 use super::exchange::{drop_cheapest, exchange};
 use super::level::CoarseLevel;
 use super::nested::Nested;
-use super::prediction::{Prediction, predict};
+use super::prediction::{Prediction, area_distortion, predict};
 use super::pursuit::pursuit;
 use super::refined::{by_curvature, refined, within_comfort};
 use super::separation::Separation;
 use super::swap_table::SwapTable;
-use crate::curvature::{CurvatureRule, least_cones};
+use crate::curvature::{ConeCurvatures, CurvatureError, CurvatureRule, cone_curvatures, least_cones};
+use crate::field::Operators;
 
 /// A cone is looked for so far round where the coarse level has it, in spacings of that.
 const REACH: f32 = 1.5;
@@ -33,16 +34,25 @@ const WORTHWHILE: f64 = 0.04;
 /// hundredth of the norm.
 const LEAST_GAIN: f64 = 2e-4;
 
-/// The best set of so many cones found; none where the level has too few vertices, or the surface has not what it takes there.
+/// The best cones of so many that are found; none where the level has too few vertices, or the surface has not what it takes there.
 ///
 /// # Errors
 /// If the watch has said stop.
-pub(crate) fn refined_from(ground: Ground, level: &CoarseLevel, count: usize) -> Result<Option<ConeSet>, PoissonError> {
+pub(crate) fn refined_from(
+    ground: Ground,
+    level: &CoarseLevel,
+    count: usize,
+) -> Result<Option<Vec<VertexId>>, PoissonError> {
     let mut coarse_model = level.energy_model(ground.watch.within(0.0, 0.5));
-    let (coarse, model) = rayon::join(|| refined(&mut coarse_model, count), || ground.energy_model());
-    let mut model = model?;
-    let set = polished(&mut model, level, &coarse);
-    Ok((set.cones.len() == count && (set.shortfall == 0.0 || coarse.shortfall > 0.0)).then_some(set))
+    let (coarse, model) = rayon::join(|| refined(&mut coarse_model, count), || finer_model(ground, level));
+    let set = polished(&mut model?, level, &coarse);
+    if set.cones.len() != count || (set.shortfall > 0.0 && coarse.shortfall == 0.0) {
+        return Ok(None);
+    }
+    Ok(Some(match level.middle() {
+        Some(middle) => brought_up(ground, middle, &set.cones)?,
+        None => set.cones,
+    }))
 }
 
 /// As few cones as keep the predicted area distortion within a target, their number from the coarse level as far as the surface
@@ -58,27 +68,93 @@ pub(crate) fn fewest_from(
     most: usize,
 ) -> Result<Automatic, PoissonError> {
     let mut coarse_model = level.energy_model(ground.watch.within(0.0, 0.5));
-    let (coarse, model) = rayon::join(|| automatic(&mut coarse_model, rule, target, most), || ground.energy_model());
+    let (coarse, model) =
+        rayon::join(|| automatic(&mut coarse_model, rule, target, most), || finer_model(ground, level));
     let mut model = model?;
     let mut search = Fewest { model: &mut model, level, rule, target };
     let (set, predicted) = search.confirmed(&mut coarse_model, &coarse, most);
     let is_met = meets(&set, &predicted, target);
     let norm = coarse.set.log_scale_norm();
-    let found = Automatic { set, predicted, is_met, is_from_level: true, ..coarse };
-    if !to_knee {
-        return Ok(found);
+    let mut found = Automatic { set, predicted, is_met, is_from_level: true, ..coarse };
+    if to_knee {
+        let corners = if level.middle().is_none() { at_corners(&mut model, &found) } else { None };
+        let knee = corners.or_else(|| {
+            let set = refined(&mut coarse_model, bend(&found, norm)?);
+            Some(polished(&mut model, level, &set)).filter(|set| found.has_knee_at(set))
+        });
+        if let Some(set) = knee {
+            found = found.with_knee(&model, set, rule, target);
+        }
     }
-    let knee = at_corners(&mut model, &found).or_else(|| {
-        let set = refined(&mut coarse_model, bend(&found, norm)?);
-        Some(polished(&mut model, level, &set)).filter(|set| found.has_knee_at(set))
-    });
-    Ok(match knee {
-        Some(set) => found.with_knee(&model, set, rule, target),
-        None => found,
-    })
+    let Some(middle) = level.middle() else { return Ok(found) };
+    loop {
+        let (set, predicted, curvatures) = confirmed_on_surface(ground, middle, &found.set.cones, rule)?;
+        let is_met = meets(&set, &predicted, target);
+        let count = set.cones.len();
+        found = Automatic { set, predicted, is_met, curvatures, ..found };
+        if is_met || count >= most || model.is_over() {
+            break;
+        }
+        let enough = enough_cones(&found.curve, (count, predicted.area_distortion), target, most);
+        found.set = polished(&mut model, level, &refined(&mut coarse_model, enough));
+    }
+    if to_knee && has_few_corners(ground.operators, &found) {
+        let mut model = ground.energy_model()?;
+        if let Some(set) = at_corners(&mut model, &found) {
+            found = found.with_knee(&model, set, rule, target);
+        }
+    }
+    Ok(found)
 }
 
-/// A search for the fewest cones on the surface.
+/// The model that a level's cones are polished on: that of the middle level, or the surface's.
+fn finer_model<'a>(ground: Ground<'a>, level: &'a CoarseLevel) -> Result<EnergyModel<'a>, Interrupted> {
+    let Some(middle) = level.middle() else { return ground.energy_model() };
+    // What the surface will be asked for, while the coarse level is searched.
+    ground.operators.flattening_watched(ground.watch.within(f64::NAN, f64::NAN))?;
+    Ok(middle.energy_model(ground.watch))
+}
+
+/// A middle level's cones as vertices of the surface, apart from each other.
+fn brought_up(ground: Ground, middle: &CoarseLevel, cones: &[VertexId]) -> Result<Vec<VertexId>, Interrupted> {
+    let cones = middle.of_surface(cones);
+    if are_apart(ground.operators, &cones) {
+        return Ok(cones);
+    }
+    Ok(apart(&ground.energy_model()?, cones, REACH * middle.spacing()))
+}
+
+/// A middle level's cones on the surface: with their curvatures, and what is predicted for them.
+fn confirmed_on_surface(
+    ground: Ground,
+    middle: &CoarseLevel,
+    cones: &[VertexId],
+    rule: CurvatureRule,
+) -> Result<(ConeSet, Prediction, Option<ConeCurvatures>), Interrupted> {
+    let Ground { operators, input, watch, .. } = ground;
+    let cones = brought_up(ground, middle, cones)?;
+    match cone_curvatures(operators, input, &cones, rule, watch.within(f64::NAN, f64::NAN)) {
+        Ok(found) => {
+            let u = &found.predicted;
+            let energy = operators.inner(u, u);
+            let count = cones.len();
+            let predicted =
+                Prediction { count, log_scale_norm: energy.sqrt(), area_distortion: area_distortion(operators, u) };
+            Ok((ConeSet::with_curvatures(cones, found.curvature.clone(), energy), predicted, Some(found)))
+        }
+        Err(CurvatureError::Interrupted(interrupted)) => Err(interrupted),
+        // They cannot take the curvature: how near they come to that is the energy model's to say.
+        Err(_) => {
+            let mut model = ground.energy_model()?;
+            model.add(&cones);
+            let set = model.fit(&cones);
+            let predicted = predict(operators, &set, rule);
+            Ok((set, predicted, None))
+        }
+    }
+}
+
+/// A search for the fewest cones on the surface, or on the middle level.
 struct Fewest<'s, 'm> {
     model: &'s mut EnergyModel<'m>,
     level: &'s CoarseLevel,
@@ -87,7 +163,7 @@ struct Fewest<'s, 'm> {
 }
 
 impl Fewest<'_, '_> {
-    /// The cones chosen on the coarse level, polished; more where they miss the target here, fewer where fewer meet it.
+    /// The cones chosen on the coarse level, polished; more where they miss the target then, fewer where fewer meet it.
     fn confirmed(&mut self, coarse_model: &mut EnergyModel, coarse: &Automatic, most: usize) -> (ConeSet, Prediction) {
         let mut best = self.polished(&coarse.set);
         if !coarse.is_met {
@@ -119,7 +195,7 @@ impl Fewest<'_, '_> {
         let fewer = exchange(self.model, drop_cheapest(self.model, set));
         let mut fewer = self.predicted(fewer);
         if fewer.1.area_distortion > self.target && fewer.1.area_distortion < NEAR * self.target {
-            let new = candidates(self.model, &fewer.0, REACH * self.level.finest().spacing());
+            let new = candidates(self.model, &fewer.0, REACH * self.level.spacing());
             self.model.add(&new);
             let exchanged = exchange(self.model, fewer.0);
             fewer = self.predicted(exchanged);
@@ -168,22 +244,10 @@ pub(crate) fn on_surface(model: &EnergyModel, level: &CoarseLevel, coarse: &Cone
     apart(model, level.of_surface(&coarse.cones), REACH * level.spacing())
 }
 
-/// A coarse level's cones, moved to where they are best on the surface.
+/// A coarse level's cones, moved to where they are best on the finer level whose model this is, or on the surface.
 pub(crate) fn polished(model: &mut EnergyModel, level: &CoarseLevel, coarse: &ConeSet) -> ConeSet {
     let reach = REACH * level.spacing();
-    let Some((middle, cones)) = level.in_middle(&coarse.cones) else {
-        return polished_within(reach, model, level.of_surface(&coarse.cones));
-    };
-    let watch = model.watch();
-    let set = polished_within(reach, &mut middle.energy_model(watch.within(f64::NAN, f64::NAN)), cones);
-    let cones = apart(model, middle.of_surface(&set.cones), REACH * middle.spacing());
-    model.add(&cones);
-    within_comfort(model, |model| model.fit(&cones))
-}
-
-/// Cones moved to where they are best, not far.
-fn polished_within(reach: f32, model: &mut EnergyModel, cones: Vec<VertexId>) -> ConeSet {
-    let cones = apart(model, cones, reach);
+    let cones = apart(model, level.in_finer(&coarse.cones), reach);
     model.add(&cones);
     within_comfort(model, |model| {
         let mut set = model.fit(&cones);
@@ -205,8 +269,7 @@ fn polished_within(reach: f32, model: &mut EnergyModel, cones: Vec<VertexId>) ->
 /// becomes of the first ones does not depend on those after them.
 fn apart(model: &EnergyModel, mut cones: Vec<VertexId>, reach: f32) -> Vec<VertexId> {
     let operators = model.operators();
-    let separation = Separation::new(operators, &cones);
-    if (0..cones.len()).all(|place| separation.admits(cones[place], place)) {
+    if are_apart(operators, &cones) {
         return cones;
     }
     for place in 1..cones.len() {
@@ -217,6 +280,12 @@ fn apart(model: &EnergyModel, mut cones: Vec<VertexId>, reach: f32) -> Vec<Verte
         }
     }
     cones
+}
+
+/// Whether none is too near to another.
+fn are_apart(operators: &Operators, cones: &[VertexId]) -> bool {
+    let separation = Separation::new(operators, cones);
+    (0..cones.len()).all(|place| separation.admits(cones[place], place))
 }
 
 /// For each cone the best vertex round it that was not solved for.
@@ -280,21 +349,51 @@ mod tests {
         assert!(mean < 1.03 && ratios.iter().all(|&ratio| ratio < 1.1), "{mean}: {ratios:?}");
     }
 
+    fn with_middle(operators: &Operators, mesh: &Mesh) -> CoarseLevel {
+        let middle = CoarseLevel::of_size(operators, mesh, 1200, Watch::NONE).unwrap();
+        CoarseLevel::of_middle(middle, mesh, 400, Watch::NONE).unwrap()
+    }
+
     #[test]
     fn polished_on_a_middle_level_cones_are_nearly_as_good() {
         for (mesh, operators, level) in levels() {
-            let middle = CoarseLevel::of_size(&operators, &mesh, 1200, Watch::NONE).unwrap();
-            let coarsest = CoarseLevel::of_middle(middle, &mesh, 400, Watch::NONE).unwrap();
-            let norm = |level: &CoarseLevel| {
-                let set = refined(&mut level.energy_model(Watch::NONE), 8);
+            let coarsest = with_middle(&operators, &mesh);
+            let middle = coarsest.middle().unwrap();
+            let norm = |cones: Vec<VertexId>| {
                 let mut model = EnergyModel::new(&operators, &mesh);
-                let found = polished(&mut model, level, &set);
-                assert_eq!((found.cones.len(), found.shortfall), (8, 0.0));
-                (found.log_scale_norm(), model.pool().len())
+                model.add(&cones);
+                let set = model.fit(&cones);
+                assert_eq!((set.cones.len(), set.shortfall), (8, 0.0));
+                set.log_scale_norm()
             };
-            let (directly, through_middle) = (norm(&level), norm(&coarsest));
-            assert!(through_middle.0 < 1.05 * directly.0 + 1e-3, "{through_middle:?} for {directly:?}");
-            assert_eq!(through_middle.1, 8, "only the cones are solved for on the surface");
+            let set = |level: &CoarseLevel| refined(&mut level.energy_model(Watch::NONE), 8);
+            let directly = polished(&mut EnergyModel::new(&operators, &mesh), &level, &set(&level));
+            let through_middle = polished(&mut middle.energy_model(Watch::NONE), &coarsest, &set(&coarsest));
+            let (directly, through_middle) = (norm(directly.cones), norm(middle.of_surface(&through_middle.cones)));
+            assert!(through_middle < 1.05 * directly + 1e-3, "{through_middle} for {directly}");
+        }
+    }
+
+    #[test]
+    fn what_a_middle_level_promises_is_confirmed_on_the_surface() {
+        use std::sync::OnceLock;
+        for (mesh, operators, _) in levels() {
+            let level = with_middle(&operators, &mesh);
+            let factor = crate::field::ConformalFactor::new(&operators);
+            let hierarchy = crate::hierarchy::ConeHierarchy::new(&operators, &factor);
+            let (terms, made) = (OnceLock::new(), OnceLock::new());
+            let search = super::super::Search::CoarseToFine;
+            let (operators, watch) = (&operators, Watch::NONE);
+            let ground =
+                Ground { operators, input: &mesh, hierarchy: &hierarchy, terms: &terms, level: &made, search, watch };
+            let found = fewest_from(ground, &level, CurvatureRule::Optimal, (1.3, true), 32).unwrap();
+            assert!(found.is_met && found.predicted.area_distortion <= 1.3);
+            let alone = cone_curvatures(operators, &mesh, &found.set.cones, CurvatureRule::Optimal, watch).unwrap();
+            assert_eq!(found.curvatures.map(|known| known.curvature), Some(alone.curvature));
+            assert_eq!(found.predicted.area_distortion, area_distortion(operators, &alone.predicted));
+            // A target that no number of cones meets: all that are allowed are taken.
+            let strict = fewest_from(ground, &level, CurvatureRule::Optimal, (1.0, false), 6).unwrap();
+            assert!(!strict.is_met && strict.set.cones.len() <= 6);
         }
     }
 

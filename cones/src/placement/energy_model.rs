@@ -405,6 +405,13 @@ impl<'a> EnergyModel<'a> {
 }
 
 impl ConeSet {
+    /// Cones with curvatures that were found otherwise.
+    pub(crate) fn with_curvatures(cones: Vec<VertexId>, curvature: Vec<f64>, energy: f64) -> Self {
+        let held = vec![Held::Free; cones.len()];
+        let bounds = vec![[f64::NEG_INFINITY, f64::INFINITY]; cones.len()];
+        Self { cones, curvature, energy, shortfall: 0.0, held, multiplier: 0.0, bounds }
+    }
+
     /// The L2 norm of the log scale factor that linear theory predicts.
     pub fn log_scale_norm(&self) -> f64 {
         self.energy.sqrt()

@@ -127,15 +127,15 @@ impl CoarseLevel {
         cones.iter().map(|v| self.vertex[v.0 as usize]).collect()
     }
 
-    /// The level between it and a large surface, and which of that one's vertices some of its own are.
-    pub(crate) fn in_middle(&self, cones: &[VertexId]) -> Option<(&Self, Vec<VertexId>)> {
-        let Middle { level, vertex } = self.middle.as_ref()?;
-        Some((level, cones.iter().map(|v| vertex[v.0 as usize]).collect()))
+    /// Some of its vertices in the numbers of the level that it was made of: the middle one, or the surface.
+    pub(crate) fn in_finer(&self, cones: &[VertexId]) -> Vec<VertexId> {
+        let vertex = self.middle.as_ref().map_or(&self.vertex, |middle| &middle.vertex);
+        cones.iter().map(|v| vertex[v.0 as usize]).collect()
     }
 
-    /// The level that is next to the surface.
-    pub(crate) fn finest(&self) -> &Self {
-        self.middle.as_ref().map_or(self, |middle| &middle.level)
+    /// The level between it and a large surface.
+    pub(crate) fn middle(&self) -> Option<&Self> {
+        self.middle.as_ref().map(|middle| &*middle.level)
     }
 
     /// About how far its neighbours are from each other, on the surface scaled to area 1.

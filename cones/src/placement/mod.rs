@@ -165,7 +165,7 @@ impl<'a> Ground<'a> {
             None => None,
         };
         Ok(match found {
-            Some(set) => set.cones,
+            Some(cones) => cones,
             None => refined(&mut self.energy_model()?, count).cones,
         })
     }

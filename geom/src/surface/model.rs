@@ -132,8 +132,10 @@ impl Model {
     }
 
     /// A model of polygons that are already in rows.
-    pub(crate) fn new(points: Vec<[f64; 3]>, polygons: Polygons) -> Result<Self, ModelError> {
+    pub(crate) fn new(mut points: Vec<[f64; 3]>, mut polygons: Polygons) -> Result<Self, ModelError> {
         let face_start = polygons.checked_starts()?;
+        points.shrink_to_fit();
+        polygons.corners.shrink_to_fit();
         let model = Self {
             points,
             face_start,

@@ -503,36 +503,39 @@ impl Soup {
         let mut new_face = vec![NONE; self.triangle.len()];
         let mut surfaces = Vec::new();
         let mut done = 0;
-        for faces in self.components() {
+        for mut faces in self.components() {
             let share = |faces: usize| faces as f64 / new_face.len() as f64;
             let watch = watch.within(share(done), share(done + faces.len()));
             watch.ask(0.0)?;
             done += faces.len();
-            for (k, &f) in faces.iter().enumerate() {
-                new_face[f as usize] = k as u32;
-            }
-            let sides = || faces.iter().flat_map(|&f| 3 * f as usize..3 * f as usize + 3);
-            let mut fans: Vec<u32> = sides().map(|h| fan[h]).collect();
+            let mut fans: Vec<u32> = sides(&faces).map(|h| fan[h]).collect();
             fans.sort_unstable();
             fans.dedup();
-            for (k, &fan) in fans.iter().enumerate() {
-                local[fan as usize] = k as u32;
+            let places: Vec<[f64; 3]> = fans.iter().map(|&fan| points[fan_vertex[fan as usize].index()]).collect();
+            let first_face = self.triangle[faces[0] as usize].1 as usize;
+            let Some((mut points, scale)) = to_unit_size(&places) else {
+                log.note(RepairKind::ComponentWithoutArea, first_face);
+                continue;
+            };
+            number(&fans, &mut local);
+            if is_scattered(&faces, |h| local[fan[h] as usize]) {
+                let order = along_a_curve(&points);
+                fans = order.iter().map(|&k| fans[k as usize]).collect();
+                points = order.iter().map(|&k| points[k as usize]).collect();
+                number(&fans, &mut local);
+                faces.sort_by_cached_key(|&f| sides(&[f]).map(|h| local[fan[h] as usize]).min());
             }
+            number(&faces, &mut new_face);
             watch.ask(0.2)?;
-            let tail: Vec<VertexId> = sides().map(|h| VertexId(local[fan[h] as usize])).collect();
+            let tail: Vec<VertexId> = sides(&faces).map(|h| VertexId(local[fan[h] as usize])).collect();
             let renumber = |g: u32| if g == NONE { NONE } else { 3 * new_face[g as usize / 3] + g % 3 };
-            let twin: Vec<u32> = sides().map(|h| renumber(self.twin[h])).collect();
+            let twin: Vec<u32> = sides(&faces).map(|h| renumber(self.twin[h])).collect();
             watch.ask(0.4)?;
             let mesh = Mesh::from_twins(fans.len(), tail, twin).expect("every fan is a vertex of its own");
             watch.ask(0.6)?;
             let vertex: VertexData<u32> = fans.iter().map(|&fan| fan_vertex[fan as usize].0).collect();
-            let corner = sides().map(|h| self.corner[h]).collect();
-            let places: Vec<[f64; 3]> = vertex.iter().map(|&v| points[v as usize]).collect();
+            let corner = sides(&faces).map(|h| self.corner[h]).collect();
             let face_of = |h: HalfedgeId| self.triangle[faces[h.index() / 3] as usize].1;
-            let Some((points, scale)) = to_unit_size(&places) else {
-                log.note(RepairKind::ComponentWithoutArea, self.triangle[faces[0] as usize].1 as usize);
-                continue;
-            };
             let metric = Metric::from_points(&mesh, &points);
             watch.ask(0.8)?;
             let mut zero_area = 0;
@@ -543,7 +546,7 @@ impl Soup {
             if zero_area == mesh.face_count()
                 || mesh.faces().all(|f| is_line(mesh.corners(f).map(|v| points[v.index()])))
             {
-                log.note(RepairKind::ComponentWithoutArea, self.triangle[faces[0] as usize].1 as usize);
+                log.note(RepairKind::ComponentWithoutArea, first_face);
                 continue;
             }
             let inside = |e: EdgeId| {
@@ -558,6 +561,11 @@ impl Soup {
     }
 }
 
+/// The halfedges of triangles.
+fn sides(faces: &[u32]) -> impl Iterator<Item = usize> {
+    (0..3 * faces.len()).map(|k| 3 * faces[k / 3] as usize + k % 3)
+}
+
 fn next(h: usize) -> usize {
     if h % 3 == 2 { h - 2 } else { h + 1 }
 }
@@ -565,6 +573,58 @@ fn next(h: usize) -> usize {
 fn prev(h: usize) -> usize {
     if h.is_multiple_of(3) { h + 2 } else { h - 1 }
 }
+
+/// Writes for each item its place in the list.
+fn number(list: &[u32], place: &mut [u32]) {
+    for (k, &item) in list.iter().enumerate() {
+        place[item as usize] = k as u32;
+    }
+}
+
+/// Surfaces of more vertices than this are numbered anew if their numbering is [scattered](is_scattered).
+const FITS_THE_CACHE: usize = 1 << 16;
+
+/// Numbers farther apart than this are far apart in memory.
+const FAR: u32 = 1 << 12;
+
+/// Whether what is near on a large surface is mostly far apart in memory: the ends of edges, or triangles that follow each other.
+fn is_scattered(faces: &[u32], vertex: impl Fn(usize) -> u32) -> bool {
+    if faces.len() < 2 * FITS_THE_CACHE {
+        return false;
+    }
+    let ends = faces.iter().map(|&f| (vertex(3 * f as usize), vertex(3 * f as usize + 1)));
+    let far = |(a, b): (u32, u32)| a.abs_diff(b) > FAR;
+    let long = ends.clone().filter(|&ends| far(ends)).count();
+    let jumps = ends.clone().zip(ends.skip(1)).filter(|&((a, _), (b, _))| far((a, b))).count();
+    2 * long.max(jumps) > faces.len()
+}
+
+/// The points of a box of size 1 about the origin, in the order of Morton's curve, where neighbours are mostly near each other. O(n log n).
+fn along_a_curve(points: &[[f64; 3]]) -> Vec<u32> {
+    let code = |p: &[f64; 3]| {
+        // 21 bits an axis, each followed by two of the other axes.
+        let [x, y, z] = p.map(|x| {
+            let mut bits = (((x + 0.5) * f64::from(1 << 21)) as u64).min((1 << 21) - 1);
+            for (shift, mask) in CURVE {
+                bits = (bits | bits << shift) & mask;
+            }
+            bits
+        });
+        x | y << 1 | z << 2
+    };
+    let mut order: Vec<(u64, u32)> = points.iter().zip(0..).map(|(p, k)| (code(p), k)).collect();
+    order.sort_unstable();
+    order.into_iter().map(|(_, k)| k).collect()
+}
+
+/// How the bits of a number of 21 are spread to every third place, in five steps.
+const CURVE: [(u32, u64); 5] = [
+    (32, 0x001F_0000_0000_FFFF),
+    (16, 0x001F_0000_FF00_00FF),
+    (8, 0x100F_00F0_0F00_F00F),
+    (4, 0x10C3_0C30_C30C_30C3),
+    (2, 0x1249_2492_4924_9249),
+];
 
 /// Points moved so that their bounding box is centred, and scaled so that its longest side is 1, with that scale; none if
 /// they all coincide.
@@ -664,6 +724,35 @@ mod tests {
         let [surface] = &prepared.surfaces[..] else { panic!("it is connected") };
         assert_eq!(surface.mesh, Mesh::new(points.len(), &faces).unwrap());
         assert!((surface.points[0][0] / surface.points[1][0] - points[0][0] / points[1][0]).abs() < 1e-9);
+    }
+
+    #[test]
+    fn a_large_surface_in_no_order_is_numbered_along_a_curve() {
+        let shape = shapes::sphere(70_000);
+        let n = shape.points.len();
+        let share_of_far = |mesh: &Mesh| {
+            let far = mesh.edges().map(|e| mesh.ends(e)).filter(|[a, b]| a.0.abs_diff(b.0) > FAR).count();
+            far as f64 / mesh.edge_count() as f64
+        };
+        // The k-th vertex becomes vertex 40,503 k mod n.
+        let renumbered: Vec<usize> = (0..n).map(|k| k * 40_503 % n).collect();
+        let mut points = vec![[0.0; 3]; n];
+        renumbered.iter().zip(&shape.points).for_each(|(&to, &p)| points[to] = p);
+        assert!(points.iter().all(|p| *p != [0.0; 3]), "every number is taken");
+        let mut faces: Vec<[u32; 3]> =
+            shape.triangles.iter().map(|t| t.map(|v| renumbered[v as usize] as u32)).collect();
+        let half = faces.split_off(faces.len() / 2);
+        faces = half.into_iter().zip(faces).flat_map(|(a, b)| [a, b]).collect();
+        let model = Model::from_triangles(points.clone(), &faces).unwrap();
+        let prepared = prepare(&model, false).unwrap();
+        check(&prepared, &model);
+        let surface = &prepared.surfaces[0];
+        assert!(share_of_far(&Mesh::new(n, &faces).unwrap()) > 0.9);
+        assert!(share_of_far(&surface.mesh) < 0.1, "{}", share_of_far(&surface.mesh));
+        for v in surface.mesh.vertices() {
+            let given = points[surface.vertex[v] as usize];
+            assert!((0..3).all(|k| (surface.points[v.index()][k] / surface.scale - given[k]).abs() < 1e-2));
+        }
     }
 
     #[test]
