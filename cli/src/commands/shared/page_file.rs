@@ -7,6 +7,7 @@ use crate::page::{Level, Report};
 use crate::progress::Progress;
 use cones::{ConeChoice, Options, SeamOptions};
 use geom::Watch;
+use rayon::prelude::*;
 use serde_json::{Value, json};
 use std::path::Path;
 
@@ -34,11 +35,12 @@ pub(crate) fn html(path: &Path, unwrapped: &Unwrapped, progress: &Progress) -> R
     // The nearest to what was chosen, where there is no room for all.
     numbers.sort_by_key(|n| n.abs_diff(chosen));
     numbers.truncate(room);
-    for &n in &numbers {
+    // Where so many cones make no map there is none in the report either.
+    let stored = |&n: &usize| {
         let options = Options { cones: ConeChoice::Count(n), ..options.clone() };
-        // Where so many cones make no map there is none in the report either.
-        levels.extend(stored_level(&subject, &report, &options, n).ok());
-    }
+        stored_level(&subject, &report, &options, n).ok()
+    };
+    levels.extend(numbers.par_iter().with_max_len(1).filter_map(stored).collect::<Vec<Level>>());
     for foreseen in &foreseen.levels {
         if foreseen.n != chosen && !levels.iter().any(|level| level.meta["n"] == foreseen.n) {
             levels.extend(level(&subject, options, foreseen).ok());
