@@ -78,7 +78,7 @@ pub mod internals {
     pub use crate::curvature::{ConeCurvatures, cone_curvatures, least_cones};
     pub use crate::cut::SeamPlan;
     pub use crate::field::{ConformalFactor, Operators};
-    pub use crate::flatten::{Chain, Corner, Layout, Patch, PatchTriangle, Scaling, Seams, scale};
+    pub use crate::flatten::{Chain, Corner, Layout, Patch, PatchTriangle, Scaling, SeamRotations, Seams, scale};
     pub use crate::hierarchy::ConeHierarchy;
     pub use crate::numerics::quadratic_program::{Held, ProgramError, Quadratic, minimise};
     pub use crate::placement::{ConeSet, EnergyModel, Nested, pursuit, refined};

@@ -55,16 +55,15 @@ impl Analysis {
             let plan = self.plan(component, &SeamOptions::default(), &task, times)?;
             component.flatten_by(baseline, (cones, &plan), &task, times)
         })?;
-        let mut uv = vec![None; self.corner_vertices().len()];
+        let mut uv = vec![[0.0; 2]; self.corner_vertices().len()];
         for (component, part) in self.components().iter().zip(&parts) {
-            let (mesh, size) = (&component.surface.mesh, component.size_of(&part.map));
+            let size = component.size_of(&part.map);
             let position = |h| {
                 let z = part.map.corner(h) * size;
                 [z.re, z.im]
             };
-            component.spread(&mesh.halfedges().map(position).collect(), &mut uv);
+            component.spread(position, |corner, position| uv[corner as usize] = position);
         }
-        let uv = uv.into_iter().map(|uv| uv.unwrap_or([0.0; 2])).collect();
         let curvature_error = parts.iter().filter_map(|part| part.curvature_error).reduce(f64::max);
         Ok(BaselineMap { uv, curvature_error, broken: parts.iter().map(|part| part.broken).sum(), times })
     }

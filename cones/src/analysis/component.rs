@@ -4,7 +4,7 @@
 
 use std::sync::{Arc, OnceLock};
 
-use geom::{FaceId, HalfedgeData, Id, Metric, PoissonError, Surface, VertexId, Watch};
+use geom::{FaceId, HalfedgeId, Id, Metric, PoissonError, Surface, VertexId, Watch};
 use topo::{Extremum, Kind};
 
 use super::cones::{Cone, Configuration};
@@ -281,23 +281,24 @@ impl Component {
         }
     }
 
-    /// Gives the model's corners their positions, those of the halfedges given.
-    pub(crate) fn spread(&self, positions: &HalfedgeData<[f64; 2]>, uv: &mut [Option<[f64; 2]>]) {
+    /// Puts the model's corners where a map has them, given the position of each halfedge.
+    pub(crate) fn spread(&self, position: impl Fn(HalfedgeId) -> [f64; 2], mut put: impl FnMut(u32, [f64; 2])) {
         let Self { surface, way, .. } = self;
         let Some(way) = way else {
-            positions.iter_ids().for_each(|(h, position)| uv[surface.corner[h] as usize] = Some(*position));
+            surface.mesh.halfedges().for_each(|h| put(surface.corner[h], position(h)));
             return;
         };
         for (corner, h, along) in way.corners() {
-            let (p, q) = (positions[h], positions[surface.mesh.next(h)]);
+            let (p, q) = (position(h), position(surface.mesh.next(h)));
             // From the same end whichever side it is seen from, lest the sides differ by a rounding.
             let is_named = way.is_named(&surface.mesh, h);
             let (from, to, share) = if is_named { (q, p, 1.0 - along) } else { (p, q, along) };
-            uv[corner as usize] = Some(match share {
+            let between = match share {
                 ..=0.0 => from,
                 1.0.. => to,
                 _ => [0, 1].map(|c| from[c] + share * (to[c] - from[c])),
-            });
+            };
+            put(corner, between);
         }
     }
 

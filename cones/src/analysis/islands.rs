@@ -11,7 +11,6 @@ use super::options::Islands;
 use super::reseaming::{Opening, Reseaming, map};
 use crate::cut::SeamPlan;
 use crate::error::Error;
-use crate::flatten::seam_lengths;
 use crate::uv::{NEGLIGIBLE_DEPTH, Overlaps, overlaps_watched};
 
 impl Component {
@@ -33,14 +32,12 @@ impl Component {
             let map = map(mesh, &flat.layout, &flat.seams.cut);
             let cut = &flat.layout.cut;
             let asked = |[f, g]: [u32; 2]| cut.island(geom::FaceId(f)) == cut.island(geom::FaceId(g));
-            let overlaps = task.stage(stage, times, |watch| {
-                overlaps_watched(&map.triangles(mesh), NEGLIGIBLE_DEPTH, asked, watch)
-            })??;
+            let overlaps =
+                task.stage(stage, times, |watch| overlaps_watched(map.triangles(), NEGLIGIBLE_DEPTH, asked, watch))??;
             self.note_overlap(flat, &overlaps);
             flat.notes.extend(self.note_avoided(plan, &flat.seams));
             return Ok(());
         }
-        let lengths = seam_lengths(&self.surface, &self.metric);
         let Opening { other, separation: done } = task.stage(stage, times, |watch| {
             Reseaming::new(mesh, flat, plan, islands == Islands::Pack, share).best(watch)
         })??;
@@ -61,7 +58,7 @@ impl Component {
         flat.layout.cut = cut;
         flat.layout.position = opened;
         flat.seams.cut = done.map.cut;
-        flat.seams.string(mesh, &lengths);
+        flat.seams.string(mesh, plan.lengths());
         flat.notes.extend(self.note_avoided(plan, &flat.seams));
         Ok(())
     }

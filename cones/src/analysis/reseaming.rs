@@ -12,7 +12,7 @@
 
 use std::ops::RangeInclusive;
 
-use geom::{CutMesh, EdgeData, HalfedgeData, Interrupted, Mesh, Watch};
+use geom::{CutMesh, EdgeData, FaceId, Id, Interrupted, Mesh, Watch};
 use num_complex::Complex64;
 use rayon::prelude::*;
 
@@ -21,6 +21,8 @@ use crate::cut::SeamPlan;
 use crate::flatten::{Layout, SeamError, Seams, Variation};
 use crate::uv::{Aim, Effort, Separation, UvMap, attached, is_searched, room, separate_by};
 
+/// So many triangles are gone through one after the other.
+const AT_ONCE: usize = 1024;
 /// So many other trees at most,
 const MOST_TREES: u64 = 12;
 /// and so many triangles in all of them: 4 trees on 30,000.
@@ -33,7 +35,7 @@ const STRENGTH: f64 = 0.3;
 /// So many preferences are tried with each.
 const PREFERENCES: usize = 2;
 /// Other preferences are tried with all trees where the best leaves so many islands, or one less and long seams. (With more islands, as of many
-/// handles, one less is not worth the time.)
+/// handles, one less is not worth the time.) Not on surfaces of more than 400,000 triangles.
 const INSISTED: RangeInclusive<usize> = 3..=12;
 /// Seams that are longer by more than this count as an island.
 const LONGEST: f64 = 1.2;
@@ -89,7 +91,7 @@ impl<'a> Reseaming<'a> {
     /// is for this component alone.
     pub(super) fn best(&self, watch: Watch) -> Result<Opening, Interrupted> {
         let first = self.first(watch.within(0.0, 0.1))?;
-        let separation = self.separated(first.clone(), Effort::Quick(usize::MAX), watch.within(0.1, 0.2))?;
+        let separation = self.separated(first, Effort::Quick(usize::MAX), watch.within(0.1, 0.2))?;
         let opening = Opening { other: None, separation };
         let bounds_the_square = self.bounds_the_square(&opening.separation.map);
         let always = bounds_the_square || self.asks_for_room;
@@ -103,10 +105,10 @@ impl<'a> Reseaming<'a> {
         watch.ask(0.5)?;
         let mut openings = self.ranked(std::iter::once(opening).chain(others), watch)?;
         watch.ask(0.5)?;
-        if INSISTED.contains(&openings[0].0.islands) {
-            openings = self.insisted(&first, openings, watch.within(0.5, 0.5))?;
+        if INSISTED.contains(&openings[0].0.islands) && is_searched(self.mesh) {
+            openings = self.insisted(openings, watch.within(0.5, 0.5))?;
         }
-        self.resolve_further(&first, &mut openings[0], watch.within(0.5, 0.7))?;
+        self.resolve_further(&mut openings[0], watch.within(0.5, 0.7))?;
         let fewest = openings[0].0.islands;
         openings.retain(|(cost, _)| cost.islands <= fewest);
         openings.truncate(BEST);
@@ -126,7 +128,7 @@ impl<'a> Reseaming<'a> {
         let first = map(self.mesh, &self.flat.layout, &self.flat.seams.cut);
         match self.flat.detached.is_empty() {
             true => Ok(first),
-            false => attached(self.mesh, self.plan.costs(), Some(self.plan.given()), &first, watch),
+            false => attached(self.mesh, self.plan.costs(), Some(self.plan.given()), first, watch),
         }
     }
 
@@ -148,22 +150,17 @@ impl<'a> Reseaming<'a> {
     ) -> Result<Vec<(Cost, Opening)>, Interrupted> {
         let with_cost = |opening: Opening| Ok((self.cost(&opening.separation, watch)?, opening));
         let mut ranked = openings.into_iter().map(with_cost).collect::<Result<Vec<(Cost, Opening)>, _>>()?;
-        ranked.sort_by(|a, b| a.0.partial_cmp(&b.0).expect("no NaN"));
+        sort(&mut ranked);
         Ok(ranked)
     }
 
     /// Tries more where there are more islands than there were.
-    fn resolve_further(
-        &self,
-        first: &UvMap,
-        (cost, opening): &mut (Cost, Opening),
-        watch: Watch,
-    ) -> Result<(), Interrupted> {
+    fn resolve_further(&self, (cost, opening): &mut (Cost, Opening), watch: Watch) -> Result<(), Interrupted> {
         let is_done = opening.other.is_none() && !is_searched(self.mesh);
-        if is_done || cost.islands <= first.opened(self.mesh).island_count() {
+        if is_done || cost.islands <= 1 || cost.islands <= self.first(watch)?.opened(self.mesh).island_count() {
             return Ok(());
         }
-        let further = self.separated(self.unparted(first, opening), Effort::Thorough, watch)?;
+        let further = self.separated(self.unparted(opening, watch)?, Effort::Thorough, watch)?;
         let cost_there = self.cost(&further, watch)?;
         if cost_there < *cost {
             *cost = cost_there;
@@ -173,26 +170,22 @@ impl<'a> Reseaming<'a> {
     }
 
     /// The openings and what other preferences make of their trees, with their costs, the best first.
-    fn insisted(
-        &self,
-        first: &UvMap,
-        openings: Vec<(Cost, Opening)>,
-        watch: Watch,
-    ) -> Result<Vec<(Cost, Opening)>, Interrupted> {
+    fn insisted(&self, mut openings: Vec<(Cost, Opening)>, watch: Watch) -> Result<Vec<(Cost, Opening)>, Interrupted> {
         let otherwise = |(_, opening): &(Cost, Opening)| {
-            let separation = self.separated(self.unparted(first, opening), Effort::Insistent, watch)?;
+            let separation = self.separated(self.unparted(opening, watch)?, Effort::Insistent, watch)?;
             Ok(Opening { other: opening.other.clone(), separation })
         };
         let others: Vec<Result<Opening, Interrupted>> = openings.par_iter().map(otherwise).collect();
-        let others = others.into_iter().collect::<Result<Vec<_>, _>>()?;
-        self.ranked(openings.into_iter().map(|(_, opening)| opening).chain(others), watch)
+        openings.extend(self.ranked(others.into_iter().collect::<Result<Vec<_>, _>>()?, watch)?);
+        sort(&mut openings);
+        Ok(openings)
     }
 
-    /// The map that an opening came of.
-    fn unparted(&self, first: &UvMap, opening: &Opening) -> UvMap {
+    /// The map that an opening came of. Found again, since it takes as much room as the opening itself.
+    fn unparted(&self, opening: &Opening, watch: Watch) -> Result<UvMap, Interrupted> {
         match &opening.other {
-            Some((seams, layout)) => map(self.mesh, layout, &seams.cut),
-            None => first.clone(),
+            Some((seams, layout)) => Ok(map(self.mesh, layout, &seams.cut)),
+            None => self.first(watch),
         }
     }
 
@@ -265,11 +258,21 @@ impl<'a> Reseaming<'a> {
     }
 }
 
+fn sort(openings: &mut [(Cost, Opening)]) {
+    openings.sort_by(|a, b| a.0.partial_cmp(&b.0).expect("no NaN"));
+}
+
 /// A layout opened along its seams.
 pub(super) fn map(mesh: &Mesh, layout: &Layout, cut: &EdgeData<bool>) -> UvMap {
-    let at = |z: Complex64| [z.re, z.im];
-    let position: HalfedgeData<[f64; 2]> = mesh.halfedges().map(|h| at(layout.corner(h))).collect();
-    UvMap { position, cut: cut.clone() }
+    let corners = |f: usize| {
+        mesh.sides(FaceId::new(f)).map(|h| {
+            let z = layout.corner(h);
+            [z.re, z.im]
+        })
+    };
+    let position: Vec<[[f64; 2]; 3]> =
+        (0..mesh.face_count()).into_par_iter().with_min_len(AT_ONCE).map(corners).collect();
+    UvMap { position: position.into_flattened().into(), cut: cut.clone() }
 }
 
 /// The points on the boundary of each island.

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::sync::Arc;
 use std::time::Instant;
 
-use geom::{Model, Watch};
+use geom::{Id, Model, Watch};
 
 use super::atlas::Atlas;
 use super::choosing::{Shared, TARGET_DISTORTION};
@@ -64,6 +64,33 @@ pub fn unwrap_model(model: &Model, options: &Options) -> Result<Atlas, Error> {
     let mut atlas = analysis.atlas(options)?;
     atlas.times += analysis.times();
     Ok(atlas)
+}
+
+/// Positions of the model's corners, as far as they are known.
+struct Placed {
+    uv: Vec<[f64; 2]>,
+    is_placed: Vec<bool>,
+}
+
+impl Placed {
+    fn new(corners: usize) -> Self {
+        Self { uv: vec![[0.0; 2]; corners], is_placed: vec![false; corners] }
+    }
+
+    fn at(&self, corner: u32) -> Option<[f64; 2]> {
+        self.is_placed[corner as usize].then(|| self.uv[corner as usize])
+    }
+
+    fn put(&mut self, corner: u32, position: [f64; 2]) {
+        self.uv[corner as usize] = position;
+        self.is_placed[corner as usize] = true;
+    }
+
+    fn put_if_none(&mut self, corner: u32, position: [f64; 2]) {
+        if !self.is_placed[corner as usize] {
+            self.put(corner, position);
+        }
+    }
 }
 
 impl Analysis {
@@ -309,18 +336,10 @@ impl Analysis {
         task: &Task,
         mut times: Times,
     ) -> Result<Atlas, Error> {
-        let Packed { positions, packing, islands, added } =
+        let Packed { triangles, packing, islands, added } =
             packed(self.components(), &flats, options, task, &mut times)?;
         let began = Instant::now();
-        let mut uv = vec![None; self.corner_vertices().len()];
         let (mut cones, mut seams, mut loops, mut detached) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
-        let mut island = vec![None; self.triangles().len()];
-        for (component, (positions, islands)) in self.components().iter().zip(positions.iter().zip(&islands)) {
-            component.spread(positions, &mut uv);
-            for (f, &number) in islands.iter_ids() {
-                component.triangles_of(f).iter().for_each(|&triangle| island[triangle as usize] = Some(number));
-            }
-        }
         let number = number.map(|number| self.measured(number, &flats));
         let mut curvature_error = 0.0_f64;
         let mut unfolded = 0;
@@ -352,7 +371,18 @@ impl Analysis {
         seams.extend(added);
         let opened_handles = loops.len();
         seams.extend(loops);
-        let uv = self.fill_corners(uv);
+        let mut island = vec![None; self.triangles().len()];
+        let mut placed = Placed::new(self.corner_vertices().len());
+        let mut triangles = triangles.as_slice();
+        for (component, islands) in self.components().iter().zip(&islands) {
+            let (own, others) = triangles.split_at(islands.len());
+            component.spread(|h| own.as_flattened()[h.index()], |corner, position| placed.put(corner, position));
+            triangles = others;
+            for (f, &number) in islands.iter_ids() {
+                component.triangles_of(f).iter().for_each(|&triangle| island[triangle as usize] = Some(number));
+            }
+        }
+        let uv = self.fill_corners(placed);
         times.add(Stage::Pack, began.elapsed());
         Ok(Atlas {
             uv,
@@ -396,19 +426,21 @@ impl Analysis {
 
     /// Corners that no surface has get the positions of a triangle on the same three vertices, of another corner at their
     /// vertex, or the origin.
-    fn fill_corners(&self, mut uv: Vec<Option<[f64; 2]>>) -> Vec<[f64; 2]> {
-        self.fill_copies(&mut uv);
-        let mut of_vertex = vec![[0.0; 2]; self.points().len()];
-        for (uv, &v) in uv.iter().zip(self.corner_vertices()) {
-            if let Some(uv) = uv {
-                of_vertex[v as usize] = *uv;
+    fn fill_corners(&self, mut placed: Placed) -> Vec<[f64; 2]> {
+        if placed.is_placed.contains(&false) {
+            self.fill_copies(&mut placed);
+            let mut of_vertex = vec![[0.0; 2]; self.points().len()];
+            let corners = || (0..).zip(self.corner_vertices());
+            for (corner, &v) in corners() {
+                of_vertex[v as usize] = placed.at(corner).unwrap_or(of_vertex[v as usize]);
             }
+            corners().for_each(|(corner, &v)| placed.put_if_none(corner, of_vertex[v as usize]));
         }
-        uv.into_iter().zip(self.corner_vertices()).map(|(uv, &v)| uv.unwrap_or(of_vertex[v as usize])).collect()
+        placed.uv
     }
 
     /// Gives copies of triangles the positions of the triangle that they are copies of.
-    fn fill_copies(&self, uv: &mut [Option<[f64; 2]>]) {
+    fn fill_copies(&self, placed: &mut Placed) {
         let vertex = |corner: &u32| self.corner_vertices()[*corner as usize];
         let sorted = |t: u32| {
             let mut corners = self.triangles().corners[t as usize];
@@ -427,7 +459,9 @@ impl Analysis {
         for &t in self.left_out() {
             let Some(Some(from)) = original.get(&place(t)) else { continue };
             for (to, from) in sorted(t).into_iter().zip(from) {
-                uv[to as usize] = uv[to as usize].or(uv[*from as usize]);
+                if let Some(position) = placed.at(*from) {
+                    placed.put_if_none(to, position);
+                }
             }
         }
     }

@@ -28,8 +28,8 @@ pub struct SeamPlan {
     /// Infinite inside polygons.
     lengths: EdgeData<f64>,
     cost: EdgeData<f64>,
-    /// The lengths, of edges to be avoided times what these cost.
-    plain: EdgeData<f64>,
+    /// The lengths, of edges to be avoided times what these cost; none where nothing is to be avoided.
+    plain: Option<EdgeData<f64>>,
     given: EdgeData<bool>,
     avoided: EdgeData<bool>,
     has_given: bool,
@@ -61,10 +61,11 @@ impl SeamPlan {
             cost[e] *= if avoided[e] { AVOIDED * length } else { *length };
         }
         watch.ask(0.9)?;
+        let plain = || lengths.iter_ids().map(|(e, l)| if avoided[e] { AVOIDED * l } else { *l }).collect();
         Ok(Self {
+            plain: avoided.contains(&true).then(plain),
             has_given: given.iter().any(|&given| given),
             straightness: (weight > 0.0).then(|| (weight, Turning::new(&surface.mesh, metric))),
-            plain: lengths.iter_ids().map(|(e, l)| if avoided[e] { AVOIDED * l } else { *l }).collect(),
             lengths,
             cost,
             given,
@@ -107,7 +108,12 @@ impl SeamPlan {
 
     /// What edges cost that islands are cut along: their lengths, and those that are to be avoided [`AVOIDED`] times as much.
     pub(crate) fn costs(&self) -> &EdgeData<f64> {
-        &self.plain
+        self.plain.as_ref().unwrap_or(&self.lengths)
+    }
+
+    /// The lengths of edges, infinite inside polygons.
+    pub(crate) fn lengths(&self) -> &EdgeData<f64> {
+        &self.lengths
     }
 
     /// What edges cost that seams run along: [`costs`](Self::costs), less where they are welcome.

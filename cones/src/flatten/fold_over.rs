@@ -29,6 +29,8 @@ use super::untangle::{Corner, Patch, PatchTriangle};
 
 /// A triangle's height over its longest side below which it counts as flipped, unless it is as thin in space.
 const LEAST_HEIGHT: f64 = 1e-7;
+/// A cross product over the sum of the squares of its vectors that is no rounding.
+const PLAIN: f64 = 1e-9;
 /// Patches grow up to this many rings.
 const MAX_RINGS: usize = 6;
 /// Patches larger than this are not tried: untangling them takes longer than flattening with other cones.
@@ -204,8 +206,30 @@ impl<'a> Untangler<'a> {
 
     /// How much too often the triangles wind round a vertex.
     fn winding(&self, v: VertexId) -> f64 {
-        let sum: f64 = self.input.outgoing(v).map(|h| self.signed_angle(h)).sum();
+        let sum = self.closed_angle(v);
+        let sum = sum.unwrap_or_else(|| self.input.outgoing(v).map(|h| self.signed_angle(h)).sum());
         ((sum - self.angle[v]) / (2.0 * PI)).round()
+    }
+
+    /// The sum of the angles round a vertex off the seams where all triangles are plainly positive: full turns, which signs of differences count in
+    /// a tenth of the time that angles take.
+    fn closed_angle(&self, v: VertexId) -> Option<f64> {
+        let (input, layout) = (self.input, &self.layout);
+        let mut turns = 0.0;
+        for h in input.outgoing(v) {
+            let [at, next, last] = [h, input.next(h), input.prev(h)].map(|h| layout.corner(h));
+            let is_joined = input.twin(h).is_some_and(|g| {
+                layout.cut.wedge(h) == layout.cut.wedge(input.next(g))
+                    && layout.cut.wedge(input.next(h)) == layout.cut.wedge(g)
+            });
+            let [right, left] = [next - at, last - at];
+            let is_positive = cross(right, left) > PLAIN * (right.norm_sqr() + left.norm_sqr());
+            if !(is_joined && is_positive) {
+                return None;
+            }
+            turns += if right.im < 0.0 && left.im >= 0.0 { 1.0 } else { 0.0 };
+        }
+        Some(2.0 * PI * turns)
     }
 
     /// The signed angle of the corner at a halfedge's tail, in (-π, π].
@@ -486,6 +510,11 @@ mod tests {
             let spoke = untangler.layout.corner(mesh.next(h)) - untangler.layout.corner(h);
             untangler.displace(h, 1.5 * spoke);
             assert!(!untangler.bad().is_empty());
+            let angles = |v: VertexId| mesh.outgoing(v).map(|h| untangler.signed_angle(h)).sum::<f64>();
+            let counted = mesh.vertices().filter_map(|v| Some((v, untangler.closed_angle(v)?)));
+            let counted: Vec<(VertexId, f64)> = counted.collect();
+            assert!(10 * counted.len() > 8 * mesh.vertex_count());
+            assert!(counted.into_iter().all(|(v, angle)| (angle - angles(v)).abs() < 1e-9));
             assert!(remove_fold_overs(&mesh, &metric, &scaling, &fixed, &mut folded, Watch::NONE).unwrap() > 0);
             let untangler = Untangler::new(&mesh, &metric, &scaling, &fixed, &mut folded, Watch::NONE).unwrap();
             assert!(untangler.bad().is_empty());

@@ -9,6 +9,7 @@
 //! Similarities are never chained: lengths come from the metric alone.
 
 use std::collections::VecDeque;
+use std::ops::Index;
 
 use geom::{
     CutMesh, EdgeData, FaceData, FaceId, HalfedgeData, HalfedgeId, Id, Interrupted, Mesh, Triangulation, Watch,
@@ -21,6 +22,8 @@ use super::scaling::Scaling;
 
 /// So many flips are undone between two looks at the watch.
 const STRIDE: usize = 4096;
+/// So many triangles or halfedges are gone through one after the other.
+const AT_ONCE: usize = 1024;
 
 /// A surface in the plane: a position for each opened vertex.
 #[derive(Clone, Debug)]
@@ -29,9 +32,36 @@ pub struct Layout {
     pub cut: CutMesh,
     /// The position of each opened vertex, as a complex number.
     pub position: Vec<Complex64>,
-    /// The rotation of each seam, by halfedge: what takes directions seen from the twin's side into directions seen from
-    /// this side; 1 where there is no seam.
-    pub seam_rotation: HalfedgeData<Complex64>,
+    /// The rotation of each seam.
+    pub seam_rotation: SeamRotations,
+}
+
+/// The rotation of each seam, by halfedge: what takes directions seen from the twin's side into directions seen from this side; 1 where
+/// there is no seam. Kept for seams alone, ascending.
+#[derive(Clone, Debug)]
+pub struct SeamRotations(Vec<(HalfedgeId, Complex64)>);
+
+impl SeamRotations {
+    /// Those of the edges that are cut, by a halfedge and its twin.
+    pub(super) fn new(
+        mesh: &Mesh,
+        cut: &EdgeData<bool>,
+        rotation: impl Fn(HalfedgeId, HalfedgeId) -> Complex64,
+    ) -> Self {
+        let sides = mesh.halfedges().filter(|&h| cut[mesh.edge(h)]);
+        Self(sides.filter_map(|h| Some((h, rotation(h, mesh.twin(h)?)))).collect())
+    }
+}
+
+impl Index<HalfedgeId> for SeamRotations {
+    type Output = Complex64;
+
+    fn index(&self, h: HalfedgeId) -> &Complex64 {
+        match self.0.binary_search_by_key(&h, |(side, _)| *side) {
+            Ok(k) => &self.0[k].1,
+            Err(_) => &Complex64::ONE,
+        }
+    }
 }
 
 impl Layout {
@@ -43,19 +73,17 @@ impl Layout {
         let connection = Connection::new(scaling, watch.within(0.0, 0.1))?;
         let connection = connection.undo(&scaling.flips, watch.within(0.1, 0.3))?.of_input(input);
         watch.ask(0.3)?;
-        let rotation = connection.face_rotations(cut);
+        let rotation = connection.face_rotations(input, cut);
         watch.ask(0.35)?;
-        let vector: HalfedgeData<Complex64> =
-            input.halfedges().map(|h| rotation[input.face(h)] * connection.vector[h]).collect();
-        let seam_rotation = input
-            .halfedges()
-            .map(|h| match input.twin(h) {
-                Some(g) if cut[input.edge(h)] => {
-                    rotation[input.face(h)] * connection.transport[h] * rotation[input.face(g)].conj()
-                }
-                _ => Complex64::ONE,
-            })
-            .collect();
+        let FlatConnection { mut vector, transport } = connection;
+        let seam_rotation = SeamRotations::new(input, cut, |h, g| {
+            rotation[input.face(h)] * transport[h] * rotation[input.face(g)].conj()
+        });
+        drop(transport);
+        for (sides, rotation) in vector.as_chunks_mut::<3>().0.iter_mut().zip(rotation.iter()) {
+            sides.iter_mut().for_each(|side| *side = rotation * *side);
+        }
+        drop(rotation);
         watch.ask(0.4)?;
         let opened = CutMesh::open(input, cut);
         watch.ask(0.5)?;
@@ -67,6 +95,12 @@ impl Layout {
     pub fn corner(&self, h: HalfedgeId) -> Complex64 {
         self.position[self.cut.wedge(h).index()]
     }
+}
+
+/// A [`Connection`] of the input.
+struct FlatConnection {
+    vector: HalfedgeData<Complex64>,
+    transport: HalfedgeData<Complex64>,
 }
 
 /// Triangles in frames of their own, and the rotations between the frames.
@@ -82,17 +116,21 @@ impl Connection {
     fn new(scaling: &Scaling, watch: Watch) -> Result<Self, Interrupted> {
         watch.ask(0.0)?;
         let triangulation = scaling.triangulation.clone();
-        let vector: HalfedgeData<Complex64> = triangulation
-            .faces()
-            .flat_map(|f| scaling.metric.sides(&triangulation, f).unfold())
-            .map(|[x, y]| Complex64::new(x, y))
-            .collect();
+        let unfolded = |f: usize| {
+            let sides = scaling.metric.sides(&triangulation, FaceId::new(f));
+            sides.unfold().map(|[x, y]| Complex64::new(x, y))
+        };
+        let vector: Vec<[Complex64; 3]> =
+            (0..triangulation.face_count()).into_par_iter().with_min_len(AT_ONCE).map(unfolded).collect();
+        let vector: HalfedgeData<Complex64> = vector.into_flattened().into();
         watch.ask(0.5)?;
-        let transport = triangulation
-            .halfedges()
-            .map(|h| triangulation.twin(h).map_or(Complex64::ONE, |g| unit(-vector[h] * vector[g].conj())))
-            .collect();
-        Ok(Self { triangulation, vector, transport })
+        let across = |h: usize| {
+            let h = HalfedgeId::new(h);
+            triangulation.twin(h).map_or(Complex64::ONE, |g| unit(-vector[h] * vector[g].conj()))
+        };
+        let transport: Vec<Complex64> =
+            (0..triangulation.halfedge_count()).into_par_iter().with_min_len(AT_ONCE).map(across).collect();
+        Ok(Self { triangulation, vector, transport: transport.into() })
     }
 
     fn undo(mut self, flips: &[HalfedgeId], watch: Watch) -> Result<Self, Interrupted> {
@@ -105,15 +143,13 @@ impl Connection {
         Ok(self)
     }
 
-    /// What belongs to the input, once all flips are undone: all of it, or one half of a double.
-    fn of_input(self, input: &Mesh) -> Self {
+    /// What belongs to the input, once all flips are undone: all of it, or the first half of a double.
+    fn of_input(self, input: &Mesh) -> FlatConnection {
         debug_assert!(input.faces().all(|f| self.triangulation.corners(f) == input.corners(f)), "all flips are undone");
-        let of_input = |data: HalfedgeData<Complex64>| input.halfedges().map(|h| data[h]).collect();
-        Self {
-            triangulation: input.triangulation().clone(),
-            vector: of_input(self.vector),
-            transport: of_input(self.transport),
-        }
+        let of_input = |data: HalfedgeData<Complex64>| -> HalfedgeData<Complex64> {
+            if data.len() == input.halfedge_count() { data } else { input.halfedges().map(|h| data[h]).collect() }
+        };
+        FlatConnection { vector: of_input(self.vector), transport: of_input(self.transport) }
     }
 
     fn unflip(&mut self, h: HalfedgeId) {
@@ -139,41 +175,37 @@ impl Connection {
         self.vector[h] = -(self.vector[self.triangulation.next(h)] + self.vector[self.triangulation.prev(h)]);
         self.vector[g] = -self.vector[h];
     }
+}
 
+impl FlatConnection {
     /// The rotation of each triangle's frame into the plane, carried across edges that are not cut, and from island to
     /// island across one that is.
-    fn face_rotations(&self, cut: &EdgeData<bool>) -> FaceData<Complex64> {
-        let mut rotation: FaceData<Option<Complex64>> = FaceData::constant(self.triangulation.face_count(), None);
+    fn face_rotations(&self, mesh: &Mesh, cut: &EdgeData<bool>) -> FaceData<Complex64> {
+        // 0 where it is not known yet.
+        let mut rotation: FaceData<Complex64> = FaceData::constant(mesh.face_count(), Complex64::ZERO);
         let mut queue = VecDeque::new();
         // Where islands that are to come begin: across the edges of those that are done.
         let mut shores = VecDeque::new();
-        for seed in self.triangulation.faces() {
+        for seed in mesh.faces() {
             shores.push_back((seed, Complex64::ONE));
             while let Some((seed, turn)) = shores.pop_front() {
                 queue.push_back((seed, turn));
                 while let Some((f, turn)) = queue.pop_front() {
-                    if rotation[f].is_some() {
+                    if rotation[f] != Complex64::ZERO {
                         continue;
                     }
-                    rotation[f] = Some(turn);
-                    for (g, across, is_cut) in self.neighbours(f, cut) {
-                        if rotation[g].is_none() {
-                            let next = if is_cut { &mut shores } else { &mut queue };
-                            next.push_back((g, unit(turn * across)));
+                    rotation[f] = turn;
+                    for h in mesh.sides(f) {
+                        let Some(g) = mesh.twin(h).map(|twin| mesh.face(twin)) else { continue };
+                        if rotation[g] == Complex64::ZERO {
+                            let next = if cut[mesh.edge(h)] { &mut shores } else { &mut queue };
+                            next.push_back((g, unit(turn * self.transport[h])));
                         }
                     }
                 }
             }
         }
-        rotation.iter().map(|turn| turn.unwrap_or(Complex64::ONE)).collect()
-    }
-
-    /// The triangles at a triangle's sides, each with the rotation from its frame and whether the edge between is cut.
-    fn neighbours(&self, f: FaceId, cut: &EdgeData<bool>) -> impl Iterator<Item = (FaceId, Complex64, bool)> {
-        self.triangulation.sides(f).into_iter().filter_map(|h| {
-            let g = self.triangulation.twin(h)?;
-            Some((self.triangulation.face(g), self.transport[h], cut[self.triangulation.edge(h)]))
-        })
+        rotation
     }
 }
 

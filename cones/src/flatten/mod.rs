@@ -15,7 +15,7 @@ mod untangle;
 pub(crate) use detach::{DetachedShape, detach};
 pub(crate) use fold_over::FoldOvers;
 pub(crate) use fold_over::{Fixed, remove_fold_overs};
-pub use layout::Layout;
+pub use layout::{Layout, SeamRotations};
 pub(crate) use relax::{BENT, MOST_BENT, relax, stretch};
 pub use scaling::{Scaling, ScalingError, scale};
 pub use seams::{Chain, SeamError, Seams};

@@ -7,7 +7,7 @@
 use geom::{CutMesh, EdgeData, EdgeId, HalfedgeId, Id, Mesh, kruskal};
 use num_complex::Complex64;
 
-use super::layout::Layout;
+use super::layout::{Layout, SeamRotations};
 
 /// The two sides of an old seam meet if they are no farther apart, as a share of the layout's extent,
 const MEETS: f64 = 1e-10;
@@ -52,14 +52,11 @@ impl Layout {
         let opened = CutMesh::open(mesh, cut);
         let mut position = vec![Complex64::ZERO; opened.wedge_count()];
         mesh.halfedges().for_each(|h| position[opened.wedge(h).index()] = place(h));
-        let seam_rotation = mesh.halfedges().map(|h| match mesh.twin(h) {
-            Some(g) if cut[mesh.edge(h)] => {
-                let [here, there] = [h, g].map(|h| motion[piece(h) as usize].turn);
-                here * self.seam_rotation[h] * there.conj()
-            }
-            _ => Complex64::ONE,
+        let seam_rotation = SeamRotations::new(mesh, cut, |h, g| {
+            let [here, there] = [h, g].map(|h| motion[piece(h) as usize].turn);
+            here * self.seam_rotation[h] * there.conj()
         });
-        Some(Self { seam_rotation: seam_rotation.collect(), cut: opened, position })
+        Some(Self { seam_rotation, cut: opened, position })
     }
 
     fn vector(&self, mesh: &Mesh, h: HalfedgeId) -> Complex64 {

@@ -1,5 +1,7 @@
 //! An atlas as it is written.
 
+use std::borrow::Cow;
+
 use geom::distortion::DistortionError;
 use geom::{Model, Watch};
 
@@ -56,14 +58,22 @@ impl MeasuredAtlas {
         watch: Watch,
     ) -> Result<Self, DistortionError> {
         let uv = atlas.uv_in(size);
-        let triangles = atlas.surface_triangles();
+        let triangles: Cow<[[u32; 3]]> = match atlas.left_out.is_empty() {
+            true => Cow::Borrowed(&atlas.triangles.corners),
+            false => Cow::Owned(atlas.surface_triangles()),
+        };
         let mut vertices: Vec<[u32; 3]> = triangles.iter().map(|t| t.map(|c| model.corners()[c as usize])).collect();
         let mut cones: Vec<u32> = atlas.cones.iter().map(|cone| cone.vertex).collect();
         if weld {
             let first = model.first_at_place();
             vertices.iter_mut().flatten().chain(&mut cones).for_each(|v| *v = first[*v as usize]);
         }
-        let corners: Vec<[[f64; 2]; 3]> = triangles.iter().map(|t| t.map(|c| uv[c as usize])).collect();
+        // As corners are numbered in models of triangles.
+        let is_in_order = (0..).zip(triangles.iter()).all(|(f, corners)| *corners == [3 * f, 3 * f + 1, 3 * f + 2]);
+        let corners: Cow<[[[f64; 2]; 3]]> = match is_in_order {
+            true => Cow::Borrowed(&uv.as_chunks().0[..triangles.len()]),
+            false => triangles.iter().map(|t| t.map(|c| uv[c as usize])).collect(),
+        };
         let quality = Quality::measure_watched(model.points(), &vertices, &corners, Some(&cones), watch)?;
         let flaws = flaw(model, &quality, &triangles).into_iter().collect();
         Ok(Self { atlas, uv, quality, flaws })

@@ -15,10 +15,11 @@ use std::collections::HashSet;
 
 use geom::{CutMesh, EdgeData, FaceData, FaceId, HalfedgeId, Interrupted, Mesh, Watch};
 
+use super::boxes::{Boxes, bounds};
 use super::chains::{Chain, Loops};
 use super::map::UvMap;
 use super::motion::Motion;
-use super::overlap::{Boxes, NEGLIGIBLE_DEPTH, Overlap, bounds};
+use super::overlap::{NEGLIGIBLE_DEPTH, Overlap};
 use super::triangle;
 
 /// Glued islands may overlap by this share of [`NEGLIGIBLE_DEPTH`], so that they do not overlap after some rounding.
@@ -40,7 +41,7 @@ pub(super) struct Pieces<'a> {
     piece: FaceData<u32>,
     faces: Vec<Vec<FaceId>>,
     /// All triangles as they lay at first.
-    boxes: &'a Boxes,
+    boxes: &'a Boxes<'a>,
     /// The bounding box of each piece as it lay at first; none without area.
     bounds: Vec<Option<[[f64; 2]; 2]>>,
     /// The area of each piece in the plane.
@@ -54,12 +55,45 @@ pub(super) struct Pieces<'a> {
     loops: Loops<'a>,
 }
 
+/// What has become of a map that was put together otherwise.
+pub(super) struct Moved {
+    /// The piece of each triangle.
+    piece: FaceData<u32>,
+    motion: Vec<Motion>,
+    cut: EdgeData<bool>,
+}
+
+impl Moved {
+    /// The map; where pieces meet, positions agree but for rounding ([`UvMap::snapped`]).
+    pub(super) fn map(&self, before: &UvMap) -> UvMap {
+        let mut map = before.clone();
+        self.put(&mut map);
+        map
+    }
+
+    /// The map in place of the one before, each vertex in one place.
+    pub(super) fn snapped(self, mesh: &Mesh, mut map: UvMap) -> UvMap {
+        self.put(&mut map);
+        map.snapped(mesh, |_, h| self.motion[self.piece[mesh.face(h)] as usize] == Motion::NONE)
+    }
+
+    fn put(&self, map: &mut UvMap) {
+        for (corners, &piece) in map.position.as_chunks_mut::<3>().0.iter_mut().zip(self.piece.iter()) {
+            let motion = &self.motion[piece as usize];
+            if *motion != Motion::NONE {
+                *corners = motion.of_triangle(*corners);
+            }
+        }
+        map.cut.clone_from(&self.cut);
+    }
+}
+
 impl<'a> Pieces<'a> {
     /// Each island of the map opened further along `cut` is a piece; edges may be kept open.
     pub(super) fn new(
         (mesh, lengths, kept): (&'a Mesh, &'a EdgeData<f64>, Option<&'a EdgeData<bool>>),
         map: &'a UvMap,
-        boxes: &'a Boxes,
+        boxes: &'a Boxes<'a>,
         cut: EdgeData<bool>,
     ) -> Self {
         let opened = CutMesh::open(mesh, &cut);
@@ -160,7 +194,7 @@ impl<'a> Pieces<'a> {
         let all = &self.faces[p as usize];
         let is_on = |f: &FaceId| self.mesh.sides(*f).into_iter().any(|h| self.loops.has(h));
         let found: Vec<FaceId> = all.iter().copied().filter(is_on).collect();
-        let has_area = |f: &FaceId| self.boxes.upright[f.0 as usize].is_some();
+        let has_area = |f: &FaceId| self.boxes.upright(f.0).is_some();
         if found.iter().all(has_area) { found } else { all.clone() }
     }
 
@@ -215,12 +249,12 @@ impl<'a> Pieces<'a> {
         let least = ALLOWED * NEGLIGIBLE_DEPTH * self.extent;
         let mut goes_on = true;
         for k in (0..STRIDE).flat_map(|first| (first..few.len()).step_by(STRIDE)) {
-            let Some(one) = self.boxes.upright[few[k].0 as usize].map(|corners| motion.of_triangle(corners)) else {
+            let Some(one) = self.boxes.upright(few[k].0).map(|corners| motion.of_triangle(corners)) else {
                 continue;
             };
             self.boxes.meeting(&one, |g| {
                 if self.piece[FaceId(g)] == q
-                    && let Some(other) = self.boxes.upright[g as usize]
+                    && let Some(other) = self.boxes.upright(g)
                     && let Some(depth) = triangle::depth(&one, &other).filter(|&depth| depth > least)
                 {
                     let f = few[k].0;
@@ -249,10 +283,9 @@ impl<'a> Pieces<'a> {
         self.loops.glue(chain);
     }
 
-    /// The map as it is put together; where pieces meet, positions agree but for rounding ([`UvMap::snapped`]).
-    pub(super) fn map(&self) -> UvMap {
-        let place = |h: HalfedgeId| self.motion[self.piece[self.mesh.face(h)] as usize].of(self.map.position[h]);
-        UvMap { position: self.mesh.halfedges().map(place).collect(), cut: self.cut.clone() }
+    /// What has become of the map.
+    pub(super) fn moved(self) -> Moved {
+        Moved { piece: self.piece, motion: self.motion, cut: self.cut }
     }
 
     /// How many triangles each island has.

@@ -4,9 +4,10 @@
 //! can be glued to its neighbour. Boundaries are kept as linked loops of halfedges, the map on their left, so that
 //! gluing a chain is a change at its two ends.
 
-use geom::{CutMesh, EdgeData, EdgeId, HalfedgeData, HalfedgeId, Mesh};
+use geom::{CutMesh, EdgeData, EdgeId, HalfedgeId, Mesh};
 
 use super::motion::{Fit, Motion};
+use super::table::{Set, Table};
 
 /// The two sides of an edge are congruent if no end is farther off, in shares of the map's extent. What Newton's method leaves of
 /// curvature, and positions along a tree, make up to 1e-11.
@@ -33,15 +34,14 @@ pub(super) struct Loops<'a> {
     mesh: &'a Mesh,
     /// The halfedges at the boundary, each loop in order.
     all: Vec<HalfedgeId>,
-    /// What comes after a halfedge on the boundary; none inside.
-    next: HalfedgeData<Option<HalfedgeId>>,
-    previous: HalfedgeData<Option<HalfedgeId>>,
+    /// What comes after a halfedge on the boundary.
+    next: Table<HalfedgeId, HalfedgeId>,
+    previous: Table<HalfedgeId, HalfedgeId>,
 }
 
 impl<'a> Loops<'a> {
     pub(super) fn new(mesh: &'a Mesh, opened: &CutMesh) -> Self {
-        let none = HalfedgeData::constant(mesh.halfedge_count(), None);
-        let mut loops = Self { mesh, all: Vec::new(), next: none.clone(), previous: none };
+        let mut loops = Self { mesh, all: Vec::new(), next: Table::default(), previous: Table::default() };
         for around in opened.boundary_loops() {
             for (k, &h) in around.iter().enumerate() {
                 loops.link(h, around[(k + 1) % around.len()]);
@@ -52,13 +52,21 @@ impl<'a> Loops<'a> {
     }
 
     fn link(&mut self, h: HalfedgeId, next: HalfedgeId) {
-        self.next[h] = Some(next);
-        self.previous[next] = Some(h);
+        self.next.insert(h, next);
+        self.previous.insert(next, h);
     }
 
     /// Whether a halfedge is on the boundary.
     pub(super) fn has(&self, h: HalfedgeId) -> bool {
-        self.next[h].is_some()
+        self.next.contains_key(&h)
+    }
+
+    fn next(&self, h: HalfedgeId) -> Option<HalfedgeId> {
+        self.next.get(&h).copied()
+    }
+
+    fn previous(&self, h: HalfedgeId) -> Option<HalfedgeId> {
+        self.previous.get(&h).copied()
     }
 
     /// Takes the sides of a chain off the boundary.
@@ -66,18 +74,18 @@ impl<'a> Loops<'a> {
         for &h in &chain.sides {
             let Some(g) = self.mesh.twin(h) else { continue };
             // What comes before one side goes on with what comes after the other.
-            for (before, after) in [(self.previous[h], self.next[g]), (self.previous[g], self.next[h])] {
+            for (before, after) in [(self.previous(h), self.next(g)), (self.previous(g), self.next(h))] {
                 if let (Some(before), Some(after)) = (before, after) {
                     self.link(before, after);
                 }
             }
             for side in [h, g] {
-                self.next[side] = None;
-                self.previous[side] = None;
+                self.next.remove(&side);
+                self.previous.remove(&side);
             }
         }
         let next = &self.next;
-        self.all.retain(|&h| next[h].is_some());
+        self.all.retain(|&h| next.contains_key(&h));
     }
 
     /// The chains between two different islands, of edges that are not kept open, longest first; of each chain one of its sides. `position` gives the corners as
@@ -125,20 +133,20 @@ impl<'a> Loops<'a> {
             islands(h).is_some()
                 && mesh.twin(h) != Some(next)
                 && islands(h) == islands(next)
-                && mesh.twin(next).is_some_and(|g| self.next[g].is_some() && self.next[g] == mesh.twin(h))
+                && mesh.twin(next).is_some_and(|g| self.has(g) && self.next(g) == mesh.twin(h))
         };
-        let mut is_done = std::collections::HashSet::new();
+        let mut is_done = Set::default();
         let mut chains = Vec::new();
         for &first in &self.all {
             if islands(first).is_none() || is_done.contains(&first) {
                 continue;
             }
             let mut start = first;
-            while let Some(before) = self.previous[start].filter(|&before| before != first && goes_on(before, start)) {
+            while let Some(before) = self.previous(start).filter(|&before| before != first && goes_on(before, start)) {
                 start = before;
             }
             let mut run = vec![start];
-            while let Some(next) = self.next[run[run.len() - 1]]
+            while let Some(next) = self.next(run[run.len() - 1])
                 && next != start
                 && goes_on(run[run.len() - 1], next)
             {

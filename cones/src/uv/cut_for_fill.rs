@@ -201,9 +201,9 @@ mod tests {
     fn packed(mesh: &Mesh, map: &UvMap, cut: &EdgeData<bool>) -> (usize, f64) {
         let opened = geom::CutMesh::open(mesh, cut);
         let island: Vec<u32> = mesh.faces().map(|f| opened.island(f)).collect();
-        let packing = pack(&map.triangles(mesh), &island, &PackOptions::default(), Watch::NONE).unwrap();
+        let packing = pack(map.triangles(), &island, &PackOptions::default(), Watch::NONE).unwrap();
         let placed = map
-            .triangles(mesh)
+            .triangles()
             .iter()
             .zip(&island)
             .map(|(t, &i)| t.map(|p| packing.place(i as usize, p)))

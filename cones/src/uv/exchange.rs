@@ -19,10 +19,11 @@ use rayon::prelude::*;
 
 use super::across::{Across, Paths, Sweep};
 use super::attach::{ALLOWED, STRIDE};
+use super::boxes::Boxes;
 use super::chains::{Chain, Loops};
 use super::map::UvMap;
 use super::motion::Motion;
-use super::overlap::{Boxes, NEGLIGIBLE_DEPTH};
+use super::overlap::NEGLIGIBLE_DEPTH;
 use super::pack::{convex_hull, side};
 use super::triangle;
 
@@ -136,7 +137,7 @@ impl<'a> Island<'a> {
         Ok(Some(Self {
             others: (0..islands.len()).filter(|&k| k != largest).map(square).sum(),
             boundary: std::mem::take(&mut boundaries[largest]),
-            area: mesh.faces().map(|f| 0.5 * triangle::twice_area(map.triangle(mesh, f)).abs()).sum(),
+            area: mesh.faces().map(|f| 0.5 * triangle::twice_area(map.triangle(f)).abs()).sum(),
             seam: cut.filter(|l| l.is_finite()).sum(),
             mesh,
             map,
@@ -157,11 +158,11 @@ impl<'a> Island<'a> {
         exchanges.sort_by(|a, b| a.cost.total_cmp(&b.cost));
         exchanges.truncate(TESTED);
         watch.ask(f64::NAN)?;
-        let boxes = Boxes::new(self.mesh.faces().map(|f| triangle::upright(self.map.triangle(self.mesh, f))));
+        let boxes = Boxes::new(self.map.triangles());
         for exchange in &exchanges {
             watch.ask(f64::NAN)?;
             if let Some(made) = self.made(exchange, &boxes) {
-                return Ok(Some(made.snapped(self.mesh, self.map)));
+                return Ok(Some(made.snapped(self.mesh, |made, h| made.agrees(self.map, h))));
             }
         }
         Ok(None)
@@ -240,11 +241,11 @@ impl<'a> Island<'a> {
         let outer: Vec<FaceId> = outer.filter(|&f| is_moved(f)).collect();
         let least = ALLOWED * NEGLIGIBLE_DEPTH * self.map.extent();
         let is_free = |f: &FaceId| {
-            let Some(one) = boxes.upright[f.0 as usize].map(|corners| motion.of_triangle(corners)) else { return true };
+            let Some(one) = boxes.upright(f.0).map(|corners| motion.of_triangle(corners)) else { return true };
             let mut is_free = true;
             boxes.meeting(&one, |g| {
                 let is_still = across.is_first(&self.sweep, FaceId(g)) == Some(!is_smaller);
-                if is_still && let Some(other) = boxes.upright[g as usize] {
+                if is_still && let Some(other) = boxes.upright(g) {
                     is_free = triangle::depth(&one, &other).is_none_or(|depth| depth <= least);
                 }
                 is_free
@@ -322,7 +323,7 @@ mod tests {
             assert_eq!(other.boundary_loops().len(), other.island_count());
             for island in 0..other.island_count() as u32 {
                 let on_it: Vec<_> = mesh.faces().filter(|&f| other.island(f) == island).collect();
-                let triangles: Vec<_> = on_it.into_iter().map(|f| after.triangle(&mesh, f)).collect();
+                let triangles: Vec<_> = on_it.into_iter().map(|f| after.triangle(f)).collect();
                 assert!(overlaps(&triangles).pairs.is_empty());
             }
             for h in mesh.halfedges() {
@@ -332,7 +333,7 @@ mod tests {
                     assert_eq!(after.position[h], after.position[mesh.next(g)]);
                 }
             }
-            let area: f64 = before.triangles(&mesh).into_iter().map(|t| 0.5 * triangle::twice_area(t)).sum();
+            let area: f64 = before.triangles().iter().map(|&t| 0.5 * triangle::twice_area(t)).sum();
             let cost = |map: &UvMap| seam(&mesh, &lengths, map) / length + 0.5 * (squares(&mesh, map) / area).sqrt();
             assert!(after == before || cost(&after) < cost(&before));
             assert!(seam(&mesh, &lengths, &after) <= aim.longest.max(length));

@@ -8,18 +8,23 @@
 //! and their neighbours: on layouts of 28,576 triangles a third of the time of [`overlaps`](super::overlaps).
 
 use geom::{CutMesh, FaceId, Interrupted, Mesh, VertexData, Watch};
+use rayon::prelude::*;
 
+use super::boxes::Boxes;
 use super::map::UvMap;
-use super::overlap::{Boxes, FREE_PAIRS, NEGLIGIBLE_DEPTH, Overlap, Overlaps};
+use super::overlap::{FREE_PAIRS, NEGLIGIBLE_DEPTH, Overlap, Overlaps};
+use super::table::Set;
 use super::triangle::{self, Triangle};
 
 /// Extents beyond which products of coordinates overflow or vanish.
 const EXTENTS: std::ops::Range<f64> = 1e-60..1e60;
 /// So many pairs are gone through between two looks at the watch.
 const BLOCK: usize = 1 << 14;
+/// So many triangles are looked up one after the other.
+const AT_ONCE: usize = 1 << 10;
 
 /// The pairs of triangles on one island that overlap deeper than [`NEGLIGIBLE_DEPTH`]; none if the map is folded over somewhere, or
-/// has more pairs than are kept. `boxes` are all triangles of the map.
+/// has more pairs than are kept. `opened` is the map's.
 ///
 /// # Errors
 /// If it is stopped.
@@ -27,25 +32,37 @@ pub(super) fn overlaps_of_immersion(
     mesh: &Mesh,
     map: &UvMap,
     opened: &CutMesh,
-    boxes: &Boxes,
     watch: Watch,
 ) -> Result<Option<Overlaps>, Interrupted> {
-    if !EXTENTS.contains(&boxes.extent) || !is_immersion(mesh, map) {
+    if !is_immersion(mesh, map) {
         return Ok(None);
     }
     watch.ask(0.0)?;
-    let upright = |f: FaceId| boxes.upright[f.0 as usize].as_ref();
-    let mut spread = Spread { partners: vec![Vec::new(); mesh.face_count()], waiting: Vec::new() };
-    for &h in opened.boundary_loops().iter().flatten() {
-        let f = mesh.face(h);
-        let Some(one) = upright(f) else { return Ok(None) };
-        boxes.meeting(one, |g| {
-            if opened.island(FaceId(g)) == opened.island(f) {
-                spread.look(f, FaceId(g));
+    let uv = map.triangles();
+    let mut outer: Vec<u32> = opened.boundary_loops().iter().flatten().map(|&h| mesh.face(h).0).collect();
+    outer.sort_unstable();
+    outer.dedup();
+    // The boxes about the triangles at the boundary are about all, too.
+    let boxes = Boxes::of(uv, outer);
+    if !EXTENTS.contains(&boxes.extent) {
+        return Ok(None);
+    }
+    let at_boundary = |g: usize| {
+        let (mut found, one) = (Vec::new(), &uv[g]);
+        boxes.meeting(one, |f| {
+            let is_asked = f as usize != g && opened.island(FaceId(f)) == opened.island(FaceId(g as u32));
+            if is_asked && triangle::depth(one, &uv[f as usize]).is_some() {
+                found.push([FaceId(f), FaceId(g as u32)]);
             }
             true
         });
-    }
+        found
+    };
+    let found: Vec<[FaceId; 2]> =
+        (0..uv.len()).into_par_iter().with_min_len(AT_ONCE).flat_map_iter(at_boundary).collect();
+    watch.ask(0.0)?;
+    let mut spread = Spread::default();
+    found.into_iter().for_each(|[f, g]| spread.look(f, g));
     let mut pairs = Vec::new();
     let mut count = 0_usize;
     while let Some([f, g]) = spread.waiting.pop() {
@@ -53,7 +70,7 @@ pub(super) fn overlaps_of_immersion(
             watch.ask(1.0 - 1.0 / (1 + count / BLOCK) as f64)?;
         }
         count += 1;
-        let (Some(one), Some(other)) = (upright(f), upright(g)) else { return Ok(None) };
+        let [one, other] = [f, g].map(|f| &uv[f.0 as usize]);
         let Some(depth) = triangle::depth(one, other) else { continue };
         if depth > NEGLIGIBLE_DEPTH * boxes.extent {
             let area = triangle::common_area(one, other);
@@ -72,18 +89,16 @@ pub(super) fn overlaps_of_immersion(
 }
 
 /// The pairs that were seen.
+#[derive(Default)]
 struct Spread {
-    /// For each triangle the later ones that it was seen with.
-    partners: Vec<Vec<u32>>,
+    seen: Set<[u32; 2]>,
     waiting: Vec<[FaceId; 2]>,
 }
 
 impl Spread {
     fn look(&mut self, f: FaceId, g: FaceId) {
         let [f, g] = [f.min(g), f.max(g)];
-        let partners = &mut self.partners[f.0 as usize];
-        if f != g && !partners.contains(&g.0) {
-            partners.push(g.0);
+        if f != g && self.seen.insert([f.0, g.0]) {
             self.waiting.push([f, g]);
         }
     }
@@ -96,7 +111,7 @@ fn is_immersion(mesh: &Mesh, map: &UvMap) -> bool {
     mesh.edges().filter(|&e| map.cut[e]).flat_map(|e| mesh.ends(e)).for_each(|v| is_open[v] = true);
     let mut rounds: VertexData<u8> = VertexData::constant(mesh.vertex_count(), 0);
     for f in mesh.faces() {
-        let corners: Triangle = map.triangle(mesh, f);
+        let corners: Triangle = map.triangle(f);
         if triangle::upright(corners) != Some(corners) {
             return false;
         }
@@ -117,8 +132,7 @@ mod tests {
     use num_complex::Complex64;
 
     fn of(mesh: &Mesh, map: &UvMap) -> Option<Overlaps> {
-        let boxes = Boxes::new(map.triangles(mesh).into_iter().map(triangle::upright));
-        overlaps_of_immersion(mesh, map, &map.opened(mesh), &boxes, Watch::NONE).unwrap()
+        overlaps_of_immersion(mesh, map, &map.opened(mesh), Watch::NONE).unwrap()
     }
 
     /// The image of the unit disk under a function.
@@ -150,7 +164,7 @@ mod tests {
         for speed in [3.0, 4.0, 6.0] {
             let (mesh, map) = image(|z| (speed * z).exp());
             let found = of(&mesh, &map).expect("the exponential function has no critical point");
-            let all = overlaps(&map.triangles(&mesh));
+            let all = overlaps(map.triangles());
             assert_eq!(
                 found.pairs.iter().map(|p| p.triangles).collect::<Vec<_>>(),
                 all.pairs.iter().map(|p| p.triangles).collect::<Vec<_>>()

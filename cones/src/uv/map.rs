@@ -1,6 +1,6 @@
 //! A map of a surface to the plane: positions of corners, and the edges where it is open.
 
-use geom::{CutMesh, EdgeData, FaceId, HalfedgeData, HalfedgeId, Mesh, WedgeData};
+use geom::{CutMesh, EdgeData, FaceId, HalfedgeData, HalfedgeId, Id, Mesh, WedgeData};
 
 use super::triangle::Triangle;
 
@@ -27,11 +27,11 @@ impl UvMap {
         Self { cut: cut.collect(), position }
     }
 
-    /// The same map with one position for each vertex of an island: where its corners' positions are not the same to the bit, one
-    /// that it had in `before`, if there is any.
-    pub(super) fn snapped(mut self, mesh: &Mesh, before: &Self) -> Self {
+    /// The same map with one position for each vertex of an island: where its corners' positions are not the same to the bit, that of one
+    /// which is as it was before, if there is any.
+    pub(super) fn snapped(mut self, mesh: &Mesh, is_as_before: impl Fn(&Self, HalfedgeId) -> bool) -> Self {
         let opened = self.opened(mesh);
-        let is_as_before = |h: HalfedgeId| self.position[h].map(f64::to_bits) == before.position[h].map(f64::to_bits);
+        let is_as_before = |h: HalfedgeId| is_as_before(&self, h);
         let mut from: WedgeData<Option<HalfedgeId>> = WedgeData::constant(opened.wedge_count(), None);
         for h in mesh.halfedges() {
             let chosen = &mut from[opened.wedge(h)];
@@ -39,14 +39,20 @@ impl UvMap {
                 *chosen = Some(h);
             }
         }
-        let position = mesh.halfedges().map(|h| self.position[from[opened.wedge(h)].expect("each wedge has corners")]);
-        self.position = position.collect();
+        for h in mesh.halfedges() {
+            self.position[h] = self.position[from[opened.wedge(h)].expect("each wedge has corners")];
+        }
         self
     }
 
     /// The images of the triangles.
-    pub fn triangles(&self, mesh: &Mesh) -> Vec<Triangle> {
-        mesh.faces().map(|f| self.triangle(mesh, f)).collect()
+    pub fn triangles(&self) -> &[Triangle] {
+        self.position.as_chunks().0
+    }
+
+    /// Whether a corner is where it is in another map, to the bit.
+    pub(super) fn agrees(&self, other: &Self, h: HalfedgeId) -> bool {
+        self.position[h].map(f64::to_bits) == other.position[h].map(f64::to_bits)
     }
 
     /// The longer side of its bounding box.
@@ -61,8 +67,8 @@ impl UvMap {
         side(0).max(side(1))
     }
 
-    pub(super) fn triangle(&self, mesh: &Mesh, f: FaceId) -> Triangle {
-        mesh.sides(f).map(|h| self.position[h])
+    pub(super) fn triangle(&self, f: FaceId) -> Triangle {
+        self.triangles()[f.index()]
     }
 
     /// The surface opened where the map is: its islands, and the images of vertices.

@@ -12,6 +12,7 @@
 
 mod across;
 mod attach;
+mod boxes;
 mod chains;
 mod cut_for_fill;
 mod divide;
@@ -23,6 +24,8 @@ mod overlap;
 mod pack;
 mod part;
 mod separate;
+mod sides;
+mod table;
 #[cfg(test)]
 mod tests;
 mod triangle;

@@ -5,13 +5,18 @@
 //! their triangles; where they do not, triangles that should touch overlap by a rounding error, which is why pairs have a
 //! depth: beyond [`NEGLIGIBLE_DEPTH`] it is no rounding.
 //!
-//! Candidates come from a packed Hilbert R-tree of the bounding boxes, which does not mind triangles of very different sizes
-//! as a uniform grid does. O(n log n + candidates).
+//! Most maps have no overlap, and that is soon seen: where triangles cover a region more than once, the winding number of their
+//! uncancelled sides ([`sides`](super::sides)) is 2 or more, and it falls across some of these, whose triangles lie there and are not alone. So
+//! triangles with such a side are compared with all first. Only if one of them overlaps anything all are compared with all. Candidates
+//! come from a tree of the bounding boxes ([`boxes`](super::boxes)). O(n log n + candidates).
+
+use std::borrow::Cow;
 
 use geom::{Interrupted, Watch};
 use rayon::prelude::*;
-use static_aabb2d_index::{StaticAABB2DIndex, StaticAABB2DIndexBuilder};
 
+use super::boxes::Boxes;
+use super::sides::{Turned, open_sides};
 use super::triangle::{self, Triangle};
 
 /// An overlap that is not deeper than this share of the map's extent is a seam that touches: rounding leaves up to 1e-12,
@@ -26,6 +31,8 @@ pub(super) const FREE_PAIRS: usize = 1 << 20;
 const MOST_OF_ONE: usize = 1 << 12;
 /// So many triangles are looked up in the tree between two looks at the watch.
 const BLOCK: usize = 1 << 10;
+/// Coordinates of this size are computed with as they are.
+const NEAR_UNIT: std::ops::Range<f64> = 1e-6..1e6;
 
 /// Two triangles that lie over each other.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -93,17 +100,20 @@ pub fn overlaps_watched(
 ) -> Result<Overlaps, Interrupted> {
     let (uv, size) = of_unit_size(uv);
     watch.ask(0.05)?;
-    let tree = Boxes::new(uv.iter().copied().map(triangle::upright));
-    watch.ask(0.3)?;
+    if let Some(extent) = extent_without_overlap(&uv, watch.within(0.05, 0.3))? {
+        return Ok(Overlaps { pairs: Vec::new(), extent: extent * size, is_complete: true });
+    }
+    let tree = Boxes::new(&uv);
+    watch.ask(0.4)?;
     let most = FREE_PAIRS + MOST_PAIRS * uv.len();
     let (mut pairs, mut is_complete) = (Vec::new(), true);
     let extent = tree.extent;
     let of_triangle = |f: u32| {
         let mut found = Vec::new();
-        if let Some(one) = tree.upright[f as usize] {
+        if let Some(one) = tree.upright(f) {
             tree.meeting(&one, |g| {
                 if g > f
-                    && let Some(other) = tree.upright[g as usize].filter(|_| asked([f, g]))
+                    && let Some(other) = tree.upright(g).filter(|_| asked([f, g]))
                 {
                     let depth = triangle::depth(&one, &other).filter(|depth| *depth > deeper_than * extent);
                     found.extend(depth.map(|depth| Overlap {
@@ -120,7 +130,7 @@ pub fn overlaps_watched(
     };
     let all: Vec<u32> = (0..uv.len() as u32).collect();
     for (count, block) in all.chunks(BLOCK).enumerate() {
-        watch.ask(0.3 + 0.7 * (count * BLOCK) as f64 / uv.len() as f64)?;
+        watch.ask(0.4 + 0.6 * (count * BLOCK) as f64 / uv.len() as f64)?;
         let found: Vec<Vec<Overlap>> = block.par_iter().map(|&f| of_triangle(f)).collect();
         is_complete &= found.iter().all(|of_one| of_one.len() <= MOST_OF_ONE);
         pairs.extend(found.into_iter().flatten());
@@ -132,76 +142,52 @@ pub fn overlaps_watched(
     Ok(Overlaps { pairs, extent: extent * size, is_complete })
 }
 
-/// The map scaled by a power of two, and so without rounding, to an extent near 1, where products neither overflow nor
+/// The longer side of the map's bounding box, if no triangle overlaps another; see the module's head.
+fn extent_without_overlap(uv: &[Triangle], watch: Watch) -> Result<Option<f64>, Interrupted> {
+    let turned = |f: u32| {
+        let corners = uv[f as usize];
+        let is_clockwise = triangle::upright(corners)? != corners;
+        Some(Turned { island: 0, is_clockwise })
+    };
+    let mut outer: Vec<u32> = open_sides(uv, turned, watch)?.into_iter().map(|side| side / 3).collect();
+    outer.dedup();
+    watch.ask(0.6)?;
+    if 2 * outer.len() > uv.len() {
+        return Ok(None); // as soon found the other way
+    }
+    let tree = Boxes::of(uv, outer);
+    let is_free = |f: u32| {
+        let mut is_free = true;
+        if let Some(one) = tree.upright(f) {
+            tree.meeting(&one, |g| {
+                is_free = f == g || tree.upright(g).is_none_or(|other| triangle::depth(&one, &other).is_none());
+                is_free
+            });
+        }
+        is_free
+    };
+    let of_block = |block: usize| {
+        watch.ask(f64::NAN)?;
+        Ok((block * BLOCK..uv.len().min((block + 1) * BLOCK)).all(|f| is_free(f as u32)))
+    };
+    let blocks = (0..uv.len().div_ceil(BLOCK)).into_par_iter();
+    match blocks.map(of_block).find_any(|is_free| *is_free != Ok(true)) {
+        Some(Err(interrupted)) => Err(interrupted),
+        Some(Ok(_)) => Ok(None),
+        None => Ok(Some(tree.extent)),
+    }
+}
+
+/// The map, if it is far from an extent near 1 scaled to one by a power of two, and so without rounding, lest products overflow or
 /// vanish; and what it was divided by.
-fn of_unit_size(uv: &[Triangle]) -> (Vec<Triangle>, f64) {
+fn of_unit_size(uv: &[Triangle]) -> (Cow<'_, [Triangle]>, f64) {
     let finite = uv.iter().flatten().flatten().filter(|x| x.is_finite());
     let largest = finite.fold(0.0_f64, |most, x| most.max(x.abs()));
-    let size = if largest > 0.0 { largest.log2().floor().clamp(-1000.0, 1000.0).exp2() } else { 1.0 };
+    if largest == 0.0 || NEAR_UNIT.contains(&largest) {
+        return (Cow::Borrowed(uv), 1.0);
+    }
+    let size = largest.log2().floor().clamp(-1000.0, 1000.0).exp2();
     (uv.iter().map(|corners| corners.map(|p| p.map(|x| x / size))).collect(), size)
-}
-
-/// Upright triangles in a tree of their bounding boxes.
-#[derive(Debug)]
-pub(super) struct Boxes {
-    /// The triangles, turned counter-clockwise; none for those without area.
-    pub(super) upright: Vec<Option<Triangle>>,
-    /// None if no triangle has an area.
-    tree: Option<StaticAABB2DIndex<f64>>,
-    /// The triangles in the tree.
-    triangle: Vec<u32>,
-    /// The longer side of the bounding box of all.
-    pub(super) extent: f64,
-}
-
-impl Boxes {
-    pub(super) fn new(upright: impl Iterator<Item = Option<Triangle>>) -> Self {
-        let upright: Vec<Option<Triangle>> = upright.collect();
-        let triangle: Vec<u32> = (0..).zip(&upright).filter_map(|(f, corners)| corners.map(|_| f)).collect();
-        let mut builder = StaticAABB2DIndexBuilder::new(triangle.len());
-        for corners in upright.iter().flatten() {
-            let [low, high] = bounds(corners);
-            builder.add(low[0], low[1], high[0], high[1]);
-        }
-        let tree = builder.build().ok();
-        let mut boxes = Self { upright, tree, triangle, extent: 0.0 };
-        boxes.extent = boxes.bounds().map_or(0.0, |[low, high]| (high[0] - low[0]).max(high[1] - low[1]));
-        boxes
-    }
-
-    /// The lower left and the upper right corner of the bounding box of all; none without area.
-    pub(super) fn bounds(&self) -> Option<[[f64; 2]; 2]> {
-        self.tree.as_ref()?.bounds().map(|b| [[b.min_x, b.min_y], [b.max_x, b.max_y]])
-    }
-
-    /// The same of some triangles.
-    pub(super) fn bounds_of(&self, some: impl Iterator<Item = u32>) -> Option<[[f64; 2]; 2]> {
-        let boxes = some.filter_map(|f| self.upright[f as usize].as_ref()).map(bounds);
-        boxes.reduce(|[low, high], [l, h]| {
-            [[low[0].min(l[0]), low[1].min(l[1])], [high[0].max(h[0]), high[1].max(h[1])]]
-        })
-    }
-
-    /// The area of a triangle.
-    pub(super) fn area(&self, f: u32) -> f64 {
-        self.upright[f as usize].map_or(0.0, |corners| 0.5 * triangle::twice_area(corners))
-    }
-
-    /// Visits the triangles whose bounding boxes meet that of a triangle, in no order that means anything, as long as the
-    /// visitor says to go on.
-    pub(super) fn meeting(&self, triangle: &Triangle, mut visit: impl FnMut(u32) -> bool) {
-        let [low, high] = bounds(triangle);
-        let Some(tree) = &self.tree else { return };
-        let mut visitor = |k: usize| if visit(self.triangle[k]) { Ok(()) } else { Err(()) };
-        // Stopping is no failure.
-        let _: Result<(), ()> = tree.visit_query(low[0], low[1], high[0], high[1], &mut visitor);
-    }
-}
-
-/// The lower left and the upper right corner of the bounding box of points.
-pub(super) fn bounds<const N: usize>(points: &[[f64; 2]; N]) -> [[f64; 2]; 2] {
-    let extreme = |start: f64, of: fn(f64, f64) -> f64| [0, 1].map(|i| points.iter().fold(start, |x, p| of(x, p[i])));
-    [extreme(f64::INFINITY, f64::min), extreme(f64::NEG_INFINITY, f64::max)]
 }
 
 #[cfg(test)]
@@ -267,6 +253,30 @@ mod tests {
         let area: f64 = found.pairs.iter().map(|pair| pair.area).sum();
         assert!((area - 1.0).abs() < 1e-12);
         assert!((found.extent - 1.0).abs() < 1e-12 && found.is_complete);
+    }
+
+    #[test]
+    fn whether_sheets_lie_over_each_other_their_open_sides_tell() {
+        let sheet = grid(9);
+        let mut free = 0;
+        for k in 0..60 {
+            // Beside, across, within a hole, and wholly inside of the other; every other one is turned over.
+            let (turn, size) = (0.1 * f64::from(k), [1.0, 0.4, 0.05][k as usize % 3]);
+            let shift = [1.1 * f64::from(k % 7) - 1.5, 0.2 * f64::from(k % 5)];
+            let moved = |[x, y]: [f64; 2]| {
+                let [x, y] = [size * x, if k % 2 == 0 { size * y } else { -size * y }];
+                [x * turn.cos() - y * turn.sin() + shift[0], x * turn.sin() + y * turn.cos() + shift[1]]
+            };
+            let holed = sheet.iter().copied().enumerate().filter(|(f, _)| k % 4 != 0 || !(70..90).contains(f));
+            let uv: Vec<Triangle> = holed.map(|(_, t)| t).chain(sheet.iter().map(|t| t.map(moved))).collect();
+            let expected = slow(&uv);
+            assert_eq!(pairs(&uv), expected);
+            let extent = extent_without_overlap(&uv, Watch::NONE).unwrap();
+            assert_eq!(extent.is_some(), expected.is_empty(), "{k}");
+            assert!(extent.is_none_or(|extent| extent == Boxes::new(&uv).extent));
+            free += usize::from(expected.is_empty());
+        }
+        assert!((10..50).contains(&free), "{free}");
     }
 
     #[test]

@@ -11,14 +11,14 @@
 use geom::{CutMesh, EdgeData, FaceId, Interrupted, Mesh, Watch};
 use rayon::prelude::*;
 
-use super::attach::Pieces;
+use super::attach::{Moved, Pieces};
+use super::boxes::Boxes;
 use super::chains::Chain;
 use super::divide::{Pair, Preference, SLIVER, divide};
 use super::exchange::{Aim, exchange};
 use super::immersion::overlaps_of_immersion;
 use super::map::UvMap;
-use super::overlap::{Boxes, NEGLIGIBLE_DEPTH, Overlap, Overlaps, overlaps_watched};
-use super::triangle;
+use super::overlap::{NEGLIGIBLE_DEPTH, Overlap, Overlaps, overlaps_watched};
 
 /// What is tried. Of 48 such preferences these four give the fewest islands on 105 layouts that lie over themselves: each alone
 /// leaves one island on 41 to 48 of them, all four together on 60.
@@ -94,13 +94,14 @@ pub(crate) fn attached(
     mesh: &Mesh,
     lengths: &EdgeData<f64>,
     kept: Option<&EdgeData<bool>>,
-    map: &UvMap,
+    map: UvMap,
     watch: Watch,
 ) -> Result<UvMap, Interrupted> {
-    let boxes = boxes(mesh, map);
-    let mut pieces = Pieces::new((mesh, lengths, kept), map, &boxes, map.cut.clone());
+    let boxes = Boxes::new(map.triangles());
+    let mut pieces = Pieces::new((mesh, lengths, kept), &map, &boxes, map.cut.clone());
     pieces.attach(watch)?;
-    Ok(pieces.map().snapped(mesh, map))
+    let moved = pieces.moved();
+    Ok(moved.snapped(mesh, map))
 }
 
 /// Whether more is tried with all effort than preferences alone; not so on large surfaces.
@@ -128,27 +129,28 @@ pub(crate) fn separate_by(
     effort: Effort,
     watch: Watch,
 ) -> Result<Separation, Interrupted> {
-    let boxes = boxes(mesh, &map);
-    watch.ask(0.1)?;
-    let overlaps = of_any_kind(mesh, &map, &boxes, watch.within(0.1, 0.3))?;
+    let overlaps = of_any_kind(mesh, &map, watch.within(0.0, 0.25))?;
     let left = Overlaps::default();
     if overlaps.pairs.is_empty() {
         return Ok(Separation { map, overlaps, added_seam: 0.0, left });
     }
+    let boxes = Boxes::new(map.triangles());
+    watch.ask(0.3)?;
     let task = Task { mesh, lengths, kept, map: &map, boxes: &boxes, overlaps: &overlaps };
-    let separated = task.best(effort, watch.within(0.3, 1.0))?;
+    let place = task.best(effort, watch.within(0.3, 1.0))?;
+    drop(boxes);
     watch.ask(f64::NAN)?;
-    let added_seam = seam(mesh, lengths, &separated.cut) - seam(mesh, lengths, &map.cut);
-    Ok(Separation { map: separated, overlaps, added_seam, left })
+    let before = seam(mesh, lengths, &map.cut);
+    let map = place.snapped(mesh, map);
+    let added_seam = seam(mesh, lengths, &map.cut) - before;
+    Ok(Separation { map, overlaps, added_seam, left })
 }
 
 impl Separation {
     /// Looks for the pairs that could not be parted.
     pub(crate) fn look(&mut self, mesh: &Mesh, watch: Watch) -> Result<(), Interrupted> {
         if !self.overlaps.pairs.is_empty() {
-            let boxes = boxes(mesh, &self.map);
-            watch.ask(0.1)?;
-            self.left = of_any_kind(mesh, &self.map, &boxes, watch.within(0.1, 1.0))?;
+            self.left = of_any_kind(mesh, &self.map, watch)?;
         }
         Ok(())
     }
@@ -176,22 +178,17 @@ impl Separation {
 fn on_one_island(mesh: &Mesh, map: &UvMap, cut: &EdgeData<bool>, watch: Watch) -> Result<Overlaps, Interrupted> {
     let opened = CutMesh::open(mesh, cut);
     let asked = |pair: [u32; 2]| opened.island(FaceId(pair[0])) == opened.island(FaceId(pair[1]));
-    overlaps_watched(&map.triangles(mesh), NEGLIGIBLE_DEPTH, asked, watch)
+    overlaps_watched(map.triangles(), NEGLIGIBLE_DEPTH, asked, watch)
 }
 
-/// The pairs of triangles that overlap on an island, found from the boundary where that can be. `boxes` are the map's triangles.
-fn of_any_kind(mesh: &Mesh, map: &UvMap, boxes: &Boxes, watch: Watch) -> Result<Overlaps, Interrupted> {
+/// The pairs of triangles that overlap on an island, found from the boundary where that can be.
+fn of_any_kind(mesh: &Mesh, map: &UvMap, watch: Watch) -> Result<Overlaps, Interrupted> {
     let opened = map.opened(mesh);
     watch.ask(0.0)?;
-    match overlaps_of_immersion(mesh, map, &opened, boxes, watch.within(0.0, 0.5))? {
+    match overlaps_of_immersion(mesh, map, &opened, watch.within(0.0, 0.5))? {
         Some(overlaps) => Ok(overlaps),
         None => on_one_island(mesh, map, &map.cut, watch.within(0.5, 1.0)),
     }
-}
-
-/// The triangles of a map in a tree.
-fn boxes(mesh: &Mesh, map: &UvMap) -> Boxes {
-    Boxes::new(mesh.faces().map(|f| triangle::upright(map.triangle(mesh, f))))
 }
 
 fn seam(mesh: &Mesh, lengths: &EdgeData<f64>, cut: &EdgeData<bool>) -> f64 {
@@ -220,14 +217,34 @@ struct Task<'a> {
     /// What stays open.
     kept: Option<&'a EdgeData<bool>>,
     map: &'a UvMap,
-    boxes: &'a Boxes,
+    boxes: &'a Boxes<'a>,
     overlaps: &'a Overlaps,
+}
+
+/// A map without overlap: what was given moved, or a map that was made of it. Since it takes much room it is made when it is asked for.
+struct Place {
+    made: Option<UvMap>,
+    moved: Moved,
+}
+
+impl Place {
+    fn map(&self, first: &UvMap) -> UvMap {
+        self.moved.map(self.made.as_ref().unwrap_or(first))
+    }
+
+    /// The map in place of the first, each vertex in one place, where it was at first if there is a choice.
+    fn snapped(self, mesh: &Mesh, first: UvMap) -> UvMap {
+        match self.made {
+            None => self.moved.snapped(mesh, first),
+            Some(made) => self.moved.map(&made).snapped(mesh, |map, h| map.agrees(&first, h)),
+        }
+    }
 }
 
 /// A map without overlap and what it costs.
 struct State {
     cost: Cost,
-    map: UvMap,
+    place: Place,
     /// The share of triangles that are not on the largest island.
     beside: f64,
     /// How many other gluings were tried.
@@ -261,12 +278,12 @@ impl Cost {
 
 impl Task<'_> {
     /// A map's islands, opened further along `cut`.
-    fn pieces<'b>(&'b self, map: &'b UvMap, boxes: &'b Boxes, cut: EdgeData<bool>) -> Pieces<'b> {
+    fn pieces<'b>(&'b self, map: &'b UvMap, boxes: &'b Boxes<'b>, cut: EdgeData<bool>) -> Pieces<'b> {
         Pieces::new((self.mesh, self.lengths, self.kept), map, boxes, cut)
     }
 
     /// The best map.
-    fn best(&self, effort: Effort, watch: Watch) -> Result<UvMap, Interrupted> {
+    fn best(&self, effort: Effort, watch: Watch) -> Result<Place, Interrupted> {
         let preferences = match effort {
             Effort::Quick(count) => &PREFERENCES[..count.clamp(1, PREFERENCES.len())],
             Effort::Insistent => &INSISTENT,
@@ -300,7 +317,7 @@ impl Task<'_> {
         }
         watch.ask(f64::NAN)?;
         let best = states.into_iter().min_by(|a, b| a.cost.partial_cmp(&b.cost).expect("no NaN"));
-        Ok(best.expect("there are preferences").map.snapped(self.mesh, self.map))
+        Ok(best.expect("there are preferences").place)
     }
 
     /// What comes of preferences, of fewer where the surface is large.
@@ -308,7 +325,8 @@ impl Task<'_> {
         let pairs = weighed(&self.overlaps.pairs);
         let run = |preference: &Preference| {
             let cut = self.cut(&pairs, preference, watch)?;
-            self.attached(self.pieces(self.map, self.boxes, cut), watch)
+            let (cost, moved, beside) = self.attached(self.pieces(self.map, self.boxes, cut), watch)?;
+            Ok(State { cost, place: Place { made: None, moved }, beside, tried: 0, is_done: false })
         };
         let most = (TRIANGLES / self.mesh.face_count().max(1)).clamp(1, preferences.len());
         let states: Vec<Result<State, Interrupted>> = preferences[..most].par_iter().map(run).collect();
@@ -319,9 +337,10 @@ impl Task<'_> {
     /// been tried.
     fn glued_otherwise(&self, state: &State, count: usize, watch: Watch) -> Result<Option<Vec<State>>, Interrupted> {
         let ask = || watch.ask(f64::NAN);
-        let boxes_there = boxes(self.mesh, &state.map);
+        let there = state.place.map(self.map);
+        let boxes_there = Boxes::new(there.triangles());
         ask()?;
-        let pieces = self.pieces(&state.map, &boxes_there, state.map.cut.clone());
+        let pieces = self.pieces(&there, &boxes_there, there.cut.clone());
         ask()?;
         let chains = pieces.chains();
         let gluings: Vec<(&Chain, &Preference)> = chains
@@ -340,17 +359,20 @@ impl Task<'_> {
             ask()?;
             let mut glued = pieces.clone();
             glued.glue(chain);
-            let map = glued.map();
+            let map = glued.moved().map(&there);
             let cut = divide(self.mesh, self.lengths, &map.cut, &weighed(&pairs), preference, watch)?;
-            let boxes = boxes(self.mesh, &map);
+            let boxes = Boxes::new(map.triangles());
             ask()?;
-            self.attached(self.pieces(&map, &boxes, cut), watch).map(Some)
+            let (cost, moved, beside) = self.attached(self.pieces(&map, &boxes, cut), watch)?;
+            drop(boxes);
+            Ok(Some(State { cost, place: Place { made: Some(map), moved }, beside, tried: 0, is_done: false }))
         };
         let states: Vec<Result<Option<State>, Interrupted>> = gluings.par_iter().map(run).collect();
         Ok(Some(states.into_iter().collect::<Result<Vec<_>, _>>()?.into_iter().flatten().collect()))
     }
 
-    fn attached(&self, mut pieces: Pieces, watch: Watch) -> Result<State, Interrupted> {
+    /// Pieces glued as far as that goes: the cost, where they are, and the share of triangles that are not on the largest island.
+    fn attached(&self, mut pieces: Pieces, watch: Watch) -> Result<(Cost, Moved, f64), Interrupted> {
         watch.ask(f64::NAN)?;
         pieces.attach(watch)?;
         watch.ask(f64::NAN)?;
@@ -359,7 +381,7 @@ impl Task<'_> {
         let beside = 1.0 - largest as f64 / self.mesh.face_count().max(1) as f64;
         let cost = self.cost(&sizes, pieces.cut());
         watch.ask(f64::NAN)?;
-        Ok(State { cost, map: pieces.map(), beside, tried: 0, is_done: false })
+        Ok((cost, pieces.moved(), beside))
     }
 
     /// Cuts by a preference until all pairs are parted, those too that were not kept at first.

@@ -37,7 +37,7 @@ fn tree(sides: &[(u16, f64, f64)]) -> (Mesh, UvMap, EdgeData<f64>) {
 /// All pairs of triangles on one island that overlap, looked at one by one.
 fn pairs_on_islands(mesh: &Mesh, map: &UvMap) -> Vec<[u32; 2]> {
     let opened = map.opened(mesh);
-    let upright: Vec<_> = map.triangles(mesh).into_iter().map(triangle::upright).collect();
+    let upright: Vec<_> = map.triangles().iter().copied().map(triangle::upright).collect();
     let extent = map.position.iter().flatten().fold(0.0_f64, |most, x| most.max(x.abs()));
     let mut found = Vec::new();
     for g in mesh.faces() {
@@ -73,7 +73,7 @@ fn check(mesh: &Mesh, before: &UvMap, lengths: &EdgeData<f64>, done: &Separation
         }
     }
     for f in mesh.faces() {
-        let sign = |map: &UvMap| triangle::twice_area(map.triangle(mesh, f));
+        let sign = |map: &UvMap| triangle::twice_area(map.triangle(f));
         assert!(sign(before).abs() < 1e-12 || sign(before).signum() == sign(after).signum(), "nothing is mirrored");
     }
     let of = |pair: [u32; 2]| pair.map(FaceId);
@@ -89,11 +89,10 @@ proptest! {
         sides in prop::collection::vec((any::<u16>(), 0.0..1.0f64, 0.2..1.2f64), 1..70),
     ) {
         let (mesh, map, lengths) = tree(&sides);
-        let found: Vec<[u32; 2]> = overlaps(&map.triangles(&mesh)).pairs.iter().map(|pair| pair.triangles).collect();
+        let found: Vec<[u32; 2]> = overlaps(map.triangles()).pairs.iter().map(|pair| pair.triangles).collect();
         let expected = pairs_on_islands(&mesh, &map);
         prop_assert_eq!(found.into_iter().collect::<BTreeSet<_>>(), expected.iter().copied().collect());
-        let boxes = overlap::Boxes::new(map.triangles(&mesh).into_iter().map(triangle::upright));
-        let from_boundary = immersion::overlaps_of_immersion(&mesh, &map, &map.opened(&mesh), &boxes, Watch::NONE);
+        let from_boundary = immersion::overlaps_of_immersion(&mesh, &map, &map.opened(&mesh), Watch::NONE);
         let pairs = from_boundary.unwrap().expect("nothing is folded over").pairs;
         prop_assert_eq!(pairs.iter().map(|pair| pair.triangles).collect::<BTreeSet<_>>(), expected.into_iter().collect());
         let done = separate(&mesh, &lengths, None, map.clone(), Watch::NONE).unwrap();

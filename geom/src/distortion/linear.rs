@@ -18,19 +18,13 @@ pub(super) struct Image {
     pub(super) area: f64,
     /// Whether the greater part of its island is turned clockwise.
     pub(super) is_mirrored: bool,
-    /// The larger first.
-    singular_values: [f64; 2],
+    /// σ₁/σ₂.
+    pub(super) quasi_conformal: f64,
+    /// Whether it has nearly no width.
+    pub(super) is_collapsed: bool,
 }
 
 impl Image {
-    pub(super) fn quasi_conformal(&self) -> f64 {
-        self.singular_values[0] / self.singular_values[1]
-    }
-
-    pub(super) fn is_collapsed(&self) -> bool {
-        self.singular_values[1] <= LEAST_RATIO * self.singular_values[0]
-    }
-
     fn new([p0, p1, p2]: [[f64; 3]; 3], [q0, q1, q2]: [[f64; 2]; 3]) -> Self {
         let (e1, e2) = (sub(p1, p0), sub(p2, p0));
         let (d1, d2) = ([q1[0] - q0[0], q1[1] - q0[1]], [q2[0] - q0[0], q2[1] - q0[1]]);
@@ -42,12 +36,14 @@ impl Image {
         // A linear map is a similarity plus one that is turned over; their scales are the half sum and difference of σ.
         let similar = 0.5 * (right[0] + up[1]).hypot(right[1] - up[0]);
         let mirrored = 0.5 * (right[0] - up[1]).hypot(right[1] + up[0]);
+        let (larger, smaller) = (similar + mirrored, (similar - mirrored).abs());
         Self {
             surface_area: 0.5 * twice_area,
             has_surface: false,
             area: 0.5 * (d1[0] * d2[1] - d1[1] * d2[0]),
             is_mirrored: false,
-            singular_values: [similar + mirrored, (similar - mirrored).abs()],
+            quasi_conformal: larger / smaller,
+            is_collapsed: smaller <= LEAST_RATIO * larger,
         }
     }
 }

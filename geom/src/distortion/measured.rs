@@ -21,7 +21,7 @@ impl Measured {
         let scale = with_surface().map(|image| image.surface_area).sum::<f64>()
             / with_surface().map(|image| image.area.abs()).sum::<f64>();
         let ratio = |image: &Image| image.area.abs() * scale / image.surface_area;
-        let is_measured = |image: &Image| image.has_surface && !image.is_collapsed() && ratio(image) > 1e-14;
+        let is_measured = |image: &Image| image.has_surface && !image.is_collapsed && ratio(image) > 1e-14;
         let faces: Vec<FaceId> = (0..images.len()).filter(|&f| is_measured(&images[f])).map(FaceId::new).collect();
         if faces.is_empty() {
             return Err(DistortionError::NoArea);
@@ -31,7 +31,7 @@ impl Measured {
         let area_ratio: Vec<f64> = measured().map(ratio).collect();
         let mut new = Self {
             weight: measured().map(|image| image.surface_area / total).collect(),
-            quasi_conformal: measured().map(Image::quasi_conformal).collect(),
+            quasi_conformal: measured().map(|image| image.quasi_conformal).collect(),
             log_scale: area_ratio.iter().map(|r| 0.5 * r.ln()).collect(),
             area_ratio,
             faces,

@@ -23,6 +23,7 @@ mod overlap;
 
 pub use overlap::overlap;
 
+use std::borrow::Cow;
 use std::f64::consts::PI;
 
 use thiserror::Error;
@@ -33,6 +34,9 @@ use self::measured::Measured;
 use crate::mesh::{FaceData, FaceId, Id, VertexData, VertexId};
 use crate::vector::distance;
 use crate::watch::{Interrupted, Watch};
+
+/// Extents of up to 2 to so many, or over so many, are computed with as they are.
+const NEAR_UNIT: f64 = 20.0;
 
 /// The measures of a map; see the module's head.
 #[derive(Clone, Debug)]
@@ -211,7 +215,7 @@ pub fn measure_watched(
     let points = unit_size(points, || triangles.as_flattened().iter().map(|&v| points[v as usize]));
     watch.ask(0.05)?;
     let uv = unit_size(uv.as_flattened(), || uv.as_flattened().iter().copied());
-    let uv = uv.as_chunks().0;
+    let uv = uv.as_chunks::<3>().0;
     let charts = Charts::new(points.len(), triangles, uv, watch.within(0.1, 0.5))?;
     watch.ask(0.5)?;
     let mut images = images(&points, triangles, uv);
@@ -272,15 +276,21 @@ fn check(points: &[[f64; 3]], triangles: &[[u32; 3]], uv: &[[[f64; 2]; 3]]) -> R
     Ok(())
 }
 
-/// Points scaled by a power of two, and so without rounding, such that those in use have an extent between 1 and 4: areas
+/// Points scaled by a power of two, and so without rounding, such that those in use have an extent that is not far from 1: areas
 /// neither overflow nor vanish.
-fn unit_size<const N: usize, I: Iterator<Item = [f64; N]>>(points: &[[f64; N]], used: impl Fn() -> I) -> Vec<[f64; N]> {
+fn unit_size<const N: usize, I: Iterator<Item = [f64; N]>>(
+    points: &[[f64; N]],
+    used: impl Fn() -> I,
+) -> Cow<'_, [[f64; N]]> {
     let half_extent = |axis: usize| {
         let range = used().fold([f64::MAX, f64::MIN], |[low, high], p| [p[axis].min(low), p[axis].max(high)]);
         0.5 * range[1] - 0.5 * range[0]
     };
     let largest = (0..N).map(half_extent).fold(0.0, f64::max);
     let exponent = if largest > 0.0 { -largest.log2().floor() } else { 0.0 };
+    if exponent.abs() < NEAR_UNIT {
+        return Cow::Borrowed(points);
+    }
     // In two steps, as 2^1074 is no number.
     let (first, second) = ((0.5 * exponent).floor().exp2(), (exponent - (0.5 * exponent).floor()).exp2());
     points.iter().map(|p| p.map(|x| x * first * second)).collect()

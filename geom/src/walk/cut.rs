@@ -11,7 +11,10 @@
 //!         ╱╱ 2╲╲
 //! ```
 
-use crate::mesh::{EdgeData, FaceData, FaceId, HalfedgeData, HalfedgeId, Id, Mesh, VertexId, WedgeData, WedgeId};
+use crate::mesh::{
+    EdgeData, FaceData, FaceId, HalfedgeData, HalfedgeId, Id, Mesh, VertexData, VertexId, WedgeData, WedgeId,
+};
+use crate::parallel;
 
 /// A mesh opened along some of its edges: what its vertices, islands and boundary are then.
 ///
@@ -45,36 +48,20 @@ impl CutMesh {
     /// # Panics
     /// If there is an edge without a mark.
     pub fn open(mesh: &Mesh, cut: &EdgeData<bool>) -> Self {
-        let is_cut = |h: HalfedgeId| cut[mesh.edge(h)];
-        let across = |h: HalfedgeId| mesh.twin(h).filter(|_| !is_cut(h));
-        let mut wedge = HalfedgeData::constant(mesh.halfedge_count(), WedgeId(0));
-        let mut vertex = Vec::new();
-        let mut first_wedge = vec![0];
-        let mut ring = Vec::new();
-        for v in mesh.vertices() {
-            ring.clear();
-            ring.extend(mesh.outgoing(v));
-            if !mesh.is_boundary_vertex(v) {
-                let first_cut = ring.iter().position(|&h| is_cut(h)).unwrap_or(0);
-                ring.rotate_left(first_cut);
-            }
-            for (k, &h) in ring.iter().enumerate() {
-                if k == 0 || is_cut(h) {
-                    vertex.push(v);
-                }
-                wedge[h] = WedgeId::new(vertex.len() - 1);
-            }
-            first_wedge.push(vertex.len() as u32);
-        }
-        let (island, island_count) = islands(mesh, across);
+        let across = |h: HalfedgeId| mesh.twin(h).filter(|_| !cut[mesh.edge(h)]);
+        let (wedges, ((island, island_count), boundary_loops)) = parallel::join(
+            || Wedges::new(mesh, cut),
+            || parallel::join(|| islands(mesh, across), || boundary_loops(mesh, across)),
+        );
+        let Wedges { wedge, vertex, first_wedge } = wedges;
         Self {
             wedge,
-            vertex: vertex.into(),
+            vertex,
             first_wedge,
             island,
             island_count,
             edge_count: mesh.edge_count() + mesh.edges().filter(|&e| cut[e] && !mesh.is_boundary_edge(e)).count(),
-            boundary_loops: boundary_loops(mesh, across),
+            boundary_loops,
         }
     }
 
@@ -135,27 +122,86 @@ impl CutMesh {
     }
 }
 
-/// For each triangle the number of its island, and how many there are; `across` leads over edges that are not cut.
-fn islands(mesh: &Mesh, across: impl Fn(HalfedgeId) -> Option<HalfedgeId>) -> (FaceData<u32>, usize) {
-    let mut island = FaceData::constant(mesh.face_count(), u32::MAX);
-    let mut count = 0;
-    let mut stack = Vec::new();
-    for seed in mesh.faces() {
-        if island[seed] != u32::MAX {
-            continue;
+/// The wedges, as a [`CutMesh`] has them.
+struct Wedges {
+    wedge: HalfedgeData<WedgeId>,
+    vertex: WedgeData<VertexId>,
+    first_wedge: Vec<u32>,
+}
+
+impl Wedges {
+    fn new(mesh: &Mesh, cut: &EdgeData<bool>) -> Self {
+        let is_cut = |h: HalfedgeId| cut[mesh.edge(h)];
+        // Only ends of cut edges may fall into several wedges: their rings alone are gone round.
+        let mut is_end = VertexData::constant(mesh.vertex_count(), false);
+        for v in mesh.edges().filter(|&e| cut[e]).flat_map(|e| mesh.ends(e)) {
+            is_end[v] = true;
         }
-        island[seed] = count;
-        stack.push(seed);
-        while let Some(f) = stack.pop() {
-            for g in mesh.sides(f).into_iter().filter_map(&across).map(|h| mesh.face(h)) {
-                if island[g] == u32::MAX {
-                    island[g] = count;
-                    stack.push(g);
+        let mut vertex = Vec::with_capacity(mesh.vertex_count());
+        let mut first_wedge = Vec::with_capacity(mesh.vertex_count() + 1);
+        first_wedge.push(0);
+        let mut of_ends = Vec::new();
+        let mut ring = Vec::new();
+        for v in mesh.vertices() {
+            ring.clear();
+            ring.extend(mesh.outgoing(v).take(if is_end[v] { usize::MAX } else { 1 }));
+            if is_end[v] && !mesh.is_boundary_vertex(v) {
+                let first_cut = ring.iter().position(|&h| is_cut(h)).unwrap_or(0);
+                ring.rotate_left(first_cut);
+            }
+            for (k, &h) in ring.iter().enumerate() {
+                if k == 0 || is_cut(h) {
+                    vertex.push(v);
+                }
+                if is_end[v] {
+                    of_ends.push((h, WedgeId::new(vertex.len() - 1)));
                 }
             }
+            first_wedge.push(vertex.len() as u32);
         }
-        count += 1;
+        let first = |h: usize| WedgeId(first_wedge[mesh.tail(HalfedgeId::new(h)).index()]);
+        let mut wedge: HalfedgeData<WedgeId> = parallel::map(mesh.halfedge_count(), first).into();
+        of_ends.into_iter().for_each(|(h, of_end)| wedge[h] = of_end);
+        Self { wedge, vertex: vertex.into(), first_wedge }
     }
+}
+
+/// For each triangle the number of its island, and how many there are; `across` leads over edges that are not cut.
+fn islands(mesh: &Mesh, across: impl Fn(HalfedgeId) -> Option<HalfedgeId>) -> (FaceData<u32>, usize) {
+    // Each triangle has the label of a neighbour before it, or a new one; labels that meet are one, the least of them.
+    let mut same: Vec<u32> = Vec::new();
+    fn least(same: &mut [u32], mut label: u32) -> u32 {
+        while same[label as usize] != label {
+            same[label as usize] = same[same[label as usize] as usize];
+            label = same[label as usize];
+        }
+        label
+    }
+    let mut island: FaceData<u32> = FaceData::constant(mesh.face_count(), 0);
+    for f in mesh.faces() {
+        let mut own = None;
+        for g in mesh.sides(f).into_iter().filter_map(&across).map(|h| mesh.face(h)).filter(|&g| g < f) {
+            let other = least(&mut same, island[g]);
+            let [low, high] = own.map_or([other; 2], |own: u32| [own.min(other), own.max(other)]);
+            same[high as usize] = low;
+            own = Some(low);
+        }
+        island[f] = own.unwrap_or_else(|| {
+            same.push(same.len() as u32);
+            same.len() as u32 - 1
+        });
+    }
+    let mut number = vec![0; same.len()];
+    let mut count = 0;
+    for label in 0..same.len() {
+        if same[label] == label as u32 {
+            number[label] = count;
+            count += 1;
+        } else {
+            number[label] = number[same[label] as usize]; // a lesser label
+        }
+    }
+    island.iter_mut().for_each(|label| *label = number[*label as usize]);
     (island, count as usize)
 }
 

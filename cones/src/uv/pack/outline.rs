@@ -1,18 +1,18 @@
 //! The outlines of islands: what of many triangles matters to where they go.
 //!
-//! Each triangle is taken counter-clockwise. Its sides, as directed edges, are added up; a side that runs both ways between
-//! the same two points cancels. What is left bounds the island, and its winding number about a point off it is the number of
-//! triangles that cover the point, however the island lies over itself. The sides of triangles without area are all kept.
+//! What is left of their sides when those that run both ways cancel ([`sides`](super::super::sides)) bounds the island, and its winding number about
+//! a point off it is the number of triangles that cover the point, however the island lies over itself. The sides of triangles without area
+//! are all kept.
 
-use geom::{Interrupted, Rows, Watch};
+use geom::Watch;
 use num_complex::Complex64;
+use rayon::prelude::*;
 
+use super::super::sides::{Turned, open_sides, side};
 use super::options::PackError;
 
 /// Coordinates up to here can be measured with.
 const MOST: f64 = 1e300;
-/// The watch is asked once for so many buckets of sides.
-const BUCKETS_AT_ONCE: usize = 1 << 18;
 
 /// An island, about its centre and in a common unit.
 #[derive(Clone, Debug)]
@@ -32,113 +32,59 @@ pub(super) fn outlines(
     watch: Watch,
 ) -> Result<(Vec<Outline>, f64), PackError> {
     let wrong = |t: &[[f64; 2]; 3]| t.as_flattened().iter().any(|x| x.is_nan() || x.abs() > MOST);
-    if let Some(triangle) = triangles.iter().position(wrong) {
+    if let Some(triangle) = triangles.par_iter().position_first(wrong) {
         return Err(PackError::NotFinite { triangle });
     }
     let count = island.iter().max().map_or(0, |&last| last as usize + 1);
-    let rows = Rows::sorted(count, (0..).zip(island).map(|(t, &i)| (i as usize, t)));
-    let boxes: Vec<[[f64; 2]; 2]> = (0..count).map(|i| bounding_box(triangles, rows.row(i))).collect();
-    watch.ask(0.0)?;
-    let extent = |[low, high]: &[[f64; 2]; 2]| (high[0] - low[0]).max(high[1] - low[1]);
-    let unit = boxes.iter().map(extent).fold(0.0, f64::max);
-    let unit = if unit > 0.0 { unit } else { 1.0 };
-    let mut outlines = Vec::with_capacity(count);
-    for (i, [low, high]) in boxes.iter().enumerate() {
-        let watch = watch.within(i as f64 / count as f64, (i + 1) as f64 / count as f64);
-        let centre = if rows.row(i).is_empty() { [0.0; 2] } else { [0, 1].map(|k| 0.5 * low[k] + 0.5 * high[k]) };
-        outlines.push(outline(triangles, rows.row(i), (centre, unit), watch)?);
-    }
-    Ok((outlines, unit))
-}
-
-fn bounding_box(triangles: &[[[f64; 2]; 3]], members: &[u32]) -> [[f64; 2]; 2] {
-    let mut found = [[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]];
-    for p in members.iter().flat_map(|&t| &triangles[t as usize]) {
-        for k in 0..2 {
-            found[0][k] = found[0][k].min(p[k]);
-            found[1][k] = found[1][k].max(p[k]);
-        }
-    }
-    found
-}
-
-/// The outline of some triangles about a centre.
-fn outline(
-    triangles: &[[[f64; 2]; 3]],
-    members: &[u32],
-    (centre, unit): ([f64; 2], f64),
-    watch: Watch,
-) -> Result<Outline, Interrupted> {
-    watch.ask(0.0)?;
-    let place = |p: [f64; 2]| Complex64::new((p[0] - centre[0]) / unit, (p[1] - centre[1]) / unit);
-    let mut area = 0.0;
-    let mut upright: Vec<[[f64; 2]; 3]> = Vec::with_capacity(members.len());
-    let mut edges = Vec::new();
-    for &t in members {
-        let [a, b, c] = triangles[t as usize];
-        let [u, v] = [place(b) - place(a), place(c) - place(a)];
-        let doubled = u.re * v.im - u.im * v.re;
-        area += 0.5 * doubled.abs();
-        match doubled {
-            d if d > 0.0 => upright.push([a, b, c]),
-            d if d < 0.0 => upright.push([a, c, b]),
-            _ => edges.extend(sides([a, b, c]).map(|side| side.map(place))),
-        }
-    }
-    watch.ask(0.2)?;
-    edges.extend(uncancelled(&upright, watch.within(0.2, 1.0))?.into_iter().map(|side| side.map(place)));
-    Ok(Outline { edges, centre, area })
-}
-
-fn sides([a, b, c]: [[f64; 2]; 3]) -> [[[f64; 2]; 2]; 3] {
-    [[a, b], [b, c], [c, a]]
-}
-
-/// A side without its direction, and 1 or -1 for that.
-type Edge = ([[u64; 2]; 2], i32);
-
-/// The sides that do not run both ways, in the order in which they come.
-fn uncancelled(triangles: &[[[f64; 2]; 3]], watch: Watch) -> Result<Vec<[[f64; 2]; 2]>, Interrupted> {
-    let all: Vec<[[f64; 2]; 2]> = triangles.iter().flat_map(|&t| sides(t)).collect();
-    let edges: Vec<Edge> = all.iter().copied().map(edge).collect();
-    let buckets = all.len().next_power_of_two();
-    let bucket = |edge: &Edge| (mixed(edge) >> 16) as usize % buckets;
-    watch.ask(0.3)?;
-    let mut rows = Rows::sorted(buckets, edges.iter().map(bucket).zip(0..));
-    let mut is_left = vec![false; all.len()];
-    for b in 0..buckets {
-        if b % BUCKETS_AT_ONCE == 0 {
-            watch.ask(0.5 + 0.5 * b as f64 / buckets as f64)?;
-        }
-        let row: &mut [u32] = rows.row_mut(b);
-        // A side's number breaks ties, so that those of an edge stay in their order.
-        row.sort_unstable_by_key(|&k| (edges[k as usize].0, k));
-        for same in row.chunk_by(|&j, &k| edges[j as usize].0 == edges[k as usize].0) {
-            let mut rest: i32 = same.iter().map(|&k| edges[k as usize].1).sum();
-            for &k in same {
-                let way = edges[k as usize].1;
-                if rest * way > 0 {
-                    rest -= way;
-                    is_left[k as usize] = true;
-                }
+    let mut boxes = vec![[[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]]; count];
+    for (corners, &i) in triangles.iter().zip(island) {
+        let [low, high] = &mut boxes[i as usize];
+        for p in corners {
+            for k in 0..2 {
+                low[k] = low[k].min(p[k]);
+                high[k] = high[k].max(p[k]);
             }
         }
     }
-    Ok(all.into_iter().zip(is_left).filter_map(|(side, is_left)| is_left.then_some(side)).collect())
-}
-
-fn edge([a, b]: [[f64; 2]; 2]) -> Edge {
-    // + 0.0 makes -0.0 the same point.
-    let [a, b] = [a, b].map(|p| p.map(|x| (x + 0.0).to_bits()));
-    if a < b { ([a, b], 1) } else { ([b, a], -1) }
-}
-
-/// Bits that say little of the edge any more (a multiplicative hash; its upper bits are the good ones). A standard hash map of the sides
-/// took eight times as long as buckets by this: 0.2 s for 268,686 triangles.
-fn mixed(edge: &Edge) -> u64 {
-    let add = |sum: u64, &x: &u64| (sum.rotate_left(29) ^ x).wrapping_mul(0x9e37_79b9_7f4a_7c15);
-    let sum = edge.0.as_flattened().iter().fold(0, add);
-    (sum ^ (sum >> 32)).wrapping_mul(0x9e37_79b9_7f4a_7c15)
+    watch.ask(0.1)?;
+    let extent = |[low, high]: &[[f64; 2]; 2]| (high[0] - low[0]).max(high[1] - low[1]);
+    let unit = boxes.iter().map(extent).fold(0.0, f64::max);
+    let unit = if unit > 0.0 { unit } else { 1.0 };
+    let centre = |[low, high]: &[[f64; 2]; 2]| {
+        if low[0] > high[0] { [0.0; 2] } else { [0, 1].map(|k| 0.5 * low[k] + 0.5 * high[k]) }
+    };
+    let centres: Vec<[f64; 2]> = boxes.iter().map(centre).collect();
+    let place = |t: usize, p: [f64; 2]| {
+        let centre = centres[island[t] as usize];
+        Complex64::new((p[0] - centre[0]) / unit, (p[1] - centre[1]) / unit)
+    };
+    let doubled = |t: usize| {
+        let [a, b, c] = triangles[t].map(|p| place(t, p));
+        let [u, v] = [b - a, c - a];
+        u.re * v.im - u.im * v.re
+    };
+    let of_centre = |&centre: &[f64; 2]| Outline { edges: Vec::new(), centre, area: 0.0 };
+    let mut outlines: Vec<Outline> = centres.iter().map(of_centre).collect();
+    for (t, &i) in island.iter().enumerate() {
+        let (outline, doubled) = (&mut outlines[i as usize], doubled(t));
+        outline.area += 0.5 * doubled.abs();
+        if doubled == 0.0 {
+            let sides = (0..3).map(|k| side(triangles, 3 * t as u32 + k).map(|p| place(t, p)));
+            outline.edges.extend(sides);
+        }
+    }
+    watch.ask(0.3)?;
+    let turned = |t: u32| {
+        let doubled = doubled(t as usize);
+        (doubled != 0.0).then_some(Turned { island: island[t as usize], is_clockwise: doubled < 0.0 })
+    };
+    for number in open_sides(triangles, turned, watch.within(0.3, 1.0))? {
+        let t = number as usize / 3;
+        let [from, to] = side(triangles, number).map(|p| place(t, p));
+        let edge = if doubled(t) < 0.0 { [to, from] } else { [from, to] };
+        outlines[island[t] as usize].edges.push(edge);
+    }
+    Ok((outlines, unit))
 }
 
 #[cfg(test)]

@@ -1,0 +1,156 @@
+//! Triangles of the plane in a packed tree of their bounding boxes.
+//!
+//! Triangles are sorted along a Hilbert curve by the middles of their boxes and taken by eights, these by eights again, and so on up to one
+//! (Kamel and Faloutsos 1993, *On packing R-trees*), which does not mind triangles of very different sizes as a uniform grid does. Only boxes of
+//! eight triangles and more are kept: the triangles' own are found where a query comes as far. So the tree takes 9 bytes a triangle.
+
+use rayon::prelude::*;
+
+use super::triangle::{self, Triangle};
+
+/// So many triangles or boxes are in a box.
+const WIDTH: usize = 8;
+/// The curve runs through a grid of so many bits a side.
+const BITS: u32 = 16;
+/// So many triangles are looked at one after the other at least.
+const AT_ONCE: usize = 1 << 12;
+
+/// The lower left and the upper right corner.
+type Bounds = [[f64; 2]; 2];
+
+/// Triangles in a tree of their bounding boxes.
+#[derive(Debug)]
+pub(super) struct Boxes<'a> {
+    triangles: &'a [Triangle],
+    /// Those in the tree, along the curve.
+    order: Vec<u32>,
+    /// The boxes about each eight triangles, about each eight of these boxes, and so on.
+    levels: Vec<Vec<Bounds>>,
+    /// The longer side of the bounding box of all.
+    pub(super) extent: f64,
+}
+
+impl<'a> Boxes<'a> {
+    /// All triangles that have an area. O(n log n).
+    pub(super) fn new(triangles: &'a [Triangle]) -> Self {
+        let all = (0..triangles.len() as u32).into_par_iter().with_min_len(AT_ONCE);
+        Self::of(triangles, all.filter(|&f| triangle::upright(triangles[f as usize]).is_some()).collect())
+    }
+
+    /// Some triangles, which all have an area.
+    pub(super) fn of(triangles: &'a [Triangle], some: Vec<u32>) -> Self {
+        let about = |f: u32| bounds(&triangles[f as usize]);
+        let Some([low, high]) = some.par_iter().with_min_len(AT_ONCE).map(|&f| about(f)).reduce_with(joined) else {
+            return Self { triangles, order: some, levels: Vec::new(), extent: 0.0 };
+        };
+        let cells = f64::from((1_u32 << BITS) - 1);
+        let key = |f: u32| {
+            let [l, h] = about(f);
+            let cell = [0, 1].map(|i| (cells * (0.5 * (l[i] + h[i]) - low[i]) / (high[i] - low[i])) as u32);
+            u64::from(along_the_curve(cell)) << 32 | u64::from(f)
+        };
+        let mut keys: Vec<u64> = some.into_par_iter().with_min_len(AT_ONCE).map(key).collect();
+        keys.par_sort_unstable();
+        let order: Vec<u32> = keys.into_iter().map(|key| key as u32).collect();
+        let of_eight = |eight: &[u32]| eight.iter().map(|&f| about(f)).reduce(joined).expect("a chunk is not empty");
+        let mut levels: Vec<Vec<Bounds>> = vec![order.par_chunks(WIDTH).with_min_len(AT_ONCE).map(of_eight).collect()];
+        while let Some(below) = levels.last().filter(|below| below.len() > 1) {
+            let of_eight = |eight: &[Bounds]| eight.iter().copied().reduce(joined).expect("a chunk is not empty");
+            levels.push(below.chunks(WIDTH).map(of_eight).collect());
+        }
+        Self { triangles, order, levels, extent: (high[0] - low[0]).max(high[1] - low[1]) }
+    }
+
+    /// A triangle, turned counter-clockwise; none without area.
+    pub(super) fn upright(&self, f: u32) -> Option<Triangle> {
+        triangle::upright(self.triangles[f as usize])
+    }
+
+    /// The lower left and the upper right corner of the bounding box of those of some triangles that have an area; none if none has.
+    pub(super) fn bounds_of(&self, some: impl Iterator<Item = u32>) -> Option<Bounds> {
+        some.filter_map(|f| self.upright(f)).map(|corners| bounds(&corners)).reduce(joined)
+    }
+
+    /// The area of a triangle.
+    pub(super) fn area(&self, f: u32) -> f64 {
+        self.upright(f).map_or(0.0, |corners| 0.5 * triangle::twice_area(corners))
+    }
+
+    /// Visits the triangles whose bounding boxes meet that of a triangle, in no order that means anything, as long as the
+    /// visitor says to go on.
+    pub(super) fn meeting(&self, triangle: &Triangle, mut visit: impl FnMut(u32) -> bool) {
+        if let Some(top) = self.levels.len().checked_sub(1) {
+            self.descend(top, 0, &bounds(triangle), &mut visit);
+        }
+    }
+
+    /// Visits what is in one box of a level; whether to go on.
+    fn descend(&self, level: usize, at: usize, asked: &Bounds, visit: &mut impl FnMut(u32) -> bool) -> bool {
+        if !meet(&self.levels[level][at], asked) {
+            return true;
+        }
+        let count = if level == 0 { self.order.len() } else { self.levels[level - 1].len() };
+        let mut within = at * WIDTH..count.min((at + 1) * WIDTH);
+        if level > 0 {
+            return within.all(|below| self.descend(level - 1, below, asked, visit));
+        }
+        self.order[within].iter().all(|&f| !meet(&bounds(&self.triangles[f as usize]), asked) || visit(f))
+    }
+}
+
+/// The bounding box of points.
+pub(super) fn bounds<const N: usize>(points: &[[f64; 2]; N]) -> Bounds {
+    let extreme = |start: f64, of: fn(f64, f64) -> f64| [0, 1].map(|i| points.iter().fold(start, |x, p| of(x, p[i])));
+    [extreme(f64::INFINITY, f64::min), extreme(f64::NEG_INFINITY, f64::max)]
+}
+
+fn joined([low, high]: Bounds, [l, h]: Bounds) -> Bounds {
+    [[low[0].min(l[0]), low[1].min(l[1])], [high[0].max(h[0]), high[1].max(h[1])]]
+}
+
+fn meet([low, high]: &Bounds, [l, h]: &Bounds) -> bool {
+    (0..2).all(|i| low[i] <= h[i] && l[i] <= high[i])
+}
+
+/// The place of a cell on the Hilbert curve through all.
+fn along_the_curve([mut x, mut y]: [u32; 2]) -> u32 {
+    let mut place = 0;
+    for bit in (0..BITS).rev() {
+        let [right, upper] = [x >> bit & 1, y >> bit & 1];
+        place = place << 2 | (3 * right) ^ upper;
+        // The lower quarters are turned, so that each begins where the one before it ends.
+        if upper == 0 {
+            if right == 1 {
+                [x, y] = [!x, !y];
+            }
+            [x, y] = [y, x];
+        }
+    }
+    place
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_curve_goes_from_cell_to_neighbour_through_all() {
+        // The last bits of the first cells: the curve through an 8 × 8 grid.
+        let mut cells: Vec<[u32; 2]> = (0..64).map(|k| [k % 8, k / 8]).collect();
+        cells.sort_by_key(|&cell| along_the_curve(cell));
+        for step in cells.windows(2) {
+            assert_eq!(step[0][0].abs_diff(step[1][0]) + step[0][1].abs_diff(step[1][1]), 1);
+        }
+    }
+
+    #[test]
+    fn what_stops_is_not_visited_further() {
+        let triangles = [[[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]; 100];
+        let mut visited = 0;
+        Boxes::new(&triangles).meeting(&triangles[0], |_| {
+            visited += 1;
+            visited < 10
+        });
+        assert_eq!(visited, 10);
+    }
+}
