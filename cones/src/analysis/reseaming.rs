@@ -3,8 +3,8 @@
 //! With a cone metric every tree of paths between the cones opens the surface to the same pieces, only joined otherwise
 //! (`flatten::reopen`): a lobe that lies over another with one tree lies elsewhere with the next, whose paths are a hundredth longer.
 //! So several are tried, some of which pass through cones of more than 2π rather than to end there (`flatten/seam_tree`), each taken
-//! apart where it still overlaps, lobes of the best are moved to where they take less room (`uv::exchange`), and the best result is kept: few islands, then short seams and little room. Only with the best one more is tried
-//! where islands are left over.
+//! apart where it still overlaps, lobes of the best are moved to where they take less room (`uv::exchange`), and the best result is
+//! kept: few islands, then short seams and little room. Only with the best one more is tried where islands are left over.
 //!
 //! On 48 overlapping layouts (spot, fandisk, fertility, threeholes, hemisphere and punctured torus with 16, 32 and 64 cones by three methods)
 //! 30 end in one island with the first tree alone, 36 with 12 others, one preference each and half the variation, 38 with two

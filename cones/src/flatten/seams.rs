@@ -454,7 +454,7 @@ mod tests {
             let shortest = Seams::new(&mesh, &lengths, &cones, Watch::NONE).unwrap();
             for number in 0..6 {
                 let vary = |strength| {
-                    let variation = Variation { strength, number };
+                    let variation = Variation { strength, number, angle: None };
                     Seams::varied(&mesh, &lengths, &cones, variation, Watch::NONE).unwrap()
                 };
                 assert_eq!(vary(0.0), shortest);
@@ -464,7 +464,7 @@ mod tests {
                 if (genus, windows) == (0, 0) {
                     let paths = ShortestPaths::new(&mesh, &lengths, terminals(&mesh, &cones));
                     let tree = |strength| {
-                        let variation = Variation { strength, number };
+                        let variation = Variation { strength, number, angle: None };
                         let varied = Detours { mesh: &mesh, lengths: &lengths, paths: &paths, variation };
                         let plain = Detours { variation: Variation::NONE, ..varied };
                         varied.bridges().into_iter().map(|e| plain.length(e)).sum::<f64>()
