@@ -2,9 +2,9 @@
 //!
 //! With a cone metric every tree of paths between the cones opens the surface to the same pieces, only joined otherwise
 //! (`flatten::reopen`): a lobe that lies over another with one tree lies elsewhere with the next, whose paths are a hundredth longer.
-//! So several are tried, each taken apart where it still overlaps, lobes of the best are moved to where they take less room
-//! (`uv::exchange`), and the best result is kept: few islands, then short seams and little room. Only with the best one more is tried
-//! where islands are left over.
+//! So several are tried, some of which pass through cones of more than 2π rather than to end there (`flatten/seam_tree`), each taken
+//! apart where it still overlaps, lobes of the best are moved to where they take less room (`uv::exchange`), and the best result is
+//! kept: few islands, then short seams and little room. Only with the best one more is tried where islands are left over.
 //!
 //! On 48 overlapping layouts (spot, fandisk, fertility, threeholes, hemisphere and punctured torus with 16, 32 and 64 cones by three methods)
 //! 30 end in one island with the first tree alone, 36 with 12 others, one preference each and half the variation, 38 with two
@@ -23,9 +23,9 @@ use crate::uv::{Aim, Effort, Separation, UvMap, attached, is_searched, room, sep
 
 /// So many triangles are gone through one after the other.
 const AT_ONCE: usize = 1024;
-/// So many other trees at most,
+/// So many other trees at most, and half as many that pass through cones,
 const MOST_TREES: u64 = 12;
-/// and so many triangles in all of them: 4 trees on 30,000.
+/// and so many triangles in all of the first: 4 trees on 30,000.
 const TRIANGLES: usize = 120_000;
 /// With more cones than this there are none: of so many pieces few fit together on any tree, and taking them apart takes long. (`cheese`,
 /// 512 cones: six trees took half of the time.)
@@ -37,8 +37,13 @@ const PREFERENCES: usize = 2;
 /// Other preferences are tried with all trees where the best leaves so many islands, or one less and long seams. (With more islands, as of many
 /// handles, one less is not worth the time.) Not on surfaces of more than 400,000 triangles.
 const INSISTED: RangeInclusive<usize> = 3..=12;
-/// Seams that are longer by more than this count as an island.
+/// Seams that are longer by more than this
 const LONGEST: f64 = 1.2;
+/// count as so many islands, and further ones by so much as another;
+const LONG: usize = 3;
+const FURTHER: f64 = 0.03;
+/// then so many triangles are gone through in search of shorter ones.
+const TRIANGLES_IF_LONG: usize = 480_000;
 /// The side of the islands' squares, over the root of their area, counts as such a share of the seams. On 12 surfaces with 32 cones
 /// (`uv/exchange`) the fill is .486 with .3, .519 with seams 1.8 % longer with .5, .530 and 2.5 % with .8.
 const ROOM: f64 = 0.5;
@@ -55,6 +60,15 @@ pub(super) struct Opening {
     /// The seams and the layout that it came of, if not those there were.
     pub(super) other: Option<(Seams, Layout)>,
     pub(super) separation: Separation,
+}
+
+/// Another tree of seams.
+#[derive(Clone, Copy)]
+struct Other {
+    /// Which of those with random distances; 0 is the one with the true ones.
+    number: u64,
+    /// Whether it passes through cones of more than 2π rather than to end there.
+    through: bool,
 }
 
 /// What openings are compared by; less is better.
@@ -101,9 +115,14 @@ impl<'a> Reseaming<'a> {
                 false => Ok(opening),
             };
         }
-        let others = self.others(watch.within(0.2, 0.5))?;
-        watch.ask(0.5)?;
+        let [few, more] = self.trees();
+        let others = self.others(few, watch.within(0.2, 0.4))?;
+        watch.ask(0.4)?;
         let mut openings = self.ranked(std::iter::once(opening).chain(others), watch)?;
+        if self.is_long(&openings[0].1.separation) {
+            let others = self.others(more, watch.within(0.4, 0.5))?;
+            openings = self.ranked(openings.into_iter().map(|(_, opening)| opening).chain(others), watch)?;
+        }
         watch.ask(0.5)?;
         if INSISTED.contains(&openings[0].0.islands) && is_searched(self.mesh) {
             openings = self.insisted(openings, watch.within(0.5, 0.5))?;
@@ -204,15 +223,32 @@ impl<'a> Reseaming<'a> {
         Ok(Opening { other, separation: separation.exchanged(surface, &aim, watch)? })
     }
 
-    /// What comes of other trees. Where triangles were detached or very many vertices are cones there are none.
-    fn others(&self, watch: Watch) -> Result<Vec<Opening>, Interrupted> {
-        let Self { mesh, flat, plan, .. } = *self;
-        if !flat.detached.is_empty() || flat.is_unfolded || flat.cones.len() > MOST_CONES {
-            return Ok(Vec::new());
+    /// Which other trees there are, and which more where seams are long. Where triangles were detached or very many vertices are cones there
+    /// are none.
+    fn trees(&self) -> [Vec<Other>; 2] {
+        if !self.flat.detached.is_empty() || self.flat.is_unfolded || self.flat.cones.len() > MOST_CONES {
+            return [Vec::new(), Vec::new()];
         }
-        let count = MOST_TREES.min((TRIANGLES / mesh.face_count().max(1)) as u64);
-        let opened = |number: u64| -> Result<Option<(Seams, Layout)>, Interrupted> {
-            let variation = Variation { strength: STRENGTH, number };
+        let most = |triangles: usize| MOST_TREES.min((triangles / self.mesh.face_count().max(1)) as u64);
+        let trees = |through, numbers: RangeInclusive<u64>| numbers.map(move |number| Other { number, through });
+        let [few, more] = [TRIANGLES, TRIANGLES_IF_LONG].map(most);
+        if few == 0 {
+            return [Vec::new(), Vec::new()]; // the surface is too large
+        }
+        let half = few / 2;
+        [
+            trees(false, 1..=few).chain(trees(true, 0..=half)).collect(),
+            trees(false, few + 1..=more).chain(trees(true, half + 1..=more)).collect(),
+        ]
+    }
+
+    /// What comes of other trees.
+    fn others(&self, trees: Vec<Other>, watch: Watch) -> Result<Vec<Opening>, Interrupted> {
+        let Self { mesh, flat, plan, .. } = *self;
+        let angle = flat.layout.angles(mesh);
+        let opened = |Other { number, through }: Other| -> Result<Option<(Seams, Layout)>, Interrupted> {
+            let strength = if number == 0 { 0.0 } else { STRENGTH };
+            let variation = Variation { strength, number, angle: through.then_some(&angle) };
             let seams = match plan.cut_otherwise(mesh, &flat.cones, variation, watch) {
                 Err(SeamError::Interrupted(why)) => return Err(why),
                 seams => seams.ok(),
@@ -224,7 +260,7 @@ impl<'a> Reseaming<'a> {
             };
             Ok(seams.and_then(layout))
         };
-        let trees: Vec<Result<_, Interrupted>> = (1..=count).into_par_iter().map(opened).collect();
+        let trees: Vec<Result<_, Interrupted>> = trees.into_par_iter().map(opened).collect();
         let mut different: Vec<(Seams, Layout)> = Vec::new();
         for tree in trees {
             let is_new = |(seams, _): &(Seams, Layout)| {
@@ -247,14 +283,25 @@ impl<'a> Reseaming<'a> {
         separate_by(self.mesh, self.plan.costs(), Some(self.plan.given()), map, effort, watch)
     }
 
+    /// A length of seams over that of those there were.
+    fn longer(&self, seam: f64) -> f64 {
+        if self.seam > 0.0 { seam / self.seam } else { 1.0 }
+    }
+
+    fn is_long(&self, separation: &Separation) -> bool {
+        self.longer(seam(self.mesh, self.plan.costs(), &separation.map.cut)) > LONGEST
+    }
+
     fn cost(&self, separation: &Separation, watch: Watch) -> Result<Cost, Interrupted> {
         let opened = separation.map.opened(self.mesh);
         watch.ask(f64::NAN)?;
         let cost = separation.cost(self.mesh, self.plan.costs(), &opened);
-        let longer = if self.seam > 0.0 { cost.seam / self.seam } else { 1.0 };
+        let longer = self.longer(cost.seam);
         let boundaries = boundaries(self.mesh, &separation.map, &opened);
         let room = if self.area > 0.0 { room(boundaries) / self.area.sqrt() } else { 0.0 };
-        Ok(Cost { islands: cost.islands + usize::from(longer > LONGEST), extent: longer + ROOM * room })
+        let further = ((longer - LONGEST) / FURTHER).min(100.0);
+        let islands = cost.islands + if further > 0.0 { LONG + further as usize } else { 0 };
+        Ok(Cost { islands, extent: longer + ROOM * room })
     }
 }
 

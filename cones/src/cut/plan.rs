@@ -156,6 +156,8 @@ impl SeamPlan {
                 !island.mesh.is_boundary_vertex(*v) && first.is_some_and(|h| is_cone[mesh.tail(whole(h))])
             };
             let cones: Vec<VertexId> = island.mesh.vertices().filter(inside).collect();
+            let angle = variation.angle.map(|angle| island.mesh.halfedges().map(|h| angle[whole(h)]).collect());
+            let variation = Variation { angle: angle.as_ref(), ..variation };
             let seams = Seams::varied(&island.mesh, &cost, &cones, variation, watch)?;
             island.mesh.edges().filter(|&e| seams.cut[e]).for_each(|e| cut[edge(e)] = true);
         }

@@ -9,6 +9,7 @@ mod layout;
 mod relax;
 mod reopen;
 mod scaling;
+mod seam_tree;
 mod seams;
 mod untangle;
 

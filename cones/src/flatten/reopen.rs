@@ -134,7 +134,7 @@ mod tests {
         for (shape, cones) in cases() {
             let Flattened { mesh, metric, seams, layout, .. } = Flattened::new(&shape, &cones);
             for number in 0..4 {
-                let variation = Variation { strength: 2.0, number };
+                let variation = Variation { strength: 2.0, number, angle: None };
                 let other = Seams::varied(&mesh, metric.lengths(), &cones, variation, Watch::NONE).unwrap();
                 let opened = layout.reopened(&mesh, &seams.cut, &other.cut).expect("the sides of a seam are congruent");
                 assert!(opened.cut.is_disk() && opened.position.len() == opened.cut.wedge_count());
@@ -154,7 +154,7 @@ mod tests {
     fn back_along_the_first_seams_it_is_the_same_map_moved() {
         for (shape, cones) in cases() {
             let Flattened { mesh, metric, seams, layout, .. } = Flattened::new(&shape, &cones);
-            let variation = Variation { strength: 2.0, number: 1 };
+            let variation = Variation { strength: 2.0, number: 1, angle: None };
             let other = Seams::varied(&mesh, metric.lengths(), &cones, variation, Watch::NONE).unwrap();
             let there = layout.reopened(&mesh, &seams.cut, &other.cut).unwrap();
             let back = there.reopened(&mesh, &other.cut, &seams.cut).unwrap();
@@ -172,7 +172,7 @@ mod tests {
     fn sides_that_do_not_meet_are_not_glued() {
         let (shape, cones) = &cases()[0];
         let Flattened { mesh, metric, seams, mut layout, .. } = Flattened::new(shape, cones);
-        let variation = Variation { strength: 2.0, number: 1 };
+        let variation = Variation { strength: 2.0, number: 1, angle: None };
         let other = Seams::varied(&mesh, metric.lengths(), cones, variation, Watch::NONE).unwrap();
         let is_glued = |e: &EdgeId| seams.cut[*e] && !other.cut[*e];
         let e = mesh.edges().find(is_glued).expect("the trees differ");

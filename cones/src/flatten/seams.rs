@@ -18,10 +18,12 @@
 //! along loops through its first vertex; a closed sphere needs two cones at least.
 
 use geom::{
-    CutMesh, EdgeData, EdgeId, Interrupted, Mesh, Metric, ShortestPaths, Surface, VertexData, VertexId, Watch,
-    edges_at, kruskal, maximum_spanning_cotree_watched, other_end,
+    CutMesh, EdgeData, EdgeId, HalfedgeData, Interrupted, Mesh, Metric, ShortestPaths, Surface, VertexData, VertexId,
+    Watch, edges_at, kruskal, maximum_spanning_cotree_watched, other_end,
 };
 use thiserror::Error;
+
+use super::seam_tree::through_cones;
 
 /// Why a surface cannot be cut to a disk.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
@@ -158,16 +160,19 @@ impl Seams {
 /// Which of the spanning trees of the terminals' distances is taken: the shortest once each distance is multiplied by a factor that
 /// looks random.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Variation {
+pub(crate) struct Variation<'a> {
     /// Factors are from 1 to 1 + this.
     pub(crate) strength: f64,
     /// Which one of many.
     pub(crate) number: u64,
+    /// The angle in the plane of the corner at each halfedge's tail, if seams are rather to pass through cones of more than 2π than to
+    /// end there.
+    pub(crate) angle: Option<&'a HalfedgeData<f64>>,
 }
 
-impl Variation {
+impl Variation<'_> {
     /// The shortest tree.
-    pub(crate) const NONE: Self = Self { strength: 0.0, number: 0 };
+    pub(crate) const NONE: Self = Self { strength: 0.0, number: 0, angle: None };
 
     fn factor(&self, [a, b]: [u32; 2]) -> f64 {
         if self.strength == 0.0 {
@@ -206,7 +211,7 @@ struct Detours<'a> {
     mesh: &'a Mesh,
     lengths: &'a EdgeData<f64>,
     paths: &'a ShortestPaths,
-    variation: Variation,
+    variation: Variation<'a>,
 }
 
 impl Detours<'_> {
@@ -218,14 +223,19 @@ impl Detours<'_> {
         self.variation.factor(terminals) * (self.paths.distance[u] + self.lengths[e] + self.paths.distance[v])
     }
 
-    /// The edges over which a minimum spanning tree of the terminals' distances goes from one region to another.
+    /// The edges over which a minimum spanning tree of the terminals' distances goes from one region to another, or one that passes through
+    /// cones.
     fn bridges(&self) -> Vec<EdgeId> {
         let owners = |e: EdgeId| self.mesh.ends(e).map(|v| self.paths.owner[v].unwrap_or(0));
         let between_regions = self.mesh.edges().filter(|&e| owners(e)[0] != owners(e)[1]);
         let mut order: Vec<_> = between_regions.map(|e| (self.length(e), e)).collect();
         order.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         let terminal_count = self.paths.owner.iter().flatten().max().map_or(0, |&last| last as usize + 1);
-        kruskal(terminal_count, order.into_iter().map(|(_, e)| (e, owners(e))))
+        let shortest = kruskal(terminal_count, order.iter().map(|&(_, e)| (e, owners(e))));
+        match self.variation.angle {
+            Some(angle) => through_cones(self.mesh, self.paths, &order, &shortest, angle),
+            None => shortest,
+        }
     }
 
     /// A spanning tree of all vertices, boundary loops shrunk to points: the shortest paths, and the bridges.
@@ -444,7 +454,7 @@ mod tests {
             let shortest = Seams::new(&mesh, &lengths, &cones, Watch::NONE).unwrap();
             for number in 0..6 {
                 let vary = |strength| {
-                    let variation = Variation { strength, number };
+                    let variation = Variation { strength, number, angle: None };
                     Seams::varied(&mesh, &lengths, &cones, variation, Watch::NONE).unwrap()
                 };
                 assert_eq!(vary(0.0), shortest);
@@ -454,7 +464,7 @@ mod tests {
                 if (genus, windows) == (0, 0) {
                     let paths = ShortestPaths::new(&mesh, &lengths, terminals(&mesh, &cones));
                     let tree = |strength| {
-                        let variation = Variation { strength, number };
+                        let variation = Variation { strength, number, angle: None };
                         let varied = Detours { mesh: &mesh, lengths: &lengths, paths: &paths, variation };
                         let plain = Detours { variation: Variation::NONE, ..varied };
                         varied.bridges().into_iter().map(|e| plain.length(e)).sum::<f64>()
