@@ -18,6 +18,9 @@ const RUNS: usize = 8;
 /// The watch is asked once for so many sides.
 const STRIDE: usize = 1 << 16;
 
+/// The ends of a side as bits, the lesser first.
+type Ends = [[u64; 2]; 2];
+
 /// Of triangles that are added up together.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Turned {
@@ -66,7 +69,7 @@ struct Open<'a, T> {
 impl<T: Fn(u32) -> Option<Turned>> Open<'_, T> {
     /// Some sides without those that cancel.
     fn of(&self, sides: impl Iterator<Item = u32>) -> Result<Vec<u32>, Interrupted> {
-        let mut waiting: Table<(u32, [[u64; 2]; 2]), (u32, bool)> = Table::default();
+        let mut waiting: Table<(u32, Ends), (u32, bool)> = Table::default();
         let mut again = Vec::new();
         for (count, number) in sides.enumerate() {
             if count.is_multiple_of(STRIDE) {
@@ -86,7 +89,7 @@ impl<T: Fn(u32) -> Option<Turned>> Open<'_, T> {
     }
 
     /// The ends of a side as bits, the lesser first, and whether it runs from that one.
-    fn directed(&self, number: u32) -> ([[u64; 2]; 2], bool) {
+    fn directed(&self, number: u32) -> (Ends, bool) {
         // + 0.0 makes -0.0 the same point.
         let [a, b] = side(self.triangles, number).map(|p| p.map(|x| (x + 0.0).to_bits()));
         if a < b { ([a, b], true) } else { ([b, a], false) }
