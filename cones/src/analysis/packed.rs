@@ -41,12 +41,12 @@ pub(crate) fn packed(
             true => Some(further_cuts(components, (flats, &cuts), options, watch.within(0.0, 0.5))?),
             false => None,
         };
+        let cut = further.as_ref().unwrap_or(&cuts);
         let (mut triangles, mut island, mut added) = (Vec::new(), Vec::new(), Vec::new());
         let mut islands: Vec<FaceData<u32>> = Vec::new();
         let mut first = 0;
         for (k, (component, flat)) in components.iter().zip(flats).enumerate() {
             let mesh = &component.surface.mesh;
-            let cut = further.as_ref().unwrap_or(&cuts);
             watch.ask(0.5)?;
             let opened = CutMesh::open(mesh, &cut[k]);
             watch.ask(0.5)?;

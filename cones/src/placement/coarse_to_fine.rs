@@ -87,16 +87,16 @@ pub(crate) fn fewest_from(
         }
     }
     let Some(middle) = level.middle() else { return Ok(found) };
+    let mut count = found.set.cones.len();
     loop {
         let (set, predicted, curvatures) = confirmed_on_surface(ground, middle, &found.set.cones, rule)?;
         let is_met = meets(&set, &predicted, target);
-        let count = set.cones.len();
         found = Automatic { set, predicted, is_met, curvatures, ..found };
         if is_met || count >= most || model.is_over() {
             break;
         }
-        let enough = enough_cones(&found.curve, (count, predicted.area_distortion), target, most);
-        found.set = polished(&mut model, level, &refined(&mut coarse_model, enough));
+        count = enough_cones(&found.curve, (count, predicted.area_distortion), target, most);
+        found.set = polished(&mut model, level, &refined(&mut coarse_model, count));
     }
     if to_knee && has_few_corners(ground.operators, &found) {
         let mut model = ground.energy_model()?;
@@ -298,6 +298,8 @@ fn candidates(model: &EnergyModel, set: &ConeSet, reach: f32) -> Vec<VertexId> {
 
 #[cfg(test)]
 mod tests {
+    use std::sync::OnceLock;
+
     use super::*;
     use crate::curvature::CurvatureRule;
     use crate::field::Operators;
@@ -349,6 +351,15 @@ mod tests {
         assert!(mean < 1.03 && ratios.iter().all(|&ratio| ratio < 1.1), "{mean}: {ratios:?}");
     }
 
+    fn fewest(operators: &Operators, input: &Mesh, level: &CoarseLevel, target: (f64, bool), most: usize) -> Automatic {
+        let factor = crate::field::ConformalFactor::new(operators);
+        let hierarchy = &crate::hierarchy::ConeHierarchy::new(operators, &factor);
+        let (terms, made) = (OnceLock::new(), OnceLock::new());
+        let search = super::super::Search::CoarseToFine;
+        let ground = Ground { operators, input, hierarchy, terms: &terms, level: &made, search, watch: Watch::NONE };
+        fewest_from(ground, level, CurvatureRule::Optimal, target, most).unwrap()
+    }
+
     fn with_middle(operators: &Operators, mesh: &Mesh) -> CoarseLevel {
         let middle = CoarseLevel::of_size(operators, mesh, 1200, Watch::NONE).unwrap();
         CoarseLevel::of_middle(middle, mesh, 400, Watch::NONE).unwrap()
@@ -376,25 +387,29 @@ mod tests {
 
     #[test]
     fn what_a_middle_level_promises_is_confirmed_on_the_surface() {
-        use std::sync::OnceLock;
         for (mesh, operators, _) in levels() {
             let level = with_middle(&operators, &mesh);
-            let factor = crate::field::ConformalFactor::new(&operators);
-            let hierarchy = crate::hierarchy::ConeHierarchy::new(&operators, &factor);
-            let (terms, made) = (OnceLock::new(), OnceLock::new());
-            let search = super::super::Search::CoarseToFine;
-            let (operators, watch) = (&operators, Watch::NONE);
-            let ground =
-                Ground { operators, input: &mesh, hierarchy: &hierarchy, terms: &terms, level: &made, search, watch };
-            let found = fewest_from(ground, &level, CurvatureRule::Optimal, (1.3, true), 32).unwrap();
+            let found = fewest(&operators, &mesh, &level, (1.3, true), 32);
             assert!(found.is_met && found.predicted.area_distortion <= 1.3);
-            let alone = cone_curvatures(operators, &mesh, &found.set.cones, CurvatureRule::Optimal, watch).unwrap();
+            let (cones, rule) = (&found.set.cones, CurvatureRule::Optimal);
+            let alone = cone_curvatures(&operators, &mesh, cones, rule, Watch::NONE).unwrap();
             assert_eq!(found.curvatures.map(|known| known.curvature), Some(alone.curvature));
-            assert_eq!(found.predicted.area_distortion, area_distortion(operators, &alone.predicted));
+            assert_eq!(found.predicted.area_distortion, area_distortion(&operators, &alone.predicted));
             // A target that no number of cones meets: all that are allowed are taken.
-            let strict = fewest_from(ground, &level, CurvatureRule::Optimal, (1.0, false), 6).unwrap();
+            let strict = fewest(&operators, &mesh, &level, (1.0, false), 6);
             assert!(!strict.is_met && strict.set.cones.len() <= 6);
         }
+    }
+
+    #[test]
+    fn the_search_ends_where_a_level_has_no_room_for_as_many_cones_as_are_allowed() {
+        let shape = shapes::hare(900);
+        let mesh = shape.mesh();
+        let operators = Operators::new(&mesh, &Metric::from_points(&mesh, &shape.points)).unwrap();
+        let middle = CoarseLevel::of_size(&operators, &mesh, 60, Watch::NONE).unwrap();
+        let level = CoarseLevel::of_middle(middle, &mesh, 12, Watch::NONE).unwrap();
+        let found = fewest(&operators, &mesh, &level, (1.0, false), 32);
+        assert!(!found.is_met && found.set.cones.len() <= 12, "{:?}", found.set.cones);
     }
 
     #[test]
@@ -423,17 +438,9 @@ mod tests {
 
     #[test]
     fn as_few_cones_as_meet_the_target_on_the_surface() {
-        use std::sync::OnceLock;
         for (mesh, operators, level) in levels().into_iter().take(2) {
-            let factor = crate::field::ConformalFactor::new(&operators);
-            let hierarchy = crate::hierarchy::ConeHierarchy::new(&operators, &factor);
-            let (terms, made) = (OnceLock::new(), OnceLock::new());
-            let search = super::super::Search::CoarseToFine;
-            let (operators, watch) = (&operators, Watch::NONE);
-            let ground =
-                Ground { operators, input: &mesh, hierarchy: &hierarchy, terms: &terms, level: &made, search, watch };
-            let found = fewest_from(ground, &level, CurvatureRule::Optimal, (1.4, false), 32).unwrap();
-            let full = automatic(&mut EnergyModel::new(operators, &mesh), CurvatureRule::Optimal, 1.4, 32);
+            let found = fewest(&operators, &mesh, &level, (1.4, false), 32);
+            let full = automatic(&mut EnergyModel::new(&operators, &mesh), CurvatureRule::Optimal, 1.4, 32);
             assert!(found.is_met && found.predicted.area_distortion <= 1.4);
             assert!(found.set.cones.len().abs_diff(full.set.cones.len()) <= 1);
         }

@@ -191,11 +191,12 @@ impl<'a> Pieces<'a> {
 
     /// The triangles of a piece that are on the boundary of its island; all of them where one of these has no area.
     fn boundary(&self, p: u32) -> Vec<FaceId> {
-        let all = &self.faces[p as usize];
-        let is_on = |f: &FaceId| self.mesh.sides(*f).into_iter().any(|h| self.loops.has(h));
-        let found: Vec<FaceId> = all.iter().copied().filter(is_on).collect();
+        let of_piece = |f: &FaceId| self.piece[*f] == p;
+        let mut found: Vec<FaceId> = self.loops.all().iter().map(|&h| self.mesh.face(h)).filter(of_piece).collect();
+        found.sort_unstable();
+        found.dedup();
         let has_area = |f: &FaceId| self.boxes.upright(f.0).is_some();
-        if found.iter().all(has_area) { found } else { all.clone() }
+        if found.iter().all(has_area) { found } else { self.faces[p as usize].clone() }
     }
 
     /// What takes a piece from where it lay at first to where another did, when its island is moved.

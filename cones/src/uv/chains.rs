@@ -56,9 +56,9 @@ impl<'a> Loops<'a> {
         self.previous.insert(next, h);
     }
 
-    /// Whether a halfedge is on the boundary.
-    pub(super) fn has(&self, h: HalfedgeId) -> bool {
-        self.next.contains_key(&h)
+    /// The halfedges on the boundary.
+    pub(super) fn all(&self) -> &[HalfedgeId] {
+        &self.all
     }
 
     fn next(&self, h: HalfedgeId) -> Option<HalfedgeId> {
@@ -133,7 +133,7 @@ impl<'a> Loops<'a> {
             islands(h).is_some()
                 && mesh.twin(h) != Some(next)
                 && islands(h) == islands(next)
-                && mesh.twin(next).is_some_and(|g| self.has(g) && self.next(g) == mesh.twin(h))
+                && mesh.twin(next).is_some_and(|g| self.next(g) == mesh.twin(h))
         };
         let mut is_done = Set::default();
         let mut chains = Vec::new();
