@@ -126,26 +126,39 @@ impl<'a> Pieces<'a> {
         // Chains that were tried, with the numbers of pieces that their islands had.
         let mut tried: HashSet<(HalfedgeId, HalfedgeId, [usize; 2])> = HashSet::new();
         let all = self.pieces.len().max(2) - 1;
-        'next: loop {
-            for chain in self.chains() {
+        let mut chains = self.chains();
+        loop {
+            let mut found = None;
+            for (k, chain) in chains.iter().enumerate() {
                 watch.ask(glued as f64 / all as f64)?;
                 let sizes = chain.islands.map(|island| self.pieces[island as usize].len());
                 let key = (chain.sides[0], chain.sides[chain.sides.len() - 1], sizes);
-                if tried.insert(key) && self.can_glue(&chain) {
-                    self.glue(&chain);
-                    glued += 1;
-                    continue 'next;
+                if tried.insert(key) && self.can_glue(chain) {
+                    found = Some(k);
+                    break;
                 }
             }
-            return Ok(());
+            let Some(k) = found else { return Ok(()) };
+            let chain = chains.swap_remove(k);
+            self.glue(&chain);
+            glued += 1;
+            // Other chains than those of the two islands stay as they are.
+            chains.retain(|other| !other.islands.iter().any(|island| chain.islands.contains(island)));
+            let merged = self.island_of(chain.sides[0]);
+            chains.extend(self.chains_between(|islands| islands[0] < islands[1] && islands.contains(&merged)));
+            chains.sort_by(Chain::longer_first);
         }
     }
 
     /// The chains between different islands, longest first.
     pub(super) fn chains(&self) -> Vec<Chain> {
+        self.chains_between(|[one, other]| one < other)
+    }
+
+    fn chains_between(&self, asked: impl Fn([u32; 2]) -> bool) -> Vec<Chain> {
         self.loops.chains(
-            |h| self.island_of(h),
-            |e| self.kept.is_some_and(|kept| kept[e]),
+            asked,
+            (|h| self.island_of(h), |e| self.kept.is_some_and(|kept| kept[e])),
             |h| self.motion[self.piece[self.mesh.face(h)] as usize].of(self.map.position[h]),
             self.lengths,
             self.extent,

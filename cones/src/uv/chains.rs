@@ -4,6 +4,8 @@
 //! can be glued to its neighbour. Boundaries are kept as linked loops of halfedges, the map on their left, so that
 //! gluing a chain is a change at its two ends.
 
+use std::cmp::Ordering;
+
 use geom::{CutMesh, EdgeData, EdgeId, HalfedgeId, Mesh};
 
 use super::motion::{Fit, Motion};
@@ -26,6 +28,12 @@ pub(super) struct Chain {
     pub(super) motion: Motion,
     /// Its length in space.
     pub(super) length: f64,
+}
+
+impl Chain {
+    pub(super) fn longer_first(&self, other: &Self) -> Ordering {
+        other.length.total_cmp(&self.length).then(self.sides[0].cmp(&other.sides[0]))
+    }
 }
 
 /// The boundary loops of the islands of a map.
@@ -88,35 +96,11 @@ impl<'a> Loops<'a> {
         self.all.retain(|&h| next.contains_key(&h));
     }
 
-    /// The chains between two different islands, of edges that are not kept open, longest first; of each chain one of its sides. `position` gives the corners as
-    /// they lie now.
+    /// The chains of edges that are not kept open, between islands that are `asked` for, longest first; of each chain the side whose island comes
+    /// first. `position` gives the corners as they lie now.
     pub(super) fn chains(
         &self,
-        island: impl Fn(HalfedgeId) -> u32,
-        is_kept: impl Fn(EdgeId) -> bool,
-        position: impl Fn(HalfedgeId) -> [f64; 2],
-        lengths: &EdgeData<f64>,
-        extent: f64,
-    ) -> Vec<Chain> {
-        self.runs(|[a, b]| a < b, (island, is_kept), position, lengths, extent)
-    }
-
-    /// The chains with one island on both sides, likewise.
-    pub(super) fn chains_within(
-        &self,
-        island: impl Fn(HalfedgeId) -> u32,
-        is_kept: impl Fn(EdgeId) -> bool,
-        position: impl Fn(HalfedgeId) -> [f64; 2],
-        lengths: &EdgeData<f64>,
-        extent: f64,
-    ) -> Vec<Chain> {
-        self.runs(|[a, b]| a == b, (island, is_kept), position, lengths, extent)
-    }
-
-    /// The chains of edges between islands that `fit`.
-    fn runs(
-        &self,
-        fit: impl Fn([u32; 2]) -> bool,
+        asked: impl Fn([u32; 2]) -> bool,
         (island, is_kept): (impl Fn(HalfedgeId) -> u32, impl Fn(EdgeId) -> bool),
         position: impl Fn(HalfedgeId) -> [f64; 2],
         lengths: &EdgeData<f64>,
@@ -124,7 +108,7 @@ impl<'a> Loops<'a> {
     ) -> Vec<Chain> {
         let islands = |h: HalfedgeId| {
             let g = self.mesh.twin(h).filter(|_| !is_kept(self.mesh.edge(h)))?;
-            Some([island(h), island(g)]).filter(|&islands| fit(islands))
+            Some([island(h), island(g)]).filter(|&islands| asked(islands))
         };
         let mesh = self.mesh;
         // Whether the edges of a halfedge and of the next one on the boundary also follow each other on the other side, but not back
@@ -156,7 +140,7 @@ impl<'a> Loops<'a> {
             let islands = islands(first).expect("it was asked for");
             chains.extend(self.congruent(&run, islands, &position, lengths, extent));
         }
-        chains.sort_by(|a, b| b.length.total_cmp(&a.length).then(a.sides[0].cmp(&b.sides[0])));
+        chains.sort_by(Chain::longer_first);
         chains
     }
 
@@ -175,11 +159,11 @@ impl<'a> Loops<'a> {
             let g = mesh.twin(h).expect("a chain has two sides");
             [(position(mesh.next(g)), position(h)), (position(g), position(mesh.next(h)))]
         };
-        let distance = |p: [f64; 2], q: [f64; 2]| (p[0] - q[0]).hypot(p[1] - q[1]);
+        let squared = |p: [f64; 2], q: [f64; 2]| (p[0] - q[0]).powi(2) + (p[1] - q[1]).powi(2);
         let fits = |motion: &Motion, h: HalfedgeId| {
             let [(tail, to_tail), (head, to_head)] = ends(h);
-            let most = (CONGRUENT * extent).min(CONGRUENT_EDGE * distance(to_tail, to_head));
-            distance(motion.of(tail), to_tail) <= most && distance(motion.of(head), to_head) <= most
+            let most = (CONGRUENT * extent).powi(2).min(CONGRUENT_EDGE.powi(2) * squared(to_tail, to_head));
+            squared(motion.of(tail), to_tail) <= most && squared(motion.of(head), to_head) <= most
         };
         let mut chains: Vec<Chain> = Vec::new();
         let mut begun: Option<(Fit, Chain)> = None;

@@ -49,7 +49,7 @@ pub(super) struct Pair {
     pub(super) weight: i64,
 }
 
-/// Adds cuts until no pair is on one island. `lengths` are those of space, infinite where nothing may be cut.
+/// Adds cuts until no pair is on one island; see [`Divider`].
 pub(super) fn divide(
     mesh: &Mesh,
     lengths: &EdgeData<f64>,
@@ -58,28 +58,60 @@ pub(super) fn divide(
     preference: &Preference,
     watch: Watch,
 ) -> Result<EdgeData<bool>, Interrupted> {
-    let weights = weights(mesh, lengths, cut, pairs, preference.within_overlap);
-    let mut paths = Paths::new(mesh, cut.clone(), &weights, watch.within(0.0, 0.5))?;
-    let cotree = Cotree::new(mesh, &mut paths, pairs);
-    watch.ask(0.6)?;
-    let mut division = Division::new(&cotree, pairs);
-    let mut cuts = 0_usize;
-    while division.has_pairs() {
-        watch.ask(0.6 + 0.4 * (1.0 - division.left() as f64 / pairs.len() as f64))?;
-        paths.measure();
-        let wanted = if cuts < ONE_AT_A_TIME { 1 } else { cuts / 8 };
-        let chosen = division.best(&paths, preference, wanted);
-        if chosen.is_empty() {
-            break;
-        }
-        cuts += chosen.len();
-        for i in chosen {
-            paths.cut(cotree.crossing[i]);
-            division.part(i);
-        }
-        division.count();
+    let within = preference.within_overlap;
+    Divider::new((mesh, lengths), cut, pairs, within, watch.within(0.0, 0.6))?
+        .divide(preference, watch.within(0.6, 1.0))
+}
+
+/// What cuts by different preferences have in common, as long as an edge within overlaps counts the same.
+pub(super) struct Divider<'a> {
+    mesh: &'a Mesh,
+    pairs: &'a [Pair],
+    tree: Tree,
+    open: Open,
+    cotree: Cotree,
+}
+
+impl<'a> Divider<'a> {
+    /// An edge between two triangles that overlap something is so many times longer. `lengths` are those of space, infinite where nothing may be
+    /// cut.
+    pub(super) fn new(
+        (mesh, lengths): (&'a Mesh, &EdgeData<f64>),
+        cut: &EdgeData<bool>,
+        pairs: &'a [Pair],
+        within_overlap: f64,
+        watch: Watch,
+    ) -> Result<Self, Interrupted> {
+        let weights = weights(mesh, lengths, cut, pairs, within_overlap);
+        let mut open = Open::new(mesh, cut.clone());
+        let tree = Tree::new(mesh, weights, &mut open, watch.within(0.0, 0.8))?;
+        let cotree = Cotree::new(mesh, &tree, &mut open, pairs);
+        watch.ask(1.0)?;
+        Ok(Self { mesh, pairs, tree, open, cotree })
     }
-    Ok(paths.cut)
+
+    /// Adds cuts until no pair is on one island.
+    pub(super) fn divide(&self, preference: &Preference, watch: Watch) -> Result<EdgeData<bool>, Interrupted> {
+        let mut open = self.open.clone();
+        let mut division = Division::new(&self.cotree, self.pairs);
+        let mut cuts = 0_usize;
+        while division.has_pairs() {
+            watch.ask(1.0 - division.left() as f64 / self.pairs.len() as f64)?;
+            self.tree.measure(&mut open);
+            let wanted = if cuts < ONE_AT_A_TIME { 1 } else { cuts / 8 };
+            let chosen = division.best(|e| self.tree.length(self.mesh, &open, e), preference, wanted);
+            if chosen.is_empty() {
+                break;
+            }
+            cuts += chosen.len();
+            for i in chosen {
+                self.tree.cut(self.mesh, &mut open, self.cotree.crossing[i]);
+                division.part(i);
+            }
+            division.count();
+        }
+        Ok(open.cut)
+    }
 }
 
 /// What cutting an edge costs: its length, on islands that have pairs; elsewhere nothing is cut.
@@ -119,21 +151,17 @@ fn weights(
     mesh.edges().map(weight).collect()
 }
 
-/// Shortest paths to what is open, as cuts are added.
-struct Paths<'a> {
-    mesh: &'a Mesh,
-    weights: &'a EdgeData<f64>,
+/// What is open, as cuts are added.
+#[derive(Clone)]
+struct Open {
     cut: EdgeData<bool>,
     is_open: VertexData<bool>,
-    predecessor: VertexData<Option<EdgeId>>,
-    /// The vertices that are reached, nearer ones first.
-    order: Vec<VertexId>,
     /// The length of the path to what is open.
     distance: VertexData<f64>,
 }
 
-impl<'a> Paths<'a> {
-    fn new(mesh: &'a Mesh, cut: EdgeData<bool>, weights: &'a EdgeData<f64>, watch: Watch) -> Result<Self, Interrupted> {
+impl Open {
+    fn new(mesh: &Mesh, cut: EdgeData<bool>) -> Self {
         let mut is_open: VertexData<bool> = mesh.vertices().map(|v| mesh.is_boundary_vertex(v)).collect();
         for v in mesh.edges().filter(|&e| cut[e]).flat_map(|e| mesh.ends(e)) {
             is_open[v] = true;
@@ -141,36 +169,61 @@ impl<'a> Paths<'a> {
         if let (false, Some(first)) = (is_open.iter().any(|&open| open), mesh.vertices().next()) {
             is_open[first] = true; // a closed surface: any point will do
         }
-        let sources = mesh.vertices().filter(|&v| is_open[v]).map(|v| (v, 0));
-        let ShortestPaths { distance, predecessor, .. } = ShortestPaths::new_watched(mesh, weights, sources, watch)?;
-        let mut order: Vec<VertexId> = mesh.vertices().filter(|&v| predecessor[v].is_some()).collect();
-        order.sort_unstable_by(|a, b| distance[*a].total_cmp(&distance[*b]).then(a.cmp(b)));
-        Ok(Self { mesh, weights, cut, is_open, predecessor, order, distance })
+        Self { cut, is_open, distance: VertexData::constant(0, 0.0) }
+    }
+}
+
+/// The tree of shortest paths to what was open at first.
+struct Tree {
+    weights: EdgeData<f64>,
+    predecessor: VertexData<Option<EdgeId>>,
+    /// How the vertices are reached, nearer ones first.
+    steps: Vec<Step>,
+}
+
+/// The last edge of a shortest path.
+#[derive(Clone, Copy)]
+struct Step {
+    to: VertexId,
+    from: VertexId,
+    weight: f64,
+}
+
+impl Tree {
+    fn new(mesh: &Mesh, weights: EdgeData<f64>, open: &mut Open, watch: Watch) -> Result<Self, Interrupted> {
+        let sources = mesh.vertices().filter(|&v| open.is_open[v]).map(|v| (v, 0));
+        let ShortestPaths { distance, predecessor, .. } = ShortestPaths::new_watched(mesh, &weights, sources, watch)?;
+        let last = |v: VertexId| {
+            let e = predecessor[v]?;
+            Some(Step { to: v, from: other_end(mesh, e, v), weight: weights[e] })
+        };
+        let mut steps: Vec<Step> = mesh.vertices().filter_map(last).collect();
+        steps.sort_unstable_by(|a, b| distance[a.to].total_cmp(&distance[b.to]).then(a.to.cmp(&b.to)));
+        open.distance = distance;
+        Ok(Self { weights, predecessor, steps })
     }
 
     /// Finds the lengths anew after cuts.
-    fn measure(&mut self) {
-        for &v in &self.order {
-            let Some(e) = self.predecessor[v] else { continue };
-            let before = self.distance[other_end(self.mesh, e, v)];
-            self.distance[v] = if self.is_open[v] { 0.0 } else { before + self.weights[e] };
+    fn measure(&self, open: &mut Open) {
+        for &Step { to, from, weight } in &self.steps {
+            open.distance[to] = if open.is_open[to] { 0.0 } else { open.distance[from] + weight };
         }
     }
 
     /// The length of the path that an edge closes.
-    fn length(&self, e: EdgeId) -> f64 {
-        let [u, v] = self.mesh.ends(e);
-        self.distance[u] + self.weights[e] + self.distance[v]
+    fn length(&self, mesh: &Mesh, open: &Open, e: EdgeId) -> f64 {
+        let [u, v] = mesh.ends(e);
+        open.distance[u] + self.weights[e] + open.distance[v]
     }
 
     /// Cuts along the path that an edge closes.
-    fn cut(&mut self, e: EdgeId) {
-        self.cut[e] = true;
-        for mut v in self.mesh.ends(e) {
-            while !std::mem::replace(&mut self.is_open[v], true) {
+    fn cut(&self, mesh: &Mesh, open: &mut Open, e: EdgeId) {
+        open.cut[e] = true;
+        for mut v in mesh.ends(e) {
+            while !std::mem::replace(&mut open.is_open[v], true) {
                 let Some(e) = self.predecessor[v] else { break };
-                self.cut[e] = true;
-                v = other_end(self.mesh, e, v);
+                open.cut[e] = true;
+                v = other_end(mesh, e, v);
             }
         }
     }
@@ -194,24 +247,24 @@ const NONE: u32 = u32::MAX;
 
 impl Cotree {
     /// Cuts islands that are no disks, too.
-    fn new(mesh: &Mesh, paths: &mut Paths, pairs: &[Pair]) -> Self {
+    fn new(mesh: &Mesh, tree: &Tree, open: &mut Open, pairs: &[Pair]) -> Self {
         let mut is_tree: EdgeData<bool> = EdgeData::constant(mesh.edge_count(), false);
-        for &v in &paths.order {
-            is_tree[paths.predecessor[v].expect("it is reached")] = true;
+        for &e in tree.predecessor.iter().flatten() {
+            is_tree[e] = true;
         }
-        let is_between =
-            |paths: &Paths, e: EdgeId| !is_tree[e] && !paths.cut[e] && mesh.twin(mesh.halfedge(e)).is_some();
-        let cotree = Self::spanning(mesh, pairs, |e| is_between(paths, e));
+        let is_between = |open: &Open, e: EdgeId| !is_tree[e] && !open.cut[e] && mesh.twin(mesh.halfedge(e)).is_some();
+        let cotree = Self::spanning(mesh, pairs, |e| is_between(open, e));
         let spare = mesh.edges().any(|e| {
             let f = mesh.face(mesh.halfedge(e));
-            is_between(paths, e) && cotree.number[f] != NONE && !cotree.crosses(mesh, e)
+            is_between(open, e) && cotree.number[f] != NONE && !cotree.crosses(mesh, e)
         });
         if !spare {
             return cotree;
         }
         // The edges that close the longest paths are kept, the others cut.
-        let mut edges: Vec<EdgeId> = mesh.edges().filter(|&e| is_between(paths, e)).collect();
-        edges.sort_by(|a, b| paths.length(*b).total_cmp(&paths.length(*a)));
+        let mut edges: Vec<EdgeId> = mesh.edges().filter(|&e| is_between(open, e)).collect();
+        let length = |open: &Open, e: EdgeId| tree.length(mesh, open, e);
+        edges.sort_by(|a, b| length(open, *b).total_cmp(&length(open, *a)));
         let faces = |e: EdgeId| {
             let h = mesh.halfedge(e);
             [mesh.face(h).0, mesh.twin(h).map_or(mesh.face(h).0, |g| mesh.face(g).0)]
@@ -221,8 +274,8 @@ impl Cotree {
             is_kept[e] = true;
         }
         for &e in &edges {
-            if !is_kept[e] && paths.length(e).is_finite() && cotree.number[mesh.face(mesh.halfedge(e))] != NONE {
-                paths.cut(e);
+            if !is_kept[e] && length(open, e).is_finite() && cotree.number[mesh.face(mesh.halfedge(e))] != NONE {
+                tree.cut(mesh, open, e);
             }
         }
         Self::spanning(mesh, pairs, |e| is_kept[e])
@@ -382,10 +435,10 @@ impl<'a> Division<'a> {
     }
 
     /// The cheapest cuts, at most so many; further ones only if they cost little more than the best.
-    fn best(&self, paths: &Paths, preference: &Preference, wanted: usize) -> Vec<usize> {
+    fn best(&self, length: impl Fn(EdgeId) -> f64, preference: &Preference, wanted: usize) -> Vec<usize> {
         let candidates = (0..self.piece.len()).filter(|&i| self.piece[i] as usize != i && self.resolved[i] > 0);
         let with_cost = |i: usize| {
-            let cost = self.cost(i, paths.length(self.cotree.crossing[i]), preference);
+            let cost = self.cost(i, length(self.cotree.crossing[i]), preference);
             cost.is_finite().then_some((cost, i))
         };
         let is_less = |a: &(f64, usize), b: &(f64, usize)| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1));

@@ -130,7 +130,8 @@ impl<'a> Island<'a> {
         let square = |k: usize| side(&convex_hull(boundaries[k].iter().map(|&h| at(map, h)).collect())).powi(2);
         let is_kept = |e: EdgeId| kept.is_some_and(|kept| kept[e]);
         let loops = Loops::new(mesh, opened);
-        let mut chains = loops.chains_within(island, is_kept, |h| map.position[h], lengths, map.extent());
+        let within = |[one, other]: [u32; 2]| one == other;
+        let mut chains = loops.chains(within, (island, is_kept), |h| map.position[h], lengths, map.extent());
         chains.retain(|chain| is_on(chain.sides[0]));
         watch.ask(f64::NAN)?;
         let cut = mesh.edges().filter(|&e| map.cut[e]).map(|e| lengths[e]);

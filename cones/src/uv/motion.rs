@@ -74,7 +74,8 @@ impl Fit {
     /// The motion; without a turn where the points say nothing of it.
     pub(super) fn motion(&self) -> Motion {
         let turn = self.product - self.to * self.from.conj() / self.count;
-        let turn = if turn.norm() > 0.0 { turn / turn.norm() } else { Complex64::ONE };
+        let norm = turn.norm();
+        let turn = if norm > 0.0 { turn / norm } else { Complex64::ONE };
         let [from, to] = [self.first[0] + self.from / self.count, self.first[1] + self.to / self.count];
         Motion { turn, shift: to - turn * from }
     }

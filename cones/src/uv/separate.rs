@@ -14,7 +14,7 @@ use rayon::prelude::*;
 use super::attach::{Moved, Pieces};
 use super::boxes::Boxes;
 use super::chains::Chain;
-use super::divide::{Pair, Preference, SLIVER, divide};
+use super::divide::{Divider, Pair, Preference, SLIVER, divide};
 use super::exchange::{Aim, exchange};
 use super::immersion::overlaps_of_immersion;
 use super::map::UvMap;
@@ -323,13 +323,26 @@ impl Task<'_> {
     /// What comes of preferences, of fewer where the surface is large.
     fn starts(&self, preferences: &[Preference], watch: Watch) -> Result<Vec<State>, Interrupted> {
         let pairs = weighed(&self.overlaps.pairs);
+        let most = (TRIANGLES / self.mesh.face_count().max(1)).clamp(1, preferences.len());
+        let preferences = &preferences[..most];
+        let mut within: Vec<f64> = preferences.iter().map(|preference| preference.within_overlap).collect();
+        within.sort_by(f64::total_cmp);
+        within.dedup();
+        let divider = |&within: &f64| {
+            let divider =
+                Divider::new((self.mesh, self.lengths), &self.map.cut, &pairs, within, watch.within(0.0, 0.3))?;
+            Ok((within, divider))
+        };
+        let dividers: Vec<Result<(f64, Divider), Interrupted>> = within.par_iter().map(divider).collect();
+        let dividers = dividers.into_iter().collect::<Result<Vec<_>, _>>()?;
         let run = |preference: &Preference| {
-            let cut = self.cut(&pairs, preference, watch)?;
+            let divider = dividers.iter().find(|(within, _)| *within == preference.within_overlap);
+            let (_, divider) = divider.expect("each has one");
+            let cut = self.all_parted(divider.divide(preference, watch.within(0.3, 0.6))?, preference, watch)?;
             let (cost, moved, beside) = self.attached(self.pieces(self.map, self.boxes, cut), watch)?;
             Ok(State { cost, place: Place { made: None, moved }, beside, tried: 0, is_done: false })
         };
-        let most = (TRIANGLES / self.mesh.face_count().max(1)).clamp(1, preferences.len());
-        let states: Vec<Result<State, Interrupted>> = preferences[..most].par_iter().map(run).collect();
+        let states: Vec<Result<State, Interrupted>> = preferences.par_iter().map(run).collect();
         states.into_iter().collect()
     }
 
@@ -384,9 +397,13 @@ impl Task<'_> {
         Ok((cost, pieces.moved(), beside))
     }
 
-    /// Cuts by a preference until all pairs are parted, those too that were not kept at first.
-    fn cut(&self, pairs: &[Pair], preference: &Preference, watch: Watch) -> Result<EdgeData<bool>, Interrupted> {
-        let mut cut = divide(self.mesh, self.lengths, &self.map.cut, pairs, preference, watch)?;
+    /// Cuts further until those pairs too are parted that were not kept at first.
+    fn all_parted(
+        &self,
+        mut cut: EdgeData<bool>,
+        preference: &Preference,
+        watch: Watch,
+    ) -> Result<EdgeData<bool>, Interrupted> {
         let mut is_complete = self.overlaps.is_complete;
         while !is_complete {
             let more = on_one_island(self.mesh, self.map, &cut, watch)?;
