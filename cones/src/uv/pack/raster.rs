@@ -95,41 +95,58 @@ fn capsule(cells: &mut Bitmap, [a, b]: [Complex64; 2], radius: f64) {
     let [width, height] = cells.size.map(|n| n as f64);
     let first = (a.im.min(b.im) - radius).floor().max(0.0);
     let last = (a.im.max(b.im) + radius).floor().min(height - 1.0);
-    let mut row = first;
-    while row <= last {
-        let band = [row, row + 1.0];
-        let right = reach(a, b, radius, band);
-        let left = -reach(-a.conj(), -b.conj(), radius, band);
-        let from = left.floor().max(0.0);
-        let to = (right.floor() + 1.0).min(width);
+    let mut set = |row: f64, left: f64, right: f64| {
+        let (from, to) = (left.floor().max(0.0), (right.floor() + 1.0).min(width));
         if from < to {
             cells.set(row as usize, from as usize, to as usize);
         }
+    };
+    if first == last {
+        return set(first, a.re.min(b.re) - radius, a.re.max(b.re) + radius);
+    }
+    let (right, left) = (Capsule::new(a, b, radius), Capsule::new(-a.conj(), -b.conj(), radius));
+    let mut row = first;
+    while row <= last {
+        let band = [row, row + 1.0];
+        set(row, -left.reach(band), right.reach(band));
         row += 1.0;
     }
 }
 
-/// How far right the points within `radius` of an edge reach in a band of heights. They are convex, so they reach farthest at
-/// the height in the band that is closest to that of the right end.
-fn reach(a: Complex64, b: Complex64, radius: f64, band: [f64; 2]) -> f64 {
-    let end = if a.re >= b.re { a } else { b };
-    let y = end.im.clamp(band[0], band[1]);
-    let disc = |z: Complex64| match radius * radius - (y - z.im) * (y - z.im) {
-        rest if rest >= 0.0 => z.re + rest.sqrt(),
-        _ => f64::NEG_INFINITY,
-    };
-    let along = b - a;
-    let length = along.norm();
-    if length == 0.0 {
-        return disc(a);
+/// The points within `radius` of an edge.
+struct Capsule {
+    ends: [Complex64; 2],
+    radius: f64,
+    /// From the edge to its two sides; none if it has no length.
+    normal: Option<Complex64>,
+}
+
+impl Capsule {
+    fn new(a: Complex64, b: Complex64, radius: f64) -> Self {
+        let along = b - a;
+        let length = along.norm();
+        let normal = (length > 0.0).then(|| Complex64::i() * along * (radius / length));
+        Self { ends: [a, b], radius, normal }
     }
-    let normal = Complex64::i() * along * (radius / length);
-    let side = |offset: Complex64| {
-        let (p, q) = (a + offset, b + offset);
-        let t = (y - p.im) / (q.im - p.im);
-        if (0.0..=1.0).contains(&t) { p.re + t * (q.re - p.re) } else { f64::NEG_INFINITY }
-    };
-    disc(a).max(disc(b)).max(side(normal)).max(side(-normal))
+
+    /// How far right it reaches in a band of heights. It is convex, so it reaches farthest at the height in the band that is closest to that of
+    /// the right end.
+    fn reach(&self, band: [f64; 2]) -> f64 {
+        let [a, b] = self.ends;
+        let end = if a.re >= b.re { a } else { b };
+        let y = end.im.clamp(band[0], band[1]);
+        let disc = |z: Complex64| match self.radius * self.radius - (y - z.im) * (y - z.im) {
+            rest if rest >= 0.0 => z.re + rest.sqrt(),
+            _ => f64::NEG_INFINITY,
+        };
+        let Some(normal) = self.normal else { return disc(a) };
+        let side = |offset: Complex64| {
+            let (p, q) = (a + offset, b + offset);
+            let t = (y - p.im) / (q.im - p.im);
+            if (0.0..=1.0).contains(&t) { p.re + t * (q.re - p.re) } else { f64::NEG_INFINITY }
+        };
+        disc(a).max(disc(b)).max(side(normal)).max(side(-normal))
+    }
 }
 
 /// Rows of bits.
