@@ -155,18 +155,16 @@ impl Cholesky {
 
     fn factor_values(&mut self, watch: Watch) -> Result<(), CholeskyError> {
         let needed = self.elimination.value_count();
-        let is_new = self.values.len() < needed;
-        if is_new {
+        if self.values.len() < needed {
             // The old factor goes before the new one is made: at peak there is one.
             self.values = Vec::new();
             let rows = self.matrix.dimension();
             let with_room = needed + needed / ROOM;
             Vec::<f64>::new().try_reserve_exact(with_room).map_err(|_| CholeskyError::OutOfMemory(rows))?;
-            // Cleared by the system when it is first touched.
             self.values = vec![0.0; with_room];
         }
         let values = &mut self.values[..needed];
-        factor(&self.elimination, &self.entries, &self.matrix.value, values, is_new, watch)
+        factor(&self.elimination, &self.entries, &self.matrix.value, values, watch)
     }
 
     /// The matrix that is factored.

@@ -82,19 +82,18 @@ fn find_places(
     Ok(())
 }
 
-/// Fills in the values of the factor of a matrix whose entries are given; told whether they are 0 before.
+/// Fills in the values of the factor of a matrix whose entries are given.
 pub(crate) fn factor(
     elimination: &Elimination,
     entries: &Entries,
     entry: &[f64],
     values: &mut [f64],
-    are_clear: bool,
     watch: Watch,
 ) -> Result<(), CholeskyError> {
     FACTORIZATIONS.fetch_add(1, Relaxed);
     let progress = Progress::new(watch, values.len());
     progress.ask()?;
-    let factorization = Factorization { elimination, entries, entry, are_clear, progress };
+    let factorization = Factorization { elimination, entries, entry, progress };
     factorization.trees(&elimination.roots(), values)?;
     Ok(())
 }
@@ -103,7 +102,6 @@ struct Factorization<'a> {
     elimination: &'a Elimination,
     entries: &'a Entries,
     entry: &'a [f64],
-    are_clear: bool,
     progress: Progress<'a>,
 }
 
@@ -178,7 +176,8 @@ impl Factorization<'_> {
         let (width, rest) = (self.elimination.width(s), self.elimination.rows(s).len());
         self.progress.ask()?;
         self.fill(s, panel);
-        let mut update = vec![0.0; rest * rest];
+        let mut update = Vec::with_capacity(rest * rest);
+        update.resize(rest * rest, 0.0);
         let mut front = Front { panel, update: &mut update, width, rest };
         for updates in children {
             front.add_all(self.elimination, &updates.roots, &updates.values);
@@ -232,9 +231,8 @@ impl Factorization<'_> {
 
     /// Puts the entries of the matrix into the values of a supernode.
     fn fill(&self, s: usize, panel: &mut [f64]) {
-        if !self.are_clear {
-            panel.fill(0.0);
-        }
+        // New memory, too: where it is read first, as by a sum, the system maps it twice, and has all threads forget the first place.
+        panel.fill(0.0);
         for &(place, k) in self.entries.0.row(s) {
             panel[place as usize] += self.entry[k as usize];
         }
