@@ -22,7 +22,8 @@ pub(crate) fn weights_by(
 ) -> EdgeData<f64> {
     let cotangents =
         parallel::map(triangulation.face_count(), |f| cotangents(metric.sides(triangulation, FaceId::new(f))));
-    let mut weights = EdgeData::constant(triangulation.edge_count(), 0.0);
+    // Written before it is added to (see `Factorization::fill`).
+    let mut weights: EdgeData<f64> = triangulation.edges().map(|_| 0.0).collect();
     for (f, cotangents) in triangulation.faces().zip(cotangents) {
         for (h, cotangent) in triangulation.sides(f).into_iter().zip(cotangents) {
             weights[triangulation.edge(h)] += 0.5 * cotangent;
