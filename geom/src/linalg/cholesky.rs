@@ -15,6 +15,7 @@ use super::elimination::Elimination;
 use super::error::CholeskyError;
 use super::factorization::{Entries, factor};
 use super::graph::Graph;
+use super::single::{LEAST, Parted};
 use super::substitution::{LANES, Passes, substitute};
 use super::symmetric::SymmetricMatrix;
 use crate::parallel::{self, try_each};
@@ -27,9 +28,6 @@ const BLOCK: usize = 16;
 /// One in so many values more than the first factor has is room for: factors of matrices with other patterns go there. Newton's method
 /// on 134 thousand vertices needs up to a hundredth. What nobody touches takes no memory.
 const ROOM: usize = 16;
-/// After so many values of the factor the watch is asked again: about a millisecond.
-const ASKED_AFTER: usize = 1 << 20;
-
 /// The graph of a matrix.
 fn graph(matrix: &SymmetricMatrix) -> Graph {
     Graph::of_lower_triangle(&matrix.column_start, &matrix.row)
@@ -61,10 +59,12 @@ fn minimum_degree(matrix: &SymmetricMatrix) -> Result<Vec<u32>, CholeskyError> {
 #[derive(Debug)]
 pub struct Cholesky {
     matrix: SymmetricMatrix,
-    elimination: Elimination,
+    pub(super) elimination: Elimination,
     entries: Entries,
     /// The values of the factor, and room for more.
     values: Vec<f64>,
+    /// How one right-hand side is solved for on several threads.
+    pub(super) parted: Option<Parted>,
 }
 
 impl Cholesky {
@@ -136,7 +136,8 @@ impl Cholesky {
     ) -> Result<Self, CholeskyError> {
         let elimination = Elimination::new(graph, order, watch.within(0.0, 0.12))?;
         let entries = Entries::new(&matrix, &elimination, watch.within(0.12, 0.15))?;
-        let mut cholesky = Self { matrix, elimination, entries, values: room };
+        let parted = Parted::new(&elimination, LEAST);
+        let mut cholesky = Self { matrix, elimination, entries, values: room, parted };
         cholesky.factor_values(watch.within(0.15, 1.0))?;
         Ok(cholesky)
     }
@@ -177,6 +178,11 @@ impl Cholesky {
         &self.values[..self.elimination.value_count()]
     }
 
+    /// The values of a supernode, column after column.
+    pub(super) fn panel(&self, s: usize) -> &[f64] {
+        &self.values[self.elimination.values(s)]
+    }
+
     /// Solves A x = b. One step of refinement is added where the residual asks for it.
     ///
     /// # Panics
@@ -211,7 +217,7 @@ impl Cholesky {
     fn solve_one(&self, b: &mut [f64], place: &impl Fn(usize) -> usize, watch: Watch) -> Result<(), Interrupted> {
         watch.ask(0.0)?;
         let mut x: Vec<f64> = self.elimination.order.iter().map(|&row| b[place(row as usize)]).collect();
-        self.forward(&mut x, 0..self.elimination.len(), watch.within(0.0, 0.5))?;
+        self.forward(&mut x, watch.within(0.0, 0.5))?;
         self.backward(&mut x, watch.within(0.5, 1.0))?;
         self.elimination.order.iter().zip(x).for_each(|(&row, x)| b[place(row as usize)] = x);
         Ok(())
@@ -313,7 +319,7 @@ impl Cholesky {
             }
         }
         let supernodes: Vec<usize> = supernodes.into_iter().collect();
-        unwatched(self.forward(x, supernodes.iter().copied(), Watch::NONE));
+        unwatched(self.forward_through(supernodes.iter().copied(), x, Watch::NONE));
         supernodes
     }
 
@@ -321,56 +327,6 @@ impl Cholesky {
     pub(crate) fn solve_backward(&self, mut y: Vec<f64>) -> Vec<f64> {
         unwatched(self.backward(&mut y, Watch::NONE));
         self.elimination.step.iter().map(|&k| y[k as usize]).collect()
-    }
-
-    /// x := C⁻¹ x through the given supernodes.
-    fn forward(&self, x: &mut [f64], supernodes: impl Iterator<Item = usize>, watch: Watch) -> Result<(), Interrupted> {
-        let mut change = Vec::new();
-        for s in supernodes {
-            if self.is_asked_at(s) {
-                watch.ask(self.elimination.values(s).start as f64 / self.factor().len() as f64)?;
-            }
-            let (first, width, rows) = self.steps_and_rows(s);
-            change.clear();
-            change.resize(rows.len(), 0.0);
-            let own = &mut x[first..first + width];
-            for (j, column) in self.values[self.elimination.values(s)].chunks_exact(width + rows.len()).enumerate() {
-                own[j] /= column[j];
-                let y = own[j];
-                let (top, bottom) = column.split_at(width);
-                own[j + 1..].iter_mut().zip(&top[j + 1..]).for_each(|(x, c)| *x -= c * y);
-                change.iter_mut().zip(bottom).for_each(|(x, c)| *x += c * y);
-            }
-            rows.iter().zip(&change).for_each(|(&r, change)| x[r as usize] -= change);
-        }
-        Ok(())
-    }
-
-    /// Whether a supernode has entries beyond the next multiple of so many.
-    fn is_asked_at(&self, s: usize) -> bool {
-        let values = self.elimination.values(s);
-        values.start / ASKED_AFTER != values.end / ASKED_AFTER
-    }
-
-    /// x := C⁻ᵀ x
-    fn backward(&self, x: &mut [f64], watch: Watch) -> Result<(), Interrupted> {
-        let mut below = Vec::new();
-        for s in (0..self.elimination.len()).rev() {
-            if self.is_asked_at(s) {
-                watch.ask(1.0 - self.elimination.values(s).start as f64 / self.factor().len() as f64)?;
-            }
-            let (first, width, rows) = self.steps_and_rows(s);
-            below.clear();
-            below.extend(rows.iter().map(|&r| x[r as usize]));
-            let own = &mut x[first..first + width];
-            let columns = self.values[self.elimination.values(s)].chunks_exact(width + rows.len());
-            for (j, column) in columns.enumerate().rev() {
-                let (top, bottom) = column.split_at(width);
-                let sum = dot(&top[j + 1..], &own[j + 1..]) + dot(bottom, &below);
-                own[j] = (own[j] - sum) / column[j];
-            }
-        }
-        Ok(())
     }
 
     /// Solves for several columns at once.
@@ -416,10 +372,6 @@ impl Cholesky {
     /// The rows in pieces, the first of each with the steps in which they are eliminated.
     fn rows_in_pieces(&self) -> impl Iterator<Item = (usize, &[u32])> {
         self.elimination.step.chunks(ROWS).enumerate().map(|(k, steps)| (k * ROWS, steps))
-    }
-
-    fn steps_and_rows(&self, s: usize) -> (usize, usize, &[u32]) {
-        (self.elimination.first(s), self.elimination.width(s), self.elimination.rows(s))
     }
 
     /// The number of stored entries of the factor, zeros within supernodes included.

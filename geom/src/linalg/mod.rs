@@ -2,7 +2,7 @@
 //!
 //! A [`SymmetricMatrix`] is ordered (`dissection`, or approximate minimum degree), the work of its factorization is laid out from
 //! its pattern alone (`elimination`), the values are factored front by front (`cholesky`, `factorization`, `front`), and the factor is asked
-//! by `substitution`; also for other matrices that differ little from the factored one (`perturbed`).
+//! by `substitution` and `single`; also for other matrices that differ little from the factored one (`perturbed`).
 
 mod cholesky;
 mod dissection;
@@ -14,6 +14,7 @@ mod gram;
 mod graph;
 mod perturbed;
 mod registers;
+mod single;
 mod substitution;
 mod symmetric;
 
