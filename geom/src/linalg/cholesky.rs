@@ -15,7 +15,7 @@ use super::elimination::Elimination;
 use super::error::CholeskyError;
 use super::factorization::{Entries, factor};
 use super::graph::Graph;
-use super::single::{LEAST, Parted};
+use super::single::{Factor, LEAST, Parted};
 use super::substitution::{LANES, Passes, substitute};
 use super::symmetric::SymmetricMatrix;
 use crate::parallel::{self, try_each};
@@ -59,12 +59,12 @@ fn minimum_degree(matrix: &SymmetricMatrix) -> Result<Vec<u32>, CholeskyError> {
 #[derive(Debug)]
 pub struct Cholesky {
     matrix: SymmetricMatrix,
-    pub(super) elimination: Elimination,
+    elimination: Elimination,
     entries: Entries,
     /// The values of the factor, and room for more.
     values: Vec<f64>,
     /// How one right-hand side is solved for on several threads.
-    pub(super) parted: Option<Parted>,
+    parted: Option<Parted>,
 }
 
 impl Cholesky {
@@ -173,14 +173,14 @@ impl Cholesky {
         &self.matrix
     }
 
+    /// What is read for one right-hand side.
+    fn single(&self) -> Factor<'_> {
+        Factor { elimination: &self.elimination, values: self.factor(), parted: self.parted.as_ref() }
+    }
+
     /// The values of the factor, supernode after supernode.
     fn factor(&self) -> &[f64] {
         &self.values[..self.elimination.value_count()]
-    }
-
-    /// The values of a supernode, column after column.
-    pub(super) fn panel(&self, s: usize) -> &[f64] {
-        &self.values[self.elimination.values(s)]
     }
 
     /// Solves A x = b. One step of refinement is added where the residual asks for it.
@@ -217,8 +217,8 @@ impl Cholesky {
     fn solve_one(&self, b: &mut [f64], place: &impl Fn(usize) -> usize, watch: Watch) -> Result<(), Interrupted> {
         watch.ask(0.0)?;
         let mut x: Vec<f64> = self.elimination.order.iter().map(|&row| b[place(row as usize)]).collect();
-        self.forward(&mut x, watch.within(0.0, 0.5))?;
-        self.backward(&mut x, watch.within(0.5, 1.0))?;
+        self.single().forward(&mut x, watch.within(0.0, 0.5))?;
+        self.single().backward(&mut x, watch.within(0.5, 1.0))?;
         self.elimination.order.iter().zip(x).for_each(|(&row, x)| b[place(row as usize)] = x);
         Ok(())
     }
@@ -273,7 +273,7 @@ impl Cholesky {
         watch.ask(0.0)?;
         if let ([b], [column]) = (b, &mut *columns) {
             self.forward_sparse(b, &mut half);
-            self.backward(&mut half, watch)?;
+            self.single().backward(&mut half, watch)?;
             self.elimination.step.iter().enumerate().for_each(|(k, &step)| column[place(k)] = half[step as usize]);
             return Ok(());
         }
@@ -319,13 +319,13 @@ impl Cholesky {
             }
         }
         let supernodes: Vec<usize> = supernodes.into_iter().collect();
-        unwatched(self.forward_through(supernodes.iter().copied(), x, Watch::NONE));
+        unwatched(self.single().forward_through(supernodes.iter().copied(), x, Watch::NONE));
         supernodes
     }
 
     /// C⁻ᵀ y.
     pub(crate) fn solve_backward(&self, mut y: Vec<f64>) -> Vec<f64> {
-        unwatched(self.backward(&mut y, Watch::NONE));
+        unwatched(self.single().backward(&mut y, Watch::NONE));
         self.elimination.step.iter().map(|&k| y[k as usize]).collect()
     }
 
@@ -412,19 +412,6 @@ fn watch_of_block<'a>(watch: Watch<'a>, block: &Range<usize>, columns: usize) ->
 
 fn norm(x: &[f64]) -> f64 {
     x.iter().map(|x| x * x).sum::<f64>().sqrt()
-}
-
-pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
-    let mut sum = [0.0; 8];
-    let (a, a_tail) = a.as_chunks::<8>();
-    let (b, b_tail) = b.as_chunks::<8>();
-    for (a, b) in a.iter().zip(b) {
-        for k in 0..8 {
-            sum[k] += a[k] * b[k];
-        }
-    }
-    let tail: f64 = a_tail.iter().zip(b_tail).map(|(a, b)| a * b).sum();
-    sum.iter().sum::<f64>() + tail
 }
 
 #[cfg(test)]
@@ -698,5 +685,35 @@ mod tests {
         let never: &(dyn Fn(f64) -> ControlFlow<()> + Sync) = &|_| ControlFlow::Break(());
         assert_eq!(cholesky.solve_in_place(&mut b.clone(), Watch::new(never)), Err(Interrupted));
         assert_eq!(cholesky.solved_sparse(&[vec![(0, 1.0)]], Watch::new(never)), Err(Interrupted));
+    }
+
+    #[test]
+    fn in_parts_or_not_both_passes_come_to_the_same_and_to_the_same_bits_on_any_number_of_threads() {
+        for shape in [shapes::hare(3000), shapes::torus(3, 2000), shapes::terrain(900, 5)] {
+            let mesh = shape.mesh();
+            let mut matrix = laplacian(&mesh, &Metric::from_points(&mesh, &shape.points));
+            (0..matrix.dimension()).for_each(|v| *matrix.diagonal_mut(v) += 1e-3);
+            let mut cholesky = Cholesky::with_points(&matrix, &shape.points).unwrap();
+            let b: Vec<f64> = (0..matrix.dimension()).map(|k| (k as f64 * 0.37).sin()).collect();
+            let near = |x: &[f64], y: &[f64]| x.iter().zip(y).all(|(x, y)| (x - y).abs() < 1e-9 * (1.0 + y.abs()));
+            let passes = |cholesky: &Cholesky| -> [Vec<f64>; 2] {
+                let (mut forward, mut backward) = (b.clone(), b.clone());
+                cholesky.single().forward(&mut forward, Watch::NONE).unwrap();
+                cholesky.single().backward(&mut backward, Watch::NONE).unwrap();
+                [forward, backward]
+            };
+            assert!(cholesky.parted.is_none());
+            let whole = passes(&cholesky);
+            cholesky.parted = Parted::new(&cholesky.elimination, 0);
+            let parted = cholesky.parted.as_ref().unwrap();
+            assert!(parted.tree_count() > 3);
+            let in_parts = passes(&cholesky);
+            assert!((0..2).all(|k| near(&in_parts[k], &whole[k])));
+            #[cfg(feature = "rayon")]
+            for threads in [1, 3] {
+                let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+                assert_eq!(pool.install(|| passes(&cholesky)), in_parts);
+            }
+        }
     }
 }

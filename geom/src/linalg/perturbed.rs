@@ -6,7 +6,8 @@
 //! energies are conformally invariant, so away from the cones it hardly changes. With 134,345 vertices
 //! and 16 cones (igea) an iteration lowers the residual by a factor of 45 to 90, and takes an eighth of a factorization; with 963,098 vertices a 25th.
 
-use super::cholesky::{Cholesky, dot};
+use super::cholesky::Cholesky;
+use super::single::dot;
 use super::symmetric::SymmetricMatrix;
 use crate::rows::Rows;
 use crate::watch::{Interrupted, Watch};

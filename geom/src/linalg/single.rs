@@ -6,7 +6,6 @@
 
 use std::ops::Range;
 
-use super::cholesky::{Cholesky, dot};
 use super::elimination::{Elimination, NONE};
 use crate::parallel::try_each;
 use crate::watch::{Interrupted, Watch};
@@ -55,6 +54,11 @@ impl Parted {
         Some(Self { trees, above, steps, place })
     }
 
+    #[cfg(test)]
+    pub(super) fn tree_count(&self) -> usize {
+        self.trees.len()
+    }
+
     /// The subtrees with their parts of a vector, and vectors for what is above.
     fn parts<'a>(&self, elimination: &Elimination, mut x: &'a mut [f64], above: usize) -> Vec<Part<'a>> {
         let mut from = 0;
@@ -66,6 +70,16 @@ impl Parted {
         };
         self.trees.iter().map(&mut part).collect()
     }
+}
+
+/// A factor C, as it is read for one right-hand side.
+#[derive(Clone, Copy)]
+pub(super) struct Factor<'a> {
+    pub(super) elimination: &'a Elimination,
+    /// Supernode after supernode.
+    pub(super) values: &'a [f64],
+    /// None if it is read by one thread.
+    pub(super) parted: Option<&'a Parted>,
 }
 
 /// A subtree's part of a vector.
@@ -84,13 +98,13 @@ fn steps(elimination: &Elimination, supernodes: Range<usize>) -> Range<usize> {
     elimination.first(supernodes.start)..elimination.first(last) + elimination.width(last)
 }
 
-impl Cholesky {
+impl Factor<'_> {
     /// x := C⁻¹ x
     pub(super) fn forward(&self, x: &mut [f64], watch: Watch) -> Result<(), Interrupted> {
-        let Some(parted) = &self.parted else {
+        let Some(parted) = self.parted else {
             return self.forward_through(0..self.elimination.len(), x, watch);
         };
-        let mut parts = parted.parts(&self.elimination, x, parted.steps.len());
+        let mut parts = parted.parts(self.elimination, x, parted.steps.len());
         watch.shared(|watch| {
             try_each(0, &mut parts, &|_, Part { tree, from, own, above }: &mut Part| {
                 let mut change = Vec::new();
@@ -153,12 +167,12 @@ impl Cholesky {
 
     /// x := C⁻ᵀ x
     pub(super) fn backward(&self, x: &mut [f64], watch: Watch) -> Result<(), Interrupted> {
-        let Some(parted) = &self.parted else {
+        let Some(parted) = self.parted else {
             return self.backward_through(0..self.elimination.len(), x, watch);
         };
         self.backward_through(parted.above.iter().copied(), x, watch)?;
         let above: Vec<f64> = parted.steps.iter().map(|&step| x[step as usize]).collect();
-        let mut parts = parted.parts(&self.elimination, x, 0);
+        let mut parts = parted.parts(self.elimination, x, 0);
         watch.shared(|watch| {
             try_each(0, &mut parts, &|_, Part { tree, from, own, .. }: &mut Part| {
                 let mut below = Vec::new();
@@ -216,41 +230,22 @@ impl Cholesky {
         let asks = values.start / ASKED_AFTER != values.end / ASKED_AFTER;
         asks.then(|| values.start as f64 / self.elimination.value_count() as f64)
     }
+
+    /// The values of a supernode, column after column.
+    fn panel(&self, s: usize) -> &[f64] {
+        &self.values[self.elimination.values(s)]
+    }
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::shapes;
-    use crate::{Metric, laplacian};
-
-    #[test]
-    fn in_parts_or_not_both_passes_come_to_the_same_and_to_the_same_bits_on_any_number_of_threads() {
-        for shape in [shapes::hare(3000), shapes::torus(3, 2000), shapes::terrain(900, 5)] {
-            let mesh = shape.mesh();
-            let mut matrix = laplacian(&mesh, &Metric::from_points(&mesh, &shape.points));
-            (0..matrix.dimension()).for_each(|v| *matrix.diagonal_mut(v) += 1e-3);
-            let mut cholesky = Cholesky::with_points(&matrix, &shape.points).unwrap();
-            let b: Vec<f64> = (0..matrix.dimension()).map(|k| (k as f64 * 0.37).sin()).collect();
-            let near = |x: &[f64], y: &[f64]| x.iter().zip(y).all(|(x, y)| (x - y).abs() < 1e-9 * (1.0 + y.abs()));
-            let passes = |cholesky: &Cholesky| -> [Vec<f64>; 2] {
-                let (mut forward, mut backward) = (b.clone(), b.clone());
-                cholesky.forward(&mut forward, Watch::NONE).unwrap();
-                cholesky.backward(&mut backward, Watch::NONE).unwrap();
-                [forward, backward]
-            };
-            assert!(cholesky.parted.is_none());
-            let whole = passes(&cholesky);
-            cholesky.parted = Parted::new(&cholesky.elimination, 0);
-            let parted = cholesky.parted.as_ref().unwrap();
-            assert!(parted.trees.len() > 3 && parted.above.len() > 1, "{parted:?}");
-            let in_parts = passes(&cholesky);
-            assert!((0..2).all(|k| near(&in_parts[k], &whole[k])));
-            #[cfg(feature = "rayon")]
-            for threads in [1, 3] {
-                let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-                assert_eq!(pool.install(|| passes(&cholesky)), in_parts);
-            }
+pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
+    let mut sum = [0.0; 8];
+    let (a, a_tail) = a.as_chunks::<8>();
+    let (b, b_tail) = b.as_chunks::<8>();
+    for (a, b) in a.iter().zip(b) {
+        for k in 0..8 {
+            sum[k] += a[k] * b[k];
         }
     }
+    let tail: f64 = a_tail.iter().zip(b_tail).map(|(a, b)| a * b).sum();
+    sum.iter().sum::<f64>() + tail
 }
