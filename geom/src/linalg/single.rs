@@ -105,7 +105,7 @@ impl Factor<'_> {
             return self.forward_through(0..self.elimination.len(), x, watch);
         };
         let mut parts = parted.parts(self.elimination, x, parted.steps.len());
-        watch.shared(|watch| {
+        watch.within(0.0, 0.9).shared(|watch| {
             try_each(0, &mut parts, &|_, Part { tree, from, own, above }: &mut Part| {
                 let mut change = Vec::new();
                 for s in tree.clone() {
@@ -128,7 +128,7 @@ impl Factor<'_> {
         for (k, &step) in parted.steps.iter().enumerate() {
             x[step as usize] += changes.iter().map(|change| change[k]).sum::<f64>();
         }
-        self.forward_through(parted.above.iter().copied(), x, watch)
+        self.forward_through(parted.above.iter().copied(), x, watch.within(0.9, 1.0))
     }
 
     /// The same through the given supernodes, ascending.
@@ -170,10 +170,10 @@ impl Factor<'_> {
         let Some(parted) = self.parted else {
             return self.backward_through(0..self.elimination.len(), x, watch);
         };
-        self.backward_through(parted.above.iter().copied(), x, watch)?;
+        self.backward_through(parted.above.iter().copied(), x, watch.within(0.0, 0.1))?;
         let above: Vec<f64> = parted.steps.iter().map(|&step| x[step as usize]).collect();
         let mut parts = parted.parts(self.elimination, x, 0);
-        watch.shared(|watch| {
+        watch.within(0.1, 1.0).shared(|watch| {
             try_each(0, &mut parts, &|_, Part { tree, from, own, .. }: &mut Part| {
                 let mut below = Vec::new();
                 for s in tree.clone().rev() {
