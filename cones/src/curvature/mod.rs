@@ -102,6 +102,24 @@ pub struct ConeCurvatures {
 }
 
 impl ConeCurvatures {
+    /// Curvatures that were found for nearly the same surface; on a closed one they are brought to the right sum. A back-solve.
+    pub(crate) fn known(
+        operators: &Operators,
+        cones: &[VertexId],
+        mut curvature: Vec<f64>,
+        watch: Watch,
+    ) -> Result<Self, CurvatureError> {
+        if !operators.is_bordered() {
+            let off = operators.total_curvature() - curvature.iter().sum::<f64>();
+            let share = off / curvature.len() as f64;
+            curvature.iter_mut().for_each(|k| *k += share);
+        }
+        watch.ask(0.0)?;
+        let mut predicted = operators.uncentred_log_scale(cones, &curvature);
+        operators.centre(&mut predicted);
+        Ok(Self { curvature, predicted, out_of_bounds: Vec::new() })
+    }
+
     /// Curvatures that somebody gives.
     ///
     /// # Errors

@@ -89,7 +89,7 @@ pub(crate) fn fewest_from(
     let Some(middle) = level.middle() else { return Ok(found) };
     let mut count = found.set.cones.len();
     loop {
-        let (set, predicted, curvatures) = confirmed_on_surface(ground, middle, &found.set.cones, rule)?;
+        let (set, predicted, curvatures) = confirmed_on_surface(ground, middle, &found.set, rule)?;
         let is_met = meets(&set, &predicted, target);
         found = Automatic { set, predicted, is_met, curvatures, ..found };
         if is_met || count >= most || model.is_over() {
@@ -124,16 +124,25 @@ fn brought_up(ground: Ground, middle: &CoarseLevel, cones: &[VertexId]) -> Resul
     Ok(apart(&ground.energy_model()?, cones, REACH * middle.spacing()))
 }
 
-/// A middle level's cones on the surface: with their curvatures, and what is predicted for them.
+/// A middle level's cones on the surface: with their curvatures, and what is predicted for them. Optimal curvatures are the middle level's: to
+/// be least the energy's derivatives are 0, so that what they are off matters little. (A hare of 963,098 vertices, 32 cones: area distortion 1.19058 for 1.19052, a solve in
+/// place of 33.)
 fn confirmed_on_surface(
     ground: Ground,
     middle: &CoarseLevel,
-    cones: &[VertexId],
+    set: &ConeSet,
     rule: CurvatureRule,
 ) -> Result<(ConeSet, Prediction, Option<ConeCurvatures>), Interrupted> {
     let Ground { operators, input, watch, .. } = ground;
-    let cones = brought_up(ground, middle, cones)?;
-    match cone_curvatures(operators, input, &cones, rule, watch.within(f64::NAN, f64::NAN)) {
+    let cones = brought_up(ground, middle, &set.cones)?;
+    let watch = watch.within(f64::NAN, f64::NAN);
+    let found = match rule {
+        CurvatureRule::Optimal if set.shortfall == 0.0 => {
+            ConeCurvatures::known(operators, &cones, set.curvature.clone(), watch)
+        }
+        _ => cone_curvatures(operators, input, &cones, rule, watch),
+    };
+    match found {
         Ok(found) => {
             let u = &found.predicted;
             let energy = operators.inner(u, u);
