@@ -151,3 +151,44 @@ fn further_cuts(
     let whole: f64 = parts.iter().map(seam).sum();
     cut_for_fill(&parts, share * whole, options, watch)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Analysis, ConeChoice};
+    use geom::{Metric, Model, shapes};
+
+    /// A hare of area 1, and a flat arc round it, less wide than a hundredth of the hare's seams is long.
+    fn hare_and_arc() -> Model {
+        let hare = shapes::hare(900);
+        let scale = Metric::from_points(&hare.mesh(), &hare.points).area(&hare.mesh()).sqrt().recip();
+        let mut points: Vec<[f64; 3]> = hare.points.iter().map(|p| p.map(|x| scale * x)).collect();
+        let mut triangles = hare.triangles;
+        let first = points.len() as u32;
+        for k in 0..=60 {
+            let (sin, cos) = (0.08 * f64::from(k)).sin_cos();
+            points.extend([1.0, 1.035].map(|r| [r * cos, r * sin, 9.0]));
+        }
+        for k in (0..60).map(|k| first + 2 * k) {
+            triangles.extend([[k, k + 1, k + 3], [k, k + 3, k + 2]]);
+        }
+        Model::from_triangles(points, &triangles).unwrap()
+    }
+
+    #[test]
+    fn of_several_parts_one_that_bounds_the_square_is_cut() {
+        let model = hare_and_arc();
+        let analysis = Analysis::new(&model).unwrap();
+        let cones = analysis.choose(&Options { cones: ConeChoice::Each(vec![32, 0]), ..Options::default() }).unwrap();
+        let map = |islands, max_seam| {
+            let options =
+                Options { islands, packing: PackOptions { max_seam, ..PackOptions::default() }, ..Options::default() };
+            analysis.flatten_with(&cones, &options).unwrap()
+        };
+        let [kept, free] = [0.0, 0.1].map(|max_seam| map(Islands::OverlapFree, max_seam));
+        assert!(free.fill >= kept.fill + LEAST_GAIN, "{} {}", free.fill, kept.fill);
+        let islands = |atlas: &crate::Atlas| atlas.islands.iter().flatten().max().copied();
+        assert!(islands(&free) > islands(&kept));
+        assert_eq!(islands(&map(Islands::Single, 0.1)), Some(1));
+    }
+}
