@@ -307,7 +307,9 @@ fn candidates(model: &EnergyModel, set: &ConeSet, reach: f32) -> Vec<VertexId> {
 
 #[cfg(test)]
 mod tests {
+    use std::ops::ControlFlow;
     use std::sync::OnceLock;
+    use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 
     use super::*;
     use crate::curvature::CurvatureRule;
@@ -361,12 +363,22 @@ mod tests {
     }
 
     fn fewest(operators: &Operators, input: &Mesh, level: &CoarseLevel, target: (f64, bool), most: usize) -> Automatic {
+        fewest_watched((operators, input), level, target, most, Watch::NONE).unwrap()
+    }
+
+    fn fewest_watched(
+        (operators, input): (&Operators, &Mesh),
+        level: &CoarseLevel,
+        target: (f64, bool),
+        most: usize,
+        watch: Watch,
+    ) -> Result<Automatic, PoissonError> {
         let factor = crate::field::ConformalFactor::new(operators);
         let hierarchy = &crate::hierarchy::ConeHierarchy::new(operators, &factor);
         let (terms, made) = (OnceLock::new(), OnceLock::new());
         let search = super::super::Search::CoarseToFine;
-        let ground = Ground { operators, input, hierarchy, terms: &terms, level: &made, search, watch: Watch::NONE };
-        fewest_from(ground, level, CurvatureRule::Optimal, target, most).unwrap()
+        let ground = Ground { operators, input, hierarchy, terms: &terms, level: &made, search, watch };
+        fewest_from(ground, level, CurvatureRule::Optimal, target, most)
     }
 
     fn with_middle(operators: &Operators, mesh: &Mesh) -> CoarseLevel {
@@ -423,8 +435,17 @@ mod tests {
         let operators = Operators::new(&mesh, &Metric::from_points(&mesh, &shape.points)).unwrap();
         let middle = CoarseLevel::of_size(&operators, &mesh, 60, Watch::NONE).unwrap();
         let level = CoarseLevel::of_middle(middle, &mesh, 12, Watch::NONE).unwrap();
-        let found = fewest(&operators, &mesh, &level, (1.0, false), 32);
+        // A search that begins again and again is stopped; this one asks 658 times.
+        let asked = AtomicUsize::new(0);
+        let observe = |_| match asked.fetch_add(1, Relaxed) < 3000 {
+            true => ControlFlow::Continue(()),
+            false => ControlFlow::Break(()),
+        };
+        let watch = Watch::new(&observe);
+        let found = fewest_watched((&operators, &mesh), &level, (1.0, false), 32, watch);
+        let found = found.expect("it ends by itself");
         assert!(!found.is_met && found.set.cones.len() <= 12, "{:?}", found.set.cones);
+        assert!(asked.into_inner() < 3000);
     }
 
     #[test]
