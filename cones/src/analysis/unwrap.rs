@@ -181,20 +181,30 @@ impl Analysis {
         }
         let task = self.task();
         let chosen = self.configurations(options, &task)?;
-        match self.opened_instead(&chosen, options)? {
+        let mut tried = Times::default();
+        match self.opened_instead(&chosen, options, &mut tried)? {
             Some((opened, other)) => {
                 let mut atlas = opened.with_chosen(other, options, &task)?;
                 atlas.times += opened.times();
                 atlas.times += chosen.0.times;
                 Ok(atlas)
             }
-            None => self.with_chosen(chosen, options, &task),
+            None => {
+                let mut atlas = self.with_chosen(chosen, options, &task)?;
+                atlas.times += tried;
+                Ok(atlas)
+            }
         }
     }
 
     /// The analysis with handles opened and what is chosen there, where that promises the better map: on all components, or, unless
-    /// they share a number of cones, on those where it does.
-    fn opened_instead(&self, chosen: &Chosen, options: &Options) -> Result<Option<(Self, Chosen)>, Error> {
+    /// they share a number of cones, on those where it does; and the time that finding it out took.
+    fn opened_instead(
+        &self,
+        chosen: &Chosen,
+        options: &Options,
+        tried: &mut Times,
+    ) -> Result<Option<(Self, Chosen)>, Error> {
         // Loops are no rigid motions, so that no texture runs on across them; and whoever says where seams run wants no others.
         let seams = &options.seams;
         let has_say = !seams.given.is_empty() || !seams.kept.is_empty() || options.quantize.is_some();
@@ -213,6 +223,8 @@ impl Analysis {
         }
         let Some(opened) = self.with_handles_opened()? else { return Ok(None) };
         let other = opened.configurations(options, &opened.task())?;
+        *tried += opened.times();
+        *tried += other.0.times;
         let is_better = |(part, (closed, opened)): (usize, (&Option<Prediction>, Option<Prediction>))| {
             let is_better = match (closed, opened) {
                 (_, None) => false,
