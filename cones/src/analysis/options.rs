@@ -85,7 +85,7 @@ pub enum Islands {
     Single,
     /// It is cut and put together again across other seams until nothing lies over itself, in as few islands as can be
     /// ([`uv`](crate::uv)). Of a model of several parts that then fills less than .6 of the square an island is cut, too, if a hundredth of
-    /// the seams lets it fill .04 more.
+    /// the seams lets it fill .04 more and nothing is said of where seams run.
     #[default]
     OverlapFree,
     /// The same, and it is cut further where islands then fill more of the square, within [`PackOptions::max_seam`].

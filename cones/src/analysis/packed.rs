@@ -40,8 +40,12 @@ pub(crate) fn packed(
     task: &Task,
     times: &mut Times,
 ) -> Result<Packed, Error> {
-    let (islands, options) = (options.islands, &options.packing_for_texture());
-    let asks = islands == Islands::OverlapFree && components.len() > 1 && options.tiles == Tiles::One;
+    let Options { islands, quantize, ref seams, .. } = *options;
+    // Whoever says where seams run, or has a texture run on across them, wants no others.
+    let has_say = !(seams.given.is_empty() && seams.kept.is_empty() && seams.avoid.is_empty()) || quantize.is_some();
+    let options = &options.packing_for_texture();
+    let is_of_several = islands == Islands::OverlapFree && components.len() > 1 && options.tiles == Tiles::One;
+    let asks = is_of_several && !has_say;
     task.stage((Stage::Pack, 0), times, |watch| {
         let cuts: Vec<EdgeData<bool>> = components.iter().zip(flats).map(|(c, flat)| cut(c, flat)).collect();
         let (first, share) = match islands {
@@ -155,7 +159,7 @@ fn further_cuts(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Analysis, ConeChoice};
+    use crate::{Analysis, ConeChoice, SeamOptions};
     use geom::{Metric, Model, shapes};
 
     /// A hare of area 1, and a flat arc round it, less wide than a hundredth of the hare's seams is long.
@@ -180,15 +184,18 @@ mod tests {
         let model = hare_and_arc();
         let analysis = Analysis::new(&model).unwrap();
         let cones = analysis.choose(&Options { cones: ConeChoice::Each(vec![32, 0]), ..Options::default() }).unwrap();
-        let map = |islands, max_seam| {
-            let options =
-                Options { islands, packing: PackOptions { max_seam, ..PackOptions::default() }, ..Options::default() };
-            analysis.flatten_with(&cones, &options).unwrap()
+        let [a, b, ..] = model.face(0) else { unreachable!("it is a triangle") };
+        let map = |islands, max_seam, avoid: Vec<[u32; 2]>| {
+            let packing = PackOptions { max_seam, ..PackOptions::default() };
+            let seams = SeamOptions { avoid, ..SeamOptions::default() };
+            analysis.flatten_with(&cones, &Options { islands, packing, seams, ..Options::default() }).unwrap()
         };
-        let [kept, free] = [0.0, 0.1].map(|max_seam| map(Islands::OverlapFree, max_seam));
+        let [kept, free] = [0.0, 0.1].map(|max_seam| map(Islands::OverlapFree, max_seam, vec![]));
         assert!(free.fill >= kept.fill + LEAST_GAIN, "{} {}", free.fill, kept.fill);
         let islands = |atlas: &crate::Atlas| atlas.islands.iter().flatten().max().copied();
         assert!(islands(&free) > islands(&kept));
-        assert_eq!(islands(&map(Islands::Single, 0.1)), Some(1));
+        let avoiding = map(Islands::OverlapFree, 0.1, vec![[*a, *b]]);
+        assert_eq!(islands(&avoiding), islands(&kept), "whoever says where seams run wants no others");
+        assert_eq!(islands(&map(Islands::Single, 0.1, vec![])), Some(1));
     }
 }
