@@ -48,18 +48,18 @@ pub(crate) fn packed(
     let asks = is_of_several && !has_say;
     task.stage((Stage::Pack, 0), times, |watch| {
         let cuts: Vec<EdgeData<bool>> = components.iter().zip(flats).map(|(c, flat)| cut(c, flat)).collect();
-        let (first, share) = match islands {
-            Islands::Pack => (None, options.max_seam),
+        let (first, share, watch) = match islands {
+            Islands::Pack => (None, options.max_seam, watch),
             _ => {
                 let packed = arranged(components, (flats, &cuts), options, watch.within(0.0, 0.5))?;
                 if !asks || packed.packing.fill >= LEAST_FILL {
                     return Ok(packed);
                 }
-                (Some(packed), options.max_seam.min(LITTLE))
+                (Some(packed), options.max_seam.min(LITTLE), watch.within(0.5, 1.0))
             }
         };
-        let further = further_cuts(components, (flats, &cuts), (options, share), watch.within(0.5, 0.8))?;
-        let mut packed = arranged(components, (flats, &further), options, watch.within(0.8, 1.0))?;
+        let further = further_cuts(components, (flats, &cuts), (options, share), watch.within(0.0, 0.5))?;
+        let mut packed = arranged(components, (flats, &further), options, watch.within(0.5, 1.0))?;
         if let Some(first) = first.filter(|first| packed.packing.fill < first.packing.fill + LEAST_GAIN) {
             return Ok(first);
         }

@@ -115,8 +115,7 @@ impl ConeCurvatures {
             curvature.iter_mut().for_each(|k| *k += share);
         }
         watch.ask(0.0)?;
-        let mut predicted = operators.uncentred_log_scale(cones, &curvature);
-        operators.centre(&mut predicted);
+        let predicted = operators.log_scale(cones, &curvature);
         Ok(Self { curvature, predicted, out_of_bounds: Vec::new() })
     }
 

@@ -3,7 +3,7 @@
 //! The whole search is made on the [coarse level](super::level), where solves cost next to nothing. Its cones are vertices of
 //! the surface, so the surface's energy model tells at once how good they are there: a solve for each. Then, for each cone, the
 //! best vertex round it that the columns of all cones promise is solved for too, and cones are exchanged with these. Of a large surface
-//! all of that is done on a middle level; on the surface the cones that come out get their curvatures, and what is predicted for them is looked at.
+//! all of that is done on a middle level; on the surface what is predicted for the cones that come out is looked at; optimal curvatures they bring along.
 
 use geom::{Interrupted, PoissonError, VertexId};
 

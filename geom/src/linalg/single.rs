@@ -55,8 +55,8 @@ impl Parted {
     }
 
     #[cfg(test)]
-    pub(super) fn tree_count(&self) -> usize {
-        self.trees.len()
+    pub(super) fn counts(&self) -> [usize; 2] {
+        [self.trees.len(), self.above.len()]
     }
 
     /// The subtrees with their parts of a vector, and vectors for what is above.
