@@ -272,7 +272,12 @@ fn other_counts(count: usize, cause: &Failure) -> Vec<usize> {
         Failure::FoldOvers { .. } => {
             vec![4 * count, (16 * count).min(MOST_OPTIMISED).max(4 * count), count / 4]
         }
-        _ => (1..=4).map(|k| count.max(2) << k).collect(),
+        _ => {
+            let doubled = std::iter::successors(Some(2 * count.max(2)), |count| Some(2 * count));
+            let few = doubled.clone().take(4);
+            let more = doubled.skip(4).take_while(|&count| count <= MOST_OPTIMISED);
+            few.chain(more).collect()
+        }
     }
 }
 
@@ -282,8 +287,9 @@ mod tests {
 
     #[test]
     fn more_cones_are_tried_for_a_metric_and_fewer_too_for_needles() {
-        assert_eq!(other_counts(8, &Failure::Stretched { log: 9.0 }), [16, 32, 64, 128]);
-        assert_eq!(other_counts(0, &Failure::Metric), [4, 8, 16, 32]);
+        assert_eq!(other_counts(8, &Failure::Stretched { log: 9.0 }), [16, 32, 64, 128, 256, 512]);
+        assert_eq!(other_counts(0, &Failure::Metric), [4, 8, 16, 32, 64, 128, 256, 512]);
+        assert_eq!(other_counts(300, &Failure::Metric), [600, 1200, 2400, 4800]);
         assert_eq!(other_counts(8, &Failure::FoldOvers { triangles: 1 }), [32, 128, 2]);
     }
 }

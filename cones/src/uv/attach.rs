@@ -10,16 +10,22 @@
 //!
 //! Whether islands come to lie over each other their boundaries tell. If that of the smaller one meets nothing of the larger, all of this
 //! is covered equally often, and so not at all. So only triangles on that boundary are tested, which are few.
+//!
+//! A surface that was unfolded triangle by triangle falls to tens of thousands of pieces. So chains wait in a queue, only those along the smaller
+//! of two islands are found anew when these are glued, and a chain that could not be glued is not tried again: whatever islands grow by,
+//! what lay over each other still does.
 
-use std::collections::HashSet;
+use std::cmp::Ordering;
+use std::collections::BinaryHeap;
 
-use geom::{CutMesh, EdgeData, FaceData, FaceId, HalfedgeId, Interrupted, Mesh, Watch};
+use geom::{CutMesh, EdgeData, EdgeId, FaceData, FaceId, HalfedgeId, Interrupted, Mesh, Watch};
 
-use super::boxes::{Boxes, bounds};
+use super::boxes::{Bounds, Boxes, bounds, meet};
 use super::chains::{Chain, Loops};
 use super::map::UvMap;
 use super::motion::Motion;
 use super::overlap::{NEGLIGIBLE_DEPTH, Overlap};
+use super::table::{Set, Table};
 use super::triangle;
 
 /// Glued islands may overlap by this share of [`NEGLIGIBLE_DEPTH`], so that they do not overlap after some rounding.
@@ -40,17 +46,23 @@ pub(super) struct Pieces<'a> {
     /// The piece of each triangle, by breadth of islands.
     piece: FaceData<u32>,
     faces: Vec<Vec<FaceId>>,
+    /// The halfedges on the boundary of each piece.
+    rims: Vec<Vec<HalfedgeId>>,
     /// All triangles as they lay at first.
     boxes: &'a Boxes<'a>,
     /// The bounding box of each piece as it lay at first; none without area.
-    bounds: Vec<Option<[[f64; 2]; 2]>>,
-    /// The area of each piece in the plane.
-    area: Vec<f64>,
+    bounds: Vec<Option<Bounds>>,
+    /// And as it lies now.
+    placed: Vec<Option<Bounds>>,
     motion: Vec<Motion>,
     /// The island of each piece.
     island: Vec<u32>,
     /// The pieces of each island.
     pieces: Vec<Vec<u32>>,
+    /// How many triangles are on each island,
+    size: Vec<usize>,
+    /// and their area in the plane.
+    area: Vec<f64>,
     cut: EdgeData<bool>,
     loops: Loops<'a>,
 }
@@ -101,6 +113,10 @@ impl<'a> Pieces<'a> {
         let piece: FaceData<u32> = mesh.faces().map(|f| opened.island(f)).collect();
         let mut faces = vec![Vec::new(); count];
         mesh.faces().for_each(|f| faces[piece[f] as usize].push(f));
+        let mut rims = vec![Vec::new(); count];
+        opened.boundary_loops().iter().flatten().for_each(|&h| rims[piece[mesh.face(h)] as usize].push(h));
+        let bounds: Vec<Option<Bounds>> =
+            faces.iter().map(|faces| boxes.bounds_of(faces.iter().map(|f| f.0))).collect();
         Self {
             mesh,
             map,
@@ -109,9 +125,12 @@ impl<'a> Pieces<'a> {
             extent: map.extent(),
             piece,
             boxes,
-            bounds: faces.iter().map(|faces| boxes.bounds_of(faces.iter().map(|f| f.0))).collect(),
+            placed: bounds.clone(),
+            bounds,
+            size: faces.iter().map(Vec::len).collect(),
             area: faces.iter().map(|faces| faces.iter().map(|f| boxes.area(f.0)).sum()).collect(),
             faces,
+            rims,
             motion: vec![Motion::NONE; count],
             island: (0..count as u32).collect(),
             pieces: (0..count as u32).map(|p| vec![p]).collect(),
@@ -120,44 +139,36 @@ impl<'a> Pieces<'a> {
         }
     }
 
-    /// Glues what can be glued.
+    /// Glues what can be glued, longest chain first.
     pub(super) fn attach(&mut self, watch: Watch) -> Result<(), Interrupted> {
-        let mut glued = 0;
-        // Chains that were tried, with the numbers of pieces that their islands had.
-        let mut tried: HashSet<(HalfedgeId, HalfedgeId, [usize; 2])> = HashSet::new();
         let all = self.pieces.len().max(2) - 1;
-        let mut chains = self.chains();
-        loop {
-            let mut found = None;
-            for (k, chain) in chains.iter().enumerate() {
-                watch.ask(glued as f64 / all as f64)?;
-                let sizes = chain.islands.map(|island| self.pieces[island as usize].len());
-                let key = (chain.sides[0], chain.sides[chain.sides.len() - 1], sizes);
-                if tried.insert(key) && self.can_glue(chain) {
-                    found = Some(k);
-                    break;
-                }
+        let mut glued = 0;
+        let mut queue = Queue::new(self.mesh, self.chains());
+        while let Some(chain) = queue.pop() {
+            watch.ask(glued as f64 / all as f64)?;
+            if chain.islands.iter().any(|&island| self.pieces[island as usize].is_empty()) {
+                continue;
             }
-            let Some(k) = found else { return Ok(()) };
-            let chain = chains.swap_remove(k);
-            self.glue(&chain);
-            glued += 1;
-            // Other chains than those of the two islands stay as they are.
-            chains.retain(|other| !other.islands.iter().any(|island| chain.islands.contains(island)));
-            let merged = self.island_of(chain.sides[0]);
-            chains.extend(self.chains_between(|islands| islands[0] < islands[1] && islands.contains(&merged)));
-            chains.sort_by(Chain::longer_first);
+            if self.can_glue(&chain) {
+                queue.extend(self.glue(&chain));
+                glued += 1;
+            } else {
+                queue.refuse(&chain);
+            }
         }
+        Ok(())
     }
 
     /// The chains between different islands, longest first.
     pub(super) fn chains(&self) -> Vec<Chain> {
-        self.chains_between(|[one, other]| one < other)
+        self.chains_through(self.rims.iter().flatten().copied())
     }
 
-    fn chains_between(&self, asked: impl Fn([u32; 2]) -> bool) -> Vec<Chain> {
-        self.loops.chains(
-            asked,
+    /// Those that some of the halfedges are in.
+    fn chains_through(&self, some: impl Iterator<Item = HalfedgeId>) -> Vec<Chain> {
+        self.loops.chains_through(
+            some,
+            |[one, other]| one < other,
             (|h| self.island_of(h), |e| self.kept.is_some_and(|kept| kept[e])),
             |h| self.motion[self.piece[self.mesh.face(h)] as usize].of(self.map.position[h]),
             self.lengths,
@@ -169,14 +180,10 @@ impl<'a> Pieces<'a> {
         self.island[self.piece[self.mesh.face(h)] as usize]
     }
 
-    fn size(&self, island: u32) -> usize {
-        self.pieces[island as usize].iter().map(|&p| self.faces[p as usize].len()).sum()
-    }
-
     /// The smaller of a chain's islands, the larger, and the motion that takes the smaller to it.
     fn gluing(&self, chain: &Chain) -> (u32, u32, Motion) {
         let [left, right] = chain.islands;
-        match self.size(left) < self.size(right) {
+        match self.size[left as usize] < self.size[right as usize] {
             true => (left, right, chain.motion.inverse()),
             false => (right, left, chain.motion),
         }
@@ -184,15 +191,21 @@ impl<'a> Pieces<'a> {
 
     /// Whether the two islands of a chain lie beside each other when it is glued; see the module's head.
     fn can_glue(&self, chain: &Chain) -> bool {
-        let area = |island: u32| self.pieces[island as usize].iter().map(|&p| self.area[p as usize]).sum::<f64>();
         let [left, right] = chain.islands;
-        let (small, large, motion) = match area(left) < area(right) {
+        let (small, large, motion) = match self.area[left as usize] < self.area[right as usize] {
             true => (left, right, chain.motion.inverse()),
             false => (right, left, chain.motion),
         };
         self.pieces[small as usize].iter().all(|&p| {
+            let Some(moved) = self.bounds[p as usize] else { return true };
+            let moved = moved_bounds(moved, &motion.after(&self.motion[p as usize]));
+            let meets = |q: &&u32| self.placed[**q as usize].is_some_and(|still| meet(&moved, &still));
+            let mut near = self.pieces[large as usize].iter().filter(meets).peekable();
+            if near.peek().is_none() {
+                return true;
+            }
             let tested = self.boundary(p);
-            self.pieces[large as usize].iter().all(|&q| {
+            near.all(|&q| {
                 let motion = self.between([p, q], &motion);
                 match self.faces[q as usize].len() < tested.len() {
                     true => self.meetings_of([q, p], &self.faces[q as usize], &motion.inverse(), &mut |_| false),
@@ -204,8 +217,8 @@ impl<'a> Pieces<'a> {
 
     /// The triangles of a piece that are on the boundary of its island; all of them where one of these has no area.
     fn boundary(&self, p: u32) -> Vec<FaceId> {
-        let of_piece = |f: &FaceId| self.piece[*f] == p;
-        let mut found: Vec<FaceId> = self.loops.all().iter().map(|&h| self.mesh.face(h)).filter(of_piece).collect();
+        let rim = self.rims[p as usize].iter().filter(|&&h| self.loops.contains(h));
+        let mut found: Vec<FaceId> = rim.map(|&h| self.mesh.face(h)).collect();
         found.sort_unstable();
         found.dedup();
         let has_area = |f: &FaceId| self.boxes.upright(f.0).is_some();
@@ -284,17 +297,23 @@ impl<'a> Pieces<'a> {
         true
     }
 
-    /// Glues a chain.
-    pub(super) fn glue(&mut self, chain: &Chain) {
+    /// Glues a chain. The chains that come of it are all those along the smaller island, and what joins them.
+    pub(super) fn glue(&mut self, chain: &Chain) -> Vec<Chain> {
         let (small, large, motion) = self.gluing(chain);
         let moved = std::mem::take(&mut self.pieces[small as usize]);
         for &p in &moved {
-            self.motion[p as usize] = motion.after(&self.motion[p as usize]);
-            self.island[p as usize] = large;
+            let (p, motion) = (p as usize, motion.after(&self.motion[p as usize]));
+            self.placed[p] = self.bounds[p].map(|bounds| moved_bounds(bounds, &motion));
+            self.motion[p] = motion;
+            self.island[p] = large;
         }
-        self.pieces[large as usize].extend(moved);
+        self.size[large as usize] += std::mem::take(&mut self.size[small as usize]);
+        self.area[large as usize] += std::mem::take(&mut self.area[small as usize]);
+        self.pieces[large as usize].extend(&moved);
         chain.sides.iter().for_each(|&h| self.cut[self.mesh.edge(h)] = false);
-        self.loops.glue(chain);
+        let joined = self.loops.glue(chain);
+        let rims = moved.iter().flat_map(|&p| &self.rims[p as usize]).copied().chain(joined);
+        self.chains_through(rims.flat_map(|h| [Some(h), self.mesh.twin(h)]).flatten())
     }
 
     /// What has become of the map.
@@ -304,7 +323,7 @@ impl<'a> Pieces<'a> {
 
     /// How many triangles each island has.
     pub(super) fn sizes(&self) -> Vec<usize> {
-        (0..self.pieces.len() as u32).map(|island| self.size(island)).filter(|&size| size > 0).collect()
+        self.size.iter().copied().filter(|&size| size > 0).collect()
     }
 
     /// Where the map is open.
@@ -313,10 +332,131 @@ impl<'a> Pieces<'a> {
     }
 }
 
+/// A bounding box that holds another one where this is moved.
+fn moved_bounds([low, high]: Bounds, motion: &Motion) -> Bounds {
+    bounds(&[low, [high[0], low[1]], high, [low[0], high[1]]].map(|corner| motion.of(corner)))
+}
+
 /// Whether bounding boxes meet where the first is moved.
-fn may_meet(moved: Option<[[f64; 2]; 2]>, still: Option<[[f64; 2]; 2]>, motion: &Motion) -> bool {
-    let (Some([low, high]), Some(still)) = (moved, still) else { return false };
-    let corners = [low, [high[0], low[1]], high, [low[0], high[1]]].map(|corner| motion.of(corner));
-    let [low, high] = bounds(&corners);
-    (0..2).all(|i| low[i] <= still[1][i] && still[0][i] <= high[i])
+fn may_meet(moved: Option<Bounds>, still: Option<Bounds>, motion: &Motion) -> bool {
+    let (Some(moved), Some(still)) = (moved, still) else { return false };
+    meet(&moved_bounds(moved, motion), &still)
+}
+
+/// The chains that are to be tried.
+struct Queue<'a> {
+    mesh: &'a Mesh,
+    waiting: BinaryHeap<Waiting>,
+    /// How many have been added.
+    count: usize,
+    /// The number of the last chain that each edge was in.
+    last: Table<EdgeId, usize>,
+    /// Edges of chains that cannot be glued.
+    refused: Set<EdgeId>,
+}
+
+impl<'a> Queue<'a> {
+    fn new(mesh: &'a Mesh, chains: Vec<Chain>) -> Self {
+        let (waiting, last, refused) = (BinaryHeap::new(), Table::default(), Set::default());
+        let mut queue = Self { mesh, waiting, count: 0, last, refused };
+        queue.extend(chains);
+        queue
+    }
+
+    /// Adds chains, in place of those that their edges were in.
+    fn extend(&mut self, chains: Vec<Chain>) {
+        for chain in chains {
+            let edges = || chain.sides.iter().map(|&h| self.mesh.edge(h));
+            let is_refused = edges().any(|e| self.refused.contains(&e));
+            self.last.extend(edges().map(|e| (e, self.count)));
+            if !is_refused {
+                self.waiting.push(Waiting { chain, number: self.count });
+            }
+            self.count += 1;
+        }
+    }
+
+    /// The longest one.
+    fn pop(&mut self) -> Option<Chain> {
+        while let Some(Waiting { chain, number }) = self.waiting.pop() {
+            if self.last.get(&self.mesh.edge(chain.sides[0])) == Some(&number) {
+                return Some(chain);
+            }
+        }
+        None
+    }
+
+    /// Says that a chain cannot be glued, nor any that it becomes part of.
+    fn refuse(&mut self, chain: &Chain) {
+        self.refused.extend(chain.sides.iter().map(|&h| self.mesh.edge(h)));
+    }
+}
+
+/// A chain and its number; the longest is the greatest.
+struct Waiting {
+    chain: Chain,
+    number: usize,
+}
+
+impl Ord for Waiting {
+    fn cmp(&self, other: &Self) -> Ordering {
+        other.chain.longer_first(&self.chain)
+    }
+}
+
+impl PartialOrd for Waiting {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl PartialEq for Waiting {
+    fn eq(&self, other: &Self) -> bool {
+        self.cmp(other) == Ordering::Equal
+    }
+}
+
+impl Eq for Waiting {}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::flatten::flattened::Flattened;
+    use geom::{VertexId, shapes};
+
+    #[test]
+    fn of_single_triangles_nothing_is_left_that_could_be_glued() {
+        let mut chains = 0;
+        for (shape, count) in [(shapes::hare(400), 12), (shapes::hare(900), 60), (shapes::torus(2, 800), 60)] {
+            let cones: Vec<VertexId> = (0..count).map(|k| VertexId(5 + k * 12)).collect();
+            let Flattened { mesh, metric, layout, .. } = Flattened::new(&shape, &cones);
+            let position = mesh.halfedges().map(|h| [layout.corner(h).re, layout.corner(h).im]).collect();
+            let map = UvMap { position, cut: EdgeData::constant(mesh.edge_count(), true) };
+            let boxes = Boxes::new(map.triangles());
+            let mut pieces = Pieces::new((&mesh, metric.lengths(), None), &map, &boxes, map.cut.clone());
+            pieces.attach(Watch::NONE).unwrap();
+            let left = pieces.chains();
+            assert!(left.iter().all(|chain| !pieces.can_glue(chain)));
+            chains += left.len();
+            let islands = pieces.pieces.iter().filter(|pieces| !pieces.is_empty()).count();
+            assert_eq!(islands, map_of(pieces, &map, &mesh).opened(&mesh).island_count());
+        }
+        assert!(chains > 10, "{chains} chains could not be glued");
+    }
+
+    /// What comes of pieces; each island is a disk.
+    fn map_of(pieces: Pieces, before: &UvMap, mesh: &Mesh) -> UvMap {
+        let map = pieces.moved().snapped(mesh, before.clone());
+        let opened = map.opened(mesh);
+        assert_eq!(opened.euler_characteristic(), opened.island_count() as i64);
+        assert_eq!(opened.boundary_loops().len(), opened.island_count());
+        for h in mesh.halfedges() {
+            let length = |map: &UvMap| {
+                let [[x, y], [z, w]] = [h, mesh.next(h)].map(|h| map.position[h]);
+                (x - z).hypot(y - w)
+            };
+            assert!((length(&map) - length(before)).abs() < 1e-9 * before.extent());
+        }
+        map
+    }
 }

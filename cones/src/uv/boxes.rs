@@ -16,7 +16,7 @@ const BITS: u32 = 16;
 const AT_ONCE: usize = 1 << 12;
 
 /// The lower left and the upper right corner.
-type Bounds = [[f64; 2]; 2];
+pub(super) type Bounds = [[f64; 2]; 2];
 
 /// Triangles in a tree of their bounding boxes.
 #[derive(Debug)]
@@ -108,7 +108,7 @@ fn joined([low, high]: Bounds, [l, h]: Bounds) -> Bounds {
     [[low[0].min(l[0]), low[1].min(l[1])], [high[0].max(h[0]), high[1].max(h[1])]]
 }
 
-fn meet([low, high]: &Bounds, [l, h]: &Bounds) -> bool {
+pub(super) fn meet([low, high]: &Bounds, [l, h]: &Bounds) -> bool {
     (0..2).all(|i| low[i] <= h[i] && l[i] <= high[i])
 }
 

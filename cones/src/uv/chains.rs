@@ -40,7 +40,7 @@ impl Chain {
 #[derive(Clone, Debug)]
 pub(super) struct Loops<'a> {
     mesh: &'a Mesh,
-    /// The halfedges at the boundary, each loop in order.
+    /// The halfedges that were at the boundary at first, each loop in order.
     all: Vec<HalfedgeId>,
     /// What comes after a halfedge on the boundary.
     next: Table<HalfedgeId, HalfedgeId>,
@@ -64,9 +64,9 @@ impl<'a> Loops<'a> {
         self.previous.insert(next, h);
     }
 
-    /// The halfedges on the boundary.
-    pub(super) fn all(&self) -> &[HalfedgeId] {
-        &self.all
+    /// Whether a halfedge is on the boundary.
+    pub(super) fn contains(&self, h: HalfedgeId) -> bool {
+        self.next.contains_key(&h)
     }
 
     fn next(&self, h: HalfedgeId) -> Option<HalfedgeId> {
@@ -77,14 +77,16 @@ impl<'a> Loops<'a> {
         self.previous.get(&h).copied()
     }
 
-    /// Takes the sides of a chain off the boundary.
-    pub(super) fn glue(&mut self, chain: &Chain) {
+    /// Takes the sides of a chain off the boundary. What comes to follow each other instead.
+    pub(super) fn glue(&mut self, chain: &Chain) -> Vec<HalfedgeId> {
+        let mut joined = Vec::new();
         for &h in &chain.sides {
             let Some(g) = self.mesh.twin(h) else { continue };
             // What comes before one side goes on with what comes after the other.
             for (before, after) in [(self.previous(h), self.next(g)), (self.previous(g), self.next(h))] {
                 if let (Some(before), Some(after)) = (before, after) {
                     self.link(before, after);
+                    joined.extend([before, after]);
                 }
             }
             for side in [h, g] {
@@ -92,14 +94,26 @@ impl<'a> Loops<'a> {
                 self.previous.remove(&side);
             }
         }
-        let next = &self.next;
-        self.all.retain(|&h| next.contains_key(&h));
+        joined
     }
 
     /// The chains of edges that are not kept open, between islands that are `asked` for, longest first; of each chain the side whose island comes
     /// first. `position` gives the corners as they lie now.
     pub(super) fn chains(
         &self,
+        asked: impl Fn([u32; 2]) -> bool,
+        given: (impl Fn(HalfedgeId) -> u32, impl Fn(EdgeId) -> bool),
+        position: impl Fn(HalfedgeId) -> [f64; 2],
+        lengths: &EdgeData<f64>,
+        extent: f64,
+    ) -> Vec<Chain> {
+        self.chains_through(self.all.iter().copied(), asked, given, position, lengths, extent)
+    }
+
+    /// The [`chains`](Self::chains) of the runs that some of the halfedges are in.
+    pub(super) fn chains_through(
+        &self,
+        some: impl Iterator<Item = HalfedgeId>,
         asked: impl Fn([u32; 2]) -> bool,
         (island, is_kept): (impl Fn(HalfedgeId) -> u32, impl Fn(EdgeId) -> bool),
         position: impl Fn(HalfedgeId) -> [f64; 2],
@@ -121,7 +135,7 @@ impl<'a> Loops<'a> {
         };
         let mut is_done = Set::default();
         let mut chains = Vec::new();
-        for &first in &self.all {
+        for first in some.filter(|&h| self.contains(h)) {
             if islands(first).is_none() || is_done.contains(&first) {
                 continue;
             }
