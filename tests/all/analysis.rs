@@ -470,11 +470,30 @@ fn only_needles_are_refined_where_needles_are_to_be() {
         (analysis.refined().is_some(), analysis.needle_share())
     };
     assert_eq!(refine(&shapes::hare(600)), (false, 0.0));
-    let (is_refined, left) = refine(&solids::tube(3, 40));
-    assert!(!is_refined || left < 1e-9);
+    let spindle = solids::mapped(&solids::octahedron(), |[x, y, z]| [x, y, 40.0 * z]);
+    let (is_refined, left) = refine(&spindle);
+    assert!(is_refined && left < 1e-3, "{left}: corners that are narrow stay so");
+}
+
+#[test]
+fn flat_parts_are_left_as_they_are_where_needles_are_to_be_refined() {
+    let strip = solids::mapped(&shapes::disk(3), |[x, y, _]| [x, 1e-2 * y, 2.0 + 0.3 * x]);
     let prism = solids::mapped(&solids::tube(24, 1), |[x, y, z]| [x, y, 40.0 * z]);
-    let (is_refined, left) = refine(&prism);
-    assert!(is_refined && left < 1e-9, "{left}");
+    let spindle = solids::mapped(&solids::octahedron(), |[x, y, z]| [x, y, 12.0 * z]);
+    let preparation = Preparation { refine: Refining::Needles, ..Preparation::default() };
+    let with = |shape: &Shape| (model(shape), Analysis::with(&model(shape), preparation).expect("a sound model"));
+    for flat in [&strip, &prism] {
+        let (_, analysis) = with(flat);
+        assert!(analysis.refined().is_none() && analysis.needle_share() > 0.5, "nothing would be gained");
+    }
+    let (given, analysis) = with(&solids::side_by_side(&[strip.clone(), spindle]));
+    let refined = analysis.refined().expect("the other part is bent");
+    let count = strip.triangles.len() as u32;
+    assert!(refined.face.iter().filter(|face| **face < count).copied().eq(0..count));
+    assert!(refined.model.face_count() > given.face_count() + 100);
+    let atlas = analysis.atlas(&Options::default()).expect("it unwraps");
+    let found = check_map(&refined.model, &atlas);
+    assert_eq!((found.flipped, found.degenerate, found.torn), (0, 0, 0), "{:?}", atlas.notes);
 }
 
 #[test]

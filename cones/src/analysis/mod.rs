@@ -155,7 +155,8 @@ impl Analysis {
         let repairs = std::mem::take(&mut prepared.repairs);
         let task = Task::new(&observer, prepared.surfaces.len());
         let (ready, refined, triangles, left_out) = if is_asked_for(preparation.refine, &prepared.surfaces) {
-            let (ready, refined, triangles, left_out) = refine_all(model, prepared, &task, &mut times)?;
+            let (ready, refined, triangles, left_out) =
+                refine_all(model, (prepared, preparation.refine), &task, &mut times)?;
             (ready, Some(refined), triangles, left_out)
         } else {
             let Prepared { surfaces, triangles, left_out, .. } = prepared;

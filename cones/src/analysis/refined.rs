@@ -7,8 +7,8 @@
 
 use geom::{
     CommonRefinement, EdgeData, EdgeId, FaceData, FaceId, HalfedgeData, HalfedgeId, Id, Intrinsic, Mesh, MeshError,
-    Metric, Model, Prepared, Refinement, Surface, SurfacePoint, Triangles, Triangulation, VertexId, Watch, delaunay,
-    refine_watched,
+    Metric, Model, Prepared, Refinement, Surface, SurfacePoint, Triangles, Triangulation, VertexId, Watch,
+    angle_defects, delaunay, refine_watched,
 };
 use rayon::prelude::*;
 
@@ -20,6 +20,9 @@ use crate::flatten::Chain;
 
 /// Angles below this, in radians, make a triangle a needle: 10°.
 const NEEDLE: f64 = std::f64::consts::PI / 18.0;
+
+/// Angle defects below this, in radians, are rounding.
+const FLAT: f64 = 1e-6;
 
 /// The share of the area in needles, after intrinsic Delaunay flips, from which a model is better refined. Scans and remeshed
 /// surfaces have at most 0.03; CAD parts with needles from 0.4 on (`cheese` 0.39, `thingi520644` 0.46, `thingi79741` 0.72).
@@ -34,7 +37,7 @@ pub(crate) fn needle_share<'a>(parts: impl Iterator<Item = (&'a Triangulation, &
     if whole > 0.0 { needles / whole } else { 0.0 }
 }
 
-/// Whether surfaces are to be refined. A Delaunay triangulation of each where that depends on needles.
+/// Whether surfaces are to be refined. A Delaunay triangulation of each that is not flat where that depends on needles.
 pub(crate) fn is_asked_for(refining: Refining, surfaces: &[Surface]) -> bool {
     match refining {
         Refining::Never => false,
@@ -43,7 +46,9 @@ pub(crate) fn is_asked_for(refining: Refining, surfaces: &[Surface]) -> bool {
             let flipped: Vec<(Intrinsic, f64)> = surfaces
                 .par_iter()
                 .with_max_len(1)
-                .map(|surface| (delaunay(&surface.mesh, &surface.metric()), surface.scale.powi(-2)))
+                .map(|surface| (surface, surface.metric()))
+                .filter(|(surface, metric)| !is_flat(surface, metric))
+                .map(|(surface, metric)| (delaunay(&surface.mesh, &metric), surface.scale.powi(-2)))
                 .collect();
             let parts = flipped.iter().map(|(intrinsic, scale)| (&intrinsic.triangulation, &intrinsic.metric, *scale));
             needle_share(parts) > MOST_NEEDLES
@@ -153,7 +158,11 @@ impl Ready {
 
     /// Goes from triangles of the refined model in any order to their places in it.
     fn renumber(&mut self, number: &[u32]) {
-        let Some(way) = &mut self.way else { return };
+        let Some(way) = &mut self.way else {
+            self.surface.triangle.iter_mut().for_each(|t| *t = number[*t as usize]);
+            self.surface.corner.iter_mut().for_each(|c| *c = 3 * number[*c as usize / 3] + *c % 3);
+            return;
+        };
         way.triangle.iter_mut().for_each(|t| *t = number[*t as usize]);
         for (corner, h, along) in way.corners() {
             if along <= 0.0 {
@@ -164,13 +173,21 @@ impl Ready {
     }
 }
 
-/// Refines all surfaces of a model; what was prepared becomes that of the refined model.
+/// Whether a surface is flat as it is, but at its boundary: whatever its triangles, it is unrolled without distortion.
+fn is_flat(Surface { mesh, .. }: &Surface, metric: &Metric) -> bool {
+    let defects = angle_defects(mesh, metric);
+    let mut inner = mesh.vertices().filter(|&v| !mesh.is_boundary_vertex(v));
+    mesh.vertices().any(|v| mesh.is_boundary_vertex(v)) && inner.all(|v| defects[v].abs() < FLAT)
+}
+
+/// Refines the surfaces of a model, but where needles alone ask for it none that is flat; what was prepared becomes that of the refined
+/// model.
 ///
 /// # Errors
 /// If the refined model is too large, or the watch has said stop.
 pub(crate) fn refine_all(
     model: &Model,
-    prepared: Prepared,
+    (prepared, refining): (Prepared, Refining),
     task: &Task,
     times: &mut Times,
 ) -> Result<(Vec<Ready>, RefinedModel, Triangles, Vec<u32>), Error> {
@@ -178,17 +195,24 @@ pub(crate) fn refine_all(
     let refinements = task.stage((Stage::Prepare, 0), times, |watch: Watch| {
         let refine = |surface: &Surface| {
             let metric = surface.metric();
-            refine_watched(&surface.mesh, &metric, LARGEST * metric.area(&surface.mesh).sqrt(), watch)
+            if refining == Refining::Needles && is_flat(surface, &metric) {
+                return Ok(None);
+            }
+            let largest = LARGEST * metric.area(&surface.mesh).sqrt();
+            refine_watched(&surface.mesh, &metric, largest, watch).map(Some)
         };
-        surfaces.par_iter().with_max_len(1).map(refine).collect::<Result<Vec<Refinement>, _>>()
+        surfaces.par_iter().with_max_len(1).map(refine).collect::<Result<Vec<Option<Refinement>>, _>>()
     })??;
-    let is_complete = refinements.iter().all(|refinement| refinement.is_complete);
+    let is_complete = refinements.iter().flatten().all(|refinement| refinement.is_complete);
     task.stage((Stage::Prepare, 0), times, |watch: Watch| {
         let mut growing =
             Growing { points: model.points().to_vec(), added: Vec::new(), triangles: Vec::new(), face: Vec::new() };
         let mut ready: Vec<Ready> = Vec::with_capacity(surfaces.len());
         for (surface, refinement) in surfaces.into_iter().zip(refinements) {
-            ready.push(growing.add(model, &triangles, surface, refinement));
+            ready.push(match refinement {
+                Some(refinement) => growing.add(model, &triangles, surface, refinement),
+                None => growing.add_as_it_is(model, &triangles, surface),
+            });
             watch.ask(0.5)?;
         }
         let kept = growing.triangles.len();
@@ -229,6 +253,26 @@ impl Growing {
         self.triangles = order.iter().map(|&t| self.triangles[t as usize]).collect();
         self.face = order.iter().map(|&t| self.face[t as usize]).collect();
         number
+    }
+
+    /// Adds a surface that is not refined.
+    fn add_as_it_is(&mut self, model: &Model, triangles: &Triangles, mut surface: Surface) -> Ready {
+        let first = self.triangles.len() as u32;
+        for (number, t) in (first..).zip(surface.triangle.iter_mut()) {
+            let corners = triangles.corners[*t as usize];
+            self.triangles.push(corners.map(|c| model.corners()[c as usize]));
+            self.face.push(triangles.face_of[*t as usize]);
+            *t = number;
+            let place = |corner: u32| corners.iter().position(|&c| c == corner).expect("it is the triangle's");
+            let f = FaceId(number - first);
+            surface
+                .mesh
+                .sides(f)
+                .iter()
+                .for_each(|&h| surface.corner[h] = 3 * number + place(surface.corner[h]) as u32);
+        }
+        surface.diagonal = EdgeData::constant(surface.mesh.edge_count(), false);
+        Ready::as_it_is(surface)
     }
 
     fn add(&mut self, model: &Model, triangles: &Triangles, surface: Surface, refinement: Refinement) -> Ready {

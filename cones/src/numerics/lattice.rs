@@ -15,8 +15,10 @@ const SLACK: f64 = 1e-9;
 const LEAST_GAIN: f64 = 1e-12;
 /// So many exchanges that do harm alone are tried as the first of several.
 const DETOURS: usize = 24;
-/// So many of these detours are taken.
+/// So many of these detours are taken,
 const MOST_DETOURS: usize = 50;
+/// fewer for more variables than this, each of which costs their square; and so many times variables are fixed, which costs their cube.
+const DOZENS: usize = 64;
 /// Up to so many choices of multiples each is tried: those of five cones with quarters of a turn.
 const FEW: f64 = 40_000.0;
 
@@ -125,7 +127,7 @@ impl<'a> Lattice<'a> {
         Ok(self.mended(optimum.iter().enumerate().map(|(i, &q)| self.nearest(i, q)).collect()))
     }
 
-    /// Variables fixed one by one, the nearest to the lattice first.
+    /// Variables fixed one by one, the nearest to the lattice first; several at a time where there are more than [`DOZENS`].
     fn one_by_one(&self) -> Result<Vec<i32>, ProgramError> {
         let mut bounds = self.bounds.to_vec();
         let mut free: Vec<usize> = (0..bounds.len()).collect();
@@ -135,12 +137,14 @@ impl<'a> Lattice<'a> {
             let Ok(optimum) = minimise(self.energy, &bounds, self.total) else { break };
             let q = optimum.curvatures;
             let off = |i: usize| (q[i] - f64::from(self.nearest(i, q[i])) * self.step).abs();
-            let place = (0..free.len()).min_by(|&a, &b| off(free[a]).total_cmp(&off(free[b]))).expect("one is free");
             for &i in &free {
                 multiples[i] = self.nearest(i, q[i]);
             }
-            let i = free.swap_remove(place);
-            bounds[i] = [f64::from(multiples[i]) * self.step; 2];
+            for _ in 0..self.range.len().div_ceil(DOZENS).min(free.len()) {
+                let place = (0..free.len()).min_by(|&a, &b| off(free[a]).total_cmp(&off(free[b])));
+                let i = free.swap_remove(place.expect("one is free"));
+                bounds[i] = [f64::from(multiples[i]) * self.step; 2];
+            }
         }
         Ok(self.mended(multiples))
     }
@@ -181,24 +185,30 @@ impl<'a> Lattice<'a> {
         exchanges
     }
 
-    /// The exchanges that keep the sum, best first.
+    /// The exchanges that keep the sum.
+    fn allowed(&self, multiples: &[i32]) -> impl Iterator<Item = Exchange> {
+        let is_free = self.sum.is_none();
+        self.exchanges(multiples).into_iter().filter(move |e| is_free || e.up.is_some() && e.down.is_some())
+    }
+
+    /// The best of them first.
     fn ranked(&self, multiples: &[i32]) -> Vec<Exchange> {
-        let keeps = |e: &Exchange| self.sum.is_none() || e.up.is_some() && e.down.is_some();
-        let mut exchanges: Vec<Exchange> = self.exchanges(multiples).into_iter().filter(keeps).collect();
+        let mut exchanges: Vec<Exchange> = self.allowed(multiples).collect();
         exchanges.sort_by(|a, b| a.change.total_cmp(&b.change));
         exchanges
     }
 
     fn descend(&self, mut multiples: Vec<i32>) -> Vec<i32> {
-        while let Some(&best) = self.ranked(&multiples).first().filter(|best| best.change < -self.gain) {
+        loop {
+            let best = self.allowed(&multiples).min_by(|a, b| a.change.total_cmp(&b.change));
+            let Some(best) = best.filter(|best| best.change < -self.gain) else { return multiples };
             apply(&mut multiples, best);
         }
-        multiples
     }
 
     fn descend_deeply(&self, start: Vec<i32>) -> Vec<i32> {
         let mut best = self.descend(start);
-        for _ in 0..MOST_DETOURS {
+        for _ in 0..MOST_DETOURS * DOZENS.pow(2) / self.range.len().max(DOZENS).pow(2) {
             let least = self.value(&best) - self.gain;
             let ends = self.ranked(&best).into_iter().take(DETOURS).map(|exchange| {
                 let mut multiples = best.clone();
