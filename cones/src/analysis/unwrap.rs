@@ -430,8 +430,7 @@ impl Analysis {
             let whole: f64 = flat.quality.ratios.iter().map(|(area, _)| area).sum();
             let size = flat.size * flat.size * component.surface.scale * component.surface.scale;
             let ratios = flat.quality.ratios.iter();
-            let of_model = ratios.map(|(area, r)| (area / whole * component.area, r * size));
-            of_model.filter(|(area, _)| *area > 0.0).collect::<Vec<_>>()
+            ratios.map(|(area, r)| (area / whole * component.area, r * size)).collect::<Vec<_>>()
         };
         let all: Vec<(f64, f64)> = self.components().iter().zip(flats).flat_map(scaled).collect();
         ChosenNumber { chosen, predicted, is_met: distortion_of(&all) <= number.target + ROUNDING, ..number }
