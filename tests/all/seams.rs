@@ -359,7 +359,9 @@ fn figures(surface: &Surface, metric: &Metric, model: &Model, cones: &[VertexId]
 
 #[test]
 fn straight_seams_turn_less_and_are_hardly_longer() {
-    for shape in [shapes::terrain(2500, 2), shapes::hare(2500), shapes::torus(2, 2500), shapes::sphere(2500)] {
+    // Terrain has bends that seams follow: .88, where it was .83 with a smaller discount for them; the others .76 to .80.
+    let smooth = [shapes::hare(2500), shapes::torus(2, 2500), shapes::sphere(2500)].map(|shape| (shape, 0.85));
+    for (shape, most) in smooth.into_iter().chain([(shapes::terrain(2500, 2), 0.9)]) {
         let model: Model = shape.into();
         let surface = &prepare(&model, false).unwrap().surfaces[0];
         let metric = surface.metric();
@@ -370,7 +372,7 @@ fn straight_seams_turn_less_and_are_hardly_longer() {
             shortest += figures(surface, &metric, &model, &cones, 0.0);
             straight += figures(surface, &metric, &model, &cones, SeamOptions::default().weight);
         }
-        assert!(straight.turning_per_length() < 0.85 * shortest.turning_per_length(), "{shortest:?} {straight:?}");
+        assert!(straight.turning_per_length() < most * shortest.turning_per_length(), "{shortest:?} {straight:?}");
         assert!(straight.length < 1.03 * shortest.length, "{shortest:?} {straight:?}");
     }
 }
