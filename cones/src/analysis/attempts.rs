@@ -288,9 +288,11 @@ fn other_counts(count: usize, most: usize, cause: &Failure) -> Vec<usize> {
         }
         _ => {
             let doubled = std::iter::successors(Some(2 * count.max(2)), |count| Some(2 * count));
-            let few = doubled.clone().take(4);
-            let more = doubled.skip(4).take_while(|&count| count <= MOST_OPTIMISED);
-            few.chain(more).collect()
+            doubled
+                .enumerate()
+                .take_while(|&(k, count)| k < 4 || count <= MOST_OPTIMISED)
+                .map(|(_, count)| count)
+                .collect()
         }
     };
     counts.retain(|&other| other <= most);

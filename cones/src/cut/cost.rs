@@ -12,7 +12,7 @@ use rayon::prelude::*;
 
 /// What a sharp edge is cheaper by at full weight, as a share of its length. At half the weight, the default, a way along sharp
 /// edges is taken that is up to two thirds longer; seams as a whole become little longer, since most have none beside them. With .5 part of 1,500 to
-/// 12,000 vertices with 8 cones has .66 to .79 of its seams along sharp edges, with this .81 to .85, fandisk .52 and .82; on 34 meshes
+/// 12,000 vertices with 8 cones has .66 to .79 of its seams along sharp edges, with this .81 to .85, fandisk .52 and .82; on 33 meshes
 /// seams are .6 % longer.
 const SHARP: f64 = 0.8;
 /// What a wholly hidden edge is cheaper by. It moves seams little: at half the weight those of part, hare, bunny, rocker arm, fertility
