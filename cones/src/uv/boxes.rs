@@ -10,8 +10,6 @@ use super::triangle::{self, Triangle};
 
 /// So many triangles or boxes are in a box.
 const WIDTH: usize = 8;
-/// The curve runs through a grid of so many bits a side.
-const BITS: u32 = 16;
 /// So many triangles are looked at one after the other at least.
 const AT_ONCE: usize = 1 << 12;
 
@@ -43,15 +41,19 @@ impl<'a> Boxes<'a> {
         let Some([low, high]) = some.par_iter().with_min_len(AT_ONCE).map(|&f| about(f)).reduce_with(joined) else {
             return Self { triangles, order: some, levels: Vec::new(), extent: 0.0 };
         };
-        let cells = f64::from((1_u32 << BITS) - 1);
+        // The curve runs through a grid of as many bits a side as the triangles' numbers leave: with 16, of 2.9 million triangles in a hundredth
+        // of the extent many are in each cell, in no order, and comparing them takes three times as long.
+        let of_number = triangles.len().max(2).ilog2() + 1;
+        let bits = (u64::BITS - of_number) / 2;
+        let cells = f64::from((1_u32 << bits) - 1);
         let key = |f: u32| {
             let [l, h] = about(f);
             let cell = [0, 1].map(|i| (cells * (0.5 * (l[i] + h[i]) - low[i]) / (high[i] - low[i])) as u32);
-            u64::from(along_the_curve(cell)) << 32 | u64::from(f)
+            along_the_curve(cell, bits) << of_number | u64::from(f)
         };
         let mut keys: Vec<u64> = some.into_par_iter().with_min_len(AT_ONCE).map(key).collect();
         keys.par_sort_unstable();
-        let order: Vec<u32> = keys.into_iter().map(|key| key as u32).collect();
+        let order: Vec<u32> = keys.into_iter().map(|key| (key & ((1 << of_number) - 1)) as u32).collect();
         let of_eight = |eight: &[u32]| eight.iter().map(|&f| about(f)).reduce(joined).expect("a chunk is not empty");
         let mut levels: Vec<Vec<Bounds>> = vec![order.par_chunks(WIDTH).with_min_len(AT_ONCE).map(of_eight).collect()];
         while let Some(below) = levels.last().filter(|below| below.len() > 1) {
@@ -112,12 +114,12 @@ pub(super) fn meet([low, high]: &Bounds, [l, h]: &Bounds) -> bool {
     (0..2).all(|i| low[i] <= h[i] && l[i] <= high[i])
 }
 
-/// The place of a cell on the Hilbert curve through all.
-fn along_the_curve([mut x, mut y]: [u32; 2]) -> u32 {
+/// The place of a cell on the Hilbert curve through all of a grid of so many bits a side.
+fn along_the_curve([mut x, mut y]: [u32; 2], bits: u32) -> u64 {
     let mut place = 0;
-    for bit in (0..BITS).rev() {
+    for bit in (0..bits).rev() {
         let [right, upper] = [x >> bit & 1, y >> bit & 1];
-        place = place << 2 | (3 * right) ^ upper;
+        place = place << 2 | u64::from((3 * right) ^ upper);
         // The lower quarters are turned, so that each begins where the one before it ends.
         if upper == 0 {
             if right == 1 {
@@ -137,7 +139,7 @@ mod tests {
     fn the_curve_goes_from_cell_to_neighbour_through_all() {
         // The last bits of the first cells: the curve through an 8 × 8 grid.
         let mut cells: Vec<[u32; 2]> = (0..64).map(|k| [k % 8, k / 8]).collect();
-        cells.sort_by_key(|&cell| along_the_curve(cell));
+        cells.sort_by_key(|&cell| along_the_curve(cell, 16));
         for step in cells.windows(2) {
             assert_eq!(step[0][0].abs_diff(step[1][0]) + step[0][1].abs_diff(step[1][1]), 1);
         }

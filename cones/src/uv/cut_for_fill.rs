@@ -10,7 +10,7 @@ use rayon::prelude::*;
 
 use super::across::{Across, Paths, Side, Sweep};
 use super::map::UvMap;
-use super::pack::{PackOptions, rough_fill};
+use super::pack::{PackOptions, Rough};
 
 /// So many cuts are made at most.
 const MOST_CUTS: usize = 6;
@@ -30,6 +30,8 @@ const PRICE: f64 = 0.03;
 /// [`LEAST_GAIN`] than one, which may gain nothing alone. (15 surfaces with 32 cones: fill .590 with one at a time, .605 with two only where none
 /// gains enough, .638 so, .643 with 24 first ones in twice the time.)
 const FIRST: usize = 8;
+/// Of more islands than this fewer are: raptor with 16 cones, where 16 are compared, takes 58 s otherwise.
+const FEW_ISLANDS: usize = 5;
 const MOST_TRIANGLES: usize = 200_000;
 /// So many islands are packed for comparing, the largest.
 const MOST_ISLANDS: usize = 16;
@@ -37,6 +39,8 @@ const MOST_ISLANDS: usize = 16;
 /// islands that fill .75, took 5 s for nothing. On the dragon, 407 islands of which six have all but a thousandth, two cuts raise the fill
 /// from .517 to .615 for 2.8 % of seam.
 const MOST_BESIDE: f64 = 0.05;
+/// The smallest with this share of the area together find room anywhere: of the 71 islands of a bunny's 67 parts five are compared.
+const DUST: f64 = 1e-3;
 const ENOUGH: f64 = 0.72;
 
 /// A map of a part of a model, with the lengths of its edges in space: infinite where nothing may be cut.
@@ -86,11 +90,12 @@ pub fn cut_for_fill(
     while made < MOST_CUTS {
         let at = |cuts: usize| cuts as f64 / MOST_CUTS as f64;
         let watch = watch.within(at(made), at(made + 1));
-        let found = cuts(parts, &maps, left, options, watch.within(0.0, 0.3))?;
+        let (found, islands) = cuts(parts, &maps, left, options, watch.within(0.0, 0.3))?;
         let mut chosen: Vec<Cut> = found.first().filter(|best| best.gain > LEAST_GAIN).cloned().into_iter().collect();
         if made + 2 <= MOST_CUTS && triangles <= MOST_TRIANGLES {
             let least = LEAST_GAIN + chosen.iter().map(|cut| cut.gain).sum::<f64>();
-            let two = two_cuts(parts, &maps, &found, (left, least), options, watch.within(0.3, 1.0))?;
+            let firsts = &found[..found.len().min(FIRST * FEW_ISLANDS / islands.max(FEW_ISLANDS))];
+            let two = two_cuts(parts, &maps, firsts, (left, least), options, watch.within(0.3, 1.0))?;
             chosen = two.unwrap_or(chosen);
         }
         if chosen.is_empty() {
@@ -105,36 +110,36 @@ pub fn cut_for_fill(
     Ok(maps.into_iter().map(|map| map.cut).collect())
 }
 
-/// Two cuts, the first one of the best that were found, which together gain most and more than the least.
+/// Two cuts, the first one of some, which together gain most and more than the least.
 fn two_cuts(
     parts: &[Part],
     maps: &[UvMap],
-    found: &[Cut],
+    firsts: &[Cut],
     (left, least): (f64, f64),
     options: &PackOptions,
     watch: Watch,
 ) -> Result<Option<Vec<Cut>>, Interrupted> {
     let mut best: Option<Vec<Cut>> = None;
     let gain = |cuts: &[Cut]| cuts.iter().map(|cut| cut.gain).sum::<f64>();
-    for (k, first) in found.iter().take(FIRST).enumerate() {
+    for (k, first) in firsts.iter().enumerate() {
         let mut maps = maps.to_vec();
         first.edges.iter().for_each(|&e| maps[first.part].cut[e] = true);
-        let at = |k: usize| k as f64 / FIRST as f64;
-        let then = cuts(parts, &maps, left - first.length, options, watch.within(at(k), at(k + 1)))?;
+        let at = |k: usize| k as f64 / firsts.len() as f64;
+        let (then, _) = cuts(parts, &maps, left - first.length, options, watch.within(at(k), at(k + 1)))?;
         let two = then.into_iter().next().map(|second| vec![first.clone(), second]);
         best = two.filter(|two| gain(two) > best.as_deref().map_or(least, gain)).or(best);
     }
     Ok(best)
 }
 
-/// The cuts that were packed, the one that gains most first; none where it is not worth while.
+/// The cuts that were packed, the one that gains most first; none where it is not worth while. And how many islands were compared.
 fn cuts(
     parts: &[Part],
     maps: &[UvMap],
     left: f64,
     options: &PackOptions,
     watch: Watch,
-) -> Result<Vec<Cut>, Interrupted> {
+) -> Result<(Vec<Cut>, usize), Interrupted> {
     let found = watch.within(0.0, 0.2);
     let paths: Result<Vec<Paths>, Interrupted> =
         parts.iter().zip(maps).map(|(part, map)| Paths::new(part.mesh, part.lengths, map, found)).collect();
@@ -152,9 +157,16 @@ fn cuts(
     islands.sort_by(|a, b| b.3.area.total_cmp(&a.3.area).then((a.0, a.1).cmp(&(b.0, b.1))));
     let beside: f64 = islands.iter().skip(MOST_ISLANDS).map(|(_, _, _, side)| side.area).sum();
     if beside > MOST_BESIDE * whole {
-        return Ok(Vec::new());
+        return Ok((Vec::new(), islands.len()));
     }
     islands.truncate(MOST_ISLANDS);
+    let mut rest = whole;
+    let counts = islands.iter().take_while(|(_, _, _, side)| {
+        let counts = rest >= DUST * whole;
+        rest -= side.area;
+        counts
+    });
+    islands.truncate(counts.count());
     let large = islands.iter().take(LARGEST).filter(|(_, _, _, side)| side.area > LEAST_ISLAND * whole).count();
     watch.ask(0.25)?;
     let sweep = |(k, _, faces, _): &(usize, usize, Vec<FaceId>, Side)| {
@@ -178,17 +190,15 @@ fn cuts(
     let packing = watch.within(f64::NAN, f64::NAN);
     packing.ask(0.0)?;
     let outlines: Vec<&Side> = islands.iter().map(|(_, _, _, side)| side).collect();
-    let before = rough_fill(&outlines, options, packing)?;
+    let rough = Rough::new(&outlines, options);
+    let before = rough.fill(packing)?;
     if before > ENOUGH {
-        return Ok(Vec::new());
+        return Ok((Vec::new(), islands.len()));
     }
     let gain = |trial: &Trial| {
         packing.ask(0.0)?;
         let sides = paths[trial.part].sides(trial.sweep, &trial.across);
-        let mut outlines = outlines.clone();
-        outlines.remove(trial.island);
-        outlines.extend(&sides);
-        Ok(rough_fill(&outlines, options, packing)? - before - PRICE * trial.across.length / left)
+        Ok(rough.fill_with(trial.island, &sides, packing)? - before - PRICE * trial.across.length / left)
     };
     let gains = trials.par_iter().map(gain).collect::<Result<Vec<f64>, Interrupted>>()?;
     let mut cuts: Vec<Cut> = (trials.iter().zip(gains))
@@ -200,7 +210,7 @@ fn cuts(
         })
         .collect();
     cuts.sort_by(|a, b| b.gain.total_cmp(&a.gain));
-    Ok(cuts)
+    Ok((cuts, islands.len()))
 }
 
 /// The paths that are worth packing, of some with their rectangles.
@@ -280,8 +290,8 @@ mod tests {
             let added: f64 = mesh.edges().filter(|&e| cut[e]).map(|e| lengths[e]).sum();
             assert!(added <= most * (1.0 + 1e-12), "{added}");
             let (islands, after) = packed(&mesh, &map, cut);
-            // Each cut is as long as the strip is wide, .3.
-            assert_eq!(islands, 1 + (added / 0.3 + 0.5) as usize);
+            // A cut is as long as the strip is wide, .3, or less where it takes off a corner.
+            assert!(islands > (added / 0.3 + 0.5) as usize, "{islands} {added}");
             assert!(after > before + 0.1, "{before} {after}");
         }
     }

@@ -35,7 +35,7 @@ pub(super) use room::{convex_hull, side};
 use super::across::Side;
 use block::{Block, blocks};
 use outline::{Outline, outlines};
-use piece::Piece;
+use piece::{Piece, Rasters};
 use search::{Effort, Put, smallest_square};
 use tiles::{MOST_TILES, Tiled, tiled};
 
@@ -152,19 +152,46 @@ pub fn pack(
     })
 }
 
-/// How much of a square outlines fill, packed roughly: for comparing.
-pub(super) fn rough_fill(sides: &[&Side], options: &PackOptions, watch: Watch) -> Result<f64, Interrupted> {
-    let area: f64 = sides.iter().map(|side| side.area).sum();
-    let unit = area.sqrt();
-    let point = |[x, y]: [f64; 2]| Complex64::new(x / unit, y / unit);
-    let piece = |side: &&Side| {
+/// Islands that are packed roughly, again and again with others in place of one: for comparing.
+pub(super) struct Rough<'a> {
+    unit: f64,
+    options: &'a PackOptions,
+    pieces: Vec<Piece>,
+}
+
+impl<'a> Rough<'a> {
+    pub(super) fn new(sides: &[&Side], options: &'a PackOptions) -> Self {
+        let unit = sides.iter().map(|side| side.area).sum::<f64>().sqrt();
+        let mut rough = Self { unit, options, pieces: Vec::new() };
+        let kept = |side: &&Side| Piece { rasters: Rasters::kept(), ..rough.piece(side) };
+        rough.pieces = sides.iter().map(kept).collect();
+        rough
+    }
+
+    fn piece(&self, side: &Side) -> Piece {
+        let point = |[x, y]: [f64; 2]| Complex64::new(x / self.unit, y / self.unit);
         let edges = side.edges.iter().map(|edge| edge.map(point)).collect();
-        let outline = Outline { edges, centre: [0.0; 2], area: side.area / area };
-        Piece::new(&outline, options.rotations, ROUGH_TURNS)
-    };
-    let pieces: Vec<Piece> = sides.iter().map(piece).collect();
-    let (_, side) = smallest_square(&pieces, share(options, pieces.len()), Effort::ROUGH, watch)?;
-    Ok(if area > 0.0 { 1.0 / (side * side) } else { 0.0 })
+        let outline = Outline { edges, centre: [0.0; 2], area: side.area / (self.unit * self.unit) };
+        Piece::new(&outline, self.options.rotations, ROUGH_TURNS)
+    }
+
+    /// How much of a square they fill.
+    pub(super) fn fill(&self, watch: Watch) -> Result<f64, Interrupted> {
+        self.fill_of(&self.pieces, watch)
+    }
+
+    /// How much of a square they fill with others in place of one, which have its area.
+    pub(super) fn fill_with(&self, without: usize, others: &[Side], watch: Watch) -> Result<f64, Interrupted> {
+        let mut pieces = self.pieces.clone();
+        pieces.remove(without);
+        pieces.extend(others.iter().map(|side| self.piece(side)));
+        self.fill_of(&pieces, watch)
+    }
+
+    fn fill_of(&self, pieces: &[Piece], watch: Watch) -> Result<f64, Interrupted> {
+        let (_, side) = smallest_square(pieces, share(self.options, pieces.len()), Effort::ROUGH, watch)?;
+        Ok(if self.unit > 0.0 { 1.0 / (side * side) } else { 0.0 })
+    }
 }
 
 /// The margin as a share of a tile's side.

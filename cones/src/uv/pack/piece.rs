@@ -1,6 +1,7 @@
 //! What is moved as one: an island, or a block of small ones.
 
 use std::f64::consts::{FRAC_PI_2, TAU};
+use std::sync::{Arc, Mutex, PoisonError};
 
 use num_complex::Complex64;
 
@@ -8,6 +9,7 @@ use super::hull::{Enclosing, convex_hull, enclosing};
 use super::island_place::{quarter, turn};
 use super::options::Rotations;
 use super::outline::Outline;
+use super::raster::Shape;
 
 /// So many turns are tried where islands are few, up to [`FEW`]; and so many where they are up to [`SOME`], or more. Time grows with
 /// them and with the islands; these keep both near the work that [`search`](super::search) allows. Other numbers were not tried.
@@ -23,7 +25,15 @@ pub(super) struct Piece {
     pub(super) area: f64,
     /// The side of the smallest square that has it in one of its turns: the first of them.
     pub(super) side: f64,
+    pub(super) rasters: Rasters,
 }
+
+/// The cells of a piece in all of its turns, where it is packed again and again beside others.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Rasters(Option<Arc<Mutex<Vec<Raster>>>>);
+
+/// The bits of a grid's scale and of the margin, and the cells there.
+type Raster = ([u64; 2], Arc<[Shape]>);
 
 /// The turns of an island, and its rectangle in the turn where that is smallest.
 pub(super) struct Rectangle {
@@ -43,7 +53,8 @@ impl Piece {
             Rotations::Any => turns(&hull, count),
         };
         let [_, extent] = bounds(&hull, turns[0]);
-        Self { edges: outline.edges.clone(), turns, area: outline.area, side: extent.re.max(extent.im) }
+        let side = extent.re.max(extent.im);
+        Self { edges: outline.edges.clone(), turns, area: outline.area, side, rasters: Rasters::default() }
     }
 
     /// A rectangle about its centre; `area` is what it holds.
@@ -52,7 +63,32 @@ impl Piece {
         let corners = [[-w, -h], [w, -h], [w, h], [-w, h]].map(|[x, y]| Complex64::new(x, y));
         let edges = (0..4).map(|k| [corners[k], corners[(k + 1) % 4]]).collect();
         let turns = if rotations == Rotations::None { vec![quarter(0)] } else { vec![quarter(0), quarter(1)] };
-        Self { edges, turns, area, side: extent[0].max(extent[1]) }
+        Self { edges, turns, area, side: extent[0].max(extent[1]), rasters: Rasters::default() }
+    }
+}
+
+impl Rasters {
+    /// None yet, but they will be kept.
+    pub(super) fn kept() -> Self {
+        Self(Some(Arc::default()))
+    }
+
+    /// Those for a grid, as they were kept or made.
+    pub(super) fn of<E>(
+        &self,
+        scale: f64,
+        margin: f64,
+        make: impl FnOnce() -> Result<Arc<[Shape]>, E>,
+    ) -> Result<Arc<[Shape]>, E> {
+        let Some(kept) = &self.0 else { return make() };
+        let grid = [scale.to_bits(), margin.to_bits()];
+        let all = || kept.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((_, shapes)) = all().iter().find(|(other, _)| *other == grid) {
+            return Ok(shapes.clone());
+        }
+        let shapes = make()?;
+        all().push((grid, shapes.clone()));
+        Ok(shapes)
     }
 }
 

@@ -7,6 +7,7 @@
 //! carried out on a fine grid. How much is tried is bounded by the work, counted in words of bits, not by the time.
 
 use std::collections::{HashSet, VecDeque};
+use std::sync::Arc;
 
 use geom::{Interrupted, Watch};
 use num_complex::Complex64;
@@ -25,6 +26,9 @@ const FINE: f64 = 1024.0;
 const BATCH: usize = 8;
 /// The share of the square that islands are expected to fill at first.
 const EXPECTED: f64 = 0.6;
+
+/// Sides of pieces whose areas sum to 1 that differ by less are the same.
+const ROUNDING: f64 = 1e-12;
 
 /// How much is tried.
 #[derive(Clone, Copy, Debug)]
@@ -57,7 +61,7 @@ pub(super) struct Level {
     margin: f64,
     /// How many cells beside the margin the square may have at most.
     most: usize,
-    shapes: Vec<Vec<Shape>>,
+    shapes: Vec<Arc<[Shape]>>,
 }
 
 /// How pieces are placed.
@@ -90,13 +94,15 @@ impl Level {
         watch: Watch,
     ) -> Result<Self, Interrupted> {
         let (scale, margin) = (cells / side, share * cells);
-        let shapes = |(k, piece): (usize, &Piece)| -> Result<Vec<Shape>, Interrupted> {
-            let wanted = |j: &usize| turns.is_none_or(|turns| turns[k] == *j);
-            let shape = |j: usize| {
+        let shapes = |(k, piece): (usize, &Piece)| -> Result<Arc<[Shape]>, Interrupted> {
+            let shape = |turn: &Complex64| {
                 watch.ask(0.0)?;
-                Ok(Shape::new(&piece.edges, piece.turns[j], scale, margin))
+                Ok(Shape::new(&piece.edges, *turn, scale, margin))
             };
-            (0..piece.turns.len()).filter(wanted).map(shape).collect()
+            match turns {
+                Some(turns) => Ok([shape(&piece.turns[turns[k]])?].into()),
+                None => piece.rasters.of(scale, margin, || piece.turns.iter().map(shape).collect()),
+            }
         };
         let shapes = pieces.par_iter().enumerate().map(shapes).collect::<Result<_, _>>()?;
         Ok(Self { scale, margin, most: (cells - margin) as usize, shapes })
@@ -156,7 +162,7 @@ impl Level {
     /// Places a piece on a tile as low as it goes, if it goes.
     pub(super) fn place_on(&self, bin: &mut Bin, k: usize, tile: u32) -> Option<Put> {
         let mut best: Option<(&Shape, Place)> = None;
-        for shape in &self.shapes[k] {
+        for shape in self.shapes[k].iter() {
             if let Some(place) = bin.place(shape, Rule::Low, best.map(|(_, place)| place), &mut 0) {
                 best = Some((shape, place));
             }
@@ -167,7 +173,7 @@ impl Level {
     }
 
     fn put(&self, found: &Found) -> Vec<Put> {
-        let put = |(shapes, &(turn, at)): (&Vec<Shape>, &(usize, [usize; 2]))| self.put_one(&shapes[turn], at, 0);
+        let put = |(shapes, &(turn, at)): (&Arc<[Shape]>, &(usize, [usize; 2]))| self.put_one(&shapes[turn], at, 0);
         self.shapes.iter().zip(&found.spots).map(put).collect()
     }
 
@@ -193,6 +199,10 @@ pub(super) fn smallest_square(
     let area: f64 = pieces.iter().map(|piece| piece.area).sum();
     let mut side = largest.max((area / EXPECTED).sqrt());
     let side_or_one = |side: f64| if side > 0.0 { side } else { 1.0 };
+    if !effort.is_fine {
+        // Up a little, so that the same area, but for rounding, gives the same grid, for which pieces may be cells already.
+        side = (side / ROUNDING).ceil() * ROUNDING;
+    }
     let (coarse, first) = loop {
         let level = Level::new(pieces, None, cells, (side_or_one(side), share), watch.within(0.0, 0.05))?;
         match level.carry_out(&by_size(pieces), level.most, &mut 0) {
