@@ -154,24 +154,25 @@ pub fn pack(
 
 /// Islands that are packed roughly, again and again with others in place of one: for comparing.
 pub(super) struct Rough<'a> {
-    unit: f64,
+    area: f64,
     options: &'a PackOptions,
     pieces: Vec<Piece>,
 }
 
 impl<'a> Rough<'a> {
     pub(super) fn new(sides: &[&Side], options: &'a PackOptions) -> Self {
-        let unit = sides.iter().map(|side| side.area).sum::<f64>().sqrt();
-        let mut rough = Self { unit, options, pieces: Vec::new() };
+        let area = sides.iter().map(|side| side.area).sum();
+        let mut rough = Self { area, options, pieces: Vec::new() };
         let kept = |side: &&Side| Piece { rasters: Rasters::kept(), ..rough.piece(side) };
         rough.pieces = sides.iter().map(kept).collect();
         rough
     }
 
     fn piece(&self, side: &Side) -> Piece {
-        let point = |[x, y]: [f64; 2]| Complex64::new(x / self.unit, y / self.unit);
+        let unit = self.area.sqrt();
+        let point = |[x, y]: [f64; 2]| Complex64::new(x / unit, y / unit);
         let edges = side.edges.iter().map(|edge| edge.map(point)).collect();
-        let outline = Outline { edges, centre: [0.0; 2], area: side.area / (self.unit * self.unit) };
+        let outline = Outline { edges, centre: [0.0; 2], area: side.area / self.area };
         Piece::new(&outline, self.options.rotations, ROUGH_TURNS)
     }
 
@@ -190,7 +191,7 @@ impl<'a> Rough<'a> {
 
     fn fill_of(&self, pieces: &[Piece], watch: Watch) -> Result<f64, Interrupted> {
         let (_, side) = smallest_square(pieces, share(self.options, pieces.len()), Effort::ROUGH, watch)?;
-        Ok(if self.unit > 0.0 { 1.0 / (side * side) } else { 0.0 })
+        Ok(if self.area > 0.0 { 1.0 / (side * side) } else { 0.0 })
     }
 }
 
