@@ -148,3 +148,26 @@ fn bounds(points: &[Complex64], turn: Complex64) -> [Complex64; 2] {
     let high = turned().fold([f64::NEG_INFINITY; 2], |high, z| [high[0].max(z.re), high[1].max(z.im)]);
     [Complex64::new(low[0], low[1]), Complex64::new(high[0] - low[0], high[1] - low[1])]
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn cells_are_kept_for_their_own_grid_and_margin() {
+        let piece = Piece::rectangle([2.0, 1.0], 2.0, Rotations::None);
+        let kept = Rasters::kept();
+        let grids = [(8.0, 1.0), (8.0, 2.0), (16.0, 2.0)];
+        let mut made = 0;
+        for (scale, margin) in grids.into_iter().chain(grids) {
+            let mut shape = || {
+                made += 1;
+                Ok::<_, ()>(Arc::from([Shape::new(&piece.edges, quarter(0), scale, margin)]))
+            };
+            let anew = shape().unwrap();
+            let shapes = kept.of(scale, margin, shape).unwrap();
+            assert_eq!((shapes[0].size, shapes[0].pad), (anew[0].size, anew[0].pad));
+        }
+        assert_eq!(made, 6 + 3);
+    }
+}

@@ -131,6 +131,29 @@ proptest! {
         prop_assert_eq!(tiles, (0..packing.tiles as u32).collect::<Vec<_>>());
     }
 
+    /// Trial packings one after the other, of different islands and so on different grids, are those that each would be alone.
+    #[test]
+    fn cells_that_were_kept_are_those_made_anew(stars in random_stars(), options in random_options()) {
+        let boundary = |star: &Vec<Triangle>| Side {
+            edges: star.iter().map(|t| [t[1], t[2]]).collect(),
+            area: star.iter().map(|t| 0.5 * left([t[0], t[1]], t[2])).sum(),
+        };
+        let sides: Vec<Side> = stars.iter().map(boundary).collect();
+        let all: Vec<&Side> = sides.iter().collect();
+        let kept = Rough::new(&all, &options);
+        for k in 0..sides.len() {
+            let halves = [0.5, 2.0].map(|height| {
+                let flat = |[x, y]: [f64; 2]| [x, height * y];
+                Side { edges: sides[k].edges.iter().map(|edge| edge.map(flat)).collect(), area: height * sides[k].area }
+            });
+            for others in [&halves[..1], &halves] {
+                let anew = Rough::new(&all, &options).fill_with(k, others, Watch::NONE).unwrap();
+                prop_assert_eq!(kept.fill_with(k, others, Watch::NONE).unwrap(), anew);
+            }
+        }
+        prop_assert_eq!(kept.fill(Watch::NONE).unwrap(), Rough::new(&all, &options).fill(Watch::NONE).unwrap());
+    }
+
     #[test]
     fn size_and_place_of_the_input_do_not_matter(exponent in -12..12i32) {
         let stars: Vec<_> = (0..5).map(|k| star([3.0 * f64::from(k), 1.0], &[1.0, 0.4, 0.8, 0.5, 1.0, 0.3])).collect();
