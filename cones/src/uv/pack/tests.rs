@@ -141,10 +141,10 @@ proptest! {
         let sides: Vec<Side> = stars.iter().map(boundary).collect();
         let all: Vec<&Side> = sides.iter().collect();
         let kept = Rough::new(&all, &options);
-        for k in 0..sides.len() {
+        for (k, side) in sides.iter().enumerate() {
             let halves = [0.5, 2.0].map(|height| {
                 let flat = |[x, y]: [f64; 2]| [x, height * y];
-                Side { edges: sides[k].edges.iter().map(|edge| edge.map(flat)).collect(), area: height * sides[k].area }
+                Side { edges: side.edges.iter().map(|edge| edge.map(flat)).collect(), area: height * side.area }
             });
             for others in [&halves[..1], &halves] {
                 let anew = Rough::new(&all, &options).fill_with(k, others, Watch::NONE).unwrap();
