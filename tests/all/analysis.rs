@@ -527,6 +527,28 @@ fn whether_a_target_is_met_is_read_off_the_map() {
 }
 
 #[test]
+fn more_cones_are_taken_where_the_most_by_themselves_leave_too_much_to_distort() {
+    let wave = |x: f64| (3.5 * std::f64::consts::PI * x).sin();
+    let hills = |height: f64| solids::mapped(&shapes::square(1600), |[x, y, _]| [x, y, height * wave(x) * wave(y)]);
+    for (height, is_too_much) in [(0.05, false), (0.2, true)] {
+        let model = model(&hills(height));
+        let analysis = Analysis::new(&model).expect("a sound model");
+        for placement in [Placement::Refined, Placement::Pursuit, Placement::Persistence] {
+            let options = Options { placement, ..Options::default() };
+            let cones = analysis.choose(&options).expect("a sound model");
+            let number = cones.number().expect("it was chosen");
+            assert_eq!((number.chosen, number.chosen > cones::MOST_AUTOMATIC), (cones.len(), is_too_much));
+            assert!(number.predicted <= cones::TOLERABLE_DISTORTION, "{number:?}");
+            assert_eq!(number.is_met, number.predicted <= cones::TARGET_DISTORTION);
+            let atlas = analysis.atlas(&options).expect("it unwraps");
+            let flattened = analysis.flatten(&cones).expect("it unwraps");
+            assert!(atlas.cones == flattened.cones && atlas.uv == flattened.uv, "the same is chosen for a map");
+            assert!(measured(&model, &atlas) <= cones::TOLERABLE_DISTORTION);
+        }
+    }
+}
+
+#[test]
 fn options_come_back_as_they_were_serialized_and_what_is_left_out_is_the_default() {
     let choices = [
         ConeChoice::Automatic,

@@ -1,6 +1,7 @@
 //! What is tried where a component cannot be flattened well with the cones that were chosen: other numbers of them,
 //! detaching what folds over, unfolding it as it is. The attempt that measures best is kept, never merely the last one.
 
+use super::choosing::FEWEST_BESIDE;
 use super::component::Component;
 use super::cones::Configuration;
 use super::flat::Flat;
@@ -9,15 +10,10 @@ use super::observer::{Stage, Task, Times};
 use super::options::{ConeChoice, Options};
 use crate::cut::SeamPlan;
 use crate::error::Error;
-use crate::placement::{MOST_OPTIMISED, MOST_ORDERED, area_distortion, corners};
+use crate::placement::{MOST_OPTIMISED, MOST_ORDERED, MOST_STRETCH, area_distortion, corners, stretch};
 
 /// So many times cones are added where a measured distortion is above the one that was asked for.
 const MAX_ADDITIONS: usize = 6;
-/// Where the cones that were asked for have failed, others are put off if linear theory predicts that with them somewhere
-/// lengths change by more than this factor against the mean. A scan whose noise has made tiny handles comes there, and
-/// Newton's method would take long to fail again: only those that would change lengths least are tried, and only where
-/// nothing better is found.
-const MOST_STRETCH: f64 = 3000.0;
 /// Where no more than one triangle in so many stays folded over, it is better to detach these than to try other cones.
 const DETACHED_AT_ONCE: usize = 1000;
 /// Other cones end the search if they have at most this many times the area distortion that was predicted for the chosen
@@ -35,8 +31,6 @@ const MOST_DETACHED: f64 = 0.05;
 /// Where more cones leave the logarithm of the largest change of lengths above so many times what it was, the next number but one is
 /// tried: raptor's is 48 with 8 to 128 cones and 4.3 with 256.
 const LESS_STRETCH: f64 = 0.9;
-/// Not more than one inner vertex in so many is made a cone where other cones are tried: of 567 vertices 512 take 7 s to place.
-const FEWEST_BESIDE: usize = 2;
 /// Above this quasi-conformal distortion it is tried to give a surface with few corners a cone at each. A prism of 32 sides
 /// whose triangles are needles has 1.84 with 4 cones, and 1 with all of its 64.
 const MOST_CONFORMAL: f64 = 1.02;
@@ -109,7 +103,9 @@ impl Attempts<'_> {
         };
         let predicted = area_distortion(&self.component.operators, &configuration.predicted);
         let enough = GOOD_ENOUGH * predicted.min(BAD);
-        let mut log = self.component.stretch(configuration);
+        // Cones that would stretch too much are put off: only those that would change lengths least are tried, and only where
+        // nothing better is found.
+        let mut log = stretch(&self.component.operators, configuration.predicted.clone());
         let mut stretched: Option<(f64, Configuration)> = None;
         // Whoever has said how many shall have so many: these are tried in any case.
         let is_hopeless = self.options.cones == ConeChoice::Automatic && log > MOST_STRETCH.ln() && predicted > POOR;
@@ -190,7 +186,7 @@ impl Attempts<'_> {
             Ok(configuration) => configuration,
             Err(error) => return Ok(Err(failure(error)?)),
         };
-        let log = self.component.stretch(&configuration);
+        let log = stretch(&self.component.operators, configuration.predicted.clone());
         let predicted = area_distortion(&self.component.operators, &configuration.predicted);
         if log <= MOST_STRETCH.ln() && predicted <= RUINED {
             return self.attempt(&configuration);
@@ -284,7 +280,8 @@ fn other_counts(count: usize, most: usize, cause: &Failure) -> Vec<usize> {
         }
         Failure::Distorted { .. } => vec![count + 1 + count / 4, 2 * count, 4 * count],
         Failure::FoldOvers { .. } => {
-            vec![4 * count, (16 * count).min(MOST_OPTIMISED).max(4 * count), count / 4]
+            let most = MOST_OPTIMISED.max(count + 1);
+            vec![(4 * count).min(most), (16 * count).min(most), count / 4]
         }
         _ => {
             let doubled = std::iter::successors(Some(2 * count.max(2)), |count| Some(2 * count));
@@ -295,6 +292,7 @@ fn other_counts(count: usize, most: usize, cause: &Failure) -> Vec<usize> {
                 .collect()
         }
     };
+    counts.dedup();
     counts.retain(|&other| other <= most);
     counts
 }
@@ -314,6 +312,7 @@ mod tests {
         assert_eq!(other_counts(0, 9999, &Failure::Metric), [4, 8, 16, 32, 64, 128, 256, 512]);
         assert_eq!(other_counts(300, 9999, &Failure::Metric), [600, 1200, 2400, 4800]);
         assert_eq!(other_counts(8, 9999, &Failure::FoldOvers { triangles: 1 }), [32, 128, 2]);
+        assert_eq!(other_counts(256, 9999, &Failure::FoldOvers { triangles: 1 }), [512, 64]);
         assert_eq!(other_counts(8, 40, &Failure::Metric), [16, 32]);
         assert_eq!(other_counts(8, 8, &Failure::FoldOvers { triangles: 1 }), [2]);
     }

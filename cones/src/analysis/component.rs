@@ -18,7 +18,7 @@ use crate::error::Error;
 use crate::field::{ConformalFactor, Operators};
 use crate::flatten::Chain;
 use crate::hierarchy::ConeHierarchy;
-use crate::placement::{Automatic, CoarseLevel, EnergyTerms, Ground, Search, quantized, size_of_level};
+use crate::placement::{Automatic, CoarseLevel, EnergyTerms, Ground, Placement, Search, quantized, size_of_level};
 
 /// What is found once; see the module's head. It is never changed.
 #[derive(Debug)]
@@ -99,13 +99,6 @@ impl Component {
         })
     }
 
-    /// The logarithm of the factor by which lengths change most against the mean, as linear theory predicts it.
-    pub(super) fn stretch(&self, configuration: &Configuration) -> f64 {
-        let mut u = configuration.predicted.clone();
-        self.operators.subtract_mean(&mut u);
-        u.iter().fold(0.0_f64, |most, u| most.max(u.abs()))
-    }
-
     /// The surface as it was made ready.
     pub(crate) fn ready(&self) -> Ready {
         let Self { surface, metric, way, .. } = self;
@@ -150,11 +143,23 @@ impl Component {
         task: &Task,
         times: &mut Times,
     ) -> Result<Configuration, Error> {
+        self.place_by(Placement::cones, options, asked, task, times)
+    }
+
+    /// [`place`](Self::place) by one of a placement's ways.
+    pub(super) fn place_by(
+        &self,
+        way: fn(Placement, Ground, usize) -> Result<Vec<VertexId>, PoissonError>,
+        options: &Options,
+        asked: usize,
+        task: &Task,
+        times: &mut Times,
+    ) -> Result<Configuration, Error> {
         let mut count = asked;
         loop {
             let placement = options.placement_for(count);
             let vertices = task.stage((Stage::Hierarchy, self.index), times, |watch| {
-                placement.cones(self.ground(options.search, watch), count)
+                way(placement, self.ground(options.search, watch), count)
             })??;
             let placed = vertices.len();
             let configured = task

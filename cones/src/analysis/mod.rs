@@ -38,7 +38,7 @@ use rayon::prelude::*;
 
 pub use atlas::{Atlas, Topology};
 pub use baselines::{Baseline, BaselineMap};
-pub use choosing::{MOST_AUTOMATIC, TARGET_DISTORTION};
+pub use choosing::{MOST_AUTOMATIC, TARGET_DISTORTION, TOLERABLE_DISTORTION};
 pub use cones::{ChosenNumber, Cone, Cones};
 pub use note::{Failure, Note};
 pub use observer::{Observer, Progress, Stage, Times};

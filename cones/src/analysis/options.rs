@@ -109,12 +109,13 @@ impl Islands {
 #[non_exhaustive]
 pub enum ConeChoice {
     /// In each connected component as few as keep its area distortion within [`TARGET_DISTORTION`](crate::TARGET_DISTORTION),
-    /// as predicted, at most [`MOST_AUTOMATIC`](crate::MOST_AUTOMATIC); where a few more leave nearly nothing to distort, as the
-    /// corners of a box do, these.
+    /// as predicted, at most [`MOST_AUTOMATIC`](crate::MOST_AUTOMATIC), or as many as keep it within
+    /// [`TOLERABLE_DISTORTION`](crate::TOLERABLE_DISTORTION); where a few more leave nearly nothing to distort, as the corners of a
+    /// box do, these.
     #[default]
     Automatic,
     /// In each connected component as few as keep its area distortion within this, confirmed by flattening, at most
-    /// [`MOST_ORDERED`](crate::MOST_ORDERED), and up to [`MOST_OPTIMISED`](crate::MOST_OPTIMISED) where flattening asks for more.
+    /// [`MOST_OPTIMISED`](crate::MOST_OPTIMISED).
     WithinDistortion(f64),
     /// So many, on all connected components together.
     Count(usize),

@@ -7,7 +7,7 @@ use std::time::Instant;
 use geom::{Id, Model, Watch};
 
 use super::atlas::Atlas;
-use super::choosing::{Shared, TARGET_DISTORTION};
+use super::choosing::{Chosen, Shared, TARGET_DISTORTION};
 use super::component::Component;
 use super::cones::{ChosenNumber, Cones, Configuration};
 use super::flat::Flat;
@@ -26,9 +26,6 @@ const FEW_CONES: usize = 8;
 const LESS_DISTORTION: f64 = 0.75;
 /// or so many times as many cones are enough for no more of it.
 const FEWER_CONES: f64 = 0.75;
-
-/// What is chosen for a model, and for each component.
-type Chosen = (Shared, Vec<Result<Configuration, Error>>);
 
 /// Whether cones on the surface with handles opened are so much better that this is worth seams that are not rigid.
 fn is_worth_opening(closed: &Prediction, opened: &Prediction) -> bool {
@@ -258,7 +255,7 @@ impl Analysis {
     }
 
     /// What is predicted for the cones of each component by itself, or of all where they share a number of them.
-    fn predicted_by_itself(
+    pub(super) fn predicted_by_itself(
         &self,
         configurations: &[Result<Configuration, Error>],
         is_shared: bool,
@@ -276,7 +273,7 @@ impl Analysis {
     }
 
     /// What is predicted for cones on all components, if they can be had on all.
-    fn predicted(&self, configurations: &[Result<Configuration, Error>]) -> Option<Prediction> {
+    pub(super) fn predicted(&self, configurations: &[Result<Configuration, Error>]) -> Option<Prediction> {
         let mut predictor = Predictor::new(self.components().len());
         for (component, configuration) in self.components().iter().zip(configurations) {
             let Configuration { vertices, predicted, .. } = configuration.as_ref().ok()?;
@@ -286,7 +283,8 @@ impl Analysis {
     }
 
     /// Flattens the model with the cones chosen, or on components where these fail with the best of others.
-    fn with_chosen(&self, (shared, configurations): Chosen, options: &Options, task: &Task) -> Result<Atlas, Error> {
+    fn with_chosen(&self, chosen: Chosen, options: &Options, task: &Task) -> Result<Atlas, Error> {
+        let (shared, configurations) = self.enough(chosen, options, task)?;
         let Shared { notes, number, mut times } = shared;
         let area = self.area();
         let flats = each(self.components(), &mut times, |component, times| {

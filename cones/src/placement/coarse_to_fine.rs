@@ -13,7 +13,7 @@ use super::energy_model::{ConeSet, EnergyModel};
 use super::exchange::{drop_cheapest, exchange};
 use super::level::CoarseLevel;
 use super::nested::Nested;
-use super::prediction::{Prediction, area_distortion, predict};
+use super::prediction::{Prediction, predict};
 use super::pursuit::pursuit;
 use super::refined::{by_curvature, refined, within_comfort};
 use super::separation::Separation;
@@ -144,11 +144,8 @@ fn confirmed_on_surface(
     };
     match found {
         Ok(found) => {
-            let u = &found.predicted;
-            let energy = operators.inner(u, u);
-            let count = cones.len();
-            let predicted =
-                Prediction { count, log_scale_norm: energy.sqrt(), area_distortion: area_distortion(operators, u) };
+            let predicted = Prediction::of(operators, cones.len(), &found.predicted);
+            let energy = predicted.log_scale_norm.powi(2);
             Ok((ConeSet::with_curvatures(cones, found.curvature.clone(), energy), predicted, Some(found)))
         }
         Err(CurvatureError::Interrupted(interrupted)) => Err(interrupted),
@@ -314,6 +311,7 @@ mod tests {
     use super::*;
     use crate::curvature::CurvatureRule;
     use crate::field::Operators;
+    use crate::placement::area_distortion;
     use geom::{Mesh, Metric, Watch, shapes};
 
     /// A surface of each kind, with a level of a sixth of its vertices.

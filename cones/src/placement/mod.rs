@@ -36,7 +36,7 @@ pub(crate) use level::{CoarseLevel, size_of_level};
 pub use nested::Nested;
 pub(crate) use nested::{ComponentOrder, cones_of_sequence, curve_of_sequence};
 pub use prediction::Prediction;
-pub(crate) use prediction::{Predictor, area_distortion, distortion_of};
+pub(crate) use prediction::{MOST_STRETCH, Predictor, area_distortion, distortion_of, stretch};
 pub(crate) use pursuit::BLOCK;
 pub use pursuit::pursuit;
 pub(crate) use quantized::quantized;
@@ -274,6 +274,15 @@ impl Placement {
             Self::Refined => ground.refined(count)?,
             Self::Pursuit => ground.pursued(count)?.cones().to_vec(),
         })
+    }
+
+    /// `count` cones as [`cones`](Self::cones), but the best set is looked for with many cones moved at a time: of 48 it takes a tenth
+    /// of the time, for an area distortion a hundredth worse.
+    ///
+    /// # Errors
+    /// As [`cones`](Self::cones).
+    pub(crate) fn quick_cones(self, ground: Ground, count: usize) -> Result<Vec<VertexId>, PoissonError> {
+        if self == Self::Refined { ground.many(count) } else { self.cones(ground, count) }
     }
 
     /// A nested order of at least so many cones, as far as there are so many; an optimised one is found in whole blocks, at

@@ -7,6 +7,10 @@ use super::energy_model::ConeSet;
 use crate::curvature::CurvatureRule;
 use crate::field::Operators;
 
+/// Lengths that change by more than this factor against the mean hardly ever can be: a scan whose noise has made tiny handles comes there, and
+/// Newton's method would take long to fail.
+pub(crate) const MOST_STRETCH: f64 = 3000.0;
+
 /// What linear theory predicts for a set of cones.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -24,6 +28,12 @@ pub struct Prediction {
 }
 
 impl Prediction {
+    /// For so many cones and the log scale factor that they leave.
+    pub(super) fn of(operators: &Operators, count: usize, u: &[f64]) -> Self {
+        let log_scale_norm = operators.inner(u, u).sqrt();
+        Self { count, log_scale_norm, area_distortion: area_distortion(operators, u) }
+    }
+
     /// Nothing is known.
     pub(crate) fn none() -> Self {
         Self { count: 0, log_scale_norm: f64::NAN, area_distortion: f64::NAN }
@@ -33,12 +43,7 @@ impl Prediction {
 /// What linear theory predicts for a set of cones that get their curvatures by a rule. A back-substitution; one more for each cone
 /// where they are harmonic.
 pub(crate) fn predict(operators: &Operators, set: &ConeSet, rule: CurvatureRule) -> Prediction {
-    let u = Configuration::new(operators, set, rule).log_scale(operators);
-    Prediction {
-        count: set.cones.len(),
-        log_scale_norm: operators.inner(&u, &u).sqrt(),
-        area_distortion: area_distortion(operators, &u),
-    }
+    Prediction::of(operators, set.cones.len(), &Configuration::new(operators, set, rule).log_scale(operators))
 }
 
 /// The area distortion D = Σ w max(r, 1/r) of a log scale factor u, r = e^(2u) with the mean of u in each triangle, scaled
@@ -49,6 +54,12 @@ pub(crate) fn predict(operators: &Operators, set: &ConeSet, rule: CurvatureRule)
 /// If `u` has not a value for each vertex.
 pub(crate) fn area_distortion(operators: &Operators, u: &[f64]) -> f64 {
     distortion_of(&area_ratios(operators, u))
+}
+
+/// The logarithm of the largest factor by which lengths change against the mean.
+pub(crate) fn stretch(operators: &Operators, mut u: VertexData<f64>) -> f64 {
+    operators.subtract_mean(&mut u);
+    u.iter().fold(0.0_f64, |most, u| most.max(u.abs()))
 }
 
 /// The area of each triangle, and by what it is multiplied.

@@ -11,7 +11,8 @@ use std::path::Path;
 /// How many cones, by which method, and what curvatures they get.
 #[derive(Args, Debug)]
 pub(crate) struct CandidateArgs {
-    /// How many cones [default: as few as keep the area distortion within 1.25, at most 32 a part]
+    /// How many cones [default: as few as keep the area distortion within 1.25, or within 1.3 if
+    /// that takes more than 32 a part]
     #[arg(short = 'n', value_name = "N", group = "which", allow_negative_numbers = true)]
     count: Option<usize>,
     /// As few cones as keep the area distortion within this, as predicted; `unwrap` makes sure by flattening
