@@ -1,5 +1,7 @@
 //! The islands of all components side by side.
 
+use std::sync::Arc;
+
 use geom::{CutMesh, EdgeData, FaceData, HalfedgeId, Interrupted, Watch};
 use rayon::prelude::*;
 
@@ -34,7 +36,7 @@ pub(crate) struct Packed {
 /// # Errors
 /// If they cannot be packed as is asked, or the observer has said stop.
 pub(crate) fn packed(
-    components: &[Component],
+    components: &[Arc<Component>],
     flats: &[Flat],
     options: &Options,
     task: &Task,
@@ -59,6 +61,10 @@ pub(crate) fn packed(
             }
         };
         let further = further_cuts(components, (flats, &cuts), (options, share), watch.within(0.0, 0.5))?;
+        let first = match first {
+            Some(first) if further == cuts => return Ok(first),
+            first => first,
+        };
         let mut packed = arranged(components, (flats, &further), options, watch.within(0.5, 1.0))?;
         if let Some(first) = first.filter(|first| packed.packing.fill < first.packing.fill + LEAST_GAIN) {
             return Ok(first);
@@ -70,7 +76,7 @@ pub(crate) fn packed(
 
 /// The islands packed that there are with cuts.
 fn arranged(
-    components: &[Component],
+    components: &[Arc<Component>],
     (flats, cuts): (&[Flat], &[EdgeData<bool>]),
     options: &PackOptions,
     watch: Watch,
@@ -96,8 +102,8 @@ fn arranged(
 }
 
 /// The edges that were cut further, as vertices of the model.
-fn added(components: &[Component], cuts: &[EdgeData<bool>], further: &[EdgeData<bool>]) -> Vec<Vec<u32>> {
-    let of_one = |((component, cut), further): ((&Component, &EdgeData<bool>), &EdgeData<bool>)| -> Vec<Vec<u32>> {
+fn added(components: &[Arc<Component>], cuts: &[EdgeData<bool>], further: &[EdgeData<bool>]) -> Vec<Vec<u32>> {
+    let of_one = |((component, cut), further): ((&Arc<Component>, &EdgeData<bool>), &EdgeData<bool>)| -> Vec<Vec<u32>> {
         let mesh = &component.surface.mesh;
         let new = mesh.edges().filter(|&e| further[e] && !cut[e]);
         new.map(|e| component.vertices_along(&Chain { vertices: mesh.ends(e).to_vec(), edges: vec![e] })).collect()
@@ -125,7 +131,7 @@ fn cut(component: &Component, flat: &Flat) -> EdgeData<bool> {
 
 /// Cuts within a share of the seams.
 fn further_cuts(
-    components: &[Component],
+    components: &[Arc<Component>],
     (flats, cuts): (&[Flat], &[EdgeData<bool>]),
     (options, share): (&PackOptions, f64),
     watch: Watch,
@@ -137,7 +143,7 @@ fn further_cuts(
             lengths.iter().map(|l| l / component.surface.scale).collect()
         })
         .collect();
-    let map = |((component, flat), cut): ((&Component, &Flat), &EdgeData<bool>)| UvMap {
+    let map = |((component, flat), cut): ((&Arc<Component>, &Flat), &EdgeData<bool>)| UvMap {
         position: component.surface.mesh.halfedges().map(|h| place(flat, h)).collect(),
         cut: cut.clone(),
     };

@@ -21,6 +21,8 @@ const LEAST_ISLAND: f64 = 0.1;
 const LEAST_SHARE: f64 = 0.04;
 /// So many paths are packed, half of them with the smallest rectangles, half with the smallest for their length.
 const TRIED: usize = 24;
+/// Of those of all islands so many are compared by more than one packing, the best by that one.
+const COMPARED: usize = 16;
 /// Of those that pass within this share of the island's extent of a better one, none is tried.
 const NEAR: f64 = 0.06;
 /// A cut must raise the fill by so much, and by so much more if it takes all of the seam that is left.
@@ -74,7 +76,8 @@ struct Cut {
 /// The edges to open maps along so that their islands, packed together, fill more of a square: those that are open, and
 /// paths across islands, up to `most` in length altogether. Islands stay disks; what is no disk is not cut.
 ///
-/// Some 150 rough packings and a sweep over the largest islands for each cut, nine times that on smaller models.
+/// Up to 72 paths packed once, 17 rough packings and a sweep over the largest islands for each cut, nine times that on smaller
+/// models.
 ///
 /// # Errors
 /// If it is stopped.
@@ -195,14 +198,24 @@ fn cuts(
     if before > ENOUGH {
         return Ok((Vec::new(), islands.len()));
     }
-    let gain = |trial: &Trial| {
+    let gain = |trial: &Trial, fill: f64| fill - before - PRICE * trial.across.length / left;
+    let once = |trial: &Trial| {
         packing.ask(0.0)?;
         let sides = paths[trial.part].sides(trial.sweep, &trial.across);
-        Ok(rough.fill_with(trial.island, &sides, packing)? - before - PRICE * trial.across.length / left)
+        let fill = rough.fill_once_with(trial.island, &sides, packing)?;
+        Ok((gain(trial, fill), sides))
     };
-    let gains = trials.par_iter().map(gain).collect::<Result<Vec<f64>, Interrupted>>()?;
-    let mut cuts: Vec<Cut> = (trials.iter().zip(gains))
-        .map(|(Trial { part, across, .. }, gain)| Cut {
+    let once = trials.par_iter().map(once).collect::<Result<Vec<(f64, [Side; 2])>, Interrupted>>()?;
+    let mut compared: Vec<_> = trials.iter().zip(once).collect();
+    compared.sort_by(|(_, (a, _)), (_, (b, _))| b.total_cmp(a));
+    compared.truncate(COMPARED);
+    let fill = |(trial, (_, sides)): &(&Trial, (f64, [Side; 2]))| {
+        packing.ask(0.0)?;
+        Ok(gain(trial, rough.fill_with(trial.island, sides, packing)?))
+    };
+    let gains = compared.par_iter().map(fill).collect::<Result<Vec<f64>, Interrupted>>()?;
+    let mut cuts: Vec<Cut> = (compared.iter().zip(gains))
+        .map(|((Trial { part, across, .. }, _), gain)| Cut {
             gain,
             part: *part,
             edges: paths[*part].edges(across),

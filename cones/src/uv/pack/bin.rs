@@ -3,6 +3,8 @@
 //! An island fits at (x, y) if none of the cells it takes there is kept off. For one y all x are tested at once, 64 to a word:
 //! a run of cells a..b of a row blocks x where any of the row's bits x + a..x + b is set. With rows kept for all powers
 //! of two, bit x of level k telling whether one of the bits x..x + 2ᵏ is set, that is two shifted rows, whatever its length.
+//! Words are gone through one after the other, each until all of its places are blocked: where much is kept off, few runs do
+//! that, and the first place is found without the rest of the row.
 
 use super::raster::{Run, Shape};
 
@@ -51,12 +53,18 @@ impl Bin {
         }
         let mut best = better_than;
         let mut found = None;
-        let mut blocked = vec![0; (self.side - width) / 64 + 1];
         for y in 0..=self.side - height {
             if best.is_some_and(|best| best.cost[0] < y + height) {
                 break;
             }
-            let Some(x) = self.first_free(shape, y, &mut blocked, work) else { continue };
+            // Beyond this x no place is better.
+            let last = match (rule, best) {
+                (_, None) => self.side - width,
+                (Rule::Low, Some(best)) if best.cost[0] > y + height => self.side - width,
+                (Rule::Low, Some(best)) => best.cost[1].min(self.side - width),
+                (Rule::Corner, Some(best)) => best.cost[0].min(self.side).saturating_sub(width),
+            };
+            let Some(x) = self.first_free(shape, y, last, work) else { continue };
             let cost = match rule {
                 Rule::Low => [y + height, x],
                 Rule::Corner => [(x + width).max(y + height), x + y],
@@ -73,33 +81,34 @@ impl Bin {
         found
     }
 
-    /// The first x where a shape fits at a height.
-    fn first_free(&self, shape: &Shape, y: usize, blocked: &mut [u64], work: &mut u64) -> Option<usize> {
-        let positions = self.side - shape.size[0] + 1;
-        blocked.fill(0);
-        if !positions.is_multiple_of(64) {
-            blocked[positions / 64] = u64::MAX << (positions % 64);
-        }
-        for runs in shape.taken.chunks(8) {
-            *work += (2 * runs.len() * blocked.len()) as u64;
-            runs.iter().for_each(|run| self.block(*run, y, blocked));
-            if blocked.iter().all(|&word| word == u64::MAX) {
-                return None;
+    /// The first x up to the last where a shape fits at a height.
+    fn first_free(&self, shape: &Shape, y: usize, last: usize, work: &mut u64) -> Option<usize> {
+        for word in 0..=last / 64 {
+            let mut blocked = if word == last / 64 { !(u64::MAX >> (63 - last % 64)) } else { 0 };
+            for run in &shape.taken {
+                *work += 1;
+                blocked |= self.blocked(*run, y, word);
+                if blocked == u64::MAX {
+                    break;
+                }
+            }
+            if blocked != u64::MAX {
+                return Some(64 * word + blocked.trailing_ones() as usize);
             }
         }
-        let word = blocked.iter().position(|&word| word != u64::MAX)?;
-        Some(64 * word + blocked[word].trailing_ones() as usize)
+        None
     }
 
-    fn block(&self, run: Run, y: usize, blocked: &mut [u64]) {
+    /// Which places of a word are blocked for a run.
+    fn blocked(&self, run: Run, y: usize, word: usize) -> u64 {
         let level = (run.to - run.from).ilog2() as usize;
         let start = (y + run.row) * self.words;
         let row = &self.levels[level][start..start + self.words];
-        or_shifted(blocked, row, run.from);
-        let last = run.to - (1 << level);
-        if last != run.from {
-            or_shifted(blocked, row, last);
-        }
+        let bits = |from: usize| {
+            let (at, shift) = (word + from / 64, from % 64);
+            row[at] >> shift | (row[at + 1] << 1) << (63 - shift)
+        };
+        bits(run.from) | bits(run.to - (1 << level))
     }
 
     /// Keeps others off a shape at a place.

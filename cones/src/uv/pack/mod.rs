@@ -45,8 +45,10 @@ const MOST_MARGINS: f64 = 0.15;
 const GUESSES: u32 = 20;
 /// The side of a block of small islands over that of the tile that it goes on.
 const BLOCK_SIDE: f64 = 0.25;
-/// Rough packings turn pieces as if there were so many.
+/// Rough packings turn pieces as if there were so many, and move the corners of outlines to a lattice of so many points to the root of
+/// the area, where that has some 90 cells: short edges vanish.
 const ROUGH_TURNS: usize = 100;
+const ROUGH_LATTICE: f64 = 512.0;
 
 /// Where islands go.
 #[derive(Clone, Debug, PartialEq)]
@@ -170,27 +172,39 @@ impl<'a> Rough<'a> {
 
     fn piece(&self, side: &Side) -> Piece {
         let unit = self.area.sqrt();
-        let point = |[x, y]: [f64; 2]| Complex64::new(x / unit, y / unit);
-        let edges = side.edges.iter().map(|edge| edge.map(point)).collect();
+        let point = |p: [f64; 2]| {
+            let [x, y] = p.map(|x| (x / unit * ROUGH_LATTICE).round() / ROUGH_LATTICE);
+            Complex64::new(x, y)
+        };
+        let edges = side.edges.iter().map(|edge| edge.map(point)).filter(|[a, b]| a != b).collect();
         let outline = Outline { edges, centre: [0.0; 2], area: side.area / self.area };
         Piece::new(&outline, self.options.rotations, ROUGH_TURNS)
     }
 
     /// How much of a square they fill.
     pub(super) fn fill(&self, watch: Watch) -> Result<f64, Interrupted> {
-        self.fill_of(&self.pieces, watch)
+        self.fill_of(&self.pieces, Effort::ROUGH, watch)
     }
 
     /// How much of a square they fill with others in place of one, which have its area.
     pub(super) fn fill_with(&self, without: usize, others: &[Side], watch: Watch) -> Result<f64, Interrupted> {
+        self.fill_of(&self.pieces_with(without, others), Effort::ROUGH, watch)
+    }
+
+    /// The same if they are placed once, the largest first: mostly less, in a fraction of the time.
+    pub(super) fn fill_once_with(&self, without: usize, others: &[Side], watch: Watch) -> Result<f64, Interrupted> {
+        self.fill_of(&self.pieces_with(without, others), Effort::ONCE, watch)
+    }
+
+    fn pieces_with(&self, without: usize, others: &[Side]) -> Vec<Piece> {
         let mut pieces = self.pieces.clone();
         pieces.remove(without);
         pieces.extend(others.iter().map(|side| self.piece(side)));
-        self.fill_of(&pieces, watch)
+        pieces
     }
 
-    fn fill_of(&self, pieces: &[Piece], watch: Watch) -> Result<f64, Interrupted> {
-        let (_, side) = smallest_square(pieces, share(self.options, pieces.len()), Effort::ROUGH, watch)?;
+    fn fill_of(&self, pieces: &[Piece], effort: Effort, watch: Watch) -> Result<f64, Interrupted> {
+        let (_, side) = smallest_square(pieces, share(self.options, pieces.len()), effort, watch)?;
         Ok(if self.area > 0.0 { 1.0 / (side * side) } else { 0.0 })
     }
 }

@@ -6,6 +6,8 @@
 
 use num_complex::Complex64;
 
+use super::island_place::quarter;
+
 /// Edges are taken to be wider by this many cells, against rounding.
 const ROUNDING: f64 = 1e-6;
 
@@ -18,7 +20,7 @@ pub(super) struct Shape {
     pub(super) low: Complex64,
     /// How many cells it spans, across and up.
     pub(super) size: [usize; 2],
-    /// The cells that it takes, longest first.
+    /// The cells that it takes; see [`spread`].
     pub(super) taken: Vec<Run>,
     /// The cells that it keeps off, around (`pad`, `pad`).
     pub(super) kept_off: Bitmap,
@@ -48,15 +50,39 @@ impl Shape {
         let edges = || edges.iter().map(|edge| edge.map(|z| place(z) - low));
         let mut cells = Bitmap::new(size);
         fill(&mut cells, edges());
-        edges().for_each(|edge| capsule(&mut cells, edge, 0.0));
+        edges().for_each(|edge| touched(&mut cells, edge));
         let pad = margin.ceil() as usize + 1;
         let mut kept_off = cells.padded(pad);
         let shift = Complex64::new(pad as f64, pad as f64);
         edges().for_each(|edge| capsule(&mut kept_off, edge.map(|z| z + shift), margin));
-        let mut taken = cells.runs();
-        taken.sort_by_key(|run| std::cmp::Reverse(run.to - run.from));
-        Self { turn, low, size, taken, kept_off, pad }
+        Self { turn, low, size, taken: spread(cells.runs()), kept_off, pad }
     }
+
+    /// The cells of the island turned further by a quarter: these, turned with their grid.
+    pub(super) fn quarter_on(&self) -> Self {
+        let [width, height] = self.size;
+        let mut cells = Bitmap::new(self.size);
+        self.taken.iter().for_each(|run| cells.set(run.row, run.from, run.to));
+        Self {
+            turn: quarter(1) * self.turn,
+            low: quarter(1) * self.low - Complex64::new(height as f64, 0.0),
+            size: [height, width],
+            taken: spread(cells.quarter_on().runs()),
+            kept_off: self.kept_off.quarter_on(),
+            pad: self.pad,
+        }
+    }
+}
+
+/// The longest run first, then from all over, by their numbers with the bits reversed: neighbours mostly block the same places,
+/// so that few of these block a word of them. (Longest first takes 1.2 times as long for 85 islands, 1.4 times for 300.)
+fn spread(runs: Vec<Run>) -> Vec<Run> {
+    let count = runs.len();
+    let bits = count.next_power_of_two().trailing_zeros();
+    let reversed = |k: usize| k.reverse_bits().checked_shr(usize::BITS - bits).unwrap_or(0);
+    let longest = (0..count).max_by_key(|&k| (runs[k].to - runs[k].from, std::cmp::Reverse(k)));
+    let others = (0..1 << bits).map(reversed).filter(|&k| k < count && Some(k) != longest);
+    longest.into_iter().chain(others).map(|k| runs[k]).collect()
 }
 
 /// Sets the cells whose centre is wound about.
@@ -86,6 +112,27 @@ fn fill(cells: &mut Bitmap, edges: impl Iterator<Item = [Complex64; 2]>) {
                 cells.set(row, pair[0].0, pair[1].0);
             }
         }
+    }
+}
+
+/// Sets the cells that an edge touches.
+fn touched(cells: &mut Bitmap, [a, b]: [Complex64; 2]) {
+    let (low, high) = if a.im <= b.im { (a, b) } else { (b, a) };
+    let slope = (high.re - low.re) / (high.im - low.im);
+    // The end of the edge that is cut off by a line, or the end that it has.
+    let at = |y: f64| match low.re + (y - low.im) * slope {
+        _ if y <= low.im => low.re,
+        x if y < high.im => x,
+        _ => high.re,
+    };
+    let [width, height] = cells.size;
+    let first = (low.im - ROUNDING).max(0.0) as usize;
+    let last = ((high.im + ROUNDING).max(0.0) as usize).min(height - 1);
+    for row in first..=last {
+        let ends = [at(row as f64 - ROUNDING), at((row + 1) as f64 + ROUNDING)];
+        let from = (ends[0].min(ends[1]) - ROUNDING).max(0.0) as usize;
+        let to = ((ends[0].max(ends[1]) + ROUNDING).max(0.0) as usize + 1).min(width);
+        cells.set(row, from, to);
     }
 }
 
@@ -124,7 +171,7 @@ struct Capsule {
 impl Capsule {
     fn new(a: Complex64, b: Complex64, radius: f64) -> Self {
         let along = b - a;
-        let length = along.norm();
+        let length = along.norm_sqr().sqrt();
         let normal = (length > 0.0).then(|| Complex64::i() * along * (radius / length));
         Self { ends: [a, b], radius, normal }
     }
@@ -207,6 +254,26 @@ impl Bitmap {
         self.size[0]
     }
 
+    /// Turned by a quarter: what goes right goes up.
+    fn quarter_on(&self) -> Self {
+        let [width, height] = self.size;
+        let mut turned = Self::new([height, width]);
+        for (from, column) in (0..height).step_by(64).zip(0..) {
+            for word in 0..self.words {
+                // Of the rows that come to lie in one column of words, the uppermost first.
+                let mut block = [0; 64];
+                for (k, bits) in block.iter_mut().enumerate().take(height - from) {
+                    *bits = self.bits[(height - 1 - from - k) * self.words + word];
+                }
+                transpose(&mut block);
+                for (row, bits) in (64 * word..width).zip(block) {
+                    turned.bits[row * turned.words + column] = bits;
+                }
+            }
+        }
+        turned
+    }
+
     /// The same with `pad` empty cells on each side.
     fn padded(&self, pad: usize) -> Self {
         let mut padded = Self::new(self.size.map(|n| n + 2 * pad));
@@ -214,6 +281,20 @@ impl Bitmap {
             padded.set(run.row + pad, run.from + pad, run.to + pad);
         }
         padded
+    }
+}
+
+/// Bit k of word j becomes bit j of word k: halves are exchanged, then halves of those (Warren, Hacker's Delight, 7-3).
+fn transpose(block: &mut [u64; 64]) {
+    let (mut half, mut low) = (32, u64::from(u32::MAX));
+    while half > 0 {
+        for j in (0..64).filter(|j| j & half == 0) {
+            let exchanged = (block[j] >> half ^ block[j + half]) & low;
+            block[j] ^= exchanged << half;
+            block[j + half] ^= exchanged;
+        }
+        half /= 2;
+        low ^= low << half;
     }
 }
 
@@ -266,6 +347,39 @@ mod tests {
             runs.iter().for_each(|run| again.set(run.row, run.from, run.to));
             prop_assert_eq!(&again, &cells);
             prop_assert!(runs.windows(2).all(|r| r[0].row < r[1].row || r[0].to < r[1].from));
+        }
+    }
+
+    #[test]
+    fn turned_by_quarters_cells_come_back_and_runs_are_all_there_once() {
+        let [a, b, c] = [[0.0, 0.0], [93.3, 11.2], [40.1, 70.7]].map(|[x, y]| Complex64::new(x, y));
+        let shape = Shape::new(&[[a, b], [b, c], [c, a]], Complex64::cis(0.1), 1.0, 2.5);
+        let sorted = |shape: &Shape| {
+            let mut runs: Vec<_> = shape.taken.iter().map(|run| (run.row, run.from, run.to)).collect();
+            runs.sort_unstable();
+            runs
+        };
+        let mut turned = shape.clone();
+        for _ in 0..4 {
+            let before = turned.clone();
+            turned = before.quarter_on();
+            let [width, height] = before.kept_off.size;
+            for [x, y] in (0..width * height).map(|k| [k % width, k / width]) {
+                assert_eq!(is_set(&before.kept_off, [x, y]), is_set(&turned.kept_off, [height - 1 - y, x]));
+            }
+            // A corner of the island is in the same place of the turned cells.
+            let corner = |shape: &Shape| b * shape.turn - shape.low;
+            let expected = Complex64::new(before.size[1] as f64 - corner(&before).im, corner(&before).re);
+            assert!((corner(&turned) - expected).norm() < 1e-9);
+        }
+        assert_eq!((sorted(&turned), turned.size), (sorted(&shape), shape.size));
+        assert_eq!(turned.kept_off, shape.kept_off);
+        let count = |k: usize| (0..k).map(|row| Run { row, from: 0, to: 1 + row % 3 }).collect::<Vec<_>>();
+        for k in 0..20 {
+            let mut runs = spread(count(k));
+            assert!(runs.first().is_none_or(|first| runs.iter().all(|run| run.to <= first.to)));
+            runs.sort_by_key(|run| run.row);
+            assert_eq!(runs, count(k));
         }
     }
 
