@@ -9,6 +9,8 @@
 //! [`Placement::Refined`], which has no order, up to a block of cones cheaper curves are found that
 //! do depend on how far they go: there a part may get fewer cones of a larger total.
 
+use std::sync::Arc;
+
 use geom::{Interrupted, Watch};
 use rayon::prelude::*;
 
@@ -52,12 +54,12 @@ impl EnergyCurve {
 /// # Errors
 /// If the watch has said stop.
 pub(crate) fn counts(
-    components: &[Component],
+    components: &[Arc<Component>],
     (placement, search): (Placement, Search),
     total: usize,
     watch: Watch,
 ) -> Result<Vec<usize>, Interrupted> {
-    let least: Vec<usize> = components.iter().map(Component::least).collect();
+    let least: Vec<usize> = components.iter().map(|component| component.least()).collect();
     let spare = total.saturating_sub(least.iter().sum());
     if let [alone] = least[..] {
         return Ok(vec![total.max(alone)]);
@@ -66,7 +68,7 @@ pub(crate) fn counts(
         return Ok(least);
     }
     let curves = |is_brief: bool| -> Result<Vec<EnergyCurve>, Interrupted> {
-        let curve = |component: &Component| {
+        let curve = |component: &Arc<Component>| {
             let most = component.least() + spare;
             let nested = searched_order(component.ground(search, watch), most, is_brief)?;
             Ok(EnergyCurve::of_order(&component.operators, &nested, component.area, most))
@@ -90,7 +92,7 @@ fn at_least(counts: Vec<usize>, least: &[usize]) -> Vec<usize> {
 /// The components that get the first cone, the second, …, where each has such an order; up to where one of them is known no
 /// further.
 pub(crate) fn sequence_of(
-    components: &[Component],
+    components: &[Arc<Component>],
     nested: &[Nested],
     placement: Placement,
     total: usize,
@@ -99,8 +101,9 @@ pub(crate) fn sequence_of(
     if let [alone] = left[..] {
         return vec![0; total.min(alone)];
     }
-    let curve =
-        |(c, nested): (&Component, &Nested)| EnergyCurve::of_order(&c.operators, nested, c.area, nested.cones().len());
+    let curve = |(c, nested): (&Arc<Component>, &Nested)| {
+        EnergyCurve::of_order(&c.operators, nested, c.area, nested.cones().len())
+    };
     let sequence = match placement.sharing() {
         Sharing::BriefCurves | Sharing::Curves => {
             sequence(&components.iter().zip(nested).map(curve).collect::<Vec<EnergyCurve>>(), total)
@@ -122,8 +125,8 @@ pub(crate) fn sequence_of(
     known
 }
 
-fn by_persistence(components: &[Component], total: usize) -> Vec<usize> {
-    let persistences = |c: &Component| c.hierarchy.extrema().iter().map(|e| e.persistence).collect();
+fn by_persistence(components: &[Arc<Component>], total: usize) -> Vec<usize> {
+    let persistences = |c: &Arc<Component>| c.hierarchy.extrema().iter().map(|e| e.persistence).collect();
     let parts: Vec<(f64, Vec<f64>)> = components.iter().map(|c| (c.area, persistences(c))).collect();
     let limits: Vec<[usize; 2]> = components.iter().map(|c| [c.least(), c.inner_vertices()]).collect();
     sequence_by_persistence(&parts, &limits, total)

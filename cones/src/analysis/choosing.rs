@@ -1,5 +1,7 @@
 //! From what a user wants to cones on every component.
 
+use std::sync::Arc;
+
 use super::apportionment::counts;
 use super::component::Component;
 use super::cones::{ChosenNumber, Cones, Configuration};
@@ -12,8 +14,8 @@ use crate::curvature::CurvatureRule;
 use crate::error::Error;
 use crate::field::Operators;
 use crate::placement::{
-    Automatic, MOST_OPTIMISED, MOST_ORDERED, MOST_STRETCH, Nested, Placement, Prediction, Predictor, area_distortion,
-    stretch,
+    Automatic, Goal, MOST_OPTIMISED, MOST_ORDERED, MOST_STRETCH, Nested, Placement, Prediction, Predictor,
+    area_distortion, stretch,
 };
 
 /// The area distortion that is aimed at when nobody says.
@@ -39,7 +41,20 @@ pub(super) type Chosen = (Shared, Vec<Result<Configuration, Error>>);
 pub(super) struct Shared {
     pub(super) notes: Vec<Note>,
     pub(super) number: Option<ChosenNumber>,
+    /// For each component what an automatic number is that of; nothing where numbers are not automatic.
+    pub(super) found: Vec<Automatic>,
     pub(super) times: Times,
+}
+
+/// What is known of a component when an automatic number is asked for.
+#[derive(Clone, Copy)]
+pub(super) enum Known<'a> {
+    /// Nothing.
+    Nothing,
+    /// That its handles may be opened, so that a draft will do; see [`Goal`].
+    MayBeOpened,
+    /// What an automatic number is.
+    Found(&'a Automatic),
 }
 
 impl Analysis {
@@ -50,23 +65,34 @@ impl Analysis {
     /// observer has said stop.
     pub fn choose(&self, options: &Options) -> Result<Cones, Error> {
         let task = self.task();
-        let (shared, configurations) = self.enough(self.configurations(options, &task)?, options, &task)?;
+        let chosen = self.configurations(options, &|_| Known::Nothing, &task)?;
+        let (shared, configurations) = self.enough(chosen, options, &task)?;
         let configurations = configurations.into_iter().collect::<Result<Vec<Configuration>, Error>>()?;
         Ok(self.cones(options, shared, configurations))
     }
 
-    /// What the options ask for on each component, or why it cannot be had there.
-    pub(super) fn configurations(&self, options: &Options, task: &Task) -> Result<Chosen, Error> {
+    /// What the options ask for on each component, or why it cannot be had there. An automatic number is not looked for again where it
+    /// is known.
+    pub(super) fn configurations<'a>(
+        &self,
+        options: &Options,
+        known: &(dyn Fn(usize) -> Known<'a> + Sync),
+        task: &Task,
+    ) -> Result<Chosen, Error> {
         let mut shared = Shared::default();
         let configurations = match &options.cones {
-            ConeChoice::Automatic => self.fewest(&mut shared, options, TARGET_DISTORTION, MOST_AUTOMATIC, task)?,
-            ConeChoice::WithinDistortion(target) => self.fewest(&mut shared, options, *target, MOST_ORDERED, task)?,
+            ConeChoice::Automatic => {
+                self.fewest(&mut shared, options, (TARGET_DISTORTION, MOST_AUTOMATIC), known, task)?
+            }
+            ConeChoice::WithinDistortion(target) => {
+                self.fewest(&mut shared, options, (*target, MOST_ORDERED), known, task)?
+            }
             ConeChoice::Count(total) => {
                 let counts = self.apportion(&mut shared, options, *total, task)?;
                 self.placed(&mut shared, options, &counts, task)?
             }
             ConeChoice::Each(counts) => {
-                let of_component = |c: &Component| counts.get(c.index).copied().unwrap_or(0).max(c.least());
+                let of_component = |c: &Arc<Component>| counts.get(c.index).copied().unwrap_or(0).max(c.least());
                 let counts: Vec<usize> = self.components().iter().map(of_component).collect();
                 self.placed(&mut shared, options, &counts, task)?
             }
@@ -129,7 +155,7 @@ impl Analysis {
             cones.extend(told);
             predictor.put(component.index, &component.operators, component.area, vertices.len(), predicted.clone());
         }
-        let Shared { mut notes, number, times } = shared;
+        let Shared { mut notes, number, times, .. } = shared;
         notes.extend(configurations.iter().flat_map(|configuration| configuration.notes.iter().cloned()));
         let most = configurations.iter().map(|c| c.vertices.len()).max().unwrap_or(0);
         Cones {
@@ -155,7 +181,7 @@ impl Analysis {
         task: &Task,
     ) -> Result<Vec<usize>, Error> {
         let components = self.components();
-        let needed: usize = components.iter().map(Component::least).sum();
+        let needed: usize = components.iter().map(|component| component.least()).sum();
         if total < needed {
             shared.notes.push(Note::FewerThanNeeded { asked: total, needed, components: components.len() });
         }
@@ -191,20 +217,25 @@ impl Analysis {
     }
 
     /// As few cones on each component as keep the predicted area distortion within a target.
-    fn fewest(
+    fn fewest<'a>(
         &self,
         shared: &mut Shared,
         options: &Options,
-        target: f64,
-        most: usize,
+        (target, most): (f64, usize),
+        known: &(dyn Fn(usize) -> Known<'a> + Sync),
         task: &Task,
     ) -> Result<Vec<Result<Configuration, Error>>, Error> {
         let Options { placement, rule, .. } = *options;
         let to_knee = options.cones == ConeChoice::Automatic;
         let components = self.components();
         let found: Vec<Automatic> = each(components, &mut shared.times, |component, times| {
+            let is_draft = match known(component.index) {
+                Known::Found(found) => return Ok(found.clone()),
+                known => matches!(known, Known::MayBeOpened),
+            };
+            let goal = Goal { target, most, to_knee, is_draft };
             task.stage((Stage::Hierarchy, component.index), times, |watch| {
-                placement.fewest(component.ground(options.search, watch), rule, (target, to_knee), most)
+                placement.fewest(component.ground(options.search, watch), rule, goal)
             })?
             .map_err(Error::from)
         })?;
@@ -221,7 +252,7 @@ impl Analysis {
         let is_met = found.iter().all(|found| found.is_met);
         let Prediction { count: chosen, area_distortion: predicted, .. } = predicted;
         shared.number = Some(ChosenNumber { target, chosen, predicted, is_met, curve });
-        each(components, &mut shared.times, |component, times| {
+        let configurations = each(components, &mut shared.times, |component, times| {
             let Automatic { set, curvatures, .. } = &found[component.index];
             let vertices = set.cones.clone();
             if let (Some(known), None) = (curvatures, options.quantize) {
@@ -230,7 +261,9 @@ impl Analysis {
             task.stage((Stage::Curvature, component.index), times, |watch| {
                 component.with_curvatures(vertices, options, watch).map_err(Error::from)
             })
-        })
+        })?;
+        shared.found = found;
+        Ok(configurations)
     }
 
     /// Given cones must be vertices of a surface, each once.
@@ -297,7 +330,7 @@ fn interrupted_or<T>(done: Result<T, Error>) -> Result<Result<T, Error>, Error> 
 }
 
 /// What is predicted for all components together, with the cones that were found for each.
-fn predict_together(components: &[Component], found: &[Automatic], rule: CurvatureRule) -> Prediction {
+fn predict_together(components: &[Arc<Component>], found: &[Automatic], rule: CurvatureRule) -> Prediction {
     let mut predictor = Predictor::new(components.len());
     for (component, found) in components.iter().zip(found) {
         let u = found.log_scale(&component.operators, rule);

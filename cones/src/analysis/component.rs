@@ -131,6 +131,11 @@ impl Component {
         least_cones(&self.operators)
     }
 
+    /// Whether it has handles.
+    pub(crate) fn has_handles(&self) -> bool {
+        self.surface.mesh.genus() > 0
+    }
+
     pub(crate) fn inner_vertices(&self) -> usize {
         self.surface.mesh.vertices().filter(|&v| !self.surface.mesh.is_boundary_vertex(v)).count()
     }

@@ -4,6 +4,8 @@
 //! first N cones of the whole are the first ones of each part, every N is a prefix, and what is predicted for all of them
 //! follows from what is predicted for the parts.
 
+use std::sync::Arc;
+
 use rayon::prelude::*;
 use topo::Kind;
 
@@ -85,13 +87,13 @@ pub struct OrderedCone {
 /// What is predicted for every number of cones up to `total`, with an order for each component, and the operators that it is for;
 /// for models of thousands of them not so far.
 pub(super) fn whole_curve(
-    components: &[Component],
+    components: &[Arc<Component>],
     (nested, operators): (&[Nested], &[&Operators]),
     (placement, rule): (Placement, CurvatureRule),
     total: usize,
     watch: Watch,
 ) -> Vec<Prediction> {
-    let least: usize = components.iter().map(Component::least).sum();
+    let least: usize = components.iter().map(|component| component.least()).sum();
     let faces: usize = components.iter().map(|c| c.surface.mesh.face_count()).sum();
     let total = total.min(least + (CURVE_WORK / faces).max(64));
     let sequence = sequence_of(components, nested, placement, total);
@@ -110,7 +112,7 @@ impl Analysis {
         let task = self.task();
         let mut times = super::observer::Times::default();
         let components = self.components();
-        let needed: usize = components.iter().map(Component::least).sum();
+        let needed: usize = components.iter().map(|component| component.least()).sum();
         let placement = placement.for_count(count.saturating_sub(needed)).nested();
         let total = count.max(ORDERED).max(if components.len() > 1 { needed + ORDERED_MORE } else { 0 });
         let most = |component: &Component| component.least() + total.saturating_sub(needed);
@@ -132,7 +134,7 @@ impl Analysis {
 }
 
 fn cone_order(
-    components: &[Component],
+    components: &[Arc<Component>],
     nested: &[Nested],
     (placement, rule): (Placement, CurvatureRule),
     total: usize,
@@ -154,8 +156,8 @@ fn cone_order(
     }
 }
 
-fn extrema(components: &[Component]) -> Vec<ModelExtremum> {
-    let of_component = |component: &Component| -> Vec<ModelExtremum> {
+fn extrema(components: &[Arc<Component>]) -> Vec<ModelExtremum> {
+    let of_component = |component: &Arc<Component>| -> Vec<ModelExtremum> {
         let vertex = |v: VertexId| component.surface.vertex[v];
         let extremum = |e: &topo::Extremum<VertexId, f64>| ModelExtremum {
             component: component.index,
@@ -174,12 +176,12 @@ fn extrema(components: &[Component]) -> Vec<ModelExtremum> {
 
 /// The orders of components on the surfaces that they are for.
 pub(super) fn component_orders<'a>(
-    components: &[Component],
+    components: &[Arc<Component>],
     (nested, operators): (&[Nested], &[&'a Operators]),
     rule: CurvatureRule,
     watch: Watch,
 ) -> Vec<ComponentOrder<'a>> {
-    let of_component = |((c, nested), operators): ((&Component, &Nested), &&'a Operators)| {
+    let of_component = |((c, nested), operators): ((&Arc<Component>, &Nested), &&'a Operators)| {
         ComponentOrder::new(operators, c.area, nested, rule, watch)
     };
     components.iter().zip(nested).zip(operators).map(of_component).collect()

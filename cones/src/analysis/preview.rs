@@ -4,6 +4,8 @@
 //! there for every number; it is kept, and all further questions are answered from it. The order is found in blocks of 32 cones,
 //! each beginning with all before it, so that what is answered depends on no other question.
 
+use std::sync::Arc;
+
 use rayon::prelude::*;
 
 use super::Analysis;
@@ -72,7 +74,7 @@ impl Analysis {
     fn preview_order(&self, most: usize) -> Result<PreviewOrder, Error> {
         let task = self.task();
         let components = self.components();
-        let find = |component: &Component| -> Result<Nested, Error> {
+        let find = |component: &Arc<Component>| -> Result<Nested, Error> {
             let mut times = Times::default();
             Ok(task.stage((Stage::Hierarchy, component.index), &mut times, |watch| {
                 searched_order(component.ground(Search::CoarseToFine, watch), most, false)
@@ -82,7 +84,7 @@ impl Analysis {
         let mut nested = nested.into_iter().collect::<Result<Vec<Nested>, Error>>()?;
         let sequence = sequence_of(components, &nested, Placement::Pursuit, self.least_cones().max(most));
         let curve = task.stage((Stage::Hierarchy, 0), &mut Times::default(), |watch| {
-            let operators: Vec<&Operators> = components.iter().map(Component::searched).collect();
+            let operators: Vec<&Operators> = components.iter().map(|component| component.searched()).collect();
             let orders = component_orders(components, (&nested, &operators), CurvatureRule::Optimal, watch);
             curve_of_sequence(&orders, &sequence, watch)
         })?;
@@ -103,7 +105,7 @@ impl PreviewOrder {
         };
         let mut counts = vec![0; self.nested.len()];
         self.sequence[..prediction.count].iter().for_each(|&p| counts[p] += 1);
-        let of_component = |((component, nested), count): ((&Component, &Nested), usize)| {
+        let of_component = |((component, nested), count): ((&Arc<Component>, &Nested), usize)| {
             let set = &nested.sets[count];
             let cone = |(&v, &k): (&_, &f64)| component.cone(v, k, analysis.points());
             set.cones.iter().zip(&set.curvature).map(cone).collect::<Vec<Cone>>()

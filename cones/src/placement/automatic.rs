@@ -46,6 +46,22 @@ pub(crate) struct Automatic {
     pub(crate) is_from_level: bool,
     /// The cones' curvatures by the rule, where the prediction took them.
     pub(crate) curvatures: Option<ConeCurvatures>,
+    /// Whether the target is missed by the nested order, and the best set of as many cones was not looked for.
+    pub(crate) is_draft: bool,
+}
+
+/// What cones are to be chosen for.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Goal {
+    /// The area distortion that they keep within.
+    pub(crate) target: f64,
+    /// At most so many,
+    pub(crate) most: usize,
+    /// but a few more where that leaves nearly nothing to distort.
+    pub(crate) to_knee: bool,
+    /// Whether nothing better than the nested order is looked for where that misses the target: most of the time goes there, in vain where
+    /// opened handles make other cones of it.
+    pub(crate) is_draft: bool,
 }
 
 impl Automatic {
@@ -56,34 +72,41 @@ impl Automatic {
 }
 
 /// Chooses as few cones as keep the predicted area distortion within `target`, at most `most`, at least as many as the
-/// surface needs. They will get their curvatures by `rule`; where they are is chosen for optimal ones.
-pub(crate) fn automatic(model: &mut EnergyModel, rule: CurvatureRule, target: f64, most: usize) -> Automatic {
+/// surface needs, whatever the goal says of a knee. They will get their curvatures by `rule`; where they are is chosen for optimal ones.
+pub(crate) fn automatic(model: &mut EnergyModel, rule: CurvatureRule, goal: Goal) -> Automatic {
+    let Goal { target, most, is_draft, .. } = goal;
     let operators = model.operators();
     let least = least_cones(operators);
     let nested = pursuit(model, most.max(least));
     let curve = nested.curve(operators, rule, model.watch());
-    let (set, predicted) = match first_within(&curve, least, target) {
+    let enough = first_within(&curve, least, target);
+    let is_draft = is_draft && enough.is_none();
+    let (set, predicted) = match enough {
         Some(point) => fewest(model, &nested.sets[point.count], rule, target, least),
         None => {
-            let set = refined(model, most.max(least));
+            let best = if is_draft { nested.sets.last().cloned() } else { None };
+            let set = best.unwrap_or_else(|| refined(model, most.max(least)));
             let predicted = predict(operators, &set, rule);
             (set, predicted)
         }
     };
     let is_met = predicted.area_distortion <= target;
-    Automatic { set, predicted, is_met, nested, curve, is_from_level: false, curvatures: None }
+    Automatic { set, predicted, is_met, nested, curve, is_from_level: false, curvatures: None, is_draft }
 }
 
 /// [`automatic`], and a few cones more where these leave nearly nothing to distort. A fit for the corners; a search more only
 /// where the nested order tells that it pays.
-pub(crate) fn automatic_to_knee(model: &mut EnergyModel, rule: CurvatureRule, target: f64, most: usize) -> Automatic {
-    let found = automatic(model, rule, target, most);
+pub(crate) fn automatic_to_knee(model: &mut EnergyModel, rule: CurvatureRule, goal: Goal) -> Automatic {
+    let found = automatic(model, rule, goal);
+    if found.is_draft {
+        return found;
+    }
     let knee = at_corners(model, &found).or_else(|| {
         let set = refined(model, bend(&found, found.set.log_scale_norm())?);
         Some(set).filter(|set| found.has_knee_at(set))
     });
     match knee {
-        Some(set) => found.with_knee(model, set, rule, target),
+        Some(set) => found.with_knee(model, set, rule, goal.target),
         None => found,
     }
 }
@@ -146,7 +169,8 @@ pub(crate) fn shortest(model: &mut EnergyModel, order: &[VertexId], rule: Curvat
     let enough = first_within(&curve, least_cones(operators), target).copied();
     let set = nested.sets[enough.map_or(order.len(), |point| point.count)].clone();
     let predicted = enough.unwrap_or_else(|| predict(operators, &set, rule));
-    Automatic { set, predicted, is_met: enough.is_some(), nested, curve, is_from_level: false, curvatures: None }
+    let is_met = enough.is_some();
+    Automatic { set, predicted, is_met, nested, curve, is_from_level: false, curvatures: None, is_draft: false }
 }
 
 /// Where a curve first keeps the area distortion within a target, from `least` cones on.
@@ -193,10 +217,14 @@ mod tests {
     use geom::Watch;
     use geom::{Metric, shapes};
 
+    fn goal(target: f64, most: usize) -> Goal {
+        Goal { target, most, to_knee: false, is_draft: false }
+    }
+
     fn choose(shape: &shapes::Shape, target: f64, most: usize) -> Automatic {
         let mesh = shape.mesh();
         let operators = Operators::new(&mesh, &Metric::from_points(&mesh, &shape.points)).unwrap();
-        automatic(&mut EnergyModel::new(&operators, &mesh), CurvatureRule::Optimal, target, most)
+        automatic(&mut EnergyModel::new(&operators, &mesh), CurvatureRule::Optimal, goal(target, most))
     }
 
     #[test]
@@ -247,9 +275,10 @@ mod tests {
             let shape = box_of(sides);
             let mesh = shape.mesh();
             let operators = Operators::new(&mesh, &Metric::from_points(&mesh, &shape.points)).unwrap();
-            let fewest = automatic(&mut EnergyModel::new(&operators, &mesh), CurvatureRule::Optimal, 1.25, 32);
+            let fewest = automatic(&mut EnergyModel::new(&operators, &mesh), CurvatureRule::Optimal, goal(1.25, 32));
             assert!(fewest.set.cones.len() < 8);
-            let chosen = automatic_to_knee(&mut EnergyModel::new(&operators, &mesh), CurvatureRule::Optimal, 1.25, 32);
+            let chosen =
+                automatic_to_knee(&mut EnergyModel::new(&operators, &mesh), CurvatureRule::Optimal, goal(1.25, 32));
             assert_eq!((chosen.set.cones.len(), chosen.is_met), (8, true), "{sides:?}");
             assert!(chosen.predicted.area_distortion < 1.0 + 1e-6);
         }
@@ -260,8 +289,8 @@ mod tests {
         let shape = shapes::hare(1200);
         let mesh = shape.mesh();
         let operators = Operators::new(&mesh, &Metric::from_points(&mesh, &shape.points)).unwrap();
-        let choose = |choose: fn(&mut EnergyModel, CurvatureRule, f64, usize) -> Automatic| {
-            choose(&mut EnergyModel::new(&operators, &mesh), CurvatureRule::Optimal, 1.6, 32).set
+        let choose = |choose: fn(&mut EnergyModel, CurvatureRule, Goal) -> Automatic| {
+            choose(&mut EnergyModel::new(&operators, &mesh), CurvatureRule::Optimal, goal(1.6, 32)).set
         };
         assert_eq!(choose(automatic_to_knee), choose(automatic));
     }
@@ -285,6 +314,21 @@ mod tests {
     }
 
     #[test]
+    fn a_draft_is_the_nested_order_where_that_misses_the_target_and_else_what_is_chosen() {
+        let shape = shapes::hare(900);
+        let mesh = shape.mesh();
+        let operators = Operators::new(&mesh, &Metric::from_points(&mesh, &shape.points)).unwrap();
+        let choose = |goal| automatic_to_knee(&mut EnergyModel::new(&operators, &mesh), CurvatureRule::Optimal, goal);
+        let [met, missed] = [goal(1.6, 32), goal(1.0001, 6)].map(|goal| (goal, Goal { is_draft: true, ..goal }));
+        let (whole, draft) = (choose(met.0), choose(met.1));
+        assert!(!draft.is_draft && draft.set == whole.set);
+        let (whole, draft) = (choose(missed.0), choose(missed.1));
+        assert!(draft.is_draft && !draft.is_met && !whole.is_draft);
+        assert_eq!(draft.set, draft.nested.sets[6]);
+        assert!(whole.set.energy <= draft.set.energy);
+    }
+
+    #[test]
     fn what_the_nested_order_can_do_is_done() {
         let shape = shapes::hare(600);
         let mesh = shape.mesh();
@@ -293,7 +337,7 @@ mod tests {
         let nested = pursuit(&mut model, 12);
         for rule in [CurvatureRule::Optimal, CurvatureRule::Harmonic] {
             for point in nested.curve(&operators, rule, geom::Watch::NONE) {
-                let chosen = automatic(&mut EnergyModel::new(&operators, &mesh), rule, point.area_distortion, 12);
+                let chosen = automatic(&mut EnergyModel::new(&operators, &mesh), rule, goal(point.area_distortion, 12));
                 assert!(chosen.is_met, "{rule:?}: {point:?} is possible, {:?} was taken", chosen.predicted);
                 assert!(chosen.set.cones.len() <= point.count);
             }
@@ -306,7 +350,7 @@ mod tests {
         let mesh = shape.mesh();
         let operators = Operators::new(&mesh, &Metric::from_points(&mesh, &shape.points)).unwrap();
         for rule in [CurvatureRule::Optimal, CurvatureRule::Harmonic] {
-            let chosen = automatic(&mut EnergyModel::new(&operators, &mesh), rule, 1.5, 32);
+            let chosen = automatic(&mut EnergyModel::new(&operators, &mesh), rule, goal(1.5, 32));
             let used = cone_curvatures(&operators, &mesh, &chosen.set.cones, rule, Watch::NONE).unwrap();
             assert!(chosen.is_met);
             assert!((area_distortion(&operators, &used.predicted) - chosen.predicted.area_distortion).abs() < 1e-9);

@@ -8,7 +8,7 @@
 use geom::{Interrupted, PoissonError, VertexId};
 
 use super::Ground;
-use super::automatic::{Automatic, at_corners, automatic, bend, has_few_corners, meets};
+use super::automatic::{Automatic, Goal, at_corners, automatic, bend, has_few_corners, meets};
 use super::energy_model::{ConeSet, EnergyModel};
 use super::exchange::{drop_cheapest, exchange};
 use super::level::CoarseLevel;
@@ -64,13 +64,16 @@ pub(crate) fn fewest_from(
     ground: Ground,
     level: &CoarseLevel,
     rule: CurvatureRule,
-    (target, to_knee): (f64, bool),
-    most: usize,
+    goal: Goal,
 ) -> Result<Automatic, PoissonError> {
+    let Goal { target, most, to_knee, .. } = goal;
     let mut coarse_model = level.energy_model(ground.watch.within(0.0, 0.5));
-    let (coarse, model) =
-        rayon::join(|| automatic(&mut coarse_model, rule, target, most), || finer_model(ground, level));
+    let (coarse, model) = rayon::join(|| automatic(&mut coarse_model, rule, goal), || finer_model(ground, level));
     let mut model = model?;
+    if coarse.is_draft {
+        let cones = level.of_surface(&coarse.set.cones);
+        return Ok(Automatic { set: ConeSet { cones, ..coarse.set }, is_from_level: true, ..coarse });
+    }
     let mut search = Fewest { model: &mut model, level, rule, target };
     let (set, predicted) = search.confirmed(&mut coarse_model, &coarse, most);
     let is_met = meets(&set, &predicted, target);
@@ -376,7 +379,8 @@ mod tests {
         let (terms, made) = (OnceLock::new(), OnceLock::new());
         let search = super::super::Search::CoarseToFine;
         let ground = Ground { operators, input, hierarchy, terms: &terms, level: &made, search, watch };
-        fewest_from(ground, level, CurvatureRule::Optimal, target, most)
+        let goal = Goal { target: target.0, most, to_knee: target.1, is_draft: false };
+        fewest_from(ground, level, CurvatureRule::Optimal, goal)
     }
 
     fn with_middle(operators: &Operators, mesh: &Mesh) -> CoarseLevel {
@@ -474,7 +478,8 @@ mod tests {
     fn as_few_cones_as_meet_the_target_on_the_surface() {
         for (mesh, operators, level) in levels().into_iter().take(2) {
             let found = fewest(&operators, &mesh, &level, (1.4, false), 32);
-            let full = automatic(&mut EnergyModel::new(&operators, &mesh), CurvatureRule::Optimal, 1.4, 32);
+            let goal = Goal { target: 1.4, most: 32, to_knee: false, is_draft: false };
+            let full = automatic(&mut EnergyModel::new(&operators, &mesh), CurvatureRule::Optimal, goal);
             assert!(found.is_met && found.predicted.area_distortion <= 1.4);
             assert!(found.set.cones.len().abs_diff(full.set.cones.len()) <= 1);
         }

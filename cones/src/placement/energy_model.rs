@@ -249,19 +249,33 @@ impl<'a> EnergyModel<'a> {
         self.products[i.max(j)][i.min(j)]
     }
 
-    fn place_of(&self, v: VertexId) -> usize {
+    /// `H_vx` for a member of the pool and the members at some places.
+    pub(crate) fn put_products(&self, v: VertexId, places: &[usize], products: &mut Vec<f64>) {
+        let i = self.place_of(v);
+        let own = &self.products[i];
+        products.clear();
+        products.extend(places.iter().map(|&j| own.get(j).copied().unwrap_or_else(|| self.products[j][i])));
+    }
+
+    /// Where a member of the pool is in it.
+    pub(crate) fn place_of(&self, v: VertexId) -> usize {
         self.place[v].expect("the vertex was added to the pool") as usize
     }
 
     /// The bounds of the curvature at a vertex where there are `count` cones in all.
     pub(crate) fn bounds(&self, v: VertexId, count: usize) -> [f64; 2] {
-        let [low, high] = general_bounds(self.operators, count, self.largest_curvature);
+        let [low, high] = self.bounds_of(count);
         [low.max(self.lowest(v)).min(high), high]
+    }
+
+    /// The bounds of the curvature of any of so many cones.
+    pub(crate) fn bounds_of(&self, count: usize) -> [f64; 2] {
+        general_bounds(self.operators, count, self.largest_curvature)
     }
 
     /// The least curvature that any of so many cones can have.
     pub(crate) fn lowest_of(&self, count: usize) -> f64 {
-        general_bounds(self.operators, count, self.largest_curvature)[0]
+        self.bounds_of(count)[0]
     }
 
     /// The least curvature that a vertex can have, from the number of its triangles.

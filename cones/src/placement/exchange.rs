@@ -1,5 +1,9 @@
 //! Better sets of cones from the pool, without solves.
 
+use std::collections::HashSet;
+
+use geom::VertexId;
+
 use super::energy_model::{ConeSet, EnergyModel};
 use super::separation::Separation;
 use super::swap_table::{Row, Swap, SwapTable};
@@ -8,6 +12,8 @@ use super::swap_table::{Row, Swap, SwapTable};
 pub(crate) const TRIALS: usize = 6;
 /// So many moves that do harm alone are tried as the first of several.
 const DETOURS: usize = 20;
+/// Swaps are collected up to so many before all but the best are forgotten.
+const KEPT: usize = 256;
 /// On a coarse level detours are tried for so many cones at most. With 16 and more they take half of the time, and gain nothing
 /// that is left once the cones are polished; with 8 they were worth a tenth on `rabbit_46646`.
 const MOST_ON_LEVEL: usize = 12;
@@ -20,6 +26,17 @@ pub(crate) fn exchange(model: &EnergyModel, mut set: ConeSet) -> ConeSet {
         set = better;
     }
     set
+}
+
+/// As [`exchange`], but none where it comes to a set that another exchange came to: it would end where that one has ended.
+fn exchange_anew(model: &EnergyModel, mut set: ConeSet, known: &mut HashSet<Vec<VertexId>>) -> Option<ConeSet> {
+    while known.insert(set.cones.clone()) {
+        match best_swap(model, &set) {
+            Some(better) => set = better,
+            None => return Some(set),
+        }
+    }
+    None
 }
 
 /// As [`exchange`], and where no single move helps, pairs of moves: the least harmful ones, each followed by an exchange.
@@ -48,12 +65,14 @@ fn best_detour(model: &EnergyModel, set: &ConeSet) -> Option<ConeSet> {
     if model.is_over() {
         return None;
     }
+    // Most detours lead back to where they came from, or where one before has ended.
+    let mut known = HashSet::from([set.cones.clone()]);
     let swaps = swaps(model, set);
     let mut ends = swaps
         .iter()
         .take(DETOURS)
         .take_while(|_| !model.is_over())
-        .map(|swap| exchange(model, apply(model, set, swap)));
+        .filter_map(|swap| exchange_anew(model, apply(model, set, swap), &mut known));
     ends.find(|end| end.is_better_than(set, LEAST_GAIN))
 }
 
@@ -67,26 +86,26 @@ fn apply(model: &EnergyModel, set: &ConeSet, swap: &Swap) -> ConeSet {
 fn swaps(model: &EnergyModel, set: &ConeSet) -> Vec<Swap> {
     let table = SwapTable::new(model, set);
     let separation = Separation::new(model.operators(), &set.cones);
-    let mut swaps = Vec::new();
+    let (mut swaps, mut most) = (Vec::new(), f64::INFINITY);
     let mut row = Row::default();
     for &coming in model.pool().iter().filter(|&&v| separation.is_open(v) && !set.cones.contains(&v)) {
         table.fill_for_member(coming, &mut row);
         let swap = |(leaving, &change)| separation.admits(coming, leaving).then_some(Swap { change, leaving, coming });
-        swaps.extend(row.change.iter().enumerate().filter_map(swap));
+        let is_promising = |swap: &Swap| swap.change <= most;
+        swaps.extend(row.change.iter().enumerate().filter_map(swap).filter(is_promising));
+        if swaps.len() >= KEPT {
+            keep_most_promising(&mut swaps);
+            most = swaps.last().map_or(f64::INFINITY, |worst| worst.change);
+        }
     }
-    most_promising(swaps)
+    keep_most_promising(&mut swaps);
+    swaps
 }
 
-/// The best swaps, the best first, ties in their order: no more are looked at.
-fn most_promising(swaps: Vec<Swap>) -> Vec<Swap> {
-    let mut ranked: Vec<(usize, Swap)> = swaps.into_iter().enumerate().collect();
-    let before = |a: &(usize, Swap), b: &(usize, Swap)| a.1.change.total_cmp(&b.1.change).then(a.0.cmp(&b.0));
-    if ranked.len() > DETOURS {
-        ranked.select_nth_unstable_by(DETOURS, before);
-        ranked.truncate(DETOURS);
-    }
-    ranked.sort_unstable_by(before);
-    ranked.into_iter().map(|(_, swap)| swap).collect()
+/// Leaves the best swaps, the best first, ties in their order: no more are looked at.
+fn keep_most_promising(swaps: &mut Vec<Swap>) {
+    swaps.sort_by(|a, b| a.change.total_cmp(&b.change));
+    swaps.truncate(DETOURS);
 }
 
 /// Takes cones away, one at a time whichever is missed least, until so many are left, exchanging after each.
@@ -110,4 +129,33 @@ pub(crate) fn drop_cheapest(model: &EnergyModel, set: &ConeSet) -> ConeSet {
     };
     let candidates = order.iter().map(without);
     candidates.reduce(|a, b| if b.is_better_than(&a, 0.0) { b } else { a }).unwrap_or_else(|| set.clone())
+}
+
+#[cfg(test)]
+mod tests {
+    use geom::{Metric, shapes};
+
+    use super::*;
+    use crate::field::Operators;
+    use crate::placement::refined;
+
+    #[test]
+    fn detours_that_are_not_gone_twice_lead_where_all_of_them_lead() {
+        for shape in [shapes::hare(700), shapes::torus(2, 700), shapes::terrain(700, 3)] {
+            let mesh = shape.mesh();
+            let operators = Operators::new(&mesh, &Metric::from_points(&mesh, &shape.points)).unwrap();
+            let mut model = EnergyModel::new(&operators, &mesh);
+            // The pool of a search, and cones that are no end of it.
+            refined(&mut model, 8);
+            let some: Vec<VertexId> = model.pool().iter().copied().step_by(5).take(6).collect();
+            let mut set = exchange(&model, model.fit(&some));
+            loop {
+                let all = swaps(&model, &set).into_iter().map(|swap| exchange(&model, apply(&model, &set, &swap)));
+                let by_all = all.into_iter().find(|end| end.is_better_than(&set, LEAST_GAIN));
+                assert_eq!(best_detour(&model, &set), by_all);
+                let Some(better) = by_all else { break };
+                set = better;
+            }
+        }
+    }
 }

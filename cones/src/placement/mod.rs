@@ -29,7 +29,7 @@ use crate::curvature::CurvatureRule;
 use crate::field::Operators;
 use crate::hierarchy::ConeHierarchy;
 
-pub(crate) use automatic::{Automatic, corners};
+pub(crate) use automatic::{Automatic, Goal, corners};
 pub(crate) use energy_model::EnergyTerms;
 pub use energy_model::{ConeSet, EnergyModel};
 pub(crate) use level::{CoarseLevel, size_of_level};
@@ -298,30 +298,23 @@ impl Placement {
         Ok(Nested::new(&mut ground.energy_model()?, &order))
     }
 
-    /// As few cones as keep the predicted area distortion within `target`, at most `most`; a few more where these leave
-    /// nearly nothing to distort and `to_knee` asks for it.
+    /// As few cones as keep the predicted area distortion within a target, as a goal says it.
     ///
     /// # Errors
     /// As [`cones`](Self::cones).
-    pub(crate) fn fewest(
-        self,
-        ground: Ground,
-        rule: CurvatureRule,
-        (target, to_knee): (f64, bool),
-        most: usize,
-    ) -> Result<Automatic, PoissonError> {
+    pub(crate) fn fewest(self, ground: Ground, rule: CurvatureRule, goal: Goal) -> Result<Automatic, PoissonError> {
         if self == Self::Refined
             && let Some(level) = ground.level()?
         {
-            return coarse_to_fine::fewest_from(ground, level, rule, (target, to_knee), most);
+            return coarse_to_fine::fewest_from(ground, level, rule, goal);
         }
         let mut model = ground.energy_model()?;
         if self == Self::Refined {
-            let choose = if to_knee { automatic::automatic_to_knee } else { automatic::automatic };
-            return Ok(choose(&mut model, rule, target, most));
+            let choose = if goal.to_knee { automatic::automatic_to_knee } else { automatic::automatic };
+            return Ok(choose(&mut model, rule, goal));
         }
-        let order = self.cones(ground, most)?;
-        Ok(automatic::shortest(&mut model, &order, rule, target))
+        let order = self.cones(ground, goal.most)?;
+        Ok(automatic::shortest(&mut model, &order, rule, goal.target))
     }
 }
 

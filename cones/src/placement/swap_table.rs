@@ -49,6 +49,13 @@ pub(crate) struct SwapTable<'a> {
     /// The places in the set of cones that are between their bounds.
     free: Vec<usize>,
     clamped: Vec<Clamped>,
+    /// The responses of the clamped cones side by side: all first entries, all second ones, ….
+    clamped_responses: Vec<f64>,
+    /// Where the cones are in the pool.
+    places: Vec<usize>,
+    /// What bounds the curvature of any cone, and the lower bound of each one's.
+    bounds: [f64; 2],
+    low: Vec<f64>,
     /// K⁻¹, row by row.
     inverse: Vec<f64>,
     order: usize,
@@ -82,6 +89,8 @@ pub(crate) struct Row {
     product: Vec<f64>,
     /// T
     response: Vec<f64>,
+    /// For each clamped cone the sum of its response times the vertex's products.
+    projections: Vec<f64>,
     /// What moving each cone to the vertex changes.
     pub(crate) change: Vec<f64>,
 }
@@ -94,18 +103,25 @@ impl<'a> SwapTable<'a> {
             free = (0..n).collect();
         }
         let order = free.len() + usize::from(model.total().is_some());
+        let low: Vec<f64> = set.cones.iter().map(|&c| model.bounds(c, n)[0]).collect();
         let mut table = Self {
             model,
             column: set.cones.iter().map(|&c| model.column(c)).collect(),
             clamped: Vec::new(),
+            clamped_responses: Vec::new(),
+            places: set.cones.iter().map(|&c| model.place_of(c)).collect(),
+            bounds: model.bounds_of(n),
             inverse: Vec::new(),
-            slack: set.cones.iter().map(|&c| model.bounds(c, n)[0]).sum::<f64>() - model.total().unwrap_or(0.0),
+            slack: low.iter().sum::<f64>() - model.total().unwrap_or(0.0),
+            low,
             set,
             free,
             order,
         };
         table.inverse = table.inverse_conditions();
         table.clamped = (0..n).filter(|i| !table.free.contains(i)).map(|i| table.clamp(i)).collect();
+        let responses = (0..order).flat_map(|k| table.clamped.iter().map(move |clamped| clamped.response[k]));
+        table.clamped_responses = responses.collect();
         table
     }
 
@@ -129,17 +145,16 @@ impl<'a> SwapTable<'a> {
     fn clamp(&self, place: usize) -> Clamped {
         let cone = self.set.cones[place];
         let mut row = Row::default();
-        self.respond(&mut row, |c| self.model.product(cone, c));
+        self.respond(&mut row, cone);
         let q = self.set.curvature[place];
         let gradient = self.gradient(cone, &row);
         let base = -2.0 * q * gradient + q * q * self.exact_norm(cone, &row);
         Clamped { place, base, response: row.response }
     }
 
-    /// Fills in the products and T of a vertex.
-    fn respond(&self, row: &mut Row, product: impl Fn(VertexId) -> f64) {
-        row.product.clear();
-        row.product.extend(self.set.cones.iter().map(|&c| product(c)));
+    /// Fills in the products and T of a member of the pool.
+    fn respond(&self, row: &mut Row, v: VertexId) {
+        self.model.put_products(v, &self.places, &mut row.product);
         self.apply_inverse(row);
     }
 
@@ -175,7 +190,7 @@ impl<'a> SwapTable<'a> {
 
     /// What moving each cone to a member of the pool changes.
     pub(crate) fn fill_for_member(&self, v: VertexId, row: &mut Row) {
-        self.respond(row, |c| self.model.product(v, c));
+        self.respond(row, v);
         self.fill(v, self.exact_norm(v, row).max(0.0), row);
     }
 
@@ -189,7 +204,7 @@ impl<'a> SwapTable<'a> {
 
     fn fill(&self, v: VertexId, norm: f64, row: &mut Row) {
         let q = &self.set.curvature;
-        let [low, high] = self.model.bounds(v, q.len());
+        let [low, high] = self.bounds_at(v);
         let gradient = self.gradient(v, row);
         let best = |base: f64, gradient: f64, norm: f64| {
             let t = (-gradient / norm.max(f64::MIN_POSITIVE)).clamp(low, high);
@@ -202,9 +217,10 @@ impl<'a> SwapTable<'a> {
             let t = row.response[k] / kappa;
             row.change[i] = best(q[i] * q[i] / kappa, gradient - q[i] * t, norm + t * row.response[k]);
         }
-        for clamped in &self.clamped {
+        self.project_clamped(row);
+        for (clamped, projection) in self.clamped.iter().zip(&row.projections) {
             let i = clamped.place;
-            let covariance = row.product[i] - self.projection(&clamped.response, row);
+            let covariance = row.product[i] - projection;
             row.change[i] = best(clamped.base, gradient - q[i] * covariance, norm);
         }
         if self.model.total().is_some() {
@@ -212,11 +228,36 @@ impl<'a> SwapTable<'a> {
         }
     }
 
+    /// [`projection`](Self::projection) for all clamped cones at once: the same sums, side by side.
+    fn project_clamped(&self, row: &mut Row) {
+        row.projections.clear();
+        row.projections.resize(self.clamped.len(), -0.0);
+        if self.clamped.is_empty() {
+            return;
+        }
+        let mut responses = self.clamped_responses.chunks_exact(self.clamped.len());
+        for (&i, responses) in self.free.iter().zip(&mut responses) {
+            let product = row.product[i];
+            row.projections.iter_mut().zip(responses).for_each(|(sum, x)| *sum += product * x);
+        }
+        match responses.next() {
+            Some(last) => row.projections.iter_mut().zip(last).for_each(|(sum, x)| *sum += x),
+            None => row.projections.iter_mut().for_each(|sum| *sum += 0.0),
+        }
+    }
+
+    /// [`EnergyModel::bounds`] of a vertex beside as many cones.
+    fn bounds_at(&self, v: VertexId) -> [f64; 2] {
+        let [low, high] = self.bounds;
+        [low.max(self.model.lowest(v)).min(high), high]
+    }
+
     /// Adds the price of what the cones would lack.
     fn add_shortfall(&self, low: f64, change: &mut [f64]) {
-        for (change, &cone) in change.iter_mut().zip(&self.set.cones) {
-            let after = self.slack + low - self.model.bounds(cone, self.set.cones.len())[0];
-            *change += self.model.price() * (after.max(0.0) - self.slack.max(0.0));
+        let price = self.model.price();
+        for (change, own) in change.iter_mut().zip(&self.low) {
+            let after = self.slack + low - own;
+            *change += price * (after.max(0.0) - self.slack.max(0.0));
         }
     }
 
@@ -254,7 +295,7 @@ impl<'a> SwapTable<'a> {
         let Departure { base, slope, growth, weights, offset } = departure;
         let products = self.column.iter().zip(weights).map(|(h, weight)| f64::from(h[v.index()]) * weight);
         let response = offset + products.sum::<f64>();
-        let [low, high] = self.model.bounds(v, weights.len());
+        let [low, high] = self.bounds_at(v);
         let (gradient, norm) = (gradient - slope * response, norm + growth * response * response);
         let t = (-gradient / norm.max(f64::MIN_POSITIVE)).clamp(low, high);
         base + t * (2.0 * gradient + t * norm)
