@@ -59,9 +59,10 @@ pub mod report;
 pub mod uv;
 
 pub use analysis::{
-    Analysis, Atlas, Baseline, BaselineMap, ChosenNumber, Cone, ConeChoice, ConeOrder, Cones, Failure, Handles,
-    Islands, MOST_AUTOMATIC, MOST_NEEDLES, ModelExtremum, Note, Observer, Options, OrderedCone, Preparation, Preview,
-    Progress, RefinedModel, Refining, Stage, TARGET_DISTORTION, TOLERABLE_DISTORTION, Times, Topology, unwrap_model,
+    Analysis, Atlas, Baseline, BaselineMap, ChosenNumber, Cone, ConeChoice, ConeOrder, Cones, Failure, FreeSeams,
+    Handles, Islands, MOST_AUTOMATIC, MOST_NEEDLES, ModelExtremum, Note, Observer, Options, OrderedCone, Preparation,
+    Preview, Progress, RefinedModel, Refining, Stage, TARGET_DISTORTION, TOLERABLE_DISTORTION, Times, Topology,
+    unwrap_model,
 };
 pub use baseline::LscmError;
 pub use curvature::{CurvatureError, CurvatureRule};

@@ -156,6 +156,7 @@ def unwrap(
     keep_seams: Any = False,
     avoid: Any = None,
     islands: str = "overlap-free",
+    free_seams: str = "auto",
     margin: float = 4.0,
     texture_size: int = 1024,
     rotations: str = "any",
@@ -192,6 +193,8 @@ def unwrap(
         Cut where the mesh's own texture coordinates are cut, or these edges; those that are open already are passed over, while
         ``seams`` refuses them.
     islands : "overlap-free", "single" or "pack"
+    free_seams : "auto", "never" or "always"
+        Let the two sides of seams differ, for less distortion; "auto" where triangles are coarse.
     margin, texture_size, rotations, texel_density, max_seam
         How islands are packed; a texel density (texels a unit of length) puts them on UDIM tiles.
     scale : "unit", "area" or "none"
@@ -224,6 +227,7 @@ def unwrap(
         keep_seams=keep_seams,
         avoid=avoid,
         islands=islands,
+        free_seams=free_seams,
         margin=margin,
         texture_size=texture_size,
         rotations=rotations,

@@ -6,8 +6,8 @@ use std::sync::{Arc, Barrier};
 use std::time::{Duration, Instant};
 
 use cones::{
-    Analysis, Atlas, Baseline, ConeChoice, Cones, CurvatureRule, Error, Handles, Islands, Note, Options, Placement,
-    Preparation, Progress, Refining, SeamOptions, Symmetry, unwrap_model,
+    Analysis, Atlas, Baseline, ConeChoice, Cones, CurvatureRule, Error, FreeSeams, Handles, Islands, Note, Options,
+    Placement, Preparation, Progress, Refining, SeamOptions, Symmetry, unwrap_model,
 };
 use geom::shapes::{self, Shape};
 use geom::{Model, distortion};
@@ -502,13 +502,14 @@ fn flat_parts_are_left_as_they_are_where_needles_are_to_be_refined() {
 #[test]
 fn whether_a_target_is_met_is_read_off_the_map() {
     let (mut seen, mut otherwise) = ([0, 0], 0);
+    let rigid = Options { free_seams: FreeSeams::Never, ..Options::default() };
     let small = solids::mapped(&shapes::terrain(300, 3), |p| p.map(|x| 0.3 * x));
     for shape in [shapes::hare(600), solids::side_by_side(&[shapes::hare(300), small])] {
         let model = model(&shape);
         let analysis = Analysis::new(&model).expect("a sound model");
         for target in [1.05, 1.25, 1.6] {
             let cones = ConeChoice::WithinDistortion(target);
-            let atlas = analysis.atlas(&Options { cones, ..Options::default() }).expect("it unwraps");
+            let atlas = analysis.atlas(&Options { cones, ..rigid.clone() }).expect("it unwraps");
             let number = atlas.number.clone().expect("it was chosen");
             let is_met = measured(&model, &atlas) <= target + 0.005;
             assert_eq!(number.is_met, is_met, "{target} {number:?}");
@@ -518,7 +519,7 @@ fn whether_a_target_is_met_is_read_off_the_map() {
         let cones = analysis.choose(&Options::default()).expect("a sound model");
         let predicted = cones.number().expect("it was chosen");
         assert_eq!(predicted.is_met, predicted.predicted <= cones::TARGET_DISTORTION);
-        let atlas = analysis.flatten(&cones).expect("it unwraps");
+        let atlas = analysis.flatten_with(&cones, &rigid).expect("it unwraps");
         let is_met = measured(&model, &atlas) <= cones::TARGET_DISTORTION + 0.005;
         assert_eq!(atlas.number.expect("it was chosen").is_met, is_met);
         otherwise += usize::from(is_met != predicted.is_met);

@@ -2,7 +2,10 @@
 
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 
-use cones::{Analysis, Atlas, ConeChoice, Handles, Options, Placement, Preparation, Refining, unwrap_model};
+use cones::uv::overlaps;
+use cones::{
+    Analysis, Atlas, ConeChoice, FreeSeams, Handles, Options, Placement, Preparation, Refining, Symmetry, unwrap_model,
+};
 use geom::distortion;
 use geom::shapes::{self, Shape};
 use proptest::prelude::*;
@@ -103,7 +106,8 @@ fn opened_handles_leave_loops_whose_sides_have_equal_lengths() {
     let round = [(shapes::torus(1, 700), Refining::Always), (shapes::torus(2, 900), Refining::Always)];
     for (shape, refine) in cases.into_iter().chain(round) {
         let preparation = Preparation { refine, ..handles(Handles::Always) };
-        let options = Options { cones: ConeChoice::Count(6), preparation, ..Options::default() };
+        let free_seams = FreeSeams::Never;
+        let options = Options { cones: ConeChoice::Count(6), preparation, free_seams, ..Options::default() };
         let model = solids::model(&shape).expect("an ordinary shape");
         let analysis = Analysis::with(&model, preparation).expect("a sound model");
         let atlas = analysis.atlas(&options).expect("it unwraps");
@@ -122,7 +126,8 @@ fn opened_handles_leave_loops_whose_sides_have_equal_lengths() {
 fn handles_are_opened_where_cones_are_too_few_for_them_and_left_where_they_are_asked_to_be() {
     let model = solids::model(&shapes::torus(4, 2500)).expect("an ordinary shape");
     let map = |kind: Handles, count: usize| {
-        let options = Options { cones: ConeChoice::Count(count), preparation: handles(kind), ..Options::default() };
+        let (cones, free_seams) = (ConeChoice::Count(count), FreeSeams::Never);
+        let options = Options { cones, preparation: handles(kind), free_seams, ..Options::default() };
         unwrap_model(&model, &options).expect("it unwraps")
     };
     let distortion = |atlas: &Atlas| {
@@ -136,6 +141,40 @@ fn handles_are_opened_where_cones_are_too_few_for_them_and_left_where_they_are_a
     assert!(distortion(&auto) < 0.8 * distortion(&closed), "{} {}", distortion(&auto), distortion(&closed));
     assert_eq!(auto.uv, open.uv);
     assert_eq!(map(Handles::Auto, 60).opened_handles, 0, "many cones do without");
+}
+
+#[test]
+fn seams_are_free_on_coarse_triangles_where_that_keeps_angles_and_areas_better() {
+    let map = |shape: &Shape, free_seams: FreeSeams, quantize| {
+        let model = solids::model(shape).expect("an ordinary shape");
+        let options = Options { cones: ConeChoice::Count(12), free_seams, quantize, ..Options::default() };
+        let atlas = unwrap_model(&model, &options).expect("it unwraps");
+        let found = check_map(&model, &atlas);
+        assert_eq!((found.flipped, found.degenerate, found.torn), (0, 0, 0), "{:?}", atlas.notes);
+        assert!(found.euler.iter().all(|&chi| chi == 1), "islands are disks: {:?}", found.euler);
+        let triangles: Vec<[u32; 3]> = atlas.triangles.corners.clone();
+        let points = model.corners().iter().map(|&v| model.points()[v as usize]).collect::<Vec<_>>();
+        let uv: Vec<_> = triangles.iter().map(|t| t.map(|c| atlas.uv[c as usize])).collect();
+        assert_eq!(overlaps(&uv).pairs.len(), 0, "nothing lies over anything");
+        let measured = distortion::measure(&points, &triangles, &uv).expect("one position a corner");
+        (atlas, found, [measured.area.mean, measured.quasi_conformal.mean])
+    };
+    for shape in [shapes::hare(300), shapes::torus(2, 400), shapes::hare(4000)] {
+        let [(rigid, seams, before), (auto, _, after), (free, loose, best)] =
+            [FreeSeams::Never, FreeSeams::Auto, FreeSeams::Always].map(|when| map(&shape, when, None));
+        let is_coarse = before[1] > 1.1;
+        assert_eq!(is_coarse, shape.points.len() < 1000, "{before:?}");
+        assert_eq!([rigid.freed, auto.freed, free.freed], [0, usize::from(is_coarse), 1]);
+        assert_eq!(auto.uv == rigid.uv, !is_coarse);
+        assert_eq!(auto.uv == free.uv, is_coarse);
+        assert!(seams.seam_mismatch < 1e-6 && loose.seam_mismatch > 1e-3, "{seams:?} {loose:?}");
+        assert!(rigid.seam_figures.mean_mismatch() < 1e-6 && free.seam_figures.mean_mismatch() > 1e-3);
+        let cost = |[area, angles]: [f64; 2]| area.ln() + angles.ln();
+        assert!(cost(best) < 0.9 * cost(before) && cost(after) <= cost(before), "{before:?} {after:?} {best:?}");
+        assert!(!is_coarse || best[0] < before[0] && best[1] < before[1], "{before:?} {best:?}");
+    }
+    let (tiled, seams, _) = map(&shapes::hare(300), FreeSeams::Auto, Some(Symmetry::Fourfold));
+    assert!(tiled.freed == 0 && seams.seam_mismatch < 1e-6, "a texture is to run on across them");
 }
 
 #[test]

@@ -4,7 +4,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use cones::uv::overlaps;
-use cones::{ConeChoice, Islands, Options, unwrap_model};
+use cones::{ConeChoice, FreeSeams, Islands, Options, unwrap_model};
 use tests::oracle::check_map;
 
 /// The test below.
@@ -47,13 +47,14 @@ fn real_meshes_unwrap_to_a_disk_without_flips_and_with_matching_seams() {
         let path = folder.join(name);
         assert!(path.is_file(), "the collection is at hand, but {name} is missing in it");
         let model = geom::io::read(&path).unwrap_or_else(|error| panic!("{error}"));
-        let options = Options { cones: ConeChoice::Count(count), islands: Islands::Single, ..Options::default() };
+        let (cones, islands) = (ConeChoice::Count(count), Islands::Single);
+        let options = Options { cones, islands, free_seams: FreeSeams::Never, ..Options::default() };
         let atlas = unwrap_model(&model, &options).unwrap_or_else(|error| panic!("{name}: {error}"));
         let found = check_map(&model, &atlas);
         assert_eq!((found.flipped, found.degenerate, found.torn), (0, 0, 0), "{name}: {:?}", atlas.notes);
         assert_eq!(found.euler, [1], "{name}: one island, a disk");
         assert!(found.seam_mismatch < 1e-6 && found.curvature < 1e-5, "{name}: {found:?}");
-        let options = Options { islands: Islands::OverlapFree, ..options };
+        let options = Options { islands: Islands::OverlapFree, free_seams: FreeSeams::Auto, ..options };
         let atlas = unwrap_model(&model, &options).unwrap_or_else(|error| panic!("{name}: {error}"));
         let found = check_map(&model, &atlas);
         assert_eq!((found.flipped, found.degenerate, found.torn), (0, 0, 0), "{name}: {:?}", atlas.notes);

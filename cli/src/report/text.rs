@@ -7,6 +7,9 @@ use cones::report::{DistortionReport, OverlapReport, RefinedReport};
 use cones::{ConeChoice, Options, Placement, Prediction};
 use geom::{Repair, RepairKind};
 
+/// Above this quasi-conformal distortion finer triangles are worth a thought.
+const BENT: f64 = 1.1;
+
 impl UnwrapReport {
     /// What a user wants to know first, line by line.
     pub(crate) fn text(&self) -> String {
@@ -21,6 +24,7 @@ impl UnwrapReport {
             self.number_text(),
             distortion_text(&self.map.distortion, self.map.islands.len()),
             seam_text(&self.map.seams),
+            self.advice(),
             labelled("time", &format!("{total:.2} s: {}{memory}", times.join(", "))),
         ]
         .concat()
@@ -31,6 +35,16 @@ impl UnwrapReport {
         let Some(RefinedReport { vertices, faces, .. }) = &self.map.refined else { return String::new() };
         let [vertices, faces] = [*vertices, *faces].map(thousands);
         labelled("refined", &format!("to even triangles; written as {vertices} vertices, {faces} triangles"))
+    }
+
+    /// What there is to do where triangles are too coarse to keep angles.
+    fn advice(&self) -> String {
+        let is_bent = self.map.refined.is_none() && self.map.distortion.quasi_conformal.mean > BENT;
+        if is_bent {
+            labelled("advice", "--refine writes finer triangles, on which angles are kept")
+        } else {
+            String::new()
+        }
     }
 
     /// Why so many cones, if nobody has said how many.

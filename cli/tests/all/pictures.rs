@@ -67,7 +67,7 @@ fn a_figure_s_values_are_those_of_the_command() {
     let args = ["figure", "1", "hare.obj", "-n", "3,6", "--panel", "200", "-o", "one.png"];
     let printed = stdout(&folder.run(&args).success());
     let paper = ["--method", "alternating", "--angles", "harmonic", "--open-handles", "never", "--report", "r.json"];
-    unwrap(&folder, "hare.obj", &paper);
+    unwrap(&folder, "hare.obj", &[&paper[..], &["--free-seams", "never"]].concat());
     let area = folder.json("r.json")["distortion"]["area_mean"].as_f64().expect("it is measured");
     let line = printed.lines().find(|line| line.contains("(b)")).expect("a line for the second map");
     assert!(line.contains("alternating+harmonic, 6 cones") && line.contains(&format!("D {area:.3}")), "{line} {area}");

@@ -77,6 +77,8 @@ pub struct Atlas {
     pub curvature_error: f64,
     /// How many components no cones could flatten: these are unfolded with a cone at every vertex, cut to shreds.
     pub unfolded: usize,
+    /// On how many components the two sides of seams differ, as with [free seams](crate::FreeSeams) and where triangles folded over.
+    pub freed: usize,
     /// The time each stage took.
     pub times: Times,
     /// What the user should know.

@@ -1,6 +1,8 @@
 //! What is tried where a component cannot be flattened well with the cones that were chosen: other numbers of them,
 //! detaching what folds over, unfolding it as it is. The attempt that measures best is kept, never merely the last one.
 
+use geom::Watch;
+
 use super::choosing::FEWEST_BESIDE;
 use super::component::Component;
 use super::cones::Configuration;
@@ -25,7 +27,7 @@ const BAD: f64 = 2.0;
 /// 17,786 triangles folded over after as much work as all the rest takes.
 const POOR: f64 = 1.5;
 /// A map with a larger area distortion is not good enough, even where that was predicted and angles are kept.
-const RUINED: f64 = 4.0;
+pub(super) const RUINED: f64 = 4.0;
 /// The share of detached triangles up to which other cones can end the search.
 const MOST_DETACHED: f64 = 0.05;
 /// Where more cones leave the logarithm of the largest change of lengths above so many times what it was, the next number but one is
@@ -61,13 +63,13 @@ impl Component {
     ) -> Result<Flat, Error> {
         let mut attempts = Attempts { component: self, options, plan, task, times };
         let mut flat = attempts.flatten(chosen.as_ref().map_err(Clone::clone))?;
-        if options.cones == ConeChoice::Automatic && flat.quality.quasi_conformal > MOST_CONFORMAL {
+        if options.cones == ConeChoice::Automatic && flat.promised.quasi_conformal > MOST_CONFORMAL {
             return attempts.net(flat);
         }
         let ConeChoice::WithinDistortion(target) = options.cones else { return Ok(flat) };
         let mut count = flat.cones.len();
         for _ in 0..MAX_ADDITIONS {
-            if flat.quality.area_distortion() <= target || count >= MOST_OPTIMISED {
+            if flat.promised.area_distortion() <= target || count >= MOST_OPTIMISED {
                 break;
             }
             let more = attempts.place((count + 1 + count / 8).min(MOST_OPTIMISED))?;
@@ -77,7 +79,7 @@ impl Component {
                 flat = next;
             }
         }
-        let reached = flat.quality.area_distortion();
+        let reached = flat.promised.area_distortion();
         if reached > target {
             let (component, cones) = (self.index, flat.cones.len());
             flat.notes.push(Note::TargetMissed { component, target, reached, cones });
@@ -118,7 +120,7 @@ impl Attempts<'_> {
         };
         let (mut best, cause) = match first {
             Ok(flat) if self.is_sound(&flat) => {
-                let (area, angles) = (flat.quality.area_distortion(), flat.quality.quasi_conformal);
+                let (area, angles) = (flat.promised.area_distortion(), flat.promised.quasi_conformal);
                 let is_as_predicted = area <= enough || angles <= GOOD_ENOUGH && area <= RUINED;
                 if is_as_predicted || self.options.cones != ConeChoice::Automatic {
                     return Ok(flat);
@@ -150,8 +152,8 @@ impl Attempts<'_> {
                     continue;
                 }
             };
-            let is_enough = flat.quality.area_distortion() <= enough
-                && flat.quality.quasi_conformal <= GOOD_ENOUGH
+            let is_enough = flat.promised.area_distortion() <= enough
+                && flat.promised.quasi_conformal <= GOOD_ENOUGH
                 && detached_share(&flat) <= MOST_DETACHED;
             if best.as_ref().is_none_or(|best| cost(&flat) < cost(best)) {
                 best = Some(flat);
@@ -199,10 +201,13 @@ impl Attempts<'_> {
 
     /// A flattening, what folds over detached; why there is none in the inner error.
     fn attempt(&mut self, configuration: &Configuration) -> Result<Result<Flat, Failure>, Error> {
-        match self.component.flatten(configuration, self.plan, self.task, self.times) {
+        match self.component.flatten(configuration, (self.plan, self.options.may_loosen()), self.task, self.times) {
             Err(error) => Ok(Err(failure(error)?)),
             Ok(mut flat) => {
                 self.component.detach_fold_overs(&mut flat);
+                let stage = (Stage::Layout, self.component.index);
+                let promised = |watch: Watch| self.component.promised(&flat, self.options, watch);
+                flat.promised = self.task.stage(stage, self.times, promised)??;
                 Ok(Ok(flat))
             }
         }
@@ -236,9 +241,10 @@ impl Attempts<'_> {
         cost(net) < cost(flat) && seams(net) <= LONGEST_NET * seams(flat)
     }
 
-    /// Whether so few triangles were detached that no other cones need be tried.
+    /// Whether so few triangles were detached that no other cones need be tried. Loose seams let ruins unfold, too.
     fn is_sound(&self, flat: &Flat) -> bool {
-        flat.detached.len() <= self.component.surface.mesh.face_count() / DETACHED_AT_ONCE
+        let is_ruined = flat.is_loose && flat.quality.area_distortion() > RUINED;
+        flat.detached.len() <= self.component.surface.mesh.face_count() / DETACHED_AT_ONCE && !is_ruined
     }
 
     fn unfold(&mut self, cause: Failure) -> Result<Flat, Error> {
@@ -260,7 +266,7 @@ fn failure(error: Error) -> Result<Failure, Error> {
 
 /// What attempts are compared by: the logarithms of both distortions, and the share of triangles that were detached.
 fn cost(flat: &Flat) -> f64 {
-    let cost = flat.quality.cost() + DETACHED_COST * detached_share(flat);
+    let cost = flat.promised.cost() + DETACHED_COST * detached_share(flat);
     if cost.is_nan() { f64::INFINITY } else { cost }
 }
 

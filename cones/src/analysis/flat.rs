@@ -9,7 +9,7 @@ use super::cones::Configuration;
 use super::note::Note;
 use super::observer::{Stage, Task, Times};
 use super::quality::Quality;
-use crate::cut::SeamPlan;
+use crate::cut::{SeamFigures, SeamPlan};
 use crate::error::Error;
 use crate::flatten::{
     DetachedShape, Fixed, FoldOvers, Layout, MOST_BENT, Scaling, Seams, detach, relax, remove_fold_overs, scale,
@@ -20,6 +20,9 @@ use crate::flatten::{
 /// by more than this power of e against the mean. Four cones on a bunny come to 3.4, 1.1 and 2, three on a coarse sphere to 1.8, 1.5 and 2.3; vertices picked on another
 /// mesh, or curvatures near 2π, to far more.
 const DOUBTFUL: (f64, f64, f64) = (4.0, 2.0, 5.0);
+
+/// Seams are rigid if the lengths of their two sides differ by no larger share on average.
+pub(super) const RIGID_SEAMS: f64 = 1e-6;
 
 /// Detached triangles keep the sides that they have in the layout if none has a larger σ₁/σ₂: thinner ones might come out without area.
 const MOST_STRETCH: f64 = 1e3;
@@ -42,12 +45,16 @@ pub(crate) struct Flat {
     /// What to multiply the layout by so that its mean log scale is 0 in the model's units.
     pub(crate) size: f64,
     pub(crate) quality: Quality,
+    /// What it is compared by: its worth, or what that will be with free seams.
+    pub(crate) promised: Quality,
     /// What is folded over.
     pub(crate) fold_overs: Option<FoldOvers>,
     /// The triangles that were detached.
     pub(crate) detached: Vec<FaceId>,
     /// Whether each inner vertex is a cone.
     pub(crate) is_unfolded: bool,
+    /// Whether seams became loose so that triangles could be unfolded.
+    pub(crate) is_loose: bool,
     pub(crate) notes: Vec<Note>,
 }
 
@@ -59,7 +66,7 @@ impl Component {
     pub(crate) fn flatten(
         &self,
         configuration: &Configuration,
-        plan: &SeamPlan,
+        (plan, may_loosen): (&SeamPlan, bool),
         task: &Task,
         times: &mut Times,
     ) -> Result<Flat, Error> {
@@ -91,7 +98,8 @@ impl Component {
             let mut layout = Layout::new(mesh, &scaling, &seams.cut, watch.within(0.0, 0.3))?;
             let of_loop = self.handles.of_vertex.as_ref();
             let is_side = of_loop.map(|of_loop| of_loop.iter().map(Option::is_some).collect());
-            let mut fixed = Fixed { is_cone: VertexData::constant(mesh.vertex_count(), false), is_side };
+            let is_cone = VertexData::constant(mesh.vertex_count(), false);
+            let mut fixed = Fixed { is_cone, is_side, may_loosen };
             vertices.iter().for_each(|&v| fixed.is_cone[v] = true);
             let removed = remove_fold_overs(mesh, metric, &scaling, &fixed, &mut layout, watch.within(0.3, 0.9));
             watch.ask(0.9)?;
@@ -101,8 +109,10 @@ impl Component {
                 watch.ask(1.0)?;
                 quality = Quality::of(mesh, metric, &layout);
             }
+            let is_loose =
+                may_loosen && SeamFigures::laid_out(surface, metric, &seams, &layout).mean_mismatch() > RIGID_SEAMS;
             let flat = self.flat((vertices.clone(), curvature.clone()), seams, (layout, quality), scaling, notes);
-            Ok(Flat { fold_overs: removed.err(), predicted: predicted.clone(), ..flat })
+            Ok(Flat { fold_overs: removed.err(), predicted: predicted.clone(), is_loose, ..flat })
         })?
     }
 
@@ -155,10 +165,12 @@ impl Component {
             u,
             error,
             size: (-mean).exp() / self.surface.scale,
+            promised: quality.clone(),
             quality,
             fold_overs: None,
             detached: Vec::new(),
             is_unfolded: false,
+            is_loose: false,
             notes,
         }
     }

@@ -7,19 +7,38 @@ use super::component::Component;
 use super::flat::Flat;
 use super::note::Note;
 use super::observer::{Stage, Task, Times};
-use super::options::Islands;
+use super::options::{Islands, Options};
 use super::reseaming::{Opening, Reseaming, map};
 use crate::cut::SeamPlan;
 use crate::error::Error;
 use crate::uv::{NEGLIGIBLE_DEPTH, Overlaps, overlaps_watched};
 
 impl Component {
+    /// Islands as they are written: parted where the layout lies over itself, and nearer to an isometry where seams may move.
+    ///
+    /// # Errors
+    /// If the observer has said stop.
+    pub(crate) fn finish(
+        &self,
+        flat: &mut Flat,
+        (options, plan, share): (&Options, &SeamPlan, f64),
+        task: &Task,
+        times: &mut Times,
+    ) -> Result<(), Error> {
+        if options.islands == Islands::Single {
+            self.free_seams(flat, options, task, times)?;
+            return self.part_islands(flat, (options.islands, plan, share), task, times);
+        }
+        self.part_islands(flat, (options.islands, plan, share), task, times)?;
+        self.free_seams(flat, options, task, times)
+    }
+
     /// Opens the layout along other seams and takes it apart where it lies over itself, or says that it does. `share` is the component's
     /// of the model's area.
     ///
     /// # Errors
     /// If the observer has said stop.
-    pub(crate) fn part_islands(
+    fn part_islands(
         &self,
         flat: &mut Flat,
         (islands, plan, share): (Islands, &SeamPlan, f64),

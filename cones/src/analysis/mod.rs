@@ -16,6 +16,7 @@ mod choosing;
 mod component;
 mod cones;
 mod flat;
+mod freed;
 mod handles;
 mod islands;
 mod note;
@@ -42,7 +43,7 @@ pub use choosing::{MOST_AUTOMATIC, TARGET_DISTORTION, TOLERABLE_DISTORTION};
 pub use cones::{ChosenNumber, Cone, Cones};
 pub use note::{Failure, Note};
 pub use observer::{Observer, Progress, Stage, Times};
-pub use options::{ConeChoice, Handles, Islands, Options, Preparation, Refining};
+pub use options::{ConeChoice, FreeSeams, Handles, Islands, Options, Preparation, Refining};
 pub use order::{ConeOrder, ModelExtremum, OrderedCone};
 pub use preview::Preview;
 pub use refined::{MOST_NEEDLES, RefinedModel};
@@ -91,7 +92,8 @@ struct Found {
     repairs: Vec<Repair>,
     refined: Option<RefinedModel>,
     topology: Topology,
-    components: Vec<Component>,
+    /// Shared with the analyses of the same model with handles opened, as far as these leave them as they are.
+    components: Vec<Arc<Component>>,
     preparation: Preparation,
     /// The same model with its handles opened, once that was asked for; none where no handle can be opened.
     opened: OnceLock<Option<Arc<Self>>>,
@@ -163,8 +165,9 @@ impl Analysis {
             (surfaces.into_iter().map(Ready::as_it_is).collect(), None, triangles, left_out)
         };
         let topology = Topology::of(ready.iter().map(|ready: &Ready| &ready.surface));
-        let is_opened = |_| preparation.handles == Handles::Always;
-        let components = made_of(ready, (preparation, is_searched, &is_opened), &task, &mut times)?;
+        let is_opened = preparation.handles == Handles::Always;
+        let ready = ready.into_iter().enumerate().collect();
+        let components = made_of(ready, (preparation, is_searched, is_opened), &task, &mut times)?;
         let notes = notes_of(&components);
         let model = refined.as_ref().map_or(model, |refined| &refined.model);
         let found = Found {
@@ -187,7 +190,7 @@ impl Analysis {
     }
 
     /// The same model with its handles opened ([`Handles`]); none where there are no handles, or they are open. When it is first
-    /// asked for it costs one factorization for each connected component.
+    /// asked for it costs one factorization for each connected component that has handles.
     ///
     /// # Errors
     /// If a Laplacian cannot be factored, or if the observer has said stop.
@@ -195,9 +198,8 @@ impl Analysis {
         let known = match self.found.opened.get() {
             Some(known) => known,
             None => {
-                let has_handles = |component: &Component| component.surface.mesh.genus() > 0;
-                let made = match self.components().iter().any(has_handles) {
-                    true => Some(Arc::new(self.found.opened_where(&|_| true, &self.task())?)),
+                let made = match self.components().iter().any(|component| component.has_handles()) {
+                    true => Some(Arc::new(self.found.opened(&self.task())?)),
                     false => None,
                 };
                 self.found.opened.get_or_init(|| made)
@@ -250,7 +252,7 @@ impl Analysis {
 
     /// How many cones the model needs at least.
     pub fn least_cones(&self) -> usize {
-        self.components().iter().map(Component::least).sum()
+        self.components().iter().map(|component| component.least()).sum()
     }
 
     /// The shape of the surfaces that are computed with.
@@ -268,7 +270,7 @@ impl Analysis {
     /// is better [refined](Preparation::refine).
     pub fn needle_share(&self) -> f64 {
         let parts = self.components().iter().map(|component| {
-            let Component { operators, surface, .. } = component;
+            let Component { operators, surface, .. } = &**component;
             (operators.mesh.triangulation(), &operators.metric, surface.scale.powi(-2))
         });
         refined::needle_share(parts)
@@ -311,7 +313,7 @@ impl Analysis {
         &self.found.corner_vertices
     }
 
-    pub(crate) fn components(&self) -> &[Component] {
+    pub(crate) fn components(&self) -> &[Arc<Component>] {
         &self.found.components
     }
 
@@ -321,12 +323,22 @@ impl Analysis {
 }
 
 impl Found {
-    /// The same with the handles of some components opened.
-    fn opened_where(&self, is_opened: &IsOpened, task: &Task) -> Result<Self, Error> {
+    /// The same with the handles of all components opened. Those without handles are not made again.
+    fn opened(&self, task: &Task) -> Result<Self, Error> {
         let mut times = Times::default();
-        let ready = self.components.iter().map(Component::ready).collect();
-        let components = made_of(ready, (self.preparation, false, is_opened), task, &mut times)?;
-        Ok(Self {
+        let with_handles = self.components.iter().filter(|component| component.has_handles());
+        let ready = with_handles.map(|component| (component.index, component.ready())).collect();
+        let mut components = self.components.clone();
+        for opened in made_of(ready, (self.preparation, false, true), task, &mut times)? {
+            let index = opened.index;
+            components[index] = opened;
+        }
+        Ok(self.with_components(components, times))
+    }
+
+    /// The same with other components, whose handles are opened, or those of some.
+    fn with_components(&self, components: Vec<Arc<Component>>, times: Times) -> Self {
+        Self {
             id: COUNT.fetch_add(1, Relaxed),
             points: self.points.clone(),
             corner_vertices: self.corner_vertices.clone(),
@@ -341,50 +353,47 @@ impl Found {
             opened: OnceLock::from(None),
             previews: Default::default(),
             times,
-        })
+        }
     }
 }
 
-/// Whether the handles of a component are opened, by its number.
-type IsOpened<'a> = dyn Fn(usize) -> bool + Sync + 'a;
-
-/// The components of surfaces that are ready, each with its handles opened or not.
+/// The components of surfaces that are ready, by their numbers, with their handles opened or not.
 fn made_of(
-    ready: Vec<Ready>,
-    (preparation, is_searched, is_opened): (Preparation, bool, &IsOpened),
+    ready: Vec<(usize, Ready)>,
+    (preparation, is_searched, is_opened): (Preparation, bool, bool),
     task: &Task,
     times: &mut Times,
-) -> Result<Vec<Component>, Error> {
+) -> Result<Vec<Arc<Component>>, Error> {
     let began = Instant::now();
     let make = |(index, mut ready): (usize, Ready)| {
         let mut times = Times::default();
-        if is_opened(index) && ready.surface.mesh.genus() > 0 {
+        if is_opened && ready.surface.mesh.genus() > 0 {
             ready = task.stage((Stage::Factor, index), &mut times, |watch| open_handles(ready, watch))??;
         }
         let mut component = Component::new(index, ready, (preparation, is_searched), task)?;
         component.times += times;
-        Ok(component)
+        Ok(Arc::new(component))
     };
-    let components = ready.into_par_iter().enumerate().with_max_len(1).map(make);
-    let components = components.collect::<Vec<_>>().into_iter().collect::<Result<Vec<Component>, Error>>()?;
+    let components = ready.into_par_iter().with_max_len(1).map(make);
+    let components = components.collect::<Vec<_>>().into_iter().collect::<Result<Vec<_>, Error>>()?;
     *times += Times::on_clock(components.iter().map(|component| component.times), began.elapsed());
     Ok(components)
 }
 
 /// What the user should know of components.
-fn notes_of(components: &[Component]) -> Vec<Note> {
+fn notes_of(components: &[Arc<Component>]) -> Vec<Note> {
     components.iter().flat_map(|component| component.notes.iter().cloned()).collect()
 }
 
 /// Does the same with each component, on several threads; the first error in the components' order. The time on the clock
 /// is added to `times`.
 fn each<T: Send>(
-    components: &[Component],
+    components: &[Arc<Component>],
     times: &mut Times,
     work: impl Fn(&Component, &mut Times) -> Result<T, Error> + Sync,
 ) -> Result<Vec<T>, Error> {
     let began = Instant::now();
-    let timed = |component: &Component| {
+    let timed = |component: &Arc<Component>| {
         let mut times = Times::default();
         let done = work(component, &mut times);
         (done, times)
@@ -406,5 +415,22 @@ mod tests {
         is_shared::<Atlas>();
         is_shared::<ConeOrder>();
         is_shared::<Error>();
+    }
+
+    #[test]
+    fn parts_without_handles_are_shared_when_the_others_are_opened() {
+        let mut points = Vec::new();
+        let mut triangles = Vec::new();
+        for (shape, x) in [(geom::shapes::hare(300), 0.0), (geom::shapes::torus(1, 300), 9.0)] {
+            let first = points.len() as u32;
+            points.extend(shape.points.iter().map(|p| [p[0] + x, p[1], p[2]]));
+            triangles.extend(shape.triangles.iter().map(|t| t.map(|v| first + v)));
+        }
+        let model = geom::shapes::Shape { points, triangles }.into();
+        let closed = Analysis::new(&model).unwrap();
+        let opened = closed.with_handles_opened().unwrap().expect("the torus has a handle");
+        let mut pairs = closed.components().iter().zip(opened.components());
+        assert!(pairs.all(|(closed, opened)| Arc::ptr_eq(closed, opened) != closed.has_handles()));
+        assert_eq!(closed.components().iter().filter(|part| part.has_handles()).count(), 1);
     }
 }

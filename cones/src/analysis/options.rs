@@ -36,6 +36,21 @@ pub enum Handles {
     Always,
 }
 
+/// Whether the two sides of a seam may differ.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
+#[non_exhaustive]
+pub enum FreeSeams {
+    /// On components whose triangles are so coarse that rigid seams leave a quasi-conformal distortion above 1.1, unless curvatures are
+    /// [quantized](Options::quantize).
+    #[default]
+    Auto,
+    /// They are congruent, but along opened handles and what was detached.
+    Never,
+    /// Angles and areas are kept as well as can be, whatever becomes of the seams.
+    Always,
+}
+
 /// Whether surfaces are refined.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
@@ -70,6 +85,8 @@ pub struct Options {
     pub seams: SeamOptions,
     /// Whether curvatures are rounded to multiples of a texture's angle, so that it runs on across seams; those that are given are not.
     pub quantize: Option<Symmetry>,
+    /// Whether seams stay rigid once islands are as they are to be.
+    pub free_seams: FreeSeams,
     /// How islands are packed.
     pub packing: PackOptions,
 }

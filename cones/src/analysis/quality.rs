@@ -50,6 +50,12 @@ impl Quality {
         self.area_distortion().ln() + self.quasi_conformal.ln()
     }
 
+    /// The mean of the log scale, weighted by area.
+    pub(crate) fn mean_log_scale(&self) -> f64 {
+        let whole: f64 = self.ratios.iter().map(|(area, _)| area).sum();
+        self.ratios.iter().map(|(area, ratio)| 0.5 * area * ratio.ln()).sum::<f64>() / whole
+    }
+
     /// The area distortion D.
     pub(crate) fn area_distortion(&self) -> f64 {
         distortion_of(&self.ratios)

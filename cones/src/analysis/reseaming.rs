@@ -363,7 +363,7 @@ fn seam(mesh: &Mesh, lengths: &EdgeData<f64>, cut: &EdgeData<bool>) -> f64 {
 #[cfg(test)]
 mod tests {
     use crate::uv::{Triangle, overlaps};
-    use crate::{Analysis, Atlas, Islands, Options, Placement};
+    use crate::{Analysis, Atlas, FreeSeams, Islands, Options, Placement};
     use geom::shapes;
 
     fn triangles(atlas: &Atlas) -> Vec<Triangle> {
@@ -375,7 +375,8 @@ mod tests {
         let model = shapes::hare(1200).into();
         let analysis = Analysis::new(&model).unwrap();
         let cones = analysis.place(Placement::Persistence, cones).unwrap();
-        let map = |islands| analysis.flatten_with(&cones, &Options { islands, ..Options::default() }).unwrap();
+        let rigid = Options { free_seams: FreeSeams::Never, ..Options::default() };
+        let map = |islands| analysis.flatten_with(&cones, &Options { islands, ..rigid.clone() }).unwrap();
         [Islands::Single, Islands::OverlapFree, Islands::Pack].map(map)
     }
 

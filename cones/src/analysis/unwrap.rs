@@ -7,10 +7,10 @@ use std::time::Instant;
 use geom::{Id, Model, Watch};
 
 use super::atlas::Atlas;
-use super::choosing::{Chosen, Shared, TARGET_DISTORTION};
+use super::choosing::{Chosen, Known, Shared, TARGET_DISTORTION};
 use super::component::Component;
 use super::cones::{ChosenNumber, Cones, Configuration};
-use super::flat::Flat;
+use super::flat::{Flat, RIGID_SEAMS};
 use super::note::Note;
 use super::observer::{Silent, Stage, Task, Times};
 use super::options::{ConeChoice, Handles, Options};
@@ -26,6 +26,17 @@ const FEW_CONES: usize = 8;
 const LESS_DISTORTION: f64 = 0.75;
 /// or so many times as many cones are enough for no more of it.
 const FEWER_CONES: f64 = 0.75;
+
+/// What drafts leave above 1 of the area distortion is so many times as large, or more, as what the best set of as many cones leaves: 1.2 to
+/// 2.4 times on plates with 10 to 24 handles each.
+const DRAFT_EXCESS: f64 = 2.0;
+
+/// [`is_worth_opening`] where what is predicted for the closed surface is a draft that misses its target: false may only mean that the draft does
+/// not say so.
+fn is_surely_worth_opening(draft: &Prediction, opened: &Prediction) -> bool {
+    let area_distortion = 1.0 + (draft.area_distortion - 1.0) / DRAFT_EXCESS;
+    is_worth_opening(&Prediction { area_distortion, ..*draft }, opened)
+}
 
 /// Whether cones on the surface with handles opened are so much better that this is worth seams that are not rigid.
 fn is_worth_opening(closed: &Prediction, opened: &Prediction) -> bool {
@@ -127,10 +138,15 @@ impl Analysis {
         let area = self.area();
         let flats = each(self.components(), &mut times, |component, times| {
             let plan = self.plan(component, &options.seams, &task, times)?;
-            let mut flat = component.flatten(&cones.configurations[component.index], &plan, &task, times)?;
+            let mut flat = component.flatten(
+                &cones.configurations[component.index],
+                (&plan, options.may_loosen()),
+                &task,
+                times,
+            )?;
             component.detach_fold_overs(&mut flat);
+            component.finish(&mut flat, (options, &plan, component.area / area), &task, times)?;
             flat.notes.extend(component.doubt(&flat, cones.placement.is_none()));
-            component.part_islands(&mut flat, (options.islands, &plan, component.area / area), &task, times)?;
             Ok(flat)
         })?;
         let own = cones.notes.iter().filter(|note| note.component().is_none()).cloned().collect();
@@ -177,9 +193,15 @@ impl Analysis {
             return Ok(atlas);
         }
         let task = self.task();
-        let chosen = self.configurations(options, &task)?;
+        if !self.may_be_opened(options) {
+            let chosen = self.configurations(options, &|_| Known::Nothing, &task)?;
+            return self.with_chosen(chosen, options, &task);
+        }
+        let has_handles = |part: usize| self.components()[part].has_handles();
+        let known = |part: usize| if has_handles(part) { Known::MayBeOpened } else { Known::Nothing };
+        let mut chosen = self.configurations(options, &known, &task)?;
         let mut tried = Times::default();
-        match self.opened_instead(&chosen, options, &mut tried)? {
+        match self.opened_instead(&mut chosen, options, &mut tried)? {
             Some((opened, other)) => {
                 let mut atlas = opened.with_chosen(other, options, &task)?;
                 atlas.times += opened.times();
@@ -194,43 +216,68 @@ impl Analysis {
         }
     }
 
-    /// The analysis with handles opened and what is chosen there, where that promises the better map: on all components, or, unless
-    /// they share a number of cones, on those where it does; and the time that finding it out took.
-    fn opened_instead(
-        &self,
-        chosen: &Chosen,
-        options: &Options,
-        tried: &mut Times,
-    ) -> Result<Option<(Self, Chosen)>, Error> {
+    /// Whether handles are to be opened where that promises the better map.
+    fn may_be_opened(&self, options: &Options) -> bool {
         // Loops are no rigid motions, so that no texture runs on across them; and whoever says where seams run wants no others.
         let seams = &options.seams;
         let has_say = !seams.given.is_empty() || !seams.kept.is_empty() || options.quantize.is_some();
-        if self.found.preparation.handles != Handles::Auto || has_say {
-            return Ok(None);
-        }
+        self.found.preparation.handles == Handles::Auto && !has_say
+    }
+
+    /// The analysis with handles opened and what is chosen there, where that promises the better map: on all components, or, unless
+    /// they share a number of cones, on those where it does; and the time that finding it out took. What is chosen for the closed surface may
+    /// have drafts, but none that are left when this returns and are taken.
+    fn opened_instead(
+        &self,
+        chosen: &mut Chosen,
+        options: &Options,
+        tried: &mut Times,
+    ) -> Result<Option<(Self, Chosen)>, Error> {
         let is_shared = matches!(options.cones, ConeChoice::Count(_));
-        let closed = self.predicted_by_itself(&chosen.1, is_shared);
-        let genus = |part: usize| self.components()[part].surface.mesh.genus();
-        let has_handles = |part: usize| if is_shared { true } else { genus(part) > 0 };
+        let mut closed = self.predicted_by_itself(&chosen.1, is_shared);
+        let has_handles = |part: usize| is_shared || self.components()[part].has_handles();
         let is_good = |closed: &Option<Prediction>| {
             closed.is_some_and(|closed| closed.area_distortion <= TARGET_DISTORTION && closed.count <= FEW_CONES)
         };
-        if closed.iter().enumerate().all(|(part, closed)| !has_handles(part) || is_good(closed)) {
+        let is_in_question: Vec<bool> =
+            closed.iter().enumerate().map(|(part, closed)| has_handles(part) && !is_good(closed)).collect();
+        if !is_in_question.contains(&true) {
             return Ok(None);
         }
         let Some(opened) = self.with_handles_opened()? else { return Ok(None) };
-        let other = opened.configurations(options, &opened.task())?;
+        // Parts that stay closed are not searched again.
+        let found = |part: usize| chosen.0.found.get(part).map_or(Known::Nothing, Known::Found);
+        let known = |part: usize| if is_in_question.get(part) == Some(&false) { found(part) } else { Known::Nothing };
+        let other = opened.configurations(options, &known, &opened.task())?;
         *tried += opened.times();
         *tried += other.0.times;
+        let others = opened.predicted_by_itself(&other.1, is_shared);
+        // Drafts will do where they already say that handles are better opened.
+        let is_draft = |part: usize| chosen.0.found.get(part).is_some_and(|found| found.is_draft);
+        let is_undecided = |part: usize| match (&closed[part], &others[part]) {
+            (Some(draft), Some(opened)) => is_draft(part) && !is_surely_worth_opening(draft, opened),
+            (_, opened) => is_draft(part) && opened.is_none(),
+        };
+        let is_undecided: Vec<bool> = (0..closed.len()).map(is_undecided).collect();
+        if is_undecided.contains(&true) {
+            let before = std::mem::take(&mut chosen.0);
+            let known =
+                |part: usize| if is_undecided[part] { Known::Nothing } else { Known::Found(&before.found[part]) };
+            *chosen = self.configurations(options, &known, &self.task())?;
+            chosen.0.times += before.times;
+            closed = self.predicted_by_itself(&chosen.1, is_shared);
+        }
         let is_better = |(part, (closed, opened)): (usize, (&Option<Prediction>, Option<Prediction>))| {
             let is_better = match (closed, opened) {
                 (_, None) => false,
                 (None, Some(_)) => true,
-                (Some(closed), Some(opened)) => is_worth_opening(closed, &opened),
+                // A draft that is left has said so.
+                (Some(closed), Some(opened)) => {
+                    chosen.0.found.get(part).is_some_and(|found| found.is_draft) || is_worth_opening(closed, &opened)
+                }
             };
-            has_handles(part) && !is_good(closed) && is_better
+            is_in_question[part] && is_better
         };
-        let others = opened.predicted_by_itself(&other.1, is_shared);
         let is_opened: Vec<bool> = closed.iter().zip(others).enumerate().map(is_better).collect();
         if is_shared || (0..is_opened.len()).all(|part| is_opened[part] || !has_handles(part)) {
             return Ok(is_opened[0].then_some((opened, other)));
@@ -238,12 +285,14 @@ impl Analysis {
         if !is_opened.contains(&true) {
             return Ok(None);
         }
-        self.partly_opened((chosen, other), &is_opened).map(Some)
+        Ok(Some(self.partly_opened(chosen, (&opened, other), &is_opened)))
     }
 
     /// The analysis with the handles of some components opened, and for each what was chosen with them closed or opened.
-    fn partly_opened(&self, (chosen, other): (&Chosen, Chosen), is_opened: &[bool]) -> Result<(Self, Chosen), Error> {
-        let found = self.found.opened_where(&|part| is_opened[part], &self.task())?;
+    fn partly_opened(&self, chosen: &Chosen, (opened, other): (&Self, Chosen), is_opened: &[bool]) -> (Self, Chosen) {
+        let of_part = |part: usize| if is_opened[part] { &opened.components()[part] } else { &self.components()[part] };
+        let components = (0..is_opened.len()).map(|part| Arc::clone(of_part(part))).collect();
+        let found = self.found.with_components(components, opened.times());
         let mixed = Self { found: Arc::new(found), observer: Arc::clone(&self.observer) };
         let of_part = |((closed, opened), &is_opened)| if is_opened { opened } else { Clone::clone(closed) };
         let (mut shared, others) = other;
@@ -251,7 +300,7 @@ impl Analysis {
         if let (Some(number), Some(all)) = (&mut shared.number, mixed.predicted(&configurations)) {
             (number.chosen, number.predicted) = (all.count, all.area_distortion);
         }
-        Ok((mixed, (shared, configurations)))
+        (mixed, (shared, configurations))
     }
 
     /// What is predicted for the cones of each component by itself, or of all where they share a number of them.
@@ -263,7 +312,7 @@ impl Analysis {
         if is_shared {
             return vec![self.predicted(configurations)];
         }
-        let predicted = |(component, configuration): (&Component, &Result<Configuration, Error>)| {
+        let predicted = |(component, configuration): (&Arc<Component>, &Result<Configuration, Error>)| {
             let Configuration { vertices, predicted, .. } = configuration.as_ref().ok()?;
             let mut predictor = Predictor::new(1);
             predictor.put(0, &component.operators, component.area, vertices.len(), predicted.clone());
@@ -285,12 +334,12 @@ impl Analysis {
     /// Flattens the model with the cones chosen, or on components where these fail with the best of others.
     fn with_chosen(&self, chosen: Chosen, options: &Options, task: &Task) -> Result<Atlas, Error> {
         let (shared, configurations) = self.enough(chosen, options, task)?;
-        let Shared { notes, number, mut times } = shared;
+        let Shared { notes, number, mut times, .. } = shared;
         let area = self.area();
         let flats = each(self.components(), &mut times, |component, times| {
             let plan = self.plan(component, &options.seams, task, times)?;
             let mut flat = component.flatten_well(&configurations[component.index], (options, &plan), task, times)?;
-            component.part_islands(&mut flat, (options.islands, &plan, component.area / area), task, times)?;
+            component.finish(&mut flat, (options, &plan, component.area / area), task, times)?;
             Ok(flat)
         })?;
         self.assemble(flats, notes, (number, options.quantize), options, task, times)
@@ -352,7 +401,7 @@ impl Analysis {
         let (mut cones, mut seams, mut loops, mut detached) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
         let number = number.map(|number| self.measured(number, &flats));
         let mut curvature_error = 0.0_f64;
-        let mut unfolded = 0;
+        let (mut unfolded, mut freed) = (0, 0);
         let mut seam_figures = SeamFigures::default();
         let mut tiling = quantize.map(Tiling::none);
         notes.splice(0..0, self.notes().iter().cloned());
@@ -360,7 +409,9 @@ impl Analysis {
             let surface = &component.surface;
             curvature_error = curvature_error.max(flat.error);
             unfolded += usize::from(flat.is_unfolded);
-            seam_figures += SeamFigures::new(surface, &component.metric, &flat.seams);
+            let figures = SeamFigures::laid_out(surface, &component.metric, &flat.seams, &flat.layout);
+            freed += usize::from(figures.mean_mismatch() > RIGID_SEAMS);
+            seam_figures += figures;
             if let Some(tiling) = &mut tiling {
                 *tiling += Tiling::new(&surface.mesh, &flat.seams, &flat.layout, tiling.symmetry);
             }
@@ -411,6 +462,7 @@ impl Analysis {
             number,
             curvature_error,
             unfolded,
+            freed,
             times,
             notes,
         })
@@ -420,11 +472,11 @@ impl Analysis {
     fn measured(&self, number: ChosenNumber, flats: &[Flat]) -> ChosenNumber {
         let mut predictor = Predictor::new(flats.len());
         for (component, flat) in self.components().iter().zip(flats) {
-            let Component { index, operators, area, .. } = component;
+            let Component { index, operators, area, .. } = &**component;
             predictor.put(*index, operators, *area, flat.cones.len(), flat.predicted.clone());
         }
         let Prediction { count: chosen, area_distortion: predicted, .. } = predictor.prediction();
-        let scaled = |(component, flat): (&Component, &Flat)| {
+        let scaled = |(component, flat): (&Arc<Component>, &Flat)| {
             let whole: f64 = flat.quality.ratios.iter().map(|(area, _)| area).sum();
             let size = flat.size * flat.size * component.surface.scale * component.surface.scale;
             let ratios = flat.quality.ratios.iter();

@@ -2,11 +2,11 @@
 
 use std::f64::consts::PI;
 
-use geom::{Mesh, Metric, Surface};
+use geom::{EdgeId, HalfedgeId, Mesh, Metric, Surface};
 
 use super::cost::bend;
 use super::turning::Turning;
-use crate::flatten::{Chain, Seams};
+use crate::flatten::{Chain, Layout, Seams};
 
 /// An edge is sharp if its triangles' normals have a larger angle between them.
 const SHARP: f64 = 30.0 * PI / 180.0;
@@ -22,13 +22,21 @@ pub struct SeamFigures {
     /// The sum of the angles by which they turn from edge to edge, in radians: exterior angles along the surface, without
     /// corners where seams meet or end.
     pub turning: f64,
+    /// The sum over their edges, each times its length, of the difference of the lengths of both sides in the plane over their mean.
+    pub mismatch: f64,
 }
 
 impl SeamFigures {
-    /// Of the seams of one surface. O(seam edges).
+    /// Of the seams of one surface; of their sides nothing is known. O(seam edges).
     pub fn new(surface: &Surface, metric: &Metric, seams: &Seams) -> Self {
         let length = seams.length / surface.scale;
         Self { length, ..Self::of_chains(surface, metric, &seams.chains) }
+    }
+
+    /// The same with what is to be said of the sides that seams have in a layout. O(edges).
+    pub(crate) fn laid_out(surface: &Surface, metric: &Metric, seams: &Seams, layout: &Layout) -> Self {
+        let mismatch = mismatch(&surface.mesh, metric, seams, layout) / surface.scale;
+        Self { mismatch, ..Self::new(surface, metric, seams) }
     }
 
     /// Of chains. O(edges).
@@ -40,12 +48,18 @@ impl SeamFigures {
             length: size * edges().map(|e| metric.length(e)).sum::<f64>(),
             sharp: size * edges().filter(|&e| bend(mesh, points, e) > SHARP).map(|e| metric.length(e)).sum::<f64>(),
             turning: chains.iter().map(|chain| turning(mesh, metric, chain)).sum(),
+            mismatch: 0.0,
         }
     }
 
     /// How much they turn for their length: 0 for none.
     pub fn turning_per_length(&self) -> f64 {
         if self.length > 0.0 { self.turning / self.length } else { 0.0 }
+    }
+
+    /// By how much the lengths of both sides differ in the plane, over their mean, on average: 0 where all seams are rigid, or for none.
+    pub fn mean_mismatch(&self) -> f64 {
+        if self.length > 0.0 { self.mismatch / self.length } else { 0.0 }
     }
 
     /// The share of their length that is on sharp edges: 0 for none.
@@ -59,7 +73,20 @@ impl std::ops::AddAssign for SeamFigures {
         self.length += other.length;
         self.sharp += other.sharp;
         self.turning += other.turning;
+        self.mismatch += other.mismatch;
     }
+}
+
+/// By how much the two sides of seams differ in length, weighted by the length in space.
+fn mismatch(mesh: &Mesh, metric: &Metric, seams: &Seams, layout: &Layout) -> f64 {
+    let length = |h: HalfedgeId| (layout.corner(mesh.next(h)) - layout.corner(h)).norm();
+    let of_edge = |e: EdgeId| {
+        let h = mesh.halfedge(e);
+        let sides = [length(h), length(mesh.twin(h)?)];
+        let sum = sides[0] + sides[1];
+        (sum > 0.0).then(|| metric.length(e) * (sides[0] - sides[1]).abs() / (0.5 * sum))
+    };
+    mesh.edges().filter(|&e| seams.cut[e]).filter_map(of_edge).sum()
 }
 
 /// By how much a chain turns between its ends.

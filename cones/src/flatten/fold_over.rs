@@ -14,8 +14,11 @@
 //!    unequal, and sum to the cone's angle.
 //! 2. *Untangling* ([`untangle`](super::untangle)) of patches round what is bad, from the triangles themselves to six
 //!    rings, with their rims fixed.
+//!
+//! What stays bad, as needles do round cones of many turns, is untangled with the patch's seams *loose*, if they may be ([`Fixed`]): each
+//! copy of a seam vertex or cone in it moves for itself.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::f64::consts::PI;
 
 use geom::{FaceData, FaceId, HalfedgeId, Id, Interrupted, Mesh, Metric, Sides, VertexData, VertexId, Watch, WedgeId};
@@ -35,6 +38,8 @@ const PLAIN: f64 = 1e-9;
 const MAX_RINGS: usize = 6;
 /// Patches larger than this are not tried: untangling them takes longer than flattening with other cones.
 const MAX_PATCH: usize = 20_000;
+/// Nor larger ones with rigid seams where these may be loose: where so much is folded over it seldom helps, and takes seconds a patch.
+const MAX_RIGID_PATCH: usize = 512;
 /// So many triangles or vertices are looked at one after the other.
 const AT_ONCE: usize = 1024;
 
@@ -102,6 +107,17 @@ pub(crate) fn remove_fold_overs(
             return Ok(moved);
         }
     }
+    if fixed.may_loosen {
+        for rings in 1..=MAX_RINGS {
+            for patch in untangler.patches(&bad, rings) {
+                moved += untangler.loosen(&patch, watch);
+            }
+            bad = untangler.bad();
+            if bad.is_empty() || watch.stops_at(1.0) {
+                return Ok(moved);
+            }
+        }
+    }
     let mut faces = untangler.patches(&bad, 0).concat();
     faces.sort_unstable();
     Err(bad.error(input, faces))
@@ -112,6 +128,8 @@ pub(crate) struct Fixed {
     pub(crate) is_cone: VertexData<bool>,
     /// Whether each is on a side of an opened handle, where there are any.
     pub(crate) is_side: Option<VertexData<bool>>,
+    /// Whether seams may become loose where triangles would stay flipped otherwise.
+    pub(crate) may_loosen: bool,
 }
 
 /// What is wrong with a layout.
@@ -158,6 +176,8 @@ pub(super) struct Untangler<'a> {
     turn: Vec<Complex64>,
     /// The cones whose fans were spread, ascending.
     fanned: Vec<VertexId>,
+    /// Vertices on seams whose copies have moved for themselves: their angles may be others.
+    loose: BTreeSet<VertexId>,
 }
 
 impl<'a> Untangler<'a> {
@@ -174,7 +194,18 @@ impl<'a> Untangler<'a> {
         watch.ask(0.0)?;
         let turn = wedge_turns(input, layout);
         watch.ask(0.0)?;
-        Ok(Self { input, metric, scaling, angle, fixed, holds_sides: true, layout, turn, fanned: Vec::new() })
+        Ok(Self {
+            input,
+            metric,
+            scaling,
+            angle,
+            fixed,
+            holds_sides: true,
+            layout,
+            turn,
+            fanned: Vec::new(),
+            loose: BTreeSet::new(),
+        })
     }
 
     pub(super) fn layout(&self) -> &Layout {
@@ -206,6 +237,9 @@ impl<'a> Untangler<'a> {
 
     /// How much too often the triangles wind round a vertex.
     fn winding(&self, v: VertexId) -> f64 {
+        if self.loose.contains(&v) {
+            return 0.0;
+        }
         let sum = self.closed_angle(v);
         let sum = sum.unwrap_or_else(|| self.input.outgoing(v).map(|h| self.signed_angle(h)).sum());
         ((sum - self.angle[v]) / (2.0 * PI)).round()
@@ -359,6 +393,9 @@ impl<'a> Untangler<'a> {
 
     /// Untangles a patch; returns how many triangles it has, 0 where it was left as it was.
     fn untangle(&mut self, faces: &[FaceId], fans: Fans, watch: Watch) -> usize {
+        if self.fixed.may_loosen && faces.len() > MAX_RIGID_PATCH {
+            return 0;
+        }
         self.try_untangling(faces, fans, watch).map_or(0, |_| faces.len())
     }
 
@@ -385,6 +422,53 @@ impl<'a> Untangler<'a> {
         Some(before)
     }
 
+    /// Untangles a patch whose seams are loose; returns how many triangles it has, 0 where it was left as it was.
+    fn loosen(&mut self, faces: &[FaceId], watch: Watch) -> usize {
+        if faces.len() > MAX_PATCH || watch.stops_at(0.0) {
+            return 0;
+        }
+        let input = self.input;
+        let sides = || faces.iter().flat_map(|&f| input.sides(f));
+        let mut inside: BTreeMap<WedgeId, usize> = BTreeMap::new();
+        sides().for_each(|h| *inside.entry(self.layout.cut.wedge(h)).or_insert(0) += 1);
+        let is_whole = |h: HalfedgeId| {
+            let w = self.layout.cut.wedge(h);
+            input.outgoing(input.tail(h)).filter(|&g| self.layout.cut.wedge(g) == w).count() == inside[&w]
+        };
+        let moving: BTreeSet<WedgeId> = sides().filter(|&h| is_whole(h)).map(|h| self.layout.cut.wedge(h)).collect();
+        let moving: Vec<WedgeId> = moving.into_iter().collect();
+        let corner = |w: &WedgeId| {
+            let z = self.layout.position[w.index()];
+            match moving.binary_search(w) {
+                Ok(k) => Corner::free([z.re, z.im], k as u32),
+                Err(_) => Corner::fixed([z.re, z.im]),
+            }
+        };
+        let corners: Vec<Corner> = inside.keys().map(corner).collect();
+        let number: BTreeMap<WedgeId, u32> = inside.keys().copied().zip(0..).collect();
+        let patch = self.patch_of(faces, corners, |h| number[&self.layout.cut.wedge(h)], moving.len());
+        let Some(patch) = patch.filter(|_| !moving.is_empty()) else { return 0 };
+        let untangled = patch.untangle(watch);
+        if !untangled.succeeded {
+            return 0;
+        }
+        let before = moving.iter().map(|&w| (w, self.layout.position[w.index()])).collect();
+        for (&w, [x, y]) in moving.iter().zip(untangled.displacements) {
+            self.layout.position[w.index()] += Complex64::new(x, y);
+        }
+        let vertices: BTreeSet<VertexId> = faces.iter().flat_map(|&f| input.corners(f)).collect();
+        let is_on_seam = |v: &VertexId| self.layout.cut.wedges(*v).len() > 1;
+        let loosened: Vec<VertexId> =
+            vertices.iter().copied().filter(|v| is_on_seam(v) && !self.loose.contains(v)).collect();
+        self.loose.extend(&loosened);
+        if faces.iter().any(|&f| self.is_flipped(f)) || vertices.iter().any(|&v| self.winding(v) != 0.0) {
+            self.put_back(before);
+            loosened.iter().for_each(|v| _ = self.loose.remove(v));
+            return 0;
+        }
+        faces.len()
+    }
+
     /// Puts wedges back where they were.
     fn put_back(&mut self, before: Vec<(WedgeId, Complex64)>) {
         before.into_iter().for_each(|(w, position)| self.layout.position[w.index()] = position);
@@ -405,25 +489,35 @@ impl<'a> Untangler<'a> {
         }
         let mut index: BTreeMap<WedgeId, u32> = BTreeMap::new();
         let mut corners = Vec::new();
-        let mut triangles = Vec::new();
+        for h in faces.iter().flat_map(|&f| input.sides(f)) {
+            let w = self.layout.cut.wedge(h);
+            index.entry(w).or_insert_with(|| {
+                let (z, turn) = (self.layout.position[w.index()], self.turn[w.index()]);
+                let displacement = moving.binary_search(&input.tail(h)).ok().map(|k| k as u32);
+                corners.push(Corner { position: [z.re, z.im], displacement, rotation: [turn.re, turn.im] });
+                corners.len() as u32 - 1
+            });
+        }
+        let patch = self.patch_of(faces, corners, |h| index[&self.layout.cut.wedge(h)], moving.len())?;
+        Some((patch, moving))
+    }
+
+    /// A patch of triangles with the shapes that they would have if they were scaled evenly; each halfedge has the number of a corner.
+    fn patch_of(
+        &self,
+        faces: &[FaceId],
+        corners: Vec<Corner>,
+        corner: impl Fn(HalfedgeId) -> u32,
+        displacements: usize,
+    ) -> Option<Patch> {
         let areas = faces.iter().map(|&f| self.reference(f).area());
         let mean_area = areas.sum::<f64>() / faces.len() as f64;
-        for &f in faces {
-            let of_side = |h: HalfedgeId| {
-                let w = self.layout.cut.wedge(h);
-                *index.entry(w).or_insert_with(|| {
-                    let (z, turn) = (self.layout.position[w.index()], self.turn[w.index()]);
-                    let displacement = moving.binary_search(&input.tail(h)).ok().map(|k| k as u32);
-                    corners.push(Corner { position: [z.re, z.im], displacement, rotation: [turn.re, turn.im] });
-                    corners.len() as u32 - 1
-                })
-            };
+        let triangle = |&f: &FaceId| {
             let reference = self.reference(f);
             let weight = (reference.area() / mean_area).sqrt().max(0.01);
-            triangles.push(PatchTriangle { corners: input.sides(f).map(of_side), lengths: reference.0, weight });
-        }
-        let patch = Patch::new(corners, triangles, moving.len()).ok()?;
-        Some((patch, moving))
+            PatchTriangle { corners: self.input.sides(f).map(&corner), lengths: reference.0, weight }
+        };
+        Patch::new(corners, faces.iter().map(triangle).collect(), displacements).ok()
     }
 }
 
@@ -473,6 +567,7 @@ fn cross(a: Complex64, b: Complex64) -> f64 {
 mod tests {
     use super::*;
     use crate::field::Operators;
+    use crate::flatten::flattened::Flattened;
     use crate::flatten::{Seams, scale};
     use geom::shapes;
 
@@ -493,7 +588,7 @@ mod tests {
         let scaling = scale(&mesh, &metric, &operators, &target, &zero, Watch::NONE).unwrap();
         let seams = Seams::new(&mesh, metric.lengths(), &cones, Watch::NONE).unwrap();
         let mut layout = Layout::new(&mesh, &scaling, &seams.cut, Watch::NONE).unwrap();
-        let fixed = Fixed { is_cone, is_side: None };
+        let fixed = Fixed { is_cone, is_side: None, may_loosen: false };
         remove_fold_overs(&mesh, &metric, &scaling, &fixed, &mut layout, Watch::NONE).unwrap();
         // Fold plain vertices over an edge of their stars: one inside, one on a seam.
         let plain = |wedges: usize| {
@@ -526,6 +621,43 @@ mod tests {
                 assert!(gap < 1e-9, "seams stay rigid: {gap}, {here}");
             }
         }
+    }
+
+    #[test]
+    fn what_rigid_seams_do_not_let_unfold_is_unfolded_with_loose_ones() {
+        let cones = [0, 300, 600, 900, 1100].map(VertexId);
+        let Flattened { mesh, metric, scaling, layout, .. } = Flattened::new(&shapes::hare(1200), &cones);
+        let mut is_cone = VertexData::constant(mesh.vertex_count(), false);
+        cones.iter().for_each(|&v| is_cone[v] = true);
+        let mut sound = layout;
+        let fixed = Fixed { is_cone, is_side: None, may_loosen: false };
+        remove_fold_overs(&mesh, &metric, &scaling, &fixed, &mut sound, Watch::NONE).unwrap();
+        // One copy of a vertex on a seam drawn across the side opposite to it, where no vertex is to move.
+        let is_plain = |v: &VertexId| sound.cut.wedges(*v).len() == 2 && !cones.contains(v);
+        let v = mesh.vertices().filter(is_plain).nth(3).expect("seams have vertices");
+        let h = mesh.outgoing(v).next().expect("it has triangles");
+        let wedge = sound.cut.wedge(h);
+        let mut folded = sound.clone();
+        folded.position[wedge.index()] +=
+            1.5 * (sound.corner(mesh.next(h)) + sound.corner(mesh.prev(h)) - 2.0 * sound.corner(h));
+        let is_upright = |layout: &Layout, f: FaceId| {
+            let [a, b, c] = mesh.sides(f).map(|h| layout.corner(h));
+            cross(b - a, c - a) > 0.0
+        };
+        assert!(!mesh.faces().all(|f| is_upright(&folded, f)));
+        let mended = |may_loosen: bool| {
+            let mut layout = folded.clone();
+            let is_cone = VertexData::constant(mesh.vertex_count(), true);
+            let fixed = Fixed { is_cone, is_side: None, may_loosen };
+            let done = remove_fold_overs(&mesh, &metric, &scaling, &fixed, &mut layout, Watch::NONE);
+            (done.is_ok(), layout)
+        };
+        let (is_mended, _) = mended(false);
+        assert!(!is_mended, "the vertex is held");
+        let (is_mended, layout) = mended(true);
+        assert!(is_mended && mesh.faces().all(|f| is_upright(&layout, f)));
+        let far = layout.position.iter().zip(&folded.position).filter(|(now, before)| now != before).count();
+        assert!(far > 0 && far < 60, "{far} corners moved");
     }
 
     #[test]

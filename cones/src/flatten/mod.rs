@@ -5,6 +5,7 @@ mod detach;
 #[cfg(test)]
 pub(crate) mod flattened;
 mod fold_over;
+mod isometry;
 mod layout;
 mod relax;
 mod reopen;
@@ -16,6 +17,7 @@ mod untangle;
 pub(crate) use detach::{DetachedShape, detach};
 pub(crate) use fold_over::FoldOvers;
 pub(crate) use fold_over::{Fixed, remove_fold_overs};
+pub(crate) use isometry::Relaxation;
 pub use layout::{Layout, SeamRotations};
 pub(crate) use relax::{BENT, MOST_BENT, relax, stretch};
 pub use scaling::{Scaling, ScalingError, scale};

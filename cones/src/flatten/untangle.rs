@@ -244,17 +244,18 @@ impl<'a> Scaled<'a> {
         }
     }
 
-    /// Where a corner is.
-    fn corner(&self, c: u32, x: &[f64]) -> [f64; 2] {
-        let corner = Corner { position: self.positions[c as usize], ..self.patch.corners[c as usize] };
-        corner.moved(x.as_chunks().0)
+    /// Where the corners are.
+    fn corners(&self, x: &[f64]) -> Vec<[f64; 2]> {
+        let displacements = x.as_chunks().0;
+        let at = |(&position, corner): (&[f64; 2], &Corner)| Corner { position, ..*corner }.moved(displacements);
+        self.positions.iter().zip(&self.patch.corners).map(at).collect()
     }
 
     /// The Jacobian's rows: its map's x and y by the reference shape's two coordinates.
-    fn jacobian(&self, triangle: usize, x: &[f64]) -> [[f64; 2]; 2] {
+    fn jacobian(&self, triangle: usize, corners: &[[f64; 2]]) -> [[f64; 2]; 2] {
         let mut rows = [[0.0; 2]; 2];
         for (&c, hat) in self.patch.triangles[triangle].corners.iter().zip(&self.hats[triangle]) {
-            let p = self.corner(c, x);
+            let p = corners[c as usize];
             for (row, p) in rows.iter_mut().zip(p) {
                 row[0] += p * hat[0];
                 row[1] += p * hat[1];
@@ -264,14 +265,16 @@ impl<'a> Scaled<'a> {
     }
 
     fn least_determinant(&self, x: &[f64]) -> f64 {
-        (0..self.hats.len()).map(|t| self.jacobian(t, x)).map(|[a, b]| cross(a, b)).fold(f64::INFINITY, f64::min)
+        let corners = self.corners(x);
+        (0..self.hats.len()).map(|t| self.jacobian(t, &corners)).map(|[a, b]| cross(a, b)).fold(f64::INFINITY, f64::min)
     }
 
     /// Whether a triangle is flipped of which no corner can move: then nothing helps.
     fn has_rigid_flip(&self, x: &[f64]) -> bool {
         let is_fixed = |&c: &u32| self.patch.corners[c as usize].displacement.is_none();
         let is_rigid = |t: &usize| self.patch.triangles[*t].corners.iter().all(is_fixed);
-        let mut jacobians = (0..self.hats.len()).filter(is_rigid).map(|t| self.jacobian(t, x));
+        let corners = self.corners(x);
+        let mut jacobians = (0..self.hats.len()).filter(is_rigid).map(|t| self.jacobian(t, &corners));
         jacobians.any(|[a, b]| cross(a, b) <= 0.0)
     }
 
@@ -298,8 +301,9 @@ impl<'a> Scaled<'a> {
     fn energy(&self, x: &[f64], squared_epsilon: f64) -> (f64, Vec<f64>) {
         let mut energy = 0.0;
         let mut gradient = vec![0.0; x.len()];
+        let corners = self.corners(x);
         for (t, weight) in self.weights.iter().enumerate() {
-            let [a, b] = self.jacobian(t, x);
+            let [a, b] = self.jacobian(t, &corners);
             let determinant = cross(a, b);
             let root = (determinant * determinant + squared_epsilon).sqrt();
             // Two forms of (D + √(ε² + D²)) / 2, each where it does not cancel.

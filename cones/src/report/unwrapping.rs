@@ -152,6 +152,10 @@ pub struct SeamReport {
     pub sharp: f64,
     /// How many handles were opened along a loop each.
     pub opened_handles: usize,
+    /// On how many parts the two sides of seams differ.
+    pub freed_parts: usize,
+    /// By how much the lengths of both sides differ in the plane, over their mean, on average; 0 where seams are rigid.
+    pub mismatch: f64,
     /// Across how many of them a texture runs on; nothing where that was not asked for.
     pub tiling: Option<TilingReport>,
 }
@@ -162,6 +166,8 @@ impl SeamReport {
             turning: atlas.seam_figures.turning,
             sharp: atlas.seam_figures.sharp_share(),
             opened_handles: atlas.opened_handles,
+            freed_parts: atlas.freed,
+            mismatch: atlas.seam_figures.mean_mismatch(),
             tiling: atlas.tiling.as_ref().map(TilingReport::from),
         }
     }

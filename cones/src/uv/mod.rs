@@ -38,6 +38,6 @@ pub use overlap::{NEGLIGIBLE_DEPTH, Overlap, Overlaps, overlaps, overlaps_watche
 pub(crate) use pack::room;
 pub use pack::{IslandPlace, PackError, PackOptions, Packing, Rotations, Tiles, fill, pack};
 pub use part::{Parted, part};
-pub(crate) use separate::{Effort, attached, is_searched, separate_by};
+pub(crate) use separate::{Effort, attached, is_searched, overlaps_on_islands, separate_by};
 pub use separate::{Separation, separate};
 pub use triangle::Triangle;

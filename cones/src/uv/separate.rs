@@ -129,7 +129,7 @@ pub(crate) fn separate_by(
     effort: Effort,
     watch: Watch,
 ) -> Result<Separation, Interrupted> {
-    let overlaps = of_any_kind(mesh, &map, watch.within(0.0, 0.25))?;
+    let overlaps = overlaps_on_islands(mesh, &map, watch.within(0.0, 0.25))?;
     let left = Overlaps::default();
     if overlaps.pairs.is_empty() {
         return Ok(Separation { map, overlaps, added_seam: 0.0, left });
@@ -150,7 +150,7 @@ impl Separation {
     /// Looks for the pairs that could not be parted.
     pub(crate) fn look(&mut self, mesh: &Mesh, watch: Watch) -> Result<(), Interrupted> {
         if !self.overlaps.pairs.is_empty() {
-            self.left = of_any_kind(mesh, &self.map, watch)?;
+            self.left = overlaps_on_islands(mesh, &self.map, watch)?;
         }
         Ok(())
     }
@@ -182,7 +182,7 @@ fn on_one_island(mesh: &Mesh, map: &UvMap, cut: &EdgeData<bool>, watch: Watch) -
 }
 
 /// The pairs of triangles that overlap on an island, found from the boundary where that can be.
-fn of_any_kind(mesh: &Mesh, map: &UvMap, watch: Watch) -> Result<Overlaps, Interrupted> {
+pub(crate) fn overlaps_on_islands(mesh: &Mesh, map: &UvMap, watch: Watch) -> Result<Overlaps, Interrupted> {
     let opened = map.opened(mesh);
     watch.ask(0.0)?;
     match overlaps_of_immersion(mesh, map, &opened, watch.within(0.0, 0.5))? {

@@ -143,8 +143,11 @@ impl Cholesky {
     }
 
     /// Factors another matrix of the same dimension in place of this one: the analysis is kept where the pattern is the same,
-    /// the order in any case (it stays good while a few edges flip).
-    pub(crate) fn refactor(mut self, matrix: SymmetricMatrix, watch: Watch) -> Result<Self, CholeskyError> {
+    /// the order in any case (it stays good while a few entries come and go).
+    ///
+    /// # Errors
+    /// As [`Cholesky::new`], and if it is stopped.
+    pub fn refactor(mut self, matrix: SymmetricMatrix, watch: Watch) -> Result<Self, CholeskyError> {
         if matrix.column_start == self.matrix.column_start && matrix.row == self.matrix.row {
             self.matrix.value = matrix.value;
             self.factor_values(watch)?;

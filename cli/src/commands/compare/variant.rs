@@ -1,6 +1,6 @@
 //! A method to compare: a rule for cones, a rule for their curvatures, a way of flattening.
 
-use cones::{Baseline, CurvatureRule, Handles, Options, Placement, Preparation};
+use cones::{Baseline, CurvatureRule, FreeSeams, Handles, Options, Placement, Preparation};
 
 /// A way from cones with curvatures to the plane.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -115,7 +115,9 @@ impl Variant {
     pub(crate) fn options(self) -> Options {
         // All methods on the same surface.
         let preparation = Preparation { smooth: self.smooth, handles: Handles::Never, ..Preparation::default() };
-        Options { placement: self.placement, rule: self.rule, preparation, ..Options::default() }
+        // What is compared is cone metrics.
+        let free_seams = FreeSeams::Never;
+        Options { placement: self.placement, rule: self.rule, preparation, free_seams, ..Options::default() }
     }
 
     /// The method that finds the same cones with one factorization.

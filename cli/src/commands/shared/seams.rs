@@ -4,7 +4,7 @@ use super::numbers::share;
 use crate::error::CommandError;
 use crate::input::EdgeFile;
 use clap::{Args, ValueEnum};
-use cones::{Options, SeamOptions, Symmetry};
+use cones::{FreeSeams, Options, SeamOptions, Symmetry};
 use geom::{Model, texture_seams};
 use std::path::{Path, PathBuf};
 
@@ -26,6 +26,17 @@ pub(crate) struct SeamArgs {
     /// Round cones for a texture that looks the same after 1/4 or 1/6 of a turn, so that it runs on across seams
     #[arg(long, value_name = "4|6")]
     quantize: Option<SymmetryName>,
+    /// Let the two sides of seams differ, for less distortion
+    #[arg(long, value_name = "WHEN", value_enum, default_value_t = FreeSeamsName::Auto)]
+    free_seams: FreeSeamsName,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum FreeSeamsName {
+    /// On coarse triangles, whose angles would be bent by more than a tenth
+    Auto,
+    Never,
+    Always,
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
@@ -60,6 +71,11 @@ impl SeamArgs {
             SymmetryName::Fourfold => Symmetry::Fourfold,
             SymmetryName::Sixfold => Symmetry::Sixfold,
         });
+        options.free_seams = match self.free_seams {
+            FreeSeamsName::Auto => FreeSeams::Auto,
+            FreeSeamsName::Never => FreeSeams::Never,
+            FreeSeamsName::Always => FreeSeams::Always,
+        };
         Ok(EdgeFiles([given, avoid].into_iter().flatten().collect()))
     }
 

@@ -1,0 +1,178 @@
+//! Seams whose sides move for themselves, where rigid ones cost too much.
+//!
+//! The sides of a cone metric's seams are congruent, which lets islands be attached elsewhere and textures run on. On coarse triangles it
+//! is dear: of all their linear images with rigid seams none bends angles much less than the metric's own. So once islands are as they are to be, the
+//! layout is brought nearer to an isometry with all seams free ([`Relaxation`]). After each step what overlaps is looked up; a step that
+//! brings about overlap is shortened, and in the end the corners that would lie over something are held where they are.
+
+use std::collections::BTreeSet;
+
+use geom::{FaceId, Id, Watch};
+use num_complex::Complex64;
+
+use super::attempts::RUINED;
+use super::choosing::TARGET_DISTORTION;
+use super::component::Component;
+use super::flat::Flat;
+use super::note::Note;
+use super::observer::{Stage, Task, Times};
+use super::options::{FreeSeams, Islands, Options};
+use super::quality::Quality;
+use super::reseaming::map;
+use crate::error::Error;
+use crate::flatten::Relaxation;
+use crate::uv::overlaps_on_islands;
+
+/// Above this quasi-conformal distortion seams are set free.
+const COARSE: f64 = 1.1;
+/// How much areas count beside angles: λ of [`Relaxation`]. The second where the first leaves more than [`TARGET_DISTORTION`].
+const AREAS: [f64; 2] = [0.05, 0.15];
+/// So many steps at most, those after which corners are held included.
+const STEPS: usize = 60;
+/// So often a step is halved where it brings about overlap, before corners are held.
+const HALVINGS: usize = 2;
+
+impl Options {
+    /// Whether seams may become loose where triangles fold over.
+    pub(super) fn may_loosen(&self) -> bool {
+        self.free_seams != FreeSeams::Never && self.quantize.is_none()
+    }
+
+    /// Whether a map with this quasi-conformal distortion is better with free seams.
+    fn frees_seams(&self, quasi_conformal: f64) -> bool {
+        match self.free_seams {
+            FreeSeams::Auto => self.quantize.is_none() && quasi_conformal > COARSE,
+            FreeSeams::Never => false,
+            FreeSeams::Always => true,
+        }
+    }
+}
+
+impl Component {
+    /// Sets a layout's seams free where that is asked for, or [`COARSE`] triangles ask for it.
+    ///
+    /// # Errors
+    /// If the observer has said stop.
+    pub(crate) fn free_seams(
+        &self,
+        flat: &mut Flat,
+        options: &Options,
+        task: &Task,
+        times: &mut Times,
+    ) -> Result<(), Error> {
+        if flat.is_unfolded || !options.frees_seams(flat.quality.quasi_conformal) {
+            return Ok(());
+        }
+        let stage = (Stage::Layout, self.index);
+        let mut is_freed = false;
+        for areas in AREAS {
+            let position =
+                task.stage(stage, times, |watch| self.relaxed(flat, areas, Some(options.islands), watch))??;
+            let before = std::mem::replace(&mut flat.layout.position, position);
+            let quality = Quality::of(&self.surface.mesh, &self.metric, &flat.layout);
+            let is_better = quality.cost() < flat.quality.cost(); // not so with NaN either
+            if !is_better {
+                flat.layout.position = before;
+                break;
+            }
+            is_freed = true;
+            flat.quality = quality;
+            if flat.quality.area_distortion() <= TARGET_DISTORTION {
+                break;
+            }
+        }
+        if !is_freed {
+            return Ok(());
+        }
+        flat.size = (-flat.quality.mean_log_scale()).exp() / self.surface.scale;
+        let now = flat.quality.area_distortion();
+        flat.notes.retain_mut(|note| match note {
+            Note::TargetMissed { target, reached, .. } => {
+                *reached = now;
+                now > *target
+            }
+            _ => true,
+        });
+        Ok(())
+    }
+
+    /// What the layout is worth once its seams are free, if they are to be and nothing is in the way: of one that is [ruined](RUINED) too much
+    /// would be.
+    pub(super) fn promised(&self, flat: &Flat, options: &Options, watch: Watch) -> Result<Quality, Error> {
+        let mut promised = flat.quality.clone();
+        if options.frees_seams(promised.quasi_conformal) && promised.area_distortion() <= RUINED {
+            let mut layout = flat.layout.clone();
+            for areas in AREAS {
+                layout.position = self.relaxed(flat, areas, None, watch)?;
+                let quality = Quality::of(&self.surface.mesh, &self.metric, &layout);
+                if quality.cost() < promised.cost() {
+                    promised = quality;
+                }
+                if promised.area_distortion() <= TARGET_DISTORTION {
+                    break;
+                }
+            }
+        }
+        Ok(promised)
+    }
+
+    /// The layout's positions, nearer to an isometry. What becomes of islands says what may overlap: with nothing said all may, in single
+    /// islands what lies over itself already.
+    fn relaxed(
+        &self,
+        flat: &Flat,
+        areas: f64,
+        islands: Option<Islands>,
+        watch: Watch,
+    ) -> Result<Vec<Complex64>, Error> {
+        let mesh = &self.surface.mesh;
+        let mut layout = flat.layout.clone();
+        let Some(mut relaxation) = Relaxation::new(mesh, &self.metric, &layout, areas) else {
+            return Ok(layout.position);
+        };
+        let mut overlapping = |position: Vec<Complex64>| -> Result<Vec<usize>, Error> {
+            layout.position = position;
+            let overlaps = overlaps_on_islands(mesh, &map(mesh, &layout, &flat.seams.cut), watch)?;
+            let faces: BTreeSet<u32> = overlaps.pairs.iter().flat_map(|pair| pair.triangles).collect();
+            let corners = faces.into_iter().flat_map(|f| mesh.sides(FaceId(f)));
+            Ok(corners.map(|h| layout.cut.wedge(h).index()).collect())
+        };
+        let may_overlap = match islands {
+            None => true,
+            Some(islands) => match overlapping(relaxation.position())?.is_empty() {
+                true => false,
+                false if islands == Islands::Single => true,
+                false => return Ok(flat.layout.position.clone()),
+            },
+        };
+        let mut overlapping = |position| if may_overlap { Ok(Vec::new()) } else { overlapping(position) };
+        for k in 0..STEPS {
+            watch.ask(k as f64 / STEPS as f64)?;
+            let direction = match relaxation.direction(watch) {
+                Ok(Some(direction)) => direction,
+                Err(geom::CholeskyError::Interrupted(_)) => return Err(Error::Interrupted),
+                Ok(None) | Err(_) => break,
+            };
+            let Some((mut length, mut step)) = relaxation.step(&direction, 1.0) else { break };
+            let mut over = overlapping(relaxation.unscaled(&step.position))?;
+            let mut is_short = false;
+            for _ in 0..HALVINGS {
+                if over.is_empty() {
+                    break;
+                }
+                let Some(shorter) = relaxation.step(&direction, 0.5 * length) else { break };
+                (length, step) = shorter;
+                is_short = true;
+                over = overlapping(relaxation.unscaled(&step.position))?;
+            }
+            if over.is_empty() {
+                if !relaxation.take(step) && !is_short {
+                    break;
+                }
+            } else if over.into_iter().filter(|&wedge| relaxation.hold(wedge)).count() == 0 {
+                break;
+            }
+        }
+        Ok(relaxation.position())
+    }
+}
