@@ -44,6 +44,21 @@ pub(crate) fn map<T>(count: usize, value: impl Fn(usize) -> T) -> Vec<T> {
     (0..count).map(value).collect()
 }
 
+/// So many values are found before they are taken up: what they take stays in the cache.
+const PIECE: usize = 1 << 15;
+
+/// Takes up the values of all numbers below `count` one after the other, in order; they are found on all threads, piece by piece.
+pub(crate) fn each_of<T: Send>(
+    count: usize,
+    value: impl Fn(usize) -> T + Send + Sync,
+    mut take_up: impl FnMut(usize, T),
+) {
+    for first in (0..count).step_by(PIECE) {
+        let found = map(PIECE.min(count - first), |k| value(first + k));
+        found.into_iter().zip(first..).for_each(|(value, k)| take_up(k, value));
+    }
+}
+
 /// Does some work for each of the items, with its place.
 ///
 /// # Errors

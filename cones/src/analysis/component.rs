@@ -20,6 +20,18 @@ use crate::flatten::Chain;
 use crate::hierarchy::ConeHierarchy;
 use crate::placement::{Automatic, CoarseLevel, EnergyTerms, Ground, Placement, Search, quantized, size_of_level};
 
+/// How components are made.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Making {
+    pub(super) preparation: Preparation,
+    /// With what their coarse levels are made of, which are searched soon.
+    pub(super) is_searched: bool,
+    /// With handles opened.
+    pub(super) is_opened: bool,
+    /// For one map: then large factors go when it needs them no more.
+    pub(super) is_asked_once: bool,
+}
+
 /// What is found once; see the module's head. It is never changed.
 #[derive(Debug)]
 pub(crate) struct Component {
@@ -39,18 +51,15 @@ pub(crate) struct Component {
     pub(crate) hierarchy: ConeHierarchy,
     terms: OnceLock<Arc<EnergyTerms>>,
     level: OnceLock<Option<CoarseLevel>>,
+    is_asked_once: bool,
     pub(crate) notes: Vec<Note>,
     pub(crate) times: Times,
 }
 
 impl Component {
-    /// What is found once of a surface; with what its coarse level is made of, if it `is_searched` soon.
-    pub(crate) fn new(
-        index: usize,
-        ready: Ready,
-        (preparation, is_searched): (Preparation, bool),
-        task: &Task,
-    ) -> Result<Self, Error> {
+    /// What is found once of a surface.
+    pub(super) fn new(index: usize, ready: Ready, making: Making, task: &Task) -> Result<Self, Error> {
+        let Making { preparation, is_searched, is_asked_once, .. } = making;
         let Ready { surface, mut metric, way, handles } = ready;
         let mut notes = Vec::new();
         let mut times = Times::default();
@@ -94,6 +103,7 @@ impl Component {
             hierarchy,
             terms,
             level,
+            is_asked_once,
             notes,
             times,
         })
@@ -124,6 +134,19 @@ impl Component {
     /// The operators of its coarse level, once that has been asked for; its own where there is none.
     pub(crate) fn searched(&self) -> &Operators {
         self.level().map_or(&self.operators, |level| &level.operators)
+    }
+
+    /// Lets a large factor go if one map is made of it, which needs it no more.
+    pub(super) fn let_factor_go(&self) {
+        if self.is_asked_once {
+            self.operators.let_factor_go();
+        }
+    }
+
+    /// Factors its Laplacian again if the factor was let go.
+    pub(super) fn factor_again(&self, task: &Task, times: &mut Times) -> Result<(), Error> {
+        task.stage((Stage::Factor, self.index), times, |watch| self.operators.factor_again(watch))??;
+        Ok(())
     }
 
     /// How many cones it needs at least.

@@ -12,8 +12,8 @@ use super::quality::Quality;
 use crate::cut::{SeamFigures, SeamPlan};
 use crate::error::Error;
 use crate::flatten::{
-    DetachedShape, Fixed, FoldOvers, Layout, MOST_BENT, Scaling, Seams, detach, relax, remove_fold_overs, scale,
-    seam_lengths, stretch,
+    DetachedShape, Fixed, FoldOvers, Layout, MOST_BENT, Scaling, Seams, detach, narrow_rims, relax, remove_fold_overs,
+    scale, seam_lengths, stretch,
 };
 
 /// Cones that somebody has chosen are doubted above this area distortion, this quasi-conformal distortion, or where lengths change
@@ -90,6 +90,8 @@ impl Component {
         );
         *times += Times::on_clock([of_cut, of_scale], began.elapsed());
         let (seams, scaling) = (seams??, scaling??);
+        // Other attempts would need it, but few surfaces have any; what comes next takes most of the other memory.
+        self.let_factor_go();
         let mut notes = notes.clone();
         if scaling.mollified {
             notes.push(Note::Mollified { component: *index });
@@ -109,6 +111,10 @@ impl Component {
                 watch.ask(1.0)?;
                 quality = Quality::of(mesh, metric, &layout);
             }
+            if narrow_rims(mesh, metric, &scaling, &fixed, &mut layout, watch.within(1.0, 1.0)) > 0 {
+                quality = Quality::of(mesh, metric, &layout);
+            }
+            watch.ask(1.0)?;
             let is_loose =
                 may_loosen && SeamFigures::laid_out(surface, metric, &seams, &layout).mean_mismatch() > RIGID_SEAMS;
             let flat = self.flat((vertices.clone(), curvature.clone()), seams, (layout, quality), scaling, notes);

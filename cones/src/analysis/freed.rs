@@ -7,7 +7,7 @@
 
 use std::collections::BTreeSet;
 
-use geom::{FaceId, Id, Watch};
+use geom::{EdgeData, FaceId, Id, Watch};
 use num_complex::Complex64;
 
 use super::attempts::RUINED;
@@ -20,7 +20,7 @@ use super::options::{FreeSeams, Islands, Options};
 use super::quality::Quality;
 use super::reseaming::map;
 use crate::error::Error;
-use crate::flatten::Relaxation;
+use crate::flatten::{Layout, Relaxation};
 use crate::uv::overlaps_on_islands;
 
 /// Above this quasi-conformal distortion seams are set free.
@@ -64,26 +64,9 @@ impl Component {
             return Ok(());
         }
         let stage = (Stage::Layout, self.index);
-        let mut is_freed = false;
-        for areas in AREAS {
-            let position =
-                task.stage(stage, times, |watch| self.relaxed(flat, areas, Some(options.islands), watch))??;
-            let before = std::mem::replace(&mut flat.layout.position, position);
-            let quality = Quality::of(&self.surface.mesh, &self.metric, &flat.layout);
-            let is_better = quality.cost() < flat.quality.cost(); // not so with NaN either
-            if !is_better {
-                flat.layout.position = before;
-                break;
-            }
-            is_freed = true;
-            flat.quality = quality;
-            if flat.quality.area_distortion() <= TARGET_DISTORTION {
-                break;
-            }
-        }
-        if !is_freed {
-            return Ok(());
-        }
+        let freed = task.stage(stage, times, |watch| self.freed(flat, Some(options.islands), watch))??;
+        let Some((layout, quality)) = freed else { return Ok(()) };
+        (flat.layout, flat.quality) = (layout, quality);
         flat.size = (-flat.quality.mean_log_scale()).exp() / self.surface.scale;
         let now = flat.quality.area_distortion();
         flat.notes.retain_mut(|note| match note {
@@ -99,40 +82,50 @@ impl Component {
     /// What the layout is worth once its seams are free, if they are to be and nothing is in the way: of one that is [ruined](RUINED) too much
     /// would be.
     pub(super) fn promised(&self, flat: &Flat, options: &Options, watch: Watch) -> Result<Quality, Error> {
-        let mut promised = flat.quality.clone();
-        if options.frees_seams(promised.quasi_conformal) && promised.area_distortion() <= RUINED {
-            let mut layout = flat.layout.clone();
-            for areas in AREAS {
-                layout.position = self.relaxed(flat, areas, None, watch)?;
-                let quality = Quality::of(&self.surface.mesh, &self.metric, &layout);
-                if quality.cost() < promised.cost() {
-                    promised = quality;
-                }
-                if promised.area_distortion() <= TARGET_DISTORTION {
-                    break;
-                }
+        let is_freed = options.frees_seams(flat.quality.quasi_conformal) && flat.quality.area_distortion() <= RUINED;
+        let freed = if is_freed { self.freed(flat, None, watch)? } else { None };
+        Ok(freed.map_or_else(|| flat.quality.clone(), |(_, quality)| quality))
+    }
+
+    /// The layout with free seams, if that is better; `islands` as in [`relaxed`](Self::relaxed).
+    fn freed(&self, flat: &Flat, islands: Option<Islands>, watch: Watch) -> Result<Option<(Layout, Quality)>, Error> {
+        let mut best: Option<(Layout, Quality)> = None;
+        for areas in AREAS {
+            let (first, before) =
+                best.as_ref().map_or((&flat.layout, &flat.quality), |(layout, quality)| (layout, quality));
+            let mut layout = first.clone();
+            layout.position = self.relaxed((first, &flat.seams.cut), areas, islands, watch)?;
+            let quality = Quality::of(&self.surface.mesh, &self.metric, &layout);
+            let is_better = quality.cost() < before.cost(); // not so with NaN either
+            if !is_better {
+                break;
+            }
+            let is_done = quality.area_distortion() <= TARGET_DISTORTION;
+            best = Some((layout, quality));
+            if is_done {
+                break;
             }
         }
-        Ok(promised)
+        Ok(best)
     }
 
     /// The layout's positions, nearer to an isometry. What becomes of islands says what may overlap: with nothing said all may, in single
     /// islands what lies over itself already.
     fn relaxed(
         &self,
-        flat: &Flat,
+        (first, cut): (&Layout, &EdgeData<bool>),
         areas: f64,
         islands: Option<Islands>,
         watch: Watch,
     ) -> Result<Vec<Complex64>, Error> {
         let mesh = &self.surface.mesh;
-        let mut layout = flat.layout.clone();
+        let mut layout = first.clone();
         let Some(mut relaxation) = Relaxation::new(mesh, &self.metric, &layout, areas) else {
             return Ok(layout.position);
         };
         let mut overlapping = |position: Vec<Complex64>| -> Result<Vec<usize>, Error> {
             layout.position = position;
-            let overlaps = overlaps_on_islands(mesh, &map(mesh, &layout, &flat.seams.cut), watch)?;
+            let overlaps = overlaps_on_islands(mesh, &map(mesh, &layout, cut), watch)?;
             let faces: BTreeSet<u32> = overlaps.pairs.iter().flat_map(|pair| pair.triangles).collect();
             let corners = faces.into_iter().flat_map(|f| mesh.sides(FaceId(f)));
             Ok(corners.map(|h| layout.cut.wedge(h).index()).collect())
@@ -142,7 +135,7 @@ impl Component {
             Some(islands) => match overlapping(relaxation.position())?.is_empty() {
                 true => false,
                 false if islands == Islands::Single => true,
-                false => return Ok(flat.layout.position.clone()),
+                false => return Ok(first.position.clone()),
             },
         };
         let mut overlapping = |position| if may_overlap { Ok(Vec::new()) } else { overlapping(position) };

@@ -8,7 +8,7 @@ use super::flat::Flat;
 use super::note::Note;
 use super::observer::{Stage, Task, Times};
 use super::options::{Islands, Options};
-use super::reseaming::{Opening, Reseaming, map};
+use super::reseaming::{Reseaming, map};
 use crate::cut::SeamPlan;
 use crate::error::Error;
 use crate::uv::{NEGLIGIBLE_DEPTH, Overlaps, overlaps_watched};
@@ -57,13 +57,9 @@ impl Component {
             flat.notes.extend(self.note_avoided(plan, &flat.seams));
             return Ok(());
         }
-        let Opening { other, separation: done } = task.stage(stage, times, |watch| {
+        let done = task.stage(stage, times, |watch| {
             Reseaming::new(mesh, flat, plan, islands == Islands::Pack, share).best(watch)
         })??;
-        if let Some((seams, layout)) = other {
-            flat.seams = seams;
-            flat.layout = layout;
-        }
         self.note_overlap(flat, &done.left);
         if done.map.cut == flat.seams.cut {
             flat.notes.extend(self.note_avoided(plan, &flat.seams));

@@ -52,7 +52,7 @@ pub use unwrap::unwrap_model;
 use crate::curvature::CurvatureRule;
 use crate::error::Error;
 use crate::placement::{Placement, Prediction};
-use component::Component;
+use component::{Component, Making};
 use handles::open_handles;
 use observer::{Silent, Task};
 use preview::PreviewOrder;
@@ -94,7 +94,7 @@ struct Found {
     topology: Topology,
     /// Shared with the analyses of the same model with handles opened, as far as these leave them as they are.
     components: Vec<Arc<Component>>,
-    preparation: Preparation,
+    making: Making,
     /// The same model with its handles opened, once that was asked for; none where no handle can be opened.
     opened: OnceLock<Option<Arc<Self>>>,
     /// Orders for previews, of one block and of two, found when they are first asked for.
@@ -134,23 +134,24 @@ impl Analysis {
     /// # Errors
     /// As [`new`](Self::new), and if the observer has said stop.
     pub fn observed(model: &Model, preparation: Preparation, observer: impl Observer + 'static) -> Result<Self, Error> {
-        Self::made(model, (preparation, false), Arc::new(observer))
+        let making = Making { preparation, is_searched: false, is_opened: false, is_asked_once: false };
+        Self::made(model, making, Arc::new(observer))
     }
 
     /// Analyses a model to be asked for a map with these options, while an observer listens: the same analysis as by
-    /// [`observed`](Self::observed), but what these options will look for cones on is found while the Laplacian is factored.
+    /// [`observed`](Self::observed), but what these options will look for cones on is found while the Laplacian is factored, and
+    /// large factors are freed once the map needs them no more. (Whoever asks for more waits until they are there again.)
     ///
     /// # Errors
     /// As [`observed`](Self::observed).
     pub fn for_options(model: &Model, options: &Options, observer: impl Observer + 'static) -> Result<Self, Error> {
-        Self::made(model, (options.preparation, options.searches_coarse_level()), Arc::new(observer))
+        let (preparation, is_searched) = (options.preparation, options.searches_coarse_level());
+        let making = Making { preparation, is_searched, is_opened: false, is_asked_once: true };
+        Self::made(model, making, Arc::new(observer))
     }
 
-    fn made(
-        model: &Model,
-        (preparation, is_searched): (Preparation, bool),
-        observer: Arc<dyn Observer>,
-    ) -> Result<Self, Error> {
+    fn made(model: &Model, making: Making, observer: Arc<dyn Observer>) -> Result<Self, Error> {
+        let preparation = making.preparation;
         let mut times = Times::default();
         let mut prepared = Task::new(&observer, 0)
             .stage((Stage::Prepare, 0), &mut times, |watch| prepare_watched(model, preparation.weld, watch))??;
@@ -167,7 +168,7 @@ impl Analysis {
         let topology = Topology::of(ready.iter().map(|ready: &Ready| &ready.surface));
         let is_opened = preparation.handles == Handles::Always;
         let ready = ready.into_iter().enumerate().collect();
-        let components = made_of(ready, (preparation, is_searched, is_opened), &task, &mut times)?;
+        let components = made_of(ready, Making { is_opened, ..making }, &task, &mut times)?;
         let notes = notes_of(&components);
         let model = refined.as_ref().map_or(model, |refined| &refined.model);
         let found = Found {
@@ -180,7 +181,7 @@ impl Analysis {
             refined,
             topology,
             components,
-            preparation,
+            making,
             opened: OnceLock::new(),
             previews: Default::default(),
             notes,
@@ -329,7 +330,8 @@ impl Found {
         let with_handles = self.components.iter().filter(|component| component.has_handles());
         let ready = with_handles.map(|component| (component.index, component.ready())).collect();
         let mut components = self.components.clone();
-        for opened in made_of(ready, (self.preparation, false, true), task, &mut times)? {
+        let making = Making { is_opened: true, ..self.making };
+        for opened in made_of(ready, making, task, &mut times)? {
             let index = opened.index;
             components[index] = opened;
         }
@@ -338,6 +340,7 @@ impl Found {
 
     /// The same with other components, whose handles are opened, or those of some.
     fn with_components(&self, components: Vec<Arc<Component>>, times: Times) -> Self {
+        let preparation = Preparation { handles: Handles::Always, ..self.making.preparation };
         Self {
             id: COUNT.fetch_add(1, Relaxed),
             points: self.points.clone(),
@@ -349,7 +352,7 @@ impl Found {
             topology: self.topology,
             notes: notes_of(&components),
             components,
-            preparation: Preparation { handles: Handles::Always, ..self.preparation },
+            making: Making { is_opened: true, preparation, ..self.making },
             opened: OnceLock::from(None),
             previews: Default::default(),
             times,
@@ -360,17 +363,17 @@ impl Found {
 /// The components of surfaces that are ready, by their numbers, with their handles opened or not.
 fn made_of(
     ready: Vec<(usize, Ready)>,
-    (preparation, is_searched, is_opened): (Preparation, bool, bool),
+    making: Making,
     task: &Task,
     times: &mut Times,
 ) -> Result<Vec<Arc<Component>>, Error> {
     let began = Instant::now();
     let make = |(index, mut ready): (usize, Ready)| {
         let mut times = Times::default();
-        if is_opened && ready.surface.mesh.genus() > 0 {
+        if making.is_opened && ready.surface.mesh.genus() > 0 {
             ready = task.stage((Stage::Factor, index), &mut times, |watch| open_handles(ready, watch))??;
         }
-        let mut component = Component::new(index, ready, (preparation, is_searched), task)?;
+        let mut component = Component::new(index, ready, making, task)?;
         component.times += times;
         Ok(Arc::new(component))
     };

@@ -221,7 +221,7 @@ impl Analysis {
         // Loops are no rigid motions, so that no texture runs on across them; and whoever says where seams run wants no others.
         let seams = &options.seams;
         let has_say = !seams.given.is_empty() || !seams.kept.is_empty() || options.quantize.is_some();
-        self.found.preparation.handles == Handles::Auto && !has_say
+        self.found.making.preparation.handles == Handles::Auto && !has_say
     }
 
     /// The analysis with handles opened and what is chosen there, where that promises the better map: on all components, or, unless
@@ -244,6 +244,10 @@ impl Analysis {
         if !is_in_question.contains(&true) {
             return Ok(None);
         }
+        let is_draft = |part: usize| chosen.0.found.get(part).is_some_and(|found| found.is_draft);
+        // Drafts most often stay behind.
+        let drafts = self.components().iter().filter(|component| is_draft(component.index));
+        drafts.for_each(|component| component.let_factor_go());
         let Some(opened) = self.with_handles_opened()? else { return Ok(None) };
         // Parts that stay closed are not searched again.
         let found = |part: usize| chosen.0.found.get(part).map_or(Known::Nothing, Known::Found);
@@ -253,7 +257,6 @@ impl Analysis {
         *tried += other.0.times;
         let others = opened.predicted_by_itself(&other.1, is_shared);
         // Drafts will do where they already say that handles are better opened.
-        let is_draft = |part: usize| chosen.0.found.get(part).is_some_and(|found| found.is_draft);
         let is_undecided = |part: usize| match (&closed[part], &others[part]) {
             (Some(draft), Some(opened)) => is_draft(part) && !is_surely_worth_opening(draft, opened),
             (_, opened) => is_draft(part) && opened.is_none(),
@@ -261,6 +264,10 @@ impl Analysis {
         let is_undecided: Vec<bool> = (0..closed.len()).map(is_undecided).collect();
         if is_undecided.contains(&true) {
             let before = std::mem::take(&mut chosen.0);
+            each(self.components(), tried, |component, times| match is_undecided[component.index] {
+                true => component.factor_again(&self.task(), times),
+                false => Ok(()),
+            })?;
             let known =
                 |part: usize| if is_undecided[part] { Known::Nothing } else { Known::Found(&before.found[part]) };
             *chosen = self.configurations(options, &known, &self.task())?;

@@ -108,7 +108,7 @@ impl ConeCurvatures {
         cones: &[VertexId],
         mut curvature: Vec<f64>,
         watch: Watch,
-    ) -> Result<Self, CurvatureError> {
+    ) -> Result<Self, Interrupted> {
         if !operators.is_bordered() {
             let off = operators.total_curvature() - curvature.iter().sum::<f64>();
             let share = off / curvature.len() as f64;
@@ -224,10 +224,7 @@ fn centred(
 ) -> Result<(VertexData<f64>, Vec<VertexData<f64>>), Interrupted> {
     let mut flattening = operators.flattening().clone();
     operators.centre(&mut flattening);
-    green.par_iter_mut().try_for_each(|g| {
-        operators.centre(g);
-        watch.ask(0.0)
-    })?;
+    operators.centre_all(&mut green, watch)?;
     Ok((flattening, green))
 }
 

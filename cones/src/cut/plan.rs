@@ -16,7 +16,7 @@ use super::cost::shares;
 use super::options::SeamOptions;
 use super::straighten::{PathCost, straighten};
 use super::turning::Turning;
-use crate::flatten::{SeamError, Seams, Variation, seam_lengths};
+use crate::flatten::{SeamError, Seams, seam_lengths};
 
 /// What an edge that is to be avoided costs, over its length: more than any way round it that a surface has, and little enough to
 /// add up with others without loss.
@@ -79,31 +79,34 @@ impl SeamPlan {
     /// # Errors
     /// As [`Seams::new`].
     pub fn cut(&self, mesh: &Mesh, cones: &[VertexId], watch: Watch) -> Result<Seams, SeamError> {
-        self.cut_otherwise(mesh, cones, Variation::NONE, watch)
-    }
-
-    /// The same along other paths between the cones; those given stay.
-    ///
-    /// # Errors
-    /// As [`Seams::new`].
-    pub(crate) fn cut_otherwise(
-        &self,
-        mesh: &Mesh,
-        cones: &[VertexId],
-        variation: Variation,
-        watch: Watch,
-    ) -> Result<Seams, SeamError> {
         let mut seams = match self.has_given {
-            false => Seams::varied(mesh, &self.cost, cones, variation, watch.within(0.0, 0.8))?,
-            true => self.cut_islands(mesh, cones, variation, watch.within(0.0, 0.8))?,
+            false => Seams::new(mesh, &self.cost, cones, watch.within(0.0, 0.8))?,
+            true => self.cut_islands(mesh, cones, watch.within(0.0, 0.8))?,
         };
         seams.length = mesh.edges().filter(|&e| seams.cut[e]).map(|e| self.lengths[e]).sum();
-        if let Some((weight, turning)) = &self.straightness {
-            let Self { lengths, cost, .. } = self;
-            let costs = PathCost { mesh, lengths, cost, turning, weight: *weight };
+        if let Some(costs) = self.with_turns(mesh) {
             straighten(&costs, &self.given, &mut seams, watch.within(0.8, 1.0))?;
         }
         Ok(seams)
+    }
+
+    /// The edges given and paths between neighbouring cones: what seams may run along besides.
+    ///
+    /// # Errors
+    /// If it is stopped.
+    pub(crate) fn network(
+        &self,
+        mesh: &Mesh,
+        cones: &[VertexId],
+        cut: EdgeData<bool>,
+        watch: Watch,
+    ) -> Result<EdgeData<bool>, Interrupted> {
+        let fixed = cut.clone();
+        let mut network = Seams::network(mesh, &self.cost, cones, cut, watch.within(0.0, 0.6))?;
+        if let Some(costs) = self.with_turns(mesh) {
+            straighten(&costs, &fixed, &mut network, watch.within(0.6, 1.0))?;
+        }
+        Ok(network.cut)
     }
 
     /// What edges cost that islands are cut along: their lengths, and those that are to be avoided [`AVOIDED`] times as much.
@@ -116,9 +119,18 @@ impl SeamPlan {
         &self.lengths
     }
 
-    /// What edges cost that seams run along: [`costs`](Self::costs), less where they are welcome.
-    pub(crate) fn path_costs(&self) -> &EdgeData<f64> {
-        &self.cost
+    /// What a run of seam costs: [`costs`](Self::costs), less where seams are welcome, and its turns.
+    pub(crate) fn along(&self, mesh: &Mesh, run: &[HalfedgeId]) -> f64 {
+        match self.with_turns(mesh) {
+            Some(costs) => costs.along(run),
+            None => run.iter().map(|&h| self.cost[mesh.edge(h)]).filter(|cost| cost.is_finite()).sum(),
+        }
+    }
+
+    /// What paths cost where turns count.
+    fn with_turns<'a>(&'a self, mesh: &'a Mesh) -> Option<PathCost<'a>> {
+        let (weight, turning) = self.straightness.as_ref()?;
+        Some(PathCost { mesh, lengths: &self.lengths, cost: &self.cost, turning, weight: *weight })
     }
 
     /// The edges that are cut whatever becomes of the islands.
@@ -134,13 +146,7 @@ impl SeamPlan {
     }
 
     /// Seams through the given edges.
-    fn cut_islands(
-        &self,
-        mesh: &Mesh,
-        cones: &[VertexId],
-        variation: Variation,
-        watch: Watch,
-    ) -> Result<Seams, SeamError> {
+    fn cut_islands(&self, mesh: &Mesh, cones: &[VertexId], watch: Watch) -> Result<Seams, SeamError> {
         let mut is_cone = VertexData::constant(mesh.vertex_count(), false);
         for &cone in cones {
             let known = is_cone.get_mut(cone.index());
@@ -156,9 +162,7 @@ impl SeamPlan {
                 !island.mesh.is_boundary_vertex(*v) && first.is_some_and(|h| is_cone[mesh.tail(whole(h))])
             };
             let cones: Vec<VertexId> = island.mesh.vertices().filter(inside).collect();
-            let angle = variation.angle.map(|angle| island.mesh.halfedges().map(|h| angle[whole(h)]).collect());
-            let variation = Variation { angle: angle.as_ref(), ..variation };
-            let seams = Seams::varied(&island.mesh, &cost, &cones, variation, watch)?;
+            let seams = Seams::new(&island.mesh, &cost, &cones, watch)?;
             island.mesh.edges().filter(|&e| seams.cut[e]).for_each(|e| cut[edge(e)] = true);
         }
         // Chains end, too, where they go on as given edges.

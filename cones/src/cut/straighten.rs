@@ -54,9 +54,17 @@ impl PathCost<'_> {
 
     /// What a path costs between what comes before it and after it.
     fn path(&self, piece: &Piece) -> f64 {
-        let edges: f64 = piece.path.iter().map(|&h| self.edge(h)).sum();
         let all: Vec<HalfedgeId> = piece.before.iter().chain(&piece.path).chain(&piece.after).copied().collect();
-        edges + all.windows(2).map(|step| self.turn(step[0], step[1])).sum::<f64>()
+        piece.path.iter().map(|&h| self.edge(h)).sum::<f64>() + self.turns(&all)
+    }
+
+    /// What a path costs by itself.
+    pub(crate) fn along(&self, path: &[HalfedgeId]) -> f64 {
+        path.iter().map(|&h| self.edge(h)).filter(|cost| cost.is_finite()).sum::<f64>() + self.turns(path)
+    }
+
+    fn turns(&self, path: &[HalfedgeId]) -> f64 {
+        path.windows(2).map(|step| self.turn(step[0], step[1])).sum()
     }
 }
 
@@ -123,11 +131,7 @@ impl<'a> Straightener<'a> {
 
     fn straighten(&mut self, chain: &mut Chain) {
         let mesh = self.costs.mesh;
-        let mut path: Vec<HalfedgeId> = Vec::with_capacity(chain.edges.len());
-        for (&e, &from) in chain.edges.iter().zip(&chain.vertices) {
-            let h = mesh.halfedge(e);
-            path.extend(if mesh.tail(h) == from { Some(h) } else { mesh.twin(h) });
-        }
+        let mut path = chain.halfedges(mesh);
         let is_closed = chain.vertices.first() == chain.vertices.last();
         let pieces = (path.len().div_ceil(LONGEST)).max(if is_closed { ROUND } else { 1 });
         self.in_pieces(&mut path, pieces, 0);

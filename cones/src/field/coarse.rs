@@ -8,7 +8,7 @@
 
 use geom::{Mesh, MeshError, PoissonError, Simplified, VertexId, Watch};
 
-use super::coarsened::coarsened;
+use super::coarsened::{coarsened, coarsened_further};
 use super::operators::Operators;
 
 /// The operators of a coarse level with `count` of a surface's vertices, or more where others cannot be taken out, and which
@@ -22,9 +22,10 @@ pub(crate) fn coarse_level(
     watch: Watch,
 ) -> Result<(Operators, Vec<VertexId>), PoissonError> {
     let Operators { mesh, metric, weight, spread, curvature, ahead, .. } = fine;
-    let ahead = ahead.as_ref().filter(|(asked, _)| *asked == count);
-    let Simplified { triangulation, metric, vertex, weights } = match ahead {
-        Some((_, coarsened)) => coarsened.clone(),
+    let ahead = ahead.as_ref().filter(|(asked, _)| *asked >= count);
+    let Simplified { triangulation, metric, vertex, weights, .. } = match ahead {
+        Some((asked, coarsened)) if *asked == count => coarsened.clone(),
+        Some((_, more)) => coarsened_further(more, curvature, count, watch.within(0.0, 0.8))?,
         None => coarsened((mesh, metric), (weight, spread.as_ref(), curvature), count, watch.within(0.0, 0.8))?,
     };
     let mesh = Mesh::from_triangulation(triangulation)

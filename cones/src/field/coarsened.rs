@@ -23,6 +23,22 @@ pub(super) fn coarsened(
 ) -> Result<Coarsened, Interrupted> {
     let even = || VertexData::constant(mesh.vertex_count(), 1.0 / mesh.vertex_count() as f64);
     let spread = spread.cloned().unwrap_or_else(even);
-    let worth = |v: VertexId| 1.0 + (curvature[v] / SHARP).powi(2);
-    simplified(mesh, metric, [weight, &spread, curvature], worth, count, watch)
+    simplified(mesh, metric, [weight, &spread, curvature], worth(curvature), count, watch)
+}
+
+/// The same as [`coarsened`] makes of the surface that `more` of its vertices were left of, which has this curvature.
+///
+/// # Errors
+/// If the watch has said stop.
+pub(super) fn coarsened_further(
+    more: &Coarsened,
+    curvature: &VertexData<f64>,
+    count: usize,
+    watch: Watch,
+) -> Result<Coarsened, Interrupted> {
+    more.further(worth(curvature), count, watch)
+}
+
+fn worth(curvature: &VertexData<f64>) -> impl Fn(VertexId) -> f64 {
+    |v| 1.0 + (curvature[v] / SHARP).powi(2)
 }

@@ -37,7 +37,7 @@ impl ConformalFactor {
         let total = if operators.is_bordered() { 0.0 } else { curvature.iter().sum() };
         let source: VertexData<f64> =
             curvature.iter().zip(operators.weight.iter()).map(|(k, w)| total * w - k).collect();
-        let mut phi = operators.poisson.solve(&source);
+        let mut phi = operators.poisson().solve(&source);
         operators.centre(&mut phi);
         Self { phi }
     }

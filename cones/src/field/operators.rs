@@ -7,7 +7,7 @@
 //! inside.
 
 use std::collections::HashMap;
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock, PoisonError, RwLock};
 
 use geom::{
     HalfedgeId, Id, Interrupted, Mesh, MeshError, Metric, Poisson, PoissonError, SymmetricMatrix, VertexData, VertexId,
@@ -27,6 +27,11 @@ const FREE_VALUES: usize = 1 << 21;
 
 /// So many rows of vectors are gone through at a time: they stay in the fastest cache.
 const ROWS: usize = 512;
+/// So many log scale factors are centred at a time.
+const CENTRED: usize = 8;
+
+/// A factor of so many values is let go when it is done with: 32 MB. What is smaller comes from a heap that stays as large as it was.
+const LEAST_LET_GO: usize = 1 << 22;
 
 /// The number of the tied boundary loops that each vertex is on, if it is on any.
 pub(crate) type TiedLoops = VertexData<Option<u32>>;
@@ -49,8 +54,8 @@ pub struct Operators {
     pub(crate) weight: VertexData<f64>,
     /// The cotangent Laplacian L.
     pub(crate) laplacian: SymmetricMatrix,
-    /// L factored, restricted to the inner vertices where there is a boundary.
-    pub(crate) poisson: Poisson,
+    /// See [`Operators::poisson`].
+    factored: RwLock<Option<Arc<Poisson>>>,
     /// An orthonormal basis, for the inner product weighted by area, of the log scale factors that change no curvature
     /// inside: the constants, and with several boundary loops their harmonic extensions.
     free: Vec<VertexData<f64>>,
@@ -67,7 +72,7 @@ pub struct Operators {
     /// On a coarse level, the share of the finer one's vertices that each vertex stands for: curvature that is spread evenly over
     /// these is spread so.
     pub(super) spread: Option<VertexData<f64>>,
-    /// What a coarse level of so many vertices is made of, where one was asked for in advance.
+    /// What a coarse level of so many vertices, or fewer, is made of, where one was asked for in advance.
     pub(super) ahead: Option<(usize, Coarsened)>,
 }
 
@@ -187,7 +192,7 @@ impl Operators {
             curvature,
             weight,
             laplacian,
-            poisson,
+            factored: RwLock::new(Some(Arc::new(poisson))),
             free: Vec::new(),
             bordered,
             rims: Vec::new(),
@@ -199,11 +204,7 @@ impl Operators {
             ahead,
         };
         operators.add_free(VertexData::constant(operators.mesh.vertex_count(), 1.0));
-        for around in rims.iter().skip(1) {
-            if watch.stops_at(0.95) {
-                return Err(Interrupted.into());
-            }
-            let extension = operators.harmonic_extension(around);
+        for extension in operators.harmonic_extensions(rims.get(1..).unwrap_or_default(), watch.within(0.95, 1.0))? {
             operators.add_free(extension);
         }
         Ok(Self { rims, ..operators })
@@ -229,6 +230,41 @@ impl Operators {
         &self.laplacian
     }
 
+    /// L factored, restricted to the inner vertices where there is a boundary.
+    ///
+    /// # Panics
+    /// If it was let go, and memory does not suffice to factor it again.
+    pub(crate) fn poisson(&self) -> Arc<Poisson> {
+        self.factor_again(Watch::NONE).unwrap_or_else(|error| panic!("a matrix that was factored once: {error}"))
+    }
+
+    /// The same, watched where it has to be factored again.
+    ///
+    /// # Errors
+    /// If memory does not suffice, or it is stopped.
+    pub(crate) fn factor_again(&self, watch: Watch) -> Result<Arc<Poisson>, PoissonError> {
+        if let Some(poisson) = &*self.factored.read().unwrap_or_else(PoisonError::into_inner) {
+            return Ok(Arc::clone(poisson));
+        }
+        let mut factored = self.factored.write().unwrap_or_else(PoisonError::into_inner);
+        if let Some(poisson) = &*factored {
+            return Ok(Arc::clone(poisson));
+        }
+        let made = Poisson::new_watched(&self.laplacian, &self.rims.concat(), self.points(), watch)?;
+        Ok(Arc::clone(factored.insert(Arc::new(made))))
+    }
+
+    /// Frees a large factor, which is most of the memory, where nobody is expected to ask for it. Who does waits until it is made again,
+    /// the same to the bit.
+    pub(crate) fn let_factor_go(&self) {
+        self.let_go(LEAST_LET_GO);
+    }
+
+    fn let_go(&self, least: usize) {
+        let mut factored = self.factored.write().unwrap_or_else(PoisonError::into_inner);
+        *factored = factored.take().filter(|poisson| poisson.factor_len() < least);
+    }
+
     /// Whether the surface has a boundary.
     pub fn is_bordered(&self) -> bool {
         self.bordered
@@ -247,18 +283,49 @@ impl Operators {
     /// Adds to a log scale factor the curvature-free one that makes its L2 norm least: on a closed surface, subtracts the
     /// mean weighted by area; with a boundary each loop gets its best constant.
     pub fn centre(&self, x: &mut VertexData<f64>) {
+        self.centre_block(std::slice::from_mut(x));
+    }
+
+    /// The same for many of them: a basis of sixteen vectors is read once for several.
+    ///
+    /// # Errors
+    /// If the watch has said stop.
+    pub(crate) fn centre_all(&self, columns: &mut [VertexData<f64>], watch: Watch) -> Result<(), Interrupted> {
+        columns.par_chunks_mut(CENTRED).try_for_each(|block| {
+            watch.ask(0.0)?;
+            self.centre_block(block);
+            Ok(())
+        })
+    }
+
+    fn centre_block(&self, columns: &mut [VertexData<f64>]) {
         let free: Vec<&[f64]> = self.free.iter().map(|basis| &**basis).collect();
-        let mut parts = vec![0.0; free.len()];
-        for (k, (x, weight)) in x.chunks(ROWS).zip(self.weight.chunks(ROWS)).enumerate() {
-            let mut weighted = [0.0; ROWS];
-            weighted.iter_mut().zip(weight).zip(x).for_each(|((product, w), x)| *product = w * x);
-            for (part, basis) in parts.iter_mut().zip(&free) {
-                *part += dot(&basis[k * ROWS..][..x.len()], &weighted[..x.len()]);
+        let mut columns: Vec<&mut [f64]> = columns.iter_mut().map(|x| &mut **x).collect();
+        let mut parts = vec![vec![0.0; free.len()]; columns.len()];
+        for (first, weight) in (0..).step_by(ROWS).zip(self.weight.chunks(ROWS)) {
+            let rows = first..first + weight.len();
+            for (x, parts) in columns.iter().map(|x| &x[rows.clone()]).zip(&mut parts) {
+                let mut weighted = [0.0; ROWS];
+                weighted.iter_mut().zip(weight).zip(x).for_each(|((product, w), x)| *product = w * x);
+                for (part, basis) in parts.iter_mut().zip(&free) {
+                    *part += dot(&basis[rows.clone()], &weighted[..rows.len()]);
+                }
             }
         }
-        for (k, x) in x.chunks_mut(ROWS).enumerate() {
-            for (part, basis) in parts.iter().zip(&free) {
-                x.iter_mut().zip(&basis[k * ROWS..]).for_each(|(x, b)| *x -= part * b);
+        let (fours, rest) = free.as_chunks::<4>();
+        for (first, weight) in (0..).step_by(ROWS).zip(self.weight.chunks(ROWS)) {
+            let rows = first..first + weight.len();
+            for (x, parts) in columns.iter_mut().map(|x| &mut x[rows.clone()]).zip(&parts) {
+                let (parts_of_fours, parts_of_rest) = parts.as_chunks::<4>();
+                for (basis, [p, q, r, s]) in fours.iter().zip(parts_of_fours) {
+                    let [a, b, c, d] = basis.map(|basis| &basis[rows.clone()]);
+                    for ((((x, a), b), c), d) in x.iter_mut().zip(a).zip(b).zip(c).zip(d) {
+                        *x = *x - p * a - q * b - r * c - s * d;
+                    }
+                }
+                for (basis, part) in rest.iter().zip(parts_of_rest) {
+                    x.iter_mut().zip(&basis[rows.clone()]).for_each(|(x, b)| *x -= part * b);
+                }
             }
         }
     }
@@ -272,13 +339,13 @@ impl Operators {
     /// The log scale factor that takes away all curvature, up to a constant: on a closed surface all but the mean, 2πχ/n at
     /// each of n vertices. One solve, when it is first asked for.
     pub(crate) fn flattening(&self) -> &VertexData<f64> {
-        self.flattening.get_or_init(|| self.poisson.solve(&self.flattening_source()))
+        self.flattening.get_or_init(|| self.poisson().solve(&self.flattening_source()))
     }
 
     /// The same, watched.
     pub(crate) fn flattening_watched(&self, watch: Watch) -> Result<&VertexData<f64>, Interrupted> {
         if self.flattening.get().is_none() {
-            let solved = self.poisson.solve_watched(&self.flattening_source(), watch)?;
+            let solved = self.poisson().solve_watched(&self.flattening_source(), watch)?;
             return Ok(self.flattening.get_or_init(|| solved));
         }
         Ok(self.flattening())
@@ -301,7 +368,7 @@ impl Operators {
         watch: Watch,
     ) -> Result<Vec<VertexData<f64>>, Interrupted> {
         let sources: Vec<Vec<(VertexId, f64)>> = vertices.iter().map(|&v| vec![(v, 1.0)]).collect();
-        let mut green = self.poisson.solve_sparse_watched(&sources, watch)?;
+        let mut green = self.poisson().solve_sparse_watched(&sources, watch)?;
         if !self.bordered {
             let even = self.even_watched(watch.within(1.0, 1.0))?;
             green.par_iter_mut().try_for_each(|g| -> Result<(), Interrupted> {
@@ -323,13 +390,13 @@ impl Operators {
     /// The log scale factor, with mean 0 over the vertices, of a closed surface that a unit of curvature causes where it is
     /// spread evenly over the vertices and taken from the grounded one.
     fn even(&self) -> &VertexData<f64> {
-        self.even.get_or_init(|| self.poisson.solve(&self.even_source()))
+        self.even.get_or_init(|| self.poisson().solve(&self.even_source()))
     }
 
     /// The same, watched.
     fn even_watched(&self, watch: Watch) -> Result<&VertexData<f64>, Interrupted> {
         if self.even.get().is_none() {
-            let solved = self.poisson.solve_watched(&self.even_source(), watch)?;
+            let solved = self.poisson().solve_watched(&self.even_source(), watch)?;
             return Ok(self.even.get_or_init(|| solved));
         }
         Ok(self.even())
@@ -338,7 +405,7 @@ impl Operators {
     fn even_source(&self) -> VertexData<f64> {
         let n = self.mesh.vertex_count();
         let mut source = self.spread.clone().unwrap_or_else(|| VertexData::constant(n, 1.0 / n as f64));
-        if let Some(grounded) = self.poisson.grounded() {
+        if let Some(grounded) = self.poisson().grounded() {
             source[grounded] -= 1.0;
         }
         source
@@ -360,7 +427,7 @@ impl Operators {
     /// there is spread evenly.
     pub(crate) fn uncentred_log_scale(&self, cones: &[VertexId], curvature: &[f64]) -> VertexData<f64> {
         let source = cones.iter().copied().zip(curvature.iter().copied()).collect();
-        let mut u = self.poisson.solve_sparse(&[source]).remove(0);
+        let mut u = self.poisson().solve_sparse(&[source]).remove(0);
         u.iter_mut().zip(self.flattening().iter()).for_each(|(u, p)| *u += p);
         if !self.bordered {
             let sum: f64 = curvature.iter().sum();
@@ -381,18 +448,22 @@ impl Operators {
         Poisson::new_watched(&self.laplacian, &fixed, self.points(), watch)
     }
 
-    /// The harmonic function that is 1 on one boundary loop, or those tied to it, and 0 on the others.
-    fn harmonic_extension(&self, around: &[VertexId]) -> VertexData<f64> {
-        let mut on_loop = VertexData::constant(self.mesh.vertex_count(), 0.0);
-        for &v in around {
-            on_loop[v] = 1.0;
+    /// For each of some boundary loops, with those tied to it, the harmonic function that is 1 there and 0 on the others.
+    fn harmonic_extensions(&self, rims: &[Vec<VertexId>], watch: Watch) -> Result<Vec<VertexData<f64>>, Interrupted> {
+        let beside = |&v: &VertexId| {
+            let mut beside: Vec<VertexId> = self.mesh.neighbors(v).to_vec();
+            beside.sort_unstable();
+            beside.dedup();
+            beside.into_iter().map(move |w| (w, -self.laplacian.get(v.index(), w.index())))
+        };
+        // What this is at vertices of loops does not count.
+        let sources: Vec<Vec<(VertexId, f64)>> =
+            rims.iter().map(|around| around.iter().flat_map(beside).collect()).collect();
+        let mut extensions = self.poisson().solve_sparse_watched(&sources, watch)?;
+        for (extension, around) in extensions.iter_mut().zip(rims) {
+            around.iter().for_each(|&v| extension[v] = 1.0);
         }
-        let source: VertexData<f64> = self.laplacian.multiply(&on_loop).iter().map(|change| -change).collect();
-        let mut extension = self.poisson.solve(&source);
-        for &v in around {
-            extension[v] = 1.0;
-        }
-        extension
+        Ok(extensions)
     }
 
     fn add_free(&mut self, mut x: VertexData<f64>) {
@@ -475,8 +546,8 @@ mod tests {
         }
     }
 
-    #[test]
-    fn a_coarse_level_has_the_same_loops_in_the_same_order() {
+    /// A surface with many holes.
+    fn pierced() -> Operators {
         let whole = shapes::hare(2500);
         let is_out = |t: &[u32; 3]| t.iter().any(|v| v % 60 == 30);
         let triangles: Vec<[u32; 3]> = whole.triangles.iter().copied().filter(|t| !is_out(t)).collect();
@@ -489,13 +560,39 @@ mod tests {
             }
         }
         let triangles = triangles.iter().map(|t| t.map(|v| number[v as usize])).collect();
-        let fine = operators(&Shape { points, triangles });
+        operators(&Shape { points, triangles })
+    }
+
+    #[test]
+    fn a_coarse_level_has_the_same_loops_in_the_same_order() {
+        let fine = pierced();
         assert!(fine.rims.len() > FREE_LOOPS, "all have a constant on a small mesh");
         let (coarse, vertex) = super::super::coarse_level(&fine, 900, Watch::NONE).unwrap();
         assert!(coarse.mesh.vertex_count() < fine.mesh.vertex_count());
         assert_eq!((coarse.rims.len(), coarse.free.len()), (fine.rims.len(), fine.free.len()));
         for (here, there) in coarse.rims.iter().zip(&fine.rims) {
             assert!(!here.is_empty() && here.iter().all(|v| there.contains(&vertex[v.index()])));
+        }
+    }
+
+    #[test]
+    fn a_coarse_level_is_the_same_whatever_was_found_ahead() {
+        let shape = shapes::hare(2500);
+        let mesh = shape.mesh();
+        let metric = Metric::from_points(&mesh, &shape.points);
+        let level = |ahead| {
+            let fine = Operators::with_tied_loops((&mesh, &metric), &shape.points, None, ahead, Watch::NONE).unwrap();
+            super::super::coarse_level(&fine, 400, Watch::NONE).unwrap()
+        };
+        let (none, vertex) = level(None);
+        for ahead in [300, 400, 1100] {
+            let (found, of_found) = level(Some(ahead));
+            assert_eq!((found.mesh.triangulation(), &found.metric), (none.mesh.triangulation(), &none.metric));
+            assert_eq!(
+                (found.weight, found.curvature, found.spread),
+                (none.weight.clone(), none.curvature.clone(), none.spread.clone())
+            );
+            assert_eq!(of_found, vertex);
         }
     }
 
@@ -517,6 +614,41 @@ mod tests {
         operators.centre(&mut x);
         assert!(operators.inner(&once, &once) < before);
         assert!(x.iter().zip(once.iter()).all(|(x, once)| (x - once).abs() < 1e-12));
+    }
+
+    #[test]
+    fn many_are_centred_as_one_is_to_the_bit() {
+        let free = |operators: &Operators| operators.free.len();
+        let surfaces = [shapes::hare(2500), shapes::cylinder(1500)].map(|shape| operators(&shape));
+        let pierced = pierced();
+        assert!(free(&surfaces[0]) == 1 && free(&surfaces[1]) == 2 && free(&pierced) > 4);
+        for operators in surfaces.iter().chain([&pierced]) {
+            let column = |k: u32| operators.mesh.vertices().map(|v| f64::from(v.0 * (7 + k) % 13)).collect();
+            let mut together: Vec<VertexData<f64>> = (0..2 * CENTRED as u32 + 3).map(column).collect();
+            let mut alone = together.clone();
+            operators.centre_all(&mut together, Watch::NONE).unwrap();
+            alone.iter_mut().for_each(|x| operators.centre(x));
+            assert_eq!(together, alone);
+            for x in &alone {
+                assert!(operators.free.iter().all(|basis| operators.inner(x, basis).abs() < 1e-10));
+            }
+        }
+    }
+
+    #[test]
+    fn a_factor_that_was_let_go_is_made_again_the_same_to_the_bit() {
+        for shape in [shapes::hare(900), shapes::cylinder(400)] {
+            let operators = operators(&shape);
+            let source = operators.flattening_source();
+            let before = operators.poisson().solve(&source);
+            operators.let_go(operators.poisson().factor_len() + 1);
+            assert!(operators.factored.read().unwrap().is_some(), "a small one stays");
+            operators.let_go(0);
+            assert!(operators.factored.read().unwrap().is_none());
+            let stop = |_: f64| std::ops::ControlFlow::Break(());
+            assert!(operators.factor_again(Watch::new(&stop)).is_err());
+            assert_eq!(operators.poisson().solve(&source), before);
+        }
     }
 
     #[test]

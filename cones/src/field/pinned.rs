@@ -33,10 +33,10 @@ pub(crate) struct PinnedFactor<'a> {
 impl<'a> PinnedFactor<'a> {
     pub(crate) fn new(operators: &'a Operators) -> Self {
         let mut source: VertexData<f64> = operators.curvature.iter().map(|k| -k).collect();
-        if let Some(grounded) = operators.poisson.grounded() {
+        if let Some(grounded) = operators.poisson().grounded() {
             source[grounded] += operators.total_curvature();
         }
-        let flattening = operators.poisson.solve(&source);
+        let flattening = operators.poisson().solve(&source);
         Self { operators, cones: Vec::new(), flattening, forward: Vec::new(), green: Some(Growing::default()) }
     }
 
@@ -50,7 +50,7 @@ impl<'a> PinnedFactor<'a> {
 
     /// Pins more vertices. A sparse forward substitution each.
     pub(crate) fn add(&mut self, cones: &[VertexId]) {
-        for (&cone, forward) in cones.iter().zip(self.operators.poisson.solve_forward(cones)) {
+        for (&cone, forward) in cones.iter().zip(self.operators.poisson().solve_forward(cones)) {
             self.cones.push(cone);
             self.forward.push(forward);
             let Some(last) = self.forward.last().filter(|_| !self.is_grounded(cone)) else { continue };
@@ -61,7 +61,7 @@ impl<'a> PinnedFactor<'a> {
     }
 
     fn is_grounded(&self, cone: VertexId) -> bool {
-        self.operators.poisson.grounded() == Some(cone)
+        self.operators.poisson().grounded() == Some(cone)
     }
 
     /// φ: the log scale factor that is 0 at all cones and leaves curvature nowhere else; the paper's conformal factor where
@@ -69,7 +69,7 @@ impl<'a> PinnedFactor<'a> {
     pub(crate) fn factor(&self) -> VertexData<f64> {
         let curvature = if self.cones.is_empty() { None } else { self.curvature() };
         let Some(curvature) = curvature else { return ConformalFactor::new(self.operators).phi };
-        let mut phi = self.operators.poisson.solve_backward(self.forward.iter().zip(curvature));
+        let mut phi = self.operators.poisson().solve_backward(self.forward.iter().zip(curvature));
         phi.iter_mut().zip(self.flattening.iter()).for_each(|(phi, p)| *phi += p);
         if !self.operators.is_bordered() {
             let at_cones = phi[self.cones[0]];
@@ -88,7 +88,7 @@ impl<'a> PinnedFactor<'a> {
         }
         let ones = green.solve(vec![1.0; free.len()]);
         let total = self.operators.total_curvature();
-        let shift = match self.operators.poisson.grounded().filter(|c| self.cones.contains(c)) {
+        let shift = match self.operators.poisson().grounded().filter(|c| self.cones.contains(c)) {
             Some(grounded) => -self.flattening[grounded],
             None => (minus_p.iter().sum::<f64>() - total) / ones.iter().sum::<f64>(),
         };

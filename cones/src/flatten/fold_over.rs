@@ -153,9 +153,12 @@ impl Bad {
     }
 }
 
+/// Where wedges were that have moved.
+pub(super) type Moved = Vec<(WedgeId, Complex64)>;
+
 /// Whether the neighbours of cones with spread fans may move.
 #[derive(Clone, Copy, PartialEq)]
-enum Fans {
+pub(super) enum Fans {
     Free,
     /// Untangling is free to unwind a cone by one turn and to wind a plain vertex instead; held fans prevent that.
     Held,
@@ -216,12 +219,12 @@ impl<'a> Untangler<'a> {
         self.fixed.is_cone[v] || self.holds_sides && self.fixed.is_side.as_ref().is_some_and(|is_side| is_side[v])
     }
 
-    fn positions(&self, f: FaceId) -> [Complex64; 3] {
+    pub(super) fn positions(&self, f: FaceId) -> [Complex64; 3] {
         self.input.sides(f).map(|h| self.layout.corner(h))
     }
 
     /// The sides that a triangle would have if it were scaled evenly.
-    fn reference(&self, f: FaceId) -> Sides {
+    pub(super) fn reference(&self, f: FaceId) -> Sides {
         let mean = self.input.corners(f).iter().map(|&v| self.scaling.u[v]).sum::<f64>() / 3.0;
         Sides(self.metric.sides(self.input, f).0.map(|l| l * mean.exp()))
     }
@@ -400,11 +403,22 @@ impl<'a> Untangler<'a> {
     }
 
     /// Untangles a patch; returns where what it moved was before, none where it was left as it was.
-    fn try_untangling(&mut self, faces: &[FaceId], fans: Fans, watch: Watch) -> Option<Vec<(WedgeId, Complex64)>> {
+    fn try_untangling(&mut self, faces: &[FaceId], fans: Fans, watch: Watch) -> Option<Moved> {
+        self.try_shaping(faces, fans, Self::reference, watch)
+    }
+
+    /// The same with other reference shapes.
+    pub(super) fn try_shaping(
+        &mut self,
+        faces: &[FaceId],
+        fans: Fans,
+        reference: impl Fn(&Self, FaceId) -> Sides,
+        watch: Watch,
+    ) -> Option<Moved> {
         if faces.len() > MAX_PATCH || watch.stops_at(0.0) {
             return None;
         }
-        let (patch, moving) = self.patch(faces, fans)?;
+        let (patch, moving) = self.patch(faces, fans, reference)?;
         let untangled = patch.untangle(watch);
         if !untangled.succeeded {
             return None;
@@ -446,7 +460,7 @@ impl<'a> Untangler<'a> {
         };
         let corners: Vec<Corner> = inside.keys().map(corner).collect();
         let number: BTreeMap<WedgeId, u32> = inside.keys().copied().zip(0..).collect();
-        let patch = self.patch_of(faces, corners, |h| number[&self.layout.cut.wedge(h)], moving.len());
+        let patch = self.patch_of(faces, corners, |h| number[&self.layout.cut.wedge(h)], moving.len(), Self::reference);
         let Some(patch) = patch.filter(|_| !moving.is_empty()) else { return 0 };
         let untangled = patch.untangle(watch);
         if !untangled.succeeded {
@@ -470,12 +484,17 @@ impl<'a> Untangler<'a> {
     }
 
     /// Puts wedges back where they were.
-    fn put_back(&mut self, before: Vec<(WedgeId, Complex64)>) {
+    pub(super) fn put_back(&mut self, before: Moved) {
         before.into_iter().for_each(|(w, position)| self.layout.position[w.index()] = position);
     }
 
     /// A patch for untangling, and the vertices that its displacements move; none if nothing can move.
-    fn patch(&self, faces: &[FaceId], fans: Fans) -> Option<(Patch, Vec<VertexId>)> {
+    fn patch(
+        &self,
+        faces: &[FaceId],
+        fans: Fans,
+        reference: impl Fn(&Self, FaceId) -> Sides,
+    ) -> Option<(Patch, Vec<VertexId>)> {
         let input = self.input;
         let mut degree: BTreeMap<VertexId, usize> = BTreeMap::new();
         for v in faces.iter().flat_map(|&f| input.corners(f)) {
@@ -498,22 +517,23 @@ impl<'a> Untangler<'a> {
                 corners.len() as u32 - 1
             });
         }
-        let patch = self.patch_of(faces, corners, |h| index[&self.layout.cut.wedge(h)], moving.len())?;
+        let patch = self.patch_of(faces, corners, |h| index[&self.layout.cut.wedge(h)], moving.len(), reference)?;
         Some((patch, moving))
     }
 
-    /// A patch of triangles with the shapes that they would have if they were scaled evenly; each halfedge has the number of a corner.
+    /// A patch of triangles with reference shapes; each halfedge has the number of a corner.
     fn patch_of(
         &self,
         faces: &[FaceId],
         corners: Vec<Corner>,
         corner: impl Fn(HalfedgeId) -> u32,
         displacements: usize,
+        reference: impl Fn(&Self, FaceId) -> Sides,
     ) -> Option<Patch> {
-        let areas = faces.iter().map(|&f| self.reference(f).area());
+        let areas = faces.iter().map(|&f| reference(self, f).area());
         let mean_area = areas.sum::<f64>() / faces.len() as f64;
         let triangle = |&f: &FaceId| {
-            let reference = self.reference(f);
+            let reference = reference(self, f);
             let weight = (reference.area() / mean_area).sqrt().max(0.01);
             PatchTriangle { corners: self.input.sides(f).map(&corner), lengths: reference.0, weight }
         };

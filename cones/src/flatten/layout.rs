@@ -95,15 +95,6 @@ impl Layout {
     pub fn corner(&self, h: HalfedgeId) -> Complex64 {
         self.position[self.cut.wedge(h).index()]
     }
-
-    /// The angle of the corner at each halfedge's tail.
-    pub(crate) fn angles(&self, mesh: &Mesh) -> HalfedgeData<f64> {
-        let angle = |h: HalfedgeId| {
-            let [here, next, before] = [h, mesh.next(h), mesh.prev(h)].map(|h| self.corner(h));
-            ((next - here).conj() * (before - here)).arg().abs()
-        };
-        mesh.halfedges().map(angle).collect()
-    }
 }
 
 /// A [`Connection`] of the input.

@@ -66,14 +66,18 @@ pub(crate) fn fewest_from(
     rule: CurvatureRule,
     goal: Goal,
 ) -> Result<Automatic, PoissonError> {
-    let Goal { target, most, to_knee, .. } = goal;
+    let Goal { target, most, to_knee, is_draft } = goal;
     let mut coarse_model = level.energy_model(ground.watch.within(0.0, 0.5));
-    let (coarse, model) = rayon::join(|| automatic(&mut coarse_model, rule, goal), || finer_model(ground, level));
+    let (coarse, model) = if is_draft {
+        let coarse = automatic(&mut coarse_model, rule, goal);
+        if coarse.is_draft {
+            return draft(ground, level, coarse, rule);
+        }
+        (coarse, finer_model(ground, level))
+    } else {
+        rayon::join(|| automatic(&mut coarse_model, rule, goal), || finer_model(ground, level))
+    };
     let mut model = model?;
-    if coarse.is_draft {
-        let cones = level.of_surface(&coarse.set.cones);
-        return Ok(Automatic { set: ConeSet { cones, ..coarse.set }, is_from_level: true, ..coarse });
-    }
     let mut search = Fewest { model: &mut model, level, rule, target };
     let (set, predicted) = search.confirmed(&mut coarse_model, &coarse, most);
     let is_met = meets(&set, &predicted, target);
@@ -110,6 +114,22 @@ pub(crate) fn fewest_from(
     Ok(found)
 }
 
+/// A draft on the surface, where nothing is known but its factor. Optimal curvatures are the level's, as in [`confirmed_on_surface`].
+fn draft(
+    ground: Ground,
+    level: &CoarseLevel,
+    coarse: Automatic,
+    rule: CurvatureRule,
+) -> Result<Automatic, PoissonError> {
+    let cones = level.of_surface(&coarse.set.cones);
+    let set = ConeSet { cones, ..coarse.set };
+    let curvatures = (rule == CurvatureRule::Optimal && set.shortfall == 0.0).then(|| {
+        let watch = ground.watch.within(f64::NAN, f64::NAN);
+        ConeCurvatures::known(ground.operators, &set.cones, set.curvature.clone(), watch)
+    });
+    Ok(Automatic { set, curvatures: curvatures.transpose()?, is_from_level: true, ..coarse })
+}
+
 /// The model that a level's cones are polished on: that of the middle level, or the surface's.
 fn finer_model<'a>(ground: Ground<'a>, level: &'a CoarseLevel) -> Result<EnergyModel<'a>, Interrupted> {
     let Some(middle) = level.middle() else { return ground.energy_model() };
@@ -141,7 +161,7 @@ fn confirmed_on_surface(
     let watch = watch.within(f64::NAN, f64::NAN);
     let found = match rule {
         CurvatureRule::Optimal if set.shortfall == 0.0 => {
-            ConeCurvatures::known(operators, &cones, set.curvature.clone(), watch)
+            Ok(ConeCurvatures::known(operators, &cones, set.curvature.clone(), watch)?)
         }
         _ => cone_curvatures(operators, input, &cones, rule, watch),
     };

@@ -71,7 +71,7 @@ impl EnergyTerms {
     ) -> Result<Self, Interrupted> {
         let mut flattening = operators.flattening_watched(watch)?.clone();
         operators.centre(&mut flattening);
-        let mut linear = operators.poisson.solve_watched(&operators.weighted(&flattening), watch)?;
+        let mut linear = operators.poisson().solve_watched(&operators.weighted(&flattening), watch)?;
         operators.subtract_spread_mean(&mut linear);
         watch.ask(f64::NAN)?;
         let unit = operators.metric.area(&operators.mesh).sqrt().recip();
@@ -224,13 +224,13 @@ impl<'a> EnergyModel<'a> {
         let solve = || -> Result<Vec<VertexData<f64>>, Interrupted> {
             let watch = self.watch();
             let mut green = self.operators.green_watched(vertices, watch)?;
+            self.operators.centre_all(&mut green, watch)?;
             green.par_iter_mut().try_for_each(|g| -> Result<(), Interrupted> {
                 watch.ask(0.0)?;
-                self.operators.centre(g);
                 g.iter_mut().zip(self.operators.weight.iter()).for_each(|(g, w)| *g *= w);
                 Ok(())
             })?;
-            self.operators.poisson.solve_many_in_place(&mut green, watch)?;
+            self.operators.poisson().solve_many_in_place(&mut green, watch)?;
             green.par_iter_mut().for_each(|h| self.operators.subtract_spread_mean(h));
             Ok(green)
         };

@@ -13,6 +13,13 @@ use super::map::UvMap;
 /// Extents are measured in so many directions, evenly over half a turn.
 const DIRECTIONS: usize = 8;
 
+/// So many paths are spread over an island,
+const MOST_PATHS: usize = 64;
+/// none of which passes within this share of the map's extent of a shorter one.
+const NEAR: f64 = 0.03;
+/// Either side of them has at least this share of the island's area.
+const LEAST_SHARE: f64 = 0.005;
+
 /// How far something reaches in each direction, and in each opposite one.
 type Reach = [f32; 2 * DIRECTIONS];
 
@@ -24,8 +31,6 @@ pub(super) struct Across {
     pub(super) length: f64,
     /// A point on it.
     middle: [f64; 2],
-    /// The share of the area that is on its first side.
-    pub(super) share: f64,
     /// The triangles on one side, as they are numbered in the sweep.
     first: usize,
     end: usize,
@@ -158,9 +163,26 @@ impl<'a> Paths<'a> {
                 return None;
             }
             let middle = self.middle(edge);
-            Some(Across { edge, length, middle, share, first: k, end })
+            Some(Across { edge, length, middle, first: k, end })
         });
         found.collect()
+    }
+
+    /// The shortest of the paths across an island, none of which passes near a shorter one.
+    pub(super) fn spread(&self, sweep: &Sweep) -> Vec<Across> {
+        let mut across = self.across(sweep, f64::MAX, LEAST_SHARE);
+        across.sort_by(|a, b| a.length.total_cmp(&b.length));
+        let near = NEAR * self.map.extent();
+        let mut chosen: Vec<Across> = Vec::new();
+        for path in across {
+            if chosen.len() == MOST_PATHS {
+                break;
+            }
+            if chosen.iter().all(|other| other.distance(&path) > near) {
+                chosen.push(path);
+            }
+        }
+        chosen
     }
 
     /// For each path the areas of rectangles about both sides, over that of one about the island. However the island lies
@@ -210,11 +232,6 @@ impl<'a> Paths<'a> {
         [self.side(first, is_first), self.side(&sweep.faces, |f| !is_first(f))]
     }
 
-    /// What is open along a map.
-    pub(super) fn opened(&self) -> &CutMesh {
-        &self.opened
-    }
-
     /// The middle of an edge that is not open.
     fn middle(&self, e: EdgeId) -> [f64; 2] {
         let h = self.mesh.halfedge(e);
@@ -253,12 +270,6 @@ impl Across {
     /// How far apart two paths are in their middles.
     pub(super) fn distance(&self, other: &Self) -> f64 {
         (self.middle[0] - other.middle[0]).hypot(self.middle[1] - other.middle[1])
-    }
-
-    /// Whether a triangle is on the side that the sweep goes through at once; none if it is not on the island.
-    pub(super) fn is_first(&self, sweep: &Sweep, f: FaceId) -> Option<bool> {
-        let place = sweep.place[f];
-        (place != u32::MAX).then(|| (self.first..self.end).contains(&(place as usize)))
     }
 }
 

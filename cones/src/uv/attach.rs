@@ -24,15 +24,11 @@ use super::boxes::{Bounds, Boxes, bounds, meet};
 use super::chains::{Chain, Loops};
 use super::map::UvMap;
 use super::motion::Motion;
-use super::overlap::{NEGLIGIBLE_DEPTH, Overlap};
+use super::overlap::NEGLIGIBLE_DEPTH;
 use super::table::{Set, Table};
-use super::triangle;
 
 /// Glued islands may overlap by this share of [`NEGLIGIBLE_DEPTH`], so that they do not overlap after some rounding.
 pub(super) const ALLOWED: f64 = 0.5;
-/// Triangles of an island are tried in steps of so many, so that an overlap anywhere is soon found.
-pub(super) const STRIDE: usize = 29;
-
 /// What a map is put together from.
 #[derive(Clone)]
 pub(super) struct Pieces<'a> {
@@ -70,19 +66,12 @@ pub(super) struct Pieces<'a> {
 /// What has become of a map that was put together otherwise.
 pub(super) struct Moved {
     /// The piece of each triangle.
-    piece: FaceData<u32>,
-    motion: Vec<Motion>,
-    cut: EdgeData<bool>,
+    pub(super) piece: FaceData<u32>,
+    pub(super) motion: Vec<Motion>,
+    pub(super) cut: EdgeData<bool>,
 }
 
 impl Moved {
-    /// The map; where pieces meet, positions agree but for rounding ([`UvMap::snapped`]).
-    pub(super) fn map(&self, before: &UvMap) -> UvMap {
-        let mut map = before.clone();
-        self.put(&mut map);
-        map
-    }
-
     /// The map in place of the one before, each vertex in one place.
     pub(super) fn snapped(self, mesh: &Mesh, mut map: UvMap) -> UvMap {
         self.put(&mut map);
@@ -208,8 +197,8 @@ impl<'a> Pieces<'a> {
             near.all(|&q| {
                 let motion = self.between([p, q], &motion);
                 match self.faces[q as usize].len() < tested.len() {
-                    true => self.meetings_of([q, p], &self.faces[q as usize], &motion.inverse(), &mut |_| false),
-                    false => self.meetings_of([p, q], &tested, &motion, &mut |_| false),
+                    true => !self.overlap([q, p], &self.faces[q as usize], &motion.inverse()),
+                    false => !self.overlap([p, q], &tested, &motion),
                 }
             })
         })
@@ -231,70 +220,11 @@ impl<'a> Pieces<'a> {
         place.inverse().after(&motion.after(&to_place))
     }
 
-    /// The pairs of triangles that lie over each other when a chain is glued; none if there are too many.
-    pub(super) fn overlaps_when_glued(&self, chain: &Chain, most: usize) -> Option<Vec<Overlap>> {
-        let mut pairs = Vec::new();
-        let is_all = self.meetings(chain, |pair| {
-            pairs.push(pair);
-            pairs.len() <= most
-        });
-        is_all.then_some(pairs)
-    }
-
-    /// Visits the pairs of triangles that lie over each other when a chain is glued, as long as the visitor says to go on;
-    /// whether it always has.
-    fn meetings(&self, chain: &Chain, mut visit: impl FnMut(Overlap) -> bool) -> bool {
-        let (small, large, motion) = self.gluing(chain);
-        for &p in &self.pieces[small as usize] {
-            for &q in &self.pieces[large as usize] {
-                let motion = self.between([p, q], &motion);
-                let [faces, others] = [p, q].map(|piece| &self.faces[piece as usize]);
-                let goes_on = match faces.len() > others.len() {
-                    true => self.meetings_of([q, p], others, &motion.inverse(), &mut visit),
-                    false => self.meetings_of([p, q], faces, &motion, &mut visit),
-                };
-                if !goes_on {
-                    return false;
-                }
-            }
-        }
-        true
-    }
-
-    /// The same for some triangles of a piece and all of another, `motion` taking the first to where the second lay at first.
-    fn meetings_of(
-        &self,
-        [p, q]: [u32; 2],
-        few: &[FaceId],
-        motion: &Motion,
-        visit: &mut impl FnMut(Overlap) -> bool,
-    ) -> bool {
+    /// Whether some triangles of a piece, moved to where the second piece lay at first, lie over that.
+    fn overlap(&self, [p, q]: [u32; 2], some: &[FaceId], motion: &Motion) -> bool {
         let [moved, still] = [p, q].map(|piece| self.bounds[piece as usize]);
-        if !may_meet(moved, still, motion) {
-            return true;
-        }
         let least = ALLOWED * NEGLIGIBLE_DEPTH * self.extent;
-        let mut goes_on = true;
-        for k in (0..STRIDE).flat_map(|first| (first..few.len()).step_by(STRIDE)) {
-            let Some(one) = self.boxes.upright(few[k].0).map(|corners| motion.of_triangle(corners)) else {
-                continue;
-            };
-            self.boxes.meeting(&one, |g| {
-                if self.piece[FaceId(g)] == q
-                    && let Some(other) = self.boxes.upright(g)
-                    && let Some(depth) = triangle::depth(&one, &other).filter(|&depth| depth > least)
-                {
-                    let f = few[k].0;
-                    let area = triangle::common_area(&one, &other);
-                    goes_on = visit(Overlap { triangles: [f.min(g), f.max(g)], depth: depth / self.extent, area });
-                }
-                goes_on
-            });
-            if !goes_on {
-                return false;
-            }
-        }
-        true
+        may_meet(moved, still, motion) && self.boxes.overlap(some, motion, |g| self.piece[g] == q, least)
     }
 
     /// Glues a chain. The chains that come of it are all those along the smaller island, and what joins them.
@@ -333,12 +263,12 @@ impl<'a> Pieces<'a> {
 }
 
 /// A bounding box that holds another one where this is moved.
-fn moved_bounds([low, high]: Bounds, motion: &Motion) -> Bounds {
+pub(super) fn moved_bounds([low, high]: Bounds, motion: &Motion) -> Bounds {
     bounds(&[low, [high[0], low[1]], high, [low[0], high[1]]].map(|corner| motion.of(corner)))
 }
 
 /// Whether bounding boxes meet where the first is moved.
-fn may_meet(moved: Option<Bounds>, still: Option<Bounds>, motion: &Motion) -> bool {
+pub(super) fn may_meet(moved: Option<Bounds>, still: Option<Bounds>, motion: &Motion) -> bool {
     let (Some(moved), Some(still)) = (moved, still) else { return false };
     meet(&moved_bounds(moved, motion), &still)
 }

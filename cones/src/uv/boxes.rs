@@ -4,14 +4,19 @@
 //! (Kamel and Faloutsos 1993, *On packing R-trees*), which does not mind triangles of very different sizes as a uniform grid does. Only boxes of
 //! eight triangles and more are kept: the triangles' own are found where a query comes as far. So the tree takes 9 bytes a triangle.
 
+use geom::FaceId;
 use rayon::prelude::*;
 
+use super::motion::Motion;
 use super::triangle::{self, Triangle};
 
 /// So many triangles or boxes are in a box.
 const WIDTH: usize = 8;
 /// So many triangles are looked at one after the other at least.
 const AT_ONCE: usize = 1 << 12;
+
+/// Triangles are tried in steps of so many, so that an overlap anywhere is soon found.
+const STRIDE: usize = 29;
 
 /// The lower left and the upper right corner.
 pub(super) type Bounds = [[f64; 2]; 2];
@@ -76,6 +81,30 @@ impl<'a> Boxes<'a> {
     /// The area of a triangle.
     pub(super) fn area(&self, f: u32) -> f64 {
         self.upright(f).map_or(0.0, |corners| 0.5 * triangle::twice_area(corners))
+    }
+
+    /// Whether some of the triangles, where a motion takes them, lie deeper than `least` over one of those that are asked for.
+    pub(super) fn overlap(
+        &self,
+        some: &[FaceId],
+        motion: &Motion,
+        is_asked: impl Fn(FaceId) -> bool,
+        least: f64,
+    ) -> bool {
+        let overlaps = |&f: &FaceId| {
+            let Some(one) = self.upright(f.0).map(|corners| motion.of_triangle(corners)) else { return false };
+            let mut is_free = true;
+            self.meeting(&one, |g| {
+                if is_asked(FaceId(g))
+                    && let Some(other) = self.upright(g)
+                {
+                    is_free = triangle::depth(&one, &other).is_none_or(|depth| depth <= least);
+                }
+                is_free
+            });
+            !is_free
+        };
+        (0..STRIDE).any(|first| some.iter().skip(first).step_by(STRIDE).any(overlaps))
     }
 
     /// Visits the triangles whose bounding boxes meet that of a triangle, in no order that means anything, as long as the

@@ -36,12 +36,41 @@ impl Chain {
     }
 }
 
+/// The tail of an edge on the other side and on this one, and its head.
+fn ends(mesh: &Mesh, h: HalfedgeId, position: impl Fn(HalfedgeId) -> [f64; 2]) -> [([f64; 2], [f64; 2]); 2] {
+    let g = mesh.twin(h).expect("a chain has two sides");
+    [(position(mesh.next(g)), position(h)), (position(g), position(mesh.next(h)))]
+}
+
+/// Whether a motion takes an edge's other side to this one.
+fn fits(motion: &Motion, [(tail, to_tail), (head, to_head)]: [([f64; 2], [f64; 2]); 2], extent: f64) -> bool {
+    let squared = |p: [f64; 2], q: [f64; 2]| (p[0] - q[0]).powi(2) + (p[1] - q[1]).powi(2);
+    let most = (CONGRUENT * extent).powi(2).min(CONGRUENT_EDGE.powi(2) * squared(to_tail, to_head));
+    squared(motion.of(tail), to_tail) <= most && squared(motion.of(head), to_head) <= most
+}
+
+/// What takes the other side of a run of edges to this one; none if the sides are not congruent.
+pub(super) fn motion_across(
+    mesh: &Mesh,
+    sides: &[HalfedgeId],
+    position: impl Fn(HalfedgeId) -> [f64; 2],
+    extent: f64,
+) -> Option<Motion> {
+    let ends = |&h: &HalfedgeId| ends(mesh, h, &position);
+    if sides.iter().map(ends).all(|ends| ends.iter().all(|(from, to)| from == to)) {
+        return Some(Motion::NONE);
+    }
+    let (tail, to_tail) = ends(&sides[0])[0];
+    let mut fit = Fit::new(tail, to_tail);
+    sides.iter().map(ends).for_each(|[_, (head, to_head)]| fit.add(head, to_head));
+    let motion = fit.motion();
+    sides.iter().map(ends).all(|ends| fits(&motion, ends, extent)).then_some(motion)
+}
+
 /// The boundary loops of the islands of a map.
 #[derive(Clone, Debug)]
 pub(super) struct Loops<'a> {
     mesh: &'a Mesh,
-    /// The halfedges that were at the boundary at first, each loop in order.
-    all: Vec<HalfedgeId>,
     /// What comes after a halfedge on the boundary.
     next: Table<HalfedgeId, HalfedgeId>,
     previous: Table<HalfedgeId, HalfedgeId>,
@@ -49,12 +78,11 @@ pub(super) struct Loops<'a> {
 
 impl<'a> Loops<'a> {
     pub(super) fn new(mesh: &'a Mesh, opened: &CutMesh) -> Self {
-        let mut loops = Self { mesh, all: Vec::new(), next: Table::default(), previous: Table::default() };
+        let mut loops = Self { mesh, next: Table::default(), previous: Table::default() };
         for around in opened.boundary_loops() {
             for (k, &h) in around.iter().enumerate() {
                 loops.link(h, around[(k + 1) % around.len()]);
             }
-            loops.all.extend(around);
         }
         loops
     }
@@ -97,20 +125,8 @@ impl<'a> Loops<'a> {
         joined
     }
 
-    /// The chains of edges that are not kept open, between islands that are `asked` for, longest first; of each chain the side whose island comes
-    /// first. `position` gives the corners as they lie now.
-    pub(super) fn chains(
-        &self,
-        asked: impl Fn([u32; 2]) -> bool,
-        given: (impl Fn(HalfedgeId) -> u32, impl Fn(EdgeId) -> bool),
-        position: impl Fn(HalfedgeId) -> [f64; 2],
-        lengths: &EdgeData<f64>,
-        extent: f64,
-    ) -> Vec<Chain> {
-        self.chains_through(self.all.iter().copied(), asked, given, position, lengths, extent)
-    }
-
-    /// The [`chains`](Self::chains) of the runs that some of the halfedges are in.
+    /// The chains of edges that are not kept open, between islands that are `asked` for, of the runs that some of the halfedges are in, longest
+    /// first; of each chain the side whose island comes first. `position` gives the corners as they lie now.
     pub(super) fn chains_through(
         &self,
         some: impl Iterator<Item = HalfedgeId>,
@@ -168,17 +184,8 @@ impl<'a> Loops<'a> {
         extent: f64,
     ) -> Vec<Chain> {
         let mesh = self.mesh;
-        // The tail and the head of an edge on the other side, and on this one.
-        let ends = |h: HalfedgeId| {
-            let g = mesh.twin(h).expect("a chain has two sides");
-            [(position(mesh.next(g)), position(h)), (position(g), position(mesh.next(h)))]
-        };
-        let squared = |p: [f64; 2], q: [f64; 2]| (p[0] - q[0]).powi(2) + (p[1] - q[1]).powi(2);
-        let fits = |motion: &Motion, h: HalfedgeId| {
-            let [(tail, to_tail), (head, to_head)] = ends(h);
-            let most = (CONGRUENT * extent).powi(2).min(CONGRUENT_EDGE.powi(2) * squared(to_tail, to_head));
-            squared(motion.of(tail), to_tail) <= most && squared(motion.of(head), to_head) <= most
-        };
+        let ends = |h: HalfedgeId| ends(mesh, h, &position);
+        let fits = |motion: &Motion, h: HalfedgeId| fits(motion, ends(h), extent);
         let mut chains: Vec<Chain> = Vec::new();
         let mut begun: Option<(Fit, Chain)> = None;
         for &h in run {

@@ -50,11 +50,6 @@ impl UvMap {
         self.position.as_chunks().0
     }
 
-    /// Whether a corner is where it is in another map, to the bit.
-    pub(super) fn agrees(&self, other: &Self, h: HalfedgeId) -> bool {
-        self.position[h].map(f64::to_bits) == other.position[h].map(f64::to_bits)
-    }
-
     /// The longer side of its bounding box.
     pub(super) fn extent(&self) -> f64 {
         let side = |i: usize| {

@@ -20,15 +20,17 @@ pub(crate) fn weights_by(
     metric: &Metric,
     cotangents: impl Fn(Sides) -> [f64; 3] + Send + Sync,
 ) -> EdgeData<f64> {
-    let cotangents =
-        parallel::map(triangulation.face_count(), |f| cotangents(metric.sides(triangulation, FaceId::new(f))));
     // Written before it is added to (see `Factorization::fill`).
     let mut weights: EdgeData<f64> = triangulation.edges().map(|_| 0.0).collect();
-    for (f, cotangents) in triangulation.faces().zip(cotangents) {
-        for (h, cotangent) in triangulation.sides(f).into_iter().zip(cotangents) {
-            weights[triangulation.edge(h)] += 0.5 * cotangent;
-        }
-    }
+    parallel::each_of(
+        triangulation.face_count(),
+        |f| cotangents(metric.sides(triangulation, FaceId::new(f))),
+        |f, cotangents| {
+            for (h, cotangent) in triangulation.sides(FaceId::new(f)).into_iter().zip(cotangents) {
+                weights[triangulation.edge(h)] += 0.5 * cotangent;
+            }
+        },
+    );
     weights
 }
 

@@ -98,17 +98,17 @@ impl Metric {
 
     /// The sum of the corner angles at each vertex: Θ.
     pub fn angle_sums(&self, triangulation: &Triangulation) -> VertexData<f64> {
-        let angles = parallel::map(triangulation.face_count(), |f| {
+        let mut sums = VertexData::constant(triangulation.vertex_count(), 0.0);
+        let angles = |f| {
             let sides = self.sides(triangulation, FaceId::new(f));
             [sides.angle(1), sides.angle(2)]
-        });
-        let mut sums = VertexData::constant(triangulation.vertex_count(), 0.0);
-        for (f, [a, b]) in triangulation.faces().zip(angles) {
+        };
+        parallel::each_of(triangulation.face_count(), angles, |f, [a, b]| {
             // The third angle is what is left of π: in a sum only its absolute error counts.
-            for (v, angle) in triangulation.corners(f).into_iter().zip([a, b, PI - a - b]) {
+            for (v, angle) in triangulation.corners(FaceId::new(f)).into_iter().zip([a, b, PI - a - b]) {
                 sums[v] += angle;
             }
-        }
+        });
         sums
     }
 
@@ -160,6 +160,7 @@ impl Sides {
     }
 
     /// The angle opposite side `k`: tan²(α/2) = (s - b)(s - c) / (s (s - a)).
+    #[inline]
     pub fn angle(self, k: usize) -> f64 {
         let above = self.slack((k + 1) % 3) * self.slack((k + 2) % 3);
         let below = self.0.iter().sum::<f64>() * self.slack(k);
@@ -174,6 +175,7 @@ impl Sides {
 
     /// How much longer the other two sides are together than side `k`: negative where the triangle inequality fails.
     /// Near lengths are subtracted first, which is exact.
+    #[inline]
     pub fn slack(self, k: usize) -> f64 {
         let (b, c) = (self.0[(k + 1) % 3], self.0[(k + 2) % 3]);
         (b.max(c) - self.0[k]) + b.min(c)

@@ -303,7 +303,9 @@ impl Poisson {
     ) -> Result<Vec<VertexData<f64>>, Interrupted> {
         let row = |&(v, value): &(VertexId, f64)| Some((self.unknown.binary_search(&v).ok()? as u32, value));
         let rows: Vec<Vec<(u32, f64)>> = right_hand_sides.iter().map(|b| b.iter().filter_map(row).collect()).collect();
-        let mut columns = vec![VertexData::constant(self.vertex_count, 0.0); rows.len()];
+        // Each by itself, which clears no memory that will be written to anyway.
+        let mut columns: Vec<VertexData<f64>> =
+            rows.iter().map(|_| VertexData::constant(self.vertex_count, 0.0)).collect();
         let mut all: Vec<&mut [f64]> = columns.iter_mut().map(|column| &mut **column).collect();
         self.cholesky.solve_sparse(&rows, &mut all, &|row| self.unknown[row].index(), watch)?;
         Ok(columns)

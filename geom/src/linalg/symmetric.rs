@@ -4,6 +4,8 @@ use std::ops::Range;
 
 use sprs::CsMat;
 
+use crate::rows::Rows;
+
 /// A symmetric sparse matrix. Stored are the entries on the diagonal and below, column by column: first the diagonal one,
 /// which is always there, then the others by rising row.
 ///
@@ -102,7 +104,7 @@ impl SymmetricMatrix {
     ///
     /// # Panics
     /// If there is no such column.
-    pub fn column(&self, column: usize) -> impl Iterator<Item = (usize, f64)> {
+    pub fn column(&self, column: usize) -> impl Iterator<Item = (usize, f64)> + Clone {
         self.range(column).map(|k| (self.row[k] as usize, self.value[k]))
     }
 
@@ -175,6 +177,41 @@ impl SymmetricMatrix {
             column_start.push(row.len() as u32);
         }
         Self { column_start, row, value }
+    }
+
+    /// Its first `count` rows on vectors whose entry at any place is that at the place which it `stands_for`, one of the first: the columns are
+    /// added up so. What comes of it must be symmetric where it is read.
+    #[must_use]
+    pub fn folded(&self, count: usize, stands_for: impl Fn(usize) -> usize) -> Self {
+        let both = |column: usize| {
+            let twice = move |(row, value)| {
+                [(column, row, value), (row, column, value)].into_iter().take(1 + usize::from(row != column))
+            };
+            self.column(column).flat_map(twice)
+        };
+        let of_lower = |(v, w, value): (usize, usize, f64)| {
+            let w = if v < count { stands_for(w) } else { return None };
+            (v <= w).then_some((v, (w as u32, value)))
+        };
+        let mut columns = Rows::sorted(count, (0..self.dimension()).flat_map(both).filter_map(of_lower));
+        let mut folded = Self { column_start: vec![0], row: Vec::new(), value: Vec::new() };
+        for column in 0..count {
+            folded.row.push(column as u32);
+            folded.value.push(0.0);
+            let entries = columns.row_mut(column);
+            entries.sort_by_key(|(row, _)| *row);
+            for &(row, value) in &*entries {
+                match folded.value.last_mut().filter(|_| folded.row.last() == Some(&row)) {
+                    Some(sum) => *sum += value,
+                    None => {
+                        folded.row.push(row);
+                        folded.value.push(value);
+                    }
+                }
+            }
+            folded.column_start.push(folded.row.len() as u32);
+        }
+        folded
     }
 
     /// All entries, both triangles.
@@ -251,6 +288,14 @@ mod tests {
                 }
                 let expected: f64 = row.iter().zip(&x).map(|(a, x)| a * x).sum();
                 prop_assert!((product[i] - expected).abs() < 1e-10);
+            }
+            // The last four rows stand for the first ones.
+            let folded = matrix.folded(5, |v| v % 5);
+            for (i, row) in dense.iter().enumerate().take(5) {
+                for j in i..5 {
+                    let sum: f64 = row.iter().skip(j).step_by(5).sum();
+                    prop_assert!((folded.get(i, j) - sum).abs() < 1e-12);
+                }
             }
             let kept = [1, 2, 5, 8];
             let restricted = matrix.restricted(kept.into_iter());

@@ -116,11 +116,12 @@ pub fn scale(
     start: &VertexData<f64>,
     watch: Watch,
 ) -> Result<Scaling, ScalingError> {
+    let factored = operators.poisson();
     let newton = Newton {
         target,
         start,
         fixed: input.vertices().filter(|&v| input.is_boundary_vertex(v)).collect(),
-        poisson: &operators.poisson,
+        poisson: &factored,
         starts_from_factor: true,
         original: None,
         goal: newton::GOAL,

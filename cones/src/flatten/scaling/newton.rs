@@ -9,7 +9,6 @@ use geom::{
     Id, Interrupted, Intrinsic, Metric, Poisson, SymmetricMatrix, Triangulation, VertexData, VertexId, Watch,
     laplacian, ptolemaic_delaunay_watched,
 };
-use sprs::TriMat;
 
 use super::{Failed, Scaling, ScalingError};
 
@@ -265,7 +264,7 @@ impl Newton<'_> {
     fn hessian(&self, triangulation: &Triangulation, metric: &Metric) -> SymmetricMatrix {
         let mut hessian = laplacian(triangulation, metric);
         if let Some(original) = self.original {
-            hessian = fold(&hessian, original, self.target.len());
+            hessian = hessian.folded(self.target.len(), |v| original[VertexId::new(v)].index());
         }
         if without_area(triangulation, metric).is_some() {
             for v in 0..hessian.dimension() {
@@ -316,25 +315,6 @@ impl Newton<'_> {
 fn without_area(triangulation: &Triangulation, metric: &Metric) -> Option<VertexId> {
     let found = triangulation.faces().find(|&f| metric.sides(triangulation, f).area() <= 0.0);
     found.map(|f| triangulation.corners(f)[0])
-}
-
-/// The rows of the first `count` vertices, their columns added up by the vertex that each stands for.
-fn fold(matrix: &SymmetricMatrix, original: &VertexData<VertexId>, count: usize) -> SymmetricMatrix {
-    let mut folded = TriMat::with_capacity((count, count), matrix.stored() + count);
-    let mut add = |v: usize, w: usize, value: f64| {
-        if v < count {
-            folded.add_triplet(v, original[VertexId::new(w)].index(), value);
-        }
-    };
-    for v in 0..matrix.dimension() {
-        for (w, value) in matrix.column(v) {
-            add(v, w, value);
-            if v != w {
-                add(w, v, value);
-            }
-        }
-    }
-    SymmetricMatrix::from(&folded.to_csr())
 }
 
 fn largest(residual: &VertexData<f64>) -> (VertexId, f64) {

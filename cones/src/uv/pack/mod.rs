@@ -29,8 +29,8 @@ use num_complex::Complex64;
 pub use fill::fill;
 pub use island_place::IslandPlace;
 pub use options::{PackError, PackOptions, Rotations, Tiles};
+pub(super) use room::convex_hull;
 pub(crate) use room::room;
-pub(super) use room::{convex_hull, side};
 
 use super::across::Side;
 use block::{Block, blocks};

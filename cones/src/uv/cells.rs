@@ -1,0 +1,339 @@
+//! A layout opened along more edges than it needs: cells, and the arcs along which they can be glued.
+//!
+//! A map that keeps the shape of every triangle can be opened along any network of edges and put together otherwise: its *cells* move rigidly,
+//! and two cells that share an *arc* (a run of open edges from one joint of the network to the next) can be glued there if both sides are
+//! congruent. An island is a tree of glued cells. Arcs along which an island lies beside itself close by themselves: of the network as far as it
+//! is not glued, whatever ends at a vertex that is flat and inside the surface can be closed from there on, as long as there is such an end.
+//! What is left are the seams.
+//!
+//! Cells and arcs are numbered by their vertices, whatever the order of the triangles: the search draws them by lot.
+//!
+//! Two cells of which neither overlaps itself lie beside each other iff the triangles at the boundary of the one with less area meet nothing of
+//! the other. That depends on their motion to each other alone, so it is remembered by that.
+
+use std::f64::consts::{FRAC_PI_2, TAU};
+
+use geom::{CutMesh, EdgeData, EdgeId, FaceData, FaceId, HalfedgeId, Mesh, VertexId, edges_at};
+use num_complex::Complex64;
+
+use super::attach::{ALLOWED, Moved, may_meet};
+use super::boxes::{Bounds, Boxes};
+use super::chains::motion_across;
+use super::map::UvMap;
+use super::motion::Motion;
+use super::overlap::NEGLIGIBLE_DEPTH;
+use super::pack::convex_hull;
+use super::table::Table;
+
+/// A vertex is flat if its angles add up to a full turn but for this.
+const FLAT: f64 = 1e-6;
+/// Arcs have whole multiples of this share of the length of all, so that rounding does not decide which of two is longer.
+const LENGTHS: f64 = 65_536.0;
+/// Of a cell's corners those are kept that are farthest in one of so many directions, for the room that islands take.
+const DIRECTIONS: usize = 16;
+/// Squares are sought in so many directions, evenly over a quarter turn.
+pub(super) const QUARTER: usize = 12;
+/// Motions that differ by less than this, in shares of the map's extent, are one.
+const SAME_MOTION: f64 = 1e-7;
+
+/// A run of open edges between two joints.
+pub(super) struct Arc {
+    /// The halfedges on one side, in order; their twins are on the other.
+    sides: Vec<HalfedgeId>,
+    /// The cells on the side of the halfedges and on that of their twins.
+    pub(super) cells: [u32; 2],
+    /// What takes the twins' cell to where it lies beside the halfedges'; none if nothing does, or it is to stay open.
+    pub(super) motion: Option<Motion>,
+    /// What it costs as a seam.
+    pub(super) length: f64,
+    /// The joints at its ends.
+    pub(super) joints: [u32; 2],
+}
+
+impl Arc {
+    /// The cell on the other side.
+    pub(super) fn other(&self, c: u32) -> u32 {
+        if self.cells[0] == c { self.cells[1] } else { self.cells[0] }
+    }
+
+    /// Whether a map is open at none of its edges.
+    pub(super) fn is_closed(&self, mesh: &Mesh, cut: &EdgeData<bool>) -> bool {
+        self.sides.iter().all(|&h| !cut[mesh.edge(h)])
+    }
+
+    /// The cell on the other side and what takes it to where it lies beside this one; none if nothing does.
+    pub(super) fn beyond(&self, c: u32) -> Option<(u32, Motion)> {
+        let motion = self.motion?;
+        Some(if self.cells[0] == c { (self.cells[1], motion) } else { (self.cells[0], motion.inverse()) })
+    }
+}
+
+/// A map that keeps the shape of its triangles, opened along a network.
+pub(super) struct Cells<'a> {
+    boxes: &'a Boxes<'a>,
+    /// The cell of each triangle.
+    pub(super) cell: FaceData<u32>,
+    faces: Vec<Vec<FaceId>>,
+    /// The triangles at the boundary of each cell; all of them where one of these has no area.
+    rims: Vec<Vec<FaceId>>,
+    /// As they lie at first; none without area.
+    pub(super) bounds: Vec<Option<Bounds>>,
+    /// The corners of each that are farthest in one of some directions.
+    pub(super) extremes: Vec<Vec<Complex64>>,
+    pub(super) area: Vec<f64>,
+    /// Directions in which squares are sought, evenly over half a turn.
+    pub(super) directions: [[f64; 2]; 2 * QUARTER],
+    pub(super) arcs: Vec<Arc>,
+    /// The arcs at each cell.
+    pub(super) around: Vec<Vec<u32>>,
+    /// Whether what ends at a joint can be closed there.
+    is_flat: Vec<bool>,
+    /// The arcs at each joint.
+    at_joint: Vec<Vec<u32>>,
+    /// What may lie over each other without mattering.
+    least: f64,
+    extent: f64,
+}
+
+/// Which cells overlap when they are moved to each other, as far as that was asked.
+pub(super) type Known = Table<(u32, u32, [i64; 4]), bool>;
+
+impl<'a> Cells<'a> {
+    /// The cells of a map opened along a network, in which the edges where it is open must be. Edges that are `kept` are not
+    /// glued. `length` is what a run of seam costs.
+    pub(super) fn new(
+        (mesh, kept): (&Mesh, Option<&EdgeData<bool>>),
+        length: impl Fn(&[HalfedgeId]) -> f64,
+        map: &UvMap,
+        boxes: &'a Boxes<'a>,
+        network: &EdgeData<bool>,
+    ) -> Self {
+        let opened = CutMesh::open(mesh, network);
+        let count = opened.island_count();
+        let mut first: Vec<([VertexId; 3], u32)> = (0..count as u32).map(|c| ([VertexId(u32::MAX); 3], c)).collect();
+        for f in mesh.faces() {
+            let least = &mut first[opened.island(f) as usize].0;
+            *least = sorted(mesh.corners(f)).min(*least);
+        }
+        first.sort_unstable();
+        let mut number = vec![0; count];
+        first.iter().zip(0..).for_each(|(&(_, c), k)| number[c as usize] = k);
+        let cell: FaceData<u32> = mesh.faces().map(|f| number[opened.island(f) as usize]).collect();
+        let (mut faces, mut rims, mut points) = (vec![Vec::new(); count], vec![Vec::new(); count], vec![vec![]; count]);
+        mesh.faces().for_each(|f| faces[cell[f] as usize].push(f));
+        for &h in opened.boundary_loops().iter().flatten() {
+            let f = mesh.face(h);
+            rims[cell[f] as usize].push(f);
+            let [x, y] = map.position[h];
+            points[cell[f] as usize].push(Complex64::new(x, y));
+        }
+        for (rim, faces) in rims.iter_mut().zip(&faces) {
+            rim.sort_unstable();
+            rim.dedup();
+            if rim.iter().any(|f: &FaceId| boxes.upright(f.0).is_none()) {
+                rim.clone_from(faces);
+            }
+        }
+        let (mut arcs, is_flat) = arcs((mesh, kept), length, map, network, &cell);
+        let first_edge = |arc: &Arc| arc.sides.iter().map(|&h| sorted(mesh.ends(mesh.edge(h)))).min();
+        arcs.sort_by_cached_key(first_edge);
+        let of_edge = |&&h: &&HalfedgeId| sorted(mesh.ends(mesh.edge(h)));
+        let first = arcs.first().and_then(|arc| arc.sides.iter().min_by_key(of_edge));
+        let axis = first.map_or(Complex64::ONE, |&h| axis(mesh, map, h));
+        let step = arcs.iter().map(|arc| arc.length).sum::<f64>() / LENGTHS;
+        if step > 0.0 {
+            arcs.iter_mut().for_each(|arc| arc.length = (arc.length / step).round() * step);
+        }
+        let mut around = vec![Vec::new(); count];
+        let mut at_joint = vec![Vec::new(); is_flat.len()];
+        for (arc, k) in arcs.iter().zip(0..) {
+            arc.cells.iter().for_each(|&c| around[c as usize].push(k));
+            arc.joints.iter().for_each(|&j| at_joint[j as usize].push(k));
+        }
+        let extent = map.extent();
+        Self {
+            boxes,
+            bounds: faces.iter().map(|faces| boxes.bounds_of(faces.iter().map(|f| f.0))).collect(),
+            area: faces.iter().map(|faces| faces.iter().map(|f| boxes.area(f.0)).sum()).collect(),
+            extremes: points.into_iter().map(|points| extremes(&convex_hull(points), axis)).collect(),
+            directions: std::array::from_fn(|k| {
+                let direction = axis * Complex64::cis(FRAC_PI_2 * k as f64 / QUARTER as f64);
+                [direction.re, direction.im]
+            }),
+            cell,
+            faces,
+            rims,
+            arcs,
+            around,
+            is_flat,
+            at_joint,
+            least: ALLOWED * NEGLIGIBLE_DEPTH * extent,
+            extent,
+        }
+    }
+
+    pub(super) fn count(&self) -> usize {
+        self.faces.len()
+    }
+
+    /// How many triangles a cell has.
+    pub(super) fn size(&self, c: u32) -> usize {
+        self.faces[c as usize].len()
+    }
+
+    /// Whether two cells lie over each other.
+    pub(super) fn overlap(&self, [p, q]: [u32; 2], [motion, other]: [&Motion; 2], known: &mut Known) -> bool {
+        if self.area[q as usize] < self.area[p as usize] || (self.area[q as usize] == self.area[p as usize] && q < p) {
+            return self.overlap_of_smaller([q, p], &motion.inverse().after(other), known);
+        }
+        self.overlap_of_smaller([p, q], &other.inverse().after(motion), known)
+    }
+
+    fn overlap_of_smaller(&self, [p, q]: [u32; 2], motion: &Motion, known: &mut Known) -> bool {
+        let rounded = |x: f64| (x / SAME_MOTION).round() as i64;
+        let Motion { turn, shift } = motion;
+        let of_extent = *shift / self.extent;
+        let name = [turn.re, turn.im, of_extent.re, of_extent.im].map(rounded);
+        *known.entry((p, q, name)).or_insert_with(|| self.meet([p, q], motion))
+    }
+
+    fn meet(&self, [p, q]: [u32; 2], motion: &Motion) -> bool {
+        let [moved, still] = [p, q].map(|cell| self.bounds[cell as usize]);
+        let is_asked = |g: FaceId| self.cell[g] == q;
+        may_meet(moved, still, motion) && self.boxes.overlap(&self.rims[p as usize], motion, is_asked, self.least)
+    }
+
+    /// Which of some arcs that are not glued are seams.
+    pub(super) fn seams(&self, mut open: Vec<bool>) -> Vec<bool> {
+        let mut degree: Vec<u32> = vec![0; self.is_flat.len()];
+        for (arc, _) in self.arcs.iter().zip(&open).filter(|(_, open)| **open) {
+            arc.joints.iter().for_each(|&j| degree[j as usize] += 1);
+        }
+        let mut ends: Vec<u32> = (0..degree.len() as u32).collect();
+        while let Some(j) = ends.pop() {
+            if degree[j as usize] != 1 || !self.is_flat[j as usize] {
+                continue;
+            }
+            let &k = self.at_joint[j as usize].iter().find(|&&k| open[k as usize]).expect("one is open");
+            if self.arcs[k as usize].motion.is_some() {
+                open[k as usize] = false;
+                for j in self.arcs[k as usize].joints {
+                    degree[j as usize] -= 1;
+                    ends.push(j);
+                }
+            }
+        }
+        open
+    }
+
+    /// The map whose cells have these motions, open at these arcs.
+    pub(super) fn moved(&self, mesh: &Mesh, open: Vec<bool>, motion: Vec<Motion>) -> Moved {
+        let mut cut = EdgeData::constant(mesh.edge_count(), false);
+        for (arc, _) in self.arcs.iter().zip(open).filter(|(_, open)| *open) {
+            arc.sides.iter().for_each(|&h| cut[mesh.edge(h)] = true);
+        }
+        Moved { piece: self.cell.clone(), motion, cut }
+    }
+}
+
+fn sorted<const N: usize>(mut vertices: [VertexId; N]) -> [VertexId; N] {
+    vertices.sort_unstable();
+    vertices
+}
+
+/// The arcs of a network, and whether its joints are flat.
+fn arcs(
+    (mesh, kept): (&Mesh, Option<&EdgeData<bool>>),
+    length: impl Fn(&[HalfedgeId]) -> f64,
+    map: &UvMap,
+    network: &EdgeData<bool>,
+    cell: &FaceData<u32>,
+) -> (Vec<Arc>, Vec<bool>) {
+    let extent = map.extent();
+    let is_inner = |e: EdgeId| network[e] && !mesh.is_boundary_edge(e);
+    let at = |v: VertexId| edges_at(mesh, v).filter(|&(e, _)| is_inner(e)).map(|(e, _)| e);
+    let is_flat = |v: VertexId| !mesh.is_boundary_vertex(v) && (angle(mesh, map, v) - TAU).abs() < FLAT;
+    // Where what is kept begins or ends, too.
+    let is_kept = |e: EdgeId| kept.is_some_and(|kept| kept[e]);
+    let is_joint = |v: VertexId| {
+        let edges: Vec<EdgeId> = at(v).collect();
+        edges.len() != 2 || is_kept(edges[0]) != is_kept(edges[1]) || !is_flat(v)
+    };
+    let mut joint: Table<VertexId, u32> = Table::default();
+    let mut flat = Vec::new();
+    let mut number = |v: VertexId| {
+        *joint.entry(v).or_insert_with(|| {
+            flat.push(is_flat(v));
+            flat.len() as u32 - 1
+        })
+    };
+    let mut is_done = EdgeData::constant(mesh.edge_count(), false);
+    let mut arcs = Vec::new();
+    let inner: Vec<EdgeId> = mesh.edges().filter(|&e| is_inner(e)).collect();
+    // From joints first; what is left are loops without one.
+    let from_joints = inner.iter().flat_map(|&e| mesh.ends(e).map(|v| (v, e))).filter(|&(v, _)| is_joint(v));
+    let loops = inner.iter().map(|&e| (mesh.ends(e)[0], e));
+    for (start, first) in from_joints.chain(loops).collect::<Vec<_>>() {
+        if is_done[first] {
+            continue;
+        }
+        let (mut v, mut e) = (start, first);
+        let mut sides: Vec<HalfedgeId> = Vec::new();
+        loop {
+            is_done[e] = true;
+            let h = mesh.halfedge(e);
+            let twin = mesh.twin(h).expect("an inner edge has two");
+            sides.push(if mesh.tail(h) == v { h } else { twin });
+            v = mesh.ends(e).into_iter().find(|&w| w != v).unwrap_or(v);
+            if v == start || is_joint(v) {
+                break;
+            }
+            let next = at(v).find(|&next| !is_done[next]);
+            let Some(next) = next else { break };
+            e = next;
+        }
+        let twin = mesh.twin(sides[0]).expect("an inner edge has two");
+        let cells = [sides[0], twin].map(|h| cell[mesh.face(h)]);
+        let motion = if sides.iter().any(|&h| is_kept(mesh.edge(h))) {
+            None
+        } else {
+            motion_across(mesh, &sides, |h| map.position[h], extent)
+        };
+        let length = length(&sides);
+        let joints = [number(start), number(v)];
+        arcs.push(Arc { sides, cells, motion, length, joints });
+    }
+    (arcs, flat)
+}
+
+/// The direction of an edge from its lower vertex to the other, in the triangle whose vertices come first: the same however the map is turned.
+fn axis(mesh: &Mesh, map: &UvMap, h: HalfedgeId) -> Complex64 {
+    let sides = [Some(h), mesh.twin(h)].into_iter().flatten();
+    let h = sides.min_by_key(|&h| sorted(mesh.corners(mesh.face(h)))).expect("an edge has a side");
+    let [[x, y], [z, w]] = [h, mesh.next(h)].map(|h| map.position[h]);
+    let along = Complex64::new(z - x, w - y) * if mesh.tail(h) < mesh.head(h) { 1.0 } else { -1.0 };
+    if along.norm() > 0.0 { along / along.norm() } else { Complex64::ONE }
+}
+
+/// The corners of a convex polygon that are farthest in one of some directions.
+fn extremes(hull: &[Complex64], axis: Complex64) -> Vec<Complex64> {
+    let farthest = |k: usize| {
+        let direction = axis * Complex64::cis(TAU * k as f64 / DIRECTIONS as f64);
+        let along = |&j: &usize| (hull[j] * direction.conj()).re;
+        (0..hull.len()).max_by(|i, j| along(i).total_cmp(&along(j)))
+    };
+    let mut found: Vec<usize> = (0..DIRECTIONS).filter_map(farthest).collect();
+    found.sort_unstable();
+    found.dedup();
+    found.into_iter().map(|j| hull[j]).collect()
+}
+
+/// The sum of the angles at a vertex.
+fn angle(mesh: &Mesh, map: &UvMap, v: VertexId) -> f64 {
+    let at = |h: HalfedgeId| Complex64::new(map.position[h][0], map.position[h][1]);
+    let corner = |h: HalfedgeId| {
+        let [here, next, before] = [h, mesh.next(h), mesh.prev(h)].map(at);
+        ((next - here).conj() * (before - here)).arg().abs()
+    };
+    mesh.outgoing(v).map(corner).sum()
+}

@@ -1,0 +1,501 @@
+//! Cells glued together otherwise, so that there are few islands, short seams, and little room is taken.
+//!
+//! Which arcs are glued is a forest, and each forest in which no two cells of a tree overlap is a map ([`cells`](super::cells)). The search takes
+//! what is there apart in one place (*ruin*): a few cells next to each other, or limbs where they are glued on. What has come apart is glued
+//! again (*recreate*), longest arcs first, their lengths times a random factor (Schrimpf, Schneider, Stamm-Wilbrandt & Dueck 2000, *Record
+//! breaking optimization results using the ruin and recreate principle*). It goes on with what is not much worse, less and less so (threshold
+//! accepting; Dueck & Scheuer 1990), and the best that it came by is kept.
+//!
+//! Nothing of a step depends on how many triangles there are, but for pairs of cells that have not met in such a way before.
+
+use geom::{EdgeData, HalfedgeId, Interrupted, Mesh, Watch, kruskal};
+
+use super::attach::moved_bounds;
+use super::boxes::{Bounds, Boxes, meet};
+use super::cells::{Cells, Known, QUARTER};
+use super::divide::SLIVER;
+use super::map::UvMap;
+use super::motion::Motion;
+
+/// So many steps are made for each cell,
+const STEPS_A_CELL: usize = 60;
+/// and so many at most: twice as many fill .526 for .49 (13 layouts of 8 to 64 cones), half as many .47, with the same islands and seams.
+const STEPS: usize = 8000;
+/// With more than 350 cells fewer, since each step compares cells: steps times the square of that are so many at most.
+const MOST_WORK: usize = 1_000_000_000;
+/// Rooms are whole multiples of this share of the side of all triangles' area, so that rounding decides nothing.
+const ROOMS: f64 = 4096.0;
+/// Of more cells nothing is sought.
+const MOST_CELLS: usize = 4000;
+/// By so much may the next map be worse than the one before at first, as a cost. With 0.02 a tenth more islands are left, with 0.1 seams are 1 %
+/// longer.
+const PATIENCE: f64 = 0.05;
+/// Costs that differ by less are those of one map, found in two ways.
+const SAME_COST: f64 = 1e-6;
+/// So many cells next to each other are taken apart at most,
+const MOST_RUINED: u64 = 12;
+/// or so many limbs.
+const MOST_LIMBS: u64 = 3;
+/// By so much more than its length may an arc count.
+const VARIATIONS: [f64; 4] = [0.0, 0.5, 2.0, 8.0];
+/// What a map is like.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Figures {
+    /// Its islands, those of a few triangles three times.
+    pub(crate) islands: usize,
+    /// What its seams cost, added up.
+    pub(crate) seam: f64,
+    /// The side of a square of the area of those about its islands.
+    pub(crate) room: f64,
+}
+
+/// Puts a map together otherwise of which no island overlaps itself. `network` are the edges along which it may be open, and must hold those
+/// along which it is; `length` is what a run of seam costs. Less of `cost` is better, which should be about 1 and not
+/// fall where one of the figures grows. None if nothing better is found.
+///
+/// # Errors
+/// If it is stopped.
+pub(super) fn rearranged(
+    (mesh, kept): (&Mesh, Option<&EdgeData<bool>>),
+    map: &UvMap,
+    network: &EdgeData<bool>,
+    (length, cost): (impl Fn(&[HalfedgeId]) -> f64, impl Fn(Figures) -> f64),
+    watch: Watch,
+) -> Result<Option<UvMap>, Interrupted> {
+    let boxes = Boxes::new(map.triangles());
+    watch.ask(0.0)?;
+    let cells = Cells::new((mesh, kept), length, map, &boxes, network);
+    watch.ask(0.0)?;
+    if cells.count() > MOST_CELLS {
+        return Ok(None);
+    }
+    let start = Forest::of(&cells, mesh, &map.cut);
+    let before = cost(start.figures(&cells));
+    let search = Search { cells: &cells, cost, random: Random(0), memory: Memory::default() };
+    let (after, best) = search.run((before, start), steps(cells.count()), watch)?;
+    if after.partial_cmp(&before) != Some(std::cmp::Ordering::Less) {
+        return Ok(None);
+    }
+    let moved = cells.moved(mesh, best.open(&cells), best.motion);
+    drop(boxes);
+    Ok(Some(moved.snapped(mesh, map.clone())))
+}
+
+fn steps(cells: usize) -> usize {
+    (STEPS_A_CELL * cells).min(STEPS).min(MOST_WORK / cells.max(1).pow(2))
+}
+
+/// Cells that are glued to each other.
+#[derive(Clone, Debug)]
+struct Forest {
+    /// Whether an arc is an edge of it.
+    is_glued: Vec<bool>,
+    /// Where cells are.
+    motion: Vec<Motion>,
+    placed: Vec<Option<Bounds>>,
+    /// The island of each cell.
+    island: Vec<u32>,
+    /// The cells of each island; none where it was glued to another.
+    islands: Vec<Vec<u32>>,
+    /// The area of each.
+    area: Vec<f64>,
+}
+
+impl Forest {
+    /// The cells of a map as they lie, which is open along some of the arcs.
+    fn of(cells: &Cells, mesh: &Mesh, cut: &EdgeData<bool>) -> Self {
+        let count = cells.count();
+        let closed = cells.arcs.iter().zip(0..).filter(|(arc, _)| arc.motion.is_some() && arc.is_closed(mesh, cut));
+        let mut is_glued = vec![false; cells.arcs.len()];
+        for k in kruskal(count, closed.map(|(arc, k)| (k, arc.cells))) {
+            is_glued[k] = true;
+        }
+        let mut forest = Self {
+            is_glued,
+            motion: vec![Motion::NONE; count],
+            placed: cells.bounds.clone(),
+            island: vec![0; count],
+            islands: Vec::new(),
+            area: Vec::new(),
+        };
+        forest.find_islands(cells);
+        forest
+    }
+
+    /// Takes arcs apart.
+    fn ruin(&mut self, cells: &Cells, arcs: impl Iterator<Item = u32>) {
+        arcs.for_each(|k| self.is_glued[k as usize] = false);
+        self.find_islands(cells);
+    }
+
+    fn find_islands(&mut self, cells: &Cells) {
+        const NONE: u32 = u32::MAX;
+        self.island.fill(NONE);
+        self.islands.clear();
+        self.area.clear();
+        for root in 0..cells.count() as u32 {
+            if self.island[root as usize] != NONE {
+                continue;
+            }
+            let island = self.islands.len() as u32;
+            self.island[root as usize] = island;
+            let mut on_it = vec![root];
+            let mut at = 0;
+            while at < on_it.len() {
+                let c = on_it[at];
+                at += 1;
+                for &k in cells.around[c as usize].iter().filter(|&&k| self.is_glued[k as usize]) {
+                    let other = cells.arcs[k as usize].other(c);
+                    if std::mem::replace(&mut self.island[other as usize], island) == NONE {
+                        on_it.push(other);
+                    }
+                }
+            }
+            self.area.push(on_it.iter().map(|&c| cells.area[c as usize]).sum());
+            self.islands.push(on_it);
+        }
+    }
+
+    /// Glues an arc if its cells are on two islands that do not come to lie over each other.
+    fn glue(&mut self, cells: &Cells, k: u32, Memory { known, moved }: &mut Memory) {
+        let arc = &cells.arcs[k as usize];
+        let [left, right] = arc.cells.map(|c| self.island[c as usize] as usize);
+        if left == right {
+            return;
+        }
+        let still = arc.cells[usize::from(self.area[left] < self.area[right])];
+        let Some((c, motion)) = arc.beyond(still) else { return };
+        let [small, large] = [c, still].map(|c| self.island[c as usize]);
+        let motion = self.motion[still as usize].after(&motion).after(&self.motion[c as usize].inverse());
+        moved.clear();
+        for &p in &self.islands[small as usize] {
+            let motion = motion.after(&self.motion[p as usize]);
+            let bounds = cells.bounds[p as usize].map(|bounds| moved_bounds(bounds, &motion));
+            let overlaps = |&q: &u32| {
+                let near =
+                    bounds.is_some_and(|bounds| self.placed[q as usize].is_some_and(|still| meet(&bounds, &still)));
+                near && cells.overlap([p, q], [&motion, &self.motion[q as usize]], known)
+            };
+            if self.islands[large as usize].iter().any(overlaps) {
+                return;
+            }
+            moved.push((p, motion, bounds));
+        }
+        for &(p, motion, bounds) in moved.iter() {
+            self.motion[p as usize] = motion;
+            self.placed[p as usize] = bounds;
+            self.island[p as usize] = large;
+            self.islands[large as usize].push(p);
+        }
+        self.islands[small as usize].clear();
+        self.area[large as usize] += std::mem::take(&mut self.area[small as usize]);
+        self.is_glued[k as usize] = true;
+    }
+
+    /// Which arcs are seams.
+    fn open(&self, cells: &Cells) -> Vec<bool> {
+        cells.seams(self.is_glued.iter().map(|glued| !glued).collect())
+    }
+
+    fn figures(&self, cells: &Cells) -> Figures {
+        Figures { room: self.room(cells), ..self.figures_without_room(cells) }
+    }
+
+    /// What is found at once: the room is only not less than this, as much as the islands cover.
+    fn figures_without_room(&self, cells: &Cells) -> Figures {
+        let open = self.open(cells);
+        let seam = cells.arcs.iter().zip(&open).filter(|(_, open)| **open).map(|(arc, _)| arc.length).sum();
+        let is_sliver = |on_it: &&Vec<u32>| on_it.iter().map(|&c| cells.size(c)).sum::<usize>() < SLIVER as usize;
+        let islands = self.islands().count() + 2 * self.islands().filter(is_sliver).count();
+        Figures { islands, seam, room: self.area.iter().sum::<f64>().sqrt() }
+    }
+
+    fn room(&self, cells: &Cells) -> f64 {
+        let room = self.islands().map(|on_it| self.side(cells, on_it).powi(2)).sum::<f64>().sqrt();
+        let step = self.area.iter().sum::<f64>().sqrt() / ROOMS;
+        if step > 0.0 { (room / step).round() * step } else { room }
+    }
+
+    fn islands(&self) -> impl Iterator<Item = &Vec<u32>> {
+        self.islands.iter().filter(|on_it| !on_it.is_empty())
+    }
+
+    /// The side of the smallest square about cells in one of some directions.
+    fn side(&self, cells: &Cells, on_it: &[u32]) -> f64 {
+        let [mut farthest, mut nearest] = [[f64::MIN; 2 * QUARTER], [f64::MAX; 2 * QUARTER]];
+        for &c in on_it {
+            let Motion { turn, shift } = self.motion[c as usize];
+            for z in &cells.extremes[c as usize] {
+                let z = turn * z + shift;
+                let [x, y] = [z.re, z.im];
+                for (k, [cos, sin]) in cells.directions.iter().enumerate() {
+                    let at = cos * x + sin * y;
+                    farthest[k] = farthest[k].max(at);
+                    nearest[k] = nearest[k].min(at);
+                }
+            }
+        }
+        let extent = |k: usize| farthest[k] - nearest[k];
+        let side = (0..QUARTER).map(|k| extent(k).max(extent(k + QUARTER))).fold(f64::MAX, f64::min);
+        side.max(0.0)
+    }
+}
+
+/// What is kept from gluing to gluing.
+#[derive(Default)]
+struct Memory {
+    known: Known,
+    /// Room for cells that are moved.
+    moved: Vec<(u32, Motion, Option<Bounds>)>,
+}
+
+struct Search<'a, C> {
+    cells: &'a Cells<'a>,
+    cost: C,
+    random: Random,
+    memory: Memory,
+}
+
+impl<C: Fn(Figures) -> f64> Search<'_, C> {
+    /// The best forest of so many steps and its cost, from one with its cost.
+    fn run(mut self, start: (f64, Forest), steps: usize, watch: Watch) -> Result<(f64, Forest), Interrupted> {
+        let mut at = start;
+        let mut best = at.clone();
+        for step in 0..steps {
+            let done = step as f64 / steps as f64;
+            watch.ask(done)?;
+            let mut forest = at.1.clone();
+            let arcs = self.chosen(&forest);
+            forest.ruin(self.cells, arcs.into_iter());
+            self.recreate(&mut forest);
+            let most = at.0 + PATIENCE * (1.0 - done).powi(2);
+            let mut figures = forest.figures_without_room(self.cells);
+            if (self.cost)(figures) > most {
+                continue;
+            }
+            figures.room = forest.room(self.cells);
+            let cost = (self.cost)(figures);
+            if cost <= most {
+                at = (cost, forest);
+                if at.0 < best.0 - SAME_COST {
+                    best.clone_from(&at);
+                }
+            }
+        }
+        Ok(best)
+    }
+
+    /// What is to be taken apart: the arcs of some limbs, or about some cells next to each other.
+    fn chosen(&mut self, forest: &Forest) -> Vec<u32> {
+        let cells = self.cells;
+        let is_glued = |k: &u32| forest.is_glued[*k as usize];
+        if self.random.below(2) == 0 {
+            let arcs: Vec<u32> = (0..cells.arcs.len() as u32).filter(is_glued).collect();
+            let limbs = if arcs.is_empty() { 0 } else { 1 + self.random.below(MOST_LIMBS) };
+            return (0..limbs).map(|_| arcs[self.random.below(arcs.len() as u64) as usize]).collect();
+        }
+        let count = cells.count() as u64;
+        let size = 1 + self.random.below(count.min(MOST_RUINED)) as usize;
+        let mut near = vec![self.random.below(count) as u32];
+        let mut at = 0;
+        while at < near.len() {
+            for &k in &cells.around[near[at] as usize] {
+                let other = cells.arcs[k as usize].other(near[at]);
+                if near.len() < size && !near.contains(&other) {
+                    near.push(other);
+                }
+            }
+            at += 1;
+        }
+        near.iter().flat_map(|&c| cells.around[c as usize].iter().copied().filter(is_glued)).collect()
+    }
+
+    /// Glues what can be glued.
+    fn recreate(&mut self, forest: &mut Forest) {
+        let variation = VARIATIONS[self.random.below(VARIATIONS.len() as u64) as usize];
+        let mut arcs: Vec<(f64, u32)> = Vec::new();
+        for (arc, k) in self.cells.arcs.iter().zip(0..) {
+            let [left, right] = arc.cells.map(|c| forest.island[c as usize]);
+            if left != right && arc.motion.is_some() {
+                arcs.push((arc.length * (1.0 + variation * self.random.unit()), k));
+            }
+        }
+        arcs.sort_unstable_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+        arcs.into_iter().for_each(|(_, k)| forest.glue(self.cells, k, &mut self.memory));
+    }
+}
+
+/// Numbers that look random (`SplitMix64`; Steele, Lea & Flood 2014), the same in each run.
+struct Random(u64);
+
+impl Random {
+    fn bits(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        z ^ (z >> 31)
+    }
+
+    fn below(&mut self, count: u64) -> u64 {
+        self.bits() % count
+    }
+
+    fn unit(&mut self) -> f64 {
+        (self.bits() >> 11) as f64 / (1_u64 << 53) as f64
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::cell::Cell;
+
+    use super::*;
+    use crate::flatten::flattened::Flattened;
+    use crate::uv::pack::convex_hull;
+    use crate::uv::separate::{add_necks, taken_apart};
+    use crate::uv::{Triangle, overlaps, triangle};
+    use geom::{EdgeId, Id, VertexId, shapes};
+    use num_complex::Complex64;
+
+    /// A surface flattened with cones that share its curvature evenly, taken apart, and a network of cuts.
+    fn apart(shape: &shapes::Shape, cones: &[VertexId]) -> (Mesh, EdgeData<f64>, UvMap, EdgeData<bool>) {
+        let Flattened { mesh, metric, seams, layout, .. } = Flattened::new(shape, cones);
+        let position = mesh.halfedges().map(|h| [layout.corner(h).re, layout.corner(h).im]).collect();
+        let lengths = metric.lengths().clone();
+        let map = UvMap { position, cut: seams.cut.clone() };
+        let (done, mut network) = taken_apart((&mesh, &lengths, None), map, Watch::NONE).unwrap();
+        add_necks((&mesh, &lengths), &done.map, &mut network, Watch::NONE).unwrap();
+        (mesh, lengths, done.map, network)
+    }
+
+    fn seam(mesh: &Mesh, lengths: &EdgeData<f64>, map: &UvMap) -> f64 {
+        mesh.edges().filter(|&e| map.cut[e]).map(|e| lengths[e]).sum()
+    }
+
+    fn sum<'a>(mesh: &'a Mesh, lengths: &'a EdgeData<f64>) -> impl Fn(&[HalfedgeId]) -> f64 + 'a {
+        |run| run.iter().map(|&h| lengths[mesh.edge(h)]).sum()
+    }
+
+    fn cases() -> impl Iterator<Item = (shapes::Shape, Vec<VertexId>)> {
+        let cones = |count: u32, step: u32| (0..count).map(|k| VertexId(7 + k * step)).collect::<Vec<_>>();
+        [
+            (shapes::hare(900), cones(8, 100)),
+            (shapes::hare(900), cones(16, 53)),
+            (shapes::torus(2, 800), cones(12, 60)),
+            (shapes::terrain(900, 2), cones(9, 90)),
+        ]
+        .into_iter()
+    }
+
+    #[test]
+    fn islands_stay_disks_of_the_same_triangles_that_lie_beside_each_other_and_cost_less() {
+        for (shape, cones) in cases() {
+            let (mesh, lengths, done, network) = apart(&shape, &cones);
+            let length = seam(&mesh, &lengths, &done);
+            // Each cell an island of its own.
+            let before = UvMap { position: done.position.clone(), cut: network.clone() };
+            let least = Cell::new(f64::INFINITY);
+            let cost = |figures: Figures| figures.islands as f64 + figures.seam / length;
+            let counted = |figures: Figures| {
+                least.set(least.get().min(cost(figures)));
+                cost(figures)
+            };
+            let after =
+                rearranged((&mesh, None), &before, &network, (sum(&mesh, &lengths), counted), Watch::NONE).unwrap();
+            let after = after.expect("it is better than single cells");
+            let [done, other] = [&done, &after].map(|map| map.opened(&mesh));
+            assert!(other.island_count() <= done.island_count(), "it is as good as what cuts leave");
+            assert_eq!(other.euler_characteristic(), other.island_count() as i64);
+            assert_eq!(other.boundary_loops().len(), other.island_count());
+            let sizes: Vec<usize> = (0..other.island_count() as u32)
+                .map(|island| {
+                    let on_it = mesh.faces().filter(|&f| other.island(f) == island);
+                    let triangles: Vec<Triangle> = on_it.map(|f| after.triangle(f)).collect();
+                    assert!(overlaps(&triangles).pairs.is_empty());
+                    triangles.len()
+                })
+                .collect();
+            let slivers = sizes.iter().filter(|&&size| size < SLIVER as usize).count();
+            let figures =
+                Figures { islands: sizes.len() + 2 * slivers, seam: seam(&mesh, &lengths, &after), room: 0.0 };
+            assert!((cost(figures) - least.get()).abs() < 1e-3, "it costs what was counted");
+            for h in mesh.halfedges() {
+                let span = |map: &UvMap| {
+                    let [[x, y], [z, w]] = [h, mesh.next(h)].map(|h| map.position[h]);
+                    (x - z).hypot(y - w)
+                };
+                assert!((span(&after) - span(&before)).abs() <= 1e-9 * before.extent());
+                if let Some(g) = mesh.twin(h).filter(|_| !after.cut[mesh.edge(h)]) {
+                    assert_eq!(after.position[h], after.position[mesh.next(g)]);
+                }
+            }
+            assert!(mesh.edges().all(|e| network[e] || !after.cut[e]), "it is open along the network only");
+        }
+    }
+
+    #[test]
+    fn what_is_kept_stays_open() {
+        let (shape, cones) = cases().nth(1).unwrap();
+        let (mesh, lengths, before, network) = apart(&shape, &cones);
+        let kept: EdgeData<bool> = mesh.edges().map(|e: EdgeId| before.cut[e] && e.index().is_multiple_of(3)).collect();
+        let cost = |figures: Figures| figures.islands as f64 + figures.seam;
+        let after =
+            rearranged((&mesh, Some(&kept)), &before, &network, (sum(&mesh, &lengths), cost), Watch::NONE).unwrap();
+        let after = after.unwrap_or(before);
+        assert!(mesh.edges().all(|e| after.cut[e] || !kept[e]));
+    }
+
+    #[test]
+    fn cells_overlap_where_their_triangles_do_wherever_they_are_moved() {
+        let (shape, cones) = cases().nth(1).unwrap();
+        let (mesh, lengths, map, network) = apart(&shape, &cones);
+        let boxes = Boxes::new(map.triangles());
+        let cells = Cells::new((&mesh, None), sum(&mesh, &lengths), &map, &boxes, &network);
+        let triangles = |c: u32| -> Vec<Triangle> {
+            mesh.faces().filter(|&f| cells.cell[f] == c).map(|f| map.triangle(f)).collect()
+        };
+        let mut random = Random(5);
+        let mut known = Known::default();
+        let mut found = [0, 0];
+        for _ in 0..400 {
+            let [p, q] = [0; 2].map(|_| random.below(cells.count() as u64) as u32);
+            if p == q {
+                continue;
+            }
+            let turn = Complex64::from_polar(1.0, 6.3 * random.unit());
+            // Somewhere near the other one.
+            let [from, to] = [p, q].map(|c| cells.extremes[c as usize][0]);
+            let off = Complex64::new(random.unit() - 0.5, random.unit() - 0.5) * 0.15 * map.extent();
+            let motion = Motion { turn, shift: to + off - turn * from };
+            let (moved, still) = (triangles(p), triangles(q));
+            let expected = moved.iter().any(|&one| {
+                let one = triangle::upright(motion.of_triangle(one)).unwrap();
+                still.iter().any(|&other| {
+                    let other = triangle::upright(other).unwrap();
+                    triangle::depth(&one, &other).is_some_and(|depth| depth > 1e-9 * map.extent())
+                })
+            });
+            assert_eq!(cells.overlap([p, q], [&motion, &Motion::NONE], &mut known), expected);
+            assert_eq!(cells.overlap([q, p], [&Motion::NONE, &motion], &mut known), expected);
+            found[usize::from(expected)] += 1;
+        }
+        assert!(found[0] > 50 && found[1] > 50, "{found:?}");
+    }
+
+    #[test]
+    fn room_is_that_of_a_square_about_all_corners() {
+        let (shape, cones) = cases().next().unwrap();
+        let (mesh, lengths, map, network) = apart(&shape, &cones);
+        let boxes = Boxes::new(map.triangles());
+        let cells = Cells::new((&mesh, None), sum(&mesh, &lengths), &map, &boxes, &network);
+        let figures = Forest::of(&cells, &mesh, &map.cut).figures(&cells);
+        let opened = map.opened(&mesh);
+        let mut points = vec![Vec::new(); opened.island_count()];
+        mesh.halfedges().for_each(|h| {
+            points[opened.island(mesh.face(h)) as usize].push(Complex64::new(map.position[h][0], map.position[h][1]));
+        });
+        let room = crate::uv::room(points.into_iter().map(convex_hull).collect());
+        assert!((figures.room / room - 1.0).abs() < 0.04, "{room} {}", figures.room);
+        assert!((figures.seam / seam(&mesh, &lengths, &map) - 1.0).abs() < 1e-3);
+    }
+}
