@@ -65,7 +65,7 @@ impl<'a> Reseaming<'a> {
             return Ok(separation);
         }
         mesh.edges().filter(|&e| flat.seams.cut[e]).for_each(|e| network[e] = true);
-        add_necks((mesh, plan.costs()), &separation.map, &mut network, watch)?;
+        add_necks((mesh, plan.costs()), &separation.map, &mut network, |_| true, watch)?;
         let network = plan.network(mesh, &flat.cones, network, watch.within(0.4, 0.5))?;
         let along = |run: &[HalfedgeId]| plan.along(mesh, run);
         let seam: f64 = flat.seams.chains.iter().map(|chain| along(&chain.halfedges(mesh))).sum();

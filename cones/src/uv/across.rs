@@ -9,14 +9,15 @@ use std::f64::consts::PI;
 use geom::{CutMesh, EdgeData, EdgeId, FaceData, FaceId, Interrupted, Mesh, ShortestPaths, VertexId, Watch, edges_at};
 
 use super::map::UvMap;
+use super::triangle;
 
 /// Extents are measured in so many directions, evenly over half a turn.
 const DIRECTIONS: usize = 8;
 
 /// So many paths are spread over an island,
 const MOST_PATHS: usize = 64;
-/// none of which passes within this share of the map's extent of a shorter one.
-const NEAR: f64 = 0.03;
+/// none of which passes within this share of the root of the island's area of a shorter one, which is the same however the map is turned.
+const NEAR: f64 = 0.04;
 /// Either side of them has at least this share of the island's area.
 const LEAST_SHARE: f64 = 0.005;
 
@@ -92,8 +93,7 @@ impl<'a> Paths<'a> {
     pub(super) fn side(&self, faces: &[FaceId], is_within: impl Fn(FaceId) -> bool) -> Side {
         let mut side = Side { edges: Vec::new(), area: 0.0 };
         for &f in faces.iter().filter(|&&f| is_within(f)) {
-            let [a, b, c] = self.mesh.sides(f).map(|h| self.map.position[h]);
-            side.area += 0.5 * ((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])).abs();
+            side.area += self.area(f);
             for h in self.mesh.sides(f) {
                 let beyond = self.mesh.twin(h).filter(|_| !self.map.cut[self.mesh.edge(h)]);
                 if beyond.is_none_or(|g| !is_within(self.mesh.face(g))) {
@@ -149,9 +149,7 @@ impl<'a> Paths<'a> {
     pub(super) fn across(&self, sweep: &Sweep, most: f64, least_share: f64) -> Vec<Across> {
         let mut areas = vec![0.0];
         for &f in &sweep.faces {
-            let [a, b, c] = self.mesh.sides(f).map(|h| self.map.position[h]);
-            let area = 0.5 * ((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])).abs();
-            areas.push(areas[areas.len() - 1] + area);
+            areas.push(areas[areas.len() - 1] + self.area(f));
         }
         let count = sweep.faces.len();
         let whole = areas[count];
@@ -172,7 +170,7 @@ impl<'a> Paths<'a> {
     pub(super) fn spread(&self, sweep: &Sweep) -> Vec<Across> {
         let mut across = self.across(sweep, f64::MAX, LEAST_SHARE);
         across.sort_by(|a, b| a.length.total_cmp(&b.length));
-        let near = NEAR * self.map.extent();
+        let near = NEAR * sweep.faces.iter().map(|&f| self.area(f)).sum::<f64>().sqrt();
         let mut chosen: Vec<Across> = Vec::new();
         for path in across {
             if chosen.len() == MOST_PATHS {
@@ -191,7 +189,8 @@ impl<'a> Paths<'a> {
     /// # Errors
     /// If it is stopped.
     pub(super) fn rectangles(&self, sweep: &Sweep, across: &[Across], watch: Watch) -> Result<Vec<f64>, Interrupted> {
-        let axis = self.axis(&sweep.faces);
+        let corners = sweep.faces.iter().flat_map(|&f| self.map.triangle(f));
+        let axis = axis(corners);
         let directions = std::array::from_fn(|k| (axis + PI * k as f64 / DIRECTIONS as f64).sin_cos());
         let reach: Vec<Reach> = sweep.faces.iter().map(|&f| self.reach(f, &directions)).collect();
         watch.ask(0.4)?;
@@ -232,24 +231,16 @@ impl<'a> Paths<'a> {
         [self.side(first, is_first), self.side(&sweep.faces, |f| !is_first(f))]
     }
 
+    /// The area of a triangle in the plane.
+    fn area(&self, f: FaceId) -> f64 {
+        0.5 * triangle::twice_area(self.map.triangle(f)).abs()
+    }
+
     /// The middle of an edge that is not open.
     fn middle(&self, e: EdgeId) -> [f64; 2] {
         let h = self.mesh.halfedge(e);
         let [p, q] = [h, self.mesh.next(h)].map(|h| self.map.position[h]);
         [0.5 * (p[0] + q[0]), 0.5 * (p[1] + q[1])]
-    }
-
-    /// The angle of the direction along which corners are spread most.
-    fn axis(&self, faces: &[FaceId]) -> f64 {
-        let corners = || faces.iter().flat_map(|&f| self.mesh.sides(f)).map(|h| self.map.position[h]);
-        let count = 3.0 * faces.len() as f64;
-        let sum = corners().fold([0.0; 2], |sum, [x, y]| [sum[0] + x, sum[1] + y]);
-        let mut spread = [0.0; 2];
-        for [x, y] in corners() {
-            let [x, y] = [x - sum[0] / count, y - sum[1] / count];
-            spread = [spread[0] + x * x - y * y, spread[1] + 2.0 * x * y];
-        }
-        0.5 * spread[1].atan2(spread[0])
     }
 
     /// How far a triangle reaches in directions, given by sine and cosine.
@@ -281,6 +272,18 @@ impl Sweep {
         let faces = [Some(h), mesh.twin(h)].into_iter().flatten().map(|h| self.place[mesh.face(h)] as usize);
         faces.min().expect("an edge has a triangle")
     }
+}
+
+/// The angle of the direction along which points are spread most.
+pub(super) fn axis(points: impl Iterator<Item = [f64; 2]> + Clone) -> f64 {
+    let (sum, count) =
+        points.clone().fold(([0.0; 2], 0.0), |(sum, count), [x, y]| ([sum[0] + x, sum[1] + y], count + 1.0));
+    let mut spread = [0.0; 2];
+    for [x, y] in points {
+        let [x, y] = [x - sum[0] / count, y - sum[1] / count];
+        spread = [spread[0] + x * x - y * y, spread[1] + 2.0 * x * y];
+    }
+    0.5 * spread[1].atan2(spread[0])
 }
 
 fn farther(a: &Reach, b: &Reach) -> Reach {

@@ -29,6 +29,7 @@ use super::table::{Set, Table};
 
 /// Glued islands may overlap by this share of [`NEGLIGIBLE_DEPTH`], so that they do not overlap after some rounding.
 pub(super) const ALLOWED: f64 = 0.5;
+
 /// What a map is put together from.
 #[derive(Clone)]
 pub(super) struct Pieces<'a> {

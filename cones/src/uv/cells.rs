@@ -6,16 +6,18 @@
 //! is not glued, whatever ends at a vertex that is flat and inside the surface can be closed from there on, as long as there is such an end.
 //! What is left are the seams.
 //!
-//! Cells and arcs are numbered by their vertices, whatever the order of the triangles: the search draws them by lot.
+//! Cells and arcs are numbered by their size, whatever the order of triangles and vertices: the search draws them by lot.
 //!
 //! Two cells of which neither overlaps itself lie beside each other iff the triangles at the boundary of the one with less area meet nothing of
 //! the other. That depends on their motion to each other alone, so it is remembered by that.
 
+use std::cmp::Reverse;
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 use geom::{CutMesh, EdgeData, EdgeId, FaceData, FaceId, HalfedgeId, Mesh, VertexId, edges_at};
 use num_complex::Complex64;
 
+use super::across::axis;
 use super::attach::{ALLOWED, Moved, may_meet};
 use super::boxes::{Bounds, Boxes};
 use super::chains::motion_across;
@@ -29,6 +31,8 @@ use super::table::Table;
 const FLAT: f64 = 1e-6;
 /// Arcs have whole multiples of this share of the length of all, so that rounding does not decide which of two is longer.
 const LENGTHS: f64 = 65_536.0;
+/// Cells and arcs are numbered by their size, those that differ by less than this share of all by their vertices.
+const NUMBERED: f64 = 1e9;
 /// Of a cell's corners those are kept that are farthest in one of so many directions, for the room that islands take.
 const DIRECTIONS: usize = 16;
 /// Squares are sought in so many directions, evenly over a quarter turn.
@@ -110,15 +114,8 @@ impl<'a> Cells<'a> {
     ) -> Self {
         let opened = CutMesh::open(mesh, network);
         let count = opened.island_count();
-        let mut first: Vec<([VertexId; 3], u32)> = (0..count as u32).map(|c| ([VertexId(u32::MAX); 3], c)).collect();
-        for f in mesh.faces() {
-            let least = &mut first[opened.island(f) as usize].0;
-            *least = sorted(mesh.corners(f)).min(*least);
-        }
-        first.sort_unstable();
-        let mut number = vec![0; count];
-        first.iter().zip(0..).for_each(|(&(_, c), k)| number[c as usize] = k);
-        let cell: FaceData<u32> = mesh.faces().map(|f| number[opened.island(f) as usize]).collect();
+        let order = largest_first(mesh, boxes, &opened);
+        let cell: FaceData<u32> = mesh.faces().map(|f| order[opened.island(f) as usize]).collect();
         let (mut faces, mut rims, mut points) = (vec![Vec::new(); count], vec![Vec::new(); count], vec![vec![]; count]);
         mesh.faces().for_each(|f| faces[cell[f] as usize].push(f));
         for &h in opened.boundary_loops().iter().flatten() {
@@ -135,15 +132,13 @@ impl<'a> Cells<'a> {
             }
         }
         let (mut arcs, is_flat) = arcs((mesh, kept), length, map, network, &cell);
+        let whole: f64 = arcs.iter().map(|arc| arc.length).sum();
         let first_edge = |arc: &Arc| arc.sides.iter().map(|&h| sorted(mesh.ends(mesh.edge(h)))).min();
-        arcs.sort_by_cached_key(first_edge);
-        let of_edge = |&&h: &&HalfedgeId| sorted(mesh.ends(mesh.edge(h)));
-        let first = arcs.first().and_then(|arc| arc.sides.iter().min_by_key(of_edge));
-        let axis = first.map_or(Complex64::ONE, |&h| axis(mesh, map, h));
-        let step = arcs.iter().map(|arc| arc.length).sum::<f64>() / LENGTHS;
-        if step > 0.0 {
-            arcs.iter_mut().for_each(|arc| arc.length = (arc.length / step).round() * step);
+        arcs.sort_by_cached_key(|arc| (Reverse(share(arc.length, whole, NUMBERED)), first_edge(arc)));
+        for arc in &mut arcs {
+            arc.length = share(arc.length, whole, LENGTHS) as f64 * whole / LENGTHS;
         }
+        let axis = Complex64::cis(points.first().map_or(0.0, |points| axis(points.iter().map(|z| [z.re, z.im]))));
         let mut around = vec![Vec::new(); count];
         let mut at_joint = vec![Vec::new(); is_flat.len()];
         for (arc, k) in arcs.iter().zip(0..) {
@@ -236,6 +231,28 @@ impl<'a> Cells<'a> {
     }
 }
 
+/// The number of each island: the largest first.
+fn largest_first(mesh: &Mesh, boxes: &Boxes, opened: &CutMesh) -> Vec<u32> {
+    let count = opened.island_count();
+    let (mut area, mut first) = (vec![0.0; count], vec![[VertexId(u32::MAX); 3]; count]);
+    for f in mesh.faces() {
+        let island = opened.island(f) as usize;
+        area[island] += boxes.area(f.0);
+        first[island] = sorted(mesh.corners(f)).min(first[island]);
+    }
+    let whole: f64 = area.iter().sum();
+    let mut islands: Vec<usize> = (0..count).collect();
+    islands.sort_by_cached_key(|&island| (Reverse(share(area[island], whole, NUMBERED)), first[island]));
+    let mut number = vec![0; count];
+    islands.into_iter().zip(0..).for_each(|(island, k)| number[island] = k);
+    number
+}
+
+/// How many parts of so many of a whole something has.
+fn share(of: f64, whole: f64, parts: f64) -> u64 {
+    if whole > 0.0 { (of / whole * parts).round() as u64 } else { 0 }
+}
+
 fn sorted<const N: usize>(mut vertices: [VertexId; N]) -> [VertexId; N] {
     vertices.sort_unstable();
     vertices
@@ -304,15 +321,6 @@ fn arcs(
         arcs.push(Arc { sides, cells, motion, length, joints });
     }
     (arcs, flat)
-}
-
-/// The direction of an edge from its lower vertex to the other, in the triangle whose vertices come first: the same however the map is turned.
-fn axis(mesh: &Mesh, map: &UvMap, h: HalfedgeId) -> Complex64 {
-    let sides = [Some(h), mesh.twin(h)].into_iter().flatten();
-    let h = sides.min_by_key(|&h| sorted(mesh.corners(mesh.face(h)))).expect("an edge has a side");
-    let [[x, y], [z, w]] = [h, mesh.next(h)].map(|h| map.position[h]);
-    let along = Complex64::new(z - x, w - y) * if mesh.tail(h) < mesh.head(h) { 1.0 } else { -1.0 };
-    if along.norm() > 0.0 { along / along.norm() } else { Complex64::ONE }
 }
 
 /// The corners of a convex polygon that are farthest in one of some directions.

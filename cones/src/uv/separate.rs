@@ -8,7 +8,7 @@
 //!
 //! An island without overlap keeps its positions to the bit.
 
-use geom::{CutMesh, EdgeData, FaceId, HalfedgeId, Interrupted, Mesh, Watch};
+use geom::{CutMesh, EdgeData, FaceData, FaceId, HalfedgeId, Interrupted, Mesh, Watch};
 use rayon::prelude::*;
 
 use super::across::Paths;
@@ -65,23 +65,28 @@ pub fn separate(
     if done.overlaps.pairs.is_empty() {
         return Ok(done);
     }
-    add_necks((mesh, lengths), &done.map, &mut network, watch)?;
+    // Other islands are the user's own.
+    let mut overlaps = FaceData::constant(mesh.face_count(), false);
+    done.overlaps.pairs.iter().flat_map(|pair| pair.triangles).for_each(|f| overlaps[FaceId(f)] = true);
+    let is_crossed = |island: &[FaceId]| island.iter().any(|&f| overlaps[f]);
+    add_necks((mesh, lengths), &done.map, &mut network, is_crossed, watch)?;
     let before = seam(mesh, lengths, &done.map.cut);
     let cost = |figures: Figures| figures.islands as f64 + if before > 0.0 { figures.seam / before } else { 0.0 };
     let length = |run: &[HalfedgeId]| run.iter().map(|&h| lengths[mesh.edge(h)]).filter(|l| l.is_finite()).sum();
     done.rearranged((mesh, lengths, kept), &network, (length, cost), watch.within(0.6, 1.0))
 }
 
-/// Adds short paths across the islands of a map, but for the smallest, and where it is open.
+/// Adds short paths across those islands of a map that are to be crossed, but for the smallest, and where it is open.
 pub(crate) fn add_necks(
     (mesh, lengths): (&Mesh, &EdgeData<f64>),
     map: &UvMap,
     network: &mut EdgeData<bool>,
+    is_crossed: impl Fn(&[FaceId]) -> bool,
     watch: Watch,
 ) -> Result<(), Interrupted> {
     let paths = Paths::new(mesh, lengths, map, watch.within(f64::NAN, f64::NAN))?;
     let least = mesh.face_count() / MOST_CROSSED;
-    let large = paths.islands().into_iter().filter(|island| island.len() >= least);
+    let large = paths.islands().into_iter().filter(|island| island.len() >= least && is_crossed(island));
     for sweep in large.filter_map(|island| paths.sweep(&island)) {
         watch.ask(f64::NAN)?;
         paths.spread(&sweep).iter().flat_map(|path| paths.edges(path)).for_each(|e| network[e] = true);
