@@ -38,7 +38,7 @@ const DIRECTIONS: usize = 16;
 /// Squares are sought in so many directions, evenly over a quarter turn.
 pub(super) const QUARTER: usize = 12;
 /// Motions that differ by less than this, in shares of the map's extent, are one.
-const SAME_MOTION: f64 = 1e-7;
+pub(super) const SAME_MOTION: f64 = 1e-7;
 
 /// A run of open edges between two joints.
 pub(super) struct Arc {
@@ -55,11 +55,6 @@ pub(super) struct Arc {
 }
 
 impl Arc {
-    /// The cell on the other side.
-    pub(super) fn other(&self, c: u32) -> u32 {
-        if self.cells[0] == c { self.cells[1] } else { self.cells[0] }
-    }
-
     /// Whether a map is open at none of its edges.
     pub(super) fn is_closed(&self, mesh: &Mesh, cut: &EdgeData<bool>) -> bool {
         self.sides.iter().all(|&h| !cut[mesh.edge(h)])
@@ -88,15 +83,15 @@ pub(super) struct Cells<'a> {
     /// Directions in which squares are sought, evenly over half a turn.
     pub(super) directions: [[f64; 2]; 2 * QUARTER],
     pub(super) arcs: Vec<Arc>,
-    /// The arcs at each cell.
-    pub(super) around: Vec<Vec<u32>>,
+    /// The arcs at each cell, and the cells on their other sides.
+    pub(super) around: Vec<Vec<(u32, u32)>>,
     /// Whether what ends at a joint can be closed there.
     is_flat: Vec<bool>,
     /// The arcs at each joint.
     at_joint: Vec<Vec<u32>>,
     /// What may lie over each other without mattering.
     least: f64,
-    extent: f64,
+    pub(super) extent: f64,
 }
 
 /// Which cells overlap when they are moved to each other, as far as that was asked.
@@ -142,7 +137,9 @@ impl<'a> Cells<'a> {
         let mut around = vec![Vec::new(); count];
         let mut at_joint = vec![Vec::new(); is_flat.len()];
         for (arc, k) in arcs.iter().zip(0..) {
-            arc.cells.iter().for_each(|&c| around[c as usize].push(k));
+            let [left, right] = arc.cells;
+            around[left as usize].push((k, right));
+            around[right as usize].push((k, left));
             arc.joints.iter().for_each(|&j| at_joint[j as usize].push(k));
         }
         let extent = map.extent();
@@ -204,7 +201,7 @@ impl<'a> Cells<'a> {
         for (arc, _) in self.arcs.iter().zip(&open).filter(|(_, open)| **open) {
             arc.joints.iter().for_each(|&j| degree[j as usize] += 1);
         }
-        let mut ends: Vec<u32> = (0..degree.len() as u32).collect();
+        let mut ends: Vec<u32> = (0..degree.len() as u32).filter(|&j| degree[j as usize] == 1).collect();
         while let Some(j) = ends.pop() {
             if degree[j as usize] != 1 || !self.is_flat[j as usize] {
                 continue;

@@ -35,7 +35,8 @@ impl Motion {
     #[must_use]
     pub fn after(&self, other: &Self) -> Self {
         let turn = self.turn * other.turn;
-        Self { turn: turn / turn.norm(), shift: self.turn * other.shift + self.shift }
+        // One step of Newton's method to modulus 1, from which rounding alone can have led away.
+        Self { turn: turn * (1.5 - 0.5 * turn.norm_sqr()), shift: self.turn * other.shift + self.shift }
     }
 
     /// What undoes it.

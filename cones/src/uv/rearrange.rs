@@ -12,7 +12,7 @@ use geom::{EdgeData, HalfedgeId, Interrupted, Mesh, Watch, kruskal};
 
 use super::attach::moved_bounds;
 use super::boxes::{Bounds, Boxes, meet};
-use super::cells::{Cells, Known, QUARTER};
+use super::cells::{Cells, Known, QUARTER, SAME_MOTION};
 use super::divide::SLIVER;
 use super::map::UvMap;
 use super::motion::Motion;
@@ -36,6 +36,8 @@ const SAME_COST: f64 = 1e-6;
 const MOST_RUINED: u64 = 12;
 /// or so many limbs.
 const MOST_LIMBS: u64 = 3;
+/// The bounding box of nothing: it meets no other.
+const NOWHERE: Bounds = [[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]];
 /// By so much more than its length may an arc count.
 const VARIATIONS: [f64; 4] = [0.0, 0.5, 2.0, 8.0];
 
@@ -71,8 +73,9 @@ pub(super) fn rearranged(
         return Ok(None);
     }
     let start = Forest::of(&cells, mesh, &map.cut);
-    let before = cost(start.figures(&cells));
-    let search = Search { cells: &cells, cost, random: Random(0), memory: Memory::default() };
+    let mut memory = Memory::new(&cells);
+    let before = cost(start.figures(&cells, &mut memory));
+    let search = Search { cells: &cells, cost, random: Random(0), memory };
     let (after, best) = search.run((before, start), steps(cells.count()), watch)?;
     if after.partial_cmp(&before) != Some(std::cmp::Ordering::Less) {
         return Ok(None);
@@ -87,19 +90,52 @@ fn steps(cells: usize) -> usize {
 }
 
 /// Cells that are glued to each other.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 struct Forest {
     /// Whether an arc is an edge of it.
     is_glued: Vec<bool>,
     /// Where cells are.
     motion: Vec<Motion>,
-    placed: Vec<Option<Bounds>>,
-    /// The island of each cell.
+    placed: Vec<Bounds>,
+    /// The island of each cell, named by one of its cells.
     island: Vec<u32>,
-    /// The cells of each island; none where it was glued to another.
-    islands: Vec<Vec<u32>>,
-    /// The area of each.
+    /// The next cell of the same island, in a ring.
+    next: Vec<u32>,
+    /// The area of each island, at the cell that it is named by.
     area: Vec<f64>,
+    /// The island that each cell was on before arcs were taken apart,
+    was_on: Vec<u32>,
+    /// and what has moved all of an island since; none if it is no longer as it was.
+    since: Vec<Option<Motion>>,
+}
+
+impl Clone for Forest {
+    fn clone(&self) -> Self {
+        let Self { is_glued, motion, placed, island, next, area, was_on, since } = self;
+        Self {
+            is_glued: is_glued.clone(),
+            motion: motion.clone(),
+            placed: placed.clone(),
+            island: island.clone(),
+            next: next.clone(),
+            area: area.clone(),
+            was_on: was_on.clone(),
+            since: since.clone(),
+        }
+    }
+
+    /// Without asking for room anew, which takes longer than most of a step.
+    fn clone_from(&mut self, from: &Self) {
+        let Self { is_glued, motion, placed, island, next, area, was_on, since } = from;
+        self.is_glued.clone_from(is_glued);
+        self.motion.clone_from(motion);
+        self.placed.clone_from(placed);
+        self.island.clone_from(island);
+        self.next.clone_from(next);
+        self.area.clone_from(area);
+        self.was_on.clone_from(was_on);
+        self.since.clone_from(since);
+    }
 }
 
 impl Forest {
@@ -114,51 +150,71 @@ impl Forest {
         let mut forest = Self {
             is_glued,
             motion: vec![Motion::NONE; count],
-            placed: cells.bounds.clone(),
+            placed: cells.bounds.iter().map(|bounds| bounds.unwrap_or(NOWHERE)).collect(),
             island: vec![0; count],
-            islands: Vec::new(),
-            area: Vec::new(),
+            next: vec![0; count],
+            area: vec![0.0; count],
+            was_on: vec![0; count],
+            since: vec![None; count],
         };
-        forest.find_islands(cells);
+        forest.find_islands(cells, &mut Vec::new());
         forest
     }
 
     /// Takes arcs apart.
-    fn ruin(&mut self, cells: &Cells, arcs: Vec<u32>) {
-        arcs.into_iter().for_each(|k| self.is_glued[k as usize] = false);
-        self.find_islands(cells);
+    fn ruin(&mut self, cells: &Cells, arcs: &[u32], memory: &mut Memory) {
+        arcs.iter().for_each(|&k| self.is_glued[k as usize] = false);
+        self.find_islands(cells, &mut memory.found);
     }
 
-    fn find_islands(&mut self, cells: &Cells) {
+    fn find_islands(&mut self, cells: &Cells, found: &mut Vec<u32>) {
         const NONE: u32 = u32::MAX;
+        std::mem::swap(&mut self.island, &mut self.was_on);
         self.island.fill(NONE);
-        self.islands.clear();
-        self.area.clear();
+        self.since.fill(Some(Motion::NONE));
         for root in 0..cells.count() as u32 {
             if self.island[root as usize] != NONE {
                 continue;
             }
-            let island = self.islands.len() as u32;
-            self.island[root as usize] = island;
-            let mut on_it = vec![root];
+            self.island[root as usize] = root;
+            found.clear();
+            found.push(root);
+            let mut area = 0.0;
             let mut at = 0;
-            while at < on_it.len() {
-                let c = on_it[at];
+            while at < found.len() {
+                let c = found[at];
                 at += 1;
-                for &k in cells.around[c as usize].iter().filter(|&&k| self.is_glued[k as usize]) {
-                    let other = cells.arcs[k as usize].other(c);
-                    if std::mem::replace(&mut self.island[other as usize], island) == NONE {
-                        on_it.push(other);
+                area += cells.area[c as usize];
+                for &(k, other) in &cells.around[c as usize] {
+                    if self.is_glued[k as usize] && self.island[other as usize] == NONE {
+                        self.island[other as usize] = root;
+                        self.next[found[found.len() - 1] as usize] = other;
+                        found.push(other);
                     }
                 }
             }
-            self.area.push(on_it.iter().map(|&c| cells.area[c as usize]).sum());
-            self.islands.push(on_it);
+            self.next[found[found.len() - 1] as usize] = root;
+            self.area[root as usize] = area;
         }
     }
 
+    /// The cells of the island that a cell is on, from that cell on.
+    fn island_of(&self, c: u32) -> impl Iterator<Item = u32> {
+        let mut next = Some(c);
+        std::iter::from_fn(move || {
+            let here = next?;
+            next = Some(self.next[here as usize]).filter(|&next| next != c);
+            Some(here)
+        })
+    }
+
+    /// One cell of each island.
+    fn islands(&self) -> impl Iterator<Item = u32> {
+        self.island.iter().zip(0..).filter(|&(&name, c)| name == c).map(|(_, c)| c)
+    }
+
     /// Glues an arc if its cells are on two islands that do not come to lie over each other.
-    fn glue(&mut self, cells: &Cells, k: u32, Memory { known, moved }: &mut Memory) {
+    fn glue(&mut self, cells: &Cells, k: u32, Memory { known, moved, in_the_way, .. }: &mut Memory) {
         let arc = &cells.arcs[k as usize];
         let [left, right] = arc.cells.map(|c| self.island[c as usize] as usize);
         if left == right {
@@ -166,30 +222,55 @@ impl Forest {
         }
         let still = arc.cells[usize::from(self.area[left] < self.area[right])];
         let Some((c, motion)) = arc.beyond(still) else { return };
-        let [small, large] = [c, still].map(|c| self.island[c as usize]);
         let motion = self.motion[still as usize].after(&motion).after(&self.motion[c as usize].inverse());
+        let is_near = |one: &Motion, other: &Motion| {
+            (one.turn - other.turn).norm_sqr() < SAME_MOTION.powi(2)
+                && (one.shift - other.shift).norm_sqr() < (SAME_MOTION * cells.extent).powi(2)
+        };
+        let [small, large] = [c, still].map(|c| self.island[c as usize]);
+        // What lies as it did does not overlap.
+        let since = (self.was_on[c as usize] == self.was_on[still as usize])
+            .then(|| [small, large].map(|island| self.since[island as usize]))
+            .and_then(|[one, other]| other.filter(|other| one.is_some_and(|one| is_near(&motion.after(&one), other))));
         moved.clear();
-        for &p in &self.islands[small as usize] {
-            let motion = motion.after(&self.motion[p as usize]);
-            let bounds = cells.bounds[p as usize].map(|bounds| moved_bounds(bounds, &motion));
-            let overlaps = |&q: &u32| {
-                let near =
-                    bounds.is_some_and(|bounds| self.placed[q as usize].is_some_and(|still| meet(&bounds, &still)));
-                near && cells.overlap([p, q], [&motion, &self.motion[q as usize]], known)
+        if since.is_none() || !is_near(&motion, &Motion::NONE) {
+            let placed = |p: u32| {
+                let motion = motion.after(&self.motion[p as usize]);
+                (p, motion, cells.bounds[p as usize].map_or(NOWHERE, |bounds| moved_bounds(bounds, &motion)))
             };
-            if self.islands[large as usize].iter().any(overlaps) {
-                return;
+            let mut overlap = |(p, motion, bounds): &(u32, Motion, Bounds), q: u32| {
+                since.is_none()
+                    && meet(bounds, &self.placed[q as usize])
+                    && cells.overlap([*p, q], [motion, &self.motion[q as usize]], known)
+            };
+            let in_the_way = &mut in_the_way[k as usize];
+            for [p, q] in [*in_the_way, [in_the_way[1], in_the_way[0]]] {
+                if self.island[p as usize] == small && self.island[q as usize] == large && overlap(&placed(p), q) {
+                    return;
+                }
             }
-            moved.push((p, motion, bounds));
+            for p in self.island_of(c) {
+                let placed = placed(p);
+                if let Some(q) = self.island_of(still).find(|&q| overlap(&placed, q)) {
+                    *in_the_way = [p, q];
+                    return;
+                }
+                moved.push(placed);
+            }
         }
-        for &(p, motion, bounds) in moved.iter() {
+        for &(p, motion, bounds) in &*moved {
             self.motion[p as usize] = motion;
             self.placed[p as usize] = bounds;
-            self.island[p as usize] = large;
-            self.islands[large as usize].push(p);
         }
-        self.islands[small as usize].clear();
-        self.area[large as usize] += std::mem::take(&mut self.area[small as usize]);
+        let mut p = c;
+        while self.island[p as usize] != large {
+            self.island[p as usize] = large;
+            p = self.next[p as usize];
+        }
+        self.since[large as usize] = since;
+        // Two rings become one.
+        self.next.swap(c as usize, still as usize);
+        self.area[large as usize] += self.area[small as usize];
         self.is_glued[k as usize] = true;
     }
 
@@ -198,56 +279,97 @@ impl Forest {
         cells.seams(self.is_glued.iter().map(|glued| !glued).collect())
     }
 
-    fn figures(&self, cells: &Cells) -> Figures {
-        Figures { room: self.room(cells), ..self.figures_without_room(cells) }
-    }
-
     /// What is found at once: the room is only not less than this, as much as the islands cover.
     fn figures_without_room(&self, cells: &Cells) -> Figures {
         let open = self.open(cells);
         let seam = cells.arcs.iter().zip(&open).filter(|(_, open)| **open).map(|(arc, _)| arc.length).sum();
-        let is_sliver = |on_it: &&Vec<u32>| on_it.iter().map(|&c| cells.size(c)).sum::<usize>() < SLIVER as usize;
-        let islands = self.islands().count() + 2 * self.islands().filter(is_sliver).count();
-        Figures { islands, seam, room: self.area.iter().sum::<f64>().sqrt() }
+        let size = |c: u32| self.island_of(c).map(|c| cells.size(c)).sum::<usize>();
+        let islands = self.islands().map(|c| if size(c) < SLIVER as usize { 3 } else { 1 }).sum();
+        Figures { islands, seam, room: cells.area.iter().sum::<f64>().sqrt() }
     }
 
-    fn room(&self, cells: &Cells) -> f64 {
-        let room = self.islands().map(|on_it| self.side(cells, on_it).powi(2)).sum::<f64>().sqrt();
-        let step = self.area.iter().sum::<f64>().sqrt() / ROOMS;
+    fn figures(&self, cells: &Cells, memory: &mut Memory) -> Figures {
+        Figures { room: self.room(cells, memory), ..self.figures_without_room(cells) }
+    }
+
+    fn room(&self, cells: &Cells, memory: &mut Memory) -> f64 {
+        let room = self.islands().map(|c| self.side(cells, c, memory).powi(2)).sum::<f64>().sqrt();
+        let step = cells.area.iter().sum::<f64>().sqrt() / ROOMS;
         if step > 0.0 { (room / step).round() * step } else { room }
     }
 
-    fn islands(&self) -> impl Iterator<Item = &Vec<u32>> {
-        self.islands.iter().filter(|on_it| !on_it.is_empty())
-    }
-
-    /// The side of the smallest square about cells in one of some directions.
-    fn side(&self, cells: &Cells, on_it: &[u32]) -> f64 {
-        let [mut farthest, mut nearest] = [[f64::MIN; 2 * QUARTER], [f64::MAX; 2 * QUARTER]];
-        for &c in on_it {
-            let Motion { turn, shift } = self.motion[c as usize];
-            for z in &cells.extremes[c as usize] {
-                let z = turn * z + shift;
-                let [x, y] = [z.re, z.im];
-                for (k, [cos, sin]) in cells.directions.iter().enumerate() {
-                    let at = cos * x + sin * y;
-                    farthest[k] = farthest[k].max(at);
-                    nearest[k] = nearest[k].min(at);
-                }
-            }
-        }
-        let extent = |k: usize| farthest[k] - nearest[k];
+    /// The side of the smallest square about a cell's island in one of some directions.
+    fn side(&self, cells: &Cells, c: u32, memory: &mut Memory) -> f64 {
+        let mut island = Reach::NONE;
+        self.island_of(c).for_each(|c| island.include(memory.reach(cells, c, &self.motion[c as usize])));
+        let extent = |k: usize| island.farthest[k] - island.nearest[k];
         let side = (0..QUARTER).map(|k| extent(k).max(extent(k + QUARTER))).fold(f64::MAX, f64::min);
         side.max(0.0)
     }
 }
 
-/// What is kept from gluing to gluing.
-#[derive(Default)]
+/// How far something reaches in each of some directions, and in the opposite ones.
+#[derive(Clone, Copy)]
+struct Reach {
+    farthest: [f64; 2 * QUARTER],
+    nearest: [f64; 2 * QUARTER],
+}
+
+impl Reach {
+    const NONE: Self = Self { farthest: [f64::MIN; 2 * QUARTER], nearest: [f64::MAX; 2 * QUARTER] };
+
+    fn of(cells: &Cells, c: u32, Motion { turn, shift }: &Motion) -> Self {
+        let mut reach = Self::NONE;
+        for z in &cells.extremes[c as usize] {
+            let z = turn * z + shift;
+            let at = cells.directions.map(|[cos, sin]| cos * z.re + sin * z.im);
+            reach.include(&Self { farthest: at, nearest: at });
+        }
+        reach
+    }
+
+    fn include(&mut self, other: &Self) {
+        // Of `f64::max` more is asked where something is no number, which takes longer.
+        for (one, &other) in self.farthest.iter_mut().zip(&other.farthest) {
+            *one = if *one < other { other } else { *one };
+        }
+        for (one, &other) in self.nearest.iter_mut().zip(&other.nearest) {
+            *one = if *one > other { other } else { *one };
+        }
+    }
+}
+
+/// What is kept from step to step.
 struct Memory {
     known: Known,
-    /// Room for cells that are moved.
-    moved: Vec<(u32, Motion, Option<Bounds>)>,
+    /// Room for cells that are moved,
+    moved: Vec<(u32, Motion, Bounds)>,
+    /// and for those of an island.
+    found: Vec<u32>,
+    /// How far each cell reaches where it was of late, the last first: most of a step's cells have not moved, or move back.
+    reach: Vec<[(Motion, Reach); 2]>,
+    /// Two cells that lay over each other when an arc was to be glued: they often do so again.
+    in_the_way: Vec<[u32; 2]>,
+}
+
+impl Memory {
+    fn new(cells: &Cells) -> Self {
+        let reach =
+            (0..cells.count() as u32).map(|c| [(Motion::NONE, Reach::of(cells, c, &Motion::NONE)); 2]).collect();
+        let in_the_way = vec![[0; 2]; cells.arcs.len()];
+        Self { known: Known::default(), moved: Vec::new(), found: Vec::new(), reach, in_the_way }
+    }
+
+    fn reach(&mut self, cells: &Cells, c: u32, motion: &Motion) -> &Reach {
+        let [last, before] = &mut self.reach[c as usize];
+        if last.0 != *motion {
+            std::mem::swap(last, before);
+        }
+        if last.0 != *motion {
+            *last = (*motion, Reach::of(cells, c, motion));
+        }
+        &last.1
+    }
 }
 
 struct Search<'a, C> {
@@ -262,23 +384,27 @@ impl<C: Fn(Figures) -> f64> Search<'_, C> {
     fn run(mut self, start: (f64, Forest), steps: usize, watch: Watch) -> Result<(f64, Forest), Interrupted> {
         let mut at = start;
         let mut best = at.clone();
+        let mut next = at.1.clone();
         for step in 0..steps {
             let done = step as f64 / steps as f64;
             watch.ask(done)?;
-            let mut forest = at.1.clone();
-            forest.ruin(self.cells, self.chosen(&at.1));
-            self.recreate(&mut forest);
+            let arcs = self.chosen(&at.1);
+            next.clone_from(&at.1);
+            next.ruin(self.cells, &arcs, &mut self.memory);
+            self.recreate(&mut next);
             let most = at.0 + PATIENCE * (1.0 - done).powi(2);
-            let mut figures = forest.figures_without_room(self.cells);
+            let mut figures = next.figures_without_room(self.cells);
             if (self.cost)(figures) > most {
                 continue;
             }
-            figures.room = forest.room(self.cells);
+            figures.room = next.room(self.cells, &mut self.memory);
             let cost = (self.cost)(figures);
             if cost <= most {
-                at = (cost, forest);
+                at.0 = cost;
+                std::mem::swap(&mut at.1, &mut next);
                 if at.0 < best.0 - SAME_COST {
-                    best.clone_from(&at);
+                    best.0 = at.0;
+                    best.1.clone_from(&at.1);
                 }
             }
         }
@@ -299,15 +425,14 @@ impl<C: Fn(Figures) -> f64> Search<'_, C> {
         let mut near = vec![self.random.below(count) as u32];
         let mut at = 0;
         while at < near.len() {
-            for &k in &cells.around[near[at] as usize] {
-                let other = cells.arcs[k as usize].other(near[at]);
+            for &(_, other) in &cells.around[near[at] as usize] {
                 if near.len() < size && !near.contains(&other) {
                     near.push(other);
                 }
             }
             at += 1;
         }
-        near.iter().flat_map(|&c| cells.around[c as usize].iter().copied().filter(is_glued)).collect()
+        near.iter().flat_map(|&c| cells.around[c as usize].iter().map(|&(k, _)| k).filter(is_glued)).collect()
     }
 
     /// Glues what can be glued.
@@ -501,7 +626,7 @@ mod tests {
         let (mesh, lengths, map, network) = apart(&shape, &cones);
         let boxes = Boxes::new(map.triangles());
         let cells = Cells::new((&mesh, None), sum(&mesh, &lengths), &map, &boxes, &network);
-        let figures = Forest::of(&cells, &mesh, &map.cut).figures(&cells);
+        let figures = Forest::of(&cells, &mesh, &map.cut).figures(&cells, &mut Memory::new(&cells));
         let opened = map.opened(&mesh);
         let mut points = vec![Vec::new(); opened.island_count()];
         mesh.halfedges().for_each(|h| {
