@@ -99,11 +99,11 @@ pub(super) fn rectangle(outline: &Outline, rotations: Rotations) -> Rectangle {
         Rotations::Any => turned_to(best(&enclosing(&hull), Enclosing::area)),
         _ => quarter(0),
     };
-    let [low, extent] = bounds(&hull, turn);
+    let [mut low, mut extent] = bounds(&hull, turn);
     if rotations != Rotations::None && extent.im > extent.re {
         turn *= quarter(1);
+        [low, extent] = bounds(&hull, turn);
     }
-    let [low, extent] = if turn == quarter(0) { [low, extent] } else { bounds(&hull, turn) };
     Rectangle { turn, low, extent: [extent.re, extent.im] }
 }
 
@@ -152,6 +152,26 @@ fn bounds(points: &[Complex64], turn: Complex64) -> [Complex64; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Its lower edge falls by an ulp, so that the best rectangle is at a right angle.
+    #[test]
+    fn a_rectangle_lies_about_its_island() {
+        let corners = [
+            Complex64::new(-0.009740896852561517, -0.0019715741005198644),
+            Complex64::new(0.00939518118789823, -0.0019715741005198652),
+            Complex64::new(0.009740896852561519, 0.0017004090011962824),
+            Complex64::new(-0.007298445106530472, 0.0019715741005198652),
+        ];
+        let edges = (0..4).map(|k| [corners[k], corners[(k + 1) % 4]]).collect();
+        let outline = Outline { edges, centre: [0.0; 2], area: 0.0 };
+        for rotations in [Rotations::None, Rotations::Quarter, Rotations::Any] {
+            let Rectangle { turn, low, extent } = rectangle(&outline, rotations);
+            assert!(extent[0] >= extent[1]);
+            for z in corners.map(|z| z * turn - low) {
+                assert!((0.0..=extent[0]).contains(&z.re) && (0.0..=extent[1]).contains(&z.im), "{z}");
+            }
+        }
+    }
 
     #[test]
     fn cells_are_kept_for_their_own_grid_and_margin() {
