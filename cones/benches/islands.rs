@@ -22,7 +22,7 @@ fn layout(vertices: usize) -> (Mesh, EdgeData<f64>, UvMap) {
     let atlas = analysis
         .flatten_with(&cones, &Options { islands: Islands::Single, ..Options::default() })
         .expect("they flatten it");
-    let surface = prepare(&model, false).expect("it was prepared before").surfaces.remove(0);
+    let surface = prepare(&model, geom::Weld::Auto).expect("it was prepared before").surfaces.remove(0);
     let position = surface.mesh.halfedges().map(|h| atlas.uv[surface.corner[h] as usize]).collect();
     let map = UvMap::new(&surface.mesh, position);
     (surface.mesh.clone(), surface.metric().lengths().clone(), map)

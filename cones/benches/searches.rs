@@ -62,7 +62,7 @@ fn bench(name: &str, model: &Model, is_brief: bool) {
 
 /// The best time to order and factor, in seconds, of the first component.
 fn floor(model: &Model) -> f64 {
-    let Ok(prepared) = prepare(model, false) else { return f64::NAN };
+    let Ok(prepared) = prepare(model, geom::Weld::Auto) else { return f64::NAN };
     let surface = &prepared.surfaces[0];
     let mesh = &surface.mesh;
     let intrinsic = delaunay(mesh, &surface.metric());

@@ -29,7 +29,7 @@ fn main() {
 }
 
 fn bench(name: &str, model: &Model) {
-    let (prepared, analysis) = match (prepare(model, false), Analysis::new(model)) {
+    let (prepared, analysis) = match (prepare(model, geom::Weld::Auto), Analysis::new(model)) {
         (Ok(prepared), Ok(analysis)) => (prepared, analysis),
         (Err(error), _) => return eprintln!("{name}: {error}"),
         (_, Err(error)) => return eprintln!("{name}: {error}"),

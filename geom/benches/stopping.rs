@@ -22,8 +22,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         None => Model::from(shapes::hare(134_000)),
     };
     println!("{:<24}{:>10}{:>10}{:>10}{:>10}   ms", "", "plain", "watched", "unasked", "to return");
-    row("prepare", || prepare(&model, false), |watch| prepare_watched(&model, false, watch));
-    let surface = prepare(&model, false)?.surfaces.swap_remove(0);
+    row("prepare", || prepare(&model, geom::Weld::Auto), |watch| prepare_watched(&model, geom::Weld::Auto, watch));
+    let surface = prepare(&model, geom::Weld::Auto)?.surfaces.swap_remove(0);
     let mesh = &surface.mesh;
     let metric = surface.metric();
     row("delaunay", || delaunay(mesh, &metric), |watch| delaunay_watched(mesh, &metric, watch));

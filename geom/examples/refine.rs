@@ -5,7 +5,7 @@ use geom::{Metric, prepare, refine};
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     for path in std::env::args().skip(1) {
         let model = geom::io::read(&path)?;
-        for surface in prepare(&model, false)?.surfaces {
+        for surface in prepare(&model, geom::Weld::Auto)?.surfaces {
             let metric: Metric = surface.metric();
             let began = std::time::Instant::now();
             let refinement = refine(&surface.mesh, &metric, f64::INFINITY);

@@ -16,7 +16,7 @@ use crate::watch::Interrupted;
 ///
 /// ```
 /// fn factored(path: &std::path::Path) -> Result<geom::Poisson, geom::Error> {
-///     let surface = geom::prepare(&geom::io::read(path)?, false)?.surfaces.swap_remove(0);
+///     let surface = geom::prepare(&geom::io::read(path)?, geom::Weld::Auto)?.surfaces.swap_remove(0);
 ///     Ok(geom::Poisson::new(&geom::laplacian(&surface.mesh, &surface.metric()), &[])?)
 /// }
 /// assert!(matches!(factored("no such file.obj".as_ref()), Err(geom::Error::Read(_))));

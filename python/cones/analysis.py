@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from functools import cached_property
-from typing import Any, Optional
+from typing import Any, Optional, Union
 
 import numpy as np
 
@@ -118,7 +118,7 @@ class Analysis:
         vertices: Any,
         faces: Optional[Faces] = None,
         *,
-        weld: bool = False,
+        weld: Union[bool, str] = "auto",
         smooth: bool = False,
         refine: str = "never",
         open_handles: str = "auto",

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any, Optional
+from typing import Any, Optional, Union
 
 import numpy as np
 
 from . import _cones, options
 from ._arrays import plain
 from ._cones import Error
-from .mesh import Faces, Mesh, as_mesh
+from .mesh import Faces, Mesh, as_mesh, welding
 from .unwrapping import Progress
 
 
@@ -72,17 +72,17 @@ def measure(
     faces: Optional[Faces] = None,
     uv: Any = None,
     *,
-    weld: bool = False,
+    weld: Union[bool, str] = "auto",
     cones: Any = None,
 ) -> Measures:
     """Measures a map: the command ``cones measure``.
 
     ``uv`` is (corners, 2), or the mesh's own; ``cones`` are vertices that may be curved, by default all that are by more than 0.1. ``weld``
-    merges vertices at the same place, as those along the seams of many files are.
+    says which vertices are taken for one, as for `cones.unwrap`.
     """
     mesh = as_mesh(vertices, faces)
     known = None if cones is None else plain(cones, np.uint32)
-    return Measures(**_cones.measure(mesh._native, _map(mesh, uv), weld, known))
+    return Measures(**_cones.measure(mesh._native, _map(mesh, uv), welding(weld), known))
 
 
 def islands(
@@ -90,7 +90,7 @@ def islands(
     faces: Optional[Faces] = None,
     uv: Any = None,
     *,
-    weld: bool = False,
+    weld: Union[bool, str] = "auto",
     margin: float = 4.0,
     texture_size: int = 1024,
     rotations: str = "any",
@@ -101,7 +101,7 @@ def islands(
     it is."""
     mesh = as_mesh(vertices, faces)
     asked = options.packing(margin, texture_size, rotations, texel_density)
-    parted = _cones.part(mesh._native, _map(mesh, uv), weld, progress)
+    parted = _cones.part(mesh._native, _map(mesh, uv), welding(weld), progress)
     if parted["overlapping_pairs"]:
         packed = _cones.pack(mesh._native, parted["uv"], parted["triangle_island"], asked, progress)
         parted["uv"] = packed["uv"]

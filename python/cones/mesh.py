@@ -92,9 +92,9 @@ class Mesh:
         """The triangles that are computed with: three corners each (t, 3), and the face each is part of (t,)."""
         return self._native.triangles()
 
-    def texture_seams(self, *, weld: bool = False) -> np.ndarray:
+    def texture_seams(self, *, weld: Union[bool, str] = "auto") -> np.ndarray:
         """The edges where the mesh's own texture coordinates are cut: two vertices each, (k, 2)."""
-        return self._native.texture_seams(weld)
+        return self._native.texture_seams(welding(weld))
 
     def write(self, path: Union[str, os.PathLike], uv: Any = None, *, triangulate: bool = False) -> None:
         """Writes the mesh as .obj, .ply or .glb, with texture coordinates for its corners (corners, 2).
@@ -173,3 +173,8 @@ def _indices(corners: np.ndarray) -> np.ndarray:
     if corners.size and (corners.min() < 0 or corners.max() >= 2**32):
         raise Error("a face uses a vertex index that is negative, or beyond 32 bits (vertices are counted from 0)")
     return plain(corners, np.uint32)
+
+
+def welding(weld: Union[bool, str]) -> str:
+    """Which vertices are taken for one: "auto", "never" or "always"; a truth value says none or all."""
+    return ("always" if weld else "never") if isinstance(weld, bool) else weld

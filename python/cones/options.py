@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, Optional
+from typing import Any, Optional, Union
 
 import numpy as np
 
 from ._cones import METHODS, Error
-from .mesh import Mesh
+from .mesh import Mesh, welding
 
 
-def preparation(weld: bool, smooth: bool, refine: str, open_handles: str) -> dict:
+def preparation(weld: Union[bool, str], smooth: bool, refine: str, open_handles: str) -> dict:
     """How a model is made ready."""
     return {
-        "weld": bool(weld),
+        "weld": _one_of("weld", welding(weld), ("auto", "never", "always")),
         "smooth": bool(smooth),
         "refine": _one_of("refine", refine, ("never", "needles", "always")),
         "handles": _one_of("open_handles", open_handles, ("auto", "never", "always")),
@@ -45,7 +45,7 @@ def choice(
 
 def layout(
     mesh: Mesh,
-    weld: bool,
+    weld: Union[bool, str],
     seam_weight: float = 0.5,
     seams: Any = None,
     keep_seams: Any = False,

@@ -147,7 +147,7 @@ def unwrap(
     method: str = "refined",
     angles: str = "optimal",
     smooth: bool = False,
-    weld: bool = False,
+    weld: Union[bool, str] = "auto",
     refine: str = "never",
     open_handles: str = "auto",
     quantize: Optional[int] = None,
@@ -179,8 +179,10 @@ def unwrap(
         Given cones. Curvatures are in radians and must add up to 2πχ on a closed component.
     method : one of ``cones.METHODS``
     angles : "optimal" or "harmonic"
-    smooth, weld : bool
-        Diffuse the curvature before extrema are looked for; merge vertices at exactly the same place.
+    smooth : bool
+        Diffuse the curvature before extrema are looked for.
+    weld : "auto", "never" or "always"
+        Merge vertices at exactly the same place: where two edges of the boundary meet, none, or all.
     refine : "never", "needles" or "always"
         Cut the surface into even triangles. The map is then of ``result.mesh``.
     open_handles : "auto", "never" or "always"

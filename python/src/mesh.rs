@@ -11,6 +11,7 @@ use pyo3::types::PyBytes;
 
 use crate::array::{from_rows, rows};
 use crate::error::{Error, Failed};
+use crate::uv::weld_by_name;
 
 /// Three corners a triangle (t, 3), and the face of each (t,).
 type TriangleArrays<'py> = (Bound<'py, PyArray2<u32>>, Bound<'py, PyArray1<u32>>);
@@ -98,8 +99,8 @@ impl Mesh {
     }
 
     /// The edges where the file's texture coordinates are cut.
-    fn texture_seams<'py>(&self, py: Python<'py>, weld: bool) -> PyResult<Bound<'py, PyArray2<u32>>> {
-        from_rows(py, texture_seams(&self.0, weld))
+    fn texture_seams<'py>(&self, py: Python<'py>, weld: &str) -> PyResult<Bound<'py, PyArray2<u32>>> {
+        from_rows(py, texture_seams(&self.0, weld_by_name(weld)?))
     }
 
     /// The bytes of a file: "obj", "ply" or "glb".

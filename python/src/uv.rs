@@ -4,7 +4,7 @@ use cones::report::Quality;
 use cones::uv::{PackError, PackOptions, Packing, Parted};
 use geom::distortion::measure_watched;
 use geom::vector::{length, normal};
-use geom::{Model, PrepareError, Watch};
+use geom::{Model, PrepareError, Watch, Weld};
 use numpy::{PyArray1, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
@@ -34,23 +34,32 @@ fn checked<'a>(model: &Model, uv: &'a PyReadonlyArray2<'_, f64>) -> PyResult<&'a
     )))
 }
 
+/// Which vertices are taken for one.
+pub(crate) fn weld_by_name(name: &str) -> PyResult<Weld> {
+    match name {
+        "auto" => Ok(Weld::Auto),
+        "never" => Ok(Weld::Never),
+        "always" => Ok(Weld::Always),
+        other => Err(Error::new_err(format!("weld is auto, never or always, not {other:?}"))),
+    }
+}
+
 /// Measures a map: the report, and arrays of what is known of each triangle.
 #[pyfunction]
 pub(crate) fn measure<'py>(
     py: Python<'py>,
     mesh: &Mesh,
     uv: PyReadonlyArray2<'py, f64>,
-    weld: bool,
+    weld: &str,
     cones: Option<PyReadonlyArray1<'py, u32>>,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let uv = checked(&mesh.0, &uv)?;
+    let (uv, weld) = (checked(&mesh.0, &uv)?, weld_by_name(weld)?);
     let cones = cones.as_ref().map(|cones| cones.as_slice()).transpose()?;
     let model = &mesh.0;
     let quality = watched(py, None, |told| {
         let triangles = model.triangles();
         let mut vertices = triangles.vertices(model);
-        if weld {
-            let first = model.first_at_place();
+        if let Some(first) = weld.of(model) {
             vertices.iter_mut().flatten().for_each(|v| *v = first[*v as usize]);
         }
         let stops = |_| told.goes_on();
@@ -76,10 +85,10 @@ pub(crate) fn part<'py>(
     py: Python<'py>,
     mesh: &Mesh,
     uv: PyReadonlyArray2<'py, f64>,
-    weld: bool,
+    weld: &str,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let uv = checked(&mesh.0, &uv)?;
+    let (uv, weld) = (checked(&mesh.0, &uv)?, weld_by_name(weld)?);
     let model = &mesh.0;
     let parted: Parted = watched(py, progress, |told| {
         told.watch("islands", |watch| cones::uv::part(model, uv, weld, watch)).map_err(Stopped)

@@ -562,7 +562,11 @@ fn options_come_back_as_they_were_serialized_and_what_is_left_out_is_the_default
     let rules = [CurvatureRule::Harmonic, CurvatureRule::Optimal];
     for (k, cones) in choices.into_iter().enumerate() {
         for placement in Placement::ALL {
-            let preparation = Preparation { weld: k % 2 == 0, smooth: k % 3 == 0, ..Preparation::default() };
+            let preparation = Preparation {
+                weld: [geom::Weld::Auto, geom::Weld::Never, geom::Weld::Always][k % 3],
+                smooth: k % 3 == 0,
+                ..Preparation::default()
+            };
             let edges = vec![[k as u32, 9]];
             let options = Options {
                 preparation,
@@ -580,8 +584,8 @@ fn options_come_back_as_they_were_serialized_and_what_is_left_out_is_the_default
         }
     }
     assert_eq!(serde_json::from_str::<Options>("{}").expect("all are left out"), Options::default());
-    let text = r#"{"cones":{"count":8},"rule":"harmonic","preparation":{"weld":true}}"#;
-    let preparation = Preparation { weld: true, ..Preparation::default() };
+    let text = r#"{"cones":{"count":8},"rule":"harmonic","preparation":{"weld":"always"}}"#;
+    let preparation = Preparation { weld: geom::Weld::Always, ..Preparation::default() };
     let expected = Options { preparation, rule: CurvatureRule::Harmonic, ..count(8) };
     assert_eq!(serde_json::from_str::<Options>(text).expect("a few are given"), expected);
     assert!(serde_json::from_str::<Options>(r#"{"placement":"anyhow"}"#).is_err());

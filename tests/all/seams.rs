@@ -33,7 +33,7 @@ fn opened(mesh: &Mesh, surface: &Surface, atlas: &Atlas) -> CutMesh {
 
 /// Asserts that all islands are disks and that edges are cut.
 fn check_islands(model: &Model, atlas: &Atlas, given: &[[u32; 2]]) {
-    let surfaces = prepare(model, false).unwrap().surfaces;
+    let surfaces = prepare(model, geom::Weld::Auto).unwrap().surfaces;
     let [surface] = &surfaces[..] else { panic!("one part") };
     let cut = opened(&surface.mesh, surface, atlas);
     assert_eq!(cut.euler_characteristic(), cut.island_count() as i64);
@@ -44,7 +44,7 @@ fn check_islands(model: &Model, atlas: &Atlas, given: &[[u32; 2]]) {
 
 /// The inner edges of a model of triangles.
 fn inner_edges(model: &Model) -> Vec<[u32; 2]> {
-    let surface = &prepare(model, false).unwrap().surfaces[0];
+    let surface = &prepare(model, geom::Weld::Auto).unwrap().surfaces[0];
     let mesh = &surface.mesh;
     let inner = mesh.edges().filter(|&e| !mesh.is_boundary_edge(e));
     inner.map(|e| mesh.ends(e).map(|v| surface.vertex[v])).collect()
@@ -77,7 +77,7 @@ proptest! {
 
 /// The closed loop of edges between the vertices of a model that are on one side of a plane and the others.
 fn ring(model: &Model, is_inside: impl Fn([f64; 3]) -> bool) -> Vec<[u32; 2]> {
-    let surface = &prepare(model, false).unwrap().surfaces[0];
+    let surface = &prepare(model, geom::Weld::Auto).unwrap().surfaces[0];
     let mesh = &surface.mesh;
     let inside = |f| mesh.corners(f).iter().any(|&v| is_inside(model.points()[surface.vertex[v] as usize]));
     let is_rim = |e: &EdgeId| {
@@ -97,7 +97,7 @@ fn a_loop_that_separates_gives_two_islands_and_one_that_does_not_gives_one() {
         let seams = SeamOptions { given: given.clone(), ..SeamOptions::default() };
         let atlas = unwrap_model(model, &Options { seams, islands: Islands::Single, ..count(6) }).unwrap();
         check_islands(model, &atlas, &given);
-        let surface = &prepare(model, false).unwrap().surfaces[0];
+        let surface = &prepare(model, geom::Weld::Auto).unwrap().surfaces[0];
         assert_eq!(opened(&surface.mesh, surface, &atlas).island_count(), islands);
     }
 }
@@ -159,7 +159,7 @@ fn edges_that_are_none_are_refused_by_name() {
     let cones = analysis.place(Placement::Refined, 3).unwrap();
     let flatten =
         |seams: SeamOptions| analysis.flatten_with(&cones, &Options { seams, ..Options::default() }).map(|_| ());
-    let surface = &prepare(&model, false).unwrap().surfaces[0];
+    let surface = &prepare(&model, geom::Weld::Auto).unwrap().surfaces[0];
     let mesh = &surface.mesh;
     let rim = mesh.edges().find(|&e| mesh.is_boundary_edge(e)).unwrap();
     let rim = mesh.ends(rim).map(|v| surface.vertex[v]);
@@ -313,7 +313,7 @@ fn seams_follow_sharp_edges_where_that_costs_a_tenth_of_their_length_at_most() {
     let (mut tried, mut all) = (0, SeamFigures::default());
     for shape in [shapes::part(2500), rounded_box()] {
         let model: Model = shape.into();
-        let surface = &prepare(&model, false).unwrap().surfaces[0];
+        let surface = &prepare(&model, geom::Weld::Auto).unwrap().surfaces[0];
         let (mesh, metric) = (&surface.mesh, surface.metric());
         let bend = |e: EdgeId| sharpness(surface, e);
         let sharp: Vec<VertexId> = mesh
@@ -364,7 +364,7 @@ fn straight_seams_turn_less_and_are_hardly_longer() {
     let smooth = [shapes::hare(2500), shapes::torus(2, 2500), shapes::sphere(2500)].map(|shape| (shape, 0.85));
     for (shape, most) in smooth.into_iter().chain([(shapes::terrain(2500, 2), 0.9)]) {
         let model: Model = shape.into();
-        let surface = &prepare(&model, false).unwrap().surfaces[0];
+        let surface = &prepare(&model, geom::Weld::Auto).unwrap().surfaces[0];
         let metric = surface.metric();
         let (mut shortest, mut straight) = (SeamFigures::default(), SeamFigures::default());
         for seed in 0..6 {

@@ -47,7 +47,7 @@ fn surfaces(files: &[String]) -> Result<Vec<Surface>, Box<dyn Error>> {
     let mut surfaces = Vec::new();
     for file in files {
         let model = geom::io::read(Path::new(file))?;
-        let prepared = geom::prepare(&model, false)?.surfaces.swap_remove(0);
+        let prepared = geom::prepare(&model, geom::Weld::Auto)?.surfaces.swap_remove(0);
         let points = prepared.vertex.iter().map(|&v| model.points()[v as usize]).collect();
         let name = Path::new(file).file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
         surfaces.push((name, prepared.mesh, points));

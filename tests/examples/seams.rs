@@ -29,7 +29,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         };
         let name = file.rsplit('/').next().unwrap_or(file);
         let analysis = Analysis::new(&model)?;
-        let surfaces = geom::prepare(&model, false)?.surfaces;
+        let surfaces = geom::prepare(&model, geom::Weld::Auto)?.surfaces;
         for &count in &counts {
             let placed = analysis.place(Placement::Iterative, count as usize)?;
             let mut shortest: Option<SeamFigures> = None;

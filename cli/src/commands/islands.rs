@@ -1,6 +1,6 @@
 //! `cones islands`: a map that somebody made, taken apart where it lies over itself.
 
-use crate::commands::shared::{PackArgs, SurfaceFile, corner_uv, split_vertices};
+use crate::commands::shared::{PackArgs, SurfaceFile, WeldArgs, corner_uv, split_vertices, weld_vertices};
 use crate::error::CommandError;
 use crate::report::table::{labelled, thousands};
 use crate::report::{SCHEMA, overlap_text};
@@ -21,9 +21,8 @@ pub(crate) struct IslandsArgs {
     /// Where to write it with islands that lie neither over themselves nor over each other: .obj, .ply or .glb, also .gz
     #[arg(short, long, value_name = "OUT")]
     output: PathBuf,
-    /// Merge vertices that are at exactly the same place, as those along the seams of many files are
-    #[arg(long)]
-    weld: bool,
+    #[command(flatten)]
+    weld: WeldArgs,
     #[command(flatten)]
     packing: PackArgs,
     /// Print JSON in place of the text
@@ -65,13 +64,13 @@ pub(crate) fn run(args: &IslandsArgs) -> Result<(), CommandError> {
     let no_texture = || CommandError::NoTexture(args.input.clone());
     let uv = model.uv().ok_or_else(no_texture)?.all().map_err(|_| no_texture())?;
     let before = measured(args, &model, &uv)?;
-    let parted = part(&model, &uv, args.weld, Watch::NONE)
+    let parted = part(&model, &uv, args.weld.chosen(), Watch::NONE)
         .map_err(|error| CommandError::Unwrap { path: args.input.clone(), error: error.into() })?;
     let left = parted.left;
     let placed = if parted.overlaps.pairs.is_empty() { parted.uv } else { packed(args, &model, parted)? };
     let after = measured(args, &model, &placed)?;
     write(&model, &placed, &args.output, format)?;
-    if !args.weld && split_vertices(&model) > 0 {
+    if split_vertices(&model, args.weld.chosen()) > 0 {
         output::warn("the surface is split along its seams: with --weld what is cut off can be attached across them");
     }
     let input = PartedInput {
@@ -102,10 +101,7 @@ fn packed(args: &IslandsArgs, model: &Model, parted: Parted) -> Result<Vec<[f64;
 fn measured(args: &IslandsArgs, model: &Model, uv: &[[f64; 2]]) -> Result<MapReport, CommandError> {
     let triangles = model.triangles();
     let (mut vertices, corners) = (triangles.vertices(model), corner_uv(&triangles.corners, uv));
-    if args.weld {
-        let first = model.first_at_place();
-        vertices.iter_mut().flatten().for_each(|v| *v = first[*v as usize]);
-    }
+    weld_vertices(model, args.weld.chosen(), &mut vertices);
     let Quality { distortion, islands, .. } = Quality::measure(model.points(), &vertices, &corners, None)
         .map_err(|error| CommandError::Measure { path: args.input.clone(), error })?;
     Ok(MapReport {

@@ -1,6 +1,6 @@
 //! `cones measure`: the distortion of any unwrapped OBJ.
 
-use crate::commands::shared::{corner_uv, split_vertices};
+use crate::commands::shared::{WeldArgs, corner_uv, split_vertices, weld_vertices};
 use crate::error::CommandError;
 use crate::render::{self, Paint, Scene};
 use crate::report::table::thousands;
@@ -20,9 +20,8 @@ pub(crate) struct MeasureArgs {
     /// Measure against this surface, which has the same faces in the same order
     #[arg(long, value_name = "IN")]
     reference: Option<PathBuf>,
-    /// Merge vertices that are at exactly the same place, as those along the seams of many files are
-    #[arg(long)]
-    weld: bool,
+    #[command(flatten)]
+    weld: WeldArgs,
     /// Write the faces that lie over or under another, counted from 0, a line each
     #[arg(long, value_name = "FILE")]
     overlap_faces: Option<PathBuf>,
@@ -67,9 +66,7 @@ pub(crate) fn run(args: &MeasureArgs) -> Result<(), CommandError> {
     let measured = measure(args, &model, surface)?;
     write_extras(args, surface, &measured)?;
     let report = report(args, surface, &measured.quality);
-    if !args.weld {
-        warn_of_split(split_vertices(surface));
-    }
+    warn_of_split(split_vertices(surface, args.weld.chosen()));
     if args.json {
         return output::print_json(&report);
     }
@@ -130,10 +127,7 @@ fn measure(args: &MeasureArgs, model: &Model, reference: &Model) -> Result<Measu
     let uv = model.uv().ok_or_else(no_texture)?.all().map_err(|_| no_texture())?;
     let triangles = reference.triangles();
     let (mut vertices, uv) = (triangles.vertices(reference), corner_uv(&triangles.corners, &uv));
-    if args.weld {
-        let first = reference.first_at_place();
-        vertices.iter_mut().flatten().for_each(|v| *v = first[*v as usize]);
-    }
+    weld_vertices(reference, args.weld.chosen(), &mut vertices);
     let quality = Quality::measure(reference.points(), &vertices, &uv, None)
         .map_err(|error| CommandError::Measure { path: args.input.clone(), error })?;
     Ok(Measured { face_of: triangles.face_of, vertices, uv, quality })

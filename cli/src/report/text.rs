@@ -146,7 +146,11 @@ pub(crate) fn overlap_text(overlap: OverlapReport) -> String {
 /// A repair as a sentence.
 pub(crate) fn repair_text(repair: &Repair) -> String {
     let element = if repair.kind.is_of_faces() { "face" } else { "vertex" };
-    let remedy = if repair.kind == RepairKind::Unwelded { "; --weld joins them" } else { "" };
+    let remedy = match repair.kind {
+        RepairKind::Unwelded => "; --weld joins them",
+        RepairKind::Welded => "; --weld=never leaves them",
+        _ => "",
+    };
     let Repair { kind, count, first, .. } = repair;
     format!("{} (first {element} {first}, counted from 0){remedy}", kind.counted(*count))
 }

@@ -1,5 +1,7 @@
 //! What a user may choose.
 
+use geom::Weld;
+
 use crate::curvature::CurvatureRule;
 use crate::cut::{SeamOptions, Symmetry};
 use crate::placement::{MOST_ORDERED, Placement, Search};
@@ -9,8 +11,8 @@ use crate::uv::{PackOptions, Rotations};
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default))]
 pub struct Preparation {
-    /// Merge vertices that are at exactly the same place.
-    pub weld: bool,
+    /// Which vertices are taken for one.
+    pub weld: Weld,
     /// Diffuse the curvature before looking for extrema of the conformal factor, which helps on noisy scans.
     pub smooth: bool,
     /// Whether surfaces are refined until their triangles are even, whatever the model has: what is unwrapped is then the

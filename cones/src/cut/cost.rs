@@ -88,7 +88,7 @@ mod tests {
 
     #[test]
     fn without_weight_an_edge_costs_its_length_and_with_it_less_but_never_nothing() {
-        let surface = &prepare(&Model::from(shapes::part(900)), false).unwrap().surfaces[0];
+        let surface = &prepare(&Model::from(shapes::part(900)), geom::Weld::Auto).unwrap().surfaces[0];
         assert!(shares(surface, 0.0, Watch::NONE).unwrap().iter().all(|share| *share == 1.0));
         let [half, full] = [0.5, 1.0].map(|weight| shares(surface, weight, Watch::NONE).unwrap());
         for (half, full) in half.iter().zip(full.iter()) {

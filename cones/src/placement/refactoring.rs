@@ -65,7 +65,7 @@ mod tests {
         }
         for name in ["spot_2930.obj", "casting_5096.obj", "punctured_torus_4599.obj", "table1/fandisk_6475.obj"] {
             let model = geom::io::read(folder.join(name)).unwrap();
-            let surface = geom::prepare(&model, false).unwrap().surfaces.swap_remove(0);
+            let surface = geom::prepare(&model, geom::Weld::Auto).unwrap().surfaces.swap_remove(0);
             let operators = Operators::new(&surface.mesh, &surface.metric()).unwrap();
             assert_eq!(
                 iterative(&operators, 32, Watch::NONE),

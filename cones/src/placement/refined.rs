@@ -424,7 +424,7 @@ mod tests {
         let mut sum = 0.0;
         for (name, count, figure) in figures {
             let model = geom::io::read(folder.join(name)).unwrap();
-            let surface = geom::prepare(&model, false).unwrap().surfaces.swap_remove(0);
+            let surface = geom::prepare(&model, geom::Weld::Auto).unwrap().surfaces.swap_remove(0);
             let (_, set) = best(&surface.mesh, &surface.metric(), count);
             let ratio = set.log_scale_norm() / figure;
             println!("{name}, {count} cones: {:.4}, {ratio:.3} of the figure", set.log_scale_norm());

@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 
 use geom::distortion::DistortionError;
-use geom::{Model, Watch};
+use geom::{Model, Watch, Weld};
 
 use super::quality::Quality;
 use super::unwrapping::Report;
@@ -37,12 +37,12 @@ pub struct MeasuredAtlas {
 }
 
 impl MeasuredAtlas {
-    /// Measures a map of `model`, the [refined](crate::Analysis::refined) one where there is one. `weld` takes vertices at the same place for
-    /// one, as [`Preparation::weld`](crate::Preparation::weld) does.
+    /// Measures a map of `model`, the [refined](crate::Analysis::refined) one where there is one. `weld` takes vertices for one,
+    /// as [`Preparation::weld`](crate::Preparation::weld) does.
     ///
     /// # Errors
     /// If it has a coordinate that is not finite.
-    pub fn new(model: &Model, atlas: Atlas, size: UvSize, weld: bool) -> Result<Self, DistortionError> {
+    pub fn new(model: &Model, atlas: Atlas, size: UvSize, weld: Weld) -> Result<Self, DistortionError> {
         Self::new_watched(model, atlas, size, weld, Watch::NONE)
     }
 
@@ -54,7 +54,7 @@ impl MeasuredAtlas {
         model: &Model,
         atlas: Atlas,
         size: UvSize,
-        weld: bool,
+        weld: Weld,
         watch: Watch,
     ) -> Result<Self, DistortionError> {
         let uv = atlas.uv_in(size);
@@ -64,8 +64,7 @@ impl MeasuredAtlas {
         };
         let mut vertices: Vec<[u32; 3]> = triangles.iter().map(|t| t.map(|c| model.corners()[c as usize])).collect();
         let mut cones: Vec<u32> = atlas.cones.iter().map(|cone| cone.vertex).collect();
-        if weld {
-            let first = model.first_at_place();
+        if let Some(first) = weld.of(model) {
             vertices.iter_mut().flatten().chain(&mut cones).for_each(|v| *v = first[*v as usize]);
         }
         // As corners are numbered in models of triangles.

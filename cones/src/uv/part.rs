@@ -1,6 +1,6 @@
 //! A model's map, whoever made it, taken apart until no island lies over itself.
 
-use geom::{EdgeData, EdgeId, Model, PrepareError, Prepared, Surface, Watch, prepare_watched};
+use geom::{EdgeData, EdgeId, Model, PrepareError, Prepared, Surface, Watch, Weld, prepare_watched};
 
 use super::map::UvMap;
 use super::overlap::{NEGLIGIBLE_DEPTH, Overlaps, overlaps_watched};
@@ -26,7 +26,7 @@ pub struct Parted {
 }
 
 /// Cuts islands that lie over themselves, attaches what was cut off where the two sides of a seam are congruent. Islands stay where they were,
-/// so that they may lie over each other until they are packed ([`pack`](super::pack)). A map without any overlap comes back as it is, to the bit. `weld` merges vertices at the same place, as those along seams of many files are. Triangles that
+/// so that they may lie over each other until they are packed ([`pack`](super::pack)). A map without any overlap comes back as it is, to the bit. `weld` takes vertices for one, as many files have several along seams. Triangles that
 /// belong to no surface (of repeated vertices, copies) keep their positions unless another triangle has their corner.
 ///
 /// ```
@@ -36,7 +36,7 @@ pub struct Parted {
 /// let points = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0]];
 /// let model = geom::Model::from_triangles(points, &[[0, 1, 2], [2, 1, 3]])?;
 /// let [a, b, c] = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]];
-/// let parted = part(&model, &[a, b, c, c, b, a], false, Watch::NONE)?;
+/// let parted = part(&model, &[a, b, c, c, b, a], geom::Weld::Auto, Watch::NONE)?;
 /// assert_eq!((parted.overlaps.pairs.len(), parted.island_count), (1, 2));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -46,7 +46,7 @@ pub struct Parted {
 ///
 /// # Panics
 /// If there is a corner without a position.
-pub fn part(model: &Model, uv: &[[f64; 2]], weld: bool, watch: Watch) -> Result<Parted, PrepareError> {
+pub fn part(model: &Model, uv: &[[f64; 2]], weld: Weld, watch: Watch) -> Result<Parted, PrepareError> {
     let Prepared { surfaces, triangles, .. } = prepare_watched(model, weld, watch.within(0.0, 0.1))?;
     let images: Vec<Triangle> = triangles.corners.iter().map(|corners| corners.map(|c| uv[c as usize])).collect();
     let overlaps = overlaps_watched(&images, NEGLIGIBLE_DEPTH, |_| true, watch.within(0.1, 0.3))?;

@@ -8,6 +8,7 @@ mod prepare;
 mod refine_attributes;
 mod texture_seams;
 mod triangulate;
+mod weld;
 
 pub use attributes::{Attribute, AttributeDomain, Attributes, Listing, Meaning, ScalarType};
 pub use curvature::{gaussian_curvature, mean_curvature};
@@ -19,6 +20,7 @@ pub use prepare::{PrepareError, Prepared, Repair, RepairKind, Surface, prepare, 
 pub use refine_attributes::refine_attributes;
 pub use texture_seams::texture_seams;
 pub use triangulate::Triangles;
+pub use weld::Weld;
 
 #[cfg(test)]
 mod tests {
@@ -28,7 +30,7 @@ mod tests {
     fn of_two_triangles_against_each_other_the_second_is_turned() {
         let points = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
         let model = Model::from_triangles(points, &[[0, 1, 2], [0, 3, 2]]).unwrap();
-        let repairs = prepare(&model, false).unwrap().repairs;
+        let repairs = prepare(&model, Weld::Never).unwrap().repairs;
         assert_eq!(repairs, [Repair { kind: RepairKind::FlippedFace, count: 1, first: 1 }]);
     }
 
@@ -36,6 +38,6 @@ mod tests {
     fn what_is_too_small_to_be_scaled_to_unit_size_has_no_area() {
         let points = vec![[0.0; 3], [1e-320, 0.0, 0.0], [0.0, 1e-320, 0.0]];
         let model = Model::from_triangles(points, &[[0, 1, 2]]).unwrap();
-        assert_eq!(prepare(&model, false).unwrap_err(), PrepareError::NoArea { faces: 1 });
+        assert_eq!(prepare(&model, Weld::Never).unwrap_err(), PrepareError::NoArea { faces: 1 });
     }
 }

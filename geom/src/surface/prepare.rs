@@ -18,12 +18,13 @@ use thiserror::Error;
 
 use super::model::{Model, place_key};
 use super::triangulate::Triangles;
+use super::weld::{BoundarySide, Weld, stitches};
 use crate::intrinsic::Metric;
 use crate::mesh::{
     EdgeData, EdgeId, FaceData, HalfedgeData, HalfedgeId, Id, Mesh, VertexData, VertexId, for_each_edge,
 };
 use crate::vector::{cross, length, sub};
-use crate::watch::{Interrupted, Watch};
+use crate::watch::{Interrupted, Watch, unwatched};
 
 /// Something that was mended.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -61,8 +62,7 @@ pub enum RepairKind {
     ZeroArea,
     /// A component without any area; left out.
     ComponentWithoutArea,
-    /// A boundary vertex at the same place as another one: perhaps a seam that was never welded. Left as it is, or welded
-    /// on request.
+    /// A boundary vertex at the same place as another one: perhaps a seam that was never [welded](Weld).
     Unwelded,
     /// Vertices welded because they were at the same place.
     Welded,
@@ -177,11 +177,11 @@ pub struct Prepared {
     pub repairs: Vec<Repair>,
 }
 
-/// Makes surfaces of a model. `weld` merges vertices that are at exactly the same place. O(F) but for sorting.
+/// Makes surfaces of a model, some of whose vertices may be taken for one. O(F) but for sorting.
 ///
 /// # Errors
 /// If nothing has any area.
-pub fn prepare(model: &Model, weld: bool) -> Result<Prepared, PrepareError> {
+pub fn prepare(model: &Model, weld: Weld) -> Result<Prepared, PrepareError> {
     prepare_watched(model, weld, Watch::NONE)
 }
 
@@ -189,28 +189,27 @@ pub fn prepare(model: &Model, weld: bool) -> Result<Prepared, PrepareError> {
 ///
 /// # Errors
 /// If nothing has any area, or the work is stopped.
-pub fn prepare_watched(model: &Model, weld: bool, watch: Watch) -> Result<Prepared, PrepareError> {
+pub fn prepare_watched(model: &Model, weld: Weld, watch: Watch) -> Result<Prepared, PrepareError> {
     let mut log = RepairLog::default();
     let triangles = model.triangles();
     watch.ask(0.02)?;
-    let place = if weld { weld_vertices(model, &mut log) } else { (0..model.vertex_count() as u32).collect() };
-    watch.ask(0.05)?;
+    // Of what is stitched the boundary has to be known, so that it is glued twice.
+    let welded = if weld == Weld::Always { weld.of(model) } else { None };
+    let mut soup = Soup::glued(model, &triangles, welded.as_deref(), &mut log, watch.within(0.05, 0.3))?;
+    if weld == Weld::Auto
+        && let Some(place) = soup.stitches(model.points())
+    {
+        log = RepairLog::default();
+        soup = Soup::glued(model, &triangles, Some(&place), &mut log, watch.within(0.3, 0.35))?;
+    }
     note_isolated(model, &mut log);
-    let mut soup = Soup::new(model, &triangles, &place, &mut log);
-    watch.ask(0.1)?;
-    soup.leave_out_duplicates(&mut log);
-    watch.ask(0.2)?;
-    soup.glue(&mut log);
-    watch.ask(0.35)?;
     soup.orient(&mut log);
     watch.ask(0.5)?;
     let surfaces = soup.into_surfaces(model.points(), &mut log, watch.within(0.5, 0.95))?;
     if surfaces.is_empty() {
         return Err(PrepareError::NoArea { faces: model.face_count() });
     }
-    if !weld {
-        note_unwelded(model.points(), &surfaces, &mut log);
-    }
+    note_unwelded(model.points(), &surfaces, &mut log);
     let mut used = vec![false; triangles.len()];
     surfaces.iter().flat_map(|surface| surface.triangle.iter()).for_each(|&t| used[t as usize] = true);
     let left_out = (0..triangles.len() as u32).filter(|&t| !used[t as usize]).collect();
@@ -253,7 +252,44 @@ struct Soup {
 }
 
 impl Soup {
-    fn new(model: &Model, triangles: &Triangles, place: &[u32], log: &mut RepairLog) -> Self {
+    /// The triangles of a model, each glued to its neighbours; vertices are taken for others at a `place`.
+    fn glued(
+        model: &Model,
+        triangles: &Triangles,
+        place: Option<&[u32]>,
+        log: &mut RepairLog,
+        watch: Watch,
+    ) -> Result<Self, Interrupted> {
+        watch.ask(0.0)?;
+        if let Some(place) = place {
+            (0..)
+                .zip(place)
+                .filter(|&(v, &place)| v != place)
+                .for_each(|(v, _)| log.note(RepairKind::Welded, v as usize));
+        }
+        let mut soup = Self::new(model, triangles, place, log);
+        watch.ask(0.2)?;
+        soup.leave_out_duplicates(log);
+        watch.ask(0.5)?;
+        soup.glue(log);
+        Ok(soup)
+    }
+
+    /// What vertices at the boundary are taken for where it meets itself.
+    fn stitches(&self, points: &[[f64; 3]]) -> Option<Vec<u32>> {
+        let vertices = |of: [usize; 3]| of.map(|h| self.tail[h].0);
+        let open = (0..self.tail.len()).filter(|&h| self.twin[h] == NONE);
+        stitches(
+            points,
+            open.map(|h| {
+                let triangle = vertices([h, next(h), prev(h)]);
+                BoundarySide { ends: [triangle[0], triangle[1]], triangle }
+            }),
+        )
+    }
+
+    fn new(model: &Model, triangles: &Triangles, place: Option<&[u32]>, log: &mut RepairLog) -> Self {
+        let place = |v: u32| place.map_or(v, |place| place[v as usize]);
         let mut soup = Self {
             vertex_count: model.vertex_count(),
             tail: Vec::with_capacity(3 * triangles.len()),
@@ -262,7 +298,7 @@ impl Soup {
             twin: Vec::new(),
         };
         for (t, (&corners, &face)) in triangles.corners.iter().zip(&triangles.face_of).enumerate() {
-            let [a, b, c] = corners.map(|corner| VertexId(place[model.corners()[corner as usize] as usize]));
+            let [a, b, c] = corners.map(|corner| VertexId(place(model.corners()[corner as usize])));
             if a == b || b == c || c == a {
                 log.note(RepairKind::RepeatedVertex, face as usize);
                 continue;
@@ -653,13 +689,10 @@ fn is_line([a, b, c]: [[f64; 3]; 3]) -> bool {
     length(cross(first, second)) <= ROUNDED_HEIGHT * longest
 }
 
-/// For each vertex the first one at the same place.
-fn weld_vertices(model: &Model, log: &mut RepairLog) -> Vec<u32> {
-    let first = model.first_at_place();
-    for (v, _) in first.iter().enumerate().filter(|(v, place)| **place as usize != *v) {
-        log.note(RepairKind::Welded, v);
-    }
-    first
+/// What vertices of a model at its boundary are taken for where that meets itself.
+pub(super) fn stitches_of(model: &Model) -> Option<Vec<u32>> {
+    let soup = Soup::glued(model, &model.triangles(), None, &mut RepairLog::default(), Watch::NONE);
+    unwatched(soup).stitches(model.points())
 }
 
 fn note_isolated(model: &Model, log: &mut RepairLog) {
@@ -689,7 +722,7 @@ mod tests {
     use crate::shapes;
 
     fn prepared(points: &[[f64; 3]], faces: &[[u32; 3]]) -> Prepared {
-        prepare(&Model::from_triangles(points.to_vec(), faces).unwrap(), false).unwrap()
+        prepare(&Model::from_triangles(points.to_vec(), faces).unwrap(), Weld::Never).unwrap()
     }
 
     fn count(prepared: &Prepared, kind: RepairKind) -> usize {
@@ -718,7 +751,7 @@ mod tests {
     fn a_clean_mesh_stays_as_it_is() {
         let (points, faces) = sphere();
         let model = Model::from_triangles(points.clone(), &faces).unwrap();
-        let prepared = prepare(&model, true).unwrap();
+        let prepared = prepare(&model, Weld::Always).unwrap();
         assert_eq!(prepared.repairs, []);
         check(&prepared, &model);
         let [surface] = &prepared.surfaces[..] else { panic!("it is connected") };
@@ -744,7 +777,7 @@ mod tests {
         let half = faces.split_off(faces.len() / 2);
         faces = half.into_iter().zip(faces).flat_map(|(a, b)| [a, b]).collect();
         let model = Model::from_triangles(points.clone(), &faces).unwrap();
-        let prepared = prepare(&model, false).unwrap();
+        let prepared = prepare(&model, Weld::Never).unwrap();
         check(&prepared, &model);
         let surface = &prepared.surfaces[0];
         assert!(share_of_far(&Mesh::new(n, &faces).unwrap()) > 0.9);
@@ -762,7 +795,7 @@ mod tests {
             faces[f].swap(1, 2);
         }
         let model = Model::from_triangles(points.clone(), &faces).unwrap();
-        let turned = prepare(&model, false).unwrap();
+        let turned = prepare(&model, Weld::Never).unwrap();
         check(&turned, &model);
         assert_eq!(turned.repairs, [Repair { kind: RepairKind::FlippedFace, count: 3, first: 0 }]);
         // Inside out is consistent, too.
@@ -777,7 +810,7 @@ mod tests {
         faces.extend([faces[5], [faces[7][0], faces[7][2], faces[7][1]], [1, 1, 2]]);
         points.push([9.0, 9.0, 9.0]);
         let model = Model::from_triangles(points.clone(), &faces).unwrap();
-        let mended = prepare(&model, false).unwrap();
+        let mended = prepare(&model, Weld::Never).unwrap();
         check(&mended, &model);
         assert_eq!(count(&mended, RepairKind::DuplicateFace), 2);
         assert_eq!(count(&mended, RepairKind::RepeatedVertex), 1);
@@ -797,7 +830,7 @@ mod tests {
             let faces = [tetrahedron([0, 1, 2, 3]), tetrahedron(second)].concat();
             let used = 1 + faces.iter().flatten().max().unwrap();
             let model = Model::from_triangles(points[..used as usize].to_vec(), &faces).unwrap();
-            let opened = prepare(&model, false).unwrap();
+            let opened = prepare(&model, Weld::Never).unwrap();
             check(&opened, &model);
             assert_eq!(count(&opened, RepairKind::NonManifoldEdge), edges);
             assert!(count(&opened, RepairKind::NonManifoldVertex) >= vertices);
@@ -812,7 +845,7 @@ mod tests {
         let tips = [[0.5, 0.5, 1.0], [0.5, 0.4, -1.0], [0.6, 0.5, 2.0], [0.4, 0.5, -2.0]];
         let faces: [&[u32]; 5] = [&[0, 1, 2, 3], &[0, 2, 4], &[2, 0, 5], &[1, 3, 6], &[3, 1, 7]];
         let model = Model::from_polygons([&points[..], &tips].concat(), faces).unwrap();
-        let prepared = prepare(&model, false).unwrap();
+        let prepared = prepare(&model, Weld::Never).unwrap();
         check(&prepared, &model);
         let of_quad = |s: &Surface| s.corner.iter().filter(|&&c| c < 4).count();
         assert_eq!(prepared.surfaces.iter().map(of_quad).filter(|&sides| sides > 0).collect::<Vec<_>>(), [6]);
@@ -825,14 +858,14 @@ mod tests {
         let points = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0], [0.5, 0.5, 1.0]];
         let faces: [&[u32]; 3] = [&[0, 1, 2], &[0, 2, 4], &[0, 1, 2, 3]];
         let model = Model::from_polygons(points.clone(), faces).unwrap();
-        let prepared = prepare(&model, false).unwrap();
+        let prepared = prepare(&model, Weld::Never).unwrap();
         check(&prepared, &model);
         let of_quad = |s: &Surface| s.corner.iter().filter(|&&c| c >= 6).count();
         assert_eq!(prepared.surfaces.iter().map(of_quad).filter(|&sides| sides > 0).collect::<Vec<_>>(), [6]);
         assert!(prepared.left_out.is_empty());
         // A copy of the whole polygon is left out as before.
         let faces: [&[u32]; 3] = [&[0, 1, 2, 3], &[0, 2, 4], &[0, 1, 2, 3]];
-        let copied = prepare(&Model::from_polygons(points, faces).unwrap(), false).unwrap();
+        let copied = prepare(&Model::from_polygons(points, faces).unwrap(), Weld::Never).unwrap();
         assert_eq!((count(&copied, RepairKind::DuplicateFace), &copied.left_out[..]), (2, &[3, 4][..]));
     }
 
@@ -841,7 +874,7 @@ mod tests {
         let points: Vec<[f64; 3]> = (0..12).map(|k| [0.1, 0.7, 0.3].map(|x| x * f64::from(k))).collect();
         let faces: Vec<[u32; 3]> = (0..10).map(|k| [k, k + 1, k + 2]).collect();
         let line = Model::from_triangles(points, &faces).unwrap();
-        assert_eq!(prepare(&line, false).unwrap_err(), PrepareError::NoArea { faces: 10 });
+        assert_eq!(prepare(&line, Weld::Never).unwrap_err(), PrepareError::NoArea { faces: 10 });
     }
 
     #[test]
@@ -863,7 +896,7 @@ mod tests {
             })
             .collect();
         let model = Model::from_triangles(points, &faces).unwrap();
-        let opened = prepare(&model, false).unwrap();
+        let opened = prepare(&model, Weld::Never).unwrap();
         check(&opened, &model);
         assert!(count(&opened, RepairKind::NonOrientableEdge) > 0);
         assert_eq!(opened.surfaces[0].mesh.euler_characteristic(), 1);
@@ -875,11 +908,11 @@ mod tests {
         let soup: Vec<[f64; 3]> = faces.iter().flatten().map(|&v| points[v as usize]).collect();
         let apart: Vec<[u32; 3]> = (0..faces.len() as u32).map(|f| [3 * f, 3 * f + 1, 3 * f + 2]).collect();
         let model = Model::from_triangles(soup, &apart).unwrap();
-        let loose = prepare(&model, false).unwrap();
+        let loose = prepare(&model, Weld::Never).unwrap();
         check(&loose, &model);
         assert_eq!(loose.surfaces.len(), faces.len());
         assert_eq!(count(&loose, RepairKind::Unwelded), 3 * faces.len() - points.len());
-        let welded = prepare(&model, true).unwrap();
+        let welded = prepare(&model, Weld::Always).unwrap();
         assert_eq!(welded.surfaces.len(), 1);
         assert_eq!(welded.surfaces[0].mesh.euler_characteristic(), 2);
         assert_eq!(count(&welded, RepairKind::Welded), 3 * faces.len() - points.len());
@@ -894,7 +927,7 @@ mod tests {
         let metric = surface.metric();
         assert!(surface.mesh.faces().all(|f| metric.sides(&surface.mesh, f).area() > 0.0));
         let line = Model::from_triangles(points[..3].to_vec(), &[[0, 1, 2]]).unwrap();
-        assert_eq!(prepare(&line, false).unwrap_err(), PrepareError::NoArea { faces: 1 });
+        assert_eq!(prepare(&line, Weld::Never).unwrap_err(), PrepareError::NoArea { faces: 1 });
     }
 
     #[test]

@@ -3,13 +3,14 @@
 use std::collections::HashMap;
 
 use super::model::Model;
+use super::weld::Weld;
 
 /// A polygon's side: the two corners that it joins, in the polygon's order.
 type Side = [u32; 2];
 
 /// The edges of a model whose two polygons have different texture coordinates there, by their vertices in ascending order.
-/// Coordinates are compared as points, so that one that is written twice is no seam. `weld` takes vertices that are at
-/// exactly the same place for one; an edge is then named as its first polygon names it. Edges that have not just two polygons are
+/// Coordinates are compared as points, so that one that is written twice is no seam. Where `weld` takes
+/// vertices for one, an edge is named as its first polygon names it. Edges that have not just two polygons are
 /// left aside, and so are those where a corner has no coordinate at all. O(F).
 ///
 /// ```
@@ -18,13 +19,13 @@ type Side = [u32; 2];
 /// let square = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nvt 5 5\n\
 ///               f 1/1 2/2 3/3\nf 1/5 3/3 4/4\n";
 /// let model = geom::io::read_bytes(square.into(), "square.obj")?;
-/// assert_eq!(geom::texture_seams(&model, false), [[0, 2]]);
+/// assert_eq!(geom::texture_seams(&model, geom::Weld::Never), [[0, 2]]);
 /// # }
 /// # Ok::<(), geom::Error>(())
 /// ```
-pub fn texture_seams(model: &Model, weld: bool) -> Vec<[u32; 2]> {
+pub fn texture_seams(model: &Model, weld: Weld) -> Vec<[u32; 2]> {
     let Some(uv) = model.uv() else { return Vec::new() };
-    let place = if weld { model.first_at_place() } else { Vec::new() };
+    let place = weld.of(model).unwrap_or_default();
     let place_of = |v: u32| place.get(v as usize).copied().unwrap_or(v);
     let mut first: HashMap<[u32; 2], (Side, usize)> = HashMap::new();
     let mut pairs: Vec<([u32; 2], [Side; 2])> = Vec::new();
@@ -69,24 +70,30 @@ mod tests {
 
     const CORNERS: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 1 0 0\nv 1 1 0\nv 2 0 0\nv 2 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nvt 1 0\n";
 
-    fn seams(faces: &str, weld: bool) -> Vec<[u32; 2]> {
+    fn seams(faces: &str, weld: Weld) -> Vec<[u32; 2]> {
         texture_seams(&crate::io::read_bytes(format!("{CORNERS}{faces}").into(), "squares.obj").unwrap(), weld)
     }
 
     #[test]
     fn an_edge_is_a_seam_where_its_sides_have_different_coordinates() {
-        assert_eq!(seams("f 1/1 2/2 3/3 4/4\nf 2/2 7/1 8/1 3/3\n", false), [[0u32; 2]; 0]);
-        assert_eq!(seams("f 1/1 2/2 3/3 4/4\nf 2/5 7/1 8/1 3/3\n", false), [[0u32; 2]; 0], "the same point twice");
-        assert_eq!(seams("f 1/1 2/2 3/3 4/4\nf 2/4 7/1 8/1 3/3\n", false), [[1, 2]]);
-        assert_eq!(seams("f 1 2 3 4\nf 2/4 7/1 8/1 3/3\n", false), [[0u32; 2]; 0], "one side has none");
-        assert_eq!(seams("f 1 2 3 4\nf 2 7 8 3\n", false), [[0u32; 2]; 0]);
+        assert_eq!(seams("f 1/1 2/2 3/3 4/4\nf 2/2 7/1 8/1 3/3\n", Weld::Never), [[0u32; 2]; 0]);
+        assert_eq!(
+            seams("f 1/1 2/2 3/3 4/4\nf 2/5 7/1 8/1 3/3\n", Weld::Never),
+            [[0u32; 2]; 0],
+            "the same point twice"
+        );
+        assert_eq!(seams("f 1/1 2/2 3/3 4/4\nf 2/4 7/1 8/1 3/3\n", Weld::Never), [[1, 2]]);
+        assert_eq!(seams("f 1 2 3 4\nf 2/4 7/1 8/1 3/3\n", Weld::Never), [[0u32; 2]; 0], "one side has none");
+        assert_eq!(seams("f 1 2 3 4\nf 2 7 8 3\n", Weld::Never), [[0u32; 2]; 0]);
     }
 
     #[test]
     fn welded_vertices_are_named_as_the_first_polygon_does() {
         let faces = "f 1/1 2/2 3/3 4/4\nf 5/1 7/2 8/3 6/4\n";
-        assert_eq!(seams(faces, false), [[0u32; 2]; 0], "they are two surfaces");
-        assert_eq!(seams(faces, true), [[1, 2]]);
-        assert_eq!(seams("f 5/1 7/2 8/3 6/4\nf 1/1 2/2 3/3 4/4\n", true), [[4, 5]]);
+        assert_eq!(seams(faces, Weld::Never), [[0u32; 2]; 0], "they are two surfaces");
+        for weld in [Weld::Auto, Weld::Always] {
+            assert_eq!(seams(faces, weld), [[1, 2]]);
+        }
+        assert_eq!(seams("f 5/1 7/2 8/3 6/4\nf 1/1 2/2 3/3 4/4\n", Weld::Always), [[4, 5]]);
     }
 }

@@ -202,6 +202,12 @@ fn unwraps(model: &Model, options: &Options) {
     }
 }
 
+/// Any way to weld vertices.
+pub(super) fn weld(bytes: &mut Bytes) -> geom::Weld {
+    use geom::Weld;
+    [Weld::Auto, Weld::Never, Weld::Always][usize::from(bytes.byte()) % 3]
+}
+
 /// Any way to choose cones.
 pub fn options(bytes: &mut Bytes) -> Options {
     Options {
@@ -213,11 +219,7 @@ pub fn options(bytes: &mut Bytes) -> Options {
         },
         placement: METHODS[bytes.below(METHODS.len())],
         rule: if bytes.coin() { CurvatureRule::Harmonic } else { CurvatureRule::Optimal },
-        preparation: Preparation {
-            smooth: bytes.byte() % 4 == 3,
-            weld: bytes.byte() % 4 == 3,
-            ..Preparation::default()
-        },
+        preparation: Preparation { smooth: bytes.byte() % 4 == 3, weld: weld(bytes), ..Preparation::default() },
         ..Options::default()
     }
 }

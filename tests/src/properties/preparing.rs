@@ -4,13 +4,15 @@ use std::collections::HashSet;
 
 use geom::{Id, Model, PrepareError, prepare};
 
+use super::flattening::weld;
+
 use crate::decode::{self, Bytes};
 
 /// Any polygons become sound, connected surfaces of unit size with lengths to compute with; every triangle is on one of
 /// them, once, or is named as left out; and each corner knows the model's corner that it is.
 pub fn preparing(bytes: &[u8]) {
     let bytes = &mut Bytes::new(bytes);
-    let weld = bytes.coin();
+    let weld = weld(bytes);
     let (points, faces) = decode::polygons(bytes);
     let model = Model::from_polygons(points, faces).expect("coordinates are bounded and indices in range");
     let triangles = model.triangles();
@@ -40,7 +42,11 @@ pub fn preparing(bytes: &[u8]) {
             let vertex = surface.vertex[surface.mesh.tail(h)];
             let corner = model.corners()[surface.corner[h] as usize];
             let same_place = model.points()[vertex as usize] == model.points()[corner as usize];
-            assert!(vertex == corner || weld && same_place, "corner {} is at its vertex", h.index());
+            assert!(
+                vertex == corner || weld != geom::Weld::Never && same_place,
+                "corner {} is at its vertex",
+                h.index()
+            );
         }
     }
     assert_eq!(seen.len(), triangles.len(), "every triangle is somewhere");

@@ -23,7 +23,7 @@ impl PreparedModel {
         let failed = |error: cones::Error| CommandError::Unwrap { path: Path::new(&name).to_owned(), error };
         let analysis = Analysis::new(&model).map_err(failed)?;
         warn(analysis.repairs(), analysis.notes(), analysis.topology().components);
-        let surfaces = prepare(&model, false).map_err(|error| failed(error.into()))?.surfaces;
+        let surfaces = prepare(&model, geom::Weld::Auto).map_err(|error| failed(error.into()))?.surfaces;
         let laplacians = surfaces.iter().map(factorable).collect();
         Ok(Self { name, model, surfaces, laplacians })
     }

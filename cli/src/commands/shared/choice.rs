@@ -1,6 +1,7 @@
 //! The options of looking for cones.
 
 use super::numbers::{distortion, non_negative};
+use super::welded::WeldArgs;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum};
 use cones::{
@@ -34,9 +35,8 @@ pub(crate) struct CandidateArgs {
     /// Diffuse the curvature before extrema are looked for: steadier on noisy scans
     #[arg(long)]
     smooth: bool,
-    /// Merge vertices that are at exactly the same place, as those along a seam of another unwrapping are
-    #[arg(long)]
-    weld: bool,
+    #[command(flatten)]
+    weld: WeldArgs,
     /// Refine the surface until its triangles are even, whatever the file has: what is written is the same surface in more
     /// triangles, with the exact map
     /// [default: needles for STL, never otherwise]
@@ -98,7 +98,7 @@ impl CandidateArgs {
             (self.max_distortion.is_some(), "--max-distortion"),
             (self.min_persistence.is_some(), "--min-persistence"),
             (self.smooth, "--smooth"),
-            (self.weld, "--weld"),
+            (self.weld.is_given(), "--weld"),
             (self.refine.is_some(), "--refine"),
         ];
         given.into_iter().find_map(|(is_given, option)| is_given.then_some(option))
@@ -155,7 +155,7 @@ impl CandidateArgs {
             placement: self.method,
             search,
             rule,
-            preparation: Preparation { smooth: self.smooth, weld: self.weld, refine, handles },
+            preparation: Preparation { smooth: self.smooth, weld: self.weld.chosen(), refine, handles },
             ..Options::default()
         }
     }
