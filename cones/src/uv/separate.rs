@@ -152,7 +152,7 @@ impl Separation {
         mut self,
         (mesh, lengths, kept): (&Mesh, &EdgeData<f64>, Option<&EdgeData<bool>>),
         network: &EdgeData<bool>,
-        costs: (impl Fn(&[HalfedgeId]) -> f64, impl Fn(Figures) -> f64),
+        costs: (impl Fn(&[HalfedgeId]) -> f64, impl Fn(Figures) -> f64 + Sync),
         watch: Watch,
     ) -> Result<Self, Interrupted> {
         let Some(map) = rearranged((mesh, kept), &self.map, network, costs, watch.within(0.0, 0.8))? else {
