@@ -277,15 +277,24 @@ impl Soup {
 
     /// What vertices at the boundary are taken for where it meets itself.
     fn stitches(&self, points: &[[f64; 3]]) -> Option<Vec<u32>> {
-        let vertices = |of: [usize; 3]| of.map(|h| self.tail[h].0);
-        let open = (0..self.tail.len()).filter(|&h| self.twin[h] == NONE);
-        stitches(
-            points,
-            open.map(|h| {
-                let triangle = vertices([h, next(h), prev(h)]);
-                BoundarySide { ends: [triangle[0], triangle[1]], triangle }
-            }),
-        )
+        let mut open = (0..self.tail.len()).filter(|&h| self.twin[h] == NONE).peekable();
+        open.peek()?;
+        let reach = points.as_flattened().iter().fold(0.0, |reach: f64, x| reach.max(x.abs()));
+        let scale = if reach > 0.0 { reach.recip() } else { 1.0 };
+        let at = |h: usize| points[self.tail[h].index()].map(|x| x * scale);
+        let twice_area = |f: usize| {
+            let [a, b, c] = [3 * f, 3 * f + 1, 3 * f + 2].map(at);
+            length(cross(sub(b, a), sub(c, a)))
+        };
+        let mut part = vec![0; self.triangle.len()];
+        let mut area = Vec::new();
+        for (faces, k) in self.components().iter().zip(0..) {
+            faces.iter().for_each(|&f| part[f as usize] = k);
+            area.push(0.5 * faces.iter().map(|&f| twice_area(f as usize)).sum::<f64>());
+        }
+        let side =
+            |h: usize| BoundarySide { triangle: [h, next(h), prev(h)].map(|h| self.tail[h].0), part: part[h / 3] };
+        stitches((points, scale), open.map(side), &area)
     }
 
     fn new(model: &Model, triangles: &Triangles, place: Option<&[u32]>, log: &mut RepairLog) -> Self {

@@ -8,6 +8,7 @@ use std::collections::HashMap;
 use petgraph::unionfind::UnionFind;
 
 use super::model::{Model, place_key};
+use crate::vector::{length, sub};
 
 /// Which vertices of a model are taken for one.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -16,7 +17,7 @@ use super::model::{Model, place_key};
 pub enum Weld {
     /// Those at the ends of two sides of the boundary that are at exactly the same place, if no third one is there: so the surface is closed
     /// where it meets itself, and nothing that was a surface before is one no longer. What lies on top of a copy of itself stays apart, and so
-    /// do bodies that touch each other.
+    /// do bodies that touch each other; slits and the mouths of pockets that are short for their surface stay open, as scans have them.
     #[default]
     Auto,
     /// None.
@@ -37,26 +38,41 @@ impl Weld {
     }
 }
 
-/// A side of a triangle on the boundary: its ends, and the vertices of the triangle.
+/// A run that is joined is at least this times the root of the area of the largest part that it is of: slits of scans are shorter (.03 on the dragon),
+/// seams and creases longer (1 and more on robot parts).
+const LONG_ENOUGH: f64 = 0.3;
+/// Or, where the smallest of its parts has at least this share of the area of the largest, that times the root of the smallest: the mouths of pockets of scans
+/// are of less (4e-7 at most on the dragon, which no cones flatten with its pockets joined).
+const POCKET: f64 = 1e-5;
+
+/// A side of a triangle on the boundary.
+#[derive(Clone, Copy)]
 pub(super) struct BoundarySide {
-    pub(super) ends: [u32; 2],
+    /// The vertices of the triangle, first those that the side is between.
     pub(super) triangle: [u32; 3],
+    /// The connected part that it is of.
+    pub(super) part: u32,
 }
 
-/// For each vertex the first of those that sides of the boundary at the same place join; none if there are none such.
-pub(super) fn stitches(points: &[[f64; 3]], sides: impl Iterator<Item = BoundarySide>) -> Option<Vec<u32>> {
+/// For each vertex the first of those that sides of the boundary at the same place join; none if there are none such. Parts have areas, measured in
+/// a unit; points are multiplied by `scale` to be in it.
+pub(super) fn stitches(
+    (points, scale): (&[[f64; 3]], f64),
+    sides: impl Iterator<Item = BoundarySide>,
+    area: &[f64],
+) -> Option<Vec<u32>> {
     let key = |v: u32| place_key(&points[v as usize]);
     let mut number = HashMap::new();
-    let mut at_place: Vec<([usize; 2], BoundarySide)> = Vec::new();
+    let mut at_place: Vec<([u32; 2], BoundarySide)> = Vec::new();
     for side in sides {
         let [a, b, c] = side.triangle.map(key);
         // What has no area would be a third one between two that meet.
         if a == b || b == c || c == a {
             continue;
         }
-        let mut place = side.ends.map(|v| {
-            let next = number.len();
-            *number.entry(key(v)).or_insert(next)
+        let mut place = [a, b].map(|key| {
+            let next = number.len() as u32;
+            *number.entry(key).or_insert(next)
         });
         place.sort_unstable();
         at_place.push((place, side));
@@ -67,15 +83,37 @@ pub(super) fn stitches(points: &[[f64; 3]], sides: impl Iterator<Item = Boundary
         places.sort_unstable();
         places
     };
+    let pairs: Vec<([u32; 2], [BoundarySide; 2])> = at_place
+        .chunk_by(|a, b| a.0 == b.0)
+        .filter_map(|at_one| match *at_one {
+            [(place, one), (_, other)] if places(&one) != places(&other) => Some((place, [one, other])),
+            _ => None,
+        })
+        .collect();
+    // Runs of such sides, their lengths and the areas of the smallest and the largest part that they are of.
+    let mut runs = UnionFind::<u32>::new(number.len());
+    pairs.iter().for_each(|&([a, b], _)| {
+        runs.union(a, b);
+    });
+    let mut run = vec![(0.0, [f64::INFINITY, 0.0]); number.len()];
+    for (place, pair) in &pairs {
+        let [a, b] = [0, 1].map(|k| points[pair[0].triangle[k] as usize].map(|x| x * scale));
+        let (long, of) = &mut run[runs.find_mut(place[0]) as usize];
+        *long += length(sub(b, a));
+        for side in pair {
+            let area = area[side.part as usize];
+            *of = [area.min(of[0]), area.max(of[1])];
+        }
+    }
     let mut joined = UnionFind::<u32>::new(points.len());
     let mut is_any = false;
-    for pair in at_place.chunk_by(|a, b| a.0 == b.0) {
-        let [(_, one), (_, other)] = pair else { continue };
-        if places(one) == places(other) {
+    for (place, [one, other]) in pairs {
+        let (long, [least, most]) = run[runs.find_mut(place[0]) as usize];
+        let of = if least < POCKET * most { most } else { least };
+        if long < LONG_ENOUGH * f64::sqrt(of) {
             continue;
         }
-        let [a, b] = one.ends;
-        let [mut c, mut d] = other.ends;
+        let ([a, b, _], [mut c, mut d, _]) = (one.triangle, other.triangle);
         if key(a) != key(c) {
             std::mem::swap(&mut c, &mut d);
         }
@@ -154,6 +192,35 @@ mod tests {
         let touching = model(&[a, b, c, d, a, b, c, e], &faces);
         assert_eq!(Weld::Auto.of(&touching), None);
         assert_eq!(prepare(&touching, Weld::Auto).unwrap().surfaces.len(), 2);
+    }
+
+    #[test]
+    fn halves_are_joined_but_a_short_slit_and_the_mouth_of_a_pocket_stay_open() {
+        let shapes::Shape { points, triangles } = shapes::sphere(2000);
+        let count = points.len() as u32;
+        let is_upper = |face: &[u32; 3]| face.iter().map(|&v| points[v as usize][2]).sum::<f64>() > 0.0;
+        let half = |&face: &[u32; 3]| face.map(|v| if is_upper(&face) { v + count } else { v });
+        let faces: Vec<[u32; 3]> = triangles.iter().map(half).collect();
+        let halves = model(&[points.clone(), points.clone()].concat(), &faces);
+        assert_eq!(prepare(&halves, Weld::Never).unwrap().surfaces.len(), 2);
+        let joined = prepare(&halves, Weld::Auto).unwrap();
+        assert_eq!(euler(&joined), [2]);
+        // One triangle has a vertex of its own: two of its sides are open.
+        let mut slit = triangles.clone();
+        let about = slit.iter_mut().find(|face| face.contains(&7)).unwrap();
+        about.iter_mut().filter(|v| **v == 7).for_each(|v| *v = count);
+        let slit = model(&[points.clone(), vec![points[7]]].concat(), &slit);
+        assert_eq!(Weld::Auto.of(&slit), None);
+        // A sheet with a hole of some size, and a tetrahedron without a base about the same hole.
+        let pocket = |size: f64| {
+            let hole = [[1.0, 1.0, 0.0], [2.0, 1.0, 0.0], [1.0, 2.0, 0.0]].map(|p| p.map(|x| size * x));
+            let sheet = [[0.0; 3], [1000.0, 0.0, 0.0], [0.0, 1000.0, 0.0]];
+            let points = [&sheet[..], &hole, &hole, &[[size, size, -size]]].concat();
+            let faces =
+                [[0, 1, 3], [1, 4, 3], [1, 2, 4], [2, 5, 4], [2, 0, 5], [0, 3, 5], [6, 7, 9], [7, 8, 9], [8, 6, 9]];
+            prepare(&model(&points, &faces), Weld::Auto).unwrap().surfaces.len()
+        };
+        assert_eq!([pocket(1.0), pocket(100.0)], [2, 1]);
     }
 
     #[test]
