@@ -38,7 +38,7 @@ const DIRECTIONS: usize = 16;
 /// Squares are sought in so many directions, evenly over a quarter turn.
 pub(super) const QUARTER: usize = 12;
 /// Motions that differ by less than this, in shares of the map's extent, are one.
-pub(super) const SAME_MOTION: f64 = 1e-7;
+const SAME_MOTION: f64 = 1e-7;
 
 /// A run of open edges between two joints.
 pub(super) struct Arc {
@@ -91,7 +91,7 @@ pub(super) struct Cells<'a> {
     at_joint: Vec<Vec<u32>>,
     /// What may lie over each other without mattering.
     least: f64,
-    pub(super) extent: f64,
+    extent: f64,
 }
 
 /// Which cells overlap when they are moved to each other, as far as that was asked.
@@ -171,6 +171,12 @@ impl<'a> Cells<'a> {
     /// How many triangles a cell has.
     pub(super) fn size(&self, c: u32) -> usize {
         self.faces[c as usize].len()
+    }
+
+    /// Whether two motions differ by rounding alone.
+    pub(super) fn is_same(&self, one: &Motion, other: &Motion) -> bool {
+        (one.turn - other.turn).norm_sqr() < SAME_MOTION.powi(2)
+            && (one.shift - other.shift).norm_sqr() < (SAME_MOTION * self.extent).powi(2)
     }
 
     /// Whether two cells lie over each other.

@@ -13,7 +13,7 @@ use rayon::prelude::*;
 
 use super::attach::moved_bounds;
 use super::boxes::{Bounds, Boxes, meet};
-use super::cells::{Cells, Known, QUARTER, SAME_MOTION};
+use super::cells::{Cells, Known, QUARTER};
 use super::divide::SLIVER;
 use super::map::UvMap;
 use super::motion::Motion;
@@ -228,21 +228,15 @@ impl Forest {
         let still = arc.cells[usize::from(self.area[left] < self.area[right])];
         let Some((c, motion)) = arc.beyond(still) else { return };
         let motion = self.motion[still as usize].after(&motion).after(&self.motion[c as usize].inverse());
-        let is_near = |one: &Motion, other: &Motion| {
-            (one.turn - other.turn).norm_sqr() < SAME_MOTION.powi(2)
-                && (one.shift - other.shift).norm_sqr() < (SAME_MOTION * cells.extent).powi(2)
-        };
         let [small, large] = [c, still].map(|c| self.island[c as usize]);
-        // What lies as it did does not overlap.
-        let since = (self.was_on[c as usize] == self.was_on[still as usize])
-            .then(|| [small, large].map(|island| self.since[island as usize]))
-            .and_then(|[one, other]| other.filter(|other| one.is_some_and(|one| is_near(&motion.after(&one), other))));
+        let since = self.since_both(cells, [c, still], &motion);
         moved.clear();
-        if since.is_none() || !is_near(&motion, &Motion::NONE) {
+        if since.is_none() || !cells.is_same(&motion, &Motion::NONE) {
             let placed = |p: u32| {
                 let motion = motion.after(&self.motion[p as usize]);
                 (p, motion, cells.bounds[p as usize].map_or(NOWHERE, |bounds| moved_bounds(bounds, &motion)))
             };
+            // What lies as it did does not overlap.
             let mut overlap = |(p, motion, bounds): &(u32, Motion, Bounds), q: u32| {
                 since.is_none()
                     && meet(bounds, &self.placed[q as usize])
@@ -277,6 +271,13 @@ impl Forest {
         self.next.swap(c as usize, still as usize);
         self.area[large as usize] += self.area[small as usize];
         self.is_glued[k as usize] = true;
+    }
+
+    /// What has moved both islands of two cells since they were one, if they lie to each other as they did once that of the first is moved.
+    fn since_both(&self, cells: &Cells, [c, still]: [u32; 2], motion: &Motion) -> Option<Motion> {
+        let [one, other] = [c, still].map(|c| self.since[self.island[c as usize] as usize]);
+        let were_one = self.was_on[c as usize] == self.was_on[still as usize];
+        other.filter(|other| were_one && one.is_some_and(|one| cells.is_same(&motion.after(&one), other)))
     }
 
     /// Which arcs are seams.

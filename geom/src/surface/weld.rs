@@ -54,8 +54,8 @@ pub(super) struct BoundarySide {
     pub(super) part: u32,
 }
 
-/// For each vertex the first of those that sides of the boundary at the same place join; none if there are none such. Parts have areas, measured in
-/// a unit; points are multiplied by `scale` to be in it.
+/// For each vertex the first of those that sides of the boundary at the same place join; none if there are none such. `area` is that of each part of
+/// the surface, once points are multiplied by `scale`.
 pub(super) fn stitches(
     (points, scale): (&[[f64; 3]], f64),
     sides: impl Iterator<Item = BoundarySide>,
