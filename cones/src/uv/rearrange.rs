@@ -629,6 +629,25 @@ mod tests {
     }
 
     #[test]
+    fn the_room_is_the_same_whatever_was_kept_from_earlier_steps() {
+        let (shape, cones) = cases().nth(1).unwrap();
+        let (mesh, lengths, map, network) = apart(&shape, &cones);
+        let boxes = Boxes::new(map.triangles());
+        let cells = Cells::new((&mesh, None), sum(&mesh, &lengths), &map, &boxes, &network);
+        let mut forest = Forest::of(&cells, &mesh, &map.cut);
+        let mut search = Search { cells: &cells, cost: |_| 0.0, random: Random(3), memory: Memory::new(&cells) };
+        let mut rooms = Vec::new();
+        for _ in 0..50 {
+            let arcs = search.chosen(&forest);
+            forest.ruin(&cells, &arcs, &mut search.memory);
+            search.recreate(&mut forest);
+            rooms.push(forest.room(&cells, &mut search.memory));
+            assert_eq!(rooms.last(), Some(&forest.room(&cells, &mut Memory::new(&cells))));
+        }
+        assert!(rooms.iter().any(|&room| room != rooms[0]));
+    }
+
+    #[test]
     fn room_is_that_of_a_square_about_all_corners() {
         let (shape, cones) = cases().next().unwrap();
         let (mesh, lengths, map, network) = apart(&shape, &cones);
