@@ -98,9 +98,13 @@ def test_a_mesh_that_is_split_along_its_seams_has_the_same_map(hare):
     origin, uv, triangles = result.split()
     assert (uv[triangles] == result.uv[result.triangles]).all()
     assert (origin[triangles] == hare.corners[result.triangles]).all()
-    split = cones.measure(hare.vertices[origin], triangles, uv[triangles].reshape(-1, 2), weld=True)
-    assert split.distortion["area_mean"] == pytest.approx(result.distortion["area_mean"])
-    assert split.distortion["seam_length"] == pytest.approx(result.distortion["seam_length"])
+    for weld in ("auto", "always", True):
+        split = cones.measure(hare.vertices[origin], triangles, uv[triangles].reshape(-1, 2), weld=weld)
+        assert split.distortion["area_mean"] == pytest.approx(result.distortion["area_mean"])
+        assert split.distortion["seam_length"] == pytest.approx(result.distortion["seam_length"])
+    assert cones.unwrap(hare.vertices[origin], triangles, n=6).island_count == result.island_count
+    with pytest.raises(cones.Error, match="weld"):
+        cones.unwrap(hare, weld="sometimes")
 
 
 def test_marked_seams_are_cut(hare):
