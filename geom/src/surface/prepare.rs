@@ -193,7 +193,7 @@ pub fn prepare_watched(model: &Model, weld: Weld, watch: Watch) -> Result<Prepar
     let mut log = RepairLog::default();
     let triangles = model.triangles();
     watch.ask(0.02)?;
-    // Of what is stitched the boundary has to be known, so that it is glued twice.
+    // Boundaries have to be known before they are joined: where they are, triangles are glued again.
     let welded = if weld == Weld::Always { weld.of(model) } else { None };
     let mut soup = Soup::glued(model, &triangles, welded.as_deref(), &mut log, watch.within(0.05, 0.3))?;
     if weld == Weld::Auto
