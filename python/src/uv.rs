@@ -59,9 +59,7 @@ pub(crate) fn measure<'py>(
     let quality = watched(py, None, |told| {
         let triangles = model.triangles();
         let mut vertices = triangles.vertices(model);
-        if let Some(first) = weld.of(model) {
-            vertices.iter_mut().flatten().for_each(|v| *v = first[*v as usize]);
-        }
+        weld.apply(model, &mut vertices);
         let stops = |_| told.goes_on();
         Quality::measure_watched(
             model.points(),

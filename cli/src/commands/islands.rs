@@ -1,6 +1,6 @@
 //! `cones islands`: a map that somebody made, taken apart where it lies over itself.
 
-use crate::commands::shared::{PackArgs, SurfaceFile, WeldArgs, corner_uv, split_vertices, weld_vertices};
+use crate::commands::shared::{PackArgs, SurfaceFile, WeldArgs, corner_uv, split_vertices};
 use crate::error::CommandError;
 use crate::report::table::{labelled, thousands};
 use crate::report::{SCHEMA, overlap_text};
@@ -101,7 +101,7 @@ fn packed(args: &IslandsArgs, model: &Model, parted: Parted) -> Result<Vec<[f64;
 fn measured(args: &IslandsArgs, model: &Model, uv: &[[f64; 2]]) -> Result<MapReport, CommandError> {
     let triangles = model.triangles();
     let (mut vertices, corners) = (triangles.vertices(model), corner_uv(&triangles.corners, uv));
-    weld_vertices(model, args.weld.chosen(), &mut vertices);
+    args.weld.chosen().apply(model, &mut vertices);
     let Quality { distortion, islands, .. } = Quality::measure(model.points(), &vertices, &corners, None)
         .map_err(|error| CommandError::Measure { path: args.input.clone(), error })?;
     Ok(MapReport {

@@ -1,6 +1,6 @@
 //! `cones measure`: the distortion of any unwrapped OBJ.
 
-use crate::commands::shared::{WeldArgs, corner_uv, split_vertices, weld_vertices};
+use crate::commands::shared::{WeldArgs, corner_uv, split_vertices};
 use crate::error::CommandError;
 use crate::render::{self, Paint, Scene};
 use crate::report::table::thousands;
@@ -127,7 +127,7 @@ fn measure(args: &MeasureArgs, model: &Model, reference: &Model) -> Result<Measu
     let uv = model.uv().ok_or_else(no_texture)?.all().map_err(|_| no_texture())?;
     let triangles = reference.triangles();
     let (mut vertices, uv) = (triangles.vertices(reference), corner_uv(&triangles.corners, &uv));
-    weld_vertices(reference, args.weld.chosen(), &mut vertices);
+    args.weld.chosen().apply(reference, &mut vertices);
     let quality = Quality::measure(reference.points(), &vertices, &uv, None)
         .map_err(|error| CommandError::Measure { path: args.input.clone(), error })?;
     Ok(Measured { face_of: triangles.face_of, vertices, uv, quality })

@@ -95,7 +95,7 @@ fn steps(cells: usize) -> usize {
 }
 
 /// Cells that are glued to each other.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 struct Forest {
     /// Whether an arc is an edge of it.
     is_glued: Vec<bool>,
@@ -112,35 +112,6 @@ struct Forest {
     was_on: Vec<u32>,
     /// and what has moved all of an island since; none if it is no longer as it was.
     since: Vec<Option<Motion>>,
-}
-
-impl Clone for Forest {
-    fn clone(&self) -> Self {
-        let Self { is_glued, motion, placed, island, next, area, was_on, since } = self;
-        Self {
-            is_glued: is_glued.clone(),
-            motion: motion.clone(),
-            placed: placed.clone(),
-            island: island.clone(),
-            next: next.clone(),
-            area: area.clone(),
-            was_on: was_on.clone(),
-            since: since.clone(),
-        }
-    }
-
-    /// Without asking for room anew, which takes longer than most of a step.
-    fn clone_from(&mut self, from: &Self) {
-        let Self { is_glued, motion, placed, island, next, area, was_on, since } = from;
-        self.is_glued.clone_from(is_glued);
-        self.motion.clone_from(motion);
-        self.placed.clone_from(placed);
-        self.island.clone_from(island);
-        self.next.clone_from(next);
-        self.area.clone_from(area);
-        self.was_on.clone_from(was_on);
-        self.since.clone_from(since);
-    }
 }
 
 impl Forest {
@@ -164,6 +135,19 @@ impl Forest {
         };
         forest.find_islands(cells, &mut Vec::new());
         forest
+    }
+
+    /// Becomes a clone of another one without asking for room anew, which takes longer than most of a step.
+    fn copy(&mut self, from: &Self) {
+        let Self { is_glued, motion, placed, island, next, area, was_on, since } = from;
+        self.is_glued.clone_from(is_glued);
+        self.motion.clone_from(motion);
+        self.placed.clone_from(placed);
+        self.island.clone_from(island);
+        self.next.clone_from(next);
+        self.area.clone_from(area);
+        self.was_on.clone_from(was_on);
+        self.since.clone_from(since);
     }
 
     /// Takes arcs apart.
@@ -395,7 +379,7 @@ impl<C: Fn(Figures) -> f64> Search<'_, C> {
             let done = step as f64 / steps as f64;
             watch.ask(done)?;
             let arcs = self.chosen(&at.1);
-            next.clone_from(&at.1);
+            next.copy(&at.1);
             next.ruin(self.cells, &arcs, &mut self.memory);
             self.recreate(&mut next);
             let most = at.0 + PATIENCE * (1.0 - done).powi(2);
@@ -410,7 +394,7 @@ impl<C: Fn(Figures) -> f64> Search<'_, C> {
                 std::mem::swap(&mut at.1, &mut next);
                 if at.0 < best.0 - SAME_COST {
                     best.0 = at.0;
-                    best.1.clone_from(&at.1);
+                    best.1.copy(&at.1);
                 }
             }
         }

@@ -27,4 +27,4 @@ pub(crate) use surface_file::{FormatName, SurfaceFile};
 pub(crate) use unwrapped::{Scale, Unwrapped, corner_uv};
 pub(crate) use vtp_file::text as vtp_text;
 pub(crate) use warn::warn;
-pub(crate) use welded::{WeldArgs, split_vertices, weld_vertices};
+pub(crate) use welded::{WeldArgs, split_vertices};

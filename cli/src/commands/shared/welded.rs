@@ -41,13 +41,6 @@ pub(crate) fn split_vertices(model: &Model, weld: Weld) -> usize {
     repairs.iter().find(|repair| repair.kind == RepairKind::Unwelded).map_or(0, |repair| repair.count)
 }
 
-/// Triangles of a model with vertices that are taken for others.
-pub(crate) fn weld_vertices(model: &Model, weld: Weld, triangles: &mut [[u32; 3]]) {
-    if let Some(place) = weld.of(model) {
-        triangles.iter_mut().flatten().for_each(|v| *v = place[*v as usize]);
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -66,7 +59,7 @@ mod tests {
         assert_eq!(split_vertices(&model, Weld::Never), 2);
         let mut triangles = vec![[0, 1, 2], [3, 4, 5]];
         for (weld, expected) in [(Weld::Never, [3, 4, 5]), (Weld::Auto, [0, 4, 1]), (Weld::Always, [0, 4, 1])] {
-            weld_vertices(&model, weld, &mut triangles);
+            weld.apply(&model, &mut triangles);
             assert_eq!(triangles[1], expected);
         }
         assert_eq!(split_vertices(&model, Weld::Auto), 0);
