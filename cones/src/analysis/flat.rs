@@ -13,7 +13,7 @@ use crate::cut::{SeamFigures, SeamPlan};
 use crate::error::Error;
 use crate::flatten::{
     DetachedShape, Fixed, FoldOvers, Layout, MOST_BENT, Scaling, Seams, detach, narrow_rims, relax, remove_fold_overs,
-    scale, seam_lengths, stretch,
+    scale_by, seam_lengths, stretch,
 };
 
 /// Cones that somebody has chosen are doubted above this area distortion, this quasi-conformal distortion, or where lengths change
@@ -84,14 +84,15 @@ impl Component {
                     for (&v, &k) in vertices.iter().zip(curvature) {
                         target[v] = k;
                     }
-                    scale(mesh, metric, operators, &target, predicted, watch)
+                    let factor = operators.factor_again(watch)?;
+                    // Other attempts would need it, but few surfaces have any.
+                    self.let_factor_go();
+                    scale_by(factor, (mesh, metric, operators), &target, predicted, watch)
                 })
             },
         );
         *times += Times::on_clock([of_cut, of_scale], began.elapsed());
         let (seams, scaling) = (seams??, scaling??);
-        // Other attempts would need it, but few surfaces have any; what comes next takes most of the other memory.
-        self.let_factor_go();
         let mut notes = notes.clone();
         if scaling.mollified {
             notes.push(Note::Mollified { component: *index });

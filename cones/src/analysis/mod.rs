@@ -196,17 +196,18 @@ impl Analysis {
     /// # Errors
     /// If a Laplacian cannot be factored, or if the observer has said stop.
     pub fn with_handles_opened(&self) -> Result<Option<Self>, Error> {
-        let known = match self.found.opened.get() {
-            Some(known) => known,
+        let opened = match self.found.opened.get() {
+            Some(known) => known.clone(),
             None => {
                 let made = match self.components().iter().any(|component| component.has_handles()) {
                     true => Some(Arc::new(self.found.opened(&self.task())?)),
                     false => None,
                 };
-                self.found.opened.get_or_init(|| made)
+                // Where one map is asked for, what it is not made of is not kept.
+                if self.found.making.is_asked_once { made } else { self.found.opened.get_or_init(|| made).clone() }
             }
         };
-        Ok(known.as_ref().map(|found| Self { found: Arc::clone(found), observer: Arc::clone(&self.observer) }))
+        Ok(opened.map(|found| Self { found, observer: Arc::clone(&self.observer) }))
     }
 
     /// The same analysis, with another observer that listens to what is asked of it.

@@ -265,7 +265,10 @@ impl Analysis {
         if is_undecided.contains(&true) {
             let before = std::mem::take(&mut chosen.0);
             each(self.components(), tried, |component, times| match is_undecided[component.index] {
-                true => component.factor_again(&self.task(), times),
+                true => {
+                    opened.components()[component.index].let_factor_go();
+                    component.factor_again(&self.task(), times)
+                }
                 false => Ok(()),
             })?;
             let known =
@@ -286,6 +289,9 @@ impl Analysis {
             is_in_question[part] && is_better
         };
         let is_opened: Vec<bool> = closed.iter().zip(others).enumerate().map(is_better).collect();
+        let is_opened_part = |part: usize| is_opened[if is_shared { 0 } else { part }];
+        let left = self.components().iter().filter(|component| is_opened_part(component.index));
+        left.for_each(|component| component.let_factor_go());
         if is_shared || (0..is_opened.len()).all(|part| is_opened[part] || !has_handles(part)) {
             return Ok(is_opened[0].then_some((opened, other)));
         }

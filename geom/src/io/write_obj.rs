@@ -167,8 +167,12 @@ impl Job<'_> {
         }
         copy.until(text.len())?;
         if !added {
-            let is_ended = text.ends_with(b"\n") || text.ends_with(b"\r");
-            copy.out.write_all(if is_ended { b"" } else { line_end.as_bytes() })?;
+            let is_end = |&byte: &u8| byte == b'\n' || byte == b'\r';
+            let last = &text[..text.len() - usize::from(text.last().is_some_and(is_end))];
+            let last = last.strip_suffix(b"\r").unwrap_or(last);
+            // A backslash at the very end would continue that line with what is added.
+            let missing = usize::from(last.len() == text.len()) + usize::from(last.ends_with(b"\\"));
+            (0..missing).try_for_each(|_| copy.out.write_all(line_end.as_bytes()))?;
             self.addition(line_end, &mut copy.out)?;
         }
         Ok(())

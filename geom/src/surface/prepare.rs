@@ -403,7 +403,7 @@ impl Soup {
         self.triangle[h / 3].1 == self.triangle[g / 3].1 && [a, b] == [d, c]
     }
 
-    /// Turns triangles until twins run in opposite directions; unglues them where that cannot be.
+    /// Turns triangles until twins run in opposite directions; unglues them where that cannot be, but never inside a polygon.
     fn orient(&mut self, log: &mut RepairLog) {
         let faces = self.triangle.len();
         let mut turned: Vec<Option<bool>> = vec![None; faces];
@@ -412,18 +412,17 @@ impl Soup {
             if turned[seed].is_some() {
                 continue;
             }
-            turned[seed] = Some(false);
             component.clear();
-            component.push(seed);
+            self.turn_polygon((seed, false), &mut turned, &mut component);
             let mut at = 0;
             while at < component.len() {
-                let f = component[at];
+                let f: usize = component[at];
                 at += 1;
                 for h in 3 * f..3 * f + 3 {
-                    let g = self.twin[h];
-                    if g != NONE && turned[g as usize / 3].is_none() {
-                        turned[g as usize / 3] = turned[f].map(|f| f ^ self.run_alike(h, g as usize));
-                        component.push(g as usize / 3);
+                    let g = self.twin[h] as usize;
+                    if self.twin[h] != NONE && turned[g / 3].is_none() {
+                        let turns = (turned[f] == Some(true)) ^ self.run_alike(h, g);
+                        self.turn_polygon((g / 3, turns), &mut turned, &mut component);
                     }
                 }
             }
@@ -444,6 +443,25 @@ impl Soup {
         for f in (0..faces).filter(|&f| turned[f] == Some(true)) {
             log.note(RepairKind::FlippedFace, self.triangle[f].1 as usize);
             self.turn(f);
+        }
+    }
+
+    /// Decides whether a triangle is turned, and with it the others of its polygon, which share its corners: all are listed.
+    fn turn_polygon(&self, (first, turns): (usize, bool), turned: &mut [Option<bool>], listed: &mut Vec<usize>) {
+        let mut at = listed.len();
+        turned[first] = Some(turns);
+        listed.push(first);
+        while at < listed.len() {
+            let f = listed[at];
+            at += 1;
+            for h in 3 * f..3 * f + 3 {
+                let g = self.twin[h] as usize;
+                let is_inside = self.twin[h] != NONE && self.triangle[g / 3].1 == self.triangle[f].1;
+                if is_inside && turned[g / 3].is_none() {
+                    turned[g / 3] = turned[f].map(|f| f ^ self.run_alike(h, g));
+                    listed.push(g / 3);
+                }
+            }
         }
     }
 
@@ -794,6 +812,31 @@ mod tests {
         for v in surface.mesh.vertices() {
             let given = points[surface.vertex[v] as usize];
             assert!((0..3).all(|k| (surface.points[v.index()][k] / surface.scale - given[k]).abs() < 1e-2));
+        }
+    }
+
+    #[test]
+    fn a_surface_that_cannot_be_oriented_is_opened_between_polygons_only() {
+        for count in 3..9_u32 {
+            // A Möbius band of quads: half a turn about its centre line on the way round.
+            let at = |k: u32, side: f64| {
+                let (sin, cos) = (std::f64::consts::TAU * f64::from(k) / f64::from(count)).sin_cos();
+                let (up, out) = (std::f64::consts::PI * f64::from(k) / f64::from(count)).sin_cos();
+                [(2.0 + side * out) * cos, (2.0 + side * out) * sin, side * up]
+            };
+            let points = (0..count).flat_map(|k| [at(k, -0.5), at(k, 0.5)]).collect();
+            let quad = |k: u32| match k + 1 < count {
+                true => [2 * k, 2 * k + 1, 2 * k + 3, 2 * k + 2],
+                false => [2 * k, 2 * k + 1, 0, 1],
+            };
+            let quads: Vec<[u32; 4]> = (0..count).map(quad).collect();
+            let model = Model::from_polygons(points, &quads).unwrap();
+            let prepared = prepare(&model, Weld::Never).unwrap();
+            check(&prepared, &model);
+            let [surface] = &prepared.surfaces[..] else { panic!("it is connected") };
+            assert_eq!(surface.diagonal.iter().filter(|&&is_inside| is_inside).count(), quads.len(), "{count} quads");
+            assert_eq!(self::count(&prepared, RepairKind::NonOrientableEdge), 1);
+            assert_eq!(surface.mesh.euler_characteristic(), 1, "a strip");
         }
     }
 

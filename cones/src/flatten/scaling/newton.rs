@@ -5,9 +5,11 @@
 //! linear solution is good at once; where it is not, that part alone is solved for first, u held around it, so that the whole
 //! is asked few times (a nonlinear Schwarz method; Cai & Keyes 2002). What is left is a line search on the directional derivative.
 
+use std::sync::Arc;
+
 use geom::{
-    Id, Interrupted, Intrinsic, Metric, Poisson, SymmetricMatrix, Triangulation, VertexData, VertexId, Watch,
-    laplacian, ptolemaic_delaunay_watched,
+    Id, Interrupted, Intrinsic, Metric, Poisson, PoissonError, SymmetricMatrix, Triangulation, VertexData, VertexId,
+    Watch, laplacian, ptolemaic_delaunay_watched,
 };
 
 use super::{Failed, Scaling, ScalingError};
@@ -51,10 +53,6 @@ pub(super) struct Newton<'a> {
     pub(super) start: &'a VertexData<f64>,
     /// Where u stays as it is.
     pub(super) fixed: Vec<VertexId>,
-    /// The factor that is already there. Others are made in the same order of elimination.
-    pub(super) poisson: &'a Poisson,
-    /// Whether it is that of the Laplacian to begin with, or of one that is much like it.
-    pub(super) starts_from_factor: bool,
     /// On a double, the vertex of the surface for each of its own. Log scale factors are the same on both halves.
     pub(super) original: Option<&'a VertexData<VertexId>>,
     /// The error to reach.
@@ -62,18 +60,45 @@ pub(super) struct Newton<'a> {
     pub(super) watch: Watch<'a>,
 }
 
+/// The last factor of a Laplacian of the surface that there is. Others are made in the same order of elimination, in its place where nobody
+/// else has it.
+pub(super) struct Factor {
+    /// Nothing once a Laplacian could not be factored.
+    poisson: Option<Arc<Poisson>>,
+    /// Whether it is of the Laplacian that is asked for next, or one much like it.
+    is_like: bool,
+}
+
+impl Factor {
+    pub(super) fn new(poisson: Arc<Poisson>, is_like: bool) -> Self {
+        Self { poisson: Some(poisson), is_like }
+    }
+
+    pub(super) fn is_lost(&self) -> bool {
+        self.poisson.is_none()
+    }
+
+    fn refactor(&mut self, laplacian: &SymmetricMatrix, watch: Watch) -> Result<&Poisson, PoissonError> {
+        let new = match Arc::try_unwrap(self.poisson.take().expect("it is not lost")) {
+            Ok(own) => own.refactor_watched(laplacian, watch)?,
+            Err(shared) => shared.another_watched(laplacian, watch)?,
+        };
+        self.is_like = true;
+        Ok(self.poisson.insert(Arc::new(new)))
+    }
+}
+
 /// Log scale factors, the metric scaled by them, and what its curvature lacks.
 type Scaled = (VertexData<f64>, Metric, VertexData<f64>);
 
 impl Newton<'_> {
     /// Finds the metric from a Delaunay triangulation on; its lengths stay unscaled while flips change it.
-    pub(super) fn run(&self, mut state: Intrinsic) -> Result<Scaling, Failed> {
+    pub(super) fn run(&self, mut state: Intrinsic, factor: &mut Factor) -> Result<Scaling, Failed> {
         let starts_at_zero = self.fixed.is_empty();
         let mut u = if starts_at_zero { VertexData::constant(self.start.len(), 0.0) } else { self.start.clone() };
         let mut metric = self.scaled(&mut state, &u);
         self.watch.ask(0.0)?;
         let mut residual = self.residual(&state.triangulation, &metric);
-        let mut factored: Option<Poisson> = None;
         let mut steps = 0;
         let mut last = false;
         let first = largest(&residual).1;
@@ -99,32 +124,26 @@ impl Newton<'_> {
                 return Err(Failed { error: ScalingError::NoTriangle(vertex), u: Some(u) });
             }
             let watch = self.watch.within(done, done);
-            let step = match self.starts_from_factor && steps == 0 && starts_at_zero {
-                true => {
+            let is_of_surface = factor.is_like && steps == 0 && starts_at_zero;
+            let step = match &factor.poisson {
+                Some(poisson) if is_of_surface => {
                     // What is lacking in exactness the next step corrects.
                     let mut step = [residual.clone()];
-                    self.poisson.solve_many_in_place(&mut step, watch)?;
+                    poisson.solve_many_in_place(&mut step, watch)?;
                     let [step] = step;
                     step
                 }
-                false => {
+                poisson => {
                     let hessian = self.hessian(&state.triangulation, &metric);
                     self.watch.ask(done)?;
                     let tolerance = (error * error.min(FORCING)).max(0.2 * self.goal);
-                    let like = factored.as_ref().or(self.starts_from_factor.then_some(self.poisson));
-                    let step = match like {
+                    let step = match poisson.as_ref().filter(|_| factor.is_like) {
                         Some(like) => like.solve_perturbed(&hessian, &residual, tolerance, watch)?,
                         None => None,
                     };
                     match step {
                         Some(step) => step,
-                        None => {
-                            let new = match factored.take() {
-                                Some(poisson) => poisson.refactor_watched(&hessian, watch)?,
-                                None => self.poisson.another_watched(&hessian, watch)?,
-                            };
-                            factored.insert(new).solve_watched(&residual, watch)?
-                        }
+                        None => factor.refactor(&hessian, watch)?.solve_watched(&residual, watch)?,
                     }
                 }
             };
@@ -226,17 +245,8 @@ impl Newton<'_> {
         let scaled = part.intrinsic.metric.scaled(inside, &start);
         let Ok(poisson) = Poisson::new(&laplacian(inside, &scaled), &fixed) else { return Ok(false) };
         let watch = self.watch.within(f64::NAN, f64::NAN);
-        let newton = Newton {
-            target: &target,
-            start: &start,
-            fixed,
-            poisson: &poisson,
-            starts_from_factor: true,
-            original: None,
-            goal: MENDED,
-            watch,
-        };
-        let found = match newton.run(part.intrinsic.clone()) {
+        let newton = Newton { target: &target, start: &start, fixed, original: None, goal: MENDED, watch };
+        let found = match newton.run(part.intrinsic.clone(), &mut Factor::new(Arc::new(poisson), true)) {
             Ok(found) => found,
             Err(Failed { error: ScalingError::Interrupted(stop), .. }) => return Err(stop),
             Err(_) => return Ok(false),

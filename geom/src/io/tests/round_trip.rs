@@ -36,6 +36,12 @@ pub(super) fn assert_ply_and_glb_come_back(model: &Model) {
     assert!(back.vertex_count() <= model.vertex_count());
 }
 
+/// A line without a backslash at its end: the last one may be continued with nothing, and what is added begins a line of its own.
+fn without_continuation(line: &[u8]) -> &[u8] {
+    let line = line.trim_ascii_end();
+    line.strip_suffix(b"\\").unwrap_or(line)
+}
+
 /// The old text's lines that are no faces must be a subsequence of the new text's, and the rest be `vt` lines. Old `vt` lines are
 /// kept only if something else than faces refers to them.
 fn assert_lines_are_kept(old: &[u8], new: &[u8]) {
@@ -45,7 +51,7 @@ fn assert_lines_are_kept(old: &[u8], new: &[u8]) {
     let others = |text, without_texture: bool| -> Vec<&[u8]> {
         let is_face = |line: &text::Line| line.words().next().is_some_and(obj::is_face);
         let is_other = |line: &text::Line| !(is_face(line) || without_texture && begins(line, &[b"vt"]));
-        Lines::joined(text).filter(is_other).map(|line| line.text).collect()
+        Lines::joined(text).filter(is_other).map(|line| without_continuation(line.text)).collect()
     };
     let mut old_lines = others(old, !is_used).into_iter().peekable();
     for line in others(new, false) {
