@@ -5,9 +5,9 @@ use std::borrow::Cow;
 use geom::distortion::DistortionError;
 use geom::{Model, Watch, Weld};
 
-use super::quality::Quality;
+use super::quality::{OverlapReport, Quality};
 use super::unwrapping::Report;
-use crate::analysis::{Analysis, Atlas, Options};
+use crate::analysis::{Analysis, Atlas, Note, Options};
 
 /// The size of texture coordinates.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -74,7 +74,7 @@ impl MeasuredAtlas {
             false => triangles.iter().map(|t| t.map(|c| uv[c as usize])).collect(),
         };
         let quality = Quality::measure_watched(model.points(), &vertices, &corners, Some(&cones), watch)?;
-        let flaws = flaw(model, &quality, &triangles).into_iter().collect();
+        let flaws = flaws(model, &quality, &triangles, &atlas.notes);
         Ok(Self { atlas, uv, quality, flaws })
     }
 
@@ -86,14 +86,25 @@ impl MeasuredAtlas {
     }
 }
 
-/// What is wrong with the triangles of a map.
-fn flaw(model: &Model, quality: &Quality, triangles: &[[u32; 3]]) -> Option<String> {
-    let corner = triangles[quality.first_flaw?][0];
-    let face = model.face_start().partition_point(|&start| start <= corner) - 1;
-    let [flipped, degenerate] = [quality.distortion.flipped, quality.distortion.degenerate];
-    Some(format!(
-        "{flipped} triangles of the map are flipped, and {degenerate} have no area there (first face {face}, counted from 0)"
-    ))
+/// What is wrong with the triangles of a map, where the notes do not say it.
+fn flaws(model: &Model, quality: &Quality, triangles: &[[u32; 3]], notes: &[Note]) -> Vec<String> {
+    let mut flaws = Vec::new();
+    if let Some(first) = quality.first_flaw {
+        let face = model.face_start().partition_point(|&start| start <= triangles[first][0]) - 1;
+        let [flipped, degenerate] = [quality.distortion.flipped, quality.distortion.degenerate];
+        let what = match (flipped, degenerate) {
+            (flipped, 0) => format!("{flipped} triangles of the map are flipped"),
+            (0, degenerate) => format!("{degenerate} triangles of the map have no area"),
+            _ => format!("{flipped} triangles of the map are flipped, and {degenerate} have no area"),
+        };
+        flaws.push(format!("{what} (first face {face}, counted from 0)"));
+    }
+    let is_said = notes.iter().any(|note| matches!(note, Note::Overlap { .. }));
+    if quality.distortion.overlap.pairs > 0 && !is_said {
+        let OverlapReport { pairs, share, .. } = quality.distortion.overlap;
+        flaws.push(format!("{pairs} pairs of triangles of the map overlap, on {:.2} % of it", 100.0 * share));
+    }
+    flaws
 }
 
 impl Atlas {

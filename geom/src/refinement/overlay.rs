@@ -8,9 +8,14 @@
 
 use super::SurfacePoint;
 use super::cut::{Chord, Crossing, Cut, Node};
-use super::plane::{Point, crossing, mean_value, minus};
+use super::plane::{Point, away_from_sides, crossing, mean_value, minus};
 use crate::intrinsic::{Metric, Sides, TOLERANCE, opposite_cosines, other_diagonal};
 use crate::mesh::{EdgeId, FaceId, HalfedgeId, Id, Triangulation, VertexId};
+
+/// A new vertex stays so far from the input's edges, as a share of its triangle's longest side, if there is room. Circumcentres of right
+/// triangles lie on their longest sides: on CAD parts these are edges of the input, and between them and the vertex were triangles without
+/// area.
+const LEAST_DISTANCE: f64 = 1e-3;
 
 /// How an edge meets the input's edges; seen along the halfedge that names it.
 #[derive(Clone, Debug)]
@@ -180,13 +185,15 @@ impl<'a> Overlay<'a> {
         let p = [0, 1].map(|c| (0..3).map(|s| weights[s] * corners[s][c]).sum());
         let cut = self.cut(f);
         let cell = cut.locate(&corners, p);
+        let polygon = cut.polygon(cell);
+        let positions: Vec<Point> = polygon.iter().map(|&node| cut.position(&corners, node)).collect();
+        let longest = self.sides(f).0.into_iter().fold(0.0, f64::max);
+        let p = away_from_sides(&positions, p, LEAST_DISTANCE * longest);
         let traces = [1, 2, 0].map(|s| {
             let chords = cut.chords_between(s, cell);
             Trace::Across(crossed([corners[s], p], chords.into_iter().map(|chord| placed(&cut, &corners, chord))))
         });
         let home = self.home(f, &cut, cell);
-        let polygon = cut.polygon(cell);
-        let positions: Vec<Point> = polygon.iter().map(|&node| cut.position(&corners, node)).collect();
         let mut at = [0.0; 3];
         for (weight, &node) in mean_value(&positions, p).into_iter().zip(&polygon) {
             let node = self.barycentric(home, f, &cut, node);

@@ -33,6 +33,37 @@ pub(super) fn crossing([a, b]: [Point; 2], [c, d]: [Point; 2]) -> [f64; 2] {
     [share(wedge(minus(c, a), across)), share(wedge(minus(c, a), along))]
 }
 
+/// A point of a convex polygon, which runs counter-clockwise, moved straight away from sides that are nearer than `least`; where it is narrow,
+/// no further than to the middle.
+pub(super) fn away_from_sides(polygon: &[Point], mut p: Point, least: f64) -> Point {
+    let count = polygon.len();
+    // The inward normals of the sides that have any length.
+    let side = |k: usize| {
+        let (a, along) = (polygon[k], minus(polygon[(k + 1) % count], polygon[k]));
+        let length = along[0].hypot(along[1]);
+        (length > 0.0).then(|| (a, [-along[1] / length, along[0] / length]))
+    };
+    let sides: Vec<(Point, Point)> = (0..count).filter_map(side).collect();
+    let dot = |a: Point, b: Point| a[0] * b[0] + a[1] * b[1];
+    for &(a, normal) in &sides {
+        let distance = dot(minus(p, a), normal);
+        if distance >= least {
+            continue;
+        }
+        // How far it can go until it meets another side.
+        let room = sides.iter().filter_map(|&(b, other)| {
+            let towards = -dot(normal, other);
+            (towards > 0.0).then(|| dot(minus(p, b), other).max(0.0) / towards)
+        });
+        let room = room.fold(f64::INFINITY, f64::min);
+        let step = (least - distance).min(0.5 * (room - distance)).max(0.0);
+        if step.is_finite() {
+            p = [p[0] + step * normal[0], p[1] + step * normal[1]];
+        }
+    }
+    p
+}
+
 /// Mean value coordinates of a point in a convex polygon (Floater 2003): weights that are not negative and reproduce the
 /// point. They go on where the polygon is as thin as a line.
 pub(super) fn mean_value(polygon: &[Point], p: Point) -> Vec<f64> {
@@ -71,6 +102,17 @@ mod tests {
             assert!((sum(0) - p[0]).abs() < 1e-12 && (sum(1) - p[1]).abs() < 1e-12);
             assert!(weights.iter().all(|w| *w >= 0.0));
         }
+    }
+
+    #[test]
+    fn a_point_near_a_side_goes_away_from_it_as_far_as_there_is_room() {
+        let strip = [[0.0, 0.0], [4.0, 0.0], [4.0, 0.01], [0.0, 0.01]];
+        assert_eq!(away_from_sides(&strip, [1.0, 0.004], 0.003), [1.0, 0.004]);
+        let near = |p: Point, q: Point| minus(p, q).iter().all(|d| d.abs() < 1e-12);
+        assert!(near(away_from_sides(&strip, [1.0, 1e-17], 0.003), [1.0, 0.003]));
+        assert!(near(away_from_sides(&strip, [1.0, 0.0], 0.1), [1.0, 0.005]), "the middle");
+        assert!(near(away_from_sides(&strip, [1.0, 0.01], 0.001), [1.0, 0.009]));
+        assert!(near(away_from_sides(&strip, [0.0, 0.01], 0.001), [0.001, 0.009]), "in a corner");
     }
 
     #[test]

@@ -141,12 +141,22 @@ const HARMLESS: [&str; 9] = [
     "MSFT_texture_",
 ];
 
+/// Whether a document is of version 1, which has names for meshes where version 2 has numbers.
+fn is_of_version_1(json: &[u8]) -> bool {
+    let document: serde_json::Value = serde_json::from_slice(json).unwrap_or_default();
+    document.get("meshes").is_some_and(serde_json::Value::is_object) && document.get("accessors").is_some()
+}
+
 impl Document {
     /// Reads the JSON, and refuses what is not glTF 2 or needs what is not read here.
     pub(super) fn read(json: &[u8]) -> Result<Self, Fault> {
         let json = json.strip_prefix(b"\xef\xbb\xbf").unwrap_or(json);
         let document: Self = serde_json::from_slice(json).map_err(|error| {
-            Fault::unexpected(Place::File, format!("JSON that is no glTF ({error})"), "a glTF 2.0 document")
+            let found = match is_of_version_1(json) {
+                true => "glTF of version 1".to_owned(),
+                false => format!("JSON that is no glTF ({error})"),
+            };
+            Fault::unexpected(Place::File, found, "glTF of version 2")
         })?;
         if !document.asset.version.starts_with("2.") {
             let found = format!("the version {:?}", document.asset.version);
