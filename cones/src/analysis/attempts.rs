@@ -206,8 +206,8 @@ impl Attempts<'_> {
             Ok(mut flat) => {
                 self.component.detach_fold_overs(&mut flat);
                 let stage = (Stage::Layout, self.component.index);
-                let promised = |watch: Watch| self.component.promised(&flat, self.options, watch);
-                flat.promised = self.task.stage(stage, self.times, promised)??;
+                let promised = |watch: Watch| self.component.promised(&mut flat, self.options, watch);
+                self.task.stage(stage, self.times, promised)??;
                 Ok(Ok(flat))
             }
         }

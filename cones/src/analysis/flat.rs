@@ -6,6 +6,7 @@ use geom::{FaceId, VertexData, VertexId, angle_defects};
 
 use super::component::Component;
 use super::cones::Configuration;
+use super::freed::Freed;
 use super::note::Note;
 use super::observer::{Stage, Task, Times};
 use super::quality::Quality;
@@ -47,6 +48,8 @@ pub(crate) struct Flat {
     pub(crate) quality: Quality,
     /// What it is compared by: its worth, or what that will be with free seams.
     pub(crate) promised: Quality,
+    /// The layout with free seams that promises it.
+    pub(crate) freed: Option<Freed>,
     /// What is folded over.
     pub(crate) fold_overs: Option<FoldOvers>,
     /// The triangles that were detached.
@@ -173,6 +176,7 @@ impl Component {
             error,
             size: (-mean).exp() / self.surface.scale,
             promised: quality.clone(),
+            freed: None,
             quality,
             fold_overs: None,
             detached: Vec::new(),

@@ -32,6 +32,14 @@ const STEPS: usize = 60;
 /// So often a step is halved where it brings about overlap, before corners are held.
 const HALVINGS: usize = 2;
 
+/// A layout with free seams.
+pub(crate) struct Freed {
+    /// The positions that it was found from.
+    from: Vec<Complex64>,
+    layout: Layout,
+    quality: Quality,
+}
+
 impl Options {
     /// Whether seams may become loose where triangles fold over.
     pub(super) fn may_loosen(&self) -> bool {
@@ -64,7 +72,10 @@ impl Component {
             return Ok(());
         }
         let stage = (Stage::Layout, self.index);
-        let freed = task.stage(stage, times, |watch| self.freed(flat, Some(options.islands), watch))??;
+        let freed = task.stage(stage, times, |watch| match self.kept(flat, watch)? {
+            Some(kept) => Ok(Some(kept)),
+            None => self.freed(flat, Some(options.islands), watch),
+        })??;
         let Some((layout, quality)) = freed else { return Ok(()) };
         (flat.layout, flat.quality) = (layout, quality);
         flat.size = (-flat.quality.mean_log_scale()).exp() / self.surface.scale;
@@ -79,12 +90,28 @@ impl Component {
         Ok(())
     }
 
-    /// What the layout is worth once its seams are free, if they are to be and nothing is in the way: of one that is [ruined](RUINED) too much
-    /// would be.
-    pub(super) fn promised(&self, flat: &Flat, options: &Options, watch: Watch) -> Result<Quality, Error> {
-        let is_freed = options.frees_seams(flat.quality.quasi_conformal) && flat.quality.area_distortion() <= RUINED;
-        let freed = if is_freed { self.freed(flat, None, watch)? } else { None };
-        Ok(freed.map_or_else(|| flat.quality.clone(), |(_, quality)| quality))
+    /// Finds what the layout is worth once its seams are free, if they are to be and nothing is in the way: of one that is [ruined](RUINED) too
+    /// much would be.
+    pub(super) fn promised(&self, flat: &mut Flat, options: &Options, watch: Watch) -> Result<(), Error> {
+        if options.frees_seams(flat.quality.quasi_conformal) && flat.quality.area_distortion() <= RUINED {
+            let from = || flat.layout.position.clone();
+            flat.freed =
+                self.freed(flat, None, watch)?.map(|(layout, quality)| Freed { from: from(), layout, quality });
+        }
+        flat.promised = flat.freed.as_ref().map_or(&flat.quality, |freed| &freed.quality).clone();
+        Ok(())
+    }
+
+    /// What was promised, where the layout has stayed as it was and nothing overlaps.
+    fn kept(&self, flat: &mut Flat, watch: Watch) -> Result<Option<(Layout, Quality)>, Error> {
+        let mesh = &self.surface.mesh;
+        let Some(freed) = flat.freed.take().filter(|freed| freed.from == flat.layout.position) else { return Ok(None) };
+        for layout in [&flat.layout, &freed.layout] {
+            if !overlaps_on_islands(mesh, &map(mesh, layout, &flat.seams.cut), watch)?.pairs.is_empty() {
+                return Ok(None);
+            }
+        }
+        Ok(Some((freed.layout, freed.quality)))
     }
 
     /// The layout with free seams, if that is better; `islands` as in [`relaxed`](Self::relaxed).

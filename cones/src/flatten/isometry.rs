@@ -17,7 +17,6 @@
 
 use geom::{Cholesky, CholeskyError, FaceId, Id, Mesh, Metric, SymmetricMatrix, Watch};
 use num_complex::Complex64;
-use sprs::TriMat;
 
 use super::layout::Layout;
 
@@ -55,6 +54,9 @@ pub(crate) struct Relaxation {
     position: Vec<Complex64>,
     is_held: Vec<bool>,
     energy: f64,
+    /// A Hessian's pattern, and where in it each triangle's entries are, row by row up to the diagonal.
+    zeros: SymmetricMatrix,
+    places: Vec<[u32; 21]>,
     factor: Option<Cholesky>,
     /// What positions are multiplied by.
     scale: f64,
@@ -90,7 +92,22 @@ impl Relaxation {
         }
         let position: Vec<Complex64> = layout.position.iter().map(|p| scale * p).collect();
         let energy = energy(&triangles, &position);
-        energy.is_finite().then_some(Self { triangles, position, is_held, energy, factor: None, scale })
+        if !energy.is_finite() {
+            return None;
+        }
+        let pairs = |triangle: &Triangle| {
+            let unknown = [0, 1, 2, 3, 4, 5].map(|k| triangle.unknown(k));
+            (0..6).flat_map(move |i| (0..=i).map(move |j| [unknown[i], unknown[j]]))
+        };
+        let zeros = SymmetricMatrix::zeros(2 * position.len(), triangles.iter().flat_map(pairs));
+        let places = |triangle: &Triangle| {
+            let mut places = [0; 21];
+            let found = pairs(triangle).map(|[i, j]| zeros.place(i, j).expect("there is room") as u32);
+            places.iter_mut().zip(found).for_each(|(place, found)| *place = found);
+            places
+        };
+        let places = triangles.iter().map(places).collect();
+        Some(Self { triangles, position, is_held, energy, zeros, places, factor: None, scale })
     }
 
     /// Holds a corner where it is; returns whether it was free.
@@ -142,31 +159,30 @@ impl Relaxation {
 
     /// The energy's gradient and its Hessian, made positive definite. Unknowns are the coordinates of corners, in pairs.
     fn derivatives(&self) -> (Vec<f64>, SymmetricMatrix) {
-        let count = 2 * self.position.len();
-        let mut gradient = vec![0.0; count];
-        let mut hessian = TriMat::with_capacity((count, count), 36 * self.triangles.len() + count);
+        let mut gradient = vec![0.0; 2 * self.position.len()];
+        let mut hessian = self.zeros.clone();
         let mut trace = 0.0;
-        for triangle in &self.triangles {
+        for (triangle, places) in self.triangles.iter().zip(&self.places) {
             let (of_triangle, square) = triangle.derivatives(&self.position);
-            let unknown = |k: usize| 2 * triangle.corner[k / 2] + k % 2;
             let is_held = |k: usize| self.is_held[triangle.corner[k / 2]];
-            for (i, row) in square.iter().enumerate().filter(|(i, _)| !is_held(*i)) {
-                gradient[unknown(i)] += of_triangle[i];
-                trace += row[i];
-                for (j, &value) in row.iter().enumerate() {
-                    // What is held keeps its place in the pattern, so that the analysis of the factorization is kept.
-                    hessian.add_triplet(unknown(i), unknown(j), if is_held(j) { 0.0 } else { value });
-                    if is_held(j) {
-                        hessian.add_triplet(unknown(j), unknown(i), 0.0);
+            let mut places = places.iter();
+            for (i, row) in square.iter().enumerate() {
+                for (j, (&value, &place)) in row.iter().zip(places.by_ref().take(i + 1)).enumerate() {
+                    if !(is_held(i) || is_held(j)) {
+                        hessian.values_mut()[place as usize] += value;
                     }
+                }
+                if !is_held(i) {
+                    gradient[triangle.unknown(i)] += of_triangle[i];
+                    trace += row[i];
                 }
             }
         }
-        let mean = trace / count as f64;
-        for i in 0..count {
-            hessian.add_triplet(i, i, if self.is_held[i / 2] { mean } else { SHIFT * mean });
+        let mean = trace / gradient.len() as f64;
+        for i in 0..gradient.len() {
+            *hessian.diagonal_mut(i) += if self.is_held[i / 2] { mean } else { SHIFT * mean };
         }
-        (gradient, SymmetricMatrix::from(&hessian.to_csr()))
+        (gradient, hessian)
     }
 }
 
@@ -192,6 +208,11 @@ fn energy(triangles: &[Triangle], position: &[Complex64]) -> f64 {
 }
 
 impl Triangle {
+    /// The number of a coordinate of a corner among all unknowns.
+    fn unknown(&self, k: usize) -> usize {
+        2 * self.corner[k / 2] + k % 2
+    }
+
     fn jacobian(&self, position: &[Complex64]) -> [Complex64; 2] {
         let of = |k: usize| (self.coefficient[k], position[self.corner[k]]);
         let sum = |conjugate: bool| -> Complex64 {

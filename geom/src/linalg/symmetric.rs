@@ -67,6 +67,40 @@ impl SymmetricMatrix {
         matrix
     }
 
+    /// A matrix of zeros that has room for the diagonal and for entries at these places, given once or often, from either side.
+    ///
+    /// # Panics
+    /// If a place is outside the matrix.
+    pub fn zeros(dimension: usize, places: impl Iterator<Item = [usize; 2]> + Clone) -> Self {
+        let below = places.map(|[i, j]| (i.min(j), i.max(j) as u32)).filter(|&(column, row)| column < row as usize);
+        let mut columns = Rows::sorted(dimension, below);
+        let mut matrix = Self { column_start: vec![0], row: Vec::new(), value: Vec::new() };
+        for column in 0..dimension {
+            matrix.row.push(column as u32);
+            let rows = columns.row_mut(column);
+            rows.sort_unstable();
+            matrix.row.extend(rows.chunk_by(|a, b| a == b).map(|same| same[0]));
+            matrix.column_start.push(matrix.row.len() as u32);
+        }
+        assert!(matrix.row.iter().all(|&row| (row as usize) < dimension), "a place is outside the matrix");
+        matrix.value = vec![0.0; matrix.row.len()];
+        matrix
+    }
+
+    /// Where an entry is stored among the [values](Self::values_mut).
+    ///
+    /// # Panics
+    /// If it is outside the matrix.
+    pub fn place(&self, i: usize, j: usize) -> Option<usize> {
+        let entries = self.range(i.min(j));
+        self.row[entries.clone()].binary_search(&(i.max(j) as u32)).ok().map(|place| entries.start + place)
+    }
+
+    /// The stored entries, column by column.
+    pub fn values_mut(&mut self) -> &mut [f64] {
+        &mut self.value
+    }
+
     /// Moves columns together where they end before the next one starts.
     fn close_gaps(&mut self, end: &[u32]) {
         if end == &self.column_start[1..] {
@@ -114,11 +148,7 @@ impl SymmetricMatrix {
     /// If it is outside the matrix.
     pub fn get(&self, i: usize, j: usize) -> f64 {
         assert!(i < self.dimension() && j < self.dimension(), "entry ({i}, {j}) is outside the matrix");
-        let entries = self.range(i.min(j));
-        match self.row[entries.clone()].binary_search(&(i.max(j) as u32)) {
-            Ok(place) => self.value[entries.start + place],
-            Err(_) => 0.0,
-        }
+        self.place(i, j).map_or(0.0, |place| self.value[place])
     }
 
     /// An entry of the diagonal.
@@ -264,6 +294,19 @@ impl From<&CsMat<f64>> for SymmetricMatrix {
 mod tests {
     use super::*;
     use proptest::prelude::*;
+
+    #[test]
+    fn a_matrix_of_zeros_has_the_places_that_were_asked_for() {
+        let mut matrix = SymmetricMatrix::zeros(4, [[2, 0], [0, 2], [3, 1], [1, 1], [2, 0]].into_iter());
+        assert_eq!((matrix.stored(), matrix.place(1, 0), matrix.place(3, 2)), (6, None, None));
+        for ([i, j], value) in [([0, 2], 1.0), ([1, 3], 2.0), ([3, 3], 3.0)] {
+            assert_eq!(matrix.place(i, j), matrix.place(j, i));
+            let place = matrix.place(i, j).unwrap();
+            matrix.values_mut()[place] = value;
+            assert_eq!(matrix.get(j, i), value);
+        }
+        assert_eq!(matrix.multiply(&[1.0; 4]), [1.0, 2.0, 1.0, 5.0]);
+    }
 
     proptest! {
         #[test]
