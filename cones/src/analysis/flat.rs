@@ -3,10 +3,10 @@
 use std::time::Instant;
 
 use geom::{FaceId, VertexData, VertexId, angle_defects};
+use num_complex::Complex64;
 
 use super::component::Component;
 use super::cones::Configuration;
-use super::freed::Freed;
 use super::note::Note;
 use super::observer::{Stage, Task, Times};
 use super::quality::Quality;
@@ -59,6 +59,14 @@ pub(crate) struct Flat {
     /// Whether seams became loose so that triangles could be unfolded.
     pub(crate) is_loose: bool,
     pub(crate) notes: Vec<Note>,
+}
+
+/// A layout with free seams.
+pub(crate) struct Freed {
+    /// The positions that it was found from.
+    pub(crate) from: Vec<Complex64>,
+    pub(crate) layout: Layout,
+    pub(crate) quality: Quality,
 }
 
 impl Component {

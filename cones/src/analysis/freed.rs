@@ -13,7 +13,7 @@ use num_complex::Complex64;
 use super::attempts::RUINED;
 use super::choosing::TARGET_DISTORTION;
 use super::component::Component;
-use super::flat::Flat;
+use super::flat::{Flat, Freed};
 use super::note::Note;
 use super::observer::{Stage, Task, Times};
 use super::options::{FreeSeams, Islands, Options};
@@ -31,14 +31,6 @@ const AREAS: [f64; 2] = [0.05, 0.15];
 const STEPS: usize = 60;
 /// So often a step is halved where it brings about overlap, before corners are held.
 const HALVINGS: usize = 2;
-
-/// A layout with free seams.
-pub(crate) struct Freed {
-    /// The positions that it was found from.
-    from: Vec<Complex64>,
-    layout: Layout,
-    quality: Quality,
-}
 
 impl Options {
     /// Whether seams may become loose where triangles fold over.
@@ -79,6 +71,15 @@ impl Component {
         let Some((layout, quality)) = freed else { return Ok(()) };
         (flat.layout, flat.quality) = (layout, quality);
         flat.size = (-flat.quality.mean_log_scale()).exp() / self.surface.scale;
+        let is_overlap = |note: &Note| matches!(note, Note::Overlap { .. });
+        if options.islands != Islands::Single && flat.notes.iter().any(is_overlap) {
+            // It may have come apart.
+            let mesh = &self.surface.mesh;
+            let map = map(mesh, &flat.layout, &flat.seams.cut);
+            let overlaps = task.stage(stage, times, |watch| overlaps_on_islands(mesh, &map, watch))??;
+            flat.notes.retain(|note| !is_overlap(note));
+            self.note_overlap(flat, &overlaps);
+        }
         let now = flat.quality.area_distortion();
         flat.notes.retain_mut(|note| match note {
             Note::TargetMissed { target, reached, .. } => {
@@ -150,22 +151,22 @@ impl Component {
         let Some(mut relaxation) = Relaxation::new(mesh, &self.metric, &layout, areas) else {
             return Ok(layout.position);
         };
-        let mut overlapping = |position: Vec<Complex64>| -> Result<Vec<usize>, Error> {
+        let mut pairs = |position: Vec<Complex64>| -> Result<BTreeSet<[u32; 2]>, Error> {
             layout.position = position;
             let overlaps = overlaps_on_islands(mesh, &map(mesh, &layout, cut), watch)?;
-            let faces: BTreeSet<u32> = overlaps.pairs.iter().flat_map(|pair| pair.triangles).collect();
+            Ok(overlaps.pairs.iter().map(|pair| pair.triangles).collect())
+        };
+        // What lies over something already and could not be parted may go on to.
+        let there = if islands.is_some() { pairs(relaxation.position())? } else { BTreeSet::new() };
+        let may_overlap = islands.is_none_or(|islands| islands == Islands::Single && !there.is_empty());
+        let mut overlapping = |position| -> Result<Vec<usize>, Error> {
+            if may_overlap {
+                return Ok(Vec::new());
+            }
+            let faces: BTreeSet<u32> = pairs(position)?.difference(&there).flatten().copied().collect();
             let corners = faces.into_iter().flat_map(|f| mesh.sides(FaceId(f)));
-            Ok(corners.map(|h| layout.cut.wedge(h).index()).collect())
+            Ok(corners.map(|h| first.cut.wedge(h).index()).collect())
         };
-        let may_overlap = match islands {
-            None => true,
-            Some(islands) => match overlapping(relaxation.position())?.is_empty() {
-                true => false,
-                false if islands == Islands::Single => true,
-                false => return Ok(first.position.clone()),
-            },
-        };
-        let mut overlapping = |position| if may_overlap { Ok(Vec::new()) } else { overlapping(position) };
         for k in 0..STEPS {
             watch.ask(k as f64 / STEPS as f64)?;
             let direction = match relaxation.direction(watch) {

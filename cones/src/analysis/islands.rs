@@ -78,7 +78,7 @@ impl Component {
         Ok(())
     }
 
-    fn note_overlap(&self, flat: &mut Flat, overlaps: &Overlaps) {
+    pub(super) fn note_overlap(&self, flat: &mut Flat, overlaps: &Overlaps) {
         let pairs = overlaps.pairs.len();
         if pairs > 0 {
             let area = |corners: [Complex64; 3]| {
