@@ -53,6 +53,15 @@ impl Scene {
         Self { uv, tiles: Some((tiles, fill)), ..self }
     }
 
+    /// The same scene where a map flips nothing: a triangle that lies upside down runs round against the surface, and is turned.
+    pub(crate) fn upright(mut self) -> Self {
+        for t in (0..self.uv.len()).filter(|&t| self.area(t) < 0.0).collect::<Vec<_>>() {
+            self.uv[t].swap(1, 2);
+            self.triangles[t].swap(1, 2);
+        }
+        self
+    }
+
     /// The island of each triangle, largest first, and how many there are.
     pub(crate) fn islands(&self) -> (Vec<usize>, usize) {
         let mut of_side = HashMap::with_capacity(3 * self.triangles.len());
@@ -200,18 +209,32 @@ pub(crate) fn extent<const N: usize>(points: impl Iterator<Item = [f64; N]>) -> 
 mod tests {
     use super::*;
 
-    #[test]
-    fn the_outline_of_a_cut_fan_runs_along_both_sides_of_the_seam() {
-        // Four triangles about vertex 0; the side from 0 to 1 is cut: 4 rim sides and twice the seam.
+    /// Four triangles about vertex 0; the side from 0 to 1 is cut.
+    fn cut_fan() -> Scene {
         let points = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]];
         let triangles = vec![[0, 1, 2], [0, 2, 3], [0, 3, 4], [0, 4, 1]];
         let at = |v: u32| [points[v as usize][0], points[v as usize][1]];
         let mut uv: Vec<[[f64; 2]; 3]> = triangles.iter().map(|t| t.map(at)).collect();
         uv[3][2] = [1.0, -0.1];
-        let scene = Scene::new(&points, triangles, uv, vec![], vec![]);
+        Scene::new(&points, triangles, uv, vec![], vec![])
+    }
+
+    #[test]
+    fn the_outline_of_a_cut_fan_runs_along_both_sides_of_the_seam() {
+        let scene = cut_fan();
         let outline = scene.outline();
         assert_eq!(outline.len(), 1);
-        assert_eq!(outline[0].len(), 6);
+        assert_eq!(outline[0].len(), 6, "4 rim sides and twice the seam");
         assert!(!(0..4).any(|t| scene.is_flipped(t)));
+    }
+
+    #[test]
+    fn a_triangle_that_runs_against_the_surface_is_drawn_as_its_neighbours_are() {
+        let mut turned = cut_fan();
+        turned.triangles[2].swap(1, 2);
+        turned.uv[2].swap(1, 2);
+        assert!(turned.is_flipped(2) && turned.islands() != cut_fan().islands());
+        let upright = turned.upright();
+        assert!(!(0..4).any(|t| upright.is_flipped(t)) && upright.islands() == cut_fan().islands());
     }
 }

@@ -140,7 +140,8 @@ impl Unwrapped {
         let cones = atlas.cones.iter().map(|c| Mark { vertex: c.vertex, positive: c.curvature >= 0.0 }).collect();
         let uv = corner_uv(&triangles, &atlas.uv_in(UvSize::Unit));
         let (triangles, seams) = (vertices(&self.model, &triangles), atlas.seams.clone());
-        Scene::new(self.model.points(), triangles, uv.clone(), seams, cones).packed(uv, atlas.fill)
+        let scene = Scene::new(self.model.points(), triangles, uv.clone(), seams, cones).packed(uv, atlas.fill);
+        if self.map.quality.distortion.flipped == 0 { scene.upright() } else { scene }
     }
 
     /// What a scene of it is painted with.
