@@ -95,9 +95,8 @@ impl Component {
     /// much would be.
     pub(super) fn promised(&self, flat: &mut Flat, options: &Options, watch: Watch) -> Result<(), Error> {
         if options.frees_seams(flat.quality.quasi_conformal) && flat.quality.area_distortion() <= RUINED {
-            let from = || flat.layout.position.clone();
-            flat.freed =
-                self.freed(flat, None, watch)?.map(|(layout, quality)| Freed { from: from(), layout, quality });
+            let freed = self.freed(flat, None, watch)?;
+            flat.freed = freed.map(|(layout, quality)| Freed { from: flat.layout.position.clone(), layout, quality });
         }
         flat.promised = flat.freed.as_ref().map_or(&flat.quality, |freed| &freed.quality).clone();
         Ok(())
