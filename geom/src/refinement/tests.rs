@@ -161,3 +161,22 @@ proptest! {
         prop_assert!(refinement.triangulation.vertex_count() <= 3 + 10_060);
     }
 }
+
+#[test]
+fn vertices_at_circumcentres_on_edges_of_the_input_leave_no_triangle_without_area() {
+    // Right triangles, as CAD parts have them: their circumcentres lie on the diagonal.
+    for width in [1.0, 1.5, 2.0, 4.0, 8.0] {
+        let points = [[0.0, 0.0, 0.0], [width, 0.0, 0.0], [width, 1.0, 0.0], [0.0, 1.0, 0.0]];
+        let mesh = Mesh::new(4, &[[0, 1, 2], [0, 2, 3]]).unwrap();
+        for largest in [0.4, 0.2, 0.1, 0.05] {
+            let refinement = refine(&mesh, &Metric::from_points(&mesh, &points), largest);
+            let at = refinement.common.positions(&mesh, &points);
+            let area = |t: &[u32; 3]| {
+                let [a, b, c] = t.map(|v| at[v as usize]);
+                0.5 * ((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]))
+            };
+            let least = refinement.common.triangles.iter().map(area).fold(f64::INFINITY, f64::min);
+            assert!(least > 1e-9, "{width}, {largest}: {least:e}");
+        }
+    }
+}
