@@ -7,7 +7,7 @@
 use std::f64::consts::PI;
 
 use geom::vector::{Vec3, angle, normal};
-use geom::{EdgeData, EdgeId, Interrupted, Mesh, Surface, VertexId, Watch, edges_at, exposure_watched};
+use geom::{EdgeData, EdgeId, Id, Interrupted, Mesh, Surface, VertexId, Watch, edges_at, exposure_watched};
 use rayon::prelude::*;
 
 /// What a sharp edge is cheaper by at full weight, as a share of its length. At half the weight, the default, a way along sharp
@@ -59,7 +59,8 @@ pub(crate) fn shares(surface: &Surface, weight: f64, watch: Watch) -> Result<Edg
         let hidden = 1.0 - 0.5 * (seen[a.0 as usize] + seen[b.0 as usize]);
         1.0 - weight * (SHARP * sharp).max(HIDDEN * hidden)
     };
-    Ok(mesh.edges().map(share).collect())
+    let shares: Vec<f64> = (0..mesh.edge_count()).into_par_iter().map(|e| share(EdgeId::new(e))).collect();
+    Ok(shares.into())
 }
 
 /// The bend of each edge.

@@ -14,7 +14,11 @@
 use std::f64::consts::PI;
 use std::ops::Sub;
 
-use geom::{HalfedgeData, HalfedgeId, Mesh, Metric, VertexData};
+use geom::{FaceId, HalfedgeData, HalfedgeId, Id, Mesh, Metric, VertexData};
+use rayon::prelude::*;
+
+/// So many triangles are gone through one after the other.
+const AT_ONCE: usize = 1024;
 
 /// Directions at every vertex.
 #[derive(Clone, Debug)]
@@ -26,7 +30,9 @@ pub(crate) struct Turning {
 impl Turning {
     /// Directions by the corner angles of a metric. O(F).
     pub(crate) fn new(mesh: &Mesh, metric: &Metric) -> Self {
-        let angles: HalfedgeData<f64> = mesh.faces().flat_map(|f| metric.sides(mesh, f).corner_angles()).collect();
+        let corners = |f: usize| metric.sides(mesh, FaceId::new(f)).corner_angles();
+        let angles: Vec<[f64; 3]> = (0..mesh.face_count()).into_par_iter().with_min_len(AT_ONCE).map(corners).collect();
+        let angles: HalfedgeData<f64> = angles.into_flattened().into();
         let mut sums = VertexData::constant(mesh.vertex_count(), 0.0);
         mesh.halfedges().for_each(|h| sums[mesh.tail(h)] += angles[h]);
         let mut direction = HalfedgeData::constant(mesh.halfedge_count(), 0.0);

@@ -12,8 +12,8 @@ use std::collections::VecDeque;
 use std::ops::Index;
 
 use geom::{
-    CutMesh, EdgeData, FaceData, FaceId, HalfedgeData, HalfedgeId, Id, Interrupted, Mesh, Triangulation, Watch,
-    WedgeId, kruskal,
+    CutMesh, EdgeData, FaceData, FaceId, HalfedgeData, HalfedgeId, Id, Interrupted, Mesh, Rows, Triangulation, Watch,
+    kruskal,
 };
 use num_complex::Complex64;
 use rayon::prelude::*;
@@ -73,8 +73,10 @@ impl Layout {
         let connection = Connection::new(scaling, watch.within(0.0, 0.1))?;
         let connection = connection.undo(&scaling.flips, watch.within(0.1, 0.3))?.of_input(input);
         watch.ask(0.3)?;
-        let rotation = connection.face_rotations(input, cut);
-        watch.ask(0.35)?;
+        let (rotation, opened) = watch.within(0.35, 0.7).shared(|watch| {
+            rayon::join(|| connection.face_rotations(input, cut), || Opened::new(input, cut, &connection.vector, watch))
+        });
+        let opened = opened?;
         let FlatConnection { mut vector, transport } = connection;
         let seam_rotation = SeamRotations::new(input, cut, |h, g| {
             rotation[input.face(h)] * transport[h] * rotation[input.face(g)].conj()
@@ -84,11 +86,9 @@ impl Layout {
             sides.iter_mut().for_each(|side| *side = rotation * *side);
         }
         drop(rotation);
-        watch.ask(0.4)?;
-        let opened = CutMesh::open(input, cut);
-        watch.ask(0.5)?;
-        let position = positions(input, cut, &opened, &vector, watch.within(0.5, 1.0))?;
-        Ok(Self { cut: opened, position, seam_rotation })
+        watch.ask(0.8)?;
+        let position = opened.positions(input, &vector);
+        Ok(Self { cut: opened.cut, position, seam_rotation })
     }
 
     /// The position of a triangle's corner, named by the halfedge that starts there.
@@ -157,9 +157,9 @@ impl Connection {
         let turn = self.transport[h];
         for side in [self.triangulation.next(g), self.triangulation.prev(g)] {
             self.vector[side] *= turn;
-            self.transport[side] = unit(self.transport[side] * turn);
+            self.transport[side] = kept_unit(self.transport[side] * turn);
             if let Some(twin) = self.triangulation.twin(side) {
-                self.transport[twin] = unit(self.transport[twin] * turn.conj());
+                self.transport[twin] = kept_unit(self.transport[twin] * turn.conj());
             }
         }
         self.transport[h] = Complex64::ONE;
@@ -199,7 +199,7 @@ impl FlatConnection {
                         let Some(g) = mesh.twin(h).map(|twin| mesh.face(twin)) else { continue };
                         if rotation[g] == Complex64::ZERO {
                             let next = if cut[mesh.edge(h)] { &mut shores } else { &mut queue };
-                            next.push_back((g, unit(turn * self.transport[h])));
+                            next.push_back((g, kept_unit(turn * self.transport[h])));
                         }
                     }
                 }
@@ -209,66 +209,70 @@ impl FlatConnection {
     }
 }
 
-/// Positions that follow the edge vectors along a spanning tree of the opened surface, shortest edges first.
-fn positions(
-    input: &Mesh,
-    is_cut: &EdgeData<bool>,
-    cut: &CutMesh,
-    vector: &HalfedgeData<Complex64>,
-    watch: Watch,
-) -> Result<Vec<Complex64>, Interrupted> {
-    let one_a_side = |&h: &HalfedgeId| is_cut[input.edge(h)] || input.halfedge(input.edge(h)) == h;
-    let mut edges: Vec<(f64, HalfedgeId)> =
-        input.halfedges().filter(one_a_side).map(|h| (vector[h].norm_sqr(), h)).collect();
-    watch.ask(0.1)?;
-    edges.par_sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-    let ends = |h: HalfedgeId| [cut.wedge(h), cut.wedge(input.next(h))];
-    watch.ask(0.3)?;
-    let tree = kruskal(cut.wedge_count(), edges.iter().map(|&(_, h)| (h, ends(h).map(|w| w.0))));
-    watch.ask(0.8)?;
-    // The tree's edges by their ends, in rows.
-    let mut start = vec![0usize; cut.wedge_count() + 1];
-    for &h in &tree {
-        for w in ends(h) {
-            start[w.index() + 1] += 1;
-        }
+/// The opened surface with a spanning tree of shortest edges, one of the two sides each.
+struct Opened {
+    cut: CutMesh,
+    tree: Vec<HalfedgeId>,
+}
+
+impl Opened {
+    /// Lengths are those of the vectors, however they are turned.
+    fn new(
+        input: &Mesh,
+        is_cut: &EdgeData<bool>,
+        vector: &HalfedgeData<Complex64>,
+        watch: Watch,
+    ) -> Result<Self, Interrupted> {
+        let cut = CutMesh::open(input, is_cut);
+        watch.ask(0.3)?;
+        let one_a_side = |&h: &HalfedgeId| is_cut[input.edge(h)] || input.halfedge(input.edge(h)) == h;
+        let mut edges: Vec<(f64, HalfedgeId)> =
+            input.halfedges().filter(one_a_side).map(|h| (vector[h].norm_sqr(), h)).collect();
+        watch.ask(0.4)?;
+        edges.par_sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        watch.ask(0.6)?;
+        let ends = |h: HalfedgeId| [h, input.next(h)].map(|h| cut.wedge(h).0);
+        let tree = kruskal(cut.wedge_count(), edges.iter().map(|&(_, h)| (h, ends(h))));
+        Ok(Self { cut, tree })
     }
-    for w in 0..cut.wedge_count() {
-        start[w + 1] += start[w];
-    }
-    let mut links = vec![(WedgeId(0), Complex64::ZERO); start[cut.wedge_count()]];
-    let mut fill = start.clone();
-    for &h in &tree {
-        let [from, to] = ends(h);
-        for (from, to, step) in [(from, to, vector[h]), (to, from, -vector[h])] {
-            links[fill[from.index()]] = (to, step);
-            fill[from.index()] += 1;
-        }
-    }
-    let mut position: Vec<Option<Complex64>> = vec![None; cut.wedge_count()];
-    let mut stack = Vec::new();
-    for root in 0..position.len() {
-        if position[root].is_none() {
-            position[root] = Some(Complex64::ZERO);
-            stack.push((root, Complex64::ZERO));
-        }
-        while let Some((w, at)) = stack.pop() {
-            for &(to, step) in &links[start[w]..start[w + 1]] {
-                let place = &mut position[to.index()];
-                if place.is_none() {
-                    *place = Some(at + step);
-                    stack.push((to.index(), at + step));
+
+    /// Positions that follow the edge vectors along the tree.
+    fn positions(&self, input: &Mesh, vector: &HalfedgeData<Complex64>) -> Vec<Complex64> {
+        let Self { cut, tree } = self;
+        let both_ways = |&h: &HalfedgeId| {
+            let [from, to] = [h, input.next(h)].map(|h| cut.wedge(h).index());
+            [(from, (to, vector[h])), (to, (from, -vector[h]))]
+        };
+        let links = Rows::sorted(cut.wedge_count(), tree.iter().flat_map(both_ways));
+        let mut position: Vec<Option<Complex64>> = vec![None; cut.wedge_count()];
+        let mut stack = Vec::new();
+        for root in 0..position.len() {
+            if position[root].is_none() {
+                position[root] = Some(Complex64::ZERO);
+                stack.push((root, Complex64::ZERO));
+            }
+            while let Some((w, at)) = stack.pop() {
+                for &(to, step) in links.row(w) {
+                    if position[to].is_none() {
+                        position[to] = Some(at + step);
+                        stack.push((to, at + step));
+                    }
                 }
             }
         }
+        position.into_iter().flatten().collect()
     }
-    Ok(position.into_iter().flatten().collect())
 }
 
 /// A number of modulus 1 in the direction of `z`; 1 where `z` is 0.
 fn unit(z: Complex64) -> Complex64 {
     let norm = z.norm();
     if norm > 0.0 { z / norm } else { Complex64::ONE }
+}
+
+/// A product of numbers of modulus 1, with the modulus brought back to 1 to rounding: a step of Newton's method, which takes no root.
+fn kept_unit(z: Complex64) -> Complex64 {
+    z * (1.5 - 0.5 * z.norm_sqr())
 }
 
 #[cfg(test)]

@@ -62,10 +62,10 @@ impl Quality {
         cones: Option<&[u32]>,
         watch: Watch,
     ) -> Result<Self, DistortionError> {
-        let (map, overlaps) = watch.within(0.0, 0.8).shared(|watch| {
+        let (map, (overlaps, fill)) = watch.within(0.0, 0.8).shared(|watch| {
             rayon::join(
                 || distortion::measure_watched(points, triangles, uv, watch),
-                || uv::overlaps_watched(uv, NEGLIGIBLE_DEPTH, |_| true, watch),
+                || (uv::overlaps_watched(uv, NEGLIGIBLE_DEPTH, |_| true, watch), uv::fill(uv)),
             )
         });
         let (map, overlaps) = (map?, overlaps?);
@@ -86,7 +86,7 @@ impl Quality {
                 flipped: map.flipped,
                 degenerate: map.degenerate,
                 overlap,
-                fill: uv::fill(uv),
+                fill,
                 seam_length: map.seam_length,
                 curvature_error: map.curvature_error(&cones),
             },

@@ -32,6 +32,7 @@ use self::chart::Charts;
 use self::linear::{Image, images};
 use self::measured::Measured;
 use crate::mesh::{FaceData, FaceId, Id, VertexData, VertexId};
+use crate::parallel::join;
 use crate::vector::distance;
 use crate::watch::{Interrupted, Watch};
 
@@ -224,12 +225,11 @@ pub fn measure_watched(
     watch.ask(0.58)?;
     let measured = Measured::new(&images)?;
     watch.ask(0.6)?;
-    let curvature = curvature(&charts, triangles, uv, &images, points.len());
-    watch.ask(0.7)?;
-    let seam = seam(&charts, triangles, &points, uv);
-    let quasi_conformal = measured.percentiles(&measured.quasi_conformal);
-    watch.ask(0.8)?;
-    let area = measured.percentiles(&measured.area_ratio.iter().map(|r| r.max(1.0 / r)).collect::<Vec<_>>());
+    let from_one = || measured.area_ratio.iter().map(|r| r.max(1.0 / r)).collect::<Vec<_>>();
+    let ((curvature, seam), (quasi_conformal, area)) = join(
+        || (curvature(&charts, triangles, uv, &images, points.len()), seam(&charts, triangles, &points, uv)),
+        || join(|| measured.percentiles(&measured.quasi_conformal), || measured.percentiles(&from_one())),
+    );
     watch.ask(0.9)?;
     let total_area: f64 = images.iter().map(|image| image.surface_area).sum();
     Ok(Distortion {

@@ -73,14 +73,16 @@ impl Metric {
     /// The share of the area that is in triangles with an angle below `angle`, in radians; 0 where there is no area.
     pub fn needle_share(&self, triangulation: &Triangulation, angle: f64) -> f64 {
         let (mut needles, mut whole) = (0.0, 0.0);
-        for f in triangulation.faces() {
-            let sides = self.sides(triangulation, f);
-            let area = sides.area();
+        let area_and_least = |f| {
+            let sides = self.sides(triangulation, FaceId::new(f));
+            (sides.area(), sides.corner_angles().into_iter().fold(f64::INFINITY, f64::min))
+        };
+        parallel::each_of(triangulation.face_count(), area_and_least, |_, (area, least)| {
             whole += area;
-            if sides.corner_angles().iter().any(|corner| *corner < angle) {
+            if least < angle {
                 needles += area;
             }
-        }
+        });
         if whole > 0.0 { needles / whole } else { 0.0 }
     }
 

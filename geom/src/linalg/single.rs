@@ -23,11 +23,11 @@ pub(super) struct Parted {
     /// The supernodes of each subtree, ascending.
     trees: Vec<Range<usize>>,
     /// The others, ascending.
-    above: Vec<usize>,
+    pub(super) above: Vec<usize>,
     /// The steps of these.
-    steps: Vec<u32>,
+    pub(super) steps: Vec<u32>,
     /// Where a step is among them; `NONE` within subtrees.
-    place: Vec<u32>,
+    pub(super) place: Vec<u32>,
 }
 
 impl Parted {
@@ -59,14 +59,15 @@ impl Parted {
         [self.trees.len(), self.above.len()]
     }
 
-    /// The subtrees with their parts of a vector, and vectors for what is above.
-    fn parts<'a>(&self, elimination: &Elimination, mut x: &'a mut [f64], above: usize) -> Vec<Part<'a>> {
+    /// The subtrees with their parts of so many vectors, given step by step.
+    pub(super) fn parts<'a>(&self, elimination: &Elimination, mut x: &'a mut [f64], columns: usize) -> Vec<Part<'a>> {
         let mut from = 0;
         let mut part = |tree: &Range<usize>| {
             let steps = steps(elimination, tree.clone());
-            let (own, rest) = std::mem::take(&mut x)[steps.start - from..].split_at_mut(steps.len());
+            let before = (steps.start - from) * columns;
+            let (own, rest) = std::mem::take(&mut x)[before..].split_at_mut(steps.len() * columns);
             (x, from) = (rest, steps.end);
-            Part { tree: tree.clone(), from: steps.start, own, above: vec![0.0; above] }
+            Part { tree: tree.clone(), from: steps.start, own }
         };
         self.trees.iter().map(&mut part).collect()
     }
@@ -82,14 +83,12 @@ pub(super) struct Factor<'a> {
     pub(super) parted: Option<&'a Parted>,
 }
 
-/// A subtree's part of a vector.
-struct Part<'a> {
-    tree: Range<usize>,
+/// A subtree's part of vectors.
+pub(super) struct Part<'a> {
+    pub(super) tree: Range<usize>,
     /// Its first step.
-    from: usize,
-    own: &'a mut [f64],
-    /// What is added to the steps above.
-    above: Vec<f64>,
+    pub(super) from: usize,
+    pub(super) own: &'a mut [f64],
 }
 
 /// The steps of some supernodes.
@@ -98,15 +97,18 @@ fn steps(elimination: &Elimination, supernodes: Range<usize>) -> Range<usize> {
     elimination.first(supernodes.start)..elimination.first(last) + elimination.width(last)
 }
 
-impl Factor<'_> {
+impl<'a> Factor<'a> {
     /// x := C⁻¹ x
     pub(super) fn forward(&self, x: &mut [f64], watch: Watch) -> Result<(), Interrupted> {
         let Some(parted) = self.parted else {
             return self.forward_through(0..self.elimination.len(), x, watch);
         };
-        let mut parts = parted.parts(self.elimination, x, parted.steps.len());
+        let mut parts = parted.parts(self.elimination, x, 1);
+        let mut changes = vec![Vec::new(); parts.len()];
+        let mut work: Vec<_> = parts.iter_mut().zip(&mut changes).collect();
         watch.within(0.0, 0.9).shared(|watch| {
-            try_each(0, &mut parts, &|_, Part { tree, from, own, above }: &mut Part| {
+            try_each(0, &mut work, &|_, (Part { tree, from, own }, above)| {
+                **above = vec![0.0; parted.steps.len()];
                 let mut change = Vec::new();
                 for s in tree.clone() {
                     if let Some(done) = self.asks_at(s) {
@@ -124,7 +126,6 @@ impl Factor<'_> {
                 Ok(())
             })
         })?;
-        let changes: Vec<Vec<f64>> = parts.into_iter().map(|part| part.above).collect();
         for (k, &step) in parted.steps.iter().enumerate() {
             x[step as usize] += changes.iter().map(|change| change[k]).sum::<f64>();
         }
@@ -172,9 +173,9 @@ impl Factor<'_> {
         };
         self.backward_through(parted.above.iter().copied(), x, watch.within(0.0, 0.1))?;
         let above: Vec<f64> = parted.steps.iter().map(|&step| x[step as usize]).collect();
-        let mut parts = parted.parts(self.elimination, x, 0);
+        let mut parts = parted.parts(self.elimination, x, 1);
         watch.within(0.1, 1.0).shared(|watch| {
-            try_each(0, &mut parts, &|_, Part { tree, from, own, .. }: &mut Part| {
+            try_each(0, &mut parts, &|_, Part { tree, from, own }| {
                 let mut below = Vec::new();
                 for s in tree.clone().rev() {
                     if let Some(left) = self.asks_at(s) {
@@ -225,14 +226,14 @@ impl Factor<'_> {
     }
 
     /// The share of the values before a supernode, where the watch is to be asked: if it has some beyond the next multiple of so many.
-    fn asks_at(&self, s: usize) -> Option<f64> {
+    pub(super) fn asks_at(&self, s: usize) -> Option<f64> {
         let values = self.elimination.values(s);
         let asks = values.start / ASKED_AFTER != values.end / ASKED_AFTER;
         asks.then(|| values.start as f64 / self.elimination.value_count() as f64)
     }
 
     /// The values of a supernode, column after column.
-    fn panel(&self, s: usize) -> &[f64] {
+    pub(super) fn panel(&self, s: usize) -> &'a [f64] {
         &self.values[self.elimination.values(s)]
     }
 }

@@ -5,44 +5,101 @@
 
 use pulp::{Arch, Simd, WithSimd};
 
-use super::elimination::Elimination;
+use super::single::{Factor, Part};
+use crate::parallel::try_each;
 use crate::watch::{Interrupted, Watch};
 
 /// The number of right-hand sides is a multiple of this, which the length of any vector divides.
 pub(crate) const LANES: usize = 8;
 
-/// Solves C Cᵀ x = b in place, or Cᵀ x = b alone; `x` holds `columns` values for each step.
-pub(crate) fn substitute(
-    elimination: &Elimination,
-    factor: &[f64],
-    passes: Passes,
-    columns: usize,
-    x: &mut [f64],
-    watch: Watch,
-) -> Result<(), Interrupted> {
-    debug_assert_eq!(columns % LANES, 0);
-    Arch::new().dispatch(Substitution { elimination, factor, passes, columns, x, watch })
-}
-
-/// The watch is asked again after so many values of the factor.
-const ASKED_AFTER: usize = 1 << 16;
-
 /// What is to be done.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Passes {
+pub(super) enum Passes {
     /// Forward and backward.
     Both,
     /// Backward alone.
     Backward,
 }
 
-struct Substitution<'a> {
-    elimination: &'a Elimination,
-    factor: &'a [f64],
+/// Solves C Cᵀ x = b in place, or Cᵀ x = b alone; `x` holds `columns` values for each step. Subtrees of a large factor are gone through at
+/// the same time, as for [one right-hand side](super::single).
+pub(super) fn substitute(
+    factor: Factor,
     passes: Passes,
     columns: usize,
-    x: &'a mut [f64],
+    x: &mut [f64],
+    watch: Watch,
+) -> Result<(), Interrupted> {
+    debug_assert_eq!(columns % LANES, 0);
+    let (first, second) = match passes {
+        Passes::Both => (watch.within(0.0, 0.5), watch.within(0.5, 1.0)),
+        Passes::Backward => (watch, watch),
+    };
+    let Some(parted) = factor.parted else {
+        let all = 0..factor.elimination.len();
+        if passes == Passes::Both {
+            Stretch::of_all(factor, columns, x, first).forward(all.clone(), &mut [])?;
+        }
+        return Stretch::of_all(factor, columns, x, second).backward(all, &[]);
+    };
+    let place = &parted.place[..];
+    if passes == Passes::Both {
+        let mut parts = parted.parts(factor.elimination, x, columns);
+        let above = parted.steps.len() * columns;
+        let changes = first.within(0.0, 0.9).shared(|watch| {
+            let mut changes = vec![Vec::new(); parts.len()];
+            let mut work: Vec<_> = parts.iter_mut().zip(&mut changes).collect();
+            try_each(0, &mut work, &|_, (Part { tree, from, own }, change)| {
+                **change = vec![0.0; above];
+                Stretch { factor, columns, from: *from, own, place, watch }.forward(tree.clone(), change)
+            })?;
+            Ok(changes)
+        })?;
+        for (k, &step) in parted.steps.iter().enumerate() {
+            let x = &mut x[step as usize * columns..][..columns];
+            for change in &changes {
+                x.iter_mut().zip(&change[k * columns..]).for_each(|(x, change)| *x += change);
+            }
+        }
+        Stretch::of_all(factor, columns, x, first.within(0.9, 1.0)).forward(parted.above.iter().copied(), &mut [])?;
+    }
+    Stretch::of_all(factor, columns, x, second.within(0.0, 0.1)).backward(parted.above.iter().copied(), &[])?;
+    let of_step = |&step: &u32| &x[step as usize * columns..][..columns];
+    let above: Vec<f64> = parted.steps.iter().flat_map(of_step).copied().collect();
+    let mut parts = parted.parts(factor.elimination, x, columns);
+    second.within(0.1, 1.0).shared(|watch| {
+        try_each(0, &mut parts, &|_, Part { tree, from, own }| {
+            Stretch { factor, columns, from: *from, own, place, watch }.backward(tree.clone(), &above)
+        })
+    })
+}
+
+/// Steps that follow each other, with their values for all right-hand sides.
+struct Stretch<'a> {
+    factor: Factor<'a>,
+    columns: usize,
+    /// The first of them.
+    from: usize,
+    own: &'a mut [f64],
+    /// Where a step beyond them is among those above.
+    place: &'a [u32],
     watch: Watch<'a>,
+}
+
+impl<'a> Stretch<'a> {
+    fn of_all(factor: Factor<'a>, columns: usize, x: &'a mut [f64], watch: Watch<'a>) -> Self {
+        Self { factor, columns, from: 0, own: x, place: &[], watch }
+    }
+
+    /// Through supernodes of these steps, ascending; what changes above is subtracted there.
+    fn forward(self, supernodes: impl Iterator<Item = usize>, above: &mut [f64]) -> Result<(), Interrupted> {
+        Arch::new().dispatch(Forward { stretch: self, supernodes, above })
+    }
+
+    /// Through supernodes of these steps, given ascending, from the last to the first.
+    fn backward(self, supernodes: impl DoubleEndedIterator<Item = usize>, above: &[f64]) -> Result<(), Interrupted> {
+        Arch::new().dispatch(Backward { stretch: self, supernodes, above })
+    }
 }
 
 /// A supernode's part of the factor.
@@ -55,50 +112,90 @@ struct Panel<'a> {
 }
 
 impl<'a> Panel<'a> {
+    /// With its first step counted from another.
+    fn new(factor: Factor<'a>, s: usize, from: usize) -> Self {
+        let elimination = factor.elimination;
+        let (first, width) = (elimination.first(s) - from, elimination.width(s));
+        Self { first, width, rows: elimination.rows(s), values: factor.panel(s) }
+    }
+
     fn column(&self, j: usize) -> &'a [f64] {
         let height = self.width + self.rows.len();
         &self.values[j * height..(j + 1) * height]
     }
 }
 
-impl WithSimd for Substitution<'_> {
+struct Forward<'a, I> {
+    stretch: Stretch<'a>,
+    supernodes: I,
+    above: &'a mut [f64],
+}
+
+impl<I: Iterator<Item = usize>> WithSimd for Forward<'_, I> {
     type Output = Result<(), Interrupted>;
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
-        let Self { elimination, factor, passes, columns, x, watch } = self;
+        let Stretch { factor, columns, from, own, place, watch } = self.stretch;
         let parts = columns / S::F64_LANES;
-        let x = S::as_mut_simd_f64s(x).0;
+        let (own, above) = (S::as_mut_simd_f64s(own).0, S::as_mut_simd_f64s(self.above).0);
+        let steps = own.len() / parts;
         // The values in the rows of a supernode, part after part.
         let mut below = Vec::new();
-        let panel = |s: usize| Panel {
-            first: elimination.first(s),
-            width: elimination.width(s),
-            rows: elimination.rows(s),
-            values: &factor[elimination.values(s)],
-        };
-        // Whether a supernode has values beyond the next multiple of so many.
-        let asks = |s: usize| elimination.values(s).start / ASKED_AFTER != elimination.values(s).end / ASKED_AFTER;
-        let share = |s: usize| s as f64 / elimination.len() as f64;
-        let (first, second) = (watch.within(0.0, 0.5), watch.within(0.5, 1.0));
-        if passes == Passes::Both {
-            for s in 0..elimination.len() {
-                if asks(s) {
-                    first.ask(share(s))?;
+        for s in self.supernodes {
+            if let Some(done) = factor.asks_at(s) {
+                watch.ask(done)?;
+            }
+            let panel = Panel::new(factor, s, from);
+            forward(simd, panel, parts, own, &mut below);
+            for (i, &r) in panel.rows.iter().enumerate() {
+                let k = r as usize - from;
+                let x =
+                    if k < steps { &mut own[k * parts..] } else { &mut above[place[r as usize] as usize * parts..] };
+                for (part, x) in x[..parts].iter_mut().enumerate() {
+                    *x = simd.sub_f64s(*x, below[part * panel.rows.len() + i]);
                 }
-                forward(simd, panel(s), parts, x, &mut below);
             }
-        }
-        for s in (0..elimination.len()).rev() {
-            if asks(s) {
-                second.ask(1.0 - share(s))?;
-            }
-            backward(simd, panel(s), parts, x, &mut below);
         }
         Ok(())
     }
 }
 
+struct Backward<'a, I> {
+    stretch: Stretch<'a>,
+    supernodes: I,
+    above: &'a [f64],
+}
+
+impl<I: DoubleEndedIterator<Item = usize>> WithSimd for Backward<'_, I> {
+    type Output = Result<(), Interrupted>;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
+        let Stretch { factor, columns, from, own, place, watch } = self.stretch;
+        let parts = columns / S::F64_LANES;
+        let (own, above) = (S::as_mut_simd_f64s(own).0, S::as_simd_f64s(self.above).0);
+        let steps = own.len() / parts;
+        let mut below = Vec::new();
+        for s in self.supernodes.rev() {
+            if let Some(left) = factor.asks_at(s) {
+                watch.ask(1.0 - left)?;
+            }
+            let panel = Panel::new(factor, s, from);
+            below.clear();
+            for part in 0..parts {
+                below.extend(panel.rows.iter().map(|&r| {
+                    let k = r as usize - from;
+                    if k < steps { own[k * parts + part] } else { above[place[r as usize] as usize * parts + part] }
+                }));
+            }
+            backward(simd, panel, parts, own, &below);
+        }
+        Ok(())
+    }
+}
+
+/// Eliminates a supernode's steps; what is to be subtracted from its rows in `below`.
 #[inline(always)]
 fn forward<S: Simd>(simd: S, panel: Panel, parts: usize, x: &mut [S::f64s], below: &mut Vec<S::f64s>) {
     let Panel { first, width, rows, .. } = panel;
@@ -145,20 +242,12 @@ fn forward<S: Simd>(simd: S, panel: Panel, parts: usize, x: &mut [S::f64s], belo
             }
         }
     }
-    for (i, &r) in rows.iter().enumerate() {
-        for (part, x) in x[r as usize * parts..][..parts].iter_mut().enumerate() {
-            *x = simd.sub_f64s(*x, below[part * rows.len() + i]);
-        }
-    }
 }
 
+/// Finds a supernode's steps from what is in its rows.
 #[inline(always)]
-fn backward<S: Simd>(simd: S, panel: Panel, parts: usize, x: &mut [S::f64s], below: &mut Vec<S::f64s>) {
+fn backward<S: Simd>(simd: S, panel: Panel, parts: usize, x: &mut [S::f64s], below: &[S::f64s]) {
     let Panel { first, width, rows, .. } = panel;
-    below.clear();
-    for part in 0..parts {
-        below.extend(rows.iter().map(|&r| x[r as usize * parts + part]));
-    }
     let own = &mut x[first * parts..(first + width) * parts];
     for j in (0..width).step_by(4).rev() {
         let four = width.min(j + 4) - j;

@@ -251,6 +251,15 @@ struct Soup {
     twin: Vec<u32>,
 }
 
+/// What lies at edges with more than two sides.
+#[derive(Default)]
+struct Crowded {
+    /// The triangles, some of them often.
+    faces: Vec<usize>,
+    /// The lower end of each such edge that stays open.
+    opened: Vec<VertexId>,
+}
+
 impl Soup {
     /// The triangles of a model, each glued to its neighbours; vertices are taken for others at a `place`.
     fn glued(
@@ -269,9 +278,12 @@ impl Soup {
         }
         let mut soup = Self::new(model, triangles, place, log);
         watch.ask(0.2)?;
-        soup.leave_out_duplicates(log);
-        watch.ask(0.5)?;
-        soup.glue(log);
+        let mut crowded = soup.glue();
+        watch.ask(0.6)?;
+        if soup.leave_out_duplicates(crowded.faces, log) {
+            crowded = soup.glue();
+        }
+        crowded.opened.iter().for_each(|v| log.note(RepairKind::NonManifoldEdge, v.index()));
         Ok(soup)
     }
 
@@ -325,21 +337,15 @@ impl Soup {
         vertices
     }
 
-    /// Leaves out all but the first of the triangles on the same three vertices, where an edge has too many.
-    fn leave_out_duplicates(&mut self, log: &mut RepairLog) {
-        let mut crowded = Vec::new();
-        for_each_edge(self.vertex_count, &self.tail, |_, sides| {
-            if sides.len() > 2 {
-                crowded.extend(sides.iter().map(|h| (h / 3) as usize));
-            }
-        });
+    /// Leaves out all but the first of the triangles on the same three vertices, where an edge has too many; whether there are any.
+    fn leave_out_duplicates(&mut self, mut crowded: Vec<usize>, log: &mut RepairLog) -> bool {
         crowded.sort_unstable();
         crowded.dedup();
         let mut first = HashSet::new();
         let mut doubled: Vec<usize> = crowded.into_iter().filter(|&f| !first.insert(self.sorted_vertices(f))).collect();
         self.retain_whole_faces(&mut doubled);
         if doubled.is_empty() {
-            return;
+            return false;
         }
         let mut keep = vec![true; self.triangle.len()];
         for f in doubled {
@@ -352,6 +358,7 @@ impl Soup {
         self.corner.retain(|_| side.next().is_some_and(|h| keep[h / 3]));
         let mut face = keep.iter();
         self.triangle.retain(|_| face.next() == Some(&true));
+        true
     }
 
     /// Of ascending triangles those whose faces have no others: a polygon without one of its triangles would fall apart, and
@@ -368,13 +375,15 @@ impl Soup {
 
     /// Makes twins of the two sides of each edge that has just two. The diagonals of polygons are edges of their own: a
     /// polygon must stay in one piece, for its triangles share its corners.
-    fn glue(&mut self, log: &mut RepairLog) {
+    fn glue(&mut self) -> Crowded {
         let mut twin = vec![NONE; self.tail.len()];
+        let mut crowded = Crowded::default();
         let mut rest = Vec::new();
         for_each_edge(self.vertex_count, &self.tail, |ends, sides| {
             rest.clear();
             rest.extend_from_slice(sides);
             if sides.len() > 2 {
+                crowded.faces.extend(sides.iter().map(|h| (h / 3) as usize));
                 for &h in sides {
                     let other = |&g: &u32| self.are_one_diagonal(h as usize, g as usize);
                     if let Some(g) = rest.iter().copied().find(other).filter(|_| rest.contains(&h)) {
@@ -390,10 +399,11 @@ impl Soup {
                     twin[h as usize] = g;
                     twin[g as usize] = h;
                 }
-                _ => log.note(RepairKind::NonManifoldEdge, ends[0].index()),
+                _ => crowded.opened.push(ends[0]),
             }
         });
         self.twin = twin;
+        crowded
     }
 
     /// Whether two sides run the opposite way between the same corners of a polygon.
@@ -571,9 +581,9 @@ impl Soup {
             let watch = watch.within(share(done), share(done + faces.len()));
             watch.ask(0.0)?;
             done += faces.len();
-            let mut fans: Vec<u32> = sides(&faces).map(|h| fan[h]).collect();
+            let is_new = |fan: &u32| std::mem::replace(&mut local[*fan as usize], 0) == NONE;
+            let mut fans: Vec<u32> = sides(&faces).map(|h| fan[h]).filter(is_new).collect();
             fans.sort_unstable();
-            fans.dedup();
             let places: Vec<[f64; 3]> = fans.iter().map(|&fan| points[fan_vertex[fan as usize].index()]).collect();
             let first_face = self.triangle[faces[0] as usize].1 as usize;
             let Some((mut points, scale)) = to_unit_size(&places) else {

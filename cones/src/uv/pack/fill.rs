@@ -31,13 +31,16 @@ pub fn fill(uv: &[[[f64; 2]; 3]]) -> f64 {
 /// On how many tiles a map is, if each of its triangles is on one.
 fn tiles(uv: &[[[f64; 2]; 3]]) -> Option<usize> {
     let mut found = HashSet::new();
+    let mut last = None;
     for t in uv {
         let range = |k: usize| t.iter().fold([f64::MAX, f64::MIN], |[low, high], p| [low.min(p[k]), high.max(p[k])]);
         let tile = [0, 1].map(|k| (range(k)[0] + ROUNDING).floor());
         if (0..2).any(|k| tile[k] < 0.0 || range(k)[1] > tile[k] + 1.0 + ROUNDING) {
             return None;
         }
-        found.insert(tile.map(f64::to_bits));
+        if last.replace(tile) != Some(tile) {
+            found.insert(tile.map(f64::to_bits));
+        }
     }
     Some(found.len())
 }
