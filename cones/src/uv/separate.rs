@@ -15,7 +15,7 @@ use super::across::Paths;
 use super::attach::{Moved, Pieces};
 use super::boxes::Boxes;
 use super::divide::{Divider, Pair, Preference, SLIVER, divide};
-use super::immersion::overlaps_of_immersion;
+use super::immersion::overlaps_from_boundary;
 use super::map::UvMap;
 use super::overlap::{NEGLIGIBLE_DEPTH, Overlap, Overlaps, overlaps_watched};
 use super::rearrange::{Figures, rearranged};
@@ -183,7 +183,7 @@ fn on_one_island(mesh: &Mesh, map: &UvMap, cut: &EdgeData<bool>, watch: Watch) -
 pub(crate) fn overlaps_on_islands(mesh: &Mesh, map: &UvMap, watch: Watch) -> Result<Overlaps, Interrupted> {
     let opened = map.opened(mesh);
     watch.ask(0.0)?;
-    match overlaps_of_immersion(mesh, map, &opened, watch.within(0.0, 0.5))? {
+    match overlaps_from_boundary(mesh, map, &opened, watch.within(0.0, 0.5))? {
         Some(overlaps) => Ok(overlaps),
         None => on_one_island(mesh, map, &map.cut, watch.within(0.5, 1.0)),
     }
