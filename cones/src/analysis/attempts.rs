@@ -40,9 +40,10 @@ const MOST_CONFORMAL: f64 = 1.02;
 /// curvature is left between cones. A jaw of 148 triangles has 1.50 with 3 cones, 1.05 with 8; the bones of a hand have 1.23 with 4, 1.10 with 8.
 const BENT: f64 = 1.15;
 const MORE: [f64; 2] = [1.25, 2.0];
-/// They are taken, and more tried, if they leave at most so many times as much above 1.
+/// They are taken if they leave at most so many times as much above 1; after so many that do not no more are tried.
 const LESS_BENT: f64 = 0.9;
-/// A net's seams are at most so many times as long as those of the cones chosen: 1.6 times on that prism, where they go round both rims, 2.1 times
+const IN_VAIN: usize = 2;
+/// A net's seams are at most so many times longer: 1.6 times on that prism, where they go round both rims, 2.1 times
 /// on a dodecahedron. Spheres of as many corners would be cut to peel, thrice as long.
 const LONGEST_NET: f64 = 2.25;
 /// What a share of detached triangles costs beside the logarithms of the distortions: one in a hundred as much as a product of
@@ -70,10 +71,10 @@ impl Component {
         let mut attempts = Attempts { component: self, options, plan, task, times };
         let mut flat = attempts.flatten(chosen.as_ref().map_err(Clone::clone))?;
         if options.cones == ConeChoice::Automatic {
-            let seams = attempts.seams(&flat);
-            flat = attempts.less_bent(flat)?;
-            let is_conformal = flat.promised.quasi_conformal <= MOST_CONFORMAL;
-            return if is_conformal { Ok(flat) } else { attempts.net(flat, seams) };
+            if flat.promised.quasi_conformal > MOST_CONFORMAL {
+                flat = attempts.net(flat)?;
+            }
+            return attempts.less_bent(flat);
         }
         let ConeChoice::WithinDistortion(target) = options.cones else { return Ok(flat) };
         let mut count = flat.cones.len();
@@ -226,27 +227,26 @@ impl Attempts<'_> {
     fn less_bent(&mut self, mut flat: Flat) -> Result<Flat, Error> {
         let bent = |flat: &Flat| (flat.promised.quasi_conformal - 1.0) / (BENT - 1.0);
         let most = MOST_OPTIMISED.min(self.component.inner_vertices() / FEWEST_BESIDE);
-        while !flat.is_unfolded && bent(&flat) > 1.0 && flat.cones.len() < most {
-            let count = flat.cones.len().max(2);
-            let more = (count as f64 * bent(&flat).clamp(MORE[0], MORE[1])).ceil() as usize;
-            let Ok(configuration) = self.place(more.clamp(count + 1, most.max(count + 1)))? else { break };
+        let (mut count, mut in_vain) = (flat.cones.len().max(2), 0);
+        while !flat.is_unfolded && bent(&flat) > 1.0 && count < most && in_vain < IN_VAIN {
+            count = ((count as f64 * bent(&flat).clamp(MORE[0], MORE[1])).ceil() as usize).min(most);
+            let Ok(configuration) = self.place(count)? else { break };
             match self.attempt(&configuration)? {
                 Ok(other)
                     if self.is_sound(&other)
                         && bent(&other) <= LESS_BENT * bent(&flat)
                         && cost(&other) < cost(&flat) =>
                 {
-                    flat = other;
+                    (flat, in_vain) = (other, 0);
                 }
-                _ => break,
+                _ => in_vain += 1,
             }
         }
         Ok(flat)
     }
 
-    /// A cone at each corner of a surface that has few, if that gives a better map with seams not much longer than those that the cones chosen
-    /// have: a polyhedron's net, exact.
-    fn net(&mut self, flat: Flat, seams: f64) -> Result<Flat, Error> {
+    /// A cone at each corner of a surface that has few, if that gives a better map with seams not much longer: a polyhedron's net, exact.
+    fn net(&mut self, flat: Flat) -> Result<Flat, Error> {
         let operators = &self.component.operators;
         let Some(corners) = corners(operators, MOST_ORDERED).filter(|c| c.len() > flat.cones.len()) else {
             return Ok(flat);
@@ -257,7 +257,9 @@ impl Attempts<'_> {
         match configured {
             Ok(configuration) => match self.attempt(&configuration)? {
                 Ok(net)
-                    if self.is_sound(&net) && cost(&net) < cost(&flat) && self.seams(&net) <= LONGEST_NET * seams =>
+                    if self.is_sound(&net)
+                        && cost(&net) < cost(&flat)
+                        && self.seams(&net) <= LONGEST_NET * self.seams(&flat) =>
                 {
                     Ok(net)
                 }
