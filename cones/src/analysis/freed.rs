@@ -29,6 +29,8 @@ const COARSE: f64 = 1.1;
 const AREAS: [f64; 2] = [0.05, 0.15];
 /// So many steps at most, those after which corners are held included.
 const STEPS: usize = 60;
+/// Corners that shorten a step to less than this are held, where it gains too little for another.
+const BLOCKED: f64 = 0.125;
 /// So often a step is halved where it brings about overlap, before corners are held.
 const HALVINGS: usize = 2;
 
@@ -187,7 +189,14 @@ impl Component {
             }
             if over.is_empty() {
                 if !relaxation.take(step) && !is_short {
-                    break;
+                    if length >= BLOCKED {
+                        break;
+                    }
+                    // Needles that keep all the others from moving on.
+                    let needles = relaxation.in_the_way(&direction, BLOCKED);
+                    if needles.into_iter().filter(|&wedge| relaxation.hold(wedge)).count() == 0 {
+                        break;
+                    }
                 }
             } else if over.into_iter().filter(|&wedge| relaxation.hold(wedge)).count() == 0 {
                 break;

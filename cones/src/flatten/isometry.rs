@@ -145,6 +145,18 @@ impl Relaxation {
         })
     }
 
+    /// The corners of triangles that would be turned over before so much of a direction is gone.
+    pub(crate) fn in_the_way(&self, direction: &Direction, length: f64) -> Vec<usize> {
+        let is_in_the_way = |triangle: &&Triangle| {
+            let [p, q] = triangle.jacobian(&self.position);
+            let [dp, dq] = triangle.jacobian(&direction.step);
+            let half = (p.conj() * dp).re - (q.conj() * dq).re;
+            let root = first_root(dp.norm_sqr() - dq.norm_sqr(), half, p.norm_sqr() - q.norm_sqr());
+            root.is_some_and(|root| root < length)
+        };
+        self.triangles.iter().filter(is_in_the_way).flat_map(|triangle| triangle.corner).collect()
+    }
+
     /// Takes a step; returns whether it gained enough for another.
     pub(crate) fn take(&mut self, step: Step) -> bool {
         let gain = self.energy - step.energy;
@@ -191,6 +203,14 @@ pub(crate) struct Direction {
     step: Vec<Complex64>,
     /// The energy's slope along it.
     slope: f64,
+}
+
+/// The first t > 0 where a t² + 2 b t + c is 0, which is above 0 at t = 0.
+fn first_root(a: f64, b: f64, c: f64) -> Option<f64> {
+    let square = b * b - a * c;
+    // Without cancellation: c over the root of larger size.
+    let root = (square >= 0.0).then(|| c / (square.sqrt() - b));
+    root.filter(|root| *root > 0.0)
 }
 
 /// Infinite where a triangle is turned over or has no area.
