@@ -346,6 +346,32 @@ fn is_doubling(cause: &Failure) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::{Analysis, Atlas};
+    use geom::{Model, shapes};
+
+    #[test]
+    fn where_few_triangles_bend_angles_more_cones_are_taken() {
+        let model: Model = shapes::sphere(40).into();
+        let analysis = Analysis::new(&model).unwrap();
+        let rigid = Options { free_seams: crate::FreeSeams::Never, ..Options::default() };
+        let bent = |atlas: &Atlas| {
+            let corners = &atlas.triangles.corners;
+            let triangles: Vec<[u32; 3]> = corners.iter().map(|t| t.map(|c| model.corners()[c as usize])).collect();
+            let uv: Vec<[[f64; 2]; 3]> = corners.iter().map(|t| t.map(|c| atlas.uv[c as usize])).collect();
+            geom::distortion::measure(model.points(), &triangles, &uv).unwrap().quasi_conformal.mean
+        };
+        for options in [Options::default(), rigid] {
+            let chosen = analysis.choose(&options).unwrap();
+            let before = analysis.flatten_with(&chosen, &options).unwrap();
+            let after = analysis.atlas(&options).unwrap();
+            assert!(bent(&before) > BENT && bent(&after) <= BENT, "{} {}", bent(&before), bent(&after));
+            assert!(after.cones.len() > chosen.len());
+            assert_eq!(after.number.as_ref().map(|number| number.chosen), Some(after.cones.len()));
+            // Whoever says how many shall have so many.
+            let asked = Options { cones: ConeChoice::Count(chosen.len()), ..options };
+            assert_eq!(analysis.atlas(&asked).unwrap().cones.len(), chosen.len());
+        }
+    }
 
     #[test]
     fn more_cones_are_tried_for_a_metric_and_fewer_too_for_needles() {

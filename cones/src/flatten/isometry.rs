@@ -368,6 +368,32 @@ mod tests {
     }
 
     #[test]
+    fn what_is_in_the_way_of_a_step_is_turned_over_before_its_end() {
+        let (_, mut relaxation) = relaxation(&shapes::hare(500), &[20, 90, 170, 240], 0.05);
+        let direction = relaxation.direction(Watch::NONE).unwrap().expect("something is to be gained");
+        assert!(relaxation.in_the_way(&direction, 1e-6).is_empty());
+        let is_turned_over = |triangle: &Triangle, t: f64| {
+            let moved: Vec<Complex64> =
+                relaxation.position.iter().zip(&direction.step).map(|(p, d)| p + t * d).collect();
+            let [p, q] = triangle.jacobian(&moved);
+            p.norm() <= q.norm()
+        };
+        let mut met = 0;
+        for length in [2.0, 8.0, 32.0] {
+            let found = relaxation.in_the_way(&direction, length);
+            for triangle in relaxation.triangles.iter().step_by(7) {
+                let corners = found.as_chunks::<3>().0;
+                // It may turn over and back again between two of these.
+                if (1..40).any(|k| is_turned_over(triangle, length * f64::from(k) / 40.0)) {
+                    assert!(corners.contains(&triangle.corner), "{length}");
+                    met += 1;
+                }
+            }
+        }
+        assert!(met > 10, "{met}");
+    }
+
+    #[test]
     fn what_is_held_stays_where_it_is_and_nothing_is_turned_over() {
         let (Flattened { mesh, layout, .. }, mut relaxation) =
             relaxation(&shapes::hare(500), &[20, 90, 170, 240], 0.05);
