@@ -259,38 +259,13 @@ impl Analysis {
         let drafts = self.components().iter().filter(|component| is_draft(component.index));
         drafts.for_each(|component| component.let_factor_go());
         let Some(opened) = self.with_handles_opened()? else { return Ok(None) };
-        // Parts that stay closed are not searched again; of the others drafts may do, too.
-        let found = |part: usize| chosen.0.found.get(part).map_or(Known::Nothing, Known::Found);
-        let known = |part: usize| match is_in_question.get(part) {
-            Some(false) => found(part),
-            _ if is_draft(part) => Known::MayBeOpened,
-            _ => Known::Nothing,
-        };
-        let mut other = opened.configurations(options, &known, &opened.task())?;
         *tried += opened.times();
-        *tried += other.0.times;
-        let is_hardly_worth: Vec<bool> = chosen
-            .0
-            .found
-            .iter()
-            .zip(&other.0.found)
-            .map(|(closed, opened)| is_hardly_worth_opening(closed, opened))
-            .collect();
-        if other.0.found.iter().zip(&is_hardly_worth).any(|(found, is_hardly_worth)| found.is_draft && !is_hardly_worth)
-        {
-            let drafts = std::mem::take(&mut other.0.found);
-            let known = |part: usize| match drafts[part].is_draft && !is_hardly_worth[part] {
-                true => Known::Nothing,
-                false => Known::Found(&drafts[part]),
-            };
-            other = opened.configurations(options, &known, &opened.task())?;
-            *tried += other.0.times;
-        }
+        let (other, is_hardly_worth) = opened.searched_beside(&chosen.0.found, &is_in_question, options, tried)?;
         let others = opened.predicted_by_itself(&other.1, is_shared);
         // Drafts will do where they already say that handles are better opened.
         let is_undecided = |part: usize| match (&closed[part], &others[part]) {
             (Some(draft), Some(opened)) => {
-                is_draft(part) && (is_hardly_worth.get(part) == Some(&true) || !is_surely_worth_opening(draft, opened))
+                is_draft(part) && (is_hardly_worth(part) || !is_surely_worth_opening(draft, opened))
             }
             (_, opened) => is_draft(part) && opened.is_none(),
         };
@@ -319,7 +294,7 @@ impl Analysis {
                     chosen.0.found.get(part).is_some_and(|found| found.is_draft) || is_worth_opening(closed, &opened)
                 }
             };
-            is_in_question[part] && is_better && is_hardly_worth.get(part) != Some(&true)
+            is_in_question[part] && is_better && !is_hardly_worth(part)
         };
         let is_opened: Vec<bool> = closed.iter().zip(others).enumerate().map(is_better).collect();
         let is_opened_part = |part: usize| is_opened[if is_shared { 0 } else { part }];
@@ -332,6 +307,38 @@ impl Analysis {
             return Ok(None);
         }
         Ok(Some(self.partly_opened(chosen, (&opened, other), &is_opened)))
+    }
+
+    /// What is chosen with handles opened, beside what was found with them closed; and which parts nested orders tell are hardly worth opening, so
+    /// that drafts are left there. Parts that are not in question are not searched again.
+    fn searched_beside(
+        &self,
+        closed: &[Automatic],
+        is_in_question: &[bool],
+        options: &Options,
+        tried: &mut Times,
+    ) -> Result<(Chosen, impl Fn(usize) -> bool + use<>), Error> {
+        let known = |part: usize| match (closed.get(part), is_in_question.get(part)) {
+            (Some(found), Some(false)) => Known::Found(found),
+            (Some(found), _) if found.is_draft => Known::MayBeOpened,
+            _ => Known::Nothing,
+        };
+        let mut chosen = self.configurations(options, &known, &self.task())?;
+        *tried += chosen.0.times;
+        let both = || closed.iter().zip(&chosen.0.found);
+        let is_hardly_worth: Vec<bool> =
+            both().map(|(closed, opened)| is_hardly_worth_opening(closed, opened)).collect();
+        let may_be_worth = |part: usize, found: &Automatic| found.is_draft && !is_hardly_worth[part];
+        if chosen.0.found.iter().enumerate().any(|(part, found)| may_be_worth(part, found)) {
+            let drafts = std::mem::take(&mut chosen.0.found);
+            let known = |part: usize| match may_be_worth(part, &drafts[part]) {
+                true => Known::Nothing,
+                false => Known::Found(&drafts[part]),
+            };
+            chosen = self.configurations(options, &known, &self.task())?;
+            *tried += chosen.0.times;
+        }
+        Ok((chosen, move |part| is_hardly_worth.get(part) == Some(&true)))
     }
 
     /// The analysis with the handles of some components opened, and for each what was chosen with them closed or opened.

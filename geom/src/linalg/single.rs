@@ -111,7 +111,7 @@ impl<'a> Factor<'a> {
                 **above = vec![0.0; parted.steps.len()];
                 let mut change = Vec::new();
                 for s in tree.clone() {
-                    if let Some(done) = self.asks_at(s) {
+                    if let Some(done) = self.asks_at(s, ASKED_AFTER) {
                         watch.ask(done)?;
                     }
                     let first = self.elimination.first(s) - *from;
@@ -141,7 +141,7 @@ impl<'a> Factor<'a> {
     ) -> Result<(), Interrupted> {
         let mut change = Vec::new();
         for s in supernodes {
-            if let Some(done) = self.asks_at(s) {
+            if let Some(done) = self.asks_at(s, ASKED_AFTER) {
                 watch.ask(done)?;
             }
             let first = self.elimination.first(s);
@@ -178,7 +178,7 @@ impl<'a> Factor<'a> {
             try_each(0, &mut parts, &|_, Part { tree, from, own }| {
                 let mut below = Vec::new();
                 for s in tree.clone().rev() {
-                    if let Some(left) = self.asks_at(s) {
+                    if let Some(left) = self.asks_at(s, ASKED_AFTER) {
                         watch.ask(1.0 - left)?;
                     }
                     let there = |&r: &u32| match own.get(r as usize - *from) {
@@ -204,7 +204,7 @@ impl<'a> Factor<'a> {
     ) -> Result<(), Interrupted> {
         let mut below = Vec::new();
         for s in supernodes.rev() {
-            if let Some(left) = self.asks_at(s) {
+            if let Some(left) = self.asks_at(s, ASKED_AFTER) {
                 watch.ask(1.0 - left)?;
             }
             below.clear();
@@ -226,9 +226,9 @@ impl<'a> Factor<'a> {
     }
 
     /// The share of the values before a supernode, where the watch is to be asked: if it has some beyond the next multiple of so many.
-    pub(super) fn asks_at(&self, s: usize) -> Option<f64> {
+    pub(super) fn asks_at(&self, s: usize, after: usize) -> Option<f64> {
         let values = self.elimination.values(s);
-        let asks = values.start / ASKED_AFTER != values.end / ASKED_AFTER;
+        let asks = values.start / after != values.end / after;
         asks.then(|| values.start as f64 / self.elimination.value_count() as f64)
     }
 

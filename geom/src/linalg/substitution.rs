@@ -12,6 +12,9 @@ use crate::watch::{Interrupted, Watch};
 /// The number of right-hand sides is a multiple of this, which the length of any vector divides.
 pub(crate) const LANES: usize = 8;
 
+/// The watch is asked again after so many values of the factor.
+const ASKED_AFTER: usize = 1 << 16;
+
 /// What is to be done.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Passes {
@@ -143,7 +146,7 @@ impl<I: Iterator<Item = usize>> WithSimd for Forward<'_, I> {
         // The values in the rows of a supernode, part after part.
         let mut below = Vec::new();
         for s in self.supernodes {
-            if let Some(done) = factor.asks_at(s) {
+            if let Some(done) = factor.asks_at(s, ASKED_AFTER) {
                 watch.ask(done)?;
             }
             let panel = Panel::new(factor, s, from);
@@ -178,7 +181,7 @@ impl<I: DoubleEndedIterator<Item = usize>> WithSimd for Backward<'_, I> {
         let steps = own.len() / parts;
         let mut below = Vec::new();
         for s in self.supernodes.rev() {
-            if let Some(left) = factor.asks_at(s) {
+            if let Some(left) = factor.asks_at(s, ASKED_AFTER) {
                 watch.ask(1.0 - left)?;
             }
             let panel = Panel::new(factor, s, from);
