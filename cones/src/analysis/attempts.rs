@@ -28,6 +28,8 @@ const BAD: f64 = 2.0;
 const POOR: f64 = 1.5;
 /// A map with a larger area distortion is not good enough, even where that was predicted and angles are kept.
 pub(super) const RUINED: f64 = 4.0;
+/// A larger change of lengths, as a logarithm, is not good enough: a needle that is sixty times as long makes the square large for all.
+const LARGEST_LOG_SCALE: f64 = 3.0;
 /// The share of detached triangles up to which other cones can end the search.
 const MOST_DETACHED: f64 = 0.05;
 /// Where more cones leave the logarithm of the largest change of lengths above so many times what it was, the next number but one is
@@ -138,8 +140,14 @@ impl Attempts<'_> {
                 (Some(flat), Failure::Distorted { area, angles })
             }
             Ok(flat) => {
-                let triangles = flat.detached.len();
-                (Some(flat), Failure::FoldOvers { triangles })
+                let cause = match flat.detached.len() {
+                    0 => Failure::Distorted {
+                        area: flat.promised.area_distortion(),
+                        angles: flat.promised.quasi_conformal,
+                    },
+                    triangles => Failure::FoldOvers { triangles },
+                };
+                (Some(flat), cause)
             }
             Err(failure) => (None, failure),
         };
@@ -164,6 +172,7 @@ impl Attempts<'_> {
             };
             let is_enough = flat.promised.area_distortion() <= enough
                 && flat.promised.quasi_conformal <= GOOD_ENOUGH
+                && flat.promised.largest_log_scale() <= LARGEST_LOG_SCALE
                 && detached_share(&flat) <= MOST_DETACHED;
             if best.as_ref().is_none_or(|best| cost(&flat) < cost(best)) {
                 best = Some(flat);
@@ -228,7 +237,8 @@ impl Attempts<'_> {
         let bent = |flat: &Flat| (flat.promised.quasi_conformal - 1.0) / (BENT - 1.0);
         let most = MOST_OPTIMISED.min(self.component.inner_vertices() / FEWEST_BESIDE);
         let (mut count, mut in_vain) = (flat.cones.len().max(2), 0);
-        while !flat.is_unfolded && bent(&flat) > 1.0 && count < most && in_vain < IN_VAIN {
+        let is_ruined = flat.is_unfolded || flat.promised.quasi_conformal > RUINED;
+        while !is_ruined && bent(&flat) > 1.0 && count < most && in_vain < IN_VAIN {
             count = ((count as f64 * bent(&flat).clamp(MORE[0], MORE[1])).ceil() as usize).min(most);
             let Ok(configuration) = self.place(count)? else { break };
             match self.attempt(&configuration)? {
@@ -317,7 +327,7 @@ fn detached_share(flat: &Flat) -> f64 {
 fn other_counts(count: usize, most: usize, cause: &Failure) -> Vec<usize> {
     let mut counts = match cause {
         Failure::Distorted { area, .. } if *area > RUINED => {
-            vec![2 * count, 4 * count, (8 * count).min(MOST_OPTIMISED)]
+            [2, 4, 8, 16].map(|times| (times * count).min(MOST_OPTIMISED.max(count))).to_vec()
         }
         Failure::Distorted { .. } => vec![count + 1 + count / 4, 2 * count, 4 * count],
         Failure::FoldOvers { .. } => {

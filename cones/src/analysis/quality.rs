@@ -56,6 +56,12 @@ impl Quality {
         self.ratios.iter().map(|(area, ratio)| 0.5 * area * ratio.ln()).sum::<f64>() / whole
     }
 
+    /// The largest log scale of a triangle, either way, beside the mean.
+    pub(crate) fn largest_log_scale(&self) -> f64 {
+        let mean = self.mean_log_scale();
+        self.ratios.iter().map(|(_, ratio)| (0.5 * ratio.ln() - mean).abs()).fold(0.0, f64::max)
+    }
+
     /// The area distortion D.
     pub(crate) fn area_distortion(&self) -> f64 {
         distortion_of(&self.ratios)

@@ -40,6 +40,9 @@ pub(crate) const SHARPEST_CURVATURE: f64 = 1.8 * PI;
 /// to 1.0326; on moai with 3 cones it falls by 1 %, and the area distortion grows from 1.71 to 1.80.
 pub(crate) const LEAST_SHARPENED: f64 = 0.03;
 
+/// A vertex that has more curvature than that may keep it, up to here.
+const SPIKE: f64 = 2.0 * PI - 1e-9;
+
 /// As [`LARGEST_CURVATURE`], where there is a choice.
 pub(crate) const COMFORTABLE_CURVATURE: f64 = 1.5 * PI;
 
@@ -136,8 +139,16 @@ impl ConeCurvatures {
 
 /// The least and greatest curvature of each of the `cones` on a surface whose layout will use the triangles of `input`.
 fn bounds(operators: &Operators, input: &Mesh, cones: &[VertexId], largest: f64) -> Vec<[f64; 2]> {
-    let [low, high] = general_bounds(operators, cones.len(), largest);
-    cones.iter().map(|&v| [low.max(bound_by_degree(input, v, cones)).min(high), high]).collect()
+    let general = general_bounds(operators, cones.len(), largest);
+    cones.iter().map(|&v| bounds_at(operators, v, bound_by_degree(input, v, cones), general)).collect()
+}
+
+/// The bounds of a vertex that can have no less than `lowest`, from the general ones: whatever curvature it has itself it may keep. Nothing
+/// need be stretched for that, while what the tip of a spike cannot keep has to leave through the spike's narrow foot: 0.3π at a spike of a fold
+/// of two needles changes lengths by e^300.
+pub(crate) fn bounds_at(operators: &Operators, v: VertexId, lowest: f64, [low, high]: [f64; 2]) -> [f64; 2] {
+    let high = high.max(operators.curvature[v].min(SPIKE));
+    [low.max(lowest).min(high), high]
 }
 
 /// The least and greatest curvature of any of so many cones, more than `largest` only where it has to be.
@@ -312,6 +323,24 @@ mod tests {
     fn spread(mesh: &Mesh, count: usize) -> Vec<VertexId> {
         let inner: Vec<VertexId> = mesh.vertices().filter(|&v| !mesh.is_boundary_vertex(v)).collect();
         (0..count).map(|k| inner[k * inner.len() / count]).collect()
+    }
+
+    #[test]
+    fn the_tip_of_a_spike_may_keep_its_curvature() {
+        let mut shape = shapes::sphere(300);
+        shape.points[0] = shape.points[0].map(|x| 20.0 * x);
+        let mesh = shape.mesh();
+        let operators = Operators::new(&mesh, &Metric::from_points(&mesh, &shape.points)).unwrap();
+        let cones = [0, 60, 120, 200, 280].map(VertexId);
+        let own = operators.curvature[cones[0]];
+        assert!(own > SHARPEST_CURVATURE && own < 2.0 * PI);
+        let found = cone_curvatures(&operators, &mesh, &cones, CurvatureRule::Optimal, Watch::NONE).unwrap();
+        assert!(found.curvature[0] > SHARPEST_CURVATURE && found.curvature[0] <= own, "{} {own}", found.curvature[0]);
+        assert!(found.curvature[1..].iter().all(|k| *k <= SHARPEST_CURVATURE));
+        let mut model = crate::placement::EnergyModel::new(&operators, &mesh);
+        assert_eq!(model.bounds(cones[0], 5)[1], own);
+        model.add(&cones);
+        assert!(model.fit(&cones).curvature[0] > SHARPEST_CURVATURE);
     }
 
     #[test]

@@ -25,7 +25,7 @@ use geom::{EdgeDistances, Interrupted, Mesh, VertexData, VertexId, Watch};
 use rayon::prelude::*;
 
 use crate::curvature::{
-    LARGEST_CORNER, LARGEST_CURVATURE, LEAST_SHARPENED, SHARPEST_CURVATURE, general_bounds, usable_degree,
+    LARGEST_CORNER, LARGEST_CURVATURE, LEAST_SHARPENED, SHARPEST_CURVATURE, bounds_at, general_bounds, usable_degree,
 };
 use crate::field::Operators;
 use crate::numerics::quadratic_program::{Held, Optimum, ProgramError, Quadratic, minimise_from};
@@ -264,8 +264,7 @@ impl<'a> EnergyModel<'a> {
 
     /// The bounds of the curvature at a vertex where there are `count` cones in all.
     pub(crate) fn bounds(&self, v: VertexId, count: usize) -> [f64; 2] {
-        let [low, high] = self.bounds_of(count);
-        [low.max(self.lowest(v)).min(high), high]
+        bounds_at(self.operators, v, self.lowest(v), self.bounds_of(count))
     }
 
     /// The bounds of the curvature of any of so many cones.

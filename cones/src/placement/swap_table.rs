@@ -22,6 +22,7 @@ use geom::{Id, VertexData, VertexId};
 
 use super::energy_model::{ConeSet, EnergyModel};
 use super::separation::Separation;
+use crate::curvature::bounds_at;
 use crate::numerics::dense;
 use crate::numerics::quadratic_program::Held;
 
@@ -248,8 +249,7 @@ impl<'a> SwapTable<'a> {
 
     /// [`EnergyModel::bounds`] of a vertex beside as many cones.
     fn bounds_at(&self, v: VertexId) -> [f64; 2] {
-        let [low, high] = self.bounds;
-        [low.max(self.model.lowest(v)).min(high), high]
+        bounds_at(self.model.operators(), v, self.model.lowest(v), self.bounds)
     }
 
     /// Adds the price of what the cones would lack.
