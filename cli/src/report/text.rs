@@ -51,16 +51,24 @@ impl UnwrapReport {
     fn number_text(&self) -> String {
         let Some(number) = &self.map.number else { return String::new() };
         let others: Vec<String> =
-            self.beside().iter().map(|p| format!("{} cones {:.2}", p.count, p.area_distortion)).collect();
+            self.beside().iter().map(|p| format!("{} cones {}", p.count, short(p.area_distortion, 2))).collect();
         let others = if others.is_empty() { String::new() } else { format!("; {}", others.join(", ")) };
         let (predicted, target, reached) = (number.predicted, number.target, self.map.distortion.area_mean);
         let target = match number.is_met {
             true => format!(", target {target}"),
-            false => format!(", {reached:.2} reached: target {target} not met"),
+            false => format!(", {} reached: target {target} not met", short(reached, 2)),
         };
-        let text = format!("automatic: area distortion {predicted:.2} predicted{target}{others}");
+        let text = format!("automatic: area distortion {} predicted{target}{others}", short(predicted, 2));
         labelled("number", &text)
     }
+}
+
+/// Above this a distortion is told by its power of ten alone.
+const LARGE: f64 = 1e4;
+
+/// A distortion in a few letters, with so many decimals.
+fn short(distortion: f64, decimals: usize) -> String {
+    if distortion < LARGE { format!("{distortion:.decimals$}") } else { format!("{distortion:.0e}") }
 }
 
 /// How cones and their curvatures are chosen.
@@ -117,10 +125,15 @@ pub(crate) fn distortion_text(distortion: &DistortionReport, islands: usize) -> 
     let [flipped, degenerate] = [distortion.flipped, distortion.degenerate].map(thousands);
     let overlap = overlap_text(distortion.overlap);
     [
-        labelled("area", &format!("distortion {area_mean:.3} (log scale: L2 {u_l2:.3}, largest {u_linf:.2})")),
+        labelled("area", &format!("distortion {} (log scale: L2 {u_l2:.3}, largest {u_linf:.2})", short(*area_mean, 3))),
         labelled(
             "angles",
-            &format!("quasi-conformal {:.4} (95 % up to {:.3}, largest {:.2})", qc.mean, qc.p95, qc.max),
+            &format!(
+                "quasi-conformal {} (95 % up to {}, largest {})",
+                short(qc.mean, 4),
+                short(qc.p95, 3),
+                short(qc.max, 2)
+            ),
         ),
         labelled(
             "layout",

@@ -146,6 +146,10 @@ pub fn every_vertex_a_cone_unfolds(bytes: &[u8]) -> Reached {
     if mesh.faces().any(|f| metric.sides(&mesh, f).area() < 1e-5 * longest * longest) {
         return Reached::Nothing; // what a sliver does to angles is another law's subject
     }
+    let angles = metric.angle_sums(&mesh);
+    if mesh.vertices().any(|v| mesh.is_boundary_vertex(v) && angles[v] > TAU - 1e-9) {
+        return Reached::Nothing; // more than a full turn at the rim is narrowed
+    }
     let model = solids::model(&shape).expect("ordinary numbers");
     let options = Options { cones: ConeChoice::Given(given), islands: Islands::Single, ..Options::default() };
     let atlas = unwrap_model(&model, &options).expect("nothing needs to be done");
