@@ -5,8 +5,8 @@
 //! log scale factor is `u = p + Σ q_c g_c`, with p the flattening of everything and `g_c` Green's function of cone c, so that
 //! |u|² is a quadratic function of the curvatures q (a small dense program, [`fit`](crate::numerics::quadratic_program)).
 //!
-//! A cone's angle is θ = 2π - k. Bounds: k at most 1.7π, or 1.8π where that helps (less than 2π is needed, and near it the metric degenerates); k at
-//! least -2π, and not so low that the cone's triangles in the input could not span θ: θ ≤ 0.87π a triangle.
+//! A cone's angle is θ = 2π - k. Bounds: k at most 1.7π, or 1.8π where that helps (less than 2π is needed, and near it the metric degenerates), or what
+//! the vertex has itself; k at least -2π, and not so low that the cone's triangles in the input could not span θ: θ ≤ 0.87π a triangle.
 
 use std::f64::consts::PI;
 
