@@ -391,19 +391,26 @@ fn the_demo_writes_what_it_promises_into_a_folder_of_its_own() {
 
 /// On spindles as thin as these few cones change lengths too much, or no flat metric is found with them.
 #[test]
-fn where_cones_fail_others_are_tried_and_the_map_that_measures_best_is_kept() {
+fn spindles_whose_tips_keep_their_curvature_come_out_with_few_cones() {
     let folder = Folder::new();
-    for (thickness, asked, said, best) in [
-        (1e-3, &[][..], "32 cones could not be flattened well (lengths would change a thousandfold): taking 64", 1.1),
-        (1e-5, &["-n", "4"], "4 cones could not be flattened well (no flat metric was found): taking 64", 30.0),
-    ] {
+    for (thickness, asked, most, best) in [(1e-3, &[][..], 8, 1.3), (1e-5, &["-n", "4"], 4, 2.0)] {
         folder.write("spindle.obj", &squeezed(20, 20, [thickness, thickness, 1.0]));
         let args = [&["unwrap", "spindle.obj", "-o", "out.obj", "--json"], asked].concat();
         let done = folder.run(&args).success();
         let report: Value = serde_json::from_str(&stdout(&done)).expect("it is JSON");
-        assert!(stderr(&done).contains(said), "{}", stderr(&done));
-        assert_eq!(report["cones"].as_array().map(Vec::len), Some(64));
+        assert!(!stderr(&done).contains("could not be flattened well"), "{}", stderr(&done));
+        assert!(report["cones"].as_array().is_some_and(|cones| cones.len() <= most));
         let area = report["distortion"]["area_mean"].as_f64().expect("a number");
         assert!(area < best && report["distortion"]["flipped"] == 0, "{area}");
     }
+}
+
+#[test]
+fn where_cones_fail_others_are_tried() {
+    let folder = Folder::new();
+    folder.write("spindle.obj", &squeezed(20, 6, [1e-6, 1e-6, 1.0]));
+    let done = folder.run(&["unwrap", "spindle.obj", "-n", "4", "-o", "out.obj", "--json", "-v"]).success();
+    let report: Value = serde_json::from_str(&stdout(&done)).expect("it is JSON");
+    assert!(stderr(&done).contains("4 cones could not be flattened well ("), "{}", stderr(&done));
+    assert_ne!(report["cones"].as_array().map(Vec::len), Some(4));
 }
