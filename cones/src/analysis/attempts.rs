@@ -131,21 +131,16 @@ impl Attempts<'_> {
             false => self.attempt(configuration)?,
         };
         let (mut best, cause) = match first {
-            Ok(flat) if self.is_sound(&flat) => {
+            Ok(flat) => {
                 let (area, angles) = (flat.promised.area_distortion(), flat.promised.quasi_conformal);
                 let is_as_predicted = area <= enough || angles <= GOOD_ENOUGH && area <= RUINED;
-                if is_as_predicted || self.options.cones != ConeChoice::Automatic {
+                let (is_sound, triangles) = (self.is_sound(&flat), flat.detached.len());
+                if is_sound && (is_as_predicted || self.options.cones != ConeChoice::Automatic) {
                     return Ok(flat);
                 }
-                (Some(flat), Failure::Distorted { area, angles })
-            }
-            Ok(flat) => {
-                let cause = match flat.detached.len() {
-                    0 => Failure::Distorted {
-                        area: flat.promised.area_distortion(),
-                        angles: flat.promised.quasi_conformal,
-                    },
-                    triangles => Failure::FoldOvers { triangles },
+                let cause = match is_sound || triangles == 0 {
+                    true => Failure::Distorted { area, angles },
+                    false => Failure::FoldOvers { triangles },
                 };
                 (Some(flat), cause)
             }

@@ -187,18 +187,17 @@ impl Component {
                 is_short = true;
                 over = overlapping(relaxation.unscaled(&step.position))?;
             }
-            if over.is_empty() {
-                if !relaxation.take(step) && !is_short {
-                    if length >= BLOCKED {
-                        break;
-                    }
-                    // Needles that keep all the others from moving on.
-                    let needles = relaxation.in_the_way(&direction, BLOCKED);
-                    if needles.into_iter().filter(|&wedge| relaxation.hold(wedge)).count() == 0 {
-                        break;
-                    }
-                }
-            } else if over.into_iter().filter(|&wedge| relaxation.hold(wedge)).count() == 0 {
+            let to_hold = if !over.is_empty() {
+                over
+            } else if relaxation.take(step) || is_short {
+                continue;
+            } else if length < BLOCKED {
+                // Needles that keep all the others from moving on.
+                relaxation.in_the_way(&direction, BLOCKED)
+            } else {
+                break;
+            };
+            if to_hold.into_iter().filter(|&wedge| relaxation.hold(wedge)).count() == 0 {
                 break;
             }
         }

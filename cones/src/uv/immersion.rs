@@ -21,7 +21,7 @@ use super::triangle::{self, Triangle};
 const EXTENTS: std::ops::Range<f64> = 1e-60..1e60;
 /// So many pairs are gone through between two looks at the watch.
 const BLOCK: usize = 1 << 14;
-/// So many pairs are kept for each triangle, and [`FREE_PAIRS`] besides: finding more takes longer than by comparing all.
+/// So many pairs are kept for each triangle, and [`FREE_PAIRS`] besides, lest what is looked up beside them fill the memory.
 const MOST_PAIRS: usize = 4;
 /// So many triangles are looked up one after the other.
 const AT_ONCE: usize = 1 << 10;
