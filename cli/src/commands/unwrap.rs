@@ -170,8 +170,11 @@ impl Job<'_> {
         args.seams.keep(input, &model, &mut options)?;
         let unwrapped = Unwrapped::new(input, model, options, args.scale, progress);
         let mut unwrapped = unwrapped.map_err(|error| edges.place(error))?;
-        if !args.triangulate && format != MeshFormat::Glb {
+        let is_cut = args.triangulate || format == MeshFormat::Glb;
+        if !is_cut {
             unwrapped.note_polygons();
+        } else if unwrapped.has_overlapping_polygons() {
+            unwrapped = unwrapped.triangulated(input, args.scale, progress)?;
         }
         progress.step("write");
         let start = Instant::now();

@@ -8,7 +8,7 @@
 use geom::{
     CommonRefinement, EdgeData, EdgeId, FaceData, FaceId, HalfedgeData, HalfedgeId, Id, Intrinsic, Mesh, MeshError,
     Metric, Model, Prepared, Refinement, Surface, SurfacePoint, Triangles, Triangulation, VertexId, Watch,
-    angle_defects, delaunay, refine_watched,
+    angle_defects, delaunay, planar_edges, refine_watched,
 };
 use rayon::prelude::*;
 
@@ -180,6 +180,9 @@ fn is_flat(Surface { mesh, .. }: &Surface, metric: &Metric) -> bool {
     mesh.vertices().any(|v| mesh.is_boundary_vertex(v)) && inner.all(|v| defects[v].abs() < FLAT)
 }
 
+/// Vertices this far from a plane, over the largest coordinate, are in it: two units of single precision, which is what most files have.
+const PLANE: f64 = 2.0 * f32::EPSILON as f64;
+
 /// Refines the surfaces of a model, but where needles alone ask for it none that is flat; what was prepared becomes that of the refined
 /// model.
 ///
@@ -192,6 +195,11 @@ pub(crate) fn refine_all(
     times: &mut Times,
 ) -> Result<(Vec<Ready>, RefinedModel, Triangles, Vec<u32>), Error> {
     let Prepared { surfaces, triangles, left_out, .. } = prepared;
+    let largest_coordinate = model.points().iter().flatten().fold(0.0, |most: f64, x| most.max(x.abs()));
+    let rounding = PLANE * largest_coordinate;
+    // Faces that nothing tells from each other need not be told apart.
+    let is_bare = model.obj_text().is_none() && model.attributes().is_bare();
+    let face_of = |surface: &Surface, f: FaceId| triangles.face_of[surface.triangle[f] as usize];
     let refinements = task.stage((Stage::Prepare, 0), times, |watch: Watch| {
         let refine = |surface: &Surface| {
             let metric = surface.metric();
@@ -199,7 +207,10 @@ pub(crate) fn refine_all(
                 return Ok(None);
             }
             let largest = LARGEST * metric.area(&surface.mesh).sqrt();
-            refine_watched(&surface.mesh, &metric, largest, watch).map(Some)
+            let planar = planar_edges(&surface.mesh, &surface.points, rounding * surface.scale, |f, g| {
+                is_bare || face_of(surface, f) == face_of(surface, g)
+            });
+            refine_watched(&surface.mesh, &metric, largest, Some(&planar), watch).map(Some)
         };
         surfaces.par_iter().with_max_len(1).map(refine).collect::<Result<Vec<Option<Refinement>>, _>>()
     })??;

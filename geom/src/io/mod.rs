@@ -26,6 +26,7 @@ mod stl;
 #[cfg(test)]
 mod tests;
 mod text;
+mod triangulated;
 mod wedge;
 mod write_glb;
 mod write_obj;
@@ -46,6 +47,7 @@ use text::Lines;
 pub use error::{Place, Problem, ReadError, WriteError};
 pub use not_kept::{MeshFormat, NotKept, not_kept};
 pub use refined_obj::refine_obj;
+pub use triangulated::triangulated;
 pub use write_glb::write_glb;
 pub use write_obj::{Material, ObjContent, write_obj};
 pub use write_ply::write_ply;

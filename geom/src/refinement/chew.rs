@@ -9,7 +9,7 @@ use super::common::CommonRefinement;
 use super::overlay::Overlay;
 use super::plane::{Point, minus, wedge};
 use crate::intrinsic::{Metric, Sides};
-use crate::mesh::{EdgeId, FaceId, HalfedgeId, Id, Triangulation, VertexData, VertexId};
+use crate::mesh::{EdgeData, EdgeId, FaceId, HalfedgeId, Id, Triangulation, VertexData, VertexId};
 use crate::watch::{Interrupted, Watch, unwatched};
 
 /// Angles are at least this, in radians, but beside narrow corners: 25°. Chew's algorithm is proven to end up to 26.5°.
@@ -61,10 +61,10 @@ pub struct Refinement {
 /// # Ok::<(), geom::MeshError>(())
 /// ```
 pub fn refine(input: &Triangulation, metric: &Metric, largest: f64) -> Refinement {
-    unwatched(refine_watched(input, metric, largest, Watch::NONE))
+    unwatched(refine_watched(input, metric, largest, None, Watch::NONE))
 }
 
-/// [`refine`], watched.
+/// [`refine`], watched. The common refinement is not cut along edges of the input that `left_out` names.
 ///
 /// # Errors
 /// If it is stopped.
@@ -72,6 +72,7 @@ pub fn refine_watched(
     input: &Triangulation,
     metric: &Metric,
     largest: f64,
+    left_out: Option<&EdgeData<bool>>,
     watch: Watch,
 ) -> Result<Refinement, Interrupted> {
     let mut chew = Chew::new(input, metric, largest);
@@ -79,8 +80,9 @@ pub fn refine_watched(
     chew.flip_all(watch.within(0.05, 0.2))?;
     watch.ask(0.2)?;
     let is_complete = chew.run(MOST_PER_VERTEX * input.vertex_count() + SPARE, watch.within(0.2, 0.7))?;
-    let overlay = chew.overlay;
-    let common = CommonRefinement::new(input, &overlay, watch.within(0.7, 1.0))?;
+    let mut overlay = chew.overlay;
+    let home = left_out.map(|edges| overlay.leave_out(edges));
+    let common = CommonRefinement::new(input, &overlay, home.as_ref(), watch.within(0.7, 1.0))?;
     let Overlay { triangulation, length, place, .. } = overlay;
     Ok(Refinement { triangulation, metric: Metric::new(length.into()), place: place.into(), common, is_complete })
 }

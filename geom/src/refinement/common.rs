@@ -11,14 +11,14 @@ use crate::watch::{Interrupted, Watch};
 const STRIDE: usize = 1 << 14;
 
 /// Triangles each of which is part of one triangle of the input and of one intrinsic triangle: the input's surface, cut
-/// where edges of either run.
+/// where edges of either run. Where edges of the input are left out, a triangle may be part of several.
 #[derive(Clone, Debug)]
 pub struct CommonRefinement {
     /// Where each vertex is on the input: first the intrinsic triangulation's vertices, then the crossings of edges.
     pub place: VertexData<SurfacePoint>,
     /// The vertices of each triangle, counter-clockwise.
     pub triangles: FaceData<[u32; 3]>,
-    /// The triangle of the input that each is part of.
+    /// The triangle of the input that each is part of; one of them, where edges are left out.
     pub input: FaceData<FaceId>,
     /// The intrinsic triangle that each is part of. Those of one are next to each other, in the order of intrinsic triangles.
     pub intrinsic: FaceData<FaceId>,
@@ -29,7 +29,13 @@ pub struct CommonRefinement {
 }
 
 impl CommonRefinement {
-    pub(super) fn new(input: &Triangulation, overlay: &Overlay, watch: Watch) -> Result<Self, Interrupted> {
+    /// `home` names a triangle of the input that each intrinsic one has a part of, where edges were [left out](Overlay::leave_out).
+    pub(super) fn new(
+        input: &Triangulation,
+        overlay: &Overlay,
+        home: Option<&FaceData<FaceId>>,
+        watch: Watch,
+    ) -> Result<Self, Interrupted> {
         let mut place = overlay.place.clone();
         let mut first_crossing = Vec::with_capacity(overlay.triangulation.edge_count() + 1);
         for e in overlay.triangulation.edges() {
@@ -48,11 +54,15 @@ impl CommonRefinement {
             first_crossing,
         };
         watch.ask(0.2)?;
-        common.fill(input, overlay, watch.within(0.2, 1.0))?;
+        common.fill((input, overlay, home), watch.within(0.2, 1.0))?;
         Ok(common)
     }
 
-    fn fill(&mut self, input: &Triangulation, overlay: &Overlay, watch: Watch) -> Result<(), Interrupted> {
+    fn fill(
+        &mut self,
+        (input, overlay, known): (&Triangulation, &Overlay, Option<&FaceData<FaceId>>),
+        watch: Watch,
+    ) -> Result<(), Interrupted> {
         let (mut triangles, mut homes, mut intrinsic, mut corners) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
         let count = overlay.triangulation.face_count();
         for f in overlay.triangulation.faces() {
@@ -64,7 +74,8 @@ impl CommonRefinement {
             let sides = overlay.triangulation.sides(f);
             for cell in cut.cells() {
                 let polygon = cut.polygon(cell);
-                let home = overlay.home(f, &cut, cell);
+                let alone = known.filter(|_| cut.rim(cell).is_none()).map(|home| home[f]);
+                let home = alone.unwrap_or_else(|| overlay.home(f, &cut, cell));
                 debug_assert!(home.index() < input.face_count());
                 for part in fan(&cut, &layout, &polygon) {
                     triangles.push(part.map(|node| self.vertex(overlay, f, node)));

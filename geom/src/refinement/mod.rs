@@ -8,16 +8,19 @@
 //! cannot have the angle and are let be.
 //!
 //! The input's edges are carried along ([`overlay`]), exactly as far as order goes, so that both triangulations cut the surface into
-//! a [`CommonRefinement`]: the same surface in space, and in each of its triangles a map of either is linear.
+//! a [`CommonRefinement`]: the same surface in space, and in each of its triangles a map of either is linear. Where the surface is plane
+//! the input's edges change nothing, and it can do without them ([`planar_edges`]): the thin pieces beside them are gone.
 
 mod chew;
 mod common;
 mod cut;
 mod overlay;
+mod planar;
 mod plane;
 
 pub use chew::{LEAST_ANGLE, Refinement, refine, refine_watched};
 pub use common::CommonRefinement;
+pub use planar::planar_edges;
 
 use crate::mesh::{FaceId, HalfedgeId, Triangulation, VertexId};
 

@@ -7,10 +7,10 @@
 //! crossings count. Rounding moves a crossing along its edges by some 1e-16 of their lengths, never past another.
 
 use super::SurfacePoint;
-use super::cut::{Chord, Crossing, Cut, Node};
+use super::cut::{Cell, Chord, Crossing, Cut, Node};
 use super::plane::{Point, away_from_sides, crossing, mean_value, minus};
 use crate::intrinsic::{Metric, Sides, TOLERANCE, opposite_cosines, other_diagonal};
-use crate::mesh::{EdgeId, FaceId, HalfedgeId, Id, Triangulation, VertexId};
+use crate::mesh::{EdgeData, EdgeId, FaceData, FaceId, HalfedgeId, Id, Triangulation, VertexId};
 
 /// A new vertex stays so far from the input's edges, as a share of its triangle's longest side, if there is room. Circumcentres of right
 /// triangles lie on their longest sides: on CAD parts these are edges of the input, and between them and the vertex were triangles without
@@ -94,7 +94,7 @@ impl<'a> Overlay<'a> {
     }
 
     /// The input's triangle that a cell is part of.
-    pub(super) fn home(&self, f: FaceId, cut: &Cut, cell: super::cut::Cell) -> FaceId {
+    pub(super) fn home(&self, f: FaceId, cut: &Cut, cell: Cell) -> FaceId {
         let sides = self.triangulation.sides(f);
         let by_side = || sides.into_iter().find_map(|h| self.shared(h)).map(|h| self.input.face(h));
         let corners = self.triangulation.corners(f).map(|v| self.place[v.index()]);
@@ -107,6 +107,19 @@ impl<'a> Overlay<'a> {
         };
         // A triangle that nothing crosses, whose corners are vertices of the input, has sides of the input.
         cut.rim(cell).map(|h| self.input.face(h)).or_else(by_side).or_else(by_corner).unwrap_or(FaceId(0))
+    }
+
+    /// Forgets where these edges of the input cross others; nothing can be flipped or put in afterwards. A triangle of the input
+    /// that each intrinsic one has a part of, since what is left need not tell.
+    pub(super) fn leave_out(&mut self, edges: &EdgeData<bool>) -> FaceData<FaceId> {
+        let some_home = |f| self.home(f, &self.cut(f), Cell::Middle(0));
+        let home = self.triangulation.faces().map(some_home).collect();
+        for trace in &mut self.trace {
+            if let Trace::Across(crossings) = trace {
+                crossings.retain(|crossing| !edges[self.input.edge(crossing.halfedge)]);
+            }
+        }
+        home
     }
 
     /// Barycentric coordinates of a cell's corner in the input's triangle that it is part of.

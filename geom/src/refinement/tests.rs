@@ -5,6 +5,7 @@ use crate::intrinsic::{Metric, angle_defects, edge_weights};
 use crate::mesh::{Id, Mesh};
 use crate::shapes;
 use crate::vector;
+use crate::watch::Watch;
 
 /// Asserts all that is true of a refinement of a surface with these positions.
 fn check(mesh: &Mesh, points: &[[f64; 3]]) -> Refinement {
@@ -45,11 +46,8 @@ fn check_triangulation(mesh: &Mesh, metric: &Metric, refinement: &Refinement) {
 }
 
 fn check_common(mesh: &Mesh, points: &[[f64; 3]], refinement: &Refinement) {
+    check_surface(mesh, points, refinement);
     let common = &refinement.common;
-    let positions = common.positions(mesh, points);
-    assert_eq!(&positions[..points.len()], points, "the input's vertices stay");
-    let fine = Mesh::new(positions.len(), &common.triangles).expect("it is a manifold");
-    assert_eq!(fine.euler_characteristic(), mesh.euler_characteristic());
     // Each triangle of the input is covered once: areas in barycentric coordinates sum to that of the whole.
     let mut covered = vec![0.0; mesh.face_count()];
     for (f, triangle) in common.triangles.iter_ids() {
@@ -62,6 +60,15 @@ fn check_common(mesh: &Mesh, points: &[[f64; 3]], refinement: &Refinement) {
     for (f, area) in covered.iter().enumerate() {
         assert!((area - 1.0).abs() < 1e-9, "triangle {f} is covered {area} times");
     }
+}
+
+/// Asserts that the common refinement is the same surface in space.
+fn check_surface(mesh: &Mesh, points: &[[f64; 3]], refinement: &Refinement) {
+    let common = &refinement.common;
+    let positions = common.positions(mesh, points);
+    assert_eq!(&positions[..points.len()], points, "the input's vertices stay");
+    let fine = Mesh::new(positions.len(), &common.triangles).expect("it is a manifold");
+    assert_eq!(fine.euler_characteristic(), mesh.euler_characteristic());
     let area = |mesh: &Mesh, points: &[[f64; 3]]| Metric::from_points(mesh, points).area(mesh);
     assert!((area(&fine, &positions) / area(mesh, points) - 1.0).abs() < 1e-9);
     let volume = |mesh: &Mesh, points: &[[f64; 3]]| -> f64 {
@@ -153,6 +160,49 @@ proptest! {
     }
 
     #[test]
+    fn planes_need_no_edges_of_the_input(
+        heights in prop::collection::vec(prop::sample::select(vec![0.0, 0.0, 0.0, 0.0, 1.0]), 49),
+        diagonals in prop::collection::vec(any::<bool>(), 36),
+        by in (magnitude(2.0), magnitude(2.0)),
+    ) {
+        let points: Vec<[f64; 3]> =
+            heights.iter().enumerate().map(|(v, z)| [by.0 * (v % 7) as f64, by.1 * (v / 7) as f64, *z]).collect();
+        let squares = (0..36u32).map(|k| k / 6 * 7 + k % 6).zip(&diagonals);
+        let faces: Vec<[u32; 3]> = squares
+            .flat_map(|(v, rises)| match rises {
+                true => [[v, v + 1, v + 8], [v, v + 8, v + 7]],
+                false => [[v, v + 1, v + 7], [v + 1, v + 8, v + 7]],
+            })
+            .collect();
+        let mesh = Mesh::new(49, &faces).expect("a patch");
+        let planar = planar_edges(&mesh, &points, 1e-12, |_, _| true);
+        for e in mesh.edges() {
+            let ends = [Some(mesh.halfedge(e)), mesh.twin(mesh.halfedge(e))].map(|h| h.map(|h| mesh.face(h)));
+            let normal = |f| vector::normal(mesh.corners(f).map(|v| points[v.index()]));
+            let is_flat = match ends {
+                [Some(f), Some(g)] => vector::distance(vector::unit(normal(f)), vector::unit(normal(g))) < 1e-9,
+                _ => false,
+            };
+            prop_assert_eq!(planar[e], is_flat, "{:?}", e);
+        }
+        let metric = Metric::from_points(&mesh, &points);
+        let cut = |left_out| refine_watched(&mesh, &metric, f64::INFINITY, left_out, Watch::NONE).expect("it is not stopped");
+        let (all, fewer) = (cut(None), cut(Some(&planar)));
+        prop_assert_eq!(&fewer.triangulation, &all.triangulation);
+        check_surface(&mesh, &points, &fewer);
+        // What is left are crossings with creases.
+        let crossings = |refinement: &Refinement| {
+            let crossed = refinement.common.place.iter().skip(refinement.place.len());
+            let on = crossed.filter(|place| matches!(place, SurfacePoint::Edge(h, _) if planar[mesh.edge(*h)]));
+            on.count()
+        };
+        prop_assert_eq!(crossings(&fewer), 0);
+        let gone = all.common.place.len() - fewer.common.place.len();
+        prop_assert_eq!(gone, crossings(&all));
+        prop_assert_eq!(all.common.triangles.len() - fewer.common.triangles.len(), 2 * gone);
+    }
+
+    #[test]
     fn one_triangle_of_aspect_up_to_a_hundred_million_ends(x in 0.0..1.0f64, height in magnitude(8.0)) {
         let mesh = Mesh::new(3, &[[0, 1, 2]]).expect("a triangle");
         let metric = Metric::from_points(&mesh, &[[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [x, height, 0.0]]);
@@ -179,4 +229,16 @@ fn vertices_at_circumcentres_on_edges_of_the_input_leave_no_triangle_without_are
             assert!(least > 1e-9, "{width}, {largest}: {least:e}");
         }
     }
+}
+
+#[test]
+fn a_plane_face_keeps_its_edges_where_faces_differ_or_fold_back() {
+    let points = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
+    let mesh = Mesh::new(4, &[[0, 1, 2], [0, 2, 3]]).unwrap();
+    let planar = |points: &[[f64; 3]], are_alike: bool| {
+        planar_edges(&mesh, points, 1e-9, |_, _| are_alike).iter().filter(|&&is_planar| is_planar).count()
+    };
+    assert_eq!((planar(&points, true), planar(&points, false)), (1, 0));
+    let folded = [points[0], points[1], points[2], [0.9, 0.2, 0.0]];
+    assert_eq!(planar(&folded, true), 0);
 }

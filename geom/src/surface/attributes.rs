@@ -343,6 +343,11 @@ impl Attributes {
         self.tables.iter().find(|table| table.meaning == *meaning && table.domain != AttributeDomain::Faces)
     }
 
+    /// Whether nothing is said of vertices, corners and faces.
+    pub fn is_bare(&self) -> bool {
+        self.tables.is_empty() && self.face_material.is_empty()
+    }
+
     /// The name of a face's material.
     pub fn material(&self, face: usize) -> Option<&str> {
         self.materials.get(*self.face_material.get(face)? as usize).map(String::as_str)

@@ -10,8 +10,8 @@ use crate::render::{Mark, Paint, Scene};
 use crate::report::{Times, UnwrapReport};
 use clap::ValueEnum;
 use cones::report::{MeasuredAtlas, UvSize};
-use cones::{Analysis, MOST_NEEDLES, Options, RefinedModel};
-use geom::io::refine_obj;
+use cones::{Analysis, Islands, MOST_NEEDLES, Options, RefinedModel};
+use geom::io::{refine_obj, triangulated};
 use geom::{Model, refine_attributes};
 use std::path::Path;
 use std::time::Instant;
@@ -80,9 +80,26 @@ impl Unwrapped {
         Ok(Self { model, options, analysis, map, measuring })
     }
 
+    /// Whether triangles lie over each other that could not be parted, perhaps because they belong to polygons.
+    pub(crate) fn has_overlapping_polygons(&self) -> bool {
+        let is_left = self.map.quality.distortion.overlap.pairs > 0 && self.options.islands != Islands::Single;
+        is_left && self.model.faces().any(|face| face.len() > 3)
+    }
+
+    /// The same with polygons cut into triangles first, between which seams may run.
+    pub(crate) fn triangulated(self, path: &Path, scale: Scale, progress: &Progress) -> Result<Self, CommandError> {
+        let Self { model, options, .. } = self;
+        Self::new(path, triangulated(&model), options, scale, progress)
+    }
+
     /// Notes what is wrong with the polygons of the map where another program cuts them into triangles in its own way: it may
     /// see triangles flipped, as the polygons are not convex.
     pub(crate) fn note_polygons(&mut self) {
+        if self.has_overlapping_polygons() {
+            let told =
+                "polygons are not cut, and so what they lie over is not parted: write triangles with --triangulate";
+            self.map.flaws.push(told.to_owned());
+        }
         let mut turned = vec![[false; 2]; self.model.face_count()];
         let MeasuredAtlas { atlas, uv, .. } = &self.map;
         for (&face, &corners) in atlas.triangles.face_of.iter().zip(&atlas.triangles.corners) {
