@@ -303,7 +303,7 @@ fn apart(model: &EnergyModel, mut cones: Vec<VertexId>, reach: f32) -> Vec<Verte
     }
     for place in 1..cones.len() {
         let separation = Separation::new(operators, &cones[..place]);
-        let mut around = model.distances().around(cones[place], reach).into_iter();
+        let mut around = model.distances().around(cones[place], reach, usize::MAX).into_iter();
         if let Some((v, _)) = around.find(|&(v, _)| separation.admits_another(v)) {
             cones[place] = v;
         }

@@ -28,6 +28,9 @@ const LEAST_SHARE: f64 = 0.1;
 const BATCH: f64 = 0.5;
 /// Cones of a batch are so far apart, and a cone moves so far, in radii of a disk that is one cone's share of the surface.
 const REACH: f64 = 0.9;
+/// That is, where vertices are crowded, so many times one cone's share of them at most: where most of the vertices are on a small part of the
+/// surface, each move would look at all for every cone.
+const CROWD: usize = 16;
 /// A renewal adds, and takes away, one cone in so many.
 const RENEWED: usize = 8;
 /// So many rounds of moves and renewals at most.
@@ -68,9 +71,13 @@ fn search(model: &mut EnergyModel, count: usize) -> ConeSet {
     moved(model, set)
 }
 
-/// The radius of a disk that is one cone's share of a surface with area 1.
-fn radius(count: usize) -> f32 {
-    (REACH / (std::f64::consts::PI * count.max(1) as f64).sqrt()) as f32
+/// The vertices round one that are no farther than `reach` radii of a disk that is the share of one of so many cones, with
+/// their distances; no more than [`CROWD`] shares of the vertices.
+fn around(model: &EnergyModel, v: VertexId, reach: f64, count: usize) -> Vec<(VertexId, f32)> {
+    let count = count.max(1);
+    let radius = reach * REACH / (std::f64::consts::PI * count as f64).sqrt();
+    let most = CROWD * model.operators().mesh().vertex_count().div_ceil(count);
+    model.distances().around(v, radius as f32, most)
 }
 
 /// Adds cones in batches until there are so many, or there is no room.
@@ -109,8 +116,7 @@ fn gainful(model: &EnergyModel, set: &ConeSet, most: usize) -> Vec<VertexId> {
         }
         if !is_near[v] {
             new.push(v);
-            let around = model.distances().around(v, radius(set.cones.len() + most));
-            around.into_iter().for_each(|(w, _)| is_near[w] = true);
+            around(model, v, 1.0, set.cones.len() + most).into_iter().for_each(|(w, _)| is_near[w] = true);
         }
     }
     new
@@ -149,7 +155,7 @@ fn moves(model: &EnergyModel, set: &ConeSet) -> Vec<Move> {
             return Vec::new();
         }
         let departure = table.departure(leaving);
-        let around = model.distances().around(cone, radius(set.cones.len()));
+        let around = around(model, cone, 1.0, set.cones.len());
         let open = around.into_iter().map(|(v, _)| v).filter(|&v| v != cone && separation.admits(v, leaving));
         let changes = open.map(|v| (table.change_at(&departure, v, gradient[v], norms[v]), leaving, v));
         moves.extend(changes.min_by(|a, b| a.0.total_cmp(&b.0)).filter(|best| best.0 < -least));
@@ -197,7 +203,7 @@ fn thinned(model: &EnergyModel, mut set: ConeSet, count: usize) -> ConeSet {
             let cone = set.cones[place];
             if left > 0 && !is_near[cone] {
                 (is_gone[place], left) = (true, left - 1);
-                let around = model.distances().around(cone, 2.0 * radius(set.cones.len()));
+                let around = around(model, cone, 2.0, set.cones.len());
                 around.into_iter().for_each(|(w, _)| is_near[w] = true);
             }
         }

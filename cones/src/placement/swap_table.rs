@@ -332,7 +332,7 @@ impl<'a> SwapTable<'a> {
         let mut row = Row::default();
         let mut best_round = |(leaving, &cone): (usize, &VertexId)| {
             let mut best: Option<Swap> = None;
-            for (coming, distance) in self.model.distances().around(cone, reach) {
+            for (coming, distance) in self.model.distances().around(cone, reach, usize::MAX) {
                 if separation.admits(coming, leaving) && !self.model.knows(coming) {
                     self.fill_for_vertex(coming, norm_at(self.model, cones, distance), &mut row);
                     let change = row.change[leaving];

@@ -19,7 +19,7 @@ use super::triangle::{self, Triangle};
 
 /// Extents beyond which products of coordinates overflow or vanish.
 const EXTENTS: std::ops::Range<f64> = 1e-60..1e60;
-/// So many pairs are gone through between two looks at the watch.
+/// So many triangles are looked up, or pairs gone through, between two looks at the watch.
 const BLOCK: usize = 1 << 14;
 /// So many pairs are kept for each triangle, and [`FREE_PAIRS`] besides, lest what is looked up beside them fill the memory.
 const MOST_PAIRS: usize = 4;
@@ -61,11 +61,17 @@ pub(super) fn overlaps_from_boundary(
         }
         found
     };
-    let all = (0..uv.len() as u32).into_par_iter().with_min_len(AT_ONCE);
-    let found: Vec<[FaceId; 2]> = all.flat_map_iter(with_first).collect();
-    watch.ask(0.0)?;
+    let most = FREE_PAIRS + MOST_PAIRS * uv.len();
     let mut spread = Spread::default();
-    found.into_iter().for_each(|[f, g]| spread.look(f, g));
+    for first in (0..uv.len() as u32).step_by(BLOCK) {
+        let block = (first..uv.len().min(first as usize + BLOCK) as u32).into_par_iter().with_min_len(AT_ONCE);
+        let found: Vec<[FaceId; 2]> = block.flat_map_iter(with_first).collect();
+        found.into_iter().for_each(|[f, g]| spread.look(f, g));
+        if spread.waiting.len() > most {
+            return Ok(None);
+        }
+        watch.ask(0.0)?;
+    }
     let mut pairs = Vec::new();
     let mut count = 0_usize;
     while let Some([f, g]) = spread.waiting.pop() {
@@ -79,7 +85,7 @@ pub(super) fn overlaps_from_boundary(
             let area = triangle::common_area(&one, &other);
             pairs.push(Overlap { triangles: [f.0, g.0], depth: depth / boxes.extent, area });
         }
-        if pairs.len() > FREE_PAIRS + MOST_PAIRS * uv.len() {
+        if pairs.len() > most {
             return Ok(None);
         }
         for (here, there) in [(f, g), (g, f)] {

@@ -62,15 +62,17 @@ impl EdgeDistances {
         Ok(distance.into())
     }
 
-    /// The vertices within a distance of one, with their distances, the nearest first. O(B log B) for B of them.
+    /// The vertices within a distance of one, with their distances, the nearest first; at most so many. O(B log B) for B of them.
     ///
     /// # Panics
     /// If the source is no vertex of the mesh.
-    pub fn around(&self, source: VertexId, radius: f32) -> Vec<(VertexId, f32)> {
+    pub fn around(&self, source: VertexId, radius: f32, most: usize) -> Vec<(VertexId, f32)> {
         let mut reached = HashMap::from([(source.0, 0.0)]);
         let mut queue = BinaryHeap::from([Reverse(0.0_f32.entry(source.0))]);
         let mut around = Vec::new();
-        while let Some(Reverse(first)) = queue.pop() {
+        while around.len() < most
+            && let Some(Reverse(first)) = queue.pop()
+        {
             let v = f32::vertex(first);
             let to_here = reached[&v];
             if first != to_here.entry(v) {
@@ -149,10 +151,11 @@ mod tests {
         let distances = EdgeDistances::new(&mesh, |e| metric.length(e) as f32);
         for source in mesh.vertices().step_by(111) {
             let all = distances.from([source]);
-            let around = distances.around(source, 0.3);
+            let around = distances.around(source, 0.3, usize::MAX);
             assert!(around.windows(2).all(|two| two[0].1 <= two[1].1));
             assert!(around.iter().all(|&(v, distance)| distance == all[v] && distance <= 0.3));
             assert_eq!(around.len(), all.iter().filter(|&&distance| distance <= 0.3).count());
+            assert_eq!(distances.around(source, 0.3, 5), around[..5]);
         }
     }
 
