@@ -65,7 +65,12 @@ impl Header {
         let mut start = [0; 10];
         let got = fill(reader, &mut start).map_err(unreadable)?;
         if got < start.len() || start[..6] != *MAGIC {
-            return Err((FilePosition::File, Problem::unexpected("another content", "a NumPy array")));
+            let found = match got {
+                0 => "an empty file",
+                _ if MAGIC.starts_with(&start[..got.min(6)]) => "the end of the file",
+                _ => "content that does not begin with \\x93NUMPY",
+            };
+            return Err((FilePosition::File, Problem::unexpected(found, "a NumPy array")));
         }
         let mut length = usize::from(u16::from_le_bytes([start[8], start[9]]));
         let mut before = start.len();

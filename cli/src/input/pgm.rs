@@ -18,7 +18,10 @@ fn parse(bytes: &[u8]) -> Result<Array, Fault> {
     let is_binary = match bytes.get(..2) {
         Some(b"P5") => true,
         Some(b"P2") => false,
-        _ => return Err((FilePosition::Byte(0), Problem::unexpected("another content", "P2 or P5, a grey map"))),
+        _ => {
+            let found = if bytes.is_empty() { "an empty file" } else { "content that begins otherwise" };
+            return Err((FilePosition::Byte(0), Problem::unexpected(found, "P2 or P5, a grey map")));
+        }
     };
     let mut words = Words { bytes, at: 2 };
     let width = words.number("the width", u32::MAX)?;

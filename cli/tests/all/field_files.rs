@@ -208,3 +208,16 @@ fn as_many_bars_are_drawn_as_are_asked_for() {
     let (few, many) = (lines(&[]), lines(&["--bars", "180"]));
     assert_eq!(many - few, 60);
 }
+
+#[test]
+fn an_array_file_that_is_none_is_told_by_what_it_holds() {
+    let folder = Folder::new();
+    for (content, expected) in [
+        ("", "a.npy: there is an empty file where a NumPy array should be"),
+        ("milk and bread", "content that does not begin with \\x93NUMPY where a NumPy array should be"),
+    ] {
+        folder.write("a.npy", content);
+        let complaint = folder.complaint(&["persistence", "a.npy"]);
+        assert!(complaint.contains(expected), "{complaint}");
+    }
+}

@@ -111,7 +111,7 @@ pub enum Problem {
         expected: String,
     },
     /// The header promises more than there is.
-    #[error("the header claims {claimed} {what}, but the file ends after {present}")]
+    #[error("the header claims {claimed} {what}, but the file ends after {present}: it is cut short or damaged")]
     CutShort {
         /// What is counted.
         what: String,
@@ -139,6 +139,11 @@ impl Fault {
 
     pub(super) fn unexpected(place: Place, found: impl Into<String>, expected: impl Into<String>) -> Self {
         Self::new(place, Problem::Unexpected { found: found.into(), expected: expected.into() })
+    }
+
+    /// The end of the file where something should still come.
+    pub(super) fn cut_short(place: Place, expected: impl fmt::Display) -> Self {
+        Self::unexpected(place, "the end of the file", format!("{expected}: it seems to be cut short"))
     }
 
     /// A face that encloses nothing.

@@ -72,6 +72,9 @@ pub(super) fn read(text: Vec<u8>) -> Result<Model, Fault> {
         Err(ModelError::NoVertices) if faces > 0 => {
             Err(Fault::unexpected(line_of_face(&text, 0), "a face", "vertices (`v x y z`) for it"))
         }
+        Err(ModelError::NoVertices) => {
+            Err(Fault::unexpected(Place::File, "no line that begins with `v`", "vertices, as lines `v x y z`"))
+        }
         Err(error @ ModelError::ManyCorners { face, .. }) => Err(Fault::new(line_of_face(&text, face), error.into())),
         Err(error) => Err(error.into()),
     }
@@ -131,7 +134,10 @@ impl Draft {
             corners += 1;
         }
         if corners < 3 {
-            return Err(Fault::few_corners(words.place(), corners));
+            return Err(match words.is_last() {
+                true => Fault::cut_short(words.place(), "at least 3 corners of a face"),
+                false => Fault::few_corners(words.place(), corners),
+            });
         }
         self.appearance.face(self.polygons.face_count());
         self.polygons.end_face();

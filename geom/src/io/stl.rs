@@ -13,7 +13,7 @@
 use std::collections::HashMap;
 
 use super::error::{Fault, Place, Problem};
-use super::text::{Lines, Words};
+use super::text::{Lines, Words, quote};
 use crate::surface::{Model, Polygons, Skipped, is_coordinate};
 
 const HEADER: usize = 84;
@@ -45,8 +45,14 @@ fn is_text(bytes: &[u8]) -> bool {
 }
 
 pub(super) fn read(bytes: &[u8]) -> Result<Model, Fault> {
-    let is_binary = claimed_size(bytes) == Some(bytes.len() as u64) || !is_text(bytes);
+    let is_binary = claimed_size(bytes) == Some(bytes.len() as u64) || !(is_text(bytes) || looks_like_text(bytes));
     if is_binary { read_binary(bytes) } else { read_text(bytes) }
+}
+
+/// Whether the content is text of any kind. No binary file begins so: the number of its triangles has a byte 0 if there are fewer than
+/// sixteen million.
+fn looks_like_text(bytes: &[u8]) -> bool {
+    bytes.iter().take(HEADER).all(|&byte| byte >= b' ' || byte.is_ascii_whitespace())
 }
 
 fn read_binary(bytes: &[u8]) -> Result<Model, Fault> {
@@ -101,7 +107,7 @@ fn read_text(text: &[u8]) -> Result<Model, Fault> {
     }
     if !matches!(state, State::Outside) {
         let expected = format!("`{}`", state.expects());
-        return Err(Fault::unexpected(Place::Line(lines.number()), "the end of the file", expected));
+        return Err(Fault::cut_short(Place::Line(lines.number()), expected));
     }
     soup.finish(0)
 }
@@ -126,6 +132,10 @@ impl State {
             (Self::Loop { vertices }, b"vertex") if vertices < 3 => Ok(Self::Loop { vertices: vertices + 1 }),
             (Self::Loop { vertices: 3 }, b"endloop") => Ok(Self::LoopEnded),
             (Self::LoopEnded, b"endfacet") => Ok(Self::Solid),
+            (Self::Outside, _) => {
+                let found = format!("text that begins with {}", quote(keyword));
+                Err(Fault::unexpected(words.place(), found, "`solid`, as in a text STL, or a binary STL"))
+            }
             _ => Err(words.unexpected(keyword, format!("`{}`", self.expects()))),
         }
     }

@@ -73,7 +73,8 @@ impl<'a> Iterator for Lines<'a> {
             let end = line_end(self.text, from);
             self.pass_line_end(end);
             if !self.is_continued(from, end) || self.at >= self.text.len() {
-                return Some(Line { number, start, text: &self.text[start..end] });
+                let is_last = end == self.text.len();
+                return Some(Line { number, start, text: &self.text[start..end], is_last });
             }
         }
     }
@@ -91,6 +92,8 @@ pub(super) struct Line<'a> {
     /// Where in the text it starts.
     pub(super) start: usize,
     pub(super) text: &'a [u8],
+    /// Whether the text ends in it, without a line end.
+    pub(super) is_last: bool,
 }
 
 impl<'a> Line<'a> {
@@ -99,7 +102,7 @@ impl<'a> Line<'a> {
     }
 
     pub(super) fn words(&self) -> Words<'a> {
-        Words { text: self.text, at: 0, place: self.place() }
+        Words { text: self.text, at: 0, place: self.place(), is_last: self.is_last }
     }
 }
 
@@ -110,6 +113,7 @@ pub(super) struct Words<'a> {
     text: &'a [u8],
     at: usize,
     place: Place,
+    is_last: bool,
 }
 
 impl<'a> Words<'a> {
@@ -120,6 +124,11 @@ impl<'a> Words<'a> {
 
     pub(super) fn place(&self) -> Place {
         self.place
+    }
+
+    /// Whether the text ends in this line, without a line end.
+    pub(super) fn is_last(&self) -> bool {
+        self.is_last
     }
 
     /// The next word as a finite number within the range of coordinates; `what` it is goes into the error.
@@ -149,7 +158,15 @@ impl<'a> Words<'a> {
 
     /// The next word, which must be there.
     pub(super) fn expect(&mut self, what: &str) -> Result<&'a [u8], Fault> {
-        self.next().ok_or_else(|| Fault::unexpected(self.place, "the end of the line", format!("the {what}")))
+        self.next().ok_or_else(|| self.ended(format!("the {what}")))
+    }
+
+    /// That the words end where another is expected: with the line, or because the file ends within it.
+    pub(super) fn ended(&self, expected: String) -> Fault {
+        if self.is_last {
+            return Fault::cut_short(self.place, expected);
+        }
+        Fault::unexpected(self.place, "the end of the line", expected)
     }
 
     pub(super) fn unexpected(&self, word: &[u8], expected: impl Into<String>) -> Fault {

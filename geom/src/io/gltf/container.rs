@@ -7,6 +7,7 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 
 use super::super::error::{Fault, Place, Problem};
+use super::super::text::{Lines, quote};
 use super::document::Document;
 
 /// What a binary glTF begins with.
@@ -23,6 +24,12 @@ pub(super) struct Container<'a> {
 impl<'a> Container<'a> {
     pub(super) fn open(bytes: &'a [u8]) -> Result<Self, Fault> {
         if !bytes.starts_with(MAGIC) {
+            let mut words = Lines::new(bytes).next_filled().into_iter().flat_map(|line| line.words());
+            let first = words.next().unwrap_or_default();
+            if !first.starts_with(b"{") {
+                let found = format!("content that begins with {}", quote(&first[..first.len().min(MAGIC.len())]));
+                return Err(Fault::unexpected(Place::Byte(0), found, "`glTF` of a .glb, or `{` of a .gltf"));
+            }
             return Ok(Self { json: bytes, binary: None, surplus: 0 });
         }
         let word = |at: usize| bytes.get(at..at + 4).and_then(|b| b.try_into().ok()).map(u32::from_le_bytes);

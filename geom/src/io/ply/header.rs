@@ -93,10 +93,11 @@ pub(super) fn read(bytes: &[u8]) -> Result<(Header, usize), Fault> {
             },
             Some(b"comment" | b"obj_info") => comments.push(String::from_utf8_lossy(line.text).trim().to_owned()),
             None => {}
+            Some(_) if words.is_last() => return Err(Fault::cut_short(line.place(), "a statement of the header")),
             Some(word) => return Err(words.unexpected(word, "a statement of the header, or `end_header`")),
         }
     }
-    Err(Fault::unexpected(Place::File, "no end of the header", "a line `end_header`"))
+    Err(Fault::cut_short(Place::File, "a line `end_header`"))
 }
 
 /// The line end of the first line: binary data may start with bytes that look like one, so `end_header` is followed by

@@ -33,7 +33,7 @@ pub(super) trait Values {
             return Err(Fault::unexpected(
                 self.place(),
                 found,
-                format!("at most the {} that are left", self.room(item)),
+                format!("at most the {} that are left: the file is cut short or damaged", self.room(item)),
             ));
         }
         list.clear();
@@ -57,7 +57,7 @@ impl<'a> Text<'a> {
     pub(super) fn new(bytes: &'a [u8], header: &Header, payload: usize) -> Self {
         let mut lines = Lines::after(bytes, payload, header.lines);
         let next = lines.next_filled();
-        let words = Line { number: header.lines, start: payload, text: b"" }.words();
+        let words = Line { number: header.lines, start: payload, text: b"", is_last: false }.words();
         Self { lines, next, words, size: bytes.len() - payload }
     }
 }
@@ -89,7 +89,7 @@ impl Values for Text<'_> {
 
     fn scalar(&mut self, _: ScalarType, name: &str) -> Result<f64, Fault> {
         let word = self.words.next();
-        let word = word.ok_or_else(|| Fault::unexpected(self.place(), "the end of the line", format!("`{name}`")))?;
+        let word = word.ok_or_else(|| self.words.ended(format!("`{name}`")))?;
         number(word).ok_or_else(|| self.words.unexpected(word, format!("a number for `{name}`")))
     }
 }
@@ -151,6 +151,6 @@ impl Values for Binary<'_> {
 
     fn scalar(&mut self, scalar: ScalarType, name: &str) -> Result<f64, Fault> {
         let value = self.decode(scalar);
-        value.ok_or_else(|| Fault::unexpected(self.place(), "the end of the file", format!("a number for `{name}`")))
+        value.ok_or_else(|| Fault::cut_short(self.place(), format!("a number for `{name}`")))
     }
 }

@@ -95,7 +95,10 @@ fn off_refuses_what_it_cannot_mean() {
     assert!(off("0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n").ends_with("line 6: found vertex 3, expected a vertex from 0 to 2"));
     assert!(off("0 0 0\n1 0 0\n0 1 0\n3 0 1 -1\n").contains("line 6: found `-1`"));
     assert!(off("0 0 0\n1 0 0\n0 1 0\n2 0 1\n").contains("found a face with 2 corners, expected at least 3"));
-    assert!(off("0 0 0\n").ends_with("a.off: the header claims 3 vertices, but the file ends after 1"));
+    assert!(
+        off("0 0 0\n")
+            .ends_with("a.off: the header claims 3 vertices, but the file ends after 1: it is cut short or damaged")
+    );
     assert!(message("4OFF\n3 1 0\n", "a.off").contains("found `4OFF`"));
     assert!(message("OFF BINARY\n3 1 0\n", "a.off").contains("found `BINARY`"));
     assert!(message("OFF\n", "a.off").contains("found no header"));
@@ -181,7 +184,9 @@ fn ply_says_where_it_is_wrong() {
     assert!(text("0 0 0\n0 0 nan\n").starts_with("a.ply, line 11: found the coordinate NaN"));
     assert_eq!(text("0 0 0\n0 0 1\n0 1 0\n3 0 1 3\n"), "a.ply, line 13: found vertex 3, expected a vertex from 0 to 2");
     assert!(text("0 0 0\n0 0 1\n0 1 0\n9 0 1 2\n").starts_with("a.ply, line 13: found the end of the line"));
-    assert!(text("0 0 0\n0 0 1\n").ends_with("the header claims 3 elements `vertex`, but the file ends after 2"));
+    assert!(
+        text("0 0 0\n0 0 1\n").contains("the header claims 3 elements `vertex`, but the file ends after 2: it is cut")
+    );
     let no_z = header.replace("property float z\n", "");
     assert!(message(no_z, "a.ply").contains("line 3: found element `vertex` without a property `z`"));
 }
@@ -253,7 +258,10 @@ fn stl_text_is_read_in_f64() {
     let model = read_bytes(text.into(), "a.stl").unwrap();
     assert_eq!(model.points(), [[0.1, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 1e-30]]);
     let (whole, _) = text.rsplit_once("endfacet").unwrap();
-    assert_eq!(message(whole, "a.stl"), "a.stl, line 8: found the end of the file, expected `endfacet`");
+    assert_eq!(
+        message(whole, "a.stl"),
+        "a.stl, line 8: found the end of the file, expected `endfacet`: it seems to be cut short"
+    );
     let four = text.replace(" endloop", " vertex 1 1 1\n endloop");
     assert_eq!(message(four, "a.stl"), "a.stl, line 7: found `vertex`, expected `endloop`");
 }
@@ -262,11 +270,70 @@ fn stl_text_is_read_in_f64() {
 fn stl_cut_short_is_refused_and_surplus_counted() {
     let mut bytes = binary_stl("", &TWO_TRIANGLES);
     let short = message(&bytes[..bytes.len() - 1], "a.stl");
-    assert_eq!(short, "a.stl, byte 183: the header claims 2 triangles, but the file ends after 1");
+    assert_eq!(
+        short,
+        "a.stl, byte 183: the header claims 2 triangles, but the file ends after 1: it is cut short or damaged"
+    );
     bytes.extend([0; 7]);
     assert_eq!(read_bytes(bytes.clone(), "a.stl").unwrap().skipped().surplus, 7);
     bytes[96..100].copy_from_slice(&f32::NAN.to_le_bytes());
     assert!(message(bytes, "a.stl").starts_with("a.stl, byte 96: found a point with the coordinate NaN"));
+}
+
+#[test]
+fn text_that_is_no_stl_is_told_to_be_text() {
+    let list = "milk 2\nbread 1\n".repeat(20);
+    let expected =
+        "a.stl, line 1: found text that begins with `milk`, expected `solid`, as in a text STL, or a binary STL";
+    assert_eq!(message(list.clone(), "a.stl"), expected);
+    assert_eq!(message("milk", "a.stl"), expected);
+    assert_eq!(
+        message(format!("solid s\n{list}"), "a.stl"),
+        "a.stl, line 2: found `milk`, expected `facet` or `endsolid`"
+    );
+    // A comment of letters is no text of triangles.
+    let mut bytes = binary_stl("solid of a program that fills the comment with words", &TWO_TRIANGLES);
+    bytes.pop();
+    assert!(message(bytes, "a.stl").contains("claims 2 triangles"));
+}
+
+#[test]
+fn a_file_of_another_kind_is_told_by_what_it_begins_with() {
+    let shopping = message("milk\nbread\n", "a.obj");
+    assert_eq!(shopping, "a.obj: found no line that begins with `v`, expected vertices, as lines `v x y z`");
+    let bytes = message(b"\x07\x91\xfe\x03\x00\x55".to_vec(), "a.glb");
+    assert!(
+        bytes.starts_with("a.glb, byte 0: found content that begins with `") && bytes.contains("`glTF`"),
+        "{bytes}"
+    );
+    assert!(message("{\"asset\": 1}", "a.gltf").contains("JSON that is no glTF"));
+}
+
+#[test]
+fn a_text_that_ends_within_a_line_is_said_to_be_cut_short() {
+    let cut = "it seems to be cut short";
+    for (text, name) in [
+        ("v 0 0 0\nv 1 0", "a.obj"),
+        ("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2", "a.obj"),
+        ("OFF\n3 1 0\n0 0 0\n1 0", "a.off"),
+        ("ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nend_hea", "a.ply"),
+        (
+            "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\nend_header\n0 1",
+            "a.ply",
+        ),
+        ("solid s\nfacet normal 0 0 1\nouter loop\nvertex 0 0", "a.stl"),
+    ] {
+        let said = message(text, name);
+        assert!(said.ends_with(cut), "{said}");
+        // A line that has its end is wrong in itself.
+        let ended = message(format!("{text}\n#\n"), name);
+        assert!(ended.contains("ply") || !ended.contains(cut), "{ended}");
+    }
+    let binary = "ply\nformat binary_little_endian 1.0\nelement vertex 2\nproperty float x\nproperty float y\nproperty float z\nend_header\n123";
+    assert_eq!(
+        message(binary, "a.ply"),
+        "a.ply, byte 115: found the end of the file, expected a number for `x`: it seems to be cut short"
+    );
 }
 
 #[test]
