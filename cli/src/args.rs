@@ -2,11 +2,14 @@
 
 use crate::commands::{
     compare, completions, demo, distance, extract, features, figure, islands, man, measure, pack, persistence, shape,
-    simplify, tree, unwrap, view,
+    simplify, tree, unwrap, view, whole,
 };
 use crate::output::Volume;
-use clap::Parser;
+use clap::error::ErrorKind;
+use clap::{Command, CommandFactory, Parser};
+use std::ffi::OsString;
 use std::num::NonZeroUsize;
+use std::path::Path;
 
 /// Unwrap surfaces conformally, with a few cones taking the curvature.
 #[derive(Debug, Parser)]
@@ -15,7 +18,14 @@ pub(crate) struct Arguments {
     #[command(subcommand)]
     pub(crate) command: Subcommand,
     /// How many threads to work on [default: one for each core]; results do not depend on it
-    #[arg(long, value_name = "T", global = true, help_heading = "For all commands")]
+    #[arg(
+        long,
+        value_name = "T",
+        value_parser = whole::<NonZeroUsize>("number of threads", 1..),
+        allow_negative_numbers = true,
+        global = true,
+        help_heading = "For all commands"
+    )]
     pub(crate) threads: Option<NonZeroUsize>,
     /// Say nothing but results and errors: no warnings, no progress, no summary
     #[arg(short, long, global = true, conflicts_with = "verbose", help_heading = "For all commands")]
@@ -26,6 +36,15 @@ pub(crate) struct Arguments {
 }
 
 impl Arguments {
+    /// What this run was asked for; where that is wrong, says so and ends it.
+    pub(crate) fn of_this_run() -> Self {
+        let words: Vec<OsString> = std::env::args_os().collect();
+        if let Some(message) = spaced_value(&Self::command(), &words) {
+            clap::Error::raw(ErrorKind::InvalidValue, message).exit()
+        }
+        Self::parse_from(words)
+    }
+
     /// How much is said.
     pub(crate) fn volume(&self) -> Volume {
         match (self.quiet, self.verbose) {
@@ -34,6 +53,23 @@ impl Arguments {
             _ => Volume::Normal,
         }
     }
+}
+
+/// What is said where an option whose value may be missing, and so stands behind `=`, has it behind a space: then it would be taken for
+/// a file, which is not there.
+fn spaced_value(command: &Command, words: &[OsString]) -> Option<String> {
+    let options: Vec<_> = command.get_subcommands().flat_map(Command::get_arguments).collect();
+    let words = words.split(|word| word == "--").next()?;
+    words.windows(2).find_map(|pair| {
+        let (name, value) = (pair[0].to_str()?.strip_prefix("--")?, pair[1].to_str()?);
+        let is_meant = options.iter().any(|option| {
+            option.is_require_equals_set()
+                && option.get_long() == Some(name)
+                && option.get_possible_values().iter().any(|possible| possible.matches(value, false))
+        });
+        (is_meant && !Path::new(value).exists())
+            .then(|| format!("there is no file {value}: if --{name} is to be {value}, write --{name}={value}\n"))
+    })
 }
 
 #[derive(Debug, clap::Subcommand)]
@@ -77,7 +113,6 @@ pub(crate) enum Subcommand {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use clap::CommandFactory;
 
     #[test]
     fn the_command_line_is_consistent() {
@@ -91,6 +126,26 @@ mod tests {
         assert!(parse(&["-n", "8", "--min-persistence", "0.1"]).is_err());
         assert!(parse(&["-n", "8", "--cones", "c"]).is_err());
         assert!(parse(&["--min-persistence", "-1"]).is_err());
+    }
+
+    #[test]
+    fn a_value_behind_a_space_is_told_from_a_file() {
+        let said = |line: &str| {
+            let words: Vec<OsString> = line.split(' ').map(OsString::from).collect();
+            spaced_value(&Arguments::command(), &words)
+        };
+        for line in ["cones unwrap a.stl --refine always -o b.obj", "cones -q view --weld never a.obj"] {
+            assert!(said(line).is_some_and(|message| message.contains("=")), "{line}");
+        }
+        for line in [
+            "cones unwrap a.stl --refine=always -o b.obj",
+            "cones unwrap --refine a.stl -o b.obj",
+            "cones unwrap a.stl -o b.obj --refine",
+            "cones unwrap --refine -o b.obj -- --weld never",
+            "cones unwrap a.obj --open-handles always -o b.obj",
+        ] {
+            assert_eq!(said(line), None, "{line}");
+        }
     }
 
     #[test]

@@ -16,7 +16,7 @@ mod report;
 mod vtk;
 
 use args::{Arguments, Subcommand};
-use clap::{CommandFactory, Parser};
+use clap::CommandFactory;
 use commands::{
     compare, completions, demo, distance, extract, features, figure, islands, man, measure, pack, persistence, shape,
     simplify, tree, unwrap, view,
@@ -25,7 +25,7 @@ use error::CommandError;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    let arguments = Arguments::parse();
+    let arguments = Arguments::of_this_run();
     output::speak(arguments.volume());
     output::end_cleanly_on_interrupt();
     limits::end_cleanly_at_limits();

@@ -22,7 +22,7 @@ pub(crate) struct DistanceArgs {
     #[arg(long, value_enum, default_value_t = DirectionName::Both)]
     direction: DirectionName,
     /// The order of the Wasserstein distance, at least 1
-    #[arg(long, value_name = "ORDER", default_value_t = 2.0, value_parser = order)]
+    #[arg(long, value_name = "ORDER", default_value_t = 2.0, value_parser = order, allow_negative_numbers = true)]
     order: f64,
     /// Print JSON in place of the table
     #[arg(long)]
@@ -54,7 +54,7 @@ struct Distances {
 
 fn order(text: &str) -> Result<f64, String> {
     let order: Option<f64> = text.parse().ok();
-    order.filter(|order| *order >= 1.0).ok_or_else(|| "not a number of at least 1".to_owned())
+    order.filter(|order| *order >= 1.0).ok_or_else(|| "expected a number, at least 1".to_owned())
 }
 
 pub(crate) fn run(args: &DistanceArgs) -> Result<(), CommandError> {

@@ -1,7 +1,7 @@
 //! `cones features`: the feature points of a mesh, which are the extrema of a field by their persistence.
 
 use crate::commands::persistence::{DomainField, NanName, Pair, PairList, PairingTimes, Places, Wanted, explain, html};
-use crate::commands::shared::{ShotArgs, non_negative};
+use crate::commands::shared::{ShotArgs, non_negative, whole};
 use crate::error::CommandError;
 use crate::input::{Number, Source, significant};
 use crate::output;
@@ -23,7 +23,7 @@ pub(crate) struct FeaturesArgs {
     #[arg(long, value_name = "VALUES", default_value = "phi", value_parser = Source::parse)]
     field: Source,
     /// How many feature points [default: 16]
-    #[arg(short = 'n', value_name = "N", group = "which")]
+    #[arg(short = 'n', value_name = "N", group = "which", value_parser = whole::<usize>("number of feature points", 0..), allow_negative_numbers = true)]
     count: Option<usize>,
     /// All extrema that are more persistent than this
     #[arg(long, value_name = "P", group = "which", value_parser = non_negative, allow_negative_numbers = true)]

@@ -19,3 +19,5 @@ pub(crate) mod unwrap;
 pub(crate) mod view;
 
 mod shared;
+
+pub(crate) use shared::whole;

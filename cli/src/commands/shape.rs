@@ -15,7 +15,7 @@ pub(crate) struct ShapeArgs {
     #[arg(value_name = "NAME", value_parser = shape_name, long_help = shape_help())]
     name: String,
     /// About how many vertices
-    #[arg(long, value_name = "N", default_value_t = 10_000, value_parser = vertex_count)]
+    #[arg(long, value_name = "N", default_value_t = 10_000, value_parser = vertex_count, allow_negative_numbers = true)]
     vertices: usize,
     /// Where to write it: .obj, .ply or .glb, also .gz
     #[arg(short, long, value_name = "OUT")]

@@ -4,7 +4,7 @@ mod many;
 
 use crate::commands::shared::{
     CandidateArgs, CheckerFiles, ColourName, FormatName, HIERARCHY_ENDINGS, PackArgs, Scale, SeamArgs, ShotArgs,
-    SurfaceFile, Unwrapped, non_negative, page_file, vtp_text, write_hierarchy,
+    SurfaceFile, Unwrapped, non_negative, page_file, vtp_text, whole, write_hierarchy,
 };
 use crate::error::CommandError;
 use crate::input::{self, cone_file};
@@ -13,7 +13,7 @@ use crate::progress::Progress;
 use crate::render::{self, Paint, Scene};
 use crate::report::table::labelled;
 use crate::report::{Times, UnwrapReport};
-use clap::{Args, ValueEnum};
+use clap::{ArgGroup, Args, ValueEnum};
 use cones::uv::PackOptions;
 use cones::{ConeChoice, Islands, Options};
 use geom::io::MeshFormat;
@@ -22,12 +22,13 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 #[derive(Args, Debug)]
+#[command(group = ArgGroup::new("target").args(["output", "out_dir"]).required(true))]
 pub(crate) struct UnwrapArgs {
     /// The surface: OBJ, OFF, PLY, STL or glTF, gzipped or not; - is standard input
     #[arg(value_name = "IN", required = true)]
     inputs: Vec<PathBuf>,
     /// Where to write it with texture coordinates: .obj, .ply or .glb, also .gz; - is standard output
-    #[arg(short, long, value_name = "OUT", required_unless_present = "out_dir")]
+    #[arg(short, long, value_name = "OUT")]
     output: Option<PathBuf>,
     /// The format to write, where no ending tells
     #[arg(long, value_enum)]
@@ -61,7 +62,7 @@ pub(crate) struct UnwrapArgs {
     #[arg(long, value_enum, default_value_t = IslandsName::OverlapFree, help_heading = "Islands")]
     islands: IslandsName,
     /// With --islands pack, the share by which seams may become longer
-    #[arg(long, value_name = "SHARE", value_parser = non_negative, default_value_t = PackOptions::default().max_seam, help_heading = "Islands")]
+    #[arg(long, value_name = "SHARE", value_parser = non_negative, allow_negative_numbers = true, default_value_t = PackOptions::default().max_seam, help_heading = "Islands")]
     max_seam: f64,
     #[command(flatten, next_help_heading = "Islands")]
     packing: PackArgs,
@@ -99,7 +100,7 @@ struct ManyArgs {
     )]
     out_dir: Option<PathBuf>,
     /// How many surfaces to work on at a time, which share the threads [default: as many as threads]
-    #[arg(long, value_name = "J", requires = "out_dir")]
+    #[arg(long, value_name = "J", value_parser = whole::<NonZeroUsize>("number of surfaces", 1..), allow_negative_numbers = true, requires = "out_dir")]
     jobs: Option<NonZeroUsize>,
 }
 

@@ -84,9 +84,27 @@ fn what_is_for_one_surface_is_refused_for_several() {
     assert!(refused(&["-o", "x.obj"]).contains("--out-dir"));
     assert!(refused(&["--out-dir", "d", "-o", "x.obj"]).contains("cannot be used with"));
     assert!(refused(&["--out-dir", "d", "--report", "x.json"]).contains("cannot be used with"));
-    assert!(refused(&[]).contains("--output"));
+    let neither = stderr(&folder.run(&["unwrap", "hare.obj"]).code(2));
+    assert!(neither.contains("--output <OUT>") && neither.contains("--out-dir <FOLDER>"), "{neither}");
     assert!(refused(&["--jobs", "2", "-o", "x.obj"]).contains("--out-dir"));
     assert_eq!(folder.names(), ["hare.obj", "sphere.obj"]);
+}
+
+#[test]
+fn a_value_that_needs_an_equals_sign_is_no_second_surface() {
+    let folder = Folder::with_shapes();
+    for (option, value) in [("--refine", "always"), ("--refine", "needles"), ("--weld", "never"), ("--weld", "auto")] {
+        for target in [&["-o", "x.obj"][..], &["--out-dir", "d"]] {
+            let said = stderr(&folder.run(&[&["unwrap", "hare.obj", option, value], target].concat()).code(2));
+            assert!(said.contains(&format!("write {option}={value}")) && !said.contains("several"), "{said}");
+        }
+        let said = stderr(&folder.run(&["extract", "hare.obj", option, value]).code(2));
+        assert!(said.contains(&format!("write {option}={value}")), "{said}");
+    }
+    assert_eq!(folder.names(), ["hare.obj", "sphere.obj"]);
+    // A file of that name is a file.
+    fs::copy(folder.path("sphere.obj"), folder.path("always")).unwrap();
+    folder.run(&["extract", "-n", "4", "--refine", "always"]).success();
 }
 
 #[test]

@@ -129,6 +129,31 @@ fn quiet_says_results_and_errors_alone_and_verbose_says_stages() {
 }
 
 #[test]
+fn a_wrong_number_is_answered_with_what_is_expected() {
+    let folder = Folder::new();
+    for (args, expected) in [
+        ("unwrap a.obj -o b.obj -n 1.5", "'1.5' for '-n <N>': expected a whole number of cones, at least 0"),
+        ("unwrap a.obj -o b.obj -n -3", "'-3' for '-n <N>': expected a whole number of cones, at least 0"),
+        ("unwrap a.obj -o b.obj --margin -1", "'-1' for '--margin <TEXELS>': expected a number, at least 0"),
+        ("unwrap a.obj -o b.obj --seam-weight -0.5", "expected a number from 0 to 1"),
+        ("unwrap a.obj -o b.obj --max-distortion -2", "expected a number above 1"),
+        ("unwrap a.obj -o b.obj --texture-size 0", "expected a whole number of texels, at least 1"),
+        ("unwrap a.obj --out-dir d --jobs 0", "expected a whole number of surfaces, at least 1"),
+        ("demo --threads 0", "'0' for '--threads <T>': expected a whole number of threads, at least 1"),
+        ("demo --threads -1", "expected a whole number of threads, at least 1"),
+        ("compare -n 4,-8", "'-8' for '-n <N,…>': expected a whole number of cones from 0 to 64"),
+        ("features a.obj -n -1", "expected a whole number of feature points, at least 0"),
+        ("persistence a.npy --top 2.5", "expected a whole number of pairs, at least 0"),
+        ("distance a.npy b.npy --order -1", "expected a number, at least 1"),
+        ("view a.obj --port 70000", "expected a whole number from 0 to 65535"),
+    ] {
+        let words: Vec<&str> = args.split(' ').collect();
+        let said = stderr(&folder.run(&words).code(2));
+        assert!(said.contains(expected) && !said.contains("tip"), "{args}: {said}");
+    }
+}
+
+#[test]
 fn shells_complete_the_command_and_man_has_its_pages() {
     let folder = Folder::new();
     for shell in ["bash", "zsh", "fish", "elvish", "powershell"] {

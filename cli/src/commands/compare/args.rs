@@ -1,7 +1,7 @@
 //! What may be asked of `cones compare`.
 
 use super::variant::Variant;
-use crate::commands::shared::vertex_count;
+use crate::commands::shared::{vertex_count, whole};
 use clap::{Args, ValueEnum};
 use cones::MOST_ORDERED;
 use std::path::{Path, PathBuf};
@@ -12,7 +12,7 @@ pub(crate) struct CompareArgs {
     #[arg(value_name = "MESH", conflicts_with = "paper")]
     pub(super) meshes: Vec<PathBuf>,
     /// How many cones, such as 4,8,16
-    #[arg(short = 'n', value_name = "N,…", value_delimiter = ',', default_value = "8", value_parser = cone_count, conflicts_with = "paper")]
+    #[arg(short = 'n', value_name = "N,…", value_delimiter = ',', default_value = "8", value_parser = whole::<usize>("number of cones", 0..=MOST_ORDERED), allow_negative_numbers = true, conflicts_with = "paper")]
     pub(super) counts: Vec<usize>,
     /// Which methods: RULE[+smooth][+ANGLES][+FLATTENING] [default: the paper's two, persistence, refined, linear, lscm]
     #[arg(
@@ -39,10 +39,10 @@ pub(crate) struct CompareArgs {
     #[arg(short, long, value_name = "FILE")]
     pub(super) output: Option<PathBuf>,
     /// Run everything so many times in turn, and keep the best times
-    #[arg(long, value_name = "K", default_value_t = 3, value_parser = clap::value_parser!(u16).range(1..))]
+    #[arg(long, value_name = "K", default_value_t = 3, value_parser = whole::<u16>("number", 1..=usize::from(u16::MAX)), allow_negative_numbers = true)]
     pub(super) best_of: u16,
     /// About how many vertices the built-in shapes have
-    #[arg(long, value_name = "V", default_value_t = 3000, value_parser = vertex_count)]
+    #[arg(long, value_name = "V", default_value_t = 3000, value_parser = vertex_count, allow_negative_numbers = true)]
     pub(super) vertices: usize,
 }
 
@@ -70,8 +70,4 @@ pub(super) enum Format {
     Csv,
     /// One document with rows and legend
     Json,
-}
-
-fn cone_count(text: &str) -> Result<usize, String> {
-    text.parse().ok().filter(|n| *n <= MOST_ORDERED).ok_or_else(|| format!("not a number from 0 to {MOST_ORDERED}"))
 }

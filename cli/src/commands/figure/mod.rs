@@ -10,7 +10,7 @@ mod sheet;
 
 use crate::commands::compare::Variant;
 use crate::commands::shape;
-use crate::commands::shared::{ColourName, vertex_count};
+use crate::commands::shared::{ColourName, vertex_count, whole};
 use crate::error::CommandError;
 use crate::progress::Progress;
 use crate::render::{Picture, View};
@@ -35,7 +35,7 @@ pub(crate) struct FigureArgs {
     #[arg(short, long, value_name = "OUT")]
     output: PathBuf,
     /// How many cones, such as 4,8,26; in figure 1 of either method [default: those of the paper]
-    #[arg(short = 'n', value_name = "N,…", value_delimiter = ',', value_parser = cone_count)]
+    #[arg(short = 'n', value_name = "N,…", value_delimiter = ',', value_parser = whole::<usize>("number of cones", 0..=MOST_ORDERED), allow_negative_numbers = true)]
     counts: Vec<usize>,
     /// Which methods, as for `cones compare` [default: those of the paper]
     #[arg(long, value_name = "M,…", value_delimiter = ',', value_parser = Variant::parse, long_help = Variant::help())]
@@ -47,10 +47,10 @@ pub(crate) struct FigureArgs {
     #[arg(long, value_name = "VIEW", value_parser = View::parse, allow_hyphen_values = true)]
     view: Option<View>,
     /// The width of a panel in pixels
-    #[arg(long, value_name = "PIXELS", default_value_t = 420, value_parser = clap::value_parser!(u16).range(200..=2000))]
+    #[arg(long, value_name = "PIXELS", default_value_t = 420, value_parser = whole::<u16>("number of pixels", 200..=2000), allow_negative_numbers = true)]
     panel: u16,
     /// About how many vertices the built-in shapes have
-    #[arg(long, value_name = "V", default_value_t = 8000, value_parser = vertex_count)]
+    #[arg(long, value_name = "V", default_value_t = 8000, value_parser = vertex_count, allow_negative_numbers = true)]
     vertices: usize,
 }
 
@@ -75,10 +75,6 @@ enum Which {
     Readme,
     /// All of them
     All,
-}
-
-fn cone_count(text: &str) -> Result<usize, String> {
-    text.parse().ok().filter(|n| *n <= MOST_ORDERED).ok_or_else(|| format!("not a number from 0 to {MOST_ORDERED}"))
 }
 
 /// A surface to draw, with what the paper prints of it if it stands in for one of its models.

@@ -1,6 +1,6 @@
 //! What may be asked of `cones persistence`.
 
-use crate::commands::shared::non_negative;
+use crate::commands::shared::{non_negative, whole};
 use crate::input::{Axes, Layer, Source};
 use clap::{Args, ValueEnum};
 use std::path::Path;
@@ -54,7 +54,7 @@ pub(crate) struct PersistenceArgs {
     #[arg(long, value_name = "FILE")]
     pub(crate) picture: Option<PathBuf>,
     /// Only the K most persistent pairs of each direction [default: 10 in the table, 50 in the picture]
-    #[arg(long, value_name = "K")]
+    #[arg(long, value_name = "K", value_parser = whole::<usize>("number of pairs", 0..), allow_negative_numbers = true)]
     pub(crate) top: Option<usize>,
     /// Write the pairs: .csv, .json, or .vtp (extrema and saddles as points, pairs as lines)
     #[arg(long, value_name = "FILE")]
@@ -66,7 +66,7 @@ pub(crate) struct PersistenceArgs {
     #[arg(long, value_name = "FILE")]
     pub(crate) barcode: Option<PathBuf>,
     /// How many bars of each direction are drawn
-    #[arg(long, value_name = "N", default_value_t = 120)]
+    #[arg(long, value_name = "N", value_parser = whole::<usize>("number of bars", 0..), allow_negative_numbers = true, default_value_t = 120)]
     pub(crate) bars: usize,
     /// Write the extremum that each vertex descends or climbs to, of those above --min-persistence: .npy, .ply (mesh) or
     /// .png (picture, shaded by the field); needs --direction sub or super

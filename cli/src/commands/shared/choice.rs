@@ -1,6 +1,6 @@
 //! The options of looking for cones.
 
-use super::numbers::{distortion, non_negative};
+use super::numbers::{distortion, non_negative, whole};
 use super::welded::WeldArgs;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum};
@@ -14,13 +14,13 @@ use std::path::Path;
 pub(crate) struct CandidateArgs {
     /// How many cones [default: as few as keep the area distortion within 1.25, or within 1.3 if
     /// that takes more than 32 a part]
-    #[arg(short = 'n', value_name = "N", group = "which", allow_negative_numbers = true)]
+    #[arg(short = 'n', value_name = "N", group = "which", value_parser = whole::<usize>("number of cones", 0..), allow_negative_numbers = true)]
     count: Option<usize>,
     /// As few cones as keep the area distortion within this, as predicted; `unwrap` makes sure by flattening
-    #[arg(long, value_name = "D", group = "which", value_parser = distortion)]
+    #[arg(long, value_name = "D", group = "which", value_parser = distortion, allow_negative_numbers = true)]
     max_distortion: Option<f64>,
     /// All extrema of the conformal factor that are at least so persistent
-    #[arg(long, value_name = "P", group = "which", value_parser = non_negative)]
+    #[arg(long, value_name = "P", group = "which", value_parser = non_negative, allow_negative_numbers = true)]
     min_persistence: Option<f64>,
     /// How cones are chosen; `refined` chooses more than 512 by persistence, `pursuit`
     /// more than 64

@@ -18,7 +18,7 @@ mod welded;
 pub(crate) use checker::CheckerFiles;
 pub(crate) use choice::CandidateArgs;
 pub(crate) use hierarchy::{HIERARCHY_ENDINGS, write_hierarchy};
-pub(crate) use numbers::{non_negative, vertex_count};
+pub(crate) use numbers::{non_negative, vertex_count, whole};
 pub(crate) use pack_args::PackArgs;
 pub(crate) use picture_args::{ColourName, ShotArgs};
 pub(crate) use seams::SeamArgs;

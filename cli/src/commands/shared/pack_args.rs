@@ -1,6 +1,6 @@
 //! The options of packing islands.
 
-use super::numbers::non_negative;
+use super::numbers::{non_negative, whole};
 use clap::{Args, ValueEnum};
 use cones::uv::{PackOptions, Rotations, Tiles};
 
@@ -8,10 +8,10 @@ use cones::uv::{PackOptions, Rotations, Tiles};
 #[derive(Args, Debug)]
 pub(crate) struct PackArgs {
     /// How many texels islands keep from each other, and half as many from the border
-    #[arg(long, value_name = "TEXELS", value_parser = non_negative, default_value_t = PackOptions::default().margin)]
+    #[arg(long, value_name = "TEXELS", value_parser = non_negative, allow_negative_numbers = true, default_value_t = PackOptions::default().margin)]
     margin: f64,
     /// The side of the texture in texels
-    #[arg(long, value_name = "TEXELS", default_value_t = PackOptions::default().texture_size)]
+    #[arg(long, value_name = "TEXELS", value_parser = whole::<u32>("number of texels", 1..), allow_negative_numbers = true, default_value_t = PackOptions::default().texture_size)]
     texture_size: u32,
     /// How islands may be turned
     #[arg(long, value_enum, default_value_t = RotationsName::Any)]
@@ -20,7 +20,7 @@ pub(crate) struct PackArgs {
     #[arg(long, requires = "texel_density")]
     udim: bool,
     /// Texels for each unit of length on the surface, for --udim
-    #[arg(long, value_name = "D", value_parser = non_negative, requires = "udim")]
+    #[arg(long, value_name = "D", value_parser = non_negative, allow_negative_numbers = true, requires = "udim")]
     texel_density: Option<f64>,
 }
 

@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 #[derive(Args, Debug)]
 pub(crate) struct SeamArgs {
     /// How much seams may lengthen to run straight, along sharp edges and in hidden places: 0 (shortest) to 1
-    #[arg(long, value_name = "W", value_parser = share, default_value_t = SeamOptions::default().weight)]
+    #[arg(long, value_name = "W", value_parser = share, allow_negative_numbers = true, default_value_t = SeamOptions::default().weight)]
     seam_weight: f64,
     /// Edges to cut: a file of lines of two vertices, counted from 0
     #[arg(long, value_name = "FILE")]

@@ -10,7 +10,7 @@ mod session;
 mod tabs;
 
 use crate::commands::persistence::FieldArgs;
-use crate::commands::shared::{CandidateArgs, Chosen, Subject, warn};
+use crate::commands::shared::{CandidateArgs, Chosen, Subject, warn, whole};
 use crate::error::CommandError;
 use crate::input::read_model;
 use crate::limits;
@@ -28,7 +28,7 @@ use std::net::{Ipv4Addr, TcpListener};
 #[command(mut_arg("input", |input| input.value_name("IN").help(INPUT).help_heading(None::<&str>)))]
 pub(crate) struct ViewArgs {
     /// The port to listen at, on this machine alone [default: any that is free]
-    #[arg(long, value_name = "P", default_value_t = 0, hide_default_value = true)]
+    #[arg(long, value_name = "P", value_parser = whole::<u16>("number", 0..=usize::from(u16::MAX)), allow_negative_numbers = true, default_value_t = 0, hide_default_value = true)]
     port: u16,
     /// Print the page's address and open no browser
     #[arg(long)]
