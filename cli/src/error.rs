@@ -19,7 +19,7 @@ pub(crate) enum CommandError {
         allowed / 1_000_000
     )]
     Memory { path: PathBuf, vertices: usize, needed: u64, allowed: u64 },
-    #[error("{} has no texture coordinates to measure: unwrap it first, or name the unwrapped file", .0.display())]
+    #[error("{} has no texture coordinates: unwrap it first, or name the unwrapped file", .0.display())]
     NoTexture(PathBuf),
     #[error("{} and {} do not have the same faces in the same order: name the mesh that was unwrapped", .0.display(), .1.display())]
     OtherMesh(PathBuf, PathBuf),

@@ -2,6 +2,7 @@
 //!
 //! The curvature, in radians, may be missing: then it is chosen by `--angles`.
 
+use super::error::unreadable;
 use cones::Cone;
 use std::fmt::Write;
 use std::io;
@@ -11,8 +12,8 @@ use thiserror::Error;
 /// Why a file of cones cannot be used.
 #[derive(Debug, Error)]
 pub(crate) enum ConeFileError {
-    #[error("{} cannot be read", path.display())]
-    Io { path: PathBuf, source: io::Error },
+    #[error("{}: {}", path.display(), unreadable(error))]
+    Io { path: PathBuf, error: io::Error },
     #[error("{}, line {line}: {text:?} is not a cone: write a vertex's index from 0, then its curvature or nothing", path.display())]
     NotACone { path: PathBuf, line: usize, text: String },
     #[error("{} lists no cone: write lines of a vertex's index from 0 and its curvature", .0.display())]
@@ -24,7 +25,7 @@ type Given = (u32, Option<f64>);
 
 /// Reads the cones of a file.
 pub(crate) fn read(path: &Path) -> Result<Vec<Given>, ConeFileError> {
-    let bytes = std::fs::read(path).map_err(|source| ConeFileError::Io { path: path.to_owned(), source })?;
+    let bytes = std::fs::read(path).map_err(|error| ConeFileError::Io { path: path.to_owned(), error })?;
     let cones = parse(&String::from_utf8_lossy(&bytes)).map_err(|(line, text)| ConeFileError::NotACone {
         path: path.to_owned(),
         line,

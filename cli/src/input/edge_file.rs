@@ -1,5 +1,6 @@
 //! Files of edges: a line of two vertices each, counted from 0, `#` begins a comment.
 
+use super::error::unreadable;
 use std::io;
 use std::path::{Path, PathBuf};
 use thiserror::Error;
@@ -7,8 +8,8 @@ use thiserror::Error;
 /// Why a file of edges cannot be used.
 #[derive(Debug, Error)]
 pub(crate) enum EdgeFileError {
-    #[error("{} cannot be read", path.display())]
-    Io { path: PathBuf, source: io::Error },
+    #[error("{}: {}", path.display(), unreadable(error))]
+    Io { path: PathBuf, error: io::Error },
     #[error("{}, line {line}: {text:?} is not an edge: write the indices of its two vertices, from 0", path.display())]
     NotAnEdge { path: PathBuf, line: usize, text: String },
     #[error("{}, line {line}: {error}", path.display())]
@@ -27,7 +28,7 @@ pub(crate) struct EdgeFile {
 
 impl EdgeFile {
     pub(crate) fn read(path: &Path) -> Result<Self, EdgeFileError> {
-        let bytes = std::fs::read(path).map_err(|source| EdgeFileError::Io { path: path.to_owned(), source })?;
+        let bytes = std::fs::read(path).map_err(|error| EdgeFileError::Io { path: path.to_owned(), error })?;
         match parse(&String::from_utf8_lossy(&bytes)) {
             Ok(edges) => Ok(Self { path: path.to_owned(), edges }),
             Err((line, text)) => Err(EdgeFileError::NotAnEdge { path: path.to_owned(), line, text }),

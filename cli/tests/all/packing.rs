@@ -61,3 +61,14 @@ fn further_cuts_fill_more_and_keep_to_their_share() {
     }
     assert!(folder.read("l.svg").contains("% filled"));
 }
+
+#[test]
+fn what_has_no_map_is_to_be_unwrapped_first() {
+    let folder = Folder::with_shapes();
+    for args in
+        [&["measure", "hare.obj"][..], &["pack", "hare.obj", "-o", "x.obj"], &["islands", "hare.obj", "-o", "x.obj"]]
+    {
+        let complaint = folder.complaint(args);
+        assert!(complaint.contains("hare.obj has no texture coordinates: unwrap it first"), "{complaint}");
+    }
+}

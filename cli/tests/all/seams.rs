@@ -107,3 +107,12 @@ fn a_checkerboard_comes_with_an_obj() {
     let twice = ["unwrap", "hare.obj", "-o", "out.obj", "--checker", "--picture", "out.png"];
     assert!(folder.complaint(&twice).contains("two outputs"));
 }
+
+#[test]
+fn a_missing_file_of_edges_or_cones_is_told_as_a_missing_mesh_is() {
+    let folder = Folder::with_shapes();
+    for option in ["--seams", "--avoid", "--cones"] {
+        let complaint = folder.complaint(&["unwrap", "hare.obj", "-o", "x.obj", option, "missing.txt"]);
+        assert_eq!(complaint, "error: missing.txt: there is no such file\n");
+    }
+}
