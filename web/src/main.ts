@@ -470,17 +470,32 @@ class App {
     return parts.join("  ·  ");
   }
 
+  /** Says why another number of cones was taken than was typed. */
+  private sayBound(text: string): void {
+    const bound = byId("bound");
+    bound.hidden = !text;
+    bound.textContent = text;
+  }
+
   // What the user does
 
   private listen(): void {
     const input = (id: string) => byId<HTMLInputElement>(id);
     const number = (id: string) => Math.min(this.surface.most, Math.max(this.surface.least, Math.round(Number(input(id).value) || 0)));
-    input("slider").addEventListener("input", () => this.choose({ n: number("slider"), given: null }));
+    input("slider").addEventListener("input", () => {
+      this.sayBound("");
+      this.choose({ n: number("slider"), given: null });
+    });
     for (const begin of ["pointerdown", "keydown"]) input("slider").addEventListener(begin, () => (this.isHeld = true));
     for (const end of ["pointerup", "pointercancel"]) addEventListener(end, () => this.isHeld && this.release(0));
     for (const end of ["keyup", "blur"]) input("slider").addEventListener(end, () => this.isHeld && this.release(PATIENCE));
     for (const sign of ["pointermove", "pointerdown", "keydown"]) addEventListener(sign, () => (this.moved = performance.now()), true);
-    input("count").addEventListener("change", () => this.choose({ n: number("count"), given: null }));
+    input("count").addEventListener("change", () => {
+      const asked = Number(input("count").value);
+      this.choose({ n: number("count"), given: null });
+      const { least, most } = this.surface;
+      this.sayBound(asked > most ? `the page shows ${most} at most` : asked < least ? `${least} at least are needed` : "");
+    });
     const method = byId<HTMLSelectElement>("method");
     method.append(new Option("by hand", "", false, false), ...this.surface.methods.map(({ name, description }) => {
       const option = new Option(name, name);

@@ -227,6 +227,15 @@ try {
     page.off("request", note);
     await afterMap(page, () => page.fill("#count", "5").then(() => page.press("#count", "Enter")));
   });
+  await test("a number beyond what the page shows is not changed in silence", async () => {
+    const typed = (text) => page.fill("#count", text).then(() => page.press("#count", "Enter"));
+    assert.ok(await page.isHidden("#bound"));
+    await afterMap(page, () => typed("500"));
+    assert.equal(await page.inputValue("#count"), "64");
+    assert.equal(await page.textContent("#bound"), "the page shows 64 at most");
+    await afterMap(page, () => typed("5"));
+    assert.ok(await page.isHidden("#bound"));
+  });
   await test("every colour has its legend, and is another picture", async () => {
     for (const [mode, legend] of [["area", "ideal 1"], ["stretch", "ideal 1"], ["factor", "φ"], ["islands", "island"], ["plain", ""], ["checker", "squares"]]) {
       await page.click(`[data-mode=${mode}]`);

@@ -287,3 +287,28 @@ fn a_field_on_a_mesh_is_shown_too_and_has_no_cones() {
     let complaint = folder.complaint(&["view", "hare.obj", "--layer", "1", "--no-open"]);
     assert!(complaint.contains("--layer") && complaint.contains("field"), "{complaint}");
 }
+
+#[test]
+fn how_to_open_the_page_and_to_stop_is_said_beside_the_address() {
+    let folder = Folder::with_shapes();
+    let says = |quiet: &[&str]| {
+        let mut command = Command::new(PROGRAM);
+        command.args(quiet).args(["view", "hare.obj", "-n", "6", "--no-open"]).current_dir(folder.root());
+        let mut child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("the program starts");
+        let mut address = String::new();
+        let mut stdout = BufReader::new(child.stdout.take().expect("it was asked for"));
+        stdout.read_line(&mut address).expect("it prints where it is");
+        assert!(address.starts_with("http://"), "the address comes first, alone: {address}");
+        // What it says comes right behind the address, before it answers anything.
+        let port = address.trim_start_matches("http://").split('/').next().expect("it has a port").to_owned();
+        let mut stream = TcpStream::connect(&port).expect("it listens");
+        stream.write_all(b"GET / HTTP/1.1\r\n\r\n").expect("it hears");
+        let _ = stream.read_to_end(&mut Vec::new());
+        child.kill().expect("it is running");
+        let done = child.wait_with_output().expect("it ends");
+        String::from_utf8(done.stderr).expect("it is text")
+    };
+    let said = says(&[]);
+    assert!(said.contains("Open the address above in a browser") && said.contains("Ctrl-C"), "{said}");
+    assert_eq!(says(&["-q"]), "");
+}

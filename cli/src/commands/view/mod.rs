@@ -14,7 +14,7 @@ use crate::commands::shared::{CandidateArgs, Chosen, Subject, warn, whole};
 use crate::error::CommandError;
 use crate::input::read_model;
 use crate::limits;
-use crate::output;
+use crate::output::{self, Volume};
 use crate::progress::Progress;
 use clap::Args;
 use cones::{Analysis, ConeChoice, Options, RefinedModel};
@@ -26,6 +26,7 @@ use std::net::{Ipv4Addr, TcpListener};
 
 #[derive(Args, Debug)]
 #[command(mut_arg("input", |input| input.value_name("IN").help(INPUT).help_heading(None::<&str>)))]
+#[command(after_help = EXAMPLES)]
 pub(crate) struct ViewArgs {
     /// The port to listen at, on this machine alone [default: any that is free]
     #[arg(long, value_name = "P", value_parser = whole::<u16>("number", 0..=usize::from(u16::MAX)), allow_negative_numbers = true, default_value_t = 0, hide_default_value = true)]
@@ -38,6 +39,11 @@ pub(crate) struct ViewArgs {
     #[command(flatten, next_help_heading = "Fields")]
     of: FieldArgs,
 }
+
+const EXAMPLES: &str = "\
+Examples:
+  cones view scan.ply -n 8
+  cones view height.npy";
 
 const INPUT: &str = "The surface: OBJ, OFF, PLY, STL or glTF, gzipped or not; or a field, as `persistence` takes it";
 
@@ -88,8 +94,14 @@ fn serve(
 ) -> Result<(), CommandError> {
     let address = guard.address();
     output::print(&format!("{address}\n"))?;
-    if !args.no_open && !browser::open(&address) {
-        output::note("no browser could be opened: open the address above\n");
+    // Programs that run this read the address alone, from standard output.
+    let is_opened = !args.no_open && browser::open(&address);
+    if output::volume() != Volume::Quiet {
+        let how = match is_opened {
+            true => "The page should open in your browser: if not, open the address above there.",
+            false => "Open the address above in a browser on this machine.",
+        };
+        output::note(&format!("{how} Ctrl-C stops serving it.\n"));
     }
     http::serve(listener, |request| match guard.admit(&request) {
         Ok(path) => answer(path, &request),
