@@ -117,7 +117,12 @@ impl fmt::Display for Error {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let (what, number, vertex, vertices) = match *self {
             Self::Length { values, vertices } => {
-                return write!(f, "the field has {values} values for {vertices} vertices; it needs one for each");
+                let values_of = if values == 1 { "value" } else { "values" };
+                let vertices_of = if vertices == 1 { "vertex" } else { "vertices" };
+                return write!(
+                    f,
+                    "the field has {values} {values_of} for {vertices} {vertices_of}; it needs one for each"
+                );
             }
             Self::NotANumber { vertex } => {
                 return write!(
@@ -201,5 +206,12 @@ mod tests {
         assert_eq!(check_vertex_count(most), Ok(()));
         let error = check_vertex_count(most + 1).expect_err("one too many");
         assert_eq!(error.to_string(), "the domain has 2147483648 vertices, more than 2147483647; coarsen or split it");
+    }
+
+    #[test]
+    fn one_of_a_thing_is_told_in_the_singular() {
+        let said = |values, vertices| Error::Length { values, vertices }.to_string();
+        assert_eq!(said(1, 3), "the field has 1 value for 3 vertices; it needs one for each");
+        assert_eq!(said(2, 1), "the field has 2 values for 1 vertex; it needs one for each");
     }
 }

@@ -5,7 +5,7 @@ use crate::error::CommandError;
 use crate::input::{self, cone_file, significant};
 use crate::output;
 use crate::progress::Progress;
-use crate::report::table::{columns, thousands};
+use crate::report::table::{columns, counted};
 use crate::report::{InputReport, SCHEMA, Times};
 use clap::Args;
 use cones::report::{HierarchyReport, RepairReport, sentences};
@@ -106,6 +106,6 @@ fn table(found: &Cones, extrema: usize) -> String {
         row.extend(cone.position.map(|x| significant(x, 5)));
         rows.push(row);
     }
-    let (cones, extrema) = (thousands(found.len()), thousands(extrema));
-    format!("{}{cones} cones; φ has {extrema} extrema\n", columns(&rows))
+    let (cones, extrema) = (counted(found.len(), "cone", "cones"), counted(extrema, "extremum", "extrema"));
+    format!("{}{cones}; φ has {extrema}\n", columns(&rows))
 }

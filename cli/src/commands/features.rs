@@ -7,7 +7,7 @@ use crate::input::{Number, Source, significant};
 use crate::output;
 use crate::render::{Mark, Paint, Scene, draw_model};
 use crate::report::SCHEMA;
-use crate::report::table::{columns, thousands};
+use crate::report::table::{columns, counted};
 use clap::{Args, ValueEnum};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -210,7 +210,8 @@ fn text(report: &FeaturesReport) -> String {
         row.extend(extremum.position.map(|x| significant(x, 5)));
         rows.push(row);
     }
-    format!("{}{} feature points of {} extrema\n", columns(&rows), report.extrema.len(), thousands(report.count))
+    let points = counted(report.extrema.len(), "feature point", "feature points");
+    format!("{}{points} of {}\n", columns(&rows), counted(report.count, "extremum", "extrema"))
 }
 
 /// The feature points as rows of a table under a head.

@@ -2,7 +2,7 @@
 
 use crate::commands::shared::{PackArgs, SurfaceFile, WeldArgs, corner_uv, split_vertices};
 use crate::error::CommandError;
-use crate::report::table::{labelled, thousands};
+use crate::report::table::{counted, labelled};
 use crate::report::{SCHEMA, overlap_text};
 use crate::{input, output};
 use clap::Args;
@@ -123,16 +123,21 @@ fn write(model: &Model, uv: &[[f64; 2]], path: &Path, format: MeshFormat) -> Res
 fn summary(report: &IslandsReport, path: &Path) -> String {
     let IslandsReport { input, before, after, left, .. } = report;
     let map = |map: &MapReport| {
-        let islands =
-            if map.islands == 1 { "1 island".to_owned() } else { format!("{} islands", thousands(map.islands)) };
+        let islands = counted(map.islands, "island", "islands");
         format!("{islands}, {} overlapping, seams {:.2} √area", overlap_text(map.overlap), map.seam_length)
     };
     let left = match left {
         0 => String::new(),
-        left => labelled("left", &format!("{} pairs of triangles of one polygon each", thousands(*left))),
+        left => labelled(
+            "left",
+            &format!("{} of one polygon each", counted(*left, "pair of triangles", "pairs of triangles")),
+        ),
     };
     [
-        labelled("surface", &format!("{} vertices, {} faces", thousands(input.vertices), thousands(input.faces))),
+        labelled(
+            "surface",
+            &format!("{}, {}", counted(input.vertices, "vertex", "vertices"), counted(input.faces, "face", "faces")),
+        ),
         labelled("before", &map(before)),
         labelled("after", &map(after)),
         left,

@@ -3,7 +3,7 @@
 use crate::commands::shared::{WeldArgs, corner_uv, split_vertices};
 use crate::error::CommandError;
 use crate::render::{self, Paint, Scene};
-use crate::report::table::thousands;
+use crate::report::table::counted;
 use crate::report::{SCHEMA, distortion_text};
 use crate::{input, output};
 use clap::Args;
@@ -70,9 +70,10 @@ pub(crate) fn run(args: &MeasureArgs) -> Result<(), CommandError> {
     if args.json {
         return output::print_json(&report);
     }
-    let (vertices, faces) = (thousands(report.input.vertices), thousands(report.input.faces));
+    let vertices = counted(report.input.vertices, "vertex", "vertices");
+    let faces = counted(report.input.faces, "face", "faces");
     output::print(&format!(
-        "surface   {vertices} vertices, {faces} faces\n{}",
+        "surface   {vertices}, {faces}\n{}",
         distortion_text(&report.distortion, report.islands.len())
     ))
 }
@@ -108,8 +109,9 @@ fn write_extras(args: &MeasureArgs, surface: &Model, measured: &Measured) -> Res
 fn warn_of_split(vertices: usize) {
     if vertices > 0 {
         output::warn(&format!(
-            "{vertices} vertices on the boundary lie at the place of another one, and what meets there counts as cut already: if the \
-             file was split along its seams, islands and seams are right with --weld"
+            "{} on the boundary at the place of another one: what meets there counts as cut already; if the file was split along \
+             its seams, islands and seams are right with --weld",
+            counted(vertices, "vertex lies", "vertices lie")
         ));
     }
 }

@@ -3,7 +3,7 @@
 use crate::commands::shared::{PackArgs, SurfaceFile, corner_uv};
 use crate::error::CommandError;
 use crate::report::SCHEMA;
-use crate::report::table::{labelled, thousands};
+use crate::report::table::{counted, labelled};
 use crate::{input, output};
 use clap::Args;
 use cones::uv::{Packing, fill, pack};
@@ -105,8 +105,7 @@ fn write(model: &Model, uv: &[[f64; 2]], path: &Path, format: MeshFormat) -> Res
 
 fn text(report: &PackReport, args: &PackCommandArgs) -> String {
     let tiles = if report.tiles == 1 { "the unit square".to_owned() } else { format!("{} tiles", report.tiles) };
-    let islands =
-        if report.islands == 1 { "1 island".to_owned() } else { format!("{} islands", thousands(report.islands)) };
+    let islands = counted(report.islands, "island", "islands");
     let (before, after) = (100.0 * report.fill_before, 100.0 * report.fill);
     let fill = format!("{after:.1} % of {tiles} ({before:.1} % before), {:.3} texels apart", report.margin);
     let written = args.output.display().to_string();

@@ -3,7 +3,7 @@
 use crate::commands::shared::{SurfaceFile, vertex_count};
 use crate::error::CommandError;
 use crate::output;
-use crate::report::table::thousands;
+use crate::report::table::counted;
 use clap::Args;
 use geom::Model;
 use geom::shapes;
@@ -41,12 +41,9 @@ pub(crate) fn run(args: &ShapeArgs) -> Result<(), CommandError> {
     output::check(&[], &[&args.output])?;
     let model = model(&args.name, args.vertices);
     SurfaceFile { model: &model, uv: None, triangles: None, material: None }.write(&args.output, format)?;
-    let (vertices, faces) = (thousands(model.vertex_count()), thousands(model.face_count()));
-    output::summary(&format!(
-        "{}: {vertices} vertices, {faces} triangles, written to {}\n",
-        args.name,
-        args.output.display()
-    ))
+    let vertices = counted(model.vertex_count(), "vertex", "vertices");
+    let triangles = counted(model.face_count(), "triangle", "triangles");
+    output::summary(&format!("{}: {vertices}, {triangles}, written to {}\n", args.name, args.output.display()))
 }
 
 /// A built-in shape. The name must be one that the arguments accept.

@@ -6,7 +6,7 @@ use crate::error::CommandError;
 use crate::input::{FieldScalar, Number, each};
 use crate::output;
 use crate::report::SCHEMA;
-use crate::report::table::{columns, thousands};
+use crate::report::table::{columns, counted, thousands};
 use clap::Args;
 use serde::Serialize;
 use std::path::PathBuf;
@@ -119,11 +119,11 @@ impl TreeReport {
             let roots = tree.nodes.iter().filter(|node| node.parent.is_none()).count();
             let saddles = tree.nodes.len() - tree.leaves - if tree.nodes.len() > tree.leaves { roots } else { 0 };
             text += &format!(
-                "{}: tree of {} leaves, {} saddles, {}\n\n",
+                "{}: tree of {}, {}, {}\n\n",
                 tree.kind,
-                thousands(tree.leaves),
-                thousands(saddles),
-                if roots == 1 { "1 root".to_owned() } else { format!("{} roots", thousands(roots)) }
+                counted(tree.leaves, "leaf", "leaves"),
+                counted(saddles, "saddle", "saddles"),
+                counted(roots, "root", "roots")
             );
             let mut rows =
                 vec![["leaf", places.head(), "value", "joins at", "value there", "size"].map(str::to_owned).to_vec()];

@@ -71,6 +71,11 @@ pub(crate) fn cut(cell: &str, longest: usize) -> String {
     text
 }
 
+/// So many things: 1 vertex, 14,290 vertices.
+pub(crate) fn counted(n: usize, one: &str, many: &str) -> String {
+    format!("{} {}", thousands(n), if n == 1 { one } else { many })
+}
+
 /// A number with its thousands set apart: 14,290.
 pub(crate) fn thousands(n: usize) -> String {
     let digits = n.to_string();
@@ -113,6 +118,12 @@ mod tests {
         let text = labelled("label", &"word ".repeat(40));
         assert!(text.starts_with("label     word word") && text.contains("\n          word"), "{text}");
         assert!(text.lines().all(|line| line.chars().count() <= WIDTH), "{text}");
+    }
+
+    #[test]
+    fn one_thing_is_told_in_the_singular() {
+        let told = [0, 1, 2000].map(|n| counted(n, "vertex", "vertices"));
+        assert_eq!(told, ["0 vertices", "1 vertex", "2,000 vertices"]);
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! A report as a few lines of text.
 
 use super::seams::seam_text;
-use super::table::{labelled, thousands};
+use super::table::{counted, labelled, thousands};
 use super::{InputReport, UnwrapReport};
 use cones::report::{DistortionReport, OverlapReport, RefinedReport};
 use cones::{ConeChoice, Options, Placement, Prediction};
@@ -16,11 +16,12 @@ impl UnwrapReport {
         let times: Vec<String> = self.times.stages().map(|(name, time)| format!("{name} {time:.2}")).collect();
         let total = self.times.total();
         let memory = self.peak_memory.map_or_else(String::new, |peak| format!("; {} MB at most", peak / 1_000_000));
-        let (cones, extrema) = (thousands(self.map.cones.len()), thousands(self.map.hierarchy.extrema));
+        let cones = thousands(self.map.cones.len());
+        let extrema = counted(self.map.hierarchy.extrema, "extremum", "extrema");
         [
             labelled("surface", &self.input.text()),
             self.refined_text(),
-            labelled("cones", &format!("{cones} ({}; φ has {extrema} extrema)", self.rule)),
+            labelled("cones", &format!("{cones} ({}; φ has {extrema})", self.rule)),
             self.number_text(),
             distortion_text(&self.map.distortion, self.map.islands.len()),
             seam_text(&self.map.seams),
@@ -33,8 +34,9 @@ impl UnwrapReport {
     /// What is written in place of the input, if the surface was refined.
     fn refined_text(&self) -> String {
         let Some(RefinedReport { vertices, faces, .. }) = &self.map.refined else { return String::new() };
-        let [vertices, faces] = [*vertices, *faces].map(thousands);
-        labelled("refined", &format!("to even triangles; written as {vertices} vertices, {faces} triangles"))
+        let (vertices, triangles) =
+            (counted(*vertices, "vertex", "vertices"), counted(*faces, "triangle", "triangles"));
+        labelled("refined", &format!("to even triangles; written as {vertices}, {triangles}"))
     }
 
     /// What there is to do where triangles are too coarse to keep angles.
@@ -102,8 +104,8 @@ impl UnwrapReport {
 impl InputReport {
     fn text(&self) -> String {
         let mut parts = vec![
-            format!("{} vertices", thousands(self.topology.vertices)),
-            format!("{} triangles", thousands(self.topology.faces)),
+            counted(self.topology.vertices, "vertex", "vertices"),
+            counted(self.topology.faces, "triangle", "triangles"),
             format!("genus {}", self.topology.genus),
         ];
         parts.push(match self.topology.boundary_loops {
@@ -121,7 +123,7 @@ impl InputReport {
 /// Lines on areas, angles and faults of a map.
 pub(crate) fn distortion_text(distortion: &DistortionReport, islands: usize) -> String {
     let DistortionReport { area_mean, u_l2, u_linf, seam_length, quasi_conformal: qc, .. } = distortion;
-    let islands = if islands == 1 { "1 island".to_owned() } else { format!("{} islands", thousands(islands)) };
+    let islands = counted(islands, "island", "islands");
     let [flipped, degenerate] = [distortion.flipped, distortion.degenerate].map(thousands);
     let overlap = overlap_text(distortion.overlap);
     [
@@ -150,8 +152,7 @@ pub(crate) fn distortion_text(distortion: &DistortionReport, islands: usize) -> 
 pub(crate) fn overlap_text(overlap: OverlapReport) -> String {
     match overlap.pairs {
         0 => "none".to_owned(),
-        1 if overlap.share == 0.0 => "1 pair".to_owned(),
-        pairs if overlap.share == 0.0 => format!("{} pairs", thousands(pairs)),
+        pairs if overlap.share == 0.0 => counted(pairs, "pair", "pairs"),
         _ => format!("{:.2} %", 100.0 * overlap.share),
     }
 }

@@ -143,7 +143,7 @@ fn a_tree_has_the_leaves_saddles_and_root_of_the_field() {
     let csv = folder.read("a.csv");
     assert_eq!(csv.lines().nth(2), Some("minimum,1,3,4,2,1,3"), "{csv}");
     let told = stdout(&folder.run(&["tree", "a.txt"]).success());
-    assert!(told.contains("minimum: tree of 2 leaves, 1 saddles, 1 root"), "{told}");
+    assert!(told.contains("minimum: tree of 2 leaves, 1 saddle, 1 root"), "{told}");
     let pruned = json(&folder, &["tree", "a.txt", "--min-persistence", "2", "--direction", "sub"]);
     assert_eq!(pruned["trees"][0]["leaves"], 1);
 }

@@ -104,7 +104,7 @@ fn comparisons_fit_80_columns() {
             .success(),
     );
     assert_fits(&text, "compare");
-    for told in ["alternating+smooth+harmonic+linear", "hare.obj: ", "1 cones asked for", "qc: "] {
+    for told in ["alternating+smooth+harmonic+linear", "hare.obj: ", "1 cone asked for", "qc: "] {
         assert!(text.contains(told), "{told}: {text}");
     }
 }
@@ -165,6 +165,22 @@ fn shells_complete_the_command_and_man_has_its_pages() {
     assert!(page.contains(".TH") && page.contains("unwrap"), "{page}");
     assert!(stdout(&folder.run(&["man", "unwrap"]).success()).contains("max\\-distortion"));
     assert!(folder.complaint(&["man", "statue"]).contains("no subcommand statue"));
+}
+
+#[test]
+fn one_of_a_thing_is_told_in_the_singular() {
+    let folder = Folder::new();
+    folder.write("one.txt", "7\n");
+    let said = stdout(&folder.run(&["persistence", "one.txt"]).success());
+    assert!(said.starts_with("one.txt: series of 1 position\n"), "{said}");
+    let said = stdout(&folder.run(&["tree", "one.txt"]).success());
+    assert!(said.contains("tree of 1 leaf, 0 saddles, 1 root"), "{said}");
+    folder.write("triangle.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    let said = stdout(&folder.run(&["unwrap", "triangle.obj", "-o", "out.obj"]).success());
+    assert!(said.contains("3 vertices, 1 triangle, ") && said.contains("1 island,"), "{said}");
+    assert!(stdout(&folder.run(&["measure", "out.obj"]).success()).starts_with("surface   3 vertices, 1 face\n"));
+    folder.write("point.obj", "v 0 0 0\n");
+    assert!(folder.complaint(&["unwrap", "point.obj", "-o", "x.obj"]).contains("there is 1 vertex but no faces"));
 }
 
 #[test]

@@ -131,7 +131,7 @@ pub enum Note {
         /// The vertices of one of them.
         first: [u32; 2],
     },
-    /// Rounded for a texture, the curvatures of some cones are 0: they are left out.
+    /// Rounded for a texture, fewer cones than were placed distort less: the others are left out.
     RoundedAway {
         /// The component.
         component: usize,
@@ -205,7 +205,8 @@ impl fmt::Display for Note {
             }
             Self::FewExtrema { threshold, above, taken, components } => write!(
                 f,
-                "{above} extrema are more persistent than {threshold}, but {} more cones: taking {taken}",
+                "{} more persistent than {threshold}, but {} more cones: taking {taken}",
+                if *above == 1 { "1 extremum is".to_owned() } else { format!("{above} extrema are") },
                 needing(components)
             ),
             Self::PlacedByPersistence { cones, .. } => {
@@ -215,7 +216,9 @@ impl fmt::Display for Note {
                 write!(f, "{} cannot take this surface's curvature: taking {taken}", cones(asked))
             }
             Self::FewVertices { asked, there, .. } => {
-                write!(f, "{} asked for, but there are only {there} inner vertices", cones(asked))
+                let inner =
+                    if *there == 1 { "is only 1 inner vertex" } else { &format!("are only {there} inner vertices") };
+                write!(f, "{} asked for, but there {inner}", cones(asked))
             }
             Self::HarmonicOutOfBounds { count, cones, first, .. } => write!(
                 f,
@@ -248,7 +251,12 @@ impl fmt::Display for Note {
                 "seams run along {edges} edges that were to be avoided, one from vertex {a} to {b}: there is hardly another way"
             ),
             Self::RoundedAway { placed, left, .. } => {
-                write!(f, "with curvatures in steps {left} cones do better than all {placed}: taking {left}")
+                write!(
+                    f,
+                    "rounded so that a texture runs on across seams, the curvatures of {} distort less than those of all \
+                     {placed}: taking {left}",
+                    cones(left)
+                )
             }
             Self::SeamsDoNotTile { symmetry, seams, broken } => write!(
                 f,
@@ -256,8 +264,8 @@ impl fmt::Display for Note {
                  cone sets how handles and boundaries turn",
                 symmetry.order()
             ),
-            Self::TargetMissed { target, reached, cones, .. } => {
-                write!(f, "an area distortion of {target} was not reached: {reached:.3} with {cones} cones")
+            Self::TargetMissed { target, reached, cones: count, .. } => {
+                write!(f, "an area distortion of {target} was not reached: {reached:.3} with {}", cones(count))
             }
             Self::Overlap { pairs: 1, .. } => write!(f, "two triangles of the layout lie over each other"),
             Self::Overlap { pairs, share, .. } => {
@@ -321,5 +329,27 @@ impl fmt::Display for Failure {
             }
             Self::Stretched { .. } => write!(f, "lengths would change a thousandfold"),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn notes_are_sentences_for_one_and_for_many() {
+        let said = |note: Note| note.to_string();
+        let rounded = |left| said(Note::RoundedAway { component: 0, placed: 38, left });
+        assert_eq!(
+            rounded(29),
+            "rounded so that a texture runs on across seams, the curvatures of 29 cones distort less than those of all 38: \
+             taking 29"
+        );
+        assert!(rounded(1).contains("the curvatures of 1 cone distort"));
+        let few = |there| said(Note::FewVertices { component: 0, asked: 8, there });
+        assert_eq!(few(1), "8 cones asked for, but there is only 1 inner vertex");
+        assert_eq!(few(3), "8 cones asked for, but there are only 3 inner vertices");
+        let missed = said(Note::TargetMissed { component: 0, target: 1.1, reached: 1.5, cones: 1 });
+        assert!(missed.ends_with("1.500 with 1 cone"), "{missed}");
     }
 }

@@ -73,7 +73,7 @@ impl CurvatureRule {
 #[non_exhaustive]
 pub enum CurvatureError {
     /// The bounds admit no curvatures with the right sum.
-    #[error("{cones} cones cannot take the total curvature of {total:.4}; at least {least} are needed")]
+    #[error("{cones} cone{} cannot take the total curvature of {total:.4}; at least {least} are needed", if *cones == 1 { "" } else { "s" })]
     TooFew {
         /// How many cones were given.
         cones: usize,

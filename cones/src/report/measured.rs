@@ -93,16 +93,20 @@ fn flaws(model: &Model, quality: &Quality, triangles: &[[u32; 3]], notes: &[Note
         let face = model.face_start().partition_point(|&start| start <= triangles[first][0]) - 1;
         let [flipped, degenerate] = [quality.distortion.flipped, quality.distortion.degenerate];
         let what = match (flipped, degenerate) {
+            (1, 0) => "1 triangle of the map is flipped".to_owned(),
             (flipped, 0) => format!("{flipped} triangles of the map are flipped"),
+            (0, 1) => "1 triangle of the map has no area".to_owned(),
             (0, degenerate) => format!("{degenerate} triangles of the map have no area"),
-            _ => format!("{flipped} triangles of the map are flipped, and {degenerate} have no area"),
+            _ => format!("of the map's triangles {flipped} are flipped, and {degenerate} have no area"),
         };
         flaws.push(format!("{what} (first face {face}, counted from 0)"));
     }
     let is_said = notes.iter().any(|note| matches!(note, Note::Overlap { .. }));
     if quality.distortion.overlap.pairs > 0 && !is_said {
         let OverlapReport { pairs, share, .. } = quality.distortion.overlap;
-        flaws.push(format!("{pairs} pairs of triangles of the map overlap, on {:.2} % of it", 100.0 * share));
+        let overlap =
+            if pairs == 1 { "pair of triangles of the map overlaps" } else { "pairs of triangles of the map overlap" };
+        flaws.push(format!("{pairs} {overlap}, on {:.2} % of it", 100.0 * share));
     }
     flaws
 }

@@ -67,14 +67,15 @@ fn counts(mut words: Words) -> Result<(u64, u64), Fault> {
     Ok((words.natural("number of vertices")?, words.natural("number of faces")?))
 }
 
-fn cut_short(what: &str, claimed: u64, present: usize) -> Fault {
+fn cut_short([one, many]: [&str; 2], claimed: u64, present: usize) -> Fault {
+    let what = if claimed == 1 { one } else { many };
     Problem::CutShort { what: what.into(), claimed, present: present as u64 }.into()
 }
 
 fn read_points(lines: &mut Lines, claimed: u64, size: usize) -> Result<Vec<[f64; 3]>, Fault> {
     let mut points = Vec::with_capacity(plausible(claimed, size));
     while (points.len() as u64) < claimed {
-        let line = lines.next_filled().ok_or_else(|| cut_short("vertices", claimed, points.len()))?;
+        let line = lines.next_filled().ok_or_else(|| cut_short(["vertex", "vertices"], claimed, points.len()))?;
         points.push(line.words().point()?);
     }
     Ok(points)
@@ -83,7 +84,7 @@ fn read_points(lines: &mut Lines, claimed: u64, size: usize) -> Result<Vec<[f64;
 fn read_faces(lines: &mut Lines, claimed: u64, vertices: usize, size: usize) -> Result<Polygons, Fault> {
     let mut polygons = Polygons::with_capacity(plausible(claimed, size));
     while (polygons.face_count() as u64) < claimed {
-        let line = lines.next_filled().ok_or_else(|| cut_short("faces", claimed, polygons.face_count()))?;
+        let line = lines.next_filled().ok_or_else(|| cut_short(["face", "faces"], claimed, polygons.face_count()))?;
         read_face(line.words(), vertices, &mut polygons)?;
     }
     Ok(polygons)

@@ -114,7 +114,7 @@ impl Draft {
         let mut list = Vec::new();
         for present in 0..element.count {
             if values.at_end() {
-                let what = format!("elements `{}`", element.name);
+                let what = format!("element{} `{}`", if element.count == 1 { "" } else { "s" }, element.name);
                 return Err(Fault::new(values.place(), Problem::CutShort { what, claimed: element.count, present }));
             }
             values.start_row();

@@ -63,7 +63,7 @@ fn read_binary(bytes: &[u8]) -> Result<Model, Fault> {
     let records = bytes[HEADER..].chunks_exact(TRIANGLE);
     let present = records.len() as u64;
     if present < claimed {
-        let what = "triangles".into();
+        let what = if claimed == 1 { "triangle" } else { "triangles" }.into();
         return Err(Fault::new(Place::Byte(bytes.len() as u64), Problem::CutShort { what, claimed, present }));
     }
     let mut soup = Soup::default();

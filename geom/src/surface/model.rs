@@ -24,6 +24,11 @@ const MOST_CORNERS_PER_VERTEX: usize = 100;
 /// So many corners are harmless however few vertices they have.
 const FREE_CORNERS: usize = 1 << 20;
 
+/// So many vertices with their verb.
+fn are_vertices(count: usize) -> String {
+    if count == 1 { "is 1 vertex".to_owned() } else { format!("are {count} vertices") }
+}
+
 /// Why points and polygons do not make a [`Model`]. Vertices, faces and corners are counted from 0.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -32,7 +37,7 @@ pub enum ModelError {
     #[error("there are no vertices")]
     NoVertices,
     /// The list of faces is empty.
-    #[error("there are {vertices} vertices but no faces, and a surface is needed")]
+    #[error("there {} but no faces, and a surface is needed", are_vertices(*vertices))]
     NoFaces {
         /// How many vertices there are.
         vertices: usize,
@@ -46,7 +51,7 @@ pub enum ModelError {
         value: f64,
     },
     /// A corner names a vertex that does not exist.
-    #[error("face {face} uses vertex {index}, but there are only {vertices} vertices (counted from 0)")]
+    #[error("face {face} uses vertex {index}, but there {} only (counted from 0)", are_vertices(*vertices))]
     Index {
         /// The face.
         face: usize,

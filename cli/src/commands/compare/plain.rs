@@ -3,7 +3,7 @@
 use super::Comparison;
 use super::row::{COLUMNS, Outcome, Row};
 use crate::input::significant;
-use crate::report::table::{columns, thousands, wrapped};
+use crate::report::table::{columns, counted, wrapped};
 
 /// Heads short enough for 80 columns, and the keys of the columns that say what they mean.
 const HEADS: [(&str, &str); 7] = [
@@ -46,8 +46,9 @@ fn group(rows: &[Row]) -> String {
     let Row { mesh, vertices, asked, floor, .. } = &rows[0];
     let floor = significant(*floor, 3);
     let heading = format!(
-        "{mesh}: {} vertices, {asked} cones asked for, one factorization takes {floor} s",
-        thousands(*vertices)
+        "{mesh}: {}, {} asked for, one factorization takes {floor} s",
+        counted(*vertices, "vertex", "vertices"),
+        counted(*asked, "cone", "cones")
     );
     let head = HEADS.map(|(head, _)| head.to_owned()).to_vec();
     let table: Vec<Vec<String>> = std::iter::once(head).chain(rows.iter().map(cells)).collect();

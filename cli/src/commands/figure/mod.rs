@@ -14,6 +14,7 @@ use crate::commands::shared::{ColourName, vertex_count, whole};
 use crate::error::CommandError;
 use crate::progress::Progress;
 use crate::render::{Picture, View};
+use crate::report::table::counted;
 use crate::{input, output};
 use clap::{Args, ValueEnum};
 use cones::MOST_ORDERED;
@@ -223,7 +224,10 @@ fn absorbed(args: &FigureArgs, exhibit: &Exhibit) -> Result<Vec<SheetColumn>, Co
     let column = |(letter, (method, map)): (char, &(Variant, Map))| {
         let area = &map.quality.distortion;
         SheetColumn {
-            head: vec![format!("({letter}) {}", exhibit.name), format!("{}, {} cones", method.name(), map.cones)],
+            head: vec![
+                format!("({letter}) {}", exhibit.name),
+                format!("{}, {}", method.name(), counted(map.cones, "cone", "cones")),
+            ],
             panels: vec![
                 map.model(ColourName::Checker, view, args.panel()),
                 map.layout(ColourName::Checker),
@@ -253,7 +257,7 @@ fn methods(args: &FigureArgs, exhibit: &Exhibit) -> Result<Vec<SheetColumn>, Com
     }
     let view = args.view.or_else(|| maps.last().map(|(.., map)| map.view())).unwrap_or_default();
     let column = |(letter, (method, count, map)): (char, &(Variant, usize, Map))| SheetColumn {
-        head: vec![format!("({letter}) {}, {} cones", exhibit.name, map.cones), method.name()],
+        head: vec![format!("({letter}) {}, {}", exhibit.name, counted(map.cones, "cone", "cones")), method.name()],
         panels: vec![
             map.model(ColourName::Factor, view, args.panel()),
             map.model(ColourName::Checker, view, args.panel()),
@@ -272,7 +276,7 @@ fn surfaces(args: &FigureArgs, exhibits: &[Exhibit]) -> Result<Vec<SheetColumn>,
         let map = Surface::new(&exhibit.name, &exhibit.model).map(method, count)?;
         let view = args.view.unwrap_or_else(|| map.view());
         Ok(SheetColumn {
-            head: vec![format!("({letter}) {}, {} cones", exhibit.name, map.cones), method.name()],
+            head: vec![format!("({letter}) {}, {}", exhibit.name, counted(map.cones, "cone", "cones")), method.name()],
             panels: vec![map.model(ColourName::Checker, view, args.panel()), map.layout(ColourName::Checker)],
             foot: paper::beside(&map, exhibit.stand.as_ref(), method, count),
         })

@@ -7,7 +7,7 @@
 use super::pairs::{Pair, PairList};
 use crate::input::six_digits;
 use crate::render::{Anchor, Colour, INK, MAXIMUM, MINIMUM, PAPER, Svg, mix};
-use crate::report::table::thousands;
+use crate::report::table::{counted, thousands};
 use std::collections::HashMap;
 use topo::Kind;
 
@@ -122,8 +122,8 @@ pub(super) fn barcode(lists: &[PairList], title: &str, bars: usize) -> String {
 fn caption(list: &PairList, shown: usize) -> String {
     let extrema = if list.kind == Kind::Minimum { "minima" } else { "maxima" };
     match list.count == shown {
-        true => format!("{extrema}: {} pairs", thousands(shown)),
-        false => format!("{extrema}: {} of {} pairs", thousands(shown), thousands(list.count)),
+        true => format!("{extrema}: {}", counted(shown, "pair", "pairs")),
+        false => format!("{extrema}: {} of {}", thousands(shown), counted(list.count, "pair", "pairs")),
     }
 }
 

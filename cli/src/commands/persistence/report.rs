@@ -6,7 +6,7 @@ use super::field::{DomainField, GridReport, Places};
 use super::pairs::{Pair, PairList};
 use crate::input::{Number, six_digits};
 use crate::report::SCHEMA;
-use crate::report::table::{columns, thousands};
+use crate::report::table::{columns, counted, thousands};
 use serde::Serialize;
 use std::time::Duration;
 use topo::Kind;
@@ -127,7 +127,8 @@ impl PersistenceReport {
         let mut text = if matches!(&self.input.grid, Some(grid) if grid.shape.len() == 1 && grid.periodic.is_empty()) {
             format!("{path}: {}\n", self.domain())
         } else {
-            format!("{path}: {}, {} vertices, {} edges\n", self.domain(), thousands(*vertices), thousands(*edges))
+            let (vertices, edges) = (counted(*vertices, "vertex", "vertices"), counted(*edges, "edge", "edges"));
+            format!("{path}: {}, {vertices}, {edges}\n", self.domain())
         };
         for list in lists {
             text += &format!("\n{}\n", summary(list));
@@ -148,7 +149,7 @@ impl PersistenceReport {
             return self.input.domain.to_owned();
         };
         if let ([length], []) = (&shape[..], &periodic[..]) {
-            return format!("series of {} positions", thousands(*length));
+            return format!("series of {}", counted(*length, "position", "positions"));
         }
         let shape = shape.iter().map(usize::to_string).collect::<Vec<_>>().join(" × ");
         let rings =

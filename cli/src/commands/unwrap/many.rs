@@ -9,7 +9,7 @@ use super::{Job, UnwrapArgs, check_checker};
 use crate::commands::shared::Unwrapped;
 use crate::error::CommandError;
 use crate::progress::Progress;
-use crate::report::table::{labelled, thousands};
+use crate::report::table::{counted, labelled, thousands};
 use crate::report::{SCHEMA, Times, UnwrapReport};
 use crate::{limits, output};
 use geom::io::MeshFormat;
@@ -205,16 +205,14 @@ impl Teller<'_> {
 /// What is said of one surface.
 fn line(target: &Target, report: &UnwrapReport, time: f64) -> String {
     let distortion = &report.map.distortion;
-    let count =
-        |count: usize, one: &str, many: &str| format!("{} {}", thousands(count), if count == 1 { one } else { many });
     format!(
         "{} → {}: {}, area {:.3}, angles {:.4}, {}, {} flipped, {time:.2} s\n",
         target.input.display(),
         target.output.display(),
-        count(report.map.cones.len(), "cone", "cones"),
+        counted(report.map.cones.len(), "cone", "cones"),
         distortion.area_mean,
         distortion.quasi_conformal.mean,
-        count(report.map.islands.len(), "island", "islands"),
+        counted(report.map.islands.len(), "island", "islands"),
         thousands(distortion.flipped),
     )
 }
@@ -251,8 +249,8 @@ impl Summary {
         let Self { surfaces, unwrapped, failed, jobs, seconds, .. } = self;
         let failed = if *failed == 0 { String::new() } else { format!(", {} not", thousands(*failed)) };
         let layout = format!(
-            "{} islands, {} flipped, {} of the maps overlap",
-            thousands(self.islands),
+            "{}, {} flipped, {} of the maps overlap",
+            counted(self.islands, "island", "islands"),
             thousands(self.flipped),
             if self.overlapping == 0 { "none".to_owned() } else { thousands(self.overlapping) }
         );
