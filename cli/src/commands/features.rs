@@ -15,6 +15,7 @@ use std::time::Instant;
 use topo::{Kind, NanPolicy, PersistenceOptions};
 
 #[derive(Args, Debug)]
+#[command(after_help = EXAMPLES)]
 pub(crate) struct FeaturesArgs {
     /// The surface: OBJ, OFF, PLY, STL or glTF
     #[arg(value_name = "IN")]
@@ -49,6 +50,11 @@ pub(crate) struct FeaturesArgs {
     #[arg(long)]
     json: bool,
 }
+
+const EXAMPLES: &str = "\
+Examples:
+  cones features scan.ply -n 10 --picture features.png
+  cones features scan.ply --field height:z --min-persistence 0.1 -o features.csv";
 
 /// How many feature points there are by default.
 const COUNT: usize = 16;

@@ -14,6 +14,7 @@ use serde::Serialize;
 use std::path::{Path, PathBuf};
 
 #[derive(Args, Debug)]
+#[command(after_help = EXAMPLES)]
 pub(crate) struct IslandsArgs {
     /// A surface with texture coordinates: OBJ, PLY or glTF
     #[arg(value_name = "UV")]
@@ -29,6 +30,11 @@ pub(crate) struct IslandsArgs {
     #[arg(long)]
     json: bool,
 }
+
+const EXAMPLES: &str = "\
+Examples:
+  cones islands theirs.obj -o apart.obj
+  cones islands theirs.glb -o apart.glb --weld --rotations quarter";
 
 #[derive(Debug, Serialize)]
 struct IslandsReport {

@@ -13,6 +13,7 @@ use serde::Serialize;
 use std::path::{Path, PathBuf};
 
 #[derive(Args, Debug)]
+#[command(after_help = EXAMPLES)]
 pub(crate) struct MeasureArgs {
     /// A surface with texture coordinates: OBJ, PLY or glTF
     #[arg(value_name = "UV")]
@@ -32,6 +33,11 @@ pub(crate) struct MeasureArgs {
     #[arg(long)]
     json: bool,
 }
+
+const EXAMPLES: &str = "\
+Examples:
+  cones measure scan.obj
+  cones measure theirs.obj --reference scan.ply --layout theirs.svg";
 
 #[derive(Debug, Serialize)]
 struct MeasureReport {

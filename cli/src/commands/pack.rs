@@ -17,6 +17,7 @@ use std::path::{Path, PathBuf};
 /// Islands are moved rigidly and scaled alike. Islands that lie over each other, mirrored halves that share their texture
 /// for example, get a place each.
 #[derive(Args, Debug)]
+#[command(after_help = EXAMPLES)]
 pub(crate) struct PackCommandArgs {
     /// A surface with texture coordinates: OBJ, PLY or glTF
     #[arg(value_name = "UV")]
@@ -30,6 +31,11 @@ pub(crate) struct PackCommandArgs {
     #[arg(long)]
     json: bool,
 }
+
+const EXAMPLES: &str = "\
+Examples:
+  cones pack theirs.obj -o packed.obj --margin 8 --texture-size 2048
+  cones pack theirs.glb -o tiles.glb --udim --texel-density 512";
 
 #[derive(Debug, Serialize)]
 struct PackReport {

@@ -23,6 +23,7 @@ use std::time::Instant;
 
 #[derive(Args, Debug)]
 #[command(group = ArgGroup::new("target").args(["output", "out_dir"]).required(true))]
+#[command(after_help = EXAMPLES)]
 pub(crate) struct UnwrapArgs {
     /// The surface: OBJ, OFF, PLY, STL or glTF, gzipped or not; - is standard input
     #[arg(value_name = "IN", required = true)]
@@ -86,6 +87,12 @@ pub(crate) struct UnwrapArgs {
     #[command(flatten, next_help_heading = "Many surfaces")]
     many: ManyArgs,
 }
+
+const EXAMPLES: &str = "\
+Examples:
+  cones unwrap scan.ply -o scan.glb
+  cones unwrap scan.ply -n 12 --islands pack -o scan.obj --report scan.html
+  cones unwrap scans/*.ply --out-dir maps";
 
 /// Many surfaces, each to a file of its own.
 #[derive(Args, Debug)]

@@ -168,6 +168,25 @@ fn shells_complete_the_command_and_man_has_its_pages() {
 }
 
 #[test]
+fn examples_are_in_help_and_manual_and_options_have_their_values() {
+    let folder = Folder::new();
+    for subcommand in ["unwrap", "measure", "pack", "islands", "features", "persistence", "view"] {
+        let example = format!("cones {subcommand} ");
+        for option in ["-h", "--help"] {
+            let help = stdout(&folder.run(&[subcommand, option]).success());
+            let (_, examples) = help.split_once("\nExamples:\n").unwrap_or_else(|| panic!("{subcommand}: {help}"));
+            assert!(examples.contains(&example), "{subcommand}: {examples}");
+        }
+        let page = stdout(&folder.run(&["man", subcommand]).success());
+        let (_, examples) = page.split_once(".SH EXAMPLES\n").unwrap_or_else(|| panic!("{subcommand}: {page}"));
+        assert!(examples.contains(&example), "{subcommand}: {examples}");
+        let (_, synopsis) = page.split_once(".SH SYNOPSIS\n").expect("there is one");
+        let (synopsis, _) = synopsis.split_once(".SH").expect("more follows");
+        assert!(synopsis.contains(&example) && !synopsis.contains(" ]"), "{subcommand}: {synopsis}");
+    }
+}
+
+#[test]
 fn one_of_a_thing_is_told_in_the_singular() {
     let folder = Folder::new();
     folder.write("one.txt", "7\n");

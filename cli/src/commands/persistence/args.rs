@@ -38,6 +38,7 @@ pub(crate) struct FieldArgs {
 }
 
 #[derive(Args, Debug)]
+#[command(after_help = EXAMPLES)]
 pub(crate) struct PersistenceArgs {
     #[command(flatten)]
     pub(crate) of: FieldArgs,
@@ -79,6 +80,12 @@ pub(crate) struct PersistenceArgs {
     #[arg(long)]
     pub(crate) json: bool,
 }
+
+const EXAMPLES: &str = "\
+Examples:
+  cones persistence height.npy --direction super --top 5 --report peaks.html
+  cones persistence scan.ply --field curvature --pairs pairs.csv
+  cones persistence net.nodes.csv --edges net.edges.csv";
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum ConnectivityName {

@@ -12,8 +12,8 @@ use std::path::Path;
 /// How many cones, by which method, and what curvatures they get.
 #[derive(Args, Debug)]
 pub(crate) struct CandidateArgs {
-    /// How many cones [default: as few as keep the area distortion within 1.25, or within 1.3 if
-    /// that takes more than 32 a part]
+    /// How many cones in all [default: in each part as few as are predicted to keep its area distortion within 1.25; where
+    /// these are over 32, the best 32 if they keep it within 1.3, else about as few as do; a few more if these leave none]
     #[arg(short = 'n', value_name = "N", group = "which", value_parser = whole::<usize>("number of cones", 0..), allow_negative_numbers = true)]
     count: Option<usize>,
     /// As few cones as keep the area distortion within this, as predicted; `unwrap` makes sure by flattening
