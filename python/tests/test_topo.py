@@ -308,6 +308,7 @@ def test_vectors_of_diagrams_have_their_shapes():
 def test_what_is_no_field_is_refused_in_a_sentence():
     wrong = [
         (lambda: topo.sublevel(np.zeros((2, 2, 2, 2))), "one to three axes"),
+        (lambda: topo.superlevel("a.npy"), "an array of numbers, not the name of a file"),
         (lambda: topo.sublevel(np.array(["a"])), "integers or floats"),
         (lambda: topo.sublevel(np.array([1j])), "integers or floats"),
         (lambda: topo.sublevel(np.zeros(3), connectivity="round"), "connectivity is"),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from typing import Any, Optional, Union
 
 import numpy as np
@@ -83,6 +84,8 @@ class Field:
         if _is_networkx(domain):
             self.names = list(domain.nodes)
             domain, field = _of_networkx(domain, field, self.names)
+        if isinstance(field, (str, bytes, os.PathLike)):
+            raise Error(f"a field is an array of numbers, not the name of a file: read it first, as with numpy.load({os.fspath(field)!r})")
         values = np.asarray(field)
         self.shape, self.dtype = values.shape, values.dtype
         if nan not in ("refuse", "mask"):
