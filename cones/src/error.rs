@@ -18,6 +18,13 @@ pub enum Error {
     /// The refined model is too large.
     #[error("the refined model cannot be had")]
     Refined(#[source] ModelError),
+    /// No cones flatten a component in the even triangles that it was refined to; [`Analysis::unwrapped`](crate::Analysis::unwrapped) then takes
+    /// the model as it is.
+    #[error("no cones flatten part {} in even triangles: do not refine it", .component + 1)]
+    NotFlatRefined {
+        /// The component, counted from 0.
+        component: usize,
+    },
     /// A Laplacian cannot be factored.
     #[error(transparent)]
     Poisson(PoissonError),

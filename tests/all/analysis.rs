@@ -1,5 +1,6 @@
 //! One analysis, asked many things: the same answers whoever asks, when, and what was stopped before.
 
+use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 use std::sync::{Arc, Barrier};
@@ -10,7 +11,7 @@ use cones::{
     Placement, Preparation, Progress, Refining, SeamOptions, Symmetry, unwrap_model,
 };
 use geom::shapes::{self, Shape};
-use geom::{Model, distortion};
+use geom::{Attributes, Model, distortion, vector};
 use tests::oracle::check_map;
 use tests::solids;
 
@@ -476,6 +477,62 @@ fn only_needles_are_refined_where_needles_are_to_be() {
     });
     let (is_refined, left) = refine(&barrel);
     assert!(is_refined && left < 1e-9, "{left}");
+}
+
+#[test]
+fn what_no_cones_flatten_in_even_triangles_is_taken_in_its_own() {
+    // Four meridians of a sphere and three of its circles.
+    let mut points = vec![[0.0, 0.0, -1.0], [0.0, 0.0, 1.0]];
+    let mut triangles = Vec::new();
+    for k in 0..4_u32 {
+        let at = |circle: u32, k: u32| 2 + 3 * (k % 4) + circle;
+        triangles.extend([[0, at(0, k + 1), at(0, k)], [1, at(2, k), at(2, k + 1)]]);
+        for circle in 0..3_u32 {
+            let (turn, rise) = (FRAC_PI_2 * f64::from(k), FRAC_PI_4 * f64::from(circle + 1));
+            points.push([1e-9 * rise.sin() * turn.cos(), 1e-9 * rise.sin() * turn.sin(), -rise.cos()]);
+            if circle < 2 {
+                let [a, b, c, d] = [at(circle, k), at(circle, k + 1), at(circle + 1, k + 1), at(circle + 1, k)];
+                triangles.extend([[a, b, c], [a, c, d]]);
+            }
+        }
+    }
+    let spindle = Shape { points, triangles };
+    let unwrapped = |refine: Refining| {
+        let preparation = Preparation { refine, ..Preparation::default() };
+        let options = Options { preparation, ..Options::default() };
+        let goes_on = |_: Progress| ControlFlow::Continue(());
+        let (analysis, atlas) = Analysis::unwrapped(&model(&spindle), &options, goes_on).expect("it unwraps");
+        let is_said = atlas.notes.iter().any(|note| matches!(note, Note::NotRefined { .. }));
+        (analysis.refined().is_some(), is_said)
+    };
+    assert_eq!(unwrapped(Refining::Needles), (false, true));
+    assert_eq!(unwrapped(Refining::Never), (false, false));
+}
+
+#[test]
+fn planes_are_cut_along_edges_of_the_file_only_where_faces_differ() {
+    let slab = solids::mapped(&solids::slab(2, 3), |[x, y, z]| [30.0 * x, y, z]);
+    let bare = model(&slab);
+    let mut materials = Attributes::default();
+    materials.face_material = (0..slab.triangles.len() as u32).collect();
+    materials.materials = (0..slab.triangles.len()).map(|face| face.to_string()).collect();
+    let [fewer, all] = [bare.clone(), bare.with_attributes(materials)].map(|given| {
+        let preparation = Preparation { refine: Refining::Always, ..Preparation::default() };
+        let analysis = Analysis::with(&given, preparation).expect("a sound model");
+        let refined = analysis.refined().expect("it was asked for").clone();
+        assert_eq!(&refined.model.points()[..given.vertex_count()], given.points());
+        let atlas = analysis.atlas(&Options::default()).expect("it unwraps");
+        let found = check_map(&refined.model, &atlas);
+        assert_eq!((found.flipped, found.degenerate, found.torn), (0, 0, 0), "{:?}", atlas.notes);
+        let triangles: Vec<[u32; 3]> = refined.model.faces().map(|face| [face[0], face[1], face[2]]).collect();
+        let area: f64 = triangles
+            .iter()
+            .map(|t| vector::length(vector::normal(t.map(|v| refined.model.points()[v as usize]))))
+            .sum();
+        (triangles.len(), area)
+    });
+    assert!(3 * fewer.0 < 2 * all.0, "{} {}", fewer.0, all.0);
+    assert!((fewer.1 / all.1 - 1.0).abs() < 1e-12);
 }
 
 #[test]

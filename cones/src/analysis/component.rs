@@ -143,6 +143,11 @@ impl Component {
         }
     }
 
+    /// Whether it was refined by one who can do without.
+    pub(super) fn may_be_unrefined(&self) -> bool {
+        self.is_asked_once && self.way.is_some()
+    }
+
     /// Factors its Laplacian again if the factor was let go.
     pub(super) fn factor_again(&self, task: &Task, times: &mut Times) -> Result<(), Error> {
         task.stage((Stage::Factor, self.index), times, |watch| self.operators.factor_again(watch))??;

@@ -138,16 +138,38 @@ impl Analysis {
         Self::made(model, making, Arc::new(observer))
     }
 
-    /// Analyses a model to be asked for a map with these options, while an observer listens: the same analysis as by
-    /// [`observed`](Self::observed), but what these options will look for cones on is found while the Laplacian is factored, and
-    /// large factors are freed once the map needs them no more. (Whoever asks for more waits until they are there again.)
+    /// Analyses a model and unwraps it, while an observer listens: the same as [`observed`](Self::observed) and
+    /// [`atlas`](Self::atlas), but what these options will look for cones on is found while the Laplacian is factored, and large factors
+    /// are freed once the map needs them no more. (Whoever asks for more waits until they are there again.) Where surfaces were refined
+    /// only for their needles, and no cones flatten one of them so, the model is taken as it is.
     ///
     /// # Errors
-    /// As [`observed`](Self::observed).
-    pub fn for_options(model: &Model, options: &Options, observer: impl Observer + 'static) -> Result<Self, Error> {
-        let (preparation, is_searched) = (options.preparation, options.searches_coarse_level());
-        let making = Making { preparation, is_searched, is_opened: false, is_asked_once: true };
-        Self::made(model, making, Arc::new(observer))
+    /// As both.
+    pub fn unwrapped(
+        model: &Model,
+        options: &Options,
+        observer: impl Observer + 'static,
+    ) -> Result<(Self, Atlas), Error> {
+        let observer: Arc<dyn Observer> = Arc::new(observer);
+        let for_options = |preparation| {
+            let is_searched = options.searches_coarse_level();
+            Self::made(
+                model,
+                Making { preparation, is_searched, is_opened: false, is_asked_once: true },
+                observer.clone(),
+            )
+        };
+        let analysis = for_options(options.preparation)?;
+        match analysis.atlas(options) {
+            Err(Error::NotFlatRefined { component }) => {
+                let preparation = Preparation { refine: Refining::Never, ..options.preparation };
+                let analysis = for_options(preparation)?;
+                let mut atlas = analysis.atlas(&Options { preparation, ..options.clone() })?;
+                atlas.notes.push(Note::NotRefined { component });
+                Ok((analysis, atlas))
+            }
+            made => made.map(|atlas| (analysis, atlas)),
+        }
     }
 
     fn made(model: &Model, making: Making, observer: Arc<dyn Observer>) -> Result<Self, Error> {

@@ -102,6 +102,11 @@ pub enum Note {
         /// What failed last.
         cause: Failure,
     },
+    /// Surfaces were refined for their needles, but no cones flattened this one so: they are taken as they are.
+    NotRefined {
+        /// The component.
+        component: usize,
+    },
     /// The area distortion that was asked for was not reached.
     TargetMissed {
         /// The component.
@@ -176,6 +181,7 @@ impl Note {
             | Self::OtherNumber { component, .. }
             | Self::Detached { component, .. }
             | Self::Unfolded { component, .. }
+            | Self::NotRefined { component }
             | Self::Distorted { component, .. }
             | Self::AvoidedCut { component, .. }
             | Self::RoundedAway { component, .. }
@@ -239,6 +245,9 @@ impl fmt::Display for Note {
             }
             Self::Unfolded { cause, .. } => {
                 write!(f, "no cones could flatten this surface ({cause}): unfolding it with a cone at every vertex")
+            }
+            Self::NotRefined { .. } => {
+                write!(f, "no cones could flatten this surface in even triangles: taking all in their own, unrefined")
             }
             Self::AvoidedCut { edges: 1, first: [a, b], .. } => {
                 write!(

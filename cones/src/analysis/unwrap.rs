@@ -59,7 +59,7 @@ fn is_worth_opening(closed: &Prediction, opened: &Prediction) -> bool {
 /// A measured area distortion counts as within a target if it is when printed with two decimals.
 const ROUNDING: f64 = 0.005;
 
-/// Unwraps a model in one call: [`Analysis::new`] and [`Analysis::atlas`], with the time of both and all that the user
+/// Unwraps a model in one call: [`Analysis::unwrapped`] unobserved, with all its time and all that the user
 /// should know.
 ///
 /// ```
@@ -78,8 +78,7 @@ const ROUNDING: f64 = 0.005;
 /// # Errors
 /// If the model has no surface, or the options cannot be met.
 pub fn unwrap_model(model: &Model, options: &Options) -> Result<Atlas, Error> {
-    let analysis = Analysis::for_options(model, options, Silent)?;
-    let mut atlas = analysis.atlas(options)?;
+    let (analysis, mut atlas) = Analysis::unwrapped(model, options, Silent)?;
     atlas.times += analysis.times();
     Ok(atlas)
 }

@@ -10,7 +10,7 @@ use crate::render::{Mark, Paint, Scene};
 use crate::report::{Times, UnwrapReport};
 use clap::ValueEnum;
 use cones::report::{MeasuredAtlas, UvSize};
-use cones::{Analysis, Islands, MOST_NEEDLES, Options, RefinedModel};
+use cones::{Analysis, Islands, MOST_NEEDLES, Note, Options, RefinedModel};
 use geom::io::{refine_obj, triangulated};
 use geom::{Model, refine_attributes};
 use std::path::Path;
@@ -62,8 +62,7 @@ impl Unwrapped {
     ) -> Result<Self, CommandError> {
         limits::check_memory(path, model.vertex_count())?;
         let failed = |error| CommandError::Unwrap { path: path.to_owned(), error };
-        let analysis = Analysis::for_options(&model, &options, progress.observer()).map_err(failed)?;
-        let atlas = analysis.atlas(&options).map_err(failed)?;
+        let (analysis, atlas) = Analysis::unwrapped(&model, &options, progress.observer()).map_err(failed)?;
         let model = match analysis.refined() {
             Some(RefinedModel { model: refined, face, added, .. }) => refine_obj(&model, added, refined, face)
                 .unwrap_or_else(|| {
@@ -141,7 +140,9 @@ impl Unwrapped {
     fn hint(&self) -> Option<String> {
         let bent = self.map.quality.distortion.quasi_conformal.mean;
         let needles = self.analysis.needle_share();
-        let helps = self.analysis.refined().is_none() && bent > WORTH_REFINING && needles > MOST_NEEDLES;
+        let is_tried = self.map.atlas.notes.iter().any(|note| matches!(note, Note::NotRefined { .. }));
+        let is_refined = self.analysis.refined().is_some() || is_tried;
+        let helps = !is_refined && bent > WORTH_REFINING && needles > MOST_NEEDLES;
         helps.then(|| {
             format!(
                 "{:.0} % of the area is in needles, and angles are bent by {bent:.2}: --refine cuts them into even triangles",
