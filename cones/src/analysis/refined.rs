@@ -61,14 +61,14 @@ pub(crate) fn is_asked_for(refining: Refining, surfaces: &[Surface]) -> bool {
 /// distortion is 1.136 without a bound, 1.108 with 0.04, and 1.092 with 0.02, which takes 4 % more vertices.
 const LARGEST: f64 = 0.02;
 
-/// A refined model: triangles, each part of a face of the model that was given. It has all of that model's vertices, under their own
+/// A refined model: triangles, each part of a face of the model that was given, or of several in one plane that nothing tells apart. It has all of that model's vertices, under their own
 /// numbers, and after them those that were put in.
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct RefinedModel {
     /// The triangles.
     pub model: Model,
-    /// The face of the model that was given, for each triangle; never decreasing.
+    /// The face of the model that was given, for each triangle, or one of them; never decreasing.
     pub face: Vec<u32>,
     /// What each vertex that was put in is made of: vertices of the model that was given, with weights that sum to 1.
     pub added: Vec<[(u32, f64); 3]>,
