@@ -404,6 +404,23 @@ fn spindles_whose_tips_keep_their_curvature_come_out_with_few_cones() {
     }
 }
 
+/// Their edges are lengthened by up to 1e-4 of the mean: what is flattened is another surface than what is measured.
+#[test]
+fn whether_the_target_is_met_is_said_of_the_figure_beside_it() {
+    let folder = Folder::new();
+    let mut missed = 0;
+    for thickness in [1e-3, 1e-9] {
+        folder.write("spindle.obj", &squeezed(8, 4, [thickness, thickness, 1.0]));
+        let done =
+            folder.run(&["unwrap", "spindle.obj", "--max-distortion", "1.1", "-o", "out.obj", "--json"]).success();
+        let report: Value = serde_json::from_str(&stdout(&done)).expect("it is JSON");
+        let area = report["distortion"]["area_mean"].as_f64().expect("a number");
+        assert_eq!(report["number"]["met"], area <= 1.105, "{area}");
+        missed += usize::from(area > 1.105);
+    }
+    assert_eq!(missed, 1);
+}
+
 /// On a spindle as thin as this triangles fold over.
 #[test]
 fn where_cones_fail_others_are_tried_and_the_map_that_measures_best_is_kept() {

@@ -55,6 +55,16 @@ pub struct ChosenNumber {
     pub curve: Vec<Prediction>,
 }
 
+/// A measured area distortion counts as within a target if it is when printed with two decimals.
+const ROUNDING: f64 = 0.005;
+
+impl ChosenNumber {
+    /// The same with what was measured.
+    pub(crate) fn judged(self, area_distortion: f64) -> Self {
+        Self { is_met: area_distortion <= self.target + ROUNDING, ..self }
+    }
+}
+
 /// The cones of a model, with their curvatures and what is predicted for them.
 #[derive(Clone, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]

@@ -56,9 +56,6 @@ fn is_worth_opening(closed: &Prediction, opened: &Prediction) -> bool {
     is_as_good && has_fewer || after <= LESS_DISTORTION * before && opened.count <= closed.count
 }
 
-/// A measured area distortion counts as within a target if it is when printed with two decimals.
-const ROUNDING: f64 = 0.005;
-
 /// Unwraps a model in one call: [`Analysis::unwrapped`] unobserved, with all its time and all that the user
 /// should know.
 ///
@@ -535,7 +532,7 @@ impl Analysis {
             ratios.map(|(area, r)| (area / whole * component.area, r * size)).collect::<Vec<_>>()
         };
         let all: Vec<(f64, f64)> = self.components().iter().zip(flats).flat_map(scaled).collect();
-        ChosenNumber { chosen, predicted, is_met: distortion_of(&all) <= number.target + ROUNDING, ..number }
+        ChosenNumber { chosen, predicted, ..number }.judged(distortion_of(&all))
     }
 
     /// Corners that no surface has get the positions of a triangle on the same three vertices, of another corner at their

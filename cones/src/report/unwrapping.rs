@@ -51,7 +51,8 @@ impl Report {
             angles: options.rule.name(),
             policy: options.islands.name(),
             hierarchy: HierarchyReport::new(analysis),
-            number: atlas.number.clone(),
+            // Of the file's own triangles: where edges had to be lengthened others were computed with.
+            number: atlas.number.clone().map(|number| number.judged(quality.distortion.area_mean)),
             curve: atlas.number.as_ref().map_or_else(Vec::new, |number| number.curve.clone()),
             distortion: quality.distortion.clone(),
             islands: quality.islands.clone(),
