@@ -536,6 +536,27 @@ fn planes_are_cut_along_edges_of_the_file_only_where_faces_differ() {
 }
 
 #[test]
+fn a_flat_roof_far_from_the_origin_is_no_plane() {
+    // Of a size of 10, with a ridge of 0.01 at one end.
+    let far = |[x, y, z]: [f64; 3]| [1e6 + 10.0 * x, 1e6 + 10.0 * y, 1e6 + z];
+    let points = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.01], [0.0, 1.0, 0.0]];
+    let sheet = solids::mapped(&Shape { points, triangles: vec![[0, 1, 3], [1, 2, 3]] }, far);
+    let preparation = Preparation { refine: Refining::Always, ..Preparation::default() };
+    let analysis = Analysis::with(&model(&sheet), preparation).expect("a sound model");
+    let refined = &analysis.refined().expect("it was asked for").model;
+    let beyond = |v: u32| {
+        let [x, y, _] = refined.points()[v as usize].map(|x| x - 1e6);
+        let across = x + y - 10.0;
+        if across.abs() > 1e-6 { across.signum() } else { 0.0 }
+    };
+    let crosses = |face: &[u32]| {
+        let sides: Vec<f64> = face.iter().map(|&v| beyond(v)).collect();
+        sides.contains(&1.0) && sides.contains(&-1.0)
+    };
+    assert!(refined.faces().all(|face| !crosses(face)), "nothing lies across the ridge");
+}
+
+#[test]
 fn flat_parts_are_left_as_they_are_where_needles_are_to_be_refined() {
     let strip = solids::mapped(&shapes::disk(3), |[x, y, _]| [x, 1e-2 * y, 2.0 + 0.3 * x]);
     let prism = solids::mapped(&solids::tube(24, 1), |[x, y, z]| [x, y, 40.0 * z]);

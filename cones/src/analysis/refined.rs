@@ -182,6 +182,8 @@ fn is_flat(Surface { mesh, .. }: &Surface, metric: &Metric) -> bool {
 
 /// Vertices this far from a plane, over the largest coordinate, are in it: two units of single precision, which is what most files have.
 const PLANE: f64 = 2.0 * f32::EPSILON as f64;
+/// But no farther than this, over the part's extent (the unit of its points), where a part is small or far from the origin.
+const VISIBLE: f64 = 1e-6;
 
 /// Refines the surfaces of a model, but where needles alone ask for it none that is flat; what was prepared becomes that of the refined
 /// model.
@@ -207,7 +209,8 @@ pub(crate) fn refine_all(
                 return Ok(None);
             }
             let largest = LARGEST * metric.area(&surface.mesh).sqrt();
-            let planar = planar_edges(&surface.mesh, &surface.points, rounding * surface.scale, |f, g| {
+            let tolerance = (rounding * surface.scale).min(VISIBLE);
+            let planar = planar_edges(&surface.mesh, &surface.points, tolerance, |f, g| {
                 is_bare || face_of(surface, f) == face_of(surface, g)
             });
             refine_watched(&surface.mesh, &metric, largest, Some(&planar), watch).map(Some)
