@@ -118,7 +118,7 @@ def test_marked_seams_are_cut(hare):
 
 BROKEN = [
     (lambda v, f: (v, f[:, :2]), "face 0 has 2 corners, but a face needs at least 3"),
-    (lambda v, f: (v, f + len(v)), "there are only"),
+    (lambda v, f: (v, f + len(v)), "vertices only"),
     (lambda v, f: (np.where(v == v[3], np.nan, v), f), "which must be finite"),
     (lambda v, f: (v[:, :2], f), "vertices must have the shape (n, 3), but it has"),
     (lambda v, f: (v, f.astype(float)), "which are integers"),

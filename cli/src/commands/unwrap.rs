@@ -182,7 +182,7 @@ impl Job<'_> {
         if !is_cut {
             unwrapped.note_polygons();
         } else if unwrapped.has_overlapping_polygons() {
-            unwrapped = unwrapped.triangulated(input, args.scale, progress)?;
+            unwrapped = unwrapped.triangulated(input, args.scale, progress).map_err(|error| edges.place(error))?;
         }
         progress.step("write");
         let start = Instant::now();

@@ -162,6 +162,7 @@ impl Analysis {
         let analysis = for_options(options.preparation)?;
         match analysis.atlas(options) {
             Err(Error::NotFlatRefined { component }) => {
+                drop(analysis);
                 let preparation = Preparation { refine: Refining::Never, ..options.preparation };
                 let analysis = for_options(preparation)?;
                 let mut atlas = analysis.atlas(&Options { preparation, ..options.clone() })?;

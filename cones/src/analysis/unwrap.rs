@@ -56,7 +56,7 @@ fn is_worth_opening(closed: &Prediction, opened: &Prediction) -> bool {
     is_as_good && has_fewer || after <= LESS_DISTORTION * before && opened.count <= closed.count
 }
 
-/// Unwraps a model in one call: [`Analysis::unwrapped`] unobserved, with all its time and all that the user
+/// Unwraps a model in one call: [`Analysis::unwrapped`] unobserved, with the time of both and all that the user
 /// should know.
 ///
 /// ```

@@ -51,7 +51,7 @@ impl Report {
             angles: options.rule.name(),
             policy: options.islands.name(),
             hierarchy: HierarchyReport::new(analysis),
-            // Of the file's own triangles: where edges had to be lengthened others were computed with.
+            // By the file's own triangles: the atlas has judged by those it was computed on, whose edges may be lengthened.
             number: atlas.number.clone().map(|number| number.judged(quality.distortion.area_mean)),
             curve: atlas.number.as_ref().map_or_else(Vec::new, |number| number.curve.clone()),
             distortion: quality.distortion.clone(),

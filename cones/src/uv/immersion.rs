@@ -8,6 +8,8 @@
 //! there are and what borders on them, not at all triangles and their neighbours: on layouts of 28,576 triangles a third of the time of
 //! [`overlaps`](super::overlaps). Regions are gone through as long as triangles do not come to lie on others side on side, to the bit.
 
+use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
+
 use geom::{CutMesh, FaceData, FaceId, Interrupted, Mesh, VertexData, Watch};
 use rayon::prelude::*;
 
@@ -45,31 +47,35 @@ pub(super) fn overlaps_from_boundary(
     if !EXTENTS.contains(&boxes.extent) {
         return Ok(None);
     }
+    let most = FREE_PAIRS + MOST_PAIRS * uv.len();
+    // A pair is found from either triangle. Whether there are too many does not depend on who stops first.
+    let found = AtomicUsize::new(0);
+    let are_few = || found.load(Relaxed) <= 2 * most;
     let with_first = |g: u32| {
-        let mut found = Vec::new();
-        if let Some(one) = boxes.upright(g) {
+        let mut of_one = Vec::new();
+        if let Some(one) = boxes.upright(g).filter(|_| are_few()) {
             boxes.meeting(&one, |f| {
                 if f != g
                     && opened.island(FaceId(f)) == opened.island(FaceId(g))
                     && let Some(other) = boxes.upright(f)
                     && triangle::depth(&one, &other).is_some()
                 {
-                    found.push([FaceId(f), FaceId(g)]);
+                    of_one.push([FaceId(f), FaceId(g)]);
+                    found.fetch_add(1, Relaxed);
                 }
-                true
+                are_few()
             });
         }
-        found
+        of_one
     };
-    let most = FREE_PAIRS + MOST_PAIRS * uv.len();
     let mut spread = Spread::default();
     for first in (0..uv.len() as u32).step_by(BLOCK) {
         let block = (first..uv.len().min(first as usize + BLOCK) as u32).into_par_iter().with_min_len(AT_ONCE);
-        let found: Vec<[FaceId; 2]> = block.flat_map_iter(with_first).collect();
-        found.into_iter().for_each(|[f, g]| spread.look(f, g));
-        if spread.waiting.len() > most {
+        let pairs: Vec<[FaceId; 2]> = block.flat_map_iter(with_first).collect();
+        if !are_few() {
             return Ok(None);
         }
+        pairs.into_iter().for_each(|[f, g]| spread.look(f, g));
         watch.ask(0.0)?;
     }
     let mut pairs = Vec::new();

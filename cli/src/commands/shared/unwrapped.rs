@@ -79,16 +79,20 @@ impl Unwrapped {
         Ok(Self { model, options, analysis, map, measuring })
     }
 
-    /// Whether triangles lie over each other that could not be parted, perhaps because they belong to polygons.
+    /// Whether triangles of polygons lie over others, and so could not be parted.
     pub(crate) fn has_overlapping_polygons(&self) -> bool {
-        let is_left = self.map.quality.distortion.overlap.pairs > 0 && self.options.islands != Islands::Single;
-        is_left && self.model.faces().any(|face| face.len() > 3)
+        let kept = self.kept();
+        let face = |&t: &u32| self.map.atlas.triangles.face_of[kept[t as usize] as usize];
+        let mut faces = self.map.quality.overlapping.iter().map(face);
+        self.options.islands != Islands::Single && faces.any(|face| self.model.face(face as usize).len() > 3)
     }
 
-    /// The same with polygons cut into triangles first, between which seams may run.
+    /// The same with polygons cut into triangles first, between which seams may run; as it is if that is no better.
     pub(crate) fn triangulated(self, path: &Path, scale: Scale, progress: &Progress) -> Result<Self, CommandError> {
-        let Self { model, options, .. } = self;
-        Self::new(path, triangulated(&model), options, scale, progress)
+        let Ok(model) = triangulated(&self.model) else { return Ok(self) };
+        let other = Self::new(path, model, self.options.clone(), scale, progress)?;
+        let pairs = |unwrapped: &Self| unwrapped.map.quality.distortion.overlap.pairs;
+        Ok(if pairs(&other) < pairs(&self) { other } else { self })
     }
 
     /// Notes what is wrong with the polygons of the map where another program cuts them into triangles in its own way: it may

@@ -327,7 +327,7 @@ fn a_text_that_ends_within_a_line_is_said_to_be_cut_short() {
         assert!(said.ends_with(cut), "{said}");
         // A line that has its end is wrong in itself.
         let ended = message(format!("{text}\n#\n"), name);
-        assert!(ended.contains("ply") || !ended.contains(cut), "{ended}");
+        assert!(name == "a.ply" || !ended.contains(cut), "{ended}");
     }
     let binary = "ply\nformat binary_little_endian 1.0\nelement vertex 2\nproperty float x\nproperty float y\nproperty float z\nend_header\n123";
     assert_eq!(
