@@ -2,7 +2,7 @@ use proptest::prelude::*;
 
 use super::*;
 use crate::intrinsic::{Metric, angle_defects, edge_weights};
-use crate::mesh::{Id, Mesh};
+use crate::mesh::{EdgeData, Id, Mesh};
 use crate::shapes;
 use crate::vector;
 use crate::watch::Watch;
@@ -80,6 +80,23 @@ fn check_surface(mesh: &Mesh, points: &[[f64; 3]], refinement: &Refinement) {
     };
     let [before, after] = [volume(mesh, points), volume(&fine, &positions)];
     assert!((before - after).abs() < 1e-9 * before.abs().max(1.0), "{before} {after}");
+}
+
+/// The first triangle of each one's region, between which no edges but these are.
+fn regions(mesh: &Mesh, inner: &EdgeData<bool>) -> Vec<usize> {
+    let mut region: Vec<usize> = (0..mesh.face_count()).collect();
+    let mut is_done = false;
+    while !is_done {
+        is_done = true;
+        for e in mesh.edges().filter(|&e| inner[e]) {
+            let h = mesh.halfedge(e);
+            let sides = [h, mesh.twin(h).expect("it is inside")].map(|h| mesh.face(h).index());
+            let first = region[sides[0]].min(region[sides[1]]);
+            is_done &= sides.iter().all(|&f| region[f] == first);
+            sides.iter().for_each(|&f| region[f] = first);
+        }
+    }
+    region
 }
 
 fn stretched(mut shape: shapes::Shape, by: [f64; 3]) -> shapes::Shape {
@@ -190,6 +207,21 @@ proptest! {
         let (all, fewer) = (cut(None), cut(Some(&planar)));
         prop_assert_eq!(&fewer.triangulation, &all.triangulation);
         check_surface(&mesh, &points, &fewer);
+        // The input's triangle that each one names is in the region that it lies in.
+        let at = fewer.common.positions(&mesh, &points);
+        let region = regions(&mesh, &planar);
+        let inside = |f: FaceId, p: [f64; 3]| {
+            let [a, b, c] = mesh.corners(f).map(|v| points[v.index()]);
+            let turn = |a: [f64; 3], b: [f64; 3]| (b[0] - a[0]) * (p[1] - a[1]) - (b[1] - a[1]) * (p[0] - a[0]);
+            [turn(a, b), turn(b, c), turn(c, a)].iter().all(|&side| side >= 0.0)
+        };
+        for (t, triangle) in fewer.common.triangles.iter_ids() {
+            let sum = triangle.iter().fold([0.0; 3], |sum, &v| vector::add(sum, at[v as usize]));
+            let middle = vector::scale(sum, 1.0 / 3.0);
+            let home = fewer.common.input[t];
+            let there: Vec<FaceId> = mesh.faces().filter(|&f| inside(f, middle)).collect();
+            prop_assert!(there.iter().any(|&f| region[f.index()] == region[home.index()]), "{:?} is not on {:?}", t, home);
+        }
         // What is left are crossings with creases.
         let crossings = |refinement: &Refinement| {
             let crossed = refinement.common.place.iter().skip(refinement.place.len());
