@@ -12,7 +12,7 @@ use rayon::prelude::*;
 use super::flat::Flat;
 use crate::cut::SeamPlan;
 use crate::flatten::Layout;
-use crate::uv::{Figures, Separation, UvMap, add_necks, attached, room, taken_apart};
+use crate::uv::{Figures, Overlaps, Separation, UvMap, add_necks, attached, overlaps_on_islands, room, taken_apart};
 
 /// So many triangles are gone through one after the other.
 const AT_ONCE: usize = 1024;
@@ -57,16 +57,24 @@ impl<'a> Reseaming<'a> {
     pub(super) fn best(&self, watch: Watch) -> Result<Separation, Interrupted> {
         let Self { mesh, flat, plan, .. } = *self;
         let first = self.first(watch.within(0.0, 0.1))?;
-        let (separation, mut network) =
-            taken_apart((mesh, plan.costs(), Some(plan.given())), first, watch.within(0.1, 0.4))?;
-        let overlaps = !separation.overlaps.pairs.is_empty();
-        let needs_room = self.asks_for_room || self.bounds_the_square(&separation.map);
-        if !overlaps && !needs_room {
-            return Ok(separation);
+        let found = overlaps_on_islands(mesh, &first, watch.within(0.1, 0.2))?;
+        let overlaps = !found.pairs.is_empty();
+        if !overlaps && !self.asks_for_room && !self.bounds_the_square(&first) {
+            return Ok(Separation { map: first, overlaps: found, added_seam: 0.0, left: Overlaps::default() });
         }
-        mesh.edges().filter(|&e| flat.seams.cut[e]).for_each(|e| network[e] = true);
-        add_necks((mesh, plan.costs()), &separation.map, &mut network, |_| true, watch)?;
-        let network = plan.network(mesh, &flat.cones, network, watch.within(0.4, 0.5))?;
+        let apart = || {
+            let task = (mesh, plan.costs(), Some(plan.given()));
+            let (separation, mut network) = taken_apart(task, (first, found), watch.within(0.2, 0.5))?;
+            add_necks((mesh, plan.costs()), &separation.map, &mut network, |_| true, watch)?;
+            Ok((separation, network))
+        };
+        let between_cones =
+            || plan.network(mesh, &flat.cones, flat.seams.cut.clone(), watch.within(f64::NAN, f64::NAN));
+        // Neither needs the other.
+        let (apart, between_cones) = rayon::join(apart, between_cones);
+        let ((separation, mut network), between_cones) = (apart?, between_cones?);
+        mesh.edges().filter(|&e| between_cones[e]).for_each(|e| network[e] = true);
+        let needs_room = self.asks_for_room || self.bounds_the_square(&separation.map);
         let along = |run: &[HalfedgeId]| plan.along(mesh, run);
         let seam: f64 = flat.seams.chains.iter().map(|chain| along(&chain.halfedges(mesh))).sum();
         let longest = match (overlaps, self.asks_for_room) {

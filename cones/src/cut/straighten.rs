@@ -6,7 +6,8 @@
 //!
 //! The surface stays a disk: opened along all other seams it is a ring, or a disk with a hole at the chain's loose end, and
 //! the chain joins two loops of its boundary. A simple path joins the same two if it leaves and arrives between the same
-//! neighbouring seams, and on its way touches neither seam nor boundary. What is sought in is a band round the chain.
+//! neighbouring seams, and on its way touches neither seam nor boundary. What is sought in is a band round the chain, and what a way on
+//! costs at least is known from what edges alone cost to its end (A*; Hart, Nilsson & Raphael 1968): vertices are a sixth of halfedges.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -108,6 +109,7 @@ struct Straightener<'a> {
     reached: HalfedgeData<f64>,
     came_from: HalfedgeData<Option<HalfedgeId>>,
     in_band: VertexData<bool>,
+    /// From the path, then what edges alone cost to its end; infinite outside of the band.
     distance: VertexData<f64>,
 }
 
@@ -164,9 +166,10 @@ impl<'a> Straightener<'a> {
             return;
         }
         self.mark(&piece.path, false);
-        if let Some(path) = self.cheapest(piece) {
+        let most = self.costs.path(piece);
+        if let Some(path) = self.cheapest(piece, most) {
             let found = Piece { path, ..*piece };
-            if self.costs.path(&found) < self.costs.path(piece) {
+            if self.costs.path(&found) < most {
                 piece.path = found.path;
             }
         }
@@ -183,8 +186,9 @@ impl<'a> Straightener<'a> {
         }
     }
 
-    /// The cheapest path between the ends of a piece that is not marked as cut now; none if it would meet itself.
-    fn cheapest(&mut self, piece: &Piece) -> Option<Vec<HalfedgeId>> {
+    /// The cheapest path between the ends of a piece that is not marked as cut now, if it costs no more than `most`; none if it would meet
+    /// itself.
+    fn cheapest(&mut self, piece: &Piece, most: f64) -> Option<Vec<HalfedgeId>> {
         let mesh = self.costs.mesh;
         let (first, last) = (piece.path[0], piece.path[piece.path.len() - 1]);
         let [start, end] = [mesh.tail(first), mesh.head(last)];
@@ -192,8 +196,9 @@ impl<'a> Straightener<'a> {
             self.sector(mesh.twin(last)?).into_iter().filter_map(|h| mesh.twin(h)).collect();
         let band = self.band(&piece.path, [start, end]);
         let departures: Vec<HalfedgeId> = self.sector(first);
+        self.measure_to_end(&arrivals);
         let mut touched = Vec::new();
-        let last = self.search(piece, &departures, &arrivals, &mut touched);
+        let last = self.search((piece, most), &departures, &arrivals, &mut touched);
         let mut path = Vec::new();
         let mut at = last;
         while let Some(h) = at {
@@ -201,7 +206,10 @@ impl<'a> Straightener<'a> {
             at = self.came_from[h];
         }
         path.reverse();
-        band.into_iter().for_each(|v| self.in_band[v] = false);
+        for v in band {
+            self.in_band[v] = false;
+            self.distance[v] = f64::INFINITY;
+        }
         for h in touched {
             self.reached[h] = f64::INFINITY;
             self.came_from[h] = None;
@@ -212,10 +220,30 @@ impl<'a> Straightener<'a> {
         Some(path).filter(|path| is_simple && !path.is_empty())
     }
 
-    /// Dijkstra's algorithm on halfedges within the band; the halfedge by which the end is reached.
+    /// What edges alone cost from each vertex of the band to the end.
+    fn measure_to_end(&mut self, arrivals: &[HalfedgeId]) {
+        let mesh = self.costs.mesh;
+        let mut queue = BinaryHeap::new();
+        let mut next: Vec<_> = arrivals.iter().map(|&h| (mesh.tail(h), self.costs.edge(h))).collect();
+        loop {
+            for (v, cost) in next.drain(..) {
+                if self.in_band[v] && cost < self.distance[v] {
+                    self.distance[v] = cost;
+                    queue.push(Reverse((cost.to_bits(), v)));
+                }
+            }
+            let Some(Reverse((bits, v))) = queue.pop() else { break };
+            let cost = f64::from_bits(bits);
+            if cost == self.distance[v] {
+                next.extend(mesh.outgoing(v).map(|h| (mesh.head(h), cost + self.costs.edge(h))));
+            }
+        }
+    }
+
+    /// A shortest path over halfedges within the band, of those that cost no more than `most`; the halfedge by which the end is reached.
     fn search(
         &mut self,
-        piece: &Piece,
+        (piece, most): (&Piece, f64),
         departures: &[HalfedgeId],
         arrivals: &[HalfedgeId],
         touched: &mut Vec<HalfedgeId>,
@@ -229,27 +257,30 @@ impl<'a> Straightener<'a> {
         loop {
             for (from, h, cost) in next.drain(..) {
                 let is_arrival = arrivals.contains(&h);
-                if cost.is_finite() && (is_arrival || self.in_band[mesh.head(h)]) && cost < self.reached[h] {
+                let at_least = cost + if is_arrival { 0.0 } else { self.distance[mesh.head(h)] };
+                if at_least <= most && cost < self.reached[h] {
                     if self.reached[h].is_infinite() {
                         touched.push(h);
                     }
                     self.reached[h] = cost;
                     self.came_from[h] = from;
                     if !is_arrival {
-                        queue.push(Reverse((cost.to_bits(), h)));
+                        queue.push(Reverse((at_least.to_bits(), h)));
                     } else if best.is_none_or(|(least, _)| cost + arrive(h) < least) {
                         best = Some((cost + arrive(h), h));
                     }
                 }
             }
             let Some(Reverse((bits, h))) = queue.pop() else { break };
-            let cost = f64::from_bits(bits);
-            if best.is_some_and(|(least, _)| least <= cost) {
+            let at_least = f64::from_bits(bits);
+            if best.is_some_and(|(least, _)| least <= at_least) || at_least.is_infinite() {
                 break;
             }
-            if cost == self.reached[h] {
+            let cost = self.reached[h];
+            if at_least == cost + self.distance[mesh.head(h)] {
                 let on = mesh.outgoing(mesh.head(h)).filter(|&g| Some(g) != mesh.twin(h));
-                next.extend(on.map(|g| (Some(h), g, cost + self.costs.edge(g) + self.costs.turn(h, g))));
+                let on = on.map(|g| (g, cost + self.costs.edge(g))).filter(|&(g, cost)| cost < self.reached[g]);
+                next.extend(on.map(|(g, cost)| (Some(h), g, cost + self.costs.turn(h, g))));
             }
         }
         best.map(|(_, h)| h)

@@ -38,6 +38,8 @@ pub(crate) struct Automatic {
     pub(crate) predicted: Prediction,
     /// Whether the prediction meets it.
     pub(crate) is_met: bool,
+    /// Sets of more cones that were found on the way.
+    pub(super) passed: Vec<ConeSet>,
     /// The nested order that led there.
     pub(crate) nested: Nested,
     /// What is predicted for its prefixes.
@@ -81,8 +83,9 @@ pub(crate) fn automatic(model: &mut EnergyModel, rule: CurvatureRule, goal: Goal
     let curve = nested.curve(operators, rule, model.watch());
     let enough = first_within(&curve, least, target);
     let is_draft = is_draft && enough.is_none();
+    let mut passed = Vec::new();
     let (set, predicted) = match enough {
-        Some(point) => fewest(model, &nested.sets[point.count], rule, target, least),
+        Some(point) => fewest(model, &nested.sets[point.count], rule, target, least, &mut passed),
         None => {
             let best = if is_draft { nested.sets.last().cloned() } else { None };
             let set = best.unwrap_or_else(|| refined(model, most.max(least)));
@@ -91,7 +94,7 @@ pub(crate) fn automatic(model: &mut EnergyModel, rule: CurvatureRule, goal: Goal
         }
     };
     let is_met = predicted.area_distortion <= target;
-    Automatic { set, predicted, is_met, nested, curve, is_from_level: false, curvatures: None, is_draft }
+    Automatic { set, predicted, is_met, passed, nested, curve, is_from_level: false, curvatures: None, is_draft }
 }
 
 /// [`automatic`], and a few cones more where these leave nearly nothing to distort. A fit for the corners; a search more only
@@ -170,7 +173,8 @@ pub(crate) fn shortest(model: &mut EnergyModel, order: &[VertexId], rule: Curvat
     let set = nested.sets[enough.map_or(order.len(), |point| point.count)].clone();
     let predicted = enough.unwrap_or_else(|| predict(operators, &set, rule));
     let is_met = enough.is_some();
-    Automatic { set, predicted, is_met, nested, curve, is_from_level: false, curvatures: None, is_draft: false }
+    let (passed, is_from_level) = (Vec::new(), false);
+    Automatic { set, predicted, is_met, passed, nested, curve, is_from_level, curvatures: None, is_draft: false }
 }
 
 /// Where a curve first keeps the area distortion within a target, from `least` cones on.
@@ -183,13 +187,14 @@ pub(super) fn meets(set: &ConeSet, predicted: &Prediction, target: f64) -> bool 
     set.shortfall == 0.0 && predicted.area_distortion <= target
 }
 
-/// From a set that meets the target to the smallest one near it that does.
+/// From a set that meets the target to the smallest one near it that does; those in between are added to what was `passed`.
 fn fewest(
     model: &mut EnergyModel,
     nested: &ConeSet,
     rule: CurvatureRule,
     target: f64,
     least: usize,
+    passed: &mut Vec<ConeSet>,
 ) -> (ConeSet, Prediction) {
     let operators = model.operators();
     let mut best = refined(model, nested.cones.len());
@@ -204,7 +209,8 @@ fn fewest(
         if !meets(&fewer, &after, target) {
             break;
         }
-        (best, predicted) = (fewer, after);
+        passed.push(std::mem::replace(&mut best, fewer));
+        predicted = after;
     }
     (by_curvature(model, &best), predicted)
 }

@@ -203,8 +203,8 @@ impl Fewest<'_, '_> {
         while !meets(&best.0, &best.1, self.target) && count < most && !self.model.is_over() {
             least = count + 1;
             count = enough_cones(&coarse.curve, (count, best.1.area_distortion), self.target, most);
-            let more = refined(coarse_model, count);
-            best = self.polished(&more);
+            let passed = coarse.passed.iter().find(|set| set.cones.len() == count).cloned();
+            best = self.polished(&passed.unwrap_or_else(|| refined(coarse_model, count)));
         }
         if meets(&best.0, &best.1, self.target) {
             while best.0.cones.len() > least

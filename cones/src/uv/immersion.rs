@@ -78,25 +78,31 @@ pub(super) fn overlaps_from_boundary(
         pairs.into_iter().for_each(|[f, g]| spread.look(f, g));
         watch.ask(0.0)?;
     }
+    let overlap = |[f, g]: [FaceId; 2]| {
+        let (one, other) = (boxes.upright(f.0)?, boxes.upright(g.0)?);
+        let depth = triangle::depth(&one, &other)?;
+        let is_deep = depth > NEGLIGIBLE_DEPTH * boxes.extent;
+        let area = if is_deep { triangle::common_area(&one, &other) } else { 0.0 };
+        Some((is_deep, Overlap { triangles: [f.0, g.0], depth: depth / boxes.extent, area }))
+    };
     let mut pairs = Vec::new();
-    let mut count = 0_usize;
-    while let Some([f, g]) = spread.waiting.pop() {
-        if count.is_multiple_of(BLOCK) {
-            watch.ask(1.0 - 1.0 / (1 + count / BLOCK) as f64)?;
-        }
-        count += 1;
-        let [Some(one), Some(other)] = [f, g].map(|f| boxes.upright(f.0)) else { continue };
-        let Some(depth) = triangle::depth(&one, &other) else { continue };
-        if depth > NEGLIGIBLE_DEPTH * boxes.extent {
-            let area = triangle::common_area(&one, &other);
-            pairs.push(Overlap { triangles: [f.0, g.0], depth: depth / boxes.extent, area });
+    let mut count = 0;
+    while !spread.waiting.is_empty() {
+        watch.ask(1.0 - 1.0 / (1 + count / BLOCK) as f64)?;
+        // The last ones first: what is next to them is at hand.
+        let last = spread.waiting.split_off(spread.waiting.len().saturating_sub(BLOCK));
+        count += last.len();
+        let found: Vec<_> = last.into_par_iter().with_min_len(AT_ONCE).filter_map(overlap).collect();
+        for (is_deep, overlap) in found {
+            let [f, g] = overlap.triangles.map(FaceId);
+            pairs.extend(is_deep.then_some(overlap));
+            for (here, there) in [(f, g), (g, f)] {
+                let inner = mesh.sides(here).into_iter().filter(|&h| !map.cut[mesh.edge(h)]);
+                inner.filter_map(|h| mesh.twin(h)).for_each(|h| spread.look(mesh.face(h), there));
+            }
         }
         if pairs.len() > most {
             return Ok(None);
-        }
-        for (here, there) in [(f, g), (g, f)] {
-            let inner = mesh.sides(here).into_iter().filter(|&h| !map.cut[mesh.edge(h)]);
-            inner.filter_map(|h| mesh.twin(h)).for_each(|h| spread.look(mesh.face(h), there));
         }
     }
     pairs.sort_unstable_by_key(|pair| pair.triangles);
@@ -106,14 +112,14 @@ pub(super) fn overlaps_from_boundary(
 /// The pairs that were seen.
 #[derive(Default)]
 struct Spread {
-    seen: Set<[u32; 2]>,
+    seen: Set<u64>,
     waiting: Vec<[FaceId; 2]>,
 }
 
 impl Spread {
     fn look(&mut self, f: FaceId, g: FaceId) {
         let [f, g] = [f.min(g), f.max(g)];
-        if f != g && self.seen.insert([f.0, g.0]) {
+        if f != g && self.seen.insert(u64::from(f.0) << 32 | u64::from(g.0)) {
             self.waiting.push([f, g]);
         }
     }

@@ -467,7 +467,7 @@ mod tests {
     use super::*;
     use crate::flatten::flattened::Flattened;
     use crate::uv::pack::convex_hull;
-    use crate::uv::separate::{add_necks, taken_apart};
+    use crate::uv::separate::{add_necks, overlaps_on_islands, taken_apart};
     use crate::uv::{Triangle, overlaps, triangle};
     use geom::{EdgeId, Id, VertexId, shapes};
     use num_complex::Complex64;
@@ -478,7 +478,8 @@ mod tests {
         let position = mesh.halfedges().map(|h| [layout.corner(h).re, layout.corner(h).im]).collect();
         let lengths = metric.lengths().clone();
         let map = UvMap { position, cut: seams.cut.clone() };
-        let (done, mut network) = taken_apart((&mesh, &lengths, None), map, Watch::NONE).unwrap();
+        let overlaps = overlaps_on_islands(&mesh, &map, Watch::NONE).unwrap();
+        let (done, mut network) = taken_apart((&mesh, &lengths, None), (map, overlaps), Watch::NONE).unwrap();
         add_necks((&mesh, &lengths), &done.map, &mut network, |_| true, Watch::NONE).unwrap();
         (mesh, lengths, done.map, network)
     }

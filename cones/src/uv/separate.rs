@@ -61,10 +61,11 @@ pub fn separate(
     map: UvMap,
     watch: Watch,
 ) -> Result<Separation, Interrupted> {
-    let (done, mut network) = taken_apart((mesh, lengths, kept), map, watch.within(0.0, 0.5))?;
-    if done.overlaps.pairs.is_empty() {
-        return Ok(done);
+    let overlaps = overlaps_on_islands(mesh, &map, watch.within(0.0, 0.2))?;
+    if overlaps.pairs.is_empty() {
+        return Ok(Separation { map, overlaps, added_seam: 0.0, left: Overlaps::default() });
     }
+    let (done, mut network) = taken_apart((mesh, lengths, kept), (map, overlaps), watch.within(0.2, 0.5))?;
     // Other islands are the user's own.
     let mut overlaps = FaceData::constant(mesh.face_count(), false);
     done.overlaps.pairs.iter().flat_map(|pair| pair.triangles).for_each(|f| overlaps[FaceId(f)] = true);
@@ -114,22 +115,22 @@ pub(crate) fn attached(
     Ok(moved.snapped(mesh, map))
 }
 
-/// [`separate`] as far as cuts alone go, and all edges that were cut, whether or not that was best. What is left is not looked for.
+/// [`separate`] as far as cuts alone go, given the overlaps on islands, and all edges that were cut, whether or not that was best. What is
+/// left is not looked for.
 pub(crate) fn taken_apart(
     (mesh, lengths, kept): (&Mesh, &EdgeData<f64>, Option<&EdgeData<bool>>),
-    map: UvMap,
+    (map, overlaps): (UvMap, Overlaps),
     watch: Watch,
 ) -> Result<(Separation, EdgeData<bool>), Interrupted> {
-    let overlaps = overlaps_on_islands(mesh, &map, watch.within(0.0, 0.25))?;
     let left = Overlaps::default();
     let mut network = map.cut.clone();
     if overlaps.pairs.is_empty() {
         return Ok((Separation { map, overlaps, added_seam: 0.0, left }, network));
     }
     let boxes = Boxes::new(map.triangles());
-    watch.ask(0.3)?;
+    watch.ask(0.1)?;
     let task = Task { mesh, lengths, kept, map: &map, boxes: &boxes, overlaps: &overlaps };
-    let moved = task.best(&mut network, watch.within(0.3, 1.0))?;
+    let moved = task.best(&mut network, watch.within(0.1, 1.0))?;
     drop(boxes);
     watch.ask(f64::NAN)?;
     let before = seam(mesh, lengths, &map.cut);

@@ -54,7 +54,7 @@ fn depth_inside(one: &Triangle, other: &Triangle) -> Option<f64> {
         if inside <= 0.0 {
             return None;
         }
-        least = least.min(inside.min(across) / (q[0] - p[0]).hypot(q[1] - p[1]));
+        least = least.min(inside.min(across) / ((q[0] - p[0]).powi(2) + (q[1] - p[1]).powi(2)).sqrt());
     }
     Some(least)
 }

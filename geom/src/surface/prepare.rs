@@ -415,6 +415,10 @@ impl Soup {
 
     /// Turns triangles until twins run in opposite directions; unglues them where that cannot be, but never inside a polygon.
     fn orient(&mut self, log: &mut RepairLog) {
+        let is_oriented = |h: usize| self.twin[h] == NONE || !self.run_alike(h, self.twin[h] as usize);
+        if (0..self.tail.len()).all(is_oriented) {
+            return;
+        }
         let faces = self.triangle.len();
         let mut turned: Vec<Option<bool>> = vec![None; faces];
         let mut component = Vec::new();

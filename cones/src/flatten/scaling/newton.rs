@@ -51,7 +51,7 @@ pub(super) struct Newton<'a> {
     pub(super) target: &'a VertexData<f64>,
     /// The log scale factors to start from, where there are fixed vertices; otherwise it starts from 0.
     pub(super) start: &'a VertexData<f64>,
-    /// Where u stays as it is.
+    /// Where u stays as it is; ascending for a whole surface.
     pub(super) fixed: Vec<VertexId>,
     /// On a double, the vertex of the surface for each of its own. Log scale factors are the same on both halves.
     pub(super) original: Option<&'a VertexData<VertexId>>,
@@ -119,7 +119,7 @@ impl Newton<'_> {
             if error <= SETTLED
                 && !self.fixed.is_empty()
                 && self.original.is_none()
-                && let Some(vertex) = without_area(&state.triangulation, &metric)
+                && let Some(vertex) = without_area(&state.triangulation, &metric, |_| true)
             {
                 return Err(Failed { error: ScalingError::NoTriangle(vertex), u: Some(u) });
             }
@@ -189,13 +189,16 @@ impl Newton<'_> {
 
     /// The whole step, where that leaves much curvature at few vertices, and there solved for; with its metric and residual. `None` if
     /// that does not halve the error.
+    ///
+    /// # Errors
+    /// With the step, if triangles at the boundary have broken there for good.
     fn mended_step(
         &self,
         state: &mut Intrinsic,
         from: &VertexData<f64>,
         step: &VertexData<f64>,
         error: f64,
-    ) -> Result<Option<Scaled>, Interrupted> {
+    ) -> Result<Option<Scaled>, Failed> {
         if self.goal > GOAL || self.original.is_some() || error < ROUGH {
             return Ok(None);
         }
@@ -207,8 +210,14 @@ impl Newton<'_> {
         self.watch.ask(f64::NAN)?;
         let left = largest(&residual).1;
         if left > ROUGH {
-            if !self.mend(state, &mut u, &residual)? {
-                return Ok(None);
+            match self.mend(state, &mut u, &residual)? {
+                Mended::All => {}
+                Mended::ButTriangles => {
+                    let broken = without_area(&state.triangulation, &metric, |v| self.fixed.binary_search(&v).is_ok());
+                    let failed = |vertex| Failed { error: ScalingError::NoTriangle(vertex), u: Some(u) };
+                    return broken.map_or(Ok(None), |vertex| Err(failed(vertex)));
+                }
+                Mended::Nothing => return Ok(None),
             }
             metric = self.scaled(state, &u);
             self.watch.ask(f64::NAN)?;
@@ -217,14 +226,14 @@ impl Newton<'_> {
         Ok((largest(&residual).1 <= HARDLY * error).then_some((u, metric, residual)))
     }
 
-    /// Solves for u around the vertices with much curvature left, held around that. False where that is no small part of the
+    /// Solves for u around the vertices with much curvature left, held around that. Nothing where that is no small part of the
     /// surface, or cannot be done.
     fn mend(
         &self,
         state: &mut Intrinsic,
         u: &mut VertexData<f64>,
         residual: &VertexData<f64>,
-    ) -> Result<bool, Interrupted> {
+    ) -> Result<Mended, Interrupted> {
         let triangulation = &state.triangulation;
         let mut is_near: VertexData<bool> = residual.iter().map(|r| r.is_nan() || r.abs() > ROUGH).collect();
         let touches = |is_near: &VertexData<bool>, f| triangulation.corners(f).into_iter().any(|v| is_near[v]);
@@ -235,7 +244,7 @@ impl Newton<'_> {
         let part = state.part(|f| touches(&is_near, f));
         let inside = &part.intrinsic.triangulation;
         if inside.face_count() > triangulation.face_count() / SMALL_PART {
-            return Ok(false);
+            return Ok(Mended::Nothing);
         }
         let ends = |h| [inside.tail(h), inside.head(h)];
         let fixed: Vec<VertexId> = inside.halfedges().filter(|&h| inside.twin(h).is_none()).flat_map(ends).collect();
@@ -243,17 +252,24 @@ impl Newton<'_> {
             |whole: &VertexData<f64>| -> VertexData<f64> { part.vertices.iter().map(|&v| whole[v]).collect() };
         let (target, start) = (of_part(self.target), of_part(u));
         let scaled = part.intrinsic.metric.scaled(inside, &start);
-        let Ok(poisson) = Poisson::new(&laplacian(inside, &scaled), &fixed) else { return Ok(false) };
+        let Ok(poisson) = Poisson::new(&laplacian(inside, &scaled), &fixed) else { return Ok(Mended::Nothing) };
         let watch = self.watch.within(f64::NAN, f64::NAN);
         let newton = Newton { target: &target, start: &start, fixed, original: None, goal: MENDED, watch };
-        let found = match newton.run(part.intrinsic.clone(), &mut Factor::new(Arc::new(poisson), true)) {
-            Ok(found) => found,
-            Err(Failed { error: ScalingError::Interrupted(stop), .. }) => return Err(stop),
-            Err(_) => return Ok(false),
-        };
-        state.repeat(&part, &found.flips);
-        part.vertices.iter().zip(found.u.iter()).for_each(|(&v, &found)| u[v] = found);
-        Ok(true)
+        let mut take =
+            |found: VertexData<f64>| part.vertices.iter().zip(found.iter()).for_each(|(&v, &found)| u[v] = found);
+        match newton.run(part.intrinsic.clone(), &mut Factor::new(Arc::new(poisson), true)) {
+            Ok(found) => {
+                state.repeat(&part, &found.flips);
+                take(found.u);
+                Ok(Mended::All)
+            }
+            Err(Failed { error: ScalingError::Interrupted(stop), .. }) => Err(stop),
+            Err(Failed { error: ScalingError::NoTriangle(_), u: Some(found) }) => {
+                take(found);
+                Ok(Mended::ButTriangles)
+            }
+            Err(_) => Ok(Mended::Nothing),
+        }
     }
 
     /// The error that counts as reached.
@@ -276,7 +292,7 @@ impl Newton<'_> {
         if let Some(original) = self.original {
             hessian = hessian.folded(self.target.len(), |v| original[VertexId::new(v)].index());
         }
-        if without_area(triangulation, metric).is_some() {
+        if without_area(triangulation, metric, |_| true).is_some() {
             for v in 0..hessian.dimension() {
                 let diagonal = hessian.diagonal_mut(v);
                 *diagonal += if *diagonal < DAMPING { 1.0 } else { DAMPING };
@@ -314,17 +330,29 @@ impl Newton<'_> {
             return Err(ScalingError::Stuck { error, vertex }.into());
         }
         let Intrinsic { triangulation, flips, .. } = state;
-        if let Some(vertex) = without_area(&triangulation, &metric) {
+        if let Some(vertex) = without_area(&triangulation, &metric, |_| true) {
             return Err(Failed { error: ScalingError::NoTriangle(vertex), u: Some(u) });
         }
         Ok(Scaling { u, triangulation, metric, flips, steps, error, mollified: false })
     }
 }
 
-/// A corner of a triangle without area, if there is any.
-fn without_area(triangulation: &Triangulation, metric: &Metric) -> Option<VertexId> {
-    let found = triangulation.faces().find(|&f| metric.sides(triangulation, f).area() <= 0.0);
-    found.map(|f| triangulation.corners(f)[0])
+/// What came of solving for a part by itself.
+enum Mended {
+    All,
+    /// The log scale factors were found, but triangles at the boundary have broken.
+    ButTriangles,
+    Nothing,
+}
+
+/// A corner of a triangle without area whose corners are all of some kind, if there is any.
+fn without_area(
+    triangulation: &Triangulation,
+    metric: &Metric,
+    is_asked: impl Fn(VertexId) -> bool,
+) -> Option<VertexId> {
+    let is_broken = |f| metric.sides(triangulation, f).area() <= 0.0 && triangulation.corners(f).into_iter().all(&is_asked);
+    triangulation.faces().find(|&f| is_broken(f)).map(|f| triangulation.corners(f)[0])
 }
 
 fn largest(residual: &VertexData<f64>) -> (VertexId, f64) {
