@@ -335,3 +335,76 @@ impl<'a> Straightener<'a> {
         seen
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use geom::{Metric, VertexId, shapes};
+
+    use super::*;
+
+    /// The least cost of paths between the ends of a piece within its band, by relaxing every step until nothing changes.
+    fn least(straightener: &mut Straightener, piece: &Piece) -> f64 {
+        let costs = straightener.costs;
+        let mesh = costs.mesh;
+        let (first, last) = (piece.path[0], piece.path[piece.path.len() - 1]);
+        let arrivals = straightener.sector(mesh.twin(last).unwrap());
+        let is_arrival = |h: HalfedgeId| mesh.twin(h).is_some_and(|twin| arrivals.contains(&twin));
+        let departures = straightener.sector(first);
+        let band = straightener.band(&piece.path, [mesh.tail(first), mesh.head(last)]);
+        let mut reached = HalfedgeData::constant(mesh.halfedge_count(), f64::INFINITY);
+        let may_run = |h: HalfedgeId| is_arrival(h) || straightener.in_band[mesh.head(h)];
+        departures.into_iter().filter(|&h| may_run(h)).for_each(|h| reached[h] = costs.edge(h));
+        let mut has_changed = true;
+        while has_changed {
+            has_changed = false;
+            for h in mesh.halfedges().filter(|&h| !is_arrival(h)) {
+                for g in mesh.outgoing(mesh.head(h)).filter(|&g| Some(g) != mesh.twin(h) && may_run(g)) {
+                    let cost = reached[h] + costs.edge(g) + costs.turn(h, g);
+                    if cost < reached[g] {
+                        (reached[g], has_changed) = (cost, true);
+                    }
+                }
+            }
+        }
+        for v in band {
+            (straightener.in_band[v], straightener.distance[v]) = (false, f64::INFINITY);
+        }
+        mesh.halfedges().filter(|&h| is_arrival(h)).map(|h| reached[h]).fold(f64::INFINITY, f64::min)
+    }
+
+    #[test]
+    fn no_path_within_the_band_costs_less() {
+        let mut compared = 0;
+        for (shape, count) in [(shapes::hare(900), 6), (shapes::torus(2, 800), 9), (shapes::terrain(900, 2), 5)] {
+            let mesh = shape.mesh();
+            let metric = Metric::from_points(&mesh, &shape.points);
+            let (lengths, turning) = (metric.lengths(), Turning::new(&mesh, &metric));
+            let cones: Vec<VertexId> = (0..count).map(|k| VertexId(7 + 83 * k)).collect();
+            let seams = Seams::new(&mesh, lengths, &cones, Watch::NONE).unwrap();
+            for weight in [0.1, 1.0] {
+                let costs = PathCost { mesh: &mesh, lengths, cost: lengths, turning: &turning, weight };
+                let mut straightener = Straightener::new(&costs, &seams);
+                for chain in &seams.chains {
+                    let piece = Piece { before: None, path: chain.halfedges(&mesh), after: None };
+                    if piece.path.len() < 2 || chain.vertices.first() == chain.vertices.last() {
+                        continue;
+                    }
+                    straightener.mark(&piece.path, false);
+                    let most = costs.path(&piece);
+                    let expected = least(&mut straightener, &piece);
+                    for most in [f64::INFINITY, most * (1.0 + 1e-12)] {
+                        if let Some(path) = straightener.cheapest(&piece, most) {
+                            let found = costs.path(&Piece { path, ..piece });
+                            assert!((found - expected).abs() <= 1e-12 * expected, "{found} {expected}");
+                            compared += 1;
+                        }
+                    }
+                    let cleared = |v: VertexId| !straightener.in_band[v] && straightener.distance[v].is_infinite();
+                    assert!(mesh.vertices().all(cleared) && straightener.reached.iter().all(|r| r.is_infinite()));
+                    straightener.mark(&piece.path, true);
+                }
+            }
+        }
+        assert!(compared > 40, "{compared}");
+    }
+}

@@ -213,6 +213,8 @@ mod tests {
     use super::*;
     use geom::shapes::{self, Shape};
     use std::f64::consts::PI;
+    use std::ops::ControlFlow;
+    use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 
     /// Scales a shape to cones of equal curvature at evenly numbered vertices.
     fn scaled(shape: &Shape, cones: usize) -> (Mesh, VertexData<f64>, Scaling) {
@@ -265,6 +267,43 @@ mod tests {
     fn a_boundary_that_is_a_small_part_is_flipped_on_a_collar() {
         let faces = flipped_on(&shapes::square(10_000));
         assert!(faces[0] < faces[1] && faces[1] < faces[0] + faces[0] / SMALL_IMAGE, "{faces:?}");
+    }
+
+    #[test]
+    fn a_boundary_that_breaks_for_good_is_seen_once_what_is_around_it_is_solved_for() {
+        let shape = shapes::square(10_000);
+        let mesh = shape.mesh();
+        let metric = Metric::from_points(&mesh, &shape.points);
+        let operators = Operators::new(&mesh, &metric).unwrap();
+        let target = VertexData::constant(mesh.vertex_count(), 0.0);
+        let uneven = |v: VertexId| if v.0 < 20 { 2.5 * f64::from(v.0 * 7 % 3) - 2.5 } else { 0.0 };
+        let start: VertexData<f64> = mesh.vertices().map(uneven).collect();
+        let fixed: Vec<VertexId> = mesh.vertices().filter(|&v| mesh.is_boundary_vertex(v)).collect();
+        // With a goal that is less strict parts are not solved for by themselves.
+        let [early, late] = [newton::GOAL, 2.0 * newton::GOAL].map(|goal| {
+            let asked = AtomicUsize::new(0);
+            // On parts nobody knows how much is done.
+            let count = |done: f64| {
+                asked.fetch_add(usize::from(!done.is_nan()), Relaxed);
+                ControlFlow::Continue(())
+            };
+            let watch = Watch::new(&count);
+            let newton = Newton { target: &target, start: &start, fixed: fixed.clone(), original: None, goal, watch };
+            let intrinsic = Intrinsic {
+                triangulation: operators.mesh.triangulation().clone(),
+                metric: operators.metric.clone(),
+                flips: operators.flips.clone(),
+            };
+            let failed = newton.run(intrinsic, &mut Factor::new(operators.poisson(), true)).err().expect("it breaks");
+            assert!(matches!(failed.error, ScalingError::NoTriangle(_)), "{}", failed.error);
+            let u = failed.u.expect("they are found");
+            let collar = Double::collar(&mesh, COLLAR);
+            let newton = Newton { start: &u, original: Some(&collar.original), watch: Watch::NONE, ..newton };
+            let intrinsic = geom::delaunay(&collar.mesh, &collar.metric(&mesh, &metric));
+            let found = newton.run(intrinsic, &mut Factor::new(operators.poisson(), true));
+            (asked.into_inner(), found.ok().expect("the collar's triangles can be flipped").steps)
+        });
+        assert!(2 * early.0 < late.0 && early.1 <= late.1 + 1, "{early:?} {late:?}");
     }
 
     /// Scales a square to log scale factors on the boundary so uneven that its triangles break; the number of its triangles, and of those

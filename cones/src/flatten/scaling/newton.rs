@@ -119,7 +119,7 @@ impl Newton<'_> {
             if error <= SETTLED
                 && !self.fixed.is_empty()
                 && self.original.is_none()
-                && let Some(vertex) = without_area(&state.triangulation, &metric, |_| true)
+                && let Some(vertex) = self.without_area(&state.triangulation, &metric)
             {
                 return Err(Failed { error: ScalingError::NoTriangle(vertex), u: Some(u) });
             }
@@ -212,12 +212,10 @@ impl Newton<'_> {
         if left > ROUGH {
             match self.mend(state, &mut u, &residual)? {
                 Mended::All => {}
-                Mended::ButTriangles => {
-                    let broken = without_area(&state.triangulation, &metric, |v| self.fixed.binary_search(&v).is_ok());
-                    let failed = |vertex| Failed { error: ScalingError::NoTriangle(vertex), u: Some(u) };
-                    return broken.map_or(Ok(None), |vertex| Err(failed(vertex)));
+                Mended::ButATriangle(vertex) if self.fixed.binary_search(&vertex).is_ok() => {
+                    return Err(Failed { error: ScalingError::NoTriangle(vertex), u: Some(u) });
                 }
-                Mended::Nothing => return Ok(None),
+                Mended::ButATriangle(_) | Mended::Nothing => return Ok(None),
             }
             metric = self.scaled(state, &u);
             self.watch.ask(f64::NAN)?;
@@ -264,9 +262,9 @@ impl Newton<'_> {
                 Ok(Mended::All)
             }
             Err(Failed { error: ScalingError::Interrupted(stop), .. }) => Err(stop),
-            Err(Failed { error: ScalingError::NoTriangle(_), u: Some(found) }) => {
+            Err(Failed { error: ScalingError::NoTriangle(vertex), u: Some(found) }) => {
                 take(found);
-                Ok(Mended::ButTriangles)
+                Ok(Mended::ButATriangle(part.vertices[vertex.index()]))
             }
             Err(_) => Ok(Mended::Nothing),
         }
@@ -292,7 +290,7 @@ impl Newton<'_> {
         if let Some(original) = self.original {
             hessian = hessian.folded(self.target.len(), |v| original[VertexId::new(v)].index());
         }
-        if without_area(triangulation, metric, |_| true).is_some() {
+        if self.without_area(triangulation, metric).is_some() {
             for v in 0..hessian.dimension() {
                 let diagonal = hessian.diagonal_mut(v);
                 *diagonal += if *diagonal < DAMPING { 1.0 } else { DAMPING };
@@ -317,6 +315,13 @@ impl Newton<'_> {
         residual
     }
 
+    /// A corner of a triangle without area, if there is any; a fixed one if it has one.
+    fn without_area(&self, triangulation: &Triangulation, metric: &Metric) -> Option<VertexId> {
+        let broken = triangulation.faces().find(|&f| metric.sides(triangulation, f).area() <= 0.0)?;
+        let corners = triangulation.corners(broken);
+        Some(corners.into_iter().find(|v| self.fixed.contains(v)).unwrap_or(corners[0]))
+    }
+
     fn finish(
         &self,
         state: Intrinsic,
@@ -330,7 +335,7 @@ impl Newton<'_> {
             return Err(ScalingError::Stuck { error, vertex }.into());
         }
         let Intrinsic { triangulation, flips, .. } = state;
-        if let Some(vertex) = without_area(&triangulation, &metric, |_| true) {
+        if let Some(vertex) = self.without_area(&triangulation, &metric) {
             return Err(Failed { error: ScalingError::NoTriangle(vertex), u: Some(u) });
         }
         Ok(Scaling { u, triangulation, metric, flips, steps, error, mollified: false })
@@ -340,20 +345,11 @@ impl Newton<'_> {
 /// What came of solving for a part by itself.
 enum Mended {
     All,
-    /// The log scale factors were found, but triangles at the boundary have broken.
-    ButTriangles,
+    /// The log scale factors were found, but a triangle at this vertex has broken.
+    ButATriangle(VertexId),
     Nothing,
 }
 
-/// A corner of a triangle without area whose corners are all of some kind, if there is any.
-fn without_area(
-    triangulation: &Triangulation,
-    metric: &Metric,
-    is_asked: impl Fn(VertexId) -> bool,
-) -> Option<VertexId> {
-    let is_broken = |f| metric.sides(triangulation, f).area() <= 0.0 && triangulation.corners(f).into_iter().all(&is_asked);
-    triangulation.faces().find(|&f| is_broken(f)).map(|f| triangulation.corners(f)[0])
-}
 
 fn largest(residual: &VertexData<f64>) -> (VertexId, f64) {
     residual.iter_ids().fold(
