@@ -31,7 +31,10 @@ impl Wedges {
         let order = |a: u32, b: u32| order(model, uv, tables, a, b);
         for ends in start.windows(2) {
             let ring = &mut corners[ends[0] as usize..ends[1] as usize];
-            ring.sort_unstable_by(|&a, &b| order(a, b).then(a.cmp(&b)));
+            // Corners ascend, and most vertices are one wedge.
+            if ring.iter().any(|&corner| order(ring[0], corner).is_ne()) {
+                ring.sort_unstable_by(|&a, &b| order(a, b).then(a.cmp(&b)));
+            }
             for wedge in ring.chunk_by(|&a, &b| order(a, b).is_eq()) {
                 wedge.iter().for_each(|&corner| first_of_corner[corner as usize] = wedge[0]);
             }

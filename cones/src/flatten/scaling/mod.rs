@@ -294,7 +294,7 @@ mod tests {
                 metric: operators.metric.clone(),
                 flips: operators.flips.clone(),
             };
-            let failed = newton.run(intrinsic, &mut Factor::new(operators.poisson(), true)).err().expect("it breaks");
+            let failed = newton.run(intrinsic, &mut Factor::new(operators.poisson(), true)).expect_err("it breaks");
             assert!(matches!(failed.error, ScalingError::NoTriangle(_)), "{}", failed.error);
             let u = failed.u.expect("they are found");
             let collar = Double::collar(&mesh, COLLAR);

@@ -350,7 +350,6 @@ enum Mended {
     Nothing,
 }
 
-
 fn largest(residual: &VertexData<f64>) -> (VertexId, f64) {
     residual.iter_ids().fold(
         (VertexId(0), 0.0),
