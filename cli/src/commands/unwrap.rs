@@ -62,7 +62,8 @@ pub(crate) struct UnwrapArgs {
     /// What to do where the layout lies over itself
     #[arg(long, value_enum, default_value_t = IslandsName::OverlapFree, help_heading = "Islands")]
     islands: IslandsName,
-    /// With --islands pack, the share by which seams may become longer
+    /// With --islands pack, the share by which seams may become longer; where there are hardly any, as of a flat ring, of four roots of the
+    /// area
     #[arg(long, value_name = "SHARE", value_parser = non_negative, allow_negative_numbers = true, default_value_t = PackOptions::default().max_seam, help_heading = "Islands")]
     max_seam: f64,
     #[command(flatten, next_help_heading = "Islands")]

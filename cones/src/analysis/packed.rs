@@ -20,6 +20,11 @@ const LEAST_FILL: f64 = 0.6;
 const LITTLE: f64 = 0.01;
 const LEAST_GAIN: f64 = 0.04;
 
+/// Seams shorter than so many roots of the area are hardly any, as those of flat rings, which fill the less of a square the thinner they are.
+const HARDLY_ANY: f64 = 0.25;
+/// Whoever asks for cuts may then have a share of so many roots of the area; what is curved has seams of two to five.
+const USUAL: f64 = 4.0;
+
 /// The islands of a model in the plane, each in the size of its surface.
 pub(crate) struct Packed {
     /// Where the triangles are, component by component.
@@ -51,13 +56,13 @@ pub(crate) fn packed(
     task.stage((Stage::Pack, 0), times, |watch| {
         let cuts: Vec<EdgeData<bool>> = components.iter().zip(flats).map(|(c, flat)| cut(c, flat)).collect();
         let (first, share, watch) = match islands {
-            Islands::Pack => (None, options.max_seam, watch),
+            Islands::Pack => (None, (options.max_seam, USUAL), watch),
             _ => {
                 let packed = arranged(components, (flats, &cuts), options, watch.within(0.0, 0.5))?;
                 if !asks || packed.packing.fill >= LEAST_FILL {
                     return Ok(packed);
                 }
-                (Some(packed), options.max_seam.min(LITTLE), watch.within(0.5, 1.0))
+                (Some(packed), (options.max_seam.min(LITTLE), 0.0), watch.within(0.5, 1.0))
             }
         };
         let further = further_cuts(components, (flats, &cuts), (options, share), watch.within(0.0, 0.5))?;
@@ -129,11 +134,11 @@ fn cut(component: &Component, flat: &Flat) -> EdgeData<bool> {
     mesh.edges().map(is_cut).collect()
 }
 
-/// Cuts within a share of the seams.
+/// Cuts within a share of the seams, or of what is usual where there are [hardly any](HARDLY_ANY).
 fn further_cuts(
     components: &[Arc<Component>],
     (flats, cuts): (&[Flat], &[EdgeData<bool>]),
-    (options, share): (&PackOptions, f64),
+    (options, (share, usual)): (&PackOptions, (f64, f64)),
     watch: Watch,
 ) -> Result<Vec<EdgeData<bool>>, Interrupted> {
     let lengths: Vec<EdgeData<f64>> = components
@@ -159,6 +164,12 @@ fn further_cuts(
         cut.filter(|l| l.is_finite()).sum()
     };
     let whole: f64 = parts.iter().map(seam).sum();
+    let area = |component: &Arc<Component>| {
+        let Component { surface, metric, .. } = &**component;
+        metric.area(&surface.mesh) / surface.scale.powi(2)
+    };
+    let root = components.iter().map(area).sum::<f64>().sqrt();
+    let whole = if whole < HARDLY_ANY * root { whole.max(usual * root) } else { whole };
     cut_for_fill(&parts, share * whole, options, watch)
 }
 
@@ -167,6 +178,7 @@ mod tests {
     use super::*;
     use crate::{Analysis, ConeChoice, SeamOptions};
     use geom::{Metric, Model, shapes};
+    use std::f64::consts::PI;
 
     /// A hare of area 1, and a flat arc round it, less wide than a hundredth of the hare's seams is long.
     fn hare_and_arc() -> Model {
@@ -203,5 +215,33 @@ mod tests {
         let avoiding = map(Islands::OverlapFree, 0.1, vec![[*a, *b]]);
         assert_eq!(islands(&avoiding), islands(&kept), "whoever says where seams run wants no others");
         assert_eq!(islands(&map(Islands::Single, 0.1, vec![])), Some(1));
+    }
+
+    #[test]
+    fn a_flat_ring_is_cut_into_arcs_where_cuts_are_asked_for() {
+        let at = |k: u32, r: f64| [r * (0.1 * PI * f64::from(k)).cos(), r * (0.1 * PI * f64::from(k)).sin(), 0.0];
+        let points: Vec<[f64; 3]> = (0..20).flat_map(|k| [0.9, 1.0].map(|r| at(k, r))).collect();
+        let side = |k: u32| [2 * k, 2 * k + 1, (2 * k + 3) % 40, (2 * k + 2) % 40];
+        let triangles: Vec<[u32; 3]> = (0..20).map(side).flat_map(|[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
+        let model = Model::from_triangles(points, &triangles).unwrap();
+        let analysis = Analysis::new(&model).unwrap();
+        let map = |islands, max_seam| {
+            let packing = PackOptions { max_seam, ..PackOptions::default() };
+            analysis.atlas(&Options { islands, packing, ..Options::default() }).unwrap()
+        };
+        let islands = |atlas: &crate::Atlas| atlas.islands.iter().flatten().max().map(|last| last + 1);
+        let [whole, none, arcs] =
+            [(Islands::OverlapFree, 0.1), (Islands::Pack, 0.0), (Islands::Pack, 0.1)].map(|(i, s)| map(i, s));
+        assert_eq!([&whole, &none].map(islands), [Some(1); 2]);
+        assert!(
+            islands(&arcs) > Some(2) && arcs.fill > 1.5 * whole.fill,
+            "{:?} {} {}",
+            islands(&arcs),
+            arcs.fill,
+            whole.fill
+        );
+        // Each cut is a tenth long.
+        let cuts = islands(&arcs).map_or(0, |count| count - 1);
+        assert!(0.1 * f64::from(cuts) <= 0.1 * USUAL * (0.19 * PI).sqrt(), "{cuts}");
     }
 }

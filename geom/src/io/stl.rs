@@ -105,9 +105,8 @@ fn read_text(text: &[u8]) -> Result<Model, Fault> {
             soup.polygons.end_face();
         }
     }
-    if !matches!(state, State::Outside) {
-        let expected = format!("`{}`", state.expects());
-        return Err(Fault::cut_short(Place::Line(lines.number()), expected));
+    if !matches!(state, State::Outside | State::Ended) {
+        return Err(Fault::cut_short(Place::Line(lines.number()), state.expects()));
     }
     soup.finish(0)
 }
@@ -116,18 +115,22 @@ fn read_text(text: &[u8]) -> Result<Model, Fault> {
 #[derive(Debug, Clone, Copy)]
 enum State {
     Outside,
+    /// After a solid.
+    Ended,
     Solid,
     Facet,
-    Loop { vertices: u8 },
+    Loop {
+        vertices: u8,
+    },
     LoopEnded,
 }
 
 impl State {
     fn step(self, keyword: &[u8], words: &Words) -> Result<Self, Fault> {
         match (self, keyword) {
-            (Self::Outside, b"solid") => Ok(Self::Solid),
+            (Self::Outside | Self::Ended, b"solid") => Ok(Self::Solid),
             (Self::Solid, b"facet") => Ok(Self::Facet),
-            (Self::Solid, b"endsolid") => Ok(Self::Outside),
+            (Self::Solid, b"endsolid") => Ok(Self::Ended),
             (Self::Facet, b"outer") => Ok(Self::Loop { vertices: 0 }),
             (Self::Loop { vertices }, b"vertex") if vertices < 3 => Ok(Self::Loop { vertices: vertices + 1 }),
             (Self::Loop { vertices: 3 }, b"endloop") => Ok(Self::LoopEnded),
@@ -136,18 +139,19 @@ impl State {
                 let found = format!("text that begins with {}", quote(keyword));
                 Err(Fault::unexpected(words.place(), found, "`solid`, as in a text STL, or a binary STL"))
             }
-            _ => Err(words.unexpected(keyword, format!("`{}`", self.expects()))),
+            _ => Err(words.unexpected(keyword, self.expects())),
         }
     }
 
     fn expects(self) -> &'static str {
         match self {
-            Self::Outside => "solid",
-            Self::Solid => "facet` or `endsolid",
-            Self::Facet => "outer loop",
-            Self::Loop { vertices: 3 } => "endloop",
-            Self::Loop { .. } => "vertex",
-            Self::LoopEnded => "endfacet",
+            Self::Outside => "`solid`",
+            Self::Ended => "`solid` or the end of the file",
+            Self::Solid => "`facet` or `endsolid`",
+            Self::Facet => "`outer loop`",
+            Self::Loop { vertices: 3 } => "`endloop`",
+            Self::Loop { .. } => "`vertex`",
+            Self::LoopEnded => "`endfacet`",
         }
     }
 }

@@ -17,7 +17,8 @@ pub struct PackOptions {
     /// How large they become, and on how many tiles.
     pub tiles: Tiles,
     /// The share by which seams may become longer so that islands fill more of the square, with
-    /// [`Islands::Pack`](crate::Islands::Pack).
+    /// [`Islands::Pack`](crate::Islands::Pack). Where seams are shorter than a quarter of the root of the area, as of a flat ring, it is a share
+    /// of four such roots.
     pub max_seam: f64,
 }
 

@@ -291,6 +291,10 @@ fn text_that_is_no_stl_is_told_to_be_text() {
         message(format!("solid s\n{list}"), "a.stl"),
         "a.stl, line 2: found `milk`, expected `facet` or `endsolid`"
     );
+    assert_eq!(
+        message("solid s\nendsolid s\nmilk\n", "a.stl"),
+        "a.stl, line 3: found `milk`, expected `solid` or the end of the file"
+    );
     // A comment of letters is no text of triangles.
     let mut bytes = binary_stl("solid of a program that fills the comment with words", &TWO_TRIANGLES);
     bytes.pop();
