@@ -164,11 +164,7 @@ fn further_cuts(
         cut.filter(|l| l.is_finite()).sum()
     };
     let whole: f64 = parts.iter().map(seam).sum();
-    let area = |component: &Arc<Component>| {
-        let Component { surface, metric, .. } = &**component;
-        metric.area(&surface.mesh) / surface.scale.powi(2)
-    };
-    let root = components.iter().map(area).sum::<f64>().sqrt();
+    let root = components.iter().map(|component| component.area).sum::<f64>().sqrt();
     let whole = if whole < HARDLY_ANY * root { whole.max(usual * root) } else { whole };
     cut_for_fill(&parts, share * whole, options, watch)
 }

@@ -12,7 +12,7 @@ use rayon::prelude::*;
 use super::flat::Flat;
 use crate::cut::SeamPlan;
 use crate::flatten::Layout;
-use crate::uv::{Figures, Overlaps, Separation, UvMap, add_necks, attached, overlaps_on_islands, room, taken_apart};
+use crate::uv::{Figures, Separation, UvMap, add_necks, attached, overlaps_on_islands, room, taken_apart};
 
 /// So many triangles are gone through one after the other.
 const AT_ONCE: usize = 1024;
@@ -60,7 +60,7 @@ impl<'a> Reseaming<'a> {
         let found = overlaps_on_islands(mesh, &first, watch.within(0.1, 0.2))?;
         let overlaps = !found.pairs.is_empty();
         if !overlaps && !self.asks_for_room && !self.bounds_the_square(&first) {
-            return Ok(Separation { map: first, overlaps: found, added_seam: 0.0, left: Overlaps::default() });
+            return Ok(Separation::none(first, found));
         }
         let apart = || {
             let task = (mesh, plan.costs(), Some(plan.given()));

@@ -222,20 +222,36 @@ impl<'a> Straightener<'a> {
 
     /// What edges alone cost from each vertex of the band to the end.
     fn measure_to_end(&mut self, arrivals: &[HalfedgeId]) {
+        let costs = self.costs;
+        let last = arrivals.iter().map(|&h| (costs.mesh.tail(h), costs.edge(h)));
+        let last = last.filter(|&(v, _)| self.in_band[v]).collect();
+        self.spread(last, costs.cost, |this, v, _| this.in_band[v]);
+    }
+
+    /// Dijkstra's algorithm from vertices at some distances over those that may be reached at theirs; lists all of them.
+    fn spread(
+        &mut self,
+        mut next: Vec<(VertexId, f64)>,
+        lengths: &EdgeData<f64>,
+        may_reach: impl Fn(&Self, VertexId, f64) -> bool,
+    ) -> Vec<VertexId> {
         let mesh = self.costs.mesh;
-        let mut queue = BinaryHeap::new();
-        let mut next: Vec<_> = arrivals.iter().map(|&h| (mesh.tail(h), self.costs.edge(h))).collect();
+        let (mut queue, mut reached) = (BinaryHeap::new(), Vec::new());
         loop {
-            for (v, cost) in next.drain(..) {
-                if self.in_band[v] && cost < self.distance[v] {
-                    self.distance[v] = cost;
-                    queue.push(Reverse((cost.to_bits(), v)));
+            for (v, distance) in next.drain(..) {
+                if distance < self.distance[v] {
+                    if self.distance[v].is_infinite() {
+                        reached.push(v);
+                    }
+                    self.distance[v] = distance;
+                    queue.push(Reverse((distance.to_bits(), v)));
                 }
             }
-            let Some(Reverse((bits, v))) = queue.pop() else { break };
-            let cost = f64::from_bits(bits);
-            if cost == self.distance[v] {
-                next.extend(mesh.outgoing(v).map(|h| (mesh.head(h), cost + self.costs.edge(h))));
+            let Some(Reverse((bits, v))) = queue.pop() else { return reached };
+            let to_here = f64::from_bits(bits);
+            if to_here == self.distance[v] {
+                let on = mesh.outgoing(v).map(|h| (mesh.head(h), to_here + lengths[mesh.edge(h)]));
+                next.extend(on.filter(|&(w, along)| may_reach(self, w, along)));
             }
         }
     }
@@ -305,34 +321,18 @@ impl<'a> Straightener<'a> {
 
     /// Marks the vertices of the band round a path that it may go through.
     fn band(&mut self, path: &[HalfedgeId], ends: [VertexId; 2]) -> Vec<VertexId> {
-        let mesh = self.costs.mesh;
-        let length: f64 = path.iter().map(|&h| self.costs.lengths[mesh.edge(h)]).sum();
+        let PathCost { mesh, lengths, .. } = *self.costs;
+        let length: f64 = path.iter().map(|&h| lengths[mesh.edge(h)]).sum();
         let width = (BAND * length).max(LEAST_BAND * length / path.len() as f64);
-        let mut queue: BinaryHeap<_> = path[1..].iter().map(|&h| Reverse((0u64, mesh.tail(h)))).collect();
-        queue.iter().for_each(|Reverse((_, v))| self.distance[*v] = 0.0);
-        let mut seen: Vec<VertexId> = queue.iter().map(|Reverse((_, v))| *v).collect();
-        while let Some(Reverse((bits, v))) = queue.pop() {
-            let to_here = f64::from_bits(bits);
-            if to_here != self.distance[v] {
-                continue;
-            }
-            for h in mesh.outgoing(v) {
-                let (w, along) = (mesh.head(h), to_here + self.costs.lengths[mesh.edge(h)]);
-                let is_free = self.seams_at[w] == 0 && !mesh.is_boundary_vertex(w) && !ends.contains(&w);
-                if is_free && along <= width && along < self.distance[w] {
-                    if self.distance[w].is_infinite() {
-                        seen.push(w);
-                    }
-                    self.distance[w] = along;
-                    queue.push(Reverse((along.to_bits(), w)));
-                }
-            }
-        }
-        for &v in &seen {
+        let inside = path[1..].iter().map(|&h| (mesh.tail(h), 0.0)).collect();
+        let band = self.spread(inside, lengths, |this, v, along| {
+            along <= width && this.seams_at[v] == 0 && !mesh.is_boundary_vertex(v) && !ends.contains(&v)
+        });
+        for &v in &band {
             self.distance[v] = f64::INFINITY;
             self.in_band[v] = true;
         }
-        seen
+        band
     }
 }
 

@@ -83,14 +83,13 @@ pub(crate) fn automatic(model: &mut EnergyModel, rule: CurvatureRule, goal: Goal
     let curve = nested.curve(operators, rule, model.watch());
     let enough = first_within(&curve, least, target);
     let is_draft = is_draft && enough.is_none();
-    let mut passed = Vec::new();
-    let (set, predicted) = match enough {
-        Some(point) => fewest(model, &nested.sets[point.count], rule, target, least, &mut passed),
+    let (set, predicted, passed) = match enough {
+        Some(point) => fewest(model, &nested.sets[point.count], rule, target, least),
         None => {
             let best = if is_draft { nested.sets.last().cloned() } else { None };
             let set = best.unwrap_or_else(|| refined(model, most.max(least)));
             let predicted = predict(operators, &set, rule);
-            (set, predicted)
+            (set, predicted, Vec::new())
         }
     };
     let is_met = predicted.area_distortion <= target;
@@ -187,21 +186,21 @@ pub(super) fn meets(set: &ConeSet, predicted: &Prediction, target: f64) -> bool 
     set.shortfall == 0.0 && predicted.area_distortion <= target
 }
 
-/// From a set that meets the target to the smallest one near it that does; those in between are added to what was `passed`.
+/// From a set that meets the target to the smallest one near it that does; with those in between.
 fn fewest(
     model: &mut EnergyModel,
     nested: &ConeSet,
     rule: CurvatureRule,
     target: f64,
     least: usize,
-    passed: &mut Vec<ConeSet>,
-) -> (ConeSet, Prediction) {
+) -> (ConeSet, Prediction, Vec<ConeSet>) {
     let operators = model.operators();
     let mut best = refined(model, nested.cones.len());
     let mut predicted = predict(operators, &best, rule);
     if !meets(&best, &predicted, target) {
-        return (nested.clone(), predict(operators, nested, rule));
+        return (nested.clone(), predict(operators, nested, rule), Vec::new());
     }
+    let mut passed = Vec::new();
     while best.cones.len() > least && !model.is_over() {
         let fewer = exchange(model, drop_cheapest(model, &best));
         let fewer = rounds(model, fewer, 2);
@@ -212,7 +211,7 @@ fn fewest(
         passed.push(std::mem::replace(&mut best, fewer));
         predicted = after;
     }
-    (by_curvature(model, &best), predicted)
+    (by_curvature(model, &best), predicted, passed)
 }
 
 #[cfg(test)]

@@ -63,7 +63,7 @@ pub fn separate(
 ) -> Result<Separation, Interrupted> {
     let overlaps = overlaps_on_islands(mesh, &map, watch.within(0.0, 0.2))?;
     if overlaps.pairs.is_empty() {
-        return Ok(Separation { map, overlaps, added_seam: 0.0, left: Overlaps::default() });
+        return Ok(Separation::none(map, overlaps));
     }
     let (done, mut network) = taken_apart((mesh, lengths, kept), (map, overlaps), watch.within(0.2, 0.5))?;
     // Other islands are the user's own.
@@ -122,10 +122,9 @@ pub(crate) fn taken_apart(
     (map, overlaps): (UvMap, Overlaps),
     watch: Watch,
 ) -> Result<(Separation, EdgeData<bool>), Interrupted> {
-    let left = Overlaps::default();
     let mut network = map.cut.clone();
     if overlaps.pairs.is_empty() {
-        return Ok((Separation { map, overlaps, added_seam: 0.0, left }, network));
+        return Ok((Separation::none(map, overlaps), network));
     }
     let boxes = Boxes::new(map.triangles());
     watch.ask(0.1)?;
@@ -136,10 +135,15 @@ pub(crate) fn taken_apart(
     let before = seam(mesh, lengths, &map.cut);
     let map = moved.snapped(mesh, map);
     let added_seam = seam(mesh, lengths, &map.cut) - before;
-    Ok((Separation { map, overlaps, added_seam, left }, network))
+    Ok((Separation { added_seam, ..Separation::none(map, overlaps) }, network))
 }
 
 impl Separation {
+    /// A map as it is.
+    pub(crate) fn none(map: UvMap, overlaps: Overlaps) -> Self {
+        Self { map, overlaps, added_seam: 0.0, left: Overlaps::default() }
+    }
+
     /// Looks for the pairs that could not be parted.
     fn look(&mut self, mesh: &Mesh, watch: Watch) -> Result<(), Interrupted> {
         if !self.overlaps.pairs.is_empty() {

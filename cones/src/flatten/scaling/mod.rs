@@ -136,13 +136,8 @@ pub(crate) fn scale_by(
     let fixed: Vec<VertexId> = input.vertices().filter(|&v| input.is_boundary_vertex(v)).collect();
     let has_boundary = !fixed.is_empty();
     let newton = Newton { target, start, fixed, original: None, goal: newton::GOAL, watch };
-    let intrinsic = Intrinsic {
-        triangulation: operators.mesh.triangulation().clone(),
-        metric: operators.metric.clone(),
-        flips: operators.flips.clone(),
-    };
     let mut factor = Factor::new(factor, true);
-    let Failed { mut error, u } = match newton.run(intrinsic, &mut factor) {
+    let Failed { mut error, u } = match newton.run(intrinsic(operators), &mut factor) {
         Err(failed) if failed.may_go_otherwise() => failed,
         done => return done.map_err(|failed| failed.error),
     };
@@ -183,7 +178,17 @@ pub(crate) fn scale_by(
     Ok(Scaling { mollified: true, ..scaling })
 }
 
+/// The triangulation that the operators are of.
+fn intrinsic(operators: &Operators) -> Intrinsic {
+    Intrinsic {
+        triangulation: operators.mesh.triangulation().clone(),
+        metric: operators.metric.clone(),
+        flips: operators.flips.clone(),
+    }
+}
+
 /// Newton's method has failed.
+#[derive(Debug)]
 struct Failed {
     error: ScalingError,
     /// The log scale factors, where they are found and only triangles have broken.
@@ -276,8 +281,7 @@ mod tests {
         let metric = Metric::from_points(&mesh, &shape.points);
         let operators = Operators::new(&mesh, &metric).unwrap();
         let target = VertexData::constant(mesh.vertex_count(), 0.0);
-        let uneven = |v: VertexId| if v.0 < 20 { 2.5 * f64::from(v.0 * 7 % 3) - 2.5 } else { 0.0 };
-        let start: VertexData<f64> = mesh.vertices().map(uneven).collect();
+        let start = uneven(&mesh, |v| v.0 < 20);
         let fixed: Vec<VertexId> = mesh.vertices().filter(|&v| mesh.is_boundary_vertex(v)).collect();
         // With a goal that is less strict parts are not solved for by themselves.
         let [early, late] = [newton::GOAL, 2.0 * newton::GOAL].map(|goal| {
@@ -289,21 +293,23 @@ mod tests {
             };
             let watch = Watch::new(&count);
             let newton = Newton { target: &target, start: &start, fixed: fixed.clone(), original: None, goal, watch };
-            let intrinsic = Intrinsic {
-                triangulation: operators.mesh.triangulation().clone(),
-                metric: operators.metric.clone(),
-                flips: operators.flips.clone(),
-            };
-            let failed = newton.run(intrinsic, &mut Factor::new(operators.poisson(), true)).expect_err("it breaks");
+            let failed =
+                newton.run(intrinsic(&operators), &mut Factor::new(operators.poisson(), true)).expect_err("it breaks");
             assert!(matches!(failed.error, ScalingError::NoTriangle(_)), "{}", failed.error);
             let u = failed.u.expect("they are found");
             let collar = Double::collar(&mesh, COLLAR);
             let newton = Newton { start: &u, original: Some(&collar.original), watch: Watch::NONE, ..newton };
             let intrinsic = geom::delaunay(&collar.mesh, &collar.metric(&mesh, &metric));
             let found = newton.run(intrinsic, &mut Factor::new(operators.poisson(), true));
-            (asked.into_inner(), found.ok().expect("the collar's triangles can be flipped").steps)
+            (asked.into_inner(), found.expect("the collar's triangles can be flipped").steps)
         });
         assert!(2 * early.0 < late.0 && early.1 <= late.1 + 1, "{early:?} {late:?}");
+    }
+
+    /// Log scale factors that go up and down from vertex to vertex where it is asked, and are 0 elsewhere.
+    fn uneven(mesh: &Mesh, is_uneven: impl Fn(VertexId) -> bool) -> VertexData<f64> {
+        let u = |v: VertexId| if is_uneven(v) { 2.5 * f64::from(v.0 * 7 % 3) - 2.5 } else { 0.0 };
+        mesh.vertices().map(u).collect()
     }
 
     /// Scales a square to log scale factors on the boundary so uneven that its triangles break; the number of its triangles, and of those
@@ -313,8 +319,7 @@ mod tests {
         let metric = Metric::from_points(&mesh, &shape.points);
         let operators = Operators::new(&mesh, &metric).unwrap();
         let target = VertexData::constant(mesh.vertex_count(), 0.0);
-        let uneven = |v: VertexId| if mesh.is_boundary_vertex(v) { 2.5 * f64::from(v.0 * 7 % 3) - 2.5 } else { 0.0 };
-        let start: VertexData<f64> = mesh.vertices().map(uneven).collect();
+        let start = uneven(&mesh, |v| mesh.is_boundary_vertex(v));
         let scaling = scale(&mesh, &metric, &operators, &target, &start, Watch::NONE).unwrap();
         let mut turned = 0.0;
         for (v, angle) in scaling.angles(&mesh).iter_ids() {
