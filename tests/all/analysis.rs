@@ -421,6 +421,19 @@ fn a_prism_of_many_sides_becomes_its_net() {
 }
 
 #[test]
+fn an_open_pyramid_is_cut_though_it_is_a_disk() {
+    // The second's seam is longer than a net's may be, the third is a ruin without.
+    for height in [1.0, 1.9, 3.0] {
+        let base = [[0.5, 0.5, 0.0], [-0.5, 0.5, 0.0], [-0.5, -0.5, 0.0], [0.5, -0.5, 0.0], [0.0, 0.0, height]];
+        let shape = Shape { points: base.to_vec(), triangles: (0..4).map(|k| [k, (k + 1) % 4, 4]).collect() };
+        let model = model(&shape);
+        let atlas = unwrap_model(&model, &Options::default()).expect("it unwraps");
+        assert_eq!(atlas.cones.len(), 1);
+        assert!(measured(&model, &atlas) < 1.0 + 1e-9);
+    }
+}
+
+#[test]
 fn given_cones_are_doubted_only_where_the_map_is_bad() {
     let shape = shapes::hare(900);
     let analysis = Analysis::new(&model(&shape)).expect("a sound model");

@@ -3,7 +3,6 @@
 
 use geom::Watch;
 
-use super::choosing::FEWEST_BESIDE;
 use super::component::Component;
 use super::cones::Configuration;
 use super::flat::Flat;
@@ -52,6 +51,9 @@ const IN_VAIN: usize = 2;
 /// A net's seams are at most so many times longer: 1.6 times on that prism, where they go round both rims, 2.1 times
 /// on a dodecahedron. Spheres of as many corners would be cut to peel, thrice as long.
 const LONGEST_NET: f64 = 2.25;
+/// Or so long over the root of the area, where angles are [`BENT`] with hardly any seams: a cone of 24 sides, as high as wide and open below,
+/// has 1.42 with no cone, and 1 with one at its tip.
+const SHORT_NET: f64 = 1.0;
 /// What a share of detached triangles costs beside the logarithms of the distortions: one in a hundred as much as a product of
 /// both that is 1.28 times larger. Detached triangles are islands of one to a few, or stretched.
 const DETACHED_COST: f64 = 25.0;
@@ -152,7 +154,7 @@ impl Attempts<'_> {
         };
         let count = configuration.vertices.len();
         let mut last = cause;
-        let most = count.max(self.component.inner_vertices() / FEWEST_BESIDE);
+        let most = count.max(self.component.most_cones());
         let mut others = other_counts(count, most, &cause);
         if is_doubling(&cause) && self.has_its_own_triangles() {
             others.truncate(FEW_REFINED);
@@ -238,11 +240,12 @@ impl Attempts<'_> {
     /// More cones where angles are bent too much, as long as that helps.
     fn less_bent(&mut self, mut flat: Flat) -> Result<Flat, Error> {
         let bent = |flat: &Flat| (flat.promised.quasi_conformal - 1.0) / (BENT - 1.0);
-        let most = MOST_OPTIMISED.min(self.component.inner_vertices() / FEWEST_BESIDE);
-        let (mut count, mut in_vain) = (flat.cones.len().max(2), 0);
-        let is_ruined = flat.is_unfolded || flat.promised.quasi_conformal > RUINED;
-        while !is_ruined && bent(&flat) > 1.0 && count < most && in_vain < IN_VAIN {
-            count = ((count as f64 * bent(&flat).clamp(MORE[0], MORE[1])).ceil() as usize).min(most);
+        let most = self.component.most_cones().min(MOST_OPTIMISED);
+        let (mut count, mut in_vain) = (flat.cones.len().max(most.saturating_sub(1).min(2)), 0);
+        let is_ruin = is_ruin(&flat);
+        while !is_ruin && bent(&flat) > 1.0 && count < most && in_vain < IN_VAIN {
+            let more = (count as f64 * bent(&flat).clamp(MORE[0], MORE[1])).ceil() as usize;
+            count = more.max(count + 1).min(most);
             let Ok(configuration) = self.place(count)? else { break };
             match self.attempt(&configuration)? {
                 Ok(other)
@@ -264,6 +267,13 @@ impl Attempts<'_> {
         let Some(corners) = corners(operators, MOST_ORDERED).filter(|c| c.len() > flat.cones.len()) else {
             return Ok(flat);
         };
+        let Component { metric, surface, .. } = self.component;
+        let short = match flat.promised.quasi_conformal {
+            _ if is_ruin(&flat) => f64::INFINITY, // any is better
+            BENT.. => SHORT_NET * metric.area(&surface.mesh).sqrt(),
+            _ => 0.0,
+        };
+        let longest = short.max(LONGEST_NET * self.seams(&flat));
         let rule = self.options.rule;
         let stage = (Stage::Curvature, self.component.index);
         let configured = self.task.stage(stage, self.times, |watch| self.component.configure(corners, rule, watch))?;
@@ -272,7 +282,7 @@ impl Attempts<'_> {
                 Ok(net)
                     if self.is_sound(&net)
                         && cost(&net) < cost(&flat)
-                        && self.seams(&net) <= LONGEST_NET * self.seams(&flat) =>
+                        && self.seams(&net) <= longest =>
                 {
                     Ok(net)
                 }
@@ -325,6 +335,11 @@ fn failure(error: Error) -> Result<Failure, Error> {
 fn cost(flat: &Flat) -> f64 {
     let cost = flat.promised.cost() + DETACHED_COST * detached_share(flat);
     if cost.is_nan() { f64::INFINITY } else { cost }
+}
+
+/// Whether angles are bent so much that a few more cones will not help; a net may.
+fn is_ruin(flat: &Flat) -> bool {
+    flat.is_unfolded || flat.promised.quasi_conformal > RUINED
 }
 
 fn detached_share(flat: &Flat) -> f64 {

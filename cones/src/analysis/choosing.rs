@@ -30,8 +30,10 @@ pub const TOLERABLE_DISTORTION: f64 = 1.3;
 
 /// Where cones leave too much to distort, at least and at most so many times as many are tried next.
 const GROWTH: [f64; 2] = [1.25, 2.0];
-/// Of the inner vertices at most one in so many is made a cone where more cones are tried: of 567 vertices 512 take 7 s to place.
-pub(super) const FEWEST_BESIDE: usize = 2;
+/// Of the inner vertices at most one in so many is made a cone where more cones are tried, of 567 vertices 512 take 7 s to place,
+const FEWEST_BESIDE: usize = 2;
+/// but of so few all.
+const FEW: usize = 64;
 
 /// What is chosen for a model, and for each component.
 pub(super) type Chosen = (Shared, Vec<Result<Configuration, Error>>);
@@ -291,6 +293,12 @@ impl Analysis {
 }
 
 impl Component {
+    /// How many cones are tried at most where those chosen are too few.
+    pub(super) fn most_cones(&self) -> usize {
+        let inner = self.inner_vertices();
+        inner.min(FEW.max(inner / FEWEST_BESIDE))
+    }
+
     /// More cones where those chosen miss a goal by what is predicted, as few as it takes about; none where no number is good enough.
     fn enough(
         &self,
@@ -302,7 +310,7 @@ impl Component {
     ) -> Result<Option<Configuration>, Error> {
         let reached = |chosen: &Configuration| area_distortion(&self.operators, &chosen.predicted);
         let (mut count, mut excess) = (chosen.vertices.len(), (reached(chosen) - 1.0) / (goal - 1.0));
-        let most = MOST_OPTIMISED.min(self.inner_vertices() / FEWEST_BESIDE);
+        let most = self.most_cones().min(MOST_OPTIMISED);
         while excess > 1.0 && count < most {
             let [least, largest] = GROWTH;
             count = ((count as f64 * excess.clamp(least, largest)).ceil() as usize).clamp(count + 1, most);
