@@ -22,6 +22,10 @@ use super::motion::Motion;
 const STEPS_A_CELL: usize = 60;
 /// and so many at most. On 13 layouts of 8 to 64 cones 4,000 fill .48 to .51, as the dice fall, 16,000 .53, with as many islands and as long seams.
 const STEPS: usize = 8000;
+/// For all parts of a model so many, each its share of the area, but no fewer for a cell than this: on 48 models of more than 5 parts the stage
+/// takes .64 of the time, all of it .89; seams .04 % shorter, fill .0002 more, 15,268 islands for 15,234.
+const MODEL_STEPS: f64 = 200_000.0;
+const FEWEST_A_CELL: usize = 15;
 /// With more than 350 cells fewer, since each step compares cells: steps times the square of that are so many at most.
 const MOST_WORK: usize = 4_000_000_000;
 /// Rooms are whole multiples of this share of the side of all triangles' area, so that rounding decides nothing.
@@ -58,7 +62,7 @@ pub(crate) struct Figures {
 
 /// Puts a map together otherwise of which no island overlaps itself. `network` are the edges along which it may be open, and must hold those
 /// along which it is; `length` is what a run of seam costs. Less of `cost` is better, which should be about 1 and not
-/// fall where one of the figures grows. None if nothing better is found.
+/// fall where one of the figures grows. `share` is that of the model's area, for which less is tried. None if nothing better is found.
 ///
 /// # Errors
 /// If it is stopped.
@@ -66,7 +70,7 @@ pub(super) fn rearranged(
     (mesh, kept): (&Mesh, Option<&EdgeData<bool>>),
     map: &UvMap,
     network: &EdgeData<bool>,
-    (length, cost): (impl Fn(&[HalfedgeId]) -> f64, impl Fn(Figures) -> f64 + Sync),
+    (length, cost, share): (impl Fn(&[HalfedgeId]) -> f64, impl Fn(Figures) -> f64 + Sync, f64),
     watch: Watch,
 ) -> Result<Option<UvMap>, Interrupted> {
     let boxes = Boxes::new(map.triangles());
@@ -80,7 +84,7 @@ pub(super) fn rearranged(
     let before = cost(start.figures(&cells, &mut Memory::new(&cells)));
     let found = (0..SEARCHES).into_par_iter().map(|k| {
         let search = Search { cells: &cells, cost: &cost, random: Random(k), memory: Memory::new(&cells) };
-        search.run((before, start.clone()), steps(cells.count()), watch)
+        search.run((before, start.clone()), steps(cells.count(), share), watch)
     });
     let found = found.collect::<Result<Vec<_>, _>>()?;
     let best = found.into_iter().filter(|(cost, _)| *cost < before).min_by(|a, b| a.0.total_cmp(&b.0));
@@ -90,8 +94,10 @@ pub(super) fn rearranged(
     Ok(Some(moved.snapped(mesh, map.clone())))
 }
 
-fn steps(cells: usize) -> usize {
-    (STEPS_A_CELL * cells).min(STEPS).min(MOST_WORK / cells.max(1).pow(2))
+/// How many steps are made for so many cells, which have a share of a model's area.
+fn steps(cells: usize, share: f64) -> usize {
+    let of_model = (MODEL_STEPS * share) as usize;
+    (STEPS_A_CELL * cells).min(STEPS).min(MOST_WORK / cells.max(1).pow(2)).min(of_model.max(FEWEST_A_CELL * cells))
 }
 
 /// Cells that are glued to each other.
@@ -519,7 +525,7 @@ mod tests {
                 cost
             };
             let after =
-                rearranged((&mesh, None), &before, &network, (sum(&mesh, &lengths), counted), Watch::NONE).unwrap();
+                rearranged((&mesh, None), &before, &network, (sum(&mesh, &lengths), counted, 1.0), Watch::NONE).unwrap();
             let after = after.expect("it is better than single cells");
             let [done, other] = [&done, &after].map(|map| map.opened(&mesh));
             assert!(other.island_count() <= done.island_count(), "it is as good as what cuts leave");
@@ -571,7 +577,7 @@ mod tests {
         let kept: EdgeData<bool> = mesh.edges().map(|e: EdgeId| before.cut[e] && e.index().is_multiple_of(3)).collect();
         let cost = |figures: Figures| figures.islands as f64 + figures.seam;
         let after =
-            rearranged((&mesh, Some(&kept)), &before, &network, (sum(&mesh, &lengths), cost), Watch::NONE).unwrap();
+            rearranged((&mesh, Some(&kept)), &before, &network, (sum(&mesh, &lengths), cost, 1.0), Watch::NONE).unwrap();
         let after = after.unwrap_or(before);
         assert!(mesh.edges().all(|e| after.cut[e] || !kept[e]));
     }

@@ -74,7 +74,7 @@ pub fn separate(
     let before = seam(mesh, lengths, &done.map.cut);
     let cost = |figures: Figures| figures.islands as f64 + if before > 0.0 { figures.seam / before } else { 0.0 };
     let length = |run: &[HalfedgeId]| run.iter().map(|&h| lengths[mesh.edge(h)]).filter(|l| l.is_finite()).sum();
-    done.rearranged((mesh, lengths, kept), &network, (length, cost), watch.within(0.6, 1.0))
+    done.rearranged((mesh, lengths, kept), &network, (length, cost, 1.0), watch.within(0.6, 1.0))
 }
 
 /// Adds short paths across those islands of a map that are to be crossed, but for the smallest, and where it is open.
@@ -157,7 +157,7 @@ impl Separation {
         mut self,
         (mesh, lengths, kept): (&Mesh, &EdgeData<f64>, Option<&EdgeData<bool>>),
         network: &EdgeData<bool>,
-        costs: (impl Fn(&[HalfedgeId]) -> f64, impl Fn(Figures) -> f64 + Sync),
+        costs: (impl Fn(&[HalfedgeId]) -> f64, impl Fn(Figures) -> f64 + Sync, f64),
         watch: Watch,
     ) -> Result<Self, Interrupted> {
         let Some(map) = rearranged((mesh, kept), &self.map, network, costs, watch.within(0.0, 0.8))? else {
