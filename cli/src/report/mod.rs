@@ -10,7 +10,7 @@ pub(crate) use text::{distortion_text, overlap_text, repair_text};
 
 use cones::report::Report;
 pub(crate) use cones::report::SCHEMA;
-use cones::{Options, Stage, Topology};
+use cones::{Islands, Options, Stage, Topology};
 use serde::Serialize;
 use std::path::Path;
 
@@ -27,6 +27,9 @@ pub(crate) struct UnwrapReport {
     /// How cones and curvatures were chosen, in words.
     #[serde(skip)]
     pub(crate) rule: String,
+    /// What was asked for islands.
+    #[serde(skip)]
+    pub(crate) islands: Islands,
 }
 
 #[derive(Clone, Debug, Serialize)]
@@ -61,7 +64,8 @@ impl UnwrapReport {
     /// Of a model that came from the file at `path`.
     pub(crate) fn new(path: &Path, options: &Options, topology: Topology, report: Report, times: Times) -> Self {
         let input = InputReport::new(path, topology);
-        Self { schema: SCHEMA, input, map: report, times, peak_memory: peak_memory(), rule: text::rule(options) }
+        let (rule, islands) = (text::rule(options), options.islands);
+        Self { schema: SCHEMA, input, map: report, times, peak_memory: peak_memory(), rule, islands }
     }
 }
 

@@ -3,12 +3,14 @@
 use super::seams::seam_text;
 use super::table::{counted, labelled, thousands};
 use super::{InputReport, UnwrapReport};
-use cones::report::{DistortionReport, OverlapReport, RefinedReport};
-use cones::{ConeChoice, Options, Placement, Prediction};
+use cones::report::{DistortionReport, OverlapReport, RefinedReport, Report};
+use cones::{ConeChoice, Islands, Options, Placement, Prediction};
 use geom::{Repair, RepairKind};
 
 /// Above this quasi-conformal distortion finer triangles are worth a thought.
 const BENT: f64 = 1.1;
+/// Where less of the square is filled more cuts may be worth it: coils and rings fill some hundredths.
+const SPARSE: f64 = 0.3;
 
 impl UnwrapReport {
     /// What a user wants to know first, line by line.
@@ -39,14 +41,16 @@ impl UnwrapReport {
         labelled("refined", &format!("to even triangles; written as {vertices}, {triangles}"))
     }
 
-    /// What there is to do where triangles are too coarse to keep angles.
+    /// What there is to do where triangles are too coarse to keep angles, or islands leave most of the square empty.
     fn advice(&self) -> String {
-        let is_bent = self.map.refined.is_none() && self.map.distortion.quasi_conformal.mean > BENT;
-        if is_bent {
-            labelled("advice", "--refine writes finer triangles, on which angles are kept")
-        } else {
-            String::new()
-        }
+        let Report { refined, distortion, .. } = &self.map;
+        let is_bent = refined.is_none() && distortion.quasi_conformal.mean > BENT;
+        let is_sparse = self.islands == Islands::OverlapFree && distortion.fill < SPARSE;
+        let advice = [
+            (is_bent, "--refine writes finer triangles, on which angles are kept"),
+            (is_sparse, "--islands pack cuts islands that leave most of the square empty"),
+        ];
+        advice.into_iter().filter(|(is_due, _)| *is_due).map(|(_, text)| labelled("advice", text)).collect()
     }
 
     /// Why so many cones, if nobody has said how many.

@@ -63,6 +63,22 @@ fn further_cuts_fill_more_and_keep_to_their_share() {
 }
 
 #[test]
+fn where_most_of_the_square_stays_empty_it_is_said_what_to_do() {
+    let folder = Folder::new();
+    let side = |y: u32| (0..=60).map(move |x| format!("v {x} {y} 0\n"));
+    let face = |x: u32| format!("f {} {} {} {}\n", x + 1, x + 2, x + 63, x + 62);
+    folder.write("strip.obj", &side(0).chain(side(1)).chain((0..60).map(face)).collect::<String>());
+    folder.write("patch.obj", "v 0 0 0\nv 2 0 0\nv 2 1 0\nv 0 1 0\nf 1 2 3 4\n");
+    let advice = |args: &[&str]| {
+        let printed = stdout(&folder.run(&[&["unwrap"], args, &["-o", "out.obj"]].concat()).success());
+        printed.contains("--islands pack")
+    };
+    assert!(advice(&["strip.obj"]));
+    assert!(!advice(&["strip.obj", "--islands", "pack"]));
+    assert!(!advice(&["patch.obj"]));
+}
+
+#[test]
 fn what_has_no_map_is_to_be_unwrapped_first() {
     let folder = Folder::with_shapes();
     for args in

@@ -279,13 +279,7 @@ impl Attempts<'_> {
         let configured = self.task.stage(stage, self.times, |watch| self.component.configure(corners, rule, watch))?;
         match configured {
             Ok(configuration) => match self.attempt(&configuration)? {
-                Ok(net)
-                    if self.is_sound(&net)
-                        && cost(&net) < cost(&flat)
-                        && self.seams(&net) <= longest =>
-                {
-                    Ok(net)
-                }
+                Ok(net) if self.is_sound(&net) && cost(&net) < cost(&flat) && self.seams(&net) <= longest => Ok(net),
                 _ => Ok(flat),
             },
             Err(_) => Ok(flat),

@@ -88,7 +88,12 @@ impl<'a> Reseaming<'a> {
             let room = if self.area > 0.0 { figures.room / self.area.sqrt() } else { 0.0 };
             longer + TOO_LONG * (longer - longest).max(0.0) + worth * room + ISLAND * figures.islands as f64
         };
-        separation.rearranged((mesh, plan.costs(), Some(plan.given())), &network, (along, cost, self.share), watch.within(0.5, 1.0))
+        separation.rearranged(
+            (mesh, plan.costs(), Some(plan.given())),
+            &network,
+            (along, cost, self.share),
+            watch.within(0.5, 1.0),
+        )
     }
 
     /// The layout as it came out, what was detached attached where there is room for it.

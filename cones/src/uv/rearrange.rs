@@ -524,8 +524,8 @@ mod tests {
                 *least = least.min(cost);
                 cost
             };
-            let after =
-                rearranged((&mesh, None), &before, &network, (sum(&mesh, &lengths), counted, 1.0), Watch::NONE).unwrap();
+            let after = rearranged((&mesh, None), &before, &network, (sum(&mesh, &lengths), counted, 1.0), Watch::NONE)
+                .unwrap();
             let after = after.expect("it is better than single cells");
             let [done, other] = [&done, &after].map(|map| map.opened(&mesh));
             assert!(other.island_count() <= done.island_count(), "it is as good as what cuts leave");
@@ -576,8 +576,8 @@ mod tests {
         let (mesh, lengths, before, network) = apart(&shape, &cones);
         let kept: EdgeData<bool> = mesh.edges().map(|e: EdgeId| before.cut[e] && e.index().is_multiple_of(3)).collect();
         let cost = |figures: Figures| figures.islands as f64 + figures.seam;
-        let after =
-            rearranged((&mesh, Some(&kept)), &before, &network, (sum(&mesh, &lengths), cost, 1.0), Watch::NONE).unwrap();
+        let after = rearranged((&mesh, Some(&kept)), &before, &network, (sum(&mesh, &lengths), cost, 1.0), Watch::NONE)
+            .unwrap();
         let after = after.unwrap_or(before);
         assert!(mesh.edges().all(|e| after.cut[e] || !kept[e]));
     }
