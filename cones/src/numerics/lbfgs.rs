@@ -16,9 +16,6 @@ const SLOPE_LEFT: f64 = 0.9;
 /// Trials in a line search; each halves or doubles.
 const TRIALS: usize = 60;
 
-/// A step that gains less than this share of the value is the last.
-const LEAST_GAIN: f64 = 1e-12;
-
 /// The length of the first step that is tried, and of the first after a fresh start.
 const FIRST_STEP: f64 = 0.1;
 
@@ -30,11 +27,11 @@ struct Point {
 }
 
 /// Goes downhill from `x` for at most so many steps, as long as it may, and returns where that leads: nowhere, where the
-/// value is not finite.
+/// value is not finite. A step that gains less than a share of the value is the last.
 pub(crate) fn minimise(
     function: impl Fn(&[f64]) -> (f64, Vec<f64>),
     x: Vec<f64>,
-    steps: usize,
+    (steps, least_gain): (usize, f64),
     may_go_on: impl Fn() -> bool,
 ) -> Vec<f64> {
     let (value, gradient) = function(&x);
@@ -50,7 +47,7 @@ pub(crate) fn minimise(
                 let gain = here.value - next.value;
                 memory.remember(&here, &next);
                 here = next;
-                if gain <= LEAST_GAIN * here.value.abs() {
+                if gain <= least_gain * here.value.abs() {
                     break;
                 }
             }
@@ -156,7 +153,7 @@ mod tests {
             let (a, b) = (1.0 - x[0], x[1] - x[0] * x[0]);
             (a * a + 100.0 * b * b, vec![-2.0 * a - 400.0 * x[0] * b, 200.0 * b])
         };
-        let x = minimise(valley, vec![-1.2, 1.0], 200, || true);
+        let x = minimise(valley, vec![-1.2, 1.0], (200, 1e-12), || true);
         assert!((x[0] - 1.0).abs() < 1e-6 && (x[1] - 1.0).abs() < 1e-6, "{x:?}");
     }
 
@@ -167,7 +164,7 @@ mod tests {
             (value, vec![1.0 - 1.0 / x[0]])
         };
         for start in [1e-6, 0.5, 30.0] {
-            let x = minimise(well, vec![start], 200, || true);
+            let x = minimise(well, vec![start], (200, 1e-12), || true);
             assert!((x[0] - 1.0).abs() < 1e-5, "{x:?} from {start}");
         }
     }
@@ -179,14 +176,14 @@ mod tests {
             let value = x.iter().enumerate().map(|(i, x)| weight(i) * (x - 1.0).powi(2)).sum();
             (value, x.iter().enumerate().map(|(i, x)| 2.0 * weight(i) * (x - 1.0)).collect())
         };
-        let x = minimise(bowl, vec![0.0; 30], 2000, || true);
+        let x = minimise(bowl, vec![0.0; 30], (2000, 1e-12), || true);
         assert!(bowl(&x).0 < 1e-9, "{}", bowl(&x).0);
     }
 
     #[test]
     fn nowhere_to_go_is_no_failure() {
-        assert_eq!(minimise(|_| (3.0, vec![]), Vec::new(), 10, || true), Vec::<f64>::new());
-        assert_eq!(minimise(|_| (3.0, vec![0.0]), vec![2.0], 10, || true), [2.0]);
-        assert_eq!(minimise(|_| (f64::NAN, vec![1.0]), vec![2.0], 10, || true), [2.0]);
+        assert_eq!(minimise(|_| (3.0, vec![]), Vec::new(), (10, 1e-12), || true), Vec::<f64>::new());
+        assert_eq!(minimise(|_| (3.0, vec![0.0]), vec![2.0], (10, 1e-12), || true), [2.0]);
+        assert_eq!(minimise(|_| (f64::NAN, vec![1.0]), vec![2.0], (10, 1e-12), || true), [2.0]);
     }
 }
