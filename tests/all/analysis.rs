@@ -434,6 +434,19 @@ fn an_open_pyramid_is_cut_though_it_is_a_disk() {
 }
 
 #[test]
+fn a_cup_becomes_its_net_though_it_needs_no_seam() {
+    let sides = 6;
+    let ring = |z: f64| (0..sides).map(move |k| (f64::from(k) * std::f64::consts::TAU / f64::from(sides), z));
+    let points = ring(0.0).chain(ring(0.2)).map(|(a, z)| [a.cos(), a.sin(), z]).collect();
+    let wall = |k: u32| [[k, (k + 1) % sides, sides + k], [(k + 1) % sides, sides + (k + 1) % sides, sides + k]];
+    let bottom = (1..sides - 1).map(|k| [0, k + 1, k]);
+    let model = model(&Shape { points, triangles: (0..sides).flat_map(wall).chain(bottom).collect() });
+    let atlas = unwrap_model(&model, &Options::default()).expect("it unwraps");
+    assert_eq!(atlas.cones.len(), 6);
+    assert!(measured(&model, &atlas) < 1.0 + 1e-9);
+}
+
+#[test]
 fn given_cones_are_doubted_only_where_the_map_is_bad() {
     let shape = shapes::hare(900);
     let analysis = Analysis::new(&model(&shape)).expect("a sound model");

@@ -571,6 +571,13 @@ mod tests {
     }
 
     #[test]
+    fn parts_share_the_steps_of_their_model() {
+        assert_eq!([steps(50, 1.0), steps(200, 1.0), steps(200, 0.1)], [50 * STEPS_A_CELL, STEPS, STEPS]);
+        assert_eq!(50 * steps(200, 0.02), MODEL_STEPS as usize);
+        assert_eq!([steps(200, 1e-6), steps(4, 0.0)], [200 * FEWEST_A_CELL, 4 * FEWEST_A_CELL]);
+    }
+
+    #[test]
     fn what_is_kept_stays_open() {
         let (shape, cones) = cases().nth(1).unwrap();
         let (mesh, lengths, before, network) = apart(&shape, &cones);
