@@ -1,8 +1,8 @@
 //! Progress, stopping, and the time that stages take.
 
 use std::ops::ControlFlow;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering::Relaxed};
+use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 use geom::Watch;
@@ -156,8 +156,8 @@ pub(crate) struct Task {
     components: usize,
     stopped: AtomicBool,
     began: Instant,
-    /// When the observer was last told, in nanoseconds since the beginning.
-    told: AtomicU64,
+    /// When the observer was last told how far a stage is, after the beginning; locked while it hears that.
+    told: Mutex<Duration>,
 }
 
 impl Task {
@@ -167,7 +167,7 @@ impl Task {
             components,
             stopped: AtomicBool::new(false),
             began: Instant::now(),
-            told: AtomicU64::new(0),
+            told: Mutex::new(Duration::ZERO),
         }
     }
 
@@ -188,11 +188,15 @@ impl Task {
         let observe = |fraction: f64| {
             // Numbers that are not negative are in the order of their bits; NaN is none of them.
             let known = if fraction >= 0.0 { fraction.to_bits() } else { 0 };
-            let known = greatest.fetch_max(known, Relaxed).max(known);
-            let now = u64::try_from(self.began.elapsed().as_nanos()).unwrap_or(u64::MAX);
-            if now - self.told.load(Relaxed).min(now) >= INTERVAL.as_nanos() as u64 {
-                self.told.store(now, Relaxed);
-                self.tell(stage, component, (!fraction.is_nan()).then_some(f64::from_bits(known)));
+            greatest.fetch_max(known, Relaxed);
+            // One thread tells at a time, or a smaller fraction could be told after a greater one.
+            if let Ok(mut told) = self.told.try_lock() {
+                let now = self.began.elapsed();
+                if now.saturating_sub(*told) >= INTERVAL {
+                    *told = now;
+                    let greatest = f64::from_bits(greatest.load(Relaxed));
+                    self.tell(stage, component, (!fraction.is_nan()).then_some(greatest));
+                }
             }
             if self.stopped.load(Relaxed) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
         };
@@ -206,5 +210,41 @@ impl Task {
         if !self.stopped.load(Relaxed) && self.observer.hear(progress).is_break() {
             self.stopped.store(true, Relaxed);
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::sync::mpsc;
+
+    #[test]
+    fn what_a_slow_observer_hears_of_two_threads_never_falls() {
+        let heard = Arc::new(Mutex::new(Vec::new()));
+        let (hears, is_heard) = mpsc::channel();
+        let listener = Arc::clone(&heard);
+        let observer: Arc<dyn Observer> = Arc::new(move |progress: Progress| {
+            if progress.fraction == Some(0.25) {
+                hears.send(()).expect("somebody waits");
+                std::thread::sleep(10 * INTERVAL);
+            }
+            listener.lock().expect("no panic").extend(progress.fraction);
+            ControlFlow::Continue(())
+        });
+        let work = |watch: Watch| {
+            std::thread::sleep(2 * INTERVAL);
+            std::thread::scope(|scope| {
+                scope.spawn(|| assert!(!watch.stops_at(0.25)));
+                is_heard.recv().expect("it is told");
+                std::thread::sleep(2 * INTERVAL);
+                assert!(!watch.stops_at(0.5));
+            });
+            std::thread::sleep(2 * INTERVAL);
+            assert!(!watch.stops_at(0.5));
+        };
+        Task::new(&observer, 1).stage((Stage::Islands, 0), &mut Times::default(), work).expect("nobody says stop");
+        let mut heard = heard.lock().expect("no panic").clone();
+        heard.dedup();
+        assert_eq!(heard, [0.0, 0.25, 0.5]);
     }
 }
