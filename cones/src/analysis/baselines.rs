@@ -2,10 +2,11 @@
 
 use geom::{Mesh, VertexData};
 
+use super::Analysis;
 use super::component::Component;
 use super::cones::Cones;
+use super::instances::each;
 use super::observer::{Stage, Task, Times};
-use super::{Analysis, each};
 use crate::baseline::{Lscm, scale_linearly};
 use crate::cut::{SeamOptions, SeamPlan};
 use crate::error::Error;

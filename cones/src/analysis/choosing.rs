@@ -2,14 +2,15 @@
 
 use std::sync::Arc;
 
+use super::Analysis;
 use super::apportionment::counts;
 use super::component::Component;
 use super::cones::{ChosenNumber, Cones, Configuration};
+use super::instances::{each, each_shape};
 use super::note::Note;
 use super::observer::{Stage, Task, Times};
 use super::options::{ConeChoice, Options};
 use super::order::whole_curve;
-use super::{Analysis, each};
 use crate::curvature::CurvatureRule;
 use crate::error::Error;
 use crate::field::Operators;
@@ -126,11 +127,13 @@ impl Analysis {
             ConeChoice::WithinDistortion(target) => (target, target),
             _ => return Ok((shared, configurations)),
         };
-        let more =
-            each(self.components(), &mut shared.times, |component, times| match &configurations[component.index] {
-                Ok(chosen) => component.enough(chosen, goal, options, task, times),
-                Err(_) => Ok(None),
-            })?;
+        let is_same = |one: usize, other: usize| are_same(&configurations[one], &configurations[other]);
+        let more = each_shape(self.components(), &mut shared.times, is_same, |component, times| match &configurations
+            [component.index]
+        {
+            Ok(chosen) => component.enough(chosen, goal, options, task, times),
+            Err(_) => Ok(None),
+        })?;
         if more.iter().all(Option::is_none) {
             return Ok((shared, configurations));
         }
@@ -213,7 +216,8 @@ impl Analysis {
         counts: &[usize],
         task: &Task,
     ) -> Result<Vec<Result<Configuration, Error>>, Error> {
-        each(self.components(), &mut shared.times, |component, times| {
+        let is_same = |one: usize, other: usize| counts[one] == counts[other];
+        each_shape(self.components(), &mut shared.times, is_same, |component, times| {
             interrupted_or(component.place(options, counts[component.index], task, times))
         })
     }
@@ -230,7 +234,11 @@ impl Analysis {
         let Options { placement, rule, .. } = *options;
         let to_knee = options.cones == ConeChoice::Automatic;
         let components = self.components();
-        let found: Vec<Automatic> = each(components, &mut shared.times, |component, times| {
+        let is_same = |one: usize, other: usize| match [one, other].map(known) {
+            [Known::Found(one), Known::Found(other)] => std::ptr::eq(one, other),
+            [one, other] => std::mem::discriminant(&one) == std::mem::discriminant(&other),
+        };
+        let found: Vec<Automatic> = each_shape(components, &mut shared.times, is_same, |component, times| {
             let is_draft = match known(component.index) {
                 Known::Found(found) => return Ok(found.clone()),
                 known => matches!(known, Known::MayBeOpened),
@@ -254,7 +262,8 @@ impl Analysis {
         let is_met = found.iter().all(|found| found.is_met);
         let Prediction { count: chosen, area_distortion: predicted, .. } = predicted;
         shared.number = Some(ChosenNumber { target, chosen, predicted, is_met, curve });
-        let configurations = each(components, &mut shared.times, |component, times| {
+        let is_same = |one: usize, other: usize| found[one].set.cones == found[other].set.cones;
+        let configurations = each_shape(components, &mut shared.times, is_same, |component, times| {
             let Automatic { set, curvatures, .. } = &found[component.index];
             let vertices = set.cones.clone();
             if let (Some(known), None) = (curvatures, options.quantize) {
@@ -326,6 +335,14 @@ impl Component {
             }
         }
         Ok(None)
+    }
+}
+
+/// Whether two components of the same shape have the same cones.
+pub(super) fn are_same(one: &Result<Configuration, Error>, other: &Result<Configuration, Error>) -> bool {
+    match (one, other) {
+        (Ok(one), Ok(other)) => one.has_cones_of(other),
+        (one, other) => one.is_err() && other.is_err(),
     }
 }
 

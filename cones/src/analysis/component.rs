@@ -1,6 +1,7 @@
 //! One connected component of a model: what is found of it once.
 //!
-//! Components know nothing of each other, so they can be worked on at the same time.
+//! Components know nothing of each other, so they can be worked on at the same time. Those that are instances of one shape ([`geom::unify_instances`])
+//! share what is found of it.
 
 use std::sync::{Arc, OnceLock};
 
@@ -37,6 +38,8 @@ pub(super) struct Making {
 pub(crate) struct Component {
     /// Its place among the model's components.
     pub(crate) index: usize,
+    /// The number of the first component that is of the same shape.
+    pub(super) shape: usize,
     pub(crate) surface: Surface,
     /// To the refined model, if it was refined.
     pub(crate) way: Option<Way>,
@@ -46,11 +49,11 @@ pub(crate) struct Component {
     pub(crate) metric: Metric,
     /// The area in the model's units.
     pub(crate) area: f64,
-    pub(crate) operators: Operators,
-    pub(crate) factor: ConformalFactor,
-    pub(crate) hierarchy: ConeHierarchy,
-    terms: OnceLock<Arc<EnergyTerms>>,
-    level: OnceLock<Option<CoarseLevel>>,
+    pub(crate) operators: Arc<Operators>,
+    pub(crate) factor: Arc<ConformalFactor>,
+    pub(crate) hierarchy: Arc<ConeHierarchy>,
+    terms: Arc<OnceLock<Arc<EnergyTerms>>>,
+    level: Arc<OnceLock<Option<CoarseLevel>>>,
     is_asked_once: bool,
     pub(crate) notes: Vec<Note>,
     pub(crate) times: Times,
@@ -60,7 +63,7 @@ impl Component {
     /// What is found once of a surface.
     pub(super) fn new(index: usize, ready: Ready, making: Making, task: &Task) -> Result<Self, Error> {
         let Making { preparation, is_searched, is_asked_once, .. } = making;
-        let Ready { surface, mut metric, way, handles } = ready;
+        let Ready { surface, mut metric, way, handles, shape } = ready;
         let mut notes = Vec::new();
         let mut times = Times::default();
         let operators = task.stage((Stage::Factor, index), &mut times, |watch| {
@@ -90,29 +93,72 @@ impl Component {
                 Ok((factor, hierarchy))
             })??;
         let area = metric.area(&surface.mesh) / surface.scale / surface.scale;
-        let (terms, level) = (OnceLock::new(), OnceLock::new());
         Ok(Self {
             index,
+            shape,
             surface,
             way,
             handles,
             metric,
             area,
-            operators,
-            factor,
-            hierarchy,
-            terms,
-            level,
+            operators: Arc::new(operators),
+            factor: Arc::new(factor),
+            hierarchy: Arc::new(hierarchy),
+            terms: Arc::default(),
+            level: Arc::default(),
             is_asked_once,
             notes,
             times,
         })
     }
 
+    /// What is found of another surface of the same shape, made ready in the same way.
+    pub(super) fn of_instance(&self, index: usize, Ready { surface, way, handles, shape, .. }: Ready) -> Self {
+        let mut instance = Self {
+            index,
+            shape,
+            surface,
+            way,
+            handles,
+            metric: self.metric.clone(),
+            area: self.area,
+            operators: Arc::clone(&self.operators),
+            factor: Arc::clone(&self.factor),
+            hierarchy: Arc::clone(&self.hierarchy),
+            terms: Arc::clone(&self.terms),
+            level: Arc::clone(&self.level),
+            is_asked_once: self.is_asked_once,
+            notes: Vec::new(),
+            times: Times::default(),
+        };
+        instance.notes = instance.own_notes(&self.notes, self);
+        instance
+    }
+
+    /// What there is to say of another one of the same shape, said of this one.
+    pub(super) fn own_notes(&self, notes: &[Note], other: &Self) -> Vec<Note> {
+        let own = |vertex: u32| {
+            let v = other.surface.vertex.iter().position(|&v| v == vertex);
+            v.map_or(vertex, |v| self.surface.vertex[VertexId::new(v)])
+        };
+        notes.iter().map(|note| note.clone().said_of(self.index, own)).collect()
+    }
+
+    /// Whether another one is of the same shape, made ready in the same way: what is found of one is then true of the other.
+    pub(super) fn is_instance_of(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.operators, &other.operators)
+    }
+
     /// The surface as it was made ready.
     pub(crate) fn ready(&self) -> Ready {
-        let Self { surface, metric, way, .. } = self;
-        Ready { surface: surface.clone(), metric: metric.clone(), way: way.clone(), handles: OpenedHandles::default() }
+        let Self { surface, metric, way, shape, .. } = self;
+        Ready {
+            surface: surface.clone(),
+            metric: metric.clone(),
+            way: way.clone(),
+            handles: OpenedHandles::default(),
+            shape: *shape,
+        }
     }
 
     /// What cones are placed on.

@@ -99,6 +99,13 @@ pub(crate) struct Configuration {
     pub(crate) notes: Vec<Note>,
 }
 
+impl Configuration {
+    /// Whether it has the same cones, with the same curvatures.
+    pub(super) fn has_cones_of(&self, other: &Self) -> bool {
+        self.vertices == other.vertices && self.curvature == other.curvature
+    }
+}
+
 impl Cones {
     /// The cones, component by component, in the order in which they were placed.
     pub fn as_slice(&self) -> &[Cone] {

@@ -32,6 +32,7 @@ const MOST_STRETCH: f64 = 1e3;
 const RIGID: f64 = 0.01;
 
 /// A flattened component.
+#[derive(Clone)]
 pub(crate) struct Flat {
     pub(crate) cones: Vec<VertexId>,
     pub(crate) curvature: Vec<f64>,
@@ -62,6 +63,7 @@ pub(crate) struct Flat {
 }
 
 /// A layout with free seams.
+#[derive(Clone)]
 pub(crate) struct Freed {
     /// The positions that it was found from.
     pub(crate) from: Vec<Complex64>,

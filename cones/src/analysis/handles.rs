@@ -45,7 +45,7 @@ pub(crate) fn open_handles(ready: Ready, watch: Watch) -> Result<Ready, Interrup
         }
     }
     let handles = OpenedHandles { loops, of_vertex: Some(of_vertex) };
-    let Ready { surface, metric, way, .. } = &ready;
+    let Ready { surface, metric, way, shape, .. } = &ready;
     let lengths = opened.edges().map(|e| metric.length(was(e))).collect();
     let way = way.as_ref().map(|way| {
         let before = opened.edges().map(|e| (was(e), mesh.halfedge(was(e)) == opened.halfedge(e)));
@@ -61,5 +61,5 @@ pub(crate) fn open_handles(ready: Ready, watch: Watch) -> Result<Ready, Interrup
         zero_area: surface.zero_area,
         mesh: opened,
     };
-    Ok(Ready { surface, metric: Metric::new(lengths), way, handles })
+    Ok(Ready { surface, metric: Metric::new(lengths), way, handles, shape: *shape })
 }

@@ -18,6 +18,7 @@ mod cones;
 mod flat;
 mod freed;
 mod handles;
+mod instances;
 mod islands;
 mod note;
 mod observer;
@@ -30,11 +31,12 @@ mod refined;
 mod reseaming;
 mod unwrap;
 
+use std::collections::HashMap;
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 use std::sync::{Arc, OnceLock};
 use std::time::Instant;
 
-use geom::{Model, Prepared, Repair, Triangles, prepare_watched};
+use geom::{Model, Prepared, Repair, Triangles, prepare_watched, unify_instances};
 use rayon::prelude::*;
 
 pub use atlas::{Atlas, Topology};
@@ -179,14 +181,16 @@ impl Analysis {
         let mut prepared = Task::new(&observer, 0)
             .stage((Stage::Prepare, 0), &mut times, |watch| prepare_watched(model, preparation.weld, watch))??;
         let repairs = std::mem::take(&mut prepared.repairs);
+        let shapes = unify_instances(&mut prepared.surfaces);
         let task = Task::new(&observer, prepared.surfaces.len());
-        let (ready, refined, triangles, left_out) = if is_asked_for(preparation.refine, &prepared.surfaces) {
+        let (ready, refined, triangles, left_out) = if is_asked_for(preparation.refine, &prepared.surfaces, &shapes) {
             let (ready, refined, triangles, left_out) =
-                refine_all(model, (prepared, preparation.refine), &task, &mut times)?;
+                refine_all(model, (prepared, &shapes, preparation.refine), &task, &mut times)?;
             (ready, Some(refined), triangles, left_out)
         } else {
             let Prepared { surfaces, triangles, left_out, .. } = prepared;
-            (surfaces.into_iter().map(Ready::as_it_is).collect(), None, triangles, left_out)
+            let ready = surfaces.into_iter().zip(shapes).map(|(surface, shape)| Ready::as_it_is(surface, shape));
+            (ready.collect(), None, triangles, left_out)
         };
         let topology = Topology::of(ready.iter().map(|ready: &Ready| &ready.surface));
         let is_opened = preparation.handles == Handles::Always;
@@ -392,42 +396,41 @@ fn made_of(
     times: &mut Times,
 ) -> Result<Vec<Arc<Component>>, Error> {
     let began = Instant::now();
-    let make = |(index, mut ready): (usize, Ready)| {
+    let open = |(index, mut ready): (usize, Ready)| -> Result<(usize, Ready, Times), Error> {
         let mut times = Times::default();
         if making.is_opened && ready.surface.mesh.genus() > 0 {
             ready = task.stage((Stage::Factor, index), &mut times, |watch| open_handles(ready, watch))??;
         }
+        Ok((index, ready, times))
+    };
+    let opened = ready.into_par_iter().with_max_len(1).map(open).collect::<Vec<_>>();
+    let opened = opened.into_iter().collect::<Result<Vec<_>, Error>>()?;
+    // The first of each shape, which get these places, and those of a shape that is there.
+    let mut place: HashMap<usize, usize> = HashMap::new();
+    let (firsts, others): (Vec<_>, Vec<_>) = opened.into_iter().partition(|(_, ready, _)| {
+        let shapes = place.len();
+        *place.entry(ready.shape).or_insert(shapes) == shapes
+    });
+    let make = |(index, ready, times): (usize, Ready, Times)| -> Result<Component, Error> {
         let mut component = Component::new(index, ready, making, task)?;
         component.times += times;
-        Ok(Arc::new(component))
+        Ok(component)
     };
-    let components = ready.into_par_iter().with_max_len(1).map(make);
-    let components = components.collect::<Vec<_>>().into_iter().collect::<Result<Vec<_>, Error>>()?;
+    let made = firsts.into_par_iter().with_max_len(1).map(make).collect::<Vec<_>>();
+    let mut components = made.into_iter().collect::<Result<Vec<_>, Error>>()?;
+    for (index, ready, times) in others {
+        let mut component = components[place[&ready.shape]].of_instance(index, ready);
+        component.times += times;
+        components.push(component);
+    }
+    components.sort_by_key(|component| component.index);
     *times += Times::on_clock(components.iter().map(|component| component.times), began.elapsed());
-    Ok(components)
+    Ok(components.into_iter().map(Arc::new).collect())
 }
 
 /// What the user should know of components.
 fn notes_of(components: &[Arc<Component>]) -> Vec<Note> {
     components.iter().flat_map(|component| component.notes.iter().cloned()).collect()
-}
-
-/// Does the same with each component, on several threads; the first error in the components' order. The time on the clock
-/// is added to `times`.
-fn each<T: Send>(
-    components: &[Arc<Component>],
-    times: &mut Times,
-    work: impl Fn(&Component, &mut Times) -> Result<T, Error> + Sync,
-) -> Result<Vec<T>, Error> {
-    let began = Instant::now();
-    let timed = |component: &Arc<Component>| {
-        let mut times = Times::default();
-        let done = work(component, &mut times);
-        (done, times)
-    };
-    let done: Vec<(Result<T, Error>, Times)> = components.par_iter().with_max_len(1).map(timed).collect();
-    *times += Times::on_clock(done.iter().map(|(_, times)| *times), began.elapsed());
-    done.into_iter().map(|(done, _)| done).collect()
 }
 
 #[cfg(test)]

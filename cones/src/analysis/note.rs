@@ -189,6 +189,30 @@ impl Note {
             | Self::Overlap { component, .. } => Some(component),
         }
     }
+
+    /// The same of another component, given its vertex for each one of this component.
+    pub(crate) fn said_of(mut self, other: usize, vertex: impl Fn(u32) -> u32) -> Self {
+        match &mut self {
+            Self::FewerThanNeeded { .. } | Self::FewExtrema { .. } | Self::SeamsDoNotTile { .. } => {}
+            Self::Mollified { component }
+            | Self::NotSmoothed { component }
+            | Self::PlacedByPersistence { component, .. }
+            | Self::MoreForCurvature { component, .. }
+            | Self::FewVertices { component, .. }
+            | Self::OtherNumber { component, .. }
+            | Self::Unfolded { component, .. }
+            | Self::NotRefined { component }
+            | Self::Distorted { component, .. }
+            | Self::RoundedAway { component, .. }
+            | Self::TargetMissed { component, .. }
+            | Self::Overlap { component, .. } => *component = other,
+            Self::HarmonicOutOfBounds { component, first, .. } | Self::Detached { component, first, .. } => {
+                (*component, *first) = (other, vertex(*first));
+            }
+            Self::AvoidedCut { component, first, .. } => (*component, *first) = (other, first.map(vertex)),
+        }
+        self
+    }
 }
 
 impl fmt::Display for Note {
@@ -344,6 +368,14 @@ impl fmt::Display for Failure {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_is_said_of_another_component_names_its_vertices() {
+        let first = Note::Detached { component: 2, triangles: 1, first: 30 };
+        assert_eq!(first.said_of(5, |v| v + 100), Note::Detached { component: 5, triangles: 1, first: 130 });
+        let of_all = Note::FewerThanNeeded { asked: 1, needed: 2, components: 3 };
+        assert_eq!(of_all.clone().said_of(5, |v| v + 100), of_all);
+    }
 
     #[test]
     fn notes_are_sentences_for_one_and_for_many() {

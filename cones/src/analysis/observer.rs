@@ -73,7 +73,7 @@ impl Stage {
 pub struct Progress {
     /// What is being done.
     pub stage: Stage,
-    /// On which connected component.
+    /// On which connected component. Of those of one shape, for which everything is done once, one is named.
     pub component: usize,
     /// How many there are; 0 while that is not known.
     pub components: usize,

@@ -11,10 +11,11 @@ use topo::Kind;
 
 use geom::{VertexId, Watch};
 
+use super::Analysis;
 use super::apportionment::sequence_of;
 use super::component::Component;
+use super::instances::each_shape;
 use super::observer::Stage;
-use super::{Analysis, each};
 use crate::curvature::CurvatureRule;
 use crate::error::Error;
 use crate::field::Operators;
@@ -116,12 +117,17 @@ impl Analysis {
         let placement = placement.for_count(count.saturating_sub(needed)).nested();
         let total = count.max(ORDERED).max(if components.len() > 1 { needed + ORDERED_MORE } else { 0 });
         let most = |component: &Component| component.least() + total.saturating_sub(needed);
-        let nested: Vec<Nested> = each(components, &mut times, |component, times| {
-            let order = task.stage((Stage::Hierarchy, component.index), times, |watch| {
-                placement.order(component.ground(Search::CoarseToFine, watch), most(component))
-            })?;
-            Ok(order?)
-        })?;
+        let nested: Vec<Nested> = each_shape(
+            components,
+            &mut times,
+            |_, _| true,
+            |component, times| {
+                let order = task.stage((Stage::Hierarchy, component.index), times, |watch| {
+                    placement.order(component.ground(Search::CoarseToFine, watch), most(component))
+                })?;
+                Ok(order?)
+            },
+        )?;
         task.stage((Stage::Hierarchy, 0), &mut times, |watch| {
             cone_order(components, &nested, (placement, rule), total, watch)
         })
@@ -141,7 +147,7 @@ fn cone_order(
     watch: Watch,
 ) -> ConeOrder {
     let sequence = sequence_of(components, nested, placement, total);
-    let operators: Vec<&Operators> = components.iter().map(|c| &c.operators).collect();
+    let operators: Vec<&Operators> = components.iter().map(|c| &*c.operators).collect();
     let orders = component_orders(components, (nested, &operators), rule, watch);
     let cone = |(n, (component, v, curvature)): (usize, (usize, VertexId, _))| {
         let vertex = components[component].surface.vertex[v];

@@ -49,7 +49,7 @@ pub(crate) fn packed(
 ) -> Result<Packed, Error> {
     let Options { islands, quantize, ref seams, .. } = *options;
     // Whoever says where seams run, or has a texture run on across them, wants no others.
-    let has_say = !(seams.given.is_empty() && seams.kept.is_empty() && seams.avoid.is_empty()) || quantize.is_some();
+    let has_say = seams.names_edges() || quantize.is_some();
     let options = &options.packing_for_texture();
     let is_of_several = islands == Islands::OverlapFree && components.len() > 1 && options.tiles == Tiles::One;
     let asks = is_of_several && !has_say;

@@ -38,22 +38,32 @@ pub(crate) fn needle_share<'a>(parts: impl Iterator<Item = (&'a Triangulation, &
 }
 
 /// Whether surfaces are to be refined. A Delaunay triangulation of each that is not flat where that depends on needles.
-pub(crate) fn is_asked_for(refining: Refining, surfaces: &[Surface]) -> bool {
+pub(crate) fn is_asked_for(refining: Refining, surfaces: &[Surface], shapes: &[usize]) -> bool {
     match refining {
         Refining::Never => false,
         Refining::Always => true,
         Refining::Needles => {
-            let flipped: Vec<(Intrinsic, f64)> = surfaces
-                .par_iter()
-                .with_max_len(1)
-                .map(|surface| (surface, surface.metric()))
-                .filter(|(surface, metric)| !is_flat(surface, metric))
-                .map(|(surface, metric)| (delaunay(&surface.mesh, &metric), surface.scale.powi(-2)))
-                .collect();
-            let parts = flipped.iter().map(|(intrinsic, scale)| (&intrinsic.triangulation, &intrinsic.metric, *scale));
+            let flipped: Vec<Option<Intrinsic>> = of_shapes(surfaces, shapes, |surface| {
+                let metric = surface.metric();
+                (!is_flat(surface, &metric)).then(|| delaunay(&surface.mesh, &metric))
+            });
+            let parts = surfaces.iter().zip(shapes).filter_map(|(surface, &shape)| {
+                let Intrinsic { triangulation, metric, .. } = flipped[shape].as_ref()?;
+                Some((triangulation, metric, surface.scale.powi(-2)))
+            });
             needle_share(parts) > MOST_NEEDLES
         }
     }
+}
+
+/// What there is of the first surface of each shape, found at the same time; none for the others.
+fn of_shapes<T: Send>(
+    surfaces: &[Surface],
+    shapes: &[usize],
+    of: impl Fn(&Surface) -> Option<T> + Sync,
+) -> Vec<Option<T>> {
+    let surfaces = surfaces.par_iter().zip(shapes).enumerate().with_max_len(1);
+    surfaces.map(|(k, (surface, &shape))| if k == shape { of(surface) } else { None }).collect()
 }
 
 /// The radius of the largest circumcircle, over the root of the surface's area: some three thousand triangles at least. On CAD
@@ -149,11 +159,13 @@ pub(crate) struct Ready {
     pub(crate) way: Option<Way>,
     /// The handles that were opened.
     pub(crate) handles: OpenedHandles,
+    /// The number of the first surface that is of the same shape, and was made ready in the same way.
+    pub(crate) shape: usize,
 }
 
 impl Ready {
-    pub(crate) fn as_it_is(surface: Surface) -> Self {
-        Self { metric: surface.metric(), surface, way: None, handles: OpenedHandles::default() }
+    pub(crate) fn as_it_is(surface: Surface, shape: usize) -> Self {
+        Self { metric: surface.metric(), surface, way: None, handles: OpenedHandles::default(), shape }
     }
 
     /// Goes from triangles of the refined model in any order to their places in it.
@@ -192,7 +204,7 @@ const VISIBLE: f64 = 1e-6;
 /// If the refined model is too large, or the watch has said stop.
 pub(crate) fn refine_all(
     model: &Model,
-    (prepared, refining): (Prepared, Refining),
+    (prepared, shapes, refining): (Prepared, &[usize], Refining),
     task: &Task,
     times: &mut Times,
 ) -> Result<(Vec<Ready>, RefinedModel, Triangles, Vec<u32>), Error> {
@@ -202,7 +214,7 @@ pub(crate) fn refine_all(
     // Faces that nothing tells from each other need not be told apart.
     let is_bare = model.obj_text().is_none() && model.attributes().is_bare();
     let face_of = |surface: &Surface, f: FaceId| triangles.face_of[surface.triangle[f] as usize];
-    let refinements = task.stage((Stage::Prepare, 0), times, |watch: Watch| {
+    let mut refinements = task.stage((Stage::Prepare, 0), times, |watch: Watch| {
         let refine = |surface: &Surface| {
             let metric = surface.metric();
             if refining == Refining::Needles && is_flat(surface, &metric) {
@@ -215,17 +227,22 @@ pub(crate) fn refine_all(
             });
             refine_watched(&surface.mesh, &metric, largest, Some(&planar), watch).map(Some)
         };
-        surfaces.par_iter().with_max_len(1).map(refine).collect::<Result<Vec<Option<Refinement>>, _>>()
+        let refined = of_shapes(&surfaces, shapes, |surface| refine(surface).transpose());
+        refined.into_iter().map(Option::transpose).collect::<Result<Vec<Option<Refinement>>, _>>()
     })??;
     let is_complete = refinements.iter().flatten().all(|refinement| refinement.is_complete);
     task.stage((Stage::Prepare, 0), times, |watch: Watch| {
         let mut growing =
             Growing { points: model.points().to_vec(), added: Vec::new(), triangles: Vec::new(), face: Vec::new() };
         let mut ready: Vec<Ready> = Vec::with_capacity(surfaces.len());
-        for (surface, refinement) in surfaces.into_iter().zip(refinements) {
-            ready.push(match refinement {
-                Some(refinement) => growing.add(model, &triangles, surface, refinement),
-                None => growing.add_as_it_is(model, &triangles, surface),
+        let mut instances = vec![0; surfaces.len()];
+        shapes.iter().for_each(|&shape| instances[shape] += 1);
+        for (surface, &shape) in surfaces.into_iter().zip(shapes) {
+            instances[shape] -= 1;
+            let refinement = &mut refinements[shape];
+            ready.push(match if instances[shape] == 0 { refinement.take() } else { refinement.clone() } {
+                Some(refinement) => growing.add(model, &triangles, (surface, shape), refinement),
+                None => growing.add_as_it_is(model, &triangles, (surface, shape)),
             });
             watch.ask(0.5)?;
         }
@@ -270,7 +287,7 @@ impl Growing {
     }
 
     /// Adds a surface that is not refined.
-    fn add_as_it_is(&mut self, model: &Model, triangles: &Triangles, mut surface: Surface) -> Ready {
+    fn add_as_it_is(&mut self, model: &Model, triangles: &Triangles, (mut surface, shape): (Surface, usize)) -> Ready {
         let first = self.triangles.len() as u32;
         for (number, t) in (first..).zip(surface.triangle.iter_mut()) {
             let corners = triangles.corners[*t as usize];
@@ -286,10 +303,16 @@ impl Growing {
                 .for_each(|&h| surface.corner[h] = 3 * number + place(surface.corner[h]) as u32);
         }
         surface.diagonal = EdgeData::constant(surface.mesh.edge_count(), false);
-        Ready::as_it_is(surface)
+        Ready::as_it_is(surface, shape)
     }
 
-    fn add(&mut self, model: &Model, triangles: &Triangles, surface: Surface, refinement: Refinement) -> Ready {
+    fn add(
+        &mut self,
+        model: &Model,
+        triangles: &Triangles,
+        (surface, shape): (Surface, usize),
+        refinement: Refinement,
+    ) -> Ready {
         let Refinement { triangulation, metric, common, .. } = refinement;
         let input = &surface.mesh;
         let corner = |h: HalfedgeId| model.corners()[surface.corner[h] as usize];
@@ -334,7 +357,7 @@ impl Growing {
             zero_area: 0,
             mesh,
         };
-        Ready { surface, metric, way: Some(way), handles: OpenedHandles::default() }
+        Ready { surface, metric, way: Some(way), handles: OpenedHandles::default(), shape }
     }
 }
 

@@ -6,16 +6,17 @@ use std::time::Instant;
 
 use geom::{Id, Model, Watch};
 
+use super::Analysis;
 use super::atlas::Atlas;
-use super::choosing::{Chosen, Known, Shared, TARGET_DISTORTION};
+use super::choosing::{Chosen, Known, Shared, TARGET_DISTORTION, are_same};
 use super::component::Component;
 use super::cones::{ChosenNumber, Cones, Configuration};
 use super::flat::{Flat, RIGID_SEAMS};
+use super::instances::{each, each_shape};
 use super::note::Note;
 use super::observer::{Silent, Stage, Task, Times};
 use super::options::{ConeChoice, Handles, Options};
 use super::packed::{Packed, packed};
-use super::{Analysis, each};
 use crate::cut::{ModelEdges, SeamFigures, SeamOptions, SeamPlan, Symmetry, Tiling};
 use crate::error::Error;
 use crate::placement::{Automatic, Prediction, Predictor, distortion_of};
@@ -142,7 +143,10 @@ impl Analysis {
         let task = self.task();
         let mut times = Times::default();
         let area = self.area();
-        let flats = each(self.components(), &mut times, |component, times| {
+        let is_same = |one: usize, other: usize| {
+            !options.seams.names_edges() && cones.configurations[one].has_cones_of(&cones.configurations[other])
+        };
+        let flats = each_shape(self.components(), &mut times, is_same, |component, times| {
             let plan = self.plan(component, &options.seams, &task, times)?;
             let mut flat = component.flatten(
                 &cones.configurations[component.index],
@@ -268,7 +272,8 @@ impl Analysis {
         let is_undecided: Vec<bool> = (0..closed.len()).map(is_undecided).collect();
         if is_undecided.contains(&true) {
             let before = std::mem::take(&mut chosen.0);
-            each(self.components(), tried, |component, times| match is_undecided[component.index] {
+            let is_same = |one: usize, other: usize| is_undecided[one] == is_undecided[other];
+            each_shape(self.components(), tried, is_same, |component, times| match is_undecided[component.index] {
                 true => {
                     opened.components()[component.index].let_factor_go();
                     component.factor_again(&self.task(), times)
@@ -385,7 +390,10 @@ impl Analysis {
         let (shared, configurations) = self.enough(chosen, options, task)?;
         let Shared { notes, number, mut times, .. } = shared;
         let area = self.area();
-        let flats = each(self.components(), &mut times, |component, times| {
+        let is_same = |one: usize, other: usize| {
+            !options.seams.names_edges() && are_same(&configurations[one], &configurations[other])
+        };
+        let flats = each_shape(self.components(), &mut times, is_same, |component, times| {
             let plan = self.plan(component, &options.seams, task, times)?;
             let mut flat = component.flatten_well(&configurations[component.index], (options, &plan), task, times)?;
             component.finish(&mut flat, (options, &plan, component.area / area), task, times)?;

@@ -27,6 +27,13 @@ impl Default for SeamOptions {
     }
 }
 
+impl SeamOptions {
+    /// Whether it says something of some edges.
+    pub(crate) fn names_edges(&self) -> bool {
+        !(self.given.is_empty() && self.kept.is_empty() && self.avoid.is_empty())
+    }
+}
+
 /// The rotations that a texture of hatches or bricks, which is to cross seams, looks the same after.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]

@@ -3,6 +3,7 @@
 mod attributes;
 mod curvature;
 mod exposure;
+mod instances;
 mod model;
 mod prepare;
 mod refine_attributes;
@@ -13,6 +14,7 @@ mod weld;
 pub use attributes::{Attribute, AttributeDomain, Attributes, Listing, Meaning, ScalarType};
 pub use curvature::{gaussian_curvature, mean_curvature};
 pub use exposure::{exposure, exposure_watched};
+pub use instances::unify_instances;
 pub use model::{MAX_COORDINATE, Model, ModelError, Skipped, TextureCoordinates};
 #[cfg(feature = "files")]
 pub(crate) use model::{Polygons, is_coordinate};

@@ -1,7 +1,7 @@
 //! Cutting polygons into triangles.
 //!
-//! A quadrilateral is cut by the shorter of its diagonals that leave both triangles unflipped; a concave one has just one
-//! such diagonal. A larger polygon is projected to the plane of its Newell normal and its ears are clipped one after the other
+//! A quadrilateral is cut by the shorter of its diagonals that leave both triangles unflipped, by that from its first corner where they are
+//! about as long; a concave one has just one such diagonal. A larger polygon is projected to the plane of its Newell normal and its ears are clipped one after the other
 //! (G. H. Meisters, *Polygons have ears*, 1975), skipping the neighbour of the last ear so that fans do not arise where
 //! they need not. "Unflipped" is meant against the Newell normal, half the sum of the cross products of consecutive corners
 //! (Sutherland, Sproull and Schumacker 1974), which is the mean normal also of corners that lie in no plane.
@@ -19,6 +19,10 @@ const WORK_PER_MODEL: u64 = 1 << 29;
 /// Twice the area, in a polygon of size 1, up to which three corners count as lying on a line: far above rounding, and
 /// below any triangle worth having.
 const FLAT: f64 = 1e-12;
+
+/// Squares of a quadrilateral's diagonals that differ by this share count as equal: the first is taken, so that instances of one shape, whose points
+/// are rounded, are cut alike.
+const TIE: f64 = 2e-3;
 
 /// The triangles of a model's polygons.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
@@ -100,7 +104,7 @@ fn cut_quad(points: &[[f64; 3]]) -> [[usize; 3]; 2] {
     let area = |p, q, r| dot(cross(sub(q, p), sub(r, p)), normal);
     let (worst_ac, worst_bd) = (area(a, b, c).min(area(a, c, d)), area(b, c, d).min(area(b, d, a)));
     let ac_is_better = match (worst_ac > 0.0, worst_bd > 0.0) {
-        (true, true) => norm2(sub(c, a)) <= norm2(sub(d, b)),
+        (true, true) => norm2(sub(c, a)) <= (1.0 + TIE) * norm2(sub(d, b)),
         (true, false) => true,
         (false, true) => false,
         (false, false) => worst_ac >= worst_bd,

@@ -1,0 +1,284 @@
+//! Parts of a model that are instances of one shape, as its screws and wheels are.
+
+use std::collections::HashMap;
+
+use super::prepare::Surface;
+use crate::mesh::{FaceId, HalfedgeData, HalfedgeId, Id, Mesh, VertexData, VertexId};
+use crate::vector::{Vec3, add, cross, distance, dot, length, normal, scale, sub};
+
+/// A motion takes one instance to another but for this share of the heights of triangles, on average by area: files say where points are to some
+/// digits only.
+const TOLERANCE: f64 = 3e-3;
+/// Areas of instances differ by less than this share.
+const SAME_AREA: f64 = 0.01;
+
+/// Finds which surfaces are instances of one shape and gives each of them the numbering and the points of the first, so that what is computed of one
+/// is true of all to the bit. For each surface the number of that first one: its own where none before it is of its shape.
+///
+/// Two surfaces are instances of one shape if from the first corner of the model on each they have the same triangles and polygons, and if a rigid
+/// motion takes the points of the one to those of the other, on average as closely as three thousandths of the triangles' heights. What is larger or
+/// smaller is none, nor are mirror images, unless one of them is inside out.
+///
+/// O(n) for n triangles in all, and for each surface as many again for each shape before it with as many vertices and triangles and the same area.
+///
+/// ```
+/// use geom::{Model, Weld, prepare, shapes, unify_instances};
+///
+/// let hare = shapes::hare(500);
+/// let beside = |p: &[f64; 3]| [5.0 - p[1], p[0], p[2]]; // turned and moved
+/// let points: Vec<[f64; 3]> = hare.points.iter().copied().chain(hare.points.iter().map(beside)).collect();
+/// let count = hare.points.len() as u32;
+/// let others = hare.triangles.iter().map(|corners| corners.map(|v| v + count));
+/// let triangles: Vec<[u32; 3]> = hare.triangles.iter().copied().chain(others).collect();
+/// let mut surfaces = prepare(&Model::from_triangles(points, &triangles)?, Weld::Never)?.surfaces;
+/// assert_eq!(unify_instances(&mut surfaces), [0, 0]);
+/// assert_eq!(surfaces[0].points, surfaces[1].points);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn unify_instances(surfaces: &mut [Surface]) -> Vec<usize> {
+    if let [_] = surfaces {
+        return vec![0];
+    }
+    let mut known: HashMap<(usize, usize, i64), Vec<Shape>> = HashMap::new();
+    let mut first: Vec<usize> = Vec::with_capacity(surfaces.len());
+    for k in 0..surfaces.len() {
+        let (before, others) = surfaces.split_at_mut(k);
+        let surface = &mut others[0];
+        let (vertices, faces) = (surface.mesh.vertex_count(), surface.mesh.face_count());
+        let area = area(surface);
+        // By its logarithm in the model's units, which may be too large or too small themselves.
+        let class = ((area.ln() - 2.0 * surface.scale.ln()) / SAME_AREA).floor();
+        let Some(frame) = Frame::new(&surface.points).filter(|_| class.is_finite()) else {
+            first.push(k);
+            continue;
+        };
+        let near = |step: i64| known.get(&(vertices, faces, class as i64 + step)).into_iter().flatten();
+        let mut shapes: Vec<&Shape> = [-1, 0, 1].into_iter().flat_map(near).collect();
+        shapes.sort_unstable_by_key(|shape| shape.number);
+        let instance = |shape: &&Shape| Some((shape.number, shape.instance(&before[shape.number], surface)?));
+        if let Some((number, instance)) = shapes.iter().find_map(instance) {
+            *surface = instance;
+            first.push(number);
+        } else {
+            first.push(k);
+            known.entry((vertices, faces, class as i64)).or_default().push(Shape { number: k, area, frame });
+        }
+    }
+    first
+}
+
+/// A surface that is not of the shape of one before it.
+struct Shape {
+    number: usize,
+    /// In unit size.
+    area: f64,
+    frame: Frame,
+}
+
+impl Shape {
+    /// Another surface as an instance of this one, if it is that.
+    fn instance(&self, surface: &Surface, other: &Surface) -> Option<Surface> {
+        let Surface { mesh, diagonal, .. } = surface;
+        let (same, vertex) = isomorphism([mesh, &other.mesh], [surface, other].map(first_halfedge))?;
+        if mesh.edges().any(|e| diagonal[e] != other.diagonal[other.mesh.edge(same[mesh.halfedge(e)])]) {
+            return None;
+        }
+        let frame = Frame::through(&other.points, self.frame.vertices.map(|v| vertex[VertexId::new(v)].index()))?;
+        // Inside out they may be mirror images: the same but for which way the third axis goes.
+        let is_near = |side: &f64| self.difference(surface, other, &vertex, (&frame, *side)) <= TOLERANCE;
+        [1.0, -1.0].iter().find(|side| is_near(side))?;
+        Some(Surface {
+            vertex: vertex.iter().map(|&v| other.vertex[v]).collect(),
+            corner: same.iter().map(|&h| other.corner[h]).collect(),
+            triangle: mesh.faces().map(|f| other.triangle[other.mesh.face(same[mesh.sides(f)[0]])]).collect(),
+            ..surface.clone()
+        })
+    }
+
+    /// How far vertices are from where they would be if the surfaces were of one shape: the share of the triangles' heights, on average by area.
+    fn difference(
+        &self,
+        Surface { mesh, points, scale: unit, .. }: &Surface,
+        other: &Surface,
+        vertex: &VertexData<VertexId>,
+        (frame, side): (&Frame, f64),
+    ) -> f64 {
+        let offset = |(v, w): (VertexId, &VertexId)| {
+            let [x, y, z] = scale(frame.coordinates(other.points[w.index()]), unit / other.scale);
+            distance(self.frame.coordinates(points[v.index()]), [x, y, side * z])
+        };
+        let offsets: VertexData<f64> = vertex.iter_ids().map(offset).collect();
+        let bent = |f: FaceId| {
+            let corners = mesh.corners(f);
+            let side = |k: usize| distance(points[corners[k].index()], points[corners[(k + 1) % 3].index()]);
+            let largest = corners.iter().map(|&v| offsets[v]).fold(0.0, f64::max);
+            0.5 * largest * side(0).max(side(1)).max(side(2))
+        };
+        mesh.faces().map(bent).sum::<f64>() / self.area
+    }
+}
+
+/// The halfedge that starts at the first corner of the model that is on a surface.
+fn first_halfedge(Surface { mesh, corner, .. }: &Surface) -> HalfedgeId {
+    mesh.halfedges().min_by_key(|&h| corner[h]).expect("a surface has triangles")
+}
+
+/// For each halfedge and vertex of a triangulation that of another one with as many, given a halfedge of each that are the same; none if the
+/// triangulations are not.
+fn isomorphism(
+    [one, other]: [&Mesh; 2],
+    start: [HalfedgeId; 2],
+) -> Option<(HalfedgeData<HalfedgeId>, VertexData<VertexId>)> {
+    let mut same = HalfedgeData::constant(one.halfedge_count(), None);
+    let mut same_vertex = VertexData::constant(one.vertex_count(), None);
+    let mut next = vec![start.into()];
+    while let Some((h, g)) = next.pop() {
+        if let Some(known) = same[h] {
+            if known != g {
+                return None;
+            }
+            continue;
+        }
+        let (mut h, mut g) = (h, g);
+        for _ in 0..3 {
+            same[h] = Some(g);
+            if *same_vertex[one.tail(h)].get_or_insert(other.tail(g)) != other.tail(g) {
+                return None;
+            }
+            match (one.twin(h), other.twin(g)) {
+                (None, None) => {}
+                (Some(h), Some(g)) => next.push((h, g)),
+                _ => return None,
+            }
+            (h, g) = (one.next(h), other.next(g));
+        }
+    }
+    let same = same.iter().copied().collect::<Option<_>>()?;
+    Some((same, same_vertex.iter().copied().collect::<Option<_>>()?))
+}
+
+/// Three axes at right angles that go where the surface goes.
+struct Frame {
+    /// The vertices that they are drawn through: far from the middle, and from the line to the first.
+    vertices: [usize; 2],
+    middle: Vec3,
+    axes: [Vec3; 3],
+}
+
+impl Frame {
+    /// None where all points are on a line.
+    fn new(points: &[Vec3]) -> Option<Self> {
+        let middle = middle(points);
+        let farthest =
+            |of: &dyn Fn(Vec3) -> f64| (0..points.len()).max_by(|&v, &w| of(points[v]).total_cmp(&of(points[w])));
+        let one = farthest(&|p| distance(p, middle))?;
+        let axis = sub(points[one], middle);
+        let other = farthest(&|p| length(cross(axis, sub(p, middle))))?;
+        Self::through(points, [one, other])
+    }
+
+    fn through(points: &[Vec3], vertices: [usize; 2]) -> Option<Self> {
+        let middle = middle(points);
+        let [one, other] = vertices.map(|v| sub(points[v], middle));
+        let across = cross(one, other);
+        let axes = [one, cross(across, one), across].map(|axis| scale(axis, length(axis).recip()));
+        axes.as_flattened().iter().all(|x| x.is_finite()).then_some(Self { vertices, middle, axes })
+    }
+
+    fn coordinates(&self, p: Vec3) -> Vec3 {
+        self.axes.map(|axis| dot(axis, sub(p, self.middle)))
+    }
+}
+
+fn middle(points: &[Vec3]) -> Vec3 {
+    let sum = points.iter().fold([0.0; 3], |sum, &p| add(sum, p));
+    scale(sum, (points.len() as f64).recip())
+}
+
+fn area(Surface { mesh, points, .. }: &Surface) -> f64 {
+    mesh.faces().map(|f| 0.5 * length(normal(mesh.corners(f).map(|v| points[v.index()])))).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Model, Weld, prepare, shapes};
+
+    /// The surfaces of a hare and of others made of its points, with their polygons.
+    fn beside(others: &[(&dyn Fn(Vec3) -> Vec3, &dyn Fn([u32; 3]) -> [u32; 3])]) -> Vec<Surface> {
+        let hare = shapes::hare(400);
+        let count = hare.points.len() as u32;
+        let (mut points, mut triangles) = (hare.points.clone(), Vec::new());
+        triangles.extend_from_slice(&hare.triangles);
+        for ((place, turned), k) in others.iter().zip(1..) {
+            points.extend(hare.points.iter().map(|&p| place(p)));
+            triangles.extend(hare.triangles.iter().map(|triangle| turned(triangle.map(|v| v + k * count))));
+        }
+        prepare(&Model::from_triangles(points, &triangles).unwrap(), Weld::Never).unwrap().surfaces
+    }
+
+    const AS_IT_IS: &dyn Fn([u32; 3]) -> [u32; 3] = &|triangle| triangle;
+
+    #[test]
+    fn what_is_moved_turned_or_mirrored_inside_out_is_an_instance_and_what_is_scaled_or_bent_is_none() {
+        let (cos, sin) = (0.8, 0.6);
+        let turned = |[x, y, z]: Vec3| [9.0 + cos * x - sin * y, sin * x + cos * y, z - 7.0];
+        let mirrored = |[x, y, z]: Vec3| [-9.0 - x, y, z];
+        let larger = |[x, y, z]: Vec3| [30.0 + 1.1 * x, 1.1 * y, 1.1 * z];
+        let hardly_bent = |[x, y, z]: Vec3| [x + 1e-6 * (100.0 * y).sin(), y + 20.0, z];
+        let bent = |[x, y, z]: Vec3| [x + 0.05 * y * y, y + 40.0, z];
+        let reversed = |[a, b, c]: [u32; 3]| [a, c, b];
+        let mut surfaces = beside(&[
+            (&turned, AS_IT_IS),
+            (&mirrored, AS_IT_IS),
+            (&larger, AS_IT_IS),
+            (&hardly_bent, AS_IT_IS),
+            (&bent, AS_IT_IS),
+            (&mirrored, &reversed),
+        ]);
+        let before = surfaces.clone();
+        assert_eq!(unify_instances(&mut surfaces), [0, 0, 0, 3, 0, 5, 6]);
+        for k in [3, 5, 6] {
+            assert_eq!((&surfaces[k].points, &surfaces[k].mesh), (&before[k].points, &before[k].mesh));
+        }
+    }
+
+    #[test]
+    fn instances_keep_their_way_back_to_the_model_under_any_numbers() {
+        let hare = shapes::hare(400);
+        let count = hare.points.len() as u32;
+        // The second hare's vertices run the other way, and the corners of its triangles begin elsewhere, but for the first.
+        let number = |v: u32| 2 * count - 1 - v;
+        let mut points = hare.points.clone();
+        points.extend(hare.points.iter().rev().map(|p| [p[0] + 5.0, p[1], p[2]]));
+        let mut triangles = hare.triangles.clone();
+        for k in 0..triangles.len() {
+            let mut other = triangles[k].map(number);
+            other.rotate_left(if k == 0 { 0 } else { k % 3 });
+            triangles.push(other);
+        }
+        let model = Model::from_triangles(points, &triangles).unwrap();
+        let mut surfaces = prepare(&model, Weld::Never).unwrap().surfaces;
+        assert_ne!(surfaces[0].mesh, surfaces[1].mesh);
+        assert_eq!(unify_instances(&mut surfaces), [0, 0]);
+        let [one, other] = &surfaces[..] else { panic!("two hares") };
+        assert_eq!((&one.mesh, &one.points), (&other.mesh, &other.points));
+        for v in one.mesh.vertices() {
+            assert_eq!(other.vertex[v], number(one.vertex[v]));
+        }
+        for h in one.mesh.halfedges() {
+            assert_eq!(model.corners()[other.corner[h] as usize], other.vertex[other.mesh.tail(h)]);
+            assert_eq!(other.corner[h] / 3, other.triangle[other.mesh.face(h)]);
+        }
+    }
+
+    #[test]
+    fn what_has_other_polygons_is_no_instance() {
+        let square = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
+        let points: Vec<Vec3> = (0..3).flat_map(|k| square.map(|p| [p[0] + 2.0 * f64::from(k), p[1], p[2]])).collect();
+        let polygons: [&[u32]; 4] = [&[0, 1, 2, 3], &[4, 5, 6], &[4, 6, 7], &[8, 9, 10, 11]];
+        let model = Model::from_polygons(points, polygons).unwrap();
+        let mut surfaces = prepare(&model, Weld::Never).unwrap().surfaces;
+        assert_eq!(unify_instances(&mut surfaces), [0, 1, 0]);
+    }
+}
