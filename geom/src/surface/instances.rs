@@ -204,20 +204,19 @@ mod tests {
     use super::*;
     use crate::{Model, Weld, prepare, shapes};
 
-    /// The surfaces of a hare and of others made of its points, with their polygons.
-    fn beside(others: &[(&dyn Fn(Vec3) -> Vec3, &dyn Fn([u32; 3]) -> [u32; 3])]) -> Vec<Surface> {
+    /// The surfaces of a hare and of others made of its points, their triangles reversed or not.
+    fn beside(others: &[(&dyn Fn(Vec3) -> Vec3, bool)]) -> Vec<Surface> {
         let hare = shapes::hare(400);
         let count = hare.points.len() as u32;
         let (mut points, mut triangles) = (hare.points.clone(), Vec::new());
         triangles.extend_from_slice(&hare.triangles);
-        for ((place, turned), k) in others.iter().zip(1..) {
+        for ((place, is_reversed), k) in others.iter().zip(1..) {
             points.extend(hare.points.iter().map(|&p| place(p)));
+            let turned = |[a, b, c]: [u32; 3]| if *is_reversed { [a, c, b] } else { [a, b, c] };
             triangles.extend(hare.triangles.iter().map(|triangle| turned(triangle.map(|v| v + k * count))));
         }
         prepare(&Model::from_triangles(points, &triangles).unwrap(), Weld::Never).unwrap().surfaces
     }
-
-    const AS_IT_IS: &dyn Fn([u32; 3]) -> [u32; 3] = &|triangle| triangle;
 
     #[test]
     fn what_is_moved_turned_or_mirrored_inside_out_is_an_instance_and_what_is_scaled_or_bent_is_none() {
@@ -227,14 +226,13 @@ mod tests {
         let larger = |[x, y, z]: Vec3| [30.0 + 1.1 * x, 1.1 * y, 1.1 * z];
         let hardly_bent = |[x, y, z]: Vec3| [x + 1e-6 * (100.0 * y).sin(), y + 20.0, z];
         let bent = |[x, y, z]: Vec3| [x + 0.05 * y * y, y + 40.0, z];
-        let reversed = |[a, b, c]: [u32; 3]| [a, c, b];
         let mut surfaces = beside(&[
-            (&turned, AS_IT_IS),
-            (&mirrored, AS_IT_IS),
-            (&larger, AS_IT_IS),
-            (&hardly_bent, AS_IT_IS),
-            (&bent, AS_IT_IS),
-            (&mirrored, &reversed),
+            (&turned, false),
+            (&mirrored, false),
+            (&larger, false),
+            (&hardly_bent, false),
+            (&bent, false),
+            (&mirrored, true),
         ]);
         let before = surfaces.clone();
         assert_eq!(unify_instances(&mut surfaces), [0, 0, 0, 3, 0, 5, 6]);
