@@ -243,7 +243,7 @@ impl Analysis {
                 Known::Found(found) => return Ok(found.clone()),
                 known => matches!(known, Known::MayBeOpened),
             };
-            let goal = Goal { target, most, to_knee, is_draft };
+            let goal = Goal { target, most, to_knee, is_draft, is_part: components.len() > 1 };
             task.stage((Stage::Hierarchy, component.index), times, |watch| {
                 placement.fewest(component.ground(options.search, watch), rule, goal)
             })?

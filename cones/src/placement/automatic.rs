@@ -14,7 +14,7 @@ use super::energy_model::{ConeSet, EnergyModel};
 use super::exchange::{drop_cheapest, exchange};
 use super::nested::Nested;
 use super::prediction::{Prediction, predict};
-use super::pursuit::pursuit;
+use super::pursuit::{brief_pursuit, pursuit};
 use super::refined::{by_curvature, refined, rounds};
 use crate::curvature::{ConeCurvatures, CurvatureRule, least_cones};
 use crate::field::Operators;
@@ -26,6 +26,8 @@ const KNEE: f64 = 0.1;
 const NESTED_KNEE: f64 = 0.2;
 /// A knee lies within twice as many cones, or this many: a hexagonal prism's twelve corners come after five.
 const FEW: usize = 16;
+/// An order of so many cones at first for a part: most need fewer than half of them.
+const BRIEF: usize = 12;
 /// Vertices with less curvature than this, in radians, are no corners: half a degree.
 const LEAST_CORNER: f64 = 0.01;
 
@@ -64,6 +66,8 @@ pub(crate) struct Goal {
     /// Whether nothing better than the nested order is looked for where that misses the target: most of the time goes there, in vain where
     /// opened handles make other cones of it.
     pub(crate) is_draft: bool,
+    /// Whether the surface is one of several, so that nobody asks for more of its order than it takes to choose.
+    pub(crate) is_part: bool,
 }
 
 impl Automatic {
@@ -76,15 +80,22 @@ impl Automatic {
 /// Chooses as few cones as keep the predicted area distortion within `target`, at most `most`, at least as many as the
 /// surface needs, whatever the goal says of a knee. They will get their curvatures by `rule`; where they are is chosen for optimal ones.
 pub(crate) fn automatic(model: &mut EnergyModel, rule: CurvatureRule, goal: Goal) -> Automatic {
-    let Goal { target, most, is_draft, .. } = goal;
+    let Goal { target, most, is_draft, is_part, .. } = goal;
     let operators = model.operators();
     let least = least_cones(operators);
-    let nested = pursuit(model, most.max(least));
-    let curve = nested.curve(operators, rule, model.watch());
-    let enough = first_within(&curve, least, target);
+    let ordered = |model: &mut EnergyModel, pursuit: fn(&mut EnergyModel, usize) -> Nested, most: usize| {
+        let nested = pursuit(model, most);
+        let curve = nested.curve(operators, rule, model.watch());
+        let enough = first_within(&curve, least, target).map(|point| point.count);
+        (nested, curve, enough)
+    };
+    // A knee is looked for among twice as many.
+    let brief = (is_part && 2 * least <= BRIEF).then(|| ordered(model, brief_pursuit, BRIEF));
+    let brief = brief.filter(|(_, _, enough)| enough.is_some_and(|count| 2 * count <= BRIEF));
+    let (nested, curve, enough) = brief.unwrap_or_else(|| ordered(model, pursuit, most.max(least)));
     let is_draft = is_draft && enough.is_none();
     let (set, predicted, passed) = match enough {
-        Some(point) => fewest(model, &nested.sets[point.count], rule, target, least),
+        Some(count) => fewest(model, &nested.sets[count], rule, target, least),
         None => {
             let best = if is_draft { nested.sets.last().cloned() } else { None };
             let set = best.unwrap_or_else(|| refined(model, most.max(least)));
@@ -223,7 +234,7 @@ mod tests {
     use geom::{Metric, shapes};
 
     fn goal(target: f64, most: usize) -> Goal {
-        Goal { target, most, to_knee: false, is_draft: false }
+        Goal { target, most, to_knee: false, is_draft: false, is_part: false }
     }
 
     fn choose(shape: &shapes::Shape, target: f64, most: usize) -> Automatic {
@@ -286,6 +297,23 @@ mod tests {
                 automatic_to_knee(&mut EnergyModel::new(&operators, &mesh), CurvatureRule::Optimal, goal(1.25, 32));
             assert_eq!((chosen.set.cones.len(), chosen.is_met), (8, true), "{sides:?}");
             assert!(chosen.predicted.area_distortion < 1.0 + 1e-6);
+        }
+    }
+
+    #[test]
+    fn a_part_is_as_well_served_by_a_brief_order_and_gets_the_whole_one_where_that_is_too_short() {
+        let [capsule, terrain] = [shapes::by_name("capsule", 500).unwrap(), shapes::terrain(900, 2)];
+        let cases = [(capsule, 1.25, true), (terrain, 1.25, true), (shapes::hare(1200), 1.5, false)];
+        for (shape, target, is_enough) in cases {
+            let mesh = shape.mesh();
+            let operators = Operators::new(&mesh, &Metric::from_points(&mesh, &shape.points)).unwrap();
+            let [whole, part] = [false, true].map(|is_part| {
+                let goal = Goal { is_part, ..goal(target, 32) };
+                automatic(&mut EnergyModel::new(&operators, &mesh), CurvatureRule::Optimal, goal)
+            });
+            assert_eq!(whole.nested.sets.len(), 33);
+            assert_eq!(part.nested.sets.len(), if is_enough { BRIEF + 1 } else { 33 }, "for {target}");
+            assert!(part.is_met && part.set.cones.len() <= whole.set.cones.len() + 1);
         }
     }
 

@@ -66,7 +66,7 @@ pub(crate) fn fewest_from(
     rule: CurvatureRule,
     goal: Goal,
 ) -> Result<Automatic, PoissonError> {
-    let Goal { target, most, to_knee, is_draft } = goal;
+    let Goal { target, most, to_knee, is_draft, .. } = goal;
     let mut coarse_model = level.energy_model(ground.watch.within(0.0, 0.5));
     let (coarse, model) = if is_draft {
         let coarse = automatic(&mut coarse_model, rule, goal);
@@ -399,7 +399,7 @@ mod tests {
         let (terms, made) = (OnceLock::new(), OnceLock::new());
         let search = super::super::Search::CoarseToFine;
         let ground = Ground { operators, input, hierarchy, terms: &terms, level: &made, search, watch };
-        let goal = Goal { target: target.0, most, to_knee: target.1, is_draft: false };
+        let goal = Goal { target: target.0, most, to_knee: target.1, is_draft: false, is_part: false };
         fewest_from(ground, level, CurvatureRule::Optimal, goal)
     }
 
@@ -498,7 +498,7 @@ mod tests {
     fn as_few_cones_as_meet_the_target_on_the_surface() {
         for (mesh, operators, level) in levels().into_iter().take(2) {
             let found = fewest(&operators, &mesh, &level, (1.4, false), 32);
-            let goal = Goal { target: 1.4, most: 32, to_knee: false, is_draft: false };
+            let goal = Goal { target: 1.4, most: 32, to_knee: false, is_draft: false, is_part: false };
             let full = automatic(&mut EnergyModel::new(&operators, &mesh), CurvatureRule::Optimal, goal);
             assert!(found.is_met && found.predicted.area_distortion <= 1.4);
             assert!(found.set.cones.len().abs_diff(full.set.cones.len()) <= 1);

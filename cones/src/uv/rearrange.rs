@@ -388,6 +388,10 @@ impl<C: Fn(Figures) -> f64> Search<'_, C> {
             next.copy(&at.1);
             next.ruin(self.cells, &arcs, &mut self.memory);
             self.recreate(&mut next);
+            // Every second time it comes back as it was.
+            if next.is_glued == at.1.is_glued && next.motion == at.1.motion {
+                continue;
+            }
             let most = at.0 + PATIENCE * (1.0 - done).powi(2);
             let mut figures = next.figures_without_room(self.cells);
             if (self.cost)(figures) > most {
