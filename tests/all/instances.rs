@@ -137,8 +137,16 @@ fn what_there_is_to_say_of_a_part_is_said_of_others_of_its_shape_with_their_own_
     }
     assert!(said >= 1, "harmonic curvatures were never out of bounds");
 
-    let few = Options { cones: ConeChoice::Each(vec![9000, 4, 9000]), ..Options::default() };
-    let cones = analysis.choose(&few).expect("it is placed");
-    let component = |note: &Note| matches!(note, Note::FewVertices { .. }).then(|| note.component()).flatten();
-    assert_eq!(cones.notes().iter().filter_map(component).collect::<Vec<_>>(), [0, 2]);
+    for last in [9000, 8000] {
+        let options = Options { cones: ConeChoice::Each(vec![9000, 4, last]), ..Options::default() };
+        let cones = analysis.choose(&options).expect("it is placed");
+        let atlas = analysis.atlas(&options).expect("it unwraps");
+        let asked = |note: &Note| match *note {
+            Note::FewVertices { component, asked, .. } => Some((component, asked)),
+            _ => None,
+        };
+        for notes in [cones.notes(), &atlas.notes] {
+            assert_eq!(notes.iter().filter_map(asked).collect::<Vec<_>>(), [(0, 9000), (2, last)]);
+        }
+    }
 }

@@ -12,9 +12,9 @@
 use std::sync::Arc;
 
 use geom::{Interrupted, Watch};
-use rayon::prelude::*;
 
 use super::component::Component;
+use super::instances::of_shapes;
 use crate::curvature::least_cones;
 use crate::field::Operators;
 use crate::placement::{BLOCK, ConeSet, Nested, Placement, Search, Sharing, searched_order, whole_blocks};
@@ -73,7 +73,7 @@ pub(crate) fn counts(
             let nested = searched_order(component.ground(search, watch), most, is_brief)?;
             Ok(EnergyCurve::of_order(&component.operators, &nested, component.area, most))
         };
-        components.par_iter().with_max_len(1).map(curve).collect()
+        of_shapes(components, curve).into_iter().collect()
     };
     let sequence = match placement.sharing() {
         Sharing::BriefCurves => return Ok(at_least(share_out(&curves(true)?, total), &least)),
@@ -98,6 +98,26 @@ pub(crate) fn sequence_of(
     total: usize,
 ) -> Vec<usize> {
     let mut left: Vec<usize> = nested.iter().map(|order| order.cones().len()).collect();
+    let is_all = |p: usize| nested[p].cones().len() == components[p].inner_vertices();
+    let mut known = Vec::new();
+    for p in longest_sequence_of(components, nested, placement, total) {
+        left[p] -= 1;
+        known.push(p);
+        if left[p] == 0 && !is_all(p) {
+            break;
+        }
+    }
+    known
+}
+
+/// The same beyond that, where those whose orders end get no more.
+pub(super) fn longest_sequence_of(
+    components: &[Arc<Component>],
+    nested: &[Nested],
+    placement: Placement,
+    total: usize,
+) -> Vec<usize> {
+    let mut left: Vec<usize> = nested.iter().map(|order| order.cones().len()).collect();
     if let [alone] = left[..] {
         return vec![0; total.min(alone)];
     }
@@ -110,19 +130,8 @@ pub(crate) fn sequence_of(
         }
         Sharing::Persistence => by_persistence(components, total),
     };
-    let is_all = |p: usize| nested[p].cones().len() == components[p].inner_vertices();
-    let mut known = Vec::new();
-    for p in sequence {
-        if left[p] == 0 {
-            break;
-        }
-        left[p] -= 1;
-        known.push(p);
-        if left[p] == 0 && !is_all(p) {
-            break;
-        }
-    }
-    known
+    let is_there = |p: &usize| left[*p].checked_sub(1).map(|less| left[*p] = less).is_some();
+    sequence.into_iter().filter(is_there).collect()
 }
 
 fn by_persistence(components: &[Arc<Component>], total: usize) -> Vec<usize> {

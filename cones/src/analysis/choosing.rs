@@ -235,7 +235,7 @@ impl Analysis {
         let to_knee = options.cones == ConeChoice::Automatic;
         let components = self.components();
         let is_same = |one: usize, other: usize| match [one, other].map(known) {
-            [Known::Found(one), Known::Found(other)] => std::ptr::eq(one, other),
+            [Known::Found(one), Known::Found(other)] => one.set.cones == other.set.cones,
             [one, other] => std::mem::discriminant(&one) == std::mem::discriminant(&other),
         };
         let found: Vec<Automatic> = each_shape(components, &mut shared.times, is_same, |component, times| {
@@ -341,7 +341,7 @@ impl Component {
 /// Whether two components of the same shape have the same cones.
 pub(super) fn are_same(one: &Result<Configuration, Error>, other: &Result<Configuration, Error>) -> bool {
     match (one, other) {
-        (Ok(one), Ok(other)) => one.has_cones_of(other),
+        (Ok(one), Ok(other)) => one.is_same(other),
         (one, other) => one.is_err() && other.is_err(),
     }
 }

@@ -39,7 +39,7 @@ pub(crate) struct Component {
     /// Its place among the model's components.
     pub(crate) index: usize,
     /// The number of the first component that is of the same shape.
-    pub(super) shape: usize,
+    shape: usize,
     pub(crate) surface: Surface,
     /// To the refined model, if it was refined.
     pub(crate) way: Option<Way>,
@@ -142,11 +142,6 @@ impl Component {
             v.map_or(vertex, |v| self.surface.vertex[VertexId::new(v)])
         };
         notes.iter().map(|note| note.clone().said_of(self.index, own)).collect()
-    }
-
-    /// Whether another one is of the same shape, made ready in the same way: what is found of one is then true of the other.
-    pub(super) fn is_instance_of(&self, other: &Self) -> bool {
-        Arc::ptr_eq(&self.operators, &other.operators)
     }
 
     /// The surface as it was made ready.

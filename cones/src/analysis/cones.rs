@@ -100,9 +100,10 @@ pub(crate) struct Configuration {
 }
 
 impl Configuration {
-    /// Whether it has the same cones, with the same curvatures.
-    pub(super) fn has_cones_of(&self, other: &Self) -> bool {
-        self.vertices == other.vertices && self.curvature == other.curvature
+    /// Whether it has the same cones as that of another component of the same shape, with the same curvatures, and the same is said of them.
+    pub(super) fn is_same(&self, other: &Self) -> bool {
+        let said = |of: &Self| of.notes.iter().map(|note| note.clone().said_of(0, |_| 0)).collect::<Vec<Note>>();
+        self.vertices == other.vertices && self.curvature == other.curvature && said(self) == said(other)
     }
 }
 

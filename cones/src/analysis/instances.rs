@@ -1,4 +1,4 @@
-//! What is found of components of the same shape once.
+//! What is found once of components of the same shape: those that share what was found when they were made.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -11,6 +11,7 @@ use super::cones::Configuration;
 use super::flat::Flat;
 use super::observer::Times;
 use crate::error::Error;
+use crate::field::Operators;
 use crate::placement::{Automatic, Nested};
 
 /// What is found of a component and as true of others of its shape, once it is said of them.
@@ -30,7 +31,7 @@ macro_rules! of_any {
     };
 }
 
-of_any!((), Automatic, Nested, Error);
+of_any!((), Automatic, Nested);
 
 impl OfShape for Configuration {
     fn said_of(&self, other: &Component, component: &Component) -> Self {
@@ -58,6 +59,26 @@ impl<T: OfShape> OfShape for Result<T, Error> {
     }
 }
 
+/// What there is of each component, found once of each shape, on several threads.
+pub(super) fn of_shapes<T: Clone + Send>(
+    components: &[Arc<Component>],
+    find: impl Fn(&Arc<Component>) -> T + Send + Sync,
+) -> Vec<T> {
+    let mut place: HashMap<*const Operators, usize> = HashMap::new();
+    let mut firsts = Vec::new();
+    let places: Vec<usize> = components
+        .iter()
+        .map(|component| {
+            *place.entry(Arc::as_ptr(&component.operators)).or_insert_with(|| {
+                firsts.push(component);
+                firsts.len() - 1
+            })
+        })
+        .collect();
+    let found: Vec<T> = firsts.into_par_iter().with_max_len(1).map(find).collect();
+    places.into_iter().map(|place| found[place].clone()).collect()
+}
+
 /// Does the same with each component, on several threads; the first error in the components' order. The time on the clock
 /// is added to `times`.
 pub(super) fn each<T: Send>(
@@ -79,14 +100,10 @@ pub(super) fn each_shape<T: OfShape + Send>(
     // Of each component its place among those that are worked on.
     let mut place = Vec::with_capacity(components.len());
     let mut worked_on: Vec<&Component> = Vec::new();
-    let mut of_shape: HashMap<usize, Vec<usize>> = HashMap::new();
+    let mut of_shape: HashMap<*const Operators, Vec<usize>> = HashMap::new();
     for component in components {
-        let others = of_shape.entry(component.shape).or_default();
-        let is_found = |&&other: &&usize| {
-            let other: &Component = worked_on[other];
-            component.is_instance_of(other) && is_same(other.index, component.index)
-        };
-        let found = others.iter().find(is_found).copied();
+        let others = of_shape.entry(Arc::as_ptr(&component.operators)).or_default();
+        let found = others.iter().copied().find(|&other| is_same(worked_on[other].index, component.index));
         place.push(found.unwrap_or(worked_on.len()));
         if found.is_none() {
             others.push(worked_on.len());

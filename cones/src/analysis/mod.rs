@@ -178,10 +178,13 @@ impl Analysis {
     fn made(model: &Model, making: Making, observer: Arc<dyn Observer>) -> Result<Self, Error> {
         let preparation = making.preparation;
         let mut times = Times::default();
-        let mut prepared = Task::new(&observer, 0)
-            .stage((Stage::Prepare, 0), &mut times, |watch| prepare_watched(model, preparation.weld, watch))??;
+        let (mut prepared, shapes) =
+            Task::new(&observer, 0).stage((Stage::Prepare, 0), &mut times, |watch| -> Result<_, Error> {
+                let mut prepared = prepare_watched(model, preparation.weld, watch)?;
+                let shapes = unify_instances(&mut prepared.surfaces);
+                Ok((prepared, shapes))
+            })??;
         let repairs = std::mem::take(&mut prepared.repairs);
-        let shapes = unify_instances(&mut prepared.surfaces);
         let task = Task::new(&observer, prepared.surfaces.len());
         let (ready, refined, triangles, left_out) = if is_asked_for(preparation.refine, &prepared.surfaces, &shapes) {
             let (ready, refined, triangles, left_out) =

@@ -12,7 +12,7 @@ use topo::Kind;
 use geom::{VertexId, Watch};
 
 use super::Analysis;
-use super::apportionment::sequence_of;
+use super::apportionment::{longest_sequence_of, sequence_of};
 use super::component::Component;
 use super::instances::each_shape;
 use super::observer::Stage;
@@ -97,7 +97,7 @@ pub(super) fn whole_curve(
     let least: usize = components.iter().map(|component| component.least()).sum();
     let faces: usize = components.iter().map(|c| c.surface.mesh.face_count()).sum();
     let total = total.min(least + (CURVE_WORK / faces).max(64));
-    let sequence = sequence_of(components, nested, placement, total);
+    let sequence = longest_sequence_of(components, nested, placement, total);
     curve_of_sequence(&component_orders(components, (nested, operators), rule, watch), &sequence, watch)
 }
 

@@ -6,12 +6,11 @@
 
 use std::sync::Arc;
 
-use rayon::prelude::*;
-
 use super::Analysis;
 use super::apportionment::sequence_of;
 use super::component::Component;
 use super::cones::Cone;
+use super::instances::of_shapes;
 use super::observer::{Stage, Times};
 use super::order::component_orders;
 use crate::curvature::CurvatureRule;
@@ -80,8 +79,7 @@ impl Analysis {
                 searched_order(component.ground(Search::CoarseToFine, watch), most, false)
             })??)
         };
-        let nested = components.par_iter().with_max_len(1).map(find).collect::<Vec<_>>();
-        let mut nested = nested.into_iter().collect::<Result<Vec<Nested>, Error>>()?;
+        let mut nested = of_shapes(components, find).into_iter().collect::<Result<Vec<Nested>, Error>>()?;
         let sequence = sequence_of(components, &nested, Placement::Pursuit, self.least_cones().max(most));
         let curve = task.stage((Stage::Hierarchy, 0), &mut Times::default(), |watch| {
             let operators: Vec<&Operators> = components.iter().map(|component| component.searched()).collect();

@@ -43,7 +43,7 @@ pub(crate) fn is_asked_for(refining: Refining, surfaces: &[Surface], shapes: &[u
         Refining::Never => false,
         Refining::Always => true,
         Refining::Needles => {
-            let flipped: Vec<Option<Intrinsic>> = of_shapes(surfaces, shapes, |surface| {
+            let flipped: Vec<Option<Intrinsic>> = of_shapes(surfaces, shapes, |_, surface| {
                 let metric = surface.metric();
                 (!is_flat(surface, &metric)).then(|| delaunay(&surface.mesh, &metric))
             });
@@ -60,10 +60,10 @@ pub(crate) fn is_asked_for(refining: Refining, surfaces: &[Surface], shapes: &[u
 fn of_shapes<T: Send>(
     surfaces: &[Surface],
     shapes: &[usize],
-    of: impl Fn(&Surface) -> Option<T> + Sync,
+    of: impl Fn(usize, &Surface) -> Option<T> + Sync,
 ) -> Vec<Option<T>> {
     let surfaces = surfaces.par_iter().zip(shapes).enumerate().with_max_len(1);
-    surfaces.map(|(k, (surface, &shape))| if k == shape { of(surface) } else { None }).collect()
+    surfaces.map(|(k, (surface, &shape))| if k == shape { of(k, surface) } else { None }).collect()
 }
 
 /// The radius of the largest circumcircle, over the root of the surface's area: some three thousand triangles at least. On CAD
@@ -197,6 +197,13 @@ const PLANE: f64 = 2.0 * f32::EPSILON as f64;
 /// But no farther than this, over the part's extent (the unit of its points), where a part is small or far from the origin.
 const VISIBLE: f64 = 1e-6;
 
+/// The points of an instance where the model has them, in unit size.
+fn own_points(model: &Model, surface: &Surface) -> Vec<[f64; 3]> {
+    let origin = model.points()[surface.vertex[VertexId(0)] as usize];
+    let place = |&v: &u32| [0, 1, 2].map(|k| (model.points()[v as usize][k] - origin[k]) * surface.scale);
+    surface.vertex.iter().map(place).collect()
+}
+
 /// Refines the surfaces of a model, but where needles alone ask for it none that is flat; what was prepared becomes that of the refined
 /// model.
 ///
@@ -214,21 +221,28 @@ pub(crate) fn refine_all(
     // Faces that nothing tells from each other need not be told apart.
     let is_bare = model.obj_text().is_none() && model.attributes().is_bare();
     let face_of = |surface: &Surface, f: FaceId| triangles.face_of[surface.triangle[f] as usize];
-    let mut refinements = task.stage((Stage::Prepare, 0), times, |watch: Watch| {
-        let refine = |surface: &Surface| {
+    let (shapes, mut refinements) = task.stage((Stage::Prepare, 0), times, |watch: Watch| -> Result<_, Error> {
+        let planar = |(k, surface): (usize, &Surface)| {
+            // An instance has the points of another one, but it is its own planes that edges may be left out of.
+            let own = (shapes[k] != k).then(|| own_points(model, surface));
+            let points = own.as_ref().unwrap_or(&surface.points);
+            let tolerance = (rounding * surface.scale).min(VISIBLE);
+            planar_edges(&surface.mesh, points, tolerance, |f, g| is_bare || face_of(surface, f) == face_of(surface, g))
+        };
+        let planar: Vec<_> = surfaces.par_iter().enumerate().with_max_len(1).map(planar).collect();
+        let alike = |(k, &shape): (usize, &usize)| if planar[k] == planar[shape] { shape } else { k };
+        let shapes: Vec<usize> = shapes.iter().enumerate().map(alike).collect();
+        let refine = |k: usize, surface: &Surface| {
             let metric = surface.metric();
             if refining == Refining::Needles && is_flat(surface, &metric) {
                 return Ok(None);
             }
             let largest = LARGEST * metric.area(&surface.mesh).sqrt();
-            let tolerance = (rounding * surface.scale).min(VISIBLE);
-            let planar = planar_edges(&surface.mesh, &surface.points, tolerance, |f, g| {
-                is_bare || face_of(surface, f) == face_of(surface, g)
-            });
-            refine_watched(&surface.mesh, &metric, largest, Some(&planar), watch).map(Some)
+            refine_watched(&surface.mesh, &metric, largest, Some(&planar[k]), watch).map(Some)
         };
-        let refined = of_shapes(&surfaces, shapes, |surface| refine(surface).transpose());
-        refined.into_iter().map(Option::transpose).collect::<Result<Vec<Option<Refinement>>, _>>()
+        let refined = of_shapes(&surfaces, &shapes, |k, surface| refine(k, surface).transpose());
+        let refined = refined.into_iter().map(Option::transpose).collect::<Result<Vec<Option<Refinement>>, _>>()?;
+        Ok((shapes, refined))
     })??;
     let is_complete = refinements.iter().flatten().all(|refinement| refinement.is_complete);
     task.stage((Stage::Prepare, 0), times, |watch: Watch| {
@@ -237,7 +251,7 @@ pub(crate) fn refine_all(
         let mut ready: Vec<Ready> = Vec::with_capacity(surfaces.len());
         let mut instances = vec![0; surfaces.len()];
         shapes.iter().for_each(|&shape| instances[shape] += 1);
-        for (surface, &shape) in surfaces.into_iter().zip(shapes) {
+        for (surface, &shape) in surfaces.into_iter().zip(&shapes) {
             instances[shape] -= 1;
             let refinement = &mut refinements[shape];
             ready.push(match if instances[shape] == 0 { refinement.take() } else { refinement.clone() } {

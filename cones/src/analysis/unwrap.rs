@@ -143,10 +143,8 @@ impl Analysis {
         let task = self.task();
         let mut times = Times::default();
         let area = self.area();
-        let is_same = |one: usize, other: usize| {
-            !options.seams.names_edges() && cones.configurations[one].has_cones_of(&cones.configurations[other])
-        };
-        let flats = each_shape(self.components(), &mut times, is_same, |component, times| {
+        let is_same = |one: usize, other: usize| cones.configurations[one].is_same(&cones.configurations[other]);
+        let flats = self.flats(options, &mut times, is_same, |component, times| {
             let plan = self.plan(component, &options.seams, &task, times)?;
             let mut flat = component.flatten(
                 &cones.configurations[component.index],
@@ -390,16 +388,28 @@ impl Analysis {
         let (shared, configurations) = self.enough(chosen, options, task)?;
         let Shared { notes, number, mut times, .. } = shared;
         let area = self.area();
-        let is_same = |one: usize, other: usize| {
-            !options.seams.names_edges() && are_same(&configurations[one], &configurations[other])
-        };
-        let flats = each_shape(self.components(), &mut times, is_same, |component, times| {
+        let is_same = |one: usize, other: usize| are_same(&configurations[one], &configurations[other]);
+        let flats = self.flats(options, &mut times, is_same, |component, times| {
             let plan = self.plan(component, &options.seams, task, times)?;
             let mut flat = component.flatten_well(&configurations[component.index], (options, &plan), task, times)?;
             component.finish(&mut flat, (options, &plan, component.area / area), task, times)?;
             Ok(flat)
         })?;
         self.assemble(flats, notes, (number, options.quantize), options, task, times)
+    }
+
+    /// The components flattened: one of each shape, unless something is said of edges.
+    fn flats(
+        &self,
+        options: &Options,
+        times: &mut Times,
+        is_same: impl Fn(usize, usize) -> bool,
+        flatten: impl Fn(&Component, &mut Times) -> Result<Flat, Error> + Sync,
+    ) -> Result<Vec<Flat>, Error> {
+        match options.seams.names_edges() {
+            true => each(self.components(), times, flatten),
+            false => each_shape(self.components(), times, is_same, flatten),
+        }
     }
 
     /// Of all components, in the model's units.

@@ -246,12 +246,10 @@ impl Operators {
         if let Some(poisson) = &*self.factored.read().unwrap_or_else(PoisonError::into_inner) {
             return Ok(Arc::clone(poisson));
         }
+        // Not while it is locked: a thread that waits for others may come upon work that asks for the same.
+        let made = Arc::new(Poisson::new_watched(&self.laplacian, &self.rims.concat(), self.points(), watch)?);
         let mut factored = self.factored.write().unwrap_or_else(PoisonError::into_inner);
-        if let Some(poisson) = &*factored {
-            return Ok(Arc::clone(poisson));
-        }
-        let made = Poisson::new_watched(&self.laplacian, &self.rims.concat(), self.points(), watch)?;
-        Ok(Arc::clone(factored.insert(Arc::new(made))))
+        Ok(Arc::clone(factored.get_or_insert(made)))
     }
 
     /// Frees a large factor, which is most of the memory, where nobody is expected to ask for it. Who does waits until it is made again,
@@ -339,7 +337,7 @@ impl Operators {
     /// The log scale factor that takes away all curvature, up to a constant: on a closed surface all but the mean, 2πχ/n at
     /// each of n vertices. One solve, when it is first asked for.
     pub(crate) fn flattening(&self) -> &VertexData<f64> {
-        self.flattening.get_or_init(|| self.poisson().solve(&self.flattening_source()))
+        known_or(&self.flattening, || self.poisson().solve(&self.flattening_source()))
     }
 
     /// The same, watched.
@@ -390,7 +388,7 @@ impl Operators {
     /// The log scale factor, with mean 0 over the vertices, of a closed surface that a unit of curvature causes where it is
     /// spread evenly over the vertices and taken from the grounded one.
     fn even(&self) -> &VertexData<f64> {
-        self.even.get_or_init(|| self.poisson().solve(&self.even_source()))
+        known_or(&self.even, || self.poisson().solve(&self.even_source()))
     }
 
     /// The same, watched.
@@ -522,6 +520,16 @@ fn tied_loops(mesh: &Mesh, tied: Option<&TiedLoops>) -> Vec<Vec<VertexId>> {
         }
     }
     loops
+}
+
+/// What is found once, by whoever asks first; not while others are kept waiting, since a thread that waits for others may come upon work that asks
+/// for the same.
+fn known_or<T>(known: &OnceLock<T>, find: impl FnOnce() -> T) -> &T {
+    if let Some(known) = known.get() {
+        return known;
+    }
+    let found = find();
+    known.get_or_init(|| found)
 }
 
 #[cfg(test)]

@@ -66,7 +66,7 @@ pub(crate) struct Goal {
     /// Whether nothing better than the nested order is looked for where that misses the target: most of the time goes there, in vain where
     /// opened handles make other cones of it.
     pub(crate) is_draft: bool,
-    /// Whether the surface is one of several, so that nobody asks for more of its order than it takes to choose.
+    /// Whether the surface is one of several, whose order may end where it tells enough to choose.
     pub(crate) is_part: bool,
 }
 

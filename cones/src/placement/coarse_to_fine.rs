@@ -66,6 +66,8 @@ pub(crate) fn fewest_from(
     rule: CurvatureRule,
     goal: Goal,
 ) -> Result<Automatic, PoissonError> {
+    // What the surface misses that the coarse level has met is looked up further on in its order.
+    let goal = Goal { is_part: false, ..goal };
     let Goal { target, most, to_knee, is_draft, .. } = goal;
     let mut coarse_model = level.energy_model(ground.watch.within(0.0, 0.5));
     let (coarse, model) = if is_draft {

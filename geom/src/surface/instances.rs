@@ -3,23 +3,27 @@
 use std::collections::HashMap;
 
 use super::prepare::Surface;
-use crate::mesh::{FaceId, HalfedgeData, HalfedgeId, Id, Mesh, VertexData, VertexId};
+use crate::mesh::{EdgeId, HalfedgeData, HalfedgeId, Id, Mesh, VertexData, VertexId};
 use crate::vector::{Vec3, add, cross, distance, dot, length, normal, scale, sub};
 
 /// A motion takes one instance to another but for this share of the heights of triangles, on average by area: files say where points are to some
 /// digits only.
 const TOLERANCE: f64 = 3e-3;
-/// Areas of instances differ by less than this share.
-const SAME_AREA: f64 = 0.01;
+/// And nowhere for more than this share of the longest side of a triangle.
+const LARGEST_OFFSET: f64 = 0.05;
+/// Areas of instances, and the lengths of their edges, are in classes as wide as this share of them, or in the next ones.
+const SAME_SIZE: f64 = 0.01;
+/// With so many shapes that are as large a surface is compared: of hundreds of thousands of separate triangles many are about as large.
+const MOST_COMPARED: usize = 32;
 
 /// Finds which surfaces are instances of one shape and gives each of them the numbering and the points of the first, so that what is computed of one
 /// is true of all to the bit. For each surface the number of that first one: its own where none before it is of its shape.
 ///
 /// Two surfaces are instances of one shape if from the first corner of the model on each they have the same triangles and polygons, and if a rigid
-/// motion takes the points of the one to those of the other, on average as closely as three thousandths of the triangles' heights. What is larger or
-/// smaller is none, nor are mirror images, unless one of them is inside out.
+/// motion takes the points of the one to those of the other, on average as closely as three thousandths of the triangles' heights, and nowhere less
+/// than a twentieth of their longest side. What is larger or smaller by more is none, nor are mirror images, unless one of them is inside out.
 ///
-/// O(n) for n triangles in all, and for each surface as many again for each shape before it with as many vertices and triangles and the same area.
+/// O(n) for n triangles in all, and as many again for each of up to 32 shapes that have as many vertices and triangles as a surface, and are as large.
 ///
 /// ```
 /// use geom::{Model, Weld, prepare, shapes, unify_instances};
@@ -39,32 +43,57 @@ pub fn unify_instances(surfaces: &mut [Surface]) -> Vec<usize> {
     if let [_] = surfaces {
         return vec![0];
     }
-    let mut known: HashMap<(usize, usize, i64), Vec<Shape>> = HashMap::new();
+    let mut known: HashMap<Class, Vec<Shape>> = HashMap::new();
     let mut first: Vec<usize> = Vec::with_capacity(surfaces.len());
     for k in 0..surfaces.len() {
         let (before, others) = surfaces.split_at_mut(k);
         let surface = &mut others[0];
-        let (vertices, faces) = (surface.mesh.vertex_count(), surface.mesh.face_count());
         let area = area(surface);
-        // By its logarithm in the model's units, which may be too large or too small themselves.
-        let class = ((area.ln() - 2.0 * surface.scale.ln()) / SAME_AREA).floor();
-        let Some(frame) = Frame::new(&surface.points).filter(|_| class.is_finite()) else {
+        let (Some(class), Some(frame)) = (Class::of(surface, area), Frame::new(&surface.points)) else {
             first.push(k);
             continue;
         };
-        let near = |step: i64| known.get(&(vertices, faces, class as i64 + step)).into_iter().flatten();
-        let mut shapes: Vec<&Shape> = [-1, 0, 1].into_iter().flat_map(near).collect();
+        let mut shapes: Vec<&Shape> = class.near().filter_map(|near| known.get(&near)).flatten().collect();
         shapes.sort_unstable_by_key(|shape| shape.number);
+        shapes.truncate(MOST_COMPARED);
         let instance = |shape: &&Shape| Some((shape.number, shape.instance(&before[shape.number], surface)?));
         if let Some((number, instance)) = shapes.iter().find_map(instance) {
             *surface = instance;
             first.push(number);
         } else {
             first.push(k);
-            known.entry((vertices, faces, class as i64)).or_default().push(Shape { number: k, area, frame });
+            known.entry(class).or_default().push(Shape { number: k, area, frame });
         }
     }
     first
+}
+
+/// What instances of one shape have in common, but for rounding.
+#[derive(Clone, Copy, PartialEq, Eq, Hash)]
+struct Class {
+    vertices: usize,
+    faces: usize,
+    /// By their logarithms in the model's units, in which they may be too large or too small themselves.
+    area: i64,
+    edges: i64,
+}
+
+impl Class {
+    fn of(surface: &Surface, area: f64) -> Option<Self> {
+        let Surface { mesh, points, scale, .. } = surface;
+        let length = |e: EdgeId| mesh.ends(e).map(|v| points[v.index()]);
+        let edges: f64 = mesh.edges().map(length).map(|[p, q]| distance(p, q)).sum();
+        let [area, edges] = [area.ln() - 2.0 * scale.ln(), edges.ln() - scale.ln()].map(|x| (x / SAME_SIZE).floor());
+        let class =
+            || Self { vertices: mesh.vertex_count(), faces: mesh.face_count(), area: area as i64, edges: edges as i64 };
+        (area.is_finite() && edges.is_finite()).then(class)
+    }
+
+    /// Those that rounding may have made of the same.
+    fn near(self) -> impl Iterator<Item = Self> {
+        let steps = |of: i64| [of, of - 1, of + 1];
+        steps(self.area).into_iter().flat_map(move |area| steps(self.edges).map(|edges| Self { area, edges, ..self }))
+    }
 }
 
 /// A surface that is not of the shape of one before it.
@@ -85,8 +114,7 @@ impl Shape {
         }
         let frame = Frame::through(&other.points, self.frame.vertices.map(|v| vertex[VertexId::new(v)].index()))?;
         // Inside out they may be mirror images: the same but for which way the third axis goes.
-        let is_near = |side: &f64| self.difference(surface, other, &vertex, (&frame, *side)) <= TOLERANCE;
-        [1.0, -1.0].iter().find(|side| is_near(side))?;
+        [1.0, -1.0].into_iter().find(|&side| self.is_near(surface, other, &vertex, (&frame, side)))?;
         Some(Surface {
             vertex: vertex.iter().map(|&v| other.vertex[v]).collect(),
             corner: same.iter().map(|&h| other.corner[h]).collect(),
@@ -95,32 +123,37 @@ impl Shape {
         })
     }
 
-    /// How far vertices are from where they would be if the surfaces were of one shape: the share of the triangles' heights, on average by area.
-    fn difference(
+    /// Whether vertices are where they would be if the surfaces were of one shape.
+    fn is_near(
         &self,
         Surface { mesh, points, scale: unit, .. }: &Surface,
         other: &Surface,
         vertex: &VertexData<VertexId>,
         (frame, side): (&Frame, f64),
-    ) -> f64 {
+    ) -> bool {
         let offset = |(v, w): (VertexId, &VertexId)| {
             let [x, y, z] = scale(frame.coordinates(other.points[w.index()]), unit / other.scale);
             distance(self.frame.coordinates(points[v.index()]), [x, y, side * z])
         };
         let offsets: VertexData<f64> = vertex.iter_ids().map(offset).collect();
-        let bent = |f: FaceId| {
+        let mut sum = 0.0;
+        for f in mesh.faces() {
             let corners = mesh.corners(f);
             let side = |k: usize| distance(points[corners[k].index()], points[corners[(k + 1) % 3].index()]);
-            let largest = corners.iter().map(|&v| offsets[v]).fold(0.0, f64::max);
-            0.5 * largest * side(0).max(side(1)).max(side(2))
-        };
-        mesh.faces().map(bent).sum::<f64>() / self.area
+            let longest = side(0).max(side(1)).max(side(2));
+            let offset = corners.iter().map(|&v| offsets[v]).fold(0.0, f64::max);
+            if offset > LARGEST_OFFSET * longest {
+                return false;
+            }
+            sum += 0.5 * offset * longest;
+        }
+        sum <= TOLERANCE * self.area
     }
 }
 
-/// The halfedge that starts at the first corner of the model that is on a surface.
-fn first_halfedge(Surface { mesh, corner, .. }: &Surface) -> HalfedgeId {
-    mesh.halfedges().min_by_key(|&h| corner[h]).expect("a surface has triangles")
+/// The halfedge that starts at the first corner of the model that is on a surface, in the first triangle there.
+fn first_halfedge(Surface { mesh, corner, triangle, .. }: &Surface) -> HalfedgeId {
+    mesh.halfedges().min_by_key(|&h| (corner[h], triangle[mesh.face(h)])).expect("a surface has triangles")
 }
 
 /// For each halfedge and vertex of a triangulation that of another one with as many, given a halfedge of each that are the same; none if the
@@ -268,6 +301,23 @@ mod tests {
             assert_eq!(model.corners()[other.corner[h] as usize], other.vertex[other.mesh.tail(h)]);
             assert_eq!(other.corner[h] / 3, other.triangle[other.mesh.face(h)]);
         }
+    }
+
+    #[test]
+    fn a_spike_makes_another_shape_however_many_triangles_there_are() {
+        let sphere = shapes::by_name("sphere", 6000).unwrap();
+        let count = sphere.points.len() as u32;
+        let mut points = sphere.points.clone();
+        points.extend(sphere.points.iter().map(|p| [p[0] + 5.0, p[1], p[2]]));
+        let others = sphere.triangles.iter().map(|corners| corners.map(|v| v + count));
+        let triangles: Vec<[u32; 3]> = sphere.triangles.iter().copied().chain(others).collect();
+        let shapes_of = |points: Vec<Vec3>| {
+            let model = Model::from_triangles(points, &triangles).unwrap();
+            unify_instances(&mut prepare(&model, Weld::Never).unwrap().surfaces)
+        };
+        assert_eq!(shapes_of(points.clone()), [0, 0]);
+        points[count as usize + 77][1] += 0.02;
+        assert_eq!(shapes_of(points), [0, 1]);
     }
 
     #[test]

@@ -53,7 +53,8 @@ impl Triangles {
 impl Model {
     /// The polygons cut into triangles, for computing: n − 2 of them for n corners, whatever the polygon's shape.
     ///
-    /// Quadrilaterals are cut by the shorter diagonal that keeps both triangles unflipped, larger polygons by clipping ears.
+    /// Quadrilaterals are cut by the shorter diagonal that keeps both triangles unflipped, that from the first corner where both are about as long; larger
+    /// polygons by clipping ears.
     ///
     /// ```
     /// let square = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
