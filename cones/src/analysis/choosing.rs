@@ -128,11 +128,9 @@ impl Analysis {
             _ => return Ok((shared, configurations)),
         };
         let is_same = |one: usize, other: usize| are_same(&configurations[one], &configurations[other]);
-        let more = each_shape(self.components(), &mut shared.times, is_same, |component, times| match &configurations
-            [component.index]
-        {
-            Ok(chosen) => component.enough(chosen, goal, options, task, times),
-            Err(_) => Ok(None),
+        let more = each_shape(self.components(), &mut shared.times, is_same, |component, times| {
+            let Ok(chosen) = &configurations[component.index] else { return Ok(None) };
+            component.enough(chosen, goal, options, task, times)
         })?;
         if more.iter().all(Option::is_none) {
             return Ok((shared, configurations));
