@@ -170,7 +170,11 @@ pub enum Note {
 impl Note {
     /// The component that it is about, unless it is about all of them.
     pub fn component(&self) -> Option<usize> {
-        match *self {
+        self.clone().component_mut().copied()
+    }
+
+    fn component_mut(&mut self) -> Option<&mut usize> {
+        match self {
             Self::FewerThanNeeded { .. } | Self::FewExtrema { .. } | Self::SeamsDoNotTile { .. } => None,
             Self::Mollified { component }
             | Self::NotSmoothed { component }
@@ -192,24 +196,13 @@ impl Note {
 
     /// The same of another component, given its vertex for each one of this component.
     pub(crate) fn said_of(mut self, other: usize, vertex: impl Fn(u32) -> u32) -> Self {
+        if let Some(component) = self.component_mut() {
+            *component = other;
+        }
         match &mut self {
-            Self::FewerThanNeeded { .. } | Self::FewExtrema { .. } | Self::SeamsDoNotTile { .. } => {}
-            Self::Mollified { component }
-            | Self::NotSmoothed { component }
-            | Self::PlacedByPersistence { component, .. }
-            | Self::MoreForCurvature { component, .. }
-            | Self::FewVertices { component, .. }
-            | Self::OtherNumber { component, .. }
-            | Self::Unfolded { component, .. }
-            | Self::NotRefined { component }
-            | Self::Distorted { component, .. }
-            | Self::RoundedAway { component, .. }
-            | Self::TargetMissed { component, .. }
-            | Self::Overlap { component, .. } => *component = other,
-            Self::HarmonicOutOfBounds { component, first, .. } | Self::Detached { component, first, .. } => {
-                (*component, *first) = (other, vertex(*first));
-            }
-            Self::AvoidedCut { component, first, .. } => (*component, *first) = (other, first.map(vertex)),
+            Self::HarmonicOutOfBounds { first, .. } | Self::Detached { first, .. } => *first = vertex(*first),
+            Self::AvoidedCut { first, .. } => *first = first.map(vertex),
+            _ => {}
         }
         self
     }

@@ -1,7 +1,8 @@
 //! Cutting polygons into triangles.
 //!
-//! A quadrilateral is cut by the shorter of its diagonals that leave both triangles unflipped, by that from its first corner where they are
-//! about as long; a concave one has just one such diagonal. A larger polygon is projected to the plane of its Newell normal and its ears are clipped one after the other
+//! A quadrilateral is cut by the shorter of its diagonals that leave both triangles unflipped, by that from its first corner
+//! where they are about as long; a concave one has just one such diagonal. A larger polygon is projected to the plane of its
+//! Newell normal and its ears are clipped one after the other
 //! (G. H. Meisters, *Polygons have ears*, 1975), skipping the neighbour of the last ear so that fans do not arise where
 //! they need not. "Unflipped" is meant against the Newell normal, half the sum of the cross products of consecutive corners
 //! (Sutherland, Sproull and Schumacker 1974), which is the mean normal also of corners that lie in no plane.
@@ -289,6 +290,16 @@ mod tests {
         assert_eq!(polygon(&kite).triangles().corners, [[0, 1, 2], [0, 2, 3]]);
         let turned = [kite[1], kite[2], kite[3], kite[0]];
         assert_eq!(polygon(&turned).triangles().corners, [[1, 2, 3], [1, 3, 0]]);
+    }
+
+    #[test]
+    fn rounding_does_not_decide_which_diagonal_of_a_rectangle_is_the_shorter() {
+        for rounded in [-1e-5, 0.0, 1e-5] {
+            let rectangle = [[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [2.0 + rounded, 1.0, 0.0], [0.0, 1.0, 0.0]];
+            assert_eq!(polygon(&rectangle).triangles().corners, [[0, 1, 2], [0, 2, 3]]);
+        }
+        let leaning = [[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [2.01, 1.0, 0.0], [0.01, 1.0, 0.0]];
+        assert_eq!(polygon(&leaning).triangles().corners, [[1, 2, 3], [1, 3, 0]]);
     }
 
     #[test]
