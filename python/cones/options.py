@@ -51,6 +51,7 @@ def layout(
     keep_seams: Any = False,
     avoid: Any = None,
     islands: str = "overlap-free",
+    cut_limbs: str = "auto",
     free_seams: str = "auto",
     margin: float = 4.0,
     texture_size: int = 1024,
@@ -69,6 +70,7 @@ def layout(
     return {
         "islands": _one_of("islands", islands, ("single", "overlap-free", "pack")),
         "seams": {"weight": float(seam_weight), "given": _edges(seams), "kept": _edges(kept), "avoid": _edges(avoid)},
+        "limbs": _one_of("cut_limbs", cut_limbs, ("auto", "never")),
         "free_seams": _one_of("free_seams", free_seams, ("auto", "never", "always")),
         "packing": packing(margin, texture_size, rotations, texel_density, max_seam),
     }

@@ -156,6 +156,7 @@ def unwrap(
     keep_seams: Any = False,
     avoid: Any = None,
     islands: str = "overlap-free",
+    cut_limbs: str = "auto",
     free_seams: str = "auto",
     margin: float = 4.0,
     texture_size: int = 1024,
@@ -195,6 +196,8 @@ def unwrap(
         Cut where the mesh's own texture coordinates are cut, or these edges; those that are open already are passed over, while
         ``seams`` refuses them.
     islands : "overlap-free", "single" or "pack"
+    cut_limbs : "auto" or "never"
+        Cut off thin limbs at their necks where no number of cones keeps lengths.
     free_seams : "auto", "never" or "always"
         Let the two sides of seams differ, for less distortion; "auto" where triangles are coarse.
     margin, texture_size, rotations, texel_density, max_seam
@@ -229,6 +232,7 @@ def unwrap(
         keep_seams=keep_seams,
         avoid=avoid,
         islands=islands,
+        cut_limbs=cut_limbs,
         free_seams=free_seams,
         margin=margin,
         texture_size=texture_size,

@@ -9,6 +9,7 @@ mod instances;
 mod invariance;
 mod layers;
 mod licences;
+mod limbs;
 mod noise;
 mod operators;
 mod persistence;

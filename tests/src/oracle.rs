@@ -109,9 +109,9 @@ pub struct MapCheck {
     pub degenerate: usize,
     /// Edges that are torn, though no seam runs along them.
     pub torn: usize,
-    /// The largest relative difference in length between the two sides of a seam's edge.
+    /// The largest relative difference in length between the two sides of a seam's edge, but at necks.
     pub seam_mismatch: f64,
-    /// The largest angle defect in the plane at inner vertices that are no cones and on no loop of a handle that was opened; every corner's angle counts.
+    /// The largest angle defect in the plane at inner vertices that are no cones, on no loop of a handle that was opened and on no neck; every corner's angle counts.
     pub curvature: f64,
     /// V - E + F of each island.
     pub euler: Vec<i64>,
@@ -129,6 +129,9 @@ pub fn check_map(model: &Model, atlas: &Atlas) -> MapCheck {
     let ends = |two: &[u32]| [two[0].min(two[1]), two[0].max(two[1])];
     let seams: HashSet<[u32; 2]> = atlas.seams.iter().flat_map(|chain| chain.windows(2).map(ends)).collect();
     assert_eq!(uv.len(), model.corner_count());
+    let (rest, loops) = atlas.seams.split_at(atlas.seams.len() - atlas.opened_handles);
+    let (_, necks) = rest.split_at(rest.len() - atlas.necks);
+    let on_necks: HashSet<[u32; 2]> = necks.iter().flat_map(|chain| chain.windows(2).map(ends)).collect();
     let mut check = MapCheck::default();
     let mut angle_sum = vec![0.0; model.vertex_count()];
     let mut sides: HashMap<[u32; 2], Vec<[usize; 2]>> = HashMap::new();
@@ -156,7 +159,7 @@ pub fn check_map(model: &Model, atlas: &Atlas) -> MapCheck {
             if !seams.contains(ends) {
                 check.torn += usize::from(s.map(|c| uv[c]) != t.map(|c| uv[c]));
                 islands.glue(s, t);
-            } else {
+            } else if !on_necks.contains(ends) {
                 let [l, m] = [s, t].map(|s| length2(uv[s[0]], uv[s[1]]));
                 check.seam_mismatch = check.seam_mismatch.max((l - m).abs() / (0.5 * (l + m)));
             }
@@ -165,8 +168,7 @@ pub fn check_map(model: &Model, atlas: &Atlas) -> MapCheck {
         }
     }
     atlas.cones.iter().for_each(|cone| is_inner[cone.vertex as usize] = false);
-    let loops = &atlas.seams[atlas.seams.len() - atlas.opened_handles..];
-    loops.iter().flatten().for_each(|&v| is_inner[v as usize] = false);
+    loops.iter().chain(necks).flatten().for_each(|&v| is_inner[v as usize] = false);
     for v in (0..model.vertex_count()).filter(|&v| is_inner[v]) {
         check.curvature = check.curvature.max((std::f64::consts::TAU - angle_sum[v]).abs());
     }

@@ -40,6 +40,46 @@ pub fn side_by_side(shapes: &[Shape]) -> Shape {
     all
 }
 
+/// A closed surface with a tube, closed by a tip, in place of each of its vertices whose neighbours are no neighbours of another one: of so many rings,
+/// as far apart as the surface's edges are long.
+pub fn spiky(shape: &Shape, rings: u32) -> Shape {
+    let mut next: Vec<BTreeMap<u32, u32>> = vec![BTreeMap::new(); shape.points.len()];
+    for &[a, b, c] in &shape.triangles {
+        [[a, b, c], [b, c, a], [c, a, b]].into_iter().for_each(|[v, from, to]| _ = next[v as usize].insert(from, to));
+    }
+    let mut is_taken = vec![false; shape.points.len()];
+    let (mut points, mut triangles) = (shape.points.clone(), shape.triangles.clone());
+    for v in 0..shape.points.len() as u32 {
+        let star = &next[v as usize];
+        if star.keys().chain([&v]).any(|&w| is_taken[w as usize]) {
+            continue;
+        }
+        star.keys().chain([&v]).for_each(|&w| is_taken[w as usize] = true);
+        triangles.retain(|t| !t.contains(&v));
+        let around: Vec<u32> =
+            std::iter::successors(star.keys().next(), |w| star.get(w)).take(star.len()).copied().collect();
+        let tip = shape.points[v as usize];
+        let length = |p: [f64; 3]| p.iter().map(|x| x * x).sum::<f64>().sqrt();
+        let from_tip = |w: &u32| [0, 1, 2].map(|k| shape.points[*w as usize][k] - tip[k]);
+        let edge = around.iter().map(|w| length(from_tip(w))).sum::<f64>() / around.len() as f64;
+        let out = tip.map(|x| edge * x / length(tip));
+        let mut below = around.clone();
+        for ring in 1..=rings {
+            let above: Vec<u32> = (points.len() as u32..).take(around.len()).collect();
+            points.extend(
+                around.iter().map(|&w| [0, 1, 2].map(|k| shape.points[w as usize][k] + f64::from(ring) * out[k])),
+            );
+            for (k, j) in (0..around.len()).map(|k| (k, (k + 1) % around.len())) {
+                triangles.extend([[below[k], below[j], above[j]], [below[k], above[j], above[k]]]);
+            }
+            below = above;
+        }
+        points[v as usize] = [0, 1, 2].map(|k| tip[k] + f64::from(rings + 1) * out[k]);
+        triangles.extend((0..below.len()).map(|k| [v, below[k], below[(k + 1) % below.len()]]));
+    }
+    Shape { points, triangles }
+}
+
 /// The model that a file of this content gives.
 ///
 /// # Errors

@@ -67,6 +67,8 @@ pub struct Atlas {
     /// How many handles were opened: so many of the seams, the last ones, are closed loops whose sides have equal lengths and are not
     /// congruent.
     pub opened_handles: usize,
+    /// How many seams are necks where thin limbs were cut off: those before the opened handles.
+    pub necks: usize,
     /// What the seams are like.
     pub seam_figures: SeamFigures,
     /// Across which seams a texture runs on, where curvatures were to be [rounded](crate::Options::quantize) for it.

@@ -11,7 +11,7 @@ use super::observer::{Stage, Task, Times};
 use super::options::{ConeChoice, Options, Refining};
 use crate::cut::SeamPlan;
 use crate::error::Error;
-use crate::placement::{MOST_OPTIMISED, MOST_ORDERED, MOST_STRETCH, area_distortion, corners, stretch};
+use crate::placement::{MOST_OPTIMISED, MOST_ORDERED, MOST_STRETCH, area_distortion, corners, is_hopeless, stretch};
 
 /// So many times cones are added where a measured distortion is above the one that was asked for.
 const MAX_ADDITIONS: usize = 6;
@@ -22,9 +22,6 @@ const DETACHED_AT_ONCE: usize = 1000;
 const GOOD_ENOUGH: f64 = 1.25;
 /// An area distortion that no cones should have: where more is predicted for the chosen ones, others are measured by this.
 const BAD: f64 = 2.0;
-/// Where lengths change by more than [`MOST_STRETCH`], cones with a larger area distortion are put off: on `cheese` 32 cones with 1.9 leave 600 of
-/// 17,786 triangles folded over after as much work as all the rest takes.
-const POOR: f64 = 1.5;
 /// A map with a larger area distortion is not good enough, even where that was predicted and angles are kept.
 pub(super) const RUINED: f64 = 4.0;
 /// A larger change of lengths, as a logarithm, is not good enough: a needle that is sixty times as long makes the square large for all.
@@ -128,7 +125,8 @@ impl Attempts<'_> {
         let mut log = stretch(&self.component.operators, configuration.predicted.clone());
         let mut stretched: Option<(f64, Configuration)> = None;
         // Whoever has said how many shall have so many: these are tried in any case.
-        let is_hopeless = self.options.cones == ConeChoice::Automatic && log > MOST_STRETCH.ln() && predicted > POOR;
+        let is_hopeless = self.options.cones == ConeChoice::Automatic
+            && is_hopeless(&self.component.operators, &configuration.predicted);
         let first = match is_hopeless {
             true => {
                 stretched = Some((log, configuration.clone()));

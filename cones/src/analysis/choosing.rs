@@ -345,7 +345,7 @@ pub(super) fn are_same(one: &Result<Configuration, Error>, other: &Result<Config
 }
 
 /// Why cones cannot be had on one component is its own affair; a stop is everybody's.
-fn interrupted_or<T>(done: Result<T, Error>) -> Result<Result<T, Error>, Error> {
+pub(super) fn interrupted_or<T>(done: Result<T, Error>) -> Result<Result<T, Error>, Error> {
     match done {
         Err(Error::Interrupted) => Err(Error::Interrupted),
         done => Ok(done),

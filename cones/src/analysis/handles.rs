@@ -5,9 +5,7 @@
 //! along each, the same on both sides, so that both sides of the cut have equal lengths: a seam like any other, but not a rigid one.
 //! Loops take the place of the seams that a handle needs anyway.
 
-use geom::{
-    EdgeData, EdgeId, Id, Interrupted, Metric, Surface, VertexData, VertexId, Watch, handle_loops, open_islands,
-};
+use geom::{EdgeData, Interrupted, VertexData, Watch, handle_loops, open_islands};
 
 use super::refined::{OpenedHandles, Ready};
 use crate::field::TiedLoops;
@@ -25,41 +23,23 @@ pub(crate) fn open_handles(ready: Ready, watch: Watch) -> Result<Ready, Interrup
     }
     let mut cut = EdgeData::constant(mesh.edge_count(), false);
     found.iter().flat_map(|around| &around.edges).for_each(|&e| cut[e] = true);
-    let opened = open_islands(mesh, &cut).swap_remove(0).mesh;
-    let mut before = VertexData::constant(opened.vertex_count(), VertexId(0));
-    opened.halfedges().for_each(|h| before[opened.tail(h)] = mesh.tail(h));
-    let was = |e: EdgeId| mesh.edge(opened.halfedge(e));
-
+    let mut opened = ready.island(open_islands(mesh, &cut).swap_remove(0), ready.shape);
     let mut on_loop = VertexData::constant(mesh.vertex_count(), None);
     for (k, around) in (0..).zip(&found) {
         around.vertices.iter().for_each(|&v| on_loop[v] = Some(k));
     }
-    let of_vertex: TiedLoops = before.iter().map(|&v| on_loop[v]).collect();
+    let now = &opened.surface.mesh;
+    let mut of_vertex: TiedLoops = VertexData::constant(now.vertex_count(), None);
+    now.halfedges().for_each(|h| of_vertex[now.tail(h)] = on_loop[mesh.tail(h)]);
     let mut loops = Vec::new();
     let mut is_known = vec![false; found.len()];
-    for around in opened.boundary_loops() {
-        let Some(k) = of_vertex[opened.tail(around[0])] else { continue };
+    for around in now.boundary_loops() {
+        let Some(k) = of_vertex[now.tail(around[0])] else { continue };
         if !std::mem::replace(&mut is_known[k as usize], true) {
-            let vertices = around.iter().chain(&around[..1]).map(|&h| opened.tail(h)).collect();
-            loops.push(Chain { vertices, edges: around.iter().map(|&h| opened.edge(h)).collect() });
+            let vertices = around.iter().chain(&around[..1]).map(|&h| now.tail(h)).collect();
+            loops.push(Chain { vertices, edges: around.iter().map(|&h| now.edge(h)).collect() });
         }
     }
-    let handles = OpenedHandles { loops, of_vertex: Some(of_vertex) };
-    let Ready { surface, metric, way, shape, .. } = &ready;
-    let lengths = opened.edges().map(|e| metric.length(was(e))).collect();
-    let way = way.as_ref().map(|way| {
-        let before = opened.edges().map(|e| (was(e), mesh.halfedge(was(e)) == opened.halfedge(e)));
-        way.opened(before.collect())
-    });
-    let surface = Surface {
-        points: before.iter().map(|&v| surface.points[v.index()]).collect(),
-        vertex: before.iter().map(|&v| surface.vertex[v]).collect(),
-        corner: surface.corner.clone(),
-        triangle: surface.triangle.clone(),
-        diagonal: opened.edges().map(|e| surface.diagonal[was(e)]).collect(),
-        scale: surface.scale,
-        zero_area: surface.zero_area,
-        mesh: opened,
-    };
-    Ok(Ready { surface, metric: Metric::new(lengths), way, handles, shape: *shape })
+    opened.handles = OpenedHandles { loops, of_vertex: Some(of_vertex) };
+    Ok(opened)
 }

@@ -20,6 +20,7 @@ mod freed;
 mod handles;
 mod instances;
 mod islands;
+mod limbs;
 mod note;
 mod observer;
 mod options;
@@ -45,7 +46,7 @@ pub use choosing::{MOST_AUTOMATIC, TARGET_DISTORTION, TOLERABLE_DISTORTION};
 pub use cones::{ChosenNumber, Cone, Cones};
 pub use note::{Failure, Note};
 pub use observer::{Observer, Progress, Stage, Times};
-pub use options::{ConeChoice, FreeSeams, Handles, Islands, Options, Preparation, Refining};
+pub use options::{ConeChoice, FreeSeams, Handles, Islands, Limbs, Options, Preparation, Refining};
 pub use order::{ConeOrder, ModelExtremum, OrderedCone};
 pub use preview::Preview;
 pub use refined::{MOST_NEEDLES, RefinedModel};
@@ -367,6 +368,30 @@ impl Found {
             components[index] = opened;
         }
         Ok(self.with_components(components, times))
+    }
+
+    /// The same with other components at some places, and more of them: `ready`, by their places. The others are those of `taken`.
+    fn in_pieces(
+        &self,
+        taken: &Analysis,
+        ready: Vec<(usize, Ready)>,
+        count: usize,
+        task: &Task,
+        times: &mut Times,
+    ) -> Result<Self, Error> {
+        let mut components: Vec<Option<Arc<Component>>> = taken.components().iter().cloned().map(Some).collect();
+        components.resize(count, None);
+        for piece in made_of(ready, Making { is_opened: false, ..self.making }, task, times)? {
+            let place = piece.index;
+            components[place] = Some(piece);
+        }
+        let components = components.into_iter().flatten().collect();
+        let Preparation { handles, .. } = self.making.preparation;
+        let mut found = self.with_components(components, Times::default());
+        found.making = self.making;
+        found.making.preparation.handles = handles;
+        found.opened = OnceLock::new();
+        Ok(found)
     }
 
     /// The same with other components, whose handles are opened, or those of some.

@@ -38,6 +38,19 @@ pub enum Handles {
     Always,
 }
 
+/// Whether thin limbs are cut off at their necks, as pieces that get cones of their own.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
+#[non_exhaustive]
+pub enum Limbs {
+    /// Where [`Analysis::atlas`](crate::Analysis::atlas) chooses the number of cones, none that it can place is predicted to keep lengths within a
+    /// factor of thousands, and nothing is said of where seams run.
+    #[default]
+    Auto,
+    /// They stay on.
+    Never,
+}
+
 /// Whether the two sides of a seam may differ.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
@@ -87,6 +100,8 @@ pub struct Options {
     pub seams: SeamOptions,
     /// Whether curvatures are rounded to multiples of a texture's angle, so that it runs on across seams; those that are given are not.
     pub quantize: Option<Symmetry>,
+    /// Whether thin limbs are cut off where cones fail.
+    pub limbs: Limbs,
     /// Whether seams stay rigid once islands are as they are to be.
     pub free_seams: FreeSeams,
     /// How islands are packed.

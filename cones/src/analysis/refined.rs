@@ -5,10 +5,12 @@
 //! with every vertex of the model under its own number. In each of its triangles the map is linear, so it is written exactly, and
 //! seams are edges of it. Cones may be at vertices that were put in.
 
+use std::sync::Arc;
+
 use geom::{
     CommonRefinement, EdgeData, EdgeId, FaceData, FaceId, HalfedgeData, HalfedgeId, Id, Intrinsic, Mesh, MeshError,
-    Metric, Model, Prepared, Refinement, Surface, SurfacePoint, Triangles, Triangulation, VertexId, Watch,
-    angle_defects, delaunay, planar_edges, refine_watched,
+    Metric, Model, OpenedIsland, Prepared, Refinement, Surface, SurfacePoint, Triangles, Triangulation, VertexData,
+    VertexId, Watch, angle_defects, delaunay, planar_edges, refine_watched,
 };
 use rayon::prelude::*;
 
@@ -89,6 +91,14 @@ pub struct RefinedModel {
 /// The way from a refined surface to the refined model.
 #[derive(Clone, Debug)]
 pub(crate) struct Way {
+    whole: Arc<WholeWay>,
+    /// Where the surface is an island of an opened one, what its edges and triangles were there.
+    before: Option<Before>,
+}
+
+/// The way from a whole surface.
+#[derive(Clone, Debug)]
+struct WholeWay {
     common: CommonRefinement,
     /// The refined model's vertex for each of the common refinement's.
     vertex: Vec<u32>,
@@ -98,33 +108,60 @@ pub(crate) struct Way {
     is_turned: Vec<bool>,
     /// The first triangle of the common refinement in each intrinsic one.
     start: Vec<u32>,
-    /// Where the surface was opened afterwards, the edge that each one was, and whether its named halfedge was that one's.
-    before: Option<EdgeData<(EdgeId, bool)>>,
+}
+
+/// What the edges and triangles of an island were before its surface was opened.
+#[derive(Clone, Debug)]
+struct Before {
+    /// The edge that each was, and whether its named halfedge was that one's.
+    edge: EdgeData<(EdgeId, bool)>,
+    face: FaceData<FaceId>,
 }
 
 impl Way {
     /// The corners of the refined model, with the side of an intrinsic triangle that each is on and how far along.
     pub(crate) fn corners(&self) -> impl Iterator<Item = (u32, HalfedgeId, f64)> {
-        self.common.corner.iter().zip(&self.is_turned).enumerate().flat_map(|(t, (corners, &is_turned))| {
-            let place = if is_turned { [0, 2, 1] } else { [0, 1, 2] };
-            [0, 1, 2].map(|k| (3 * self.triangle[t] + place[k], corners[k].0, corners[k].1))
+        let whole = &*self.whole;
+        let count = self.before.as_ref().map_or(whole.start.len() - 1, |before| before.face.len());
+        (0..count as u32).flat_map(move |f| {
+            self.parts(FaceId(f)).flat_map(move |t| {
+                let place = if whole.is_turned[t] { [0, 2, 1] } else { [0, 1, 2] };
+                let corners = whole.common.corner[FaceId(t as u32)];
+                let side = |h: HalfedgeId| HalfedgeId(3 * f + h.0 % 3);
+                [0, 1, 2].map(|k| (3 * whole.triangle[t] + place[k], side(corners[k].0), corners[k].1))
+            })
         })
     }
 
-    /// The way from the surface opened along some of its edges: for each the edge that it was, and whether its named halfedge was
-    /// that one's.
-    pub(crate) fn opened(&self, before: EdgeData<(EdgeId, bool)>) -> Self {
-        Self { before: Some(before), ..self.clone() }
+    /// The way from an island of the surface, opened along some of its edges.
+    fn of_island(&self, whole: &Mesh, OpenedIsland { mesh, halfedge }: &OpenedIsland) -> Self {
+        let edge = |e: EdgeId| {
+            let (was, is_named) = self.before(whole.edge(halfedge[mesh.halfedge(e)]));
+            (was, is_named == (whole.halfedge(whole.edge(halfedge[mesh.halfedge(e)])) == halfedge[mesh.halfedge(e)]))
+        };
+        let face = |f: FaceId| self.face_before(whole.face(halfedge[mesh.sides(f)[0]]));
+        let before = Before { edge: mesh.edges().map(edge).collect(), face: mesh.faces().map(face).collect() };
+        Self { whole: Arc::clone(&self.whole), before: Some(before) }
     }
 
     /// The triangles of the refined model that are part of an intrinsic one.
     pub(crate) fn triangles(&self, f: FaceId) -> &[u32] {
-        &self.triangle[self.start[f.index()] as usize..self.start[f.index() + 1] as usize]
+        &self.whole.triangle[self.parts(f)]
+    }
+
+    /// The triangles of the common refinement in an intrinsic one.
+    fn parts(&self, f: FaceId) -> std::ops::Range<usize> {
+        let f = self.face_before(f).index();
+        self.whole.start[f] as usize..self.whole.start[f + 1] as usize
+    }
+
+    fn face_before(&self, f: FaceId) -> FaceId {
+        self.before.as_ref().map_or(f, |before| before.face[f])
     }
 
     /// The refined model's vertices inside an intrinsic edge, in order along it from one of its ends.
     pub(crate) fn inside(&self, mesh: &Mesh, e: EdgeId, from: VertexId) -> Vec<u32> {
-        let inside = self.common.crossings(self.before(e).0).map(|v| self.vertex[v as usize]);
+        let inside = self.whole.common.crossings(self.before(e).0).map(|v| self.whole.vertex[v as usize]);
         let is_along = (mesh.tail(mesh.halfedge(e)) == from) == self.before(e).1;
         if is_along { inside.collect() } else { inside.rev().collect() }
     }
@@ -137,7 +174,7 @@ impl Way {
 
     /// The edge that an edge was before the surface was opened, and whether its named halfedge was that one's.
     fn before(&self, e: EdgeId) -> (EdgeId, bool) {
-        self.before.as_ref().map_or((e, true), |before| before[e])
+        self.before.as_ref().map_or((e, true), |before| before.edge[e])
     }
 }
 
@@ -168,6 +205,44 @@ impl Ready {
         Self { metric: surface.metric(), surface, way: None, handles: OpenedHandles::default(), shape }
     }
 
+    /// An island of it, opened along some of its edges, in the same units.
+    pub(crate) fn island(&self, island: OpenedIsland, shape: usize) -> Self {
+        let Surface { mesh: whole, points, vertex, corner, triangle, diagonal, scale, .. } = &self.surface;
+        let way = self.way.as_ref().map(|way| way.of_island(whole, &island));
+        let OpenedIsland { mesh, halfedge } = island;
+        let mut vertex_before = VertexData::constant(mesh.vertex_count(), VertexId(0));
+        mesh.halfedges().for_each(|h| vertex_before[mesh.tail(h)] = whole.tail(halfedge[h]));
+        let edge_before: EdgeData<EdgeId> = mesh.edges().map(|e| whole.edge(halfedge[mesh.halfedge(e)])).collect();
+        let surface = Surface {
+            points: vertex_before.iter().map(|&v| points[v.index()]).collect(),
+            vertex: vertex_before.iter().map(|&v| vertex[v]).collect(),
+            corner: halfedge.iter().map(|&h| corner[h]).collect(),
+            triangle: mesh.faces().map(|f| triangle[whole.face(halfedge[mesh.sides(f)[0]])]).collect(),
+            diagonal: edge_before.iter().map(|&e| diagonal[e]).collect(),
+            scale: *scale,
+            zero_area: 0,
+            mesh,
+        };
+        let lengths = edge_before.iter().map(|&e| self.metric.length(e)).collect();
+        Self { metric: Metric::new(lengths), surface, way, handles: OpenedHandles::default(), shape }
+    }
+
+    /// The same, the longest side of its box 1.
+    pub(crate) fn in_unit_size(mut self) -> Self {
+        let points = &mut self.surface.points;
+        let extent = |k: usize| {
+            let along = || points.iter().map(|p| p[k]);
+            along().fold(f64::MIN, f64::max) - along().fold(f64::MAX, f64::min)
+        };
+        let scale = (0..3).map(extent).fold(0.0, f64::max).recip();
+        if scale.is_finite() {
+            points.iter_mut().flatten().for_each(|x| *x *= scale);
+            self.metric = Metric::new(self.metric.lengths().iter().map(|l| scale * l).collect());
+            self.surface.scale *= scale;
+        }
+        self
+    }
+
     /// Goes from triangles of the refined model in any order to their places in it.
     fn renumber(&mut self, number: &[u32]) {
         let Some(way) = &mut self.way else {
@@ -175,7 +250,7 @@ impl Ready {
             self.surface.corner.iter_mut().for_each(|c| *c = 3 * number[*c as usize / 3] + *c % 3);
             return;
         };
-        way.triangle.iter_mut().for_each(|t| *t = number[*t as usize]);
+        Arc::make_mut(&mut way.whole).triangle.iter_mut().for_each(|t| *t = number[*t as usize]);
         for (corner, h, along) in way.corners() {
             if along <= 0.0 {
                 self.surface.corner[h] = corner;
@@ -359,10 +434,10 @@ impl Growing {
             .unwrap_or_else(|error: MeshError| unreachable!("it stays a manifold: {error}"));
         let points = common.place.iter().take(mesh.vertex_count());
         let points = points.map(|place| place.position(input, &surface.points)).collect();
-        let way = Way { common, vertex, triangle, is_turned, start, before: None };
+        let whole = WholeWay { common, vertex, triangle, is_turned, start };
         let surface = Surface {
             points,
-            vertex: way.vertex[..mesh.vertex_count()].to_vec().into(),
+            vertex: whole.vertex[..mesh.vertex_count()].to_vec().into(),
             // Known once all triangles are in order.
             corner: HalfedgeData::constant(mesh.halfedge_count(), 0),
             triangle: FaceData::constant(mesh.face_count(), 0),
@@ -371,7 +446,8 @@ impl Growing {
             zero_area: 0,
             mesh,
         };
-        Ready { surface, metric, way: Some(way), handles: OpenedHandles::default(), shape }
+        let way = Some(Way { whole: Arc::new(whole), before: None });
+        Ready { surface, metric, way, handles: OpenedHandles::default(), shape }
     }
 }
 

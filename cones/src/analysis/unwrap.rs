@@ -13,6 +13,7 @@ use super::component::Component;
 use super::cones::{ChosenNumber, Cones, Configuration};
 use super::flat::{Flat, RIGID_SEAMS};
 use super::instances::{each, each_shape};
+use super::limbs::Settled;
 use super::note::Note;
 use super::observer::{Silent, Stage, Task, Times};
 use super::options::{ConeChoice, Handles, Options};
@@ -200,28 +201,39 @@ impl Analysis {
             atlas.times += cones.times;
             return Ok(atlas);
         }
+        self.atlas_beside(&[], options)
+    }
+
+    /// The atlas, where something is settled already of parts.
+    fn atlas_beside(&self, settled: &[Settled], options: &Options) -> Result<Atlas, Error> {
         let task = self.task();
-        if !self.may_be_opened(options) {
-            let chosen = self.configurations(options, &|_| Known::Nothing, &task)?;
-            return self.with_chosen(chosen, options, &task);
-        }
-        let has_handles = |part: usize| self.components()[part].has_handles();
-        let known = |part: usize| if has_handles(part) { Known::MayBeOpened } else { Known::Nothing };
-        let mut chosen = self.configurations(options, &known, &task)?;
         let mut tried = Times::default();
-        match self.opened_instead(&mut chosen, options, &mut tried)? {
-            Some((opened, other)) => {
-                let mut atlas = opened.with_chosen(other, options, &task)?;
-                atlas.times += opened.times();
-                atlas.times += chosen.0.times;
-                Ok(atlas)
-            }
-            None => {
-                let mut atlas = self.with_chosen(chosen, options, &task)?;
-                atlas.times += tried;
-                Ok(atlas)
-            }
+        let may_be_opened = self.may_be_opened(options);
+        let has_handles = |part: usize| may_be_opened && self.components()[part].has_handles();
+        let known = |part: usize| match settled.get(part) {
+            Some(Settled { found: Some(found), .. }) => Known::Found(found),
+            _ if has_handles(part) => Known::MayBeOpened,
+            _ => Known::Nothing,
+        };
+        let mut chosen = self.configurations(options, &known, &task)?;
+        let mut taken = self.clone();
+        if may_be_opened
+            && let Some((opened, other)) = self.opened_instead(&mut chosen, settled, options, &mut tried)?
+        {
+            tried = opened.times();
+            tried += chosen.0.times;
+            (taken, chosen) = (opened, other);
         }
+        let mut atlas = match self.with_limbs_cut_off((&taken, &mut chosen), options, (settled, &mut tried))? {
+            Some(cut_off) => {
+                tried += chosen.0.times;
+                let atlas = cut_off.analysis.atlas_beside(&cut_off.parts, options);
+                cut_off.put_back(atlas)?
+            }
+            None => taken.with_chosen(chosen, options, &task)?,
+        };
+        atlas.times += tried;
+        Ok(atlas)
     }
 
     /// Whether handles are to be opened where that promises the better map.
@@ -238,6 +250,7 @@ impl Analysis {
     fn opened_instead(
         &self,
         chosen: &mut Chosen,
+        settled: &[Settled],
         options: &Options,
         tried: &mut Times,
     ) -> Result<Option<(Self, Chosen)>, Error> {
@@ -247,8 +260,12 @@ impl Analysis {
         let is_good = |closed: &Option<Prediction>| {
             closed.is_some_and(|closed| closed.area_distortion <= TARGET_DISTORTION && closed.count <= FEW_CONES)
         };
-        let is_in_question: Vec<bool> =
-            closed.iter().enumerate().map(|(part, closed)| has_handles(part) && !is_good(closed)).collect();
+        let is_settled = |part: usize| settled.get(part).is_some_and(|settled| settled.found.is_some());
+        let is_in_question: Vec<bool> = closed
+            .iter()
+            .enumerate()
+            .map(|(part, closed)| has_handles(part) && !is_settled(part) && !is_good(closed))
+            .collect();
         if !is_in_question.contains(&true) {
             return Ok(None);
         }
@@ -348,6 +365,11 @@ impl Analysis {
         let mixed = Self { found: Arc::new(found), observer: Arc::clone(&self.observer) };
         let of_part = |((closed, opened), &is_opened)| if is_opened { opened } else { Clone::clone(closed) };
         let (mut shared, others) = other;
+        for ((found, closed), _) in
+            shared.found.iter_mut().zip(&chosen.0.found).zip(is_opened).filter(|(_, opened)| !*opened)
+        {
+            found.clone_from(closed);
+        }
         let configurations: Vec<_> = chosen.1.iter().zip(others).zip(is_opened).map(of_part).collect();
         if let (Some(number), Some(all)) = (&mut shared.number, mixed.predicted(&configurations)) {
             (number.chosen, number.predicted) = (all.count, all.area_distortion);
@@ -524,6 +546,7 @@ impl Analysis {
             cones,
             seams,
             opened_handles,
+            necks: 0,
             seam_figures,
             tiling,
             number,

@@ -7,6 +7,7 @@
 
 mod cost;
 mod figures;
+mod limbs;
 mod options;
 mod plan;
 mod straighten;
@@ -14,6 +15,7 @@ mod tiling;
 mod turning;
 
 pub use figures::SeamFigures;
+pub(crate) use limbs::{Limbs, limbs};
 pub use options::{SeamOptions, Symmetry};
 pub(crate) use plan::ModelEdges;
 pub use plan::SeamPlan;

@@ -36,7 +36,7 @@ pub(crate) use level::{CoarseLevel, size_of_level};
 pub use nested::Nested;
 pub(crate) use nested::{ComponentOrder, cones_of_sequence, curve_of_sequence};
 pub use prediction::Prediction;
-pub(crate) use prediction::{MOST_STRETCH, Predictor, area_distortion, distortion_of, stretch};
+pub(crate) use prediction::{MOST_STRETCH, Predictor, area_distortion, distortion_of, is_hopeless, stretch};
 pub(crate) use pursuit::BLOCK;
 pub use pursuit::pursuit;
 pub(crate) use quantized::quantized;

@@ -56,6 +56,15 @@ pub(crate) fn area_distortion(operators: &Operators, u: &[f64]) -> f64 {
     distortion_of(&area_ratios(operators, u))
 }
 
+/// Where lengths change by more than [`MOST_STRETCH`], cones with a larger area distortion are hopeless: on `cheese` 32 cones with 1.9 leave 600 of
+/// 17,786 triangles folded over after as much work as all the rest takes.
+const POOR: f64 = 1.5;
+
+/// Whether a log scale factor says that trying to flatten is a waste of time.
+pub(crate) fn is_hopeless(operators: &Operators, u: &VertexData<f64>) -> bool {
+    stretch(operators, u.clone()) > MOST_STRETCH.ln() && area_distortion(operators, u) > POOR
+}
+
 /// The logarithm of the largest factor by which lengths change against the mean.
 pub(crate) fn stretch(operators: &Operators, mut u: VertexData<f64>) -> f64 {
     operators.subtract_mean(&mut u);

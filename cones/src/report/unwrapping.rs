@@ -153,6 +153,8 @@ pub struct SeamReport {
     pub sharp: f64,
     /// How many handles were opened along a loop each.
     pub opened_handles: usize,
+    /// At how many necks thin limbs were cut off.
+    pub necks: usize,
     /// On how many parts the two sides of seams differ.
     pub freed_parts: usize,
     /// By how much the lengths of both sides differ in the plane, over their mean, on average; 0 where seams are rigid.
@@ -167,6 +169,7 @@ impl SeamReport {
             turning: atlas.seam_figures.turning,
             sharp: atlas.seam_figures.sharp_share(),
             opened_handles: atlas.opened_handles,
+            necks: atlas.necks,
             freed_parts: atlas.freed,
             mismatch: atlas.seam_figures.mean_mismatch(),
             tiling: atlas.tiling.as_ref().map(TilingReport::from),

@@ -6,6 +6,7 @@ mod distance;
 mod handles;
 mod island;
 mod path;
+mod separation;
 
 pub use cut::CutMesh;
 pub use distance::{EdgeDistances, distance_along_edges};
@@ -15,3 +16,4 @@ pub use path::{
     ShortestPaths, edges_at, kruskal, maximum_spanning_cotree, maximum_spanning_cotree_watched, minimum_spanning_tree,
     minimum_spanning_tree_watched, other_end,
 };
+pub use separation::{Side, shortest_separation};

@@ -4,7 +4,7 @@ use super::numbers::share;
 use crate::error::CommandError;
 use crate::input::EdgeFile;
 use clap::{Args, ValueEnum};
-use cones::{FreeSeams, Options, SeamOptions, Symmetry};
+use cones::{FreeSeams, Limbs, Options, SeamOptions, Symmetry};
 use geom::{Model, texture_seams};
 use std::path::{Path, PathBuf};
 
@@ -26,9 +26,18 @@ pub(crate) struct SeamArgs {
     /// Round cones for a texture that looks the same after 1/4 or 1/6 of a turn, so that it runs on across seams
     #[arg(long, value_name = "4|6")]
     quantize: Option<SymmetryName>,
+    /// Cut off thin limbs at their necks where no number of cones keeps lengths
+    #[arg(long, value_name = "WHEN", value_enum, default_value_t = LimbsName::Auto)]
+    cut_limbs: LimbsName,
     /// Let the two sides of seams differ, for less distortion
     #[arg(long, value_name = "WHEN", value_enum, default_value_t = FreeSeamsName::Auto)]
     free_seams: FreeSeamsName,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum LimbsName {
+    Auto,
+    Never,
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
@@ -71,6 +80,10 @@ impl SeamArgs {
             SymmetryName::Fourfold => Symmetry::Fourfold,
             SymmetryName::Sixfold => Symmetry::Sixfold,
         });
+        options.limbs = match self.cut_limbs {
+            LimbsName::Auto => Limbs::Auto,
+            LimbsName::Never => Limbs::Never,
+        };
         options.free_seams = match self.free_seams {
             FreeSeamsName::Auto => FreeSeams::Auto,
             FreeSeamsName::Never => FreeSeams::Never,

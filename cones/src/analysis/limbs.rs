@@ -1,0 +1,253 @@
+//! Thin limbs cut off at their necks, where no affordable number of cones keeps lengths.
+//!
+//! Trees, nerve cells and what has many spikes ask for more cones than can be placed, or change lengths a thousandfold on the way to a tip. Cut into
+//! pieces of few limbs each ([`limbs`]), which are parts like any others from then on, they are easy: each piece gets the cones that it needs, and
+//! the boundary at its necks takes curvature.
+
+use std::sync::Arc;
+
+use geom::{EdgeData, FaceData, Mesh, OpenedIsland, Watch, open_islands};
+
+use super::Analysis;
+use super::atlas::Atlas;
+use super::choosing::{Chosen, TOLERABLE_DISTORTION, are_same, interrupted_or};
+use super::component::Component;
+use super::cones::Configuration;
+use super::instances::{OfShape, each_shape};
+use super::note::Note;
+use super::observer::{Stage, Task, Times};
+use super::options::{self, ConeChoice, Islands, Options};
+use crate::cut::{Limbs, SeamFigures, limbs};
+use crate::error::Error;
+use crate::flatten::{Chain, seam_lengths};
+use crate::placement::{Automatic, Placement, area_distortion, is_hopeless};
+
+/// A piece has so many tips at most; pieces on which cones fail again are cut again, for fewer.
+const MOST_TIPS: [usize; 3] = [24, 12, 6];
+/// Limbs are cut off where there are more tips than this. Where there are fewer it is first tried
+const FEW_TIPS: usize = 64;
+/// whether so many cones for each are enough, up to the next power of two: raptor's 54 tips get 256.
+const CONES_PER_TIP: usize = 4;
+
+/// An area distortion that so few cones as are chosen first leave only where many more are needed.
+const BAD: f64 = 1.5;
+
+/// What is done with a part.
+#[derive(Clone)]
+enum Remedy {
+    /// Nothing.
+    None,
+    /// It gets more cones.
+    Cones(Configuration),
+    /// It is cut into pieces.
+    Pieces(Vec<OpenedIsland>),
+}
+
+impl OfShape for Remedy {
+    fn said_of(&self, other: &Component, component: &Component) -> Self {
+        match self {
+            Self::Cones(cones) => Self::Cones(cones.said_of(other, component)),
+            remedy => remedy.clone(),
+        }
+    }
+}
+
+/// What is known of a part.
+#[derive(Clone, Default)]
+pub(super) struct Settled {
+    /// What an automatic number is, if it has been found.
+    pub(super) found: Option<Automatic>,
+    /// How many times it was cut out of another one.
+    cuts: usize,
+}
+
+/// A model some of whose parts are in pieces.
+pub(super) struct CutOff {
+    pub(super) analysis: Analysis,
+    pub(super) parts: Vec<Settled>,
+    /// The part that each of its parts was before.
+    before: Vec<usize>,
+    /// The necks, as chains of vertices of the model.
+    necks: Vec<Vec<u32>>,
+    figures: SeamFigures,
+}
+
+impl Analysis {
+    /// The model with thin limbs cut off those parts on which the cones chosen are hopeless, unless more of them are enough; none if there are no limbs,
+    /// or whoever asked has a say in where seams run or in how many cones there are. `taken` is the same model, perhaps with handles opened, for which
+    /// they were chosen.
+    pub(super) fn with_limbs_cut_off(
+        &self,
+        (taken, chosen): (&Self, &mut Chosen),
+        options: &Options,
+        (settled, times): (&[Settled], &mut Times),
+    ) -> Result<Option<CutOff>, Error> {
+        let has_say = options.seams.names_edges() || options.quantize.is_some() || options.islands == Islands::Single;
+        let goal = match options.cones {
+            ConeChoice::Automatic => TOLERABLE_DISTORTION,
+            ConeChoice::WithinDistortion(target) => target,
+            _ => return Ok(None),
+        };
+        if has_say || options.limbs == options::Limbs::Never {
+            return Ok(None);
+        }
+        let task = self.task();
+        let cuts = |part: usize| settled.get(part).map_or(0, |settled| settled.cuts);
+        let configurations = &chosen.1;
+        let is_same = |one: usize, other: usize| {
+            cuts(one) == cuts(other) && are_same(&configurations[one], &configurations[other])
+        };
+        let remedies = each_shape(self.components(), times, is_same, |component, times| {
+            let taken = &taken.components()[component.index];
+            let is_in_question = match &configurations[component.index] {
+                Ok(Configuration { predicted, .. }) => area_distortion(&taken.operators, predicted) > BAD,
+                Err(_) => true,
+            };
+            let most_tips = MOST_TIPS.get(cuts(component.index)).filter(|_| is_in_question);
+            let Some(limbs) = most_tips.map(|&most| component.limbs(most, &task, times)).transpose()?.flatten() else {
+                return Ok(Remedy::None);
+            };
+            if limbs.tips > FEW_TIPS {
+                return Ok(component.pieces(&limbs));
+            }
+            match &configurations[component.index] {
+                Ok(chosen) if !is_hopeless(&taken.operators, &chosen.predicted) => Ok(Remedy::None),
+                _ => match taken.many_cones(limbs.tips, goal, options, &task, times)? {
+                    Some(cones) => Ok(Remedy::Cones(cones)),
+                    None => Ok(component.pieces(&limbs)),
+                },
+            }
+        })?;
+        if !remedies.iter().any(|remedy| matches!(remedy, Remedy::Pieces(_))) {
+            for (configuration, remedy) in chosen.1.iter_mut().zip(remedies) {
+                if let Remedy::Cones(more) = remedy {
+                    *configuration = Ok(more);
+                }
+            }
+            return Ok(None);
+        }
+        let mut cut_off = CutOff {
+            analysis: taken.clone(),
+            parts: (0..remedies.len())
+                .map(|part| Settled { found: chosen.0.found.get(part).cloned(), cuts: cuts(part) })
+                .collect(),
+            before: (0..remedies.len()).collect(),
+            necks: Vec::new(),
+            figures: SeamFigures::default(),
+        };
+        let mut ready = Vec::new();
+        for (component, remedy) in self.components().iter().zip(remedies) {
+            let Remedy::Pieces(pieces) = remedy else { continue };
+            let part = component.index;
+            [component, &taken.components()[part]].into_iter().for_each(|component| component.let_factor_go());
+            let necks = necks(&component.surface.mesh, &pieces);
+            cut_off.figures += SeamFigures::of_chains(&component.surface, &component.metric, &necks);
+            cut_off.necks.extend(necks.iter().map(|chain| component.vertices_along(chain)));
+            let whole = component.ready();
+            let settled = Settled { found: None, cuts: cuts(part) + 1 };
+            cut_off.parts[part] = settled.clone();
+            for (k, piece) in pieces.into_iter().enumerate() {
+                let place = if k == 0 { part } else { cut_off.before.len() };
+                if k > 0 {
+                    cut_off.before.push(part);
+                    cut_off.parts.push(settled.clone());
+                }
+                ready.push((place, whole.island(piece, place).in_unit_size()));
+            }
+        }
+        cut_off.analysis.found = Arc::new(self.found.in_pieces(taken, ready, cut_off.before.len(), &task, times)?);
+        Ok(Some(cut_off))
+    }
+}
+
+impl Component {
+    /// Its thin limbs, if it has more tips than so many; none where handles were opened from the start, whose loops a cut might part.
+    fn limbs(&self, most_tips: usize, task: &Task, times: &mut Times) -> Result<Option<Limbs>, Error> {
+        let Self { index, surface, metric, factor, handles, .. } = self;
+        if handles.of_vertex.is_some() {
+            return Ok(None);
+        }
+        let lengths = seam_lengths(surface, metric);
+        let found = |watch: Watch| limbs(&surface.mesh, &lengths, &factor.phi, most_tips, watch);
+        Ok(task.stage((Stage::Cut, *index), times, found)??)
+    }
+
+    fn pieces(&self, limbs: &Limbs) -> Remedy {
+        let mesh = &self.surface.mesh;
+        Remedy::Pieces(open_islands(mesh, &between(mesh, &limbs.piece)))
+    }
+
+    /// So many cones as so many tips need, if these are predicted to be enough.
+    fn many_cones(
+        &self,
+        tips: usize,
+        goal: f64,
+        options: &Options,
+        task: &Task,
+        times: &mut Times,
+    ) -> Result<Option<Configuration>, Error> {
+        let count = (CONES_PER_TIP * tips).next_power_of_two();
+        if count > self.most_cones() {
+            return Ok(None);
+        }
+        let placed = interrupted_or(self.place_by(Placement::quick_cones, options, count, task, times))?;
+        let is_enough = |cones: &Configuration| {
+            area_distortion(&self.operators, &cones.predicted) <= goal
+                && !is_hopeless(&self.operators, &cones.predicted)
+        };
+        Ok(placed.ok().filter(is_enough))
+    }
+}
+
+impl CutOff {
+    /// Its atlas as one of the model before.
+    pub(super) fn put_back(self, atlas: Result<Atlas, Error>) -> Result<Atlas, Error> {
+        let mut atlas = atlas.map_err(|error| match error {
+            Error::NotFlatRefined { component } => Error::NotFlatRefined { component: self.before[component] },
+            error => error,
+        })?;
+        atlas.cones.iter_mut().for_each(|cone| cone.component = self.before[cone.component]);
+        atlas.cones.sort_by_key(|cone| cone.component);
+        let of_part = |note: Note| match note.component() {
+            Some(component) => note.said_of(self.before[component], |v| v),
+            None => note,
+        };
+        atlas.notes = atlas.notes.into_iter().map(of_part).collect();
+        let first = atlas.seams.len() - atlas.opened_handles - atlas.necks;
+        atlas.necks += self.necks.len();
+        atlas.seams.splice(first..first, self.necks);
+        atlas.seam_figures += self.figures;
+        Ok(atlas)
+    }
+}
+
+/// The edges between different pieces.
+fn between(mesh: &Mesh, piece: &FaceData<u32>) -> EdgeData<bool> {
+    let is_between = |h| mesh.twin(h).is_some_and(|g| piece[mesh.face(h)] != piece[mesh.face(g)]);
+    mesh.edges().map(|e| is_between(mesh.halfedge(e))).collect()
+}
+
+/// The loops between pieces, or their runs where they meet each other or the boundary, each once.
+fn necks(mesh: &Mesh, pieces: &[OpenedIsland]) -> Vec<Chain> {
+    let mut piece_of = FaceData::constant(mesh.face_count(), 0);
+    for (k, piece) in (0..).zip(pieces) {
+        piece.halfedge.iter().for_each(|&h| piece_of[mesh.face(h)] = k);
+    }
+    let mut necks = Vec::new();
+    for (k, piece) in (0..).zip(pieces) {
+        for around in piece.mesh.boundary_loops() {
+            let around: Vec<_> = around.into_iter().map(|h| piece.halfedge[h]).collect();
+            let is_own = |h| mesh.twin(h).is_some_and(|g| piece_of[mesh.face(g)] < k);
+            // From where a run begins, if not all are one.
+            let first = (0..around.len())
+                .find(|&i| is_own(around[i]) && !is_own(around[(i + around.len() - 1) % around.len()]));
+            let around = [&around[first.unwrap_or(0)..], &around[..first.unwrap_or(0)]].concat();
+            for run in around.chunk_by(|&a, &b| is_own(a) == is_own(b)).filter(|run| is_own(run[0])) {
+                let mut vertices: Vec<_> = run.iter().map(|&h| mesh.tail(h)).collect();
+                vertices.extend(run.last().map(|&h| mesh.head(h)));
+                necks.push(Chain { vertices, edges: run.iter().map(|&h| mesh.edge(h)).collect() });
+            }
+        }
+    }
+    necks
+}
