@@ -197,7 +197,7 @@ def unwrap(
         ``seams`` refuses them.
     islands : "overlap-free", "single" or "pack"
     cut_limbs : "auto" or "never"
-        Cut off thin limbs at their necks where no number of cones keeps lengths.
+        Cut off thin limbs at their necks where no affordable number of cones keeps lengths.
     free_seams : "auto", "never" or "always"
         Let the two sides of seams differ, for less distortion; "auto" where triangles are coarse.
     margin, texture_size, rotations, texel_density, max_seam

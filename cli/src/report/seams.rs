@@ -12,8 +12,10 @@ pub(super) fn seam_text(seams: &SeamReport) -> String {
     };
     let necks = match seams.necks {
         0 => String::new(),
-        1 => labelled("limbs", "cut off at 1 neck, as no number of cones keeps lengths"),
-        count => labelled("limbs", &format!("cut off at {count} necks, as no number of cones keeps lengths")),
+        1 => labelled("limbs", "cut off at 1 neck, as no affordable number of cones keeps lengths"),
+        count => {
+            labelled("limbs", &format!("cut off at {count} necks, as no affordable number of cones keeps lengths"))
+        }
     };
     let freed = match seams.freed_parts {
         0 => String::new(),

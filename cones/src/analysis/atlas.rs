@@ -77,9 +77,9 @@ pub struct Atlas {
     pub number: Option<ChosenNumber>,
     /// The largest curvature off the cones that the metric has, in radians.
     pub curvature_error: f64,
-    /// How many components no cones could flatten: these are unfolded with a cone at every vertex, cut to shreds.
+    /// How many components, or pieces of one whose limbs were cut off, no cones could flatten: these are unfolded with a cone at every vertex, cut to shreds.
     pub unfolded: usize,
-    /// On how many components the two sides of seams differ, as with [free seams](crate::FreeSeams) and where triangles folded over.
+    /// On how many components, or pieces, the two sides of seams differ, as with [free seams](crate::FreeSeams) and where triangles folded over.
     pub freed: usize,
     /// The time each stage took.
     pub times: Times,

@@ -4,6 +4,7 @@
 //! pieces of few limbs each ([`limbs`]), which are parts like any others from then on, they are easy: each piece gets the cones that it needs, and
 //! the boundary at its necks takes curvature.
 
+use std::collections::HashMap;
 use std::sync::Arc;
 
 use geom::{EdgeData, FaceData, Mesh, OpenedIsland, Watch, open_islands};
@@ -19,6 +20,7 @@ use super::observer::{Stage, Task, Times};
 use super::options::{self, ConeChoice, Islands, Options};
 use crate::cut::{Limbs, SeamFigures, limbs};
 use crate::error::Error;
+use crate::field::Operators;
 use crate::flatten::{Chain, seam_lengths};
 use crate::placement::{Automatic, Placement, area_distortion, is_hopeless};
 
@@ -57,6 +59,8 @@ impl OfShape for Remedy {
 pub(super) struct Settled {
     /// What an automatic number is, if it has been found.
     pub(super) found: Option<Automatic>,
+    /// The cones that it gets in place of these.
+    pub(super) cones: Option<Configuration>,
     /// How many times it was cut out of another one.
     cuts: usize,
 }
@@ -99,7 +103,9 @@ impl Analysis {
         };
         let remedies = each_shape(self.components(), times, is_same, |component, times| {
             let taken = &taken.components()[component.index];
+            let is_settled = settled.get(component.index).is_some_and(|settled| settled.found.is_some());
             let is_in_question = match &configurations[component.index] {
+                _ if is_settled => false,
                 Ok(Configuration { predicted, .. }) => area_distortion(&taken.operators, predicted) > BAD,
                 Err(_) => true,
             };
@@ -126,16 +132,22 @@ impl Analysis {
             }
             return Ok(None);
         }
+        let more = |part: usize| match &remedies[part] {
+            Remedy::Cones(more) => Some(more.clone()),
+            _ => settled.get(part).and_then(|settled| settled.cones.clone()),
+        };
         let mut cut_off = CutOff {
             analysis: taken.clone(),
             parts: (0..remedies.len())
-                .map(|part| Settled { found: chosen.0.found.get(part).cloned(), cuts: cuts(part) })
+                .map(|part| Settled { found: chosen.0.found.get(part).cloned(), cones: more(part), cuts: cuts(part) })
                 .collect(),
             before: (0..remedies.len()).collect(),
             necks: Vec::new(),
             figures: SeamFigures::default(),
         };
         let mut ready = Vec::new();
+        // The places of the pieces of the first part of each shape.
+        let mut of_shape: HashMap<*const Operators, Vec<usize>> = HashMap::new();
         for (component, remedy) in self.components().iter().zip(remedies) {
             let Remedy::Pieces(pieces) = remedy else { continue };
             let part = component.index;
@@ -144,7 +156,11 @@ impl Analysis {
             cut_off.figures += SeamFigures::of_chains(&component.surface, &component.metric, &necks);
             cut_off.necks.extend(necks.iter().map(|chain| component.vertices_along(chain)));
             let whole = component.ready();
-            let settled = Settled { found: None, cuts: cuts(part) + 1 };
+            let first = of_shape.entry(Arc::as_ptr(&component.operators)).or_insert_with(|| {
+                let more = cut_off.before.len()..;
+                std::iter::once(part).chain(more).take(pieces.len()).collect::<Vec<usize>>()
+            });
+            let settled = Settled { cuts: cuts(part) + 1, ..Settled::default() };
             cut_off.parts[part] = settled.clone();
             for (k, piece) in pieces.into_iter().enumerate() {
                 let place = if k == 0 { part } else { cut_off.before.len() };
@@ -152,10 +168,11 @@ impl Analysis {
                     cut_off.before.push(part);
                     cut_off.parts.push(settled.clone());
                 }
-                ready.push((place, whole.island(piece, place).in_unit_size()));
+                ready.push((place, whole.island(piece, first[k]).in_unit_size()));
             }
         }
-        cut_off.analysis.found = Arc::new(self.found.in_pieces(taken, ready, cut_off.before.len(), &task, times)?);
+        let task = Task::new(&self.observer, cut_off.before.len());
+        cut_off.analysis.found = Arc::new(self.found.in_pieces(taken, ready, &task, times)?);
         Ok(Some(cut_off))
     }
 }
@@ -212,7 +229,16 @@ impl CutOff {
             Some(component) => note.said_of(self.before[component], |v| v),
             None => note,
         };
-        atlas.notes = atlas.notes.into_iter().map(of_part).collect();
+        // What another number was taken for is no number of the part's.
+        let is_cut = |part: usize| self.before.iter().filter(|&&before| before == part).count() > 1;
+        let notes = atlas.notes.into_iter().map(of_part);
+        let mut own: Vec<Note> = Vec::new();
+        for note in notes.filter(|note| !matches!(note, Note::OtherNumber { component, .. } if is_cut(*component))) {
+            if !own.contains(&note) {
+                own.push(note);
+            }
+        }
+        atlas.notes = own;
         let first = atlas.seams.len() - atlas.opened_handles - atlas.necks;
         atlas.necks += self.necks.len();
         atlas.seams.splice(first..first, self.necks);

@@ -375,12 +375,11 @@ impl Found {
         &self,
         taken: &Analysis,
         ready: Vec<(usize, Ready)>,
-        count: usize,
         task: &Task,
         times: &mut Times,
     ) -> Result<Self, Error> {
         let mut components: Vec<Option<Arc<Component>>> = taken.components().iter().cloned().map(Some).collect();
-        components.resize(count, None);
+        components.resize(components.len().max(1 + ready.iter().map(|(place, _)| *place).max().unwrap_or(0)), None);
         for piece in made_of(ready, Making { is_opened: false, ..self.making }, task, times)? {
             let place = piece.index;
             components[place] = Some(piece);

@@ -224,6 +224,11 @@ impl Analysis {
             tried += chosen.0.times;
             (taken, chosen) = (opened, other);
         }
+        for (configuration, settled) in chosen.1.iter_mut().zip(settled) {
+            if let Some(cones) = &settled.cones {
+                *configuration = Ok(cones.clone());
+            }
+        }
         let mut atlas = match self.with_limbs_cut_off((&taken, &mut chosen), options, (settled, &mut tried))? {
             Some(cut_off) => {
                 tried += chosen.0.times;
@@ -275,6 +280,7 @@ impl Analysis {
         drafts.for_each(|component| component.let_factor_go());
         let Some(opened) = self.with_handles_opened()? else { return Ok(None) };
         *tried += opened.times();
+        let opened = if is_shared { opened } else { self.with_parts_of(&opened, &is_in_question) };
         let (other, is_hardly_worth) = opened.searched_beside(&chosen.0.found, &is_in_question, options, tried)?;
         let others = opened.predicted_by_itself(&other.1, is_shared);
         // Drafts will do where they already say that handles are better opened.
@@ -357,12 +363,17 @@ impl Analysis {
         Ok((chosen, move |part| is_hardly_worth.get(part) == Some(&true)))
     }
 
-    /// The analysis with the handles of some components opened, and for each what was chosen with them closed or opened.
-    fn partly_opened(&self, chosen: &Chosen, (opened, other): (&Self, Chosen), is_opened: &[bool]) -> (Self, Chosen) {
+    /// The same analysis with some parts of another one, the same but for opened handles.
+    fn with_parts_of(&self, opened: &Self, is_opened: &[bool]) -> Self {
         let of_part = |part: usize| if is_opened[part] { &opened.components()[part] } else { &self.components()[part] };
         let components = (0..is_opened.len()).map(|part| Arc::clone(of_part(part))).collect();
         let found = self.found.with_components(components, opened.times());
-        let mixed = Self { found: Arc::new(found), observer: Arc::clone(&self.observer) };
+        Self { found: Arc::new(found), observer: Arc::clone(&self.observer) }
+    }
+
+    /// The analysis with the handles of some components opened, and for each what was chosen with them closed or opened.
+    fn partly_opened(&self, chosen: &Chosen, (opened, other): (&Self, Chosen), is_opened: &[bool]) -> (Self, Chosen) {
+        let mixed = self.with_parts_of(opened, is_opened);
         let of_part = |((closed, opened), &is_opened)| if is_opened { opened } else { Clone::clone(closed) };
         let (mut shared, others) = other;
         for ((found, closed), _) in

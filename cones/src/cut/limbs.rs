@@ -5,6 +5,8 @@
 //! (elder rule: a minimum that is hardly lower than where its set meets another is none). Once more than a few tips are together their set is cut off from
 //! the rest by the shortest edges near its rim, which is the limb's neck.
 
+use std::collections::BTreeMap;
+
 use geom::{EdgeData, FaceData, FaceId, Interrupted, Mesh, Side, VertexData, VertexId, Watch, shortest_separation};
 
 /// A minimum of φ is a tip if its set meets another one so much higher: lengths change by a factor of 20 on the way.
@@ -13,6 +15,12 @@ const PERSISTENT: f64 = 3.0;
 const DEEP: f64 = 3.0;
 /// among so many triangles at most: more take long, and leave room enough on any mesh.
 const MOST_NEAR: usize = 1 << 13;
+/// The mark of triangles that may be on either side.
+const NEAR: u32 = u32::MAX;
+/// Where nothing could be cut so often it is not tried again.
+const MOST_IN_VAIN: usize = 64;
+/// Regions of fewer triangles are no pieces.
+const CRUMB: usize = 20;
 
 /// A sublevel set of φ, as far as it is not cut off.
 struct Limb {
@@ -30,7 +38,7 @@ pub(crate) struct Limbs {
     pub(crate) tips: usize,
 }
 
-/// The thin limbs of a surface, so that no piece has more than so many tips; none if it has no more itself. `lengths` are infinite where nothing may be cut. O(V log V), and
+/// The thin limbs of a surface, so that no piece has more than so many tips as far as edges let it; none if it has no more itself. `lengths` are infinite where nothing may be cut. O(V log V), and
 /// the time of the [separations](shortest_separation) of small parts.
 ///
 /// # Errors
@@ -57,6 +65,7 @@ pub(crate) fn limbs(
         piece: FaceData::constant(mesh.face_count(), 0),
         pieces: 0,
         cut: 0,
+        in_vain: 0,
     };
     for (k, &v) in order.iter().enumerate() {
         if k % 4096 == 0 {
@@ -71,7 +80,7 @@ pub(crate) fn limbs(
         let root = sweep.root(v);
         sweep.limbs[root].get_or_insert_with(Limb::none).faces.extend(own);
     }
-
+    sweep.without_crumbs();
     let Sweep { piece, pieces, mut cut, limbs, .. } = sweep;
     cut += limbs.iter().flatten().map(|limb| limb.tips).sum::<usize>();
     Ok((pieces > 0).then_some(Limbs { piece, tips: cut }))
@@ -97,6 +106,8 @@ struct Sweep<'a> {
     pieces: u32,
     /// How many tips have been cut off.
     cut: usize,
+    /// How often nothing could be cut.
+    in_vain: usize,
 }
 
 impl Sweep<'_> {
@@ -124,13 +135,21 @@ impl Sweep<'_> {
             let is_tip = limb.lowest.is_some_and(|lowest| level - lowest >= PERSISTENT);
             limb.tips = limb.tips.max(usize::from(is_tip));
         }
-        // Stable, so that nothing depends on how sets were numbered.
         met.sort_by_key(|limb| limb.tips);
         while met.iter().map(|limb| limb.tips).sum::<usize>() > self.most_tips
+            && self.in_vain < MOST_IN_VAIN
             && let Some(fullest) = met.iter_mut().rev().find(|limb| limb.tips > 0)
         {
             let limb = std::mem::replace(fullest, Limb::none());
-            *fullest = self.cut_off(limb, level, watch)?;
+            match self.cut_off(limb, level, watch)? {
+                Ok(left) => *fullest = left,
+                Err(whole) => {
+                    // Higher up it may be possible.
+                    *fullest = whole;
+                    self.in_vain += 1;
+                    break;
+                }
+            }
             met.sort_by_key(|limb| limb.tips);
         }
         let mut whole = Limb::none();
@@ -149,34 +168,86 @@ impl Sweep<'_> {
         Ok(())
     }
 
-    /// Cuts off the tips of a set that ends at a level; what is left of it.
-    fn cut_off(&mut self, limb: Limb, level: f64, watch: Watch) -> Result<Limb, Interrupted> {
+    /// Cuts off the tips of a set that ends at a level; what is left of it, or why not: all of it.
+    fn cut_off(&mut self, limb: Limb, level: f64, watch: Watch) -> Result<Result<Limb, Limb>, Interrupted> {
         let (mut near, mut far): (Vec<FaceId>, Vec<FaceId>) =
-            limb.faces.into_iter().partition(|&f| self.height[f] > level - DEEP);
+            limb.faces.iter().partition(|&&f| self.height[f] > level - DEEP);
         if near.len() > MOST_NEAR {
             let higher = |f: &FaceId, g: &FaceId| self.height[*g].total_cmp(&self.height[*f]).then(f.cmp(g));
             near.select_nth_unstable_by(MOST_NEAR, higher);
             far.append(&mut near.split_off(MOST_NEAR));
         }
         let piece = self.pieces + 1;
+        near.iter().for_each(|&f| self.piece[f] = NEAR);
         far.iter().for_each(|&f| self.piece[f] = piece);
+        self.keep_polygons_whole(&far, piece, &mut near);
         let side = |f: FaceId| match self.piece[f] {
             0 => Side::Outer,
             other if other == piece => Side::Inner,
             _ => Side::Neither,
         };
-        let mut left = Limb::none();
-        let Some(is_inner) = shortest_separation(self.mesh, self.lengths, &near, side, watch)? else {
+        let is_inner = shortest_separation(self.mesh, self.lengths, &near, side, watch)?;
+        near.iter().for_each(|&f| self.piece[f] = 0);
+        let Some(is_inner) = is_inner else {
             far.iter().for_each(|&f| self.piece[f] = 0);
-            left.faces = [near, far].concat();
-            return Ok(left);
+            return Ok(Err(limb));
         };
         self.pieces = piece;
         self.cut += limb.tips;
+        let mut left = Limb::none();
         for (f, is_inner) in near.into_iter().zip(is_inner) {
             if is_inner { self.piece[f] = piece } else { left.faces.push(f) }
         }
-        Ok(left)
+        Ok(Ok(left))
+    }
+
+    /// What hangs together with the outside over edges that must not be cut may be on either side.
+    fn keep_polygons_whole(&mut self, far: &[FaceId], piece: u32, near: &mut Vec<FaceId>) {
+        let mesh = self.mesh;
+        let whole = |f: FaceId| {
+            let kept = mesh.sides(f).into_iter().filter(|&h| self.lengths[mesh.edge(h)].is_infinite());
+            kept.filter_map(|h| mesh.twin(h)).map(|g| mesh.face(g))
+        };
+        let mut stack: Vec<FaceId> = far.iter().copied().filter(|&f| whole(f).any(|g| self.piece[g] == 0)).collect();
+        while let Some(f) = stack.pop() {
+            if self.piece[f] == piece {
+                self.piece[f] = NEAR;
+                near.push(f);
+                stack.extend(whole(f));
+            }
+        }
+    }
+
+    /// Gives regions of few triangles to the piece that they have the longest edges with.
+    fn without_crumbs(&mut self) {
+        let mesh = self.mesh;
+        let mut is_seen = FaceData::constant(mesh.face_count(), false);
+        for first in mesh.faces() {
+            if is_seen[first] {
+                continue;
+            }
+            let own = self.piece[first];
+            let mut region = vec![first];
+            is_seen[first] = true;
+            let mut borders: BTreeMap<u32, f64> = BTreeMap::new();
+            let mut at = 0;
+            while let Some(&f) = region.get(at) {
+                at += 1;
+                for h in mesh.sides(f) {
+                    let Some(g) = mesh.twin(h).map(|g| mesh.face(g)) else { continue };
+                    if self.piece[g] != own {
+                        *borders.entry(self.piece[g]).or_default() += self.lengths[mesh.edge(h)];
+                    } else if !std::mem::replace(&mut is_seen[g], true) {
+                        region.push(g);
+                    }
+                }
+            }
+            if region.len() < CRUMB
+                && let Some((&other, _)) = borders.iter().max_by(|a, b| a.1.total_cmp(b.1).then(b.0.cmp(a.0)))
+            {
+                region.into_iter().for_each(|f| self.piece[f] = other);
+            }
+        }
     }
 }
 
@@ -219,6 +290,34 @@ mod tests {
         let waist = metric.area(&mesh).sqrt();
         assert!(around < 1.6 * waist, "{around} {waist}");
         assert!(limbs(&mesh, metric.lengths(), &phi, 2, Watch::NONE).unwrap().is_none(), "two are not too many");
+    }
+
+    #[test]
+    fn polygons_are_not_cut_through_however_steep_it_is_and_crumbs_are_no_pieces() {
+        for height in [9.0, 90.0, 900.0] {
+            let (mesh, metric, phi) = capsule(height);
+            // Every triangle and the next free one are a quadrangle.
+            let mut is_taken = FaceData::constant(mesh.face_count(), false);
+            let mut lengths = metric.lengths().clone();
+            for e in mesh.edges() {
+                let h = mesh.halfedge(e);
+                let Some(g) = mesh.twin(h) else { continue };
+                let faces = [h, g].map(|h| mesh.face(h));
+                if faces.iter().all(|&f| !is_taken[f]) {
+                    faces.iter().for_each(|&f| is_taken[f] = true);
+                    lengths[e] = f64::INFINITY;
+                }
+            }
+            let Some(found) = limbs(&mesh, &lengths, &phi, 1, Watch::NONE).unwrap() else { continue };
+            let pieces = |e: geom::EdgeId| {
+                let h = mesh.halfedge(e);
+                [Some(h), mesh.twin(h)].map(|h| h.map(|h| found.piece[mesh.face(h)]))
+            };
+            let mut through = mesh.edges().filter(|&e| lengths[e].is_infinite());
+            assert!(through.all(|e| pieces(e)[0] == pieces(e)[1]), "{height}");
+            let cut: EdgeData<bool> = mesh.edges().map(|e| pieces(e)[0] != pieces(e)[1]).collect();
+            assert!(geom::open_islands(&mesh, &cut).iter().all(|piece| piece.mesh.face_count() >= CRUMB));
+        }
     }
 
     #[test]

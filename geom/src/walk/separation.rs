@@ -25,7 +25,7 @@ const PARTS: f64 = 1e6;
 const UNCUTTABLE: u64 = 1 << 52;
 
 /// On which side of the shortest separation each of some triangles is: true for the inner one. `between` are the triangles that may be on either
-/// side, each named once; `side` tells where all others are. Edges of infinite length are not cut. None where that keeps the two sides
+/// side, each named once; `side` tells where all others are. Of their edges those of infinite length are not cut. None where that keeps the two sides
 /// together, or nothing keeps them apart. O(E) for each of the flow's phases, of which there are few.
 ///
 /// ```
@@ -115,7 +115,9 @@ impl Network {
                 return Ok(flow);
             }
             let mut next = vec![0; self.pipes.len()];
-            while let Some(more) = self.way(source, sink, &mut next) {
+            while flow < UNCUTTABLE
+                && let Some(more) = self.way(source, sink, &mut next)
+            {
                 flow += more;
             }
         }

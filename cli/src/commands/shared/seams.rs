@@ -26,7 +26,7 @@ pub(crate) struct SeamArgs {
     /// Round cones for a texture that looks the same after 1/4 or 1/6 of a turn, so that it runs on across seams
     #[arg(long, value_name = "4|6")]
     quantize: Option<SymmetryName>,
-    /// Cut off thin limbs at their necks where no number of cones keeps lengths
+    /// Cut off thin limbs at their necks where no affordable number of cones keeps lengths
     #[arg(long, value_name = "WHEN", value_enum, default_value_t = LimbsName::Auto)]
     cut_limbs: LimbsName,
     /// Let the two sides of seams differ, for less distortion
