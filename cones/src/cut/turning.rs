@@ -32,16 +32,15 @@ impl Turning {
     pub(crate) fn new(mesh: &Mesh, metric: &Metric) -> Self {
         let corners = |f: usize| metric.sides(mesh, FaceId::new(f)).corner_angles();
         let angles: Vec<[f64; 3]> = (0..mesh.face_count()).into_par_iter().with_min_len(AT_ONCE).map(corners).collect();
-        let angles: HalfedgeData<f64> = angles.into_flattened().into();
+        let mut direction: HalfedgeData<f64> = angles.into_flattened().into();
         let mut sums = VertexData::constant(mesh.vertex_count(), 0.0);
-        mesh.halfedges().for_each(|h| sums[mesh.tail(h)] += angles[h]);
-        let mut direction = HalfedgeData::constant(mesh.halfedge_count(), 0.0);
+        mesh.halfedges().for_each(|h| sums[mesh.tail(h)] += direction[h]);
         for v in mesh.vertices() {
             let size = if sums[v] > 0.0 { 2.0 * PI / sums[v] } else { 0.0 };
             let mut sum = 0.0;
             for h in mesh.outgoing(v) {
-                direction[h] = sum * size;
-                sum += angles[h];
+                let angle = std::mem::replace(&mut direction[h], sum * size);
+                sum += angle;
             }
         }
         Self { direction }

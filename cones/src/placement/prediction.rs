@@ -1,12 +1,15 @@
 //! How much a flattening will distort areas, from its log scale factor alone.
 
-use geom::VertexData;
+use geom::{FaceId, Id, VertexData};
+use rayon::prelude::*;
 
 use super::configuration::Configuration;
 use super::energy_model::ConeSet;
 use crate::curvature::CurvatureRule;
 use crate::field::Operators;
 
+/// So many triangles are gone through one after the other.
+const AT_ONCE: usize = 1 << 12;
 /// Lengths that change by more than this factor against the mean hardly ever can be: a scan whose noise has made tiny handles comes there, and
 /// Newton's method would take long to fail.
 pub(crate) const MOST_STRETCH: f64 = 3000.0;
@@ -76,12 +79,13 @@ fn area_ratios(operators: &Operators, u: &[f64]) -> Vec<(f64, f64)> {
     assert_eq!(u.len(), operators.mesh.vertex_count(), "a log scale factor has one value a vertex");
     // e^(2/3 u): three of them make a triangle's ratio.
     let share: VertexData<f64> = u.iter().map(|u| (u * (2.0 / 3.0)).exp()).collect();
-    let of_face = |f| {
+    let of_face = |f: usize| {
+        let f = FaceId::new(f);
         let area = operators.metric.sides(&operators.mesh, f).area();
         let [a, b, c] = operators.mesh.corners(f).map(|v| share[v]);
         (area, a * b * c)
     };
-    operators.mesh.faces().map(of_face).collect()
+    (0..operators.mesh.face_count()).into_par_iter().with_min_len(AT_ONCE).map(of_face).collect()
 }
 
 pub(crate) fn distortion_of<'a>(faces: impl IntoIterator<Item = &'a (f64, f64)> + Clone) -> f64 {

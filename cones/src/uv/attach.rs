@@ -20,7 +20,7 @@ use std::collections::BinaryHeap;
 
 use geom::{CutMesh, EdgeData, EdgeId, FaceData, FaceId, HalfedgeId, Interrupted, Mesh, Watch};
 
-use super::boxes::{Bounds, Boxes, bounds, meet};
+use super::boxes::{Bounds, Boxes, meet, moved_bounds};
 use super::chains::{Chain, Loops};
 use super::map::UvMap;
 use super::motion::Motion;
@@ -261,11 +261,6 @@ impl<'a> Pieces<'a> {
     pub(super) fn cut(&self) -> &EdgeData<bool> {
         &self.cut
     }
-}
-
-/// A bounding box that holds another one where this is moved.
-pub(super) fn moved_bounds([low, high]: Bounds, motion: &Motion) -> Bounds {
-    bounds(&[low, [high[0], low[1]], high, [low[0], high[1]]].map(|corner| motion.of(corner)))
 }
 
 /// Whether bounding boxes meet where the first is moved.

@@ -4,6 +4,8 @@
 //! (Kamel and Faloutsos 1993, *On packing R-trees*), which does not mind triangles of very different sizes as a uniform grid does. Only boxes of
 //! eight triangles and more are kept: the triangles' own are found where a query comes as far. So the tree takes 9 bytes a triangle.
 
+use std::ops::Range;
+
 use geom::FaceId;
 use rayon::prelude::*;
 
@@ -68,6 +70,16 @@ impl<'a> Boxes<'a> {
         Self { triangles, order, levels, extent: (high[0] - low[0]).max(high[1] - low[1]) }
     }
 
+    /// The triangles in the tree, next to each other along the curve.
+    pub(super) fn triangles(&self) -> &[u32] {
+        &self.order
+    }
+
+    /// The bounding box of all of them; none if there are none.
+    pub(super) fn bounds(&self) -> Option<Bounds> {
+        Some(self.levels.last()?[0])
+    }
+
     /// A triangle, turned counter-clockwise; none without area.
     pub(super) fn upright(&self, f: u32) -> Option<Triangle> {
         triangle::upright(self.triangles[f as usize])
@@ -107,6 +119,16 @@ impl<'a> Boxes<'a> {
         (0..STRIDE).any(|first| some.iter().skip(first).step_by(STRIDE).any(overlaps))
     }
 
+    /// Whether one of the triangles, where a motion takes them, lies deeper than `least` over one of others. Both trees are gone down at once.
+    pub(super) fn lie_over(&self, others: &Self, motion: &Motion, least: f64) -> bool {
+        let [Some(top), Some(other_top)] = [self, others].map(|boxes| boxes.levels.len().checked_sub(1)) else {
+            return false;
+        };
+        let all = moved_bounds(self.levels[top][0], motion);
+        let pair = Pair { boxes: [self, others], motion, least };
+        pair.overlaps(&all, [(top, 0), (other_top, 0)])
+    }
+
     /// Visits the triangles whose bounding boxes meet that of a triangle, in no order that means anything, as long as the
     /// visitor says to go on.
     pub(super) fn meeting(&self, triangle: &Triangle, mut visit: impl FnMut(u32) -> bool) {
@@ -120,13 +142,64 @@ impl<'a> Boxes<'a> {
         if !meet(&self.levels[level][at], asked) {
             return true;
         }
-        let count = if level == 0 { self.order.len() } else { self.levels[level - 1].len() };
-        let mut within = at * WIDTH..count.min((at + 1) * WIDTH);
+        let mut within = self.within(level, at);
         if level > 0 {
             return within.all(|below| self.descend(level - 1, below, asked, visit));
         }
         self.order[within].iter().all(|&f| !meet(&bounds(&self.triangles[f as usize]), asked) || visit(f))
     }
+
+    /// What is in one box of a level: boxes of the level below, or places in the order.
+    fn within(&self, level: usize, at: usize) -> Range<usize> {
+        let count = if level == 0 { self.order.len() } else { self.levels[level - 1].len() };
+        at * WIDTH..count.min((at + 1) * WIDTH)
+    }
+
+    /// The triangles in one of the smallest boxes, turned counter-clockwise.
+    fn leaf(&self, at: usize) -> impl Iterator<Item = Triangle> {
+        self.order[self.within(0, at)].iter().filter_map(|&f| self.upright(f))
+    }
+}
+
+/// Two trees, of which the first is moved.
+struct Pair<'a> {
+    boxes: [&'a Boxes<'a>; 2],
+    motion: &'a Motion,
+    /// What may lie over each other.
+    least: f64,
+}
+
+impl Pair<'_> {
+    /// Whether triangles overlap of which one is in a box of the first tree, whose bounds where it is moved to are given, and one in a box of
+    /// the other. Boxes are levels and places on them.
+    fn overlaps(&self, moved: &Bounds, [(level, at), (other_level, other_at)]: [(usize, usize); 2]) -> bool {
+        let [one, other] = self.boxes;
+        if !meet(moved, &other.levels[other_level][other_at]) {
+            return false;
+        }
+        if level == 0 && other_level == 0 {
+            return one.leaf(at).any(|triangle| {
+                let triangle = self.motion.of_triangle(triangle);
+                let about = bounds(&triangle);
+                let meets = |other: &Triangle| {
+                    meet(&about, &bounds(other)) && triangle::depth(&triangle, other).is_some_and(|d| d > self.least)
+                };
+                meet(&about, &other.levels[0][other_at]) && other.leaf(other_at).any(|other| meets(&other))
+            });
+        }
+        if level >= other_level {
+            return one.within(level, at).any(|below| {
+                let moved = moved_bounds(one.levels[level - 1][below], self.motion);
+                self.overlaps(&moved, [(level - 1, below), (other_level, other_at)])
+            });
+        }
+        other.within(other_level, other_at).any(|below| self.overlaps(moved, [(level, at), (other_level - 1, below)]))
+    }
+}
+
+/// A bounding box that holds another one where this is moved.
+pub(super) fn moved_bounds([low, high]: Bounds, motion: &Motion) -> Bounds {
+    bounds(&[low, [high[0], low[1]], high, [low[0], high[1]]].map(|corner| motion.of(corner)))
 }
 
 /// The bounding box of points.
@@ -135,7 +208,7 @@ pub(super) fn bounds<const N: usize>(points: &[[f64; 2]; N]) -> Bounds {
     [extreme(f64::INFINITY, f64::min), extreme(f64::NEG_INFINITY, f64::max)]
 }
 
-fn joined([low, high]: Bounds, [l, h]: Bounds) -> Bounds {
+pub(super) fn joined([low, high]: Bounds, [l, h]: Bounds) -> Bounds {
     [[low[0].min(l[0]), low[1].min(l[1])], [high[0].max(h[0]), high[1].max(h[1])]]
 }
 

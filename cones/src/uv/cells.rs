@@ -8,24 +8,26 @@
 //!
 //! Cells and arcs are numbered by their size, whatever the order of triangles and vertices: the search draws them by lot.
 //!
-//! Two cells of which neither overlaps itself lie beside each other iff the triangles at the boundary of the one with less area meet nothing of
-//! the other. That depends on their motion to each other alone, so it is remembered by that.
+//! Two cells of which neither overlaps itself lie beside each other iff triangles at the boundary of one meet none at the boundary of the other, and
+//! no point of the one with less area is within the other. That depends on their motion to each other alone, so it is remembered by that.
 
 use std::cmp::Reverse;
 use std::f64::consts::{FRAC_PI_2, TAU};
 
-use geom::{CutMesh, EdgeData, EdgeId, FaceData, FaceId, HalfedgeId, Mesh, VertexId, edges_at};
+use geom::{CutMesh, EdgeData, EdgeId, FaceData, FaceId, HalfedgeId, Id, Mesh, VertexData, VertexId, edges_at};
 use num_complex::Complex64;
+use rayon::prelude::*;
 
 use super::across::axis;
 use super::attach::{ALLOWED, Moved, may_meet};
-use super::boxes::{Bounds, Boxes};
+use super::boxes::{self, Bounds, Boxes, joined};
 use super::chains::motion_across;
 use super::map::UvMap;
 use super::motion::Motion;
 use super::overlap::NEGLIGIBLE_DEPTH;
 use super::pack::convex_hull;
 use super::table::Table;
+use super::triangle::{self, Triangle};
 
 /// A vertex is flat if its angles add up to a full turn but for this.
 const FLAT: f64 = 1e-6;
@@ -37,6 +39,8 @@ const NUMBERED: f64 = 1e9;
 const DIRECTIONS: usize = 16;
 /// Squares are sought in so many directions, evenly over a quarter turn.
 pub(super) const QUARTER: usize = 12;
+/// So many triangles are looked at one after the other at least.
+const AT_ONCE: usize = 1 << 12;
 /// Motions that differ by less than this, in shares of the map's extent, are one.
 const SAME_MOTION: f64 = 1e-7;
 
@@ -69,12 +73,16 @@ impl Arc {
 
 /// A map that keeps the shape of its triangles, opened along a network.
 pub(super) struct Cells<'a> {
-    boxes: &'a Boxes<'a>,
     /// The cell of each triangle.
     pub(super) cell: FaceData<u32>,
-    faces: Vec<Vec<FaceId>>,
-    /// The triangles at the boundary of each cell; all of them where one of these has no area.
-    rims: Vec<Vec<FaceId>>,
+    /// How many triangles each cell has.
+    size: Vec<usize>,
+    /// The triangles of each cell that have a corner on its boundary; all where one of these has no area.
+    rims: Vec<Boxes<'a>>,
+    /// A point of each that is in one of these.
+    inner: Vec<[f64; 2]>,
+    /// The sides on the boundary of each.
+    sides: Vec<Vec<[[f64; 2]; 2]>>,
     /// As they lie at first; none without area.
     pub(super) bounds: Vec<Option<Bounds>>,
     /// The corners of each that are farthest in one of some directions.
@@ -103,29 +111,34 @@ impl<'a> Cells<'a> {
     pub(super) fn new(
         (mesh, kept): (&Mesh, Option<&EdgeData<bool>>),
         length: impl Fn(&[HalfedgeId]) -> f64,
-        map: &UvMap,
-        boxes: &'a Boxes<'a>,
+        map: &'a UvMap,
         network: &EdgeData<bool>,
     ) -> Self {
         let opened = CutMesh::open(mesh, network);
         let count = opened.island_count();
-        let order = largest_first(mesh, boxes, &opened);
+        let uv = map.triangles();
+        let areas: Vec<Option<f64>> = uv.par_iter().with_min_len(AT_ONCE).map(|&triangle| area(triangle)).collect();
+        let order = largest_first(mesh, &areas, &opened);
         let cell: FaceData<u32> = mesh.faces().map(|f| order[opened.island(f) as usize]).collect();
-        let (mut faces, mut rims, mut points) = (vec![Vec::new(); count], vec![Vec::new(); count], vec![vec![]; count]);
-        mesh.faces().for_each(|f| faces[cell[f] as usize].push(f));
-        for &h in opened.boundary_loops().iter().flatten() {
-            let f = mesh.face(h);
-            rims[cell[f] as usize].push(f);
-            let [x, y] = map.position[h];
-            points[cell[f] as usize].push(Complex64::new(x, y));
-        }
-        for (rim, faces) in rims.iter_mut().zip(&faces) {
-            rim.sort_unstable();
-            rim.dedup();
-            if rim.iter().any(|f: &FaceId| boxes.upright(f.0).is_none()) {
-                rim.clone_from(faces);
+        let (mut size, mut area, mut bounds) = (vec![0; count], vec![0.0; count], vec![None; count]);
+        for f in mesh.faces() {
+            let c = cell[f] as usize;
+            size[c] += 1;
+            if let Some(of_triangle) = areas[f.index()] {
+                area[c] += of_triangle;
+                let about = boxes::bounds(&uv[f.index()]);
+                bounds[c] = Some(bounds[c].map_or(about, |bounds| joined(bounds, about)));
             }
         }
+        let rims = rims(mesh, &areas, (&cell, count), network);
+        let middle = |&f: &u32| uv[f as usize].iter().fold([0.0; 2], |[x, y], p| [x + p[0] / 3.0, y + p[1] / 3.0]);
+        let larger = |f: &&u32, g: &&u32| areas[**f as usize].partial_cmp(&areas[**g as usize]).expect("no NaN");
+        let inner = |rim: &Vec<u32>| rim.iter().max_by(larger).map_or([f64::NAN; 2], middle);
+        let mut sides = vec![Vec::new(); count];
+        for &h in opened.boundary_loops().iter().flatten() {
+            sides[cell[mesh.face(h)] as usize].push([h, mesh.next(h)].map(|h| map.position[h]));
+        }
+        let points = |c: usize| sides[c].iter().map(|&[[x, y], _]| Complex64::new(x, y)).collect::<Vec<_>>();
         let (mut arcs, is_flat) = arcs((mesh, kept), length, map, network, &cell);
         let whole: f64 = arcs.iter().map(|arc| arc.length).sum();
         let first_edge = |arc: &Arc| arc.sides.iter().map(|&h| sorted(mesh.ends(mesh.edge(h)))).min();
@@ -133,7 +146,7 @@ impl<'a> Cells<'a> {
         for arc in &mut arcs {
             arc.length = share(arc.length, whole, LENGTHS) as f64 * whole / LENGTHS;
         }
-        let axis = Complex64::cis(points.first().map_or(0.0, |points| axis(points.iter().map(|z| [z.re, z.im]))));
+        let axis = Complex64::cis(sides.first().map_or(0.0, |sides| axis(sides.iter().map(|side| side[0]))));
         let mut around = vec![Vec::new(); count];
         let mut at_joint = vec![Vec::new(); is_flat.len()];
         for (arc, k) in arcs.iter().zip(0..) {
@@ -144,17 +157,18 @@ impl<'a> Cells<'a> {
         }
         let extent = map.extent();
         Self {
-            boxes,
-            bounds: faces.iter().map(|faces| boxes.bounds_of(faces.iter().map(|f| f.0))).collect(),
-            area: faces.iter().map(|faces| faces.iter().map(|f| boxes.area(f.0)).sum()).collect(),
-            extremes: points.into_iter().map(|points| extremes(&convex_hull(points), axis)).collect(),
+            bounds,
+            area,
+            size,
+            inner: rims.iter().map(inner).collect(),
+            rims: rims.into_par_iter().map(|rim| Boxes::of(uv, rim)).collect(),
+            extremes: (0..count).into_par_iter().map(|c| extremes(&convex_hull(points(c)), axis)).collect(),
+            sides,
             directions: std::array::from_fn(|k| {
                 let direction = axis * Complex64::cis(FRAC_PI_2 * k as f64 / QUARTER as f64);
                 [direction.re, direction.im]
             }),
             cell,
-            faces,
-            rims,
             arcs,
             around,
             is_flat,
@@ -165,12 +179,12 @@ impl<'a> Cells<'a> {
     }
 
     pub(super) fn count(&self) -> usize {
-        self.faces.len()
+        self.size.len()
     }
 
     /// How many triangles a cell has.
     pub(super) fn size(&self, c: u32) -> usize {
-        self.faces[c as usize].len()
+        self.size[c as usize]
     }
 
     /// Whether two motions differ by rounding alone.
@@ -197,8 +211,15 @@ impl<'a> Cells<'a> {
 
     fn meet(&self, [p, q]: [u32; 2], motion: &Motion) -> bool {
         let [moved, still] = [p, q].map(|cell| self.bounds[cell as usize]);
-        let is_asked = |g: FaceId| self.cell[g] == q;
-        may_meet(moved, still, motion) && self.boxes.overlap(&self.rims[p as usize], motion, is_asked, self.least)
+        let [p, q] = [p, q].map(|cell| cell as usize);
+        may_meet(moved, still, motion)
+            && (self.rims[p].lie_over(&self.rims[q], motion, self.least) || self.is_within(q, motion.of(self.inner[p])))
+    }
+
+    /// Whether a point is within the boundary of a cell: a ray from it crosses that an odd number of times.
+    fn is_within(&self, c: usize, [x, y]: [f64; 2]) -> bool {
+        let crosses = |[[a, b], [c, d]]: [[f64; 2]; 2]| (b > y) != (d > y) && x < a + (y - b) / (d - b) * (c - a);
+        self.sides[c].iter().filter(|&&side| crosses(side)).count() % 2 == 1
     }
 
     /// Which of some arcs that are not glued are seams.
@@ -234,13 +255,38 @@ impl<'a> Cells<'a> {
     }
 }
 
+/// The area of a triangle; none if it has none.
+fn area(triangle: Triangle) -> Option<f64> {
+    triangle::upright(triangle).map(|corners| 0.5 * triangle::twice_area(corners))
+}
+
+/// The triangles of each cell that have a corner on its boundary; all that have an area where one of these has none.
+fn rims(
+    mesh: &Mesh,
+    areas: &[Option<f64>],
+    (cell, count): (&FaceData<u32>, usize),
+    network: &EdgeData<bool>,
+) -> Vec<Vec<u32>> {
+    let mut is_open: VertexData<bool> = mesh.vertices().map(|v| mesh.is_boundary_vertex(v)).collect();
+    mesh.edges().filter(|&e| network[e]).flat_map(|e| mesh.ends(e)).for_each(|v| is_open[v] = true);
+    let is_rim = |f: &FaceId| mesh.corners(*f).into_iter().any(|v| is_open[v]);
+    let has_area = |f: &FaceId| areas[f.index()].is_some();
+    let mut needs_all = vec![false; count];
+    mesh.faces().filter(|f| is_rim(f) && !has_area(f)).for_each(|f| needs_all[cell[f] as usize] = true);
+    let mut rims = vec![Vec::new(); count];
+    for f in mesh.faces().filter(|f| has_area(f) && (needs_all[cell[*f] as usize] || is_rim(f))) {
+        rims[cell[f] as usize].push(f.0);
+    }
+    rims
+}
+
 /// The number of each island: the largest first.
-fn largest_first(mesh: &Mesh, boxes: &Boxes, opened: &CutMesh) -> Vec<u32> {
+fn largest_first(mesh: &Mesh, areas: &[Option<f64>], opened: &CutMesh) -> Vec<u32> {
     let count = opened.island_count();
     let (mut area, mut first) = (vec![0.0; count], vec![[VertexId(u32::MAX); 3]; count]);
     for f in mesh.faces() {
         let island = opened.island(f) as usize;
-        area[island] += boxes.area(f.0);
+        area[island] += areas[f.index()].unwrap_or(0.0);
         first[island] = sorted(mesh.corners(f)).min(first[island]);
     }
     let whole: f64 = area.iter().sum();

@@ -8,12 +8,13 @@
 //! there are and what borders on them, not at all triangles and their neighbours: on layouts of 28,576 triangles a third of the time of
 //! [`overlaps`](super::overlaps). Regions are gone through as long as triangles do not come to lie on others side on side, to the bit.
 
+use std::ops::Range;
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 
 use geom::{CutMesh, FaceData, FaceId, Interrupted, Mesh, VertexData, Watch};
 use rayon::prelude::*;
 
-use super::boxes::Boxes;
+use super::boxes::{Boxes, bounds};
 use super::map::UvMap;
 use super::overlap::{FREE_PAIRS, NEGLIGIBLE_DEPTH, Overlap, Overlaps};
 use super::table::Set;
@@ -25,6 +26,8 @@ const EXTENTS: std::ops::Range<f64> = 1e-60..1e60;
 const BLOCK: usize = 1 << 14;
 /// So many pairs are kept for each triangle, and [`FREE_PAIRS`] besides, lest what is looked up beside them fill the memory.
 const MOST_PAIRS: usize = 4;
+/// So many squares at most are at a side of the grid that tells what is near.
+const MOST_SQUARES: usize = 4096;
 /// So many triangles are looked up one after the other.
 const AT_ONCE: usize = 1 << 10;
 
@@ -51,9 +54,11 @@ pub(super) fn overlaps_from_boundary(
     // A pair is found from either triangle. Whether there are too many does not depend on who stops first.
     let found = AtomicUsize::new(0);
     let are_few = || found.load(Relaxed) <= 2 * most;
+    let near = Near::new(uv, &boxes);
     let with_first = |g: u32| {
         let mut of_one = Vec::new();
-        if let Some(one) = boxes.upright(g).filter(|_| are_few()) {
+        let may_meet = near.may_meet(&uv[g as usize]) && are_few();
+        if let Some(one) = boxes.upright(g).filter(|_| may_meet) {
             boxes.meeting(&one, |f| {
                 if f != g
                     && opened.island(FaceId(f)) == opened.island(FaceId(g))
@@ -107,6 +112,53 @@ pub(super) fn overlaps_from_boundary(
     }
     pairs.sort_unstable_by_key(|pair| pair.triangles);
     Ok(Some(Overlaps { pairs, extent: boxes.extent, is_complete: true }))
+}
+
+/// A grid of squares, and which of them the bounding boxes of some triangles meet: most of a map's triangles are near none of its boundary.
+struct Near {
+    low: [f64; 2],
+    /// Squares to a unit of length.
+    scale: f64,
+    /// Squares to a side.
+    side: usize,
+    /// Whether boxes meet each, row by row; empty if they meet too many to be worth it.
+    is_met: Vec<bool>,
+}
+
+impl Near {
+    fn new(uv: &[Triangle], boxes: &Boxes) -> Self {
+        let side = ((uv.len() as f64).sqrt() as usize).clamp(1, MOST_SQUARES);
+        let [low, _] = boxes.bounds().unwrap_or_default();
+        let scale = side as f64 / boxes.extent;
+        let mut near = Self { low, scale, side, is_met: vec![false; side * side] };
+        let mut left = uv.len();
+        for &f in boxes.triangles() {
+            let [columns, rows] = near.squares(&uv[f as usize]);
+            let count = columns.len() * rows.len();
+            if count > left {
+                near.is_met.clear();
+                break;
+            }
+            left -= count;
+            rows.for_each(|row| near.is_met[row * side + columns.start..row * side + columns.end].fill(true));
+        }
+        near
+    }
+
+    /// The columns and rows that the bounding box of a triangle meets.
+    fn squares(&self, triangle: &Triangle) -> [Range<usize>; 2] {
+        let [from, to] = bounds(triangle).map(|p| [0, 1].map(|i| ((p[i] - self.low[i]) * self.scale) as usize));
+        [0, 1].map(|i| from[i].min(self.side - 1)..to[i].min(self.side - 1) + 1)
+    }
+
+    /// Whether a triangle's bounding box may meet one of them.
+    fn may_meet(&self, triangle: &Triangle) -> bool {
+        let [columns, rows] = self.squares(triangle);
+        let is_met = |row: usize| {
+            self.is_met[row * self.side + columns.start..row * self.side + columns.end].iter().any(|&met| met)
+        };
+        self.is_met.is_empty() || rows.into_iter().any(is_met)
+    }
 }
 
 /// The pairs that were seen.

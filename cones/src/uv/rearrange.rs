@@ -11,8 +11,7 @@
 use geom::{EdgeData, HalfedgeId, Interrupted, Mesh, Watch, kruskal};
 use rayon::prelude::*;
 
-use super::attach::moved_bounds;
-use super::boxes::{Bounds, Boxes, meet};
+use super::boxes::{Bounds, meet, moved_bounds};
 use super::cells::{Cells, Known, QUARTER};
 use super::divide::SLIVER;
 use super::map::UvMap;
@@ -73,9 +72,7 @@ pub(super) fn rearranged(
     (length, cost, share): (impl Fn(&[HalfedgeId]) -> f64, impl Fn(Figures) -> f64 + Sync, f64),
     watch: Watch,
 ) -> Result<Option<UvMap>, Interrupted> {
-    let boxes = Boxes::new(map.triangles());
-    watch.ask(0.0)?;
-    let cells = Cells::new((mesh, kept), length, map, &boxes, network);
+    let cells = Cells::new((mesh, kept), length, map, network);
     watch.ask(0.0)?;
     if cells.count() > MOST_CELLS {
         return Ok(None);
@@ -90,7 +87,7 @@ pub(super) fn rearranged(
     let best = found.into_iter().filter(|(cost, _)| *cost < before).min_by(|a, b| a.0.total_cmp(&b.0));
     let Some((_, best)) = best else { return Ok(None) };
     let moved = cells.moved(mesh, best.open(&cells), best.motion);
-    drop(boxes);
+    drop(cells);
     Ok(Some(moved.snapped(mesh, map.clone())))
 }
 
@@ -597,8 +594,7 @@ mod tests {
     fn cells_overlap_where_their_triangles_do_wherever_they_are_moved() {
         let (shape, cones) = cases().nth(1).unwrap();
         let (mesh, lengths, map, network) = apart(&shape, &cones);
-        let boxes = Boxes::new(map.triangles());
-        let cells = Cells::new((&mesh, None), sum(&mesh, &lengths), &map, &boxes, &network);
+        let cells = Cells::new((&mesh, None), sum(&mesh, &lengths), &map, &network);
         let triangles = |c: u32| -> Vec<Triangle> {
             mesh.faces().filter(|&f| cells.cell[f] == c).map(|f| map.triangle(f)).collect()
         };
@@ -634,8 +630,7 @@ mod tests {
     fn the_room_is_the_same_whatever_was_kept_from_earlier_steps() {
         let (shape, cones) = cases().nth(1).unwrap();
         let (mesh, lengths, map, network) = apart(&shape, &cones);
-        let boxes = Boxes::new(map.triangles());
-        let cells = Cells::new((&mesh, None), sum(&mesh, &lengths), &map, &boxes, &network);
+        let cells = Cells::new((&mesh, None), sum(&mesh, &lengths), &map, &network);
         let mut forest = Forest::of(&cells, &mesh, &map.cut);
         let mut search = Search { cells: &cells, cost: |_| 0.0, random: Random(3), memory: Memory::new(&cells) };
         let mut rooms = Vec::new();
@@ -653,8 +648,7 @@ mod tests {
     fn room_is_that_of_a_square_about_all_corners() {
         let (shape, cones) = cases().next().unwrap();
         let (mesh, lengths, map, network) = apart(&shape, &cones);
-        let boxes = Boxes::new(map.triangles());
-        let cells = Cells::new((&mesh, None), sum(&mesh, &lengths), &map, &boxes, &network);
+        let cells = Cells::new((&mesh, None), sum(&mesh, &lengths), &map, &network);
         let figures = Forest::of(&cells, &mesh, &map.cut).figures(&cells, &mut Memory::new(&cells));
         let opened = map.opened(&mesh);
         let mut points = vec![Vec::new(); opened.island_count()];

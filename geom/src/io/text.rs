@@ -101,6 +101,11 @@ impl<'a> Line<'a> {
         Place::Line(self.number)
     }
 
+    /// Where in the text it ends.
+    pub(super) fn end(&self) -> usize {
+        self.start + self.text.len()
+    }
+
     pub(super) fn words(&self) -> Words<'a> {
         Words { text: self.text, at: 0, place: self.place(), is_last: self.is_last }
     }

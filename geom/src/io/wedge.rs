@@ -4,6 +4,7 @@
 use std::cmp::Ordering;
 
 use super::error::WriteError;
+use crate::parallel::map;
 use crate::surface::{Attribute, AttributeDomain, Model};
 
 /// The wedges of a map, numbered by their first corners.
@@ -27,14 +28,21 @@ impl Wedges {
             Self::check(model, uv)?;
         }
         let (start, mut corners) = corners_by_vertex(model);
-        let mut first_of_corner = vec![0; corners.len()];
         let order = |a: u32, b: u32| order(model, uv, tables, a, b);
-        for ends in start.windows(2) {
+        let is_one = |v: usize| {
+            let ring = &corners[start[v] as usize..start[v + 1] as usize];
+            ring.iter().all(|&corner| order(ring[0], corner).is_eq())
+        };
+        // Corners ascend, and most vertices are one wedge.
+        let is_one = map(model.vertex_count(), is_one);
+        let mut first_of_corner = vec![0; corners.len()];
+        for (ends, is_one) in start.windows(2).zip(is_one) {
             let ring = &mut corners[ends[0] as usize..ends[1] as usize];
-            // Corners ascend, and most vertices are one wedge.
-            if ring.iter().any(|&corner| order(ring[0], corner).is_ne()) {
-                ring.sort_unstable_by(|&a, &b| order(a, b).then(a.cmp(&b)));
+            if is_one {
+                ring.iter().for_each(|&corner| first_of_corner[corner as usize] = ring[0]);
+                continue;
             }
+            ring.sort_unstable_by(|&a, &b| order(a, b).then(a.cmp(&b)));
             for wedge in ring.chunk_by(|&a, &b| order(a, b).is_eq()) {
                 wedge.iter().for_each(|&corner| first_of_corner[corner as usize] = wedge[0]);
             }

@@ -72,6 +72,9 @@ pub fn write_obj(model: &Model, content: &ObjContent, out: impl Write) -> Result
     Ok(())
 }
 
+/// So many faces are gathered, to be written on all threads.
+const AT_ONCE: usize = 1 << 16;
+
 struct Job<'a> {
     model: &'a Model,
     content: &'a ObjContent<'a>,
@@ -145,26 +148,33 @@ impl Job<'_> {
         let addition = Addition::place(text);
         let line_end = line_end_of(text);
         let mut copy = Copy { text, at: 0, out };
+        let mut faces = Vec::new();
         let (mut face, mut added, mut is_dropped) = (0, false, false);
         for line in Lines::joined(text) {
             if std::mem::take(&mut is_dropped) {
                 copy.at = line.start;
             }
             if !added && line.start >= addition.at {
+                self.faces(&mut faces, &addition, &mut copy)?;
                 copy.until(addition.at)?;
                 self.addition(line_end, &mut copy.out)?;
                 added = true;
             }
             if addition.drops_old && self.wedges.is_some() && line.words().next() == Some(b"vt") {
+                self.faces(&mut faces, &addition, &mut copy)?;
                 copy.until(line.start)?;
                 copy.at = text.len();
                 is_dropped = true;
             }
             if line.words().next().is_some_and(is_face) {
-                self.face(&line, face, cells.triangles_of(face), &addition, &mut copy)?;
+                faces.push(Face { line, face, triangles: cells.triangles_of(face) });
                 face += 1;
+                if faces.len() == AT_ONCE {
+                    self.faces(&mut faces, &addition, &mut copy)?;
+                }
             }
         }
+        self.faces(&mut faces, &addition, &mut copy)?;
         copy.until(text.len())?;
         if !added {
             let is_end = |&byte: &u8| byte == b'\n' || byte == b'\r';
@@ -178,18 +188,27 @@ impl Job<'_> {
         Ok(())
     }
 
+    /// Writes the text to the end of the last of some faces, and forgets them.
+    fn faces(&self, faces: &mut Vec<Face>, addition: &Addition, copy: &mut Copy<impl Write>) -> io::Result<()> {
+        let Copy { text, at, out } = copy;
+        let (text, first) = (*text, *at);
+        write_lines(faces.len(), out, |k, out| {
+            // Each with what is between the one before and itself.
+            let at = if k == 0 { first } else { faces[k - 1].line.end() };
+            let mut copy = Copy { text, at, out };
+            self.face(&faces[k], addition, &mut copy)?;
+            copy.until(faces[k].line.end())
+        })?;
+        *at = faces.last().map_or(first, |face| face.line.end());
+        faces.clear();
+        Ok(())
+    }
+
     /// Writes the line of a face, or in its place the lines of its triangles.
-    fn face(
-        &self,
-        line: &Line,
-        face: usize,
-        triangles: Option<&[[u32; 3]]>,
-        addition: &Addition,
-        copy: &mut Copy<impl Write>,
-    ) -> io::Result<()> {
-        let corners = self.model.face_corners(face);
-        let words = corner_words(line);
-        match triangles {
+    fn face(&self, face: &Face, addition: &Addition, copy: &mut Copy<impl Write>) -> io::Result<()> {
+        let corners = self.model.face_corners(face.face);
+        let words = corner_words(&face.line);
+        match face.triangles {
             Some(triangles) if corners.len() > 3 && !triangles.is_empty() => {
                 copy.until(words[0].start)?;
                 for (i, triangle) in triangles.iter().enumerate() {
@@ -226,6 +245,14 @@ impl Job<'_> {
             Some(normal) => out.write_all(b"/").and_then(|()| out.write_all(normal)),
         }
     }
+}
+
+/// A face of the text.
+struct Face<'a> {
+    line: Line<'a>,
+    face: usize,
+    /// What stands in its place, if that is asked for.
+    triangles: Option<&'a [[u32; 3]]>,
 }
 
 /// Where the words behind the keyword stand in the text.

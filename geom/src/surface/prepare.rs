@@ -21,8 +21,9 @@ use super::triangulate::Triangles;
 use super::weld::{BoundarySide, Weld, stitches};
 use crate::intrinsic::Metric;
 use crate::mesh::{
-    EdgeData, EdgeId, FaceData, HalfedgeData, HalfedgeId, Id, Mesh, VertexData, VertexId, for_each_edge,
+    EdgeData, EdgeId, FaceData, FaceId, HalfedgeData, HalfedgeId, Id, Mesh, VertexData, VertexId, for_each_edge,
 };
+use crate::parallel::{each_of, map};
 use crate::vector::{cross, length, sub};
 use crate::watch::{Interrupted, Watch, unwatched};
 
@@ -604,22 +605,27 @@ impl Soup {
             }
             number(&faces, &mut new_face);
             watch.ask(0.2)?;
-            let tail: Vec<VertexId> = sides(&faces).map(|h| VertexId(local[fan[h] as usize])).collect();
+            let side = |k: usize| 3 * faces[k / 3] as usize + k % 3;
+            let side_count = 3 * faces.len();
+            let tail: Vec<VertexId> = map(side_count, |k| VertexId(local[fan[side(k)] as usize]));
             let renumber = |g: u32| if g == NONE { NONE } else { 3 * new_face[g as usize / 3] + g % 3 };
-            let twin: Vec<u32> = sides(&faces).map(|h| renumber(self.twin[h])).collect();
+            let twin: Vec<u32> = map(side_count, |k| renumber(self.twin[side(k)]));
             watch.ask(0.4)?;
             let mesh = Mesh::from_twins(fans.len(), tail, twin).expect("every fan is a vertex of its own");
             watch.ask(0.6)?;
             let vertex: VertexData<u32> = fans.iter().map(|&fan| fan_vertex[fan as usize].0).collect();
-            let corner = sides(&faces).map(|h| self.corner[h]).collect();
+            let corner = map(side_count, |k| self.corner[side(k)]).into();
             let face_of = |h: HalfedgeId| self.triangle[faces[h.index() / 3] as usize].1;
             let metric = Metric::from_points(&mesh, &points);
             watch.ask(0.8)?;
             let mut zero_area = 0;
-            for f in mesh.faces().filter(|&f| metric.sides(&mesh, f).area() <= 0.0) {
-                log.note(RepairKind::ZeroArea, face_of(mesh.sides(f)[0]) as usize);
-                zero_area += 1;
-            }
+            let has_none = |f: usize| metric.sides(&mesh, FaceId::new(f)).area() <= 0.0;
+            each_of(mesh.face_count(), has_none, |f, has_none| {
+                if has_none {
+                    log.note(RepairKind::ZeroArea, face_of(mesh.sides(FaceId::new(f))[0]) as usize);
+                    zero_area += 1;
+                }
+            });
             if zero_area == mesh.face_count()
                 || mesh.faces().all(|f| is_line(mesh.corners(f).map(|v| points[v.index()])))
             {
@@ -630,7 +636,7 @@ impl Soup {
                 let h = mesh.halfedge(e);
                 mesh.twin(h).is_some_and(|g| face_of(g) == face_of(h))
             };
-            let diagonal = mesh.edges().map(inside).collect();
+            let diagonal = map(mesh.edge_count(), |e| inside(EdgeId::new(e))).into();
             let triangle = faces.iter().map(|&f| self.triangle[f as usize].0).collect();
             surfaces.push(Surface { mesh, points, vertex, corner, triangle, diagonal, scale, zero_area });
         }
