@@ -6,7 +6,10 @@
 
 use std::f64::consts::PI;
 
-use geom::{CutMesh, EdgeData, EdgeId, FaceData, FaceId, Interrupted, Mesh, ShortestPaths, VertexId, Watch, edges_at};
+use geom::{
+    CutMesh, EdgeData, EdgeId, FaceData, FaceId, HalfedgeId, Interrupted, Mesh, ShortestPaths, VertexId, Watch,
+    edges_at,
+};
 
 use super::map::UvMap;
 use super::triangle;
@@ -55,6 +58,10 @@ pub(super) struct Sweep {
     end: Vec<usize>,
     /// Where a triangle is; the island's only.
     place: FaceData<u32>,
+    /// The sides on the island's boundary, and where their triangles are, which ascends.
+    rim: Vec<(usize, [[f64; 2]; 2])>,
+    /// Element k: the area of the first k triangles.
+    area: Vec<f64>,
 }
 
 /// One side of a path, or a whole island: its boundary, and its area in the plane.
@@ -89,19 +96,16 @@ impl<'a> Paths<'a> {
         islands
     }
 
-    /// The sides of some of the triangles of an island that have others, or nothing, beyond.
-    pub(super) fn side(&self, faces: &[FaceId], is_within: impl Fn(FaceId) -> bool) -> Side {
-        let mut side = Side { edges: Vec::new(), area: 0.0 };
-        for &f in faces.iter().filter(|&&f| is_within(f)) {
-            side.area += self.area(f);
-            for h in self.mesh.sides(f) {
-                let beyond = self.mesh.twin(h).filter(|_| !self.map.cut[self.mesh.edge(h)]);
-                if beyond.is_none_or(|g| !is_within(self.mesh.face(g))) {
-                    side.edges.push([self.map.position[h], self.map.position[self.mesh.next(h)]]);
-                }
-            }
-        }
-        side
+    /// An island's boundary and area.
+    pub(super) fn outline(&self, island: &[FaceId]) -> Side {
+        let rim = island.iter().flat_map(|&f| self.rim(f)).map(|h| self.segment(h));
+        Side { edges: rim.collect(), area: island.iter().map(|&f| self.area(f)).sum() }
+    }
+
+    /// The sides of a triangle that are on the boundary of its island.
+    fn rim(&self, f: FaceId) -> impl Iterator<Item = HalfedgeId> {
+        let is_open = |h: &HalfedgeId| self.mesh.twin(*h).is_none() || self.map.cut[self.mesh.edge(*h)];
+        self.mesh.sides(f).into_iter().filter(is_open)
     }
 
     /// Goes through an island; nothing if it is no disk.
@@ -142,16 +146,18 @@ impl<'a> Paths<'a> {
             }
             above.push(k);
         }
-        Some(Sweep { faces, over, end, place })
+        let mut area = vec![0.0];
+        let mut rim = Vec::new();
+        for (k, &f) in faces.iter().enumerate() {
+            area.push(area[k] + self.area(f));
+            rim.extend(self.rim(f).map(|h| (k, self.segment(h))));
+        }
+        Some(Sweep { faces, over, end, place, rim, area })
     }
 
     /// The paths across an island that are not longer than `most` and leave at least a share of the area on either side.
     pub(super) fn across(&self, sweep: &Sweep, most: f64, least_share: f64) -> Vec<Across> {
-        let mut areas = vec![0.0];
-        for &f in &sweep.faces {
-            areas.push(areas[areas.len() - 1] + self.area(f));
-        }
-        let count = sweep.faces.len();
+        let (areas, count) = (&sweep.area, sweep.faces.len());
         let whole = areas[count];
         let found = (1..count).filter_map(|k| {
             let (edge, end) = (sweep.over[k]?, sweep.end[k]);
@@ -170,7 +176,7 @@ impl<'a> Paths<'a> {
     pub(super) fn spread(&self, sweep: &Sweep) -> Vec<Across> {
         let mut across = self.across(sweep, f64::MAX, LEAST_SHARE);
         across.sort_by(|a, b| a.length.total_cmp(&b.length));
-        let near = NEAR * sweep.faces.iter().map(|&f| self.area(f)).sum::<f64>().sqrt();
+        let near = NEAR * sweep.area[sweep.faces.len()].sqrt();
         let mut chosen: Vec<Across> = Vec::new();
         for path in across {
             if chosen.len() == MOST_PATHS {
@@ -226,9 +232,26 @@ impl<'a> Paths<'a> {
 
     /// What a path leaves on its two sides.
     pub(super) fn sides(&self, sweep: &Sweep, across: &Across) -> [Side; 2] {
-        let is_first = |f: FaceId| (across.first..across.end).contains(&(sweep.place[f] as usize));
-        let first = &sweep.faces[across.first..across.end];
-        [self.side(first, is_first), self.side(&sweep.faces, |f| !is_first(f))]
+        let Sweep { rim, area, place, .. } = sweep;
+        let is_first = |f: FaceId| (across.first..across.end).contains(&(place[f] as usize));
+        let [from, to] = [across.first, across.end].map(|k| rim.partition_point(|&(place, _)| place < k));
+        let of_first = area[across.end] - area[across.first];
+        let areas = [of_first, area[sweep.faces.len()] - of_first];
+        let mut sides = areas.map(|area| Side { edges: Vec::new(), area });
+        for (k, &(_, segment)) in rim.iter().enumerate() {
+            sides[usize::from(!(from..to).contains(&k))].edges.push(segment);
+        }
+        // A path runs between triangles of both sides.
+        let path = self.edges(across).into_iter().map(|e| self.mesh.halfedge(e));
+        for h in path.flat_map(|h| [Some(h), self.mesh.twin(h)]).flatten() {
+            sides[usize::from(!is_first(self.mesh.face(h)))].edges.push(self.segment(h));
+        }
+        sides
+    }
+
+    /// A side of a triangle in the plane.
+    fn segment(&self, h: HalfedgeId) -> [[f64; 2]; 2] {
+        [h, self.mesh.next(h)].map(|h| self.map.position[h])
     }
 
     /// The area of a triangle in the plane.
@@ -238,8 +261,7 @@ impl<'a> Paths<'a> {
 
     /// The middle of an edge that is not open.
     fn middle(&self, e: EdgeId) -> [f64; 2] {
-        let h = self.mesh.halfedge(e);
-        let [p, q] = [h, self.mesh.next(h)].map(|h| self.map.position[h]);
+        let [p, q] = self.segment(self.mesh.halfedge(e));
         [0.5 * (p[0] + q[0]), 0.5 * (p[1] + q[1])]
     }
 

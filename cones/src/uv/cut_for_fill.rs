@@ -152,7 +152,7 @@ fn cuts(
     let mut islands = Vec::new();
     for (k, paths) in paths.iter().enumerate() {
         for (i, faces) in paths.islands().into_iter().enumerate() {
-            let side = paths.side(&faces, |_| true);
+            let side = paths.outline(&faces);
             islands.push((k, i, faces, side));
         }
     }
