@@ -13,6 +13,11 @@ fn urchin() -> Shape {
     solids::spiky(&shapes::sphere(900), 9)
 }
 
+/// A ball with some twenty long tubes.
+fn of_few_limbs() -> Shape {
+    solids::spiky(&shapes::sphere(200), 20)
+}
+
 fn area_distortion(model: &Model, atlas: &Atlas) -> f64 {
     let vertices = |t: &[u32; 3]| t.map(|c| model.corners()[c as usize]);
     let triangles: Vec<[u32; 3]> = atlas.triangles.corners.iter().map(vertices).collect();
@@ -65,13 +70,28 @@ fn limbs_of_every_part_and_of_refined_surfaces_are_cut_off_and_named_by_their_pa
 }
 
 #[test]
+fn a_part_that_a_few_more_cones_flatten_gets_them_beside_one_whose_limbs_are_cut_off() {
+    let few = of_few_limbs();
+    let model = solids::model(&solids::side_by_side(&[few.clone(), urchin()])).expect("an ordinary shape");
+    let atlas = Analysis::new(&model).expect("a sound model").atlas(&Options::default()).expect("it unwraps");
+    check(&model, &atlas);
+    let on_few = atlas.cones.iter().filter(|cone| cone.component == 0).count();
+    assert!(on_few > 32, "{on_few}");
+    let end = atlas.seams.len() - atlas.opened_handles;
+    let of_few = |v: &u32| (*v as usize) < few.points.len();
+    assert!(!atlas.seams[end - atlas.necks..end].iter().flatten().any(of_few), "its own limbs stay on");
+    assert!(area_distortion(&model, &atlas) < 1.3, "{}", area_distortion(&model, &atlas));
+}
+
+#[test]
 fn limbs_stay_on_where_that_is_asked_for_or_a_few_more_cones_are_enough() {
     let model = solids::model(&urchin()).expect("an ordinary shape");
     let analysis = Analysis::new(&model).expect("a sound model");
     let asked = Options { limbs: Limbs::Never, ..Options::default() };
     assert_eq!(analysis.atlas(&asked).expect("it unwraps").necks, 0);
-    let few = solids::model(&solids::spiky(&shapes::sphere(90), 30)).expect("an ordinary shape");
+    let few = solids::model(&of_few_limbs()).expect("an ordinary shape");
     let analysis = Analysis::new(&few).expect("a sound model");
     let atlas = analysis.atlas(&Options::default()).expect("it unwraps");
-    assert!(atlas.necks == 0 && area_distortion(&few, &atlas) < 1.3, "{} {:?}", atlas.necks, atlas.notes);
+    assert!(atlas.necks == 0 && atlas.cones.len() > 32, "{} {}", atlas.necks, atlas.cones.len());
+    assert!(area_distortion(&few, &atlas) < 1.3, "{:?}", atlas.notes);
 }
