@@ -96,6 +96,23 @@ fn without_additions_the_bytes_are_the_same() {
     assert_eq!(out, text.into_bytes());
 }
 
+#[test]
+fn faces_of_a_long_text_are_written_in_their_places() {
+    // More than are written at a time, with comments between, and an old line that is left out.
+    let count = 70_000;
+    let text = |face: &str, old: &str| {
+        let line = |k: usize| format!("{}{face} # {k}\n", if k == count / 2 { old } else { "# no face\n" });
+        (0..count).map(line).collect::<String>()
+    };
+    let points = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
+    let model = obj(&format!("{points}{}", text("f 1 2 3", "vt 7 7\n")));
+    let out = obj_with_map(&model, &[[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]].repeat(count));
+    let expected = text("f 1/1 2/2 3/3", "");
+    let (before, rest) = expected.split_once("f 1/").unwrap();
+    let added = "vt 0.0 0.0\nvt 1.0 0.0\nvt 0.0 1.0\n";
+    assert!(out == format!("{points}{before}{added}f 1/{rest}").into_bytes());
+}
+
 /// The texture coordinates that the polylines of a text refer to.
 fn polyline_texture(text: &[u8]) -> Vec<Vec<u8>> {
     let all: Vec<_> = Lines::joined(text).filter(|line| line.words().next() == Some(b"vt")).collect();
