@@ -132,8 +132,9 @@ impl<'a> Cells<'a> {
         }
         let rims = rims(mesh, &areas, (&cell, count), network);
         let middle = |&f: &u32| uv[f as usize].iter().fold([0.0; 2], |[x, y], p| [x + p[0] / 3.0, y + p[1] / 3.0]);
-        let larger = |f: &&u32, g: &&u32| areas[**f as usize].partial_cmp(&areas[**g as usize]).expect("no NaN");
-        let inner = |rim: &Vec<u32>| rim.iter().max_by(larger).map_or([f64::NAN; 2], middle);
+        let area_of = |f: &u32| areas[*f as usize].unwrap_or(0.0);
+        let inner =
+            |rim: &Vec<u32>| rim.iter().max_by(|f, g| area_of(f).total_cmp(&area_of(g))).map_or([f64::NAN; 2], middle);
         let mut sides = vec![Vec::new(); count];
         for &h in opened.boundary_loops().iter().flatten() {
             sides[cell[mesh.face(h)] as usize].push([h, mesh.next(h)].map(|h| map.position[h]));

@@ -148,7 +148,8 @@ impl Near {
     /// The columns and rows that the bounding box of a triangle meets.
     fn squares(&self, triangle: &Triangle) -> [Range<usize>; 2] {
         let [from, to] = bounds(triangle).map(|p| [0, 1].map(|i| ((p[i] - self.low[i]) * self.scale) as usize));
-        [0, 1].map(|i| from[i].min(self.side - 1)..to[i].min(self.side - 1) + 1)
+        // What is not finite ends before it begins.
+        [0, 1].map(|i| from[i].min(self.side - 1)..to[i].max(from[i]).min(self.side - 1) + 1)
     }
 
     /// Whether a triangle's bounding box may meet one of them.
@@ -268,6 +269,16 @@ mod tests {
             folded += usize::from(check(&mesh, &map) > 0);
         }
         assert!(folded > 30, "{folded}");
+    }
+
+    #[test]
+    fn what_is_not_finite_overlaps_nothing() {
+        let (mesh, map) = image(|z| 4.0 * z + z * z * z / 3.0);
+        for (count, x) in [(3, f64::NAN), (4, f64::NAN), (3, f64::INFINITY), (2, f64::NEG_INFINITY)] {
+            let mut map = map.clone();
+            map.position.iter_mut().take(count).for_each(|p| p[0] = x);
+            assert_eq!(check(&mesh, &map), 0);
+        }
     }
 
     #[test]
