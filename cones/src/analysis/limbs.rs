@@ -65,6 +65,11 @@ pub(super) struct Settled {
     cuts: usize,
 }
 
+/// Whether the automatic number of a part has been found.
+pub(super) fn is_settled(settled: &[Settled], part: usize) -> bool {
+    settled.get(part).is_some_and(|settled| settled.found.is_some())
+}
+
 /// A model some of whose parts are in pieces.
 pub(super) struct CutOff {
     pub(super) analysis: Analysis,
@@ -103,9 +108,8 @@ impl Analysis {
         };
         let remedies = each_shape(self.components(), times, is_same, |component, times| {
             let taken = &taken.components()[component.index];
-            let is_settled = settled.get(component.index).is_some_and(|settled| settled.found.is_some());
             let is_in_question = match &configurations[component.index] {
-                _ if is_settled => false,
+                _ if is_settled(settled, component.index) => false,
                 Ok(Configuration { predicted, .. }) => area_distortion(&taken.operators, predicted) > BAD,
                 Err(_) => true,
             };

@@ -13,7 +13,7 @@ use super::component::Component;
 use super::cones::{ChosenNumber, Cones, Configuration};
 use super::flat::{Flat, RIGID_SEAMS};
 use super::instances::{each, each_shape};
-use super::limbs::Settled;
+use super::limbs::{Settled, is_settled};
 use super::note::Note;
 use super::observer::{Silent, Stage, Task, Times};
 use super::options::{ConeChoice, Handles, Options};
@@ -265,11 +265,10 @@ impl Analysis {
         let is_good = |closed: &Option<Prediction>| {
             closed.is_some_and(|closed| closed.area_distortion <= TARGET_DISTORTION && closed.count <= FEW_CONES)
         };
-        let is_settled = |part: usize| settled.get(part).is_some_and(|settled| settled.found.is_some());
         let is_in_question: Vec<bool> = closed
             .iter()
             .enumerate()
-            .map(|(part, closed)| has_handles(part) && !is_settled(part) && !is_good(closed))
+            .map(|(part, closed)| has_handles(part) && !is_settled(settled, part) && !is_good(closed))
             .collect();
         if !is_in_question.contains(&true) {
             return Ok(None);

@@ -326,3 +326,37 @@ fn rectangle(reach: &Reach) -> f64 {
     let extent = |k: usize| f64::from(reach[k % DIRECTIONS]) + f64::from(reach[k % DIRECTIONS + DIRECTIONS]);
     (0..DIRECTIONS / 2).map(|k| extent(k) * extent(k + DIRECTIONS / 2)).fold(f64::MAX, f64::min)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use geom::shapes;
+
+    #[test]
+    fn the_sides_of_a_path_are_bounded_by_what_its_triangles_are() {
+        let shape = shapes::disk(400);
+        let mesh = shape.mesh();
+        let position =
+            mesh.halfedges().map(|h| shape.points[mesh.tail(h).0 as usize]).map(|[x, y, _]| [x, y]).collect();
+        let map = UvMap::new(&mesh, position);
+        let lengths = mesh.edges().map(|_| 1.0).collect();
+        let paths = Paths::new(&mesh, &lengths, &map, Watch::NONE).unwrap();
+        let sweep = paths.sweep(&paths.islands()[0]).unwrap();
+        let across = paths.across(&sweep, f64::MAX, 0.05);
+        assert!(across.len() > 20, "{}", across.len());
+        for path in &across {
+            let (first, rest) =
+                (&sweep.faces[path.first..path.end], [&sweep.faces[..path.first], &sweep.faces[path.end..]]);
+            for (side, faces) in paths.sides(&sweep, path).into_iter().zip([first.to_vec(), rest.concat()]) {
+                let is_rim = |h: &HalfedgeId| mesh.twin(*h).is_none_or(|g| !faces.contains(&mesh.face(g)));
+                let rim = faces.iter().flat_map(|&f| mesh.sides(f)).filter(is_rim).map(|h| paths.segment(h));
+                let sorted = |mut edges: Vec<[[f64; 2]; 2]>| {
+                    edges.sort_by(|a, b| a.partial_cmp(b).unwrap());
+                    edges
+                };
+                assert_eq!(sorted(side.edges), sorted(rim.collect()));
+                assert!((side.area - faces.iter().map(|&f| paths.area(f)).sum::<f64>()).abs() < 1e-12);
+            }
+        }
+    }
+}

@@ -92,7 +92,7 @@ impl<'a> Boxes<'a> {
 
     /// The area of a triangle.
     pub(super) fn area(&self, f: u32) -> f64 {
-        self.upright(f).map_or(0.0, |corners| 0.5 * triangle::twice_area(corners))
+        triangle::area(self.triangles[f as usize]).unwrap_or(0.0)
     }
 
     /// Whether some of the triangles, where a motion takes them, lie deeper than `least` over one of those that are asked for.

@@ -27,7 +27,7 @@ use super::motion::Motion;
 use super::overlap::NEGLIGIBLE_DEPTH;
 use super::pack::convex_hull;
 use super::table::Table;
-use super::triangle::{self, Triangle};
+use super::triangle;
 
 /// A vertex is flat if its angles add up to a full turn but for this.
 const FLAT: f64 = 1e-6;
@@ -117,7 +117,8 @@ impl<'a> Cells<'a> {
         let opened = CutMesh::open(mesh, network);
         let count = opened.island_count();
         let uv = map.triangles();
-        let areas: Vec<Option<f64>> = uv.par_iter().with_min_len(AT_ONCE).map(|&triangle| area(triangle)).collect();
+        let areas: Vec<Option<f64>> =
+            uv.par_iter().with_min_len(AT_ONCE).map(|&corners| triangle::area(corners)).collect();
         let order = largest_first(mesh, &areas, &opened);
         let cell: FaceData<u32> = mesh.faces().map(|f| order[opened.island(f) as usize]).collect();
         let (mut size, mut area, mut bounds) = (vec![0; count], vec![0.0; count], vec![None; count]);
@@ -212,9 +213,13 @@ impl<'a> Cells<'a> {
 
     fn meet(&self, [p, q]: [u32; 2], motion: &Motion) -> bool {
         let [moved, still] = [p, q].map(|cell| self.bounds[cell as usize]);
-        let [p, q] = [p, q].map(|cell| cell as usize);
         may_meet(moved, still, motion)
-            && (self.rims[p].lie_over(&self.rims[q], motion, self.least) || self.is_within(q, motion.of(self.inner[p])))
+            && (self.touch([p, q], motion) || self.is_within(q as usize, motion.of(self.inner[p as usize])))
+    }
+
+    /// Whether triangles at the boundaries of two cells overlap where the first is moved.
+    pub(super) fn touch(&self, [p, q]: [u32; 2], motion: &Motion) -> bool {
+        self.rims[p as usize].lie_over(&self.rims[q as usize], motion, self.least)
     }
 
     /// Whether a point is within the boundary of a cell: a ray from it crosses that an odd number of times.
@@ -254,11 +259,6 @@ impl<'a> Cells<'a> {
         }
         Moved { piece: self.cell.clone(), motion, cut }
     }
-}
-
-/// The area of a triangle; none if it has none.
-fn area(triangle: Triangle) -> Option<f64> {
-    triangle::upright(triangle).map(|corners| 0.5 * triangle::twice_area(corners))
 }
 
 /// The triangles of each cell that have a corner on its boundary; all that have an area where one of these has none.

@@ -627,6 +627,25 @@ mod tests {
     }
 
     #[test]
+    fn a_cell_within_another_one_overlaps_it_though_their_boundaries_are_apart() {
+        let (shape, cones) = cases().nth(1).unwrap();
+        let (mesh, lengths, map, network) = apart(&shape, &cones);
+        let cells = Cells::new((&mesh, None), sum(&mesh, &lengths), &map, &network);
+        let smallest = cells.count() as u32 - 1;
+        let turn = Complex64::from_polar(1.0, 0.3);
+        let deep = mesh.faces().filter(|&f| cells.cell[f] == 0).filter(|&f| {
+            let middle = map.triangle(f).iter().fold(Complex64::ZERO, |z, p| z + Complex64::new(p[0], p[1]) / 3.0);
+            let motion = Motion { turn, shift: middle - turn * cells.extremes[smallest as usize][0] };
+            let moves = [&motion, &Motion::NONE];
+            let (touches, overlaps) =
+                (cells.touch([smallest, 0], &motion), cells.overlap([smallest, 0], moves, &mut Known::default()));
+            assert!(overlaps, "a corner of it is in the middle of a triangle");
+            !touches
+        });
+        assert!(deep.count() > 3);
+    }
+
+    #[test]
     fn the_room_is_the_same_whatever_was_kept_from_earlier_steps() {
         let (shape, cones) = cases().nth(1).unwrap();
         let (mesh, lengths, map, network) = apart(&shape, &cones);

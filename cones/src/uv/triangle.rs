@@ -39,6 +39,11 @@ pub(super) fn twice_area([a, b, c]: Triangle) -> f64 {
     (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
 }
 
+/// The area, whichever way round it is; none if it has none.
+pub(super) fn area(triangle: Triangle) -> Option<f64> {
+    upright(triangle).map(|corners| 0.5 * twice_area(corners))
+}
+
 /// How deep two upright triangles overlap; none if their interiors are disjoint.
 pub(super) fn depth(one: &Triangle, other: &Triangle) -> Option<f64> {
     Some(depth_inside(one, other)?.min(depth_inside(other, one)?))

@@ -605,7 +605,7 @@ impl Soup {
             }
             number(&faces, &mut new_face);
             watch.ask(0.2)?;
-            let side = |k: usize| 3 * faces[k / 3] as usize + k % 3;
+            let side = |k: usize| side(&faces, k);
             let side_count = 3 * faces.len();
             let tail: Vec<VertexId> = map(side_count, |k| VertexId(local[fan[side(k)] as usize]));
             let renumber = |g: u32| if g == NONE { NONE } else { 3 * new_face[g as usize / 3] + g % 3 };
@@ -646,7 +646,11 @@ impl Soup {
 
 /// The halfedges of triangles.
 fn sides(faces: &[u32]) -> impl Iterator<Item = usize> {
-    (0..3 * faces.len()).map(|k| 3 * faces[k / 3] as usize + k % 3)
+    (0..3 * faces.len()).map(|k| side(faces, k))
+}
+
+fn side(faces: &[u32], k: usize) -> usize {
+    3 * faces[k / 3] as usize + k % 3
 }
 
 fn next(h: usize) -> usize {
