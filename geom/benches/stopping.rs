@@ -33,14 +33,14 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     row("ptolemaic_delaunay", || flipped(None), |watch| flipped(Some(watch)));
     let matrix = laplacian(&intrinsic.triangulation, &intrinsic.metric);
     let points = &surface.points[..];
-    row("Poisson::new", || Poisson::new(&matrix, &[]), |watch| Poisson::new_watched(&matrix, &[], None, watch));
+    row("Poisson::new", || Poisson::new(&matrix, &[]), |watch| Poisson::new_watched(matrix.clone(), &[], None, watch));
     row(
         "Poisson::with_points",
         || Poisson::with_points(&matrix, &[], points),
-        |watch| Poisson::new_watched(&matrix, &[], Some(points), watch),
+        |watch| Poisson::new_watched(matrix.clone(), &[], Some(points), watch),
     );
     let poisson = Poisson::with_points(&matrix, &[], points)?;
-    row("Poisson::another", || poisson.another(&matrix), |watch| poisson.another_watched(&matrix, watch));
+    row("Poisson::another", || poisson.another(&matrix), |watch| poisson.another_watched(matrix.clone(), watch));
     let dipoles: Vec<Vec<(VertexId, f64)>> =
         (0..32).map(|k| vec![(VertexId(k), 1.0), (VertexId(3000 + k), -1.0)]).collect();
     row(

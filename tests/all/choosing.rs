@@ -133,7 +133,7 @@ proptest! {
         let set = model.fit(&cones);
         let mut source: VertexData<f64> = operators.curvature().iter().map(|k| -k).collect();
         cones.iter().zip(&set.curvature).for_each(|(&v, k)| source[v] += k);
-        let poisson = Poisson::new(operators.laplacian(), &loops.concat()).expect("it is connected");
+        let poisson = Poisson::new(&operators.laplacian(), &loops.concat()).expect("it is connected");
         let mut u = poisson.solve(&source);
         // Each boundary loop but one has a constant of its own; then the mean.
         let mut free = vec![VertexData::constant(mesh.vertex_count(), 1.0)];

@@ -100,7 +100,7 @@ mod tests {
     #[test]
     fn the_laplacian_of_phi_is_the_change_of_curvature_that_was_asked_for() {
         let (operators, factor, _) = factors(&shapes::hare(1500));
-        for (v, change) in operators.laplacian.multiply(&factor.phi).into_iter().enumerate() {
+        for (v, change) in operators.laplacian().multiply(&factor.phi).into_iter().enumerate() {
             let v = VertexId::new(v);
             let wanted = operators.total_curvature() * operators.weight[v] - operators.curvature[v];
             assert!((change - wanted).abs() < 1e-9);

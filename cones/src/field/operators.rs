@@ -52,8 +52,6 @@ pub struct Operators {
     pub(crate) curvature: VertexData<f64>,
     /// The lumped area of each vertex as a share of the whole: the weights sum to 1.
     pub(crate) weight: VertexData<f64>,
-    /// The cotangent Laplacian L.
-    pub(crate) laplacian: SymmetricMatrix,
     /// See [`Operators::poisson`].
     factored: RwLock<Option<Arc<Poisson>>>,
     /// An orthonormal basis, for the inner product weighted by area, of the log scale factors that change no curvature
@@ -180,7 +178,7 @@ impl Operators {
         let unknown = watch.within(f64::NAN, f64::NAN);
         let coarsened = |count| coarsened((&mesh, &metric), (&weight, None, &curvature), count, unknown);
         let (poisson, ahead) = rayon::join(
-            || Poisson::new_watched(&laplacian, &rims.concat(), points, watch.within(0.5, 0.95)),
+            || Poisson::new_watched(laplacian, &rims.concat(), points, watch.within(0.5, 0.95)),
             || ahead.map(|count| coarsened(count).map(|coarsened| (count, coarsened))).transpose(),
         );
         let (poisson, ahead) = (poisson?, ahead?);
@@ -191,7 +189,6 @@ impl Operators {
             flips,
             curvature,
             weight,
-            laplacian,
             factored: RwLock::new(Some(Arc::new(poisson))),
             free: Vec::new(),
             bordered,
@@ -225,9 +222,9 @@ impl Operators {
         &self.weight
     }
 
-    /// The cotangent Laplacian.
-    pub fn laplacian(&self) -> &SymmetricMatrix {
-        &self.laplacian
+    /// The cotangent Laplacian, made anew: its factor is kept, and it is as large as a third of that. O(F).
+    pub fn laplacian(&self) -> SymmetricMatrix {
+        laplacian(&self.mesh, &self.metric)
     }
 
     /// L factored, restricted to the inner vertices where there is a boundary.
@@ -247,7 +244,7 @@ impl Operators {
             return Ok(Arc::clone(poisson));
         }
         // Not while it is locked: a thread that waits for others may come upon work that asks for the same.
-        let made = Arc::new(Poisson::new_watched(&self.laplacian, &self.rims.concat(), self.points(), watch)?);
+        let made = Arc::new(Poisson::new_watched(self.laplacian(), &self.rims.concat(), self.points(), watch)?);
         let mut factored = self.factored.write().unwrap_or_else(PoisonError::into_inner);
         Ok(Arc::clone(factored.get_or_insert(made)))
     }
@@ -392,7 +389,7 @@ impl Operators {
     }
 
     /// The same, watched.
-    fn even_watched(&self, watch: Watch) -> Result<&VertexData<f64>, Interrupted> {
+    pub(crate) fn even_watched(&self, watch: Watch) -> Result<&VertexData<f64>, Interrupted> {
         if self.even.get().is_none() {
             let solved = self.poisson().solve_watched(&self.even_source(), watch)?;
             return Ok(self.even.get_or_init(|| solved));
@@ -443,16 +440,21 @@ impl Operators {
     pub(crate) fn refactored(&self, pinned: &[VertexId], watch: Watch) -> Result<Poisson, PoissonError> {
         let boundary = self.mesh.vertices().filter(|&v| self.mesh.is_boundary_vertex(v));
         let fixed: Vec<VertexId> = boundary.chain(pinned.iter().copied()).collect();
-        Poisson::new_watched(&self.laplacian, &fixed, self.points(), watch)
+        Poisson::new_watched(self.laplacian(), &fixed, self.points(), watch)
     }
 
     /// For each of some boundary loops, with those tied to it, the harmonic function that is 1 there and 0 on the others.
     fn harmonic_extensions(&self, rims: &[Vec<VertexId>], watch: Watch) -> Result<Vec<VertexData<f64>>, Interrupted> {
+        if rims.is_empty() {
+            return Ok(Vec::new());
+        }
+        let laplacian = self.laplacian();
         let beside = |&v: &VertexId| {
             let mut beside: Vec<VertexId> = self.mesh.neighbors(v).to_vec();
             beside.sort_unstable();
             beside.dedup();
-            beside.into_iter().map(move |w| (w, -self.laplacian.get(v.index(), w.index())))
+            let laplacian = &laplacian;
+            beside.into_iter().map(move |w| (w, -laplacian.get(v.index(), w.index())))
         };
         // What this is at vertices of loops does not count.
         let sources: Vec<Vec<(VertexId, f64)>> =
@@ -548,7 +550,7 @@ mod tests {
         let operators = operators(&shapes::cylinder(400));
         assert_eq!(operators.free.len(), 2, "a constant for each of the two loops");
         for basis in &operators.free {
-            for (v, change) in operators.laplacian.multiply(basis).into_iter().enumerate() {
+            for (v, change) in operators.laplacian().multiply(basis).into_iter().enumerate() {
                 assert!(operators.mesh.is_boundary_vertex(VertexId(v as u32)) || change.abs() < 1e-9);
             }
         }
@@ -666,7 +668,7 @@ mod tests {
             let v = operators.mesh.vertices().find(|&v| !operators.mesh.is_boundary_vertex(v)).unwrap();
             let green = operators.green(&[v]).remove(0);
             let elsewhere = if operators.is_bordered() { 0.0 } else { -1.0 / operators.mesh.vertex_count() as f64 };
-            for (i, curvature) in operators.laplacian.multiply(&green).into_iter().enumerate() {
+            for (i, curvature) in operators.laplacian().multiply(&green).into_iter().enumerate() {
                 let w = VertexId(i as u32);
                 let expected = elsewhere + f64::from(u8::from(w == v));
                 assert!(operators.mesh.is_boundary_vertex(w) || (curvature - expected).abs() < 1e-10);

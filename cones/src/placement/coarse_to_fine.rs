@@ -136,7 +136,11 @@ fn draft(
 fn finer_model<'a>(ground: Ground<'a>, level: &'a CoarseLevel) -> Result<EnergyModel<'a>, Interrupted> {
     let Some(middle) = level.middle() else { return ground.energy_model() };
     // What the surface will be asked for, while the coarse level is searched.
-    ground.operators.flattening_watched(ground.watch.within(f64::NAN, f64::NAN))?;
+    let watch = ground.watch.within(f64::NAN, f64::NAN);
+    ground.operators.flattening_watched(watch)?;
+    if !ground.operators.is_bordered() {
+        ground.operators.even_watched(watch)?;
+    }
     Ok(middle.energy_model(ground.watch))
 }
 
@@ -406,8 +410,7 @@ mod tests {
     }
 
     fn with_middle(operators: &Operators, mesh: &Mesh) -> CoarseLevel {
-        let middle = CoarseLevel::of_size(operators, mesh, 1200, Watch::NONE).unwrap();
-        CoarseLevel::of_middle(middle, mesh, 400, Watch::NONE).unwrap()
+        CoarseLevel::of_middle(operators, mesh, [1200, 400], Watch::NONE).unwrap()
     }
 
     #[test]
@@ -457,8 +460,7 @@ mod tests {
         let shape = shapes::hare(900);
         let mesh = shape.mesh();
         let operators = Operators::new(&mesh, &Metric::from_points(&mesh, &shape.points)).unwrap();
-        let middle = CoarseLevel::of_size(&operators, &mesh, 60, Watch::NONE).unwrap();
-        let level = CoarseLevel::of_middle(middle, &mesh, 12, Watch::NONE).unwrap();
+        let level = CoarseLevel::of_middle(&operators, &mesh, [60, 12], Watch::NONE).unwrap();
         // A search that begins again and again is stopped; this one asks 658 times.
         let asked = AtomicUsize::new(0);
         let observe = |_| match asked.fetch_add(1, Relaxed) < 3000 {

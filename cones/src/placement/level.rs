@@ -71,16 +71,26 @@ impl CoarseLevel {
         let vertices = vertices_of_level(&fine.mesh);
         match vertices_of_middle(&fine.mesh) {
             None => Self::of_size(fine, input, vertices, watch),
-            Some(middle) => Self::of_middle(Self::of_size(fine, input, middle, watch)?, input, vertices, watch),
+            Some(middle) => Self::of_middle(fine, input, [middle, vertices], watch),
         }
     }
 
-    /// A coarser level of a level.
-    pub(super) fn of_middle(middle: Self, input: &Mesh, vertices: usize, watch: Watch) -> Result<Self, PoissonError> {
-        let (operators, vertex) = coarse_level(&middle.operators, vertices, watch)?;
-        let of_surface = middle.of_surface(&vertex);
-        let middle = Middle { level: Box::new(middle), vertex };
-        Self::with((operators, of_surface), Some(middle), input, watch)
+    /// A coarse level with a middle one, of so many vertices.
+    pub(super) fn of_middle(
+        fine: &Operators,
+        input: &Mesh,
+        [middle, coarse]: [usize; 2],
+        watch: Watch,
+    ) -> Result<Self, PoissonError> {
+        let (operators, vertex) = coarse_level(fine, middle, watch)?;
+        let (terms, coarser) =
+            rayon::join(|| terms((&operators, &vertex), input, watch), || coarse_level(&operators, coarse, watch));
+        let (terms, (coarser, in_middle)) = (terms?, coarser?);
+        let level = Self { operators, vertex, terms, middle: None };
+        let vertex = level.of_surface(&in_middle);
+        let terms = self::terms((&coarser, &vertex), input, watch)?;
+        let middle = Middle { level: Box::new(level), vertex: in_middle };
+        Ok(Self { operators: coarser, vertex, terms, middle: Some(middle) })
     }
 
     /// A level to place so many cones on: its vertices grow with the root of their number. None where the surface has hardly
@@ -103,18 +113,9 @@ impl CoarseLevel {
 
     /// The same with so many vertices.
     pub(super) fn of_size(fine: &Operators, input: &Mesh, vertices: usize, watch: Watch) -> Result<Self, PoissonError> {
-        Self::with(coarse_level(fine, vertices, watch)?, None, input, watch)
-    }
-
-    fn with(
-        (operators, vertex): (Operators, Vec<VertexId>),
-        middle: Option<Middle>,
-        input: &Mesh,
-        watch: Watch,
-    ) -> Result<Self, PoissonError> {
-        let triangles = vertex.iter().map(|&v| usable_triangles(input, v)).collect();
-        let terms = Arc::new(EnergyTerms::with_triangles(&operators, triangles, watch)?);
-        Ok(Self { operators, vertex, terms, middle })
+        let (operators, vertex) = coarse_level(fine, vertices, watch)?;
+        let terms = terms((&operators, &vertex), input, watch)?;
+        Ok(Self { operators, vertex, terms, middle: None })
     }
 
     /// Its energy model, with an empty pool.
@@ -142,6 +143,16 @@ impl CoarseLevel {
     pub(crate) fn spacing(&self) -> f32 {
         (self.vertex.len() as f32).sqrt().recip()
     }
+}
+
+/// The terms of a level's energy that do not depend on cones; its layout will use the triangles of `input`.
+fn terms(
+    (operators, vertex): (&Operators, &[VertexId]),
+    input: &Mesh,
+    watch: Watch,
+) -> Result<Arc<EnergyTerms>, PoissonError> {
+    let triangles = vertex.iter().map(|&v| usable_triangles(input, v)).collect();
+    Ok(Arc::new(EnergyTerms::with_triangles(operators, triangles, watch)?))
 }
 
 #[cfg(test)]

@@ -14,7 +14,7 @@
 use std::cmp::Reverse;
 use std::f64::consts::{FRAC_PI_2, TAU};
 
-use geom::{CutMesh, EdgeData, EdgeId, FaceData, FaceId, HalfedgeId, Id, Mesh, VertexData, VertexId, edges_at};
+use geom::{CutMesh, EdgeData, EdgeId, FaceData, FaceId, HalfedgeId, Id, Mesh, Rows, VertexData, VertexId, edges_at};
 use num_complex::Complex64;
 use rayon::prelude::*;
 
@@ -76,7 +76,7 @@ pub(super) struct Cells<'a> {
     /// The cell of each triangle.
     pub(super) cell: FaceData<u32>,
     /// How many triangles each cell has.
-    size: Vec<usize>,
+    pub(super) size: Vec<usize>,
     /// The triangles of each cell that have a corner on its boundary; all where one of these has no area.
     rims: Vec<Boxes<'a>>,
     /// A point of each that is in one of these.
@@ -88,18 +88,28 @@ pub(super) struct Cells<'a> {
     /// The corners of each that are farthest in one of some directions.
     pub(super) extremes: Vec<Vec<Complex64>>,
     pub(super) area: Vec<f64>,
+    /// The area of all.
+    pub(super) whole: f64,
     /// Directions in which squares are sought, evenly over half a turn.
     pub(super) directions: [[f64; 2]; 2 * QUARTER],
     pub(super) arcs: Vec<Arc>,
     /// The arcs at each cell, and the cells on their other sides.
-    pub(super) around: Vec<Vec<(u32, u32)>>,
+    pub(super) around: Rows<(u32, u32)>,
     /// Whether what ends at a joint can be closed there.
     is_flat: Vec<bool>,
     /// The arcs at each joint.
-    at_joint: Vec<Vec<u32>>,
+    at_joint: Rows<u32>,
     /// What may lie over each other without mattering.
     least: f64,
     extent: f64,
+}
+
+/// Room for [`Cells::seams`]: which arcs are open, how many of them end at each joint, and joints where one does.
+#[derive(Default)]
+pub(super) struct SeamRoom {
+    open: Vec<bool>,
+    degree: Vec<u32>,
+    ends: Vec<u32>,
 }
 
 /// Which cells overlap when they are moved to each other, as far as that was asked.
@@ -149,17 +159,15 @@ impl<'a> Cells<'a> {
             arc.length = share(arc.length, whole, LENGTHS) as f64 * whole / LENGTHS;
         }
         let axis = Complex64::cis(sides.first().map_or(0.0, |sides| axis(sides.iter().map(|side| side[0]))));
-        let mut around = vec![Vec::new(); count];
-        let mut at_joint = vec![Vec::new(); is_flat.len()];
-        for (arc, k) in arcs.iter().zip(0..) {
-            let [left, right] = arc.cells;
-            around[left as usize].push((k, right));
-            around[right as usize].push((k, left));
-            arc.joints.iter().for_each(|&j| at_joint[j as usize].push(k));
-        }
+        let at_cells = arcs.iter().zip(0..).flat_map(|(Arc { cells: [left, right], .. }, k)| {
+            [(*left as usize, (k, *right)), (*right as usize, (k, *left))]
+        });
+        let at_joints = arcs.iter().zip(0..).flat_map(|(arc, k)| arc.joints.map(|j| (j as usize, k)));
+        let (around, at_joint) = (Rows::sorted(count, at_cells), Rows::sorted(is_flat.len(), at_joints));
         let extent = map.extent();
         Self {
             bounds,
+            whole: area.iter().sum(),
             area,
             size,
             inner: rims.iter().map(inner).collect(),
@@ -182,11 +190,6 @@ impl<'a> Cells<'a> {
 
     pub(super) fn count(&self) -> usize {
         self.size.len()
-    }
-
-    /// How many triangles a cell has.
-    pub(super) fn size(&self, c: u32) -> usize {
-        self.size[c as usize]
     }
 
     /// Whether two motions differ by rounding alone.
@@ -228,18 +231,23 @@ impl<'a> Cells<'a> {
         self.sides[c].iter().filter(|&&side| crosses(side)).count() % 2 == 1
     }
 
-    /// Which of some arcs that are not glued are seams.
-    pub(super) fn seams(&self, mut open: Vec<bool>) -> Vec<bool> {
-        let mut degree: Vec<u32> = vec![0; self.is_flat.len()];
-        for (arc, _) in self.arcs.iter().zip(&open).filter(|(_, open)| **open) {
+    /// Which of the arcs are seams; `is_open` says which are not glued.
+    pub(super) fn seams<'r>(&self, is_open: impl Iterator<Item = bool>, room: &'r mut SeamRoom) -> &'r [bool] {
+        let SeamRoom { open, degree, ends } = room;
+        open.clear();
+        open.extend(is_open);
+        degree.clear();
+        degree.resize(self.is_flat.len(), 0);
+        for (arc, _) in self.arcs.iter().zip(&*open).filter(|(_, open)| **open) {
             arc.joints.iter().for_each(|&j| degree[j as usize] += 1);
         }
-        let mut ends: Vec<u32> = (0..degree.len() as u32).filter(|&j| degree[j as usize] == 1).collect();
+        ends.clear();
+        ends.extend((0..degree.len() as u32).filter(|&j| degree[j as usize] == 1));
         while let Some(j) = ends.pop() {
             if degree[j as usize] != 1 || !self.is_flat[j as usize] {
                 continue;
             }
-            let &k = self.at_joint[j as usize].iter().find(|&&k| open[k as usize]).expect("one is open");
+            let &k = self.at_joint.row(j as usize).iter().find(|&&k| open[k as usize]).expect("one is open");
             if self.arcs[k as usize].motion.is_some() {
                 open[k as usize] = false;
                 for j in self.arcs[k as usize].joints {
@@ -252,9 +260,9 @@ impl<'a> Cells<'a> {
     }
 
     /// The map whose cells have these motions, open at these arcs.
-    pub(super) fn moved(&self, mesh: &Mesh, open: Vec<bool>, motion: Vec<Motion>) -> Moved {
+    pub(super) fn moved(&self, mesh: &Mesh, open: &[bool], motion: Vec<Motion>) -> Moved {
         let mut cut = EdgeData::constant(mesh.edge_count(), false);
-        for (arc, _) in self.arcs.iter().zip(open).filter(|(_, open)| *open) {
+        for (arc, _) in self.arcs.iter().zip(open).filter(|(_, open)| **open) {
             arc.sides.iter().for_each(|&h| cut[mesh.edge(h)] = true);
         }
         Moved { piece: self.cell.clone(), motion, cut }

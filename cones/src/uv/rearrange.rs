@@ -12,7 +12,7 @@ use geom::{EdgeData, HalfedgeId, Interrupted, Mesh, Watch, kruskal};
 use rayon::prelude::*;
 
 use super::boxes::{Bounds, meet, moved_bounds};
-use super::cells::{Cells, Known, QUARTER};
+use super::cells::{Cells, Known, QUARTER, SeamRoom};
 use super::divide::SLIVER;
 use super::map::UvMap;
 use super::motion::Motion;
@@ -86,7 +86,7 @@ pub(super) fn rearranged(
     let found = found.collect::<Result<Vec<_>, _>>()?;
     let best = found.into_iter().filter(|(cost, _)| *cost < before).min_by(|a, b| a.0.total_cmp(&b.0));
     let Some((_, best)) = best else { return Ok(None) };
-    let moved = cells.moved(mesh, best.open(&cells), best.motion);
+    let moved = cells.moved(mesh, cells.seams(best.is_open(), &mut SeamRoom::default()), best.motion);
     drop(cells);
     Ok(Some(moved.snapped(mesh, map.clone())))
 }
@@ -109,8 +109,9 @@ struct Forest {
     island: Vec<u32>,
     /// The next cell of the same island, in a ring.
     next: Vec<u32>,
-    /// The area of each island, at the cell that it is named by.
+    /// The area of each island and how many triangles it has, at the cell that it is named by.
     area: Vec<f64>,
+    size: Vec<usize>,
     /// The island that each cell was on before arcs were taken apart,
     was_on: Vec<u32>,
     /// and what has moved all of an island since; none if it is no longer as it was.
@@ -133,6 +134,7 @@ impl Forest {
             island: vec![0; count],
             next: vec![0; count],
             area: vec![0.0; count],
+            size: vec![0; count],
             was_on: vec![0; count],
             since: vec![None; count],
         };
@@ -140,17 +142,12 @@ impl Forest {
         forest
     }
 
-    /// Becomes a clone of another one without asking for room anew, which takes longer than most of a step.
+    /// Becomes another one, but for what [`ruin`](Self::ruin) finds anew, and without asking for room, which takes longer than most of a step.
     fn copy(&mut self, from: &Self) {
-        let Self { is_glued, motion, placed, island, next, area, was_on, since } = from;
-        self.is_glued.clone_from(is_glued);
-        self.motion.clone_from(motion);
-        self.placed.clone_from(placed);
-        self.island.clone_from(island);
-        self.next.clone_from(next);
-        self.area.clone_from(area);
-        self.was_on.clone_from(was_on);
-        self.since.clone_from(since);
+        self.is_glued.clone_from(&from.is_glued);
+        self.motion.clone_from(&from.motion);
+        self.placed.clone_from(&from.placed);
+        self.island.clone_from(&from.island);
     }
 
     /// Takes arcs apart.
@@ -171,13 +168,14 @@ impl Forest {
             self.island[root as usize] = root;
             found.clear();
             found.push(root);
-            let mut area = 0.0;
+            let (mut area, mut size) = (0.0, 0);
             let mut at = 0;
             while at < found.len() {
                 let c = found[at];
                 at += 1;
                 area += cells.area[c as usize];
-                for &(k, other) in &cells.around[c as usize] {
+                size += cells.size[c as usize];
+                for &(k, other) in cells.around.row(c as usize) {
                     if self.is_glued[k as usize] && self.island[other as usize] == NONE {
                         self.island[other as usize] = root;
                         self.next[found[found.len() - 1] as usize] = other;
@@ -187,6 +185,7 @@ impl Forest {
             }
             self.next[found[found.len() - 1] as usize] = root;
             self.area[root as usize] = area;
+            self.size[root as usize] = size;
         }
     }
 
@@ -257,6 +256,7 @@ impl Forest {
         // Two rings become one.
         self.next.swap(c as usize, still as usize);
         self.area[large as usize] += self.area[small as usize];
+        self.size[large as usize] += self.size[small as usize];
         self.is_glued[k as usize] = true;
     }
 
@@ -267,27 +267,28 @@ impl Forest {
         other.filter(|other| were_one && one.is_some_and(|one| cells.is_same(&motion.after(&one), other)))
     }
 
-    /// Which arcs are seams.
-    fn open(&self, cells: &Cells) -> Vec<bool> {
-        cells.seams(self.is_glued.iter().map(|glued| !glued).collect())
+    /// Whether each arc is not glued.
+    fn is_open(&self) -> impl Iterator<Item = bool> {
+        self.is_glued.iter().map(|glued| !glued)
     }
 
     /// What is found at once: the room is only not less than this, as much as the islands cover.
-    fn figures_without_room(&self, cells: &Cells) -> Figures {
-        let open = self.open(cells);
-        let seam = cells.arcs.iter().zip(&open).filter(|(_, open)| **open).map(|(arc, _)| arc.length).sum();
-        let size = |c: u32| self.island_of(c).map(|c| cells.size(c)).sum::<usize>();
-        let islands = self.islands().map(|c| if size(c) < SLIVER as usize { 3 } else { 1 }).sum();
-        Figures { islands, seam, room: cells.area.iter().sum::<f64>().sqrt() }
+    fn figures_without_room(&self, cells: &Cells, memory: &mut Memory) -> Figures {
+        let open = cells.seams(self.is_open(), &mut memory.seams);
+        let seam = cells.arcs.iter().zip(open).filter(|(_, open)| **open).map(|(arc, _)| arc.length).sum();
+        let is_sliver = |c: u32| self.size[c as usize] < SLIVER as usize;
+        let islands = self.islands().map(|c| if is_sliver(c) { 3 } else { 1 }).sum();
+        Figures { islands, seam, room: cells.whole.sqrt() }
     }
 
     fn figures(&self, cells: &Cells, memory: &mut Memory) -> Figures {
-        Figures { room: self.room(cells, memory), ..self.figures_without_room(cells) }
+        let figures = self.figures_without_room(cells, memory);
+        Figures { room: self.room(cells, memory), ..figures }
     }
 
     fn room(&self, cells: &Cells, memory: &mut Memory) -> f64 {
         let room = self.islands().map(|c| self.side(cells, c, memory).powi(2)).sum::<f64>().sqrt();
-        let step = cells.area.iter().sum::<f64>().sqrt() / ROOMS;
+        let step = cells.whole.sqrt() / ROOMS;
         if step > 0.0 { (room / step).round() * step } else { room }
     }
 
@@ -337,8 +338,12 @@ struct Memory {
     known: Known,
     /// Room for cells that are moved,
     moved: Vec<(u32, Motion, Bounds)>,
-    /// and for those of an island.
+    /// for those of an island,
     found: Vec<u32>,
+    /// for arcs that may be glued,
+    arcs: Vec<(f64, u32)>,
+    /// and for seams.
+    seams: SeamRoom,
     /// How far each cell reaches where it was of late, the last first: most of a step's cells have not moved, or move back.
     reach: Vec<[(Motion, Reach); 2]>,
     /// Two cells that lay over each other when an arc was to be glued: they often do so again.
@@ -350,7 +355,15 @@ impl Memory {
         let reach =
             (0..cells.count() as u32).map(|c| [(Motion::NONE, Reach::of(cells, c, &Motion::NONE)); 2]).collect();
         let in_the_way = vec![[0; 2]; cells.arcs.len()];
-        Self { known: Known::default(), moved: Vec::new(), found: Vec::new(), reach, in_the_way }
+        Self {
+            known: Known::default(),
+            moved: Vec::new(),
+            found: Vec::new(),
+            arcs: Vec::new(),
+            seams: SeamRoom::default(),
+            reach,
+            in_the_way,
+        }
     }
 
     fn reach(&mut self, cells: &Cells, c: u32, motion: &Motion) -> &Reach {
@@ -390,7 +403,7 @@ impl<C: Fn(Figures) -> f64> Search<'_, C> {
                 continue;
             }
             let most = at.0 + PATIENCE * (1.0 - done).powi(2);
-            let mut figures = next.figures_without_room(self.cells);
+            let mut figures = next.figures_without_room(self.cells, &mut self.memory);
             if (self.cost)(figures) > most {
                 continue;
             }
@@ -413,29 +426,31 @@ impl<C: Fn(Figures) -> f64> Search<'_, C> {
         let cells = self.cells;
         let is_glued = |k: &u32| forest.is_glued[*k as usize];
         if self.random.below(2) == 0 {
-            let arcs: Vec<u32> = (0..cells.arcs.len() as u32).filter(is_glued).collect();
-            let limbs = if arcs.is_empty() { 0 } else { 1 + self.random.below(MOST_LIMBS) };
-            return (0..limbs).map(|_| arcs[self.random.below(arcs.len() as u64) as usize]).collect();
+            let glued = || (0..cells.arcs.len() as u32).filter(is_glued);
+            let count = glued().count() as u64;
+            let limbs = if count == 0 { 0 } else { 1 + self.random.below(MOST_LIMBS) };
+            return (0..limbs).filter_map(|_| glued().nth(self.random.below(count) as usize)).collect();
         }
         let count = cells.count() as u64;
         let size = 1 + self.random.below(count.min(MOST_RUINED)) as usize;
         let mut near = vec![self.random.below(count) as u32];
         let mut at = 0;
         while at < near.len() {
-            for &(_, other) in &cells.around[near[at] as usize] {
+            for &(_, other) in cells.around.row(near[at] as usize) {
                 if near.len() < size && !near.contains(&other) {
                     near.push(other);
                 }
             }
             at += 1;
         }
-        near.iter().flat_map(|&c| cells.around[c as usize].iter().map(|&(k, _)| k).filter(is_glued)).collect()
+        near.iter().flat_map(|&c| cells.around.row(c as usize).iter().map(|&(k, _)| k).filter(is_glued)).collect()
     }
 
     /// Glues what can be glued.
     fn recreate(&mut self, forest: &mut Forest) {
         let variation = VARIATIONS[self.random.below(VARIATIONS.len() as u64) as usize];
-        let mut arcs: Vec<(f64, u32)> = Vec::new();
+        let mut arcs = std::mem::take(&mut self.memory.arcs);
+        arcs.clear();
         for (arc, k) in self.cells.arcs.iter().zip(0..) {
             let [left, right] = arc.cells.map(|c| forest.island[c as usize]);
             if left != right && arc.motion.is_some() {
@@ -443,7 +458,8 @@ impl<C: Fn(Figures) -> f64> Search<'_, C> {
             }
         }
         arcs.sort_unstable_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
-        arcs.into_iter().for_each(|(_, k)| forest.glue(self.cells, k, &mut self.memory));
+        arcs.iter().for_each(|&(_, k)| forest.glue(self.cells, k, &mut self.memory));
+        self.memory.arcs = arcs;
     }
 }
 

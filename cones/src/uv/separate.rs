@@ -8,7 +8,7 @@
 //!
 //! An island without overlap keeps its positions to the bit.
 
-use geom::{CutMesh, EdgeData, FaceData, FaceId, HalfedgeId, Interrupted, Mesh, Watch};
+use geom::{CutMesh, EdgeData, EdgeId, FaceData, FaceId, HalfedgeId, Interrupted, Mesh, Watch};
 use rayon::prelude::*;
 
 use super::across::Paths;
@@ -82,15 +82,20 @@ pub(crate) fn add_necks(
     (mesh, lengths): (&Mesh, &EdgeData<f64>),
     map: &UvMap,
     network: &mut EdgeData<bool>,
-    is_crossed: impl Fn(&[FaceId]) -> bool,
+    is_crossed: impl Fn(&[FaceId]) -> bool + Sync,
     watch: Watch,
 ) -> Result<(), Interrupted> {
     let paths = Paths::new(mesh, lengths, map, watch.within(f64::NAN, f64::NAN))?;
     let least = mesh.face_count() / MOST_CROSSED;
-    let large = paths.islands().into_iter().filter(|island| island.len() >= least && is_crossed(island));
-    for sweep in large.filter_map(|island| paths.sweep(&island)) {
+    let across = |island: Vec<FaceId>| -> Result<Vec<EdgeId>, Interrupted> {
         watch.ask(f64::NAN)?;
-        paths.spread(&sweep).iter().flat_map(|path| paths.edges(path)).for_each(|e| network[e] = true);
+        let Some(sweep) = paths.sweep(&island) else { return Ok(Vec::new()) };
+        Ok(paths.spread(&sweep).iter().flat_map(|path| paths.edges(path)).collect())
+    };
+    let large = paths.islands().into_par_iter().filter(|island| island.len() >= least && is_crossed(island));
+    let across: Vec<Result<Vec<EdgeId>, Interrupted>> = large.map(across).collect();
+    for edges in across {
+        edges?.into_iter().for_each(|e| network[e] = true);
     }
     mesh.edges().filter(|&e| map.cut[e]).for_each(|e| network[e] = true);
     Ok(())

@@ -67,7 +67,7 @@ impl Poisson {
     /// # Errors
     /// If the matrix is not positive definite off the kernel, or memory does not suffice.
     pub fn new(laplacian: &SymmetricMatrix, fixed: &[VertexId]) -> Result<Self, PoissonError> {
-        Self::new_watched(laplacian, fixed, None, Watch::NONE)
+        Self::new_watched(laplacian.clone(), fixed, None, Watch::NONE)
     }
 
     /// The same where the positions of the vertices are known: they tell an order of elimination that is found
@@ -83,10 +83,10 @@ impl Poisson {
         fixed: &[VertexId],
         points: &[[f64; 3]],
     ) -> Result<Self, PoissonError> {
-        Self::new_watched(laplacian, fixed, Some(points), Watch::NONE)
+        Self::new_watched(laplacian.clone(), fixed, Some(points), Watch::NONE)
     }
 
-    /// [`Poisson::with_points`] where there are points, else [`Poisson::new`]; watched.
+    /// [`Poisson::with_points`] where there are points, else [`Poisson::new`]; watched, and without a copy of the Laplacian.
     ///
     /// # Errors
     /// As [`Poisson::new`], and if it is stopped.
@@ -94,7 +94,7 @@ impl Poisson {
     /// # Panics
     /// If there are fewer points than vertices.
     pub fn new_watched(
-        laplacian: &SymmetricMatrix,
+        laplacian: SymmetricMatrix,
         fixed: &[VertexId],
         points: Option<&[[f64; 3]]>,
         watch: Watch,
@@ -136,14 +136,14 @@ impl Poisson {
     /// # Errors
     /// As [`Poisson::new`].
     pub fn another(&self, laplacian: &SymmetricMatrix) -> Result<Self, PoissonError> {
-        self.another_watched(laplacian, Watch::NONE)
+        self.another_watched(laplacian.clone(), Watch::NONE)
     }
 
-    /// [`Poisson::another`], watched.
+    /// [`Poisson::another`], watched, and without a copy of the Laplacian.
     ///
     /// # Errors
     /// As [`Poisson::new`], and if it is stopped.
-    pub fn another_watched(&self, laplacian: &SymmetricMatrix, watch: Watch) -> Result<Self, PoissonError> {
+    pub fn another_watched(&self, laplacian: SymmetricMatrix, watch: Watch) -> Result<Self, PoissonError> {
         debug_assert_eq!(laplacian.dimension(), self.vertex_count);
         let cholesky = self.cholesky.another(restrict(laplacian, &self.unknown), watch)?;
         Ok(Self { cholesky, unknown: self.unknown.clone(), ..*self })
@@ -155,14 +155,14 @@ impl Poisson {
     /// # Errors
     /// As [`Poisson::new`].
     pub fn refactor(self, laplacian: &SymmetricMatrix) -> Result<Self, PoissonError> {
-        self.refactor_watched(laplacian, Watch::NONE)
+        self.refactor_watched(laplacian.clone(), Watch::NONE)
     }
 
-    /// [`Poisson::refactor`], watched.
+    /// [`Poisson::refactor`], watched, and without a copy of the Laplacian.
     ///
     /// # Errors
     /// As [`Poisson::new`], and if it is stopped.
-    pub fn refactor_watched(self, laplacian: &SymmetricMatrix, watch: Watch) -> Result<Self, PoissonError> {
+    pub fn refactor_watched(self, laplacian: SymmetricMatrix, watch: Watch) -> Result<Self, PoissonError> {
         debug_assert_eq!(laplacian.dimension(), self.vertex_count);
         let cholesky = self.cholesky.refactor(restrict(laplacian, &self.unknown), watch)?;
         Ok(Self { cholesky, ..self })
@@ -201,7 +201,7 @@ impl Poisson {
     /// If `b` is not as long as there are vertices.
     pub fn solve_perturbed(
         &self,
-        laplacian: &SymmetricMatrix,
+        laplacian: SymmetricMatrix,
         b: &[f64],
         tolerance: f64,
         watch: Watch,
@@ -390,8 +390,8 @@ impl ForwardSolution {
 }
 
 /// The rows and columns of the unknowns.
-fn restrict(matrix: &SymmetricMatrix, unknown: &[VertexId]) -> SymmetricMatrix {
-    matrix.restricted(unknown.iter().map(|v| v.index()))
+fn restrict(matrix: SymmetricMatrix, unknown: &[VertexId]) -> SymmetricMatrix {
+    matrix.into_restricted(unknown.iter().map(|v| v.index()))
 }
 
 #[cfg(test)]

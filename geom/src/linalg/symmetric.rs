@@ -4,7 +4,11 @@ use std::ops::Range;
 
 use sprs::CsMat;
 
+use crate::parallel;
 use crate::rows::Rows;
+
+/// The place of a row that is not kept.
+const NONE: u32 = u32::MAX;
 
 /// A symmetric sparse matrix. Stored are the entries on the diagonal and below, column by column: first the diagonal one,
 /// which is always there, then the others by rising row.
@@ -28,7 +32,7 @@ pub struct SymmetricMatrix {
 impl SymmetricMatrix {
     /// The Laplacian of a weighted graph on `dimension` vertices: `Σ w (e_i - e_j)(e_i - e_j)ᵀ` over its edges ij.
     /// Repeated edges add up and loops cancel.
-    pub(crate) fn laplacian(dimension: usize, edges: impl Iterator<Item = ([u32; 2], f64)> + Clone) -> Self {
+    pub(crate) fn laplacian(dimension: usize, edges: impl Iterator<Item = ([u32; 2], f64)> + Clone + Sync) -> Self {
         let edges = edges.map(|([i, j], weight)| (i.min(j), i.max(j), weight)).filter(|(column, row, _)| column != row);
         let mut column_start = vec![1u32; dimension + 1];
         column_start[0] = 0;
@@ -43,26 +47,35 @@ impl SymmetricMatrix {
             matrix.row[*end as usize] = column as u32;
             *end += 1;
         }
-        for (column, row, weight) in edges {
-            for diagonal in [column, row] {
-                *matrix.diagonal_mut(diagonal as usize) += weight;
+        let sums = || {
+            let mut sums = vec![0.0; dimension];
+            edges.clone().for_each(|(column, row, weight)| {
+                sums[column as usize] += weight;
+                sums[row as usize] += weight;
+            });
+            sums
+        };
+        let below = || {
+            for (column, row, weight) in edges.clone() {
+                // Columns are short: a new entry is moved up to its place.
+                let end = &mut end[column as usize];
+                let mut place = *end as usize;
+                while matrix.row[place - 1] > row {
+                    place -= 1;
+                }
+                if matrix.row[place - 1] == row {
+                    matrix.value[place - 1] -= weight;
+                    continue;
+                }
+                matrix.row.copy_within(place..*end as usize, place + 1);
+                matrix.value.copy_within(place..*end as usize, place + 1);
+                matrix.row[place] = row;
+                matrix.value[place] = -weight;
+                *end += 1;
             }
-            // Columns are short: a new entry is moved up to its place.
-            let end = &mut end[column as usize];
-            let mut place = *end as usize;
-            while matrix.row[place - 1] > row {
-                place -= 1;
-            }
-            if matrix.row[place - 1] == row {
-                matrix.value[place - 1] -= weight;
-                continue;
-            }
-            matrix.row.copy_within(place..*end as usize, place + 1);
-            matrix.value.copy_within(place..*end as usize, place + 1);
-            matrix.row[place] = row;
-            matrix.value[place] = -weight;
-            *end += 1;
-        }
+        };
+        let (sums, ()) = parallel::join(sums, below);
+        sums.into_iter().enumerate().for_each(|(i, sum)| *matrix.diagonal_mut(i) = sum);
         matrix.close_gaps(&end);
         matrix
     }
@@ -190,23 +203,50 @@ impl SymmetricMatrix {
     #[must_use]
     pub fn restricted(&self, kept: impl ExactSizeIterator<Item = usize> + Clone) -> Self {
         debug_assert!(kept.clone().is_sorted_by(|a, b| a < b), "the rows that are kept rise");
-        const NONE: u32 = u32::MAX;
-        let mut index = vec![NONE; self.dimension()];
-        kept.clone().zip(0..).for_each(|(i, k)| index[i] = k);
+        let index = self.numbered(kept.clone());
+        let mut restricted = Self { column_start: vec![0], row: Vec::new(), value: Vec::new() };
+        for column in kept {
+            let entries = self.range(column).map(|k| (index[self.row[k] as usize], self.value[k]));
+            for (row, value) in entries.filter(|&(row, _)| row != NONE) {
+                restricted.row.push(row);
+                restricted.value.push(value);
+            }
+            restricted.column_start.push(restricted.row.len() as u32);
+        }
+        restricted
+    }
+
+    /// The same in the place of the whole matrix.
+    ///
+    /// # Panics
+    /// If there is no such row.
+    #[must_use]
+    pub fn into_restricted(mut self, kept: impl ExactSizeIterator<Item = usize> + Clone) -> Self {
+        debug_assert!(kept.clone().is_sorted_by(|a, b| a < b), "the rows that are kept rise");
+        let index = self.numbered(kept.clone());
         let mut column_start = Vec::with_capacity(kept.len() + 1);
-        let (mut row, mut value) = (Vec::with_capacity(self.stored()), Vec::with_capacity(self.stored()));
         column_start.push(0);
+        let mut filled = 0;
         for column in kept {
             for k in self.range(column) {
-                let kept = index[self.row[k] as usize];
-                if kept != NONE {
-                    row.push(kept);
-                    value.push(self.value[k]);
+                let row = index[self.row[k] as usize];
+                if row != NONE {
+                    (self.row[filled], self.value[filled]) = (row, self.value[k]);
+                    filled += 1;
                 }
             }
-            column_start.push(row.len() as u32);
+            column_start.push(filled as u32);
         }
-        Self { column_start, row, value }
+        self.row.truncate(filled);
+        self.value.truncate(filled);
+        Self { column_start, ..self }
+    }
+
+    /// The place of each row among those that are kept, or [`NONE`].
+    fn numbered(&self, kept: impl Iterator<Item = usize>) -> Vec<u32> {
+        let mut index = vec![NONE; self.dimension()];
+        kept.zip(0..).for_each(|(i, k)| index[i] = k);
+        index
     }
 
     /// Its first `count` rows on vectors whose entry at any place is that at the place which it `stands_for`, one of the first: the columns are
@@ -342,6 +382,7 @@ mod tests {
             }
             let kept = [1, 2, 5, 8];
             let restricted = matrix.restricted(kept.into_iter());
+            prop_assert_eq!(&matrix.clone().into_restricted(kept.into_iter()), &restricted);
             for (i, &v) in kept.iter().enumerate() {
                 for (j, &w) in kept.iter().enumerate() {
                     prop_assert_eq!(restricted.get(i, j), matrix.get(v, w));

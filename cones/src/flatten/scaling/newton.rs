@@ -78,7 +78,7 @@ impl Factor {
         self.poisson.is_none()
     }
 
-    fn refactor(&mut self, laplacian: &SymmetricMatrix, watch: Watch) -> Result<&Poisson, PoissonError> {
+    fn refactor(&mut self, laplacian: SymmetricMatrix, watch: Watch) -> Result<&Poisson, PoissonError> {
         let new = match Arc::try_unwrap(self.poisson.take().expect("it is not lost")) {
             Ok(own) => own.refactor_watched(laplacian, watch)?,
             Err(shared) => shared.another_watched(laplacian, watch)?,
@@ -134,16 +134,18 @@ impl Newton<'_> {
                     step
                 }
                 poisson => {
-                    let hessian = self.hessian(&state.triangulation, &metric);
-                    self.watch.ask(done)?;
                     let tolerance = (error * error.min(FORCING)).max(0.2 * self.goal);
+                    let hessian = || {
+                        self.watch.ask(done)?;
+                        Ok::<_, Interrupted>(self.hessian(&state.triangulation, &metric))
+                    };
                     let step = match poisson.as_ref().filter(|_| factor.is_like) {
-                        Some(like) => like.solve_perturbed(&hessian, &residual, tolerance, watch)?,
+                        Some(like) => like.solve_perturbed(hessian()?, &residual, tolerance, watch)?,
                         None => None,
                     };
                     match step {
                         Some(step) => step,
-                        None => factor.refactor(&hessian, watch)?.solve_watched(&residual, watch)?,
+                        None => factor.refactor(hessian()?, watch)?.solve_watched(&residual, watch)?,
                     }
                 }
             };
