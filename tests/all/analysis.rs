@@ -489,6 +489,49 @@ fn a_refined_model_is_the_same_surface_with_a_map_without_a_flaw() {
     assert!(found.seam_mismatch < 1e-6 && atlas.detached.is_empty());
 }
 
+/// A surface with cones in plenty, a face of it again every here and there, and faces that have a vertex twice.
+fn with_spare_faces() -> (Model, usize) {
+    let Shape { points, triangles } = shapes::hare(500);
+    let count = triangles.len();
+    let copies = triangles.iter().step_by(7).map(|&[a, b, c]| [b, a, c]);
+    let twice = triangles.iter().step_by(9).map(|&[a, b, _]| [a, b, b]);
+    let faces: Vec<[u32; 3]> = triangles.iter().copied().chain(copies).chain(twice).collect();
+    (Model::from_triangles(points, &faces).expect("an ordinary model"), count)
+}
+
+#[test]
+fn spare_faces_lie_where_their_originals_do_or_over_nothing() {
+    let (model, count) = with_spare_faces();
+    let analysis = Analysis::new(&model).unwrap();
+    let Atlas { uv, triangles, left_out, seams, .. } = analysis.atlas(&self::count(16)).unwrap();
+    assert!(left_out.len() == triangles.len() - count && seams.len() > 10);
+    let vertex = |corner: &u32| model.corners()[*corner as usize];
+    let placed = |t: u32| {
+        let mut corners = triangles.corners[t as usize];
+        corners.sort_unstable_by_key(vertex);
+        corners.map(|c| (vertex(&c), uv[c as usize]))
+    };
+    let on_surface: Vec<[(u32, [f64; 2]); 3]> = (0..count as u32).map(placed).collect();
+    for &t in &left_out {
+        let corners = placed(t);
+        let is_point = corners.iter().all(|corner| corner.1 == corners[0].1);
+        assert!(is_point || on_surface.contains(&corners), "{corners:?}");
+        assert_eq!(is_point, corners[0].0 == corners[1].0 || corners[1].0 == corners[2].0);
+    }
+    let refine = Preparation { refine: Refining::Always, ..Preparation::default() };
+    let analysis = Analysis::with(&model, refine).unwrap();
+    let Atlas { uv, triangles, left_out, .. } = analysis.atlas(&self::count(16)).unwrap();
+    assert!(!left_out.is_empty());
+    let refined = &analysis.refined().expect("it was asked for").model;
+    let vertex = |corner: &u32| refined.corners()[*corner as usize];
+    let all: Vec<[u32; 3]> = triangles.corners.iter().map(|corners| corners.map(|c| vertex(&c))).collect();
+    for &t in &left_out {
+        let own = triangles.corners[t as usize].map(|c| uv[c as usize]);
+        let is_alone = all.iter().filter(|other| all[t as usize].iter().all(|v| other.contains(v))).count() == 1;
+        assert!(!is_alone || own.iter().all(|p| *p == own[0]), "{own:?}");
+    }
+}
+
 #[test]
 fn only_needles_are_refined_where_needles_are_to_be() {
     let refine = |shape: &Shape| {

@@ -10,6 +10,7 @@ use clap::Args;
 use cones::report::{DistortionReport, IslandReport, Quality};
 use geom::Model;
 use serde::Serialize;
+use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
 #[derive(Args, Debug)]
@@ -53,10 +54,13 @@ struct MeasuredInput {
     reference: Option<String>,
     vertices: usize,
     faces: usize,
+    left_out: usize,
 }
 
 /// What is measured: the triangles of the surface with their images.
 struct Measured {
+    /// How many triangles were left out of it.
+    spare: usize,
     /// The face that each triangle is part of.
     face_of: Vec<u32>,
     vertices: Vec<[u32; 3]>,
@@ -71,7 +75,13 @@ pub(crate) fn run(args: &MeasureArgs) -> Result<(), CommandError> {
     let surface = reference.as_ref().unwrap_or(&model);
     let measured = measure(args, &model, surface)?;
     write_extras(args, surface, &measured)?;
-    let report = report(args, surface, &measured.quality);
+    let report = report(args, surface, &measured);
+    if measured.spare > 0 {
+        output::warn(&format!(
+            "{} with a vertex twice, or at the place of another one on the same vertices: not measured",
+            counted(measured.spare, "triangle", "triangles")
+        ));
+    }
     warn_of_split(split_vertices(surface, args.weld.chosen()));
     if args.json {
         return output::print_json(&report);
@@ -134,14 +144,38 @@ fn measure(args: &MeasureArgs, model: &Model, reference: &Model) -> Result<Measu
     let no_texture = || CommandError::NoTexture(args.input.clone());
     let uv = model.uv().ok_or_else(no_texture)?.all().map_err(|_| no_texture())?;
     let triangles = reference.triangles();
-    let (mut vertices, uv) = (triangles.vertices(reference), corner_uv(&triangles.corners, &uv));
+    let (mut vertices, mut uv) = (triangles.vertices(reference), corner_uv(&triangles.corners, &uv));
     args.weld.chosen().apply(reference, &mut vertices);
+    let mut face_of = triangles.face_of;
+    let is_spare = spare(&vertices, &uv);
+    let spare = is_spare.iter().filter(|spare| **spare).count();
+    if 0 < spare && spare < is_spare.len() {
+        keep(&mut vertices, &is_spare);
+        keep(&mut uv, &is_spare);
+        keep(&mut face_of, &is_spare);
+    }
     let quality = Quality::measure(reference.points(), &vertices, &uv, None)
         .map_err(|error| CommandError::Measure { path: args.input.clone(), error })?;
-    Ok(Measured { face_of: triangles.face_of, vertices, uv, quality })
+    Ok(Measured { spare, face_of, vertices, uv, quality })
 }
 
-fn report(args: &MeasureArgs, reference: &Model, quality: &Quality) -> MeasureReport {
+/// Which triangles `unwrap` leaves out as well: those that have a vertex twice, and copies that lie where the triangle does that they are copies of.
+fn spare(vertices: &[[u32; 3]], uv: &[[[f64; 2]; 3]]) -> Vec<bool> {
+    let mut known = HashSet::with_capacity(vertices.len());
+    let is_spare = |(v, uv): (&[u32; 3], &[[f64; 2]; 3])| {
+        let mut corners = [0, 1, 2].map(|k| (v[k], uv[k].map(f64::to_bits)));
+        corners.sort_unstable();
+        corners[0].0 == corners[1].0 || corners[1].0 == corners[2].0 || !known.insert(corners)
+    };
+    vertices.iter().zip(uv).map(is_spare).collect()
+}
+
+fn keep<T>(items: &mut Vec<T>, is_spare: &[bool]) {
+    let mut is_spare = is_spare.iter();
+    items.retain(|_| !is_spare.next().expect("one for each"));
+}
+
+fn report(args: &MeasureArgs, reference: &Model, Measured { spare, quality, .. }: &Measured) -> MeasureReport {
     MeasureReport {
         schema: SCHEMA,
         input: MeasuredInput {
@@ -149,6 +183,7 @@ fn report(args: &MeasureArgs, reference: &Model, quality: &Quality) -> MeasureRe
             reference: args.reference.as_ref().map(|path| path.display().to_string()),
             vertices: reference.vertex_count(),
             faces: reference.face_count(),
+            left_out: *spare,
         },
         distortion: quality.distortion.clone(),
         islands: quality.islands.clone(),

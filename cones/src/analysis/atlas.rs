@@ -54,7 +54,8 @@ pub struct Atlas {
     pub fill: f64,
     /// The triangles that were computed with, as corners of the model.
     pub triangles: Triangles,
-    /// The triangles that belong to no surface (repeated vertices, copies); their corners have their vertices' positions.
+    /// The triangles that belong to no surface: copies lie where the triangle lies that they are copies of, others (repeated vertices, parts without
+    /// area, copies where it was refined) at one point.
     pub left_out: Vec<u32>,
     /// The island of each triangle, numbered from 0 component by component; none for those that belong to no surface.
     pub islands: Vec<Option<u32>>,

@@ -586,17 +586,29 @@ impl Analysis {
         ChosenNumber { chosen, predicted, ..number }.judged(distortion_of(&all))
     }
 
-    /// Corners that no surface has get the positions of a triangle on the same three vertices, of another corner at their
-    /// vertex, or the origin.
+    /// Corners that no surface has get the positions of a triangle on the same three vertices, or of a corner at the same vertex of their own
+    /// one. What is left of a triangle goes to one point, so that it lies over nothing: of its own, of one of its vertices, or the origin.
     fn fill_corners(&self, mut placed: Placed) -> Vec<[f64; 2]> {
         if placed.is_placed.contains(&false) {
             self.fill_copies(&mut placed);
-            let mut of_vertex = vec![[0.0; 2]; self.points().len()];
             let corners = || (0..).zip(self.corner_vertices());
+            let mut of_vertex = vec![None; self.points().len()];
             for (corner, &v) in corners() {
-                of_vertex[v as usize] = placed.at(corner).unwrap_or(of_vertex[v as usize]);
+                of_vertex[v as usize] = placed.at(corner).or(of_vertex[v as usize]);
             }
-            corners().for_each(|(corner, &v)| placed.put_if_none(corner, of_vertex[v as usize]));
+            let vertex = |corner: u32| self.corner_vertices()[corner as usize];
+            for &t in self.left_out() {
+                let own = self.triangles().corners[t as usize];
+                let point = own.iter().find_map(|&corner| placed.at(corner));
+                let point = point.or_else(|| own.iter().find_map(|&corner| of_vertex[vertex(corner) as usize]));
+                for corner in own {
+                    let twin = own.iter().filter(|&&other| vertex(other) == vertex(corner));
+                    let twin = twin.copied().find_map(|other| placed.at(other));
+                    placed.put_if_none(corner, twin.or(point).unwrap_or_default());
+                }
+            }
+            // Corners of no triangle at all.
+            corners().for_each(|(corner, &v)| placed.put_if_none(corner, of_vertex[v as usize].unwrap_or_default()));
         }
         placed.uv
     }
