@@ -176,7 +176,7 @@ impl Analysis {
         let measured = watched(py, progress, |told| {
             let atlas = work(&self.found.with_observer(told.observer()), &options).map_err(NoMap::Cones)?;
             let stops = |_| told.goes_on();
-            MeasuredAtlas::new_watched(&self.model, atlas, size, options.preparation.weld, Watch::new(&stops))
+            MeasuredAtlas::new_watched(&self.model, atlas, size, self.found.weld(), Watch::new(&stops))
                 .map_err(NoMap::Distortion)
         })?;
         dictionary(py, measured, &self.found, &options)

@@ -37,7 +37,7 @@ use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 use std::sync::{Arc, OnceLock};
 use std::time::Instant;
 
-use geom::{Model, Prepared, Repair, Triangles, prepare_watched, unify_instances};
+use geom::{Model, Prepared, Repair, RepairKind, Triangles, Weld, prepare_watched, unify_instances};
 use rayon::prelude::*;
 
 pub use atlas::{Atlas, Topology};
@@ -314,6 +314,13 @@ impl Analysis {
         &self.found.repairs
     }
 
+    /// Which vertices of the model that maps are of are taken for one: those that its [preparation](Preparation::weld) said, or none where
+    /// it found none such.
+    pub fn weld(&self) -> Weld {
+        let is_welded = self.repairs().iter().any(|repair| repair.kind == RepairKind::Welded);
+        if is_welded || self.refined().is_some() { self.found.making.preparation.weld } else { Weld::Never }
+    }
+
     /// What the user should know of how it was made ready.
     pub fn notes(&self) -> &[Note] {
         &self.found.notes
@@ -489,5 +496,28 @@ mod tests {
         let mut pairs = closed.components().iter().zip(opened.components());
         assert!(pairs.all(|(closed, opened)| Arc::ptr_eq(closed, opened) != closed.has_handles()));
         assert_eq!(closed.components().iter().filter(|part| part.has_handles()).count(), 1);
+    }
+
+    #[test]
+    fn what_is_taken_for_one_in_maps_is_what_was_found_to_be() {
+        let hare = geom::shapes::hare(300);
+        let corners: Vec<[f64; 3]> = hare.triangles.as_flattened().iter().map(|&v| hare.points[v as usize]).collect();
+        let faces: Vec<[u32; 3]> = (0..hare.triangles.len() as u32).map(|f| [3 * f, 3 * f + 1, 3 * f + 2]).collect();
+        let apart = Model::from_triangles(corners, &faces).unwrap();
+        let one = Model::from_triangles(apart.points()[..3].to_vec(), &faces[..1]).unwrap();
+        for (model, is_welded) in [(&apart, true), (&hare.into(), false), (&one, false)] {
+            for weld in [Weld::Auto, Weld::Always, Weld::Never] {
+                for refine in [Refining::Never, Refining::Always] {
+                    let analysis = Analysis::with(model, Preparation { weld, refine, ..Preparation::default() });
+                    // As many parts as triangles are a surface all the same.
+                    let Ok(analysis) = analysis else { continue };
+                    let of = analysis.refined().map_or(model, |refined| &refined.model);
+                    assert_eq!(analysis.weld().of(of), weld.of(of));
+                    if refine == Refining::Never && !is_welded {
+                        assert_eq!(analysis.weld(), Weld::Never);
+                    }
+                }
+            }
+        }
     }
 }

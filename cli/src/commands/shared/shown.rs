@@ -44,7 +44,7 @@ impl<'a> Subject<'a> {
         analysis.left_out().iter().for_each(|&t| is_kept[t as usize] = false);
         let triangles: Vec<u32> = (0..).zip(&is_kept).filter_map(|(t, kept)| kept.then_some(t)).collect();
         let corners: Vec<[u32; 3]> = triangles.iter().map(|&t| all[t as usize]).collect();
-        let first = options.preparation.weld.of(model);
+        let first = analysis.weld().of(model);
         let mut vertices = vertices(model, &corners);
         if let Some(first) = &first {
             vertices.iter_mut().flatten().for_each(|v| *v = first[*v as usize]);

@@ -73,7 +73,7 @@ impl Unwrapped {
         };
         progress.step("measure");
         let start = Instant::now();
-        let map = MeasuredAtlas::new(&model, atlas, scale.into(), options.preparation.weld)
+        let map = MeasuredAtlas::new(&model, atlas, scale.into(), analysis.weld())
             .map_err(|error| CommandError::Measure { path: path.to_owned(), error })?;
         let measuring = start.elapsed().as_secs_f64();
         Ok(Self { model, options, analysis, map, measuring })
