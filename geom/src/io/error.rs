@@ -152,6 +152,14 @@ impl Fault {
         Self::unexpected(place, format!("a face with {corners} corner{plural}"), "at least 3")
     }
 
+    /// The same in a text where so many lines come before.
+    pub(super) fn after_lines(self, lines: u64) -> Self {
+        match self.place {
+            Place::Line(line) => Self { place: Place::Line(lines + line), ..self },
+            _ => self,
+        }
+    }
+
     pub(super) fn in_file(self, path: &Path) -> ReadError {
         ReadError { path: path.to_owned(), place: self.place, problem: self.problem }
     }

@@ -1,6 +1,9 @@
 //! Lines, words and numbers of mesh files, on bytes: such files are seldom all UTF-8 and need not be.
 
+use std::ops::Range;
+
 use super::error::{Fault, Place};
+use crate::parallel::threads;
 use crate::surface::{MAX_COORDINATE, is_coordinate};
 
 const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
@@ -27,6 +30,12 @@ impl<'a> Lines<'a> {
         Self { joined: true, ..Self::new(text) }
     }
 
+    /// The joined lines of one of the [`blocks`](joined_blocks) of a text, numbered from 1.
+    pub(super) fn of_block(text: &'a [u8], block: &Range<usize>) -> Self {
+        let lines = Self::joined(&text[..block.end]);
+        Self { at: block.start.max(lines.at), ..lines }
+    }
+
     /// The lines from byte `at` on, of which `number` came before.
     pub(super) fn after(text: &'a [u8], at: usize, number: u64) -> Self {
         Self { text, at, number, joined: false }
@@ -47,13 +56,6 @@ impl<'a> Lines<'a> {
         self.find(|line| line.words().next().is_some())
     }
 
-    /// Goes behind the line end at `end`, `\r\n` counting as one.
-    fn pass_line_end(&mut self, end: usize) {
-        let rest = &self.text[end..];
-        self.at = end + if rest.starts_with(b"\r\n") { 2 } else { rest.len().min(1) };
-        self.number += 1;
-    }
-
     fn is_continued(&self, start: usize, end: usize) -> bool {
         let line = &self.text[start..end];
         self.joined && line.ends_with(b"\\") && !line.contains(&b'#') && end < self.text.len()
@@ -71,7 +73,8 @@ impl<'a> Iterator for Lines<'a> {
         loop {
             let from = self.at;
             let end = line_end(self.text, from);
-            self.pass_line_end(end);
+            self.at = behind_line_end(self.text, end);
+            self.number += 1;
             if !self.is_continued(from, end) || self.at >= self.text.len() {
                 let is_last = end == self.text.len();
                 return Some(Line { number, start, text: &self.text[start..end], is_last });
@@ -81,8 +84,51 @@ impl<'a> Iterator for Lines<'a> {
 }
 
 fn line_end(text: &[u8], from: usize) -> usize {
+    let is_end = |&b: &u8| b == b'\n' || b == b'\r';
+    // Sixteen bytes are compared at once.
+    let (chunks, _) = text[from..].as_chunks::<16>();
+    let without = chunks.iter().take_while(|chunk| !chunk.iter().fold(false, |any, b| any | is_end(b))).count();
+    let from = from + 16 * without;
     let rest = &text[from..];
-    from + rest.iter().position(|&b| b == b'\n' || b == b'\r').unwrap_or(rest.len())
+    from + rest.iter().position(is_end).unwrap_or(rest.len())
+}
+
+/// Where the line after the line end at `end` starts, `\r\n` counting as one.
+fn behind_line_end(text: &[u8], end: usize) -> usize {
+    let rest = &text[end..];
+    end + if rest.starts_with(b"\r\n") { 2 } else { rest.len().min(1) }
+}
+
+/// How large blocks of a text are for the threads that there are: some milliseconds' work, or the whole where there is one thread.
+pub(super) fn block_size(text: &[u8]) -> usize {
+    const BLOCK: usize = 1 << 20;
+    if threads() > 1 { BLOCK } else { text.len() }
+}
+
+/// A text cut into blocks of `size` bytes or a little more, each of whole joined lines.
+pub(super) fn joined_blocks(text: &[u8], size: usize) -> Vec<Range<usize>> {
+    let mut blocks = Vec::new();
+    let mut start = 0;
+    while start < text.len() {
+        let end = joined_line_start(text, start.saturating_add(size));
+        blocks.push(start..end);
+        start = end;
+    }
+    blocks
+}
+
+/// Where the first line behind byte `at` starts that surely continues none: before its start is no backslash, not even in a comment.
+fn joined_line_start(text: &[u8], mut at: usize) -> usize {
+    while at < text.len() {
+        let end = line_end(text, at);
+        at = behind_line_end(text, end);
+        // The search may have begun within `\r\n`.
+        let line = text[..end].strip_suffix(b"\r").unwrap_or(&text[..end]);
+        if !line.ends_with(b"\\") {
+            return at;
+        }
+    }
+    text.len()
 }
 
 /// A line without its end; a continued one holds the line ends within.
@@ -292,6 +338,32 @@ mod tests {
             vec![(1, vec![b"f", b"1", b"2", b"3"]), (4, vec![]), (5, vec![b"v", b"\\x"])];
         assert_eq!(lines(b"f 1\\\n2 \\\r3\n# C:\\\nv \\x"), words);
         assert_eq!(lines(b"f 1 \\\n"), [(1, vec![&b"f"[..], b"1", b"\\"])]);
+    }
+
+    #[test]
+    fn blocks_have_the_lines_of_the_whole() {
+        let texts: [&[u8]; 5] = [
+            b"\xef\xbb\xbfv 1\nv 2 \\\n 3 \\\n\n\xef\xbb\xbfv # C:\\\nf\n\nf 1 \\\n",
+            b"v 1\r\nv 2 \\\r\n 3 \\\r\n\r\nv \\x\r\n\\\r\nf 1 2",
+            b"v 1\r\rv 2 \\\r 3 \\\r\rv # \\\r4\r\n\n\rf \\",
+            b"\\\n\\\n\\\n",
+            b"",
+        ];
+        for text in texts {
+            for size in 0..=text.len() + 1 {
+                let blocks = joined_blocks(text, size);
+                let mut found = Vec::new();
+                let mut number = 0;
+                for block in &blocks {
+                    let mut lines = Lines::of_block(text, block);
+                    found
+                        .extend(lines.by_ref().map(|line| (number + line.number, line.start, line.text, line.is_last)));
+                    number += lines.number();
+                }
+                let whole = Lines::joined(text).map(|line| (line.number, line.start, line.text, line.is_last));
+                assert_eq!(found, whole.collect::<Vec<_>>(), "blocks of {size}: {blocks:?}");
+            }
+        }
     }
 
     #[test]

@@ -209,6 +209,13 @@ impl Attribute {
         self.scalar.encode(x, &mut self.bytes);
     }
 
+    /// Appends the rows of a table of the same kind, whose rows have as many numbers.
+    #[cfg(feature = "files")]
+    pub(crate) fn append(&mut self, rows: &Self) {
+        debug_assert!((self.width, self.scalar) == (rows.width, rows.scalar) && self.width.is_some());
+        self.bytes.extend_from_slice(&rows.bytes);
+    }
+
     /// Ends a row of a table of lists.
     pub(crate) fn end_row(&mut self) {
         if self.width.is_none() {

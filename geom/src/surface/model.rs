@@ -324,6 +324,14 @@ impl Polygons {
         self.face_end.push(self.corners.len() as u32);
     }
 
+    /// Appends other polygons.
+    #[cfg(feature = "files")]
+    pub(crate) fn append(&mut self, next: &Self) {
+        let before = self.corners.len() as u32;
+        self.face_end.extend(next.face_end.iter().map(|end| before.wrapping_add(*end)));
+        self.corners.extend_from_slice(&next.corners);
+    }
+
     #[cfg(feature = "files")]
     pub(crate) fn face_count(&self) -> usize {
         self.face_end.len()

@@ -3,7 +3,8 @@
 use std::collections::HashMap;
 
 use super::super::text::{Words, number};
-use super::resolve;
+use super::blocks::Counts;
+use super::{append_rows, resolve};
 use crate::surface::{Attribute, AttributeDomain, Attributes, Meaning, ScalarType};
 
 /// What a text says of how its surface looks. What is no number here is no reason to refuse the surface.
@@ -65,12 +66,18 @@ impl Appearance {
 
     /// `usemtl name`.
     pub(super) fn material(&mut self, words: Words) {
-        let name = words.map(String::from_utf8_lossy).collect::<Vec<_>>().join(" ");
-        self.material = self.number_of_material.get(&name).copied().unwrap_or(self.materials.len() as u32);
-        if self.material as usize == self.materials.len() {
-            self.number_of_material.insert(name.clone(), self.material);
+        self.material = self.number(words.map(String::from_utf8_lossy).collect::<Vec<_>>().join(" "));
+    }
+
+    /// The number of a material, which is listed if it is new.
+    fn number(&mut self, name: String) -> u32 {
+        let next = self.materials.len() as u32;
+        let number = self.number_of_material.get(&name).copied().unwrap_or(next);
+        if number == next {
+            self.number_of_material.insert(name.clone(), number);
             self.materials.push(name);
         }
+        number
     }
 
     /// `g` or `o`.
@@ -79,10 +86,11 @@ impl Appearance {
     }
 
     /// Notes the normal of the corner that is about to come.
-    pub(super) fn corner(&mut self, corner: usize, normal: Option<i64>) {
+    pub(super) fn corner(&mut self, corner: usize, normal: Option<i64>, before: &impl Fn() -> Counts) {
         if let Some(normal) = normal {
+            let row = resolve(normal, || before().normals + self.normals.rows());
             self.normal_corners.resize(corner, Attribute::NONE);
-            self.normal_corners.push(resolve(normal, self.normals.rows()).unwrap_or(Attribute::NONE));
+            self.normal_corners.push(row.unwrap_or(Attribute::NONE));
         }
     }
 
@@ -92,6 +100,32 @@ impl Appearance {
             self.face_material.resize(face, Attribute::NONE);
             self.face_material.push(self.material);
         }
+    }
+
+    /// Appends what the next block says. `faces` are how many this one has and the next, `corners` how many this one has.
+    pub(super) fn append(&mut self, next: Self, faces: [usize; 2], corners: usize) {
+        append_rows(&mut self.normal_corners, corners, &next.normal_corners);
+        self.normals.append(&next.normals);
+        if next.vertices > 0 {
+            self.width = if self.vertices == 0 { next.width } else { self.width.filter(|_| self.width == next.width) };
+            match self.width {
+                Some(_) => self.behind.extend(next.behind),
+                None => self.behind.clear(),
+            }
+            self.vertices += next.vertices;
+        }
+        self.has_groups |= next.has_groups;
+        let number: Vec<u32> = next.materials.into_iter().map(|name| self.number(name)).collect();
+        // Faces before the first material of the next block have the last one of this.
+        let earlier = self.material;
+        let of = |material: u32| number.get(material as usize).copied().unwrap_or(earlier);
+        let mut face_material = next.face_material;
+        if earlier != Attribute::NONE {
+            face_material.resize(faces[1], Attribute::NONE);
+        }
+        face_material.iter_mut().for_each(|material| *material = of(*material));
+        append_rows(&mut self.face_material, faces[0], &face_material);
+        self.material = of(next.material);
     }
 
     /// All of it, of so many vertices, faces and corners.
