@@ -18,8 +18,9 @@ use super::error::WriteError;
 use super::lines::write_lines;
 use super::look::{Look, one_word};
 use super::obj::is_face;
-use super::text::{Line, Lines};
+use super::text::{Line, Lines, block_size, joined_blocks};
 use super::wedge::Wedges;
+use crate::parallel::try_each;
 use crate::surface::{Model, Triangles};
 
 /// What an OBJ is to hold besides the model.
@@ -145,7 +146,7 @@ impl Job<'_> {
 
     /// Writes the text of the model with the addition in it.
     fn rewrite(&self, text: &[u8], mut cells: Cells, out: impl Write) -> io::Result<()> {
-        let addition = Addition::place(text);
+        let addition = Addition::place(text, block_size(text))?;
         let line_end = line_end_of(text);
         let mut copy = Copy { text, at: 0, out };
         let mut faces = Vec::new();
@@ -282,7 +283,56 @@ impl<W: Write> Copy<'_, W> {
     }
 }
 
+/// What a text, or a block of it, says of texture coordinates.
+#[derive(Clone, Default)]
+struct Mentions {
+    /// Where the first face is, and how many `vt` lines come before it.
+    first_face: Option<(usize, u64)>,
+    /// How many `vt` lines there are.
+    known: u64,
+    /// Whether polylines or surfaces refer to them.
+    is_used_elsewhere: bool,
+    /// Where the last line ends that is one of them, or refers to one counted backwards.
+    last_use: usize,
+}
+
+impl Mentions {
+    fn take(&mut self, mut lines: Lines) {
+        while let Some(line) = lines.next() {
+            let mut words = line.words();
+            match words.next() {
+                Some(b"vt") => {
+                    self.known += 1;
+                    self.last_use = lines.position();
+                }
+                Some(b"l" | b"surf") => {
+                    let textured = words.clone().any(|word| word.contains(&b'/'));
+                    self.is_used_elsewhere |= textured;
+                    if textured && words.any(|word| word.contains(&b'-')) {
+                        self.last_use = lines.position();
+                    }
+                }
+                Some(word) if self.first_face.is_none() && is_face(word) => {
+                    self.first_face = Some((line.start, self.known));
+                }
+                _ => {}
+            }
+        }
+    }
+
+    /// The same with those of the next block.
+    fn joined(self, next: &Self) -> Self {
+        Self {
+            first_face: self.first_face.or(next.first_face.map(|(at, known)| (at, self.known + known))),
+            known: self.known + next.known,
+            is_used_elsewhere: self.is_used_elsewhere || next.is_used_elsewhere,
+            last_use: self.last_use.max(next.last_use),
+        }
+    }
+}
+
 /// Where new texture coordinates go.
+#[derive(Debug, PartialEq)]
 struct Addition {
     /// The byte before which they are put.
     at: usize,
@@ -293,35 +343,20 @@ struct Addition {
 }
 
 impl Addition {
-    fn place(text: &[u8]) -> Self {
-        let mut first_face = None;
-        let (mut known, mut is_used_elsewhere, mut last_use) = (0, false, 0);
-        let mut lines = Lines::joined(text);
-        while let Some(line) = lines.next() {
-            let mut words = line.words();
-            match words.next() {
-                Some(b"vt") => {
-                    known += 1;
-                    last_use = lines.position();
-                }
-                Some(b"l" | b"surf") => {
-                    let textured = words.clone().any(|word| word.contains(&b'/'));
-                    is_used_elsewhere |= textured;
-                    if textured && words.any(|word| word.contains(&b'-')) {
-                        last_use = lines.position();
-                    }
-                }
-                Some(word) if first_face.is_none() && is_face(word) => {
-                    first_face = Some(Self { at: line.start, known, drops_old: false });
-                }
-                _ => {}
-            }
-        }
-        match first_face {
-            Some(first_face) if !is_used_elsewhere => Self { known: 0, drops_old: true, ..first_face },
-            Some(first_face) if first_face.at >= last_use => first_face,
+    fn place(text: &[u8], block: usize) -> io::Result<Self> {
+        let blocks = joined_blocks(text, block);
+        let mut mentions = vec![Mentions::default(); blocks.len()];
+        try_each(0, &mut mentions, &|k, mentions| {
+            mentions.take(Lines::of_block(text, &blocks[k]));
+            Ok::<(), io::Error>(())
+        })?;
+        let mentions = mentions.iter().fold(Mentions::default(), Mentions::joined);
+        let Mentions { first_face, known, is_used_elsewhere, last_use } = mentions;
+        Ok(match first_face {
+            Some((at, _)) if !is_used_elsewhere => Self { at, known: 0, drops_old: true },
+            Some((at, known)) if at >= last_use => Self { at, known, drops_old: false },
             _ => Self { at: last_use, known, drops_old: false },
-        }
+        })
     }
 }
 
@@ -330,5 +365,28 @@ fn line_end_of(text: &[u8]) -> &'static str {
         Some(at) if text[at..].starts_with(b"\r\n") => "\r\n",
         Some(at) if text[at] == b'\r' => "\r",
         _ => "\n",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn blocks_have_the_place_of_the_whole() {
+        let texts = [
+            "v 0 0 0\nvt 0 0\nvt 1 0\nf 1/1 1/2 1/1\nvt 2 2\nf 1 1 1\n",
+            "v 0 0 0\nvt 0 0\nvt 1 0\nf 1/1 1/2 1/1\nvt 2 2\nl 1/1 1/2\nf 1 1 1\n",
+            "vt 0 0\nvt 1 0\nl 1/-1 \\\n 1/1\nv 0 0 0\nf 1 1 1\nf 1 1 1\n",
+            "vt 0 0\nl 1/1 1/1\nf 1 1 1\nsurf 1/-1\n\n",
+            "v 0 0 0\nvt 0 0\n",
+            "",
+        ];
+        for text in texts {
+            for size in 0..=text.len() {
+                let [found, whole] = [size, text.len()].map(|size| Addition::place(text.as_bytes(), size).unwrap());
+                assert_eq!(found, whole, "blocks of {size} of {text}");
+            }
+        }
     }
 }
