@@ -44,6 +44,19 @@ pub(crate) fn map<T>(count: usize, value: impl Fn(usize) -> T) -> Vec<T> {
     (0..count).map(value).collect()
 }
 
+/// Puts items in order, no two of which are equal.
+#[cfg(feature = "rayon")]
+pub(crate) fn sort<T: Ord + Send>(items: &mut [T]) {
+    use rayon::prelude::*;
+    if threads() > 1 { items.par_sort_unstable() } else { items.sort_unstable() }
+}
+
+/// Puts items in order, no two of which are equal.
+#[cfg(not(feature = "rayon"))]
+pub(crate) fn sort<T: Ord>(items: &mut [T]) {
+    items.sort_unstable();
+}
+
 /// So many values are found before they are taken up: what they take stays in the cache.
 const PIECE: usize = 1 << 15;
 

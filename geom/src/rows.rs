@@ -55,6 +55,11 @@ impl<T> Rows<T> {
         &mut self.item[self.start[r] as usize..self.start[r + 1] as usize]
     }
 
+    /// The items of all rows, one row after the other.
+    pub fn into_items(self) -> Vec<T> {
+        self.item
+    }
+
     /// How many rows there are.
     pub fn len(&self) -> usize {
         self.start.len() - 1

@@ -23,7 +23,8 @@ use crate::intrinsic::Metric;
 use crate::mesh::{
     EdgeData, EdgeId, FaceData, FaceId, HalfedgeData, HalfedgeId, Id, Mesh, VertexData, VertexId, for_each_edge,
 };
-use crate::parallel::{each_of, map};
+use crate::parallel::{each_of, join, map, sort};
+use crate::rows::Rows;
 use crate::vector::{cross, length, sub};
 use crate::watch::{Interrupted, Watch, unwatched};
 
@@ -504,13 +505,13 @@ impl Soup {
     /// which are in the order of the vertices.
     fn fans(&self, log: &mut RepairLog) -> (Vec<u32>, Vec<VertexId>) {
         let mut fan = vec![NONE; self.tail.len()];
-        let mut first_corner: Vec<(VertexId, u32)> = Vec::new();
+        let mut vertex: Vec<VertexId> = Vec::new();
         for corner in 0..self.tail.len() {
             if fan[corner] != NONE {
                 continue;
             }
-            let number = first_corner.len() as u32;
-            first_corner.push((self.tail[corner], number));
+            let number = vertex.len() as u32;
+            vertex.push(self.tail[corner]);
             // Counter-clockwise over twin(prev), then clockwise over next(twin).
             let mut h = corner;
             while fan[h] == NONE {
@@ -529,16 +530,15 @@ impl Soup {
                 fan[h] = number;
             }
         }
-        first_corner.sort_unstable();
-        for copies in first_corner.chunk_by(|a, b| a.0 == b.0).filter(|copies| copies.len() > 1) {
-            log.note(RepairKind::NonManifoldVertex, copies[0].0.index());
+        let of_vertex = Rows::sorted(self.vertex_count, (0..).zip(&vertex).map(|(number, v)| (v.index(), number)));
+        for v in (0..self.vertex_count).filter(|&v| of_vertex.row(v).len() > 1) {
+            log.note(RepairKind::NonManifoldVertex, v);
         }
-        let mut rank = vec![0; first_corner.len()];
-        for (k, &(_, number)) in first_corner.iter().enumerate() {
-            rank[number as usize] = k as u32;
-        }
+        let order = of_vertex.into_items();
+        let mut rank = vec![0; order.len()];
+        number(&order, &mut rank);
         fan.iter_mut().for_each(|fan| *fan = rank[*fan as usize]);
-        (fan, first_corner.into_iter().map(|(v, _)| v).collect())
+        (fan, order.into_iter().map(|number| vertex[number as usize]).collect())
     }
 
     /// The connected components, as lists of triangles in ascending order.
@@ -576,12 +576,12 @@ impl Soup {
         log: &mut RepairLog,
         watch: Watch,
     ) -> Result<Vec<Surface>, Interrupted> {
-        let (fan, fan_vertex) = self.fans(log);
+        let ((fan, fan_vertex), components) = join(|| self.fans(log), || self.components());
         let mut local = vec![NONE; fan_vertex.len()];
         let mut new_face = vec![NONE; self.triangle.len()];
         let mut surfaces = Vec::new();
         let mut done = 0;
-        for mut faces in self.components() {
+        for mut faces in components {
             let share = |faces: usize| faces as f64 / new_face.len() as f64;
             let watch = watch.within(share(done), share(done + faces.len()));
             watch.ask(0.0)?;
@@ -601,7 +601,12 @@ impl Soup {
                 fans = order.iter().map(|&k| fans[k as usize]).collect();
                 points = order.iter().map(|&k| points[k as usize]).collect();
                 number(&fans, &mut local);
-                faces.sort_by_cached_key(|&f| sides(&[f]).map(|h| local[fan[h] as usize]).min());
+                // By their first vertices.
+                let first =
+                    |k: usize| (0..3).map(|i| local[fan[side(&faces, 3 * k + i)] as usize]).fold(NONE, u32::min);
+                let first = map(faces.len(), first);
+                let in_rows = first.iter().zip(&faces).map(|(&first, &f)| (first as usize, f));
+                faces = Rows::sorted(fans.len(), in_rows).into_items();
             }
             number(&faces, &mut new_face);
             watch.ask(0.2)?;
@@ -688,19 +693,19 @@ fn is_scattered(faces: &[u32], vertex: impl Fn(usize) -> u32) -> bool {
 
 /// The points of a box of size 1 about the origin, in the order of Morton's curve, where neighbours are mostly near each other. O(n log n).
 fn along_a_curve(points: &[[f64; 3]]) -> Vec<u32> {
-    let code = |p: &[f64; 3]| {
+    let code = |k: usize| {
         // 21 bits an axis, each followed by two of the other axes.
-        let [x, y, z] = p.map(|x| {
+        let [x, y, z] = points[k].map(|x| {
             let mut bits = (((x + 0.5) * f64::from(1 << 21)) as u64).min((1 << 21) - 1);
             for (shift, mask) in CURVE {
                 bits = (bits | bits << shift) & mask;
             }
             bits
         });
-        x | y << 1 | z << 2
+        (x | y << 1 | z << 2, k as u32)
     };
-    let mut order: Vec<(u64, u32)> = points.iter().zip(0..).map(|(p, k)| (code(p), k)).collect();
-    order.sort_unstable();
+    let mut order: Vec<(u64, u32)> = map(points.len(), code);
+    sort(&mut order);
     order.into_iter().map(|(_, k)| k).collect()
 }
 
