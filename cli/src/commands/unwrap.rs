@@ -79,7 +79,7 @@ pub(crate) struct UnwrapArgs {
     colour: ColourName,
     #[command(flatten, next_help_heading = "Pictures")]
     shot: ShotArgs,
-    /// Give an OBJ a checkerboard to see: a material (.mtl) and its picture (.png) beside it
+    /// Give an OBJ a checkerboard to see in place of its materials: one (.mtl) and its picture (.png) beside it
     #[arg(long, help_heading = "Pictures")]
     checker: bool,
     /// Write surface, seams and cones with all that is known of them for programs that use VTK: .vtp

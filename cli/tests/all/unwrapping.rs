@@ -161,6 +161,19 @@ fn a_threshold_that_leaves_too_few_extrema_is_warned_of() {
 }
 
 #[test]
+fn a_checkerboard_is_on_all_faces_whatever_materials_the_file_has() {
+    let folder = Folder::new();
+    let tetrahedron = "mtllib own.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nusemtl red\nf 1 3 2\nusemtl blue\nf 1 2 4\nf 2 3 4\nf 3 1 4\n";
+    folder.write("two.obj", tetrahedron);
+    folder.run(&["unwrap", "two.obj", "-o", "out.obj", "--checker"]).success();
+    let written = folder.read("out.obj");
+    let of_materials: Vec<&str> = written.lines().filter(|line| line.contains("mtl")).collect();
+    assert_eq!(of_materials, ["mtllib out.mtl", "usemtl checker"]);
+    folder.run(&["unwrap", "two.obj", "-o", "out.obj"]).success();
+    assert!(folder.read("out.obj").contains("usemtl blue\n"));
+}
+
+#[test]
 fn a_wrong_line_in_a_file_of_cones_is_named() {
     let folder = Folder::with_shapes();
     folder.write("cones.txt", "# mine\n3 1.5\nseven\n");

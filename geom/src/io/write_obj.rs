@@ -4,7 +4,8 @@
 //! comments. Faces change in one respect, the texture index of each corner. The new `vt` lines stand before the first face,
 //! so that readers in one pass know them, and old `vt` lines, which nothing uses any more, are left out. If polylines or
 //! surfaces refer to the old ones too, they stay and their numbers must stay true: then the new lines come after the last old
-//! one and after the last reference counted backwards.
+//! one and after the last reference counted backwards. Where a material is asked for, it stands before the first face, and the
+//! text's own ones are left out.
 //!
 //! Other models are written with the shortest digits that read back as the same f64, with their normals, their colours behind the
 //! vertices, and the names of their materials.
@@ -30,7 +31,7 @@ pub struct ObjContent<'a> {
     pub uv: Option<&'a [[f64; 2]]>,
     /// Triangles to write in the place of polygons.
     pub triangles: Option<&'a Triangles>,
-    /// A material for the faces, up to the first `usemtl` among them that the text already has.
+    /// A material for all faces: what the text already has of materials is left out.
     pub material: Option<Material<'a>>,
 }
 
@@ -93,7 +94,8 @@ impl Job<'_> {
             text.write_all(b"\n")
         })?;
         look.normals(&mut out)?;
-        self.addition("\n", &mut out)?;
+        self.material("\n", &mut out)?;
+        self.texture("\n", &mut out)?;
         // The corners of each line, and where it begins with another material.
         let (mut corner, mut start) = (Vec::new(), vec![0]);
         let mut materials = BTreeMap::new();
@@ -132,11 +134,14 @@ impl Job<'_> {
         text.write_all(b"\n")
     }
 
-    /// The lines that are added: material and texture coordinates.
-    fn addition(&self, line_end: &str, mut out: impl Write) -> io::Result<()> {
-        if let Some(Material { library, name }) = self.content.material {
-            write!(out, "mtllib {library}{line_end}usemtl {name}{line_end}")?;
-        }
+    /// The lines of the material that is added.
+    fn material(&self, line_end: &str, mut out: impl Write) -> io::Result<()> {
+        let Some(Material { library, name }) = self.content.material else { return Ok(()) };
+        write!(out, "mtllib {library}{line_end}usemtl {name}{line_end}")
+    }
+
+    /// The lines of the texture coordinates.
+    fn texture(&self, line_end: &str, mut out: impl Write) -> io::Result<()> {
         let (Some(uv), Some(wedges)) = (self.content.uv, &self.wedges) else { return Ok(()) };
         write_lines(wedges.first.len(), &mut out, |number, text| {
             let [u, v] = uv[wedges.first[number] as usize];
@@ -151,6 +156,11 @@ impl Job<'_> {
         let mut copy = Copy { text, at: 0, out };
         let mut faces = Vec::new();
         let (mut face, mut added, mut is_dropped) = (0, false, false);
+        let is_old = |word: &[u8]| match word {
+            b"vt" => addition.drops_old && self.wedges.is_some(),
+            b"mtllib" | b"usemtl" => self.content.material.is_some(),
+            _ => false,
+        };
         for line in Lines::joined(text) {
             if std::mem::take(&mut is_dropped) {
                 copy.at = line.start;
@@ -158,16 +168,20 @@ impl Job<'_> {
             if !added && line.start >= addition.at {
                 self.faces(&mut faces, &addition, &mut copy)?;
                 copy.until(addition.at)?;
-                self.addition(line_end, &mut copy.out)?;
+                self.texture(line_end, &mut copy.out)?;
                 added = true;
             }
-            if addition.drops_old && self.wedges.is_some() && line.words().next() == Some(b"vt") {
+            if line.words().next().is_some_and(is_old) {
                 self.faces(&mut faces, &addition, &mut copy)?;
                 copy.until(line.start)?;
                 copy.at = text.len();
                 is_dropped = true;
             }
             if line.words().next().is_some_and(is_face) {
+                if face == 0 {
+                    copy.until(line.start)?;
+                    self.material(line_end, &mut copy.out)?;
+                }
                 faces.push(Face { line, face, triangles: cells.triangles_of(face) });
                 face += 1;
                 if faces.len() == AT_ONCE {
@@ -184,7 +198,7 @@ impl Job<'_> {
             // A backslash at the very end would continue that line with what is added.
             let missing = usize::from(last.len() == text.len()) + usize::from(last.ends_with(b"\\"));
             (0..missing).try_for_each(|_| copy.out.write_all(line_end.as_bytes()))?;
-            self.addition(line_end, &mut copy.out)?;
+            self.texture(line_end, &mut copy.out)?;
         }
         Ok(())
     }

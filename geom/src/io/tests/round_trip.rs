@@ -193,6 +193,20 @@ fn a_material_is_named_before_the_faces() {
 }
 
 #[test]
+fn a_material_is_that_of_all_faces_whatever_the_text_has() {
+    let text = "mtllib own.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nusemtl red\ng one\nf 1 2 3\nusemtl blue # sky\n\
+                f 2 4 3\nvt 0 0\nl 1/1 2/1\nusemtl unused";
+    let model = obj(text);
+    let uv = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
+    let material = Some(Material { library: "checker.mtl", name: "checker" });
+    let mut out = Vec::new();
+    write_obj(&model, &ObjContent { uv: Some(&uv), material, triangles: None }, &mut out).unwrap();
+    let expected = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\ng one\nmtllib checker.mtl\nusemtl checker\nf 1/2 2/3 3/4\n\
+                    f 2/3 4/5 3/4\nvt 0 0\nvt 0.0 0.0\nvt 1.0 0.0\nvt 0.0 1.0\nvt 1.0 1.0\nl 1/1 2/1\n";
+    assert_eq!(String::from_utf8(out).unwrap(), expected);
+}
+
+#[test]
 fn a_model_from_memory_comes_back_bit_for_bit() {
     let points = vec![[0.1 + 0.2, 1e-160, 1e150], [f64::MIN_POSITIVE, -0.0, 1.0 / 3.0], [5e-324, 1.0, 2.0]];
     let model = Model::from_triangles(points, &[[0, 1, 2]]).unwrap();
