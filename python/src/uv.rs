@@ -138,9 +138,11 @@ pub(crate) fn pack<'py>(
     let (corners, island): (Vec<[u32; 3]>, Vec<u32>) =
         triangles.corners.iter().zip(&islands).filter_map(|(&corners, island)| Some((corners, (*island)?))).unzip();
     let map = corner_uv(&corners, uv);
-    let options = in_units_of_surface(options, model, &corners, &map);
+    let unit = unit_on_surface(model, &corners, &map);
+    let options = in_units_of_surface(options, unit);
     let packing: Packing = watched(py, progress, |told| {
-        told.watch("pack", |watch| cones::uv::pack(&map, &island, &options, watch)).map_err(StoppedPacking)
+        told.watch("pack", |watch| cones::uv::pack(&map, &island, &options, watch))
+            .map_err(|error| StoppedPacking(error.in_unit(unit)))
     })?;
     let mut placed = uv.to_vec();
     for (corners, island) in corners.iter().zip(&island) {
@@ -157,21 +159,20 @@ pub(crate) fn pack<'py>(
     Ok(answer)
 }
 
-/// The same options with the density of texels counted in the map's unit: users give it for the surface's.
-fn in_units_of_surface(
-    options: PackOptions,
-    model: &Model,
-    corners: &[[u32; 3]],
-    map: &[cones::uv::Triangle],
-) -> PackOptions {
-    use cones::uv::Tiles;
-    let Tiles::Udim { texel_density } = options.tiles else { return options };
+/// The length on the surface of a unit of the map.
+fn unit_on_surface(model: &Model, corners: &[[u32; 3]], map: &[cones::uv::Triangle]) -> f64 {
     let area = |corners: [[f64; 3]; 3]| 0.5 * length(normal(corners));
     let points = |t: &[u32; 3]| t.map(|c| model.points()[model.corners()[c as usize] as usize]);
     let on_surface: f64 = corners.iter().map(|t| area(points(t))).sum();
     let in_plane: f64 = map.iter().map(|t| area(t.map(|[x, y]| [x, y, 0.0]))).sum();
-    let texel_density = texel_density * (on_surface / in_plane).sqrt();
-    PackOptions { tiles: Tiles::Udim { texel_density }, ..options }
+    (on_surface / in_plane).sqrt()
+}
+
+/// The same options with the density of texels counted in the map's unit: users give it for the surface's.
+fn in_units_of_surface(options: PackOptions, unit: f64) -> PackOptions {
+    use cones::uv::Tiles;
+    let Tiles::Udim { texel_density } = options.tiles else { return options };
+    PackOptions { tiles: Tiles::Udim { texel_density: texel_density * unit }, ..options }
 }
 
 struct Stopped(PrepareError);

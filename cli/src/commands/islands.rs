@@ -64,6 +64,7 @@ struct MapReport {
 }
 
 pub(crate) fn run(args: &IslandsArgs) -> Result<(), CommandError> {
+    args.packing.check();
     let format = output::surface_format(&args.output, None)?;
     output::check(&[&args.input], &[&args.output])?;
     let (model, _) = input::read_model(&args.input)?;

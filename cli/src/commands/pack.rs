@@ -6,7 +6,7 @@ use crate::report::SCHEMA;
 use crate::report::table::{counted, labelled};
 use crate::{input, output};
 use clap::Args;
-use cones::uv::{Packing, fill, pack};
+use cones::uv::{PackError, Packing, fill, pack};
 use geom::distortion::{Distortion, measure};
 use geom::io::MeshFormat;
 use geom::vector::normal;
@@ -35,7 +35,7 @@ pub(crate) struct PackCommandArgs {
 const EXAMPLES: &str = "\
 Examples:
   cones pack theirs.obj -o packed.obj --margin 8 --texture-size 2048
-  cones pack theirs.glb -o tiles.glb --udim --texel-density 512";
+  cones pack theirs.glb -o tiles.glb --udim --texel-density 256";
 
 #[derive(Debug, Serialize)]
 struct PackReport {
@@ -51,6 +51,7 @@ struct PackReport {
 }
 
 pub(crate) fn run(args: &PackCommandArgs) -> Result<(), CommandError> {
+    args.packing.check();
     let format = output::surface_format(&args.output, None)?;
     output::check(&[&args.input], &[&args.output])?;
     let (model, _) = input::read_model(&args.input)?;
@@ -92,8 +93,9 @@ fn packing(
     let vertices = model.triangles().vertices(model);
     let on_surface: f64 = vertices.iter().map(|t| area(t.map(|v| model.points()[v as usize]))).sum();
     let in_plane: f64 = uv.iter().map(|t| area(t.map(|[x, y]| [x, y, 0.0]))).sum();
-    let options = args.packing.options((on_surface / in_plane).sqrt());
-    let failed = |error| CommandError::Pack { path: args.input.clone(), error };
+    let unit = (on_surface / in_plane).sqrt();
+    let options = args.packing.options(unit);
+    let failed = |error: PackError| CommandError::Pack { path: args.input.clone(), error: error.in_unit(unit) };
     pack(uv, &measured.triangle_island, &options, Watch::NONE).map_err(failed)
 }
 

@@ -1,6 +1,6 @@
 //! `pack`, and the options of packing that `unwrap` has.
 
-use crate::folder::{Folder, stdout};
+use crate::folder::{Folder, stderr, stdout};
 
 /// Two squares of different sizes that share a place in texture space, one of them a quadrilateral, with what else an OBJ says.
 const SQUARES: &str = "# two squares\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 5 0 0\nv 8 0 0\nv 8 3 0\nv 5 3 0\n\
@@ -41,7 +41,27 @@ fn tiles_are_filled_at_the_density_that_is_asked_for() {
     assert_eq!(report("330")["tiles"], 2);
     let complaint = folder.complaint(&["pack", "in.obj", "-o", "out.obj", "--udim", "--texel-density", "500"]);
     assert!(complaint.contains("too large"), "{complaint}");
+    let fits = complaint.split("texel density to ").nth(1).and_then(|rest| rest.split(' ').next());
+    assert_eq!(report(fits.expect("it is said which would fit"))["tiles"], 2);
     folder.run(&["pack", "in.obj", "-o", "out.obj", "--udim"]).code(2);
+}
+
+#[test]
+fn what_no_packing_can_keep_to_is_a_wrong_argument_before_anything_is_read() {
+    let folder = Folder::new();
+    for command in ["unwrap", "pack", "islands"] {
+        let refused =
+            |more: &[&str]| stderr(&folder.run(&[&[command, "none.obj", "-o", "x.obj"], more].concat()).code(2));
+        for margin in ["256", "300"] {
+            let told = refused(&["--margin", margin]);
+            assert!(told.contains(&format!("a margin of {margin} texels does not fit on a texture of 1024")), "{told}");
+        }
+        assert!(refused(&["--margin", "3", "--texture-size", "8"]).contains("does not fit"));
+        for density in ["0", "-1"] {
+            let told = refused(&["--udim", "--texel-density", density]);
+            assert!(told.contains("'--texel-density <D>': expected a number above 0"), "{told}");
+        }
+    }
 }
 
 #[test]

@@ -33,6 +33,10 @@ pub(crate) fn non_negative(text: &str) -> Result<f64, String> {
     real(text, |x| x >= 0.0, "a number, at least 0")
 }
 
+pub(super) fn positive(text: &str) -> Result<f64, String> {
+    real(text, |x| x > 0.0, "a number above 0")
+}
+
 /// A number from 0 to 1.
 pub(super) fn share(text: &str) -> Result<f64, String> {
     real(text, |x| (0.0..=1.0).contains(&x), "a number from 0 to 1")
@@ -65,6 +69,7 @@ mod tests {
         let best = whole::<u16>("number", 1..=9);
         assert_eq!((best("9"), best("10")), (Ok(9), Err("expected a whole number from 1 to 9".into())));
         assert_eq!(share("2"), Err("expected a number from 0 to 1".into()));
+        assert!(["0", "-1", "nan"].iter().all(|wrong| positive(wrong) == Err("expected a number above 0".into())));
         assert!(["nan", "inf", "-1"].map(non_negative).iter().all(Result::is_err));
     }
 }

@@ -1,6 +1,7 @@
 //! The options of packing islands.
 
-use super::numbers::{non_negative, whole};
+use super::numbers::{non_negative, positive, whole};
+use clap::error::ErrorKind;
 use clap::{Args, ValueEnum};
 use cones::uv::{PackOptions, Rotations, Tiles};
 
@@ -20,7 +21,7 @@ pub(crate) struct PackArgs {
     #[arg(long, requires = "texel_density")]
     udim: bool,
     /// Texels for each unit of length on the surface, for --udim
-    #[arg(long, value_name = "D", value_parser = non_negative, allow_negative_numbers = true, requires = "udim")]
+    #[arg(long, value_name = "D", value_parser = positive, allow_negative_numbers = true, requires = "udim")]
     texel_density: Option<f64>,
 }
 
@@ -35,6 +36,13 @@ enum RotationsName {
 }
 
 impl PackArgs {
+    /// Ends the run, as for any wrong argument, where each of them is right but not all together: before anything is read.
+    pub(crate) fn check(&self) {
+        if let Err(error) = self.options(1.0).check() {
+            clap::Error::raw(ErrorKind::ValueValidation, format!("{error}\n")).exit()
+        }
+    }
+
     /// The library's options; `unit` is the length on the surface of a unit of the islands' plane.
     pub(crate) fn options(&self, unit: f64) -> PackOptions {
         let rotations = match self.rotations {

@@ -139,7 +139,7 @@ pub fn pack(
             if !side.is_finite() {
                 return Err(PackError::Density(texel_density));
             }
-            let (blocks, puts) = on_tiles(&outlines, options, (side, share), watch)?;
+            let (blocks, puts) = on_tiles(&outlines, options, (side, share), texel_density, watch)?;
             (blocks, puts, [side, share])
         }
     };
@@ -249,16 +249,19 @@ fn on_tiles(
     outlines: &[Outline],
     options: &PackOptions,
     (side, share): (f64, f64),
+    density: f64,
     watch: Watch,
 ) -> Result<(Vec<Block>, Vec<Put>), PackError> {
     let blocks = blocks(outlines, options.rotations, share * side, BLOCK_SIDE * side);
     let pieces: Vec<Piece> = blocks.iter().map(|block| block.piece.clone()).collect();
     match tiled(&pieces, side, share, watch)? {
         Tiled::All(puts) => Ok((blocks, puts)),
-        Tiled::TooLarge(k) => Err(PackError::TooLarge {
-            island: blocks[k].members[0].island,
-            times: pieces[k].side / (1.0 - share) / side,
-        }),
+        Tiled::TooLarge(k) => {
+            let times = pieces[k].side / (1.0 - share) / side;
+            // A little less, as tiles are filled on a grid.
+            let fits = 0.99 * density / times.max(1.0);
+            Err(PackError::TooLarge { island: blocks[k].members[0].island, times, fits })
+        }
         Tiled::TooMany => Err(PackError::TooManyTiles(MOST_TILES)),
     }
 }

@@ -95,13 +95,17 @@ pub enum PackError {
     Density(f64),
     /// An island is larger than a tile; of several, the largest: a density lower by `times` takes all.
     #[error(
-        "island {island} (counted from 0) does not fit on a tile: it is {times:.2} times too large; lower the texel density or cut it"
+        "island {island} (counted from 0) does not fit on a tile: it is {times:.2} times too large; lower the texel density to \
+         {} or cut it",
+        three_digits(*fits)
     )]
     TooLarge {
         /// The island.
         island: usize,
         /// The side of the square that it takes over that of a tile.
         times: f64,
+        /// A texel density with which it fits.
+        fits: f64,
     },
     /// More tiles than UDIM can number.
     #[error("more than {0} tiles are needed: lower the texel density")]
@@ -111,9 +115,29 @@ pub enum PackError {
     Interrupted(#[from] Interrupted),
 }
 
+impl PackError {
+    /// The same with densities in another unit, of which a unit of the islands' plane is so many.
+    pub fn in_unit(self, unit: f64) -> Self {
+        match self {
+            Self::Density(density) => Self::Density(density / unit),
+            Self::TooLarge { island, times, fits } => Self::TooLarge { island, times, fits: fits / unit },
+            other => other,
+        }
+    }
+}
+
+/// A positive number with three digits, rounded down.
+fn three_digits(x: f64) -> String {
+    let last = x.log10().floor() as i32 - 2;
+    format!("{:.*}", usize::try_from(-last).unwrap_or(0), (x / 10f64.powi(last)).floor() * 10f64.powi(last))
+}
+
 impl PackOptions {
-    /// Refuses what makes no sense.
-    pub(super) fn check(&self) -> Result<(), PackError> {
+    /// Refuses what makes no sense, as [`pack`](super::pack()) does, before there is anything to pack.
+    ///
+    /// # Errors
+    /// If the margin leaves no room, the share of the seams is negative, or the density is no positive number.
+    pub fn check(&self) -> Result<(), PackError> {
         let Self { texture_size, margin, tiles, .. } = *self;
         if !(margin >= 0.0 && 4.0 * margin < f64::from(texture_size)) {
             return Err(PackError::Margin { margin, texture_size });

@@ -250,7 +250,7 @@ fn what_cannot_be_packed_is_said_by_name() {
     let triangle = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]];
     let refused = |options: PackOptions| pack(&[triangle], &[0], &options, Watch::NONE).unwrap_err();
     let density = |texel_density| PackOptions { tiles: Tiles::Udim { texel_density }, ..PackOptions::default() };
-    assert!(matches!(refused(density(2000.0)), PackError::TooLarge { island: 0, times } if times > 1.0));
+    assert!(matches!(refused(density(2000.0)), PackError::TooLarge { island: 0, times, .. } if times > 1.0));
     assert_eq!(refused(density(-1.0)), PackError::Density(-1.0));
     let margin = PackOptions { margin: 256.0, ..PackOptions::default() };
     assert_eq!(refused(margin), PackError::Margin { margin: 256.0, texture_size: 1024 });
@@ -268,11 +268,16 @@ fn of_islands_that_are_too_large_the_largest_is_named_and_by_how_much_is_enough_
     let (triangles, island) = islands(&stars);
     let at = |texel_density| PackOptions { tiles: Tiles::Udim { texel_density }, ..PackOptions::default() };
     let error = pack(&triangles, &island, &at(1000.0), Watch::NONE).unwrap_err();
-    let PackError::TooLarge { island: largest, times } = error else { panic!("{error}") };
+    let PackError::TooLarge { island: largest, times, fits } = error else { panic!("{error}") };
     assert_eq!(largest, 7, "7 · 5 modulo 9 is 8");
     let (packing, _) = check(&triangles, &island, &at(1000.0 / (1.01 * times)));
     assert!(packing.tiles > 1);
     assert!((packing.scale * 1024.0 - 1000.0 / (1.01 * times)).abs() < 1e-6);
+    check(&triangles, &island, &at(fits));
+    let told = |fits| PackError::TooLarge { island: 0, times, fits }.to_string();
+    for (fits, shown) in [(0.099999, "0.0999"), (1.0, "1.00"), (28.61, "28.6"), (286.9, "286"), (28699.0, "28600")] {
+        assert!(told(fits).ends_with(&format!("lower the texel density to {shown} or cut it")), "{}", told(fits));
+    }
 }
 
 #[test]
