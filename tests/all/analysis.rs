@@ -308,6 +308,8 @@ fn more_cones_than_are_optimised_are_placed_by_persistence_and_it_is_said() {
     let by_persistence = Options { placement: Placement::Persistence, ..count(cones) };
     let (told, expected) = notes(&shape, &by_persistence);
     assert_eq!((told, expected.cones), (vec![], atlas.cones));
+    let (told, _) = notes(&shapes::sphere(20), &count(100_000));
+    assert!(matches!(told[..], [Note::FewVertices { asked: 100_000, .. }]), "they are few: {told:?}");
     assert_eq!(notes(&shape, &count(cones::MOST_OPTIMISED)).0, []);
 }
 

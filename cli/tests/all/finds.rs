@@ -15,7 +15,16 @@ fn polygons_that_are_not_convex_in_the_map_are_told_of() {
     let folder = Folder::with_shapes();
     folder.write("dart.obj", "v 4 -0.1 0\nv 0.5 0.5 0\nv -0.1 4 0\nv 0 0 0\nf 1 2 3 4\n");
     let told = stderr(&folder.run(&["unwrap", "dart.obj", "-o", "out.obj"]).success());
-    assert!(told.contains("1 polygons are not convex in the map (first face 0, counted from 0)"), "{told}");
+    assert!(
+        told.contains(
+            "1 polygon is not convex in the map (face 0, counted from 0): programs that cut it in another way"
+        ),
+        "{told}"
+    );
+    let two = "v 4 -0.1 0\nv 0.5 0.5 0\nv -0.1 4 0\nv 0 0 0\nv 9 -0.1 0\nv 5.5 0.5 0\nv 4.9 4 0\nv 5 0 0\nf 1 2 3 4\nf 5 6 7 8\n";
+    folder.write("darts.obj", two);
+    let told = stderr(&folder.run(&["unwrap", "darts.obj", "-o", "out.obj"]).success());
+    assert!(told.contains("2 polygons are not convex in the map (first face 0, counted from 0)"), "{told}");
     let told = stderr(&folder.run(&["unwrap", "dart.obj", "-o", "out.obj", "--triangulate"]).success());
     assert_eq!(told, "", "triangles are what they are");
 }

@@ -246,7 +246,8 @@ impl Component {
                 configuration => configuration?,
             };
             let component = self.index;
-            if placement != options.placement_for(0) {
+            // Where fewer could be placed than were asked for, all vertices are cones, whatever the method.
+            if options.placement_for(placed) != options.placement_for(0) {
                 configuration.notes.push(Note::PlacedByPersistence { component, cones: placed });
             }
             if count > asked {

@@ -120,13 +120,17 @@ impl Unwrapped {
         };
         let polygons = (0..self.model.face_count()).filter(|&face| self.model.face(face).len() > 3);
         let torn: Vec<usize> = polygons.filter(is_torn).collect();
-        if let Some(first) = torn.first() {
-            self.map.flaws.push(format!(
-                "{} polygons are not convex in the map (first face {first}, counted from 0): programs that cut them in \
-                 another way show flipped triangles; write triangles with --triangulate",
+        let told = match torn[..] {
+            [] => return,
+            [face] => {
+                format!("1 polygon is not convex in the map (face {face}, counted from 0): programs that cut it in")
+            }
+            [first, ..] => format!(
+                "{} polygons are not convex in the map (first face {first}, counted from 0): programs that cut them in",
                 torn.len()
-            ));
-        }
+            ),
+        };
+        self.map.flaws.push(told + " another way show flipped triangles; write triangles with --triangulate");
     }
 
     /// Says on stderr what was repaired, what had to be decided, and what is wrong with the map.
