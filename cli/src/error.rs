@@ -31,8 +31,12 @@ pub(crate) enum CommandError {
     OutputIsInput(PathBuf),
     #[error("{} is named for two outputs: give each its own file", .0.display())]
     OutputTwice(PathBuf),
+    #[error("{} is named twice: name each surface once", .0.display())]
+    InputTwice(PathBuf),
     #[error("{} is a folder: name a file in it", .0.display())]
     OutputIsFolder(PathBuf),
+    #[error("{} is a folder: name a file in it, or write --out-dir in place of -o", .0.display())]
+    OutputIsOutDir(PathBuf),
     #[error("there is no folder {} to write {} into: make it first", folder.display(), path.display())]
     NoFolder { folder: PathBuf, path: PathBuf },
     #[error("{} is not the ending of a file that can be written here: end it in {wanted}", path.display())]

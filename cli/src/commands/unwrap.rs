@@ -221,6 +221,9 @@ fn options(args: &UnwrapArgs, input: &Path) -> Result<Options, CommandError> {
 
 /// Endings and places of the outputs, before anything is computed; the format of the surface.
 fn check_outputs(args: &UnwrapArgs, input: &Path, output: &Path) -> Result<MeshFormat, CommandError> {
+    if output.is_dir() {
+        return Err(CommandError::OutputIsOutDir(output.to_owned()));
+    }
     let format = output::surface_format(output, args.format.map(MeshFormat::from))?;
     let endings: [(&Option<_>, &[&str]); 5] = [
         (&args.report, &["json", "html"]),

@@ -218,11 +218,7 @@ pub(crate) fn extension(path: &Path, wanted: &[&'static str]) -> Result<&'static
         return Ok(wanted[0]);
     }
     let ending = path.extension().and_then(|e| e.to_str()).unwrap_or("").to_lowercase();
-    wanted
-        .iter()
-        .find(|&&w| w == ending)
-        .copied()
-        .ok_or_else(|| CommandError::Extension { path: path.to_owned(), wanted: alternatives(wanted) })
+    wanted.iter().find(|&&w| w == ending).copied().ok_or_else(|| no_such_ending(path, alternatives(wanted)))
 }
 
 /// The format in which a surface is to be written: by the file's ending, with or without `.gz`, or as it is asked where no ending
@@ -238,10 +234,15 @@ pub(crate) fn surface_format(path: &Path, asked: Option<MeshFormat>) -> Result<M
     };
     let ending = inner.extension().and_then(|e| e.to_str()).unwrap_or("").to_lowercase();
     let format = MeshFormat::ALL.into_iter().find(|format| format.extension() == ending);
-    format.filter(|_| wanted.contains(&&*ending)).ok_or_else(|| {
-        let wanted = alternatives(&wanted) + if is_compressed { " before .gz" } else { "" };
-        CommandError::Extension { path: path.to_owned(), wanted }
-    })
+    format
+        .filter(|_| wanted.contains(&&*ending))
+        .ok_or_else(|| no_such_ending(path, alternatives(&wanted) + if is_compressed { " before .gz" } else { "" }))
+}
+
+/// Why a path whose ending is none of those wanted cannot be written.
+fn no_such_ending(path: &Path, wanted: String) -> CommandError {
+    let path = path.to_owned();
+    if path.is_dir() { CommandError::OutputIsFolder(path) } else { CommandError::Extension { path, wanted } }
 }
 
 /// `.a, .b or .c`

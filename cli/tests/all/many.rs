@@ -34,6 +34,14 @@ fn an_error_in_one_file_stops_no_other_and_is_the_exit_code() {
 }
 
 #[test]
+fn where_no_surface_could_be_unwrapped_nothing_is_said_of_maps() {
+    let folder = Folder::new();
+    folder.write("bad.obj", "v 0 0 0\nf 1 2 3\n");
+    let said = stdout(&folder.run(&["unwrap", "bad.obj", "--out-dir", "out"]).code(1));
+    assert!(said.contains("surfaces  0 of 1 unwrapped, 1 not\n") && !said.contains("overlap"), "{said}");
+}
+
+#[test]
 fn files_are_the_same_alone_together_and_at_the_same_time() {
     let folder = Folder::with_shapes();
     folder.run(&["unwrap", "hare.obj", "-n", "5", "-o", "alone.obj"]).success();
@@ -55,8 +63,11 @@ fn the_same_name_in_two_folders_is_two_files_and_the_same_file_twice_an_error() 
     }
     folder.run(&["unwrap", "a/x.obj", "b/x.obj", "-n", "4", "--out-dir", "out", "-q"]).success();
     assert_eq!(folder.read("out/a/x.obj"), folder.read("out/b/x.obj"));
-    let complaint = folder.complaint(&["unwrap", "a/x.obj", "./a/x.obj", "-n", "4", "--out-dir", "twice", "-q"]);
-    assert!(complaint.contains("x.obj.obj is named for two outputs"), "{complaint}");
+    for again in ["a/x.obj", "./a/x.obj", "b/../a/x.obj"] {
+        let complaint = folder.complaint(&["unwrap", "a/x.obj", "hare.obj", again, "-n", "4", "--out-dir", "twice"]);
+        assert_eq!(complaint, format!("error: {again} is named twice: name each surface once\n"));
+        assert!(!folder.path("twice").exists());
+    }
     let complaint = folder.complaint(&["unwrap", "a/x.obj", "b/x.obj", "hare.obj", "-n", "4", "--out-dir", ".", "-q"]);
     assert!(complaint.contains("x.obj is the input, which is never overwritten"), "{complaint}");
     assert!(!folder.read("a/x.obj").contains("vt "));
@@ -82,6 +93,14 @@ fn what_is_for_one_surface_is_refused_for_several() {
     let several = ["unwrap", "hare.obj", "sphere.obj"];
     let refused = |more: &[&str]| stderr(&folder.run(&[&several, more].concat()).code(2));
     assert!(refused(&["-o", "x.obj"]).contains("--out-dir"));
+    fs::create_dir(folder.path("there")).unwrap();
+    let complaint = folder.complaint(&["unwrap", "hare.obj", "-o", "there"]);
+    assert!(complaint.contains("there is a folder") && complaint.contains("--out-dir in place of -o"), "{complaint}");
+    for command in ["pack", "islands"] {
+        let complaint = folder.complaint(&[command, "hare.obj", "-o", "there"]);
+        assert_eq!(complaint, "error: there is a folder: name a file in it\n");
+    }
+    fs::remove_dir(folder.path("there")).unwrap();
     assert!(refused(&["--out-dir", "d", "-o", "x.obj"]).contains("cannot be used with"));
     assert!(refused(&["--out-dir", "d", "--report", "x.json"]).contains("cannot be used with"));
     let neither = stderr(&folder.run(&["unwrap", "hare.obj"]).code(2));

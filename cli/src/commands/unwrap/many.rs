@@ -70,6 +70,9 @@ struct Summary {
 }
 
 pub(super) fn run(args: &UnwrapArgs, folder: &Path) -> Result<(), CommandError> {
+    if let Some(input) = named_twice(&args.inputs) {
+        return Err(CommandError::InputTwice(input.to_owned()));
+    }
     make_folder(folder)?;
     let targets = targets(&args.inputs, folder, args.format.map(MeshFormat::from));
     // Any of them, by whatever name, is never overwritten.
@@ -107,6 +110,19 @@ pub(super) fn run(args: &UnwrapArgs, folder: &Path) -> Result<(), CommandError> 
     ended.into_iter().collect::<Result<(), _>>()?;
     let teller = teller.into_inner().unwrap_or_else(PoisonError::into_inner);
     teller.finish(pools.len().max(1), began.elapsed().as_secs_f64())
+}
+
+/// The first input that an earlier one names, too, be it by another way to its folder. A link to a file is a name of its own.
+fn named_twice(inputs: &[PathBuf]) -> Option<&Path> {
+    let place = |input: &Path| {
+        let folder = input.parent().map(|folder| if folder == Path::new("") { Path::new(".") } else { folder });
+        match (folder.and_then(|folder| folder.canonicalize().ok()), input.file_name()) {
+            (Some(folder), Some(name)) => folder.join(name),
+            _ => input.to_owned(),
+        }
+    };
+    let mut places = HashSet::new();
+    inputs.iter().map(|input| &**input).find(|input| !places.insert(place(input)))
 }
 
 fn make_folder(folder: &Path) -> Result<(), CommandError> {
@@ -254,16 +270,22 @@ impl Summary {
             thousands(self.flipped),
             if self.overlapping == 0 { "none".to_owned() } else { thousands(self.overlapping) }
         );
+        let surfaces =
+            labelled("surfaces", &format!("{} of {} unwrapped{failed}", thousands(*unwrapped), thousands(*surfaces)));
+        let time = labelled("time", &format!("{seconds:.2} s, {jobs} at a time"));
+        if *unwrapped == 0 {
+            return format!("\n{surfaces}{time}");
+        }
         [
             "\n".to_owned(),
-            labelled("surfaces", &format!("{} of {} unwrapped{failed}", thousands(*unwrapped), thousands(*surfaces))),
+            surfaces,
             labelled("area", &format!("distortion {}", pair(self.area_mean, self.area_worst))),
             labelled(
                 "angles",
                 &format!("quasi-conformal {}", pair(self.quasi_conformal_mean, self.quasi_conformal_worst)),
             ),
             labelled("layout", &layout),
-            labelled("time", &format!("{seconds:.2} s, {jobs} at a time")),
+            time,
         ]
         .concat()
     }

@@ -10,7 +10,7 @@ pub(super) struct Target {
     pub(super) input: PathBuf,
     pub(super) output: PathBuf,
     pub(super) format: MeshFormat,
-    /// Whether an earlier one goes there, too, which happens only to a surface that is named twice.
+    /// Whether an earlier one goes there, too: of names that differ in case only, or by folders that `..` leads out of.
     pub(super) is_taken: bool,
 }
 
@@ -128,8 +128,8 @@ mod tests {
     }
 
     #[test]
-    fn only_a_surface_that_is_named_twice_finds_its_place_taken() {
-        let inputs = ["a.obj", "b.obj", "a.obj"].map(PathBuf::from);
+    fn of_names_that_are_one_below_the_folder_the_second_finds_its_place_taken() {
+        let inputs = ["p/a.obj", "b.obj", "../p/a.obj"].map(PathBuf::from);
         let taken: Vec<bool> = targets(&inputs, Path::new("D"), None).iter().map(|target| target.is_taken).collect();
         assert_eq!(taken, [false, false, true]);
     }
