@@ -54,6 +54,7 @@ pub(crate) fn run(args: &ExtractArgs) -> Result<(), CommandError> {
     }
     let outputs: Vec<&Path> = [&args.cones_out, &args.hierarchy].into_iter().flatten().map(|p| &**p).collect();
     output::check(&[&args.input], &outputs)?;
+    args.candidates.warn_of_idle_smoothing();
     let options = args.candidates.options();
     let progress = Progress::begin(&args.input.display().to_string());
     let (model, read) = input::read_model(&args.input)?;

@@ -124,6 +124,7 @@ enum IslandsName {
 
 pub(crate) fn run(args: &UnwrapArgs) -> Result<(), CommandError> {
     args.packing.check();
+    args.candidates.warn_of_idle_smoothing();
     match (&args.many.out_dir, &args.output) {
         (Some(folder), _) => many::run(args, folder),
         (None, Some(output)) => run_one(args, output),

@@ -161,6 +161,27 @@ fn a_threshold_that_leaves_too_few_extrema_is_warned_of() {
 }
 
 #[test]
+fn smoothing_where_no_extrema_are_looked_for_is_warned_of() {
+    let folder = Folder::with_shapes();
+    let is_idle = |more: &[&str]| {
+        let told = ["extract", "unwrap"].map(|command| {
+            let out: &[&str] = if command == "unwrap" { &["-o", "out.obj"] } else { &[] };
+            stderr(&folder.run(&[&[command, "sphere.obj", "--smooth"], out, more].concat()).success())
+        });
+        let warning = "--smooth changes none of these cones: it acts on --method persistence and alternating, ";
+        assert_eq!(told[0].contains(warning), told[1].contains(warning), "{told:?}");
+        told[0].contains(warning)
+    };
+    for method in ["refined", "pursuit", "greedy", "iterative"] {
+        assert!(is_idle(&["-n", "4", "--method", method]), "{method}");
+    }
+    for method in ["persistence", "alternating"] {
+        assert!(!is_idle(&["-n", "4", "--method", method]), "{method}");
+    }
+    assert!(is_idle(&[]) && !is_idle(&["--min-persistence", "0.01"]));
+}
+
+#[test]
 fn a_checkerboard_is_on_all_faces_whatever_materials_the_file_has() {
     let folder = Folder::new();
     let tetrahedron = "mtllib own.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nusemtl red\nf 1 3 2\nusemtl blue\nf 1 2 4\nf 2 3 4\nf 3 1 4\n";

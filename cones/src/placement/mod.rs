@@ -241,7 +241,7 @@ impl Placement {
     }
 
     /// The method that places so many cones: so many that optimising them would take minutes are placed by persistence.
-    pub(crate) fn for_count(self, count: usize) -> Self {
+    pub fn for_count(self, count: usize) -> Self {
         let most = if self == Self::Refined { MOST_OPTIMISED } else { MOST_ORDERED };
         if self.is_optimised() && count > most { Self::Persistence } else { self }
     }

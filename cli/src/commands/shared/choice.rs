@@ -2,6 +2,7 @@
 
 use super::numbers::{distortion, non_negative, whole};
 use super::welded::WeldArgs;
+use crate::output;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum};
 use cones::{
@@ -32,7 +33,8 @@ pub(crate) struct CandidateArgs {
     /// How curvature is shared among the cones
     #[arg(long, value_enum, default_value_t = AnglesName::Optimal)]
     angles: AnglesName,
-    /// Diffuse the curvature before extrema are looked for: steadier on noisy scans
+    /// Diffuse the curvature before extrema are looked for: steadier on noisy scans. It acts on the methods `persistence` and
+    /// `alternating` and on --min-persistence; the others read no extrema
     #[arg(long)]
     smooth: bool,
     #[command(flatten)]
@@ -102,6 +104,16 @@ impl CandidateArgs {
             (self.refine.is_some(), "--refine"),
         ];
         given.into_iter().find_map(|(is_given, option)| is_given.then_some(option))
+    }
+
+    /// Says that --smooth changes no cones where no extrema are looked for.
+    pub(crate) fn warn_of_idle_smoothing(&self) {
+        let method = self.count.map_or(self.method, |count| self.method.for_count(count));
+        if self.smooth && self.min_persistence.is_none() && !method.reads_extrema() {
+            output::warn(
+                "--smooth changes none of these cones: it acts on --method persistence and alternating, and on --min-persistence",
+            );
+        }
     }
 
     /// The order of cones that a hierarchy file holds: of the method that was asked for, for as many cones as were taken.
