@@ -21,6 +21,13 @@ const NARROW: f64 = PI / 3.0;
 const MOST_PER_VERTEX: usize = 20;
 /// See [`MOST_PER_VERTEX`].
 const SPARE: usize = 10_000;
+/// So many times edges may cross those of the input for each of the input's vertices, and [`SPARE_CROSSINGS`] besides. Before vertices are put in
+/// the needles of `thingi79741` take 286; a sphere stretched by 10⁶, whose 642 vertices are crossed 3 million times at the cap, took 3.7 GB.
+const MOST_CROSSINGS_PER_VERTEX: usize = 1000;
+/// See [`MOST_CROSSINGS_PER_VERTEX`].
+const SPARE_CROSSINGS: usize = 500_000;
+/// The same for what is left of them in the end: each is two triangles of the common refinement. At most 40 in our collection.
+const MOST_LEFT_PER_VERTEX: usize = 200;
 /// A new vertex has at least these barycentric coordinates in its triangle, lest its triangles have no area. Circumcentres of
 /// right triangles lie on their longest sides.
 const LEAST_WEIGHT: f64 = 1e-3;
@@ -34,7 +41,7 @@ const STRIDE: usize = 256;
 /// A surface with an even intrinsic triangulation.
 #[derive(Clone, Debug)]
 pub struct Refinement {
-    /// The Delaunay triangulation. The input's vertices come first, under their own numbers.
+    /// The Delaunay triangulation, or the input's where it stays as it is. The input's vertices come first, under their own numbers.
     pub triangulation: Triangulation,
     /// Its edge lengths.
     pub metric: Metric,
@@ -42,12 +49,13 @@ pub struct Refinement {
     pub place: VertexData<SurfacePoint>,
     /// What both triangulations cut the surface into.
     pub common: CommonRefinement,
-    /// Whether all triangles have the least angle, but those at narrow corners; not so where the cap was reached.
+    /// Whether all triangles have the least angle, but those at narrow corners; not so where a cap was reached.
     pub is_complete: bool,
 }
 
 /// Refines a surface until its triangles are even, and their circumcircles no larger than with the radius `largest` (infinity
-/// where any will do). At most 20 vertices are put in for each of the input's, and 10,000 more.
+/// where any will do). At most 20 vertices are put in for each of the input's, and 10,000 more. A surface whose common refinement would fill
+/// the memory (more than 200 crossings of edges for each vertex of the input, and 500,000 more) stays as it is, and is not complete.
 /// O(n log n) for n vertices in the end, and the number of places where edges of the two triangulations cross.
 ///
 /// ```
@@ -80,8 +88,14 @@ pub fn refine_watched(
     chew.flip_all(watch.within(0.05, 0.2))?;
     watch.ask(0.2)?;
     let is_complete = chew.run(MOST_PER_VERTEX * input.vertex_count() + SPARE, watch.within(0.2, 0.7))?;
+    let is_astray = chew.is_astray();
     let mut overlay = chew.overlay;
-    let home = left_out.map(|edges| overlay.leave_out(edges));
+    let mut home = left_out.map(|edges| overlay.leave_out(edges));
+    let is_astray = is_astray || overlay.crossings > MOST_LEFT_PER_VERTEX * input.vertex_count() + SPARE_CROSSINGS;
+    if is_astray {
+        (overlay, home) = (Overlay::new(input, metric), None);
+    }
+    let is_complete = is_complete && !is_astray;
     let common = CommonRefinement::new(input, &overlay, home.as_ref(), watch.within(0.7, 1.0))?;
     let Overlay { triangulation, length, place, .. } = overlay;
     Ok(Refinement { triangulation, metric: Metric::new(length.into()), place: place.into(), common, is_complete })
@@ -125,12 +139,24 @@ struct Chew<'a> {
     /// Whether the angles at a vertex of the input are narrow.
     is_narrow: Vec<bool>,
     bad: BinaryHeap<Bad>,
+    /// How many edges may be flipped yet, lest rounding flip some for ever. What is left over serves later: a vertex in the middle of
+    /// a circle flips about as many edges as there are vertices on it.
+    flips_left: usize,
+    /// How many crossings there may be.
+    most_crossings: usize,
 }
 
 impl<'a> Chew<'a> {
     fn new(input: &'a Triangulation, metric: &Metric, largest: f64) -> Self {
         let is_narrow = metric.angle_sums(input).iter().map(|sum| *sum < NARROW).collect();
-        Self { overlay: Overlay::new(input, metric), largest, is_narrow, bad: BinaryHeap::new() }
+        let most_crossings = MOST_CROSSINGS_PER_VERTEX * input.vertex_count() + SPARE_CROSSINGS;
+        let overlay = Overlay::new(input, metric);
+        Self { overlay, largest, is_narrow, bad: BinaryHeap::new(), flips_left: 0, most_crossings }
+    }
+
+    /// Whether the edges cross those of the input too often.
+    fn is_astray(&self) -> bool {
+        self.overlay.crossings > self.most_crossings
     }
 
     fn flip_all(&mut self, watch: Watch) -> Result<(), Interrupted> {
@@ -140,7 +166,7 @@ impl<'a> Chew<'a> {
 
     /// Flips edges until all are Delaunay, beginning with these.
     fn flip(&mut self, edges: Vec<EdgeId>, watch: Watch) -> Result<(), Interrupted> {
-        let mut budget = 64 * edges.len() + 1024;
+        self.flips_left += 64 * edges.len() + 1024;
         let mut queue: VecDeque<EdgeId> = edges.into();
         let mut looked_at = 0_usize;
         while let Some(e) = queue.pop_front() {
@@ -148,11 +174,11 @@ impl<'a> Chew<'a> {
             if looked_at.is_multiple_of(STRIDE) {
                 watch.ask(f64::NAN)?;
             }
-            if budget == 0 {
+            if self.flips_left == 0 || self.is_astray() {
                 break;
             }
             if self.overlay.flip_to_delaunay(e) {
-                budget -= 1;
+                self.flips_left -= 1;
                 let h = self.overlay.triangulation.halfedge(e);
                 queue.extend(self.overlay.quad(h).map(|side| self.overlay.triangulation.edge(side)));
                 let twin = self.overlay.triangulation.twin(h).expect("it was flipped");
@@ -192,7 +218,7 @@ impl<'a> Chew<'a> {
             if self.badness(face) != Some(radius) {
                 continue;
             }
-            if inserted == most {
+            if inserted == most || self.is_astray() {
                 return Ok(false);
             }
             if inserted.is_multiple_of(STRIDE) {

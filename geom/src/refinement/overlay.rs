@@ -26,6 +26,12 @@ enum Trace {
     Across(Vec<Crossing>),
 }
 
+impl Trace {
+    fn crossings(&self) -> &[Crossing] {
+        if let Self::Across(crossings) = self { crossings } else { &[] }
+    }
+}
+
 /// See the module's head.
 pub(super) struct Overlay<'a> {
     input: &'a Triangulation,
@@ -33,6 +39,8 @@ pub(super) struct Overlay<'a> {
     /// The length of each edge.
     pub(super) length: Vec<f64>,
     trace: Vec<Trace>,
+    /// How many crossings all edges have.
+    pub(super) crossings: usize,
     /// Where each vertex is on the input.
     pub(super) place: Vec<SurfacePoint>,
 }
@@ -44,6 +52,7 @@ impl<'a> Overlay<'a> {
             triangulation: input.clone(),
             length: metric.lengths().to_vec(),
             trace: input.edges().map(|e| Trace::Along(input.halfedge(e))).collect(),
+            crossings: 0,
             place: input.vertices().map(SurfacePoint::Vertex).collect(),
         }
     }
@@ -71,7 +80,7 @@ impl<'a> Overlay<'a> {
 
     /// How many crossings an edge has.
     pub(super) fn crossing_count(&self, e: EdgeId) -> usize {
-        if let Trace::Across(crossings) = &self.trace[e.index()] { crossings.len() } else { 0 }
+        self.crossed_at(e).len()
     }
 
     /// The input's halfedge that a halfedge is part of.
@@ -86,7 +95,7 @@ impl<'a> Overlay<'a> {
 
     /// The places where an edge is crossed.
     pub(super) fn crossed_at(&self, e: EdgeId) -> &[Crossing] {
-        if let Trace::Across(crossings) = &self.trace[e.index()] { crossings } else { &[] }
+        self.trace[e.index()].crossings()
     }
 
     pub(super) fn cut(&self, f: FaceId) -> Cut<'a> {
@@ -119,6 +128,7 @@ impl<'a> Overlay<'a> {
                 crossings.retain(|crossing| !edges[self.input.edge(crossing.halfedge)]);
             }
         }
+        self.crossings = self.trace.iter().map(|trace| trace.crossings().len()).sum();
         home
     }
 
@@ -150,6 +160,8 @@ impl<'a> Overlay<'a> {
         let trace = self.flipped(h);
         self.triangulation.flip(h);
         self.length[e.index()] = diagonal;
+        self.crossings += trace.crossings().len();
+        self.crossings -= self.crossing_count(e);
         // The edge is named by h or by its twin, as before.
         self.trace[e.index()] = trace;
         true
@@ -217,6 +229,7 @@ impl<'a> Overlay<'a> {
             let [x, y] = minus(p, corners[s]);
             x.hypot(y)
         }));
+        self.crossings += traces.iter().map(|trace| trace.crossings().len()).sum::<usize>();
         self.trace.extend(traces);
         self.triangulation.insert(f)
     }
@@ -254,6 +267,7 @@ impl<'a> Overlay<'a> {
         };
         chords.extend((0..cut.arcs[2]).rev().map(|m| cut.arc(2, m).reversed_in(self.input)));
         let trace = crossed([m, corners[2]], chords.into_iter().map(|chord| placed(&cut, &corners, chord)));
+        self.crossings += trace.len();
         self.place.push(place);
         self.length[e.index()] = share * whole;
         let up = minus(corners[2], m);

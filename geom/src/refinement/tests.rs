@@ -4,6 +4,7 @@ use super::*;
 use crate::intrinsic::{Metric, angle_defects, edge_weights};
 use crate::mesh::{EdgeData, Id, Mesh};
 use crate::shapes;
+use crate::surface::{Model, Weld, prepare};
 use crate::vector;
 use crate::watch::Watch;
 
@@ -273,4 +274,46 @@ fn a_plane_face_keeps_its_edges_where_faces_differ_or_fold_back() {
     assert_eq!((planar(&points, true), planar(&points, false)), (1, 0));
     let folded = [points[0], points[1], points[2], [0.9, 0.2, 0.0]];
     assert_eq!(planar(&folded, true), 0);
+}
+
+/// A cylinder whose caps are polygons of so many corners.
+fn prism(corners: u32) -> (Mesh, Vec<[f64; 3]>) {
+    let turn = |k: u32| std::f64::consts::TAU * f64::from(k) / f64::from(corners);
+    let rim = |z: f64| (0..corners).map(move |k| [turn(k).cos(), turn(k).sin(), z]);
+    let points: Vec<[f64; 3]> = rim(0.0).chain(rim(1.0)).collect();
+    let caps: [Vec<u32>; 2] = [(0..corners).rev().collect(), (corners..2 * corners).collect()];
+    let around = (0..corners).map(|k| (k, (k + 1) % corners));
+    let around = around.map(|(k, next)| vec![k, next, corners + next, corners + k]);
+    let model = Model::from_polygons(points, caps.into_iter().chain(around)).expect("a prism");
+    let surface = prepare(&model, Weld::Never).expect("a prism").surfaces.remove(0);
+    (surface.mesh, surface.points)
+}
+
+#[test]
+fn a_vertex_in_the_middle_of_a_large_polygon_flips_as_many_edges_as_it_takes() {
+    // Its corners lie on one circle, and the first vertex put into it sees them all.
+    for corners in [100, 1400, 2000] {
+        let (mesh, points) = prism(corners);
+        let metric = Metric::from_points(&mesh, &points);
+        let refinement = refine(&mesh, &metric, 0.07);
+        check_triangulation(&mesh, &metric, &refinement);
+        check_common(&mesh, &points, &refinement);
+        assert!(refinement.is_complete && refinement.place.len() < 4 * points.len() + 10_000, "{corners}");
+    }
+}
+
+#[test]
+fn what_would_be_cut_too_often_stays_as_it_is() {
+    // The first is crossed too often on the way, even if all of that could be left out; the second in the end.
+    for (by, can_be_left_out) in [(1e6, true), (2e4, false)] {
+        let shape = stretched(shapes::sphere(600), [1.0, 1.0, by]);
+        let mesh = shape.mesh();
+        let left_out = EdgeData::constant(mesh.edge_count(), can_be_left_out);
+        let metric = Metric::from_points(&mesh, &shape.points);
+        let refinement = refine_watched(&mesh, &metric, f64::INFINITY, Some(&left_out), Watch::NONE).unwrap();
+        assert!(!refinement.is_complete, "{by}");
+        assert_eq!(refinement.triangulation, *mesh.triangulation());
+        assert_eq!(refinement.common.triangles.len(), mesh.face_count());
+        check_common(&mesh, &shape.points, &refinement);
+    }
 }
