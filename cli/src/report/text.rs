@@ -35,10 +35,11 @@ impl UnwrapReport {
 
     /// What is written in place of the input, if the surface was refined.
     fn refined_text(&self) -> String {
-        let Some(RefinedReport { vertices, faces, .. }) = &self.map.refined else { return String::new() };
+        let Some(RefinedReport { vertices, faces, complete, .. }) = &self.map.refined else { return String::new() };
         let (vertices, triangles) =
             (counted(*vertices, "vertex", "vertices"), counted(*faces, "triangle", "triangles"));
-        labelled("refined", &format!("to even triangles; written as {vertices}, {triangles}"))
+        let how = if *complete { "to even triangles" } else { "in part" };
+        labelled("refined", &format!("{how}; written as {vertices}, {triangles}"))
     }
 
     /// What there is to do where triangles are too coarse to keep angles, or islands leave most of the square empty.

@@ -140,8 +140,16 @@ impl Unwrapped {
 
     /// What is said of that, a line each.
     pub(crate) fn warnings(&self) -> Vec<String> {
-        let flaws = self.map.flaws.iter().cloned().chain(self.hint()).collect();
+        let flaws = self.map.flaws.iter().cloned().chain(self.uneven()).chain(self.hint()).collect();
         said(self.analysis.repairs(), &self.map.atlas.notes, flaws, self.analysis.topology().components)
+    }
+
+    /// What is not as it was asked for where a surface was refined.
+    fn uneven(&self) -> Option<String> {
+        let is_complete = self.analysis.refined().is_none_or(|refined| refined.is_complete);
+        (!is_complete).then(|| {
+            "not all triangles could be made even: some parts would take too many, and are refined in part or not at all".to_owned()
+        })
     }
 
     /// What would help where angles are bent because the input's triangles are needles.
