@@ -69,6 +69,25 @@ fn a_doubled_sheet_comes_apart_at_its_fold() {
 }
 
 #[test]
+fn copies_and_faces_with_a_vertex_twice_are_not_measured_and_said_to_be_left_out() {
+    let folder = Folder::new();
+    let sheet = grid(9, 7, |i, j| ([i as f64, j as f64, 0.0], [i as f64 / 9.0, j as f64 / 7.0]));
+    // The first face again, turned over, and one with a vertex twice.
+    folder.write("spare.obj", &format!("{sheet}f 10/10 9/9 1/1 2/2\nf 1/1 2/2 2/3\n"));
+    let spare = folder.run(&["measure", "spare.obj", "--json"]).success();
+    assert!(stderr(&spare).contains("3 triangles with a vertex twice, or at the place of another one"));
+    let spare: Value = serde_json::from_str(&stdout(&spare)).unwrap();
+    folder.write("sheet.obj", &sheet);
+    let plain = printed(&folder, &["measure", "sheet.obj", "--json"]);
+    assert_eq!((&spare["input"]["left_out"], &plain["input"]["left_out"]), (&3.into(), &0.into()));
+    assert_eq!((&spare["distortion"], &spare["islands"]), (&plain["distortion"], &plain["islands"]));
+    // The same vertices elsewhere in the plane are no copy.
+    folder.write("moved.obj", &format!("{sheet}vt 0.1 0.05\nf 1/1 9/9 10/10 2/81\n"));
+    let moved = printed(&folder, &["measure", "moved.obj", "--json"]);
+    assert!(moved["distortion"]["overlap_pairs"].as_u64().unwrap() > 0, "{moved}");
+}
+
+#[test]
 fn tiles_that_touch_stay_as_they_are() {
     let folder = Folder::new();
     folder.write("tiles.obj", &grid(9, 7, |i, j| ([i as f64, j as f64, 0.0], [i as f64 / 9.0, j as f64 / 7.0])));

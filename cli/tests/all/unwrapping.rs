@@ -467,3 +467,18 @@ fn where_cones_fail_others_are_tried_and_the_map_that_measures_best_is_kept() {
     assert_eq!(report["cones"].as_array().map(Vec::len), Some(3));
     assert_eq!(report["distortion"]["flipped"], 0);
 }
+
+#[test]
+fn a_surface_that_would_be_cut_too_often_stays_as_it_is_and_that_is_said() {
+    let folder = Folder::new();
+    folder.run(&["shape", "sphere", "--vertices", "600", "-o", "sphere.obj"]).success();
+    let sphere = folder.read("sphere.obj");
+    let stretched = sphere.lines().map(|line| match line.split(' ').collect::<Vec<_>>()[..] {
+        ["v", x, y, z] => format!("v {x} {y} {:?}\n", 1e6 * z.parse::<f64>().unwrap()),
+        _ => format!("{line}\n"),
+    });
+    folder.write("stretched.obj", &stretched.collect::<String>());
+    let unwrapped = folder.run(&["unwrap", "stretched.obj", "--refine", "-o", "map.obj"]).success();
+    assert!(stderr(&unwrapped).contains("not all triangles could be made even"), "{}", stderr(&unwrapped));
+    assert!(stdout(&unwrapped).contains("in part; written as 642 vertices"), "{}", stdout(&unwrapped));
+}
