@@ -222,7 +222,7 @@ impl Operators {
         &self.weight
     }
 
-    /// The cotangent Laplacian, made anew: its factor is kept, and it is as large as a third of that. O(F).
+    /// The cotangent Laplacian, made anew, since its factor alone is kept. O(F).
     pub fn laplacian(&self) -> SymmetricMatrix {
         laplacian(&self.mesh, &self.metric)
     }

@@ -662,7 +662,7 @@ mod tests {
     }
 
     #[test]
-    fn the_room_is_the_same_whatever_was_kept_from_earlier_steps() {
+    fn room_and_size_are_those_of_the_cells_whatever_was_kept_from_earlier_steps() {
         let (shape, cones) = cases().nth(1).unwrap();
         let (mesh, lengths, map, network) = apart(&shape, &cones);
         let cells = Cells::new((&mesh, None), sum(&mesh, &lengths), &map, &network);
@@ -675,6 +675,10 @@ mod tests {
             search.recreate(&mut forest);
             rooms.push(forest.room(&cells, &mut search.memory));
             assert_eq!(rooms.last(), Some(&forest.room(&cells, &mut Memory::new(&cells))));
+            for c in forest.islands() {
+                let size: usize = forest.island_of(c).map(|c| cells.size[c as usize]).sum();
+                assert_eq!(forest.size[c as usize], size);
+            }
         }
         assert!(rooms.iter().any(|&room| room != rooms[0]));
     }
