@@ -25,6 +25,8 @@ use crate::placement::{Automatic, CoarseLevel, EnergyTerms, Ground, Placement, S
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Making {
     pub(super) preparation: Preparation,
+    /// In triangles of this size, where they are refined: [`LARGEST`](super::refined::LARGEST) or smaller.
+    pub(super) largest: f64,
     /// With what their coarse levels are made of, which are searched soon.
     pub(super) is_searched: bool,
     /// With handles opened.

@@ -14,6 +14,7 @@ use geom::{
 };
 use rayon::prelude::*;
 
+use super::component::Making;
 use super::observer::{Stage, Task, Times};
 use super::options::Refining;
 use crate::error::Error;
@@ -71,7 +72,9 @@ fn of_shapes<T: Send>(
 /// The radius of the largest circumcircle, over the root of the surface's area: some three thousand triangles at least. On CAD
 /// parts large flat triangles lie beside small ones, and a map that is linear on them bends angles: on `thingi520644` the quasi-conformal
 /// distortion is 1.136 without a bound, 1.108 with 0.04, and 1.092 with 0.02, which takes 4 % more vertices.
-const LARGEST: f64 = 0.02;
+pub(crate) const LARGEST: f64 = 0.02;
+/// The same where a map shows that this is [too coarse](super::finer).
+pub(crate) const FINER: f64 = 0.01;
 
 /// A refined model: triangles, each part of a face of the model that was given, or of several in one plane that nothing tells apart. It has all of that model's vertices, under their own
 /// numbers, and after them those that were put in.
@@ -286,11 +289,12 @@ fn own_points(model: &Model, surface: &Surface) -> Vec<[f64; 3]> {
 /// If the refined model is too large, or the watch has said stop.
 pub(crate) fn refine_all(
     model: &Model,
-    (prepared, shapes, refining): (Prepared, &[usize], Refining),
+    (prepared, shapes, making): (Prepared, &[usize], Making),
     task: &Task,
     times: &mut Times,
 ) -> Result<(Vec<Ready>, RefinedModel, Triangles, Vec<u32>), Error> {
     let Prepared { surfaces, triangles, left_out, .. } = prepared;
+    let refining = making.preparation.refine;
     let largest_coordinate = model.points().iter().flatten().fold(0.0, |most: f64, x| most.max(x.abs()));
     let rounding = PLANE * largest_coordinate;
     // Faces that nothing tells from each other need not be told apart.
@@ -312,7 +316,7 @@ pub(crate) fn refine_all(
             if refining == Refining::Needles && is_flat(surface, &metric) {
                 return Ok(None);
             }
-            let largest = LARGEST * metric.area(&surface.mesh).sqrt();
+            let largest = making.largest * metric.area(&surface.mesh).sqrt();
             refine_watched(&surface.mesh, &metric, largest, Some(&planar[k]), watch).map(Some)
         };
         let refined = of_shapes(&surfaces, &shapes, |k, surface| refine(k, surface).transpose());
