@@ -9,7 +9,9 @@
 //! with H symmetric and positive semidefinite, dense, of the cones' number. This is the primal active-set method
 //! (Nocedal & Wright 2006, "Numerical Optimization", §16.5): from a feasible point minimise over the free variables as
 //! if there were no bounds; where a bound is in the way stop there and hold that variable; at a minimum let go the held
-//! variable that pulls inwards most; done when none does.
+//! variable that pulls inwards most; done when none does. Of many variables dozens come to a bound that way, each for a factor; so the
+//! primal-dual method (Hintermüller, Ito & Kunisch 2002), which lets all of them come and go at once, goes first: three to five factors in place of 66
+//! for 512 cones.
 //!
 //! The sum is kept by eliminating one free variable, so that every step holds it whatever the condition of H. Cones
 //! close to each other make H nearly singular: its diagonal is raised by a ridge, and steps are repeated until the
@@ -28,6 +30,11 @@ const REPEATS: usize = 10;
 
 /// A gradient counts from here on, relative to the terms it is the sum of.
 const GRADIENT_TOLERANCE: f64 = 1e-11;
+
+/// From so many variables on the primal-dual method goes first,
+const MANY: usize = 65;
+/// so many steps at most.
+const LEAPS: usize = 12;
 
 /// How far bounds may miss the sum, relative to their own size.
 const SUM_TOLERANCE: f64 = 1e-12;
@@ -126,7 +133,7 @@ pub enum ProgramError {
 }
 
 /// Minimises a quadratic function between bounds `[lower, upper]`, and where `total` is given with that sum. A few
-/// Cholesky factors of the matrix: O(n³) for each variable that comes to a bound.
+/// Cholesky factors of the matrix, O(n³) each.
 ///
 /// ```
 /// use cones::internals::{Held, Quadratic, minimise};
@@ -155,6 +162,9 @@ pub(crate) fn minimise_from(
     let mut set = ActiveSet::feasible(energy, bounds, total)?;
     if let Some(guess) = guess {
         set.begin_at(guess);
+    }
+    if bounds.len() >= MANY {
+        set.leap();
     }
     let multiplier = set.minimise();
     let energy = energy.value(&set.q);
@@ -230,6 +240,72 @@ impl<'a> ActiveSet<'a> {
         self.restore_sum();
     }
 
+    /// Goes where the primal-dual active set method leads: over and over to the minimum over the free variables as if there were no
+    /// bounds, after which all that are beyond theirs are held there, and all that pull inwards let go. Where that ends it is the minimum; where it does
+    /// not soon, and the energy has not fallen, all stays as it was.
+    fn leap(&mut self) {
+        let before = (self.q.clone(), self.held.clone(), self.energy.value(&self.q));
+        for _ in 0..LEAPS {
+            let gradient = self.energy.half_gradient(&self.q);
+            let Some(direction) = self.direction(&gradient) else { break };
+            self.q.iter_mut().zip(&direction).for_each(|(q, d)| *q += d);
+            let gradient = self.energy.half_gradient(&self.q);
+            let multiplier = self.multiplier(&gradient);
+            let tolerance = self.tolerance(multiplier);
+            let mut is_end = true;
+            for (i, gradient) in gradient.iter().enumerate() {
+                let (pull, [lower, upper]) = (gradient + multiplier, self.bounds[i]);
+                let held = match self.held[i] {
+                    Held::Free if self.q[i] < lower => Held::Lower,
+                    Held::Free if self.q[i] > upper => Held::Upper,
+                    Held::Lower if pull < -tolerance && lower < upper => Held::Free,
+                    Held::Upper if pull > tolerance => Held::Free,
+                    held => held,
+                };
+                is_end &= held == self.held[i];
+                self.held[i] = held;
+            }
+            if is_end {
+                break;
+            }
+            self.hold();
+        }
+        self.q.iter_mut().zip(self.bounds).for_each(|(q, [lower, upper])| *q = q.clamp(*lower, *upper));
+        self.hold();
+        self.spread_over_free();
+        let energy = self.energy.value(&self.q);
+        let is_good = self.keeps_sum() && energy <= before.2; // not so with NaN either
+        if !is_good {
+            (self.q, self.held) = (before.0, before.1);
+        }
+    }
+
+    /// Puts held variables to their bounds, and gives what the sum misses to a free one.
+    fn hold(&mut self) {
+        for (i, [lower, upper]) in self.bounds.iter().enumerate() {
+            match self.held[i] {
+                Held::Free => {}
+                Held::Lower => self.q[i] = *lower,
+                Held::Upper => self.q[i] = *upper,
+            }
+        }
+        if let (Some(total), Some(&i)) = (self.total, self.free().first()) {
+            self.q[i] += total - self.q.iter().sum::<f64>();
+        }
+    }
+
+    /// Brings the sum about by the free variables alone, all as far on their ways to one of their bounds.
+    fn spread_over_free(&mut self) {
+        let Some(total) = self.total else { return };
+        let missing = total - self.q.iter().sum::<f64>();
+        let side = usize::from(missing > 0.0);
+        let free = self.free();
+        let room: f64 = free.iter().map(|&i| self.bounds[i][side] - self.q[i]).sum();
+        let share = if room == 0.0 { 0.0 } else { (missing / room).clamp(0.0, 1.0) };
+        free.iter().for_each(|&i| self.q[i] += share * (self.bounds[i][side] - self.q[i]));
+        self.restore_sum();
+    }
+
     /// Steps until no variable pulls inwards; returns the sum's multiplier.
     fn minimise(&mut self) -> f64 {
         let mut repeats = 0;
@@ -267,6 +343,13 @@ impl<'a> ActiveSet<'a> {
             self.energy.linear[i].abs() + multiplier.abs() + terms.sum::<f64>()
         };
         GRADIENT_TOLERANCE * (0..self.q.len()).map(size).fold(0.0, f64::max)
+    }
+
+    /// Whether the variables have the sum that they should, up to rounding.
+    fn keeps_sum(&self) -> bool {
+        let size: f64 = self.q.iter().map(|q| q.abs()).sum();
+        self.total
+            .is_none_or(|total| (self.q.iter().sum::<f64>() - total).abs() <= SUM_TOLERANCE * (size + total.abs()))
     }
 
     fn is_fixed(&self, i: usize) -> bool {
@@ -576,6 +659,19 @@ mod tests {
             let optimum = minimise(&problem.energy(), &problem.bounds, problem.total).unwrap();
             let expected = by_enumeration(&problem);
             prop_assert!((optimum.energy - expected).abs() < 1e-7 * (1.0 + expected.abs()), "{} is {expected}", optimum.energy);
+        }
+
+        #[test]
+        fn a_leap_keeps_to_bounds_and_sum_raises_no_energy_and_changes_no_minimum(problem in problem(5)) {
+            let (energy, expected) = (problem.energy(), by_enumeration(&problem));
+            let mut set = ActiveSet::feasible(&energy, &problem.bounds, problem.total).unwrap();
+            let before = energy.value(&set.q);
+            set.leap();
+            prop_assert!(energy.value(&set.q) <= before && set.keeps_sum());
+            prop_assert!(set.q.iter().zip(&problem.bounds).all(|(q, [lower, upper])| (lower..=upper).contains(&q)));
+            set.minimise();
+            let reached = energy.value(&set.q);
+            prop_assert!((reached - expected).abs() < 1e-7 * (1.0 + expected.abs()), "{reached} is {expected}");
         }
 
         #[test]
