@@ -21,6 +21,12 @@ pub(crate) enum CommandError {
     Memory { path: PathBuf, vertices: usize, needed: u64, allowed: u64 },
     #[error("{} has no texture coordinates: unwrap it first, or name the unwrapped file", .0.display())]
     NoTexture(PathBuf),
+    #[error(
+        "{} has no finite texture coordinate at {lacking} of {corners} corners, the first at vertex {vertex} of face {face} (counted from 0): \
+         complete the map, or unwrap the surface anew",
+        path.display()
+    )]
+    PartlyNoTexture { path: PathBuf, lacking: usize, corners: usize, vertex: u32, face: usize },
     #[error("{} and {} do not have the same faces in the same order: name the mesh that was unwrapped", .0.display(), .1.display())]
     OtherMesh(PathBuf, PathBuf),
     #[error("{}: {error}", path.display())]

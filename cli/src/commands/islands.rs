@@ -1,6 +1,6 @@
 //! `cones islands`: a map that somebody made, taken apart where it lies over itself.
 
-use crate::commands::shared::{PackArgs, SurfaceFile, WeldArgs, corner_uv, split_vertices};
+use crate::commands::shared::{PackArgs, SurfaceFile, WeldArgs, corner_uv, split_vertices, texture};
 use crate::error::CommandError;
 use crate::report::table::{counted, labelled};
 use crate::report::{SCHEMA, overlap_text};
@@ -68,8 +68,7 @@ pub(crate) fn run(args: &IslandsArgs) -> Result<(), CommandError> {
     let format = output::surface_format(&args.output, None)?;
     output::check(&[&args.input], &[&args.output])?;
     let (model, _) = input::read_model(&args.input)?;
-    let no_texture = || CommandError::NoTexture(args.input.clone());
-    let uv = model.uv().ok_or_else(no_texture)?.all().map_err(|_| no_texture())?;
+    let uv = texture(&args.input, &model)?;
     let before = measured(args, &model, &uv)?;
     let parted = part(&model, &uv, args.weld.chosen(), Watch::NONE)
         .map_err(|error| CommandError::Unwrap { path: args.input.clone(), error: error.into() })?;

@@ -1,6 +1,6 @@
 //! `cones measure`: the distortion of any unwrapped OBJ.
 
-use crate::commands::shared::{WeldArgs, corner_uv, split_vertices};
+use crate::commands::shared::{WeldArgs, corner_uv, split_vertices, texture};
 use crate::error::CommandError;
 use crate::render::{self, Paint, Scene};
 use crate::report::table::counted;
@@ -141,8 +141,7 @@ fn reference(path: &Path, input: &Path, model: &Model) -> Result<Model, CommandE
 
 /// Measures the model's texture coordinates on the surface of `reference`.
 fn measure(args: &MeasureArgs, model: &Model, reference: &Model) -> Result<Measured, CommandError> {
-    let no_texture = || CommandError::NoTexture(args.input.clone());
-    let uv = model.uv().ok_or_else(no_texture)?.all().map_err(|_| no_texture())?;
+    let uv = texture(&args.input, model)?;
     let triangles = reference.triangles();
     let (mut vertices, mut uv) = (triangles.vertices(reference), corner_uv(&triangles.corners, &uv));
     args.weld.chosen().apply(reference, &mut vertices);

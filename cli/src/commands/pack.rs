@@ -1,6 +1,6 @@
 //! `cones pack`: the islands of any unwrapped OBJ, PLY or glTF, packed.
 
-use crate::commands::shared::{PackArgs, SurfaceFile, corner_uv};
+use crate::commands::shared::{PackArgs, SurfaceFile, corner_uv, texture};
 use crate::error::CommandError;
 use crate::report::SCHEMA;
 use crate::report::table::{counted, labelled};
@@ -55,8 +55,7 @@ pub(crate) fn run(args: &PackCommandArgs) -> Result<(), CommandError> {
     let format = output::surface_format(&args.output, None)?;
     output::check(&[&args.input], &[&args.output])?;
     let (model, _) = input::read_model(&args.input)?;
-    let no_texture = || CommandError::NoTexture(args.input.clone());
-    let uv = model.uv().ok_or_else(no_texture)?.all().map_err(|_| no_texture())?;
+    let uv = texture(&args.input, &model)?;
     let triangles = model.triangles();
     let corners = corner_uv(&triangles.corners, &uv);
     let measured = measure(model.points(), &triangles.vertices(&model), &corners)

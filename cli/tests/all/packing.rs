@@ -108,3 +108,29 @@ fn what_has_no_map_is_to_be_unwrapped_first() {
         assert!(complaint.contains("hare.obj has no texture coordinates: unwrap it first"), "{complaint}");
     }
 }
+
+#[test]
+fn a_map_with_holes_is_refused_with_the_first_of_them() {
+    let folder = Folder::new();
+    for (corner, point, lacking) in [("7", "0.3 0.3", 1), ("7/6", "nan 0.3", 2), ("7/60", "0.3 0.3", 1)] {
+        folder.write(
+            "holes.obj",
+            &SQUARES.replace("6/5 7/6", &format!("6/5 {corner}")).replace("vt 0.3 0.3", &format!("vt {point}")),
+        );
+        for args in [
+            &["measure", "holes.obj"][..],
+            &["pack", "holes.obj", "-o", "x.obj"],
+            &["islands", "holes.obj", "-o", "x.obj"],
+        ] {
+            let told = format!(
+                "no finite texture coordinate at {lacking} of 10 corners, the first at vertex 6 of face 1 (counted from 0)"
+            );
+            let complaint = folder.complaint(args);
+            assert!(complaint.contains(&told), "{complaint}");
+        }
+    }
+    folder.write("none.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1/1 2/2 3/3\n");
+    assert!(
+        folder.complaint(&["measure", "none.obj"]).contains("none.obj has no texture coordinates: unwrap it first")
+    );
+}
