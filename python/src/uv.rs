@@ -2,8 +2,7 @@
 
 use cones::report::Quality;
 use cones::uv::{PackError, PackOptions, Packing, Parted};
-use geom::distortion::measure_watched;
-use geom::vector::{length, normal};
+use geom::distortion::{measure_watched, unit_on_surface};
 use geom::{Model, PrepareError, Watch, Weld};
 use numpy::{PyArray1, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::exceptions::PyKeyboardInterrupt;
@@ -138,7 +137,8 @@ pub(crate) fn pack<'py>(
     let (corners, island): (Vec<[u32; 3]>, Vec<u32>) =
         triangles.corners.iter().zip(&islands).filter_map(|(&corners, island)| Some((corners, (*island)?))).unzip();
     let map = corner_uv(&corners, uv);
-    let unit = unit_on_surface(model, &corners, &map);
+    let vertices: Vec<[u32; 3]> = corners.iter().map(|t| t.map(|c| model.corners()[c as usize])).collect();
+    let unit = unit_on_surface(model.points(), &vertices, &map);
     let options = in_units_of_surface(options, unit);
     let packing: Packing = watched(py, progress, |told| {
         told.watch("pack", |watch| cones::uv::pack(&map, &island, &options, watch))
@@ -157,15 +157,6 @@ pub(crate) fn pack<'py>(
     answer.set_item("margin", packing.margin)?;
     answer.set_item("scale", packing.scale)?;
     Ok(answer)
-}
-
-/// The length on the surface of a unit of the map.
-fn unit_on_surface(model: &Model, corners: &[[u32; 3]], map: &[cones::uv::Triangle]) -> f64 {
-    let area = |corners: [[f64; 3]; 3]| 0.5 * length(normal(corners));
-    let points = |t: &[u32; 3]| t.map(|c| model.points()[model.corners()[c as usize] as usize]);
-    let on_surface: f64 = corners.iter().map(|t| area(points(t))).sum();
-    let in_plane: f64 = map.iter().map(|t| area(t.map(|[x, y]| [x, y, 0.0]))).sum();
-    (on_surface / in_plane).sqrt()
 }
 
 /// The same options with the density of texels counted in the map's unit: users give it for the surface's.

@@ -1,6 +1,6 @@
 //! `cones islands`: a map that somebody made, taken apart where it lies over itself.
 
-use crate::commands::shared::{PackArgs, SurfaceFile, WeldArgs, corner_uv, split_vertices, texture};
+use crate::commands::shared::{PackArgs, SurfaceFile, WeldArgs, corner_uv, split_vertices, texture, vertices};
 use crate::error::CommandError;
 use crate::report::table::{counted, labelled};
 use crate::report::{SCHEMA, overlap_text};
@@ -8,6 +8,7 @@ use crate::{input, output};
 use clap::Args;
 use cones::report::{OverlapReport, Quality};
 use cones::uv::{Parted, pack, part};
+use geom::distortion::unit_on_surface;
 use geom::io::MeshFormat;
 use geom::{Model, Watch};
 use serde::Serialize;
@@ -88,15 +89,16 @@ pub(crate) fn run(args: &IslandsArgs) -> Result<(), CommandError> {
     if args.json { output::print_json(&report) } else { output::summary(&summary(&report, &args.output)) }
 }
 
-/// The islands in the unit square, side by side.
+/// The islands side by side in the unit square, or on tiles.
 fn packed(args: &IslandsArgs, model: &Model, parted: Parted) -> Result<Vec<[f64; 2]>, CommandError> {
     let Parted { uv, islands, .. } = parted;
     let triangles = model.triangles().corners;
     let on_island = || triangles.iter().zip(&islands).filter_map(|(&corners, island)| Some((corners, (*island)?)));
     let (corners, island): (Vec<[u32; 3]>, Vec<u32>) = on_island().unzip();
-    let options = args.packing.options(1.0);
-    let packing = pack(&corner_uv(&corners, &uv), &island, &options, Watch::NONE)
-        .map_err(|error| CommandError::Pack { path: args.input.clone(), error })?;
+    let (vertices, images) = (vertices(model, &corners), corner_uv(&corners, &uv));
+    let unit = unit_on_surface(model.points(), &vertices, &images);
+    let packing = pack(&images, &island, &args.packing.options(unit), Watch::NONE)
+        .map_err(|error| CommandError::Pack { path: args.input.clone(), error: error.in_unit(unit) })?;
     let mut placed = uv.clone();
     for (corners, island) in corners.iter().zip(island) {
         corners.iter().for_each(|&c| placed[c as usize] = packing.place(island as usize, uv[c as usize]));

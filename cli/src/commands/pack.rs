@@ -7,9 +7,8 @@ use crate::report::table::{counted, labelled};
 use crate::{input, output};
 use clap::Args;
 use cones::uv::{PackError, Packing, fill, pack};
-use geom::distortion::{Distortion, measure};
+use geom::distortion::{Distortion, measure, unit_on_surface};
 use geom::io::MeshFormat;
-use geom::vector::normal;
 use geom::{Model, Watch};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -90,16 +89,10 @@ fn packing(
     measured: &Distortion,
 ) -> Result<Packing, CommandError> {
     let vertices = model.triangles().vertices(model);
-    let on_surface: f64 = vertices.iter().map(|t| area(t.map(|v| model.points()[v as usize]))).sum();
-    let in_plane: f64 = uv.iter().map(|t| area(t.map(|[x, y]| [x, y, 0.0]))).sum();
-    let unit = (on_surface / in_plane).sqrt();
+    let unit = unit_on_surface(model.points(), &vertices, uv);
     let options = args.packing.options(unit);
     let failed = |error: PackError| CommandError::Pack { path: args.input.clone(), error: error.in_unit(unit) };
     pack(uv, &measured.triangle_island, &options, Watch::NONE).map_err(failed)
-}
-
-fn area(corners: [[f64; 3]; 3]) -> f64 {
-    0.5 * geom::vector::length(normal(corners))
 }
 
 fn write(model: &Model, uv: &[[f64; 2]], path: &Path, format: MeshFormat) -> Result<(), CommandError> {

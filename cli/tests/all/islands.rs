@@ -69,6 +69,28 @@ fn a_doubled_sheet_comes_apart_at_its_fold() {
 }
 
 #[test]
+fn a_texel_density_is_one_on_the_surface() {
+    let folder = Folder::new();
+    let fold = |i: usize| if i > 6 { 12 - i } else { i } as f64;
+    let folded = grid(12, 4, |i, j| ([10.0 * i as f64, 10.0 * j as f64, 0.0], [fold(i), j as f64]));
+    folder.write("folded.obj", &folded);
+    for command in ["pack", "islands"] {
+        let packed = |density: &'static str| {
+            [command, "folded.obj", "-o", "out.obj", "--udim", "--texel-density", density, "--margin", "1"]
+        };
+        folder.run(&packed("6.4")).success();
+        let model = geom::io::read(folder.path("out.obj")).unwrap();
+        let uv = model.uv().unwrap().all().unwrap();
+        let side = (uv[0][0] - uv[1][0]).hypot(uv[0][1] - uv[1][1]);
+        assert!((side * 1024.0 - 64.0).abs() < 1e-6, "{command}: {}", side * 1024.0);
+        let complaint = folder.complaint(&packed("640"));
+        let fits: f64 =
+            complaint.split("texel density to ").nth(1).unwrap().split(' ').next().unwrap().parse().unwrap();
+        assert!(10.0 < fits && fits < 30.0, "{complaint}");
+    }
+}
+
+#[test]
 fn copies_and_faces_with_a_vertex_twice_are_not_measured_and_said_to_be_left_out() {
     let folder = Folder::new();
     let sheet = grid(9, 7, |i, j| ([i as f64, j as f64, 0.0], [i as f64 / 9.0, j as f64 / 7.0]));

@@ -20,8 +20,10 @@ mod chart;
 mod linear;
 mod measured;
 mod overlap;
+mod unit;
 
 pub use overlap::overlap;
+pub use unit::unit_on_surface;
 
 use std::borrow::Cow;
 use std::f64::consts::PI;

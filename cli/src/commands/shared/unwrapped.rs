@@ -198,7 +198,7 @@ impl Unwrapped {
 }
 
 /// The model's vertices at triangles of its corners.
-pub(super) fn vertices(model: &Model, triangles: &[[u32; 3]]) -> Vec<[u32; 3]> {
+pub(crate) fn vertices(model: &Model, triangles: &[[u32; 3]]) -> Vec<[u32; 3]> {
     triangles.iter().map(|t| t.map(|c| model.corners()[c as usize])).collect()
 }
 
