@@ -149,7 +149,9 @@ impl Draft {
             _ if is_face(keyword) => self.face(words, before)?,
             _ if APPEARANCE.contains(&keyword) => {}
             _ if FREE_FORM.contains(&keyword) => self.skipped.free_form += 1,
-            _ if keyword[0].is_ascii_alphabetic() && keyword.is_ascii() => self.skipped.unknown += 1,
+            _ if keyword[0].is_ascii_alphabetic() && keyword.iter().all(u8::is_ascii_graphic) => {
+                self.skipped.unknown += 1;
+            }
             _ => return Err(words.unexpected(keyword, "a statement such as `v` or `f`")),
         }
         Ok(())
@@ -194,6 +196,7 @@ impl Draft {
         let known = self.uv_points.len();
         let is_lost = |&&i: &&u32| i != TextureCoordinates::NONE && i as usize >= known;
         self.skipped.texture_references = self.uv_corners.iter().filter(is_lost).count();
+        self.skipped.normal_references = self.appearance.missing_normals();
         let uv = (!self.uv_corners.is_empty()).then(|| {
             self.uv_corners.resize(corners, TextureCoordinates::NONE);
             TextureCoordinates::new(self.uv_points, self.uv_corners)

@@ -227,7 +227,8 @@ impl<'a> Words<'a> {
     fn at_gap(&self) -> bool {
         match self.text.get(self.at) {
             Some(b'\\') => matches!(self.text.get(self.at + 1), Some(b'\n' | b'\r')),
-            Some(&byte) => byte <= b' ',
+            // A byte 0 is none of a text's, and must not make two numbers of one.
+            Some(&byte) => (1..=b' ').contains(&byte),
             None => false,
         }
     }

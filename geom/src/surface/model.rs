@@ -408,6 +408,8 @@ pub struct Skipped {
     pub unknown: usize,
     /// Texture coordinates that corners ask for and the file does not have.
     pub texture_references: usize,
+    /// Normals that corners ask for and the file does not have.
+    pub normal_references: usize,
     /// Lines or bytes after the end that the header announced.
     pub surplus: usize,
 }
@@ -427,6 +429,7 @@ impl fmt::Display for Skipped {
             (self.free_form, "free-form statement", "free-form statements"),
             (self.unknown, "unknown statement", "unknown statements"),
             (self.texture_references, "missing texture coordinate", "missing texture coordinates"),
+            (self.normal_references, "missing normal", "missing normals"),
             (self.surplus, "surplus item after the end", "surplus items after the end"),
         ];
         let mut separator = "";

@@ -90,7 +90,7 @@ impl Appearance {
         if let Some(normal) = normal {
             let row = resolve(normal, || before().normals + self.normals.rows());
             self.normal_corners.resize(corner, Attribute::NONE);
-            self.normal_corners.push(row.unwrap_or(Attribute::NONE));
+            self.normal_corners.push(row.unwrap_or(Attribute::NONE - 1));
         }
     }
 
@@ -126,6 +126,12 @@ impl Appearance {
         face_material.iter_mut().for_each(|material| *material = of(*material));
         append_rows(&mut self.face_material, faces[0], &face_material);
         self.material = of(next.material);
+    }
+
+    /// How many corners ask for a normal that there is not.
+    pub(super) fn missing_normals(&self) -> usize {
+        let is_missing = |&&row: &&u32| row != Attribute::NONE && row as usize >= self.normals.rows();
+        self.normal_corners.iter().filter(is_missing).count()
     }
 
     /// All of it, of so many vertices, faces and corners.

@@ -60,6 +60,27 @@ fn obj_statements_that_make_no_surface_are_counted() {
 }
 
 #[test]
+fn obj_normals_that_are_missing_are_counted() {
+    let faces = "f 1//99 2//1 3//1\nf 1//-2 2//0 3\n";
+    let model = obj(&format!("{TETRAHEDRON}{faces}vn 0 0 1\n"));
+    assert_eq!(model.skipped().to_string(), "3 missing normals");
+    let normals = model.attributes().table(&crate::surface::Meaning::Normal).unwrap();
+    let rows = (12..18).map(|corner| normals.row_at(model.corners(), corner)).collect::<Vec<_>>();
+    assert_eq!(rows, [None, Some(0), Some(0), None, None, None]);
+}
+
+#[test]
+fn a_byte_0_separates_no_words() {
+    for line in
+        ["v 0\0 0 0", "v 0 0\x000 0 0", "f 1 2\x003 4", "f 1 2 3 \0", "\0f 1 2 3", "f\0 1 2 3", "\0\0\0", "vt 0 1\x001"]
+    {
+        let complaint = message(format!("{TETRAHEDRON}{line}\n"), "a.obj");
+        assert!(complaint.starts_with("a.obj, line 9: found `") && complaint.contains("\\0"), "{line:?}: {complaint}");
+    }
+    obj(&format!("{TETRAHEDRON}# \0\nf 1 2 3 # \0 \n"));
+}
+
+#[test]
 fn obj_texture_coordinates_belong_to_corners() {
     let model = obj(&format!("vt 0 1 0\nvt 2\nvt nan 0\n{TETRAHEDRON}f 1/1 2/-2 3/3\n"));
     let uv = model.uv().unwrap();
