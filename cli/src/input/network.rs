@@ -24,6 +24,16 @@ impl Network {
         let edges = nodes.edges(edges)?;
         Ok(Self { values: nodes.values.into_values(), names: nodes.names, edges })
     }
+
+    /// How many edges join a node to itself, and how many of the others stand in the file before, either way round.
+    pub(crate) fn idle_edges(&self) -> [usize; 2] {
+        let mut others: Vec<[usize; 2]> = self.edges.iter().copied().filter(|[a, b]| a != b).collect();
+        let (loops, count) = (self.edges.len() - others.len(), others.len());
+        others.iter_mut().for_each(|ends| ends.sort_unstable());
+        others.sort_unstable();
+        others.dedup();
+        [loops, count - others.len()]
+    }
 }
 
 /// Where the edges of a file of nodes lie, if they are called alike: `x.edges.csv` beside `x.nodes.csv`.

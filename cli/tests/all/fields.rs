@@ -339,6 +339,28 @@ fn a_network_is_two_tables() {
 }
 
 #[test]
+fn edges_of_a_network_that_join_nothing_new_are_counted_in_one_line() {
+    let folder = Folder::new();
+    folder.write("x.nodes.csv", "id,value\na,3\nb,5\nc,1\n");
+    for (edges, told) in [
+        ("a,b\nb,c\n", ""),
+        ("a,b\nb,c\nb,b\n", "x.edges.csv: left out 1 edge from a node to itself\n"),
+        ("a,b\nb,a\nb,c\na,b\n", "x.edges.csv: left out 2 edges that are listed before\n"),
+        (
+            "c,c\na,b\nb,a\nb,c\nc,c\n",
+            "x.edges.csv: left out 2 edges from a node to itself and 1 edge that is listed before\n",
+        ),
+    ] {
+        folder.write("x.edges.csv", &format!("a,b\n{edges}"));
+        let done = folder.run(&["persistence", "x.nodes.csv", "--json"]).success();
+        let report: Value = serde_json::from_str(&stdout(&done)).unwrap();
+        assert_eq!(report["input"]["edges"], 2);
+        let said = stderr(&done);
+        assert_eq!((said.contains(told), said.lines().count()), (true, usize::from(!told.is_empty())), "{said}");
+    }
+}
+
+#[test]
 fn what_is_no_field_is_refused_with_the_reason() {
     let folder = Folder::new();
     let lying = npy("<f8", false, "(100000, 100000, 100000)", &[0; 64]);

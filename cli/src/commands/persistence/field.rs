@@ -3,8 +3,8 @@
 use super::args::{ConnectivityName, FieldArgs};
 use crate::error::CommandError;
 use crate::input::{Array, Form, Network, Source, Values, edges_beside, read_array, significant};
-use crate::report::table::cut;
-use crate::{commands::shared::warn, input};
+use crate::report::table::{counted, cut};
+use crate::{commands::shared::warn, input, output};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use topo::{Adjacency, Connectivity, Domain as _, Grid, TriangleMesh};
@@ -109,7 +109,9 @@ impl DomainField {
     fn network(path: &Path, edges: Option<&Path>) -> Result<Self, CommandError> {
         let beside = edges_beside(path);
         let edges = edges.or(beside.as_deref()).ok_or_else(|| CommandError::NoEdges(path.to_owned()))?;
-        let Network { values, names, edges } = Network::read(path, edges)?;
+        let network = Network::read(path, edges)?;
+        warn_of_idle(network.idle_edges(), edges);
+        let Network { values, names, edges } = network;
         let domain = Domain::Network(Adjacency::from_edges(names.len(), &edges).map_err(domain_failure(path))?);
         Ok(Self { path: path.to_owned(), domain, values, places: Places::Network(names), grid: None })
     }
@@ -157,6 +159,19 @@ impl DomainField {
             };
             (0..domain.vertex_count()).map(count).sum()
         })
+    }
+}
+
+/// Says which edges of a network join nothing that is not joined without them.
+fn warn_of_idle([loops, repeated]: [usize; 2], edges: &Path) {
+    let kinds = [
+        (loops, "edge from a node to itself", "edges from a node to itself"),
+        (repeated, "edge that is listed before", "edges that are listed before"),
+    ];
+    let told = kinds.iter().filter(|kind| kind.0 > 0).map(|&(count, one, many)| counted(count, one, many));
+    let told: Vec<String> = told.collect();
+    if !told.is_empty() {
+        output::warn(&format!("{}: left out {}", edges.display(), told.join(" and ")));
     }
 }
 
