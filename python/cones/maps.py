@@ -23,13 +23,15 @@ class Measures:
     distortion: dict
     #: The number of triangles and the share of the area of each island.
     islands: list[dict]
+    #: The triangles that are not measured: they have a vertex twice, or lie where another one on the same vertices does.
+    left_out: np.ndarray = field(repr=False)
     #: The triangles that lie over or under another.
     overlapping: np.ndarray = field(repr=False)
-    #: The island of each triangle.
+    #: The island of each triangle; -1 for those left out.
     triangle_island: np.ndarray = field(repr=False)
-    #: σ₁/σ₂ of each triangle, infinite if it is degenerate.
+    #: σ₁/σ₂ of each triangle, infinite if it is degenerate; 1 for those left out.
     triangle_quasi_conformal: np.ndarray = field(repr=False)
-    #: The centred log scale of each triangle.
+    #: The centred log scale of each triangle; 0 for those left out.
     triangle_log_scale: np.ndarray = field(repr=False)
 
 

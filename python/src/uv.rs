@@ -1,9 +1,9 @@
 //! Maps of any origin: measured, taken apart where they lie over themselves, packed.
 
-use cones::report::Quality;
+use cones::report::{Quality, worth_measuring};
 use cones::uv::{PackError, PackOptions, Packing, Parted};
-use geom::distortion::{measure_watched, unit_on_surface};
-use geom::{Model, PrepareError, Watch, Weld};
+use geom::distortion::{DistortionError, measure_watched, unit_on_surface};
+use geom::{FaceId, Id, Model, PrepareError, Watch, Weld};
 use numpy::{PyArray1, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
@@ -43,7 +43,7 @@ pub(crate) fn weld_by_name(name: &str) -> PyResult<Weld> {
     }
 }
 
-/// Measures a map: the report, and arrays of what is known of each triangle.
+/// Measures a map: the report, and arrays of what is known of each triangle, those that are not measured included.
 #[pyfunction]
 pub(crate) fn measure<'py>(
     py: Python<'py>,
@@ -55,25 +55,39 @@ pub(crate) fn measure<'py>(
     let (uv, weld) = (checked(&mesh.0, &uv)?, weld_by_name(weld)?);
     let cones = cones.as_ref().map(|cones| cones.as_slice()).transpose()?;
     let model = &mesh.0;
-    let quality = watched(py, None, |told| {
-        let triangles = model.triangles();
-        let mut vertices = triangles.vertices(model);
+    let triangles = model.triangles();
+    let (quality, kept) = watched(py, None, |told| {
+        let (mut vertices, map) = (triangles.vertices(model), corner_uv(&triangles.corners, uv));
         weld.apply(model, &mut vertices);
+        let kept = worth_measuring(&vertices, &map);
+        let (vertices, map): (Vec<_>, Vec<_>) = kept.iter().map(|&t| (vertices[t as usize], map[t as usize])).unzip();
         let stops = |_| told.goes_on();
-        Quality::measure_watched(
-            model.points(),
-            &vertices,
-            &corner_uv(&triangles.corners, uv),
-            cones,
-            Watch::new(&stops),
-        )
+        let quality = Quality::measure_watched(model.points(), &vertices, &map, cones, Watch::new(&stops));
+        let quality = quality.map_err(|error| match error {
+            DistortionError::UvNotFinite(f) => DistortionError::UvNotFinite(FaceId::new(kept[f.index()] as usize)),
+            error => error,
+        })?;
+        Ok::<_, DistortionError>((quality, kept))
     })?;
+    let mut is_kept = vec![false; triangles.len()];
+    kept.iter().for_each(|&t| is_kept[t as usize] = true);
+    let left_out = (0..).zip(&is_kept).filter_map(|(t, is_kept)| (!is_kept).then_some(t)).collect();
+    let overlapping = quality.overlapping.iter().map(|&t| kept[t as usize]).collect();
+    let island = quality.triangle_island.iter().map(|&island| i64::from(island));
     let report = pythonize(py, &quality)?.cast_into::<PyDict>()?;
-    report.set_item("overlapping", PyArray1::from_vec(py, quality.overlapping))?;
-    report.set_item("triangle_island", PyArray1::from_vec(py, quality.triangle_island))?;
-    report.set_item("triangle_quasi_conformal", PyArray1::from_vec(py, quality.quasi_conformal))?;
-    report.set_item("triangle_log_scale", PyArray1::from_vec(py, quality.log_scale))?;
+    report.set_item("left_out", PyArray1::<u32>::from_vec(py, left_out))?;
+    report.set_item("overlapping", PyArray1::<u32>::from_vec(py, overlapping))?;
+    report.set_item("triangle_island", PyArray1::from_vec(py, of_all(&is_kept, island, -1)))?;
+    let quasi_conformal = of_all(&is_kept, quality.quasi_conformal.iter().copied(), 1.0);
+    report.set_item("triangle_quasi_conformal", PyArray1::from_vec(py, quasi_conformal))?;
+    let log_scale = of_all(&is_kept, quality.log_scale.iter().copied(), 0.0);
+    report.set_item("triangle_log_scale", PyArray1::from_vec(py, log_scale))?;
     Ok(report)
+}
+
+/// What there is for each triangle that is kept, for all of them: `other` for those that are not.
+fn of_all<T: Copy>(is_kept: &[bool], mut values: impl Iterator<Item = T>, other: T) -> Vec<T> {
+    is_kept.iter().map(|is_kept| is_kept.then(|| values.next()).flatten().unwrap_or(other)).collect()
 }
 
 /// Takes a map apart until no island lies over itself.

@@ -59,6 +59,26 @@ def test_measuring_parting_and_packing_are_those_of_the_command(command, tmp_pat
     assert (cones.pack(path, rotations="quarter").uv == cones.read(out).uv).all()
 
 
+def test_copies_and_triangles_with_a_vertex_twice_are_not_measured(command, tmp_path):
+    square = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 2 0\nvt 2 1\nvt 0 1\n"
+    spare = "f 3/3 2/2 1/1\nf 1/1 2/2 2/3\n"
+    (tmp_path / "square.obj").write_text(f"{square}f 1/1 2/2 3/3\nf 1/1 3/3 4/4\n")
+    (tmp_path / "spare.obj").write_text(f"{square}f 1/1 2/2 3/3\n{spare}f 1/1 3/3 4/4\n")
+    ours, plain = cones.measure(tmp_path / "spare.obj"), cones.measure(tmp_path / "square.obj")
+    assert ours.distortion == plain.distortion and ours.islands == plain.islands
+    theirs = json.loads(command("measure", tmp_path / "spare.obj", "--json"))
+    assert ours.distortion == theirs["distortion"] and len(ours.left_out) == theirs["input"]["left_out"]
+    assert ours.left_out.tolist() == [1, 2] and ours.triangle_island.tolist() == [0, -1, -1, 0]
+    assert ours.triangle_quasi_conformal.tolist() == pytest.approx([2, 1, 1, 2]) and not ours.triangle_log_scale[1:3].any()
+    mesh = cones.read(tmp_path / "spare.obj")
+    over = mesh.uv.copy()
+    over[9:] = mesh.uv[:3] * 0.5 + 0.1
+    assert cones.measure(mesh, uv=over).overlapping.tolist() == [0, 3]
+    over[10] = np.nan
+    with pytest.raises(cones.Error, match="triangle 3 "):
+        cones.measure(mesh, uv=over)
+
+
 def test_one_analysis_gives_the_maps_of_one_call(hare):
     analysis = cones.Analysis(hare.vertices, hare.faces)
     eight = analysis.place(8)

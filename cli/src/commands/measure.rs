@@ -7,10 +7,9 @@ use crate::report::table::counted;
 use crate::report::{SCHEMA, distortion_text};
 use crate::{input, output};
 use clap::Args;
-use cones::report::{DistortionReport, IslandReport, Quality};
+use cones::report::{DistortionReport, IslandReport, Quality, worth_measuring};
 use geom::Model;
 use serde::Serialize;
-use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
 #[derive(Args, Debug)]
@@ -60,7 +59,7 @@ struct MeasuredInput {
 /// What is measured: the triangles of the surface with their images.
 struct Measured {
     /// How many triangles were left out of it.
-    spare: usize,
+    left_out: usize,
     /// The face that each triangle is part of.
     face_of: Vec<u32>,
     vertices: Vec<[u32; 3]>,
@@ -76,10 +75,10 @@ pub(crate) fn run(args: &MeasureArgs) -> Result<(), CommandError> {
     let measured = measure(args, &model, surface)?;
     write_extras(args, surface, &measured)?;
     let report = report(args, surface, &measured);
-    if measured.spare > 0 {
+    if measured.left_out > 0 {
         output::warn(&format!(
             "{} with a vertex twice, or at the place of another one on the same vertices: not measured",
-            counted(measured.spare, "triangle", "triangles")
+            counted(measured.left_out, "triangle", "triangles")
         ));
     }
     warn_of_split(split_vertices(surface, args.weld.chosen()));
@@ -143,38 +142,22 @@ fn reference(path: &Path, input: &Path, model: &Model) -> Result<Model, CommandE
 fn measure(args: &MeasureArgs, model: &Model, reference: &Model) -> Result<Measured, CommandError> {
     let uv = texture(&args.input, model)?;
     let triangles = reference.triangles();
-    let (mut vertices, mut uv) = (triangles.vertices(reference), corner_uv(&triangles.corners, &uv));
+    let (mut vertices, uv) = (triangles.vertices(reference), corner_uv(&triangles.corners, &uv));
     args.weld.chosen().apply(reference, &mut vertices);
-    let mut face_of = triangles.face_of;
-    let is_spare = spare(&vertices, &uv);
-    let spare = is_spare.iter().filter(|spare| **spare).count();
-    if 0 < spare && spare < is_spare.len() {
-        keep(&mut vertices, &is_spare);
-        keep(&mut uv, &is_spare);
-        keep(&mut face_of, &is_spare);
-    }
+    let kept = worth_measuring(&vertices, &uv);
+    let left_out = vertices.len() - kept.len();
+    let (vertices, uv) = (picked(&kept, &vertices), picked(&kept, &uv));
+    let face_of = picked(&kept, &triangles.face_of);
     let quality = Quality::measure(reference.points(), &vertices, &uv, None)
         .map_err(|error| CommandError::Measure { path: args.input.clone(), error })?;
-    Ok(Measured { spare, face_of, vertices, uv, quality })
+    Ok(Measured { left_out, face_of, vertices, uv, quality })
 }
 
-/// Which triangles `unwrap` leaves out as well: those that have a vertex twice, and copies that lie where the triangle does that they are copies of.
-fn spare(vertices: &[[u32; 3]], uv: &[[[f64; 2]; 3]]) -> Vec<bool> {
-    let mut known = HashSet::with_capacity(vertices.len());
-    let is_spare = |(v, uv): (&[u32; 3], &[[f64; 2]; 3])| {
-        let mut corners = [0, 1, 2].map(|k| (v[k], uv[k].map(f64::to_bits)));
-        corners.sort_unstable();
-        corners[0].0 == corners[1].0 || corners[1].0 == corners[2].0 || !known.insert(corners)
-    };
-    vertices.iter().zip(uv).map(is_spare).collect()
+fn picked<T: Copy>(kept: &[u32], items: &[T]) -> Vec<T> {
+    kept.iter().map(|&t| items[t as usize]).collect()
 }
 
-fn keep<T>(items: &mut Vec<T>, is_spare: &[bool]) {
-    let mut is_spare = is_spare.iter();
-    items.retain(|_| !is_spare.next().expect("one for each"));
-}
-
-fn report(args: &MeasureArgs, reference: &Model, Measured { spare, quality, .. }: &Measured) -> MeasureReport {
+fn report(args: &MeasureArgs, reference: &Model, Measured { left_out, quality, .. }: &Measured) -> MeasureReport {
     MeasureReport {
         schema: SCHEMA,
         input: MeasuredInput {
@@ -182,7 +165,7 @@ fn report(args: &MeasureArgs, reference: &Model, Measured { spare, quality, .. }
             reference: args.reference.as_ref().map(|path| path.display().to_string()),
             vertices: reference.vertex_count(),
             faces: reference.face_count(),
-            left_out: *spare,
+            left_out: *left_out,
         },
         distortion: quality.distortion.clone(),
         islands: quality.islands.clone(),
