@@ -55,7 +55,7 @@ pub struct Atlas {
     /// The triangles that were computed with, as corners of the model.
     pub triangles: Triangles,
     /// The triangles that belong to no surface: copies lie where the triangle lies that they are copies of, others (repeated vertices, parts without
-    /// area, copies where it was refined) at one point.
+    /// area, copies of triangles in a plane with neighbours where these were refined) at one point.
     pub left_out: Vec<u32>,
     /// The island of each triangle, numbered from 0 component by component; none for those that belong to no surface.
     pub islands: Vec<Option<u32>>,

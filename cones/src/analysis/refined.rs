@@ -5,6 +5,7 @@
 //! with every vertex of the model under its own number. In each of its triangles the map is linear, so it is written exactly, and
 //! seams are edges of it. Cones may be at vertices that were put in.
 
+use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
 use geom::{
@@ -300,7 +301,7 @@ pub(crate) fn refine_all(
     // Faces that nothing tells from each other need not be told apart.
     let is_bare = model.obj_text().is_none() && model.attributes().is_bare();
     let face_of = |surface: &Surface, f: FaceId| triangles.face_of[surface.triangle[f] as usize];
-    let (shapes, mut refinements) = task.stage((Stage::Prepare, 0), times, |watch: Watch| -> Result<_, Error> {
+    let (shapes, planar, mut refined) = task.stage((Stage::Prepare, 0), times, |watch| -> Result<_, Error> {
         let planar = |(k, surface): (usize, &Surface)| {
             // An instance has the points of another one, but it is its own planes that edges may be left out of.
             let own = (shapes[k] != k).then(|| own_points(model, surface));
@@ -321,18 +322,24 @@ pub(crate) fn refine_all(
         };
         let refined = of_shapes(&surfaces, &shapes, |k, surface| refine(k, surface).transpose());
         let refined = refined.into_iter().map(Option::transpose).collect::<Result<Vec<Option<Refinement>>, _>>()?;
-        Ok((shapes, refined))
+        Ok((shapes, planar, refined))
     })??;
-    let is_complete = refinements.iter().flatten().all(|refinement| refinement.is_complete);
+    let is_complete = refined.iter().flatten().all(|refinement| refinement.is_complete);
     task.stage((Stage::Prepare, 0), times, |watch: Watch| {
-        let mut growing =
-            Growing { points: model.points().to_vec(), added: Vec::new(), triangles: Vec::new(), face: Vec::new() };
+        let points = model.points().to_vec();
+        let mut growing = Growing { points, added: Vec::new(), triangles: Vec::new(), part_of: Vec::new() };
+        // Where no side of a triangle was left out, the pieces named for it are all of it.
+        let whole = |(surface, planar): (&Surface, &EdgeData<bool>)| {
+            let is_whole = |f: &FaceId| surface.mesh.sides(*f).iter().all(|&h| !planar[surface.mesh.edge(h)]);
+            surface.mesh.faces().filter(is_whole).map(|f| surface.triangle[f]).collect::<Vec<_>>()
+        };
+        let whole: Vec<u32> = surfaces.iter().zip(&planar).flat_map(whole).collect();
         let mut ready: Vec<Ready> = Vec::with_capacity(surfaces.len());
         let mut instances = vec![0; surfaces.len()];
         shapes.iter().for_each(|&shape| instances[shape] += 1);
         for (surface, &shape) in surfaces.into_iter().zip(&shapes) {
             instances[shape] -= 1;
-            let refinement = &mut refinements[shape];
+            let refinement = &mut refined[shape];
             ready.push(match if instances[shape] == 0 { refinement.take() } else { refinement.clone() } {
                 Some(refinement) => growing.add(model, &triangles, (surface, shape), refinement),
                 None => growing.add_as_it_is(model, &triangles, (surface, shape)),
@@ -340,17 +347,15 @@ pub(crate) fn refine_all(
             watch.ask(0.5)?;
         }
         let kept = growing.triangles.len();
-        for &t in &left_out {
-            growing.triangles.push(triangles.corners[t as usize].map(|c| model.corners()[c as usize]));
-            growing.face.push(triangles.face_of[t as usize]);
-        }
-        let number = growing.sort_by_face();
+        growing.add_left_out(&triangles.vertices(model), &left_out, &whole);
+        let number = growing.sort_by_face(&triangles);
         watch.ask(0.7)?;
         ready.iter_mut().for_each(|ready| ready.renumber(&number));
         watch.ask(0.8)?;
         let left_out = number[kept..].to_vec();
-        let Growing { points, added, triangles, face } = growing;
-        let model = Model::from_triangles(points, &triangles).map_err(Error::Refined)?;
+        let Growing { points, added, triangles: pieces, part_of } = growing;
+        let face = part_of.iter().map(|&t| triangles.face_of[t as usize]).collect();
+        let model = Model::from_triangles(points, &pieces).map_err(Error::Refined)?;
         watch.ask(0.9)?;
         let triangles = model.triangles();
         Ok((ready, RefinedModel { model, face, added, is_complete }, triangles, left_out))
@@ -363,20 +368,50 @@ struct Growing {
     /// What the vertices that were put in are made of.
     added: Vec<[(u32, f64); 3]>,
     triangles: Vec<[u32; 3]>,
-    /// The face of the model for each triangle.
-    face: Vec<u32>,
+    /// The triangle of the model that each is part of, or one of them.
+    part_of: Vec<u32>,
 }
 
 impl Growing {
     /// Brings the triangles into the order of the model's faces; where each has gone.
-    fn sort_by_face(&mut self) -> Vec<u32> {
+    fn sort_by_face(&mut self, triangles: &Triangles) -> Vec<u32> {
         let mut order: Vec<u32> = (0..self.triangles.len() as u32).collect();
-        order.sort_by_key(|&t| self.face[t as usize]);
+        order.sort_by_key(|&t| triangles.face_of[self.part_of[t as usize] as usize]);
         let mut number = vec![0; order.len()];
         (0..).zip(&order).for_each(|(to, &from)| number[from as usize] = to);
         self.triangles = order.iter().map(|&t| self.triangles[t as usize]).collect();
-        self.face = order.iter().map(|&t| self.face[t as usize]).collect();
+        self.part_of = order.iter().map(|&t| self.part_of[t as usize]).collect();
         number
+    }
+
+    /// Adds triangles that belong to no surface: a copy of one that is `whole` in the pieces of that one, so that it lies where that does.
+    fn add_left_out(&mut self, vertices: &[[u32; 3]], left_out: &[u32], whole: &[u32]) {
+        let place = |t: u32| {
+            let mut place = vertices[t as usize];
+            place.sort_unstable();
+            place
+        };
+        let wanted: HashSet<[u32; 3]> = left_out.iter().map(|&t| place(t)).collect();
+        let mut originals: HashMap<[u32; 3], (u32, Vec<[u32; 3]>)> = HashMap::new();
+        for &t in whole.iter().filter(|&&t| wanted.contains(&place(t))) {
+            originals.entry(place(t)).or_insert((t, Vec::new()));
+        }
+        for (&piece, &t) in self.triangles.iter().zip(&self.part_of) {
+            if let Some((_, pieces)) = originals.get_mut(&place(t)).filter(|original| original.0 == t) {
+                pieces.push(piece);
+            }
+        }
+        for &t in left_out {
+            let own = vertices[t as usize];
+            let runs_as = |[a, b, _]: [u32; 3]| (0..3).any(|k| [own[k], own[(k + 1) % 3]] == [a, b]);
+            let pieces = match originals.get(&place(t)) {
+                Some((original, pieces)) if runs_as(vertices[*original as usize]) => pieces.clone(),
+                Some((_, pieces)) => pieces.iter().map(|&[a, b, c]| [a, c, b]).collect(),
+                None => vec![own],
+            };
+            self.part_of.resize(self.part_of.len() + pieces.len(), t);
+            self.triangles.extend(pieces);
+        }
     }
 
     /// Adds a surface that is not refined.
@@ -385,7 +420,7 @@ impl Growing {
         for (number, t) in (first..).zip(surface.triangle.iter_mut()) {
             let corners = triangles.corners[*t as usize];
             self.triangles.push(corners.map(|c| model.corners()[c as usize]));
-            self.face.push(triangles.face_of[*t as usize]);
+            self.part_of.push(*t);
             *t = number;
             let place = |corner: u32| corners.iter().position(|&c| c == corner).expect("it is the triangle's");
             let f = FaceId(number - first);
@@ -429,7 +464,7 @@ impl Growing {
         for ((t, corners), &is_turned) in common.triangles.iter_ids().zip(&is_turned) {
             let [a, b, c] = corners.map(|v| vertex[v as usize]);
             self.triangles.push(if is_turned { [a, c, b] } else { [a, b, c] });
-            self.face.push(triangles.face_of[surface.triangle[common.input[t]] as usize]);
+            self.part_of.push(surface.triangle[common.input[t]]);
         }
         let mut start = vec![0; triangulation.face_count() + 1];
         common.intrinsic.iter().for_each(|f| start[f.index() + 1] += 1);

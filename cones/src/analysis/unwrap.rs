@@ -627,7 +627,9 @@ impl Analysis {
         if original.is_empty() {
             return;
         }
-        for &t in self.components().iter().flat_map(|component| component.surface.triangle.iter()) {
+        let mut is_on_surface = vec![true; self.triangles().len()];
+        self.left_out().iter().for_each(|&t| is_on_surface[t as usize] = false);
+        for t in (0..).zip(is_on_surface).filter_map(|(t, is_on_surface)| is_on_surface.then_some(t)) {
             original.entry(place(t)).and_modify(|first| _ = first.get_or_insert_with(|| sorted(t)));
         }
         for &t in self.left_out() {
