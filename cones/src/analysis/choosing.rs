@@ -306,7 +306,8 @@ impl Component {
         inner.min(FEW.max(inner / FEWEST_BESIDE))
     }
 
-    /// More cones where those chosen miss a goal by what is predicted, as few as it takes about; none where no number is good enough.
+    /// More cones where those chosen miss a goal by what is predicted, as few as it takes about. Where no number is good enough none, or those that come
+    /// nearest if the goal is what was asked for.
     fn enough(
         &self,
         chosen: &Configuration,
@@ -315,24 +316,27 @@ impl Component {
         task: &Task,
         times: &mut Times,
     ) -> Result<Option<Configuration>, Error> {
-        let reached = |chosen: &Configuration| area_distortion(&self.operators, &chosen.predicted);
-        let (mut count, mut excess) = (chosen.vertices.len(), (reached(chosen) - 1.0) / (goal - 1.0));
+        let excess =
+            |chosen: &Configuration| (area_distortion(&self.operators, &chosen.predicted) - 1.0) / (goal - 1.0);
+        let (mut count, mut least, mut nearest) = (chosen.vertices.len(), excess(chosen), None);
+        let mut now = least;
         let most = self.most_cones().min(MOST_OPTIMISED);
-        while excess > 1.0 && count < most {
-            let [least, largest] = GROWTH;
-            count = ((count as f64 * excess.clamp(least, largest)).ceil() as usize).clamp(count + 1, most);
+        while now > 1.0 && count < most {
+            let [slowest, fastest] = GROWTH;
+            count = ((count as f64 * now.clamp(slowest, fastest)).ceil() as usize).clamp(count + 1, most);
             if options.placement_for(count) != options.placement {
                 break;
             }
             let Ok(more) = interrupted_or(self.place_by(Placement::quick_cones, options, count, task, times))? else {
                 break;
             };
-            excess = (reached(&more) - 1.0) / (goal - 1.0);
-            if excess <= 1.0 && stretch(&self.operators, more.predicted.clone()) <= MOST_STRETCH.ln() {
-                return Ok(Some(more));
+            now = excess(&more);
+            if now < least && stretch(&self.operators, more.predicted.clone()) <= MOST_STRETCH.ln() {
+                (least, nearest) = (now, Some(more));
             }
         }
-        Ok(None)
+        let is_asked_for = matches!(options.cones, ConeChoice::WithinDistortion(_));
+        Ok(nearest.filter(|_| least <= 1.0 || is_asked_for))
     }
 }
 
