@@ -392,7 +392,7 @@ fn measured(model: &Model, atlas: &Atlas) -> f64 {
 
 #[test]
 fn a_target_that_cannot_be_reached_is_missed_by_what_is_said() {
-    let model = model(&shapes::hare(700));
+    let model = model(&shapes::hare(1500));
     let options = Options { cones: ConeChoice::WithinDistortion(1.0001), ..Options::default() };
     let atlas = unwrap_model(&model, &options).expect("it unwraps");
     assert!(atlas.cones.len() >= 300, "{} cones are not the nearest", atlas.cones.len());
