@@ -209,7 +209,7 @@ class Analysis:
         progress: Optional[Progress] = None,
         **layout: Any,
     ) -> Unwrapping:
-        """Cones and a map with them, or with others where these fail: `cones.unwrap` on an analysis that is there."""
+        """Cones and a map with them, or with others where these fail: `cones.unwrap` on an analysis that is there, whose mesh stays as it is refined."""
         asked = options.choice(n, max_distortion, min_persistence, cones, method, angles, quantize)
         asked.update(options.layout(self.input, self._weld, **layout))
         return Unwrapping(self.mesh, self._native.atlas(asked, scale, progress))

@@ -9,7 +9,8 @@ from typing import Any, Callable, Optional, Union
 
 import numpy as np
 
-from .mesh import Faces, Mesh
+from . import _cones, options
+from .mesh import Faces, Mesh, as_mesh
 
 #: ``progress(stage, fraction)``: the stage's name, and how much of it is done (0 to 1) where that is known.
 Progress = Callable[[str, Optional[float]], Any]
@@ -216,17 +217,12 @@ def unwrap(
     Error
         If there is no surface, or the options cannot be met; the message says which.
     """
-    from .analysis import Analysis
-
-    analysis = Analysis(vertices, faces, weld=weld, smooth=smooth, refine=refine, open_handles=open_handles, progress=progress)
-    return analysis.unwrap(
-        n,
-        max_distortion=max_distortion,
-        min_persistence=min_persistence,
-        cones=cones,
-        method=method,
-        angles=angles,
-        quantize=quantize,
+    given = as_mesh(vertices, faces)
+    prepared = options.preparation(weld, smooth, refine, open_handles)
+    asked = options.choice(n, max_distortion, min_persistence, cones, method, angles, quantize)
+    layout = options.layout(
+        given,
+        weld,
         seam_weight=seam_weight,
         seams=seams,
         keep_seams=keep_seams,
@@ -239,6 +235,7 @@ def unwrap(
         rotations=rotations,
         texel_density=texel_density,
         max_seam=max_seam,
-        scale=scale,
-        progress=progress,
     )
+    analysis, found = _cones.Analysis.unwrapped(given._native, prepared, {**asked, **layout}, scale, progress)
+    refined = analysis.refined
+    return Unwrapping(given if refined is None else Mesh._of(refined[0]), found)

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use cones::report::{MeasuredAtlas, sentences};
+use cones::report::{MeasuredAtlas, UvSize, sentences};
 use cones::{Analysis as Found, ConeOrder, Kind, ModelExtremum, Options, Preparation, RefinedModel};
 use geom::{Model, Watch};
 use numpy::PyArray1;
@@ -13,7 +13,7 @@ use pythonize::{depythonize, pythonize};
 use crate::atlas::{dictionary, size_by_name, times};
 use crate::error::Failed;
 use crate::mesh::Mesh;
-use crate::watched::watched;
+use crate::watched::{Told, watched};
 
 /// An analysis, and the model that maps are of.
 #[pyclass(frozen, module = "cones._cones")]
@@ -48,20 +48,47 @@ impl Analysis {
     }
 }
 
+/// The model that maps are of.
+fn model_of(found: &Found, mesh: &Mesh) -> Arc<Model> {
+    found.refined().map_or_else(|| Arc::clone(&mesh.0), |refined| Arc::new(refined.model.clone()))
+}
+
 #[pymethods]
 impl Analysis {
     #[new]
     fn new(py: Python<'_>, mesh: &Mesh, preparation: &Bound<'_, PyAny>, progress: Option<Py<PyAny>>) -> PyResult<Self> {
         let preparation: Preparation = depythonize(preparation)?;
         let found = watched(py, progress, |told| Found::observed(&mesh.0, preparation, told.observer()))?;
-        let model = found.refined().map_or_else(|| Arc::clone(&mesh.0), |refined| Arc::new(refined.model.clone()));
-        Ok(Self { found, model, preparation })
+        Ok(Self { model: model_of(&found, mesh), found, preparation })
+    }
+
+    /// An analysis and a map in one call, as the command makes them: of a refined mesh the analysis may be in smaller triangles, or in those that
+    /// it had.
+    #[staticmethod]
+    fn unwrapped<'py>(
+        py: Python<'py>,
+        mesh: &Mesh,
+        preparation: &Bound<'py, PyAny>,
+        options: &Bound<'py, PyAny>,
+        scale: &str,
+        progress: Option<Py<PyAny>>,
+    ) -> PyResult<(Self, Bound<'py, PyDict>)> {
+        let preparation: Preparation = depythonize(preparation)?;
+        let (options, size) = (Options { preparation, ..depythonize(options)? }, size_by_name(scale)?);
+        let (analysis, measured) = watched(py, progress, |told| {
+            let (found, atlas) = Found::unwrapped(&mesh.0, &options, told.observer()).map_err(NoMap::Cones)?;
+            let analysis = Self { model: model_of(&found, mesh), found, preparation };
+            let measured = analysis.measured(atlas, size, told)?;
+            Ok::<_, NoMap>((analysis, measured))
+        })?;
+        let found = dictionary(py, measured, &analysis.found, &options)?;
+        Ok((analysis, found))
     }
 
     /// The cones that options ask for.
     fn choose(&self, py: Python<'_>, options: &Bound<'_, PyAny>, progress: Option<Py<PyAny>>) -> PyResult<Cones> {
         let options = self.options(options)?;
-        let choose = |told: &Arc<_>| self.found.with_observer(crate::watched::Told::observer(told)).choose(&options);
+        let choose = |told: &Arc<_>| self.found.with_observer(Told::observer(told)).choose(&options);
         Ok(Cones(watched(py, progress, choose)?))
     }
 
@@ -175,11 +202,15 @@ impl Analysis {
         let (options, size) = (self.options(options)?, size_by_name(scale)?);
         let measured = watched(py, progress, |told| {
             let atlas = work(&self.found.with_observer(told.observer()), &options).map_err(NoMap::Cones)?;
-            let stops = |_| told.goes_on();
-            MeasuredAtlas::new_watched(&self.model, atlas, size, self.found.weld(), Watch::new(&stops))
-                .map_err(NoMap::Distortion)
+            self.measured(atlas, size, told)
         })?;
         dictionary(py, measured, &self.found, &options)
+    }
+
+    fn measured(&self, atlas: cones::Atlas, size: UvSize, told: &Told) -> Result<MeasuredAtlas, NoMap> {
+        let stops = |_| told.goes_on();
+        MeasuredAtlas::new_watched(&self.model, atlas, size, self.found.weld(), Watch::new(&stops))
+            .map_err(NoMap::Distortion)
     }
 }
 

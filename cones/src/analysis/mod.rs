@@ -190,7 +190,7 @@ impl Analysis {
         let task = Task::new(&observer, prepared.surfaces.len());
         let (ready, refined, triangles, left_out) = if is_asked_for(preparation.refine, &prepared.surfaces, &shapes) {
             let (ready, refined, triangles, left_out) =
-                refine_all(model, (prepared, &shapes, making), &task, &mut times)?;
+                refine_all(model, (prepared, &shapes), (preparation.refine, making.largest), &task, &mut times)?;
             (ready, Some(refined), triangles, left_out)
         } else {
             let Prepared { surfaces, triangles, left_out, .. } = prepared;

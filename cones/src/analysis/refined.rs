@@ -15,7 +15,6 @@ use geom::{
 };
 use rayon::prelude::*;
 
-use super::component::Making;
 use super::observer::{Stage, Task, Times};
 use super::options::Refining;
 use crate::error::Error;
@@ -283,19 +282,19 @@ fn own_points(model: &Model, surface: &Surface) -> Vec<[f64; 3]> {
     surface.vertex.iter().map(place).collect()
 }
 
-/// Refines the surfaces of a model, but where needles alone ask for it none that is flat; what was prepared becomes that of the refined
+/// Refines the surfaces of a model to triangles of a size ([`LARGEST`]), but where needles alone ask for it none that is flat; what was prepared becomes that of the refined
 /// model.
 ///
 /// # Errors
 /// If the refined model is too large, or the watch has said stop.
 pub(crate) fn refine_all(
     model: &Model,
-    (prepared, shapes, making): (Prepared, &[usize], Making),
+    (prepared, shapes): (Prepared, &[usize]),
+    (refining, largest): (Refining, f64),
     task: &Task,
     times: &mut Times,
 ) -> Result<(Vec<Ready>, RefinedModel, Triangles, Vec<u32>), Error> {
     let Prepared { surfaces, triangles, left_out, .. } = prepared;
-    let refining = making.preparation.refine;
     let largest_coordinate = model.points().iter().flatten().fold(0.0, |most: f64, x| most.max(x.abs()));
     let rounding = PLANE * largest_coordinate;
     // Faces that nothing tells from each other need not be told apart.
@@ -317,7 +316,7 @@ pub(crate) fn refine_all(
             if refining == Refining::Needles && is_flat(surface, &metric) {
                 return Ok(None);
             }
-            let largest = making.largest * metric.area(&surface.mesh).sqrt();
+            let largest = largest * metric.area(&surface.mesh).sqrt();
             refine_watched(&surface.mesh, &metric, largest, Some(&planar[k]), watch).map(Some)
         };
         let refined = of_shapes(&surfaces, &shapes, |k, surface| refine(k, surface).transpose());
