@@ -220,16 +220,10 @@ impl<'a> ActiveSet<'a> {
 
     /// Goes to the feasible point near a guess: all variables as far on their ways to one of their bounds as the sum asks for.
     fn begin_at(&mut self, guess: &[f64]) {
-        let mut q: Vec<f64> =
-            guess.iter().zip(self.bounds).map(|(q, [lower, upper])| q.clamp(*lower, *upper)).collect();
-        if let Some(total) = self.total {
-            let missing = total - q.iter().sum::<f64>();
-            let side = usize::from(missing > 0.0);
-            let room: f64 = q.iter().zip(self.bounds).map(|(q, bound)| bound[side] - q).sum();
-            let share = if room == 0.0 { 0.0 } else { (missing / room).clamp(0.0, 1.0) };
-            q.iter_mut().zip(self.bounds).for_each(|(q, bound)| *q += share * (bound[side] - *q));
-        }
-        for (i, (&q, &[lower, upper])) in q.iter().zip(self.bounds).enumerate() {
+        self.q = guess.iter().zip(self.bounds).map(|(q, [lower, upper])| q.clamp(*lower, *upper)).collect();
+        self.bring_sum_about((0..guess.len()).collect());
+        for (i, &[lower, upper]) in self.bounds.iter().enumerate() {
+            let q = self.q[i];
             self.q[i] = q.clamp(lower, upper);
             self.held[i] = match q {
                 _ if q <= lower => Held::Lower,
@@ -272,7 +266,8 @@ impl<'a> ActiveSet<'a> {
         }
         self.q.iter_mut().zip(self.bounds).for_each(|(q, [lower, upper])| *q = q.clamp(*lower, *upper));
         self.hold();
-        self.spread_over_free();
+        self.bring_sum_about(self.free());
+        self.restore_sum();
         let energy = self.energy.value(&self.q);
         let is_good = self.keeps_sum() && energy <= before.2; // not so with NaN either
         if !is_good {
@@ -294,16 +289,14 @@ impl<'a> ActiveSet<'a> {
         }
     }
 
-    /// Brings the sum about by the free variables alone, all as far on their ways to one of their bounds.
-    fn spread_over_free(&mut self) {
+    /// Moves some variables as far on their ways to one of their bounds as the sum asks for.
+    fn bring_sum_about(&mut self, variables: Vec<usize>) {
         let Some(total) = self.total else { return };
         let missing = total - self.q.iter().sum::<f64>();
         let side = usize::from(missing > 0.0);
-        let free = self.free();
-        let room: f64 = free.iter().map(|&i| self.bounds[i][side] - self.q[i]).sum();
+        let room: f64 = variables.iter().map(|&i| self.bounds[i][side] - self.q[i]).sum();
         let share = if room == 0.0 { 0.0 } else { (missing / room).clamp(0.0, 1.0) };
-        free.iter().for_each(|&i| self.q[i] += share * (self.bounds[i][side] - self.q[i]));
-        self.restore_sum();
+        variables.into_iter().for_each(|i| self.q[i] += share * (self.bounds[i][side] - self.q[i]));
     }
 
     /// Steps until no variable pulls inwards; returns the sum's multiplier.
