@@ -6,7 +6,8 @@ use cones::internals::{Layout, Operators, Scaling, Seams, cone_curvatures, scale
 use cones::{
     ConeChoice, CurvatureError, CurvatureRule, Error, Islands, Note, Options, Placement, Preparation, unwrap_model,
 };
-use geom::{Double, Mesh, Metric, Model, PrepareError, VertexData, VertexId, Watch, angle_defects};
+use geom::vector::{length, normal};
+use geom::{Double, Id, Mesh, Metric, Model, PrepareError, VertexData, VertexId, Watch, angle_defects};
 
 use super::{assert_close, metric_of};
 use crate::decode::{self, Bytes, Moves};
@@ -202,8 +203,10 @@ fn unwraps(model: &Model, options: &Options) {
     for surface in geom::prepare(model, options.preparation.weld).expect("it was unwrapped").surfaces {
         let metric = surface.metric();
         for f in surface.mesh.faces() {
-            let sides = metric.sides(&surface.mesh, f);
-            let height = 2.0 * sides.area() / sides.0.into_iter().fold(0.0, f64::max) / surface.scale;
+            // Not the sides' area, which rounding makes ten million times larger where a triangle is a line.
+            let [a, b, c] = surface.mesh.corners(f).map(|v| surface.points[v.index()]);
+            let double_area = length(normal([a, b, c]));
+            let height = double_area / metric.sides(&surface.mesh, f).0.into_iter().fold(0.0, f64::max) / surface.scale;
             let uv = surface.mesh.sides(f).map(|h| atlas.uv[surface.corner[h] as usize]);
             assert!(signed_area(uv) > 0.0 || height < NEEDLE * extent, "{f} is flipped: {uv:?}");
         }
