@@ -27,8 +27,8 @@ const BINS: usize = 64;
 #[derive(Clone, Copy)]
 struct Place {
     at: [f32; 3],
-    /// No neighbour is farther away.
-    reach: f32,
+    /// No neighbour is farther away along each axis.
+    reach: [f32; 3],
     vertex: u32,
 }
 
@@ -51,10 +51,12 @@ pub(crate) fn dissect(graph: &Graph, points: &[[f64; 3]], watch: Watch) -> Resul
 fn places(graph: &Graph, points: &[[f32; 3]]) -> Vec<Place> {
     let place = |vertex: u32| {
         let at = points[vertex as usize];
-        let squared = |w: &u32| points[*w as usize].iter().zip(at).map(|(x, y)| (x - y).powi(2)).sum::<f32>();
-        let reach = graph.neighbors(vertex).iter().map(squared).fold(0.0, f32::max).sqrt();
+        let mut reach = [0.0_f32; 3];
+        for &w in graph.neighbors(vertex) {
+            reach = [0, 1, 2].map(|axis| reach[axis].max((points[w as usize][axis] - at[axis]).abs()));
+        }
         // A hair more, for rounding.
-        Place { at, reach: 1.0001 * reach, vertex }
+        Place { at, reach: reach.map(|reach| 1.0001 * reach), vertex }
     };
     parallel::map(graph.len(), |vertex| place(vertex as u32))
 }
@@ -104,7 +106,7 @@ impl<'a> Dissection<'a> {
         let Plane { axis, below } = choose_plane(places);
         places.select_nth_unstable_by(below, |a, b| a.at[axis].total_cmp(&b.at[axis]).then(a.vertex.cmp(&b.vertex)));
         let plane = places[below].at[axis];
-        let near = move |place: &&Place| (place.at[axis] - plane).abs() <= place.reach;
+        let near = move |place: &&Place| (place.at[axis] - plane).abs() <= place.reach[axis];
         let (low, high) = places.split_at_mut(below);
         let before = self.parts.fetch_add(2, Relaxed);
         let parts = [before + 1, before + 2];
@@ -173,19 +175,29 @@ fn narrowest(places: &[Place], axis: usize, [low, high]: [f32; 2]) -> Option<(f3
         return None;
     }
     let mut count = [0; BINS];
-    // A vertex is in the separator of a plane with a chance that goes with its reach.
+    // A vertex is in the separator of a plane next to its bin with a chance that goes with its reach;
     let mut reach = [0.0; BINS];
+    // if it reaches farther than a bin, in those of all planes within its reach: how many more do from each plane on.
+    let mut long = [0; BINS + 1];
     for place in places {
-        let bin = (((place.at[axis] - low) * per_length) as usize).min(BINS - 1);
+        let at = (place.at[axis] - low) * per_length;
+        let bin = (at as usize).min(BINS - 1);
         count[bin] += 1;
-        reach[bin] += place.reach;
+        let farthest = place.reach[axis] * per_length;
+        if farthest < 1.0 {
+            reach[bin] += farthest;
+        } else {
+            long[(at - farthest).max(0.0).ceil() as usize] += 1;
+            long[((at + farthest) as usize).min(BINS - 1) + 1] -= 1;
+        }
     }
     let all = places.len() as f32;
-    let mut below = 0;
+    let (mut below, mut across) = (0, long[0]);
     let planes = (1..BINS).filter_map(|k| {
         below += count[k - 1];
+        across += long[k];
         let share = (below as f32).min(all - below as f32) / all;
-        let size = (reach[k - 1] + reach[k]) * per_length;
+        let size = reach[k - 1] + reach[k] + across as f32;
         (share >= LEAST_SHARE).then_some((size / share.sqrt(), Plane { axis, below }))
     });
     planes.min_by(|a, b| a.0.total_cmp(&b.0))
@@ -193,19 +205,51 @@ fn narrowest(places: &[Place], axis: usize, [low, high]: [f32; 2]) -> Option<(f3
 
 #[cfg(test)]
 mod tests {
+    use std::f64::consts::TAU;
+
     use super::*;
-    use crate::shapes;
+    use crate::{Mesh, shapes};
+
+    fn graph(mesh: &Mesh) -> Graph {
+        let (mut start, mut row) = (vec![0], Vec::new());
+        for v in mesh.vertices() {
+            row.extend(mesh.neighbors(v).iter().filter(|&&w| w > v).map(|w| w.0));
+            start.push(row.len() as u32);
+        }
+        Graph::of_lower_triangle(&start, &row)
+    }
+
+    #[test]
+    fn edges_that_are_longer_than_a_bin_are_not_cut_as_if_there_were_none() {
+        let around = 2000;
+        let rim = |z: f64| {
+            (0..around).map(move |k| (TAU * f64::from(k) / f64::from(around)).sin_cos()).map(move |(y, x)| [x, y, z])
+        };
+        let points: Vec<[f64; 3]> = rim(0.0).chain(rim(0.1)).collect();
+        let needles = |k: u32| {
+            let next = (k + 1) % around;
+            [[k, next, around + k], [next, around + next, around + k]]
+        };
+        let mesh = Mesh::new(points.len(), &(0..around).flat_map(needles).collect::<Vec<_>>()).unwrap();
+        let graph = graph(&mesh);
+        let points: Vec<[f32; 3]> = points.iter().map(|p| p.map(|x| x as f32)).collect();
+        let dissection = Dissection::new(&graph, Watch::NONE);
+        let mut places = places(&graph, &points);
+        let (low, high, separator) = dissection.separate(&mut places);
+        assert!(
+            separator.len() < 10 && low.len().min(high.len()) > 700,
+            "{} {} {}",
+            low.len(),
+            high.len(),
+            separator.len()
+        );
+    }
 
     #[test]
     fn no_edge_leads_from_one_part_past_the_separator_to_the_other() {
         for shape in [shapes::hare(3000), shapes::terrain(900, 3), shapes::torus(2, 1500)] {
             let mesh = shape.mesh();
-            let (mut start, mut row) = (vec![0], Vec::new());
-            for v in mesh.vertices() {
-                row.extend(mesh.neighbors(v).iter().filter(|&&w| w > v).map(|w| w.0));
-                start.push(row.len() as u32);
-            }
-            let graph = Graph::of_lower_triangle(&start, &row);
+            let graph = graph(&mesh);
             let points = shape.points.iter().map(|p| p.map(|x| x as f32)).collect::<Vec<_>>();
             let mut places = places(&graph, &points);
             let (low, high, separator) = Dissection::new(&graph, Watch::NONE).separate(&mut places);
