@@ -10,7 +10,7 @@ pub(crate) use text::{distortion_text, overlap_text, repair_text};
 
 use cones::report::Report;
 pub(crate) use cones::report::SCHEMA;
-use cones::{Islands, Options, Stage, Topology};
+use cones::{Islands, Options, Refining, Stage, Topology};
 use serde::Serialize;
 use std::path::Path;
 
@@ -30,6 +30,9 @@ pub(crate) struct UnwrapReport {
     /// What was asked for islands.
     #[serde(skip)]
     pub(crate) islands: Islands,
+    /// Whether to advise refining: not where it was tried, or a warning does.
+    #[serde(skip)]
+    pub(crate) may_advise_refining: bool,
 }
 
 #[derive(Clone, Debug, Serialize)]
@@ -65,7 +68,17 @@ impl UnwrapReport {
     pub(crate) fn new(path: &Path, options: &Options, topology: Topology, report: Report, times: Times) -> Self {
         let input = InputReport::new(path, topology);
         let (rule, islands) = (text::rule(options), options.islands);
-        Self { schema: SCHEMA, input, map: report, times, peak_memory: peak_memory(), rule, islands }
+        let may_advise_refining = options.preparation.refine == Refining::Never;
+        Self {
+            schema: SCHEMA,
+            input,
+            map: report,
+            times,
+            peak_memory: peak_memory(),
+            rule,
+            islands,
+            may_advise_refining,
+        }
     }
 }
 

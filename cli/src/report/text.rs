@@ -45,10 +45,10 @@ impl UnwrapReport {
     /// What there is to do where triangles are too coarse to keep angles, or islands leave most of the square empty.
     fn advice(&self) -> String {
         let Report { refined, distortion, .. } = &self.map;
-        let is_bent = refined.is_none() && distortion.quasi_conformal.mean > BENT;
+        let is_bent = self.may_advise_refining && refined.is_none() && distortion.quasi_conformal.mean > BENT;
         let is_sparse = self.islands == Islands::OverlapFree && distortion.fill < SPARSE;
         let advice = [
-            (is_bent, "--refine writes finer triangles, on which angles are kept"),
+            (is_bent, "--refine writes finer triangles, on which angles are mostly kept better"),
             (is_sparse, "--islands pack cuts islands that leave most of the square empty"),
         ];
         advice.into_iter().filter(|(is_due, _)| *is_due).map(|(_, text)| labelled("advice", text)).collect()

@@ -11,8 +11,8 @@ use topo::{Extremum, Kind};
 use super::cones::{Cone, Configuration};
 use super::note::Note;
 use super::observer::{Stage, Task, Times};
-use super::options::{Options, Preparation};
-use super::refined::{OpenedHandles, Ready, Way};
+use super::options::{ConeChoice, Options, Preparation};
+use super::refined::{LARGEST, OpenedHandles, Ready, Way};
 use crate::curvature::{ConeCurvatures, CurvatureError, CurvatureRule, cone_curvatures, least_cones};
 use crate::cut::Symmetry;
 use crate::error::Error;
@@ -27,6 +27,8 @@ pub(super) struct Making {
     pub(super) preparation: Preparation,
     /// In triangles of this size, where they are refined: [`LARGEST`](super::refined::LARGEST) or smaller.
     pub(super) largest: f64,
+    /// Refined though there are few needles, since the map of the model as it is [bends angles](super::finer).
+    pub(super) is_bent: bool,
     /// With what their coarse levels are made of, which are searched soon.
     pub(super) is_searched: bool,
     /// With handles opened.
@@ -57,6 +59,8 @@ pub(crate) struct Component {
     terms: Arc<OnceLock<Arc<EnergyTerms>>>,
     level: Arc<OnceLock<Option<CoarseLevel>>>,
     is_asked_once: bool,
+    /// Whether it is refined as far as it will be.
+    pub(super) is_finest: bool,
     pub(crate) notes: Vec<Note>,
     pub(crate) times: Times,
 }
@@ -64,7 +68,7 @@ pub(crate) struct Component {
 impl Component {
     /// What is found once of a surface.
     pub(super) fn new(index: usize, ready: Ready, making: Making, task: &Task) -> Result<Self, Error> {
-        let Making { preparation, is_searched, is_asked_once, .. } = making;
+        let Making { preparation, largest, is_searched, is_asked_once, .. } = making;
         let Ready { surface, mut metric, way, handles, shape } = ready;
         let mut notes = Vec::new();
         let mut times = Times::default();
@@ -109,6 +113,7 @@ impl Component {
             terms: Arc::default(),
             level: Arc::default(),
             is_asked_once,
+            is_finest: largest < LARGEST,
             notes,
             times,
         })
@@ -130,6 +135,7 @@ impl Component {
             terms: Arc::clone(&self.terms),
             level: Arc::clone(&self.level),
             is_asked_once: self.is_asked_once,
+            is_finest: self.is_finest,
             notes: Vec::new(),
             times: Times::default(),
         };
@@ -254,7 +260,7 @@ impl Component {
             }
             if count > asked {
                 configuration.notes.push(Note::MoreForCurvature { component, asked, taken: count });
-            } else if placed < asked {
+            } else if placed < asked && matches!(options.cones, ConeChoice::Count(_)) {
                 configuration.notes.push(Note::FewVertices { component, asked, there: placed });
             }
             return Ok(configuration);

@@ -1,4 +1,4 @@
-//! Refined models in smaller triangles, where the first ones are too coarse for their cones.
+//! Models refined, and refined ones in smaller triangles, where the map shows that triangles are too coarse for their cones.
 //!
 //! A map is linear on each triangle, which bends angles where the log scale factor changes much across one: round cones above all. How large
 //! triangles may be is known once there is a map. Those that are small from the start would cost polyhedra their exact nets, since few cones
@@ -6,31 +6,58 @@
 
 use super::Analysis;
 use super::atlas::Atlas;
-use super::options::Options;
+use super::choosing::TARGET_DISTORTION;
+use super::options::{ConeChoice, Options, Refining};
+use super::refined::{FINER, LARGEST};
 use crate::error::Error;
 
 /// A map that bends angles by more than this on average is made once more: the mean of σ₁/σ₂,
 const BENT: f64 = 1.06;
-/// where the refined model has no more vertices than this. `cheese`, which has more, takes 256 cones so instead of 512, and is bent by 1.093 for 1.071.
+/// where the model has no more vertices than this. `cheese` refined, which has more, takes 256 cones so instead of 512, and is bent by 1.093 for 1.071.
 const MOST_VERTICES: usize = 50_000;
 
+/// What an area distortion below the target counts for, as a share of what it would above.
+const BELOW_TARGET: f64 = 0.25;
+
 impl Analysis {
-    /// The analysis and its map, or those of the same model in smaller triangles where it was refined, these were too coarse, and that gives a better
-    /// map.
+    /// The analysis and its map, or those of the same model refined, or in smaller triangles where it was, if these were too coarse and that
+    /// gives a better map. `made` takes how large triangles may be.
     pub(super) fn or_finer(
         self,
         atlas: Atlas,
         options: &Options,
-        finer: impl FnOnce() -> Result<Self, Error>,
+        made: impl Fn(f64) -> Result<Self, Error>,
     ) -> Result<(Self, Atlas), Error> {
-        let is_small = self.refined().is_some_and(|r| r.is_complete && r.model.vertex_count() <= MOST_VERTICES);
-        let coarse = if is_small { self.distortion(&atlas) } else { None };
-        let Some(coarse) = coarse.filter(|coarse| coarse.angles > BENT) else { return Ok((self, atlas)) };
-        let (mut taken, left) = match finer().and_then(|finer| Ok((finer.atlas(options)?, finer))) {
-            Ok((other, finer)) if finer.distortion(&other).is_some_and(|other| other.cost() < coarse.cost()) => {
-                ((finer, other), (self, atlas))
+        let mut taken = (self, atlas);
+        if taken.0.refined().is_none() && options.preparation.refine == Refining::Needles {
+            taken = taken.0.or_other(taken.1, options, || made(LARGEST))?;
+        }
+        if taken.0.refined().is_some_and(|refined| refined.is_complete) {
+            taken = taken.0.or_other(taken.1, options, || made(FINER))?;
+        }
+        Ok(taken)
+    }
+
+    /// The analysis and its map, or another one and its if this one bends angles and that one is better.
+    fn or_other(
+        self,
+        atlas: Atlas,
+        options: &Options,
+        other: impl FnOnce() -> Result<Self, Error>,
+    ) -> Result<(Self, Atlas), Error> {
+        let before = if self.points().len() <= MOST_VERTICES { self.distortion(&atlas) } else { None };
+        let target = match options.cones {
+            ConeChoice::Automatic => TARGET_DISTORTION,
+            ConeChoice::WithinDistortion(target) => target,
+            _ => 1.0,
+        };
+        let cost = |distortion: &Distortion| distortion.cost(target);
+        let Some(before) = before.filter(|before| before.angles > BENT) else { return Ok((self, atlas)) };
+        let (mut taken, left) = match other().and_then(|other| Ok((other.atlas(options)?, other))) {
+            Ok((map, other)) if other.distortion(&map).is_some_and(|after| cost(&after) < cost(&before)) => {
+                ((other, map), (self, atlas))
             }
-            Ok((other, finer)) => ((self, atlas), (finer, other)),
+            Ok((map, other)) => ((self, atlas), (other, map)),
             Err(Error::Interrupted) => return Err(Error::Interrupted),
             Err(_) => return Ok((self, atlas)),
         };
@@ -57,14 +84,19 @@ struct Distortion {
 }
 
 impl Distortion {
-    /// What maps are compared by: the logarithms of both.
-    fn cost(&self) -> f64 {
-        self.areas.ln() + self.angles.ln()
+    /// What maps are compared by: the logarithms of both, that of areas where it misses what is wanted; below, where there are more cones for it, it
+    /// counts less.
+    fn cost(&self, target: f64) -> f64 {
+        let missed = (self.areas / target).ln();
+        let missed = if missed > 0.0 { missed } else { BELOW_TARGET * missed };
+        missed + self.angles.ln()
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use std::f64::consts::TAU;
+
     use super::*;
     use crate::analysis::observer::Silent;
     use crate::{ConeChoice, FreeSeams, Preparation, Refining};
@@ -76,6 +108,23 @@ mod tests {
         let first = Analysis::with(model, preparation).unwrap();
         let atlas = first.atlas(&options).unwrap();
         [(first, atlas), Analysis::unwrapped(model, &options, Silent).unwrap()]
+    }
+
+    /// A toothed wheel.
+    fn wheel(teeth: u32) -> Model {
+        let corners = [(0.0, 1.0), (0.25, 1.0), (0.25, 1.3), (0.75, 1.3), (0.75, 1.0)];
+        let rim: Vec<[f64; 2]> = (0..teeth)
+            .flat_map(|k| corners.map(|(along, radius)| (TAU * (f64::from(k) + along) / f64::from(teeth), radius)))
+            .map(|(angle, radius)| [radius * angle.cos(), radius * angle.sin()])
+            .collect();
+        let at = |z: f64| rim.iter().map(move |&[x, y]| [x, y, z]);
+        let points = at(0.0).chain(at(0.5)).chain([[0.0; 3], [0.0, 0.0, 0.5]]).collect();
+        let n = rim.len() as u32;
+        let faces = |k: u32| {
+            let next = (k + 1) % n;
+            [[k, next, n + next], [k, n + next, n + k], [2 * n, next, k], [2 * n + 1, n + k, n + next]]
+        };
+        Model::from_triangles(points, &(0..n).flat_map(faces).collect::<Vec<_>>()).unwrap()
     }
 
     #[test]
@@ -90,6 +139,45 @@ mod tests {
         );
         assert!(finer.refined().unwrap().model.vertex_count() > 2 * first.refined().unwrap().model.vertex_count());
         assert!(other.times.total() > atlas.times.total());
+    }
+
+    #[test]
+    fn models_without_needles_are_refined_where_that_is_asked_for_and_angles_are_bent() {
+        let unwrapped = |vertices, refine| {
+            let options = Options {
+                preparation: Preparation { refine, ..Preparation::default() },
+                cones: ConeChoice::Count(2),
+                free_seams: FreeSeams::Never,
+                ..Options::default()
+            };
+            let (analysis, atlas) = Analysis::unwrapped(&shapes::sphere(vertices).into(), &options, Silent).unwrap();
+            assert_eq!(
+                analysis.topology().faces,
+                shapes::sphere(vertices).triangles.len(),
+                "those of the model, refined or not"
+            );
+            (analysis.refined().is_some(), analysis.distortion(&atlas).unwrap().angles)
+        };
+        let [(is_never, bent), (is_refined, less), (is_fine, _)] =
+            [(40, Refining::Never), (40, Refining::Needles), (4000, Refining::Needles)].map(|(n, r)| unwrapped(n, r));
+        assert_eq!([is_never, is_refined, is_fine], [false, true, false]);
+        assert!(bent > BENT && less < bent, "{bent} {less}");
+    }
+
+    #[test]
+    fn more_cones_are_taken_where_smaller_triangles_still_bend_angles() {
+        let wheel = wheel(12);
+        let [(first, atlas), (finer, other)] = refined(&wheel, ConeChoice::Automatic);
+        let [before, after] = [first.distortion(&atlas), finer.distortion(&other)].map(Option::unwrap);
+        assert!(before.angles > BENT && after.angles <= BENT, "{} {}", before.angles, after.angles);
+        assert!(other.cones.len() > atlas.cones.len());
+    }
+
+    #[test]
+    fn areas_below_the_target_count_less_than_above() {
+        let cost = |areas, angles| Distortion { areas, angles }.cost(1.25);
+        assert!(cost(1.25, 1.05) < cost(1.1, 1.1) && cost(1.1, 1.05) < cost(1.25, 1.05));
+        assert!(cost(1.25, 1.1) < cost(1.4, 1.05));
     }
 
     #[test]

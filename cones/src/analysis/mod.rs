@@ -60,7 +60,7 @@ use component::{Component, Making};
 use handles::open_handles;
 use observer::{Silent, Task};
 use preview::PreviewOrder;
-use refined::{FINER, LARGEST, Ready, is_asked_for, refine_all};
+use refined::{LARGEST, Ready, is_asked_for, refine_all};
 
 /// A model with all that is found of it once; see the [crate's documentation](crate). Clones share it.
 ///
@@ -138,16 +138,22 @@ impl Analysis {
     /// # Errors
     /// As [`new`](Self::new), and if the observer has said stop.
     pub fn observed(model: &Model, preparation: Preparation, observer: impl Observer + 'static) -> Result<Self, Error> {
-        let making =
-            Making { preparation, largest: LARGEST, is_searched: false, is_opened: false, is_asked_once: false };
+        let making = Making {
+            preparation,
+            largest: LARGEST,
+            is_bent: false,
+            is_searched: false,
+            is_opened: false,
+            is_asked_once: false,
+        };
         Self::made(model, making, Arc::new(observer))
     }
 
     /// Analyses a model and unwraps it, while an observer listens: the same as [`observed`](Self::observed) and
     /// [`atlas`](Self::atlas), but what these options will look for cones on is found while the Laplacian is factored, and large factors
     /// are freed once the map needs them no more. (Whoever asks for more waits until they are there again.) Where surfaces were refined
-    /// only for their needles, and no cones flatten one of them so, the model is taken as it is. Where the map of a small refined model bends angles by more than
-    /// 1.06 on average, another one is made in triangles half as large, and the better one taken.
+    /// only for their needles, and no cones flatten one of them so, the model is taken as it is. Where the map of a small model bends angles by more than
+    /// 1.06 on average, another one is made, of the model refined if it may be, and then in triangles half as large; the best is taken.
     ///
     /// # Errors
     /// As both.
@@ -157,22 +163,22 @@ impl Analysis {
         observer: impl Observer + 'static,
     ) -> Result<(Self, Atlas), Error> {
         let observer: Arc<dyn Observer> = Arc::new(observer);
-        let for_options = |preparation, largest| {
+        let for_options = |preparation, (largest, is_bent)| {
             let is_searched = options.searches_coarse_level();
-            let making = Making { preparation, largest, is_searched, is_opened: false, is_asked_once: true };
+            let making = Making { preparation, largest, is_bent, is_searched, is_opened: false, is_asked_once: true };
             Self::made(model, making, observer.clone())
         };
-        let analysis = for_options(options.preparation, LARGEST)?;
+        let analysis = for_options(options.preparation, (LARGEST, false))?;
         match analysis.atlas(options) {
             Err(Error::NotFlatRefined { component }) => {
                 drop(analysis);
                 let preparation = Preparation { refine: Refining::Never, ..options.preparation };
-                let analysis = for_options(preparation, LARGEST)?;
+                let analysis = for_options(preparation, (LARGEST, false))?;
                 let mut atlas = analysis.atlas(&Options { preparation, ..options.clone() })?;
                 atlas.notes.push(Note::NotRefined { component });
                 Ok((analysis, atlas))
             }
-            Ok(atlas) => analysis.or_finer(atlas, options, || for_options(options.preparation, FINER)),
+            Ok(atlas) => analysis.or_finer(atlas, options, |largest| for_options(options.preparation, (largest, true))),
             Err(error) => Err(error),
         }
     }
@@ -187,8 +193,10 @@ impl Analysis {
                 Ok((prepared, shapes))
             })??;
         let repairs = std::mem::take(&mut prepared.repairs);
+        let topology = Topology::of(&prepared.surfaces);
         let task = Task::new(&observer, prepared.surfaces.len());
-        let (ready, refined, triangles, left_out) = if is_asked_for(preparation.refine, &prepared.surfaces, &shapes) {
+        let is_refined = making.is_bent || is_asked_for(preparation.refine, &prepared.surfaces, &shapes);
+        let (ready, refined, triangles, left_out) = if is_refined {
             let (ready, refined, triangles, left_out) =
                 refine_all(model, (prepared, &shapes), (preparation.refine, making.largest), &task, &mut times)?;
             (ready, Some(refined), triangles, left_out)
@@ -197,7 +205,6 @@ impl Analysis {
             let ready = surfaces.into_iter().zip(shapes).map(|(surface, shape)| Ready::as_it_is(surface, shape));
             (ready.collect(), None, triangles, left_out)
         };
-        let topology = Topology::of(ready.iter().map(|ready: &Ready| &ready.surface));
         let is_opened = preparation.handles == Handles::Always;
         let ready = ready.into_iter().enumerate().collect();
         let components = made_of(ready, Making { is_opened, ..making }, &task, &mut times)?;
@@ -289,7 +296,7 @@ impl Analysis {
         self.components().iter().map(|component| component.least()).sum()
     }
 
-    /// The shape of the surfaces that are computed with.
+    /// The shape of the model's surfaces, as they were before they were refined.
     pub fn topology(&self) -> Topology {
         self.found.topology
     }

@@ -74,7 +74,8 @@ pub enum Refining {
     /// They stay as they are.
     #[default]
     Never,
-    /// Where more than [`MOST_NEEDLES`](crate::MOST_NEEDLES) of the model's area is in needles that no flip removes.
+    /// Where more than [`MOST_NEEDLES`](crate::MOST_NEEDLES) of the model's area is in needles that no flip removes; in
+    /// [`Analysis::unwrapped`](crate::Analysis::unwrapped) also where that gives a map that is better, and angles would be bent.
     Needles,
     /// Always.
     Always,

@@ -193,7 +193,9 @@ impl Unwrapped {
     pub(crate) fn report(&self, path: &Path, times: Times) -> UnwrapReport {
         let Self { options, analysis, map, .. } = self;
         let times = Times { measure: Some(self.measuring), ..times }.with(analysis.times()).with(map.atlas.times);
-        UnwrapReport::new(path, options, analysis.topology(), map.report(analysis, options), times)
+        let mut report = UnwrapReport::new(path, options, analysis.topology(), map.report(analysis, options), times);
+        report.may_advise_refining &= self.hint().is_none();
+        report
     }
 }
 
