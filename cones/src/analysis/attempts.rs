@@ -3,6 +3,7 @@
 
 use geom::Watch;
 
+use super::choosing::{TARGET_DISTORTION, TOLERABLE_DISTORTION};
 use super::component::Component;
 use super::cones::Configuration;
 use super::flat::Flat;
@@ -77,29 +78,26 @@ impl Component {
     ) -> Result<Flat, Error> {
         let mut attempts = Attempts { component: self, options, plan, task, times };
         let mut flat = attempts.flatten(chosen.as_ref().map_err(Clone::clone))?;
-        if options.cones == ConeChoice::Automatic {
-            if flat.promised.quasi_conformal > MOST_CONFORMAL {
-                flat = attempts.net(flat)?;
+        match options.cones {
+            ConeChoice::Automatic => {
+                if flat.promised.quasi_conformal > MOST_CONFORMAL {
+                    flat = attempts.net(flat)?;
+                }
+                flat = attempts.less_bent(flat)?;
+                let predicted = area_distortion(&self.operators, &flat.predicted);
+                if predicted <= TARGET_DISTORTION && !is_ruin(&flat) {
+                    flat = attempts.within(flat, TOLERABLE_DISTORTION)?;
+                }
             }
-            return attempts.less_bent(flat);
-        }
-        let ConeChoice::WithinDistortion(target) = options.cones else { return Ok(flat) };
-        let mut count = flat.cones.len();
-        for _ in 0..MAX_ADDITIONS {
-            if flat.promised.area_distortion() <= target || count >= MOST_OPTIMISED {
-                break;
+            ConeChoice::WithinDistortion(target) => {
+                flat = attempts.within(flat, target)?;
+                let reached = flat.promised.area_distortion();
+                if reached > target {
+                    let (component, cones) = (self.index, flat.cones.len());
+                    flat.notes.push(Note::TargetMissed { component, target, reached, cones });
+                }
             }
-            let more = attempts.place((count + 1 + count / 8).min(MOST_OPTIMISED))?;
-            let next = attempts.flatten(more.as_ref().map_err(Clone::clone))?;
-            count = next.cones.len().max(count + 1);
-            if cost(&next) < cost(&flat) {
-                flat = next;
-            }
-        }
-        let reached = flat.promised.area_distortion();
-        if reached > target {
-            let (component, cones) = (self.index, flat.cones.len());
-            flat.notes.push(Note::TargetMissed { component, target, reached, cones });
+            _ => {}
         }
         Ok(flat)
     }
@@ -235,6 +233,23 @@ impl Attempts<'_> {
                 Ok(Ok(flat))
             }
         }
+    }
+
+    /// More cones where a map distorts areas more than was asked for, until it does not.
+    fn within(&mut self, mut flat: Flat, target: f64) -> Result<Flat, Error> {
+        let mut count = flat.cones.len();
+        for _ in 0..MAX_ADDITIONS {
+            if flat.promised.area_distortion() <= target || count >= MOST_OPTIMISED {
+                break;
+            }
+            let more = self.place((count + 1 + count / 8).min(MOST_OPTIMISED))?;
+            let next = self.flatten(more.as_ref().map_err(Clone::clone))?;
+            count = next.cones.len().max(count + 1);
+            if cost(&next) < cost(&flat) {
+                flat = next;
+            }
+        }
+        Ok(flat)
     }
 
     /// More cones where angles are bent too much, as long as that helps.

@@ -260,7 +260,7 @@ impl Component {
             }
             if count > asked {
                 configuration.notes.push(Note::MoreForCurvature { component, asked, taken: count });
-            } else if placed < asked && matches!(options.cones, ConeChoice::Count(_)) {
+            } else if placed < asked && !matches!(options.cones, ConeChoice::WithinDistortion(_)) {
                 configuration.notes.push(Note::FewVertices { component, asked, there: placed });
             }
             return Ok(configuration);
