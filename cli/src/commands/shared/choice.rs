@@ -63,7 +63,7 @@ enum HandlesName {
 enum RefineName {
     /// Leave it as it is
     Never,
-    /// Where more than a twentieth of the area is in needles
+    /// Where more than a twentieth of the area is in needles, or angles would be bent and a refined map is better
     Needles,
     /// Whatever it is
     Always,
