@@ -6,6 +6,7 @@ use geom::Watch;
 use super::choosing::{TARGET_DISTORTION, TOLERABLE_DISTORTION};
 use super::component::Component;
 use super::cones::Configuration;
+use super::finer;
 use super::flat::Flat;
 use super::note::{Failure, Note};
 use super::observer::{Stage, Task, Times};
@@ -42,8 +43,6 @@ const MOST_CONFORMAL: f64 = 1.02;
 /// Above this more cones are tried, so many times as many: on few triangles a map that is linear on each bends angles the more the more
 /// curvature is left between cones. A jaw of 148 triangles has 1.50 with 3 cones, 1.05 with 8; the bones of a hand have 1.23 with 4, 1.10 with 8.
 const BENT: f64 = 1.15;
-/// The same for what is refined as far as it will be: until then, smaller triangles do more.
-const BENT_FINEST: f64 = 1.06;
 const MORE: [f64; 2] = [1.25, 2.0];
 /// They are taken if they leave at most so many times as much above 1; after so many that do not no more are tried.
 const LESS_BENT: f64 = 0.9;
@@ -254,7 +253,8 @@ impl Attempts<'_> {
 
     /// More cones where angles are bent too much, as long as that helps.
     fn less_bent(&mut self, mut flat: Flat) -> Result<Flat, Error> {
-        let most_bent = if self.component.is_finest { BENT_FINEST } else { BENT };
+        // Before a surface is refined as far as it will be, smaller triangles do more.
+        let most_bent = if self.component.is_finest { finer::BENT } else { BENT };
         let bent = |flat: &Flat| (flat.promised.quasi_conformal - 1.0) / (most_bent - 1.0);
         let most = self.component.most_cones().min(MOST_OPTIMISED);
         let (mut count, mut in_vain) = (flat.cones.len().max(most.saturating_sub(1).min(2)), 0);

@@ -12,7 +12,7 @@ use super::refined::{FINER, LARGEST};
 use crate::error::Error;
 
 /// A map that bends angles by more than this on average is made once more: the mean of σ₁/σ₂,
-const BENT: f64 = 1.06;
+pub(super) const BENT: f64 = 1.06;
 /// where the model has no more vertices than this. `cheese` refined, which has more, takes 256 cones so instead of 512, and is bent by 1.093 for 1.071.
 const MOST_VERTICES: usize = 50_000;
 
