@@ -215,7 +215,13 @@ impl Analysis {
             _ if has_handles(part) => Known::MayBeOpened,
             _ => Known::Nothing,
         };
-        let mut chosen = self.configurations(options, &known, &task)?;
+        let choose = || self.configurations(options, &known, &task);
+        let (mut chosen, plan) = match self.components() {
+            [alone] if settled.is_empty() && !has_handles(0) => {
+                self.planned_meanwhile(choose, alone, options, &task)?
+            }
+            _ => (choose()?, None),
+        };
         let mut taken = self.clone();
         if may_be_opened
             && let Some((opened, other)) = self.opened_instead(&mut chosen, settled, options, &mut tried)?
@@ -235,10 +241,25 @@ impl Analysis {
                 let atlas = cut_off.analysis.atlas_beside(&cut_off.parts, options);
                 cut_off.put_back(atlas)?
             }
-            None => taken.with_chosen(chosen, options, &task)?,
+            None => taken.with_chosen((chosen, plan), options, &task)?,
         };
         atlas.times += tried;
         Ok(atlas)
+    }
+
+    /// What is chosen, and where the seams of the only component go: no cones are needed to know it, and the search for these leaves threads idle.
+    fn planned_meanwhile(
+        &self,
+        choose: impl FnOnce() -> Result<Chosen, Error> + Send,
+        component: &Component,
+        options: &Options,
+        task: &Task,
+    ) -> Result<(Chosen, Option<SeamPlan>), Error> {
+        let (began, mut of_plan) = (Instant::now(), Times::default());
+        let (chosen, plan) = rayon::join(choose, || self.plan(component, &options.seams, task, &mut of_plan));
+        let (mut chosen, plan) = (chosen?, plan?);
+        chosen.0.times = Times::on_clock([chosen.0.times, of_plan], began.elapsed());
+        Ok((chosen, Some(plan)))
     }
 
     /// Whether handles are to be opened where that promises the better map.
@@ -415,16 +436,29 @@ impl Analysis {
         Some(predictor.prediction())
     }
 
-    /// Flattens the model with the cones chosen, or on components where these fail with the best of others.
-    fn with_chosen(&self, chosen: Chosen, options: &Options, task: &Task) -> Result<Atlas, Error> {
+    /// Flattens the model with the cones chosen, or on components where these fail with the best of others. If there is a plan, it is that of the only
+    /// component's seams.
+    fn with_chosen(
+        &self,
+        (chosen, plan): (Chosen, Option<SeamPlan>),
+        options: &Options,
+        task: &Task,
+    ) -> Result<Atlas, Error> {
         let (shared, configurations) = self.enough(chosen, options, task)?;
         let Shared { notes, number, mut times, .. } = shared;
         let area = self.area();
         let is_same = |one: usize, other: usize| are_same(&configurations[one], &configurations[other]);
         let flats = self.flats(options, &mut times, is_same, |component, times| {
-            let plan = self.plan(component, &options.seams, task, times)?;
-            let mut flat = component.flatten_well(&configurations[component.index], (options, &plan), task, times)?;
-            component.finish(&mut flat, (options, &plan, component.area / area), task, times)?;
+            let made;
+            let plan = match &plan {
+                Some(plan) => plan,
+                None => {
+                    made = self.plan(component, &options.seams, task, times)?;
+                    &made
+                }
+            };
+            let mut flat = component.flatten_well(&configurations[component.index], (options, plan), task, times)?;
+            component.finish(&mut flat, (options, plan, component.area / area), task, times)?;
             Ok(flat)
         })?;
         self.assemble(flats, notes, (number, options.quantize), options, task, times)

@@ -134,14 +134,14 @@ fn draft(
 
 /// The model that a level's cones are polished on: that of the middle level, or the surface's.
 fn finer_model<'a>(ground: Ground<'a>, level: &'a CoarseLevel) -> Result<EnergyModel<'a>, Interrupted> {
-    let Some(middle) = level.middle() else { return ground.energy_model() };
     // What the surface will be asked for, while the coarse level is searched.
-    let watch = ground.watch.within(f64::NAN, f64::NAN);
-    ground.operators.flattening_watched(watch)?;
-    if !ground.operators.is_bordered() {
-        ground.operators.even_watched(watch)?;
-    }
-    Ok(middle.energy_model(ground.watch))
+    let Ground { operators, watch, .. } = ground;
+    let solved = watch.within(f64::NAN, f64::NAN);
+    operators.flattening_watched(solved)?;
+    let even = || if operators.is_bordered() { Ok(()) } else { operators.even_watched(solved).map(|_| ()) };
+    let model = || level.middle().map_or_else(|| ground.energy_model(), |middle| Ok(middle.energy_model(watch)));
+    let (even, model) = rayon::join(even, model);
+    even.and(model)
 }
 
 /// A middle level's cones as vertices of the surface, apart from each other.

@@ -71,11 +71,13 @@ impl EnergyTerms {
     ) -> Result<Self, Interrupted> {
         let mut flattening = operators.flattening_watched(watch)?.clone();
         operators.centre(&mut flattening);
-        let mut linear = operators.poisson().solve_watched(&operators.weighted(&flattening), watch)?;
-        operators.subtract_spread_mean(&mut linear);
-        watch.ask(f64::NAN)?;
         let unit = operators.metric.area(&operators.mesh).sqrt().recip();
-        let distances = EdgeDistances::new(&operators.mesh, |e| (operators.metric.length(e) * unit) as f32);
+        let (linear, distances) = rayon::join(
+            || operators.poisson().solve_watched(&operators.weighted(&flattening), watch),
+            || EdgeDistances::new(&operators.mesh, |e| (operators.metric.length(e) * unit) as f32),
+        );
+        let mut linear = linear?;
+        operators.subtract_spread_mean(&mut linear);
         watch.ask(f64::NAN)?;
         Ok(Self { constant: operators.inner(&flattening, &flattening), flattening, linear, distances, triangles })
     }
