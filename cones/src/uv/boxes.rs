@@ -20,6 +20,11 @@ const AT_ONCE: usize = 1 << 12;
 /// Triangles are tried in steps of so many, so that an overlap anywhere is soon found.
 const STRIDE: usize = 29;
 
+/// A triangle is a needle if it covers less than half of this share of its bounding box; a half is the most.
+const NEEDLE: f64 = 0.25;
+/// More than what rounding does to a product with a point, in shares of the largest that may be.
+const ROUNDING: f64 = 8.0 * f64::EPSILON;
+
 /// The lower left and the upper right corner.
 pub(super) type Bounds = [[f64; 2]; 2];
 
@@ -68,11 +73,6 @@ impl<'a> Boxes<'a> {
             levels.push(below.chunks(WIDTH).map(of_eight).collect());
         }
         Self { triangles, order, levels, extent: (high[0] - low[0]).max(high[1] - low[1]) }
-    }
-
-    /// The triangles in the tree, next to each other along the curve.
-    pub(super) fn triangles(&self) -> &[u32] {
-        &self.order
     }
 
     /// The bounding box of all of them; none if there are none.
@@ -129,24 +129,24 @@ impl<'a> Boxes<'a> {
         pair.overlaps(&all, [(top, 0), (other_top, 0)])
     }
 
-    /// Visits the triangles whose bounding boxes meet that of a triangle, in no order that means anything, as long as the
-    /// visitor says to go on.
+    /// Visits the triangles that may lie over one that is turned counter-clockwise: those whose bounding boxes meet its own, unless a
+    /// needle's side parts them from it. In no order that means anything, as long as the visitor says to go on.
     pub(super) fn meeting(&self, triangle: &Triangle, mut visit: impl FnMut(u32) -> bool) {
         if let Some(top) = self.levels.len().checked_sub(1) {
-            self.descend(top, 0, &bounds(triangle), &mut visit);
+            self.descend(top, 0, &Asked::new(triangle, self.levels[top][0]), &mut visit);
         }
     }
 
     /// Visits what is in one box of a level; whether to go on.
-    fn descend(&self, level: usize, at: usize, asked: &Bounds, visit: &mut impl FnMut(u32) -> bool) -> bool {
-        if !meet(&self.levels[level][at], asked) {
+    fn descend(&self, level: usize, at: usize, asked: &Asked, visit: &mut impl FnMut(u32) -> bool) -> bool {
+        if !asked.may_meet_box(&self.levels[level][at]) {
             return true;
         }
         let mut within = self.within(level, at);
         if level > 0 {
             return within.all(|below| self.descend(level - 1, below, asked, visit));
         }
-        self.order[within].iter().all(|&f| !meet(&bounds(&self.triangles[f as usize]), asked) || visit(f))
+        self.order[within].iter().all(|&f| !asked.may_meet(&self.triangles[f as usize]) || visit(f))
     }
 
     /// What is in one box of a level: boxes of the level below, or places in the order.
@@ -158,6 +158,44 @@ impl<'a> Boxes<'a> {
     /// The triangles in one of the smallest boxes, turned counter-clockwise.
     fn leaf(&self, at: usize) -> impl Iterator<Item = Triangle> {
         self.order[self.within(0, at)].iter().filter_map(|&f| self.upright(f))
+    }
+}
+
+/// A triangle for which others are sought.
+struct Asked {
+    bounds: Bounds,
+    /// Of a needle, whose bounding box is met by many triangles that are far from it: for each side a vector to its right, and what the product
+    /// with that is greater than on the right of the side, beyond rounding.
+    right: Option<[([f64; 2], f64); 3]>,
+}
+
+impl Asked {
+    /// What it is compared with is within bounds.
+    fn new(triangle: &Triangle, within: Bounds) -> Self {
+        let bounds = bounds(triangle);
+        let [[left, lower], [right, upper]] = bounds;
+        if triangle::twice_area(*triangle) > NEEDLE * (right - left) * (upper - lower) {
+            return Self { bounds, right: None };
+        }
+        let size = joined(bounds, within).as_flattened().iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+        let right = [0, 1, 2].map(|k| {
+            let ([x, y], [to_x, to_y]) = (triangle[k], triangle[(k + 1) % 3]);
+            let [right, up] = [to_y - y, x - to_x];
+            ([right, up], right * x + up * y + ROUNDING * (right.abs() + up.abs()) * size)
+        });
+        Self { bounds, right: Some(right) }
+    }
+
+    fn may_meet_box(&self, bounds: &Bounds) -> bool {
+        let [low, high] = bounds;
+        let nearest = |x: f64, i: usize| x * if x > 0.0 { low[i] } else { high[i] };
+        let is_beyond = |([x, y], side): &([f64; 2], f64)| nearest(*x, 0) + nearest(*y, 1) > *side;
+        meet(bounds, &self.bounds) && !self.right.as_ref().is_some_and(|right| right.iter().any(is_beyond))
+    }
+
+    fn may_meet(&self, triangle: &Triangle) -> bool {
+        let is_beyond = |([x, y], side): &([f64; 2], f64)| triangle.iter().all(|p| x * p[0] + y * p[1] > *side);
+        meet(&bounds(triangle), &self.bounds) && !self.right.as_ref().is_some_and(|right| right.iter().any(is_beyond))
     }
 }
 

@@ -3,15 +3,16 @@
 //! Near most inner points a map is one to one: the triangles are counter-clockwise, and those about a vertex wind round it once. The pairs of
 //! different points with one image fall into connected regions. In the pair of a region that lies farthest out in some direction one point is
 //! on the boundary, or the map is not one to one near it: else both could be moved on in that direction, and their images would stay one. So
-//! only triangles on the boundary, and those about vertices that the map winds round otherwise or that a triangle has which is turned over, are
+//! only sides on the boundary, and triangles about vertices that the map winds round otherwise or that a triangle has which is turned over, are
 //! looked up among all; from each pair found one goes on to the neighbours of either triangle, as long as they overlap. That looks at the pairs
 //! there are and what borders on them, not at all triangles and their neighbours: on layouts of 28,576 triangles a third of the time of
-//! [`overlaps`](super::overlaps). Regions are gone through as long as triangles do not come to lie on others side on side, to the bit.
+//! [`overlaps`](super::overlaps). Sides and not their triangles, since the bounding boxes of needles meet those of a good part of all others.
+//! Regions are gone through as long as triangles do not come to lie on others side on side, to the bit.
 
 use std::ops::Range;
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 
-use geom::{CutMesh, FaceData, FaceId, Interrupted, Mesh, VertexData, Watch};
+use geom::{CutMesh, FaceData, FaceId, Id, Interrupted, Mesh, VertexData, Watch};
 use rayon::prelude::*;
 
 use super::boxes::{Boxes, bounds};
@@ -43,10 +44,10 @@ pub(super) fn overlaps_from_boundary(
     watch: Watch,
 ) -> Result<Option<Overlaps>, Interrupted> {
     let uv = map.triangles();
-    let first = first_to_look_at(mesh, map, opened);
+    let (first, of_face) = first_to_look_at(mesh, map, opened);
     watch.ask(0.0)?;
     // The boxes about these are about all, too.
-    let boxes = Boxes::of(uv, first);
+    let boxes = Boxes::of(&first, (0..first.len() as u32).collect());
     if !EXTENTS.contains(&boxes.extent) {
         return Ok(None);
     }
@@ -54,18 +55,21 @@ pub(super) fn overlaps_from_boundary(
     // A pair is found from either triangle. Whether there are too many does not depend on who stops first.
     let found = AtomicUsize::new(0);
     let are_few = || found.load(Relaxed) <= 2 * most;
-    let near = Near::new(uv, &boxes);
+    let upright = |f: FaceId| triangle::upright(map.triangle(f));
+    let near = Near::new(uv.len(), &first, &boxes);
     let with_first = |g: u32| {
+        let g = FaceId(g);
         let mut of_one = Vec::new();
-        let may_meet = near.may_meet(&uv[g as usize]) && are_few();
-        if let Some(one) = boxes.upright(g).filter(|_| may_meet) {
-            boxes.meeting(&one, |f| {
+        let may_meet = near.may_meet(&uv[g.index()]) && are_few();
+        if let Some(one) = upright(g).filter(|_| may_meet) {
+            boxes.meeting(&one, |place| {
+                let f = of_face[place as usize];
                 if f != g
-                    && opened.island(FaceId(f)) == opened.island(FaceId(g))
-                    && let Some(other) = boxes.upright(f)
+                    && opened.island(f) == opened.island(g)
+                    && let Some(other) = upright(f)
                     && triangle::depth(&one, &other).is_some()
                 {
-                    of_one.push([FaceId(f), FaceId(g)]);
+                    of_one.push([f, g]);
                     found.fetch_add(1, Relaxed);
                 }
                 are_few()
@@ -84,7 +88,7 @@ pub(super) fn overlaps_from_boundary(
         watch.ask(0.0)?;
     }
     let overlap = |[f, g]: [FaceId; 2]| {
-        let (one, other) = (boxes.upright(f.0)?, boxes.upright(g.0)?);
+        let (one, other) = (upright(f)?, upright(g)?);
         let depth = triangle::depth(&one, &other)?;
         let is_deep = depth > NEGLIGIBLE_DEPTH * boxes.extent;
         let area = if is_deep { triangle::common_area(&one, &other) } else { 0.0 };
@@ -126,14 +130,15 @@ struct Near {
 }
 
 impl Near {
-    fn new(uv: &[Triangle], boxes: &Boxes) -> Self {
-        let side = ((uv.len() as f64).sqrt() as usize).clamp(1, MOST_SQUARES);
+    /// Those of a map of so many triangles.
+    fn new(count: usize, first: &[Triangle], boxes: &Boxes) -> Self {
+        let side = ((count as f64).sqrt() as usize).clamp(1, MOST_SQUARES);
         let [low, _] = boxes.bounds().unwrap_or_default();
         let scale = side as f64 / boxes.extent;
         let mut near = Self { low, scale, side, is_met: vec![false; side * side] };
-        let mut left = uv.len();
-        for &f in boxes.triangles() {
-            let [columns, rows] = near.squares(&uv[f as usize]);
+        let mut left = count;
+        for triangle in first {
+            let [columns, rows] = near.squares(triangle);
             let count = columns.len() * rows.len();
             if count > left {
                 near.is_met.clear();
@@ -178,9 +183,10 @@ impl Spread {
     }
 }
 
-/// The triangles that have an area and are on the boundary, or about a vertex near which the map is not one to one. Of the triangles about
-/// one that it winds round once exactly one has the direction to the right; signs of differences tell, which is exact.
-fn first_to_look_at(mesh: &Mesh, map: &UvMap, opened: &CutMesh) -> Vec<u32> {
+/// The sides on the boundary, as triangles without area, and the triangles about vertices near which the map is not one to one: of which
+/// triangles, all of these with an area. Of the triangles about a vertex that the map winds round once exactly one has the direction to the right;
+/// signs of differences tell, which is exact.
+fn first_to_look_at(mesh: &Mesh, map: &UvMap, opened: &CutMesh) -> (Vec<Triangle>, Vec<FaceId>) {
     let mut is_open: VertexData<bool> = mesh.vertices().map(|v| mesh.is_boundary_vertex(v)).collect();
     mesh.edges().filter(|&e| map.cut[e]).flat_map(|e| mesh.ends(e)).for_each(|v| is_open[v] = true);
     let mut rounds: VertexData<u8> = VertexData::constant(mesh.vertex_count(), 0);
@@ -197,11 +203,12 @@ fn first_to_look_at(mesh: &Mesh, map: &UvMap, opened: &CutMesh) -> Vec<u32> {
         }
     }
     mesh.vertices().filter(|&v| !is_open[v] && rounds[v] != 1).for_each(|v| is_folded[v] = true);
-    let mut is_first: FaceData<bool> =
-        mesh.faces().map(|f| mesh.corners(f).into_iter().any(|v| is_folded[v])).collect();
-    opened.boundary_loops().iter().flatten().for_each(|&h| is_first[mesh.face(h)] = true);
-    let firsts = mesh.faces().filter(|&f| is_first[f] && triangle::upright(map.triangle(f)).is_some());
-    firsts.map(|f| f.0).collect()
+    let is_whole: FaceData<bool> = mesh.faces().map(|f| mesh.corners(f).into_iter().any(|v| is_folded[v])).collect();
+    let whole = mesh.faces().filter(|&f| is_whole[f]).map(|f| (map.triangle(f), f));
+    let ends = |h| [h, mesh.next(h)].map(|h| map.position[h]);
+    let sides = opened.boundary_loops().iter().flatten().map(|&h| (ends(h), mesh.face(h)));
+    let sides = sides.filter(|&(_, f)| !is_whole[f]).map(|([from, to], f)| ([from, to, to], f));
+    whole.chain(sides).filter(|&(_, f)| triangle::upright(map.triangle(f)).is_some()).unzip()
 }
 
 #[cfg(test)]

@@ -46,22 +46,33 @@ pub(super) fn area(triangle: Triangle) -> Option<f64> {
 
 /// How deep two upright triangles overlap; none if their interiors are disjoint.
 pub(super) fn depth(one: &Triangle, other: &Triangle) -> Option<f64> {
-    Some(depth_inside(one, other)?.min(depth_inside(other, one)?))
+    // Most that are asked about do not overlap.
+    let (of_other, of_one) = (reach(one, other)?, reach(other, one)?);
+    Some(depth_inside(one, of_other).min(depth_inside(other, of_one)))
 }
 
-/// The least over the sides of `one` of how far the other reaches inside, at most the height of `one`; none if a side separates them.
-fn depth_inside(one: &Triangle, other: &Triangle) -> Option<f64> {
-    let across = orientation(*one);
-    let mut least = f64::INFINITY;
-    for k in 0..3 {
-        let (p, q) = (one[k], one[(k + 1) % 3]);
-        let inside = other.iter().map(|&corner| orientation([p, q, corner])).fold(0.0, f64::max);
-        if inside <= 0.0 {
+/// How far another triangle reaches inside across each side of one, as twice the area of its farthest corner with the side; none if a side
+/// separates them.
+fn reach(one: &Triangle, other: &Triangle) -> Option<[f64; 3]> {
+    let mut reach = [0.0; 3];
+    for (k, reach) in reach.iter_mut().enumerate() {
+        let side = [one[k], one[(k + 1) % 3]];
+        *reach = other.iter().map(|&corner| orientation([side[0], side[1], corner])).fold(0.0, f64::max);
+        if *reach <= 0.0 {
             return None;
         }
-        least = least.min(inside.min(across) / ((q[0] - p[0]).powi(2) + (q[1] - p[1]).powi(2)).sqrt());
     }
-    Some(least)
+    Some(reach)
+}
+
+/// The least over the sides of a triangle of how far another reaches inside, at most the triangle's height.
+fn depth_inside(triangle: &Triangle, reach: [f64; 3]) -> f64 {
+    let across = orientation(*triangle);
+    let inside = |k: usize| {
+        let (p, q) = (triangle[k], triangle[(k + 1) % 3]);
+        reach[k].min(across) / ((q[0] - p[0]).powi(2) + (q[1] - p[1]).powi(2)).sqrt()
+    };
+    (0..3).map(inside).fold(f64::INFINITY, f64::min)
 }
 
 /// The area that two upright triangles have in common, up to rounding: one is clipped by the sides of the other (Sutherland
