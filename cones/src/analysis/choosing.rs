@@ -116,17 +116,13 @@ impl Analysis {
     }
 
     /// What was chosen, with more cones where these would leave too much to distort.
-    pub(super) fn enough(
+    fn enough(
         &self,
         (mut shared, mut configurations): Chosen,
         options: &Options,
         task: &Task,
     ) -> Result<Chosen, Error> {
-        let (target, goal) = match options.cones {
-            ConeChoice::Automatic => (TARGET_DISTORTION, TOLERABLE_DISTORTION),
-            ConeChoice::WithinDistortion(target) => (target, target),
-            _ => return Ok((shared, configurations)),
-        };
+        let Some(goal) = options.cones.goal() else { return Ok((shared, configurations)) };
         let is_same = |one: usize, other: usize| are_same(&configurations[one], &configurations[other]);
         let more = each_shape(self.components(), &mut shared.times, is_same, |component, times| {
             let Ok(chosen) = &configurations[component.index] else { return Ok(None) };
@@ -143,6 +139,7 @@ impl Analysis {
         if let (Some(number), Some(all)) = (&mut shared.number, self.predicted(&configurations)) {
             (number.chosen, number.predicted) = (all.count, all.area_distortion);
             let by_itself = self.predicted_by_itself(&configurations, false);
+            let target = number.target;
             number.is_met = by_itself.iter().flatten().all(|part| part.area_distortion <= target);
         }
         Ok((shared, configurations))
@@ -308,7 +305,7 @@ impl Component {
 
     /// More cones where those chosen miss a goal by what is predicted, as few as it takes about. Where no number is good enough none, or those that come
     /// nearest if the goal is what was asked for.
-    fn enough(
+    pub(super) fn enough(
         &self,
         chosen: &Configuration,
         goal: f64,
@@ -337,6 +334,17 @@ impl Component {
         }
         let is_asked_for = matches!(options.cones, ConeChoice::WithinDistortion(_));
         Ok(nearest.filter(|_| least <= 1.0 || is_asked_for))
+    }
+}
+
+impl ConeChoice {
+    /// The area distortion that is not exceeded as long as more cones help.
+    pub(super) fn goal(&self) -> Option<f64> {
+        match self {
+            Self::Automatic => Some(TOLERABLE_DISTORTION),
+            Self::WithinDistortion(target) => Some(*target),
+            _ => None,
+        }
     }
 }
 

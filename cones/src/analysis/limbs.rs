@@ -11,13 +11,13 @@ use geom::{EdgeData, FaceData, Mesh, OpenedIsland, Watch, open_islands};
 
 use super::Analysis;
 use super::atlas::Atlas;
-use super::choosing::{Chosen, TOLERABLE_DISTORTION, are_same, interrupted_or};
+use super::choosing::{Chosen, are_same, interrupted_or};
 use super::component::Component;
 use super::cones::Configuration;
 use super::instances::{OfShape, each_shape};
 use super::note::Note;
 use super::observer::{Stage, Task, Times};
-use super::options::{self, ConeChoice, Islands, Options};
+use super::options::{self, Islands, Options};
 use crate::cut::{Limbs, SeamFigures, limbs};
 use crate::error::Error;
 use crate::field::Operators;
@@ -92,11 +92,7 @@ impl Analysis {
         (settled, times): (&[Settled], &mut Times),
     ) -> Result<Option<CutOff>, Error> {
         let has_say = options.seams.names_edges() || options.quantize.is_some() || options.islands == Islands::Single;
-        let goal = match options.cones {
-            ConeChoice::Automatic => TOLERABLE_DISTORTION,
-            ConeChoice::WithinDistortion(target) => target,
-            _ => return Ok(None),
-        };
+        let Some(goal) = options.cones.goal() else { return Ok(None) };
         if has_say || options.limbs == options::Limbs::Never {
             return Ok(None);
         }

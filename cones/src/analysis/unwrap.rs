@@ -444,8 +444,7 @@ impl Analysis {
         options: &Options,
         task: &Task,
     ) -> Result<Atlas, Error> {
-        let (shared, configurations) = self.enough(chosen, options, task)?;
-        let Shared { notes, number, mut times, .. } = shared;
+        let (Shared { notes, number, mut times, .. }, configurations) = chosen;
         let area = self.area();
         let is_same = |one: usize, other: usize| are_same(&configurations[one], &configurations[other]);
         let flats = self.flats(options, &mut times, is_same, |component, times| {
