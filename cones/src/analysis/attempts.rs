@@ -482,11 +482,13 @@ mod tests {
     #[test]
     fn on_a_rough_surface_it_is_measured_whether_more_cones_are_needed() {
         let mut shape = shapes::sphere(1500);
-        // Vertices moved in and out by about .7 of an edge, whose length is √(8π / √3 n).
+        // Vertices moved in and out by up to 1.5 edges, whose length is √(8π / √3 n).
         let edge = (8.0 * std::f64::consts::PI / (3.0_f64.sqrt() * shape.points.len() as f64)).sqrt();
-        for (k, point) in shape.points.iter_mut().enumerate() {
-            let dice = (k as f64 * 0.618_033_988_749_895).fract() - 0.5;
-            *point = point.map(|x| x * (1.0 + 2.4 * edge * dice));
+        let mut dice = 1_u64;
+        for point in &mut shape.points {
+            dice = dice.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            let dice = (dice >> 32) as f64 / f64::from(u32::MAX) - 0.5;
+            *point = point.map(|x| x * (1.0 + 3.0 * edge * dice));
         }
         let model: Model = shape.into();
         let analysis = Analysis::new(&model).unwrap();
