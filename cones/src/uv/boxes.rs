@@ -286,6 +286,36 @@ mod tests {
     }
 
     #[test]
+    fn what_lies_over_a_needle_is_visited_and_little_else() {
+        let turned =
+            |turn: f64, [x, y]: [f64; 2]| [0.3 + x * turn.cos() - y * turn.sin(), x * turn.sin() + y * turn.cos()];
+        let needle = |k: usize| {
+            let (turn, along) = (k as f64 * 2.4, (k % 17) as f64 - 8.0);
+            [[along, 0.0], [along + 3.0, 0.0], [along + 1.0, 1e-3 * (k % 5 + 1) as f64]].map(|p| turned(turn, p))
+        };
+        let triangles: Vec<Triangle> = (0..600).map(needle).collect();
+        let boxes = Boxes::new(&triangles);
+        let [mut over, mut visited, mut meeting] = [0; 3];
+        for one in &triangles {
+            let mut is_visited = vec![false; triangles.len()];
+            boxes.meeting(one, |f| {
+                is_visited[f as usize] = true;
+                true
+            });
+            for (other, is_visited) in triangles.iter().zip(is_visited) {
+                let lies_over = triangle::depth(one, other).is_some();
+                assert!(is_visited || !lies_over);
+                [over, visited, meeting] = [
+                    over + usize::from(lies_over),
+                    visited + usize::from(is_visited),
+                    meeting + usize::from(meet(&bounds(one), &bounds(other))),
+                ];
+            }
+        }
+        assert!(over > 600 && 2 * (visited - over) < meeting - over, "{over} {visited} {meeting}");
+    }
+
+    #[test]
     fn what_stops_is_not_visited_further() {
         let triangles = [[[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]; 100];
         let mut visited = 0;
