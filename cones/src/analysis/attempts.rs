@@ -126,24 +126,27 @@ impl Attempts<'_> {
             return self.flatten(chosen);
         }
         let first = match predicted <= BAD && self.is_rough() {
-            true => self.attempt(configuration)?.ok().filter(|flat| self.is_sound(flat)),
+            true => Some(self.attempt(configuration)?),
             false => None,
         };
         let is_enough = |flat: &Flat| flat.promised.area_distortion() <= goal && flat.promised.quasi_conformal <= BENT;
         let first = match first {
-            Some(flat) if is_enough(&flat) => return Ok(flat),
+            Some(Ok(flat)) if self.is_sound(&flat) && is_enough(&flat) => return Ok(flat),
             first => first,
         };
         let Some(more) = self.component.enough(configuration, goal, self.options, self.task, self.times)? else {
             return match first {
-                Some(first) => self.flatten_from(configuration, Ok(first)),
+                Some(first) => self.flatten_from(configuration, first),
                 None => self.flatten(chosen),
             };
         };
         let more = self.flatten(Ok(&more))?;
         let is_asked_for = self.options.cones != ConeChoice::Automatic;
-        let is_better = |first: &Flat| !is_asked_for && cost(first) < cost(&more) * self.seam_price([first, &more]);
-        Ok(first.filter(is_better).unwrap_or(more))
+        let is_better = |first: &Flat| cost(first) < cost(&more) * self.seam_price([first, &more]);
+        Ok(match first {
+            Some(Ok(first)) if !is_asked_for && self.is_sound(&first) && is_better(&first) => first,
+            _ => more,
+        })
     }
 
     /// Whether what is left between cones is bent by triangles that are no needles, so that maps with free seams distort less than is predicted.
