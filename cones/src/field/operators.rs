@@ -126,8 +126,7 @@ impl Operators {
         let mut weight = metric.vertex_areas(&mesh);
         let area: f64 = weight.iter().sum();
         weight.iter_mut().for_each(|w| *w /= area);
-        let most = FREE_LOOPS.max(FREE_VALUES / mesh.vertex_count().max(1));
-        let rims = ranked(tied_loops(&mesh, tied.as_ref()), most);
+        let rims = ranked(tied_loops(&mesh, tied.as_ref()), most_loops(mesh.vertex_count()));
         Self::of_delaunay((mesh, metric), intrinsic.flips, weight, (points, tied, rims), ahead, watch)
     }
 
@@ -158,6 +157,19 @@ impl Operators {
             fine.points().map(|points| vertex.iter().map(|v| points[v.0 as usize]).collect());
         let carried = (points.as_deref(), tied, rims);
         let operators = Self::of_delaunay(surface, Vec::new(), weight, carried, None, watch)?;
+        Ok(Self { spread: Some(spread), curvature, ..operators })
+    }
+
+    /// The operators of a coarse level whose handles were opened, with the numbers of the loops.
+    pub(super) fn of_opened_level(
+        surface: (Mesh, Metric),
+        (points, tied): (Option<&[[f64; 3]]>, TiedLoops),
+        [weight, spread, curvature]: [VertexData<f64>; 3],
+        fine: usize,
+        watch: Watch,
+    ) -> Result<Self, PoissonError> {
+        let rims = ranked(tied_loops(&surface.0, Some(&tied)), most_loops(fine));
+        let operators = Self::of_delaunay(surface, Vec::new(), weight, (points, Some(tied), rims), None, watch)?;
         Ok(Self { spread: Some(spread), curvature, ..operators })
     }
 
@@ -479,6 +491,10 @@ impl Operators {
 }
 
 /// Boundary loops by their lengths, the longest first; all but so many are one.
+fn most_loops(vertices: usize) -> usize {
+    FREE_LOOPS.max(FREE_VALUES / vertices.max(1))
+}
+
 fn ranked(mut loops: Vec<Vec<VertexId>>, most: usize) -> Rims {
     loops.sort_by_key(|around| std::cmp::Reverse(around.len()));
     if loops.len() > most {

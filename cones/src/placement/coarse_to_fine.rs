@@ -339,9 +339,9 @@ mod tests {
 
     use super::*;
     use crate::curvature::CurvatureRule;
-    use crate::field::Operators;
+    use crate::field::{Operators, TiedLoops, open_handles};
     use crate::placement::area_distortion;
-    use geom::{Mesh, Metric, Watch, shapes};
+    use geom::{HalfedgeId, Id, Mesh, Metric, Watch, shapes};
 
     /// A surface of each kind, with a level of a sixth of its vertices.
     fn levels() -> Vec<(Mesh, Operators, CoarseLevel)> {
@@ -387,6 +387,36 @@ mod tests {
         }
         let mean = (ratios.iter().map(|ratio| ratio.ln()).sum::<f64>() / ratios.len() as f64).exp();
         assert!(mean < 1.03 && ratios.iter().all(|&ratio| ratio < 1.1), "{mean}: {ratios:?}");
+    }
+
+    #[test]
+    fn an_opened_level_promises_what_the_level_of_the_opened_surface_does() {
+        for genus in [1, 2, 4] {
+            let shape = shapes::torus(genus, 4000);
+            let mesh = shape.mesh();
+            let metric = Metric::from_points(&mesh, &shape.points);
+            let of = |mesh: &Mesh, metric: &Metric, tied: Option<&TiedLoops>, points: &[[f64; 3]]| {
+                let operators = Operators::with_tied_loops((mesh, metric), points, tied, None, Watch::NONE).unwrap();
+                CoarseLevel::of_size(&operators, mesh, 800, Watch::NONE).unwrap()
+            };
+            let closed = of(&mesh, &metric, None, &shape.points);
+            let promised = closed.with_handles_opened(&mesh, Watch::NONE).unwrap().unwrap();
+            let (island, tied) = open_handles(&mesh, metric.lengths(), Watch::NONE).unwrap().unwrap();
+            let whole = |h: HalfedgeId| island.halfedge[h];
+            let lengths =
+                island.mesh.edges().map(|e| metric.length(mesh.edge(whole(island.mesh.halfedge(e))))).collect();
+            let mut points = vec![[0.0; 3]; island.mesh.vertex_count()];
+            island.mesh.halfedges().for_each(|h| {
+                points[island.mesh.tail(h).index()] = shape.points[mesh.tail(whole(h)).index()];
+            });
+            let opened = of(&island.mesh, &Metric::new(lengths), Some(&tied), &points);
+            let excess = |level: &CoarseLevel| {
+                let set = pursuit(&mut level.energy_model(Watch::NONE), 8).sets.pop().unwrap();
+                predict(&level.operators, &set, CurvatureRule::Optimal).area_distortion - 1.0
+            };
+            let [closed, promised, opened] = [&closed, &promised, &opened].map(excess);
+            assert!(promised < 0.85 * closed && (promised / opened - 1.0).abs() < 0.1, "{closed} {promised} {opened}");
+        }
     }
 
     fn fewest(operators: &Operators, input: &Mesh, level: &CoarseLevel, target: (f64, bool), most: usize) -> Automatic {

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use geom::{Mesh, PoissonError, VertexId, Watch};
 
 use super::energy_model::{EnergyModel, EnergyTerms, usable_triangles};
-use crate::field::{Operators, coarse_level};
+use crate::field::{Operators, coarse_level, opened_level};
 
 /// So many vertices are on a coarse level. Sets of 4 to 32 cones found there and polished had 1.00 to 1.02 of the full search's
 /// norm with 3,000; searching takes about in proportion.
@@ -116,6 +116,19 @@ impl CoarseLevel {
         let (operators, vertex) = coarse_level(fine, vertices, watch)?;
         let terms = terms((&operators, &vertex), input, watch)?;
         Ok(Self { operators, vertex, terms, middle: None })
+    }
+
+    /// The same with its handles opened; nothing where there is none to open. What was found between it and the surface is left out.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    pub(crate) fn with_handles_opened(&self, input: &Mesh, watch: Watch) -> Result<Option<Self>, PoissonError> {
+        let Some((operators, of_level)) = opened_level(&self.operators, input.vertex_count(), watch)? else {
+            return Ok(None);
+        };
+        let vertex = self.of_surface(&of_level);
+        let terms = terms((&operators, &vertex), input, watch)?;
+        Ok(Some(Self { operators, vertex, terms, middle: None }))
     }
 
     /// Its energy model, with an empty pool.

@@ -316,6 +316,25 @@ impl Placement {
         let order = self.cones(ground, goal.most)?;
         Ok(automatic::shortest(&mut model, &order, rule, goal.target))
     }
+
+    /// The draft that [`fewest`](Self::fewest) would find of at most so many cones if the surface's handles were opened: of its coarse level, opened there. Nothing
+    /// where that cannot be had.
+    ///
+    /// # Errors
+    /// As [`cones`](Self::cones).
+    pub(crate) fn draft_opened(
+        self,
+        ground: Ground,
+        rule: CurvatureRule,
+        (target, most): (f64, usize),
+    ) -> Result<Option<Automatic>, PoissonError> {
+        let level = if self == Self::Refined { ground.level()? } else { None };
+        let Some(level) = level else { return Ok(None) };
+        let opened = level.with_handles_opened(ground.input, ground.watch.within(0.0, 0.5))?;
+        let goal = Goal { target, most, to_knee: false, is_draft: true, is_part: false };
+        Ok(opened
+            .map(|opened| automatic::automatic(&mut opened.energy_model(ground.watch.within(0.5, 1.0)), rule, goal)))
+    }
 }
 
 /// The best nested order found on the coarse level of a surface, in the level's vertices, or on the surface itself where it has none:
