@@ -200,7 +200,7 @@ def unwrap(
     cut_limbs : "auto" or "never"
         Cut off thin limbs at their necks where no affordable number of cones keeps lengths.
     free_seams : "auto", "never" or "always"
-        Let the two sides of seams differ, for less distortion; "auto" where triangles are coarse.
+        Let the two sides of seams differ, for less distortion; "auto" where triangles are coarse. Where ``quantize`` is given they never do.
     margin, texture_size, rotations, texel_density, max_seam
         How islands are packed; a texel density (texels a unit of length) puts them on UDIM tiles.
     scale : "unit", "area" or "none"

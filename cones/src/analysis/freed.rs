@@ -42,11 +42,12 @@ impl Options {
 
     /// Whether a map with this quasi-conformal distortion is better with free seams.
     fn frees_seams(&self, quasi_conformal: f64) -> bool {
-        match self.free_seams {
-            FreeSeams::Auto => self.quantize.is_none() && quasi_conformal > COARSE,
-            FreeSeams::Never => false,
-            FreeSeams::Always => true,
-        }
+        self.quantize.is_none()
+            && match self.free_seams {
+                FreeSeams::Auto => quasi_conformal > COARSE,
+                FreeSeams::Never => false,
+                FreeSeams::Always => true,
+            }
     }
 }
 

@@ -81,14 +81,9 @@ impl Component {
     pub(super) fn note_overlap(&self, flat: &mut Flat, overlaps: &Overlaps) {
         let pairs = overlaps.pairs.len();
         if pairs > 0 {
-            let area = |corners: [Complex64; 3]| {
-                let [a, b, c] = corners;
-                0.5 * ((b - a).conj() * (c - a)).im.abs()
-            };
-            let mesh = &self.surface.mesh;
-            let whole: f64 = mesh.faces().map(|f| area(mesh.sides(f).map(|h| flat.layout.corner(h)))).sum();
-            let common: f64 = overlaps.pairs.iter().map(|pair| pair.area).sum();
-            flat.notes.push(Note::Overlap { component: self.index, pairs, share: (common / whole).min(1.0) });
+            let map = map(&self.surface.mesh, &flat.layout, &flat.seams.cut);
+            let share = overlaps.share(map.triangles());
+            flat.notes.push(Note::Overlap { component: self.index, pairs, share });
         }
     }
 }

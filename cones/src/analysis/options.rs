@@ -51,13 +51,12 @@ pub enum Limbs {
     Never,
 }
 
-/// Whether the two sides of a seam may differ.
+/// Whether the two sides of a seam may differ; never where curvatures are [quantized](Options::quantize).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
 #[non_exhaustive]
 pub enum FreeSeams {
-    /// On components whose triangles are so coarse that rigid seams leave a quasi-conformal distortion above 1.1, unless curvatures are
-    /// [quantized](Options::quantize).
+    /// On components whose triangles are so coarse that rigid seams leave a quasi-conformal distortion above 1.1.
     #[default]
     Auto,
     /// They are congruent, but along opened handles and what was detached.

@@ -5,8 +5,6 @@ use geom::{Id, VertexId, Watch};
 
 use crate::uv::{self, NEGLIGIBLE_DEPTH, Overlaps, Triangle};
 
-/// Points of the grid along the layout's longer side on which overlaps are looked for.
-const OVERLAP_GRID: usize = 2048;
 /// Where it is not known which vertices are the cones, those are taken that are curved by more than this.
 const CONE: f64 = 0.1;
 
@@ -166,10 +164,7 @@ impl OverlapReport {
     }
 
     fn new(overlaps: &Overlaps, uv: &[Triangle]) -> Self {
-        let pairs = overlaps.pairs.len();
-        // What the grid finds where no pair is, is rounding.
-        let share = if pairs == 0 { 0.0 } else { distortion::overlap(uv, OVERLAP_GRID) };
-        Self { share, pairs, depth: overlaps.depth() }
+        Self { share: overlaps.share(uv), pairs: overlaps.pairs.len(), depth: overlaps.depth() }
     }
 }
 

@@ -12,7 +12,7 @@
 
 use std::borrow::Cow;
 
-use geom::{Interrupted, Watch};
+use geom::{Interrupted, Watch, distortion};
 use rayon::prelude::*;
 
 use super::boxes::Boxes;
@@ -22,6 +22,8 @@ use super::triangle::{self, Triangle};
 /// An overlap that is not deeper than this share of the map's extent is a seam that touches: rounding leaves up to 1e-12,
 /// real overlaps are deeper than 1e-7.
 pub const NEGLIGIBLE_DEPTH: f64 = 1e-9;
+/// Points of the grid along the longer side of a map on which it is measured how much of it is covered more than once.
+const GRID: usize = 2048;
 /// So many pairs are kept for each triangle, and [`FREE_PAIRS`] besides. The layouts of surfaces have less than two; a map that
 /// is folded to a ball has n² of them.
 const MOST_PAIRS: usize = 16;
@@ -62,6 +64,13 @@ impl Overlaps {
     /// The greatest depth, over the map's extent; 0 without overlap.
     pub fn depth(&self) -> f64 {
         self.pairs.iter().fold(0.0, |most, pair| pair.depth.max(most))
+    }
+
+    /// The share of the covered area of the map, whose pairs these are, that is covered more than once, on a grid of 2048 points along its longer side; 0 without
+    /// pairs.
+    pub fn share(&self, uv: &[Triangle]) -> f64 {
+        // What the grid finds where no pair is, is rounding.
+        if self.pairs.is_empty() { 0.0 } else { distortion::overlap(uv, GRID) }
     }
 
     /// The triangles that lie over or under another, in order.

@@ -87,6 +87,7 @@ impl SeamArgs {
         options.free_seams = match self.free_seams {
             FreeSeamsName::Auto => FreeSeams::Auto,
             FreeSeamsName::Never => FreeSeams::Never,
+            FreeSeamsName::Always if options.quantize.is_some() => return Err(CommandError::FreeAndQuantized),
             FreeSeamsName::Always => FreeSeams::Always,
         };
         Ok(EdgeFiles([given, avoid].into_iter().flatten().collect()))
