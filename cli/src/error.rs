@@ -69,7 +69,9 @@ pub(crate) enum CommandError {
     NoEdges(PathBuf),
     #[error("{} has no texture coordinates whose seams --keep-seams could keep: leave it out", .0.display())]
     NoSeamsToKeep(PathBuf),
-    #[error("--free-seams always lets the two sides of seams differ, --quantize keeps them alike: leave one of the two out")]
+    #[error(
+        "--free-seams always lets the two sides of seams differ, --quantize keeps them alike: leave one of the two out"
+    )]
     FreeAndQuantized,
     #[error("{option} is for {of}, which {} is not: leave it out", path.display())]
     Misplaced { path: PathBuf, option: &'static str, of: &'static str },
