@@ -157,7 +157,7 @@ fn an_array_comes_gzipped_and_through_a_pipe_too() {
     gzipped("a.npy.gz", &bytes);
     let plain = json(&folder, &["persistence", "a.npy"]);
     let same = |found: &Value| {
-        assert_eq!((&found["sublevel"], &found["superlevel"]), (&plain["sublevel"], &plain["superlevel"]))
+        assert_eq!((&found["sublevel"], &found["superlevel"]), (&plain["sublevel"], &plain["superlevel"]));
     };
     same(&json(&folder, &["persistence", "a.npy.gz"]));
     let piped = |args: &[&str], bytes: &[u8]| {
