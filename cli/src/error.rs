@@ -1,5 +1,6 @@
 //! Why the command could not do it: each a sentence with what to do.
 
+use crate::input::told;
 use geom::distortion::DistortionError;
 use std::io;
 use std::path::PathBuf;
@@ -9,29 +10,29 @@ use thiserror::Error;
 pub(crate) enum CommandError {
     #[error(transparent)]
     Read(#[from] geom::io::ReadError),
-    #[error("{}: {error}", path.display())]
+    #[error("{}: {error}", told(path))]
     Unwrap { path: PathBuf, error: cones::Error },
     #[error(
         "{} has {vertices} vertices, which need more than {} MB of memory where {} MB are allowed: raise the limit (ulimit -v) \
          or take a coarser mesh",
-        path.display(),
+        told(path),
         needed / 1_000_000,
         allowed / 1_000_000
     )]
     Memory { path: PathBuf, vertices: usize, needed: u64, allowed: u64 },
-    #[error("{} has no texture coordinates: unwrap it first, or name the unwrapped file", .0.display())]
+    #[error("{} has no texture coordinates: unwrap it first, or name the unwrapped file", told(.0))]
     NoTexture(PathBuf),
     #[error(
         "{} has no finite texture coordinate at {lacking} of {corners} corners, the first at vertex {vertex} of face {face} (counted from 0): \
          complete the map, or unwrap the surface anew",
-        path.display()
+        told(path)
     )]
     PartlyNoTexture { path: PathBuf, lacking: usize, corners: usize, vertex: u32, face: usize },
-    #[error("{} and {} do not have the same faces in the same order: name the mesh that was unwrapped", .0.display(), .1.display())]
+    #[error("{} and {} do not have the same faces in the same order: name the mesh that was unwrapped", told(.0), told(.1))]
     OtherMesh(PathBuf, PathBuf),
-    #[error("{}: {error}", path.display())]
+    #[error("{}: {error}", told(path))]
     Measure { path: PathBuf, error: DistortionError },
-    #[error("{}: {error}", path.display())]
+    #[error("{}: {error}", told(path))]
     Pack { path: PathBuf, error: cones::uv::PackError },
     #[error("{} is the input, which is never overwritten: name another file", .0.display())]
     OutputIsInput(PathBuf),
@@ -63,11 +64,11 @@ pub(crate) enum CommandError {
     EdgeFile(#[from] crate::input::EdgeFileError),
     #[error(transparent)]
     Field(#[from] crate::input::ReadError),
-    #[error("{} is a mesh without values: name a field with --field, such as --field phi", .0.display())]
+    #[error("{} is a mesh without values: name a field with --field, such as --field phi", told(.0))]
     NoField(PathBuf),
     #[error("{} has nodes without edges: name the file of edges with --edges", .0.display())]
     NoEdges(PathBuf),
-    #[error("{} has no texture coordinates whose seams --keep-seams could keep: leave it out", .0.display())]
+    #[error("{} has no texture coordinates whose seams --keep-seams could keep: leave it out", told(.0))]
     NoSeamsToKeep(PathBuf),
     #[error(
         "--free-seams always lets the two sides of seams differ, --quantize keeps them alike: leave one of the two out"
@@ -75,13 +76,16 @@ pub(crate) enum CommandError {
     FreeAndQuantized,
     #[error("{option} is for {of}, which {} is not: leave it out", path.display())]
     Misplaced { path: PathBuf, option: &'static str, of: &'static str },
-    #[error("{} has no axis {axis}, only {axes}: x is the last, y the one before", path.display())]
+    #[error("{} has no axis {axis}, only {axes}: x is the last, y the one before", told(path))]
     NoAxis { path: PathBuf, axis: &'static str, axes: usize },
-    #[error("{}: the value of vertex {vertex} is NaN: replace it, or leave such vertices out with --nan mask", path.display())]
+    #[error(
+        "{}: the value of vertex {vertex} is NaN: replace it, or leave such vertices out with --nan mask",
+        told(path)
+    )]
     NotANumber { path: PathBuf, vertex: usize },
-    #[error("{}: {error}", path.display())]
+    #[error("{}: {error}", told(path))]
     Domain { path: PathBuf, error: topo::Error },
-    #[error("{}: {error}", path.display())]
+    #[error("{}: {error}", told(path))]
     Persistence { path: PathBuf, error: topo::Error },
     #[error("{} cannot be written, as a network's nodes are nowhere in space: write .csv or .json", .0.display())]
     NoPlaces(PathBuf),
@@ -95,7 +99,7 @@ pub(crate) enum CommandError {
     NoPaperMeshes(PathBuf),
     #[error("{failed} of {count} surfaces could not be unwrapped: see the errors above")]
     SomeFailed { failed: usize, count: usize },
-    #[error("{}: the program has a fault, and stopped on this surface", .0.display())]
+    #[error("{}: the program has a fault, and stopped on this surface", told(.0))]
     Fault(PathBuf),
     #[error("port {port} of this machine cannot be listened at: name another with --port, or none")]
     Listen { port: u16, source: io::Error },

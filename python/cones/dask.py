@@ -160,29 +160,56 @@ def _found(line: Path, output: str, key: str) -> Optional[Item]:
     return Item(**{**found, "warnings": tuple(found["warnings"]), "was_done": True})
 
 
-def sublevel(field: Any, **options: Any) -> Pairs:
+def sublevel(
+    field: Any,
+    *,
+    connectivity: Optional[str] = None,
+    periodic: Any = False,
+    nan: str = "refuse",
+    keep_zeros: bool = False,
+) -> Pairs:
     """The minima of a chunked field; options as for `persistence`."""
-    return _computed(field, (False,), options)[0]
+    return _computed(field, (False,), connectivity=connectivity, periodic=periodic, nan=nan, keep_zeros=keep_zeros)[0]
 
 
-def superlevel(field: Any, **options: Any) -> Pairs:
+def superlevel(
+    field: Any,
+    *,
+    connectivity: Optional[str] = None,
+    periodic: Any = False,
+    nan: str = "refuse",
+    keep_zeros: bool = False,
+) -> Pairs:
     """The maxima of a chunked field; options as for `persistence`."""
-    return _computed(field, (True,), options)[0]
+    return _computed(field, (True,), connectivity=connectivity, periodic=periodic, nan=nan, keep_zeros=keep_zeros)[0]
 
 
-def persistence(field: Any, **options: Any) -> Persistence:
+def persistence(
+    field: Any,
+    *,
+    connectivity: Optional[str] = None,
+    periodic: Any = False,
+    nan: str = "refuse",
+    keep_zeros: bool = False,
+) -> Persistence:
     """The pairs of both directions of a chunked field: of a dask array, something that has one as ``.data`` (xarray), or what
-    ``dask.array.from_array`` takes (zarr). Computed at once, by the client that is active if there is one.
+    ``dask.array.from_array`` takes (zarr). Computed at once, by the client that is active if there is one. Options are as for
+    `cones.topo.sublevel`.
 
     Parameters
     ----------
-    connectivity, periodic, nan, keep_zeros
-        As for `cones.topo.sublevel`.
+    field : dask array, xarray or zarr array of one to three axes
+    connectivity : "axis" (default), "full" or "freudenthal"
+    periodic : bool or sequence of bool
+        Which axes go round.
+    nan : "refuse" or "mask"
+    keep_zeros : bool
+        Keep pairs whose extremum and saddle have equal values.
     """
-    return Persistence(*_computed(field, (False, True), options))
+    return Persistence(*_computed(field, (False, True), connectivity=connectivity, periodic=periodic, nan=nan, keep_zeros=keep_zeros))
 
 
-def _computed(field: Any, directions: tuple, options: dict) -> list[Pairs]:
+def _computed(field: Any, directions: tuple, **options: Any) -> list[Pairs]:
     array = _chunked(field)
     asked = _options(array.ndim, **options)
     if not array.size:
@@ -213,13 +240,13 @@ def _chunked(field: Any) -> Any:
     return array
 
 
-def _options(axes: int, connectivity: str = "axis", periodic: Any = False, nan: str = "refuse", keep_zeros: bool = False) -> dict:
+def _options(axes: int, connectivity: Optional[str], periodic: Any, nan: str, keep_zeros: bool) -> dict:
     if nan not in ("refuse", "mask"):
         raise Error(f"nan is refuse or mask, not {nan!r}")
     round_ends = (bool(periodic),) * axes if np.ndim(periodic) == 0 else tuple(bool(p) for p in periodic)
     if len(round_ends) != axes:
         raise Error("periodic needs a truth value for each axis")
-    return {"connectivity": connectivity, "periodic": round_ends, "nan": nan, "keep_zeros": keep_zeros}
+    return {"connectivity": connectivity or "axis", "periodic": round_ends, "nan": nan, "keep_zeros": keep_zeros}
 
 
 def _trees(array: Any, plan: _Plan) -> list:

@@ -47,9 +47,10 @@ export class FieldApp {
     const colour = (k: number) => css(segmentColour(k));
     const choose = (k: number) => this.select(k);
     const label = (what: string) => `${what} of the field`;
-    this.tree = new TreeChart(byId("tree"), label("Merge tree"), field.range, colour, choose);
-    this.barcode = new BarcodeChart(byId("curve"), label("Barcode"), field.range, colour, choose);
-    this.diagram = new PairDiagram(byId("diagram"), label("Persistence diagram"), field.range, colour, choose);
+    const place = (vertex: number) => this.placeOf(vertex);
+    this.tree = new TreeChart(byId("tree"), label("Merge tree"), field.range, colour, place, choose);
+    this.barcode = new BarcodeChart(byId("curve"), label("Barcode"), field.range, colour, place, choose);
+    this.diagram = new PairDiagram(byId("diagram"), label("Persistence diagram"), field.range, colour, place, choose);
     this.showDirection();
     this.listen();
     page.theme(() => this.show());
@@ -74,6 +75,8 @@ export class FieldApp {
       return button;
     });
     byId("colours").append(...buttons);
+    // Of a network nothing is drawn that could be coloured.
+    byId("colours").hidden = byId("scale").hidden = field.kind === "network";
     const direction = document.createElement("select");
     direction.id = "direction";
     direction.append(...field.directions.map(({ kind }, k) => new Option(kind === "minimum" ? "minima" : "maxima", String(k))));
@@ -263,9 +266,10 @@ export class FieldApp {
     byId("cones").replaceChildren(...rows);
   }
 
-  /** A vertex as people look for it: indices of an array, the slowest first. */
+  /** A vertex as people look for it: a network's node by its name, of an array the indices, the slowest first. */
   private placeOf(vertex: number): string {
-    const { shape, kind } = this.field;
+    const { shape, kind, names } = this.field;
+    if (names) return names[vertex];
     if (kind !== "array") return `vertex ${vertex}`;
     const [depth, rows, columns] = shape!;
     const layer = Math.floor(vertex / (rows * columns));

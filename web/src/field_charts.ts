@@ -6,13 +6,13 @@ import type { Direction, Pair } from "./field_data";
 /** So many branches or bars are drawn, the most persistent. */
 const MOST = 200;
 
-/** What all three show: a direction, how many of its pairs stand out, in which colours, and what a click on one does. */
+/** What all three show: a direction, how many of its pairs stand out, in which colours, where a vertex is said to be, and what a click on a pair does. */
 abstract class PairChart extends Chart {
   protected direction: Direction | null = null;
   protected count = 0;
   protected selected: number | null = null;
 
-  constructor(place: HTMLElement, label: string, private readonly range: [number, number], protected readonly colour: (k: number) => string, choose: (k: number) => void) {
+  constructor(place: HTMLElement, label: string, private readonly range: [number, number], protected readonly colour: (k: number) => string, private readonly placeOf: (vertex: number) => string, choose: (k: number) => void) {
     super(place, label);
     // Values may have many digits.
     this.frame.left = 56;
@@ -40,7 +40,7 @@ abstract class PairChart extends Chart {
   protected pair(name: string, k: number, attributes: Record<string, string | number>): SVGElement {
     const pair = this.direction!.pairs[k];
     const made = element(name, { "data-pair": k, ...attributes });
-    made.append(element("title", {}, `${this.direction!.kind} at ${pair.extremum}: ${short(pair.birth)} to ${pair.death === null ? "the end" : short(pair.death)}, persistence ${short(pair.persistence)}`));
+    made.append(element("title", {}, `${this.direction!.kind} at ${this.placeOf(pair.extremum)}: ${short(pair.birth)} to ${pair.death === null ? "the end" : short(pair.death)}, persistence ${short(pair.persistence)}`));
     return made;
   }
 

@@ -36,11 +36,13 @@ export interface Direction {
 
 export interface Field {
   name: string;
-  kind: "mesh" | "array" | "nowhere";
+  kind: "mesh" | "array" | "network";
   /** Depth, rows and columns. */
   shape: [number, number, number] | null;
   /** The first vertex of an array that is shown. */
   first: number;
+  /** The names of a network's nodes. */
+  names: string[] | null;
   range: [number, number];
   /** From 1 to 255 from the least to the greatest; 0 where there is none. */
   values: Uint8Array;

@@ -60,7 +60,7 @@ async function test(name, act) {
   complaints.length = 0;
 }
 
-/** Fields in a folder: a picture, a volume and a series of bumps. */
+/** Fields in a folder: a picture, a volume and a series of bumps, and a network. */
 function writeFields(folder) {
   const bump = (x, y, z) => Math.sin(0.31 * x) * Math.cos(0.23 * y) * Math.cos(0.4 * z) + 0.2 * Math.sin(0.05 * x * y);
   const [columns, rows, layers] = [60, 40, 9];
@@ -71,6 +71,9 @@ function writeFields(folder) {
   const values = Float32Array.from({ length: columns * rows * layers }, (_, k) => at(k));
   writeFileSync(join(folder, "volume.npy"), Buffer.concat([Buffer.from("\x93NUMPY\x01\x00v\x00", "latin1"), Buffer.from(head), Buffer.from(values.buffer)]));
   writeFileSync(join(folder, "series.txt"), Array.from({ length: 200 }, (_, x) => bump(x, x, 0).toFixed(4)).join("\n"));
+  const towns = ["New York", "Llanfairpwllgwyngyllgogerychwyrndrobwllllantysiliogogogoch, of the longest names", "Rome", "Oslo", "<b>Ur</b>"];
+  writeFileSync(join(folder, "net.nodes.csv"), ["id,name,value", ...towns.map((name, k) => `${k},"${name}",${[9, 2, 7, 1, 5][k]}`)].join("\n"));
+  writeFileSync(join(folder, "net.edges.csv"), "a,b\n0,1\n1,2\n2,3\n3,4\n");
 }
 
 /** The arrays of what the server sends, by name. */
@@ -545,6 +548,25 @@ try {
       await context.close();
     });
   }
+  await test("a network is seen with its tree, bars and pairs, and its nodes by their names", async () => {
+    const html = join(folder, "network.html");
+    const made = spawnSync(program, ["persistence", join(folder, "net.nodes.csv"), "--report", html], { encoding: "utf8" });
+    assert.equal(made.status, 0, made.stderr);
+    const file = await open(browser, `file://${html}`, { offline: true });
+    await firstMap(file);
+    assert.match(await file.textContent("#about"), /network, values from 1 to 9/);
+    assert.deepEqual(await file.locator("#cones li span:first-child").allTextContents(), ["New York", "Rome", "<b>Ur</b>"]);
+    const bars = await file.locator("#curve [data-pair]").evaluateAll((lines) => lines.map((line) => line.getBBox().width));
+    assert.ok(bars.length === 3 && bars.every((width) => width > 20), `${bars}`);
+    const depths = await file.locator("#tree path").evaluateAll((paths) => paths.map((path) => path.getBBox().height));
+    assert.ok(depths.every((height) => height > 20), `${depths}`);
+    assert.match(await file.locator("#diagram circle title").first().textContent(), /maximum at New York: 9 to the end/);
+    await file.click("#cones li:nth-child(2) button");
+    assert.match(await file.textContent("#numbers"), /Maximum atRome.*Saddle atLlanfair.*Persistence5JoinsNew York/);
+    assert.deepEqual(await flaws(file), []);
+    await picture(file, "field-network");
+    await file.context().close();
+  });
 } finally {
   await browser.close();
 }

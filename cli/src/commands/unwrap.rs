@@ -23,6 +23,7 @@ use std::time::Instant;
 
 #[derive(Args, Debug)]
 #[command(group = ArgGroup::new("target").args(["output", "out_dir"]).required(true))]
+#[command(group = ArgGroup::new("drawn").args(["picture", "layout"]).multiple(true))]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct UnwrapArgs {
     /// The surface: OBJ, OFF, PLY, STL or glTF, gzipped or not; - is standard input
@@ -63,9 +64,9 @@ pub(crate) struct UnwrapArgs {
     #[arg(long, value_enum, default_value_t = IslandsName::OverlapFree, help_heading = "Islands")]
     islands: IslandsName,
     /// With --islands pack, the share by which seams may become longer; where there are hardly any, as of a flat ring, of four roots of the
-    /// area
-    #[arg(long, value_name = "SHARE", value_parser = non_negative, allow_negative_numbers = true, default_value_t = PackOptions::default().max_seam, help_heading = "Islands")]
-    max_seam: f64,
+    /// area [default: 0.1]
+    #[arg(long, value_name = "SHARE", value_parser = non_negative, allow_negative_numbers = true, help_heading = "Islands")]
+    max_seam: Option<f64>,
     #[command(flatten, next_help_heading = "Islands")]
     packing: PackArgs,
     /// Draw the model with seams and cones: .png
@@ -75,7 +76,7 @@ pub(crate) struct UnwrapArgs {
     #[arg(long, value_name = "FILE", help_heading = "Pictures")]
     layout: Option<PathBuf>,
     /// What both are coloured by
-    #[arg(long, value_enum, default_value_t = ColourName::Checker, help_heading = "Pictures")]
+    #[arg(long, value_enum, default_value_t = ColourName::Checker, requires = "drawn", help_heading = "Pictures")]
     colour: ColourName,
     #[command(flatten, next_help_heading = "Pictures")]
     shot: ShotArgs,
@@ -104,11 +105,14 @@ struct ManyArgs {
         long,
         value_name = "FOLDER",
         conflicts_with_all =
-            ["output", "report", "cones_out", "hierarchy", "vtp", "picture", "layout", "cones", "seams", "avoid"]
+            [
+                "output", "report", "cones_out", "hierarchy", "vtp", "picture", "layout", "view", "size", "colour", "cones", "seams",
+                "avoid",
+            ]
     )]
     out_dir: Option<PathBuf>,
     /// How many surfaces to work on at a time, which share the threads [default: as many as threads]
-    #[arg(long, value_name = "J", value_parser = whole::<NonZeroUsize>("number of surfaces", 1..), allow_negative_numbers = true, requires = "out_dir")]
+    #[arg(long, value_name = "J", value_parser = whole::<NonZeroUsize>("number of surfaces", 1..), allow_negative_numbers = true, conflicts_with = "output")]
     jobs: Option<NonZeroUsize>,
 }
 
@@ -124,12 +128,21 @@ enum IslandsName {
 
 pub(crate) fn run(args: &UnwrapArgs) -> Result<(), CommandError> {
     args.packing.check();
+    check_max_seam(args);
     args.candidates.warn_of_idle_smoothing();
     match (&args.many.out_dir, &args.output) {
         (Some(folder), _) => many::run(args, folder),
         (None, Some(output)) => run_one(args, output),
         // The arguments ask for one of them.
         (None, None) => Ok(()),
+    }
+}
+
+/// Ends the run, as for any option that lacks another, where nothing would heed how much longer seams may be.
+fn check_max_seam(args: &UnwrapArgs) {
+    if args.max_seam.is_some() && !matches!(args.islands, IslandsName::Pack) {
+        let message = "--max-seam is for --islands pack: add that, or leave --max-seam out\n";
+        clap::Error::raw(clap::error::ErrorKind::MissingRequiredArgument, message).exit()
     }
 }
 
@@ -212,7 +225,8 @@ fn options(args: &UnwrapArgs, input: &Path) -> Result<Options, CommandError> {
         IslandsName::OverlapFree => Islands::OverlapFree,
         IslandsName::Pack => Islands::Pack,
     };
-    let packing = PackOptions { max_seam: args.max_seam, ..args.packing.options(1.0) };
+    let packing = args.packing.options(1.0);
+    let packing = PackOptions { max_seam: args.max_seam.unwrap_or(packing.max_seam), ..packing };
     let options = Options { islands, packing, ..args.candidates.options_for(input) };
     Ok(match &args.cones {
         Some(file) => Options { cones: ConeChoice::Given(cone_file::read(file)?), ..options },

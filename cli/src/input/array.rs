@@ -41,14 +41,18 @@ impl Array {
         }
         let Self { values, shape } = &self;
         let (last, others) = shape.split_last().map_or((1, &[][..]), |(last, others)| (*last, others));
-        let are_colours = others.len() == 2 && COLOURS.contains(&last) && others.iter().all(|length| *length > last);
+        let may_be_colours = others.len() == 2 && COLOURS.contains(&last);
         match layer {
-            None if are_colours => Err(Problem::Colours(shape.clone()).in_file(path)),
-            None | Some(Layer::Volume) => Ok(self),
-            Some(Layer::One(layer)) if layer >= last || others.is_empty() => {
-                Err(Problem::NoLayer { layer, layers: if others.is_empty() { 0 } else { last } }.in_file(path))
+            None if may_be_colours && others.iter().all(|length| *length > last) => {
+                Err(Problem::Colours(shape.clone()).in_file(path))
             }
-            Some(Layer::One(layer)) => {
+            None => Ok(self),
+            // What is said of a volume is true, whatever its last axis.
+            Some(Layer::Volume) if others.len() == 2 => Ok(self),
+            Some(Layer::One(layer)) if may_be_colours => {
+                if layer >= last {
+                    return Err(Problem::NoLayer { layer, layers: last }.in_file(path));
+                }
                 let values = match values {
                     Values::I32(field) => Values::I32(every(field, last, layer)),
                     Values::I64(field) => Values::I64(every(field, last, layer)),
@@ -58,6 +62,7 @@ impl Array {
                 };
                 Ok(Self { values, shape: others.to_vec() })
             }
+            Some(_) => Err(Problem::NoColours(shape.clone()).in_file(path)),
         }
     }
 }

@@ -1,5 +1,6 @@
 //! Why a field cannot be read.
 
+use super::told;
 use std::fmt;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -7,7 +8,7 @@ use thiserror::Error;
 
 /// A file that does not hold a field, and where it shows.
 #[derive(Debug, Error)]
-#[error("{}{place}: {problem}", path.display())]
+#[error("{}{place}: {problem}", told(path))]
 pub(crate) struct ReadError {
     path: PathBuf,
     place: FilePosition,
@@ -41,6 +42,10 @@ pub(crate) enum Problem {
         "is of no known form: give an array (.npy, .npz, .vti, .pgm, .png, .tif, .txt, .csv), a mesh (.obj, .ply, .off, .stl) or a network (.csv)"
     )]
     Form,
+    #[error("this is a directory, give a file")]
+    Directory,
+    #[error("is gzipped, as meshes and .npy may be and this may not: unpack it first")]
+    Gzipped,
     #[error("there is {found} where {expected} should be")]
     Unexpected { found: String, expected: String },
     #[error("the header claims {claimed} values, but the file ends after {present}: it is cut short or damaged")]
@@ -82,6 +87,8 @@ pub(crate) enum Problem {
         last = .0.last().copied().unwrap_or(0)
     )]
     Colours(Vec<usize>),
+    #[error("is an array of {0:?}, and --layer is for one of three axes, the last with 3 or 4 values: leave it out")]
+    NoColours(Vec<usize>),
     #[error("has no layer {layer}: its last axis has {layers}, counted from 0")]
     NoLayer { layer: usize, layers: usize },
     #[error("is no TIFF picture that can be read ({0})")]

@@ -42,16 +42,29 @@ use std::time::Instant;
 /// What stands for standard input.
 const STANDARD: &str = "-";
 
+/// Whether a path stands for standard input.
+pub(crate) fn is_standard(path: &Path) -> bool {
+    path == Path::new(STANDARD)
+}
+
+/// An input as it is called in messages.
+pub(crate) fn told(path: &Path) -> std::path::Display<'_> {
+    if is_standard(path) { Path::new("standard input") } else { path }.display()
+}
+
 /// Reads a model, from standard input where the path is `-`, and how many seconds that took.
 pub(crate) fn read_model(path: &Path) -> Result<(Model, f64), geom::io::ReadError> {
     let start = Instant::now();
-    let model = if path == Path::new(STANDARD) {
-        geom::io::read_stream(std::io::stdin().lock(), "standard input")?
+    let model = if is_standard(path) {
+        geom::io::read_stream(std::io::stdin().lock(), told(path).to_string())?
     } else {
         geom::io::read(path)?
     };
     Ok((model, start.elapsed().as_secs_f64()))
 }
+
+/// The endings of arrays, but for `csv`, which networks have too.
+const ARRAYS: [&str; 9] = ["npy", "npz", "vti", "pgm", "png", "txt", "tsv", "tif", "tiff"];
 
 /// What a file holds, by its ending.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -65,10 +78,17 @@ impl Form {
     /// The form of the file at a path.
     pub(crate) fn of(path: &Path) -> Result<Self, ReadError> {
         match ending(path).as_str() {
-            "npy" | "npz" | "vti" | "pgm" | "png" | "txt" | "tsv" | "tif" | "tiff" => Ok(Self::Array),
+            _ if path.is_dir() => Err(Problem::Directory.in_file(path)),
+            ending if ARRAYS.contains(&ending) => Ok(Self::Array),
             "csv" if table::is_of_nodes(path) => Ok(Self::Network),
             "csv" => Ok(Self::Array),
-            "obj" | "ply" | "off" | "stl" | "glb" | "gltf" | "gz" => Ok(Self::Mesh),
+            "obj" | "ply" | "off" | "stl" | "glb" | "gltf" => Ok(Self::Mesh),
+            "gz" => match ending(&path.with_extension("")).as_str() {
+                "npy" => Ok(Self::Array),
+                ending if ending == "csv" || ARRAYS.contains(&ending) => Err(Problem::Gzipped.in_file(path)),
+                // Of a mesh the content tells.
+                _ => Ok(Self::Mesh),
+            },
             _ => Err(Problem::Form.in_file(path)),
         }
     }

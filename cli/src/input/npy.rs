@@ -11,6 +11,8 @@ use super::grey::check_expansion;
 use super::memory;
 use super::stored::{Class, Stored, fill};
 use super::values::{Values, each};
+use super::{ending, is_standard};
+use flate2::read::MultiGzDecoder;
 use std::fs::File;
 use std::io::{self, BufReader, Read, Write};
 use std::path::Path;
@@ -19,13 +21,24 @@ const MAGIC: &[u8; 6] = b"\x93NUMPY";
 /// No header of three keys is longer; `NumPy` itself stops at 10,000.
 const LONGEST_HEADER: usize = 1 << 16;
 
-/// Reads an array.
+/// Reads an array, also a gzipped one, and from standard input where the path is `-`.
 pub(super) fn read(path: &Path) -> Result<Array, ReadError> {
-    let file = File::open(path).map_err(|error| Problem::from(error).in_file(path))?;
-    // What is no plain file has no length to hold the header against.
-    let length = file.metadata().ok().filter(std::fs::Metadata::is_file).map(|metadata| metadata.len());
-    let mut reader = BufReader::with_capacity(1 << 16, file);
-    decode(&mut reader, length, |_| Ok(())).map_err(|(place, problem)| problem.at(place, path))
+    let decoded = if is_standard(path) {
+        decode(&mut io::stdin().lock(), None, |_| Ok(()))
+    } else {
+        let file = File::open(path).map_err(|error| Problem::from(error).in_file(path))?;
+        // What is no plain file has no length to hold the header against.
+        let length = file.metadata().ok().filter(std::fs::Metadata::is_file).map(|metadata| metadata.len());
+        let mut reader = BufReader::with_capacity(1 << 16, file);
+        match ending(path).as_str() {
+            "gz" => {
+                let check = |count| check_expansion(count, length.unwrap_or(0));
+                decode(&mut BufReader::new(MultiGzDecoder::new(reader)), None, check)
+            }
+            _ => decode(&mut reader, length, |_| Ok(())),
+        }
+    };
+    decoded.map_err(|(place, problem)| problem.at(place, path))
 }
 
 /// Reads an array of a file of so many bytes that expands to another number of them.

@@ -14,8 +14,8 @@ pub(crate) enum FieldPlaces {
     Mesh { points: Vec<[f32; 3]>, triangles: Vec<[u32; 3]> },
     /// In an array of depth, rows and columns, of which the vertices from `first` on are shown, layer by layer.
     Array { shape: [usize; 3], first: usize },
-    /// Nowhere.
-    Nowhere,
+    /// Nowhere: nodes of a network have names only.
+    Network { names: Vec<String> },
 }
 
 /// The minima or the maxima.
@@ -48,14 +48,15 @@ impl FieldPage {
         let finite = || self.values.iter().copied().filter(|value| value.is_finite());
         let (low, high) = (finite().fold(f64::INFINITY, f64::min), finite().fold(f64::NEG_INFINITY, f64::max));
         let directions: Vec<&Value> = self.directions.iter().map(|direction| &direction.meta).collect();
-        let (kind, shape, first) = match &self.places {
-            FieldPlaces::Mesh { .. } => ("mesh", json!(null), 0),
-            FieldPlaces::Array { shape, first } => ("array", json!(shape), *first),
-            FieldPlaces::Nowhere => ("nowhere", json!(null), 0),
+        let (kind, shape, first, names) = match &self.places {
+            FieldPlaces::Mesh { .. } => ("mesh", None, 0, None),
+            FieldPlaces::Array { shape, first } => ("array", Some(shape), *first, None),
+            FieldPlaces::Network { names } => ("network", None, 0, Some(names)),
         };
         let range = if low <= high { [low, high] } else { [0.0, 0.0] };
         let meta = json!({ "field": {
-            "name": self.name, "kind": kind, "shape": shape, "first": first, "range": range, "directions": directions,
+            "name": self.name, "kind": kind, "shape": shape, "first": first, "names": names, "range": range,
+            "directions": directions,
         } });
         let mut container = Container::new(meta).bytes("values", &steps(&self.values, range));
         if let FieldPlaces::Mesh { points, triangles } = &self.places {

@@ -64,15 +64,19 @@ impl Paint {
         Self::Values { scale, places: stretch.iter().map(place).collect() }
     }
 
-    /// Values at the vertices of triangles, in bands from the least to the greatest, the tails cut off; NaN where there is none.
+    /// Values at the vertices of triangles, in bands from the least to the greatest, the tails cut off, which the marks say; NaN where
+    /// there is none.
     pub(crate) fn field(values: &[f64], triangles: &[[u32; 3]], title: &'static str) -> Self {
         let (low, high) = span(values);
         let at = |v: u32| {
             let value = values[v as usize];
             if value.is_nan() { value } else { share(value, low, high) }
         };
-        let mark = |place: f64| (place, rounded(low + place * (high - low), high - low));
-        let scale = Scale { colours: banded(), marks: [0.0, 0.5, 1.0].map(mark).to_vec(), title };
+        let lower = if values.iter().any(|&value| value < low) { "<= " } else { "" };
+        let higher = if values.iter().any(|&value| value > high) { ">= " } else { "" };
+        let mark = |(place, sign)| (place, format!("{sign}{}", rounded(low + place * (high - low), high - low)));
+        let scale =
+            Scale { colours: banded(), marks: [(0.0, lower), (0.5, ""), (1.0, higher)].map(mark).to_vec(), title };
         Self::Values { scale, places: triangles.iter().map(|t| t.map(at)).collect() }
     }
 
@@ -160,6 +164,19 @@ mod tests {
         assert_eq!((shares[0], shares[50], shares[100]), (0.0, 0.5, 1.0));
         assert_eq!(span(&[7.0, f64::NAN, 7.0]), (7.0, 7.0));
         assert_eq!(share(7.0, 7.0, 7.0), 0.5);
+    }
+
+    #[test]
+    fn the_marks_of_a_field_say_where_tails_are_cut_off() {
+        let marks = |values: &[f64]| {
+            let Paint::Values { scale, .. } = Paint::field(values, &[], "") else { panic!("it has values") };
+            scale.marks.into_iter().map(|(_, text)| text).collect::<Vec<_>>()
+        };
+        let mut values: Vec<f64> = (0..101).map(f64::from).collect();
+        assert_eq!(marks(&values), ["<= 2.0", "50.0", ">= 98.0"]);
+        values.iter_mut().take(3).for_each(|value| *value = 2.0);
+        assert_eq!(marks(&values), ["2.0", "50.0", ">= 98.0"]);
+        assert_eq!(marks(&[1.0, f64::NAN, 1.0]), ["1.00", "1.00", "1.00"]);
     }
 
     #[test]

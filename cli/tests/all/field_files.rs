@@ -1,6 +1,9 @@
 //! Fields in files of more kinds, and what is made of them: trees, simpler fields, distances, pictures.
 
-use crate::folder::{Folder, stdout};
+use crate::folder::{Folder, PROGRAM, stderr, stdout};
+use assert_cmd::Command;
+use flate2::Compression;
+use flate2::write::GzEncoder;
 use serde_json::Value;
 use std::fs::{self, File};
 use std::io::Write;
@@ -9,6 +12,16 @@ use tiff::tags::Tag;
 
 fn json(folder: &Folder, args: &[&str]) -> Value {
     serde_json::from_str(&stdout(&folder.run(&[args, &["--json"]].concat()).success())).expect("it is JSON")
+}
+
+/// An array of bytes as `NumPy` writes it; of three layers the second is from 50 on.
+fn npy(shape: &str, count: usize) -> Vec<u8> {
+    let mut file = b"\x93NUMPY\x01\x00".to_vec();
+    let header = format!("{{'descr': '|u1', 'fortran_order': False, 'shape': {shape}, }}\n");
+    file.extend((header.len() as u16).to_le_bytes());
+    file.extend(header.as_bytes());
+    file.extend((0..count).map(|i| (i % 3 * 50 + i / 3) as u8));
+    file
 }
 
 /// A picture of 3 rows and 4 columns.
@@ -106,12 +119,7 @@ fn an_archive_that_is_made_to_fill_memory_is_refused() {
 #[test]
 fn what_may_be_colours_is_asked_about() {
     let folder = Folder::new();
-    let mut file = b"\x93NUMPY\x01\x00".to_vec();
-    let header = "{'descr': '|u1', 'fortran_order': False, 'shape': (4, 5, 3), }\n";
-    file.extend((header.len() as u16).to_le_bytes());
-    file.extend(header.as_bytes());
-    file.extend((0..60u8).map(|i| i % 3 * 50 + i / 3));
-    fs::write(folder.path("a.npy"), file).expect("it can be written");
+    fs::write(folder.path("a.npy"), npy("(4, 5, 3)", 60)).expect("it can be written");
     let complaint = folder.complaint(&["persistence", "a.npy"]);
     assert!(complaint.contains("[4, 5, 3]") && complaint.contains("--layer 0"), "{complaint}");
     let green = json(&folder, &["persistence", "a.npy", "--layer", "1"]);
@@ -120,6 +128,56 @@ fn what_may_be_colours_is_asked_about() {
     assert_eq!(json(&folder, &["persistence", "a.npy", "--layer", "volume"])["input"]["vertices"], 60);
     assert!(folder.complaint(&["persistence", "a.npy", "--layer", "3"]).contains("no layer 3"));
     folder.run(&["persistence", "a.npy", "--layer", "red"]).code(2);
+}
+
+#[test]
+fn a_layer_is_taken_of_what_may_be_colours_alone() {
+    let folder = Folder::new();
+    fs::write(folder.path("matrix.npy"), npy("(3, 4)", 12)).expect("it can be written");
+    fs::write(folder.path("volume.npy"), npy("(5, 4, 6)", 120)).expect("it can be written");
+    fs::write(folder.path("small.npy"), npy("(2, 2, 3)", 12)).expect("it can be written");
+    for args in [["matrix.npy", "0"], ["matrix.npy", "volume"], ["volume.npy", "3"]] {
+        let complaint = folder.complaint(&["persistence", args[0], "--layer", args[1]]);
+        assert!(complaint.contains("--layer is for one of three axes") && complaint.contains(args[0]), "{complaint}");
+    }
+    assert_eq!(json(&folder, &["persistence", "volume.npy", "--layer", "volume"])["input"]["vertices"], 120);
+    // Not asked about, as it is too small to be a picture of anything, but it may be one.
+    assert_eq!(json(&folder, &["persistence", "small.npy", "--layer", "2"])["input"]["vertices"], 4);
+}
+
+#[test]
+fn an_array_comes_gzipped_and_through_a_pipe_too() {
+    let folder = Folder::with_shapes();
+    let bytes = npy("(3, 4)", 12);
+    fs::write(folder.path("a.npy"), &bytes).expect("it can be written");
+    let gzipped = |name: &str, bytes: &[u8]| {
+        let mut gzip = GzEncoder::new(File::create(folder.path(name)).expect("it can be made"), Compression::default());
+        gzip.write_all(bytes).and_then(|()| gzip.finish().map(drop)).expect("it can be written");
+    };
+    gzipped("a.npy.gz", &bytes);
+    let plain = json(&folder, &["persistence", "a.npy"]);
+    let same = |found: &Value| {
+        assert_eq!((&found["sublevel"], &found["superlevel"]), (&plain["sublevel"], &plain["superlevel"]));
+    };
+    same(&json(&folder, &["persistence", "a.npy.gz"]));
+    let piped = |args: &[&str], bytes: &[u8]| {
+        Command::new(PROGRAM).args(args).current_dir(folder.root()).write_stdin(bytes).assert()
+    };
+    let args = ["persistence", "-", "--json"];
+    same(&serde_json::from_str(&stdout(&piped(&args, &bytes).success())).expect("it is JSON"));
+    let mesh = fs::read(folder.path("hare.obj")).expect("it is there");
+    piped(&["persistence", "-", "--field", "height"], &mesh).success();
+    let told = |args: &[&str], bytes: &[u8]| stderr(&piped(args, bytes).code(1));
+    assert!(told(&args, &mesh).contains("standard input: there is content that does not begin with"));
+    assert!(told(&["measure", "-"], &mesh).contains("standard input has no texture coordinates"));
+    // What expands as no array does, what is no gzip, and what is not read gzipped.
+    gzipped("bomb.npy.gz", &[npy("(60000000,)", 0), vec![0; 60_000_000]].concat());
+    assert!(folder.complaint(&["persistence", "bomb.npy.gz"]).contains("60000000"));
+    fs::write(folder.path("plain.npy.gz"), &bytes).expect("it can be written");
+    assert!(folder.complaint(&["persistence", "plain.npy.gz"]).contains("gzip"));
+    assert!(folder.complaint(&["persistence", "a.pgm.gz"]).contains("unpack it first"));
+    assert!(folder.complaint(&["persistence", "hare.obj.gz"]).contains("name a field with --field"));
+    assert!(folder.complaint(&["persistence", "."]).contains(".: this is a directory"));
 }
 
 #[test]

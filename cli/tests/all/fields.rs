@@ -215,6 +215,8 @@ fn options_choose_among_the_pairs() {
     assert_eq!(count(&["--direction", "super"]), [None, Some(1)]);
     assert_eq!(count(&["--min-persistence", "1"]), [Some(1), Some(0)]);
     assert_eq!(count(&["--top", "1"]), [Some(0), Some(0)], "the essential class comes first");
+    let told = stdout(&folder.run(&["persistence", "a.txt", "--top", "1"]).success());
+    assert!(told.contains("… and 2 less persistent; a greater --top gives more\n"), "{told}");
     assert!(count(&["--keep-zero"])[0] >= Some(2));
     folder.run(&["persistence", "a.txt", "--keep-zero", "--min-persistence", "1"]).code(2);
     folder.run(&["persistence", "a.txt", "--periodic", "w"]).code(2);

@@ -105,7 +105,10 @@ fn what_is_for_one_surface_is_refused_for_several() {
     assert!(refused(&["--out-dir", "d", "--report", "x.json"]).contains("cannot be used with"));
     let neither = stderr(&folder.run(&["unwrap", "hare.obj"]).code(2));
     assert!(neither.contains("--output <OUT>") && neither.contains("--out-dir <FOLDER>"), "{neither}");
-    assert!(refused(&["--jobs", "2", "-o", "x.obj"]).contains("--out-dir"));
+    assert!(refused(&["--jobs", "2", "-o", "x.obj"]).contains("cannot be used with"));
+    for option in [["--view", "front"], ["--size", "300"], ["--colour", "area"]] {
+        assert!(refused(&[&["--out-dir", "d"][..], &option].concat()).contains("cannot be used with"), "{option:?}");
+    }
     assert_eq!(folder.names(), ["hare.obj", "sphere.obj"]);
 }
 

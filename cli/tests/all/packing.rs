@@ -72,6 +72,10 @@ fn further_cuts_fill_more_and_keep_to_their_share() {
         folder.run(&[&args[..], &["--islands", "pack", "--max-seam", share]].concat()).success();
         folder.json("r.json")["distortion"].clone()
     };
+    for islands in ["single", "overlap-free"] {
+        let args = ["unwrap", "hare.obj", "-o", "x.obj", "--max-seam", "0.2", "--islands", islands];
+        assert!(stderr(&folder.run(&args).code(2)).contains("--max-seam is for --islands pack"));
+    }
     let [plain, cut] = ["0", "0.2"].map(report);
     let of = |d: &serde_json::Value, key: &str| d[key].as_f64().expect("a number");
     assert!(of(&cut, "fill") >= of(&plain, "fill") - 0.01);

@@ -1,7 +1,12 @@
 //! Pictures, figures and what else is written to be looked at.
 
-use crate::folder::{Folder, stdout};
+use crate::folder::{Folder, stderr, stdout};
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use flate2::read::ZlibDecoder;
+use serde_json::{Value, json};
 use std::fs;
+use std::io::Read;
 
 /// Width and height as a PNG's head says them.
 fn size(folder: &Folder, name: &str) -> [u32; 2] {
@@ -25,6 +30,10 @@ fn a_picture_is_as_large_as_is_asked_and_looks_from_where_is_asked() {
     let bytes = |name: &str| fs::read(folder.path(name)).expect("it was written");
     assert!(bytes("right.png") == bytes("turned.png"));
     assert!(bytes("right.png") != bytes("front.png") && bytes("right.png") != bytes("low.png"));
+    for lonely in [["--view", "front"], ["--size", "300"], ["--colour", "area"]] {
+        let said = stderr(&folder.run(&[&["unwrap", "hare.obj", "-o", "out.obj"], &lonely[..]].concat()).code(2));
+        assert!(said.contains("--picture"), "{said}");
+    }
     for wrong in [["--view", "top"], ["--size", "9"], ["--colour", "blue"]] {
         folder.run(&[&["unwrap", "hare.obj", "-o", "x.obj", "--picture", "x.png"][..], &wrong].concat()).code(2);
     }
@@ -151,4 +160,27 @@ fn a_field_s_report_is_one_page_for_meshes_arrays_and_networks() {
         assert!(data.len() > 200, "{input:?}: {}", data.len());
     }
     folder.complaint(&["features", "hare.obj", "--report", "field.json"]);
+}
+
+#[test]
+fn the_page_of_a_network_has_its_values_and_the_names_of_its_nodes() {
+    let folder = Folder::new();
+    folder.write("net.nodes.csv", "id,name,value\n0,New York,1\n1,Utah,3\n2,Iowa,0\n");
+    folder.write("net.edges.csv", "a,b\n0,1\n1,2\n");
+    folder.run(&["persistence", "net.nodes.csv", "--report", "net.html"]).success();
+    let page = folder.read("net.html");
+    let (_, data) =
+        page.rsplit_once("<script id=\"data\" type=\"application/octet-stream\">").expect("a place for data");
+    let deflated = STANDARD.decode(data.split('<').next().expect("it ends")).expect("it is base64");
+    let mut bytes = Vec::new();
+    ZlibDecoder::new(&deflated[..]).read_to_end(&mut bytes).expect("it is deflated");
+    let length = u32::from_le_bytes(bytes[..4].try_into().expect("four bytes")) as usize;
+    let head: Value = serde_json::from_slice(&bytes[4..4 + length]).expect("JSON comes first");
+    let field = &head["meta"]["field"];
+    assert_eq!((&field["kind"], &field["range"]), (&json!("network"), &json!([0.0, 3.0])));
+    assert_eq!(field["names"], json!(["New York", "Utah", "Iowa"]));
+    for array in ["values", "basins.0", "basins.1"] {
+        assert_eq!(head["arrays"][array]["length"], 3, "{array}");
+    }
+    assert_eq!(field["directions"][0]["pairs"][1][0], 0, "New York is a minimum, above Iowa");
 }

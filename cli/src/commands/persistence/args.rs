@@ -11,7 +11,7 @@ use topo::{Connectivity, Kind, NanPolicy, PersistenceOptions};
 #[derive(Args, Clone, Debug)]
 pub(crate) struct FieldArgs {
     /// An array or picture (.npy, .npz, .vti, .pgm, .png, whose colours become grey; .tif, such as an elevation model; .txt, .csv or .tsv of
-    /// numbers), a mesh with --field, or a network's nodes (.csv with columns id, name, value)
+    /// numbers), a mesh with --field, or a network's nodes (.csv with columns id, name, value); - is standard input: a .npy, or a mesh
     #[arg(value_name = "FIELD")]
     pub(crate) input: PathBuf,
     /// The values on a mesh: phi, curvature, mean-curvature, height[:x|y|z], distance[:VERTEX], or a file .npy or .txt
@@ -83,7 +83,7 @@ pub(crate) struct PersistenceArgs {
 
 const EXAMPLES: &str = "\
 Examples:
-  cones persistence height.npy --direction super --top 5 --report peaks.html
+  cones persistence height.npy --direction super --report peaks.html
   cones persistence scan.ply --field curvature --pairs pairs.csv
   cones persistence net.nodes.csv --edges net.edges.csv";
 

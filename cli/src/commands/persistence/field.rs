@@ -69,7 +69,13 @@ impl DomainField {
     pub(crate) fn read(args: &FieldArgs) -> Result<Self, CommandError> {
         let path = &args.input;
         let is_csv = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("csv"));
-        let form = if is_csv && args.edges.is_some() { Form::Network } else { Form::of(path)? };
+        let form = match path {
+            _ if is_csv && args.edges.is_some() => Form::Network,
+            _ if !input::is_standard(path) => Form::of(path)?,
+            // No ending tells what it is.
+            _ if args.field.is_some() => Form::Mesh,
+            _ => Form::Array,
+        };
         let misplaced = [
             (args.field.is_some() && form != Form::Mesh, "--field", "a mesh"),
             (args.edges.is_some() && form != Form::Network, "--edges", "a network"),

@@ -46,11 +46,7 @@ pub(crate) fn run(args: &PersistenceArgs) -> Result<(), CommandError> {
     let start = Instant::now();
     write(args, &subject, &lists, &report)?;
     report.times.write = Some(start.elapsed().as_secs_f64());
-    if args.json {
-        output::print_json(&report)
-    } else {
-        output::print(&report.text(&subject.places, &lists, args.top.unwrap_or(ROWS)))
-    }
+    if args.json { output::print_json(&report) } else { output::print(&report.text(&subject.places, &lists, args.top)) }
 }
 
 /// The library's options.

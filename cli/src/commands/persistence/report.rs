@@ -1,9 +1,9 @@
 //! The pairs as JSON, as a table of comma-separated values, and as text.
 
 use super::args::PersistenceArgs;
-use super::direction;
 use super::field::{DomainField, GridReport, Places};
 use super::pairs::{Pair, PairList};
+use super::{ROWS, direction};
 use crate::input::{Number, six_digits};
 use crate::report::SCHEMA;
 use crate::report::table::{columns, counted, thousands};
@@ -121,8 +121,11 @@ impl PersistenceReport {
         *slot = Some(Direction::new(list, places));
     }
 
-    /// The report for people: what went in, and the first rows of each direction.
-    pub(super) fn text(&self, places: &Places, lists: &[PairList], rows: usize) -> String {
+    /// The report for people: what went in, and the first rows of each direction, as many as `top` or else a few.
+    pub(super) fn text(&self, places: &Places, lists: &[PairList], top: Option<usize>) -> String {
+        let rows = top.unwrap_or(ROWS);
+        // What --top leaves out is in no file either.
+        let more = if top.is_some() { "a greater --top gives more" } else { "--top and --pairs give more" };
         let FieldInput { path, vertices, edges, .. } = &self.input;
         let mut text = if matches!(&self.input.grid, Some(grid) if grid.shape.len() == 1 && grid.periodic.is_empty()) {
             format!("{path}: {}\n", self.domain())
@@ -138,7 +141,7 @@ impl PersistenceReport {
             let listed = list.pairs.len().min(rows);
             let all = list.count + list.essential;
             if listed < all {
-                text += &format!("… and {} less persistent; --top and --pairs give more\n", thousands(all - listed));
+                text += &format!("… and {} less persistent; {more}\n", thousands(all - listed));
             }
         }
         text

@@ -49,7 +49,7 @@ pub(crate) fn html(
 fn places(subject: &DomainField, lists: &[&PairList]) -> (FieldPlaces, std::ops::Range<usize>) {
     let all = 0..subject.vertex_count();
     match &subject.places {
-        Places::Network(_) => (FieldPlaces::Nowhere, 0..0),
+        Places::Network(names) => (FieldPlaces::Network { names: names.clone() }, all),
         Places::Mesh { points, triangles } => {
             let used = || triangles.iter().flatten().map(|&v| points[v as usize]);
             let (low, size) = extent(used());
