@@ -28,12 +28,14 @@ pub(crate) fn end_cleanly_at_limits() {}
 /// What the program needs by itself.
 const BASE: u64 = 24_000_000;
 /// What unwrapping takes for a vertex at least: 2600 to 3600 bytes were measured from 20 to 134 thousand vertices.
-const PER_VERTEX: u64 = 2000;
+pub(crate) const UNWRAPPED: u64 = 2000;
+/// What making a shape takes for a vertex at least: 133 to 205 bytes were measured from 300 thousand to a million vertices.
+pub(crate) const MADE: u64 = 130;
 
-/// Refuses a surface of so many vertices where the limit of the address space (`ulimit -v`) is sure to be too low: an
-/// allocation that fails ends the program with less of a sentence, wherever it is.
-pub(crate) fn check_memory(path: &Path, vertices: usize) -> Result<(), CommandError> {
-    let needed = BASE + PER_VERTEX * vertices as u64;
+/// Refuses a surface of so many vertices, which take so many bytes each, where the limit of the address space (`ulimit -v`) is sure to
+/// be too low: an allocation that fails ends the program with less of a sentence, wherever it is.
+pub(crate) fn check_memory(path: &Path, vertices: usize, per_vertex: u64) -> Result<(), CommandError> {
+    let needed = BASE + per_vertex * vertices as u64;
     match std::fs::read_to_string("/proc/self/limits").ok().as_deref().and_then(address_space) {
         Some(allowed) if allowed < needed => {
             Err(CommandError::Memory { path: path.to_owned(), vertices, needed, allowed })

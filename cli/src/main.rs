@@ -1,7 +1,7 @@
 //! The command `cones`: reads the arguments, runs a subcommand, says what went wrong.
 //!
-//! Exit codes: 0 done, 1 the input cannot be used or the output not be written, 2 wrong arguments (clap's), 130
-//! interrupted.
+//! Exit codes: 0 done, 1 the input cannot be used or the output not be written, 2 wrong arguments (clap's), 128 and the number of
+//! a signal that ended it, as 130 after an interrupt.
 
 mod args;
 mod commands;
@@ -27,7 +27,7 @@ use std::process::ExitCode;
 fn main() -> ExitCode {
     let arguments = Arguments::of_this_run();
     output::speak(arguments.volume());
-    output::end_cleanly_on_interrupt();
+    output::end_cleanly_on_signals();
     limits::end_cleanly_at_limits();
     limits::start_threads(arguments.threads);
     match run(&arguments.command) {

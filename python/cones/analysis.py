@@ -8,6 +8,7 @@ from typing import Any, Optional, Union
 import numpy as np
 
 from . import _cones, options
+from ._arrays import count
 from .mesh import Faces, Mesh, as_mesh
 from .unwrapping import Progress, Unwrapping, cone_table
 
@@ -171,7 +172,7 @@ class Analysis:
     ) -> Order:
         """One order of at least so many cones, every prefix of which is a set of cones."""
         asked = options.choice(method=method, angles=angles)
-        return Order(self._native.order(asked, n, progress))
+        return Order(self._native.order(asked, count("n", "cones", n), progress))
 
     def curve(self, n: int = 64, *, method: str = "pursuit", angles: str = "optimal") -> np.ndarray:
         """What is predicted for every number of cones: a structured array (n, predicted_l2, predicted_area)."""

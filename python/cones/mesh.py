@@ -11,7 +11,7 @@ from typing import Any, Optional, Union
 import numpy as np
 
 from . import _cones
-from ._arrays import plain
+from ._arrays import count, plain
 from ._cones import Error
 
 #: What a mesh can be made of: the mesh itself, or vertices and faces.
@@ -117,7 +117,7 @@ def read(path: Union[str, os.PathLike]) -> Mesh:
 
 def shape(name: str, vertices: int = 10_000) -> Mesh:
     """A built-in surface with about so many vertices: sphere, capsule, torus, torus-3, hare, part, terrain, ..."""
-    return Mesh._of(_cones.shape(name, vertices))
+    return Mesh._of(_cones.shape(name, count("vertices", "vertices", vertices)))
 
 
 def as_mesh(vertices: Any, faces: Optional[Faces]) -> Mesh:
@@ -135,7 +135,11 @@ def as_mesh(vertices: Any, faces: Optional[Faces]) -> Mesh:
 
 def write_whole(path: Path, data: bytes) -> None:
     """Writes a file that appears whole or not at all."""
-    handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
+    try:
+        handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
+    except OSError as error:
+        # It names the temporary file, of which nobody knows.
+        raise OSError(error.errno, error.strerror, str(path)) from None
     try:
         with os.fdopen(handle, "wb") as file:
             file.write(data)

@@ -7,6 +7,7 @@ from typing import Any, Optional, Union
 
 import numpy as np
 
+from ._arrays import count
 from ._cones import METHODS, Error
 from .mesh import Mesh, welding
 
@@ -86,7 +87,7 @@ def packing(
     """How islands are packed."""
     tiles: Any = "one" if texel_density is None else {"udim": {"texel_density": float(texel_density)}}
     return {
-        "texture_size": int(texture_size),
+        "texture_size": count("texture_size", "pixels", texture_size, 2**32 - 1),
         "margin": float(margin),
         "rotations": _one_of("rotations", rotations, ("any", "quarter", "none")),
         "tiles": tiles,
@@ -107,24 +108,23 @@ def _which(n: Any, max_distortion: Any, min_persistence: Any, cones: Any) -> Any
         return {"given": _given(cones)}
     if n is None:
         return "automatic"
-    return {"each": [int(k) for k in n]} if np.ndim(n) else {"count": _count(n)}
+    return {"each": [count("n", "cones", k) for k in n]} if np.ndim(n) else {"count": count("n", "cones", n)}
 
 
 def _given(cones: Any) -> list:
     """Vertices, with curvatures in radians if those are given too."""
     if isinstance(cones, Mapping):
-        return [[int(v), None if k is None else float(k)] for v, k in cones.items()]
+        return [[_vertex(v), None if k is None else float(k)] for v, k in cones.items()]
     table = getattr(cones, "table", cones)
     if isinstance(table, np.ndarray) and table.dtype.names:
-        return [[int(v), float(k)] for v, k in zip(table["vertex"], table["curvature"])]
-    return [[int(v), None] for v in table]
+        return [[_vertex(v), float(k)] for v, k in zip(table["vertex"], table["curvature"])]
+    return [[_vertex(v), None] for v in table]
 
 
-def _count(n: Any) -> int:
-    count = int(n)
-    if count != n or count < 0:
-        raise Error(f"n is a number of cones, not {n!r}")
-    return count
+def _vertex(v: Any) -> int:
+    if not 0 <= v < 2**32:
+        raise Error(f"a cone is at vertex {v}, which is negative, or beyond 32 bits (vertices are counted from 0)")
+    return int(v)
 
 
 def _edges(edges: Any) -> list:

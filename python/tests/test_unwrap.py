@@ -1,6 +1,7 @@
 """Unwrapping from Python is unwrapping by the command."""
 
 import json
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -163,20 +164,33 @@ def test_wrong_options_are_refused_in_a_sentence(hare):
         ({"method": "guess"}, "method is alternating"),
         ({"n": -3}, "n is a number of cones"),
         ({"n": 2.5}, "n is a number of cones"),
+        ({"n": 10**30}, "n is a number of cones, not 1000000"),
+        ({"n": float("inf")}, "n is a number of cones, not inf"),
         ({"scale": "large"}, "scale is"),
         ({"quantize": 5}, "quantize is 4 or 6"),
         ({"seams": [[0, 1, 2]]}, "pairs of vertex indices"),
         ({"seams": [[0, 0]]}, "there is no edge from vertex 0 to 0"),
         ({"cones": [hare.vertex_count]}, "is not a vertex of any face"),
         ({"cones": {5: 1.0, 9: None}}, "give one for all of them, or for none"),
+        ({"cones": [-3]}, "a cone is at vertex -3, which is negative"),
+        ({"cones": {10**30: None}}, "beyond 32 bits"),
+        ({"texture_size": 2**32}, "texture_size is a number of pixels"),
         ({"margin": 900.0}, "does not fit on a texture"),
         ({"keep_seams": True}, "texture coordinates"),
     ]
     for keywords, sentence in wrong:
         with pytest.raises(cones.Error, match=sentence):
             cones.unwrap(hare, **keywords)
+    for vertices in (-5, 10**30):
+        with pytest.raises(cones.Error, match=f"vertices is a number of vertices, not {vertices}"):
+            cones.shape("hare", vertices)
+    with pytest.raises(cones.Error, match="n is a number of cones, not -1"):
+        cones.Analysis(hare).order(-1)
     with pytest.raises(FileNotFoundError, match="nothing.obj"):
         cones.read("nothing.obj")
+    with pytest.raises(FileNotFoundError) as told:
+        hare.write("nowhere/hare.obj")
+    assert told.value.filename == str(Path("nowhere/hare.obj"))
     one, other = cones.Analysis(hare), cones.Analysis(hare)
     with pytest.raises(cones.Error, match="another analysis"):
         other.flatten(one.place(4))

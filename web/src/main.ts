@@ -74,8 +74,6 @@ class App {
   /** What is asked next, and when. */
   private waiting: { timer: number; begin: () => void } | null = null;
   private isHeld = false;
-  /** Whether the map that is shown is told to be of another choice. */
-  private isStale = false;
   private listing = 0;
   /** When there was the last sign of somebody who is about to do something. */
   private moved = 0;
@@ -134,10 +132,10 @@ class App {
     this.showControls();
     // All numbers take as much computing as a third of the first map, which comes first.
     if (!this.isOpening()) void this.learn();
-    if (!this.isHeld) this.stale(true);
+    this.stale(true);
     this.foresee();
     clearTimeout(this.waiting?.timer);
-    if (!this.isHeld) page.status("computing the map …", "busy");
+    page.status("computing the map …", "busy");
     if (this.isAsking) this.source.stop(serial);
     this.isAsking = false;
     const begin = () => {
@@ -218,9 +216,10 @@ class App {
     const preview = early && this.source.preview(early, serial, signal).then((found) => {
       if (!isNewest()) return;
       if (this.source.isLive && !question.given) this.previewsHere().set(found.cones.length, found);
-      if (this.mapIsOf(question)) return;
-      this.cones = found.cones;
       this.predicted = found.predicted ?? this.predicted;
+      // A map that was made before may be there first.
+      if (this.mapIsOf(question)) return this.showCurve();
+      this.cones = found.cones;
       this.showCones();
       this.view?.showSeams(found.seams);
     });
@@ -356,7 +355,7 @@ class App {
   private showCurve(): void {
     this.curve.show(this.foreseen()?.levels ?? [], this.measuredHere(), this.count(), this.surface.most);
     if (!this.question.given) this.predicted ??= this.level()?.predicted_area ?? null;
-    page.numbers(!this.isStale || this.mapIsOf(this.question) || !this.source.isLive ? this.map : null, this.predicted);
+    page.numbers(this.mapIsOf(this.question) ? this.map : null, this.predicted);
   }
 
   private showCones(): void {
@@ -369,16 +368,15 @@ class App {
     else this.list();
   }
 
-  /** The slider rests, or is let go: what still told of the map that is shown tells of the one that is to come. */
+  /** The slider rests, or is let go. */
   private rest(): void {
     clearTimeout(this.listing);
     this.list();
     this.showCurve();
-    if (this.isStale) page.status("computing the map …", "busy");
   }
 
+  /** Tells by its look whether the map that is shown is of another choice. */
   private stale(isStale: boolean): void {
-    this.isStale = isStale;
     byId("atlas").classList.toggle("stale", isStale);
   }
 
@@ -491,8 +489,10 @@ class App {
     for (const end of ["keyup", "blur"]) input("slider").addEventListener(end, () => this.isHeld && this.release(PATIENCE));
     for (const sign of ["pointermove", "pointerdown", "keydown"]) addEventListener(sign, () => (this.moved = performance.now()), true);
     input("count").addEventListener("change", () => {
-      const asked = Number(input("count").value);
-      this.choose({ n: number("count"), given: null });
+      const asked = input("count").valueAsNumber;
+      if (!Number.isNaN(asked)) this.choose({ n: number("count"), given: null });
+      // What was typed may come to the choice that there is.
+      this.showControls();
       const { least, most } = this.surface;
       this.sayBound(asked > most ? `the page shows ${most} at most` : asked < least ? `${least} at least are needed` : "");
     });
@@ -648,6 +648,10 @@ class App {
   }
 
   private add(vertex: number): void {
+    const { start } = this.corners;
+    if (!(start[vertex] < start[vertex + 1])) {
+      return page.status(`cone ${vertex} is not a vertex of any face (vertices are numbered from 0 to ${start.length - 2})`, "failed");
+    }
     if (this.cones.some((cone) => cone.vertex === vertex)) return;
     this.choose({ given: this.free([...this.cones, { vertex, curvature: NaN }]) });
   }

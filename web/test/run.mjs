@@ -213,10 +213,14 @@ try {
     const at = (n) => [box.x + 8 + ((box.width - 16) * (n - 3)) / 61, box.y + box.height / 2];
     await page.mouse.move(...at(5));
     await page.mouse.down();
-    const dark = [];
+    const [dark, told] = [[], []];
+    const MOVING = "computing the map …,true,–";
     for (const n of [12, 40, 20, 30]) {
       await page.mouse.move(...at(n));
       await page.waitForTimeout(60);
+      told.push(await page.evaluate(() => [
+        document.querySelector("#state").textContent, document.querySelector("#atlas").classList.contains("stale"), document.querySelector("#numbers").rows[1].cells[1].textContent,
+      ].join()));
       dark.push((await look(page, "#surface canvas")).dark);
     }
     await page.waitForTimeout(400);
@@ -224,6 +228,7 @@ try {
     assert.equal(String(rows), await page.inputValue("#count"));
     assert.ok(!asked.includes("cones"), `${asked}`);
     assert.ok(dark.every((pixels) => pixels > 150), `seams are seen: ${dark}`);
+    assert.deepEqual(told, [MOVING, MOVING, MOVING, MOVING], "nothing is told of the map before");
     await afterMap(page, () => page.mouse.up());
     assert.ok(asked.includes("map") && !asked.includes("cones"), `${asked}`);
     assert.equal(await page.locator("#cones li").count(), rows);
@@ -238,6 +243,25 @@ try {
     assert.equal(await page.textContent("#bound"), "the page shows 64 at most");
     await afterMap(page, () => typed("5"));
     assert.ok(await page.isHidden("#bound"));
+    await typed("");
+    assert.equal(await page.inputValue("#count"), "5");
+    assert.ok(await page.isHidden("#bound"));
+    await afterMap(page, () => typed("3"));
+    for (const beyond of ["-5", "0"]) {
+      await typed(beyond);
+      assert.equal(await page.inputValue("#count"), "3");
+      assert.equal(await page.textContent("#bound"), "3 at least are needed");
+    }
+    await afterMap(page, () => typed("5"));
+  });
+  await test("a cone at no vertex is refused, and all stays as it is", async () => {
+    const shown = () => Promise.all([page.inputValue("#count"), page.textContent("#numbers"), page.locator("#cones li").count(), page.isDisabled("#redo")]);
+    const before = await shown();
+    await page.fill("#vertex", "99999999");
+    await page.press("#vertex", "Enter");
+    await page.waitForSelector("#state.failed");
+    assert.match(await state(page), /^cone 99999999 is not a vertex of any face/);
+    assert.deepEqual(await shown(), before);
   });
   await test("every colour has its legend, and is another picture", async () => {
     for (const [mode, legend] of [["area", "ideal 1"], ["stretch", "ideal 1"], ["factor", "φ"], ["islands", "island"], ["plain", ""], ["checker", "squares"]]) {
@@ -280,6 +304,7 @@ try {
     assert.equal(await page.textContent("#cones li:last-child"), added);
     await afterMap(page, () => page.click("#redo"));
     assert.notEqual(await page.textContent("#cones li:last-child"), added);
+    await page.waitForFunction(() => /^\d+\.\d{3}$/.test(document.querySelector("#numbers").rows[0].cells[1].textContent), null, { timeout: 5000 });
     await page.click("#edit");
   });
   await test("seams are pinned along chains, kept through other changes, undone, saved and loaded", async () => {

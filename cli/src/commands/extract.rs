@@ -3,7 +3,7 @@
 use crate::commands::shared::{CandidateArgs, HIERARCHY_ENDINGS, warn, write_hierarchy};
 use crate::error::CommandError;
 use crate::input::{self, cone_file, significant};
-use crate::output;
+use crate::output::{self, Files};
 use crate::progress::Progress;
 use crate::report::table::{columns, counted};
 use crate::report::{InputReport, SCHEMA, Times};
@@ -67,12 +67,14 @@ pub(crate) fn run(args: &ExtractArgs) -> Result<(), CommandError> {
     let topology = analysis.topology();
     let notes: Vec<Note> = analysis.notes().iter().chain(found.notes()).cloned().collect();
     warn(analysis.repairs(), &notes, topology.components);
+    let mut files = Files::new();
     if let Some(path) = &args.cones_out {
-        output::write_text(path, &cone_file::text(found.as_slice()))?;
+        files.write_text(path, &cone_file::text(found.as_slice()))?;
     }
     if let Some((path, order)) = order {
-        write_hierarchy(path, order)?;
+        write_hierarchy(&mut files, path, order)?;
     }
+    files.finish()?;
     let hierarchy = HierarchyReport::new(&analysis);
     if !args.json {
         return output::print(&table(&found, hierarchy.extrema));

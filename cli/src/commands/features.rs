@@ -4,7 +4,7 @@ use crate::commands::persistence::{DomainField, NanName, Pair, PairList, Pairing
 use crate::commands::shared::{ShotArgs, non_negative, whole};
 use crate::error::CommandError;
 use crate::input::{Number, Source, significant};
-use crate::output;
+use crate::output::{self, Files};
 use crate::render::{Mark, Paint, Scene, draw_model};
 use crate::report::SCHEMA;
 use crate::report::table::{columns, counted};
@@ -106,9 +106,10 @@ pub(crate) fn run(args: &FeaturesArgs) -> Result<(), CommandError> {
     let mut times = PairingTimes { read: Some(start.elapsed().as_secs_f64()), ..PairingTimes::default() };
     let minima = pairs(args, &subject, Kind::Minimum, &mut times)?;
     let maxima = pairs(args, &subject, Kind::Maximum, &mut times)?;
-    if let Some(path) = &args.report {
-        output::write_text(path, &html(path, &subject, &[&minima, &maxima], options(args))?)?;
-    }
+    let page = match &args.report {
+        Some(path) => Some((path, html(path, &subject, &[&minima, &maxima], options(args))?)),
+        None => None,
+    };
     let count = minima.pairs.len() + maxima.pairs.len();
     let mut extrema = ordered(args.method, extrema(&minima, &subject.places), extrema(&maxima, &subject.places));
     if args.min_persistence.is_none() {
@@ -121,7 +122,12 @@ pub(crate) fn run(args: &FeaturesArgs) -> Result<(), CommandError> {
         faces: faces(&subject.places),
     };
     let mut report = FeaturesReport { schema: SCHEMA, input, method: args.method, count, extrema, times };
-    write(args, &subject, &report)?;
+    let mut files = Files::new();
+    if let Some((path, page)) = page {
+        files.write_text(path, &page)?;
+    }
+    write(args, &subject, &report, &mut files)?;
+    files.finish()?;
     report.times.write = Some(start.elapsed().as_secs_f64());
     if args.json { output::print_json(&report) } else { output::print(&text(&report)) }
 }
@@ -184,11 +190,16 @@ fn faces(places: &Places) -> usize {
     if let Places::Mesh { triangles, .. } = places { triangles.len() } else { 0 }
 }
 
-fn write(args: &FeaturesArgs, subject: &DomainField, report: &FeaturesReport) -> Result<(), CommandError> {
+fn write(
+    args: &FeaturesArgs,
+    subject: &DomainField,
+    report: &FeaturesReport,
+    files: &mut Files,
+) -> Result<(), CommandError> {
     if let Some(path) = &args.output {
         match output::extension(path, &["csv", "json"])? {
-            "csv" => output::write_csv(path, &rows(report))?,
-            _ => output::write_json(path, report)?,
+            "csv" => files.write_csv(path, &rows(report))?,
+            _ => files.write_json(path, report)?,
         }
     }
     if let (Some(path), Places::Mesh { points, triangles }) = (&args.picture, &subject.places) {
@@ -196,7 +207,7 @@ fn write(args: &FeaturesArgs, subject: &DomainField, report: &FeaturesReport) ->
         let marks = report.extrema.iter().map(mark).collect();
         let scene = Scene::new(points, triangles.clone(), vec![[[0.0; 2]; 3]; triangles.len()], vec![], marks);
         let paint = Paint::field(&subject.values.to_f64(), triangles, "the field");
-        output::write_png(path, &draw_model(&scene, &paint, args.shot.shot()))?;
+        files.write_png(path, &draw_model(&scene, &paint, args.shot.shot()))?;
     }
     Ok(())
 }

@@ -2,9 +2,10 @@
 
 use crate::commands::shared::{PackArgs, SurfaceFile, WeldArgs, corner_uv, split_vertices, texture, vertices};
 use crate::error::CommandError;
+use crate::input;
+use crate::output::{self, Files};
 use crate::report::table::{counted, labelled};
 use crate::report::{SCHEMA, overlap_text};
-use crate::{input, output};
 use clap::Args;
 use cones::report::{OverlapReport, Quality};
 use cones::uv::{Parted, pack, part};
@@ -122,7 +123,10 @@ fn measured(args: &IslandsArgs, model: &Model, uv: &[[f64; 2]]) -> Result<MapRep
 
 fn write(model: &Model, uv: &[[f64; 2]], path: &Path, format: MeshFormat) -> Result<(), CommandError> {
     let file = SurfaceFile { model, uv: Some(uv), triangles: None, material: None };
-    if let Some(lost) = file.write(path, format)? {
+    let mut files = Files::new();
+    let lost = file.write(&mut files, path, format)?;
+    files.finish()?;
+    if let Some(lost) = lost {
         output::warn(&lost.to_string());
     }
     Ok(())

@@ -2,10 +2,11 @@
 
 use crate::commands::shared::{WeldArgs, corner_uv, split_vertices, texture};
 use crate::error::CommandError;
+use crate::input;
+use crate::output::{self, Files};
 use crate::render::{self, Paint, Scene};
 use crate::report::table::counted;
 use crate::report::{SCHEMA, distortion_text};
-use crate::{input, output};
 use clap::Args;
 use cones::report::{DistortionReport, IslandReport, Quality, worth_measuring};
 use geom::Model;
@@ -104,20 +105,21 @@ fn check_outputs(args: &MeasureArgs) -> Result<(), CommandError> {
 }
 
 fn write_extras(args: &MeasureArgs, surface: &Model, measured: &Measured) -> Result<(), CommandError> {
+    let mut files = Files::new();
     if let Some(path) = &args.overlap_faces {
         let mut faces: Vec<u32> = measured.quality.overlapping.iter().map(|&t| measured.face_of[t as usize]).collect();
         faces.dedup();
-        output::write_text(path, &faces.iter().map(|face| format!("{face}\n")).collect::<String>())?;
+        files.write_text(path, &faces.iter().map(|face| format!("{face}\n")).collect::<String>())?;
     }
     if let Some(path) = &args.layout {
         let (vertices, uv) = (measured.vertices.clone(), measured.uv.clone());
         let scene = Scene::new(surface.points(), vertices, uv, Vec::new(), Vec::new());
         match output::extension(path, &["png", "svg"])? {
-            "svg" => output::write_text(path, &render::draw_layout_svg(&scene, &Paint::Checker))?,
-            _ => output::write_png(path, &render::draw_layout(&scene, &Paint::Checker))?,
+            "svg" => files.write_text(path, &render::draw_layout_svg(&scene, &Paint::Checker))?,
+            _ => files.write_png(path, &render::draw_layout(&scene, &Paint::Checker))?,
         }
     }
-    Ok(())
+    files.finish()
 }
 
 /// Says that seams cannot be told from boundaries where the surface is split along them.

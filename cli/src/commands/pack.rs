@@ -2,9 +2,10 @@
 
 use crate::commands::shared::{PackArgs, SurfaceFile, corner_uv, texture};
 use crate::error::CommandError;
+use crate::input;
+use crate::output::{self, Files};
 use crate::report::SCHEMA;
 use crate::report::table::{counted, labelled};
-use crate::{input, output};
 use clap::Args;
 use cones::uv::{PackError, Packing, fill, pack};
 use geom::distortion::{Distortion, measure, unit_on_surface};
@@ -97,7 +98,10 @@ fn packing(
 
 fn write(model: &Model, uv: &[[f64; 2]], path: &Path, format: MeshFormat) -> Result<(), CommandError> {
     let file = SurfaceFile { model, uv: Some(uv), triangles: None, material: None };
-    if let Some(lost) = file.write(path, format)? {
+    let mut files = Files::new();
+    let lost = file.write(&mut files, path, format)?;
+    files.finish()?;
+    if let Some(lost) = lost {
         output::warn(&lost.to_string());
     }
     Ok(())

@@ -2,12 +2,13 @@
 
 use crate::commands::shared::{SurfaceFile, vertex_count};
 use crate::error::CommandError;
-use crate::output;
+use crate::limits;
+use crate::output::{self, Files};
 use crate::report::table::counted;
 use clap::Args;
 use geom::Model;
 use geom::shapes;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 #[derive(Args, Debug)]
 pub(crate) struct ShapeArgs {
@@ -39,8 +40,12 @@ fn shape_help() -> String {
 pub(crate) fn run(args: &ShapeArgs) -> Result<(), CommandError> {
     let format = output::surface_format(&args.output, None)?;
     output::check(&[], &[&args.output])?;
+    limits::check_memory(Path::new(&args.name), args.vertices, limits::MADE)?;
     let model = model(&args.name, args.vertices);
-    SurfaceFile { model: &model, uv: None, triangles: None, material: None }.write(&args.output, format)?;
+    let mut files = Files::new();
+    let file = SurfaceFile { model: &model, uv: None, triangles: None, material: None };
+    file.write(&mut files, &args.output, format)?;
+    files.finish()?;
     let vertices = counted(model.vertex_count(), "vertex", "vertices");
     let triangles = counted(model.face_count(), "triangle", "triangles");
     output::summary(&format!("{}: {vertices}, {triangles}, written to {}\n", args.name, args.output.display()))

@@ -4,7 +4,7 @@ use crate::commands::persistence::{DomainField, FieldArgs, PairList, Places, Wan
 use crate::commands::shared::non_negative;
 use crate::error::CommandError;
 use crate::input::{FieldScalar, Values, six_digits, write_values};
-use crate::output;
+use crate::output::{self, Files};
 use crate::report::table::thousands;
 use clap::Args;
 use std::path::PathBuf;
@@ -34,7 +34,9 @@ pub(crate) fn run(args: &SimplifyArgs) -> Result<(), CommandError> {
     subject.values = simplified;
     let after = counts(&subject, options).map_err(failure)?;
     let shape = if let Places::Array(shape) = &subject.places { shape.clone() } else { vec![subject.vertex_count()] };
-    output::write(&args.output, |out| Ok(write_values(&shape, &subject.values, out)?))?;
+    let mut files = Files::new();
+    files.write(&args.output, |out| Ok(write_values(&shape, &subject.values, out)?))?;
+    files.finish()?;
     let [minima, maxima] = [0, 1].map(|kind| format!("{} of {}", thousands(after[kind]), thousands(before[kind])));
     output::print(&format!(
         "{minima} minima and {maxima} maxima are left; no value is changed by more than {}\n",

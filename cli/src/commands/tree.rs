@@ -4,7 +4,7 @@ use crate::commands::persistence::{DirectionName, DomainField, FieldArgs, Places
 use crate::commands::shared::non_negative;
 use crate::error::CommandError;
 use crate::input::{FieldScalar, Number, each};
-use crate::output;
+use crate::output::{self, Files};
 use crate::report::SCHEMA;
 use crate::report::table::{columns, counted, thousands};
 use clap::Args;
@@ -72,10 +72,12 @@ pub(crate) fn run(args: &TreeArgs) -> Result<(), CommandError> {
     let path = args.of.input.display().to_string();
     let report = TreeReport { schema: SCHEMA, path, vertices: subject.vertex_count(), trees };
     if let Some(path) = &args.output {
+        let mut files = Files::new();
         match output::extension(path, &["csv", "json"])? {
-            "csv" => output::write_csv(path, &report.rows(&subject.places))?,
-            _ => output::write_json(path, &report)?,
+            "csv" => files.write_csv(path, &report.rows(&subject.places))?,
+            _ => files.write_json(path, &report)?,
         }
+        files.finish()?;
     }
     if args.json { output::print_json(&report) } else { output::print(&report.text(&subject.places)) }
 }

@@ -8,14 +8,14 @@ use crate::commands::shared::{
 };
 use crate::error::CommandError;
 use crate::input::{self, cone_file};
-use crate::output;
+use crate::output::{self, Files};
 use crate::progress::Progress;
-use crate::render::{self, Paint, Scene};
+use crate::render::{self, Paint, Picture, Scene};
 use crate::report::table::labelled;
 use crate::report::{Times, UnwrapReport};
 use clap::{ArgGroup, Args, ValueEnum};
 use cones::uv::PackOptions;
-use cones::{ConeChoice, Islands, Options};
+use cones::{ConeChoice, ConeOrder, Islands, Options};
 use geom::io::MeshFormat;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
@@ -156,21 +156,21 @@ fn run_one(args: &UnwrapArgs, output: &Path) -> Result<(), CommandError> {
     let job = Job { args, input, output, format };
     let progress = Progress::begin(&input.display().to_string());
     let began = Instant::now();
-    let (unwrapped, times) = job.unwrap(&progress)?;
+    let (mut unwrapped, times) = job.unwrap(&progress)?;
+    let extras = Extras::new(args, input, &unwrapped, &progress)?;
+    let draw = extras.draw;
+    progress.step("write");
     let start = Instant::now();
-    write_extras(args, input, &unwrapped)?;
-    let write = times.write.map(|write| write + start.elapsed().as_secs_f64());
-    let mut draw = draw(args, &unwrapped, &progress)?;
-    if let Some(path) = args.page()? {
-        let start = Instant::now();
-        output::write_text(path, &page_file::html(input, &unwrapped, &progress)?)?;
-        draw = Some(draw.unwrap_or(0.0) + start.elapsed().as_secs_f64());
-    }
+    let mut files = Files::new();
+    job.write(&mut unwrapped, &mut files)?;
+    extras.write(args, &unwrapped, &mut files)?;
+    let write = Some(start.elapsed().as_secs_f64());
     let total = Some(began.elapsed().as_secs_f64());
     let report = unwrapped.report(input, Times { write, draw, total, ..times });
     if let (Some(path), None) = (&args.report, args.page()?) {
-        output::write_json(path, &report)?;
+        files.write_json(path, &report)?;
     }
+    files.finish()?;
     progress.finish();
     unwrapped.warn();
     if args.json { output::print_json(&report) } else { output::summary(&summary(&report, args, output)) }
@@ -185,9 +185,9 @@ struct Job<'a> {
 }
 
 impl Job<'_> {
-    /// Reads, unwraps and writes it; the times of reading and writing.
+    /// Reads and unwraps it; the time of reading.
     fn unwrap(&self, progress: &Progress) -> Result<(Unwrapped, Times), CommandError> {
-        let Self { args, input, output, format } = *self;
+        let Self { args, input, format, .. } = *self;
         let mut options = options(args, input)?;
         let edges = args.seams.read(&mut options)?;
         let (model, read) = input::read_model(input)?;
@@ -200,7 +200,12 @@ impl Job<'_> {
         } else if unwrapped.has_overlapping_polygons() {
             unwrapped = unwrapped.triangulated(input, args.scale, progress).map_err(|error| edges.place(error))?;
         }
-        progress.step("write");
+        Ok((unwrapped, Times { read: Some(read), ..Times::default() }))
+    }
+
+    /// Writes it, with its checkerboard, and notes what the format does not hold; how many seconds that took.
+    fn write(&self, unwrapped: &mut Unwrapped, files: &mut Files) -> Result<f64, CommandError> {
+        let Self { args, output, format, .. } = *self;
         let start = Instant::now();
         let triangles = args.triangulate.then(|| unwrapped.model.triangles());
         let checker = args.checker(output);
@@ -210,11 +215,10 @@ impl Job<'_> {
             triangles: triangles.as_ref(),
             material: checker.as_ref().map(CheckerFiles::material),
         };
-        let lost = file.write(output, format)?;
-        checker.as_ref().map_or(Ok(()), CheckerFiles::write)?;
+        let lost = file.write(files, output, format)?;
+        checker.as_ref().map_or(Ok(()), |checker| checker.write(files))?;
         unwrapped.map.flaws.extend(lost.map(|lost| lost.to_string()));
-        let write = Some(start.elapsed().as_secs_f64());
-        Ok((unwrapped, Times { read: Some(read), write, ..Times::default() }))
+        Ok(start.elapsed().as_secs_f64())
     }
 }
 
@@ -292,44 +296,72 @@ fn outputs<'a>(args: &'a UnwrapArgs, output: &'a Path) -> Vec<&'a Path> {
     std::iter::once(output).chain(extras.into_iter().flatten().map(|p| &**p)).collect()
 }
 
-fn write_extras(args: &UnwrapArgs, input: &Path, unwrapped: &Unwrapped) -> Result<(), CommandError> {
-    if let Some(path) = &args.cones_out {
-        output::write_text(path, &cone_file::text(&unwrapped.map.atlas.cones))?;
-    }
-    if let Some(path) = &args.hierarchy {
-        let order = args.candidates.order(&unwrapped.analysis, unwrapped.map.atlas.cones.len());
-        let order = order.map_err(|error| CommandError::Unwrap { path: input.to_owned(), error })?;
-        write_hierarchy(path, order)?;
-    }
-    if let Some(path) = &args.vtp {
-        output::write_text(path, &vtp_text(unwrapped))?;
-    }
-    Ok(())
+/// What other files than the surface hold, as far as it takes long: it is there before anything is written.
+struct Extras {
+    order: Option<ConeOrder>,
+    picture: Option<Picture>,
+    layout: Option<Drawing>,
+    page: Option<String>,
+    /// How many seconds pictures and page took.
+    draw: Option<f64>,
 }
 
-/// Draws what is asked for; how many seconds that took.
-fn draw(args: &UnwrapArgs, unwrapped: &Unwrapped, progress: &Progress) -> Result<Option<f64>, CommandError> {
-    if args.picture.is_none() && args.layout.is_none() {
-        return Ok(None);
-    }
-    progress.step("draw");
-    let start = Instant::now();
-    let scene = unwrapped.scene();
-    let paint = unwrapped.paint(args.colour, &scene);
-    if let Some(path) = &args.picture {
-        output::write_png(path, &render::draw_model(&scene, &paint, args.shot.shot()))?;
-    }
-    if let Some(path) = &args.layout {
-        write_layout(path, &scene, &paint)?;
-    }
-    Ok(Some(start.elapsed().as_secs_f64()))
+/// A layout in either form.
+enum Drawing {
+    Pixels(Picture),
+    Svg(String),
 }
 
-fn write_layout(path: &Path, scene: &Scene, paint: &Paint) -> Result<(), CommandError> {
-    match output::extension(path, &["png", "svg"])? {
-        "svg" => output::write_text(path, &render::draw_layout_svg(scene, paint)),
-        _ => output::write_png(path, &render::draw_layout(scene, paint)),
+impl Extras {
+    fn new(args: &UnwrapArgs, input: &Path, unwrapped: &Unwrapped, progress: &Progress) -> Result<Self, CommandError> {
+        let order = args.hierarchy.as_ref();
+        let order = order.map(|_| args.candidates.order(&unwrapped.analysis, unwrapped.map.atlas.cones.len()));
+        let order = order.transpose().map_err(|error| CommandError::Unwrap { path: input.to_owned(), error })?;
+        let start = Instant::now();
+        let (mut picture, mut layout) = (None, None);
+        if args.picture.is_some() || args.layout.is_some() {
+            progress.step("draw");
+            let scene = unwrapped.scene();
+            let paint = unwrapped.paint(args.colour, &scene);
+            picture = args.picture.as_ref().map(|_| render::draw_model(&scene, &paint, args.shot.shot()));
+            layout = args.layout.as_ref().map(|path| drawn_layout(path, &scene, &paint)).transpose()?;
+        }
+        let page = args.page()?.map(|_| page_file::html(input, unwrapped, progress)).transpose()?;
+        let is_drawn = picture.is_some() || layout.is_some() || page.is_some();
+        let draw = is_drawn.then(|| start.elapsed().as_secs_f64());
+        Ok(Self { order, picture, layout, page, draw })
     }
+
+    fn write(self, args: &UnwrapArgs, unwrapped: &Unwrapped, files: &mut Files) -> Result<(), CommandError> {
+        if let Some(path) = &args.cones_out {
+            files.write_text(path, &cone_file::text(&unwrapped.map.atlas.cones))?;
+        }
+        if let (Some(path), Some(order)) = (&args.hierarchy, self.order) {
+            write_hierarchy(files, path, order)?;
+        }
+        if let Some(path) = &args.vtp {
+            files.write_text(path, &vtp_text(unwrapped))?;
+        }
+        if let (Some(path), Some(picture)) = (&args.picture, self.picture) {
+            files.write_png(path, &picture)?;
+        }
+        match (&args.layout, self.layout) {
+            (Some(path), Some(Drawing::Svg(text))) => files.write_text(path, &text)?,
+            (Some(path), Some(Drawing::Pixels(picture))) => files.write_png(path, &picture)?,
+            _ => {}
+        }
+        if let (Some(path), Some(page)) = (args.page()?, self.page) {
+            files.write_text(path, &page)?;
+        }
+        Ok(())
+    }
+}
+
+fn drawn_layout(path: &Path, scene: &Scene, paint: &Paint) -> Result<Drawing, CommandError> {
+    Ok(match output::extension(path, &["png", "svg"])? {
+        "svg" => Drawing::Svg(render::draw_layout_svg(scene, paint)),
+        _ => Drawing::Pixels(render::draw_layout(scene, paint)),
+    })
 }
 
 fn summary(report: &UnwrapReport, args: &UnwrapArgs, output: &Path) -> String {

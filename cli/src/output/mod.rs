@@ -1,51 +1,21 @@
-//! What the command writes: files, whole or not at all, and standard output.
-//!
-//! Every file is written under another name and renamed. An interrupt that comes meanwhile waits for that file, then
-//! ends the command with exit code 130; at any other moment it ends it at once.
+//! What the command writes: files, all and whole or none, and standard output.
 
 mod file;
+mod signal;
+
+pub(crate) use file::Files;
+pub(crate) use signal::end_cleanly_on_signals;
 
 use crate::error::CommandError;
-use crate::render::Picture;
 use anstyle::{AnsiColor, Style};
-use geom::io::{MeshFormat, WriteError};
+use geom::io::MeshFormat;
 use std::error::Error;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
-use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError, TryLockError};
-use std::time::Duration;
+use std::sync::OnceLock;
 
 /// What stands for standard output, or standard input, in place of a file.
 pub(crate) const STANDARD: &str = "-";
-
-/// Held while a file is being written.
-static WRITING: Mutex<()> = Mutex::new(());
-
-/// The exit code after an interrupt, 128 + SIGINT as shells give it.
-const INTERRUPTED: i32 = 130;
-
-/// An interrupt waits so many times so long for a file: it may be a pipe that nobody reads.
-const PATIENCE: u32 = 100;
-const BREATH: Duration = Duration::from_millis(50);
-
-/// From here on an interrupt leaves no half file behind.
-pub(crate) fn end_cleanly_on_interrupt() {
-    // Without a handler the command still ends, only less tidily: nothing to tell the user.
-    let _ = ctrlc::set_handler(|| {
-        for _ in 0..PATIENCE {
-            match WRITING.try_lock() {
-                Err(TryLockError::WouldBlock) => std::thread::sleep(BREATH),
-                _idle => std::process::exit(INTERRUPTED),
-            }
-        }
-        std::process::exit(INTERRUPTED);
-    });
-}
-
-/// Lets an interrupt wait as long as this is held.
-fn busy() -> MutexGuard<'static, ()> {
-    WRITING.lock().unwrap_or_else(PoisonError::into_inner)
-}
 
 /// The style that clap gives its errors.
 const ERROR: Style = AnsiColor::Red.on_default().bold();
@@ -74,35 +44,6 @@ pub(crate) fn speak(volume: Volume) {
 
 pub(crate) fn volume() -> Volume {
     VOLUME.get().copied().unwrap_or_default()
-}
-
-/// Writes a file, whole or not at all.
-pub(crate) fn write(
-    path: &Path,
-    content: impl FnOnce(&mut dyn Write) -> Result<(), WriteError>,
-) -> Result<(), CommandError> {
-    let _busy = busy();
-    file::write(path, content)
-}
-
-/// Writes a text file.
-pub(crate) fn write_text(path: &Path, text: &str) -> Result<(), CommandError> {
-    write(path, |out| Ok(out.write_all(text.as_bytes())?))
-}
-
-/// Writes a value as JSON.
-pub(crate) fn write_json(path: &Path, value: &impl serde::Serialize) -> Result<(), CommandError> {
-    write_text(path, &json(value))
-}
-
-/// Writes rows of comma-separated values.
-pub(crate) fn write_csv(path: &Path, rows: &[Vec<String>]) -> Result<(), CommandError> {
-    write_text(path, &csv(rows))
-}
-
-/// Writes a picture.
-pub(crate) fn write_png(path: &Path, picture: &Picture) -> Result<(), CommandError> {
-    write(path, |out| Ok(picture.write_png(out)?))
 }
 
 /// Writes a result to standard output.
@@ -208,8 +149,8 @@ pub(crate) fn check(inputs: &[&Path], outputs: &[&Path]) -> Result<(), CommandEr
             return Err(CommandError::OutputTwice(path.to_owned()));
         }
     }
-    let _busy = busy();
-    outputs.iter().try_for_each(|path| file::check(path))
+    let mut files = Files::new();
+    outputs.iter().try_for_each(|path| files.check(path))
 }
 
 /// The ending of a file's name in lower case, if it is one of those wanted; a device or a pipe needs none and gets the first.

@@ -51,7 +51,9 @@ fn a_picture_that_claims_gigabytes_in_kilobytes_is_refused() {
 mod unix {
     use super::*;
     use std::os::unix::fs::{PermissionsExt, symlink};
-    use std::process::{Command, Output, Stdio};
+    use std::process::{Child, Command, Output, Stdio};
+    use std::thread::sleep;
+    use std::time::{Duration, Instant};
 
     /// Runs the command by a shell that has done something before.
     fn shell(folder: &Folder, before: &str, args: &str) -> Output {
@@ -154,6 +156,121 @@ mod unix {
         if !codes.contains(&1) {
             println!("skipped: memory cannot be limited here");
         }
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn a_shape_that_memory_cannot_hold_is_refused_in_a_sentence() {
+        let folder = Folder::new();
+        let done = shell(&folder, "ulimit -v 300000", "shape sphere --vertices 3000000 -o out.obj");
+        assert_eq!(done.status.code(), Some(1));
+        let told = String::from_utf8_lossy(&done.stderr);
+        assert!(
+            told.starts_with("error: sphere has 3000000 vertices, which need more than 414 MB of memory"),
+            "{told}"
+        );
+        assert_eq!(told.lines().count(), 1, "{told}");
+    }
+
+    /// A running command that has written some of its files and waits for somebody to read the next one, `pipe.vtp`.
+    fn waiting(folder: &Folder, before: &str) -> Child {
+        assert!(Command::new("mkfifo").arg(folder.path("pipe.vtp")).status().expect("there is a mkfifo").success());
+        let args = "unwrap hare.obj -n 6 -o out.obj --checker --cones-out cones.txt --vtp pipe.vtp --report out.json --layout out.svg";
+        let script = format!("{before}\nexec \"$0\" {args}");
+        let mut shell = Command::new("sh");
+        shell.args(["-c", &script, PROGRAM]).current_dir(folder.root()).stdout(Stdio::null());
+        let running = shell.spawn().expect("there is a shell");
+        // The surface, a material, its picture, and the cones.
+        while unfinished(folder).len() < 4 {
+            sleep(Duration::from_millis(5));
+        }
+        running
+    }
+
+    fn send(signal: &str, to: &Child) {
+        assert!(Command::new("kill").args([signal, &to.id().to_string()]).status().expect("there is a kill").success());
+    }
+
+    /// Whether who started the tests had closed terminals ignored, as `nohup` does: who is started by them does the same.
+    fn is_under_nohup() -> bool {
+        let status = fs::read_to_string("/proc/self/status").unwrap_or_default();
+        status
+            .lines()
+            .any(|line| line.starts_with("SigIgn:") && line.ends_with(['1', '3', '5', '7', '9', 'b', 'd', 'f']))
+    }
+
+    #[test]
+    fn a_signal_leaves_everything_as_it_was() {
+        let mut signals = vec![("-INT", 130), ("-TERM", 143)];
+        if cfg!(target_os = "linux") && !is_under_nohup() {
+            signals.push(("-HUP", 129));
+        }
+        for (signal, code) in signals {
+            let folder = Folder::with_shapes();
+            folder.write("out.obj", "before");
+            let mut running = waiting(&folder, "");
+            let names = folder.names();
+            let began = Instant::now();
+            send(signal, &running);
+            assert_eq!(running.wait().expect("it ends").code(), Some(code), "{signal}");
+            assert!(began.elapsed() < Duration::from_secs(4), "{signal}");
+            assert_eq!(folder.read("out.obj"), "before");
+            let left: Vec<String> = names.into_iter().filter(|name| !name.starts_with('.')).collect();
+            assert_eq!(folder.names(), left, "{signal}");
+        }
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn what_nohup_starts_outlives_its_terminal() {
+        let folder = Folder::with_shapes();
+        let mut running = waiting(&folder, "trap '' HUP");
+        send("-HUP", &running);
+        assert!(!fs::read(folder.path("pipe.vtp")).expect("it is written to").is_empty());
+        assert!(running.wait().expect("it ends").success());
+        assert!(folder.read("out.obj").contains("vt ") && folder.path("out.json").exists());
+    }
+
+    #[test]
+    fn a_signal_does_not_wait_for_a_large_file() {
+        let folder = Folder::new();
+        let mut command = Command::new(PROGRAM);
+        command.args(["shape", "sphere", "--vertices", "2000000", "-o", "out.obj.gz"]).current_dir(folder.root());
+        let mut running = command.spawn().expect("the command starts");
+        while unfinished(&folder).is_empty() {
+            sleep(Duration::from_millis(5));
+        }
+        send("-INT", &running);
+        assert_eq!(running.wait().expect("it ends").code(), Some(130));
+        assert_eq!(folder.names(), Vec::<String>::new());
+    }
+
+    #[test]
+    fn where_one_file_cannot_be_written_none_is() {
+        if !Path::new("/dev/full").exists() {
+            println!("skipped: there is no /dev/full here");
+            return;
+        }
+        let folder = Folder::with_shapes();
+        symlink("/dev/full", folder.path("full.vtp")).expect("links can be made");
+        folder.write("out.obj", "before");
+        let names = folder.names();
+        let args = [
+            "unwrap",
+            "hare.obj",
+            "-n",
+            "6",
+            "-o",
+            "out.obj",
+            "--checker",
+            "--report",
+            "out.json",
+            "--vtp",
+            "full.vtp",
+        ];
+        let complaint = folder.complaint(&args);
+        assert!(complaint.contains("full.vtp cannot be written"), "{complaint}");
+        assert_eq!((folder.read("out.obj"), folder.names()), ("before".to_owned(), names));
     }
 
     #[test]

@@ -21,8 +21,9 @@ pub(crate) use variant::{Flattening, Variant};
 
 use crate::commands::shape;
 use crate::error::CommandError;
+use crate::input;
+use crate::output::{self, Files};
 use crate::progress::Progress;
-use crate::{input, output};
 use args::Format;
 use claims::{Claim, claims};
 use plan::{Plan, Plans};
@@ -81,7 +82,11 @@ pub(crate) fn run(args: &CompareArgs) -> Result<(), CommandError> {
         output::note(&text::legend(&comparison));
     }
     match &args.output {
-        Some(path) => output::write_text(path, &written),
+        Some(path) => {
+            let mut files = Files::new();
+            files.write_text(path, &written)?;
+            files.finish()
+        }
         None => output::print(&written),
     }
 }

@@ -5,7 +5,7 @@ mod gallery;
 use crate::commands::shape;
 use crate::commands::shared::{CheckerFiles, Scale, Unwrapped};
 use crate::error::CommandError;
-use crate::output;
+use crate::output::{self, Files};
 use crate::progress::Progress;
 use crate::render::{self, Paint, Shot};
 use crate::report::table;
@@ -46,10 +46,12 @@ pub(crate) fn run(args: &DemoArgs) -> Result<(), CommandError> {
     let folder = &args.folder;
     make_folder(folder)?;
     // The page first: it marks the folder as a demo's, should the rest be interrupted.
-    output::write_text(&folder.join(gallery::NAME), &gallery::text(&EXHIBITS.map(|e| e.shape)))?;
+    let mut files = Files::new();
+    files.write_text(&folder.join(gallery::NAME), &gallery::text(&EXHIBITS.map(|e| e.shape)))?;
     // The texture that the written shapes refer to.
     let checker = CheckerFiles::beside(&folder.join("checker.obj"));
-    checker.write()?;
+    checker.write(&mut files)?;
+    files.finish()?;
     let reports =
         EXHIBITS.iter().map(|exhibit| show(exhibit, folder, checker.material())).collect::<Result<Vec<_>, _>>()?;
     if args.json {
@@ -78,19 +80,23 @@ fn show(exhibit: &Exhibit, folder: &Path, material: Material) -> Result<UnwrapRe
     let file = |ending: &str| folder.join(format!("{}{ending}", exhibit.shape));
     let options = Options { cones: ConeChoice::Count(exhibit.cones), ..Options::default() };
     let unwrapped = Unwrapped::new(Path::new(exhibit.shape), model, options, Scale::Unit, &progress)?;
-    progress.step("write");
-    let start = Instant::now();
-    let content = ObjContent { uv: Some(&unwrapped.map.uv), material: Some(material), ..ObjContent::default() };
-    output::write(&file(".obj"), |out| write_obj(&unwrapped.model, &content, out))?;
-    let write = Some(start.elapsed().as_secs_f64());
     progress.step("draw");
     let start = Instant::now();
     let scene = unwrapped.scene();
-    output::write_png(&file(".png"), &render::draw_model(&scene, &Paint::Checker, Shot::default()))?;
-    output::write_png(&file("-layout.png"), &render::draw_layout(&scene, &Paint::Checker))?;
+    let picture = render::draw_model(&scene, &Paint::Checker, Shot::default());
+    let layout = render::draw_layout(&scene, &Paint::Checker);
     let draw = Some(start.elapsed().as_secs_f64());
+    progress.step("write");
+    let start = Instant::now();
+    let mut files = Files::new();
+    let content = ObjContent { uv: Some(&unwrapped.map.uv), material: Some(material), ..ObjContent::default() };
+    files.write(&file(".obj"), |out| write_obj(&unwrapped.model, &content, out))?;
+    files.write_png(&file(".png"), &picture)?;
+    files.write_png(&file("-layout.png"), &layout)?;
+    let write = Some(start.elapsed().as_secs_f64());
     let report = unwrapped.report(Path::new(exhibit.shape), Times { write, draw, ..Times::default() });
-    output::write_json(&file(".json"), &report)?;
+    files.write_json(&file(".json"), &report)?;
+    files.finish()?;
     progress.finish();
     unwrapped.warn();
     Ok(report)

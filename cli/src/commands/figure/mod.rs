@@ -12,10 +12,11 @@ use crate::commands::compare::Variant;
 use crate::commands::shape;
 use crate::commands::shared::{ColourName, vertex_count, whole};
 use crate::error::CommandError;
+use crate::input;
+use crate::output::{self, Files};
 use crate::progress::Progress;
 use crate::render::{Picture, View};
 use crate::report::table::counted;
-use crate::{input, output};
 use clap::{Args, ValueEnum};
 use cones::MOST_ORDERED;
 use geom::Model;
@@ -100,20 +101,23 @@ pub(crate) fn run(args: &FigureArgs) -> Result<(), CommandError> {
         output::extension(&args.output, &["png"])?;
         output::check(&inputs, &[&args.output])?;
     }
-    let mut printed = String::new();
+    let (mut pictures, mut printed) = (Vec::new(), String::new());
     for (which, name, file) in args.files() {
         let progress = Progress::begin(&file.display().to_string());
         progress.step("draw");
         let exhibits = args.exhibits(which, name)?;
         let (picture, figured) = drawn(args, which, &exhibits)?;
         progress.finish();
-        output::write_png(&file, &picture)?;
         printed += &format!("{}\n", file.display());
         for Figured { column, lines } in figured {
             let told = if lines.is_empty() { String::new() } else { format!(": {}", lines.join("; ")) };
             printed += &format!("  {column}{told}\n");
         }
+        pictures.push((file, picture));
     }
+    let mut files = Files::new();
+    pictures.iter().try_for_each(|(file, picture)| files.write_png(file, picture))?;
+    files.finish()?;
     output::print(&printed)
 }
 

@@ -17,7 +17,7 @@ pub(crate) use report::PairingTimes;
 pub(crate) use shown::html;
 
 use crate::error::CommandError;
-use crate::output;
+use crate::output::{self, Files};
 use report::PersistenceReport;
 use std::path::Path;
 use std::time::Instant;
@@ -103,31 +103,36 @@ fn write(
     lists: &[PairList],
     report: &PersistenceReport,
 ) -> Result<(), CommandError> {
+    let page = match &args.report {
+        Some(path) => Some((path, html(path, subject, &lists.iter().collect::<Vec<_>>(), options(args))?)),
+        None => None,
+    };
+    let mut files = Files::new();
     if let Some(path) = &args.pairs {
         match output::extension(path, &["csv", "json", "vtp"])? {
-            "csv" => output::write_csv(path, &report::rows(lists, &subject.places))?,
-            "json" => output::write_json(path, report)?,
-            _ => output::write_text(path, &vtp::text(lists, &subject.places))?,
+            "csv" => files.write_csv(path, &report::rows(lists, &subject.places))?,
+            "json" => files.write_json(path, report)?,
+            _ => files.write_text(path, &vtp::text(lists, &subject.places))?,
         }
     }
     let title = subject.path.file_name().map(|name| name.to_string_lossy()).unwrap_or_default();
     if let Some(path) = &args.diagram {
-        output::write_text(path, &diagram::diagram(lists, &title))?;
+        files.write_text(path, &diagram::diagram(lists, &title))?;
     }
     if let Some(path) = &args.barcode {
-        output::write_text(path, &diagram::barcode(lists, &title, args.bars))?;
+        files.write_text(path, &diagram::barcode(lists, &title, args.bars))?;
     }
     if let (Some(path), Some(shape)) = (&args.picture, shape_of_picture(&subject.places)) {
         let most = args.top.unwrap_or(MARKS);
-        output::write_png(path, &picture::marked(&subject.values.to_f64(), shape, lists, most))?;
+        files.write_png(path, &picture::marked(&subject.values.to_f64(), shape, lists, most))?;
     }
-    if let Some(path) = &args.report {
-        output::write_text(path, &html(path, subject, &lists.iter().collect::<Vec<_>>(), options(args))?)?;
+    if let Some((path, page)) = page {
+        files.write_text(path, &page)?;
     }
     if let (Some(path), &[kind]) = (&args.segmentation, args.direction.kinds()) {
-        segments::write(path, subject, kind, options(args), args.min_persistence)?;
+        segments::write(&mut files, path, subject, kind, options(args), args.min_persistence)?;
     }
-    Ok(())
+    files.finish()
 }
 
 /// Rows and columns, if vertices are pixels.

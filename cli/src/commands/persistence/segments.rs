@@ -5,7 +5,7 @@ use super::field::{DomainField, Places, on};
 use super::picture::segmented;
 use crate::error::CommandError;
 use crate::input::{FieldScalar, each, write_labels};
-use crate::output;
+use crate::output::{self, Files};
 use crate::render::encode_hue;
 use std::io::{self, Write};
 use std::path::Path;
@@ -24,6 +24,7 @@ pub(super) fn check(path: &Path, places: &Places) -> Result<(), CommandError> {
 
 /// Writes the segments of the extrema that are more persistent than a threshold, in a form that was [checked](check).
 pub(super) fn write(
+    files: &mut Files,
     path: &Path,
     subject: &DomainField,
     kind: Kind,
@@ -35,15 +36,15 @@ pub(super) fn write(
     match (output::extension(path, &["npy", "ply", "png"])?, &subject.places) {
         ("ply", Places::Mesh { points, triangles }) => {
             let colours: Vec<[u8; 3]> = segments.labels().map(colour).collect();
-            output::write(path, |out| Ok(write_ply(points, triangles, &colours, out)?))
+            files.write(path, |out| Ok(write_ply(points, triangles, &colours, out)?))
         }
         ("png", Places::Array(shape)) if shape.len() == 2 => {
             let picture = segmented(segments.labels().map(colour), &subject.values.to_f64(), [shape[0], shape[1]]);
-            output::write_png(path, &picture)
+            files.write_png(path, &picture)
         }
         (_, places) => {
             let shape = if let Places::Array(shape) = places { shape.clone() } else { vec![subject.vertex_count()] };
-            output::write(path, |out| Ok(write_labels(&shape, segments.labels().map(extremum), out)?))
+            files.write(path, |out| Ok(write_labels(&shape, segments.labels().map(extremum), out)?))
         }
     }
 }

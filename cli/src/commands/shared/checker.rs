@@ -1,7 +1,7 @@
 //! A checkerboard beside an OBJ.
 
 use crate::error::CommandError;
-use crate::output;
+use crate::output::Files;
 use crate::render;
 use geom::io::Material;
 use std::path::{Path, PathBuf};
@@ -34,11 +34,11 @@ impl CheckerFiles {
         Material { library: &self.library, name: NAME }
     }
 
-    pub(crate) fn write(&self) -> Result<(), CommandError> {
+    pub(crate) fn write(&self, files: &mut Files) -> Result<(), CommandError> {
         let picture = file_name(&self.picture);
         let text = format!("newmtl {NAME}\nKa 0 0 0\nKd 1 1 1\nKs 0 0 0\nillum 1\nmap_Kd {picture}\n");
-        output::write_text(&self.material, &text)?;
-        output::write_png(&self.picture, &render::Checker::texture())
+        files.write_text(&self.material, &text)?;
+        files.write_png(&self.picture, &render::Checker::texture())
     }
 }
 

@@ -1,7 +1,7 @@
 //! The file of the cone hierarchy, for the commands that write one.
 
 use crate::error::CommandError;
-use crate::output;
+use crate::output::{self, Files};
 use crate::report::{HierarchyFile, hierarchy_rows};
 use cones::ConeOrder;
 use std::path::Path;
@@ -10,9 +10,9 @@ use std::path::Path;
 pub(crate) const HIERARCHY_ENDINGS: [&str; 2] = ["json", "csv"];
 
 /// Writes an order of cones in the format of the file's ending.
-pub(crate) fn write_hierarchy(path: &Path, order: ConeOrder) -> Result<(), CommandError> {
+pub(crate) fn write_hierarchy(files: &mut Files, path: &Path, order: ConeOrder) -> Result<(), CommandError> {
     match output::extension(path, &HIERARCHY_ENDINGS)? {
-        "csv" => output::write_csv(path, &hierarchy_rows(&order)),
-        _ => output::write_json(path, &HierarchyFile::new(order)),
+        "csv" => files.write_csv(path, &hierarchy_rows(&order)),
+        _ => files.write_json(path, &HierarchyFile::new(order)),
     }
 }

@@ -1,7 +1,8 @@
 //! A surface as a file in any of the formats that are written.
 
 use crate::error::CommandError;
-use crate::{output, render};
+use crate::output::Files;
+use crate::render;
 use clap::ValueEnum;
 use geom::io::{Material, MeshFormat, NotKept, ObjContent, not_kept, write_glb, write_obj, write_ply};
 use geom::{Model, Triangles};
@@ -42,18 +43,23 @@ pub(crate) struct SurfaceFile<'a> {
 
 impl SurfaceFile<'_> {
     /// Writes it; what the format does not hold of it.
-    pub(crate) fn write(&self, path: &Path, format: MeshFormat) -> Result<Option<NotKept>, CommandError> {
+    pub(crate) fn write(
+        &self,
+        files: &mut Files,
+        path: &Path,
+        format: MeshFormat,
+    ) -> Result<Option<NotKept>, CommandError> {
         let &Self { model, uv, triangles, material } = self;
         match format {
-            MeshFormat::Ply => output::write(path, |out| write_ply(model, uv, triangles, out))?,
+            MeshFormat::Ply => files.write(path, |out| write_ply(model, uv, triangles, out))?,
             MeshFormat::Glb => {
                 let own = model.triangles();
                 let texture = uv.map(|_| render::Checker::texture().png()).transpose();
-                output::write(path, |out| write_glb(model, uv, triangles.unwrap_or(&own), texture?.as_deref(), out))?;
+                files.write(path, |out| write_glb(model, uv, triangles.unwrap_or(&own), texture?.as_deref(), out))?;
             }
             MeshFormat::Obj => {
                 let content = ObjContent { uv, triangles, material };
-                output::write(path, |out| write_obj(model, &content, out))?;
+                files.write(path, |out| write_obj(model, &content, out))?;
             }
         }
         Ok(not_kept(model, format))

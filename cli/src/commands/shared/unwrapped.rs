@@ -60,7 +60,7 @@ impl Unwrapped {
         scale: Scale,
         progress: &Progress,
     ) -> Result<Self, CommandError> {
-        limits::check_memory(path, model.vertex_count())?;
+        limits::check_memory(path, model.vertex_count(), limits::UNWRAPPED)?;
         let failed = |error| CommandError::Unwrap { path: path.to_owned(), error };
         let (analysis, atlas) = Analysis::unwrapped(&model, &options, progress.observer()).map_err(failed)?;
         let model = match analysis.refined() {

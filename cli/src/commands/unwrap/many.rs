@@ -8,10 +8,11 @@ mod names;
 use super::{Job, UnwrapArgs, check_checker};
 use crate::commands::shared::Unwrapped;
 use crate::error::CommandError;
+use crate::limits;
+use crate::output::{self, Files};
 use crate::progress::Progress;
 use crate::report::table::{counted, labelled, thousands};
 use crate::report::{SCHEMA, Times, UnwrapReport};
-use crate::{limits, output};
 use geom::io::MeshFormat;
 use names::{Target, targets};
 use serde::Serialize;
@@ -150,7 +151,12 @@ fn unwrap(args: &UnwrapArgs, inputs: &HashSet<PathBuf>, target: &Target) -> Resu
     }
     output::check(&[input], &[output])?;
     let progress = Progress::begin_one_of_many(&input.display().to_string());
-    let (unwrapped, times): (Unwrapped, Times) = Job { args, input, output, format: *format }.unwrap(&progress)?;
+    let job = Job { args, input, output, format: *format };
+    let (mut unwrapped, times): (Unwrapped, Times) = job.unwrap(&progress)?;
+    let mut files = Files::new();
+    progress.step("write");
+    let times = Times { write: Some(job.write(&mut unwrapped, &mut files)?), ..times };
+    files.finish()?;
     let total = Some(start.elapsed().as_secs_f64());
     let report = unwrapped.report(input, Times { total, ..times });
     Ok(Done { warnings: unwrapped.warnings(), report })

@@ -63,7 +63,7 @@ pub(crate) fn run(args: &ViewArgs) -> Result<(), CommandError> {
     let options = args.candidates.options_for(input);
     let progress = Progress::begin(&input.display().to_string());
     let (model, _) = read_model(input)?;
-    limits::check_memory(input, model.vertex_count())?;
+    limits::check_memory(input, model.vertex_count(), limits::UNWRAPPED)?;
     let failed = |error| CommandError::Unwrap { path: input.clone(), error };
     let analysis = Analysis::observed(&model, options.preparation, progress.observer()).map_err(failed)?;
     progress.finish();
