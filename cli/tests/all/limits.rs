@@ -181,7 +181,9 @@ mod unix {
         shell.args(["-c", &script, PROGRAM]).current_dir(folder.root()).stdout(Stdio::null());
         let running = shell.spawn().expect("there is a shell");
         // The surface, a material, its picture, and the cones.
+        let began = Instant::now();
         while unfinished(folder).len() < 4 {
+            assert!(began.elapsed() < Duration::from_secs(60), "{:?} wait for their names", unfinished(folder));
             sleep(Duration::from_millis(5));
         }
         running
