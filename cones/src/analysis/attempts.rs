@@ -531,6 +531,15 @@ mod tests {
     }
 
     #[test]
+    fn near_numbers_are_tried_for_a_few_fold_overs() {
+        assert_eq!(near_counts(12, 9999), [13, 16, 24]);
+        assert_eq!(near_counts(3, 9999), [4, 6]);
+        assert_eq!(near_counts(1, 9999), [2]);
+        assert_eq!(near_counts(0, 9999), [1]);
+        assert_eq!(near_counts(12, 14), [13]);
+    }
+
+    #[test]
     fn more_cones_are_tried_for_a_metric_and_fewer_too_for_needles() {
         assert_eq!(other_counts(8, 9999, &Failure::Stretched { log: 9.0 }), [16, 32, 64, 128, 256, 512]);
         assert_eq!(other_counts(0, 9999, &Failure::Metric), [4, 8, 16, 32, 64, 128, 256, 512]);
