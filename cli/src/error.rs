@@ -70,10 +70,6 @@ pub(crate) enum CommandError {
     NoEdges(PathBuf),
     #[error("{} has no texture coordinates whose seams --keep-seams could keep: leave it out", told(.0))]
     NoSeamsToKeep(PathBuf),
-    #[error(
-        "--free-seams always lets the two sides of seams differ, --quantize keeps them alike: leave one of the two out"
-    )]
-    FreeAndQuantized,
     #[error("{option} is for {of}, which {} is not: leave it out", path.display())]
     Misplaced { path: PathBuf, option: &'static str, of: &'static str },
     #[error("{} has no axis {axis}, only {axes}: x is the last, y the one before", told(path))]

@@ -128,6 +128,7 @@ enum IslandsName {
 
 pub(crate) fn run(args: &UnwrapArgs) -> Result<(), CommandError> {
     args.packing.check();
+    args.seams.check();
     check_max_seam(args);
     args.candidates.warn_of_idle_smoothing();
     match (&args.many.out_dir, &args.output) {

@@ -24,8 +24,9 @@ const DETACHED_AT_ONCE: usize = 1000;
 /// Other cones end the search if they have at most this many times the area distortion that was predicted for the chosen
 /// ones, at most this quasi-conformal distortion, and no more than [`MOST_DETACHED`].
 const GOOD_ENOUGH: f64 = 1.25;
-/// A surface is rough where the curvature at its vertices, whatever its sign, is greater than this by the mean over its area: .9 to 1.4 on that
-/// ball and rougher ones, .06 to .9 on gears and other parts of few triangles, .007 on a dragon, of which as much is measured as is predicted.
+/// A surface is rough where the curvature at its vertices, whatever its sign, is greater than this by the mean over its area: .9 to 1.4 on a ball whose
+/// vertices noise moves by .7 of an edge and on rougher ones, .06 to .9 on gears and other parts of few triangles, .007 on a dragon, of which as much is
+/// measured as is predicted.
 const ROUGH: f64 = 0.05;
 /// An area distortion that no cones should have: where more is predicted for the chosen ones, others are measured by this.
 const BAD: f64 = 2.0;

@@ -10,8 +10,8 @@ use std::sync::Arc;
 
 use geom::{
     CommonRefinement, EdgeData, EdgeId, FaceData, FaceId, HalfedgeData, HalfedgeId, Id, Intrinsic, Mesh, MeshError,
-    Metric, Model, OpenedIsland, Prepared, Refinement, Surface, SurfacePoint, Triangles, Triangulation, VertexData,
-    VertexId, Watch, angle_defects, delaunay, planar_edges, refine_watched,
+    Metric, Model, OpenedIsland, Prepared, Refinement, Surface, SurfacePoint, Triangles, Triangulation, VertexId,
+    Watch, angle_defects, delaunay, planar_edges, refine_watched,
 };
 use rayon::prelude::*;
 
@@ -212,10 +212,8 @@ impl Ready {
     pub(crate) fn island(&self, island: OpenedIsland, shape: usize) -> Self {
         let Surface { mesh: whole, points, vertex, corner, triangle, diagonal, scale, .. } = &self.surface;
         let way = self.way.as_ref().map(|way| way.of_island(whole, &island));
+        let (vertex_before, edge_before) = (island.vertices_of(whole), island.edges_of(whole));
         let OpenedIsland { mesh, halfedge } = island;
-        let mut vertex_before = VertexData::constant(mesh.vertex_count(), VertexId(0));
-        mesh.halfedges().for_each(|h| vertex_before[mesh.tail(h)] = whole.tail(halfedge[h]));
-        let edge_before: EdgeData<EdgeId> = mesh.edges().map(|e| whole.edge(halfedge[mesh.halfedge(e)])).collect();
         let surface = Surface {
             points: vertex_before.iter().map(|&v| points[v.index()]).collect(),
             vertex: vertex_before.iter().map(|&v| vertex[v]).collect(),

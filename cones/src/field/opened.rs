@@ -33,7 +33,7 @@ pub(crate) fn open_handles(
 }
 
 /// A coarse level with its handles opened, and which of its vertices each vertex is; nothing where there is no handle to open. What a vertex on a loop has is
-/// shared between its two sides by their areas.
+/// shared between its two sides by their areas. It is a level of a surface of `fine` vertices.
 ///
 /// # Errors
 /// If the Laplacian cannot be factored, or the watch has said stop.
@@ -42,24 +42,18 @@ pub(crate) fn opened_level(
     fine: usize,
     watch: Watch,
 ) -> Result<Option<(Operators, Vec<VertexId>)>, PoissonError> {
-    let Operators { mesh: whole, metric, weight, spread, curvature, .. } = coarse;
-    let Some((OpenedIsland { mesh, halfedge }, tied)) = open_handles(whole, metric.lengths(), watch.within(0.0, 0.5))?
-    else {
+    let Operators { mesh: whole, metric, weight, spread: Some(spread), curvature, .. } = coarse else {
         return Ok(None);
     };
-    let mut vertex = VertexData::constant(mesh.vertex_count(), VertexId(0));
-    mesh.halfedges().for_each(|h| vertex[mesh.tail(h)] = whole.tail(halfedge[h]));
-    let lengths = mesh.edges().map(|e| metric.length(whole.edge(halfedge[mesh.halfedge(e)]))).collect();
-    let metric = Metric::new(lengths);
+    let Some((island, tied)) = open_handles(whole, metric.lengths(), watch.within(0.0, 0.5))? else {
+        return Ok(None);
+    };
+    let vertex = island.vertices_of(whole);
+    let metric = Metric::new(island.edges_of(whole).iter().map(|&e| metric.length(e)).collect());
+    let mesh = island.mesh;
     let [own, all] = [metric.vertex_areas(&mesh), coarse.metric.vertex_areas(whole)];
     let shared = |of: &VertexData<f64>| mesh.vertices().map(|v| of[vertex[v]] * own[v] / all[vertex[v]]).collect();
-    let data = [
-        shared(weight),
-        spread
-            .as_ref()
-            .map_or_else(|| VertexData::constant(mesh.vertex_count(), 1.0 / mesh.vertex_count() as f64), &shared),
-        vertex.iter().map(|&v| curvature[v]).collect(),
-    ];
+    let data = [shared(weight), shared(spread), vertex.iter().map(|&v| curvature[v]).collect()];
     let points: Option<Vec<[f64; 3]>> =
         coarse.points().map(|points| vertex.iter().map(|v| points[v.index()]).collect());
     let operators =

@@ -148,28 +148,37 @@ impl Operators {
     pub(super) fn of_coarse(
         surface: (Mesh, Metric),
         (fine, vertex): (&Self, &[VertexId]),
-        [weight, spread, curvature]: [VertexData<f64>; 3],
+        data: [VertexData<f64>; 3],
         watch: Watch,
     ) -> Result<Self, PoissonError> {
         let tied: Option<TiedLoops> = fine.tied.as_ref().map(|tied| vertex.iter().map(|&v| tied[v]).collect());
         let rims = as_on(&fine.rims, vertex, tied_loops(&surface.0, tied.as_ref()));
         let points: Option<Vec<[f64; 3]>> =
             fine.points().map(|points| vertex.iter().map(|v| points[v.0 as usize]).collect());
-        let carried = (points.as_deref(), tied, rims);
-        let operators = Self::of_delaunay(surface, Vec::new(), weight, carried, None, watch)?;
-        Ok(Self { spread: Some(spread), curvature, ..operators })
+        Self::of_level(surface, (points.as_deref(), tied, rims), data, watch)
     }
 
-    /// The operators of a coarse level whose handles were opened, with the numbers of the loops.
+    /// The same of a level whose handles were opened, with the numbers of the loops, of which as many have constants of their own as on a surface
+    /// of `fine` vertices.
     pub(super) fn of_opened_level(
         surface: (Mesh, Metric),
         (points, tied): (Option<&[[f64; 3]]>, TiedLoops),
-        [weight, spread, curvature]: [VertexData<f64>; 3],
+        data: [VertexData<f64>; 3],
         fine: usize,
         watch: Watch,
     ) -> Result<Self, PoissonError> {
         let rims = ranked(tied_loops(&surface.0, Some(&tied)), most_loops(fine));
-        let operators = Self::of_delaunay(surface, Vec::new(), weight, (points, Some(tied), rims), None, watch)?;
+        Self::of_level(surface, (points, Some(tied), rims), data, watch)
+    }
+
+    /// The operators of a coarse level with its weights, shares of the finer one's vertices and curvatures.
+    fn of_level(
+        surface: (Mesh, Metric),
+        carried: (Option<&[[f64; 3]]>, Option<TiedLoops>, Rims),
+        [weight, spread, curvature]: [VertexData<f64>; 3],
+        watch: Watch,
+    ) -> Result<Self, PoissonError> {
+        let operators = Self::of_delaunay(surface, Vec::new(), weight, carried, None, watch)?;
         Ok(Self { spread: Some(spread), curvature, ..operators })
     }
 
@@ -491,6 +500,7 @@ impl Operators {
 }
 
 /// Boundary loops by their lengths, the longest first; all but so many are one.
+/// So many boundary loops of a surface of so many vertices have a constant of their own.
 fn most_loops(vertices: usize) -> usize {
     FREE_LOOPS.max(FREE_VALUES / vertices.max(1))
 }

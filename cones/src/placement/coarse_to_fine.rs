@@ -341,7 +341,7 @@ mod tests {
     use crate::curvature::CurvatureRule;
     use crate::field::{Operators, TiedLoops, open_handles};
     use crate::placement::area_distortion;
-    use geom::{HalfedgeId, Id, Mesh, Metric, Watch, shapes};
+    use geom::{Id, Mesh, Metric, Watch, shapes};
 
     /// A surface of each kind, with a level of a sixth of its vertices.
     fn levels() -> Vec<(Mesh, Operators, CoarseLevel)> {
@@ -402,13 +402,8 @@ mod tests {
             let closed = of(&mesh, &metric, None, &shape.points);
             let promised = closed.with_handles_opened(&mesh, Watch::NONE).unwrap().unwrap();
             let (island, tied) = open_handles(&mesh, metric.lengths(), Watch::NONE).unwrap().unwrap();
-            let whole = |h: HalfedgeId| island.halfedge[h];
-            let lengths =
-                island.mesh.edges().map(|e| metric.length(mesh.edge(whole(island.mesh.halfedge(e))))).collect();
-            let mut points = vec![[0.0; 3]; island.mesh.vertex_count()];
-            island.mesh.halfedges().for_each(|h| {
-                points[island.mesh.tail(h).index()] = shape.points[mesh.tail(whole(h)).index()];
-            });
+            let lengths = island.edges_of(&mesh).iter().map(|&e| metric.length(e)).collect();
+            let points: Vec<[f64; 3]> = island.vertices_of(&mesh).iter().map(|v| shape.points[v.index()]).collect();
             let opened = of(&island.mesh, &Metric::new(lengths), Some(&tied), &points);
             let excess = |level: &CoarseLevel| {
                 let set = pursuit(&mut level.energy_model(Watch::NONE), 8).sets.pop().unwrap();

@@ -1,6 +1,6 @@
 //! The islands of an opened mesh as meshes of their own.
 
-use crate::mesh::{EdgeData, HalfedgeData, HalfedgeId, Id, Mesh, VertexId};
+use crate::mesh::{EdgeData, EdgeId, HalfedgeData, HalfedgeId, Id, Mesh, VertexData, VertexId};
 
 use super::cut::CutMesh;
 
@@ -11,6 +11,20 @@ pub struct OpenedIsland {
     pub mesh: Mesh,
     /// The whole mesh's halfedge that each of the island's is.
     pub halfedge: HalfedgeData<HalfedgeId>,
+}
+
+impl OpenedIsland {
+    /// The whole mesh's vertex that each of the island's is. O(F).
+    pub fn vertices_of(&self, whole: &Mesh) -> VertexData<VertexId> {
+        let mut vertex = VertexData::constant(self.mesh.vertex_count(), VertexId(0));
+        self.mesh.halfedges().for_each(|h| vertex[self.mesh.tail(h)] = whole.tail(self.halfedge[h]));
+        vertex
+    }
+
+    /// The whole mesh's edge that each of the island's is. O(F).
+    pub fn edges_of(&self, whole: &Mesh) -> EdgeData<EdgeId> {
+        self.mesh.edges().map(|e| whole.edge(self.halfedge[self.mesh.halfedge(e)])).collect()
+    }
 }
 
 /// The islands that a mesh falls into when it is opened along the marked edges, in the order of their lowest triangles. Triangles

@@ -3,6 +3,7 @@
 use super::numbers::share;
 use crate::error::CommandError;
 use crate::input::EdgeFile;
+use clap::error::ErrorKind;
 use clap::{Args, ValueEnum};
 use cones::{FreeSeams, Limbs, Options, SeamOptions, Symmetry};
 use geom::{Model, texture_seams};
@@ -63,6 +64,14 @@ enum SymmetryName {
 pub(crate) struct EdgeFiles(Vec<EdgeFile>);
 
 impl SeamArgs {
+    /// Ends the run, as for any wrong argument, where two of them contradict each other.
+    pub(crate) fn check(&self) {
+        if matches!(self.free_seams, FreeSeamsName::Always) && self.quantize.is_some() {
+            let message = "--free-seams always lets the two sides of seams differ, --quantize keeps them alike: leave one of the two out\n";
+            clap::Error::raw(ErrorKind::ArgumentConflict, message).exit()
+        }
+    }
+
     /// The files that are read.
     pub(crate) fn files(&self) -> impl Iterator<Item = &Path> {
         [&self.seams, &self.avoid].into_iter().flatten().map(|path| &**path)
@@ -87,7 +96,6 @@ impl SeamArgs {
         options.free_seams = match self.free_seams {
             FreeSeamsName::Auto => FreeSeams::Auto,
             FreeSeamsName::Never => FreeSeams::Never,
-            FreeSeamsName::Always if options.quantize.is_some() => return Err(CommandError::FreeAndQuantized),
             FreeSeamsName::Always => FreeSeams::Always,
         };
         Ok(EdgeFiles([given, avoid].into_iter().flatten().collect()))
