@@ -105,21 +105,19 @@ pub struct ConeCurvatures {
 }
 
 impl ConeCurvatures {
-    /// Curvatures that were found for nearly the same surface; on a closed one they are brought to the right sum. A back-solve.
+    /// Curvatures that were found for the same surface, or nearly; on a closed one they are brought to the right sum. `predicted` says
+    /// what they cause.
     pub(crate) fn known(
         operators: &Operators,
-        cones: &[VertexId],
         mut curvature: Vec<f64>,
-        watch: Watch,
-    ) -> Result<Self, Interrupted> {
+        predicted: impl FnOnce(&[f64]) -> VertexData<f64>,
+    ) -> Self {
         if !operators.is_bordered() {
             let off = operators.total_curvature() - curvature.iter().sum::<f64>();
             let share = off / curvature.len() as f64;
             curvature.iter_mut().for_each(|k| *k += share);
         }
-        watch.ask(0.0)?;
-        let predicted = operators.log_scale(cones, &curvature);
-        Ok(Self { curvature, predicted, out_of_bounds: Vec::new() })
+        Self { predicted: predicted(&curvature), curvature, out_of_bounds: Vec::new() }
     }
 
     /// Curvatures that somebody gives.
@@ -240,9 +238,13 @@ fn centred(
 }
 
 /// p + Σ q g.
-fn combine(p: &VertexData<f64>, green: &[VertexData<f64>], curvature: &[f64]) -> VertexData<f64> {
+pub(crate) fn combine<'a>(
+    p: &VertexData<f64>,
+    green: impl IntoIterator<Item = &'a VertexData<f64>>,
+    curvature: &[f64],
+) -> VertexData<f64> {
     let mut u = p.clone();
-    for (g, q) in green.iter().zip(curvature) {
+    for (g, q) in green.into_iter().zip(curvature) {
         u.iter_mut().zip(g.iter()).for_each(|(u, g)| *u += q * g);
     }
     u

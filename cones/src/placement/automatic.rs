@@ -99,7 +99,7 @@ pub(crate) fn automatic(model: &mut EnergyModel, rule: CurvatureRule, goal: Goal
         None => {
             let best = if is_draft { nested.sets.last().cloned() } else { None };
             let set = best.unwrap_or_else(|| refined(model, most.max(least)));
-            let predicted = predict(operators, &set, rule);
+            let predicted = predict(model, &set, rule);
             (set, predicted, Vec::new())
         }
     };
@@ -132,7 +132,7 @@ impl Automatic {
 
     /// The same with the cones at its knee, unless these miss the target.
     pub(super) fn with_knee(self, model: &EnergyModel, set: ConeSet, rule: CurvatureRule, target: f64) -> Self {
-        let predicted = predict(model.operators(), &set, rule);
+        let predicted = predict(model, &set, rule);
         let is_met = predicted.area_distortion <= target;
         if is_met || !self.is_met { Self { set, predicted, is_met, curvatures: None, ..self } } else { self }
     }
@@ -181,7 +181,7 @@ pub(crate) fn shortest(model: &mut EnergyModel, order: &[VertexId], rule: Curvat
     let curve = nested.curve(operators, rule, model.watch());
     let enough = first_within(&curve, least_cones(operators), target).copied();
     let set = nested.sets[enough.map_or(order.len(), |point| point.count)].clone();
-    let predicted = enough.unwrap_or_else(|| predict(operators, &set, rule));
+    let predicted = enough.unwrap_or_else(|| predict(model, &set, rule));
     let is_met = enough.is_some();
     let (passed, is_from_level) = (Vec::new(), false);
     Automatic { set, predicted, is_met, passed, nested, curve, is_from_level, curvatures: None, is_draft: false }
@@ -205,17 +205,16 @@ fn fewest(
     target: f64,
     least: usize,
 ) -> (ConeSet, Prediction, Vec<ConeSet>) {
-    let operators = model.operators();
     let mut best = refined(model, nested.cones.len());
-    let mut predicted = predict(operators, &best, rule);
+    let mut predicted = predict(model, &best, rule);
     if !meets(&best, &predicted, target) {
-        return (nested.clone(), predict(operators, nested, rule), Vec::new());
+        return (nested.clone(), predict(model, nested, rule), Vec::new());
     }
     let mut passed = Vec::new();
     while best.cones.len() > least && !model.is_over() {
         let fewer = exchange(model, drop_cheapest(model, &best));
         let fewer = rounds(model, fewer, 2);
-        let after = predict(operators, &fewer, rule);
+        let after = predict(model, &fewer, rule);
         if !meets(&fewer, &after, target) {
             break;
         }

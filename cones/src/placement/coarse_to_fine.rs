@@ -95,7 +95,11 @@ pub(crate) fn fewest_from(
             found = found.with_knee(&model, set, rule, target);
         }
     }
-    let Some(middle) = level.middle() else { return Ok(found) };
+    let Some(middle) = level.middle() else {
+        let is_known = rule == CurvatureRule::Optimal && found.set.shortfall == 0.0;
+        let curvatures = is_known.then(|| model.curvatures(&found.set));
+        return Ok(Automatic { curvatures, ..found });
+    };
     let mut count = found.set.cones.len();
     loop {
         let (set, predicted, curvatures) = confirmed_on_surface(ground, middle, &found.set, rule)?;
@@ -108,7 +112,7 @@ pub(crate) fn fewest_from(
         found.set = polished(&mut model, level, &refined(&mut coarse_model, count));
     }
     if to_knee && has_few_corners(ground.operators, &found) {
-        let mut model = ground.energy_model()?;
+        let mut model = ground.energy_model()?.putting_columns_off();
         if let Some(set) = at_corners(&mut model, &found) {
             found = found.with_knee(&model, set, rule, target);
         }
@@ -125,11 +129,12 @@ fn draft(
 ) -> Result<Automatic, PoissonError> {
     let cones = level.of_surface(&coarse.set.cones);
     let set = ConeSet { cones, ..coarse.set };
+    ground.watch.within(f64::NAN, f64::NAN).ask(0.0)?;
     let curvatures = (rule == CurvatureRule::Optimal && set.shortfall == 0.0).then(|| {
-        let watch = ground.watch.within(f64::NAN, f64::NAN);
-        ConeCurvatures::known(ground.operators, &set.cones, set.curvature.clone(), watch)
+        let predicted = |curvature: &[f64]| ground.operators.log_scale(&set.cones, curvature);
+        ConeCurvatures::known(ground.operators, set.curvature.clone(), predicted)
     });
-    Ok(Automatic { set, curvatures: curvatures.transpose()?, is_from_level: true, ..coarse })
+    Ok(Automatic { set, curvatures, is_from_level: true, ..coarse })
 }
 
 /// The model that a level's cones are polished on: that of the middle level, or the surface's.
@@ -141,7 +146,7 @@ fn finer_model<'a>(ground: Ground<'a>, level: &'a CoarseLevel) -> Result<EnergyM
     let even = || if operators.is_bordered() { Ok(()) } else { operators.even_watched(solved).map(|_| ()) };
     let model = || level.middle().map_or_else(|| ground.energy_model(), |middle| Ok(middle.energy_model(watch)));
     let (even, model) = rayon::join(even, model);
-    even.and(model)
+    even.and(model).map(EnergyModel::putting_columns_off)
 }
 
 /// A middle level's cones as vertices of the surface, apart from each other.
@@ -167,7 +172,9 @@ fn confirmed_on_surface(
     let watch = watch.within(f64::NAN, f64::NAN);
     let found = match rule {
         CurvatureRule::Optimal if set.shortfall == 0.0 => {
-            Ok(ConeCurvatures::known(operators, &cones, set.curvature.clone(), watch)?)
+            watch.ask(0.0)?;
+            let predicted = |curvature: &[f64]| operators.log_scale(&cones, curvature);
+            Ok(ConeCurvatures::known(operators, set.curvature.clone(), predicted))
         }
         _ => cone_curvatures(operators, input, &cones, rule, watch),
     };
@@ -180,10 +187,10 @@ fn confirmed_on_surface(
         Err(CurvatureError::Interrupted(interrupted)) => Err(interrupted),
         // They cannot take the curvature: how near they come to that is the energy model's to say.
         Err(_) => {
-            let mut model = ground.energy_model()?;
+            let mut model = ground.energy_model()?.putting_columns_off();
             model.add(&cones);
             let set = model.fit(&cones);
-            let predicted = predict(operators, &set, rule);
+            let predicted = predict(&model, &set, rule);
             Ok((set, predicted, None))
         }
     }
@@ -247,7 +254,7 @@ impl Fewest<'_, '_> {
     }
 
     fn predicted(&self, set: ConeSet) -> (ConeSet, Prediction) {
-        let predicted = predict(self.model.operators(), &set, self.rule);
+        let predicted = predict(self.model, &set, self.rule);
         (set, predicted)
     }
 }
@@ -269,7 +276,7 @@ fn enough_cones(curve: &[Prediction], (count, reached): (usize, f64), target: f6
 /// If the watch has said stop.
 pub(crate) fn order_from(ground: Ground, level: &CoarseLevel, count: usize) -> Result<Nested, Interrupted> {
     let coarse = pursuit(&mut level.energy_model(ground.watch.within(0.0, 0.5)), count);
-    let mut model = ground.energy_model()?;
+    let mut model = ground.energy_model()?.putting_columns_off();
     let cones = apart(&model, level.of_surface(coarse.cones()), REACH * level.spacing());
     Ok(Nested::new(&mut model, &cones))
 }
@@ -309,7 +316,7 @@ fn apart(model: &EnergyModel, mut cones: Vec<VertexId>, reach: f32) -> Vec<Verte
     }
     for place in 1..cones.len() {
         let separation = Separation::new(operators, &cones[..place]);
-        let mut around = model.distances().around(cones[place], reach, usize::MAX).into_iter();
+        let mut around = model.around(cones[place], reach, usize::MAX).into_iter();
         if let Some((v, _)) = around.find(|&(v, _)| separation.admits_another(v)) {
             cones[place] = v;
         }
@@ -406,8 +413,9 @@ mod tests {
             let points: Vec<[f64; 3]> = island.vertices_of(&mesh).iter().map(|v| shape.points[v.index()]).collect();
             let opened = of(&island.mesh, &Metric::new(lengths), Some(&tied), &points);
             let excess = |level: &CoarseLevel| {
-                let set = pursuit(&mut level.energy_model(Watch::NONE), 8).sets.pop().unwrap();
-                predict(&level.operators, &set, CurvatureRule::Optimal).area_distortion - 1.0
+                let mut model = level.energy_model(Watch::NONE);
+                let set = pursuit(&mut model, 8).sets.pop().unwrap();
+                predict(&model, &set, CurvatureRule::Optimal).area_distortion - 1.0
             };
             let [closed, promised, opened] = [&closed, &promised, &opened].map(excess);
             assert!(promised < 0.85 * closed && (promised / opened - 1.0).abs() < 0.1, "{closed} {promised} {opened}");

@@ -13,25 +13,33 @@
 //! move a cone anywhere) are answered from these columns.
 //!
 //! Vertices that have been solved for are the *pool*. Products within the pool are kept as f64; the columns, which only
-//! tell where it pays to look, as f32: they are most of the memory.
+//! tell where it pays to look, as f32: they are most of the memory. Where cones are only moved a little most columns are never
+//! looked at: of the first vertices of such a model Green's functions are kept, which give the products, and columns are found when they are
+//! asked for.
 
 use std::collections::HashMap;
 use std::f64::consts::PI;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, OnceLock};
 
-use geom::{EdgeDistances, Interrupted, Mesh, VertexData, VertexId, Watch};
+use geom::{EdgeDistances, EdgeId, Interrupted, Mesh, VertexData, VertexId, Watch, gram_watched, vertices_around};
 
 use rayon::prelude::*;
 
 use crate::curvature::{
-    LARGEST_CORNER, LARGEST_CURVATURE, LEAST_SHARPENED, SHARPEST_CURVATURE, bounds_at, general_bounds, usable_degree,
+    ConeCurvatures, LARGEST_CORNER, LARGEST_CURVATURE, LEAST_SHARPENED, SHARPEST_CURVATURE, bounds_at, combine,
+    general_bounds, usable_degree,
 };
 use crate::field::Operators;
 use crate::numerics::quadratic_program::{Held, Optimum, ProgramError, Quadratic, minimise_from};
 
 /// Vertices that are solved for at once: enough to keep the factor in the cache, few enough for memory.
 const BLOCK: usize = 16;
+
+/// Columns are put off for so many vertices at most: for more of them products with all others cost more than a column.
+const MOST_GREEN: usize = 64;
+/// Green's functions have so many values at most, 64 MB.
+const MOST_GREEN_VALUES: usize = 1 << 23;
 
 /// By so much, in radians, sums of bounds may miss the total curvature.
 const SUM_TOLERANCE: f64 = 1e-9;
@@ -50,7 +58,10 @@ pub(crate) struct EnergyTerms {
     linear: VertexData<f64>,
     /// E₀
     constant: f64,
-    distances: EdgeDistances,
+    /// What scales lengths to area 1.
+    unit: f64,
+    /// Found when they are first asked for.
+    distances: OnceLock<EdgeDistances>,
     /// How many triangles of each vertex can open up.
     triangles: VertexData<f64>,
 }
@@ -71,21 +82,22 @@ impl EnergyTerms {
     ) -> Result<Self, Interrupted> {
         let mut flattening = operators.flattening_watched(watch)?.clone();
         operators.centre(&mut flattening);
-        let unit = operators.metric.area(&operators.mesh).sqrt().recip();
-        let (linear, distances) = rayon::join(
-            || operators.poisson().solve_watched(&operators.weighted(&flattening), watch),
-            || EdgeDistances::new(&operators.mesh, |e| (operators.metric.length(e) * unit) as f32),
-        );
-        let mut linear = linear?;
+        let mut linear = operators.poisson().solve_watched(&operators.weighted(&flattening), watch)?;
         operators.subtract_spread_mean(&mut linear);
         watch.ask(f64::NAN)?;
-        Ok(Self { constant: operators.inner(&flattening, &flattening), flattening, linear, distances, triangles })
+        let constant = operators.inner(&flattening, &flattening);
+        let unit = operators.metric.area(&operators.mesh).sqrt().recip();
+        Ok(Self { constant, flattening, linear, unit, distances: OnceLock::new(), triangles })
     }
 }
 
 /// How many triangles of a vertex can open up.
 pub(crate) fn usable_triangles(input: &Mesh, v: VertexId) -> f64 {
     usable_degree(input, &[], v) as f64
+}
+
+fn rounded(h: &VertexData<f64>) -> Vec<f32> {
+    h.iter().map(|&h| h as f32).collect()
 }
 
 /// A surface's energy model with its pool; see the module's head.
@@ -101,7 +113,10 @@ pub struct EnergyModel<'a> {
     pool: Vec<VertexId>,
     /// Where a vertex is in the pool.
     place: VertexData<Option<u32>>,
-    column: Vec<Vec<f32>>,
+    column: Vec<OnceLock<Vec<f32>>>,
+    /// The centred Green's functions of the first members, where columns are put off.
+    green: Vec<VertexData<f64>>,
+    puts_columns_off: bool,
     /// H between members of the pool, row by row up to the diagonal.
     products: Vec<Vec<f64>>,
     /// What fits have taken so far.
@@ -148,9 +163,16 @@ impl<'a> EnergyModel<'a> {
             pool: Vec::new(),
             place: VertexData::constant(operators.mesh.vertex_count(), None),
             column: Vec::new(),
+            green: Vec::new(),
+            puts_columns_off: false,
             products: Vec::new(),
             work: AtomicU64::new(0),
         }
+    }
+
+    /// The same, for searches that ask for few of the pool's columns.
+    pub(crate) fn putting_columns_off(self) -> Self {
+        Self { puts_columns_off: true, ..self }
     }
 
     /// The surface.
@@ -190,7 +212,19 @@ impl<'a> EnergyModel<'a> {
 
     /// Distances on the surface scaled to area 1.
     pub(crate) fn distances(&self) -> &EdgeDistances {
-        &self.terms.distances
+        self.terms.distances.get_or_init(|| EdgeDistances::new(&self.operators.mesh, self.unit_length()))
+    }
+
+    /// The vertices within such a distance of one, at most so many, the nearest first.
+    pub(crate) fn around(&self, v: VertexId, radius: f32, most: usize) -> Vec<(VertexId, f32)> {
+        vertices_around(&self.operators.mesh, self.unit_length(), v, radius, most)
+    }
+
+    /// Lengths of edges on the surface scaled to area 1.
+    fn unit_length(&self) -> impl Fn(EdgeId) -> f32 {
+        let metric = &self.operators.metric;
+        let unit = self.terms.unit;
+        move |e| (metric.length(e) * unit) as f32
     }
 
     /// E₀
@@ -212,21 +246,58 @@ impl<'a> EnergyModel<'a> {
             }
         }
         for block in new.chunks(BLOCK) {
-            for (&v, h) in block.iter().zip(self.columns_of(block)) {
-                self.place[v] = Some(self.pool.len() as u32);
-                self.pool.push(v);
-                self.products.push(self.pool.iter().map(|&x| h[x]).collect());
-                self.column.push(h.iter().map(|&h| h as f32).collect());
+            if self.puts_columns_off(block.len()) {
+                self.add_without_columns(block);
+            } else {
+                for (&v, h) in block.iter().zip(self.columns_of(self.green_of(block))) {
+                    self.put(v, |pool| pool.iter().map(|&x| h[x]).collect());
+                    self.column.push(OnceLock::from(rounded(&h)));
+                }
             }
         }
     }
 
-    /// h of some vertices; 0 where searches must end.
-    fn columns_of(&self, vertices: &[VertexId]) -> Vec<VertexData<f64>> {
+    /// Whether so many more vertices are added without their columns.
+    fn puts_columns_off(&self, more: usize) -> bool {
+        let count = self.pool.len() + more;
+        let is_small = count <= MOST_GREEN && count * self.operators.mesh.vertex_count() <= MOST_GREEN_VALUES;
+        self.puts_columns_off && is_small
+    }
+
+    fn add_without_columns(&mut self, new: &[VertexId]) {
+        self.green.extend(self.green_of(new));
+        let count = self.green.len();
+        let products = gram_watched(&self.green, &self.operators.weight, self.watch());
+        let products = products.unwrap_or_else(|_| vec![0.0; count * count]);
+        for &v in new {
+            let own = self.pool.len() * count;
+            self.put(v, |pool| products[own..own + pool.len()].to_vec());
+            self.column.push(OnceLock::new());
+        }
+    }
+
+    /// Adds a vertex with its products with all of the pool, itself included.
+    fn put(&mut self, v: VertexId, products: impl FnOnce(&[VertexId]) -> Vec<f64>) {
+        self.place[v] = Some(self.pool.len() as u32);
+        self.pool.push(v);
+        self.products.push(products(&self.pool));
+    }
+
+    /// Centred Green's functions of some vertices; 0 where searches must end.
+    fn green_of(&self, vertices: &[VertexId]) -> Vec<VertexData<f64>> {
         let solve = || -> Result<Vec<VertexData<f64>>, Interrupted> {
-            let watch = self.watch();
-            let mut green = self.operators.green_watched(vertices, watch)?;
-            self.operators.centre_all(&mut green, watch)?;
+            let mut green = self.operators.green_watched(vertices, self.watch())?;
+            self.operators.centre_all(&mut green, self.watch())?;
+            Ok(green)
+        };
+        solve().unwrap_or_else(|_| vec![self.nothing(); vertices.len()])
+    }
+
+    /// h of some centred Green's functions, in their place; 0 where searches must end.
+    fn columns_of(&self, mut green: Vec<VertexData<f64>>) -> Vec<VertexData<f64>> {
+        let watch = self.watch();
+        let count = green.len();
+        let mut solve = || -> Result<(), Interrupted> {
             green.par_iter_mut().try_for_each(|g| -> Result<(), Interrupted> {
                 watch.ask(0.0)?;
                 g.iter_mut().zip(self.operators.weight.iter()).for_each(|(g, w)| *g *= w);
@@ -234,15 +305,35 @@ impl<'a> EnergyModel<'a> {
             })?;
             self.operators.poisson().solve_many_in_place(&mut green, watch)?;
             green.par_iter_mut().for_each(|h| self.operators.subtract_spread_mean(h));
-            Ok(green)
+            Ok(())
         };
-        let nothing = |_| vec![VertexData::constant(self.operators.mesh.vertex_count(), 0.0); vertices.len()];
-        solve().unwrap_or_else(nothing)
+        match solve() {
+            Ok(()) => green,
+            Err(Interrupted) => vec![self.nothing(); count],
+        }
+    }
+
+    fn nothing(&self) -> VertexData<f64> {
+        VertexData::constant(self.operators.mesh.vertex_count(), 0.0)
+    }
+
+    /// h of members of the pool, rounded; those that were put off are found together.
+    pub(crate) fn columns(&self, members: &[VertexId]) -> Vec<&[f32]> {
+        let is_unknown = |place: &usize| self.column[*place].get().is_none();
+        let places: Vec<usize> = members.iter().map(|&v| self.place_of(v)).collect();
+        let unknown: Vec<usize> = places.iter().copied().filter(is_unknown).collect();
+        for block in unknown.chunks(BLOCK) {
+            let green = block.iter().map(|&place| self.green[place].clone()).collect();
+            for (&place, h) in block.iter().zip(self.columns_of(green)) {
+                self.column[place].get_or_init(|| rounded(&h));
+            }
+        }
+        places.iter().map(|&place| self.column[place].get().map_or(&[][..], Vec::as_slice)).collect()
     }
 
     /// h of a member of the pool, rounded.
     pub(crate) fn column(&self, v: VertexId) -> &[f32] {
-        &self.column[self.place_of(v)]
+        self.columns(&[v])[0]
     }
 
     /// `H_vx`, for members of the pool.
@@ -413,9 +504,19 @@ impl<'a> EnergyModel<'a> {
         missing.abs()
     }
 
-    /// The log scale factor that linear theory predicts for cones with given curvatures, centred. A back-substitution.
+    /// The log scale factor that linear theory predicts for cones with given curvatures, centred. A back-substitution at most.
     pub fn log_scale(&self, cones: &[VertexId], curvature: &[f64]) -> VertexData<f64> {
-        self.operators.log_scale(cones, curvature)
+        let green = |&v: &VertexId| self.green.get(self.place[v]? as usize);
+        match cones.iter().map(green).collect::<Option<Vec<_>>>() {
+            Some(green) => combine(&self.terms.flattening, green, curvature),
+            None => self.operators.log_scale(cones, curvature),
+        }
+    }
+
+    /// The curvatures of cones that can take the surface's, with what they cause. A back-substitution at most.
+    pub(crate) fn curvatures(&self, set: &ConeSet) -> ConeCurvatures {
+        let predicted = |curvature: &[f64]| self.log_scale(&set.cones, curvature);
+        ConeCurvatures::known(self.operators, set.curvature.clone(), predicted)
     }
 }
 
@@ -519,6 +620,38 @@ mod tests {
                         (f64::from(model.column(v)[x.0 as usize]) - product).abs() < 1e-6 * product.abs().max(1e-3)
                     );
                 }
+            }
+        }
+    }
+
+    #[test]
+    fn columns_that_are_put_off_change_nothing() {
+        for (mesh, operators) in surfaces() {
+            let all = scattered(&mesh, MOST_GREEN + 6, 11);
+            let mut at_once = EnergyModel::new(&operators, &mesh);
+            let mut put_off = EnergyModel::new(&operators, &mesh).putting_columns_off();
+            // The last block is more than columns are put off for.
+            for some in [&all[..5], &all[5..MOST_GREEN - 3], &all[MOST_GREEN - 3..]] {
+                at_once.add(some);
+                put_off.add(some);
+            }
+            assert!(put_off.green.len() == MOST_GREEN - 3 && put_off.column[0].get().is_none());
+            for (i, &v) in all.iter().enumerate() {
+                all[..=i].iter().for_each(|&x| {
+                    assert!(relative(put_off.product(v, x), at_once.product(v, x)) < 1e-11);
+                });
+            }
+            let some = [all[MOST_GREEN], all[3], all[20]];
+            for (column, &v) in put_off.columns(&some).iter().zip(&some) {
+                assert!(column.len() == mesh.vertex_count());
+                assert!(column.iter().zip(at_once.column(v)).all(|(a, b)| (a - b).abs() < 1e-5 * (1.0 + b.abs())));
+            }
+            assert!(put_off.column[3].get().is_some() && put_off.column[4].get().is_none());
+            for cones in [&all[..9], &all[MOST_GREEN - 9..]] {
+                let [found, expected] = [&put_off, &at_once].map(|model| model.fit(cones));
+                assert!(relative(found.energy, expected.energy) < 1e-10);
+                let u = [&put_off, &at_once].map(|model| model.log_scale(cones, &expected.curvature));
+                assert!(mesh.vertices().all(|v| (u[0][v] - u[1][v]).abs() < 1e-10));
             }
         }
     }

@@ -77,7 +77,7 @@ fn around(model: &EnergyModel, v: VertexId, reach: f64, count: usize) -> Vec<(Ve
     let count = count.max(1);
     let radius = reach * REACH / (std::f64::consts::PI * count as f64).sqrt();
     let most = CROWD * model.operators().mesh().vertex_count().div_ceil(count);
-    model.distances().around(v, radius as f32, most)
+    model.around(v, radius as f32, most)
 }
 
 /// Adds cones in batches until there are so many, or there is no room.

@@ -5,7 +5,7 @@ use geom::{VertexData, VertexId};
 
 use super::energy_model::{ConeSet, EnergyModel};
 use super::separation::Separation;
-use super::swap_table::norms;
+use super::swap_table::Nearness;
 
 /// How the next cone is chosen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -49,8 +49,9 @@ fn extremes(field: &VertexData<f64>) -> (VertexId, VertexId) {
 
 /// Adds cones until there are so many, or no vertex is left.
 pub(crate) fn grow(model: &mut EnergyModel, mut set: ConeSet, count: usize, rule: Rule) -> ConeSet {
+    let mut nearness = Nearness::default();
     while set.cones.len() < count && !model.is_stopped() {
-        let Some(next) = steepest(model, &set, rule) else { break };
+        let Some(next) = steepest(model, &set, rule, &mut nearness) else { break };
         let mut cones = set.cones;
         cones.push(next);
         model.add(&[next]);
@@ -60,13 +61,13 @@ pub(crate) fn grow(model: &mut EnergyModel, mut set: ConeSet, count: usize, rule
 }
 
 /// Where the next cone should be.
-fn steepest(model: &EnergyModel, set: &ConeSet, rule: Rule) -> Option<VertexId> {
+fn steepest(model: &EnergyModel, set: &ConeSet, rule: Rule, nearness: &mut Nearness) -> Option<VertexId> {
     let separation = Separation::new(model.operators(), &set.cones);
     let gradient = gradient(model, set);
     let score: VertexData<f64> = match rule {
         Rule::Gradient => gradient.iter().map(|r| r.abs()).collect(),
         Rule::Gain => {
-            let norms = norms(model, set);
+            let norms = nearness.norms(model, set);
             let gain = |(v, r): (VertexId, &f64)| {
                 let [low, high] = model.bounds(v, set.cones.len() + 1);
                 let t = (-r / norms[v].max(f64::MIN_POSITIVE)).clamp(low, high);
@@ -82,8 +83,8 @@ fn steepest(model: &EnergyModel, set: &ConeSet, rule: Rule) -> Option<VertexId> 
 /// r = b + H q + λ at every vertex.
 pub(crate) fn gradient(model: &EnergyModel, set: &ConeSet) -> VertexData<f64> {
     let mut gradient: VertexData<f64> = model.linear().iter().map(|b| b + set.multiplier).collect();
-    for (&cone, &q) in set.cones.iter().zip(&set.curvature) {
-        gradient.iter_mut().zip(model.column(cone)).for_each(|(r, &h)| *r += q * f64::from(h));
+    for (column, &q) in model.columns(&set.cones).into_iter().zip(&set.curvature) {
+        gradient.iter_mut().zip(column).for_each(|(r, &h)| *r += q * f64::from(h));
     }
     gradient
 }

@@ -295,7 +295,7 @@ impl Placement {
             return Ok(ground.pursued(whole_blocks(ground.operators, count))?);
         }
         let order = self.cones(ground, count)?;
-        Ok(Nested::new(&mut ground.energy_model()?, &order))
+        Ok(Nested::new(&mut ground.energy_model()?.putting_columns_off(), &order))
     }
 
     /// As few cones as keep the predicted area distortion within a target, as a goal says it.
@@ -314,7 +314,7 @@ impl Placement {
             return Ok(choose(&mut model, rule, goal));
         }
         let order = self.cones(ground, goal.most)?;
-        Ok(automatic::shortest(&mut model, &order, rule, goal.target))
+        Ok(automatic::shortest(&mut model.putting_columns_off(), &order, rule, goal.target))
     }
 
     /// The draft that [`fewest`](Self::fewest) would find of at most so many cones if the surface's handles were opened: of its coarse level, opened there. Nothing

@@ -4,7 +4,7 @@ use geom::{FaceId, Id, VertexData};
 use rayon::prelude::*;
 
 use super::configuration::Configuration;
-use super::energy_model::ConeSet;
+use super::energy_model::{ConeSet, EnergyModel};
 use crate::curvature::CurvatureRule;
 use crate::field::Operators;
 
@@ -43,10 +43,15 @@ impl Prediction {
     }
 }
 
-/// What linear theory predicts for a set of cones that get their curvatures by a rule. A back-substitution; one more for each cone
-/// where they are harmonic.
-pub(crate) fn predict(operators: &Operators, set: &ConeSet, rule: CurvatureRule) -> Prediction {
-    Prediction::of(operators, set.cones.len(), &Configuration::new(operators, set, rule).log_scale(operators))
+/// What linear theory predicts for a set of cones that get their curvatures by a rule. A back-substitution at most; one more for each
+/// cone where they are harmonic.
+pub(crate) fn predict(model: &EnergyModel, set: &ConeSet, rule: CurvatureRule) -> Prediction {
+    let operators = model.operators();
+    let u = match rule {
+        CurvatureRule::Optimal => model.log_scale(&set.cones, &set.curvature),
+        CurvatureRule::Harmonic => Configuration::new(operators, set, rule).log_scale(operators),
+    };
+    Prediction::of(operators, set.cones.len(), &u)
 }
 
 /// The area distortion D = Σ w max(r, 1/r) of a log scale factor u, r = e^(2u) with the mean of u in each triangle, scaled

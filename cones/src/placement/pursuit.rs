@@ -18,7 +18,7 @@ use super::exchange::{TRIALS, drop_cheapest, exchange};
 use super::matching_pursuit::{Rule, grow, start};
 use super::nested::Nested;
 use super::separation::Separation;
-use super::swap_table::{Row, STRIDE, SwapTable, norms};
+use super::swap_table::{Nearness, Row, STRIDE, SwapTable};
 use crate::curvature::COMFORTABLE_CORNER;
 
 /// An order is found so many cones at a time.
@@ -241,7 +241,8 @@ impl Order {
     fn proposals(&self, model: &EnergyModel) -> Vec<VertexId> {
         let tables = self.tables(model);
         let separation = Separation::new(model.operators(), &self.cones);
-        let norms: Vec<_> = self.levels.iter().map(|level| norms(model, level)).collect();
+        let mut nearness = Nearness::default();
+        let norms: Vec<_> = self.levels.iter().map(|level| nearness.norms(model, level)).collect();
         let mut rows: Vec<Row> = tables.iter().map(|_| Row::default()).collect();
         let mut best: Vec<Option<Move>> = vec![None; self.cones.len()];
         for vertex in model.operators().mesh.vertices().filter(|&v| separation.is_open(v) && !model.knows(v)) {

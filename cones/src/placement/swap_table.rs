@@ -17,6 +17,7 @@
 //! Without this norm cones would crowd.
 
 use std::f64::consts::PI;
+use std::sync::OnceLock;
 
 use geom::{Id, VertexData, VertexId};
 
@@ -46,7 +47,7 @@ pub(crate) struct Swap {
 pub(crate) struct SwapTable<'a> {
     model: &'a EnergyModel<'a>,
     set: &'a ConeSet,
-    column: Vec<&'a [f32]>,
+    columns: OnceLock<Vec<&'a [f32]>>,
     /// The places in the set of cones that are between their bounds.
     free: Vec<usize>,
     clamped: Vec<Clamped>,
@@ -107,7 +108,7 @@ impl<'a> SwapTable<'a> {
         let low: Vec<f64> = set.cones.iter().map(|&c| model.bounds(c, n)[0]).collect();
         let mut table = Self {
             model,
-            column: set.cones.iter().map(|&c| model.column(c)).collect(),
+            columns: OnceLock::new(),
             clamped: Vec::new(),
             clamped_responses: Vec::new(),
             places: set.cones.iter().map(|&c| model.place_of(c)).collect(),
@@ -124,6 +125,11 @@ impl<'a> SwapTable<'a> {
         let responses = (0..order).flat_map(|k| table.clamped.iter().map(move |clamped| clamped.response[k]));
         table.clamped_responses = responses.collect();
         table
+    }
+
+    /// h of the cones, found when they are first asked for: moves within the pool take none.
+    fn columns(&self) -> &[&'a [f32]] {
+        self.columns.get_or_init(|| self.model.columns(&self.set.cones))
     }
 
     /// K⁻¹, with a ridge so small that it only matters where cones coincide.
@@ -198,7 +204,7 @@ impl<'a> SwapTable<'a> {
     /// What moving each cone to any vertex changes, with s given.
     pub(crate) fn fill_for_vertex(&self, v: VertexId, norm: f64, row: &mut Row) {
         row.product.clear();
-        row.product.extend(self.column.iter().map(|h| f64::from(h[v.index()])));
+        row.product.extend(self.columns().iter().map(|h| f64::from(h[v.index()])));
         self.apply_inverse(row);
         self.fill(v, norm, row);
     }
@@ -293,7 +299,7 @@ impl<'a> SwapTable<'a> {
     /// What moving one cone to any vertex changes, with r and s of the vertex given. The sums of curvatures' bounds are left aside.
     pub(crate) fn change_at(&self, departure: &Departure, v: VertexId, gradient: f64, norm: f64) -> f64 {
         let Departure { base, slope, growth, weights, offset } = departure;
-        let products = self.column.iter().zip(weights).map(|(h, weight)| f64::from(h[v.index()]) * weight);
+        let products = self.columns().iter().zip(weights).map(|(h, weight)| f64::from(h[v.index()]) * weight);
         let response = offset + products.sum::<f64>();
         let [low, high] = self.bounds_at(v);
         let (gradient, norm) = (gradient - slope * response, norm + growth * response * response);
@@ -332,7 +338,7 @@ impl<'a> SwapTable<'a> {
         let mut row = Row::default();
         let mut best_round = |(leaving, &cone): (usize, &VertexId)| {
             let mut best: Option<Swap> = None;
-            for (coming, distance) in self.model.distances().around(cone, reach, usize::MAX) {
+            for (coming, distance) in self.model.around(cone, reach, usize::MAX) {
                 if separation.admits(coming, leaving) && !self.model.knows(coming) {
                     self.fill_for_vertex(coming, norm_at(self.model, cones, distance), &mut row);
                     let change = row.change[leaving];
@@ -382,13 +388,37 @@ fn norm_at(model: &EnergyModel, cones: usize, distance: f32) -> f64 {
 
 /// s at every vertex, estimated from distances along edges; 0 once searches must end.
 pub(crate) fn norms(model: &EnergyModel, set: &ConeSet) -> VertexData<f64> {
-    let operators = model.operators();
-    let cones = yielding(set);
-    let boundary = operators.mesh.vertices().filter(|&v| operators.mesh.is_boundary_vertex(v));
-    let sources = cones.iter().copied().chain(boundary);
-    let nowhere = |_| VertexData::constant(operators.mesh.vertex_count(), 0.0);
-    let distance = model.distances().from_watched(sources, model.watch()).unwrap_or_else(nowhere);
-    distance.iter().map(|&d| norm_at(model, cones.len(), d)).collect()
+    Nearness::default().norms(model, set)
+}
+
+/// Distances from the cones of sets that are mostly those before with some more: only what these change is found anew.
+#[derive(Default)]
+pub(crate) struct Nearness {
+    cones: Vec<VertexId>,
+    distance: Option<VertexData<f32>>,
+}
+
+impl Nearness {
+    /// [`norms`] of a set.
+    pub(crate) fn norms(&mut self, model: &EnergyModel, set: &ConeSet) -> VertexData<f64> {
+        let operators = model.operators();
+        let cones = yielding(set);
+        let known = self.distance.take().filter(|_| self.cones.iter().all(|cone| cones.contains(cone)));
+        let found = match known {
+            Some(mut distance) => {
+                let new = cones.iter().copied().filter(|cone| !self.cones.contains(cone));
+                model.distances().lower_watched(&mut distance, new, model.watch()).map(|()| distance)
+            }
+            None => {
+                let boundary = operators.mesh.vertices().filter(|&v| operators.mesh.is_boundary_vertex(v));
+                model.distances().from_watched(cones.iter().copied().chain(boundary), model.watch())
+            }
+        };
+        let distance = found.unwrap_or_else(|_| VertexData::constant(operators.mesh.vertex_count(), 0.0));
+        let norms = distance.iter().map(|&d| norm_at(model, cones.len(), d)).collect();
+        (self.cones, self.distance) = (cones, Some(distance));
+        norms
+    }
 }
 
 #[cfg(test)]
@@ -480,6 +510,21 @@ mod tests {
         for (place, &cone) in pool.iter().enumerate().filter(|(i, _)| set.held[*i] == Held::Free) {
             table.fill_for_member(cone, &mut row);
             assert!(row.change[place].abs() < 1e-6 * (1.0 + set.energy));
+        }
+    }
+
+    #[test]
+    fn norms_of_growing_and_of_other_sets_are_those_found_anew() {
+        for shape in [shapes::hare(1200), shapes::terrain(900, 3)] {
+            let (mesh, operators) = prepare(&shape);
+            let pool = every(&mesh, 40);
+            let mut model = EnergyModel::new(&operators, &mesh);
+            model.add(&pool);
+            let mut nearness = Nearness::default();
+            for cones in [&pool[..4], &pool[..5], &pool[..9], &pool[..9], &pool[3..8], &[], &pool[2..3]] {
+                let set = model.fit(cones);
+                assert_eq!(nearness.norms(&model, &set), norms(&model, &set));
+            }
         }
     }
 

@@ -55,40 +55,64 @@ impl EdgeDistances {
         sources: impl IntoIterator<Item = VertexId>,
         watch: Watch,
     ) -> Result<VertexData<f32>, Interrupted> {
-        let mut distance = vec![f32::INFINITY; self.edges.len()];
-        let sources = sources.into_iter().map(|v| v.0);
-        let edges = |v: u32| self.edges.row(v as usize).iter().map(|&(w, length)| ((), w, length));
-        dijkstra(&mut distance, sources, edges, |_, (), _| {}, watch)?;
-        Ok(distance.into())
+        let mut distance = VertexData::constant(self.edges.len(), f32::INFINITY);
+        self.lower_watched(&mut distance, sources, watch)?;
+        Ok(distance)
     }
 
-    /// The vertices within a distance of one, with their distances, the nearest first; at most so many. O(B log B) for B of them.
+    /// Lowers distances from some sources to those from these and further ones, as if all had been asked for at once. Costs as much as the
+    /// vertices that are nearer to the further ones, watched.
+    ///
+    /// # Errors
+    /// If it is stopped.
     ///
     /// # Panics
-    /// If the source is no vertex of the mesh.
-    pub fn around(&self, source: VertexId, radius: f32, most: usize) -> Vec<(VertexId, f32)> {
-        let mut reached = HashMap::from([(source.0, 0.0)]);
-        let mut queue = BinaryHeap::from([Reverse(0.0_f32.entry(source.0))]);
-        let mut around = Vec::new();
-        while around.len() < most
-            && let Some(Reverse(first)) = queue.pop()
-        {
-            let v = f32::vertex(first);
-            let to_here = reached[&v];
-            if first != to_here.entry(v) {
-                continue; // as in `dijkstra`
-            }
-            around.push((VertexId(v), to_here));
-            for &(w, length) in self.edges.row(v as usize) {
-                let along = to_here + length;
-                if along <= radius && reached.get(&w).is_none_or(|&known| along < known) {
-                    reached.insert(w, along);
-                    queue.push(Reverse(along.entry(w)));
-                }
+    /// If a source is no vertex of the mesh, or there is not a distance for each vertex.
+    pub fn lower_watched(
+        &self,
+        distance: &mut VertexData<f32>,
+        sources: impl IntoIterator<Item = VertexId>,
+        watch: Watch,
+    ) -> Result<(), Interrupted> {
+        let sources = sources.into_iter().map(|v| v.0);
+        let edges = |v: u32| self.edges.row(v as usize).iter().map(|&(w, length)| ((), w, length));
+        dijkstra(distance, sources, edges, |_, (), _| {}, watch)
+    }
+}
+
+/// The vertices within a distance of one along edges, with their distances, the nearest first; at most so many. Lengths are as for
+/// [`EdgeDistances::new`]. O(B log B) for B of them.
+///
+/// # Panics
+/// If the source is no vertex of the mesh.
+pub fn vertices_around(
+    mesh: &Mesh,
+    length: impl Fn(EdgeId) -> f32,
+    source: VertexId,
+    radius: f32,
+    most: usize,
+) -> Vec<(VertexId, f32)> {
+    let mut reached = HashMap::from([(source.0, 0.0)]);
+    let mut queue = BinaryHeap::from([Reverse(0.0_f32.entry(source.0))]);
+    let mut around = Vec::new();
+    while around.len() < most
+        && let Some(Reverse(first)) = queue.pop()
+    {
+        let v = f32::vertex(first);
+        let to_here = reached[&v];
+        if first != to_here.entry(v) {
+            continue; // as in `dijkstra`
+        }
+        around.push((VertexId(v), to_here));
+        for (e, w) in edges_at(mesh, VertexId(v)) {
+            let along = to_here + length(e).max(0.0);
+            if along <= radius && reached.get(&w.0).is_none_or(|&known| along < known) {
+                reached.insert(w.0, along);
+                queue.push(Reverse(along.entry(w.0)));
             }
         }
-        around
     }
+    around
 }
 
 /// The length of the shortest way along the sides of triangles from one of the points, or from the one in use that is farthest
@@ -135,11 +159,14 @@ mod tests {
                 |sources: &[VertexId]| ShortestPaths::new(&mesh, metric.lengths(), sources.iter().map(|&v| (v, 0)));
             let paths = from(&sources);
             let distances = EdgeDistances::new(&mesh, |e| metric.length(e) as f32);
-            let distance = distances.from(sources);
+            let distance = distances.from(sources.iter().copied());
             assert!(mesh.vertices().all(|v| (f64::from(distance[v]) - paths.distance[v]).abs() < 1e-5));
             let single = distance_along_edges(&shape.points, &shape.triangles, Some(17));
             assert!(single.iter().eq(from(&[VertexId(17)]).distance.iter()));
             assert!(distances.from([]).iter().all(|d| *d == f32::INFINITY));
+            let mut lowered = distances.from(sources[..3].iter().copied());
+            distances.lower_watched(&mut lowered, sources[3..].iter().copied(), Watch::NONE).unwrap();
+            assert!(sources.len() > 3 && lowered == distance);
         }
     }
 
@@ -151,11 +178,12 @@ mod tests {
         let distances = EdgeDistances::new(&mesh, |e| metric.length(e) as f32);
         for source in mesh.vertices().step_by(111) {
             let all = distances.from([source]);
-            let around = distances.around(source, 0.3, usize::MAX);
+            let around = |most| vertices_around(&mesh, |e| metric.length(e) as f32, source, 0.3, most);
+            let (around, few) = (around(usize::MAX), around(5));
             assert!(around.windows(2).all(|two| two[0].1 <= two[1].1));
             assert!(around.iter().all(|&(v, distance)| distance == all[v] && distance <= 0.3));
             assert_eq!(around.len(), all.iter().filter(|&&distance| distance <= 0.3).count());
-            assert_eq!(distances.around(source, 0.3, 5), around[..5]);
+            assert_eq!(few, around[..5]);
         }
     }
 

@@ -9,7 +9,7 @@ mod path;
 mod separation;
 
 pub use cut::CutMesh;
-pub use distance::{EdgeDistances, distance_along_edges};
+pub use distance::{EdgeDistances, distance_along_edges, vertices_around};
 pub use handles::{HandleLoop, handle_loops};
 pub use island::{OpenedIsland, open_islands};
 pub use path::{
