@@ -96,8 +96,9 @@ pub(crate) fn fewest_from(
         }
     }
     let Some(middle) = level.middle() else {
-        let is_known = rule == CurvatureRule::Optimal && found.set.shortfall == 0.0;
-        let curvatures = is_known.then(|| model.curvatures(&found.set));
+        // What is not finite is the curvatures' to refuse.
+        let is_sound = found.set.shortfall == 0.0 && found.predicted.log_scale_norm.is_finite();
+        let curvatures = (is_sound && rule == CurvatureRule::Optimal).then(|| model.curvatures(&found.set));
         return Ok(Automatic { curvatures, ..found });
     };
     let mut count = found.set.cones.len();
