@@ -239,11 +239,8 @@ impl Opened {
     /// Positions that follow the edge vectors along the tree.
     fn positions(&self, input: &Mesh, vector: &HalfedgeData<Complex64>) -> Vec<Complex64> {
         let Self { cut, tree } = self;
-        let both_ways = |&h: &HalfedgeId| {
-            let [from, to] = [h, input.next(h)].map(|h| cut.wedge(h).index());
-            [(from, (to, vector[h])), (to, (from, -vector[h]))]
-        };
-        let links = Rows::sorted(cut.wedge_count(), tree.iter().flat_map(both_ways));
+        let ends = |h: HalfedgeId| [h, input.next(h)].map(|h| cut.wedge(h).index());
+        let links = Rows::sorted(cut.wedge_count(), tree.iter().flat_map(|&h| ends(h).map(|end| (end, h))));
         let mut position: Vec<Option<Complex64>> = vec![None; cut.wedge_count()];
         let mut stack = Vec::new();
         for root in 0..position.len() {
@@ -252,7 +249,9 @@ impl Opened {
                 stack.push((root, Complex64::ZERO));
             }
             while let Some((w, at)) = stack.pop() {
-                for &(to, step) in links.row(w) {
+                for &h in links.row(w) {
+                    let [from, to] = ends(h);
+                    let (to, step) = if from == w { (to, vector[h]) } else { (from, -vector[h]) };
                     if position[to].is_none() {
                         position[to] = Some(at + step);
                         stack.push((to, at + step));

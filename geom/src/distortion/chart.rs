@@ -111,16 +111,22 @@ impl Charts {
         for pair in self.facing.iter().filter(|pair| pair.is_glued) {
             pair.sides.into_iter().for_each(|side| open[side as usize] = false);
         }
-        let open_sides = || (0..self.vertex.len() as u32).filter(|&side| open[side as usize]);
-        let mut loops = UnionFind::new(self.vertex.len());
-        for side in open_sides() {
-            loops.union(self.vertex[side as usize], self.vertex[end(side) as usize]);
+        let open_sides: Vec<u32> = (0..self.vertex.len() as u32).filter(|&side| open[side as usize]).collect();
+        let ends = |side: u32| [side, end(side)].map(|corner| self.vertex[corner as usize]);
+        let mut vertices: Vec<u32> = open_sides.iter().flat_map(|&side| ends(side)).collect();
+        vertices.sort_unstable();
+        vertices.dedup();
+        let number = |vertex: u32| vertices.partition_point(|&v| v < vertex);
+        let mut loops = UnionFind::<usize>::new(vertices.len());
+        for &side in &open_sides {
+            let [from, to] = ends(side).map(number);
+            loops.union(from, to);
         }
         let mut counts = vec![0; self.count];
-        let mut is_counted = vec![false; self.vertex.len()];
-        for side in open_sides() {
-            let root = loops.find_mut(self.vertex[side as usize]);
-            if !std::mem::replace(&mut is_counted[root as usize], true) {
+        let mut is_counted = vec![false; vertices.len()];
+        for &side in &open_sides {
+            let root = loops.find_mut(number(ends(side)[0]));
+            if !std::mem::replace(&mut is_counted[root], true) {
                 counts[self.island_of(side)] += 1;
             }
         }

@@ -228,8 +228,12 @@ pub fn measure_watched(
     let measured = Measured::new(&images)?;
     watch.ask(0.6)?;
     let from_one = || measured.area_ratio.iter().map(|r| r.max(1.0 / r)).collect::<Vec<_>>();
-    let ((curvature, seam), (quasi_conformal, area)) = join(
-        || (curvature(&charts, triangles, uv, &images, points.len()), seam(&charts, triangles, &points, uv)),
+    let (((curvature, seam), islands), (quasi_conformal, area)) = join(
+        || {
+            let curvature_and_seam =
+                || (curvature(&charts, triangles, uv, &images, points.len()), seam(&charts, triangles, &points, uv));
+            join(curvature_and_seam, || islands(&charts, &images))
+        },
         || join(|| measured.percentiles(&measured.quasi_conformal), || measured.percentiles(&from_one())),
     );
     watch.ask(0.9)?;
@@ -247,7 +251,7 @@ pub fn measure_watched(
             image.has_surface && (image.area < 0.0 || measured.faces.binary_search(f).is_err())
         }),
         degenerate_on_surface: images.iter().filter(|image| !image.has_surface).count(),
-        islands: islands(&charts, &images),
+        islands,
         seam_edges: charts.seam().count(),
         seam_length: seam.length / total_area.sqrt(),
         seam_mismatch: seam.mismatch,

@@ -112,11 +112,12 @@ fn rows_of(matrix: &SymmetricMatrix, rows: &[usize]) -> Rows<(u32, f64)> {
     rows.iter().enumerate().for_each(|(k, &row)| place[row] = k);
     let mut entries = Vec::new();
     for column in 0..matrix.dimension() {
+        let is_near = place[column] != NONE;
         for (row, value) in matrix.column(column) {
             if place[row] != NONE {
                 entries.push((place[row], (column as u32, value)));
             }
-            if place[column] != NONE && row != column {
+            if is_near && row != column {
                 entries.push((place[column], (row as u32, value)));
             }
         }
@@ -128,6 +129,15 @@ fn rows_of(matrix: &SymmetricMatrix, rows: &[usize]) -> Rows<(u32, f64)> {
 fn changes(from: &SymmetricMatrix, to: &SymmetricMatrix) -> Vec<f64> {
     let mut changes = vec![0.0; from.dimension()];
     for column in 0..from.dimension() {
+        let [old, new] = [from, to].map(|matrix| matrix.below(column));
+        if old.0 == new.0 {
+            for ((&row, before), after) in old.0.iter().zip(old.1).zip(new.1) {
+                let change = (before - after).abs();
+                changes[column] += change;
+                changes[row as usize] += change;
+            }
+            continue;
+        }
         let mut before = from.column(column).skip(1).peekable();
         let mut after = to.column(column).skip(1).peekable();
         while let Some(row) = before.peek().into_iter().chain(after.peek()).map(|entry| entry.0).min() {
@@ -197,6 +207,17 @@ mod tests {
         assert!((dot(&x, &c) / dot(&y, &b) - 1.0).abs() < 1e-9);
         let product = matrix.multiply(&x);
         assert!((0..40).all(|row| (product[row] - b[row]).abs() < 1e-9));
+    }
+
+    #[test]
+    fn changes_are_counted_where_both_matrices_have_entries_and_where_one_has() {
+        let laplacian = |diagonal: [u32; 2], weight| {
+            let edges = [([0, 1], weight), ([1, 2], 1.0), ([2, 3], 1.0), ([0, 3], 2.0), (diagonal, 0.5)];
+            SymmetricMatrix::laplacian(4, edges.into_iter())
+        };
+        let from = laplacian([0, 2], 1.0);
+        assert_eq!(changes(&from, &laplacian([0, 2], 4.0)), [3.0, 3.0, 0.0, 0.0]);
+        assert_eq!(changes(&from, &laplacian([1, 3], 4.0)), [3.5, 3.5, 0.5, 0.5]);
     }
 
     #[test]

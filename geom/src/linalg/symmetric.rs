@@ -116,15 +116,14 @@ impl SymmetricMatrix {
 
     /// Moves columns together where they end before the next one starts.
     fn close_gaps(&mut self, end: &[u32]) {
-        if end == &self.column_start[1..] {
-            return;
-        }
         let mut filled = 0;
         for (column, &end) in end.iter().enumerate() {
             let entries = self.column_start[column] as usize..end as usize;
-            self.column_start[column] = filled as u32;
-            self.row.copy_within(entries.clone(), filled);
-            self.value.copy_within(entries.clone(), filled);
+            if filled < entries.start {
+                self.column_start[column] = filled as u32;
+                self.row.copy_within(entries.clone(), filled);
+                self.value.copy_within(entries.clone(), filled);
+            }
             filled += entries.len();
         }
         self.column_start[end.len()] = filled as u32;
@@ -145,6 +144,12 @@ impl SymmetricMatrix {
     /// Where the entries of a column are stored.
     pub(crate) fn range(&self, column: usize) -> Range<usize> {
         self.column_start[column] as usize..self.column_start[column + 1] as usize
+    }
+
+    /// The rows and values of a column's entries below the diagonal.
+    pub(crate) fn below(&self, column: usize) -> (&[u32], &[f64]) {
+        let entries = self.range(column).start + 1..self.range(column).end;
+        (&self.row[entries.clone()], &self.value[entries])
     }
 
     /// The entries of a column on the diagonal and below, with their rows.
@@ -223,6 +228,16 @@ impl SymmetricMatrix {
     #[must_use]
     pub fn into_restricted(mut self, kept: impl ExactSizeIterator<Item = usize> + Clone) -> Self {
         debug_assert!(kept.clone().is_sorted_by(|a, b| a < b), "the rows that are kept rise");
+        let count = kept.len();
+        if kept.clone().eq(0..count) {
+            let end = |column| {
+                self.range(column).end - self.range(column).rev().take_while(|&k| self.row[k] as usize >= count).count()
+            };
+            let end: Vec<u32> = (0..count).map(|column| end(column) as u32).collect();
+            self.column_start.truncate(count + 1);
+            self.close_gaps(&end);
+            return self;
+        }
         let index = self.numbered(kept.clone());
         let mut column_start = Vec::with_capacity(kept.len() + 1);
         column_start.push(0);
@@ -383,6 +398,7 @@ mod tests {
             let kept = [1, 2, 5, 8];
             let restricted = matrix.restricted(kept.into_iter());
             prop_assert_eq!(&matrix.clone().into_restricted(kept.into_iter()), &restricted);
+            prop_assert_eq!(matrix.clone().into_restricted(0..6), matrix.restricted(0..6));
             for (i, &v) in kept.iter().enumerate() {
                 for (j, &w) in kept.iter().enumerate() {
                     prop_assert_eq!(restricted.get(i, j), matrix.get(v, w));

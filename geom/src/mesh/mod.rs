@@ -20,6 +20,8 @@ pub use triangulation::Triangulation;
 
 use std::ops::Deref;
 
+use crate::parallel::join;
+
 /// An oriented manifold triangle mesh, with or without boundary: connectivity only, no positions and no lengths.
 ///
 /// ```
@@ -65,25 +67,15 @@ impl Mesh {
         if let Some(v) = vertex_halfedge.iter().position(|&h| h == unset) {
             return Err(MeshError::IsolatedVertex(VertexId::new(v)));
         }
+        // A ring on the boundary has one vertex more than triangles.
         let mut ring_start = vec![0];
-        let mut ring = Vec::with_capacity(triangulation.halfedge_count() + triangulation.vertex_count() / 8);
-        for v in triangulation.vertices() {
-            let mut faces = 0;
-            let mut last = vertex_halfedge[v.index()];
-            for h in walk::Outgoing::new(&triangulation, last) {
-                faces += 1;
-                last = h;
-                ring.push(triangulation.head(h));
-            }
-            if faces != degree[v.index()] {
-                return Err(MeshError::NonManifoldVertex(v));
-            }
-            let closing = triangulation.prev(last);
-            if triangulation.twin(closing).is_none() {
-                ring.push(triangulation.tail(closing));
-            }
-            ring_start.push(ring.len() as u32);
-        }
+        let mut end = 0;
+        ring_start.extend(vertex_halfedge.iter().zip(degree).map(|(&first, degree)| {
+            end += degree + u32::from(triangulation.twin(first).is_none());
+            end
+        }));
+        let mut ring = vec![VertexId(0); end as usize];
+        fill_rings(&triangulation, &vertex_halfedge, &ring_start, &mut ring)?;
         Ok(Self { triangulation, vertex_halfedge, ring_start, ring })
     }
 
@@ -125,6 +117,47 @@ impl Mesh {
             assert!(self.outgoing(v).skip(1).all(|h| self.twin(h).is_some()), "the boundary comes first");
         }
     }
+}
+
+/// So many vertices' rings are filled one after the other.
+const AT_ONCE: usize = 4096;
+
+/// Fills the rings of consecutive vertices, given where each starts, from a halfedge at each.
+///
+/// # Errors
+/// With the first vertex whose triangles are more than those of one fan.
+fn fill_rings(
+    triangulation: &Triangulation,
+    vertex_halfedge: &[HalfedgeId],
+    ring_start: &[u32],
+    ring: &mut [VertexId],
+) -> Result<(), MeshError> {
+    if vertex_halfedge.len() > AT_ONCE {
+        let half = vertex_halfedge.len() / 2;
+        let (low, high) = ring.split_at_mut((ring_start[half] - ring_start[0]) as usize);
+        let (low, high) = join(
+            || fill_rings(triangulation, &vertex_halfedge[..half], &ring_start[..=half], low),
+            || fill_rings(triangulation, &vertex_halfedge[half..], &ring_start[half..], high),
+        );
+        return low.and(high);
+    }
+    for (&first, ends) in vertex_halfedge.iter().zip(ring_start.windows(2)) {
+        let ring = &mut ring[(ends[0] - ring_start[0]) as usize..(ends[1] - ring_start[0]) as usize];
+        let (mut filled, mut last) = (0, first);
+        for (place, h) in ring.iter_mut().zip(walk::Outgoing::new(triangulation, first)) {
+            *place = triangulation.head(h);
+            (filled, last) = (filled + 1, h);
+        }
+        let closing = triangulation.prev(last);
+        if triangulation.twin(closing).is_none() && filled < ring.len() {
+            ring[filled] = triangulation.tail(closing);
+            filled += 1;
+        }
+        if filled < ring.len() {
+            return Err(MeshError::NonManifoldVertex(triangulation.tail(first)));
+        }
+    }
+    Ok(())
 }
 
 impl Deref for Mesh {
@@ -184,6 +217,24 @@ mod tests {
         assert_eq!(fan.neighbors(VertexId(0)), [1, 2, 3].map(VertexId));
         assert_eq!(fan.neighbors(VertexId(2)), [3, 0, 1].map(VertexId));
         tetrahedron().check();
+    }
+
+    #[test]
+    fn rings_of_many_vertices_are_those_of_few() {
+        // Filled on several threads, and with a vertex of two fans among them.
+        let shape = crate::shapes::hare(3 * AT_ONCE);
+        let mesh = shape.mesh();
+        mesh.check();
+        for v in [mesh.vertex_count() / 3, mesh.vertex_count() - 1].map(VertexId::new) {
+            let far = VertexId(0);
+            assert!(v != far && !mesh.neighbors(v).contains(&far));
+            let pinched = shape.triangles.iter().map(|t| t.map(|w| if w == far.0 { v.0 - 1 } else { w - 1 }));
+            let pinched: Vec<[u32; 3]> = pinched.collect();
+            assert_eq!(
+                Mesh::new(mesh.vertex_count() - 1, &pinched),
+                Err(MeshError::NonManifoldVertex(VertexId(v.0 - 1)))
+            );
+        }
     }
 
     #[test]

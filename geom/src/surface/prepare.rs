@@ -382,6 +382,11 @@ impl Soup {
         let mut crowded = Crowded::default();
         let mut rest = Vec::new();
         for_each_edge(self.vertex_count, &self.tail, |ends, sides| {
+            if let [h, g] = *sides {
+                twin[h as usize] = g;
+                twin[g as usize] = h;
+                return;
+            }
             rest.clear();
             rest.extend_from_slice(sides);
             if sides.len() > 2 {

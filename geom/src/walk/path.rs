@@ -110,13 +110,14 @@ pub fn other_end(mesh: &Mesh, e: EdgeId, v: VertexId) -> VertexId {
 }
 
 /// Kruskal's algorithm: goes through the edges of a graph in the order given, each with its two nodes, and takes those
-/// that join two trees of the forest made so far.
+/// that join two trees of the forest made so far, until there is one tree.
 ///
 /// # Panics
-/// If an edge names a node beyond the count.
+/// If an edge that is gone through names a node beyond the count.
 pub fn kruskal<E>(node_count: usize, edges: impl IntoIterator<Item = (E, [u32; 2])>) -> Vec<E> {
     let mut trees = UnionFind::<u32>::new(node_count);
-    edges.into_iter().filter(|&(_, [a, b])| trees.union(a, b)).map(|(e, _)| e).collect()
+    let joining = edges.into_iter().filter(|&(_, [a, b])| trees.union(a, b));
+    joining.map(|(e, _)| e).take(node_count.saturating_sub(1)).collect()
 }
 
 /// The edges of a minimum spanning tree of the vertices (a forest, where the mesh is not connected). O(E log E).
