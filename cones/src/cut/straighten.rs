@@ -105,12 +105,22 @@ struct Straightener<'a> {
     cut: EdgeData<bool>,
     /// How many cut edges are at each vertex.
     seams_at: VertexData<u32>,
-    /// What it costs to come along each halfedge; infinite where it is not known.
-    reached: HalfedgeData<f64>,
-    came_from: HalfedgeData<Option<HalfedgeId>>,
+    /// The halfedges that a search has reached,
+    reached: Vec<Reached>,
+    /// and how many were when each was; 0 where it is not. What is searched is a small part, and memory of zeros is none until it is written.
+    place: HalfedgeData<u32>,
     in_band: VertexData<bool>,
     /// From the path, then what edges alone cost to its end; infinite outside of the band.
     distance: VertexData<f64>,
+}
+
+/// A halfedge that a search has come along.
+struct Reached {
+    halfedge: HalfedgeId,
+    /// What it costs to its end.
+    cost: f64,
+    /// The one before.
+    from: Option<HalfedgeId>,
 }
 
 impl<'a> Straightener<'a> {
@@ -124,8 +134,8 @@ impl<'a> Straightener<'a> {
             costs,
             cut: seams.cut.clone(),
             seams_at,
-            reached: HalfedgeData::constant(mesh.halfedge_count(), f64::INFINITY),
-            came_from: HalfedgeData::constant(mesh.halfedge_count(), None),
+            reached: Vec::new(),
+            place: HalfedgeData::constant(mesh.halfedge_count(), 0),
             in_band: VertexData::constant(mesh.vertex_count(), false),
             distance: VertexData::constant(mesh.vertex_count(), f64::INFINITY),
         }
@@ -197,22 +207,20 @@ impl<'a> Straightener<'a> {
         let band = self.band(&piece.path, [start, end]);
         let departures: Vec<HalfedgeId> = self.sector(first);
         self.measure_to_end(&arrivals);
-        let mut touched = Vec::new();
-        let last = self.search((piece, most), &departures, &arrivals, &mut touched);
+        let last = self.search((piece, most), &departures, &arrivals);
         let mut path = Vec::new();
         let mut at = last;
         while let Some(h) = at {
             path.push(h);
-            at = self.came_from[h];
+            at = self.reached(h).and_then(|reached| reached.from);
         }
         path.reverse();
         for v in band {
             self.in_band[v] = false;
             self.distance[v] = f64::INFINITY;
         }
-        for h in touched {
-            self.reached[h] = f64::INFINITY;
-            self.came_from[h] = None;
+        for reached in self.reached.drain(..) {
+            self.place[reached.halfedge] = 0;
         }
         let mut heads: Vec<VertexId> = path.iter().map(|&h| mesh.head(h)).collect();
         heads.sort_unstable();
@@ -262,7 +270,6 @@ impl<'a> Straightener<'a> {
         (piece, most): (&Piece, f64),
         departures: &[HalfedgeId],
         arrivals: &[HalfedgeId],
-        touched: &mut Vec<HalfedgeId>,
     ) -> Option<HalfedgeId> {
         let mesh = self.costs.mesh;
         let mut queue = BinaryHeap::new();
@@ -274,12 +281,8 @@ impl<'a> Straightener<'a> {
             for (from, h, cost) in next.drain(..) {
                 let is_arrival = arrivals.contains(&h);
                 let at_least = cost + if is_arrival { 0.0 } else { self.distance[mesh.head(h)] };
-                if at_least <= most && cost < self.reached[h] {
-                    if self.reached[h].is_infinite() {
-                        touched.push(h);
-                    }
-                    self.reached[h] = cost;
-                    self.came_from[h] = from;
+                if at_least <= most && cost < self.cost_to(h) {
+                    self.reach(Reached { halfedge: h, cost, from });
                     if !is_arrival {
                         queue.push(Reverse((at_least.to_bits(), h)));
                     } else if best.is_none_or(|(least, _)| cost + arrive(h) < least) {
@@ -292,14 +295,36 @@ impl<'a> Straightener<'a> {
             if best.is_some_and(|(least, _)| least <= at_least) || at_least.is_infinite() {
                 break;
             }
-            let cost = self.reached[h];
+            let cost = self.cost_to(h);
             if at_least == cost + self.distance[mesh.head(h)] {
                 let on = mesh.outgoing(mesh.head(h)).filter(|&g| Some(g) != mesh.twin(h));
-                let on = on.map(|g| (g, cost + self.costs.edge(g))).filter(|&(g, cost)| cost < self.reached[g]);
+                let on = on.map(|g| (g, cost + self.costs.edge(g))).filter(|&(g, cost)| cost < self.cost_to(g));
                 next.extend(on.map(|(g, cost)| (Some(h), g, cost + self.costs.turn(h, g))));
             }
         }
         best.map(|(_, h)| h)
+    }
+
+    /// How a halfedge was reached, if it was.
+    fn reached(&self, h: HalfedgeId) -> Option<&Reached> {
+        Some(&self.reached[self.place[h].checked_sub(1)? as usize])
+    }
+
+    /// What it costs to the end of a halfedge; infinite where that was not reached.
+    fn cost_to(&self, h: HalfedgeId) -> f64 {
+        self.reached(h).map_or(f64::INFINITY, |reached| reached.cost)
+    }
+
+    /// Reaches a halfedge, or in a better way.
+    fn reach(&mut self, reached: Reached) {
+        let place = &mut self.place[reached.halfedge];
+        match place.checked_sub(1) {
+            Some(known) => self.reached[known as usize] = reached,
+            None => {
+                self.reached.push(reached);
+                *place = self.reached.len() as u32;
+            }
+        }
     }
 
     /// The halfedges at a vertex between the same two neighbouring seams as one of them.
@@ -400,7 +425,7 @@ mod tests {
                         }
                     }
                     let cleared = |v: VertexId| !straightener.in_band[v] && straightener.distance[v].is_infinite();
-                    assert!(mesh.vertices().all(cleared) && straightener.reached.iter().all(|r| r.is_infinite()));
+                    assert!(mesh.vertices().all(cleared) && straightener.place.iter().all(|&place| place == 0));
                     straightener.mark(&piece.path, true);
                 }
             }
