@@ -382,14 +382,10 @@ impl Soup {
         let mut crowded = Crowded::default();
         let mut rest = Vec::new();
         for_each_edge(self.vertex_count, &self.tail, |ends, sides| {
-            if let [h, g] = *sides {
-                twin[h as usize] = g;
-                twin[g as usize] = h;
-                return;
-            }
-            rest.clear();
-            rest.extend_from_slice(sides);
+            let mut left = sides;
             if sides.len() > 2 {
+                rest.clear();
+                rest.extend_from_slice(sides);
                 crowded.faces.extend(sides.iter().map(|h| (h / 3) as usize));
                 for &h in sides {
                     let other = |&g: &u32| self.are_one_diagonal(h as usize, g as usize);
@@ -399,8 +395,9 @@ impl Soup {
                         rest.retain(|&side| side != h && side != g);
                     }
                 }
+                left = &rest;
             }
-            match rest[..] {
+            match *left {
                 [] | [_] => {}
                 [h, g] => {
                     twin[h as usize] = g;
