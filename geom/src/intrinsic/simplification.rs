@@ -122,6 +122,10 @@ struct Star {
     radius: Vec<f64>,
     position: Vec<[f64; 2]>,
     neighbor: Vec<VertexId>,
+    /// What [`find_ears`](Star::find_ears) and [`find_shares`](Star::find_shares) find, and the corners that are left on the way.
+    ears: Vec<usize>,
+    share: Vec<f64>,
+    corners: Vec<[f64; 2]>,
 }
 
 impl<const N: usize> Surface<N> {
@@ -208,13 +212,15 @@ impl<const N: usize> Surface<N> {
         if !self.gather(v, is_boundary) || !self.star.flatten(if is_boundary { PI } else { TAU }) {
             return false;
         }
-        let Some(ears) = self.star.ears(is_boundary) else { return false };
+        if !self.star.find_ears(is_boundary) {
+            return false;
+        }
         self.hand_on(v, is_boundary);
         self.suspects.clear();
         let Self { star, suspects, triangulation, .. } = self;
         suspects.extend(star.outgoing.iter().map(|&h| triangulation.edge(triangulation.next(h))));
-        for ear in ears {
-            self.cut_ear(ear);
+        for k in 0..self.star.ears.len() {
+            self.cut_ear(self.star.ears[k]);
         }
         self.merge(is_boundary);
         self.flip_suspects();
@@ -256,9 +262,9 @@ impl<const N: usize> Surface<N> {
 
     /// Leaves the weights of a vertex to its neighbours.
     fn hand_on(&mut self, v: VertexId, is_boundary: bool) {
-        let share = self.star.shares(is_boundary);
+        self.star.find_shares(is_boundary);
         let own = self.weight[v.index()];
-        for (&w, share) in self.star.neighbor.iter().zip(share) {
+        for (&w, &share) in self.star.neighbor.iter().zip(&self.star.share) {
             self.weight[w.index()].iter_mut().zip(own).for_each(|(weight, own)| *weight += share * own);
         }
     }
@@ -418,25 +424,26 @@ impl Star {
         self.position.iter().flatten().all(|x| x.is_finite())
     }
 
-    /// The places of neighbours, each once those before it are removed, that flips take away until three are left, on the
-    /// boundary three with the two along it.
-    fn ears(&self, is_boundary: bool) -> Option<Vec<usize>> {
-        let mut corners = self.position.clone();
-        let mut ears = Vec::new();
+    /// Finds the places of neighbours, each once those before it are removed, that flips take away until three are left, on the
+    /// boundary three with the two along it; false where that cannot be.
+    fn find_ears(&mut self, is_boundary: bool) -> bool {
+        let Self { corners, ears, position, .. } = self;
+        corners.clone_from(position);
+        ears.clear();
         let least = 3;
         while corners.len() > least {
             let n = corners.len();
-            let inner = if is_boundary { 1..n - 1 } else { 0..n };
+            let mut inner = if is_boundary { 1..n - 1 } else { 0..n };
             let is_ear = |&k: &usize| {
                 let [before, at, after] = [corners[(k + n - 1) % n], corners[k], corners[(k + 1) % n]];
                 is_left(minus(at, before), minus(after, at)) && is_left(before, after)
             };
-            let ear = inner.into_iter().find(is_ear)?;
+            let Some(ear) = inner.find(is_ear) else { return false };
             corners.remove(ear);
             ears.push(ear);
         }
-        let [a, b, c] = corners[..] else { return None };
-        is_left(minus(b, a), minus(c, b)).then_some(ears)
+        let [a, b, c] = corners[..] else { return false };
+        is_left(minus(b, a), minus(c, b))
     }
 
     fn before(&self, k: usize) -> usize {
@@ -455,18 +462,20 @@ impl Star {
         self.neighbor.remove(k);
     }
 
-    /// What share of the vertex's weight each neighbour gets.
-    fn shares(&self, is_boundary: bool) -> Vec<f64> {
-        let n = self.position.len();
-        let mut share = vec![0.0; n];
+    /// Finds what share of the vertex's weight each neighbour gets.
+    fn find_shares(&mut self, is_boundary: bool) {
+        let Self { share, position, radius, .. } = self;
+        let n = position.len();
+        share.clear();
+        share.resize(n, 0.0);
         if is_boundary {
-            let whole = self.radius[0] + self.radius[n - 1];
-            (share[0], share[n - 1]) = (self.radius[n - 1] / whole, self.radius[0] / whole);
-            return share;
+            let whole = radius[0] + radius[n - 1];
+            (share[0], share[n - 1]) = (radius[n - 1] / whole, radius[0] / whole);
+            return;
         }
         for k in 0..n {
             let next = (k + 1) % n;
-            let [p, q] = [self.position[k], self.position[next]];
+            let [p, q] = [position[k], position[next]];
             let across = minus(q, p);
             let area = cross(p, q).max(f64::MIN_POSITIVE);
             // The cotangents at q and at p, opposite the edges to p and to q.
@@ -475,11 +484,10 @@ impl Star {
         }
         share.iter_mut().for_each(|share| *share = share.max(0.0));
         let whole: f64 = share.iter().sum();
-        if !(whole > 0.0 && whole.is_finite()) {
-            return vec![1.0 / n as f64; n];
+        match whole > 0.0 && whole.is_finite() {
+            true => share.iter_mut().for_each(|share| *share /= whole),
+            false => share.fill(1.0 / n as f64),
         }
-        share.iter_mut().for_each(|share| *share /= whole);
-        share
     }
 }
 

@@ -112,13 +112,28 @@ impl Draft {
         element.check(&roles)?;
         let mut columns = Columns::new(element, &roles);
         let mut list = Vec::new();
-        for present in 0..element.count {
+        // Faces that are nothing but triangles come many at a time.
+        let lists = match (&element.properties[..], &roles[..]) {
+            (&[header::Property { shape: Shape::List { count, item }, .. }], [Role::Face]) => Some([count, item]),
+            _ => None,
+        };
+        let mut present = 0;
+        while present < element.count {
+            if let Some(lists) = lists {
+                let Self { polygons, vertices, .. } = self;
+                present +=
+                    values.triangles(lists, *vertices, element.count - present, |corners| polygons.push(&corners));
+                if present == element.count {
+                    break;
+                }
+            }
             if values.at_end() {
                 let what = format!("element{} `{}`", if element.count == 1 { "" } else { "s" }, element.name);
                 return Err(Fault::new(values.place(), Problem::CutShort { what, claimed: element.count, present }));
             }
             values.start_row();
             self.take_row((element, &roles), values, &mut columns, &mut list)?;
+            present += 1;
         }
         self.keep(element, columns);
         Ok(())

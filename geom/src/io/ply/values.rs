@@ -43,6 +43,12 @@ pub(super) trait Values {
         }
         Ok(())
     }
+
+    /// Takes the next lists as long as they are triangles with indices below `vertices`, `most` at most, and says how many: what else there is comes
+    /// by [`list`](Self::list), with its errors. Numbers in text have no faster way.
+    fn triangles(&mut self, _lists: [ScalarType; 2], _vertices: u64, _most: u64, _put: impl FnMut([u32; 3])) -> u64 {
+        0
+    }
 }
 
 /// Numbers in text, an element a line.
@@ -152,5 +158,30 @@ impl Values for Binary<'_> {
     fn scalar(&mut self, scalar: ScalarType, name: &str) -> Result<f64, Fault> {
         let value = self.decode(scalar);
         value.ok_or_else(|| Fault::cut_short(self.place(), format!("a number for `{name}`")))
+    }
+
+    fn triangles(&mut self, lists: [ScalarType; 2], vertices: u64, most: u64, mut put: impl FnMut([u32; 3])) -> u64 {
+        use ScalarType::{I8, I32, U8, U32};
+        if !matches!(lists, [I8 | U8, I32 | U32]) {
+            return 0;
+        }
+        let rows = self.bytes.get(self.at..).unwrap_or_default().as_chunks::<13>().0;
+        let index = match self.order {
+            ByteOrder::Little => u32::from_le_bytes,
+            ByteOrder::Big => u32::from_be_bytes,
+        };
+        // As a signed number what is beyond would be negative.
+        let vertices = vertices.min(1 << 31);
+        let triangle = |&[count, corners @ ..]: &[u8; 13]| {
+            let corners = [0, 4, 8].map(|at| index([corners[at], corners[at + 1], corners[at + 2], corners[at + 3]]));
+            (count == 3 && corners.iter().all(|&v| u64::from(v) < vertices)).then_some(corners)
+        };
+        let mut count = 0;
+        for corners in rows.iter().take(usize::try_from(most).unwrap_or(usize::MAX)).map_while(triangle) {
+            put(corners);
+            count += 1;
+        }
+        self.at += count * size_of::<[u8; 13]>();
+        count as u64
     }
 }

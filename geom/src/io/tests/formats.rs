@@ -249,6 +249,40 @@ fn ply_agrees_with_ply_rs() {
     }
 }
 
+#[test]
+fn triangles_of_a_binary_ply_that_come_many_at_a_time_are_those_that_come_one_by_one() {
+    let square = [[0.0_f32, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
+    let file = |is_big: bool, index: &str, faces: &[&[i32]], claimed: usize| {
+        let order = if is_big { "big" } else { "little" };
+        let header = format!(
+            "ply\nformat binary_{order}_endian 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\nelement face {claimed}\nproperty list uchar {index} vertex_indices\nend_header\n"
+        );
+        let mut bytes = header.into_bytes();
+        for x in square.as_flattened() {
+            bytes.extend(if is_big { x.to_be_bytes() } else { x.to_le_bytes() });
+        }
+        for face in faces {
+            bytes.push(face.len() as u8);
+            bytes.extend(face.iter().flat_map(|v| if is_big { v.to_be_bytes() } else { v.to_le_bytes() }));
+        }
+        bytes
+    };
+    let faces: [&[i32]; 5] = [&[0, 1, 2], &[2, 3, 0], &[0, 1, 2, 3], &[1, 2, 3], &[3, 0, 1]];
+    for (is_big, index) in [(false, "int"), (false, "uint"), (true, "int"), (true, "uint")] {
+        let read = |faces: &[&[i32]], claimed: usize| read_bytes(file(is_big, index, faces, claimed), "a.ply");
+        let model = read(&faces, 5).unwrap();
+        assert!((0..5).all(|f| model.face(f).iter().map(|&v| v as i32).eq(faces[f].iter().copied())));
+        assert_eq!(read(&faces, 3).unwrap().skipped().surplus, 26, "no more than are claimed");
+        let complaint = |faces: &[&[i32]], claimed| read(faces, claimed).unwrap_err().to_string();
+        assert!(complaint(&faces, 6).contains("element"), "{}", complaint(&faces, 6));
+        for bad in [4, -1] {
+            let found = complaint(&[&[0, 1, 2], &[0, 1, bad]], 2);
+            assert!(found.contains("expected a vertex from 0 to 3"), "{found}");
+        }
+        assert!(complaint(&[&[0, 1, 2], &[0, 1]], 2).contains("2 corners"));
+    }
+}
+
 fn binary_stl(comment: &str, triangles: &[[[f32; 3]; 3]]) -> Vec<u8> {
     let mut out = vec![0; 80];
     out[..comment.len()].copy_from_slice(comment.as_bytes());
