@@ -12,11 +12,12 @@ use geom::{VertexData, VertexId};
 use super::configuration::Configuration;
 use super::energy_model::{ConeSet, EnergyModel};
 use super::exchange::{drop_cheapest, exchange};
+use super::matching_pursuit::{Rule, grow, start};
 use super::nested::Nested;
 use super::prediction::{Prediction, predict};
 use super::pursuit::{brief_pursuit, pursuit};
 use super::refined::{by_curvature, refined, rounds};
-use crate::curvature::{ConeCurvatures, CurvatureRule, least_cones};
+use crate::curvature::{COMFORTABLE_CORNER, ConeCurvatures, CurvatureRule, least_cones};
 use crate::field::Operators;
 
 /// A knee leaves at most this share of the log scale factor's norm. Smooth surfaces keep a half to a third of it where cones
@@ -26,8 +27,12 @@ const KNEE: f64 = 0.1;
 const NESTED_KNEE: f64 = 0.2;
 /// A knee lies within twice as many cones, or this many: a hexagonal prism's twelve corners come after five.
 const FEW: usize = 16;
-/// An order of so many cones at first for a part: most need fewer than half of them.
-const BRIEF: usize = 12;
+/// An order of so many cones is enough where no more than half of them are needed. It is tried
+const BRIEF: usize = 16;
+/// where so many cones, each put where the gradient is steepest, meet the target.
+const PROBE: usize = 10;
+/// A part of several gets an order of so many at first: most need fewer than half of them.
+const BRIEF_FOR_PART: usize = 12;
 /// Vertices with less curvature than this, in radians, are no corners: half a degree.
 const LEAST_CORNER: f64 = 0.01;
 
@@ -66,7 +71,7 @@ pub(crate) struct Goal {
     /// Whether nothing better than the nested order is looked for where that misses the target: most of the time goes there, in vain where
     /// opened handles make other cones of it.
     pub(crate) is_draft: bool,
-    /// Whether the surface is one of several, whose order may end where it tells enough to choose.
+    /// Whether the surface is one of several, whose order may end where it tells enough to choose. Alone it is shown what more cones would give.
     pub(crate) is_part: bool,
 }
 
@@ -90,9 +95,12 @@ pub(crate) fn automatic(model: &mut EnergyModel, rule: CurvatureRule, goal: Goal
         (nested, curve, enough)
     };
     // A knee is looked for among twice as many.
-    let brief = (is_part && 2 * least <= BRIEF).then(|| ordered(model, brief_pursuit, BRIEF));
-    let brief = brief.filter(|(_, _, enough)| enough.is_some_and(|count| 2 * count <= BRIEF));
-    let (nested, curve, enough) = brief.unwrap_or_else(|| ordered(model, pursuit, most.max(least)));
+    let few = if is_part { BRIEF_FOR_PART } else { BRIEF };
+    let is_tried = 2 * least <= few && few < most && (is_part || few_may_do(model, rule, target));
+    let brief = is_tried.then(|| ordered(model, brief_pursuit, few));
+    let brief = brief.filter(|(_, _, enough)| enough.is_some_and(|count| 2 * count <= few));
+    let is_brief = brief.is_some();
+    let (mut nested, mut curve, enough) = brief.unwrap_or_else(|| ordered(model, pursuit, most.max(least)));
     let is_draft = is_draft && enough.is_none();
     let (set, predicted, passed) = match enough {
         Some(count) => fewest(model, &nested.sets[count], rule, target, least),
@@ -104,7 +112,28 @@ pub(crate) fn automatic(model: &mut EnergyModel, rule: CurvatureRule, goal: Goal
         }
     };
     let is_met = predicted.area_distortion <= target;
+    if is_brief && !is_part {
+        // Nothing is chosen among these: they tell what more cones would give.
+        nested = lengthened(model, nested, most);
+        curve = nested.curve(operators, rule, model.watch());
+    }
     Automatic { set, predicted, is_met, passed, nested, curve, is_from_level: false, curvatures: None, is_draft }
+}
+
+/// Whether cones that an order would begin with anyway tell that few are enough. A prediction.
+fn few_may_do(model: &mut EnergyModel, rule: CurvatureRule, target: f64) -> bool {
+    let set = model.with_largest_corner(COMFORTABLE_CORNER, |model| {
+        let first = start(model, PROBE);
+        grow(model, first, PROBE, Rule::Gradient)
+    });
+    meets(&set, &predict(model, &set, rule), target)
+}
+
+/// An order with more cones after it, each where it lowers the energy most.
+fn lengthened(model: &mut EnergyModel, nested: Nested, most: usize) -> Nested {
+    let last = nested.sets.last().cloned().unwrap_or_else(|| model.fit(&[]));
+    let cones = grow(model, last, most, Rule::Gain).cones;
+    Nested::new(model, &cones)
 }
 
 /// [`automatic`], and a few cones more where these leave nearly nothing to distort. A fit for the corners; a search more only
@@ -311,7 +340,11 @@ mod tests {
                 automatic(&mut EnergyModel::new(&operators, &mesh), CurvatureRule::Optimal, goal)
             });
             assert_eq!(whole.nested.sets.len(), 33);
-            assert_eq!(part.nested.sets.len(), if is_enough { BRIEF + 1 } else { 33 }, "for {target}");
+            assert_eq!(whole.curve.last().map(|point| point.count), Some(32));
+            let brief = brief_pursuit(&mut EnergyModel::new(&operators, &mesh), BRIEF);
+            let is_lengthened = whole.nested.cones().starts_with(brief.cones());
+            assert!(is_lengthened || 2 * whole.set.cones.len() > BRIEF, "more cones come after the brief order");
+            assert_eq!(part.nested.sets.len(), if is_enough { BRIEF_FOR_PART + 1 } else { 33 }, "for {target}");
             assert!(part.is_met && part.set.cones.len() <= whole.set.cones.len() + 1);
         }
     }

@@ -157,7 +157,9 @@ fn moves(model: &EnergyModel, set: &ConeSet) -> Vec<Move> {
         let departure = table.departure(leaving);
         let around = around(model, cone, 1.0, set.cones.len());
         let open = around.into_iter().map(|(v, _)| v).filter(|&v| v != cone && separation.admits(v, leaving));
-        let changes = open.map(|v| (table.change_at(&departure, v, gradient[v], norms[v]), leaving, v));
+        let open: Vec<VertexId> = open.collect();
+        let changes = table.changes_at(&departure, &open, |k| (gradient[open[k]], norms[open[k]]));
+        let changes = changes.into_iter().zip(&open).map(|(change, &v)| (change, leaving, v));
         moves.extend(changes.min_by(|a, b| a.0.total_cmp(&b.0)).filter(|best| best.0 < -least));
     }
     moves.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));

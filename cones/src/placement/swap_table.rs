@@ -77,6 +77,7 @@ struct Clamped {
 /// A cone that may leave: without it the energy is `base` more, and with x the products of a vertex with the cones times `weights`,
 /// and `offset`, r there falls by x times `slope`, and s grows by x² times `growth`.
 pub(crate) struct Departure {
+    place: usize,
     base: f64,
     slope: f64,
     growth: f64,
@@ -260,11 +261,15 @@ impl<'a> SwapTable<'a> {
 
     /// Adds the price of what the cones would lack.
     fn add_shortfall(&self, low: f64, change: &mut [f64]) {
-        let price = self.model.price();
-        for (change, own) in change.iter_mut().zip(&self.low) {
-            let after = self.slack + low - own;
-            *change += price * (after.max(0.0) - self.slack.max(0.0));
+        for (change, &own) in change.iter_mut().zip(&self.low) {
+            *change += self.shortfall(low, own);
         }
+    }
+
+    /// The price of what the cones would lack with another lower bound in place of one's own.
+    fn shortfall(&self, low: f64, own: f64) -> f64 {
+        let after = self.slack + low - own;
+        self.model.price() * (after.max(0.0) - self.slack.max(0.0))
     }
 
     /// What taking a cone away changes.
@@ -278,6 +283,7 @@ impl<'a> SwapTable<'a> {
 
     /// What is needed to tell what moving one cone away changes.
     pub(crate) fn departure(&self, leaving: usize) -> Departure {
+        let place = leaving;
         let last = self.free.len();
         let mut weights = vec![0.0; self.set.cones.len()];
         let q = self.set.curvature[leaving];
@@ -286,25 +292,56 @@ impl<'a> SwapTable<'a> {
             self.free.iter().zip(row).for_each(|(&i, &entry)| weights[i] = entry);
             let kappa = row[k].max(f64::MIN_POSITIVE);
             let offset = row.get(last).copied().unwrap_or(0.0);
-            return Departure { base: q * q / kappa, slope: q / kappa, growth: kappa.recip(), weights, offset };
+            return Departure { place, base: q * q / kappa, slope: q / kappa, growth: kappa.recip(), weights, offset };
         }
         let clamped = self.clamped.iter().find(|clamped| clamped.place == leaving);
         let (base, response) = clamped.map_or((0.0, &[][..]), |clamped| (clamped.base, &clamped.response[..]));
         self.free.iter().zip(response).for_each(|(&i, &entry)| weights[i] = -entry);
         weights[leaving] = 1.0;
         let offset = -response.get(last).copied().unwrap_or(0.0);
-        Departure { base, slope: q, growth: 0.0, weights, offset }
+        Departure { place, base, slope: q, growth: 0.0, weights, offset }
     }
 
-    /// What moving one cone to any vertex changes, with r and s of the vertex given. The sums of curvatures' bounds are left aside.
-    pub(crate) fn change_at(&self, departure: &Departure, v: VertexId, gradient: f64, norm: f64) -> f64 {
-        let Departure { base, slope, growth, weights, offset } = departure;
-        let products = self.columns().iter().zip(weights).map(|(h, weight)| f64::from(h[v.index()]) * weight);
-        let response = offset + products.sum::<f64>();
-        let [low, high] = self.bounds_at(v);
-        let (gradient, norm) = (gradient - slope * response, norm + growth * response * response);
-        let t = (-gradient / norm.max(f64::MIN_POSITIVE)).clamp(low, high);
-        base + t * (2.0 * gradient + t * norm)
+    /// What moving one cone to each of some vertices changes, with r and s of a vertex given. The sums of curvatures' bounds are left aside.
+    pub(crate) fn changes_at(
+        &self,
+        departure: &Departure,
+        vertices: &[VertexId],
+        at: impl Fn(usize) -> (f64, f64),
+    ) -> Vec<f64> {
+        let Departure { base, slope, growth, weights, offset, .. } = departure;
+        let change = |(k, (&v, products)): (usize, (&VertexId, f64))| {
+            let (gradient, norm) = at(k);
+            let response = offset + products;
+            let [low, high] = self.bounds_at(v);
+            let (gradient, norm) = (gradient - slope * response, norm + growth * response * response);
+            let t = (-gradient / norm.max(f64::MIN_POSITIVE)).clamp(low, high);
+            base + t * (2.0 * gradient + t * norm)
+        };
+        vertices.iter().zip(self.combined(weights, vertices)).enumerate().map(change).collect()
+    }
+
+    /// The sum of the cones' h, each times a weight, at some vertices: column by column, since vertices near each other are in few lines of a
+    /// column.
+    fn combined(&self, weights: &[f64], vertices: &[VertexId]) -> Vec<f64> {
+        let mut sums = vec![0.0; vertices.len()];
+        for (h, weight) in self.columns().iter().zip(weights) {
+            sums.iter_mut().zip(vertices).for_each(|(sum, v)| *sum += f64::from(h[v.index()]) * weight);
+        }
+        sums
+    }
+
+    /// What moving one cone to each of some vertices changes, with s given: in the time that [`fill_for_vertex`](Self::fill_for_vertex) takes for
+    /// a few of them.
+    fn changes_by(&self, departure: &Departure, vertices: &[VertexId], norm: impl Fn(usize) -> f64) -> Vec<f64> {
+        let products = self.combined(&self.set.curvature, vertices);
+        let gradient = |k: usize| self.model.linear()[vertices[k]] + products[k] + self.set.multiplier;
+        let mut changes = self.changes_at(departure, vertices, |k| (gradient(k), norm(k)));
+        if self.model.total().is_some() {
+            let own = self.low[departure.place];
+            changes.iter_mut().zip(vertices).for_each(|(x, &v)| *x += self.shortfall(self.bounds_at(v)[0], own));
+        }
+        changes
     }
 
     /// For each cone the best vertex to move it to, and the end of a descent from it along edges; the best first.
@@ -324,7 +361,7 @@ impl<'a> SwapTable<'a> {
                 }
             }
         }
-        let descents = (0..self.set.cones.len()).map(|leaving| self.descend(leaving, &separation, &norms, &mut row));
+        let descents = (0..self.set.cones.len()).map(|leaving| self.descend(leaving, &separation, &norms));
         let mut proposals: Vec<Swap> = best.into_iter().flatten().chain(descents).collect();
         proposals.sort_by(|a, b| a.change.total_cmp(&b.change));
         proposals
@@ -335,33 +372,31 @@ impl<'a> SwapTable<'a> {
     pub(crate) fn proposals_within(&self, reach: f32, least_gain: f64) -> Vec<Swap> {
         let separation = Separation::new(self.model.operators(), &self.set.cones);
         let cones = yielding(self.set).len();
-        let mut row = Row::default();
-        let mut best_round = |(leaving, &cone): (usize, &VertexId)| {
-            let mut best: Option<Swap> = None;
-            for (coming, distance) in self.model.around(cone, reach, usize::MAX) {
-                if separation.admits(coming, leaving) && !self.model.knows(coming) {
-                    self.fill_for_vertex(coming, norm_at(self.model, cones, distance), &mut row);
-                    let change = row.change[leaving];
-                    if best.is_none_or(|best| change < best.change) {
-                        best = Some(Swap { change, leaving, coming });
-                    }
-                }
-            }
+        let best_round = |(leaving, &cone): (usize, &VertexId)| {
+            let departure = self.departure(leaving);
+            let around = self.model.around(cone, reach, usize::MAX);
+            let is_open = |v: VertexId| separation.admits(v, leaving) && !self.model.knows(v);
+            let (open, distance): (Vec<VertexId>, Vec<f32>) = around.into_iter().filter(|&(v, _)| is_open(v)).unzip();
+            let changes = self.changes_by(&departure, &open, |k| norm_at(self.model, cones, distance[k]));
+            let swaps = open.iter().zip(changes).map(|(&coming, change)| Swap { change, leaving, coming });
+            let best = swaps.min_by(|a, b| a.change.total_cmp(&b.change));
             best.filter(|best| best.change < -least_gain * self.set.energy)
         };
-        self.set.cones.iter().enumerate().filter_map(&mut best_round).collect()
+        self.set.cones.iter().enumerate().filter_map(best_round).collect()
     }
 
     /// Walks from a cone along edges as long as that lowers the energy.
-    fn descend(&self, leaving: usize, separation: &Separation, norms: &VertexData<f64>, row: &mut Row) -> Swap {
+    fn descend(&self, leaving: usize, separation: &Separation, norms: &VertexData<f64>) -> Swap {
+        let departure = self.departure(leaving);
         let mesh = &self.model.operators().mesh;
         let mut at = Swap { change: 0.0, leaving, coming: self.set.cones[leaving] };
         for _ in 0..LONGEST_DESCENT {
             let before = at.coming;
-            for &v in mesh.neighbors(before).iter().filter(|&&v| separation.admits(v, leaving)) {
-                self.fill_for_vertex(v, norms[v], row);
-                if row.change[leaving] < at.change {
-                    at = Swap { change: row.change[leaving], leaving, coming: v };
+            let open = |&v: &VertexId| separation.admits(v, leaving);
+            let open: Vec<VertexId> = mesh.neighbors(before).iter().copied().filter(open).collect();
+            for (&coming, change) in open.iter().zip(self.changes_by(&departure, &open, |k| norms[open[k]])) {
+                if change < at.change {
+                    at = Swap { change, leaving, coming };
                 }
             }
             if at.coming == before {
@@ -455,12 +490,8 @@ mod tests {
                     table.fill_for_member(coming, &mut row);
                     let gradient = table.gradient(coming, &row);
                     for leaving in 0..set.cones.len() {
-                        let alone = table.change_at(
-                            &table.departure(leaving),
-                            coming,
-                            gradient,
-                            table.exact_norm(coming, &row),
-                        );
+                        let norm = table.exact_norm(coming, &row);
+                        let alone = table.changes_at(&table.departure(leaving), &[coming], |_| (gradient, norm))[0];
                         assert!((alone - row.change[leaving]).abs() < 1e-4 * (1.0 + set.energy), "columns are rounded");
                         let mut cones = set.cones.clone();
                         cones[leaving] = coming;
