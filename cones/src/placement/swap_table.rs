@@ -474,6 +474,34 @@ mod tests {
     }
 
     #[test]
+    fn one_cone_s_moves_are_those_of_the_table() {
+        for shape in [shapes::hare(1200), shapes::torus(2, 1200), shapes::terrain(900, 3)] {
+            let (mesh, operators) = prepare(&shape);
+            let pool = every(&mesh, 97);
+            let mut model = EnergyModel::new(&operators, &mesh);
+            model.add(&pool);
+            // So that some cones are at their bounds, and too few where the surface is closed: what they lack has a price.
+            for (largest, count) in [(1.5 * PI, pool.len()), (0.5 * PI, pool.len() / 2)] {
+                model.with_largest_curvature(largest, |model| {
+                    let set = model.fit(&pool[..count]);
+                    let table = SwapTable::new(model, &set);
+                    let vertices = every(&mesh, 31);
+                    let norm = |k: usize| 1e-3 * (1 + k) as f64;
+                    let mut row = Row::default();
+                    for leaving in 0..count {
+                        let changes = table.changes_by(&table.departure(leaving), &vertices, norm);
+                        for (k, (&v, change)) in vertices.iter().zip(changes).enumerate() {
+                            table.fill_for_vertex(v, norm(k), &mut row);
+                            let whole = row.change[leaving];
+                            assert!((change - whole).abs() <= 1e-9 * (1.0 + whole.abs()), "{change} for {whole}");
+                        }
+                    }
+                });
+            }
+        }
+    }
+
+    #[test]
     fn the_table_is_what_a_new_fit_says_where_the_same_cones_are_at_bounds() {
         let mut compared = [0; 2];
         for shape in [shapes::hare(1200), shapes::torus(2, 1200), shapes::terrain(900, 3)] {
