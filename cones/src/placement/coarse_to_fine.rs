@@ -2,7 +2,7 @@
 //!
 //! The whole search is made on the [coarse level](super::level), where solves cost next to nothing. Its cones are vertices of
 //! the surface, so the surface's energy model tells at once how good they are there: a solve for each. Then, for each cone, the
-//! best vertex round it that the columns of all cones promise is solved for too, and cones are exchanged with these. Of a large surface
+//! best vertex round it that the energy's gradient promises is solved for too, and cones are exchanged with these. Of a large surface
 //! all of that is done on a middle level; on the surface what is predicted for the cones that come out is looked at; optimal curvatures they bring along.
 
 use geom::{Interrupted, PoissonError, VertexId};
@@ -27,9 +27,9 @@ const REACH: f32 = 1.5;
 const NEAR: f64 = 1.02;
 /// So often, as long as the energy falls by [`WORTHWHILE`].
 const ROUNDS: usize = 3;
-/// The share by which the energy must fall for another round. One round costs a solve and a half for each cone; a second brings some
-/// thousandths of the norm where the first has brought little (igea 33,587, 16 cones: 1.004 to 1.001 of the full search's).
-const WORTHWHILE: f64 = 0.04;
+/// The share by which the energy must fall for another round, which costs a solve and half a one for each cone: half as much less of the norm
+/// is what it may bring again.
+const WORTHWHILE: f64 = 0.015;
 /// A vertex is solved for where it promises to lower the energy by this share: what all of 32 cones leave at most is a third of a
 /// hundredth of the norm.
 const LEAST_GAIN: f64 = 2e-4;

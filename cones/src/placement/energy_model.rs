@@ -14,8 +14,8 @@
 //!
 //! Vertices that have been solved for are the *pool*. Products within the pool are kept as f64; the columns, which only
 //! tell where it pays to look, as f32: they are most of the memory. Where cones are only moved a little most columns are never
-//! looked at: of the first vertices of such a model Green's functions are kept, which give the products, and columns are found when they are
-//! asked for.
+//! looked at: of the first vertices of such a model Green's functions are kept, which give the products, and columns, as b, are found when they
+//! are asked for.
 
 use std::collections::HashMap;
 use std::f64::consts::PI;
@@ -54,8 +54,8 @@ const MOST_WORK: u64 = 4_000_000_000;
 pub(crate) struct EnergyTerms {
     /// p, the centred log scale factor that takes away all curvature.
     flattening: VertexData<f64>,
-    /// b
-    linear: VertexData<f64>,
+    /// b, found when it is first asked for.
+    linear: OnceLock<VertexData<f64>>,
     /// E₀
     constant: f64,
     /// What scales lengths to area 1.
@@ -67,8 +67,7 @@ pub(crate) struct EnergyTerms {
 }
 
 impl EnergyTerms {
-    /// The terms of a surface whose layout will use the triangles of `input`. Two solves, one of them where the surface was
-    /// asked before.
+    /// The terms of a surface whose layout will use the triangles of `input`. A solve, unless the surface was asked before.
     pub(crate) fn new(operators: &Operators, input: &Mesh, watch: Watch) -> Result<Self, Interrupted> {
         let triangles = input.vertices().map(|v| usable_triangles(input, v)).collect();
         Self::with_triangles(operators, triangles, watch)
@@ -82,12 +81,10 @@ impl EnergyTerms {
     ) -> Result<Self, Interrupted> {
         let mut flattening = operators.flattening_watched(watch)?.clone();
         operators.centre(&mut flattening);
-        let mut linear = operators.poisson().solve_watched(&operators.weighted(&flattening), watch)?;
-        operators.subtract_spread_mean(&mut linear);
         watch.ask(f64::NAN)?;
         let constant = operators.inner(&flattening, &flattening);
         let unit = operators.metric.area(&operators.mesh).sqrt().recip();
-        Ok(Self { constant, flattening, linear, unit, distances: OnceLock::new(), triangles })
+        Ok(Self { constant, flattening, linear: OnceLock::new(), unit, distances: OnceLock::new(), triangles })
     }
 }
 
@@ -113,12 +110,16 @@ pub struct EnergyModel<'a> {
     pool: Vec<VertexId>,
     /// Where a vertex is in the pool.
     place: VertexData<Option<u32>>,
+    /// b of each member.
+    own_linear: Vec<f64>,
     column: Vec<OnceLock<Vec<f32>>>,
     /// The centred Green's functions of the first members, where columns are put off.
     green: Vec<VertexData<f64>>,
     puts_columns_off: bool,
     /// H between members of the pool, row by row up to the diagonal.
     products: Vec<Vec<f64>>,
+    /// Stands for b once searches must end.
+    no_linear: OnceLock<VertexData<f64>>,
     /// What fits have taken so far.
     work: AtomicU64,
 }
@@ -143,7 +144,7 @@ pub struct ConeSet {
 }
 
 impl<'a> EnergyModel<'a> {
-    /// The model of a surface whose layout will use the triangles of `input`, with an empty pool. Two solves.
+    /// The model of a surface whose layout will use the triangles of `input`, with an empty pool. A solve, and one more for the first vertex.
     pub fn new(operators: &'a Operators, input: &Mesh) -> Self {
         let Ok(terms) = EnergyTerms::new(operators, input, Watch::NONE) else {
             unreachable!("only a watch interrupts");
@@ -162,10 +163,12 @@ impl<'a> EnergyModel<'a> {
             largest_curvature: LARGEST_CURVATURE,
             pool: Vec::new(),
             place: VertexData::constant(operators.mesh.vertex_count(), None),
+            own_linear: Vec::new(),
             column: Vec::new(),
             green: Vec::new(),
             puts_columns_off: false,
             products: Vec::new(),
+            no_linear: OnceLock::new(),
             work: AtomicU64::new(0),
         }
     }
@@ -205,9 +208,29 @@ impl<'a> EnergyModel<'a> {
         (!self.operators.is_bordered()).then(|| self.operators.total_curvature())
     }
 
-    /// b
+    /// b. A solve where it is first asked for.
     pub(crate) fn linear(&self) -> &VertexData<f64> {
-        &self.terms.linear
+        let solve = || -> Result<VertexData<f64>, Interrupted> {
+            let weighted = self.operators.weighted(&self.terms.flattening);
+            let mut linear = self.operators.poisson().solve_watched(&weighted, self.watch())?;
+            self.operators.subtract_spread_mean(&mut linear);
+            Ok(linear)
+        };
+        self.terms.linear.get().unwrap_or_else(|| match solve() {
+            Ok(linear) => self.terms.linear.get_or_init(|| linear),
+            Err(Interrupted) => self.no_linear.get_or_init(|| self.nothing()),
+        })
+    }
+
+    /// b of a member of the pool.
+    pub(crate) fn linear_of(&self, v: VertexId) -> f64 {
+        self.own_linear[self.place_of(v)]
+    }
+
+    /// Half the energy's derivative by a curvature at each vertex, cone or not: `L⁺(w u)`, u of these cones. One solve, where their columns take
+    /// one for each; 0 where searches must end.
+    pub(crate) fn gradient(&self, set: &ConeSet) -> VertexData<f64> {
+        self.columns_of(vec![self.log_scale(&set.cones, &set.curvature)]).swap_remove(0)
     }
 
     /// Distances on the surface scaled to area 1.
@@ -250,7 +273,7 @@ impl<'a> EnergyModel<'a> {
                 self.add_without_columns(block);
             } else {
                 for (&v, h) in block.iter().zip(self.columns_of(self.green_of(block))) {
-                    self.put(v, |pool| pool.iter().map(|&x| h[x]).collect());
+                    self.put(v, self.linear()[v], |pool| pool.iter().map(|&x| h[x]).collect());
                     self.column.push(OnceLock::from(rounded(&h)));
                 }
             }
@@ -270,16 +293,18 @@ impl<'a> EnergyModel<'a> {
         let products = gram_watched(&self.green, &self.operators.weight, self.watch());
         let products = products.unwrap_or_else(|_| vec![0.0; count * count]);
         for &v in new {
-            let own = self.pool.len() * count;
-            self.put(v, |pool| products[own..own + pool.len()].to_vec());
+            let place = self.pool.len();
+            let linear = self.operators.inner(&self.green[place], &self.terms.flattening);
+            self.put(v, linear, |pool| products[place * count..][..pool.len()].to_vec());
             self.column.push(OnceLock::new());
         }
     }
 
-    /// Adds a vertex with its products with all of the pool, itself included.
-    fn put(&mut self, v: VertexId, products: impl FnOnce(&[VertexId]) -> Vec<f64>) {
+    /// Adds a vertex with its b and its products with all of the pool, itself included.
+    fn put(&mut self, v: VertexId, linear: f64, products: impl FnOnce(&[VertexId]) -> Vec<f64>) {
         self.place[v] = Some(self.pool.len() as u32);
         self.pool.push(v);
+        self.own_linear.push(linear);
         self.products.push(products(&self.pool));
     }
 
@@ -293,22 +318,22 @@ impl<'a> EnergyModel<'a> {
         solve().unwrap_or_else(|_| vec![self.nothing(); vertices.len()])
     }
 
-    /// h of some centred Green's functions, in their place; 0 where searches must end.
-    fn columns_of(&self, mut green: Vec<VertexData<f64>>) -> Vec<VertexData<f64>> {
+    /// `L⁺(w x)` of some centred functions x, h of Green's functions, in their place; 0 where searches must end.
+    fn columns_of(&self, mut functions: Vec<VertexData<f64>>) -> Vec<VertexData<f64>> {
         let watch = self.watch();
-        let count = green.len();
+        let count = functions.len();
         let mut solve = || -> Result<(), Interrupted> {
-            green.par_iter_mut().try_for_each(|g| -> Result<(), Interrupted> {
+            functions.par_iter_mut().try_for_each(|x| -> Result<(), Interrupted> {
                 watch.ask(0.0)?;
-                g.iter_mut().zip(self.operators.weight.iter()).for_each(|(g, w)| *g *= w);
+                x.iter_mut().zip(self.operators.weight.iter()).for_each(|(x, w)| *x *= w);
                 Ok(())
             })?;
-            self.operators.poisson().solve_many_in_place(&mut green, watch)?;
-            green.par_iter_mut().for_each(|h| self.operators.subtract_spread_mean(h));
+            self.operators.poisson().solve_many_in_place(&mut functions, watch)?;
+            functions.par_iter_mut().for_each(|h| self.operators.subtract_spread_mean(h));
             Ok(())
         };
         match solve() {
-            Ok(()) => green,
+            Ok(()) => functions,
             Err(Interrupted) => vec![self.nothing(); count],
         }
     }
@@ -427,7 +452,7 @@ impl<'a> EnergyModel<'a> {
         if self.is_stopped() {
             return self.unfitted(cones);
         }
-        let linear: Vec<f64> = cones.iter().map(|&v| self.terms.linear[v]).collect();
+        let linear: Vec<f64> = cones.iter().map(|&v| self.linear_of(v)).collect();
         let matrix: Vec<f64> = cones.iter().flat_map(|&v| cones.iter().map(move |&x| self.product(v, x))).collect();
         let mut bounds: Vec<[f64; 2]> = cones.iter().map(|&v| self.bounds(v, n)).collect();
         let total = self.total();
@@ -544,7 +569,7 @@ impl ConeSet {
 mod tests {
     use super::*;
     use crate::curvature::{CurvatureRule, cone_curvatures};
-    use geom::{Mesh, Metric, shapes};
+    use geom::{Id, Mesh, Metric, shapes};
     use proptest::prelude::*;
 
     /// A shape without a boundary, of higher genus, and with a boundary of one and of two loops.
@@ -625,6 +650,26 @@ mod tests {
     }
 
     #[test]
+    fn the_gradient_is_what_all_columns_say() {
+        for (mesh, operators) in surfaces() {
+            let cones = scattered(&mesh, 9, 11);
+            let mut model = EnergyModel::new(&operators, &mesh).putting_columns_off();
+            model.add(&cones);
+            assert!(model.terms.linear.get().is_none(), "b of the pool comes from Green's functions");
+            let set = model.fit(&cones);
+            let gradient = model.gradient(&set);
+            let columns = model.columns(&cones);
+            for v in mesh.vertices() {
+                let products = columns.iter().zip(&set.curvature).map(|(h, q)| f64::from(h[v.index()]) * q);
+                assert!(relative(gradient[v], model.linear()[v] + products.sum::<f64>()) < 1e-5);
+            }
+            for (&v, held) in cones.iter().zip(&set.held).filter(|(_, held)| **held == Held::Free) {
+                assert!((gradient[v] + set.multiplier).abs() < 1e-9, "{held:?} at {v:?}");
+            }
+        }
+    }
+
+    #[test]
     fn columns_that_are_put_off_change_nothing() {
         for (mesh, operators) in surfaces() {
             let all = scattered(&mesh, MOST_GREEN + 6, 11);
@@ -640,6 +685,7 @@ mod tests {
                 all[..=i].iter().for_each(|&x| {
                     assert!(relative(put_off.product(v, x), at_once.product(v, x)) < 1e-11);
                 });
+                assert!(relative(put_off.linear_of(v), at_once.linear_of(v)) < 1e-11);
             }
             let some = [all[MOST_GREEN], all[3], all[20]];
             for (column, &v) in put_off.columns(&some).iter().zip(&some) {
