@@ -495,30 +495,38 @@ mod tests {
 
     #[test]
     fn one_cone_s_moves_are_those_of_the_table() {
+        let mut priced = 0;
         for shape in [shapes::hare(1200), shapes::torus(2, 1200), shapes::terrain(900, 3)] {
             let (mesh, operators) = prepare(&shape);
             let pool = every(&mesh, 97);
             let mut model = EnergyModel::new(&operators, &mesh);
             model.add(&pool);
-            // So that some cones are at their bounds, and too few where the surface is closed: what they lack has a price.
-            for (largest, count) in [(1.5 * PI, pool.len()), (0.5 * PI, pool.len() / 2)] {
-                model.with_largest_curvature(largest, |model| {
-                    let set = model.fit(&pool[..count]);
-                    let table = SwapTable::new(model, &set);
-                    let vertices = every(&mesh, 31);
-                    let norm = |k: usize| 1e-3 * (1 + k) as f64;
-                    let mut row = Row::default();
-                    for leaving in 0..count {
-                        let changes = table.changes_by(&table.departure(leaving), &vertices, norm);
-                        for (k, (&v, change)) in vertices.iter().zip(changes).enumerate() {
-                            table.fill_for_vertex(v, norm(k), &mut row);
-                            let whole = row.change[leaving];
-                            assert!((change - whole).abs() <= 1e-9 * (1.0 + whole.abs()), "{change} for {whole}");
-                        }
+            let mut compare = |model: &EnergyModel, count: usize| {
+                let set = model.fit(&pool[..count]);
+                let table = SwapTable::new(model, &set);
+                let vertices = every(&mesh, 31);
+                let norm = |k: usize| 1e-3 * (1 + k) as f64;
+                let mut row = Row::default();
+                for leaving in 0..count {
+                    let changes = table.changes_by(&table.departure(leaving), &vertices, norm);
+                    for (k, (&v, change)) in vertices.iter().zip(changes).enumerate() {
+                        table.fill_for_vertex(v, norm(k), &mut row);
+                        let whole = row.change[leaving];
+                        let is_same = change == whole || (change - whole).abs() <= 1e-9 * (1.0 + whole.abs());
+                        assert!(is_same, "{change} for {whole}");
+                        let price = table.shortfall(table.bounds_at(v)[0], table.low[leaving]);
+                        priced += usize::from(price != 0.0 && whole.is_finite());
                     }
-                });
+                }
+            };
+            // So that some cones are at their bounds, and that they must take more than the surface has: what that is too much has a price.
+            model.with_largest_curvature(1.5 * PI, |model| compare(model, pool.len()));
+            model.with_largest_curvature(0.5 * PI, |model| compare(model, pool.len() / 2));
+            for corner in [0.2, 0.25, 0.28] {
+                model.with_largest_corner(corner * PI, |model| compare(model, pool.len()));
             }
         }
+        assert!(priced > 100, "{priced} moves have a price");
     }
 
     #[test]
