@@ -19,7 +19,9 @@ use crate::error::Error;
 use crate::field::{ConformalFactor, Operators};
 use crate::flatten::Chain;
 use crate::hierarchy::ConeHierarchy;
-use crate::placement::{Automatic, CoarseLevel, EnergyTerms, Ground, Placement, Search, quantized, size_of_level};
+use crate::placement::{
+    Automatic, CoarseLevel, EnergyTerms, Ground, Placed, Placement, Search, quantized, size_of_level,
+};
 
 /// How components are made.
 #[derive(Clone, Copy, Debug)]
@@ -231,7 +233,7 @@ impl Component {
     /// [`place`](Self::place) by one of a placement's ways.
     pub(super) fn place_by(
         &self,
-        way: fn(Placement, Ground, usize) -> Result<Vec<VertexId>, PoissonError>,
+        way: fn(Placement, Ground, usize) -> Result<Placed, PoissonError>,
         options: &Options,
         asked: usize,
         task: &Task,
@@ -240,12 +242,16 @@ impl Component {
         let mut count = asked;
         loop {
             let placement = options.placement_for(count);
-            let vertices = task.stage((Stage::Hierarchy, self.index), times, |watch| {
+            let Placed { cones, curvatures } = task.stage((Stage::Hierarchy, self.index), times, |watch| {
                 way(placement, self.ground(options.search, watch), count)
             })??;
-            let placed = vertices.len();
-            let configured = task
-                .stage((Stage::Curvature, self.index), times, |watch| self.with_curvatures(vertices, options, watch))?;
+            let placed = cones.len();
+            let configured = task.stage((Stage::Curvature, self.index), times, |watch| {
+                match curvatures.filter(|_| options.rule == CurvatureRule::Optimal && options.quantize.is_none()) {
+                    Some(known) => Ok(self.configured(cones, known)),
+                    None => self.with_curvatures(cones, options, watch),
+                }
+            })?;
             let mut configuration = match configured {
                 Err(CurvatureError::TooFew { .. }) if placed == count => {
                     count += 1 + count / 4;

@@ -14,17 +14,20 @@
 use std::f64::consts::PI;
 use std::ops::Sub;
 
-use geom::{FaceId, HalfedgeData, HalfedgeId, Id, Mesh, Metric, VertexData};
+use geom::{FaceId, HalfedgeData, HalfedgeId, Id, Mesh, Metric};
 use rayon::prelude::*;
 
 /// So many triangles are gone through one after the other.
 const AT_ONCE: usize = 1024;
 
+/// Parts of a turn all round; differences of directions wrap round as angles do.
+const PARTS: f64 = 4_294_967_296.0;
+
 /// Directions at every vertex.
 #[derive(Clone, Debug)]
 pub(crate) struct Turning {
-    /// The angle from a vertex's first halfedge counter-clockwise to each, scaled so that all round is 2π.
-    direction: HalfedgeData<f64>,
+    /// The angle from a vertex's first halfedge counter-clockwise to each, scaled so that all round is 2³²: half the memory of a float, for 10⁻⁹ of a radian.
+    direction: HalfedgeData<u32>,
 }
 
 impl Turning {
@@ -32,15 +35,15 @@ impl Turning {
     pub(crate) fn new(mesh: &Mesh, metric: &Metric) -> Self {
         let corners = |f: usize| metric.sides(mesh, FaceId::new(f)).corner_angles();
         let angles: Vec<[f64; 3]> = (0..mesh.face_count()).into_par_iter().with_min_len(AT_ONCE).map(corners).collect();
-        let mut direction: HalfedgeData<f64> = angles.into_flattened().into();
-        let mut sums = VertexData::constant(mesh.vertex_count(), 0.0);
-        mesh.halfedges().for_each(|h| sums[mesh.tail(h)] += direction[h]);
+        let angles: HalfedgeData<f64> = angles.into_flattened().into();
+        let mut direction = HalfedgeData::constant(angles.len(), 0);
         for v in mesh.vertices() {
-            let size = if sums[v] > 0.0 { 2.0 * PI / sums[v] } else { 0.0 };
+            let all: f64 = mesh.outgoing(v).map(|h| angles[h]).sum();
+            let size = if all > 0.0 { PARTS / all } else { 0.0 };
             let mut sum = 0.0;
             for h in mesh.outgoing(v) {
-                let angle = std::mem::replace(&mut direction[h], sum * size);
-                sum += angle;
+                direction[h] = (sum * size) as u32;
+                sum += angles[h];
             }
         }
         Self { direction }
@@ -62,10 +65,8 @@ impl Turning {
     /// By how much a path turns that comes along `h` and goes on along `g`; not along the boundary.
     pub(crate) fn between(&self, mesh: &Mesh, h: HalfedgeId, g: HalfedgeId) -> f64 {
         let Some(back) = mesh.twin(h) else { return 0.0 };
-        let between = self.direction[g] - self.direction[back];
-        // The remainder of a division takes longer than all the rest.
-        let between = if between < 0.0 { between + 2.0 * PI } else { between };
-        (between - PI).abs()
+        let between = self.direction[g].wrapping_sub(self.direction[back]);
+        (f64::from(between) * (2.0 * PI / PARTS) - PI).abs()
     }
 }
 
@@ -84,7 +85,7 @@ mod tests {
         let inwards = mesh.twin(spokes[0]).unwrap();
         let turns: Vec<f64> = spokes.iter().map(|&g| 3.0 / PI * turning.between(&mesh, inwards, g)).collect();
         for (turn, expected) in turns.iter().zip([3.0, 2.0, 1.0, 0.0, 1.0, 2.0]) {
-            assert!((turn - expected).abs() < 1e-12, "{turns:?}");
+            assert!((turn - expected).abs() < 1e-8, "{turns:?}");
         }
     }
 
@@ -98,9 +99,9 @@ mod tests {
         for h in mesh.halfedges() {
             for g in mesh.outgoing(mesh.head(h)) {
                 let once = Turning::once(&mesh, &metric, h, g);
-                assert!((turning.between(&mesh, h, g) - once).abs() < 1e-12);
+                assert!((turning.between(&mesh, h, g) - once).abs() < 1e-8);
                 let [there, back] = [turning.between(&mesh, h, g), turning.between(&mesh, twin(g), twin(h))];
-                assert!((there - back).abs() < 1e-12 && (0.0..=PI + 1e-12).contains(&there));
+                assert!((there - back).abs() < 1e-8 && (0.0..=PI + 1e-12).contains(&there));
             }
         }
     }

@@ -113,9 +113,11 @@ pub(crate) fn automatic(model: &mut EnergyModel, rule: CurvatureRule, goal: Goal
     };
     let is_met = predicted.area_distortion <= target;
     if is_brief && !is_part {
-        // Nothing is chosen among these: they tell what more cones would give.
-        nested = lengthened(model, nested, most);
-        curve = nested.curve(operators, rule, model.watch());
+        // Nothing is chosen among these, each put where it lowers the energy most: they tell what more cones would give.
+        let known = nested.cones().len();
+        let last = nested.sets.last().cloned().unwrap_or_else(|| model.fit(&[]));
+        let longer = grow(model, last, most, Rule::Gain).cones;
+        nested.followed_by(&longer[known..], &mut curve, (model, rule));
     }
     Automatic { set, predicted, is_met, passed, nested, curve, is_from_level: false, curvatures: None, is_draft }
 }
@@ -127,13 +129,6 @@ fn few_may_do(model: &mut EnergyModel, rule: CurvatureRule, target: f64) -> bool
         grow(model, first, PROBE, Rule::Gradient)
     });
     meets(&set, &predict(model, &set, rule), target)
-}
-
-/// An order with more cones after it, each where it lowers the energy most.
-fn lengthened(model: &mut EnergyModel, nested: Nested, most: usize) -> Nested {
-    let last = nested.sets.last().cloned().unwrap_or_else(|| model.fit(&[]));
-    let cones = grow(model, last, most, Rule::Gain).cones;
-    Nested::new(model, &cones)
 }
 
 /// [`automatic`], and a few cones more where these leave nearly nothing to distort. A fit for the corners; a search more only

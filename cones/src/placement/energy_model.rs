@@ -538,10 +538,12 @@ impl<'a> EnergyModel<'a> {
         }
     }
 
-    /// The curvatures of cones that can take the surface's, with what they cause. A back-substitution at most.
-    pub(crate) fn curvatures(&self, set: &ConeSet) -> ConeCurvatures {
+    /// The optimal curvatures of cones that were fitted, with what they cause; none where they cannot take the surface's, or cause what is not finite.
+    /// A back-substitution at most.
+    pub(crate) fn curvatures(&self, set: &ConeSet) -> Option<ConeCurvatures> {
         let predicted = |curvature: &[f64]| self.log_scale(&set.cones, curvature);
-        ConeCurvatures::known(self.operators, set.curvature.clone(), predicted)
+        let is_sound = set.shortfall == 0.0 && set.energy.is_finite();
+        is_sound.then(|| ConeCurvatures::known(self.operators, set.curvature.clone(), predicted))
     }
 }
 

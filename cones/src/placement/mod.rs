@@ -25,7 +25,7 @@ use std::sync::{Arc, OnceLock};
 
 use geom::{Interrupted, Mesh, PoissonError, VertexId, Watch};
 
-use crate::curvature::CurvatureRule;
+use crate::curvature::{ConeCurvatures, CurvatureRule};
 use crate::field::Operators;
 use crate::hierarchy::ConeHierarchy;
 
@@ -96,6 +96,19 @@ pub(crate) enum Sharing {
     Persistence,
 }
 
+/// Where cones were placed.
+pub(crate) struct Placed {
+    pub(crate) cones: Vec<VertexId>,
+    /// Their optimal curvatures, where the search has found them.
+    pub(crate) curvatures: Option<ConeCurvatures>,
+}
+
+impl From<Vec<VertexId>> for Placed {
+    fn from(cones: Vec<VertexId>) -> Self {
+        Self { cones, curvatures: None }
+    }
+}
+
 /// A connected surface that cones are placed on.
 #[derive(Clone, Copy)]
 pub(crate) struct Ground<'a> {
@@ -156,18 +169,18 @@ impl<'a> Ground<'a> {
     }
 
     /// The best cones of so many, for this number alone.
-    fn refined(self, count: usize) -> Result<Vec<VertexId>, PoissonError> {
+    fn refined(self, count: usize) -> Result<Placed, PoissonError> {
         if count > MOST_ORDERED {
-            return self.many(count);
+            return Ok(self.many(count)?.into());
         }
-        let found = match self.level()? {
-            Some(level) => coarse_to_fine::refined_from(self, level, count)?,
-            None => None,
-        };
-        Ok(match found {
-            Some(cones) => cones,
-            None => refined(&mut self.energy_model()?, count).cones,
-        })
+        if let Some(level) = self.level()?
+            && let Some(placed) = coarse_to_fine::refined_from(self, level, count)?
+        {
+            return Ok(placed);
+        }
+        let mut model = self.energy_model()?;
+        let set = refined(&mut model, count);
+        Ok(Placed { curvatures: model.curvatures(&set), cones: set.cones })
     }
 }
 
@@ -263,17 +276,18 @@ impl Placement {
     ///
     /// # Errors
     /// If a Laplacian cannot be factored, by [`Refactoring`](Self::Refactoring).
-    pub(crate) fn cones(self, ground: Ground, count: usize) -> Result<Vec<VertexId>, PoissonError> {
+    pub(crate) fn cones(self, ground: Ground, count: usize) -> Result<Placed, PoissonError> {
         let Ground { operators, hierarchy, watch, .. } = ground;
-        Ok(match self {
+        let cones = match self {
             Self::Alternating => hierarchy.alternating(operators, count, watch),
             Self::Persistence => hierarchy.by_persistence(operators, count, watch),
             Self::Iterative => iterative::iterative(operators, count, watch),
             Self::Refactoring => refactoring::iterative_refactoring(operators, count, watch)?,
             Self::Greedy => iterative::greedy(operators, count, watch),
-            Self::Refined => ground.refined(count)?,
+            Self::Refined => return ground.refined(count),
             Self::Pursuit => ground.pursued(count)?.cones().to_vec(),
-        })
+        };
+        Ok(cones.into())
     }
 
     /// `count` cones as [`cones`](Self::cones), but the best set is looked for with many cones moved at a time: of 48 it takes a tenth
@@ -281,8 +295,8 @@ impl Placement {
     ///
     /// # Errors
     /// As [`cones`](Self::cones).
-    pub(crate) fn quick_cones(self, ground: Ground, count: usize) -> Result<Vec<VertexId>, PoissonError> {
-        if self == Self::Refined { ground.many(count) } else { self.cones(ground, count) }
+    pub(crate) fn quick_cones(self, ground: Ground, count: usize) -> Result<Placed, PoissonError> {
+        if self == Self::Refined { Ok(ground.many(count)?.into()) } else { self.cones(ground, count) }
     }
 
     /// A nested order of at least so many cones, as far as there are so many; an optimised one is found in whole blocks, at
@@ -294,7 +308,7 @@ impl Placement {
         if self.is_optimised() {
             return Ok(ground.pursued(whole_blocks(ground.operators, count))?);
         }
-        let order = self.cones(ground, count)?;
+        let order = self.cones(ground, count)?.cones;
         Ok(Nested::new(&mut ground.energy_model()?.putting_columns_off(), &order))
     }
 
@@ -311,9 +325,13 @@ impl Placement {
         let mut model = ground.energy_model()?;
         if self == Self::Refined {
             let choose = if goal.to_knee { automatic::automatic_to_knee } else { automatic::automatic };
-            return Ok(choose(&mut model, rule, goal));
+            let found = choose(&mut model, rule, goal);
+            // Not all sets on the way are fitted within the widest bounds.
+            let known = || model.curvatures(&model.fit(&found.set.cones));
+            let curvatures = if rule == CurvatureRule::Optimal { known() } else { None };
+            return Ok(Automatic { curvatures, ..found });
         }
-        let order = self.cones(ground, goal.most)?;
+        let order = self.cones(ground, goal.most)?.cones;
         Ok(automatic::shortest(&mut model.putting_columns_off(), &order, rule, goal.target))
     }
 

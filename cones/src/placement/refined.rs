@@ -13,7 +13,7 @@ use super::exchange::{drop_cheapest, eliminate, exchange, exchange_deeply};
 use super::matching_pursuit::{Rule, grow, start};
 use super::separation::Separation;
 use super::swap_table::SwapTable;
-use crate::curvature::{COMFORTABLE_CORNER, COMFORTABLE_CURVATURE};
+use crate::curvature::{COMFORTABLE_CORNER, COMFORTABLE_CURVATURE, LEAST_SHARPENED};
 use crate::numerics::quadratic_program::Held;
 
 /// Rounds end when the energy falls by less than this share.
@@ -60,7 +60,22 @@ const MOST_DOUBLED: usize = 12;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn refined(model: &mut EnergyModel, count: usize) -> ConeSet {
-    within_comfort(model, |model| search(model, count))
+    let set = within_comfort(model, |model| search(model, count));
+    if count <= FEW { sharpened(model, set) } else { set }
+}
+
+/// The set, or one near it whose cones are sharper than is comfortable, if that is clearly better: among few cones they are worth what they cost even
+/// where none is held at what is comfortable.
+fn sharpened(model: &mut EnergyModel, set: ConeSet) -> ConeSet {
+    if model.is_over() {
+        return set;
+    }
+    let other = around(model, set.clone());
+    if !other.is_better_than(&set, LEAST_SHARPENED) {
+        return set;
+    }
+    let other = restarted(model, other);
+    by_curvature(model, &other)
 }
 
 /// The best cones that a search finds between bounds that are comfortable, or wider ones where these hold a cone, in the order of
@@ -310,6 +325,23 @@ mod tests {
         let mesh = shape.mesh();
         let (_, set) = best(&mesh, &Metric::from_points(&mesh, &shape.points), 4);
         assert!(set.curvature.iter().all(|&k| k < COMFORTABLE_CURVATURE), "none is held");
+    }
+
+    #[test]
+    fn sharper_cones_are_taken_where_they_are_clearly_better() {
+        for shape in [shapes::hare(900), shapes::torus(2, 700), shapes::terrain(700, 3)] {
+            let mesh = shape.mesh();
+            let operators = Operators::new(&mesh, &Metric::from_points(&mesh, &shape.points)).unwrap();
+            let mut model = EnergyModel::new(&operators, &mesh);
+            let best = refined(&mut model, 6);
+            assert_eq!(sharpened(&mut model, best.clone()), best, "what is found has been through it");
+            let inner = mesh.vertices().filter(|&v| !mesh.is_boundary_vertex(v));
+            let some: Vec<VertexId> = inner.step_by(90).take(6).collect();
+            model.add(&some);
+            let poor = model.fit(&some);
+            let better = sharpened(&mut model, poor.clone());
+            assert!(better.cones.len() == 6 && better.is_better_than(&poor, LEAST_SHARPENED));
+        }
     }
 
     /// The surface of a cube of side × side × side unit cubes.
