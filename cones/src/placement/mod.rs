@@ -178,9 +178,8 @@ impl<'a> Ground<'a> {
         {
             return Ok(placed);
         }
-        let mut model = self.energy_model()?;
-        let set = refined(&mut model, count);
-        Ok(Placed { curvatures: model.curvatures(&set), cones: set.cones })
+        // On needles the curvatures found by themselves are better, and here they cost little.
+        Ok(refined(&mut self.energy_model()?, count).cones.into())
     }
 }
 
@@ -325,11 +324,7 @@ impl Placement {
         let mut model = ground.energy_model()?;
         if self == Self::Refined {
             let choose = if goal.to_knee { automatic::automatic_to_knee } else { automatic::automatic };
-            let found = choose(&mut model, rule, goal);
-            // Not all sets on the way are fitted within the widest bounds.
-            let known = || model.curvatures(&model.fit(&found.set.cones));
-            let curvatures = if rule == CurvatureRule::Optimal { known() } else { None };
-            return Ok(Automatic { curvatures, ..found });
+            return Ok(choose(&mut model, rule, goal));
         }
         let order = self.cones(ground, goal.most)?.cones;
         Ok(automatic::shortest(&mut model.putting_columns_off(), &order, rule, goal.target))
