@@ -25,7 +25,7 @@ use crate::field::Operators;
 const REACH: f32 = 1.5;
 /// A cone less is looked at further where it misses the target by no more than this factor.
 const NEAR: f64 = 1.02;
-/// So often, as long as the energy falls by [`WORTHWHILE`].
+/// So often, as long as that is [`WORTHWHILE`].
 const ROUNDS: usize = 3;
 /// For another round, which costs a solve and half a one for each cone, the energy must fall by this share of itself over the number of cones, but
 const WORTHWHILE: f64 = 0.64;
