@@ -406,16 +406,24 @@ impl Operators {
     /// The log scale factor, with mean 0 over the vertices, of a closed surface that a unit of curvature causes where it is
     /// spread evenly over the vertices and taken from the grounded one.
     fn even(&self) -> &VertexData<f64> {
-        known_or(&self.even, || self.poisson().solve(&self.even_source()))
+        known_or(&self.even, || self.solved_even(Watch::NONE).expect("nobody says stop"))
     }
 
     /// The same, watched.
     pub(crate) fn even_watched(&self, watch: Watch) -> Result<&VertexData<f64>, Interrupted> {
         if self.even.get().is_none() {
-            let solved = self.poisson().solve_watched(&self.even_source(), watch)?;
+            let solved = self.solved_even(watch)?;
             return Ok(self.even.get_or_init(|| solved));
         }
         Ok(self.even())
+    }
+
+    /// As exact as Green's functions are, which it is taken from.
+    fn solved_even(&self, watch: Watch) -> Result<VertexData<f64>, Interrupted> {
+        let mut even = [self.even_source()];
+        self.poisson().solve_many_in_place(&mut even, watch)?;
+        let [even] = even;
+        Ok(even)
     }
 
     fn even_source(&self) -> VertexData<f64> {

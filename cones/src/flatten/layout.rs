@@ -13,7 +13,7 @@ use std::ops::Index;
 
 use geom::{
     CutMesh, EdgeData, FaceData, FaceId, HalfedgeData, HalfedgeId, Id, Interrupted, Mesh, Rows, Triangulation, Watch,
-    kruskal,
+    minimum_spanning_forest,
 };
 use num_complex::Complex64;
 use rayon::prelude::*;
@@ -226,13 +226,11 @@ impl Opened {
         let cut = CutMesh::open(input, is_cut);
         watch.ask(0.3)?;
         let one_a_side = |&h: &HalfedgeId| is_cut[input.edge(h)] || input.halfedge(input.edge(h)) == h;
-        let mut edges: Vec<(f64, HalfedgeId)> =
-            input.halfedges().filter(one_a_side).map(|h| (vector[h].norm_sqr(), h)).collect();
-        watch.ask(0.4)?;
-        edges.par_sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-        watch.ask(0.6)?;
         let ends = |h: HalfedgeId| [h, input.next(h)].map(|h| cut.wedge(h).0);
-        let tree = kruskal(cut.wedge_count(), edges.iter().map(|&(_, h)| (h, ends(h))));
+        // What is not negative is in the order of its bits.
+        let edges = input.halfedges().filter(one_a_side).map(|h| ((vector[h].norm_sqr().to_bits(), h), ends(h)));
+        let tree = minimum_spanning_forest(cut.wedge_count(), edges);
+        let tree = tree.into_iter().map(|(_, h)| h).collect();
         Ok(Self { cut, tree })
     }
 

@@ -94,12 +94,13 @@ impl<'a> Divider<'a> {
     pub(super) fn divide(&self, preference: &Preference, watch: Watch) -> Result<EdgeData<bool>, Interrupted> {
         let mut open = self.open.clone();
         let mut division = Division::new(&self.cotree, self.pairs);
+        let closing: Vec<Closing> = self.cotree.crossing.iter().map(|&e| self.tree.closing(self.mesh, e)).collect();
         let mut cuts = 0_usize;
         while division.has_pairs() {
             watch.ask(1.0 - division.left() as f64 / self.pairs.len() as f64)?;
             self.tree.measure(&mut open);
             let wanted = if cuts < ONE_AT_A_TIME { 1 } else { cuts / 8 };
-            let chosen = division.best(|e| self.tree.length(self.mesh, &open, e), preference, wanted);
+            let chosen = division.best(|i| closing[i].length(&open), preference, wanted);
             if chosen.is_empty() {
                 break;
             }
@@ -189,6 +190,19 @@ struct Step {
     weight: f64,
 }
 
+/// What the length of a path comes from that an edge closes.
+struct Closing {
+    ends: [VertexId; 2],
+    weight: f64,
+}
+
+impl Closing {
+    fn length(&self, open: &Open) -> f64 {
+        let [u, v] = self.ends.map(|v| open.distance[v]);
+        u + self.weight + v
+    }
+}
+
 impl Tree {
     fn new(mesh: &Mesh, weights: EdgeData<f64>, open: &mut Open, watch: Watch) -> Result<Self, Interrupted> {
         let sources = mesh.vertices().filter(|&v| open.is_open[v]).map(|v| (v, 0));
@@ -210,10 +224,9 @@ impl Tree {
         }
     }
 
-    /// The length of the path that an edge closes.
-    fn length(&self, mesh: &Mesh, open: &Open, e: EdgeId) -> f64 {
-        let [u, v] = mesh.ends(e);
-        open.distance[u] + self.weights[e] + open.distance[v]
+    /// An edge that closes a path.
+    fn closing(&self, mesh: &Mesh, e: EdgeId) -> Closing {
+        Closing { ends: mesh.ends(e), weight: self.weights[e] }
     }
 
     /// Cuts along the path that an edge closes.
@@ -263,7 +276,7 @@ impl Cotree {
         }
         // The edges that close the longest paths are kept, the others cut.
         let mut edges: Vec<EdgeId> = mesh.edges().filter(|&e| is_between(open, e)).collect();
-        let length = |open: &Open, e: EdgeId| tree.length(mesh, open, e);
+        let length = |open: &Open, e: EdgeId| tree.closing(mesh, e).length(open);
         edges.sort_by(|a, b| length(open, *b).total_cmp(&length(open, *a)));
         let faces = |e: EdgeId| {
             let h = mesh.halfedge(e);
@@ -435,10 +448,10 @@ impl<'a> Division<'a> {
     }
 
     /// The cheapest cuts, at most so many; further ones only if they cost little more than the best.
-    fn best(&self, length: impl Fn(EdgeId) -> f64, preference: &Preference, wanted: usize) -> Vec<usize> {
+    fn best(&self, length: impl Fn(usize) -> f64, preference: &Preference, wanted: usize) -> Vec<usize> {
         let candidates = (0..self.piece.len()).filter(|&i| self.piece[i] as usize != i && self.resolved[i] > 0);
         let with_cost = |i: usize| {
-            let cost = self.cost(i, length(self.cotree.crossing[i]), preference);
+            let cost = self.cost(i, length(i), preference);
             cost.is_finite().then_some((cost, i))
         };
         let is_less = |a: &(f64, usize), b: &(f64, usize)| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1));
@@ -461,6 +474,7 @@ impl<'a> Division<'a> {
         } else {
             1.0
         };
-        smallness * length / (self.resolved[i] as f64).powf(preference.power)
+        let resolved = self.resolved[i] as f64;
+        smallness * length / if preference.power == 1.0 { resolved } else { resolved.powf(preference.power) }
     }
 }

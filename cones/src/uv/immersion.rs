@@ -31,6 +31,8 @@ const MOST_PAIRS: usize = 4;
 const MOST_SQUARES: usize = 4096;
 /// So many triangles are looked up one after the other.
 const AT_ONCE: usize = 1 << 10;
+/// Lists of pairs are no longer.
+const LONG_LIST: usize = 24;
 
 /// The pairs of triangles on one island that overlap deeper than [`NEGLIGIBLE_DEPTH`]; none if the map
 /// has more than are kept. `opened` is the map's.
@@ -77,7 +79,7 @@ pub(super) fn overlaps_from_boundary(
         }
         of_one
     };
-    let mut spread = Spread::default();
+    let mut spread = Spread::new(uv.len());
     for first in (0..uv.len() as u32).step_by(BLOCK) {
         let block = (first..uv.len().min(first as usize + BLOCK) as u32).into_par_iter().with_min_len(AT_ONCE);
         let pairs: Vec<[FaceId; 2]> = block.flat_map_iter(with_first).collect();
@@ -92,7 +94,8 @@ pub(super) fn overlaps_from_boundary(
         let depth = triangle::depth(&one, &other)?;
         let is_deep = depth > NEGLIGIBLE_DEPTH * boxes.extent;
         let area = if is_deep { triangle::common_area(&one, &other) } else { 0.0 };
-        Some((is_deep, Overlap { triangles: [f.0, g.0], depth: depth / boxes.extent, area }))
+        let sides = [(f, &other), (g, &one)].map(|(f, other)| reached_by(map.triangle(f), other));
+        Some((is_deep, sides, Overlap { triangles: [f.0, g.0], depth: depth / boxes.extent, area }))
     };
     let mut pairs = Vec::new();
     let mut count = 0;
@@ -102,12 +105,13 @@ pub(super) fn overlaps_from_boundary(
         let last = spread.waiting.split_off(spread.waiting.len().saturating_sub(BLOCK));
         count += last.len();
         let found: Vec<_> = last.into_par_iter().with_min_len(AT_ONCE).filter_map(overlap).collect();
-        for (is_deep, overlap) in found {
+        for (is_deep, [of_f, of_g], overlap) in found {
             let [f, g] = overlap.triangles.map(FaceId);
             pairs.extend(is_deep.then_some(overlap));
-            for (here, there) in [(f, g), (g, f)] {
-                let inner = mesh.sides(here).into_iter().filter(|&h| !map.cut[mesh.edge(h)]);
-                inner.filter_map(|h| mesh.twin(h)).for_each(|h| spread.look(mesh.face(h), there));
+            for (here, is_reached, there) in [(f, of_f, g), (g, of_g, f)] {
+                let sides = mesh.sides(here).into_iter().zip(is_reached);
+                let inner = sides.filter(|&(h, is_reached)| is_reached && !map.cut[mesh.edge(h)]);
+                inner.filter_map(|(h, _)| mesh.twin(h)).for_each(|h| spread.look(mesh.face(h), there));
             }
         }
         if pairs.len() > most {
@@ -167,19 +171,59 @@ impl Near {
     }
 }
 
+/// Which sides of a triangle another one may reach: it is not, beyond rounding, all on the inner side of their lines. The images of points that
+/// go on across a side together lie on it.
+fn reached_by(corners: Triangle, other: &Triangle) -> [bool; 3] {
+    let is_inside = |[a, b]: [[f64; 2]; 2], p: &[f64; 2]| {
+        let [one, two] = [(b[0] - a[0]) * (p[1] - a[1]), (b[1] - a[1]) * (p[0] - a[0])];
+        one - two > 8.0 * f64::EPSILON * (one.abs() + two.abs())
+    };
+    let is_upright = triangle::upright(corners) == Some(corners);
+    [0, 1, 2].map(|k| !is_upright || !other.iter().all(|p| is_inside([corners[k], corners[(k + 1) % 3]], p)))
+}
+
 /// The pairs that were seen.
-#[derive(Default)]
 struct Spread {
-    seen: Set<u64>,
+    /// For each triangle one more than where the list begins of those with greater numbers that it was seen with; 0 where it is empty. What is
+    /// near in the plane is mostly near in memory, too, which a hash would end.
+    first: Vec<u32>,
+    /// The triangles of the lists, each with one more than where the next one is.
+    lists: Vec<(FaceId, u32)>,
+    /// What is on lists that are too long.
+    others: Set<u64>,
     waiting: Vec<[FaceId; 2]>,
 }
 
 impl Spread {
+    /// Of so many triangles.
+    fn new(count: usize) -> Self {
+        Self { first: vec![0; count], lists: Vec::new(), others: Set::default(), waiting: Vec::new() }
+    }
+
     fn look(&mut self, f: FaceId, g: FaceId) {
         let [f, g] = [f.min(g), f.max(g)];
-        if f != g && self.seen.insert(u64::from(f.0) << 32 | u64::from(g.0)) {
+        if f != g && self.is_new(f, g) {
             self.waiting.push([f, g]);
         }
+    }
+
+    /// Whether a pair has not been seen. It has been then.
+    fn is_new(&mut self, f: FaceId, g: FaceId) -> bool {
+        let begin = self.first[f.index()];
+        let mut next = begin;
+        for _ in 0..LONG_LIST {
+            let Some(at) = next.checked_sub(1) else {
+                self.lists.push((g, begin));
+                self.first[f.index()] = self.lists.len() as u32;
+                return true;
+            };
+            let (other, after) = self.lists[at as usize];
+            if other == g {
+                return false;
+            }
+            next = after;
+        }
+        self.others.insert(u64::from(f.0) << 32 | u64::from(g.0))
     }
 }
 

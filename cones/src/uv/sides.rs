@@ -5,8 +5,9 @@
 //! lie over each other.
 
 use std::collections::hash_map::Entry;
+use std::ops::Range;
 
-use geom::{Interrupted, Watch};
+use geom::{Interrupted, Rows, Watch};
 use rayon::prelude::*;
 
 use super::table::Table;
@@ -15,6 +16,12 @@ use super::triangle::Triangle;
 /// Triangles are gone through in so many runs at the same time, then what each leaves together: few sides are between two runs where
 /// neighbours have near numbers.
 const RUNS: usize = 8;
+/// Where neighbours have near numbers the sides that wait for their other way are about as many as in a row of a run. Where this many
+/// times more wait, and at least so many, which is more than the cache holds, triangles are put in another order first.
+const WAITING_A_ROW: usize = 16;
+const LEAST_WAITING: usize = 1 << 14;
+/// So many cells are at a side of the grid by which they are.
+const GRID: usize = 64;
 /// The watch is asked once for so many sides.
 const STRIDE: usize = 1 << 16;
 
@@ -42,22 +49,45 @@ pub(super) fn open_sides(
     watch: Watch,
 ) -> Result<Vec<u32>, Interrupted> {
     let open = Open { triangles, turned, watch };
-    let run = triangles.len().div_ceil(RUNS).max(1);
-    let of_run = |k: usize| {
-        let sides = [k * run, (k + 1) * run].map(|f| 3 * f.min(triangles.len()) as u32);
-        open.of(sides[0]..sides[1])
+    let length = triangles.len().div_ceil(RUNS).max(1);
+    let run = |k: usize| k * length..triangles.len().min((k + 1) * length);
+    let most = LEAST_WAITING.max(WAITING_A_ROW * length.isqrt());
+    let by_number = |k: usize| open.of(run(k).flat_map(sides_of), most);
+    let runs = (0..RUNS).into_par_iter().map(by_number).collect::<Result<Option<Vec<_>>, Interrupted>>();
+    let mut left = match runs? {
+        Some(runs) => runs.concat(),
+        None => {
+            let order = cell_by_cell(triangles);
+            let in_order = |k: usize| open.of_any(order[run(k)].iter().flat_map(|&f| sides_of(f)));
+            let runs = (0..RUNS).into_par_iter().map(in_order).collect::<Result<Vec<_>, Interrupted>>();
+            runs?.concat()
+        }
     };
-    let runs: Vec<Result<Vec<u32>, Interrupted>> = (0..RUNS).into_par_iter().map(of_run).collect();
-    let mut left = runs.into_iter().collect::<Result<Vec<_>, _>>()?.concat();
     loop {
         let before = left.len();
-        left = open.of(left.into_iter())?;
+        left = open.of_any(left.into_iter())?;
         // One that comes twice before its other way does is left at first.
         if left.len() == before {
             left.sort_unstable();
             return Ok(left);
         }
     }
+}
+
+fn sides_of(f: usize) -> Range<u32> {
+    3 * f as u32..3 * f as u32 + 3
+}
+
+/// Triangles in an order in which neighbours are near each other: cell by cell of a grid.
+fn cell_by_cell(triangles: &[Triangle]) -> Vec<usize> {
+    let first = || triangles.iter().map(|corners| corners[0]);
+    let low = first().fold([f64::INFINITY; 2], |low, p| [0, 1].map(|i| low[i].min(p[i])));
+    let high = first().fold([f64::NEG_INFINITY; 2], |high, p| [0, 1].map(|i| high[i].max(p[i])));
+    let scale = [0, 1].map(|i| (GRID as f64 - 0.5) / (high[i] - low[i]));
+    // What is not finite is in the first.
+    let cell = |p: [f64; 2]| [0, 1].map(|i| (((p[i] - low[i]) * scale[i]) as usize).min(GRID - 1));
+    let in_rows = first().map(cell).map(|[column, row]| row * GRID + column).zip(0..);
+    Rows::sorted(GRID * GRID, in_rows).into_items()
 }
 
 struct Open<'a, T> {
@@ -68,12 +98,20 @@ struct Open<'a, T> {
 
 impl<T: Fn(u32) -> Option<Turned>> Open<'_, T> {
     /// Some sides without those that cancel.
-    fn of(&self, sides: impl Iterator<Item = u32>) -> Result<Vec<u32>, Interrupted> {
+    fn of_any(&self, sides: impl Iterator<Item = u32>) -> Result<Vec<u32>, Interrupted> {
+        Ok(self.of(sides, usize::MAX)?.expect("there are no more"))
+    }
+
+    /// The same; none if more than `most` have to wait for their other way.
+    fn of(&self, sides: impl Iterator<Item = u32>, most: usize) -> Result<Option<Vec<u32>>, Interrupted> {
         let mut waiting: Table<(u32, Ends), (u32, bool)> = Table::default();
         let mut again = Vec::new();
         for (count, number) in sides.enumerate() {
             if count.is_multiple_of(STRIDE) {
                 self.watch.ask(f64::NAN)?;
+            }
+            if waiting.len() > most {
+                return Ok(None);
             }
             let Some(Turned { island, is_clockwise }) = (self.turned)(number / 3) else { continue };
             let (ends, way) = self.directed(number);
@@ -85,7 +123,7 @@ impl<T: Fn(u32) -> Option<Turned>> Open<'_, T> {
             }
         }
         again.extend(waiting.into_values().map(|(number, _)| number));
-        Ok(again)
+        Ok(Some(again))
     }
 
     /// The ends of a side as bits, the lesser first, and whether it runs from that one.
@@ -134,5 +172,23 @@ mod tests {
         let both: Vec<Triangle> = sheet.iter().copied().chain(over).collect();
         assert_eq!(count(&both, |f| Some(Turned { island: 0, is_clockwise: last(f) })), 160);
         assert_eq!(count(&both, plain), 0);
+    }
+
+    #[test]
+    fn the_order_of_triangles_does_not_matter() {
+        let sheet = grid(200);
+        // All come once, since 28,573 is no multiple of 2 or 5; neighbours are far apart.
+        let scattered: Vec<Triangle> = (0..sheet.len()).map(|k| sheet[k * 28_573 % sheet.len()]).collect();
+        let plain = |_: u32| Some(Turned { island: 0, is_clockwise: false });
+        let open = Open { triangles: &scattered, turned: plain, watch: Watch::NONE };
+        let run = 3 * scattered.len().div_ceil(RUNS) as u32;
+        assert_eq!(open.of(0..run, LEAST_WAITING), Ok(None), "so many sides wait that triangles are put in order");
+        let sides = |triangles: &[Triangle]| {
+            let mut sides: Vec<_> = open_sides(triangles, plain, Watch::NONE).unwrap();
+            sides.sort_by_key(|&k| side(triangles, k).map(|p| p.map(f64::to_bits)));
+            sides.into_iter().map(|k| side(triangles, k)).collect::<Vec<_>>()
+        };
+        assert_eq!(sides(&scattered).len(), 800);
+        assert_eq!(sides(&scattered), sides(&sheet));
     }
 }

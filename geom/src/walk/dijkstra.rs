@@ -4,27 +4,26 @@
 //! to it is found; what is queued with a longer one is passed over. Non-negative floats are in the order of their bits, so
 //! that the queue compares integers; for f32 a distance and its vertex are one.
 
-use std::cmp::Reverse;
-use std::collections::BinaryHeap;
 use std::ops::Add;
 
+use super::queue::Queue;
 use crate::watch::{Interrupted, Watch};
 
 /// A length that is not negative.
 pub(crate) trait Length: Copy + Default + PartialOrd + Add<Output = Self> {
     /// A vertex behind its distance, in the order of distances.
-    type Entry: Copy + Ord;
+    type Entry: super::queue::Entry;
     fn entry(self, vertex: u32) -> Self::Entry;
     fn vertex(entry: Self::Entry) -> u32;
 }
 
 impl Length for f64 {
-    type Entry = (u64, u32);
-    fn entry(self, vertex: u32) -> (u64, u32) {
-        (self.to_bits(), vertex)
+    type Entry = u128;
+    fn entry(self, vertex: u32) -> u128 {
+        u128::from(self.to_bits()) << 32 | u128::from(vertex)
     }
-    fn vertex((_, vertex): (u64, u32)) -> u32 {
-        vertex
+    fn vertex(entry: u128) -> u32 {
+        entry as u32
     }
 }
 
@@ -47,18 +46,21 @@ pub(crate) fn dijkstra<L: Length, E, I: Iterator<Item = (E, u32, L)>>(
     mut reached: impl FnMut(u32, E, u32),
     watch: Watch,
 ) -> Result<(), Interrupted> {
-    let mut queue = BinaryHeap::new();
+    let mut queue = Queue::default();
     for source in sources {
         distance[source as usize] = L::default();
-        queue.push(Reverse(L::default().entry(source)));
+        queue.push(L::default().entry(source));
     }
     let mut done = 0;
-    while let Some(Reverse(first)) = queue.pop() {
+    loop {
+        // What was queued before a shorter way to its vertex was found is passed over.
+        let is_shortest = |entry: L::Entry| {
+            let v = L::vertex(entry);
+            distance[v as usize].entry(v) == entry
+        };
+        let Some(first) = queue.pop(is_shortest) else { return Ok(()) };
         let v = L::vertex(first);
         let to_here = distance[v as usize];
-        if first != to_here.entry(v) {
-            continue; // a shorter way to v was found after this one was queued
-        }
         watch.ask_at_step(done, distance.len())?;
         done += 1;
         for (edge, w, length) in edges(v) {
@@ -66,9 +68,8 @@ pub(crate) fn dijkstra<L: Length, E, I: Iterator<Item = (E, u32, L)>>(
             if along < distance[w as usize] {
                 distance[w as usize] = along;
                 reached(v, edge, w);
-                queue.push(Reverse(along.entry(w)));
+                queue.push(along.entry(w));
             }
         }
     }
-    Ok(())
 }

@@ -2,18 +2,24 @@
 //!
 //! [`ShortestPaths`] is Dijkstra's algorithm from several sources at once: what grows is a forest that divides
 //! the mesh into the sources' Voronoi regions along edges. [`minimum_spanning_tree`] and [`maximum_spanning_cotree`]
-//! are Kruskal's algorithm (1956) on the vertices and on the faces: a tree of edges, and a tree of the dual graph that
+//! are minimum spanning forests of the vertices and of the faces: a tree of edges, and a tree of the dual graph that
 //! crosses none of them. On a closed surface of genus g exactly 2g edges are in neither, and they carry its handles
 //! (Eppstein 2003, "Dynamic generators of topologically embedded graphs").
 //!
 //! Lengths are those of edges; a path never crosses a triangle. All ties are broken by index, so that the same input
 //! gives the same trees. A negative or missing (NaN) length counts as zero.
 
+use std::cmp::Reverse;
+
 use petgraph::unionfind::UnionFind;
 
 use super::dijkstra::dijkstra;
 use crate::mesh::{EdgeData, EdgeId, Mesh, VertexData, VertexId};
+use crate::rows::Rows;
 use crate::watch::{Interrupted, Watch, unwatched};
+
+/// After so many rounds in which nodes take their first edges a fifth of a mesh's edges is left.
+const ROUNDS: usize = 3;
 
 /// The forest of shortest paths from a set of sources.
 ///
@@ -73,7 +79,10 @@ impl ShortestPaths {
                 starts.push(source.0);
             }
         }
-        let edges = |v: u32| edges_at(mesh, VertexId(v)).map(|(e, w)| (e, w.0, lengths[e].max(0.0)));
+        // Side by side, since what is reached one after the other is far apart: it takes half of the time.
+        let at = |v| edges_at(mesh, v).map(|(e, w)| (e, w.0, lengths[e].max(0.0)));
+        let at: Rows<(EdgeId, u32, f64)> = mesh.vertices().map(at).collect();
+        let edges = |v: u32| at.row(v as usize).iter().copied();
         let Self { distance, predecessor, owner } = &mut paths;
         let reached = |from: u32, e: EdgeId, to: u32| {
             predecessor[VertexId(to)] = Some(e);
@@ -120,6 +129,82 @@ pub fn kruskal<E>(node_count: usize, edges: impl IntoIterator<Item = (E, [u32; 2
     joining.map(|(e, _)| e).take(node_count.saturating_sub(1)).collect()
 }
 
+/// The edges of the minimum spanning forest of a graph, each a key with its two nodes, in no order that means anything. Keys tell which edges
+/// come first, and no two are the same. Each node takes its first edge and becomes one with the node at its other end, several times over (Borůvka
+/// 1926); few edges are left to be sorted for [`kruskal`] then. O(E) and a sort of what is left.
+///
+/// ```
+/// let square = [(3, [0, 1]), (1, [1, 2]), (4, [2, 3]), (2, [3, 0])];
+/// let mut forest = geom::minimum_spanning_forest(4, square.into_iter());
+/// forest.sort();
+/// assert_eq!(forest, [1, 2, 3]);
+/// ```
+///
+/// # Panics
+/// If an edge names a node beyond the count.
+pub fn minimum_spanning_forest<K: Ord + Copy>(
+    node_count: usize,
+    edges: impl Iterator<Item = (K, [u32; 2])> + Clone,
+) -> Vec<K> {
+    let mut forest = Vec::with_capacity(node_count.saturating_sub(1));
+    let (mut count, node) = joined(node_count, edges.clone(), &mut forest);
+    let outside = |node: &[u32], (key, ends): (K, [u32; 2])| {
+        let ends = ends.map(|end| node[end as usize]);
+        (ends[0] != ends[1]).then_some((key, ends))
+    };
+    let mut left: Vec<(K, [u32; 2])> = edges.filter_map(|edge| outside(&node, edge)).collect();
+    for _ in 1..ROUNDS {
+        let node;
+        (count, node) = joined(count, left.iter().copied(), &mut forest);
+        left = left.into_iter().filter_map(|edge| outside(&node, edge)).collect();
+    }
+    left.sort_unstable_by_key(|(key, _)| *key);
+    forest.extend(kruskal(count, left));
+    forest
+}
+
+/// Adds to a forest the first edge of each node, and joins what these connect: how many nodes there are then, and which each has become.
+fn joined<K: Ord + Copy>(
+    count: usize,
+    edges: impl Iterator<Item = (K, [u32; 2])>,
+    forest: &mut Vec<K>,
+) -> (usize, Vec<u32>) {
+    // With the other end.
+    let mut first: Vec<Option<(K, u32)>> = vec![None; count];
+    for (key, [a, b]) in edges {
+        for (from, to) in [(a, b), (b, a)] {
+            let first = &mut first[from as usize];
+            if a != b && first.is_none_or(|(least, _)| key < least) {
+                *first = Some((key, to));
+            }
+        }
+    }
+    // Ways along first edges have falling keys, so that each ends at an edge that is the first of both its nodes: at the lower one.
+    let end = |from: u32| {
+        let (key, to) = first[from as usize]?;
+        let is_end = from < to && first[to as usize].is_some_and(|(least, _)| least == key);
+        (!is_end).then_some((key, to))
+    };
+    let mut node = vec![u32::MAX; count];
+    let (mut joined, mut way) = (0, Vec::new());
+    for start in 0..count as u32 {
+        let mut at = start;
+        while node[at as usize] == u32::MAX {
+            way.push(at);
+            let Some((key, to)) = end(at) else {
+                node[at as usize] = joined;
+                joined += 1;
+                break;
+            };
+            forest.push(key);
+            at = to;
+        }
+        let new = node[at as usize];
+        way.drain(..).for_each(|on| node[on as usize] = new);
+    }
+    (joined as usize, node)
+}
+
 /// The edges of a minimum spanning tree of the vertices (a forest, where the mesh is not connected). O(E log E).
 ///
 /// # Panics
@@ -140,11 +225,9 @@ pub fn minimum_spanning_tree_watched(
     cost: &EdgeData<f64>,
     watch: Watch,
 ) -> Result<EdgeData<bool>, Interrupted> {
-    let mut order: Vec<EdgeId> = mesh.edges().collect();
     watch.ask(0.0)?;
-    order.sort_unstable_by(|&a, &b| cost[a].total_cmp(&cost[b]).then(a.cmp(&b)));
-    watch.ask(0.5)?;
-    Ok(mark(mesh, kruskal(mesh.vertex_count(), order.into_iter().map(|e| (e, mesh.ends(e).map(|v| v.0))))))
+    let edges = mesh.edges().map(|e| ((in_order(cost[e]), e), mesh.ends(e).map(|v| v.0)));
+    Ok(mark(mesh, minimum_spanning_forest(mesh.vertex_count(), edges)))
 }
 
 /// The edges crossed by a maximum spanning tree of the faces that crosses no edge of `tree` (a forest, where `tree`
@@ -169,20 +252,23 @@ pub fn maximum_spanning_cotree_watched(
     tree: &EdgeData<bool>,
     watch: Watch,
 ) -> Result<EdgeData<bool>, Interrupted> {
-    let mut order: Vec<EdgeId> = mesh.edges().filter(|&e| !tree[e] && !mesh.is_boundary_edge(e)).collect();
     watch.ask(0.0)?;
-    order.sort_unstable_by(|&a, &b| weight[b].total_cmp(&weight[a]).then(a.cmp(&b)));
-    watch.ask(0.5)?;
-    let crossings = order.into_iter().filter_map(|e| {
+    let edges = mesh.edges().filter(|&e| !tree[e]).filter_map(|e| {
         let h = mesh.halfedge(e);
-        Some((e, [mesh.face(h).0, mesh.face(mesh.twin(h)?).0]))
+        Some(((Reverse(in_order(weight[e])), e), [mesh.face(h).0, mesh.face(mesh.twin(h)?).0]))
     });
-    Ok(mark(mesh, kruskal(mesh.face_count(), crossings)))
+    Ok(mark(mesh, minimum_spanning_forest(mesh.face_count(), edges)))
 }
 
-fn mark(mesh: &Mesh, edges: Vec<EdgeId>) -> EdgeData<bool> {
+/// An integer in the order of [`f64::total_cmp`].
+fn in_order(x: f64) -> i64 {
+    let bits = x.to_bits() as i64;
+    bits ^ ((bits >> 63) as u64 >> 1) as i64
+}
+
+fn mark<K>(mesh: &Mesh, edges: Vec<(K, EdgeId)>) -> EdgeData<bool> {
     let mut marked = EdgeData::constant(mesh.edge_count(), false);
-    for e in edges {
+    for (_, e) in edges {
         marked[e] = true;
     }
     marked
@@ -191,6 +277,21 @@ fn mark(mesh: &Mesh, edges: Vec<EdgeId>) -> EdgeData<bool> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_forest_is_that_of_the_sorted_edges() {
+        for (count, seed) in (1..60).zip(3_u32..) {
+            let random = |k: u32| (k * seed + 7).wrapping_mul(2_654_435_761) >> 8;
+            // Loops, several edges between two nodes, and often more than one tree.
+            let edges =
+                (0..2 * count).map(|k| ((random(k) % 50, k), [random(3 * k + 1) % count, random(5 * k + 2) % count]));
+            let mut sorted: Vec<_> = edges.clone().collect();
+            sorted.sort_unstable();
+            let mut forest = minimum_spanning_forest(count as usize, edges);
+            forest.sort_unstable();
+            assert_eq!(forest, kruskal(count as usize, sorted));
+        }
+    }
 
     /// A grid of squares, wrapped round to a torus, with lengths that look random.
     fn torus(size: u32) -> (Mesh, EdgeData<f64>) {
