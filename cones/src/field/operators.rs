@@ -406,24 +406,18 @@ impl Operators {
     /// The log scale factor, with mean 0 over the vertices, of a closed surface that a unit of curvature causes where it is
     /// spread evenly over the vertices and taken from the grounded one.
     fn even(&self) -> &VertexData<f64> {
-        known_or(&self.even, || self.solved_even(Watch::NONE).expect("nobody says stop"))
+        self.even_watched(Watch::NONE).expect("nobody says stop")
     }
 
-    /// The same, watched.
+    /// The same, watched. Without refinement, like the Green's functions that it is taken from.
     pub(crate) fn even_watched(&self, watch: Watch) -> Result<&VertexData<f64>, Interrupted> {
-        if self.even.get().is_none() {
-            let solved = self.solved_even(watch)?;
-            return Ok(self.even.get_or_init(|| solved));
+        if let Some(known) = self.even.get() {
+            return Ok(known);
         }
-        Ok(self.even())
-    }
-
-    /// As exact as Green's functions are, which it is taken from.
-    fn solved_even(&self, watch: Watch) -> Result<VertexData<f64>, Interrupted> {
-        let mut even = [self.even_source()];
-        self.poisson().solve_many_in_place(&mut even, watch)?;
-        let [even] = even;
-        Ok(even)
+        let mut solved = [self.even_source()];
+        self.poisson().solve_many_in_place(&mut solved, watch)?;
+        let [even] = solved;
+        Ok(self.even.get_or_init(|| even))
     }
 
     fn even_source(&self) -> VertexData<f64> {

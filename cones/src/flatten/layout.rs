@@ -227,9 +227,9 @@ impl Opened {
         watch.ask(0.3)?;
         let one_a_side = |&h: &HalfedgeId| is_cut[input.edge(h)] || input.halfedge(input.edge(h)) == h;
         let ends = |h: HalfedgeId| [h, input.next(h)].map(|h| cut.wedge(h).0);
-        // What is not negative is in the order of its bits.
+        // What is not negative is in the order of its bits, what is no number last or first.
         let edges = input.halfedges().filter(one_a_side).map(|h| ((vector[h].norm_sqr().to_bits(), h), ends(h)));
-        let tree = minimum_spanning_forest(cut.wedge_count(), edges);
+        let tree = minimum_spanning_forest(cut.wedge_count(), edges, watch.within(0.3, 1.0))?;
         let tree = tree.into_iter().map(|(_, h)| h).collect();
         Ok(Self { cut, tree })
     }

@@ -4,7 +4,7 @@
 //! different points with one image fall into connected regions. In the pair of a region that lies farthest out in some direction one point is
 //! on the boundary, or the map is not one to one near it: else both could be moved on in that direction, and their images would stay one. So
 //! only sides on the boundary, and triangles about vertices that the map winds round otherwise or that a triangle has which is turned over, are
-//! looked up among all; from each pair found one goes on to the neighbours of either triangle, as long as they overlap. That looks at the pairs
+//! looked up among all; from each pair found one goes on to the neighbours of either triangle across sides that the other may reach, as long as they overlap. That looks at the pairs
 //! there are and what borders on them, not at all triangles and their neighbours: on layouts of 28,576 triangles a third of the time of
 //! [`overlaps`](super::overlaps). Sides and not their triangles, since the bounding boxes of needles meet those of a good part of all others.
 //! Regions are gone through as long as triangles do not come to lie on others side on side, to the bit.
@@ -31,8 +31,8 @@ const MOST_PAIRS: usize = 4;
 const MOST_SQUARES: usize = 4096;
 /// So many triangles are looked up one after the other.
 const AT_ONCE: usize = 1 << 10;
-/// Lists of pairs are no longer.
-const LONG_LIST: usize = 24;
+/// So many pairs of a triangle are remembered in a list, further ones in a hash set.
+const LONGEST_LIST: usize = 24;
 
 /// The pairs of triangles on one island that overlap deeper than [`NEGLIGIBLE_DEPTH`]; none if the map
 /// has more than are kept. `opened` is the map's.
@@ -211,7 +211,7 @@ impl Spread {
     fn is_new(&mut self, f: FaceId, g: FaceId) -> bool {
         let begin = self.first[f.index()];
         let mut next = begin;
-        for _ in 0..LONG_LIST {
+        for _ in 0..LONGEST_LIST {
             let Some(at) = next.checked_sub(1) else {
                 self.lists.push((g, begin));
                 self.first[f.index()] = self.lists.len() as u32;

@@ -17,10 +17,10 @@ use super::triangle::Triangle;
 /// neighbours have near numbers.
 const RUNS: usize = 8;
 /// Where neighbours have near numbers the sides that wait for their other way are about as many as in a row of a run. Where this many
-/// times more wait, and at least so many, which is more than the cache holds, triangles are put in another order first.
+/// times more wait, and at least so many, which is more than the cache holds, triangles are put in order first.
 const WAITING_A_ROW: usize = 16;
 const LEAST_WAITING: usize = 1 << 14;
-/// So many cells are at a side of the grid by which they are.
+/// Cells to a side of the grid that puts them in order.
 const GRID: usize = 64;
 /// The watch is asked once for so many sides.
 const STRIDE: usize = 1 << 16;
@@ -50,44 +50,46 @@ pub(super) fn open_sides(
 ) -> Result<Vec<u32>, Interrupted> {
     let open = Open { triangles, turned, watch };
     let length = triangles.len().div_ceil(RUNS).max(1);
-    let run = |k: usize| k * length..triangles.len().min((k + 1) * length);
+    let run = |k: usize| triangles.len().min(k * length)..triangles.len().min((k + 1) * length);
     let most = LEAST_WAITING.max(WAITING_A_ROW * length.isqrt());
     let by_number = |k: usize| open.of(run(k).flat_map(sides_of), most);
     let runs = (0..RUNS).into_par_iter().map(by_number).collect::<Result<Option<Vec<_>>, Interrupted>>();
-    let mut left = match runs? {
+    let left = match runs? {
         Some(runs) => runs.concat(),
         None => {
             let order = cell_by_cell(triangles);
-            let in_order = |k: usize| open.of_any(order[run(k)].iter().flat_map(|&f| sides_of(f)));
+            let in_order = |k: usize| open.of_any(order[run(k)].iter().flat_map(|&f| sides_of(f as usize)));
             let runs = (0..RUNS).into_par_iter().map(in_order).collect::<Result<Vec<_>, Interrupted>>();
             runs?.concat()
         }
     };
-    loop {
-        let before = left.len();
-        left = open.of_any(left.into_iter())?;
-        // One that comes twice before its other way does is left at first.
-        if left.len() == before {
-            left.sort_unstable();
-            return Ok(left);
-        }
-    }
+    let mut left = open.of_any(left.into_iter())?;
+    left.sort_unstable();
+    Ok(left)
 }
 
 fn sides_of(f: usize) -> Range<u32> {
     3 * f as u32..3 * f as u32 + 3
 }
 
-/// Triangles in an order in which neighbours are near each other: cell by cell of a grid.
-fn cell_by_cell(triangles: &[Triangle]) -> Vec<usize> {
+/// Triangles in an order in which neighbours are near each other, cell by cell of a grid over what is finite.
+fn cell_by_cell(triangles: &[Triangle]) -> Vec<u32> {
     let first = || triangles.iter().map(|corners| corners[0]);
-    let low = first().fold([f64::INFINITY; 2], |low, p| [0, 1].map(|i| low[i].min(p[i])));
-    let high = first().fold([f64::NEG_INFINITY; 2], |high, p| [0, 1].map(|i| high[i].max(p[i])));
+    let finite = || first().filter(|p| p.iter().all(|x| x.is_finite()));
+    let low = finite().fold([f64::INFINITY; 2], |low, p| [0, 1].map(|i| low[i].min(p[i])));
+    let high = finite().fold([f64::NEG_INFINITY; 2], |high, p| [0, 1].map(|i| high[i].max(p[i])));
     let scale = [0, 1].map(|i| (GRID as f64 - 0.5) / (high[i] - low[i]));
-    // What is not finite is in the first.
     let cell = |p: [f64; 2]| [0, 1].map(|i| (((p[i] - low[i]) * scale[i]) as usize).min(GRID - 1));
     let in_rows = first().map(cell).map(|[column, row]| row * GRID + column).zip(0..);
     Rows::sorted(GRID * GRID, in_rows).into_items()
+}
+
+/// A side that has not come the other way yet.
+struct Waiting {
+    number: u32,
+    way: bool,
+    /// The next one that waits behind it.
+    next: Option<u32>,
 }
 
 struct Open<'a, T> {
@@ -99,13 +101,14 @@ struct Open<'a, T> {
 impl<T: Fn(u32) -> Option<Turned>> Open<'_, T> {
     /// Some sides without those that cancel.
     fn of_any(&self, sides: impl Iterator<Item = u32>) -> Result<Vec<u32>, Interrupted> {
-        Ok(self.of(sides, usize::MAX)?.expect("there are no more"))
+        Ok(self.of(sides, usize::MAX)?.expect("no more than that can wait"))
     }
 
-    /// The same; none if more than `most` have to wait for their other way.
+    /// The same; none if sides between more than `most` pairs of points have to wait for their other way.
     fn of(&self, sides: impl Iterator<Item = u32>, most: usize) -> Result<Option<Vec<u32>>, Interrupted> {
-        let mut waiting: Table<(u32, Ends), (u32, bool)> = Table::default();
-        let mut again = Vec::new();
+        let mut waiting: Table<(u32, Ends), Waiting> = Table::default();
+        // Those that wait behind another one between the same points.
+        let mut behind: Vec<(u32, Option<u32>)> = Vec::new();
         for (count, number) in sides.enumerate() {
             if count.is_multiple_of(STRIDE) {
                 self.watch.ask(f64::NAN)?;
@@ -117,13 +120,26 @@ impl<T: Fn(u32) -> Option<Turned>> Open<'_, T> {
             let (ends, way) = self.directed(number);
             let way = way != is_clockwise;
             match waiting.entry((island, ends)) {
-                Entry::Vacant(place) => _ = place.insert((number, way)),
-                Entry::Occupied(other) if other.get().1 != way => _ = other.remove(),
-                Entry::Occupied(_) => again.push(number),
+                Entry::Vacant(place) => _ = place.insert(Waiting { number, way, next: None }),
+                Entry::Occupied(mut other) if other.get().way != way => match other.get().next {
+                    Some(next) => (other.get_mut().number, other.get_mut().next) = behind[next as usize],
+                    None => _ = other.remove(),
+                },
+                Entry::Occupied(mut same) => {
+                    behind.push((same.get().number, same.get().next));
+                    *same.get_mut() = Waiting { number, way, next: Some(behind.len() as u32 - 1) };
+                }
             }
         }
-        again.extend(waiting.into_values().map(|(number, _)| number));
-        Ok(Some(again))
+        let mut left = Vec::new();
+        for Waiting { number, mut next, .. } in waiting.into_values() {
+            left.push(number);
+            while let Some(at) = next {
+                left.push(behind[at as usize].0);
+                next = behind[at as usize].1;
+            }
+        }
+        Ok(Some(left))
     }
 
     /// The ends of a side as bits, the lesser first, and whether it runs from that one.
@@ -190,5 +206,14 @@ mod tests {
         };
         assert_eq!(sides(&scattered).len(), 800);
         assert_eq!(sides(&scattered), sides(&sheet));
+    }
+
+    #[test]
+    fn copies_that_come_one_way_first_and_then_the_other_take_no_longer() {
+        let one = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]];
+        let over = [one[0], one[2], one[1]];
+        let copies = 100_000;
+        let both: Vec<Triangle> = (0..2 * copies + 3).map(|k| if k < copies { one } else { over }).collect();
+        assert_eq!(count(&both, |_| Some(Turned { island: 0, is_clockwise: false })), 9);
     }
 }

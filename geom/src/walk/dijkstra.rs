@@ -2,7 +2,7 @@
 //!
 //! A queue holds the vertices that were reached, the nearest first, ties by index. A vertex is queued again when a shorter way
 //! to it is found; what is queued with a longer one is passed over. Non-negative floats are in the order of their bits, so
-//! that the queue compares integers; for f32 a distance and its vertex are one.
+//! that the queue holds integers: a distance and its vertex are one.
 
 use std::ops::Add;
 

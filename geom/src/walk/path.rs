@@ -14,7 +14,7 @@ use std::cmp::Reverse;
 use petgraph::unionfind::UnionFind;
 
 use super::dijkstra::dijkstra;
-use crate::mesh::{EdgeData, EdgeId, Mesh, VertexData, VertexId};
+use crate::mesh::{EdgeData, EdgeId, Id, Mesh, VertexData, VertexId};
 use crate::rows::Rows;
 use crate::watch::{Interrupted, Watch, unwatched};
 
@@ -45,7 +45,7 @@ pub struct ShortestPaths {
 
 impl ShortestPaths {
     /// Shortest paths from sources, each with the number of its owner; several sources may have the same owner, and
-    /// a vertex named twice is its first owner's. O(V log V).
+    /// a vertex named twice is its first owner's. O(V log V), and memory for each edge twice.
     ///
     /// # Panics
     /// If there is an edge without a length, or a source is no vertex of the mesh.
@@ -80,15 +80,18 @@ impl ShortestPaths {
             }
         }
         // Side by side, since what is reached one after the other is far apart: it takes half of the time.
-        let at = |v| edges_at(mesh, v).map(|(e, w)| (e, w.0, lengths[e].max(0.0)));
-        let at: Rows<(EdgeId, u32, f64)> = mesh.vertices().map(at).collect();
+        let at = |v: VertexId| {
+            watch.ask_at_step(v.index(), 4 * count)?;
+            Ok(edges_at(mesh, v).map(|(e, w)| (e, w.0, lengths[e].max(0.0))))
+        };
+        let at = mesh.vertices().map(at).collect::<Result<Rows<(EdgeId, u32, f64)>, Interrupted>>()?;
         let edges = |v: u32| at.row(v as usize).iter().copied();
         let Self { distance, predecessor, owner } = &mut paths;
         let reached = |from: u32, e: EdgeId, to: u32| {
             predecessor[VertexId(to)] = Some(e);
             owner[VertexId(to)] = owner[VertexId(from)];
         };
-        dijkstra(distance, starts.into_iter(), edges, reached, watch)?;
+        dijkstra(distance, starts.into_iter(), edges, reached, watch.within(0.25, 1.0))?;
         Ok(paths)
     }
 
@@ -131,36 +134,45 @@ pub fn kruskal<E>(node_count: usize, edges: impl IntoIterator<Item = (E, [u32; 2
 
 /// The edges of the minimum spanning forest of a graph, each a key with its two nodes, in no order that means anything. Keys tell which edges
 /// come first, and no two are the same. Each node takes its first edge and becomes one with the node at its other end, several times over (Borůvka
-/// 1926); few edges are left to be sorted for [`kruskal`] then. O(E) and a sort of what is left.
+/// 1926); few edges are left to be sorted for [`kruskal`] then. Edges are gone through twice. O(E) and a sort of what is left.
 ///
 /// ```
 /// let square = [(3, [0, 1]), (1, [1, 2]), (4, [2, 3]), (2, [3, 0])];
-/// let mut forest = geom::minimum_spanning_forest(4, square.into_iter());
+/// let mut forest = geom::minimum_spanning_forest(4, square.into_iter(), geom::Watch::NONE)?;
 /// forest.sort();
 /// assert_eq!(forest, [1, 2, 3]);
+/// # Ok::<(), geom::Interrupted>(())
 /// ```
+///
+/// # Errors
+/// If it is stopped.
 ///
 /// # Panics
 /// If an edge names a node beyond the count.
 pub fn minimum_spanning_forest<K: Ord + Copy>(
     node_count: usize,
     edges: impl Iterator<Item = (K, [u32; 2])> + Clone,
-) -> Vec<K> {
+    watch: Watch,
+) -> Result<Vec<K>, Interrupted> {
     let mut forest = Vec::with_capacity(node_count.saturating_sub(1));
+    watch.ask(0.0)?;
     let (mut count, node) = joined(node_count, edges.clone(), &mut forest);
+    watch.ask(0.3)?;
     let outside = |node: &[u32], (key, ends): (K, [u32; 2])| {
         let ends = ends.map(|end| node[end as usize]);
         (ends[0] != ends[1]).then_some((key, ends))
     };
     let mut left: Vec<(K, [u32; 2])> = edges.filter_map(|edge| outside(&node, edge)).collect();
     for _ in 1..ROUNDS {
+        watch.ask(0.5)?;
         let node;
         (count, node) = joined(count, left.iter().copied(), &mut forest);
         left = left.into_iter().filter_map(|edge| outside(&node, edge)).collect();
     }
+    watch.ask(0.8)?;
     left.sort_unstable_by_key(|(key, _)| *key);
     forest.extend(kruskal(count, left));
-    forest
+    Ok(forest)
 }
 
 /// Adds to a forest the first edge of each node, and joins what these connect: how many nodes there are then, and which each has become.
@@ -186,14 +198,14 @@ fn joined<K: Ord + Copy>(
         (!is_end).then_some((key, to))
     };
     let mut node = vec![u32::MAX; count];
-    let (mut joined, mut way) = (0, Vec::new());
+    let (mut tree_count, mut way) = (0, Vec::new());
     for start in 0..count as u32 {
         let mut at = start;
         while node[at as usize] == u32::MAX {
             way.push(at);
             let Some((key, to)) = end(at) else {
-                node[at as usize] = joined;
-                joined += 1;
+                node[at as usize] = tree_count;
+                tree_count += 1;
                 break;
             };
             forest.push(key);
@@ -202,10 +214,11 @@ fn joined<K: Ord + Copy>(
         let new = node[at as usize];
         way.drain(..).for_each(|on| node[on as usize] = new);
     }
-    (joined as usize, node)
+    (tree_count as usize, node)
 }
 
-/// The edges of a minimum spanning tree of the vertices (a forest, where the mesh is not connected). O(E log E).
+/// The edges of a minimum spanning tree of the vertices (a forest, where the mesh is not connected). Costs as
+/// [`minimum_spanning_forest`].
 ///
 /// # Panics
 /// If there is an edge without a cost.
@@ -225,13 +238,12 @@ pub fn minimum_spanning_tree_watched(
     cost: &EdgeData<f64>,
     watch: Watch,
 ) -> Result<EdgeData<bool>, Interrupted> {
-    watch.ask(0.0)?;
     let edges = mesh.edges().map(|e| ((in_order(cost[e]), e), mesh.ends(e).map(|v| v.0)));
-    Ok(mark(mesh, minimum_spanning_forest(mesh.vertex_count(), edges)))
+    Ok(mark(mesh, minimum_spanning_forest(mesh.vertex_count(), edges, watch)?))
 }
 
 /// The edges crossed by a maximum spanning tree of the faces that crosses no edge of `tree` (a forest, where `tree`
-/// separates the faces). O(E log E).
+/// separates the faces). Costs as [`minimum_spanning_forest`].
 ///
 /// # Panics
 /// If there is an edge without a weight, or without a mark whether it is in the tree.
@@ -252,12 +264,11 @@ pub fn maximum_spanning_cotree_watched(
     tree: &EdgeData<bool>,
     watch: Watch,
 ) -> Result<EdgeData<bool>, Interrupted> {
-    watch.ask(0.0)?;
     let edges = mesh.edges().filter(|&e| !tree[e]).filter_map(|e| {
         let h = mesh.halfedge(e);
         Some(((Reverse(in_order(weight[e])), e), [mesh.face(h).0, mesh.face(mesh.twin(h)?).0]))
     });
-    Ok(mark(mesh, minimum_spanning_forest(mesh.face_count(), edges)))
+    Ok(mark(mesh, minimum_spanning_forest(mesh.face_count(), edges, watch)?))
 }
 
 /// An integer in the order of [`f64::total_cmp`].
@@ -280,16 +291,25 @@ mod tests {
 
     #[test]
     fn a_forest_is_that_of_the_sorted_edges() {
-        for (count, seed) in (1..60).zip(3_u32..) {
+        for (count, seed) in (0..60).chain([5000]).zip(3_u32..) {
             let random = |k: u32| (k * seed + 7).wrapping_mul(2_654_435_761) >> 8;
             // Loops, several edges between two nodes, and often more than one tree.
-            let edges =
-                (0..2 * count).map(|k| ((random(k) % 50, k), [random(3 * k + 1) % count, random(5 * k + 2) % count]));
+            let edges = (0..2 * count)
+                .map(|k| ((random(k) % 50, k), [random(3 * k + 1) % count.max(1), random(5 * k + 2) % count.max(1)]));
             let mut sorted: Vec<_> = edges.clone().collect();
             sorted.sort_unstable();
-            let mut forest = minimum_spanning_forest(count as usize, edges);
+            let mut forest = minimum_spanning_forest(count as usize, edges, Watch::NONE).unwrap();
             forest.sort_unstable();
             assert_eq!(forest, kruskal(count as usize, sorted));
+        }
+    }
+
+    #[test]
+    fn integers_are_in_the_order_of_what_they_stand_for() {
+        let positive = [0.0, f64::MIN_POSITIVE / 8.0, 1e-3, 2.5, f64::MAX, f64::INFINITY, f64::NAN];
+        let all: Vec<f64> = positive.into_iter().flat_map(|x| [x.abs(), -x.abs()]).collect();
+        for (x, y) in all.iter().flat_map(|x| all.iter().map(move |y| (x, y))) {
+            assert_eq!(in_order(*x).cmp(&in_order(*y)), x.total_cmp(y));
         }
     }
 
