@@ -406,18 +406,16 @@ impl Operators {
     /// The log scale factor, with mean 0 over the vertices, of a closed surface that a unit of curvature causes where it is
     /// spread evenly over the vertices and taken from the grounded one.
     fn even(&self) -> &VertexData<f64> {
-        self.even_watched(Watch::NONE).expect("nobody says stop")
+        known_or(&self.even, || self.poisson().solve(&self.even_source()))
     }
 
-    /// The same, watched. Without refinement, like the Green's functions that it is taken from.
+    /// The same, watched.
     pub(crate) fn even_watched(&self, watch: Watch) -> Result<&VertexData<f64>, Interrupted> {
-        if let Some(known) = self.even.get() {
-            return Ok(known);
+        if self.even.get().is_none() {
+            let solved = self.poisson().solve_watched(&self.even_source(), watch)?;
+            return Ok(self.even.get_or_init(|| solved));
         }
-        let mut solved = [self.even_source()];
-        self.poisson().solve_many_in_place(&mut solved, watch)?;
-        let [even] = solved;
-        Ok(self.even.get_or_init(|| even))
+        Ok(self.even())
     }
 
     fn even_source(&self) -> VertexData<f64> {
