@@ -18,7 +18,7 @@ use crate::mesh::{EdgeData, EdgeId, Id, Mesh, VertexData, VertexId};
 use crate::rows::Rows;
 use crate::watch::{Interrupted, Watch, unwatched};
 
-/// After so many rounds in which nodes take their first edges a fifth of a mesh's edges is left.
+/// After so many rounds in which nodes take their first edges .09 to .14 of all edges are left on layouts of spot, bunny and fandisk, .46 on one of igea.
 const ROUNDS: usize = 3;
 
 /// The forest of shortest paths from a set of sources.
