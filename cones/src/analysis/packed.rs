@@ -16,8 +16,8 @@ use crate::uv::{PackOptions, Packing, Part, Tiles, Triangle, UvMap, cut_for_fill
 /// Of a model of several parts that fills less than this its islands are cut further without being asked for,
 const LEAST_FILL: f64 = 0.6;
 /// within this share of the seams, if it then fills so much more: among many islands one more is little, but one long one leaves half of the
-/// square to all others. (Dragon, 151 parts: one cut, seams .5 % longer, fill .528 -> .619.)
-const LITTLE: f64 = 0.01;
+/// square to all others. (A map of the dragon, 151 parts: three cuts, seams 1.9 % longer, fill .448 -> .580.)
+const LITTLE: f64 = 0.02;
 const LEAST_GAIN: f64 = 0.04;
 
 /// Seams shorter than so many roots of the area are hardly any, as those of flat rings, which fill the less of a square the thinner they are.

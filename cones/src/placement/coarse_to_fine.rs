@@ -199,6 +199,28 @@ fn confirmed_on_surface(
     }
 }
 
+/// Cones with the curvatures that they have on a middle level; none where that has not all of them, where they cannot take the surface's curvature,
+/// or what is predicted is not finite.
+///
+/// # Errors
+/// If the watch has said stop.
+pub(crate) fn with_curvatures_of(
+    ground: Ground,
+    middle: &CoarseLevel,
+    cones: Vec<VertexId>,
+) -> Result<Option<Placed>, Interrupted> {
+    let Some(cones) = middle.own_of_surface(&cones) else { return Ok(None) };
+    let mut model = middle.energy_model(ground.watch.within(f64::NAN, f64::NAN)).putting_columns_off();
+    let cones = apart(&model, cones, REACH * middle.spacing());
+    model.add(&cones);
+    let set = model.fit(&cones);
+    if set.shortfall > 0.0 {
+        return Ok(None);
+    }
+    let (set, predicted, curvatures) = confirmed_on_surface(ground, middle, &set, CurvatureRule::Optimal)?;
+    Ok(predicted.log_scale_norm.is_finite().then_some(Placed { cones: set.cones, curvatures }))
+}
+
 /// A search for the fewest cones on the surface, or on the middle level.
 struct Fewest<'s, 'm> {
     model: &'s mut EnergyModel<'m>,
@@ -516,6 +538,32 @@ mod tests {
                     assert!(near(&known.curvature, &alone.curvature) && near(&known.predicted, &alone.predicted));
                 }
             }
+        }
+    }
+
+    #[test]
+    fn a_middle_level_s_curvatures_are_hardly_worse_than_the_surface_s() {
+        for (mesh, operators, _) in levels() {
+            let factor = crate::field::ConformalFactor::new(&operators);
+            let hierarchy = &crate::hierarchy::ConeHierarchy::new(&operators, &factor);
+            let coarsest = with_middle(&operators, &mesh);
+            let middle = coarsest.middle().unwrap();
+            let (terms, made) = (OnceLock::new(), OnceLock::new());
+            let search = super::super::Search::CoarseToFine;
+            let (operators, input, watch) = (&operators, &mesh, Watch::NONE);
+            let ground = Ground { operators, input, hierarchy, terms: &terms, level: &made, search, watch };
+            let set = refined(&mut coarsest.energy_model(Watch::NONE), 12);
+            let cones = coarsest.of_surface(&set.cones);
+            assert_eq!(middle.own_of_surface(&cones).unwrap(), coarsest.in_finer(&set.cones));
+            let Placed { cones, curvatures } = with_curvatures_of(ground, middle, cones).unwrap().unwrap();
+            let alone = cone_curvatures(operators, input, &cones, CurvatureRule::Optimal, watch).unwrap();
+            let norm = |u: &[f64]| operators.inner(u, u).sqrt();
+            let [known, least] = [&curvatures.unwrap().predicted, &alone.predicted].map(|u| norm(u));
+            assert!(least <= known * (1.0 + 1e-9) && known <= 1.02 * least, "{known} for {least}");
+            let other = mesh.vertices().find(|&v| middle.own_of_surface(&[v]).is_none()).unwrap();
+            assert!(with_curvatures_of(ground, middle, vec![other]).unwrap().is_none());
+            let is_too_few = with_curvatures_of(ground, middle, cones[..1].to_vec()).unwrap().is_none();
+            assert_eq!(is_too_few, least_cones(operators) > 1);
         }
     }
 

@@ -2,12 +2,12 @@
 
 use std::sync::Arc;
 
-use geom::{Mesh, PoissonError, VertexId, Watch};
+use geom::{Id, Mesh, PoissonError, VertexId, Watch};
 
 use super::energy_model::{EnergyModel, EnergyTerms, usable_triangles};
 use crate::field::{Operators, coarse_level, opened_level};
 
-/// So many vertices are on a coarse level. Sets of 4 to 32 cones found there and polished had 1.00 to 1.02 of the full search's
+/// So many vertices are on a coarse level. Sets of 4 to 32 cones found there and polished had 1.00 to 1.03 of the full search's
 /// norm with 3,000; searching takes about in proportion.
 const VERTICES: usize = 3000;
 
@@ -24,7 +24,7 @@ pub(crate) const LEAST_VERTICES: usize = 8000;
 
 /// Between surfaces with more vertices than this and their coarse level there is a middle one, with this part of the vertices, which cones are
 /// polished on. On the surface itself each vertex tried costs a solve: a hare of 963,098 vertices took 15 s for its hierarchy so, and takes 6.5 s now.
-/// A surface with many loops has none: on the dragon 32 cones found through one have an area distortion of 1.50.
+/// There is none where loops leave the coarse level more than half of its vertices.
 const WITH_MIDDLE: usize = 300_000;
 const MIDDLE: usize = 10;
 
@@ -34,9 +34,18 @@ pub(crate) fn size_of_level(surface: &Mesh) -> Option<usize> {
     (surface.vertex_count() >= LEAST_VERTICES).then(size)
 }
 
+/// Whether there is a level between a surface and its coarse one.
+pub(super) fn has_middle(surface: &Mesh) -> bool {
+    vertices_of_middle(surface).is_some()
+}
+
 fn vertices_of_middle(surface: &Mesh) -> Option<usize> {
-    let (all, level) = (surface.vertex_count(), vertices_of_level(surface));
-    (all > WITH_MIDDLE && level == VERTICES).then_some(all / MIDDLE)
+    middle_between(surface.vertex_count(), vertices_of_level(surface))
+}
+
+/// So many vertices has the level between a surface with `all` and one with so many; see [`WITH_MIDDLE`].
+fn middle_between(all: usize, level: usize) -> Option<usize> {
+    (all > WITH_MIDDLE && 2 * level <= all / MIDDLE).then_some(all / MIDDLE)
 }
 
 fn vertices_of_level(surface: &Mesh) -> usize {
@@ -48,7 +57,7 @@ fn vertices_of_level(surface: &Mesh) -> usize {
 #[derive(Debug)]
 pub(crate) struct CoarseLevel {
     pub(crate) operators: Operators,
-    /// The surface's vertex for each of its own.
+    /// The surface's vertex for each of its own, ascending unless handles are opened.
     vertex: Vec<VertexId>,
     terms: Arc<EnergyTerms>,
     middle: Option<Middle>,
@@ -93,8 +102,8 @@ impl CoarseLevel {
         Ok(Self { operators: coarser, vertex, terms, middle: Some(middle) })
     }
 
-    /// A level to place so many cones on: its vertices grow with the root of their number. None where the surface has hardly
-    /// more.
+    /// A level to place so many cones on: its vertices grow with the root of their number, with room for every hole. None where the surface has
+    /// hardly more.
     ///
     /// # Errors
     /// As [`new`](Self::new).
@@ -104,7 +113,8 @@ impl CoarseLevel {
         cones: usize,
         watch: Watch,
     ) -> Result<Option<Self>, PoissonError> {
-        let vertices = (VERTICES as f64 * (cones as f64 / MANY as f64).sqrt()) as usize;
+        let for_cones = VERTICES as f64 * (cones as f64 / MANY as f64).sqrt();
+        let vertices = vertices_of_level(&fine.mesh).max(for_cones as usize);
         if fine.mesh.vertex_count() < 2 * vertices {
             return Ok(None);
         }
@@ -147,6 +157,11 @@ impl CoarseLevel {
         cones.iter().map(|v| vertex[v.0 as usize]).collect()
     }
 
+    /// Its own vertices that some of the surface's are, if all of them are; not where handles are opened.
+    pub(crate) fn own_of_surface(&self, cones: &[VertexId]) -> Option<Vec<VertexId>> {
+        cones.iter().map(|v| self.vertex.binary_search(v).ok().map(VertexId::new)).collect()
+    }
+
     /// The level between it and a large surface.
     pub(crate) fn middle(&self) -> Option<&Self> {
         self.middle.as_ref().map(|middle| &*middle.level)
@@ -187,5 +202,18 @@ mod tests {
         let vertices = |mesh: &Mesh| CoarseLevel::new(&operators(mesh), mesh, Watch::NONE).unwrap().vertex.len();
         assert_eq!(vertices(&sphere.mesh()), VERTICES);
         assert_eq!(vertices(&mesh), FOR_A_LOOP * holes);
+        let for_many = |mesh: &Mesh, cones: usize| {
+            let level = CoarseLevel::for_many(&operators(mesh), mesh, cones, Watch::NONE).unwrap();
+            level.map(|level| level.vertex.len())
+        };
+        assert_eq!([40, 128].map(|cones| for_many(&mesh, cones)), [Some(FOR_A_LOOP * holes), None]);
+        assert_eq!(for_many(&sphere.mesh(), 65), Some(4275));
+    }
+
+    #[test]
+    fn a_large_surface_has_a_middle_level_if_that_is_no_coarser_than_twice() {
+        assert_eq!(middle_between(300_000, 3000), None);
+        assert_eq!(middle_between(437_645, 16_280), Some(43_764));
+        assert_eq!(middle_between(437_645, 21_883), None);
     }
 }

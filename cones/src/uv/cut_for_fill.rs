@@ -10,7 +10,7 @@ use rayon::prelude::*;
 
 use super::across::{Across, Paths, Side, Sweep};
 use super::map::UvMap;
-use super::pack::{PackOptions, Rough};
+use super::pack::{PackOptions, Piece, Rough};
 
 /// So many cuts are made at most.
 const MOST_CUTS: usize = 6;
@@ -33,6 +33,10 @@ const PRICE: f64 = 0.03;
 /// gains enough, .638 so, .643 with 24 first ones in twice the time.)
 const FIRST: usize = 8;
 const MOST_TRIANGLES: usize = 200_000;
+/// On larger models, where no cut gains enough alone, two across different islands are: so many of each kind of the paths across each are tried with those across
+/// others, and so many of these twos compared. (A map of the dragon, two islands that bound the square: fill .448, and no cut across one of them gains anything.)
+const IN_TWOS: usize = 3;
+const TWOS_COMPARED: usize = 8;
 /// Of more islands than this fewer of the best are taken: raptor with 16 cones, where 16 are compared, takes 58 s otherwise.
 const FEW_ISLANDS: usize = 5;
 /// So many islands are packed for comparing, the largest.
@@ -60,8 +64,16 @@ pub struct Part<'a> {
 struct Trial<'a> {
     part: usize,
     island: usize,
+    /// Its place among the [promising] ones: a half of them by their rectangles, then those by their length as well.
+    rank: usize,
     sweep: &'a Sweep,
     across: Across,
+}
+
+impl Trial<'_> {
+    fn cut(&self, paths: &[Paths], gain: f64) -> Cut {
+        Cut { gain, part: self.part, edges: paths[self.part].edges(&self.across), length: self.across.length }
+    }
 }
 
 /// A cut: what it raises the fill by, beyond what its length costs, and where it is.
@@ -73,11 +85,24 @@ struct Cut {
     length: f64,
 }
 
+/// What was found in one sweep.
+#[derive(Default)]
+struct Found {
+    /// The cuts that were packed, the one that gains most first; none where it is not worth while.
+    cuts: Vec<Cut>,
+    /// Two across different islands, where none gains enough alone and these do; the first is said to gain what both do.
+    two: Vec<Cut>,
+    /// How many islands were compared.
+    islands: usize,
+    /// The length of the shortest path that there was: infinite if there was none, 0 where none was looked for.
+    shortest: f64,
+}
+
 /// The edges to open maps along so that their islands, packed together, fill more of a square: those that are open, and
 /// paths across islands, up to `most` in length altogether. Islands stay disks; what is no disk is not cut.
 ///
 /// Up to 72 paths packed once, 17 rough packings and a sweep over the largest islands for each cut, nine times that on smaller
-/// models.
+/// models; on larger ones up to 108 twos packed once and 8 roughly where no cut gains enough alone.
 ///
 /// # Errors
 /// If it is stopped.
@@ -87,15 +112,32 @@ pub fn cut_for_fill(
     options: &PackOptions,
     watch: Watch,
 ) -> Result<Vec<EdgeData<bool>>, Interrupted> {
+    cut_from(parts, most, MOST_TRIANGLES, options, watch)
+}
+
+/// The same, large being a model of more than so many triangles.
+fn cut_from(
+    parts: &[Part],
+    most: f64,
+    most_triangles: usize,
+    options: &PackOptions,
+    watch: Watch,
+) -> Result<Vec<EdgeData<bool>>, Interrupted> {
     let mut maps: Vec<UvMap> = parts.iter().map(|part| part.map.clone()).collect();
     let triangles: usize = parts.iter().map(|part| part.mesh.face_count()).sum();
     let (mut left, mut made) = (most, 0);
     while made < MOST_CUTS {
         let at = |cuts: usize| cuts as f64 / MOST_CUTS as f64;
         let watch = watch.within(at(made), at(made + 1));
-        let (found, islands) = cuts(parts, &maps, left, options, watch.within(0.0, 0.3))?;
+        let is_large = triangles > most_triangles;
+        let in_twos = is_large && made + 2 <= MOST_CUTS;
+        let Found { cuts: found, two, islands, shortest } =
+            cuts(parts, &maps, (left, in_twos), options, watch.within(0.0, 0.3))?;
         let mut chosen: Vec<Cut> = found.first().filter(|best| best.gain > LEAST_GAIN).cloned().into_iter().collect();
-        if made + 2 <= MOST_CUTS && triangles <= MOST_TRIANGLES {
+        if chosen.is_empty() {
+            chosen = two;
+        }
+        if made + 2 <= MOST_CUTS && !is_large {
             let least = LEAST_GAIN + chosen.iter().map(|cut| cut.gain).sum::<f64>();
             let firsts = &found[..found.len().min(FIRST * FEW_ISLANDS / islands.max(FEW_ISLANDS))];
             let two = two_cuts(parts, &maps, firsts, (left, least), options, watch.within(0.3, 1.0))?;
@@ -108,6 +150,10 @@ pub fn cut_for_fill(
         for cut in chosen {
             cut.edges.iter().for_each(|&e| maps[cut.part].cut[e] = true);
             left -= cut.length;
+        }
+        // On a large model it is not worth a sweep to see whether what was cut has shorter paths.
+        if is_large && left < shortest {
+            break;
         }
     }
     Ok(maps.into_iter().map(|map| map.cut).collect())
@@ -128,21 +174,21 @@ fn two_cuts(
         let mut maps = maps.to_vec();
         first.edges.iter().for_each(|&e| maps[first.part].cut[e] = true);
         let at = |k: usize| k as f64 / firsts.len() as f64;
-        let (then, _) = cuts(parts, &maps, left - first.length, options, watch.within(at(k), at(k + 1)))?;
-        let two = then.into_iter().next().map(|second| vec![first.clone(), second]);
+        let then = cuts(parts, &maps, (left - first.length, false), options, watch.within(at(k), at(k + 1)))?;
+        let two = then.cuts.into_iter().next().map(|second| vec![first.clone(), second]);
         best = two.filter(|two| gain(two) > best.as_deref().map_or(least, gain)).or(best);
     }
     Ok(best)
 }
 
-/// The cuts that were packed, the one that gains most first; none where it is not worth while. And how many islands were compared.
+/// The cuts that could be made, in twos as well if that is asked for.
 fn cuts(
     parts: &[Part],
     maps: &[UvMap],
-    left: f64,
+    (left, in_twos): (f64, bool),
     options: &PackOptions,
     watch: Watch,
-) -> Result<(Vec<Cut>, usize), Interrupted> {
+) -> Result<Found, Interrupted> {
     let found = watch.within(0.0, 0.2);
     let paths: Result<Vec<Paths>, Interrupted> =
         parts.iter().zip(maps).map(|(part, map)| Paths::new(part.mesh, part.lengths, map, found)).collect();
@@ -160,7 +206,7 @@ fn cuts(
     islands.sort_by(|a, b| b.3.area.total_cmp(&a.3.area).then((a.0, a.1).cmp(&(b.0, b.1))));
     let beside: f64 = islands.iter().skip(MOST_ISLANDS).map(|(_, _, _, side)| side.area).sum();
     if beside > MOST_BESIDE * whole {
-        return Ok((Vec::new(), islands.len()));
+        return Ok(Found { islands: islands.len(), ..Found::default() });
     }
     islands.truncate(MOST_ISLANDS);
     let mut rest = whole;
@@ -177,17 +223,19 @@ fn cuts(
         Ok(paths[*k].sweep(faces))
     };
     let sweeps = islands[..large].iter().map(sweep).collect::<Result<Vec<Option<Sweep>>, Interrupted>>()?;
-    let mut trials = Vec::new();
+    let (mut trials, mut shortest) = (Vec::new(), f64::INFINITY);
     for (island, sweep) in sweeps.iter().enumerate() {
         let Some(sweep) = sweep else { continue };
         watch.ask(0.3)?;
         let part = islands[island].0;
         let extent = islands[island].3.area.sqrt();
         let across = paths[part].across(sweep, left, LEAST_SHARE);
+        shortest = across.iter().fold(shortest, |least, path| least.min(path.length));
         watch.ask(0.3)?;
         let rectangles = paths[part].rectangles(sweep, &across, watch.within(0.3, 0.3))?;
         let across = promising(across.iter().zip(rectangles), extent, left);
-        trials.extend(across.into_iter().map(|across| Trial { part, island, sweep, across }));
+        let ranked = across.into_iter().enumerate();
+        trials.extend(ranked.map(|(rank, across)| Trial { part, island, rank, sweep, across }));
     }
     // Trials are packed at the same time: how far they are together nobody knows.
     let packing = watch.within(f64::NAN, f64::NAN);
@@ -196,34 +244,69 @@ fn cuts(
     let rough = Rough::new(&outlines, options);
     let before = rough.fill(packing)?;
     if before > ENOUGH {
-        return Ok((Vec::new(), islands.len()));
+        return Ok(Found { islands: islands.len(), ..Found::default() });
     }
-    let gain = |trial: &Trial, fill: f64| fill - before - PRICE * trial.across.length / left;
+    let gain = |length: f64, fill: f64| fill - before - PRICE * length / left;
     let once = |trial: &Trial| {
         packing.ask(0.0)?;
-        let sides = paths[trial.part].sides(trial.sweep, &trial.across);
-        let fill = rough.fill_once_with(trial.island, &sides, packing)?;
-        Ok((gain(trial, fill), sides))
+        let sides = paths[trial.part].sides(trial.sweep, &trial.across).map(|side| rough.piece(&side));
+        let fill = rough.fill_once_with(&[(trial.island, &sides)], packing)?;
+        Ok((gain(trial.across.length, fill), sides))
     };
-    let once = trials.par_iter().map(once).collect::<Result<Vec<(f64, [Side; 2])>, Interrupted>>()?;
-    let mut compared: Vec<_> = trials.iter().zip(once).collect();
+    let once = trials.par_iter().map(once).collect::<Result<Vec<(f64, [Piece; 2])>, Interrupted>>()?;
+    let mut compared: Vec<(&Trial, &(f64, [Piece; 2]))> = trials.iter().zip(&once).collect();
     compared.sort_by(|(_, (a, _)), (_, (b, _))| b.total_cmp(a));
     compared.truncate(COMPARED);
-    let fill = |(trial, (_, sides)): &(&Trial, (f64, [Side; 2]))| {
+    let fill = |(trial, (_, sides)): &(&Trial, &(f64, [Piece; 2]))| {
         packing.ask(0.0)?;
-        Ok(gain(trial, rough.fill_with(trial.island, sides, packing)?))
+        Ok(gain(trial.across.length, rough.fill_with(&[(trial.island, sides)], packing)?))
     };
     let gains = compared.par_iter().map(fill).collect::<Result<Vec<f64>, Interrupted>>()?;
-    let mut cuts: Vec<Cut> = (compared.iter().zip(gains))
-        .map(|((Trial { part, across, .. }, _), gain)| Cut {
-            gain,
-            part: *part,
-            edges: paths[*part].edges(across),
-            length: across.length,
-        })
-        .collect();
+    let mut cuts: Vec<Cut> = compared.iter().zip(gains).map(|((trial, _), gain)| trial.cut(&paths, gain)).collect();
     cuts.sort_by(|a, b| b.gain.total_cmp(&a.gain));
-    Ok((cuts, islands.len()))
+    let mut found = Found { cuts, two: Vec::new(), islands: islands.len(), shortest };
+    if in_twos && found.cuts.first().is_none_or(|best| best.gain <= LEAST_GAIN) {
+        let sides: Vec<Tried> = trials.iter().zip(once.iter().map(|(_, sides)| sides)).collect();
+        if let Some(([one, other], gain)) = best_two(&sides, left, &rough, gain, packing)? {
+            found.two = vec![one.cut(&paths, gain), other.cut(&paths, 0.0)];
+        }
+    }
+    Ok(found)
+}
+
+/// A cut that could be made, and what it leaves of its island.
+type Tried<'a> = (&'a Trial<'a>, &'a [Piece; 2]);
+
+/// The two cuts across different islands that gain most, if that is enough.
+fn best_two<'a>(
+    trials: &[Tried<'a>],
+    left: f64,
+    rough: &Rough,
+    gain: impl Fn(f64, f64) -> f64 + Sync,
+    packing: Watch,
+) -> Result<Option<([&'a Trial<'a>; 2], f64)>, Interrupted> {
+    let promising: Vec<Tried> =
+        trials.iter().filter(|(trial, _)| trial.rank % (TRIED / 2) < IN_TWOS).copied().collect();
+    let length = |two: &[Tried; 2]| two.iter().map(|(trial, _)| trial.across.length).sum::<f64>();
+    let twos = promising.iter().enumerate().flat_map(|(k, one)| promising[k + 1..].iter().map(|other| [*one, *other]));
+    let are_possible = |two: &[Tried; 2]| two[0].0.island != two[1].0.island && length(two) <= left;
+    let twos: Vec<[Tried; 2]> = twos.filter(are_possible).collect();
+    let instead = |two: &[Tried<'a>; 2]| two.map(|(trial, sides)| (trial.island, sides));
+    let once = |two: &[Tried<'a>; 2]| {
+        packing.ask(0.0)?;
+        Ok(gain(length(two), rough.fill_once_with(&instead(two), packing)?))
+    };
+    let once = twos.par_iter().map(once).collect::<Result<Vec<f64>, Interrupted>>()?;
+    let mut compared: Vec<([Tried; 2], f64)> = twos.into_iter().zip(once).collect();
+    compared.sort_by(|(_, a), (_, b)| b.total_cmp(a));
+    compared.truncate(TWOS_COMPARED);
+    let fill = |(two, _): &([Tried<'a>; 2], f64)| {
+        packing.ask(0.0)?;
+        Ok(gain(length(two), rough.fill_with(&instead(two), packing)?))
+    };
+    let gains = compared.par_iter().map(fill).collect::<Result<Vec<f64>, Interrupted>>()?;
+    let best = compared.into_iter().zip(gains).reduce(|best, next| if next.1 > best.1 { next } else { best });
+    Ok(best.filter(|(_, gain)| *gain > LEAST_GAIN).map(|((two, _), gain)| (two.map(|(trial, _)| trial), gain)))
 }
 
 /// The paths that are worth packing, of some with their rectangles.
@@ -253,12 +336,17 @@ mod tests {
 
     /// Three quarters of a ring, a grid of `n` by `m` squares, in the plane and in space.
     fn arc(n: u32, m: u32) -> (Mesh, EdgeData<f64>, UvMap) {
+        strip([n, m], |along, across| {
+            let (r, (sin, cos)) = (0.7 + 0.3 * across, (4.7 * along).sin_cos());
+            [r * cos, r * sin]
+        })
+    }
+
+    /// A strip of `n` by `m` squares that lies where its shares of the way along and across it are.
+    fn strip([n, m]: [u32; 2], place: impl Fn(f64, f64) -> [f64; 2]) -> (Mesh, EdgeData<f64>, UvMap) {
         let vertex = |i: u32, j: u32| i * (m + 1) + j;
-        let at = |v: u32| {
-            let angle = 4.7 * f64::from(v / (m + 1)) / f64::from(n);
-            let r = 0.7 + 0.3 * f64::from(v % (m + 1)) / f64::from(m);
-            [r * angle.cos(), r * angle.sin()]
-        };
+        let share = |k: u32, of: u32| f64::from(k) / f64::from(of);
+        let at = |v: u32| place(share(v / (m + 1), n), share(v % (m + 1), m));
         let squares = (0..n).flat_map(|i| (0..m).map(move |j| (i, j)));
         let triangles: Vec<[u32; 3]> = squares
             .flat_map(|(i, j)| {
@@ -346,6 +434,31 @@ mod tests {
             let (_, after) = packed(&mesh, &map, cut);
             assert!(after > least, "{after} with {most}");
         }
+    }
+
+    #[test]
+    fn two_islands_that_bound_the_square_are_cut_at_the_same_time() {
+        let bars = [1.0, 0.9].map(|width| strip([60, 2], |along, across| [30.0 * along, width * across]));
+        let parts = bars.each_ref().map(|(mesh, lengths, map)| Part { mesh, lengths, map });
+        let maps: Vec<UvMap> = parts.iter().map(|part| part.map.clone()).collect();
+        let found =
+            |left: f64, in_twos| cuts(&parts, &maps, (left, in_twos), &PackOptions::default(), Watch::NONE).unwrap();
+        let Found { cuts: alone, two, shortest, .. } = found(4.0, true);
+        assert!(alone[0].gain <= LEAST_GAIN && (shortest - 0.9).abs() < 1e-9, "{} {shortest}", alone[0].gain);
+        assert!(two[0].gain > 0.1);
+        let [one, other] = [&two[0], &two[1]];
+        assert_eq!([one.part, other.part], [0, 1]);
+        assert!((one.length - 1.0).abs() < 1e-9 && (other.length - 0.9).abs() < 1e-9);
+        assert!(found(1.8, true).two.is_empty(), "they are longer together");
+        assert!(found(4.0, false).two.is_empty(), "nobody asks");
+        let cut = |most, most_triangles| {
+            let cut = cut_from(&parts, most, most_triangles, &PackOptions::default(), Watch::NONE).unwrap();
+            cut.iter().map(|cut| cut.iter().filter(|&&cut| cut).count()).collect::<Vec<_>>()
+        };
+        // Each bar is two squares wide.
+        assert_eq!(cut(2.0, 1), [2, 2]);
+        assert_eq!(cut(2.0, MOST_TRIANGLES), [2, 2]);
+        assert_eq!(cut(1.8, 1), [0, 0]);
     }
 
     #[test]

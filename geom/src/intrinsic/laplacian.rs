@@ -6,7 +6,7 @@
 
 use super::metric::{Metric, Sides};
 use crate::linalg::SymmetricMatrix;
-use crate::mesh::{EdgeData, FaceId, Id, Triangulation};
+use crate::mesh::{EdgeData, FaceId, Id, Triangulation, VertexId};
 use crate::parallel;
 
 /// The weight (cot α + cot β)/2 of every edge.
@@ -38,17 +38,33 @@ pub(crate) fn weights_by(
 /// add up and loops cancel. O(F).
 pub fn laplacian(triangulation: &Triangulation, metric: &Metric) -> SymmetricMatrix {
     let weights = edge_weights(triangulation, metric);
-    let edges = triangulation.edges().map(|e| {
-        let [i, j] = triangulation.ends(e);
-        ([i.0, j.0], weights[e])
-    });
-    SymmetricMatrix::laplacian(triangulation.vertex_count(), edges)
+    SymmetricMatrix::laplacian(triangulation.vertex_count(), weighted(triangulation, &weights))
+}
+
+/// The Laplacian's rows of the first `count` vertices, on functions that have at any vertex the value of the one which it `stands_for`, one of
+/// these: of a [`Double`](super::Double) with its `original`, that on what is the same on both halves. `count` × `count`; it is symmetric but
+/// for the rows of vertices on the boundary, which the halves share, and kept is what lies right of the diagonal. O(F).
+pub fn folded_laplacian(
+    triangulation: &Triangulation,
+    metric: &Metric,
+    count: usize,
+    stands_for: impl Fn(VertexId) -> VertexId + Sync,
+) -> SymmetricMatrix {
+    let weights = edge_weights(triangulation, metric);
+    SymmetricMatrix::folded_laplacian(count, weighted(triangulation, &weights), |v| stands_for(VertexId(v)).0)
+}
+
+fn weighted<'a>(
+    triangulation: &'a Triangulation,
+    weights: &'a EdgeData<f64>,
+) -> impl Iterator<Item = ([u32; 2], f64)> + Clone + Sync + 'a {
+    triangulation.edges().map(|e| (triangulation.ends(e).map(|v| v.0), weights[e]))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Mesh, Poisson, VertexId, angle_defects};
+    use crate::{Mesh, Poisson, angle_defects};
 
     /// A tetrahedron with one long limb, and its curvature.
     fn limb() -> (Mesh, Metric) {
@@ -82,6 +98,25 @@ mod tests {
         let step: Vec<f64> = phi.iter().map(|phi| 0.01 * phi).collect();
         let change = error(&metric.scaled(&mesh, &step)) / error(&metric);
         assert!((change - 0.99).abs() < 1e-3, "{change}");
+    }
+
+    #[test]
+    fn on_a_double_what_is_the_same_on_both_halves_has_the_surface_s_laplacian_off_the_boundary() {
+        let shape = crate::shapes::terrain(400, 3);
+        let mesh = shape.mesh();
+        let metric = Metric::from_points(&mesh, &shape.points);
+        let double = crate::Double::new(&mesh);
+        let of_double = double.metric(&mesh, &metric);
+        let folded = folded_laplacian(&double.mesh, &of_double, mesh.vertex_count(), |v| double.original[v]);
+        let alone = laplacian(&mesh, &metric);
+        let inner: Vec<VertexId> = mesh.vertices().filter(|&v| !mesh.is_boundary_vertex(v)).collect();
+        assert!(inner.len() > 300);
+        for &v in &inner {
+            for &w in mesh.neighbors(v).iter().filter(|w| !mesh.is_boundary_vertex(**w)).chain([&v]) {
+                let [one, other] = [&folded, &alone].map(|matrix| matrix.get(v.index(), w.index()));
+                assert!((one - other).abs() < 1e-12 * other.abs().max(1.0), "{one} {other}");
+            }
+        }
     }
 
     #[test]

@@ -33,10 +33,25 @@ impl SymmetricMatrix {
     /// The Laplacian of a weighted graph on `dimension` vertices: `Σ w (e_i - e_j)(e_i - e_j)ᵀ` over its edges ij.
     /// Repeated edges add up and loops cancel.
     pub(crate) fn laplacian(dimension: usize, edges: impl Iterator<Item = ([u32; 2], f64)> + Clone + Sync) -> Self {
-        let edges = edges.map(|([i, j], weight)| (i.min(j), i.max(j), weight)).filter(|(column, row, _)| column != row);
+        Self::folded_laplacian(dimension, edges, |v| v)
+    }
+
+    /// The first `dimension` rows of a graph's Laplacian, on vectors whose entry at any vertex is that at the one which it `stands_for`, one of
+    /// the first: the columns are added up so. What comes of it must be symmetric where it is read.
+    pub(crate) fn folded_laplacian(
+        dimension: usize,
+        edges: impl Iterator<Item = ([u32; 2], f64)> + Clone + Sync,
+        stands_for: impl Fn(u32) -> u32 + Sync,
+    ) -> Self {
+        let entries = edges
+            .filter(|([i, j], _)| i != j)
+            .flat_map(|([i, j], weight)| [(i, j, weight), (j, i, weight)])
+            .filter(|&(v, ..)| (v as usize) < dimension)
+            .map(|(v, w, weight)| (v, stands_for(w), weight));
+        let below = entries.clone().filter(|(column, row, _)| column < row);
         let mut column_start = vec![1u32; dimension + 1];
         column_start[0] = 0;
-        edges.clone().for_each(|(column, ..)| column_start[column as usize + 1] += 1);
+        below.clone().for_each(|(column, ..)| column_start[column as usize + 1] += 1);
         for column in 0..dimension {
             column_start[column + 1] += column_start[column];
         }
@@ -49,14 +64,13 @@ impl SymmetricMatrix {
         }
         let sums = || {
             let mut sums = vec![0.0; dimension];
-            edges.clone().for_each(|(column, row, weight)| {
-                sums[column as usize] += weight;
-                sums[row as usize] += weight;
-            });
+            entries.clone().for_each(|(v, _, weight)| sums[v as usize] += weight);
+            // What a vertex stands for may be its neighbour.
+            entries.clone().filter(|(v, w, _)| v == w).for_each(|(v, _, weight)| sums[v as usize] -= weight);
             sums
         };
-        let below = || {
-            for (column, row, weight) in edges.clone() {
+        let put = || {
+            below.clone().for_each(|(column, row, weight)| {
                 // Columns are short: a new entry is moved up to its place.
                 let end = &mut end[column as usize];
                 let mut place = *end as usize;
@@ -65,16 +79,16 @@ impl SymmetricMatrix {
                 }
                 if matrix.row[place - 1] == row {
                     matrix.value[place - 1] -= weight;
-                    continue;
+                    return;
                 }
                 matrix.row.copy_within(place..*end as usize, place + 1);
                 matrix.value.copy_within(place..*end as usize, place + 1);
                 matrix.row[place] = row;
                 matrix.value[place] = -weight;
                 *end += 1;
-            }
+            });
         };
-        let (sums, ()) = parallel::join(sums, below);
+        let (sums, ()) = parallel::join(sums, put);
         sums.into_iter().enumerate().for_each(|(i, sum)| *matrix.diagonal_mut(i) = sum);
         matrix.close_gaps(&end);
         matrix
@@ -264,41 +278,6 @@ impl SymmetricMatrix {
         index
     }
 
-    /// Its first `count` rows on vectors whose entry at any place is that at the place which it `stands_for`, one of the first: the columns are
-    /// added up so. What comes of it must be symmetric where it is read.
-    #[must_use]
-    pub fn folded(&self, count: usize, stands_for: impl Fn(usize) -> usize) -> Self {
-        let both = |column: usize| {
-            let twice = move |(row, value)| {
-                [(column, row, value), (row, column, value)].into_iter().take(1 + usize::from(row != column))
-            };
-            self.column(column).flat_map(twice)
-        };
-        let of_lower = |(v, w, value): (usize, usize, f64)| {
-            let w = if v < count { stands_for(w) } else { return None };
-            (v <= w).then_some((v, (w as u32, value)))
-        };
-        let mut columns = Rows::sorted(count, (0..self.dimension()).flat_map(both).filter_map(of_lower));
-        let mut folded = Self { column_start: vec![0], row: Vec::new(), value: Vec::new() };
-        for column in 0..count {
-            folded.row.push(column as u32);
-            folded.value.push(0.0);
-            let entries = columns.row_mut(column);
-            entries.sort_by_key(|(row, _)| *row);
-            for &(row, value) in &*entries {
-                match folded.value.last_mut().filter(|_| folded.row.last() == Some(&row)) {
-                    Some(sum) => *sum += value,
-                    None => {
-                        folded.row.push(row);
-                        folded.value.push(value);
-                    }
-                }
-            }
-            folded.column_start.push(folded.row.len() as u32);
-        }
-        folded
-    }
-
     /// All entries, both triangles.
     pub fn to_csr(&self) -> CsMat<f64> {
         let n = self.dimension();
@@ -388,7 +367,8 @@ mod tests {
                 prop_assert!((product[i] - expected).abs() < 1e-10);
             }
             // The last four rows stand for the first ones.
-            let folded = matrix.folded(5, |v| v % 5);
+            let edges = edges.iter().map(|&(i, j, weight)| ([i, j], weight));
+            let folded = SymmetricMatrix::folded_laplacian(5, edges, |v| v % 5);
             for (i, row) in dense.iter().enumerate().take(5) {
                 for j in i..5 {
                     let sum: f64 = row.iter().skip(j).step_by(5).sum();

@@ -73,7 +73,7 @@ enum RefineName {
 enum SearchName {
     /// On a coarse level where a surface has 8,000 vertices or more, then round what is found there
     Coarse,
-    /// On all vertices: some times as long, for cones that are a hundredth better
+    /// On all vertices: six to eight times as long, for cones that are less than a hundredth better
     Full,
 }
 

@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 use geom::{
     Id, Interrupted, Intrinsic, Metric, Poisson, PoissonError, SymmetricMatrix, Triangulation, VertexData, VertexId,
-    Watch, laplacian, ptolemaic_delaunay_watched,
+    Watch, folded_laplacian, laplacian, ptolemaic_delaunay_watched,
 };
 
 use super::{Failed, Scaling, ScalingError};
@@ -288,10 +288,10 @@ impl Newton<'_> {
     /// The Laplacian of the scaled metric; that of a double as it acts on what is the same on both halves. Where triangles
     /// have no area it may be singular, and is made definite.
     fn hessian(&self, triangulation: &Triangulation, metric: &Metric) -> SymmetricMatrix {
-        let mut hessian = laplacian(triangulation, metric);
-        if let Some(original) = self.original {
-            hessian = hessian.folded(self.target.len(), |v| original[VertexId::new(v)].index());
-        }
+        let mut hessian = match self.original {
+            None => laplacian(triangulation, metric),
+            Some(original) => folded_laplacian(triangulation, metric, self.target.len(), |v| original[v]),
+        };
         if self.without_area(triangulation, metric).is_some() {
             for v in 0..hessian.dimension() {
                 let diagonal = hessian.diagonal_mut(v);

@@ -35,7 +35,8 @@ pub(crate) use room::room;
 use super::across::Side;
 use block::{Block, blocks};
 use outline::{Outline, outlines};
-use piece::{Piece, Rasters};
+pub(super) use piece::Piece;
+use piece::Rasters;
 use search::{Effort, Put, smallest_square};
 use tiles::{MOST_TILES, Tiled, tiled};
 
@@ -154,7 +155,7 @@ pub fn pack(
     })
 }
 
-/// Islands that are packed roughly, again and again with others in place of one: for comparing.
+/// Islands that are packed roughly, again and again with others in place of some: for comparing.
 pub(super) struct Rough<'a> {
     area: f64,
     options: &'a PackOptions,
@@ -165,12 +166,12 @@ impl<'a> Rough<'a> {
     pub(super) fn new(sides: &[&Side], options: &'a PackOptions) -> Self {
         let area = sides.iter().map(|side| side.area).sum();
         let mut rough = Self { area, options, pieces: Vec::new() };
-        let kept = |side: &&Side| Piece { rasters: Rasters::kept(), ..rough.piece(side) };
-        rough.pieces = sides.iter().map(kept).collect();
+        rough.pieces = sides.iter().map(|side| rough.piece(side)).collect();
         rough
     }
 
-    fn piece(&self, side: &Side) -> Piece {
+    /// An island that may be packed often.
+    pub(super) fn piece(&self, side: &Side) -> Piece {
         let unit = self.area.sqrt();
         let point = |p: [f64; 2]| {
             let [x, y] = p.map(|x| (x / unit * ROUGH_LATTICE).round() / ROUGH_LATTICE);
@@ -178,7 +179,7 @@ impl<'a> Rough<'a> {
         };
         let edges = side.edges.iter().map(|edge| edge.map(point)).filter(|[a, b]| a != b).collect();
         let outline = Outline { edges, centre: [0.0; 2], area: side.area / self.area };
-        Piece::new(&outline, self.options.rotations, ROUGH_TURNS)
+        Piece { rasters: Rasters::kept(), ..Piece::new(&outline, self.options.rotations, ROUGH_TURNS) }
     }
 
     /// How much of a square they fill.
@@ -186,21 +187,20 @@ impl<'a> Rough<'a> {
         self.fill_of(&self.pieces, Effort::ROUGH, watch)
     }
 
-    /// How much of a square they fill with others in place of one, which have its area.
-    pub(super) fn fill_with(&self, without: usize, others: &[Side], watch: Watch) -> Result<f64, Interrupted> {
-        self.fill_of(&self.pieces_with(without, others), Effort::ROUGH, watch)
+    /// How much of a square they fill with others in place of some, which have the areas of these.
+    pub(super) fn fill_with(&self, others: &[Instead], watch: Watch) -> Result<f64, Interrupted> {
+        self.fill_of(&self.pieces_with(others), Effort::ROUGH, watch)
     }
 
     /// The same if they are placed once, the largest first: mostly less, in a fraction of the time.
-    pub(super) fn fill_once_with(&self, without: usize, others: &[Side], watch: Watch) -> Result<f64, Interrupted> {
-        self.fill_of(&self.pieces_with(without, others), Effort::ONCE, watch)
+    pub(super) fn fill_once_with(&self, others: &[Instead], watch: Watch) -> Result<f64, Interrupted> {
+        self.fill_of(&self.pieces_with(others), Effort::ONCE, watch)
     }
 
-    fn pieces_with(&self, without: usize, others: &[Side]) -> Vec<Piece> {
-        let mut pieces = self.pieces.clone();
-        pieces.remove(without);
-        pieces.extend(others.iter().map(|side| self.piece(side)));
-        pieces
+    fn pieces_with(&self, others: &[Instead]) -> Vec<Piece> {
+        let stays = |(k, _): &(usize, &Piece)| others.iter().all(|(without, _)| without != k);
+        let left = self.pieces.iter().enumerate().filter(stays).map(|(_, piece)| piece);
+        left.chain(others.iter().flat_map(|(_, pieces)| *pieces)).cloned().collect()
     }
 
     fn fill_of(&self, pieces: &[Piece], effort: Effort, watch: Watch) -> Result<f64, Interrupted> {
@@ -208,6 +208,9 @@ impl<'a> Rough<'a> {
         Ok(if self.area > 0.0 { 1.0 / (side * side) } else { 0.0 })
     }
 }
+
+/// An island's number, and what there is in its place.
+pub(super) type Instead<'a> = (usize, &'a [Piece; 2]);
 
 /// The margin as a share of a tile's side.
 fn share(options: &PackOptions, islands: usize) -> f64 {

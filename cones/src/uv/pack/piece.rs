@@ -19,7 +19,7 @@ const SOME: usize = 64;
 
 /// Edges about a centre, in a common unit, and the turns that are worth trying, most promising first.
 #[derive(Clone, Debug)]
-pub(super) struct Piece {
+pub(in crate::uv) struct Piece {
     pub(super) edges: Vec<[Complex64; 2]>,
     pub(super) turns: Vec<Complex64>,
     pub(super) area: f64,

@@ -141,14 +141,21 @@ proptest! {
         let sides: Vec<Side> = stars.iter().map(boundary).collect();
         let all: Vec<&Side> = sides.iter().collect();
         let kept = Rough::new(&all, &options);
-        for (k, side) in sides.iter().enumerate() {
-            let halves = [0.5, 2.0].map(|height| {
-                let flat = |[x, y]: [f64; 2]| [x, height * y];
-                Side { edges: side.edges.iter().map(|edge| edge.map(flat)).collect(), area: height * side.area }
-            });
-            for others in [&halves[..1], &halves] {
-                let anew = Rough::new(&all, &options).fill_with(k, others, Watch::NONE).unwrap();
-                prop_assert_eq!(kept.fill_with(k, others, Watch::NONE).unwrap(), anew);
+        let halves = |rough: &Rough, side: &Side| [0.5, 2.0].map(|height| {
+            let flat = |[x, y]: [f64; 2]| [x, height * y];
+            let edges = side.edges.iter().map(|edge| edge.map(flat)).collect();
+            rough.piece(&Side { edges, area: height * side.area })
+        });
+        let of_kept: Vec<_> = sides.iter().map(|side| halves(&kept, side)).collect();
+        for k in 0..sides.len() {
+            let places = [k, (k + 1) % sides.len()];
+            for places in [&places[..1], &places[..sides.len().min(2)]] {
+                let made = Rough::new(&all, &options);
+                let anew: Vec<_> = places.iter().map(|&k| (k, halves(&made, &sides[k]))).collect();
+                let anew: Vec<_> = anew.iter().map(|(k, halves)| (*k, halves)).collect();
+                let again: Vec<_> = places.iter().map(|&k| (k, &of_kept[k])).collect();
+                let [again, anew] = [(&kept, again), (&made, anew)].map(|(rough, others)| rough.fill_with(&others, Watch::NONE));
+                prop_assert_eq!(again.unwrap(), anew.unwrap());
             }
         }
         prop_assert_eq!(kept.fill(Watch::NONE).unwrap(), Rough::new(&all, &options).fill(Watch::NONE).unwrap());
