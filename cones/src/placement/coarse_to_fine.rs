@@ -463,13 +463,20 @@ mod tests {
         most: usize,
         watch: Watch,
     ) -> Result<Automatic, PoissonError> {
+        let goal = Goal { target: target.0, most, to_knee: target.1, is_draft: false, is_part: false };
+        with_ground((operators, input), watch, |ground| fewest_from(ground, level, CurvatureRule::Optimal, goal))
+    }
+
+    fn with_ground<T>(
+        (operators, input): (&Operators, &Mesh),
+        watch: Watch,
+        ask: impl FnOnce(Ground) -> Result<T, PoissonError>,
+    ) -> Result<T, PoissonError> {
         let factor = crate::field::ConformalFactor::new(operators);
         let hierarchy = &crate::hierarchy::ConeHierarchy::new(operators, &factor);
-        let (terms, made) = (OnceLock::new(), OnceLock::new());
+        let (terms, level) = (OnceLock::new(), OnceLock::new());
         let search = super::super::Search::CoarseToFine;
-        let ground = Ground { operators, input, hierarchy, terms: &terms, level: &made, search, watch };
-        let goal = Goal { target: target.0, most, to_knee: target.1, is_draft: false, is_part: false };
-        fewest_from(ground, level, CurvatureRule::Optimal, goal)
+        ask(Ground { operators, input, hierarchy, terms: &terms, level: &level, search, watch })
     }
 
     fn with_middle(operators: &Operators, mesh: &Mesh) -> CoarseLevel {
@@ -521,14 +528,10 @@ mod tests {
     #[test]
     fn curvatures_that_the_search_knows_are_the_best() {
         for (mesh, operators, level) in levels() {
-            let factor = crate::field::ConformalFactor::new(&operators);
-            let hierarchy = &crate::hierarchy::ConeHierarchy::new(&operators, &factor);
             for (level, is_exact) in [(level, true), (with_middle(&operators, &mesh), false)] {
-                let (terms, made) = (OnceLock::new(), OnceLock::new());
-                let search = super::super::Search::CoarseToFine;
                 let (operators, input, watch) = (&operators, &mesh, Watch::NONE);
-                let ground = Ground { operators, input, hierarchy, terms: &terms, level: &made, search, watch };
-                let Placed { cones, curvatures } = refined_from(ground, &level, 6).unwrap().expect("there is room");
+                let found = with_ground((operators, input), watch, |ground| refined_from(ground, &level, 6));
+                let Placed { cones, curvatures } = found.unwrap().expect("there is room");
                 let known = curvatures.expect("six cones can take the curvature");
                 let alone = cone_curvatures(operators, input, &cones, CurvatureRule::Optimal, watch).unwrap();
                 let norm = |u: &[f64]| operators.inner(u, u).sqrt();
@@ -544,26 +547,24 @@ mod tests {
     #[test]
     fn a_middle_level_s_curvatures_are_hardly_worse_than_the_surface_s() {
         for (mesh, operators, _) in levels() {
-            let factor = crate::field::ConformalFactor::new(&operators);
-            let hierarchy = &crate::hierarchy::ConeHierarchy::new(&operators, &factor);
             let coarsest = with_middle(&operators, &mesh);
             let middle = coarsest.middle().unwrap();
-            let (terms, made) = (OnceLock::new(), OnceLock::new());
-            let search = super::super::Search::CoarseToFine;
             let (operators, input, watch) = (&operators, &mesh, Watch::NONE);
-            let ground = Ground { operators, input, hierarchy, terms: &terms, level: &made, search, watch };
+            let curvatures_of = |cones: &[VertexId]| {
+                let ask = |ground: Ground| Ok(with_curvatures_of(ground, middle, cones.to_vec())?);
+                with_ground((operators, input), watch, ask).unwrap()
+            };
             let set = refined(&mut coarsest.energy_model(Watch::NONE), 12);
             let cones = coarsest.of_surface(&set.cones);
             assert_eq!(middle.own_of_surface(&cones).unwrap(), coarsest.in_finer(&set.cones));
-            let Placed { cones, curvatures } = with_curvatures_of(ground, middle, cones).unwrap().unwrap();
+            let Placed { cones, curvatures } = curvatures_of(&cones).unwrap();
             let alone = cone_curvatures(operators, input, &cones, CurvatureRule::Optimal, watch).unwrap();
             let norm = |u: &[f64]| operators.inner(u, u).sqrt();
             let [known, least] = [&curvatures.unwrap().predicted, &alone.predicted].map(|u| norm(u));
             assert!(least <= known * (1.0 + 1e-9) && known <= 1.02 * least, "{known} for {least}");
             let other = mesh.vertices().find(|&v| middle.own_of_surface(&[v]).is_none()).unwrap();
-            assert!(with_curvatures_of(ground, middle, vec![other]).unwrap().is_none());
-            let is_too_few = with_curvatures_of(ground, middle, cones[..1].to_vec()).unwrap().is_none();
-            assert_eq!(is_too_few, least_cones(operators) > 1);
+            assert!(curvatures_of(&[other]).is_none());
+            assert_eq!(curvatures_of(&cones[..1]).is_none(), least_cones(operators) > 1);
         }
     }
 
