@@ -368,11 +368,10 @@ impl<'a> EnergyModel<'a> {
     }
 
     /// `H_vx` for a member of the pool and the members at some places.
-    pub(crate) fn put_products(&self, v: VertexId, places: &[usize], products: &mut Vec<f64>) {
+    pub(crate) fn products_of(&self, v: VertexId, places: &[usize]) -> impl Iterator<Item = f64> {
         let i = self.place_of(v);
         let own = &self.products[i];
-        products.clear();
-        products.extend(places.iter().map(|&j| own.get(j).copied().unwrap_or_else(|| self.products[j][i])));
+        places.iter().map(move |&j| own.get(j).copied().unwrap_or_else(|| self.products[j][i]))
     }
 
     /// Where a member of the pool is in it.

@@ -6,14 +6,14 @@ use geom::VertexId;
 
 use super::energy_model::{ConeSet, EnergyModel};
 use super::separation::Separation;
-use super::swap_table::{Row, Swap, SwapTable};
+use super::swap_table::{LANES, Rows, Swap, SwapTable};
 
 /// So many of the best swaps are fitted before an exchange is over.
 pub(crate) const TRIALS: usize = 6;
 /// So many moves that do harm alone are tried as the first of several.
 const DETOURS: usize = 20;
 /// Swaps are collected up to so many before all but the best are forgotten.
-const KEPT: usize = 256;
+const KEPT: usize = 64;
 /// On a coarse level detours are tried for so many cones at most. With 16 and more they take half of the time, and gain nothing
 /// that is left once the cones are polished; with 8 they were worth a tenth on `rabbit_46646`.
 const MOST_ON_LEVEL: usize = 12;
@@ -87,15 +87,21 @@ fn swaps(model: &EnergyModel, set: &ConeSet) -> Vec<Swap> {
     let table = SwapTable::new(model, set);
     let separation = Separation::new(model.operators(), &set.cones);
     let (mut swaps, mut most) = (Vec::new(), f64::INFINITY);
-    let mut row = Row::default();
-    for &coming in model.pool().iter().filter(|&&v| separation.is_open(v) && !set.cones.contains(&v)) {
-        table.fill_for_member(coming, &mut row);
-        let swap = |(leaving, &change)| separation.admits(coming, leaving).then_some(Swap { change, leaving, coming });
-        let is_promising = |swap: &Swap| swap.change <= most;
-        swaps.extend(row.change.iter().enumerate().filter_map(swap).filter(is_promising));
-        if swaps.len() >= KEPT {
-            keep_most_promising(&mut swaps);
-            most = swaps.last().map_or(f64::INFINITY, |worst| worst.change);
+    let mut rows = Rows::default();
+    let is_other = |v: &VertexId| separation.is_open(*v) && !set.cones.contains(v);
+    let others: Vec<VertexId> = model.pool().iter().copied().filter(is_other).collect();
+    for members in others.chunks(LANES) {
+        table.fill_for_members(members, &mut rows);
+        for (lane, &coming) in members.iter().enumerate() {
+            let swap = |(leaving, changes): (usize, &[f64; LANES])| {
+                let change = changes[lane];
+                (change <= most && separation.admits(coming, leaving)).then_some(Swap { change, leaving, coming })
+            };
+            swaps.extend(rows.change.iter().enumerate().filter_map(swap));
+            if swaps.len() >= KEPT {
+                keep_most_promising(&mut swaps);
+                most = swaps.last().map_or(f64::INFINITY, |worst| worst.change);
+            }
         }
     }
     keep_most_promising(&mut swaps);

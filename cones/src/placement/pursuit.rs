@@ -18,7 +18,7 @@ use super::exchange::{TRIALS, drop_cheapest, exchange};
 use super::matching_pursuit::{Rule, grow, start};
 use super::nested::Nested;
 use super::separation::Separation;
-use super::swap_table::{Nearness, Row, STRIDE, SwapTable};
+use super::swap_table::{LANES, Nearness, Rows, STRIDE, SwapTable};
 use crate::curvature::COMFORTABLE_CORNER;
 
 /// An order is found so many cones at a time.
@@ -193,14 +193,17 @@ impl Order {
         let tables = self.tables(model);
         let separation = Separation::new(model.operators(), &self.cones);
         let mut moves = Vec::new();
-        let mut rows: Vec<Row> = tables.iter().map(|_| Row::default()).collect();
-        for &vertex in model.pool().iter().filter(|&&v| separation.is_open(v)) {
-            tables.iter().zip(&mut rows).for_each(|(table, row)| table.fill_for_member(vertex, row));
-            let at = self.cones.iter().position(|&cone| cone == vertex);
-            for place in self.held..at.unwrap_or(self.cones.len()) {
-                let change = self.change(model, &rows, place, at, |x: f64| x.max(1e-3).ln());
-                if change < -LEAST_MOVE && (at.is_some() || separation.admits(vertex, place)) {
-                    moves.push(Move { change, place, vertex });
+        let mut rows: Vec<Rows> = tables.iter().map(|_| Rows::default()).collect();
+        let open: Vec<VertexId> = model.pool().iter().copied().filter(|&v| separation.is_open(v)).collect();
+        for members in open.chunks(LANES) {
+            tables.iter().zip(&mut rows).for_each(|(table, rows)| table.fill_for_members(members, rows));
+            for (lane, &vertex) in members.iter().enumerate() {
+                let at = self.cones.iter().position(|&cone| cone == vertex);
+                for place in self.held..at.unwrap_or(self.cones.len()) {
+                    let change = self.change(model, (&rows, lane), place, at, |x: f64| x.max(1e-3).ln());
+                    if change < -LEAST_MOVE && (at.is_some() || separation.admits(vertex, place)) {
+                        moves.push(Move { change, place, vertex });
+                    }
                 }
             }
         }
@@ -227,14 +230,14 @@ impl Order {
     fn change(
         &self,
         model: &EnergyModel,
-        rows: &[Row],
+        (rows, lane): (&[Rows], usize),
         place: usize,
         at: Option<usize>,
         log: impl Fn(f64) -> f64,
     ) -> f64 {
         let concerned = |level: &ConeSet| level.cones.len() > place && at.is_none_or(|at| level.cones.len() <= at);
         let levels = self.levels.iter().zip(rows).filter(|(level, _)| concerned(level));
-        levels.map(|(level, row)| log(1.0 + row.change[place] / worth(model, level))).sum()
+        levels.map(|(level, rows)| log(1.0 + rows.change[place][lane] / worth(model, level))).sum()
     }
 
     /// For each place the best vertex of the surface, as far as not solved for; the best first, not too many.
@@ -243,19 +246,23 @@ impl Order {
         let separation = Separation::new(model.operators(), &self.cones);
         let mut nearness = Nearness::default();
         let norms: Vec<_> = self.levels.iter().map(|level| nearness.norms(model, level)).collect();
-        let mut rows: Vec<Row> = tables.iter().map(|_| Row::default()).collect();
+        let mut rows: Vec<Rows> = tables.iter().map(|_| Rows::default()).collect();
         let mut best: Vec<Option<Move>> = vec![None; self.cones.len()];
-        for vertex in model.operators().mesh.vertices().filter(|&v| separation.is_open(v) && !model.knows(v)) {
-            if vertex.0.is_multiple_of(STRIDE) && model.is_stopped() {
+        let is_new = |v: &VertexId| separation.is_open(*v) && !model.knows(*v);
+        let open: Vec<VertexId> = model.operators().mesh.vertices().filter(is_new).collect();
+        for (k, vertices) in open.chunks(LANES).enumerate() {
+            if k.is_multiple_of(STRIDE) && model.is_stopped() {
                 return Vec::new();
             }
-            for ((table, norms), row) in tables.iter().zip(&norms).zip(&mut rows) {
-                table.fill_for_vertex(vertex, norms[vertex], row);
+            for ((table, norms), rows) in tables.iter().zip(&norms).zip(&mut rows) {
+                table.fill_for_vertices(vertices, |v| norms[v], rows);
             }
             for (place, best) in best.iter_mut().enumerate().skip(self.held) {
-                let change = self.change(model, &rows, place, None, |x| x - 1.0);
-                if best.is_none_or(|best| change < best.change) && separation.admits(vertex, place) {
-                    *best = Some(Move { change, place, vertex });
+                for (lane, &vertex) in vertices.iter().enumerate() {
+                    let change = self.change(model, (&rows, lane), place, None, |x| x - 1.0);
+                    if best.is_none_or(|best| change < best.change) && separation.admits(vertex, place) {
+                        *best = Some(Move { change, place, vertex });
+                    }
                 }
             }
         }

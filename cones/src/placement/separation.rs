@@ -31,8 +31,10 @@ impl Separation {
     /// With all vertices closed that are less than so many edges from a cone.
     fn within(operators: &Operators, cones: &[VertexId], distance: usize) -> Self {
         let mesh = &operators.mesh;
-        let outside = |v| if mesh.is_boundary_vertex(v) { SEVERAL } else { NOBODY };
-        let mut separation = Self { near: mesh.vertices().map(outside).collect() };
+        let mut separation = Self { near: VertexData::constant(mesh.vertex_count(), NOBODY) };
+        for v in mesh.vertices().filter(|&v| operators.is_bordered() && mesh.is_boundary_vertex(v)) {
+            separation.near[v] = SEVERAL;
+        }
         for (i, &cone) in cones.iter().enumerate() {
             let mut ball = vec![cone];
             let mut rim = 0;

@@ -32,8 +32,8 @@ const FARTHEST: f64 = 1e3;
 /// The most steps that a descent along edges takes.
 const LONGEST_DESCENT: usize = 200;
 
-/// So many vertices are looked at between two looks at the watch.
-pub(super) const STRIDE: u32 = 1024;
+/// So many times [`LANES`] vertices are looked at between two looks at the watch.
+pub(super) const STRIDE: usize = 128;
 
 /// A change of a set of cones: what it is estimated to do to the energy, which cone leaves, and who comes.
 #[derive(Clone, Copy, Debug)]
@@ -51,8 +51,6 @@ pub(crate) struct SwapTable<'a> {
     /// The places in the set of cones that are between their bounds.
     free: Vec<usize>,
     clamped: Vec<Clamped>,
-    /// The responses of the clamped cones side by side: all first entries, all second ones, ….
-    clamped_responses: Vec<f64>,
     /// Where the cones are in the pool.
     places: Vec<usize>,
     /// What bounds the curvature of any cone, and the lower bound of each one's.
@@ -88,17 +86,23 @@ pub(crate) struct Departure {
     offset: f64,
 }
 
-/// Room for the numbers of one vertex.
+/// So many vertices are looked at side by side.
+pub(super) const LANES: usize = 8;
+
+/// A number for each of some vertices.
+type Lanes = [f64; LANES];
+
+/// Room for the numbers of [`LANES`] vertices.
 #[derive(Default)]
-pub(crate) struct Row {
-    /// H between the vertex and each cone.
-    product: Vec<f64>,
+pub(crate) struct Rows {
+    /// H between the vertices and each cone.
+    product: Vec<Lanes>,
     /// T
-    response: Vec<f64>,
-    /// For each clamped cone the sum of its response times the vertex's products.
-    projections: Vec<f64>,
-    /// What moving each cone to the vertex changes.
-    pub(crate) change: Vec<f64>,
+    response: Vec<Lanes>,
+    /// For each clamped cone the sum of its response times the vertices' products.
+    projections: Vec<Lanes>,
+    /// What moving each cone to the vertices changes.
+    pub(crate) change: Vec<Lanes>,
 }
 
 impl<'a> SwapTable<'a> {
@@ -114,7 +118,6 @@ impl<'a> SwapTable<'a> {
             model,
             columns: OnceLock::new(),
             clamped: Vec::new(),
-            clamped_responses: Vec::new(),
             places: set.cones.iter().map(|&c| model.place_of(c)).collect(),
             bounds: model.bounds_of(n),
             inverse: Vec::new(),
@@ -126,8 +129,6 @@ impl<'a> SwapTable<'a> {
         };
         table.inverse = table.inverse_conditions();
         table.clamped = (0..n).filter(|i| !table.free.contains(i)).map(|i| table.clamp(i)).collect();
-        let responses = (0..order).flat_map(|k| table.clamped.iter().map(move |clamped| clamped.response[k]));
-        table.clamped_responses = responses.collect();
         table
     }
 
@@ -155,118 +156,132 @@ impl<'a> SwapTable<'a> {
 
     fn clamp(&self, place: usize) -> Clamped {
         let cone = self.set.cones[place];
-        let mut row = Row::default();
-        self.respond(&mut row, cone);
+        let mut rows = Rows::default();
+        self.respond(&mut rows, &[cone]);
         let q = self.set.curvature[place];
-        let gradient = self.gradient(self.model.linear_of(cone), &row);
-        let norm = self.exact_norm(cone, &row);
+        let [gradient, norm] = [self.gradients(&[self.model.linear_of(cone)], &rows), self.exact_norms(&[cone], &rows)];
+        let [gradient, norm] = [gradient[0], norm[0]];
         let base = -2.0 * q * gradient + q * q * norm;
-        Clamped { place, gradient, norm, base, response: row.response }
+        Clamped { place, gradient, norm, base, response: rows.response.iter().map(|response| response[0]).collect() }
     }
 
-    /// Fills in the products and T of a member of the pool.
-    fn respond(&self, row: &mut Row, v: VertexId) {
-        self.model.put_products(v, &self.places, &mut row.product);
-        self.apply_inverse(row);
+    /// Fills in the products and T of members of the pool.
+    fn respond(&self, rows: &mut Rows, members: &[VertexId]) {
+        rows.product.clear();
+        rows.product.resize(self.places.len(), [0.0; LANES]);
+        for (lane, &v) in members.iter().enumerate() {
+            let products = self.model.products_of(v, &self.places);
+            rows.product.iter_mut().zip(products).for_each(|(lanes, product)| lanes[lane] = product);
+        }
+        self.apply_inverse(rows);
     }
 
-    fn apply_inverse(&self, row: &mut Row) {
-        row.response.clear();
+    fn apply_inverse(&self, rows: &mut Rows) {
+        let Rows { product, response, .. } = rows;
+        response.clear();
         match self.free.len() < self.order {
-            true => row.response.extend_from_slice(&self.inverse[self.free.len() * self.order..]),
-            false => row.response.resize(self.order, 0.0),
+            true => response.extend(self.inverse[self.free.len() * self.order..].iter().map(|&entry| [entry; LANES])),
+            false => response.resize(self.order, [0.0; LANES]),
         }
-        for (k, &i) in self.free.iter().enumerate() {
-            let product = row.product[i];
-            let inverse = &self.inverse[k * self.order..(k + 1) * self.order];
-            row.response.iter_mut().zip(inverse).for_each(|(t, entry)| *t += product * entry);
+        for (&i, inverse) in self.free.iter().zip(self.inverse.chunks_exact(self.order.max(1))) {
+            response.iter_mut().zip(inverse).for_each(|(t, &entry)| add_scaled(t, &product[i], entry));
         }
     }
 
-    /// r of a vertex with this b.
-    fn gradient(&self, linear: f64, row: &Row) -> f64 {
-        let products = row.product.iter().zip(&self.set.curvature).map(|(h, q)| h * q).sum::<f64>();
-        linear + products + self.set.multiplier
+    /// r of vertices with these b.
+    fn gradients(&self, linear: &[f64], rows: &Rows) -> Lanes {
+        let mut gradients = [-0.0; LANES];
+        rows.product.iter().zip(&self.set.curvature).for_each(|(h, &q)| add_scaled(&mut gradients, h, q));
+        for (gradient, linear) in gradients.iter_mut().zip(linear) {
+            *gradient = linear + *gradient + self.set.multiplier;
+        }
+        gradients
     }
 
-    /// s of a member of the pool.
-    fn exact_norm(&self, v: VertexId, row: &Row) -> f64 {
-        self.model.product(v, v) - self.projection(&row.response, row)
+    /// s of members of the pool.
+    fn exact_norms(&self, members: &[VertexId], rows: &Rows) -> Lanes {
+        // [h_F(v) 1] · T
+        let mut projections = [-0.0; LANES];
+        for (&i, response) in self.free.iter().zip(&rows.response) {
+            add_products(&mut projections, &rows.product[i], response);
+        }
+        let last = rows.response.get(self.free.len()).unwrap_or(&[0.0; LANES]);
+        let mut norms = [0.0; LANES];
+        for (lane, &v) in members.iter().enumerate() {
+            norms[lane] = self.model.product(v, v) - (projections[lane] + last[lane]);
+        }
+        norms
     }
 
-    /// `[h_F(v) 1]` · x
-    fn projection(&self, x: &[f64], row: &Row) -> f64 {
-        let products: f64 = self.free.iter().zip(x).map(|(&i, x)| row.product[i] * x).sum();
-        products + x.get(self.free.len()).unwrap_or(&0.0)
+    /// What moving each cone to members of the pool changes; at most [`LANES`] of them.
+    pub(crate) fn fill_for_members(&self, members: &[VertexId], rows: &mut Rows) {
+        self.respond(rows, members);
+        let linear = lanes(members, |v| self.model.linear_of(v));
+        let norms = self.exact_norms(members, rows).map(|norm| norm.max(0.0));
+        self.fill(members, linear, norms, rows);
     }
 
-    /// What moving each cone to a member of the pool changes.
-    pub(crate) fn fill_for_member(&self, v: VertexId, row: &mut Row) {
-        self.respond(row, v);
-        let gradient = self.gradient(self.model.linear_of(v), row);
-        self.fill(v, gradient, self.exact_norm(v, row).max(0.0), row);
+    /// What moving each cone to any vertices changes, with s given; at most [`LANES`] of them.
+    pub(crate) fn fill_for_vertices(&self, vertices: &[VertexId], norm: impl Fn(VertexId) -> f64, rows: &mut Rows) {
+        rows.product.clear();
+        rows.product.extend(self.columns().iter().map(|h| lanes(vertices, |v| f64::from(h[v.index()]))));
+        self.apply_inverse(rows);
+        self.fill(vertices, lanes(vertices, |v| self.model.linear()[v]), lanes(vertices, norm), rows);
     }
 
-    /// What moving each cone to any vertex changes, with s given.
-    pub(crate) fn fill_for_vertex(&self, v: VertexId, norm: f64, row: &mut Row) {
-        row.product.clear();
-        row.product.extend(self.columns().iter().map(|h| f64::from(h[v.index()])));
-        self.apply_inverse(row);
-        let gradient = self.gradient(self.model.linear()[v], row);
-        self.fill(v, gradient, norm, row);
-    }
-
-    fn fill(&self, v: VertexId, gradient: f64, norm: f64, row: &mut Row) {
+    fn fill(&self, vertices: &[VertexId], linear: Lanes, norm: Lanes, rows: &mut Rows) {
+        let gradient = self.gradients(&linear, rows);
         let q = &self.set.curvature;
-        let [low, high] = self.bounds_at(v);
-        let best = |base: f64, gradient: f64, norm: f64| {
-            let t = (-gradient / norm.max(f64::MIN_POSITIVE)).clamp(low, high);
+        let (mut low, mut high) = ([0.0; LANES], [0.0; LANES]);
+        for (lane, &v) in vertices.iter().enumerate() {
+            [low[lane], high[lane]] = self.bounds_at(v);
+        }
+        let best = |base: f64, gradient: f64, norm: f64, [low, high]: [f64; 2]| {
+            let t = (-gradient / norm.max(f64::MIN_POSITIVE)).max(low).min(high);
             base + t * (2.0 * gradient + t * norm)
         };
-        row.change.clear();
-        row.change.resize(q.len(), 0.0);
+        self.project_clamped(rows);
+        let Rows { product, response, projections, change } = rows;
+        change.clear();
+        change.resize(q.len(), [0.0; LANES]);
         for (k, &i) in self.free.iter().enumerate() {
             let kappa = self.inverse[k * self.order + k].max(f64::MIN_POSITIVE);
-            let t = row.response[k] / kappa;
-            row.change[i] = best(q[i] * q[i] / kappa, gradient - q[i] * t, norm + t * row.response[k]);
+            let (base, response, change) = (q[i] * q[i] / kappa, &response[k], &mut change[i]);
+            for l in 0..LANES {
+                let t = response[l] / kappa;
+                change[l] = best(base, gradient[l] - q[i] * t, norm[l] + t * response[l], [low[l], high[l]]);
+            }
         }
-        self.project_clamped(row);
-        for (clamped, projection) in self.clamped.iter().zip(&row.projections) {
+        for (clamped, projection) in self.clamped.iter().zip(&*projections) {
             let i = clamped.place;
-            let covariance = row.product[i] - projection;
-            row.change[i] = best(clamped.base, gradient - q[i] * covariance, norm);
+            let (product, change) = (&product[i], &mut change[i]);
+            for l in 0..LANES {
+                let covariance = product[l] - projection[l];
+                change[l] = best(clamped.base, gradient[l] - q[i] * covariance, norm[l], [low[l], high[l]]);
+            }
         }
-        self.add_shortfall(low, &mut row.change);
+        for (change, &own) in change.iter_mut().zip(&self.low) {
+            change.iter_mut().zip(low).for_each(|(change, low)| *change += self.shortfall(low, own));
+        }
     }
 
-    /// [`projection`](Self::projection) for all clamped cones at once: the same sums, side by side.
-    fn project_clamped(&self, row: &mut Row) {
-        row.projections.clear();
-        row.projections.resize(self.clamped.len(), -0.0);
-        if self.clamped.is_empty() {
-            return;
-        }
-        let mut responses = self.clamped_responses.chunks_exact(self.clamped.len());
-        for (&i, responses) in self.free.iter().zip(&mut responses) {
-            let product = row.product[i];
-            row.projections.iter_mut().zip(responses).for_each(|(sum, x)| *sum += product * x);
-        }
-        match responses.next() {
-            Some(last) => row.projections.iter_mut().zip(last).for_each(|(sum, x)| *sum += x),
-            None => row.projections.iter_mut().for_each(|sum| *sum += 0.0),
+    /// For each clamped cone `[h_F(v) 1]` times its response.
+    fn project_clamped(&self, rows: &mut Rows) {
+        let Rows { product, projections, .. } = rows;
+        projections.clear();
+        projections.resize(self.clamped.len(), [-0.0; LANES]);
+        for (clamped, projection) in self.clamped.iter().zip(projections) {
+            for (&i, &x) in self.free.iter().zip(&clamped.response) {
+                add_scaled(projection, &product[i], x);
+            }
+            let last = clamped.response.get(self.free.len()).unwrap_or(&0.0);
+            projection.iter_mut().for_each(|sum| *sum += last);
         }
     }
 
     /// [`EnergyModel::bounds`] of a vertex beside as many cones.
     fn bounds_at(&self, v: VertexId) -> [f64; 2] {
         bounds_at(self.model.operators(), v, self.model.lowest(v), self.bounds)
-    }
-
-    /// Adds the price of what the cones would lack.
-    fn add_shortfall(&self, low: f64, change: &mut [f64]) {
-        for (change, &own) in change.iter_mut().zip(&self.low) {
-            *change += self.shortfall(low, own);
-        }
     }
 
     /// The price of what the cones would lack with another lower bound in place of one's own.
@@ -334,7 +349,7 @@ impl<'a> SwapTable<'a> {
         sums
     }
 
-    /// What moving one cone to each of some vertices changes, with s given: in the time that [`fill_for_vertex`](Self::fill_for_vertex) takes for
+    /// What moving one cone to each of some vertices changes, with s given: in the time that [`fill_for_vertices`](Self::fill_for_vertices) takes for
     /// a few of them.
     fn changes_by(&self, departure: &Departure, vertices: &[VertexId], norm: impl Fn(usize) -> f64) -> Vec<f64> {
         let products = self.combined(&self.set.curvature, vertices);
@@ -350,15 +365,18 @@ impl<'a> SwapTable<'a> {
         let separation = Separation::new(self.model.operators(), &self.set.cones);
         let norms = norms(self.model, self.set);
         let mut best: Vec<Option<Swap>> = vec![None; self.set.cones.len()];
-        let mut row = Row::default();
-        for v in self.model.operators().mesh.vertices().filter(|&v| separation.is_open(v)) {
-            if v.0.is_multiple_of(STRIDE) && self.model.is_stopped() {
+        let mut rows = Rows::default();
+        let open: Vec<VertexId> = self.model.operators().mesh.vertices().filter(|&v| separation.is_open(v)).collect();
+        for (k, vertices) in open.chunks(LANES).enumerate() {
+            if k.is_multiple_of(STRIDE) && self.model.is_stopped() {
                 return Vec::new();
             }
-            self.fill_for_vertex(v, norms[v], &mut row);
-            for (leaving, &change) in row.change.iter().enumerate() {
-                if best[leaving].is_none_or(|best| change < best.change) && separation.admits(v, leaving) {
-                    best[leaving] = Some(Swap { change, leaving, coming: v });
+            self.fill_for_vertices(vertices, |v| norms[v], &mut rows);
+            for (leaving, changes) in rows.change.iter().enumerate() {
+                for (&v, &change) in vertices.iter().zip(changes) {
+                    if best[leaving].is_none_or(|best| change < best.change) && separation.admits(v, leaving) {
+                        best[leaving] = Some(Swap { change, leaving, coming: v });
+                    }
                 }
             }
         }
@@ -425,6 +443,21 @@ impl<'a> SwapTable<'a> {
         }
         at
     }
+}
+
+/// A number for each of some vertices, 0 beyond them.
+fn lanes(vertices: &[VertexId], of: impl Fn(VertexId) -> f64) -> Lanes {
+    let mut lanes = [0.0; LANES];
+    lanes.iter_mut().zip(vertices).for_each(|(lane, &v)| *lane = of(v));
+    lanes
+}
+
+fn add_scaled(sums: &mut Lanes, numbers: &Lanes, by: f64) {
+    sums.iter_mut().zip(numbers).for_each(|(sum, x)| *sum += x * by);
+}
+
+fn add_products(sums: &mut Lanes, a: &Lanes, b: &Lanes) {
+    sums.iter_mut().zip(a).zip(b).for_each(|((sum, a), b)| *sum += a * b);
 }
 
 /// The cones whose nearness makes Green's functions small: those between their bounds, or all where there are none.
@@ -505,13 +538,12 @@ mod tests {
                 let set = model.fit(&pool[..count]);
                 let table = SwapTable::new(model, &set);
                 let vertices = every(&mesh, 31);
-                let norm = |k: usize| 1e-3 * (1 + k) as f64;
-                let mut row = Row::default();
-                for leaving in 0..count {
-                    let changes = table.changes_by(&table.departure(leaving), &vertices, norm);
-                    for (k, (&v, change)) in vertices.iter().zip(changes).enumerate() {
-                        table.fill_for_vertex(v, norm(k), &mut row);
-                        let whole = row.change[leaving];
+                let norm = |v: VertexId| 1e-3 * (1 + v.0) as f64;
+                let mut rows = Rows::default();
+                for (leaving, vertices) in (0..count).flat_map(|i| vertices.chunks(LANES).map(move |some| (i, some))) {
+                    let changes = table.changes_by(&table.departure(leaving), vertices, |k| norm(vertices[k]));
+                    table.fill_for_vertices(vertices, norm, &mut rows);
+                    for ((&v, change), whole) in vertices.iter().zip(changes).zip(rows.change[leaving]) {
                         let is_same = change == whole || (change - whole).abs() <= 1e-9 * (1.0 + whole.abs());
                         assert!(is_same, "{change} for {whole}");
                         let price = table.shortfall(table.bounds_at(v)[0], table.low[leaving]);
@@ -541,14 +573,17 @@ mod tests {
             model.with_largest_curvature(0.9 * PI, |model| {
                 let set = model.fit(&pool[..pool.len() / 2]);
                 let table = SwapTable::new(model, &set);
-                let mut row = Row::default();
+                let mut rows = Rows::default();
                 for &coming in &pool[pool.len() / 2..] {
-                    table.fill_for_member(coming, &mut row);
-                    let gradient = table.gradient(model.linear_of(coming), &row);
+                    table.fill_for_members(&[coming], &mut rows);
+                    let gradient = table.gradients(&[model.linear_of(coming)], &rows)[0];
                     for leaving in 0..set.cones.len() {
-                        let norm = table.exact_norm(coming, &row);
+                        let norm = table.exact_norms(&[coming], &rows)[0];
                         let alone = table.changes_at(&table.departure(leaving), &[coming], |_| (gradient, norm))[0];
-                        assert!((alone - row.change[leaving]).abs() < 1e-4 * (1.0 + set.energy), "columns are rounded");
+                        assert!(
+                            (alone - rows.change[leaving][0]).abs() < 1e-4 * (1.0 + set.energy),
+                            "columns are rounded"
+                        );
                         let mut cones = set.cones.clone();
                         cones[leaving] = coming;
                         let after = model.fit(&cones);
@@ -556,7 +591,7 @@ mod tests {
                         let same = (0..cones.len()).filter(others).all(|i| after.held[i] == set.held[i]);
                         let change = after.energy - set.energy;
                         if same && after.shortfall == 0.0 && set.shortfall == 0.0 {
-                            assert!((row.change[leaving] - change).abs() < 1e-6 * (1.0 + set.energy));
+                            assert!((rows.change[leaving][0] - change).abs() < 1e-6 * (1.0 + set.energy));
                             compared[usize::from(set.held[leaving] != Held::Free)] += 1;
                         }
                     }
@@ -622,10 +657,10 @@ mod tests {
         model.add(&pool);
         let set = model.fit(&pool);
         let table = SwapTable::new(&model, &set);
-        let mut row = Row::default();
+        let mut rows = Rows::default();
         for (place, &cone) in pool.iter().enumerate().filter(|(i, _)| set.held[*i] == Held::Free) {
-            table.fill_for_member(cone, &mut row);
-            assert!(row.change[place].abs() < 1e-6 * (1.0 + set.energy));
+            table.fill_for_members(&[cone], &mut rows);
+            assert!(rows.change[place][0].abs() < 1e-6 * (1.0 + set.energy));
         }
     }
 
