@@ -32,8 +32,8 @@ impl Separation {
     fn within(operators: &Operators, cones: &[VertexId], distance: usize) -> Self {
         let mesh = &operators.mesh;
         let mut separation = Self { near: VertexData::constant(mesh.vertex_count(), NOBODY) };
-        for v in mesh.vertices().filter(|&v| operators.is_bordered() && mesh.is_boundary_vertex(v)) {
-            separation.near[v] = SEVERAL;
+        if operators.is_bordered() {
+            mesh.vertices().filter(|&v| mesh.is_boundary_vertex(v)).for_each(|v| separation.near[v] = SEVERAL);
         }
         for (i, &cone) in cones.iter().enumerate() {
             let mut ball = vec![cone];

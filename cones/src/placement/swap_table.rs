@@ -190,6 +190,7 @@ impl<'a> SwapTable<'a> {
 
     /// r of vertices with these b.
     fn gradients(&self, linear: &[f64], rows: &Rows) -> Lanes {
+        // What a sum begins with.
         let mut gradients = [-0.0; LANES];
         rows.product.iter().zip(&self.set.curvature).for_each(|(h, &q)| add_scaled(&mut gradients, h, q));
         for (gradient, linear) in gradients.iter_mut().zip(linear) {
@@ -237,6 +238,7 @@ impl<'a> SwapTable<'a> {
             [low[lane], high[lane]] = self.bounds_at(v);
         }
         let best = |base: f64, gradient: f64, norm: f64, [low, high]: [f64; 2]| {
+            // Not `clamp`, which may panic: that would be looked at one vertex at a time.
             let t = (-gradient / norm.max(f64::MIN_POSITIVE)).max(low).min(high);
             base + t * (2.0 * gradient + t * norm)
         };
@@ -559,6 +561,43 @@ mod tests {
             }
         }
         assert!(priced > 100, "{priced} moves have a price");
+    }
+
+    #[test]
+    fn vertices_side_by_side_have_the_bits_that_each_has_alone() {
+        let mut clamped = 0;
+        for shape in [shapes::hare(1200), shapes::torus(2, 1200), shapes::terrain(900, 3)] {
+            let (mesh, operators) = prepare(&shape);
+            let pool = every(&mesh, 29);
+            let mut model = EnergyModel::new(&operators, &mesh);
+            model.add(&pool);
+            // So that some cones are at their bounds.
+            model.with_largest_curvature(0.9 * PI, |model| {
+                let set = model.fit(&pool[..pool.len() / 2]);
+                let table = SwapTable::new(model, &set);
+                clamped += table.clamped.len();
+                let bits = |rows: &Rows, lane: usize| -> Vec<u64> {
+                    rows.change.iter().map(|changes| changes[lane].to_bits()).collect()
+                };
+                let (mut together, mut alone) = (Rows::default(), Rows::default());
+                for members in pool.chunks(LANES) {
+                    table.fill_for_members(members, &mut together);
+                    for (lane, &v) in members.iter().enumerate() {
+                        table.fill_for_members(&[v], &mut alone);
+                        assert_eq!(bits(&together, lane), bits(&alone, 0));
+                    }
+                }
+                let norm = |v: VertexId| 1e-3 * (1 + v.0) as f64;
+                for vertices in every(&mesh, 7).chunks(LANES) {
+                    table.fill_for_vertices(vertices, norm, &mut together);
+                    for (lane, &v) in vertices.iter().enumerate() {
+                        table.fill_for_vertices(&[v], norm, &mut alone);
+                        assert_eq!(bits(&together, lane), bits(&alone, 0));
+                    }
+                }
+            });
+        }
+        assert!(clamped > 5, "{clamped} cones are at their bounds");
     }
 
     #[test]
