@@ -574,7 +574,7 @@ mod tests {
         let mesh = shape.mesh();
         let operators = Operators::new(&mesh, &Metric::from_points(&mesh, &shape.points)).unwrap();
         let level = CoarseLevel::of_middle(&operators, &mesh, [60, 12], Watch::NONE).unwrap();
-        // A search that begins again and again is stopped; this one asks some hundred times.
+        // A search that begins again and again is stopped.
         let asked = AtomicUsize::new(0);
         let observe = |_| match asked.fetch_add(1, Relaxed) < 3000 {
             true => ControlFlow::Continue(()),

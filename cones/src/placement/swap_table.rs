@@ -351,8 +351,8 @@ impl<'a> SwapTable<'a> {
         sums
     }
 
-    /// What moving one cone to each of some vertices changes, with s given: in the time that [`fill_for_vertices`](Self::fill_for_vertices) takes for
-    /// a few of them.
+    /// What moving one cone to each of some vertices changes, with s given: in the time that [`fill_for_vertices`](Self::fill_for_vertices)
+    /// takes for a few of them.
     fn changes_by(&self, departure: &Departure, vertices: &[VertexId], norm: impl Fn(usize) -> f64) -> Vec<f64> {
         let products = self.combined(&self.set.curvature, vertices);
         let gradient = |k: usize| self.model.linear()[vertices[k]] + products[k] + self.set.multiplier;
@@ -563,80 +563,72 @@ mod tests {
         assert!(priced > 100, "{priced} moves have a price");
     }
 
-    #[test]
-    fn vertices_side_by_side_have_the_bits_that_each_has_alone() {
-        let mut clamped = 0;
+    /// Works with half of a pool as cones, some at their bounds, and the other half, on three shapes.
+    fn with_cones_at_bounds(mut work: impl FnMut(&EnergyModel, &ConeSet, &[VertexId])) {
         for shape in [shapes::hare(1200), shapes::torus(2, 1200), shapes::terrain(900, 3)] {
             let (mesh, operators) = prepare(&shape);
             let pool = every(&mesh, 29);
             let mut model = EnergyModel::new(&operators, &mesh);
             model.add(&pool);
-            // So that some cones are at their bounds.
-            model.with_largest_curvature(0.9 * PI, |model| {
-                let set = model.fit(&pool[..pool.len() / 2]);
-                let table = SwapTable::new(model, &set);
-                clamped += table.clamped.len();
-                let bits = |rows: &Rows, lane: usize| -> Vec<u64> {
-                    rows.change.iter().map(|changes| changes[lane].to_bits()).collect()
-                };
-                let (mut together, mut alone) = (Rows::default(), Rows::default());
-                for members in pool.chunks(LANES) {
-                    table.fill_for_members(members, &mut together);
-                    for (lane, &v) in members.iter().enumerate() {
-                        table.fill_for_members(&[v], &mut alone);
-                        assert_eq!(bits(&together, lane), bits(&alone, 0));
-                    }
-                }
-                let norm = |v: VertexId| 1e-3 * (1 + v.0) as f64;
-                for vertices in every(&mesh, 7).chunks(LANES) {
-                    table.fill_for_vertices(vertices, norm, &mut together);
-                    for (lane, &v) in vertices.iter().enumerate() {
-                        table.fill_for_vertices(&[v], norm, &mut alone);
-                        assert_eq!(bits(&together, lane), bits(&alone, 0));
-                    }
-                }
-            });
+            let (cones, others) = pool.split_at(pool.len() / 2);
+            model.with_largest_curvature(0.9 * PI, |model| work(model, &model.fit(cones), others));
         }
+    }
+
+    #[test]
+    fn vertices_side_by_side_have_the_bits_that_each_has_alone() {
+        let mut clamped = 0;
+        with_cones_at_bounds(|model, set, _| {
+            let table = SwapTable::new(model, set);
+            clamped += table.clamped.len();
+            let bits = |rows: &Rows, lane: usize| -> Vec<u64> {
+                rows.change.iter().map(|changes| changes[lane].to_bits()).collect()
+            };
+            let norm = |v: VertexId| 1e-3 * (1 + v.0) as f64;
+            let compare = |vertices: &[VertexId], fill: &dyn Fn(&[VertexId], &mut Rows)| {
+                let (mut together, mut alone) = (Rows::default(), Rows::default());
+                for some in vertices.chunks(LANES) {
+                    fill(some, &mut together);
+                    for (lane, v) in some.iter().enumerate() {
+                        fill(std::slice::from_ref(v), &mut alone);
+                        assert_eq!(bits(&together, lane), bits(&alone, 0));
+                    }
+                }
+            };
+            compare(model.pool(), &|members, rows| table.fill_for_members(members, rows));
+            let all = every(&model.operators().mesh, 7);
+            compare(&all, &|vertices, rows| table.fill_for_vertices(vertices, norm, rows));
+        });
         assert!(clamped > 5, "{clamped} cones are at their bounds");
     }
 
     #[test]
     fn the_table_is_what_a_new_fit_says_where_the_same_cones_are_at_bounds() {
         let mut compared = [0; 2];
-        for shape in [shapes::hare(1200), shapes::torus(2, 1200), shapes::terrain(900, 3)] {
-            let (mesh, operators) = prepare(&shape);
-            let pool = every(&mesh, 29);
-            let mut model = EnergyModel::new(&operators, &mesh);
-            model.add(&pool);
-            // So that some cones are at their bounds.
-            model.with_largest_curvature(0.9 * PI, |model| {
-                let set = model.fit(&pool[..pool.len() / 2]);
-                let table = SwapTable::new(model, &set);
-                let mut rows = Rows::default();
-                for &coming in &pool[pool.len() / 2..] {
-                    table.fill_for_members(&[coming], &mut rows);
-                    let gradient = table.gradients(&[model.linear_of(coming)], &rows)[0];
-                    for leaving in 0..set.cones.len() {
-                        let norm = table.exact_norms(&[coming], &rows)[0];
-                        let alone = table.changes_at(&table.departure(leaving), &[coming], |_| (gradient, norm))[0];
-                        assert!(
-                            (alone - rows.change[leaving][0]).abs() < 1e-4 * (1.0 + set.energy),
-                            "columns are rounded"
-                        );
-                        let mut cones = set.cones.clone();
-                        cones[leaving] = coming;
-                        let after = model.fit(&cones);
-                        let others = |i: &usize| *i != leaving;
-                        let same = (0..cones.len()).filter(others).all(|i| after.held[i] == set.held[i]);
-                        let change = after.energy - set.energy;
-                        if same && after.shortfall == 0.0 && set.shortfall == 0.0 {
-                            assert!((rows.change[leaving][0] - change).abs() < 1e-6 * (1.0 + set.energy));
-                            compared[usize::from(set.held[leaving] != Held::Free)] += 1;
-                        }
+        with_cones_at_bounds(|model, set, others| {
+            let table = SwapTable::new(model, set);
+            let mut rows = Rows::default();
+            for &coming in others {
+                table.fill_for_members(&[coming], &mut rows);
+                let gradient = table.gradients(&[model.linear_of(coming)], &rows)[0];
+                for leaving in 0..set.cones.len() {
+                    let whole = rows.change[leaving][0];
+                    let norm = table.exact_norms(&[coming], &rows)[0];
+                    let alone = table.changes_at(&table.departure(leaving), &[coming], |_| (gradient, norm))[0];
+                    assert!((alone - whole).abs() < 1e-4 * (1.0 + set.energy), "columns are rounded");
+                    let mut cones = set.cones.clone();
+                    cones[leaving] = coming;
+                    let after = model.fit(&cones);
+                    let others = |i: &usize| *i != leaving;
+                    let same = (0..cones.len()).filter(others).all(|i| after.held[i] == set.held[i]);
+                    let change = after.energy - set.energy;
+                    if same && after.shortfall == 0.0 && set.shortfall == 0.0 {
+                        assert!((whole - change).abs() < 1e-6 * (1.0 + set.energy));
+                        compared[usize::from(set.held[leaving] != Held::Free)] += 1;
                     }
                 }
-            });
-        }
+            }
+        });
         assert!(compared[0] > 500 && compared[1] > 5, "{compared:?} free and clamped cones were compared");
     }
 
