@@ -2,6 +2,8 @@
 //!
 //! Where work is parted depends on the work alone, so nothing that is computed depends on the number of threads.
 
+use std::cmp::Ordering;
+
 /// The results of two pieces of work.
 #[cfg(feature = "rayon")]
 pub(crate) fn join<A: Send, B: Send>(a: impl FnOnce() -> A + Send, b: impl FnOnce() -> B + Send) -> (A, B) {
@@ -45,16 +47,21 @@ pub(crate) fn map<T>(count: usize, value: impl Fn(usize) -> T) -> Vec<T> {
 }
 
 /// Puts items in order, no two of which are equal.
-#[cfg(feature = "rayon")]
 pub(crate) fn sort<T: Ord + Send>(items: &mut [T]) {
-    use rayon::prelude::*;
-    if threads() > 1 { items.par_sort_unstable() } else { items.sort_unstable() }
+    sort_by(items, T::cmp);
 }
 
-/// Puts items in order, no two of which are equal.
+/// Puts items in an order in which no two are equal, or what is equal is the same.
+#[cfg(feature = "rayon")]
+pub(crate) fn sort_by<T: Send>(items: &mut [T], order: impl Fn(&T, &T) -> Ordering + Sync) {
+    use rayon::prelude::*;
+    if threads() > 1 { items.par_sort_unstable_by(order) } else { items.sort_unstable_by(order) }
+}
+
+/// Puts items in an order in which no two are equal, or what is equal is the same.
 #[cfg(not(feature = "rayon"))]
-pub(crate) fn sort<T: Ord>(items: &mut [T]) {
-    items.sort_unstable();
+pub(crate) fn sort_by<T>(items: &mut [T], order: impl Fn(&T, &T) -> Ordering) {
+    items.sort_unstable_by(order);
 }
 
 /// So many values are found before they are taken up: what they take stays in the cache.
@@ -70,6 +77,24 @@ pub(crate) fn each_of<T: Send>(
         let found = map(PIECE.min(count - first), |k| value(first + k));
         found.into_iter().zip(first..).for_each(|(value, k)| take_up(k, value));
     }
+}
+
+/// The results of two pieces of work, the first of which is done by this thread.
+#[cfg(feature = "rayon")]
+pub(crate) fn beside<A, B: Send>(here: impl FnOnce() -> A, b: impl FnOnce() -> B + Send) -> (A, B) {
+    let mut of_b = None;
+    let a = rayon::in_place_scope(|scope| {
+        scope.spawn(|_| of_b = Some(b()));
+        here()
+    });
+    (a, of_b.expect("the scope waits for it"))
+}
+
+/// The results of two pieces of work, one after the other.
+#[cfg(not(feature = "rayon"))]
+pub(crate) fn beside<A, B>(here: impl FnOnce() -> A, b: impl FnOnce() -> B) -> (A, B) {
+    let a = here();
+    (a, b())
 }
 
 /// Does some work for each of the items, with its place.

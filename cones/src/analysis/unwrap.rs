@@ -5,6 +5,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use geom::{Id, Model, Watch};
+use rayon::prelude::*;
 
 use super::Analysis;
 use super::atlas::Atlas;
@@ -40,6 +41,8 @@ const HARDLY_LESS: f64 = 0.85;
 /// Surfaces with more vertices are only opened where the coarse level says that it is worth it: to make one ready takes 4 s on the dragon, to search an opened
 /// level of it .3 s. Smaller ones are ready in less time, and most often are better opened.
 const MOST_OPENED_AT_ONCE: usize = 100_000;
+/// So many triangles are gone through one after the other.
+const AT_ONCE: usize = 4096;
 
 /// Whether nested orders tell that handles are not worth opening.
 fn is_hardly_worth_opening(closed: &Automatic, opened: &Automatic) -> bool {
@@ -648,13 +651,13 @@ impl Analysis {
             predictor.put(*index, operators, *area, flat.cones.len(), flat.predicted.clone());
         }
         let Prediction { count: chosen, area_distortion: predicted, .. } = predictor.prediction();
-        let scaled = |(component, flat): (&Arc<Component>, &Flat)| {
+        let mut all: Vec<(f64, f64)> = Vec::new();
+        for (component, flat) in self.components().iter().zip(flats) {
             let whole: f64 = flat.quality.ratios.iter().map(|(area, _)| area).sum();
             let size = flat.size * flat.size * component.surface.scale * component.surface.scale;
-            let ratios = flat.quality.ratios.iter();
-            ratios.map(|(area, r)| (area / whole * component.area, r * size)).collect::<Vec<_>>()
-        };
-        let all: Vec<(f64, f64)> = self.components().iter().zip(flats).flat_map(scaled).collect();
+            let ratios = flat.quality.ratios.par_iter().with_min_len(AT_ONCE);
+            all.par_extend(ratios.map(|(area, r)| (area / whole * component.area, r * size)));
+        }
         ChosenNumber { chosen, predicted, ..number }.judged(distortion_of(&all))
     }
 

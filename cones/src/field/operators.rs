@@ -123,11 +123,11 @@ impl Operators {
         let metric = intrinsic.metric;
         let mesh = Mesh::from_triangulation(intrinsic.triangulation)
             .unwrap_or_else(|error: MeshError| unreachable!("flips keep a manifold one: {error}"));
-        let mut weight = metric.vertex_areas(&mesh);
+        let (mut weight, curvature) = rayon::join(|| metric.vertex_areas(&mesh), || angle_defects(&mesh, &metric));
         let area: f64 = weight.iter().sum();
         weight.iter_mut().for_each(|w| *w /= area);
         let rims = ranked(tied_loops(&mesh, tied.as_ref()), most_loops(mesh.vertex_count()));
-        Self::of_delaunay((mesh, metric), intrinsic.flips, weight, (points, tied, rims), ahead, watch)
+        Self::of_delaunay((mesh, metric), intrinsic.flips, [weight, curvature], (points, tied, rims), ahead, watch)
     }
 
     /// Whether this is a coarse level of a finer surface.
@@ -178,28 +178,26 @@ impl Operators {
         [weight, spread, curvature]: [VertexData<f64>; 3],
         watch: Watch,
     ) -> Result<Self, PoissonError> {
-        let operators = Self::of_delaunay(surface, Vec::new(), weight, carried, None, watch)?;
-        Ok(Self { spread: Some(spread), curvature, ..operators })
+        let operators = Self::of_delaunay(surface, Vec::new(), [weight, curvature], carried, None, watch)?;
+        Ok(Self { spread: Some(spread), ..operators })
     }
 
-    /// The operators of an intrinsic Delaunay triangulation with given weights.
+    /// The operators of an intrinsic Delaunay triangulation with given weights and curvatures.
     fn of_delaunay(
         (mesh, metric): (Mesh, Metric),
         flips: Vec<HalfedgeId>,
-        weight: VertexData<f64>,
+        [weight, curvature]: [VertexData<f64>; 2],
         (points, tied, rims): (Option<&[[f64; 3]]>, Option<TiedLoops>, Rims),
         ahead: Option<usize>,
         watch: Watch,
     ) -> Result<Self, PoissonError> {
-        let curvature = angle_defects(&mesh, &metric);
         if watch.stops_at(0.4) {
             return Err(Interrupted.into());
         }
-        let laplacian = laplacian(&mesh, &metric);
         let unknown = watch.within(f64::NAN, f64::NAN);
         let coarsened = |count| coarsened((&mesh, &metric), (&weight, None, &curvature), count, unknown);
         let (poisson, ahead) = rayon::join(
-            || Poisson::new_watched(laplacian, &rims.concat(), points, watch.within(0.5, 0.95)),
+            || Poisson::new_watched(laplacian(&mesh, &metric), &rims.concat(), points, watch.within(0.4, 0.95)),
             || ahead.map(|count| coarsened(count).map(|coarsened| (count, coarsened))).transpose(),
         );
         let (poisson, ahead) = (poisson?, ahead?);

@@ -82,9 +82,8 @@ impl Layout {
             rotation[input.face(h)] * transport[h] * rotation[input.face(g)].conj()
         });
         drop(transport);
-        for (sides, rotation) in vector.as_chunks_mut::<3>().0.iter_mut().zip(rotation.iter()) {
-            sides.iter_mut().for_each(|side| *side = rotation * *side);
-        }
+        let sides = vector.par_chunks_exact_mut(3).with_min_len(AT_ONCE).zip(rotation.par_iter());
+        sides.for_each(|(sides, rotation)| sides.iter_mut().for_each(|side| *side = rotation * *side));
         drop(rotation);
         watch.ask(0.8)?;
         let position = opened.positions(input, &vector);

@@ -4,10 +4,14 @@ use std::borrow::Cow;
 
 use geom::distortion::DistortionError;
 use geom::{Model, Watch, Weld};
+use rayon::prelude::*;
 
 use super::quality::{OverlapReport, Quality};
 use super::unwrapping::Report;
 use crate::analysis::{Analysis, Atlas, Note, Options};
+
+/// So many corners are gone through one after the other.
+const AT_ONCE: usize = 4096;
 
 /// The size of texture coordinates.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -132,6 +136,6 @@ impl Atlas {
             UvSize::Area => [0, 1].map(|k| uv[k] - low[k]),
             UvSize::Raw => *uv,
         };
-        self.uv.iter().map(place).collect()
+        self.uv.par_iter().with_min_len(AT_ONCE).map(place).collect()
     }
 }

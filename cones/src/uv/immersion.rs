@@ -99,26 +99,30 @@ pub(super) fn overlaps_from_boundary(
     };
     let mut pairs = Vec::new();
     let mut count = 0;
-    while !spread.waiting.is_empty() {
+    let mut found: Vec<(bool, [[bool; 3]; 2], Overlap)> = Vec::new();
+    while !(spread.waiting.is_empty() && found.is_empty()) {
         watch.ask(1.0 - 1.0 / (1 + count / BLOCK) as f64)?;
-        // The last ones first: what is next to them is at hand.
+        // The last ones first: what is next to them is at hand. They are looked at while one goes on from those before.
         let last = spread.waiting.split_off(spread.waiting.len().saturating_sub(BLOCK));
         count += last.len();
-        let found: Vec<_> = last.into_par_iter().with_min_len(AT_ONCE).filter_map(overlap).collect();
-        for (is_deep, [of_f, of_g], overlap) in found {
-            let [f, g] = overlap.triangles.map(FaceId);
-            pairs.extend(is_deep.then_some(overlap));
-            for (here, is_reached, there) in [(f, of_f, g), (g, of_g, f)] {
-                let sides = mesh.sides(here).into_iter().zip(is_reached);
-                let inner = sides.filter(|&(h, is_reached)| is_reached && !map.cut[mesh.edge(h)]);
-                inner.filter_map(|(h, _)| mesh.twin(h)).for_each(|h| spread.look(mesh.face(h), there));
+        let go_on = || {
+            for (is_deep, [of_f, of_g], overlap) in std::mem::take(&mut found) {
+                let [f, g] = overlap.triangles.map(FaceId);
+                pairs.extend(is_deep.then_some(overlap));
+                for (here, is_reached, there) in [(f, of_f, g), (g, of_g, f)] {
+                    let sides = mesh.sides(here).into_iter().zip(is_reached);
+                    let inner = sides.filter(|&(h, is_reached)| is_reached && !map.cut[mesh.edge(h)]);
+                    inner.filter_map(|(h, _)| mesh.twin(h)).for_each(|h| spread.look(mesh.face(h), there));
+                }
             }
-        }
+        };
+        let look = || last.into_par_iter().with_min_len(AT_ONCE).filter_map(overlap).collect();
+        ((), found) = rayon::join(go_on, look);
         if pairs.len() > most {
             return Ok(None);
         }
     }
-    pairs.sort_unstable_by_key(|pair| pair.triangles);
+    pairs.par_sort_unstable_by_key(|pair| pair.triangles);
     Ok(Some(Overlaps { pairs, extent: boxes.extent, is_complete: true }))
 }
 

@@ -3,6 +3,7 @@
 use super::linear::Image;
 use super::{DistortionError, Percentiles};
 use crate::mesh::{FaceData, FaceId, Id};
+use crate::parallel::sort_by;
 
 /// What can be measured: the triangles with an area on both sides, and their measures.
 pub(super) struct Measured {
@@ -47,7 +48,8 @@ impl Measured {
 
     pub(super) fn percentiles(&self, values: &[f64]) -> Percentiles {
         let mut sorted: Vec<(f64, f64)> = values.iter().copied().zip(self.weight.iter().copied()).collect();
-        sorted.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
+        // Where values are equal by their weights, so that the bits are the same for any number of threads.
+        sort_by(&mut sorted, |a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
         let max = sorted.last().map_or(f64::NAN, |last| last.0);
         let mut below = 0.0;
         for (_, weight) in &mut sorted {
@@ -59,6 +61,16 @@ impl Measured {
             sorted.get(reached).map_or(max, |&(value, _)| value)
         });
         Percentiles { mean: self.mean(values.iter().copied()), median, p95, p99, max }
+    }
+
+    /// The first triangle with an area on the surface that is turned over in the map, or has no area there.
+    pub(super) fn first_flaw(&self, images: &[Image]) -> Option<FaceId> {
+        let mut measured = self.faces.iter().peekable();
+        let mut is_flawed = |f: FaceId, image: &Image| {
+            let is_measured = measured.next_if_eq(&&f).is_some();
+            image.has_surface && (image.area < 0.0 || !is_measured)
+        };
+        (0..images.len()).map(FaceId::new).zip(images).find(|&(f, image)| is_flawed(f, image)).map(|(f, _)| f)
     }
 
     pub(super) fn by_face(&self, count: usize, values: &[f64], otherwise: f64) -> FaceData<f64> {

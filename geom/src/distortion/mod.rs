@@ -246,10 +246,7 @@ pub fn measure_watched(
         u_linf: measured.log_scale.iter().fold(0.0, |most, u| u.abs().max(most)),
         flipped: images.iter().filter(|image| image.has_surface && image.area < 0.0).count(),
         degenerate: images.iter().filter(|image| image.has_surface).count() - measured.faces.len(),
-        first_flaw: (0..images.len()).map(FaceId::new).find(|f| {
-            let image = &images[f.index()];
-            image.has_surface && (image.area < 0.0 || measured.faces.binary_search(f).is_err())
-        }),
+        first_flaw: measured.first_flaw(&images),
         degenerate_on_surface: images.iter().filter(|image| !image.has_surface).count(),
         islands,
         seam_edges: charts.seam().count(),

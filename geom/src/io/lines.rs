@@ -2,12 +2,12 @@
 
 use std::io::{self, Write};
 
-use crate::parallel::try_each;
+use crate::parallel::{beside, try_each};
 
 /// So many lines are formatted one after the other: about a millisecond.
 const LINES: usize = 1 << 12;
-/// So many blocks of these are in memory at a time.
-const BLOCKS: usize = 16;
+/// So many blocks of these are formatted at a time, while as many are written.
+const BLOCKS: usize = 8;
 
 /// Writes so many lines; `line` appends one of them, with its end, to the text.
 ///
@@ -18,14 +18,21 @@ pub(super) fn write_lines(
     out: &mut impl Write,
     line: impl Fn(usize, &mut Vec<u8>) -> io::Result<()> + Sync,
 ) -> io::Result<()> {
-    let mut blocks: Vec<Vec<u8>> = vec![Vec::new(); BLOCKS.min(count.div_ceil(LINES))];
-    for first in (0..count).step_by(LINES * BLOCKS) {
-        try_each(0, &mut blocks, &|k, text| {
+    let format = |first: usize, blocks: &mut [Vec<u8>]| {
+        try_each(0, blocks, &|k, text| {
             text.clear();
             let from = (first + k * LINES).min(count);
             (from..(from + LINES).min(count)).try_for_each(|number| line(number, text))
-        })?;
-        blocks.iter().try_for_each(|text| out.write_all(text))?;
+        })
+    };
+    let mut blocks: Vec<Vec<u8>> = vec![Vec::new(); BLOCKS.min(count.div_ceil(LINES))];
+    let mut others = blocks.clone();
+    format(0, &mut blocks)?;
+    for next in (0..count).step_by(LINES * BLOCKS).map(|first| first + LINES * BLOCKS) {
+        let write = || blocks.iter().try_for_each(|text| out.write_all(text));
+        let (written, formatted) = beside(write, || format(next, &mut others));
+        written.and(formatted)?;
+        std::mem::swap(&mut blocks, &mut others);
     }
     Ok(())
 }

@@ -8,7 +8,7 @@
 
 use super::cholesky::Cholesky;
 use super::single::dot;
-use super::symmetric::SymmetricMatrix;
+use super::symmetric::{SymmetricMatrix, sums};
 use crate::rows::Rows;
 use crate::watch::{Interrupted, Watch};
 
@@ -127,27 +127,24 @@ fn rows_of(matrix: &SymmetricMatrix, rows: &[usize]) -> Rows<(u32, f64)> {
 
 /// For each row the sum of how much its entries off the diagonal differ.
 fn changes(from: &SymmetricMatrix, to: &SymmetricMatrix) -> Vec<f64> {
-    let mut changes = vec![0.0; from.dimension()];
-    for column in 0..from.dimension() {
+    sums(from.dimension(), |column, first, changes| {
         let [old, new] = [from, to].map(|matrix| matrix.below(column));
+        let mut add = |row: usize, change: f64| {
+            changes[column - first] += change.abs();
+            changes[row - first] += change.abs();
+        };
         if old.0 == new.0 {
-            for ((&row, before), after) in old.0.iter().zip(old.1).zip(new.1) {
-                let change = (before - after).abs();
-                changes[column] += change;
-                changes[row as usize] += change;
-            }
-            continue;
+            let values = old.1.iter().zip(new.1);
+            old.0.iter().zip(values).for_each(|(&row, (before, after))| add(row as usize, before - after));
+            return;
         }
         let mut before = from.column(column).skip(1).peekable();
         let mut after = to.column(column).skip(1).peekable();
         while let Some(row) = before.peek().into_iter().chain(after.peek()).map(|entry| entry.0).min() {
             let value = |entry: Option<(usize, f64)>| entry.map_or(0.0, |entry| entry.1);
-            let change = value(before.next_if(|entry| entry.0 == row)) - value(after.next_if(|entry| entry.0 == row));
-            changes[column] += change.abs();
-            changes[row] += change.abs();
+            add(row, value(before.next_if(|entry| entry.0 == row)) - value(after.next_if(|entry| entry.0 == row)));
         }
-    }
-    changes
+    })
 }
 
 /// Adds a multiple of a vector.

@@ -33,7 +33,10 @@ impl SymmetricMatrix {
     /// The Laplacian of a weighted graph on `dimension` vertices: `Σ w (e_i - e_j)(e_i - e_j)ᵀ` over its edges ij.
     /// Repeated edges add up and loops cancel.
     pub(crate) fn laplacian(dimension: usize, edges: impl Iterator<Item = ([u32; 2], f64)> + Clone + Sync) -> Self {
-        Self::folded_laplacian(dimension, edges, |v| v)
+        let edges = edges.filter(|([i, j], _)| i != j);
+        // Which end is the lower one is as good as random: nothing branches on it.
+        let below = edges.clone().map(|([i, j], weight)| (i.min(j), i.max(j), weight));
+        Self::with_sums(dimension, below, edges.flat_map(|([i, j], weight)| [(i, weight), (j, weight)]))
     }
 
     /// The first `dimension` rows of a graph's Laplacian, on vectors whose entry at any vertex is that at the one which it `stands_for`, one of
@@ -49,27 +52,36 @@ impl SymmetricMatrix {
             .filter(|&(v, ..)| (v as usize) < dimension)
             .map(|(v, w, weight)| (v, stands_for(w), weight));
         let below = entries.clone().filter(|(column, row, _)| column < row);
-        let mut column_start = vec![1u32; dimension + 1];
-        column_start[0] = 0;
-        below.clone().for_each(|(column, ..)| column_start[column as usize + 1] += 1);
-        for column in 0..dimension {
-            column_start[column + 1] += column_start[column];
-        }
-        let stored = column_start[dimension] as usize;
-        let mut matrix = Self { column_start, row: vec![0; stored], value: vec![0.0; stored] };
-        let mut end = matrix.column_start[..dimension].to_vec();
-        for (column, end) in end.iter_mut().enumerate() {
-            matrix.row[*end as usize] = column as u32;
-            *end += 1;
-        }
+        // What a vertex stands for may be its neighbour.
+        let outside = entries.filter(|(v, w, _)| v != w).map(|(v, _, weight)| (v, weight));
+        Self::with_sums(dimension, below, outside)
+    }
+
+    /// A matrix with the negated weights below the diagonal, given with column and row, and on it the sums of others.
+    fn with_sums(
+        dimension: usize,
+        below: impl Iterator<Item = (u32, u32, f64)> + Clone + Sync,
+        diagonal: impl Iterator<Item = (u32, f64)> + Clone + Sync,
+    ) -> Self {
         let sums = || {
             let mut sums = vec![0.0; dimension];
-            entries.clone().for_each(|(v, _, weight)| sums[v as usize] += weight);
-            // What a vertex stands for may be its neighbour.
-            entries.clone().filter(|(v, w, _)| v == w).for_each(|(v, _, weight)| sums[v as usize] -= weight);
+            diagonal.clone().for_each(|(v, weight)| sums[v as usize] += weight);
             sums
         };
         let put = || {
+            let mut column_start = vec![1u32; dimension + 1];
+            column_start[0] = 0;
+            below.clone().for_each(|(column, ..)| column_start[column as usize + 1] += 1);
+            for column in 0..dimension {
+                column_start[column + 1] += column_start[column];
+            }
+            let stored = column_start[dimension] as usize;
+            let mut matrix = Self { column_start, row: vec![0; stored], value: vec![0.0; stored] };
+            let mut end = matrix.column_start[..dimension].to_vec();
+            for (column, end) in end.iter_mut().enumerate() {
+                matrix.row[*end as usize] = column as u32;
+                *end += 1;
+            }
             below.clone().for_each(|(column, row, weight)| {
                 // Columns are short: a new entry is moved up to its place.
                 let end = &mut end[column as usize];
@@ -81,16 +93,18 @@ impl SymmetricMatrix {
                     matrix.value[place - 1] -= weight;
                     return;
                 }
-                matrix.row.copy_within(place..*end as usize, place + 1);
-                matrix.value.copy_within(place..*end as usize, place + 1);
+                for k in (place..*end as usize).rev() {
+                    (matrix.row[k + 1], matrix.value[k + 1]) = (matrix.row[k], matrix.value[k]);
+                }
                 matrix.row[place] = row;
                 matrix.value[place] = -weight;
                 *end += 1;
             });
+            matrix.close_gaps(&end);
+            matrix
         };
-        let (sums, ()) = parallel::join(sums, put);
+        let (sums, mut matrix) = parallel::join(sums, put);
         sums.into_iter().enumerate().for_each(|(i, sum)| *matrix.diagonal_mut(i) = sum);
-        matrix.close_gaps(&end);
         matrix
     }
 
@@ -201,18 +215,15 @@ impl SymmetricMatrix {
     /// # Panics
     /// If the vector is shorter than the matrix.
     pub fn multiply(&self, x: &[f64]) -> Vec<f64> {
-        let mut y = vec![0.0; self.dimension()];
-        for column in 0..y.len() {
-            let entries = self.range(column);
-            for (&row, &value) in self.row[entries.clone()].iter().zip(&self.value[entries]) {
-                let row = row as usize;
-                y[row] += value * x[column];
-                if row != column {
-                    y[column] += value * x[row];
-                }
+        sums(self.dimension(), |column, first, y| {
+            let (rows, values) = self.below(column);
+            let mut own = self.value[self.range(column).start] * x[column];
+            for (&row, &value) in rows.iter().zip(values) {
+                own += value * x[row as usize];
+                y[row as usize - first] += value * x[column];
             }
-        }
-        y
+            y[column - first] += own;
+        })
     }
 
     /// The rows and columns with the given indices, which must rise.
@@ -304,6 +315,20 @@ impl SymmetricMatrix {
         }
         CsMat::new((n, n), start, indices, values)
     }
+}
+
+/// Sums for each row of a symmetric matrix, of what each column `adds` to its own and to those below: two halves of the columns at the same
+/// time. `adds` gets the column, the first of its half, and the sums from there on.
+pub(super) fn sums(dimension: usize, adds: impl Fn(usize, usize, &mut [f64]) + Sync) -> Vec<f64> {
+    let of = |columns: Range<usize>| {
+        let mut sums = vec![0.0; dimension - columns.start];
+        columns.clone().for_each(|column| adds(column, columns.start, &mut sums));
+        sums
+    };
+    let half = dimension / 2;
+    let (mut sums, lower) = parallel::join(|| of(0..half), || of(half..dimension));
+    sums[half..].iter_mut().zip(lower).for_each(|(sum, more)| *sum += more);
+    sums
 }
 
 /// Takes the lower triangle of a matrix that is symmetric.

@@ -155,11 +155,13 @@ impl Unwrapped {
     /// What would help where angles are bent because the input's triangles are needles.
     fn hint(&self) -> Option<String> {
         let bent = self.map.quality.distortion.quasi_conformal.mean;
-        let needles = self.analysis.needle_share();
         let is_tried = self.map.atlas.notes.iter().any(|note| matches!(note, Note::NotRefined { .. }));
         let is_refined = self.analysis.refined().is_some() || is_tried;
-        let helps = !is_refined && bent > WORTH_REFINING && needles > MOST_NEEDLES;
-        helps.then(|| {
+        if is_refined || bent <= WORTH_REFINING {
+            return None;
+        }
+        let needles = self.analysis.needle_share();
+        (needles > MOST_NEEDLES).then(|| {
             format!(
                 "{:.0} % of the area is in needles, and angles are bent by {bent:.2}: --refine cuts them into even triangles",
                 100.0 * needles

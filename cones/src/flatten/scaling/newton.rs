@@ -8,9 +8,10 @@
 use std::sync::Arc;
 
 use geom::{
-    Id, Interrupted, Intrinsic, Metric, Poisson, PoissonError, SymmetricMatrix, Triangulation, VertexData, VertexId,
+    FaceId, Id, Interrupted, Intrinsic, Metric, Poisson, PoissonError, SymmetricMatrix, Triangulation, VertexData, VertexId,
     Watch, folded_laplacian, laplacian, ptolemaic_delaunay_watched,
 };
+use rayon::prelude::*;
 
 use super::{Failed, Scaling, ScalingError};
 
@@ -44,6 +45,9 @@ const PATIENT_BELOW: usize = 20_000;
 const HARDLY: f64 = 0.5;
 /// From here on triangles at the boundary that have no area will have none in the end.
 const SETTLED: f64 = 0.1;
+
+/// So many triangles are looked at one after the other.
+const AT_ONCE: usize = 4096;
 
 #[derive(Clone)]
 pub(super) struct Newton<'a> {
@@ -319,7 +323,8 @@ impl Newton<'_> {
 
     /// A corner of a triangle without area, if there is any; a fixed one if it has one.
     fn without_area(&self, triangulation: &Triangulation, metric: &Metric) -> Option<VertexId> {
-        let broken = triangulation.faces().find(|&f| metric.sides(triangulation, f).area() <= 0.0)?;
+        let faces = (0..triangulation.face_count()).into_par_iter().with_min_len(AT_ONCE).map(FaceId::new);
+        let broken = faces.find_first(|&f| metric.sides(triangulation, f).area() <= 0.0)?;
         let corners = triangulation.corners(broken);
         Some(corners.into_iter().find(|v| self.fixed.contains(v)).unwrap_or(corners[0]))
     }
