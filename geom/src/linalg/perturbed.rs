@@ -70,7 +70,7 @@ impl Perturbed<'_> {
             for (direction, z) in direction.iter_mut().zip(&conditioned) {
                 *direction = z + energy / last * *direction;
             }
-            let image = self.matrix.multiply(&direction);
+            let image = self.matrix.multiply_by_halves(&direction);
             let length = energy / dot(&direction, &image);
             if !length.is_finite() || length <= 0.0 {
                 return Ok(None);

@@ -215,15 +215,25 @@ impl SymmetricMatrix {
     /// # Panics
     /// If the vector is shorter than the matrix.
     pub fn multiply(&self, x: &[f64]) -> Vec<f64> {
-        sums(self.dimension(), |column, first, y| {
-            let (rows, values) = self.below(column);
-            let mut own = self.value[self.range(column).start] * x[column];
-            for (&row, &value) in rows.iter().zip(values) {
-                own += value * x[row as usize];
-                y[row as usize - first] += value * x[column];
-            }
-            y[column - first] += own;
-        })
+        let mut y = vec![0.0; self.dimension()];
+        (0..y.len()).for_each(|column| self.add_products(column, x, 0, &mut y));
+        y
+    }
+
+    /// The same by [`sums`], to a rounding.
+    pub(super) fn multiply_by_halves(&self, x: &[f64]) -> Vec<f64> {
+        sums(self.dimension(), |column, first, y| self.add_products(column, x, first, y))
+    }
+
+    /// Adds what comes of a column and of the row on the other side of the diagonal, to the product's rows from the `first` on.
+    fn add_products(&self, column: usize, x: &[f64], first: usize, y: &mut [f64]) {
+        let (rows, values) = self.below(column);
+        let mut own = y[column - first] + self.value[self.range(column).start] * x[column];
+        for (&row, &value) in rows.iter().zip(values) {
+            y[row as usize - first] += value * x[column];
+            own += value * x[row as usize];
+        }
+        y[column - first] = own;
     }
 
     /// The rows and columns with the given indices, which must rise.
