@@ -3,6 +3,7 @@
 //! Where work is parted depends on the work alone, so nothing that is computed depends on the number of threads.
 
 use std::cmp::Ordering;
+use std::convert::Infallible;
 
 /// The results of two pieces of work.
 #[cfg(feature = "rayon")]
@@ -95,6 +96,14 @@ pub(crate) fn beside<A, B: Send>(here: impl FnOnce() -> A, b: impl FnOnce() -> B
 pub(crate) fn beside<A, B>(here: impl FnOnce() -> A, b: impl FnOnce() -> B) -> (A, B) {
     let a = here();
     (a, b())
+}
+
+/// Does some work for each of the items, with its place.
+pub(crate) fn each<T: Send>(first: usize, items: &mut [T], work: &(impl Fn(usize, &mut T) + Sync)) {
+    let Ok(()) = try_each(first, items, &|k, item| {
+        work(k, item);
+        Ok::<_, Infallible>(())
+    });
 }
 
 /// Does some work for each of the items, with its place.

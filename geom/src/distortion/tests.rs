@@ -206,6 +206,8 @@ fn a_triangle_turned_over_is_flipped_but_a_mirrored_island_is_not() {
         assert!(flips(&uv) > 0);
         let distortion = measured(&shape, &uv);
         assert_eq!(distortion.flipped, flips(&uv));
+        let first = uv.iter().position(|&[a, b, c]| mirror * area(a, b, c) < 0.0);
+        assert_eq!(distortion.first_flaw.map(|f| f.index()), first);
         assert_eq!(distortion.islands[0].is_mirrored, mirror < 0.0);
         assert!(overlap(&uv, 512) > 0.0);
     }
@@ -303,6 +305,7 @@ proptest! {
                 prop_assert!(value.is_finite(), "{distortion:?}");
             }
             prop_assert!(q.median >= 1.0 && area.median >= 1.0);
+            prop_assert_eq!(distortion.first_flaw.is_some(), distortion.flipped + distortion.degenerate > 0);
             prop_assert!(distortion.curvature.iter().all(|k| k.is_finite()));
         }
     }
@@ -319,6 +322,17 @@ fn a_vertex_that_left_its_fan_has_lost_the_whole_turn() {
         let distortion = measure(&square, &triangles, &uv).unwrap();
         assert!((distortion.curvature[VertexId(4)] - curvature).abs() < 1e-14, "{}", distortion.curvature[VertexId(4)]);
         assert_eq!(distortion.flipped, usize::from(x > 1.0));
+    }
+}
+
+#[test]
+fn the_first_flaw_is_a_triangle_that_has_lost_its_area() {
+    let square = [[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [1.0, 1.0, 0.0], [-1.0, 1.0, 0.0], [0.0; 3]];
+    let triangles = [[0, 1, 4], [1, 2, 4], [2, 3, 4], [3, 0, 4]];
+    for (x, flaw) in [(0.0, None), (1.0, Some(FaceId(1))), (-1.0, Some(FaceId(3)))] {
+        let uv = triangles
+            .map(|t| t.map(|v| if v == 4 { [x, 0.0] } else { [square[v as usize][0], square[v as usize][1]] }));
+        assert_eq!(measure(&square, &triangles, &uv).unwrap().first_flaw, flaw);
     }
 }
 

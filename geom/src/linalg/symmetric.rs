@@ -393,6 +393,8 @@ mod tests {
             prop_assert_eq!(&SymmetricMatrix::from(&full), &matrix);
             let x: Vec<f64> = (0..9).map(|k| f64::from(k * k) - 7.0).collect();
             let product = matrix.multiply(&x);
+            let by_halves = matrix.multiply_by_halves(&x);
+            prop_assert!(product.iter().zip(by_halves).all(|(one, other)| (one - other).abs() < 1e-12));
             for (i, row) in dense.iter().enumerate() {
                 for (j, entry) in row.iter().enumerate() {
                     prop_assert!((matrix.get(i, j) - entry).abs() < 1e-12);

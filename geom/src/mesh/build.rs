@@ -4,6 +4,7 @@ use thiserror::Error;
 
 use super::id::{EdgeId, FaceId, HalfedgeId, Id, VertexId};
 use super::{Mesh, Triangulation};
+use crate::parallel;
 use crate::rows::Rows;
 
 /// Why triangles do not form an oriented manifold.
@@ -114,18 +115,26 @@ fn match_twins(vertex_count: usize, tail: &[VertexId]) -> Result<Vec<u32>, MeshE
     error.map_or(Ok(twin), Err)
 }
 
+/// So many vertices at least are gone through by one thread: each looks at all halfedges.
+const LEAST_AT_ONCE: usize = 1 << 14;
+
 /// Visits each pair of vertices that halfedges (three a triangle, given by where they start) run between, with these
 /// halfedges in ascending order. Edges come by their lower end, then by the upper one.
 pub(crate) fn for_each_edge(vertex_count: usize, tail: &[VertexId], mut visit: impl FnMut([VertexId; 2], &[u32])) {
     let head = |h: usize| tail[if h % 3 == 2 { h - 2 } else { h + 1 }];
     let lower_end = |h: usize| tail[h].min(head(h)).index();
-    // Halfedges in rows by the lower end of their edge, each row sorted by the upper end.
-    let sides = (0..tail.len()).map(|h| (lower_end(h), (tail[h].max(head(h)), h as u32)));
-    let mut stars = Rows::sorted(vertex_count, sides);
+    // Halfedges in rows by the lower end of their edge, each row sorted by the upper end; some vertices on each thread.
+    let at_once = vertex_count.div_ceil(parallel::threads()).max(LEAST_AT_ONCE);
+    let mut parts = vec![Rows::sorted(0, std::iter::empty()); vertex_count.div_ceil(at_once)];
+    parallel::each(0, &mut parts, &|k, stars| {
+        let own = k * at_once..vertex_count.min((k + 1) * at_once);
+        let here = (0..tail.len()).filter(|&h| own.contains(&lower_end(h)));
+        *stars = Rows::sorted(own.len(), here.map(|h| (lower_end(h) - own.start, (tail[h].max(head(h)), h as u32))));
+        (0..own.len()).for_each(|star| stars.row_mut(star).sort_unstable());
+    });
+    let stars = parts.iter().flat_map(|stars| (0..stars.len()).map(|star| stars.row(star)));
     let mut sides = Vec::new();
-    for v in 0..vertex_count {
-        let star = stars.row_mut(v);
-        star.sort_unstable();
+    for (v, star) in stars.enumerate() {
         for edge in star.chunk_by(|a, b| a.0 == b.0) {
             sides.clear();
             sides.extend(edge.iter().map(|&(_, h)| h));

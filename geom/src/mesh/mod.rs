@@ -175,6 +175,21 @@ mod tests {
         Mesh::new(4, &[[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]]).unwrap()
     }
 
+    #[cfg(feature = "rayon")]
+    #[test]
+    fn triangles_are_glued_alike_on_any_number_of_threads() {
+        // More vertices than one thread takes.
+        let shape = crate::shapes::hare(50_000);
+        let on = |threads: usize| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            pool.install(|| shape.mesh())
+        };
+        let one = on(1);
+        one.check();
+        let twins = |mesh: &Mesh| mesh.halfedges().map(|h| mesh.twin(h)).collect::<Vec<_>>();
+        assert!([2, 3].iter().all(|&threads| twins(&on(threads)) == twins(&one)));
+    }
+
     #[test]
     fn every_flip_can_be_undone() {
         let mesh = tetrahedron();

@@ -8,8 +8,8 @@
 use std::sync::Arc;
 
 use geom::{
-    FaceId, Id, Interrupted, Intrinsic, Metric, Poisson, PoissonError, SymmetricMatrix, Triangulation, VertexData, VertexId,
-    Watch, folded_laplacian, laplacian, ptolemaic_delaunay_watched,
+    FaceId, Id, Interrupted, Intrinsic, Metric, Poisson, PoissonError, SymmetricMatrix, Triangulation, VertexData,
+    VertexId, Watch, folded_laplacian, laplacian, ptolemaic_delaunay_watched,
 };
 use rayon::prelude::*;
 
