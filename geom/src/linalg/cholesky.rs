@@ -272,7 +272,7 @@ impl Cholesky {
         &self,
         b: &[Vec<(u32, f64)>],
         columns: &mut [&mut [f64]],
-        place: &(impl Fn(usize) -> usize + Sync),
+        place: &impl Fn(usize) -> usize,
         rooms: &Rooms,
         watch: Watch,
     ) -> Result<(), Interrupted> {
@@ -343,7 +343,7 @@ impl Cholesky {
     fn solve_block(
         &self,
         columns: &mut [&mut [f64]],
-        place: &(impl Fn(usize) -> usize + Sync),
+        place: &impl Fn(usize) -> usize,
         rooms: &Rooms,
         watch: Watch,
     ) -> Result<(), Interrupted> {
@@ -368,23 +368,18 @@ impl Cholesky {
         &self,
         x: &[f64],
         columns: &mut [&mut [f64]],
-        place: &(impl Fn(usize) -> usize + Sync),
+        place: &impl Fn(usize) -> usize,
         watch: Watch,
     ) -> Result<(), Interrupted> {
         let padded = columns.len().next_multiple_of(LANES);
-        let mut parts: Vec<_> = columns.chunks_mut(LANES).collect();
-        watch.shared(|watch| {
-            try_each(0, &mut parts, &|part, columns| {
-                for (first, steps) in self.rows_in_pieces() {
-                    watch.ask(1.0)?;
-                    for (k, column) in (part * LANES..).zip(columns.iter_mut()) {
-                        let rows = (first..).zip(steps);
-                        rows.for_each(|(row, &step)| column[place(row)] = x[step as usize * padded + k]);
-                    }
-                }
-                Ok(())
-            })
-        })
+        for (first, steps) in self.rows_in_pieces() {
+            watch.ask(1.0)?;
+            for (k, column) in columns.iter_mut().enumerate() {
+                let rows = (first..).zip(steps);
+                rows.for_each(|(row, &step)| column[place(row)] = x[step as usize * padded + k]);
+            }
+        }
+        Ok(())
     }
 
     /// The rows in pieces, the first of each with the steps in which they are eliminated.
