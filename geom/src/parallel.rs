@@ -1,6 +1,6 @@
 //! Work done at the same time, if the feature `rayon` is on: both sides of a tree, values of which none depends on another.
 //!
-//! Where work is parted depends on the work alone, so nothing that is computed depends on the number of threads.
+//! Nothing that is computed depends on the number of threads; how work is parted seldom does ([`threads`]).
 
 use std::cmp::Ordering;
 use std::convert::Infallible;
@@ -52,14 +52,14 @@ pub(crate) fn sort<T: Ord + Send>(items: &mut [T]) {
     sort_by(items, T::cmp);
 }
 
-/// Puts items in an order in which no two are equal, or what is equal is the same.
+/// Puts items in order. Those that are equal in it must be the same to the bit.
 #[cfg(feature = "rayon")]
 pub(crate) fn sort_by<T: Send>(items: &mut [T], order: impl Fn(&T, &T) -> Ordering + Sync) {
     use rayon::prelude::*;
     if threads() > 1 { items.par_sort_unstable_by(order) } else { items.sort_unstable_by(order) }
 }
 
-/// Puts items in an order in which no two are equal, or what is equal is the same.
+/// Puts items in order. Those that are equal in it must be the same to the bit.
 #[cfg(not(feature = "rayon"))]
 pub(crate) fn sort_by<T>(items: &mut [T], order: impl Fn(&T, &T) -> Ordering) {
     items.sort_unstable_by(order);
@@ -80,8 +80,8 @@ pub(crate) fn each_of<T: Send>(
     }
 }
 
-/// The results of two pieces of work, the first of which is done by this thread.
-#[cfg(feature = "rayon")]
+/// The results of two pieces of work, the first of which need not be `Send`: this thread does it.
+#[cfg(all(feature = "files", feature = "rayon"))]
 pub(crate) fn beside<A, B: Send>(here: impl FnOnce() -> A, b: impl FnOnce() -> B + Send) -> (A, B) {
     let mut of_b = None;
     let a = rayon::in_place_scope(|scope| {
@@ -92,15 +92,15 @@ pub(crate) fn beside<A, B: Send>(here: impl FnOnce() -> A, b: impl FnOnce() -> B
 }
 
 /// The results of two pieces of work, one after the other.
-#[cfg(not(feature = "rayon"))]
+#[cfg(all(feature = "files", not(feature = "rayon")))]
 pub(crate) fn beside<A, B>(here: impl FnOnce() -> A, b: impl FnOnce() -> B) -> (A, B) {
     let a = here();
     (a, b())
 }
 
 /// Does some work for each of the items, with its place.
-pub(crate) fn each<T: Send>(first: usize, items: &mut [T], work: &(impl Fn(usize, &mut T) + Sync)) {
-    let Ok(()) = try_each(first, items, &|k, item| {
+pub(crate) fn each<T: Send>(items: &mut [T], work: impl Fn(usize, &mut T) + Sync) {
+    let Ok(()) = try_each(0, items, &|k, item| {
         work(k, item);
         Ok::<_, Infallible>(())
     });

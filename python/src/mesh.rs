@@ -11,6 +11,7 @@ use pyo3::types::PyBytes;
 
 use crate::array::{from_rows, rows};
 use crate::error::{Error, Failed};
+use crate::threads::in_pool;
 use crate::uv::weld_by_name;
 
 /// Three corners a triangle (t, 3), and the face of each (t,).
@@ -46,7 +47,7 @@ impl Mesh {
     /// Reads a file.
     #[staticmethod]
     fn read(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
-        let model = py.detach(|| read(path)).map_err(Failed)?;
+        let model = in_pool(py, || read(path))?.map_err(Failed)?;
         Ok(Self(Arc::new(model)))
     }
 
@@ -114,17 +115,19 @@ impl Mesh {
         let uv = uv.as_ref().map(|uv| rows::<f64, 2>(uv, "uv")).transpose()?;
         let triangles = self.0.triangles();
         let asked = triangulate.then_some(&triangles);
+        if !["obj", "ply", "glb"].contains(&format) {
+            return Err(Error::new_err(format!("a mesh is written as obj, ply or glb, not as {format:?}")));
+        }
         let mut bytes = Vec::new();
-        match format {
+        let written = in_pool(py, || match format {
             "obj" => {
                 let content = ObjContent { uv, triangles: asked, ..ObjContent::default() };
                 write_obj(&self.0, &content, &mut bytes)
             }
             "ply" => write_ply(&self.0, uv, asked, &mut bytes),
-            "glb" => write_glb(&self.0, uv, &triangles, None, &mut bytes),
-            other => return Err(Error::new_err(format!("a mesh is written as obj, ply or glb, not as {other:?}"))),
-        }
-        .map_err(Failed)?;
+            _ => write_glb(&self.0, uv, &triangles, None, &mut bytes),
+        });
+        written?.map_err(Failed)?;
         Ok(PyBytes::new(py, &bytes))
     }
 }

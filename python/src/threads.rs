@@ -32,6 +32,12 @@ pub(crate) fn pool() -> PyResult<Arc<ThreadPool>> {
     }
 }
 
+/// Does work on it, while other threads of the interpreter go on.
+pub(crate) fn in_pool<T: Send>(py: Python<'_>, work: impl FnOnce() -> T + Send) -> PyResult<T> {
+    let pool = pool()?;
+    Ok(py.detach(|| pool.install(work)))
+}
+
 /// On how many threads work runs.
 #[pyfunction]
 pub(crate) fn thread_count() -> PyResult<usize> {

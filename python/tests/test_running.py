@@ -165,13 +165,23 @@ def _extrema(field):
     return topo.superlevel(field).array["extremum"]
 
 
+def _write(path):
+    # Long enough to be written on several threads.
+    cones.shape("hare", 40_000).write(path)
+
+
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="there is no fork here")
-def test_forked_processes_work_too():
+def test_forked_processes_work_too(tmp_path):
     field = np.random.default_rng(2).random((300, 400))
     expected = _extrema(field)
     with multiprocessing.get_context("fork").Pool(2) as pool:
         got = pool.map_async(_extrema, [field] * 4).get(timeout=60)
     assert all((extrema == expected).all() for extrema in got)
+    parent, child = (tmp_path / name for name in ("parent.obj", "child.obj"))
+    _write(parent)
+    with multiprocessing.get_context("fork").Pool(1) as pool:
+        pool.map_async(_write, [child]).get(timeout=60)
+    assert parent.read_bytes() == child.read_bytes()
 
 
 @pytest.mark.skipif(not os.path.exists("/proc/self/statm"), reason="memory is read from /proc")

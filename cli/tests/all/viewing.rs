@@ -120,6 +120,15 @@ fn the_page_the_surface_cones_maps_and_files_are_served() {
 }
 
 #[test]
+fn a_file_of_many_lines_is_saved_on_one_thread() {
+    let folder = Folder::with_shapes();
+    folder.run(&["shape", "hare", "--vertices", "40000", "-o", "large.obj"]).success();
+    let viewer = Viewer::of(folder, &["large.obj", "-n", "6", "--method", "persistence", "--threads", "1"]);
+    let saved = viewer.post("save/obj", r#"{"tab":"a","serial":1,"n":6,"method":"persistence"}"#);
+    assert!(String::from_utf8(saved.body).expect("it is text").contains("\nvt "));
+}
+
+#[test]
 fn a_newer_question_of_the_same_tab_stops_an_older_one() {
     let viewer = Viewer::new();
     assert_eq!(viewer.post("map", r#"{"tab":"a","serial":2,"n":6}"#).status, 200);

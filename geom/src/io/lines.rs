@@ -29,7 +29,10 @@ pub(super) fn write_lines(
     let mut others = blocks.clone();
     format(0, &mut blocks)?;
     for next in (0..count).step_by(LINES * BLOCKS).map(|first| first + LINES * BLOCKS) {
-        let write = || blocks.iter().try_for_each(|text| out.write_all(text));
+        let mut write = || blocks.iter().try_for_each(|text| out.write_all(text));
+        if next >= count {
+            return write();
+        }
         let (written, formatted) = beside(write, || format(next, &mut others));
         written.and(formatted)?;
         std::mem::swap(&mut blocks, &mut others);
@@ -56,5 +59,13 @@ mod tests {
         let failed =
             |number: usize, _: &mut Vec<u8>| if number == 9 { Err(io::ErrorKind::Other.into()) } else { Ok(()) };
         assert!(write_lines(20, &mut Vec::new(), failed).is_err());
+        // Blocks before that of the error are written; what cannot be written comes before what cannot be formatted.
+        let whole = LINES * BLOCKS;
+        let late = |number: usize, text: &mut Vec<u8>| if number == whole { failed(9, text) } else { writeln!(text) };
+        let mut out = Vec::new();
+        assert!(write_lines(2 * whole, &mut out, late).is_err_and(|error| error.kind() == io::ErrorKind::Other));
+        assert_eq!(out.len(), whole);
+        let full = write_lines(2 * whole, &mut &mut [0; 9][..], late);
+        assert!(full.is_err_and(|error| error.kind() == io::ErrorKind::WriteZero));
     }
 }

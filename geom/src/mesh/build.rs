@@ -115,8 +115,9 @@ fn match_twins(vertex_count: usize, tail: &[VertexId]) -> Result<Vec<u32>, MeshE
     error.map_or(Ok(twin), Err)
 }
 
-/// So many vertices at least are gone through by one thread: each looks at all halfedges.
+/// So many vertices at least are gone through by one thread, and in no more parts than this: each looks at all halfedges.
 const LEAST_AT_ONCE: usize = 1 << 14;
+const MOST_PARTS: usize = 4;
 
 /// Visits each pair of vertices that halfedges (three a triangle, given by where they start) run between, with these
 /// halfedges in ascending order. Edges come by their lower end, then by the upper one.
@@ -124,9 +125,9 @@ pub(crate) fn for_each_edge(vertex_count: usize, tail: &[VertexId], mut visit: i
     let head = |h: usize| tail[if h % 3 == 2 { h - 2 } else { h + 1 }];
     let lower_end = |h: usize| tail[h].min(head(h)).index();
     // Halfedges in rows by the lower end of their edge, each row sorted by the upper end; some vertices on each thread.
-    let at_once = vertex_count.div_ceil(parallel::threads()).max(LEAST_AT_ONCE);
+    let at_once = vertex_count.div_ceil(parallel::threads().min(MOST_PARTS)).max(LEAST_AT_ONCE);
     let mut parts = vec![Rows::sorted(0, std::iter::empty()); vertex_count.div_ceil(at_once)];
-    parallel::each(0, &mut parts, &|k, stars| {
+    parallel::each(&mut parts, |k, stars| {
         let own = k * at_once..vertex_count.min((k + 1) * at_once);
         let here = (0..tail.len()).filter(|&h| own.contains(&lower_end(h)));
         *stars = Rows::sorted(own.len(), here.map(|h| (lower_end(h) - own.start, (tail[h].max(head(h)), h as u32))));

@@ -178,7 +178,7 @@ mod tests {
     #[cfg(feature = "rayon")]
     #[test]
     fn triangles_are_glued_alike_on_any_number_of_threads() {
-        // More vertices than one thread takes.
+        // Enough vertices for three parts.
         let shape = crate::shapes::hare(50_000);
         let on = |threads: usize| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();

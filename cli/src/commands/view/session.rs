@@ -140,11 +140,12 @@ impl<'a> Session<'a> {
     fn save(&self, path: &str, question: &Question) -> Answer {
         let options = self.options(question)?;
         let shown = self.shown(question, &options)?;
-        let written = match path {
+        // Not on the pool of all, whose only thread may be the one that waits for connections.
+        let written = self.thorough.install(|| match path {
             "save/cones" => Ok(cone_file::text(&shown.atlas.cones).into_bytes()),
             "save/glb" => self.glb(&shown),
             _ => self.obj(&shown),
-        };
+        });
         let written = written.map_err(|error| Response::refusal(422, &error.to_string()))?;
         Ok(Response::new(BYTES, written))
     }
