@@ -8,7 +8,7 @@
 //! | lengths | [`Metric`]: an edge length each; angles, areas, cotangents; [`angle_defects`] |
 //! | flips | [`delaunay()`], [`ptolemaic_delaunay`] |
 //! | equations | [`laplacian()`], a [`SymmetricMatrix`]; [`Poisson`]: factored once, asked often |
-//! | paths | [`ShortestPaths`], [`kruskal`], [`CutMesh`]: a mesh opened along edges |
+//! | paths | [`ShortestPaths`], [`kruskal`], [`CutMesh`]: a mesh opened along edges, [`Islands`]: what it falls into then |
 //! | judging maps | [`distortion`] |
 //! | something to begin with | [`shapes`] |
 //!

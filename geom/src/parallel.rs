@@ -3,7 +3,7 @@
 //! Nothing that is computed depends on the number of threads; how work is parted seldom does ([`threads`]).
 
 use std::cmp::Ordering;
-use std::convert::Infallible;
+use std::ops::Range;
 
 /// The results of two pieces of work.
 #[cfg(feature = "rayon")]
@@ -45,6 +45,25 @@ pub(crate) fn map<T: Send>(count: usize, value: impl Fn(usize) -> T + Send + Syn
 #[cfg(not(feature = "rayon"))]
 pub(crate) fn map<T>(count: usize, value: impl Fn(usize) -> T) -> Vec<T> {
     (0..count).map(value).collect()
+}
+
+/// What is found of each run of `length` numbers below `count`, in order.
+#[cfg(feature = "rayon")]
+pub(crate) fn of_runs<T: Send>(count: usize, length: usize, of: impl Fn(Range<usize>) -> T + Send + Sync) -> Vec<T> {
+    use rayon::prelude::*;
+    let run = |k: usize| of(k * length..count.min((k + 1) * length));
+    (0..count.div_ceil(length)).into_par_iter().map(run).collect()
+}
+
+/// What is found of each run of `length` numbers below `count`, in order.
+#[cfg(not(feature = "rayon"))]
+pub(crate) fn of_runs<T>(count: usize, length: usize, of: impl Fn(Range<usize>) -> T) -> Vec<T> {
+    (0..count.div_ceil(length)).map(|k| of(k * length..count.min((k + 1) * length))).collect()
+}
+
+/// Whether something is true of all numbers below `count`, of which so many are asked one after the other.
+pub(crate) fn all(count: usize, length: usize, is_true: impl Fn(usize) -> bool + Send + Sync) -> bool {
+    !of_runs(count, length, |mut run| run.all(&is_true)).contains(&false)
 }
 
 /// Puts items in order, no two of which are equal.
@@ -96,14 +115,6 @@ pub(crate) fn beside<A, B: Send>(here: impl FnOnce() -> A, b: impl FnOnce() -> B
 pub(crate) fn beside<A, B>(here: impl FnOnce() -> A, b: impl FnOnce() -> B) -> (A, B) {
     let a = here();
     (a, b())
-}
-
-/// Does some work for each of the items, with its place.
-pub(crate) fn each<T: Send>(items: &mut [T], work: impl Fn(usize, &mut T) + Sync) {
-    let Ok(()) = try_each(0, items, &|k, item| {
-        work(k, item);
-        Ok::<_, Infallible>(())
-    });
 }
 
 /// Does some work for each of the items, with its place.

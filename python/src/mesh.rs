@@ -101,7 +101,8 @@ impl Mesh {
 
     /// The edges where the file's texture coordinates are cut.
     fn texture_seams<'py>(&self, py: Python<'py>, weld: &str) -> PyResult<Bound<'py, PyArray2<u32>>> {
-        from_rows(py, texture_seams(&self.0, weld_by_name(weld)?))
+        let weld = weld_by_name(weld)?;
+        from_rows(py, in_pool(py, || texture_seams(&self.0, weld))?)
     }
 
     /// The bytes of a file: "obj", "ply" or "glb".

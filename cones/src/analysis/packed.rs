@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use geom::{CutMesh, EdgeData, FaceData, HalfedgeId, Interrupted, Watch};
+use geom::{EdgeData, EdgeId, FaceData, FaceId, HalfedgeId, Id, Interrupted, Watch};
 use rayon::prelude::*;
 
 use super::component::Component;
@@ -24,6 +24,9 @@ const LEAST_GAIN: f64 = 0.04;
 const HARDLY_ANY: f64 = 0.25;
 /// Whoever asks for cuts may then have a share of so many roots of the area; what is curved has seams of two to five.
 const USUAL: f64 = 4.0;
+
+/// So many triangles or edges are gone through one after the other at least.
+const AT_ONCE: usize = 4096;
 
 /// The islands of a model in the plane, each in the size of its surface.
 pub(crate) struct Packed {
@@ -92,12 +95,13 @@ fn arranged(
     for ((component, flat), cut) in components.iter().zip(flats).zip(cuts) {
         let mesh = &component.surface.mesh;
         watch.ask(0.0)?;
-        let opened = CutMesh::open(mesh, cut);
+        let own = geom::Islands::new(mesh, cut);
         watch.ask(0.0)?;
-        triangles.extend(mesh.faces().map(|f| mesh.sides(f).map(|h| place(flat, h))));
-        islands.push(mesh.faces().map(|f| first + opened.island(f)).collect());
+        let faces = (0..mesh.face_count()).into_par_iter().with_min_len(AT_ONCE).map(FaceId::new);
+        triangles.par_extend(faces.map(|f| mesh.sides(f).map(|h| place(flat, h))));
+        islands.push(mesh.faces().map(|f| first + own.of(f)).collect());
         island.extend(islands.last().into_iter().flat_map(|islands| islands.iter().copied()));
-        first += opened.island_count() as u32;
+        first += own.count() as u32;
     }
     let packing = pack(&triangles, &island, options, watch)?;
     triangles.par_iter_mut().zip(&island).for_each(|(corners, &island)| {
@@ -125,13 +129,13 @@ fn place(flat: &Flat, h: HalfedgeId) -> [f64; 2] {
 /// Where a component's layout is open.
 fn cut(component: &Component, flat: &Flat) -> EdgeData<bool> {
     let (mesh, layout) = (&component.surface.mesh, &flat.layout);
-    let is_cut = |e| {
-        let h = mesh.halfedge(e);
+    let is_cut = |e: usize| {
+        let h = mesh.halfedge(EdgeId::new(e));
         mesh.twin(h).is_some_and(|g| {
             [(h, mesh.next(g)), (mesh.next(h), g)].iter().any(|&(a, b)| layout.cut.wedge(a) != layout.cut.wedge(b))
         })
     };
-    mesh.edges().map(is_cut).collect()
+    (0..mesh.edge_count()).into_par_iter().with_min_len(AT_ONCE).map(is_cut).collect::<Vec<_>>().into()
 }
 
 /// Cuts within a share of the seams, or of what is usual where there are [hardly any](HARDLY_ANY).

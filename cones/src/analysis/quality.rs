@@ -34,15 +34,15 @@ impl Quality {
         };
         let measured: Vec<(f64, f64, f64)> =
             (0..mesh.face_count()).into_par_iter().with_min_len(AT_ONCE).filter_map(measured).collect();
-        let whole: f64 = measured.iter().map(|(area, ..)| area).sum();
-        let sum: f64 = measured.iter().map(|(area, stretch, _)| area * stretch.min(WORST)).sum();
-        let bent: f64 = measured.iter().filter(|(_, stretch, _)| *stretch > BENT).map(|(area, ..)| area).sum();
-        let bent_share = bent / whole;
-        Self {
-            quasi_conformal: sum / whole,
-            bent_share,
-            ratios: measured.iter().map(|&(area, _, ratio)| (area, ratio)).collect(),
-        }
+        let sums = || {
+            let whole: f64 = measured.iter().map(|(area, ..)| area).sum();
+            let sum: f64 = measured.iter().map(|(area, stretch, _)| area * stretch.min(WORST)).sum();
+            let bent: f64 = measured.iter().filter(|(_, stretch, _)| *stretch > BENT).map(|(area, ..)| area).sum();
+            [sum / whole, bent / whole]
+        };
+        let ratios = || measured.iter().map(|&(area, _, ratio)| (area, ratio)).collect();
+        let ([quasi_conformal, bent_share], ratios) = rayon::join(sums, ratios);
+        Self { quasi_conformal, bent_share, ratios }
     }
 
     /// What maps are compared by: the logarithms of both distortions, added up.
@@ -53,13 +53,18 @@ impl Quality {
     /// The mean of the log scale, weighted by area.
     pub(crate) fn mean_log_scale(&self) -> f64 {
         let whole: f64 = self.ratios.iter().map(|(area, _)| area).sum();
-        self.ratios.iter().map(|(area, ratio)| 0.5 * area * ratio.ln()).sum::<f64>() / whole
+        let weighed = self.ratios.par_iter().with_min_len(AT_ONCE).map(|(area, ratio)| 0.5 * area * ratio.ln());
+        // Added up in order, so that the bits are the same for any number of threads.
+        weighed.collect::<Vec<f64>>().iter().sum::<f64>() / whole
     }
 
     /// The largest log scale of a triangle, either way, beside the mean.
     pub(crate) fn largest_log_scale(&self) -> f64 {
         let mean = self.mean_log_scale();
-        self.ratios.iter().map(|(_, ratio)| (0.5 * ratio.ln() - mean).abs()).fold(0.0, f64::max)
+        let ratios = self.ratios.iter().map(|(_, ratio)| *ratio);
+        let (least, most) =
+            ratios.fold((f64::INFINITY, 0.0), |(least, most): (f64, f64), r| (least.min(r), most.max(r)));
+        [least, most].into_iter().map(|ratio| (0.5 * ratio.ln() - mean).abs()).fold(0.0, f64::max)
     }
 
     /// The area distortion D.

@@ -110,11 +110,11 @@ impl<'a> Reseaming<'a> {
         if self.share == 1.0 {
             return false;
         }
-        let opened = map.opened(self.mesh);
-        let mut boundaries = vec![Vec::new(); opened.island_count()];
-        for &h in opened.boundary_loops().iter().flatten() {
+        let islands = map.islands(self.mesh);
+        let mut boundaries = vec![Vec::new(); islands.count()];
+        for &h in islands.boundary_loops().iter().flatten() {
             let [x, y] = map.position[h];
-            boundaries[opened.island(self.mesh.face(h)) as usize].push(Complex64::new(x, y));
+            boundaries[islands.of(self.mesh.face(h)) as usize].push(Complex64::new(x, y));
         }
         let largest = boundaries.into_iter().map(|island| room(vec![island])).fold(0.0, f64::max);
         largest * largest * ENOUGH > self.area / self.share

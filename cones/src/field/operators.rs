@@ -497,12 +497,12 @@ impl Operators {
     }
 }
 
-/// Boundary loops by their lengths, the longest first; all but so many are one.
 /// So many boundary loops of a surface of so many vertices have a constant of their own.
 fn most_loops(vertices: usize) -> usize {
     FREE_LOOPS.max(FREE_VALUES / vertices.max(1))
 }
 
+/// Boundary loops by their lengths, the longest first; all but so many are one.
 fn ranked(mut loops: Vec<Vec<VertexId>>, most: usize) -> Rims {
     loops.sort_by_key(|around| std::cmp::Reverse(around.len()));
     if loops.len() > most {

@@ -8,7 +8,7 @@ use super::energy_model::{ConeSet, EnergyModel};
 use crate::curvature::CurvatureRule;
 use crate::field::Operators;
 
-/// So many triangles are gone through one after the other.
+/// So many triangles or vertices are gone through one after the other.
 const AT_ONCE: usize = 1 << 12;
 /// Lengths that change by more than this factor against the mean hardly ever can be: a scan whose noise has made tiny handles comes there, and
 /// Newton's method would take long to fail.
@@ -83,11 +83,11 @@ pub(crate) fn stretch(operators: &Operators, mut u: VertexData<f64>) -> f64 {
 fn area_ratios(operators: &Operators, u: &[f64]) -> Vec<(f64, f64)> {
     assert_eq!(u.len(), operators.mesh.vertex_count(), "a log scale factor has one value a vertex");
     // e^(2/3 u): three of them make a triangle's ratio.
-    let share: VertexData<f64> = u.iter().map(|u| (u * (2.0 / 3.0)).exp()).collect();
+    let share: Vec<f64> = u.par_iter().with_min_len(AT_ONCE).map(|u| (u * (2.0 / 3.0)).exp()).collect();
     let of_face = |f: usize| {
         let f = FaceId::new(f);
         let area = operators.metric.sides(&operators.mesh, f).area();
-        let [a, b, c] = operators.mesh.corners(f).map(|v| share[v]);
+        let [a, b, c] = operators.mesh.corners(f).map(|v| share[v.index()]);
         (area, a * b * c)
     };
     (0..operators.mesh.face_count()).into_par_iter().with_min_len(AT_ONCE).map(of_face).collect()

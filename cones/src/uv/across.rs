@@ -6,11 +6,9 @@
 
 use std::f64::consts::PI;
 
-use geom::{
-    CutMesh, EdgeData, EdgeId, FaceData, FaceId, HalfedgeId, Interrupted, Mesh, ShortestPaths, VertexId, Watch,
-    edges_at,
-};
+use geom::{EdgeData, EdgeId, FaceData, FaceId, HalfedgeId, Interrupted, Islands, Mesh, ShortestPaths, Watch};
 
+use super::divide::open_vertices;
 use super::map::UvMap;
 use super::triangle;
 
@@ -45,7 +43,7 @@ pub(super) struct Paths<'a> {
     mesh: &'a Mesh,
     lengths: &'a EdgeData<f64>,
     map: &'a UvMap,
-    opened: CutMesh,
+    islands: Islands,
     shortest: ShortestPaths,
 }
 
@@ -79,21 +77,16 @@ impl<'a> Paths<'a> {
         map: &'a UvMap,
         watch: Watch,
     ) -> Result<Self, Interrupted> {
-        let is_open = |v: VertexId| mesh.is_boundary_vertex(v) || edges_at(mesh, v).any(|(e, _)| map.cut[e]);
-        let sources = mesh.vertices().filter(|&v| is_open(v)).zip(0..);
-        let shortest = ShortestPaths::new_watched(mesh, lengths, sources, watch)?;
-        Ok(Self { mesh, lengths, map, opened: map.opened(mesh), shortest })
-    }
-
-    pub(super) fn island_count(&self) -> usize {
-        self.opened.island_count()
+        let is_open = open_vertices(mesh, &map.cut);
+        let sources = mesh.vertices().filter(|&v| is_open[v]).zip(0..);
+        let shortest = || ShortestPaths::new_watched(mesh, lengths, sources, watch);
+        let (shortest, islands) = rayon::join(shortest, || map.islands(mesh));
+        Ok(Self { mesh, lengths, map, islands, shortest: shortest? })
     }
 
     /// The triangles of each island.
     pub(super) fn islands(&self) -> Vec<Vec<FaceId>> {
-        let mut islands = vec![Vec::new(); self.island_count()];
-        self.mesh.faces().for_each(|f| islands[self.opened.island(f) as usize].push(f));
-        islands
+        self.islands.faces()
     }
 
     /// An island's boundary and area.

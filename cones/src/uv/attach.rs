@@ -18,8 +18,10 @@
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
-use geom::{CutMesh, EdgeData, EdgeId, FaceData, FaceId, HalfedgeId, Interrupted, Mesh, Watch};
+use geom::{EdgeData, EdgeId, FaceData, FaceId, HalfedgeId, Interrupted, Islands, Mesh, Watch};
+use rayon::prelude::*;
 
+use super::AT_ONCE;
 use super::boxes::{Bounds, Boxes, meet, moved_bounds};
 use super::chains::{Chain, Loops};
 use super::map::UvMap;
@@ -80,12 +82,13 @@ impl Moved {
     }
 
     fn put(&self, map: &mut UvMap) {
-        for (corners, &piece) in map.position.as_chunks_mut::<3>().0.iter_mut().zip(self.piece.iter()) {
+        let triangles = map.position.as_chunks_mut::<3>().0.par_iter_mut().with_min_len(AT_ONCE);
+        triangles.zip(self.piece.par_iter()).for_each(|(corners, &piece)| {
             let motion = &self.motion[piece as usize];
             if *motion != Motion::NONE {
                 *corners = motion.of_triangle(*corners);
             }
-        }
+        });
         map.cut.clone_from(&self.cut);
     }
 }
@@ -98,15 +101,14 @@ impl<'a> Pieces<'a> {
         boxes: &'a Boxes<'a>,
         cut: EdgeData<bool>,
     ) -> Self {
-        let opened = CutMesh::open(mesh, &cut);
-        let count = opened.island_count();
-        let piece: FaceData<u32> = mesh.faces().map(|f| opened.island(f)).collect();
-        let mut faces = vec![Vec::new(); count];
-        mesh.faces().for_each(|f| faces[piece[f] as usize].push(f));
+        let islands = Islands::new(mesh, &cut);
+        let (count, piece, faces) = (islands.count(), islands.of_faces().clone(), islands.faces());
         let mut rims = vec![Vec::new(); count];
-        opened.boundary_loops().iter().flatten().for_each(|&h| rims[piece[mesh.face(h)] as usize].push(h));
-        let bounds: Vec<Option<Bounds>> =
-            faces.iter().map(|faces| boxes.bounds_of(faces.iter().map(|f| f.0))).collect();
+        islands.boundary_loops().iter().flatten().for_each(|&h| rims[piece[mesh.face(h)] as usize].push(h));
+        let bounds_of = |faces: &Vec<FaceId>| boxes.bounds_of(faces.par_iter().with_min_len(AT_ONCE).map(|f| f.0));
+        let area_of = |faces: &Vec<FaceId>| faces.iter().map(|f| boxes.area(f.0)).sum();
+        let (bounds, area): (Vec<Option<Bounds>>, Vec<f64>) =
+            rayon::join(|| faces.iter().map(bounds_of).collect(), || faces.par_iter().map(area_of).collect());
         Self {
             mesh,
             map,
@@ -118,14 +120,14 @@ impl<'a> Pieces<'a> {
             placed: bounds.clone(),
             bounds,
             size: faces.iter().map(Vec::len).collect(),
-            area: faces.iter().map(|faces| faces.iter().map(|f| boxes.area(f.0)).sum()).collect(),
+            area,
             faces,
             rims,
             motion: vec![Motion::NONE; count],
             island: (0..count as u32).collect(),
             pieces: (0..count as u32).map(|p| vec![p]).collect(),
             cut,
-            loops: Loops::new(mesh, &opened),
+            loops: Loops::new(mesh, &islands),
         }
     }
 

@@ -9,13 +9,12 @@ use std::ops::Range;
 use geom::FaceId;
 use rayon::prelude::*;
 
+use super::AT_ONCE;
 use super::motion::Motion;
 use super::triangle::{self, Triangle};
 
 /// So many triangles or boxes are in a box.
 const WIDTH: usize = 8;
-/// So many triangles are looked at one after the other at least.
-const AT_ONCE: usize = 1 << 12;
 
 /// Triangles are tried in steps of so many, so that an overlap anywhere is soon found.
 const STRIDE: usize = 29;
@@ -86,8 +85,8 @@ impl<'a> Boxes<'a> {
     }
 
     /// The lower left and the upper right corner of the bounding box of those of some triangles that have an area; none if none has.
-    pub(super) fn bounds_of(&self, some: impl Iterator<Item = u32>) -> Option<Bounds> {
-        some.filter_map(|f| self.upright(f)).map(|corners| bounds(&corners)).reduce(joined)
+    pub(super) fn bounds_of(&self, some: impl ParallelIterator<Item = u32>) -> Option<Bounds> {
+        some.filter_map(|f| self.upright(f)).map(|corners| bounds(&corners)).reduce_with(joined)
     }
 
     /// The area of a triangle.

@@ -14,14 +14,16 @@
 use std::cmp::Reverse;
 use std::f64::consts::{FRAC_PI_2, TAU};
 
-use geom::{CutMesh, EdgeData, EdgeId, FaceData, FaceId, HalfedgeId, Id, Mesh, Rows, VertexData, VertexId, edges_at};
+use geom::{EdgeData, EdgeId, FaceData, FaceId, HalfedgeId, Id, Islands, Mesh, Rows, VertexId, edges_at};
 use num_complex::Complex64;
 use rayon::prelude::*;
 
+use super::AT_ONCE;
 use super::across::axis;
 use super::attach::{ALLOWED, Moved, may_meet};
 use super::boxes::{self, Bounds, Boxes, joined};
 use super::chains::motion_across;
+use super::divide::open_vertices;
 use super::map::UvMap;
 use super::motion::Motion;
 use super::overlap::NEGLIGIBLE_DEPTH;
@@ -39,8 +41,6 @@ const NUMBERED: f64 = 1e9;
 const DIRECTIONS: usize = 16;
 /// Squares are sought in so many directions, evenly over a quarter turn.
 pub(super) const QUARTER: usize = 12;
-/// So many triangles are looked at one after the other at least.
-const AT_ONCE: usize = 1 << 12;
 /// Motions that differ by less than this, in shares of the map's extent, are one.
 const SAME_MOTION: f64 = 1e-7;
 
@@ -120,28 +120,32 @@ impl<'a> Cells<'a> {
     /// glued. `length` is what a run of seam costs.
     pub(super) fn new(
         (mesh, kept): (&Mesh, Option<&EdgeData<bool>>),
-        length: impl Fn(&[HalfedgeId]) -> f64,
+        length: impl Fn(&[HalfedgeId]) -> f64 + Send,
         map: &'a UvMap,
         network: &EdgeData<bool>,
     ) -> Self {
-        let opened = CutMesh::open(mesh, network);
-        let count = opened.island_count();
+        let opened = Islands::new(mesh, network);
+        let count = opened.count();
         let uv = map.triangles();
         let areas: Vec<Option<f64>> =
             uv.par_iter().with_min_len(AT_ONCE).map(|&corners| triangle::area(corners)).collect();
         let order = largest_first(mesh, &areas, &opened);
-        let cell: FaceData<u32> = mesh.faces().map(|f| order[opened.island(f) as usize]).collect();
-        let (mut size, mut area, mut bounds) = (vec![0; count], vec![0.0; count], vec![None; count]);
-        for f in mesh.faces() {
-            let c = cell[f] as usize;
-            size[c] += 1;
-            if let Some(of_triangle) = areas[f.index()] {
-                area[c] += of_triangle;
-                let about = boxes::bounds(&uv[f.index()]);
-                bounds[c] = Some(bounds[c].map_or(about, |bounds| joined(bounds, about)));
+        let cell: FaceData<u32> = opened.of_faces().iter().map(|&island| order[island as usize]).collect();
+        let sums = || {
+            let (mut size, mut area, mut bounds) = (vec![0; count], vec![0.0; count], vec![None; count]);
+            for f in mesh.faces() {
+                let c = cell[f] as usize;
+                size[c] += 1;
+                if let Some(of_triangle) = areas[f.index()] {
+                    area[c] += of_triangle;
+                    let about = boxes::bounds(&uv[f.index()]);
+                    bounds[c] = Some(bounds[c].map_or(about, |bounds| joined(bounds, about)));
+                }
             }
-        }
-        let rims = rims(mesh, &areas, (&cell, count), network);
+            (size, area, bounds)
+        };
+        let along = || (rims(mesh, &areas, (&cell, count), network), arcs((mesh, kept), length, map, network, &cell));
+        let ((size, area, bounds), (rims, (mut arcs, is_flat))) = rayon::join(sums, along);
         let middle = |&f: &u32| uv[f as usize].iter().fold([0.0; 2], |[x, y], p| [x + p[0] / 3.0, y + p[1] / 3.0]);
         let area_of = |f: &u32| areas[*f as usize].unwrap_or(0.0);
         let inner =
@@ -151,7 +155,6 @@ impl<'a> Cells<'a> {
             sides[cell[mesh.face(h)] as usize].push([h, mesh.next(h)].map(|h| map.position[h]));
         }
         let points = |c: usize| sides[c].iter().map(|&[[x, y], _]| Complex64::new(x, y)).collect::<Vec<_>>();
-        let (mut arcs, is_flat) = arcs((mesh, kept), length, map, network, &cell);
         let whole: f64 = arcs.iter().map(|arc| arc.length).sum();
         let first_edge = |arc: &Arc| arc.sides.iter().map(|&h| sorted(mesh.ends(mesh.edge(h)))).min();
         arcs.sort_by_cached_key(|arc| (Reverse(share(arc.length, whole, NUMBERED)), first_edge(arc)));
@@ -276,8 +279,7 @@ fn rims(
     (cell, count): (&FaceData<u32>, usize),
     network: &EdgeData<bool>,
 ) -> Vec<Vec<u32>> {
-    let mut is_open: VertexData<bool> = mesh.vertices().map(|v| mesh.is_boundary_vertex(v)).collect();
-    mesh.edges().filter(|&e| network[e]).flat_map(|e| mesh.ends(e)).for_each(|v| is_open[v] = true);
+    let is_open = open_vertices(mesh, network);
     let is_rim = |f: &FaceId| mesh.corners(*f).into_iter().any(|v| is_open[v]);
     let has_area = |f: &FaceId| areas[f.index()].is_some();
     let mut needs_all = vec![false; count];
@@ -290,11 +292,11 @@ fn rims(
 }
 
 /// The number of each island: the largest first.
-fn largest_first(mesh: &Mesh, areas: &[Option<f64>], opened: &CutMesh) -> Vec<u32> {
-    let count = opened.island_count();
+fn largest_first(mesh: &Mesh, areas: &[Option<f64>], opened: &Islands) -> Vec<u32> {
+    let count = opened.count();
     let (mut area, mut first) = (vec![0.0; count], vec![[VertexId(u32::MAX); 3]; count]);
     for f in mesh.faces() {
-        let island = opened.island(f) as usize;
+        let island = opened.of(f) as usize;
         area[island] += areas[f.index()].unwrap_or(0.0);
         first[island] = sorted(mesh.corners(f)).min(first[island]);
     }

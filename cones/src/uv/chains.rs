@@ -6,7 +6,7 @@
 
 use std::cmp::Ordering;
 
-use geom::{CutMesh, EdgeData, EdgeId, HalfedgeId, Mesh};
+use geom::{EdgeData, EdgeId, HalfedgeId, Islands, Mesh};
 
 use super::motion::{Fit, Motion};
 use super::table::{Set, Table};
@@ -77,9 +77,9 @@ pub(super) struct Loops<'a> {
 }
 
 impl<'a> Loops<'a> {
-    pub(super) fn new(mesh: &'a Mesh, opened: &CutMesh) -> Self {
+    pub(super) fn new(mesh: &'a Mesh, islands: &Islands) -> Self {
         let mut loops = Self { mesh, next: Table::default(), previous: Table::default() };
-        for around in opened.boundary_loops() {
+        for around in islands.boundary_loops() {
             for (k, &h) in around.iter().enumerate() {
                 loops.link(h, around[(k + 1) % around.len()]);
             }

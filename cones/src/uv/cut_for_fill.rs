@@ -366,8 +366,8 @@ mod tests {
     }
 
     fn packed(mesh: &Mesh, map: &UvMap, cut: &EdgeData<bool>) -> (usize, f64) {
-        let opened = geom::CutMesh::open(mesh, cut);
-        let island: Vec<u32> = mesh.faces().map(|f| opened.island(f)).collect();
+        let islands = geom::Islands::new(mesh, cut);
+        let island = islands.of_faces().to_vec();
         let packing = pack(map.triangles(), &island, &PackOptions::default(), Watch::NONE).unwrap();
         let placed = map
             .triangles()
@@ -376,7 +376,7 @@ mod tests {
             .map(|(t, &i)| t.map(|p| packing.place(i as usize, p)))
             .collect::<Vec<_>>();
         assert!((fill(&placed) - packing.fill).abs() < 1e-9);
-        (opened.island_count(), packing.fill)
+        (islands.count(), packing.fill)
     }
 
     #[test]

@@ -18,8 +18,13 @@
 //! Edges of infinite length (diagonals of polygons) are never cut. An island that is no disk is first cut to one, by the edges
 //! that are in neither tree, with their shortest paths.
 
-use geom::{EdgeData, EdgeId, FaceData, FaceId, Interrupted, Mesh, ShortestPaths, VertexData, VertexId, Watch};
+use geom::{
+    EdgeData, EdgeId, FaceData, FaceId, Id, Interrupted, Islands, Mesh, ShortestPaths, VertexData, VertexId, Watch,
+};
 use geom::{kruskal, other_end};
+use rayon::prelude::*;
+
+use super::AT_ONCE;
 
 /// What is preferred among cuts.
 #[derive(Clone, Copy, Debug)]
@@ -84,8 +89,14 @@ impl<'a> Divider<'a> {
     ) -> Result<Self, Interrupted> {
         let weights = weights(mesh, lengths, cut, pairs, within_overlap);
         let mut open = Open::new(mesh, cut.clone());
-        let tree = Tree::new(mesh, weights, &mut open, watch.within(0.0, 0.8))?;
-        let cotree = Cotree::new(mesh, &tree, &mut open, pairs);
+        let (mut tree, distance) = Tree::new(mesh, weights, &open, watch.within(0.0, 0.8))?;
+        let (steps, cotree) =
+            rayon::join(|| tree.steps(mesh, &distance), || Cotree::new(mesh, (&tree, &distance), &mut open, pairs));
+        tree.steps = steps;
+        open.distance = distance;
+        if open.cut != *cut {
+            tree.measure(&mut open);
+        }
         watch.ask(1.0)?;
         Ok(Self { mesh, pairs, tree, open, cotree })
     }
@@ -94,13 +105,13 @@ impl<'a> Divider<'a> {
     pub(super) fn divide(&self, preference: &Preference, watch: Watch) -> Result<EdgeData<bool>, Interrupted> {
         let mut open = self.open.clone();
         let mut division = Division::new(&self.cotree, self.pairs);
-        let closing: Vec<Closing> = self.cotree.crossing.iter().map(|&e| self.tree.closing(self.mesh, e)).collect();
+        let crossing = self.cotree.crossing.par_iter().with_min_len(AT_ONCE);
+        let closing: Vec<Closing> = crossing.map(|&e| self.tree.closing(self.mesh, e)).collect();
         let mut cuts = 0_usize;
         while division.has_pairs() {
             watch.ask(1.0 - division.left() as f64 / self.pairs.len() as f64)?;
-            self.tree.measure(&mut open);
             let wanted = if cuts < ONE_AT_A_TIME { 1 } else { cuts / 8 };
-            let chosen = division.best(|i| closing[i].length(&open), preference, wanted);
+            let chosen = division.best(|i| closing[i].length(&open.distance), preference, wanted);
             if chosen.is_empty() {
                 break;
             }
@@ -109,7 +120,7 @@ impl<'a> Divider<'a> {
                 self.tree.cut(self.mesh, &mut open, self.cotree.crossing[i]);
                 division.part(i);
             }
-            division.count();
+            rayon::join(|| division.count(), || self.tree.measure(&mut open));
         }
         Ok(open.cut)
     }
@@ -123,25 +134,19 @@ fn weights(
     pairs: &[Pair],
     within_overlap: f64,
 ) -> EdgeData<f64> {
-    let mut has_pairs = FaceData::constant(mesh.face_count(), false);
+    let islands = Islands::new(mesh, cut);
+    let mut has_pairs = vec![false; islands.count()];
     let mut overlaps = FaceData::constant(mesh.face_count(), false);
-    let mut stack = Vec::new();
     for f in pairs.iter().flat_map(|pair| pair.triangles) {
         overlaps[f] = true;
-        stack.push(f);
-        while let Some(f) = stack.pop() {
-            if !std::mem::replace(&mut has_pairs[f], true) {
-                let across = mesh.sides(f).into_iter().filter(|&h| !cut[mesh.edge(h)]).filter_map(|h| mesh.twin(h));
-                stack.extend(across.map(|g| mesh.face(g)));
-            }
-        }
+        has_pairs[islands.of(f) as usize] = true;
     }
     let finite = lengths.iter().filter(|l| l.is_finite());
     let mean = finite.clone().sum::<f64>() / finite.count().max(1) as f64;
     let weight = |e: EdgeId| {
         let h = mesh.halfedge(e);
         let f = mesh.face(h);
-        if !has_pairs[f] {
+        if !has_pairs[islands.of(f) as usize] {
             return f64::INFINITY;
         }
         // Paths must get longer edge by edge, also along edges without length.
@@ -149,7 +154,8 @@ fn weights(
         let is_within = overlaps[f] && mesh.twin(h).is_some_and(|g| overlaps[mesh.face(g)]);
         if is_within { length * within_overlap } else { length }
     };
-    mesh.edges().map(weight).collect()
+    let edges = (0..mesh.edge_count()).into_par_iter().with_min_len(AT_ONCE);
+    edges.map(|e| weight(EdgeId::new(e))).collect::<Vec<_>>().into()
 }
 
 /// What is open, as cuts are added.
@@ -163,15 +169,19 @@ struct Open {
 
 impl Open {
     fn new(mesh: &Mesh, cut: EdgeData<bool>) -> Self {
-        let mut is_open: VertexData<bool> = mesh.vertices().map(|v| mesh.is_boundary_vertex(v)).collect();
-        for v in mesh.edges().filter(|&e| cut[e]).flat_map(|e| mesh.ends(e)) {
-            is_open[v] = true;
-        }
+        let mut is_open = open_vertices(mesh, &cut);
         if let (false, Some(first)) = (is_open.iter().any(|&open| open), mesh.vertices().next()) {
             is_open[first] = true; // a closed surface: any point will do
         }
         Self { cut, is_open, distance: VertexData::constant(0, 0.0) }
     }
+}
+
+/// Which vertices are on the boundary of a mesh that is opened along the marked edges.
+pub(super) fn open_vertices(mesh: &Mesh, cut: &EdgeData<bool>) -> VertexData<bool> {
+    let mut is_open: VertexData<bool> = mesh.vertices().map(|v| mesh.is_boundary_vertex(v)).collect();
+    mesh.edges().filter(|&e| cut[e]).flat_map(|e| mesh.ends(e)).for_each(|v| is_open[v] = true);
+    is_open
 }
 
 /// The tree of shortest paths to what was open at first.
@@ -197,24 +207,34 @@ struct Closing {
 }
 
 impl Closing {
-    fn length(&self, open: &Open) -> f64 {
-        let [u, v] = self.ends.map(|v| open.distance[v]);
+    fn length(&self, distance: &VertexData<f64>) -> f64 {
+        let [u, v] = self.ends.map(|v| distance[v]);
         u + self.weight + v
     }
 }
 
 impl Tree {
-    fn new(mesh: &Mesh, weights: EdgeData<f64>, open: &mut Open, watch: Watch) -> Result<Self, Interrupted> {
+    /// Without steps, and with the distances.
+    fn new(
+        mesh: &Mesh,
+        weights: EdgeData<f64>,
+        open: &Open,
+        watch: Watch,
+    ) -> Result<(Self, VertexData<f64>), Interrupted> {
         let sources = mesh.vertices().filter(|&v| open.is_open[v]).map(|v| (v, 0));
         let ShortestPaths { distance, predecessor, .. } = ShortestPaths::new_watched(mesh, &weights, sources, watch)?;
+        Ok((Self { weights, predecessor, steps: Vec::new() }, distance))
+    }
+
+    /// How the vertices are reached, nearer ones first.
+    fn steps(&self, mesh: &Mesh, distance: &VertexData<f64>) -> Vec<Step> {
         let last = |v: VertexId| {
-            let e = predecessor[v]?;
-            Some(Step { to: v, from: other_end(mesh, e, v), weight: weights[e] })
+            let e = self.predecessor[v]?;
+            Some(Step { to: v, from: other_end(mesh, e, v), weight: self.weights[e] })
         };
         let mut steps: Vec<Step> = mesh.vertices().filter_map(last).collect();
-        steps.sort_unstable_by(|a, b| distance[a.to].total_cmp(&distance[b.to]).then(a.to.cmp(&b.to)));
-        open.distance = distance;
-        Ok(Self { weights, predecessor, steps })
+        steps.par_sort_unstable_by(|a, b| distance[a.to].total_cmp(&distance[b.to]).then(a.to.cmp(&b.to)));
+        steps
     }
 
     /// Finds the lengths anew after cuts.
@@ -260,7 +280,7 @@ const NONE: u32 = u32::MAX;
 
 impl Cotree {
     /// Cuts islands that are no disks, too.
-    fn new(mesh: &Mesh, tree: &Tree, open: &mut Open, pairs: &[Pair]) -> Self {
+    fn new(mesh: &Mesh, (tree, distance): (&Tree, &VertexData<f64>), open: &mut Open, pairs: &[Pair]) -> Self {
         let mut is_tree: EdgeData<bool> = EdgeData::constant(mesh.edge_count(), false);
         for &e in tree.predecessor.iter().flatten() {
             is_tree[e] = true;
@@ -276,8 +296,8 @@ impl Cotree {
         }
         // The edges that close the longest paths are kept, the others cut.
         let mut edges: Vec<EdgeId> = mesh.edges().filter(|&e| is_between(open, e)).collect();
-        let length = |open: &Open, e: EdgeId| tree.closing(mesh, e).length(open);
-        edges.sort_by(|a, b| length(open, *b).total_cmp(&length(open, *a)));
+        let length = |e: EdgeId| tree.closing(mesh, e).length(distance);
+        edges.sort_by(|a, b| length(*b).total_cmp(&length(*a)));
         let faces = |e: EdgeId| {
             let h = mesh.halfedge(e);
             [mesh.face(h).0, mesh.twin(h).map_or(mesh.face(h).0, |g| mesh.face(g).0)]
@@ -287,7 +307,7 @@ impl Cotree {
             is_kept[e] = true;
         }
         for &e in &edges {
-            if !is_kept[e] && length(open, e).is_finite() && cotree.number[mesh.face(mesh.halfedge(e))] != NONE {
+            if !is_kept[e] && length(e).is_finite() && cotree.number[mesh.face(mesh.halfedge(e))] != NONE {
                 tree.cut(mesh, open, e);
             }
         }
@@ -448,8 +468,9 @@ impl<'a> Division<'a> {
     }
 
     /// The cheapest cuts, at most so many; further ones only if they cost little more than the best.
-    fn best(&self, length: impl Fn(usize) -> f64, preference: &Preference, wanted: usize) -> Vec<usize> {
-        let candidates = (0..self.piece.len()).filter(|&i| self.piece[i] as usize != i && self.resolved[i] > 0);
+    fn best(&self, length: impl Fn(usize) -> f64 + Sync, preference: &Preference, wanted: usize) -> Vec<usize> {
+        let all = (0..self.piece.len()).into_par_iter().with_min_len(AT_ONCE);
+        let candidates = all.filter(|&i| self.piece[i] as usize != i && self.resolved[i] > 0);
         let with_cost = |i: usize| {
             let cost = self.cost(i, length(i), preference);
             cost.is_finite().then_some((cost, i))

@@ -12,10 +12,11 @@
 use std::ops::Range;
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 
-use geom::{CutMesh, FaceData, FaceId, Id, Interrupted, Mesh, VertexData, Watch};
+use geom::{FaceData, FaceId, Id, Interrupted, Islands, Mesh, VertexData, Watch};
 use rayon::prelude::*;
 
 use super::boxes::{Boxes, bounds};
+use super::divide::open_vertices;
 use super::map::UvMap;
 use super::overlap::{FREE_PAIRS, NEGLIGIBLE_DEPTH, Overlap, Overlaps};
 use super::table::Set;
@@ -23,7 +24,9 @@ use super::triangle::{self, Triangle};
 
 /// Extents beyond which products of coordinates overflow or vanish.
 const EXTENTS: std::ops::Range<f64> = 1e-60..1e60;
-/// So many triangles are looked up, or pairs gone through, between two looks at the watch.
+/// So many triangles are looked up between two looks at the watch,
+const LOOKED_UP: usize = 1 << 15;
+/// and so many pairs gone through.
 const BLOCK: usize = 1 << 14;
 /// So many pairs are kept for each triangle, and [`FREE_PAIRS`] besides, lest what is looked up beside them fill the memory.
 const MOST_PAIRS: usize = 4;
@@ -35,18 +38,16 @@ const AT_ONCE: usize = 1 << 10;
 const LONGEST_LIST: usize = 24;
 
 /// The pairs of triangles on one island that overlap deeper than [`NEGLIGIBLE_DEPTH`]; none if the map
-/// has more than are kept. `opened` is the map's.
+/// has more than are kept.
 ///
 /// # Errors
 /// If it is stopped.
-pub(super) fn overlaps_from_boundary(
-    mesh: &Mesh,
-    map: &UvMap,
-    opened: &CutMesh,
-    watch: Watch,
-) -> Result<Option<Overlaps>, Interrupted> {
+pub(super) fn overlaps_from_boundary(mesh: &Mesh, map: &UvMap, watch: Watch) -> Result<Option<Overlaps>, Interrupted> {
+    watch.ask(0.0)?;
     let uv = map.triangles();
-    let (first, of_face) = first_to_look_at(mesh, map, opened);
+    let (islands, is_folded) = rayon::join(|| map.islands(mesh), || folds(mesh, map));
+    watch.ask(0.0)?;
+    let (first, of_face) = first_to_look_at(mesh, map, &islands, &is_folded);
     watch.ask(0.0)?;
     // The boxes about these are about all, too.
     let boxes = Boxes::of(&first, (0..first.len() as u32).collect());
@@ -67,7 +68,7 @@ pub(super) fn overlaps_from_boundary(
             boxes.meeting(&one, |place| {
                 let f = of_face[place as usize];
                 if f != g
-                    && opened.island(f) == opened.island(g)
+                    && islands.of(f) == islands.of(g)
                     && let Some(other) = upright(f)
                     && triangle::depth(&one, &other).is_some()
                 {
@@ -80,8 +81,8 @@ pub(super) fn overlaps_from_boundary(
         of_one
     };
     let mut spread = Spread::new(uv.len());
-    for first in (0..uv.len() as u32).step_by(BLOCK) {
-        let block = (first..uv.len().min(first as usize + BLOCK) as u32).into_par_iter().with_min_len(AT_ONCE);
+    for first in (0..uv.len() as u32).step_by(LOOKED_UP) {
+        let block = (first..uv.len().min(first as usize + LOOKED_UP) as u32).into_par_iter().with_min_len(AT_ONCE);
         let pairs: Vec<[FaceId; 2]> = block.flat_map_iter(with_first).collect();
         if !are_few() {
             return Ok(None);
@@ -94,26 +95,23 @@ pub(super) fn overlaps_from_boundary(
         let depth = triangle::depth(&one, &other)?;
         let is_deep = depth > NEGLIGIBLE_DEPTH * boxes.extent;
         let area = if is_deep { triangle::common_area(&one, &other) } else { 0.0 };
-        let sides = [(f, &other), (g, &one)].map(|(f, other)| reached_by(map.triangle(f), other));
-        Some((is_deep, sides, Overlap { triangles: [f.0, g.0], depth: depth / boxes.extent, area }))
+        let beyond = [(f, &other), (g, &one)].map(|(f, other)| neighbors_reached(mesh, map, f, other));
+        Some(Found { overlap: Overlap { triangles: [f.0, g.0], depth: depth / boxes.extent, area }, is_deep, beyond })
     };
     let mut pairs = Vec::new();
     let mut count = 0;
-    let mut found: Vec<(bool, [[bool; 3]; 2], Overlap)> = Vec::new();
+    let mut found: Vec<Found> = Vec::new();
     while !(spread.waiting.is_empty() && found.is_empty()) {
         watch.ask(1.0 - 1.0 / (1 + count / BLOCK) as f64)?;
         // The last ones first: what is next to them is at hand. They are looked at while one goes on from those before.
         let last = spread.waiting.split_off(spread.waiting.len().saturating_sub(BLOCK));
         count += last.len();
         let go_on = || {
-            for (is_deep, [of_f, of_g], overlap) in std::mem::take(&mut found) {
+            for Found { overlap, is_deep, beyond: [of_f, of_g] } in std::mem::take(&mut found) {
                 let [f, g] = overlap.triangles.map(FaceId);
                 pairs.extend(is_deep.then_some(overlap));
-                for (here, is_reached, there) in [(f, of_f, g), (g, of_g, f)] {
-                    let sides = mesh.sides(here).into_iter().zip(is_reached);
-                    let inner = sides.filter(|&(h, is_reached)| is_reached && !map.cut[mesh.edge(h)]);
-                    inner.filter_map(|(h, _)| mesh.twin(h)).for_each(|h| spread.look(mesh.face(h), there));
-                }
+                of_f.into_iter().flatten().for_each(|beside| spread.look(beside, g));
+                of_g.into_iter().flatten().for_each(|beside| spread.look(beside, f));
             }
         };
         let look = || last.into_par_iter().with_min_len(AT_ONCE).filter_map(overlap).collect();
@@ -124,6 +122,15 @@ pub(super) fn overlaps_from_boundary(
     }
     pairs.par_sort_unstable_by_key(|pair| pair.triangles);
     Ok(Some(Overlaps { pairs, extent: boxes.extent, is_complete: true }))
+}
+
+/// Two triangles that overlap.
+struct Found {
+    overlap: Overlap,
+    /// Whether that is more than rounding.
+    is_deep: bool,
+    /// The neighbours of each that the other may reach.
+    beyond: [[Option<FaceId>; 3]; 2],
 }
 
 /// A grid of squares, and which of them the bounding boxes of some triangles meet: most of a map's triangles are near none of its boundary.
@@ -173,6 +180,16 @@ impl Near {
         };
         self.is_met.is_empty() || rows.into_iter().any(is_met)
     }
+}
+
+/// The neighbours of a triangle across sides that are not open and that another one may reach.
+fn neighbors_reached(mesh: &Mesh, map: &UvMap, f: FaceId, other: &Triangle) -> [Option<FaceId>; 3] {
+    let is_reached = reached_by(map.triangle(f), other);
+    let sides = mesh.sides(f);
+    std::array::from_fn(|k| {
+        let inner = Some(sides[k]).filter(|&h| is_reached[k] && !map.cut[mesh.edge(h)]);
+        inner.and_then(|h| mesh.twin(h)).map(|twin| mesh.face(twin))
+    })
 }
 
 /// Which sides of a triangle another one may reach: it is not, beyond rounding, all on the inner side of their lines. The images of points that
@@ -231,12 +248,10 @@ impl Spread {
     }
 }
 
-/// The sides on the boundary, as triangles without area, and the triangles about vertices near which the map is not one to one: of which
-/// triangles, all of these with an area. Of the triangles about a vertex that the map winds round once exactly one has the direction to the right;
-/// signs of differences tell, which is exact.
-fn first_to_look_at(mesh: &Mesh, map: &UvMap, opened: &CutMesh) -> (Vec<Triangle>, Vec<FaceId>) {
-    let mut is_open: VertexData<bool> = mesh.vertices().map(|v| mesh.is_boundary_vertex(v)).collect();
-    mesh.edges().filter(|&e| map.cut[e]).flat_map(|e| mesh.ends(e)).for_each(|v| is_open[v] = true);
+/// The vertices near which the map is not one to one: those of triangles that are turned over, and those inside islands that it does not wind
+/// round once. Of the triangles about one that it does exactly one has the direction to the right; signs of differences tell, which is exact.
+fn folds(mesh: &Mesh, map: &UvMap) -> VertexData<bool> {
+    let is_open = open_vertices(mesh, &map.cut);
     let mut rounds: VertexData<u8> = VertexData::constant(mesh.vertex_count(), 0);
     let mut is_folded = VertexData::constant(mesh.vertex_count(), false);
     for f in mesh.faces() {
@@ -251,10 +266,23 @@ fn first_to_look_at(mesh: &Mesh, map: &UvMap, opened: &CutMesh) -> (Vec<Triangle
         }
     }
     mesh.vertices().filter(|&v| !is_open[v] && rounds[v] != 1).for_each(|v| is_folded[v] = true);
-    let is_whole: FaceData<bool> = mesh.faces().map(|f| mesh.corners(f).into_iter().any(|v| is_folded[v])).collect();
+    is_folded
+}
+
+/// The sides on the boundary, as triangles without area, and the triangles about vertices near which the map is not one to one: of which
+/// triangles, all of these with an area.
+fn first_to_look_at(
+    mesh: &Mesh,
+    map: &UvMap,
+    islands: &Islands,
+    is_folded: &VertexData<bool>,
+) -> (Vec<Triangle>, Vec<FaceId>) {
+    let faces = (0..mesh.face_count()).into_par_iter().with_min_len(AT_ONCE).map(FaceId::new);
+    let is_whole: Vec<bool> = faces.map(|f| mesh.corners(f).into_iter().any(|v| is_folded[v])).collect();
+    let is_whole: FaceData<bool> = is_whole.into();
     let whole = mesh.faces().filter(|&f| is_whole[f]).map(|f| (map.triangle(f), f));
     let ends = |h| [h, mesh.next(h)].map(|h| map.position[h]);
-    let sides = opened.boundary_loops().iter().flatten().map(|&h| (ends(h), mesh.face(h)));
+    let sides = islands.boundary_loops().iter().flatten().map(|&h| (ends(h), mesh.face(h)));
     let sides = sides.filter(|&(_, f)| !is_whole[f]).map(|([from, to], f)| ([from, to, to], f));
     whole.chain(sides).filter(|&(_, f)| triangle::upright(map.triangle(f)).is_some()).unzip()
 }
@@ -267,7 +295,7 @@ mod tests {
     use num_complex::Complex64;
 
     fn of(mesh: &Mesh, map: &UvMap) -> Option<Overlaps> {
-        overlaps_from_boundary(mesh, map, &map.opened(mesh), Watch::NONE).unwrap()
+        overlaps_from_boundary(mesh, map, Watch::NONE).unwrap()
     }
 
     /// The image of the unit disk under a function.

@@ -1,7 +1,10 @@
 //! A map of a surface to the plane: positions of corners, and the edges where it is open.
 
-use geom::{CutMesh, EdgeData, FaceId, HalfedgeData, HalfedgeId, Id, Mesh, WedgeData};
+use geom::{CutMesh, EdgeData, FaceId, HalfedgeData, HalfedgeId, Id, Islands, Mesh, WedgeData};
 
+use rayon::prelude::*;
+
+use super::AT_ONCE;
 use super::triangle::Triangle;
 
 /// A map of a surface to the plane.
@@ -39,9 +42,10 @@ impl UvMap {
                 *chosen = Some(h);
             }
         }
-        for h in mesh.halfedges() {
-            self.position[h] = self.position[from[opened.wedge(h)].expect("each wedge has corners")];
-        }
+        let position = from.iter().map(|h| self.position[h.expect("each wedge has corners")]);
+        let position: WedgeData<[f64; 2]> = position.collect();
+        let corners = self.position.par_iter_mut().with_min_len(AT_ONCE).enumerate();
+        corners.for_each(|(h, corner)| *corner = position[opened.wedge(HalfedgeId::new(h))]);
         self
     }
 
@@ -64,6 +68,11 @@ impl UvMap {
 
     pub(super) fn triangle(&self, f: FaceId) -> Triangle {
         self.triangles()[f.index()]
+    }
+
+    /// Its islands.
+    pub fn islands(&self, mesh: &Mesh) -> Islands {
+        Islands::new(mesh, &self.cut)
     }
 
     /// The surface opened where the map is: its islands, and the images of vertices.

@@ -42,3 +42,6 @@ pub(crate) use rearrange::Figures;
 pub use separate::{Separation, separate};
 pub(crate) use separate::{add_necks, attached, overlaps_on_islands, taken_apart};
 pub use triangle::Triangle;
+
+/// So many triangles, edges or corners are gone through one after the other at least.
+const AT_ONCE: usize = 1 << 12;

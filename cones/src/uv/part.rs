@@ -80,15 +80,15 @@ pub fn part(model: &Model, uv: &[[f64; 2]], weld: Weld, watch: Watch) -> Result<
 impl Parted {
     /// Writes down the positions of a surface's corners.
     fn put(&mut self, surface: &Surface, map: &UvMap) {
-        let opened = map.opened(&surface.mesh);
+        let islands = map.islands(&surface.mesh);
         for (f, &triangle) in surface.triangle.iter_ids() {
-            let island = self.island_count + opened.island(f) as usize;
+            let island = self.island_count + islands.of(f) as usize;
             self.islands[triangle as usize] = Some(island as u32);
             for h in surface.mesh.sides(f) {
                 self.uv[surface.corner[h] as usize] = map.position[h];
             }
         }
-        self.island_count += opened.island_count();
+        self.island_count += islands.count();
     }
 }
 

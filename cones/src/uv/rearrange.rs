@@ -69,7 +69,7 @@ pub(super) fn rearranged(
     (mesh, kept): (&Mesh, Option<&EdgeData<bool>>),
     map: &UvMap,
     network: &EdgeData<bool>,
-    (length, cost, share): (impl Fn(&[HalfedgeId]) -> f64, impl Fn(Figures) -> f64 + Sync, f64),
+    (length, cost, share): (impl Fn(&[HalfedgeId]) -> f64 + Send, impl Fn(Figures) -> f64 + Sync, f64),
     watch: Watch,
 ) -> Result<Option<UvMap>, Interrupted> {
     let cells = Cells::new((mesh, kept), length, map, network);

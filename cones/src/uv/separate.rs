@@ -8,7 +8,7 @@
 //!
 //! An island without overlap keeps its positions to the bit.
 
-use geom::{CutMesh, EdgeData, EdgeId, FaceData, FaceId, HalfedgeId, Interrupted, Mesh, Watch};
+use geom::{EdgeData, EdgeId, FaceData, FaceId, HalfedgeId, Interrupted, Islands, Mesh, Watch};
 use rayon::prelude::*;
 
 use super::across::Paths;
@@ -131,11 +131,17 @@ pub(crate) fn taken_apart(
     if overlaps.pairs.is_empty() {
         return Ok((Separation::none(map, overlaps), network));
     }
-    let boxes = Boxes::new(map.triangles());
-    watch.ask(0.1)?;
-    let task = Task { mesh, lengths, kept, map: &map, boxes: &boxes, overlaps: &overlaps };
-    let moved = task.best(&mut network, watch.within(0.1, 1.0))?;
-    drop(boxes);
+    let pairs = weighed(&overlaps.pairs);
+    let (boxes, dividers) = rayon::join(
+        || Boxes::new(map.triangles()),
+        || dividers((mesh, lengths), &map.cut, &pairs, watch.within(0.0, 0.3)),
+    );
+    let dividers = dividers?;
+    let task =
+        Task { mesh, lengths, kept, map: &map, boxes: &boxes, dividers: &dividers, is_complete: overlaps.is_complete };
+    let moved = task.best(&mut network, watch.within(0.3, 1.0))?;
+    drop((boxes, dividers));
+    drop(pairs);
     watch.ask(f64::NAN)?;
     let before = seam(mesh, lengths, &map.cut);
     let map = moved.snapped(mesh, map);
@@ -162,7 +168,7 @@ impl Separation {
         mut self,
         (mesh, lengths, kept): (&Mesh, &EdgeData<f64>, Option<&EdgeData<bool>>),
         network: &EdgeData<bool>,
-        costs: (impl Fn(&[HalfedgeId]) -> f64, impl Fn(Figures) -> f64 + Sync, f64),
+        costs: (impl Fn(&[HalfedgeId]) -> f64 + Send, impl Fn(Figures) -> f64 + Sync, f64),
         watch: Watch,
     ) -> Result<Self, Interrupted> {
         let Some(map) = rearranged((mesh, kept), &self.map, network, costs, watch.within(0.0, 0.8))? else {
@@ -184,16 +190,14 @@ impl Separation {
 
 /// The pairs of triangles that overlap on an island of the map opened along `cut`.
 fn on_one_island(mesh: &Mesh, map: &UvMap, cut: &EdgeData<bool>, watch: Watch) -> Result<Overlaps, Interrupted> {
-    let opened = CutMesh::open(mesh, cut);
-    let asked = |pair: [u32; 2]| opened.island(FaceId(pair[0])) == opened.island(FaceId(pair[1]));
+    let islands = Islands::new(mesh, cut);
+    let asked = |pair: [u32; 2]| islands.of(FaceId(pair[0])) == islands.of(FaceId(pair[1]));
     overlaps_watched(map.triangles(), NEGLIGIBLE_DEPTH, asked, watch)
 }
 
 /// The pairs of triangles that overlap on an island, found from the boundary where that can be.
 pub(crate) fn overlaps_on_islands(mesh: &Mesh, map: &UvMap, watch: Watch) -> Result<Overlaps, Interrupted> {
-    let opened = map.opened(mesh);
-    watch.ask(0.0)?;
-    match overlaps_from_boundary(mesh, map, &opened, watch.within(0.0, 0.5))? {
+    match overlaps_from_boundary(mesh, map, watch.within(0.0, 0.5))? {
         Some(overlaps) => Ok(overlaps),
         None => on_one_island(mesh, map, &map.cut, watch.within(0.5, 1.0)),
     }
@@ -211,6 +215,26 @@ fn weighed(pairs: &[Overlap]) -> Vec<Pair> {
     pairs.iter().map(weight).collect()
 }
 
+/// What is tried on a mesh: fewer on large ones.
+fn preferences(mesh: &Mesh) -> &'static [Preference] {
+    &PREFERENCES[..(TRIANGLES / mesh.face_count().max(1)).clamp(1, PREFERENCES.len())]
+}
+
+/// What cuts by them have in common, each with how many times longer it takes an edge within overlaps to be.
+fn dividers<'a>(
+    (mesh, lengths): (&'a Mesh, &EdgeData<f64>),
+    cut: &EdgeData<bool>,
+    pairs: &'a [Pair],
+    watch: Watch,
+) -> Result<Vec<(f64, Divider<'a>)>, Interrupted> {
+    let mut within: Vec<f64> = preferences(mesh).iter().map(|preference| preference.within_overlap).collect();
+    within.sort_by(f64::total_cmp);
+    within.dedup();
+    let divider = |&within: &f64| Ok((within, Divider::new((mesh, lengths), cut, pairs, within, watch)?));
+    let dividers: Vec<Result<_, Interrupted>> = within.par_iter().map(divider).collect();
+    dividers.into_iter().collect()
+}
+
 /// What is tried on.
 struct Task<'a> {
     mesh: &'a Mesh,
@@ -219,35 +243,25 @@ struct Task<'a> {
     kept: Option<&'a EdgeData<bool>>,
     map: &'a UvMap,
     boxes: &'a Boxes<'a>,
-    overlaps: &'a Overlaps,
+    /// Each with how many times longer it takes an edge within overlaps to be.
+    dividers: &'a [(f64, Divider<'a>)],
+    /// Whether the dividers know all pairs.
+    is_complete: bool,
 }
 
 impl Task<'_> {
-    /// What comes of the best preference; the cuts of all are added to the network. On large surfaces fewer are tried.
+    /// What comes of the best preference; the cuts of all are added to the network.
     fn best(&self, network: &mut EdgeData<bool>, watch: Watch) -> Result<Moved, Interrupted> {
-        let pairs = weighed(&self.overlaps.pairs);
-        let most = (TRIANGLES / self.mesh.face_count().max(1)).clamp(1, PREFERENCES.len());
-        let preferences = &PREFERENCES[..most];
-        let mut within: Vec<f64> = preferences.iter().map(|preference| preference.within_overlap).collect();
-        within.sort_by(f64::total_cmp);
-        within.dedup();
-        let divider = |&within: &f64| {
-            let divider =
-                Divider::new((self.mesh, self.lengths), &self.map.cut, &pairs, within, watch.within(0.0, 0.3))?;
-            Ok((within, divider))
-        };
-        let dividers: Vec<Result<(f64, Divider), Interrupted>> = within.par_iter().map(divider).collect();
-        let dividers = dividers.into_iter().collect::<Result<Vec<_>, _>>()?;
         let run = |preference: &Preference| {
-            let divider = dividers.iter().find(|(within, _)| *within == preference.within_overlap);
+            let divider = self.dividers.iter().find(|(within, _)| *within == preference.within_overlap);
             let (_, divider) = divider.expect("each has one");
-            let cut = self.all_parted(divider.divide(preference, watch.within(0.3, 0.6))?, preference, watch)?;
+            let cut = self.all_parted(divider.divide(preference, watch.within(0.0, 0.5))?, preference, watch)?;
             let mut pieces = Pieces::new((self.mesh, self.lengths, self.kept), self.map, self.boxes, cut.clone());
             watch.ask(f64::NAN)?;
             pieces.attach(watch)?;
             Ok((self.cost(&pieces), pieces.moved(), cut))
         };
-        let tried: Vec<Result<_, Interrupted>> = preferences.par_iter().map(run).collect();
+        let tried: Vec<Result<_, Interrupted>> = preferences(self.mesh).par_iter().map(run).collect();
         let tried = tried.into_iter().collect::<Result<Vec<_>, _>>()?;
         for (_, _, cut) in &tried {
             self.mesh.edges().filter(|&e| cut[e]).for_each(|e| network[e] = true);
@@ -263,7 +277,7 @@ impl Task<'_> {
         preference: &Preference,
         watch: Watch,
     ) -> Result<EdgeData<bool>, Interrupted> {
-        let mut is_complete = self.overlaps.is_complete;
+        let mut is_complete = self.is_complete;
         while !is_complete {
             let more = on_one_island(self.mesh, self.map, &cut, watch)?;
             let further = divide(self.mesh, self.lengths, &cut, &weighed(&more.pairs), preference, watch)?;

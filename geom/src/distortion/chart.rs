@@ -6,12 +6,15 @@
 
 use petgraph::unionfind::UnionFind;
 
-use crate::mesh::{FaceData, FaceId, Id};
-use crate::rows::Rows;
-use crate::watch::{Interrupted, Watch};
+use crate::mesh::{FaceData, FaceId, Id, of_edges};
+use crate::parallel::join;
+use crate::watch::{Interrupted, Progress, Watch};
 
 /// Images closer than this share of the map's extent are the same: files round.
 const SAME_IMAGE: f64 = 1e-7;
+
+/// The watch is asked once for so many pairs.
+const STRIDE: usize = 2048;
 
 /// How sides face each other and are glued.
 pub(super) struct Charts {
@@ -50,30 +53,35 @@ impl Charts {
         uv: &[[[f64; 2]; 3]],
         watch: Watch,
     ) -> Result<Self, Interrupted> {
-        let mut facing = face_sides(vertex_count, triangles.as_flattened(), watch.within(0.0, 0.4))?;
-        let watch = watch.within(0.4, 1.0);
-        let mut is_boundary = vec![true; 3 * triangles.len()];
         let is_same = same_image(uv.as_flattened());
-        let mut vertices = UnionFind::new(3 * triangles.len());
-        let mut islands = UnionFind::new(triangles.len());
+        let facing = face_sides(vertex_count, triangles.as_flattened(), is_same, watch.within(0.0, 0.4))?;
+        let glued = || (0..).zip(&facing).filter(|(_, pair)| pair.is_glued);
         let sides = 3 * triangles.len();
-        for (k, pair) in facing.iter_mut().enumerate() {
-            watch.ask_at_step(k, sides)?;
-            let ends = pair.corners_at_ends();
-            is_boundary[pair.sides[0] as usize] = false;
-            is_boundary[pair.sides[1] as usize] = false;
-            pair.is_glued = ends.iter().all(|&[c, d]| is_same(c, d));
-            if pair.is_glued {
-                ends.into_iter().for_each(|[c, d]| _ = vertices.union(c, d));
+        let vertices = |watch: Watch| {
+            let mut vertices = UnionFind::new(sides);
+            for (k, pair) in glued() {
+                watch.ask_at_step(k, 2 * facing.len())?;
+                pair.corners_at_ends().into_iter().for_each(|[c, d]| _ = vertices.union(c, d));
+            }
+            watch.ask(0.5)?;
+            Ok(vertices.into_labeling())
+        };
+        let islands = |watch: Watch| {
+            let mut islands = UnionFind::new(triangles.len());
+            for (k, pair) in glued() {
+                watch.ask_at_step(k, 2 * facing.len())?;
                 islands.union(pair.sides[0] / 3, pair.sides[1] / 3);
             }
-        }
-        watch.ask(0.6)?;
-        let (island, count) = numbered(&mut islands);
-        watch.ask(0.7)?;
-        let vertex = vertices.into_labeling();
-        watch.ask(0.8)?;
-        let is_turned = turned(triangles.len(), &facing);
+            watch.ask(0.5)?;
+            let numbered = numbered(&mut islands);
+            watch.ask(0.7)?;
+            let mut is_boundary = vec![true; sides];
+            facing.iter().flat_map(|pair| pair.sides).for_each(|side| is_boundary[side as usize] = false);
+            watch.ask(0.8)?;
+            Ok((numbered, is_boundary, turned(triangles.len(), &facing)))
+        };
+        let (vertex, islands) = watch.within(0.4, 1.0).shared(|watch| join(|| vertices(watch), || islands(watch)));
+        let (vertex, ((island, count), is_boundary, is_turned)) = (vertex?, islands?);
         Ok(Self { facing, vertex, is_boundary, is_turned, island: island.into(), count })
     }
 
@@ -146,25 +154,31 @@ impl Facing {
     }
 }
 
-/// Pairs the sides on each edge, which are found by buckets of its lower end.
-fn face_sides(vertex_count: usize, corner_vertex: &[u32], watch: Watch) -> Result<Vec<Facing>, Interrupted> {
-    let ends = |side: usize| [corner_vertex[side], corner_vertex[end(side as u32) as usize]];
-    let lower = |side: usize| ends(side)[0].min(ends(side)[1]) as usize;
-    let upper = |side: usize| ends(side)[0].max(ends(side)[1]);
-    let sides = (0..corner_vertex.len()).map(|side| (lower(side), (upper(side), side as u32)));
-    let mut stars = Rows::sorted(vertex_count, sides);
-    let mut facing = Vec::with_capacity(corner_vertex.len() / 2);
-    for v in 0..vertex_count {
-        watch.ask_at_step(v, vertex_count)?;
-        let star = stars.row_mut(v);
-        star.sort_unstable();
-        for pair in star.windows(2).filter(|pair| pair[0].0 == pair[1].0) {
-            let sides = [pair[0].1, pair[1].1];
-            let is_parallel = ends(sides[0] as usize)[0] == ends(sides[1] as usize)[0];
-            facing.push(Facing { sides, is_parallel, is_glued: false });
+/// Pairs the sides on each edge.
+fn face_sides(
+    vertex_count: usize,
+    corner_vertex: &[u32],
+    is_same_image: impl Fn(u32, u32) -> bool + Sync,
+    watch: Watch,
+) -> Result<Vec<Facing>, Interrupted> {
+    let progress = Progress::new(watch, corner_vertex.len() / 2);
+    let vertex = |side: usize| corner_vertex[side];
+    let visit = |found: &mut Vec<Facing>, _, sides: &[u32]| {
+        for pair in sides.windows(2) {
+            if found.len().is_multiple_of(STRIDE) {
+                progress.add(STRIDE);
+                progress.ask()?;
+            }
+            let sides = [pair[0], pair[1]];
+            let is_parallel = vertex(sides[0] as usize) == vertex(sides[1] as usize);
+            let pair = Facing { sides, is_parallel, is_glued: false };
+            let is_glued = pair.corners_at_ends().into_iter().all(|[c, d]| is_same_image(c, d));
+            found.push(Facing { is_glued, ..pair });
         }
-    }
-    Ok(facing)
+        Ok(())
+    };
+    let parts = of_edges(vertex_count, corner_vertex.len(), vertex, visit);
+    Ok(parts.into_iter().collect::<Result<Vec<_>, Interrupted>>()?.concat())
 }
 
 /// Whether two corners have the same image.

@@ -3,7 +3,7 @@
 use super::linear::Image;
 use super::{DistortionError, Percentiles};
 use crate::mesh::{FaceData, FaceId, Id};
-use crate::parallel::sort_by;
+use crate::parallel::{map, sort_by};
 
 /// What can be measured: the triangles with an area on both sides, and their measures.
 pub(super) struct Measured {
@@ -27,13 +27,13 @@ impl Measured {
         if faces.is_empty() {
             return Err(DistortionError::NoArea);
         }
-        let measured = || faces.iter().map(|f| &images[f.index()]);
-        let total: f64 = measured().map(|image| image.surface_area).sum();
-        let area_ratio: Vec<f64> = measured().map(ratio).collect();
+        let measured = |k: usize| &images[faces[k].index()];
+        let total: f64 = (0..faces.len()).map(|k| measured(k).surface_area).sum();
+        let area_ratio = map(faces.len(), |k| ratio(measured(k)));
         let mut new = Self {
-            weight: measured().map(|image| image.surface_area / total).collect(),
-            quasi_conformal: measured().map(|image| image.quasi_conformal).collect(),
-            log_scale: area_ratio.iter().map(|r| 0.5 * r.ln()).collect(),
+            weight: map(faces.len(), |k| measured(k).surface_area / total),
+            quasi_conformal: map(faces.len(), |k| measured(k).quasi_conformal),
+            log_scale: map(faces.len(), |k| 0.5 * area_ratio[k].ln()),
             area_ratio,
             faces,
         };

@@ -25,6 +25,7 @@ mod unit;
 pub use overlap::overlap;
 pub use unit::unit_on_surface;
 
+use std::array;
 use std::borrow::Cow;
 use std::f64::consts::PI;
 
@@ -215,13 +216,15 @@ pub fn measure_watched(
 ) -> Result<Distortion, DistortionError> {
     watch.ask(0.0)?;
     check(points, triangles, uv)?;
-    let points = unit_size(points, || triangles.as_flattened().iter().map(|&v| points[v as usize]));
-    watch.ask(0.05)?;
-    let uv = unit_size(uv.as_flattened(), || uv.as_flattened().iter().copied());
+    let (points, uv) = join(
+        || unit_size(points, triangles.as_flattened().iter().map(|&v| points[v as usize])),
+        || unit_size(uv.as_flattened(), uv.as_flattened().iter().copied()),
+    );
     let uv = uv.as_chunks::<3>().0;
-    let charts = Charts::new(points.len(), triangles, uv, watch.within(0.1, 0.5))?;
-    watch.ask(0.5)?;
-    let mut images = images(&points, triangles, uv);
+    watch.ask(0.1)?;
+    let (images, charts) =
+        join(|| images(&points, triangles, uv), || Charts::new(points.len(), triangles, uv, watch.within(0.1, 0.55)));
+    let (mut images, charts) = (images, charts?);
     watch.ask(0.55)?;
     orient(&mut images, &charts);
     watch.ask(0.58)?;
@@ -281,15 +284,11 @@ fn check(points: &[[f64; 3]], triangles: &[[u32; 3]], uv: &[[[f64; 2]; 3]]) -> R
 
 /// Points scaled by a power of two, and so without rounding, such that those in use have an extent that is not far from 1: areas
 /// neither overflow nor vanish.
-fn unit_size<const N: usize, I: Iterator<Item = [f64; N]>>(
-    points: &[[f64; N]],
-    used: impl Fn() -> I,
-) -> Cow<'_, [[f64; N]]> {
-    let half_extent = |axis: usize| {
-        let range = used().fold([f64::MAX, f64::MIN], |[low, high], p| [p[axis].min(low), p[axis].max(high)]);
-        0.5 * range[1] - 0.5 * range[0]
-    };
-    let largest = (0..N).map(half_extent).fold(0.0, f64::max);
+fn unit_size<const N: usize>(points: &[[f64; N]], used: impl Iterator<Item = [f64; N]>) -> Cow<'_, [[f64; N]]> {
+    let [low, high] = used.fold([[f64::MAX; N], [f64::MIN; N]], |[low, high], p| {
+        [array::from_fn(|axis| p[axis].min(low[axis])), array::from_fn(|axis| p[axis].max(high[axis]))]
+    });
+    let largest = (0..N).map(|axis| 0.5 * high[axis] - 0.5 * low[axis]).fold(0.0, f64::max);
     let exponent = if largest > 0.0 { -largest.log2().floor() } else { 0.0 };
     if exponent.abs() < NEAR_UNIT {
         return Cow::Borrowed(points);

@@ -21,7 +21,7 @@ use super::look::{Look, one_word};
 use super::obj::is_face;
 use super::text::{Line, Lines, block_size, joined_blocks};
 use super::wedge::Wedges;
-use crate::parallel::try_each;
+use crate::parallel::{join, of_runs};
 use crate::surface::{Model, Triangles};
 
 /// What an OBJ is to hold besides the model.
@@ -64,11 +64,15 @@ pub struct Material<'a> {
 /// # Errors
 /// When texture coordinates or triangles do not fit the model, or when writing fails.
 pub fn write_obj(model: &Model, content: &ObjContent, out: impl Write) -> Result<(), WriteError> {
-    let wedges = content.uv.map(|uv| Wedges::new(model, uv)).transpose()?;
+    let text = model.obj_text();
+    let (wedges, addition) = join(
+        || content.uv.map(|uv| Wedges::new(model, uv)).transpose(),
+        || text.map(|text| Addition::place(text, block_size(text))),
+    );
+    let job = Job { model, content, wedges: wedges? };
     let cells = Cells::new(model, content.triangles)?;
-    let job = Job { model, content, wedges };
-    match model.obj_text() {
-        Some(text) => job.rewrite(text, cells, out)?,
+    match text.zip(addition) {
+        Some((text, addition)) => job.rewrite((text, &addition), cells, out)?,
         None => job.write(cells, out)?,
     }
     Ok(())
@@ -150,8 +154,7 @@ impl Job<'_> {
     }
 
     /// Writes the text of the model with the addition in it.
-    fn rewrite(&self, text: &[u8], mut cells: Cells, out: impl Write) -> io::Result<()> {
-        let addition = Addition::place(text, block_size(text))?;
+    fn rewrite(&self, (text, addition): (&[u8], &Addition), mut cells: Cells, out: impl Write) -> io::Result<()> {
         let line_end = line_end_of(text);
         let mut copy = Copy { text, at: 0, out };
         let mut faces = Vec::new();
@@ -166,13 +169,13 @@ impl Job<'_> {
                 copy.at = line.start;
             }
             if !added && line.start >= addition.at {
-                self.faces(&mut faces, &addition, &mut copy)?;
+                self.faces(&mut faces, addition, &mut copy)?;
                 copy.until(addition.at)?;
                 self.texture(line_end, &mut copy.out)?;
                 added = true;
             }
             if line.words().next().is_some_and(is_old) {
-                self.faces(&mut faces, &addition, &mut copy)?;
+                self.faces(&mut faces, addition, &mut copy)?;
                 copy.until(line.start)?;
                 copy.at = text.len();
                 is_dropped = true;
@@ -185,11 +188,11 @@ impl Job<'_> {
                 faces.push(Face { line, face, triangles: cells.triangles_of(face) });
                 face += 1;
                 if faces.len() == AT_ONCE {
-                    self.faces(&mut faces, &addition, &mut copy)?;
+                    self.faces(&mut faces, addition, &mut copy)?;
                 }
             }
         }
-        self.faces(&mut faces, &addition, &mut copy)?;
+        self.faces(&mut faces, addition, &mut copy)?;
         copy.until(text.len())?;
         if !added {
             let is_end = |&byte: &u8| byte == b'\n' || byte == b'\r';
@@ -357,20 +360,20 @@ struct Addition {
 }
 
 impl Addition {
-    fn place(text: &[u8], block: usize) -> io::Result<Self> {
+    fn place(text: &[u8], block: usize) -> Self {
         let blocks = joined_blocks(text, block);
-        let mut mentions = vec![Mentions::default(); blocks.len()];
-        try_each(0, &mut mentions, &|k, mentions| {
-            mentions.take(Lines::of_block(text, &blocks[k]));
-            Ok::<(), io::Error>(())
-        })?;
+        let mentions = of_runs(blocks.len(), 1, |run| {
+            let mut mentions = Mentions::default();
+            run.for_each(|k| mentions.take(Lines::of_block(text, &blocks[k])));
+            mentions
+        });
         let mentions = mentions.iter().fold(Mentions::default(), Mentions::joined);
         let Mentions { first_face, known, is_used_elsewhere, last_use } = mentions;
-        Ok(match first_face {
+        match first_face {
             Some((at, _)) if !is_used_elsewhere => Self { at, known: 0, drops_old: true },
             Some((at, known)) if at >= last_use => Self { at, known, drops_old: false },
             _ => Self { at: last_use, known, drops_old: false },
-        })
+        }
     }
 }
 
@@ -398,7 +401,7 @@ mod tests {
         ];
         for text in texts {
             for size in 0..=text.len() {
-                let [found, whole] = [size, text.len()].map(|size| Addition::place(text.as_bytes(), size).unwrap());
+                let [found, whole] = [size, text.len()].map(|size| Addition::place(text.as_bytes(), size));
                 assert_eq!(found, whole, "blocks of {size} of {text}");
             }
         }

@@ -22,6 +22,8 @@ const LARGE: usize = 1000;
 const LEAST_SHARE: f32 = 0.2;
 /// How many places for a plane there are along an axis.
 const BINS: usize = 64;
+/// Sets of more vertices are gone through on several threads.
+const SHARED: usize = 1 << 15;
 
 /// A vertex with what decides on which side of a plane it is.
 #[derive(Clone, Copy)]
@@ -107,14 +109,17 @@ impl<'a> Dissection<'a> {
         places.select_nth_unstable_by(below, |a, b| a.at[axis].total_cmp(&b.at[axis]).then(a.vertex.cmp(&b.vertex)));
         let plane = places[below].at[axis];
         let near = move |place: &&Place| (place.at[axis] - plane).abs() <= place.reach[axis];
+        let is_shared = places.len() > SHARED;
         let (low, high) = places.split_at_mut(below);
         let before = self.parts.fetch_add(2, Relaxed);
         let parts = [before + 1, before + 2];
-        for (half, part) in [(&*low, parts[0]), (&*high, parts[1])] {
+        let enter = |half: &[Place], part| {
             half.iter().filter(near).for_each(|place| self.part[place.vertex as usize].store(part, Relaxed));
-        }
+        };
+        join_if(is_shared, || enter(low, parts[0]), || enter(high, parts[1]));
         let rim = |half: &[Place], other| half.iter().filter(near).filter(|place| self.touches(place, other)).count();
-        if rim(low, parts[1]) <= rim(high, parts[0]) {
+        let (of_low, of_high) = join_if(is_shared, || rim(low, parts[1]), || rim(high, parts[0]));
+        if of_low <= of_high {
             let (low, separator) = self.without_rim(low, parts[1], near);
             (low, high, separator)
         } else {
@@ -151,19 +156,31 @@ fn put(places: &[Place], order: &mut [u32]) {
     order.iter_mut().zip(places).for_each(|(vertex, place)| *vertex = place.vertex);
 }
 
+/// The results of two pieces of work, at the same time if there is enough of it.
+fn join_if<A: Send, B: Send>(is_shared: bool, a: impl FnOnce() -> A + Send, b: impl FnOnce() -> B + Send) -> (A, B) {
+    if is_shared { join(a, b) } else { (a(), b()) }
+}
+
+/// The lower left and the upper right corner of a box about a set.
+fn bounds(places: &[Place]) -> [[f32; 3]; 2] {
+    places.iter().fold([[f32::INFINITY; 3], [f32::NEG_INFINITY; 3]], |[low, high], place| {
+        [[0, 1, 2].map(|axis| low[axis].min(place.at[axis])), [0, 1, 2].map(|axis| high[axis].max(place.at[axis]))]
+    })
+}
+
 /// The plane to split a set at.
 fn choose_plane(places: &[Place]) -> Plane {
-    let bounds = [0, 1, 2].map(|axis| {
-        let along = places.iter().map(|place| place.at[axis]);
-        along.fold([f32::INFINITY, f32::NEG_INFINITY], |[low, high], x| [low.min(x), high.max(x)])
-    });
-    let extent = |axis: usize| bounds[axis][1] - bounds[axis][0];
+    let [low, high] = bounds(places);
+    let extent = |axis: usize| high[axis] - low[axis];
     let longest = (0..3).max_by(|&a, &b| extent(a).total_cmp(&extent(b))).unwrap_or(0);
     let median = Plane { axis: longest, below: places.len() / 2 };
     if places.len() <= LARGE {
         return median;
     }
-    let narrow = (0..3).filter_map(|axis| narrowest(places, axis, bounds[axis]));
+    let across = |axis: usize| narrowest(places, axis, [low[axis], high[axis]]);
+    let is_shared = places.len() > SHARED;
+    let (x, (y, z)) = join_if(is_shared, || across(0), || join_if(is_shared, || across(1), || across(2)));
+    let narrow = [x, y, z].into_iter().flatten();
     narrow.min_by(|a, b| a.0.total_cmp(&b.0)).map_or(median, |(_, plane)| plane)
 }
 

@@ -9,6 +9,7 @@
 use super::cholesky::Cholesky;
 use super::single::dot;
 use super::symmetric::{SymmetricMatrix, sums};
+use crate::parallel::join;
 use crate::rows::Rows;
 use crate::watch::{Interrupted, Watch};
 
@@ -40,9 +41,9 @@ impl Cholesky {
         if near.len() > MOST_NEAR.1.min(matrix.dimension() / MOST_NEAR.0) {
             return Ok(None);
         }
-        let Ok(local) = Self::new(&matrix.restricted(near.iter().copied())) else { return Ok(None) };
+        let (local, rows) = join(|| Self::new(&matrix.restricted(near.iter().copied())), || rows_of(matrix, &near));
+        let Ok(local) = local else { return Ok(None) };
         watch.ask(0.0)?;
-        let rows = rows_of(matrix, &near);
         Perturbed { factored: self, matrix, near, rows, local }.solve(b, tolerance, watch)
     }
 }
@@ -67,17 +68,20 @@ impl Perturbed<'_> {
         for iteration in 1..=MOST_ITERATIONS {
             let conditioned = self.precondition(&residual, watch)?;
             let last = std::mem::replace(&mut energy, dot(&residual, &conditioned));
-            for (direction, z) in direction.iter_mut().zip(&conditioned) {
-                *direction = z + energy / last * *direction;
-            }
+            let share = energy / last;
+            by_halves(&mut direction, &conditioned, |direction, z| *direction = z + share * *direction);
             let image = self.matrix.multiply_by_halves(&direction);
             let length = energy / dot(&direction, &image);
             if !length.is_finite() || length <= 0.0 {
                 return Ok(None);
             }
-            add(&mut x, length, &direction);
-            add(&mut residual, -length, &image);
-            let left = largest(&residual);
+            let (left, ()) = join(
+                || {
+                    add(&mut residual, -length, &image);
+                    largest(&residual)
+                },
+                || add(&mut x, length, &direction),
+            );
             watch.ask(0.0)?;
             if left <= tolerance {
                 return Ok(Some(x));
@@ -145,6 +149,14 @@ fn changes(from: &SymmetricMatrix, to: &SymmetricMatrix) -> Vec<f64> {
             add(row, value(before.next_if(|entry| entry.0 == row)) - value(after.next_if(|entry| entry.0 == row)));
         }
     })
+}
+
+/// Changes each entry of a vector by that of another one.
+fn by_halves(x: &mut [f64], y: &[f64], change: impl Fn(&mut f64, &f64) + Sync) {
+    let half = x.len() / 2;
+    let ((x, other_x), (y, other_y)) = (x.split_at_mut(half), y.split_at(half));
+    let change = |x: &mut [f64], y: &[f64]| x.iter_mut().zip(y).for_each(|(x, y)| change(x, y));
+    join(|| change(x, y), || change(other_x, other_y));
 }
 
 /// Adds a multiple of a vector.

@@ -1,5 +1,7 @@
 //! Gluing triangles given by their vertices.
 
+use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
+
 use thiserror::Error;
 
 use super::id::{EdgeId, FaceId, HalfedgeId, Id, VertexId};
@@ -101,45 +103,75 @@ impl Mesh {
 
 /// For each halfedge the one that runs the other way between the same vertices, `u32::MAX` where there is none.
 fn match_twins(vertex_count: usize, tail: &[VertexId]) -> Result<Vec<u32>, MeshError> {
-    let mut twin = vec![u32::MAX; tail.len()];
-    let mut error = None;
-    for_each_edge(vertex_count, tail, |ends, sides| match *sides {
-        [_] => {}
-        [h, g] if tail[h as usize] != tail[g as usize] => {
-            twin[h as usize] = g;
-            twin[g as usize] = h;
+    let twins = Twins::none(tail.len());
+    let visit = |(): &mut (), ends: [u32; 2], sides: &[u32]| {
+        let ends = ends.map(VertexId);
+        match *sides {
+            [_] => Ok(()),
+            [h, g] if tail[h as usize] != tail[g as usize] => {
+                twins.set(h, g);
+                Ok(())
+            }
+            [h, g] => Err(MeshError::Misoriented { ends, faces: [FaceId(h / 3), FaceId(g / 3)] }),
+            _ => Err(MeshError::NonManifoldEdge { ends }),
         }
-        [h, g] => error = error.take().or(Some(MeshError::Misoriented { ends, faces: [FaceId(h / 3), FaceId(g / 3)] })),
-        _ => error = error.take().or(Some(MeshError::NonManifoldEdge { ends })),
-    });
-    error.map_or(Ok(twin), Err)
+    };
+    of_edges(vertex_count, tail.len(), |h| tail[h].0, visit).into_iter().collect::<Result<(), _>>()?;
+    Ok(twins.into_vec())
+}
+
+/// The twin of each halfedge, written by several threads.
+pub(crate) struct Twins(Vec<AtomicU32>);
+
+impl Twins {
+    /// None for any of so many halfedges.
+    pub(crate) fn none(count: usize) -> Self {
+        Self(parallel::map(count, |_| AtomicU32::new(u32::MAX)))
+    }
+
+    /// Makes two halfedges twins.
+    pub(crate) fn set(&self, h: u32, g: u32) {
+        self.0[h as usize].store(g, Relaxed);
+        self.0[g as usize].store(h, Relaxed);
+    }
+
+    /// Those of all halfedges; `u32::MAX` where there is none.
+    pub(crate) fn into_vec(self) -> Vec<u32> {
+        self.0.into_iter().map(AtomicU32::into_inner).collect()
+    }
 }
 
 /// So many vertices at least are gone through by one thread, and in no more parts than this: each looks at all halfedges.
 const LEAST_AT_ONCE: usize = 1 << 14;
 const MOST_PARTS: usize = 4;
 
-/// Visits each pair of vertices that halfedges (three a triangle, given by where they start) run between, with these
-/// halfedges in ascending order. Edges come by their lower end, then by the upper one.
-pub(crate) fn for_each_edge(vertex_count: usize, tail: &[VertexId], mut visit: impl FnMut([VertexId; 2], &[u32])) {
-    let head = |h: usize| tail[if h % 3 == 2 { h - 2 } else { h + 1 }];
-    let lower_end = |h: usize| tail[h].min(head(h)).index();
-    // Halfedges in rows by the lower end of their edge, each row sorted by the upper end; some vertices on each thread.
+/// Visits each pair of vertices that the sides of triangles run between, with these sides in ascending order: side 3f + k is that from corner
+/// k of triangle f to the next, and `vertex` tells where sides start. Edges come by their lower end, then by the upper one, but some at the
+/// same time: each part of them is collected in a value of its own, or ends with an error, and these are in order.
+pub(crate) fn of_edges<T: Default + Send, E: Send>(
+    vertex_count: usize,
+    side_count: usize,
+    vertex: impl Fn(usize) -> u32 + Sync,
+    visit: impl Fn(&mut T, [u32; 2], &[u32]) -> Result<(), E> + Sync,
+) -> Vec<Result<T, E>> {
+    let ends = |side: usize| [side, if side % 3 == 2 { side - 2 } else { side + 1 }].map(&vertex);
     let at_once = vertex_count.div_ceil(parallel::threads().min(MOST_PARTS)).max(LEAST_AT_ONCE);
-    let mut parts = vec![Rows::sorted(0, std::iter::empty()); vertex_count.div_ceil(at_once)];
-    parallel::each(&mut parts, |k, stars| {
-        let own = k * at_once..vertex_count.min((k + 1) * at_once);
-        let here = (0..tail.len()).filter(|&h| own.contains(&lower_end(h)));
-        *stars = Rows::sorted(own.len(), here.map(|h| (lower_end(h) - own.start, (tail[h].max(head(h)), h as u32))));
-        (0..own.len()).for_each(|star| stars.row_mut(star).sort_unstable());
-    });
-    let stars = parts.iter().flat_map(|stars| (0..stars.len()).map(|star| stars.row(star)));
-    let mut sides = Vec::new();
-    for (v, star) in stars.enumerate() {
-        for edge in star.chunk_by(|a, b| a.0 == b.0) {
-            sides.clear();
-            sides.extend(edge.iter().map(|&(_, h)| h));
-            visit([VertexId::new(v), edge[0].0], &sides);
+    parallel::of_runs(vertex_count, at_once, |own| {
+        // Sides in rows by the lower end of their edge, each row sorted by the upper end.
+        let here = (0..side_count).map(|side| (ends(side), side as u32));
+        let here = here.filter(|([a, b], _)| own.contains(&(*a.min(b) as usize)));
+        let here = here.map(|([a, b], side)| (a.min(b) as usize - own.start, (a.max(b), side)));
+        let mut stars = Rows::sorted(own.len(), here);
+        let (mut found, mut sides) = (T::default(), Vec::new());
+        for lower in own.clone() {
+            let star = stars.row_mut(lower - own.start);
+            star.sort_unstable();
+            for edge in star.chunk_by(|a, b| a.0 == b.0) {
+                sides.clear();
+                sides.extend(edge.iter().map(|&(_, side)| side));
+                visit(&mut found, [lower as u32, edge[0].0], &sides)?;
+            }
         }
-    }
+        Ok(found)
+    })
 }

@@ -11,7 +11,7 @@ mod triangulation;
 mod walk;
 
 pub use build::MeshError;
-pub(crate) use build::for_each_edge;
+pub(crate) use build::{Twins, of_edges};
 pub use graph::VisitedVertices;
 pub use id::{
     Data, EdgeData, EdgeId, FaceData, FaceId, HalfedgeData, HalfedgeId, Id, VertexData, VertexId, WedgeData, WedgeId,

@@ -13,6 +13,7 @@
 //! need run along them. Every halfedge knows the model's corner that it came from: that is the way back.
 
 use std::collections::{BTreeMap, HashMap, HashSet};
+use std::convert::Infallible;
 
 use thiserror::Error;
 
@@ -21,9 +22,9 @@ use super::triangulate::Triangles;
 use super::weld::{BoundarySide, Weld, stitches};
 use crate::intrinsic::Metric;
 use crate::mesh::{
-    EdgeData, EdgeId, FaceData, FaceId, HalfedgeData, HalfedgeId, Id, Mesh, VertexData, VertexId, for_each_edge,
+    EdgeData, EdgeId, FaceData, FaceId, HalfedgeData, HalfedgeId, Id, Mesh, Twins, VertexData, VertexId, of_edges,
 };
-use crate::parallel::{each_of, join, map, sort};
+use crate::parallel::{all, each_of, join, map, sort};
 use crate::rows::Rows;
 use crate::vector::{cross, length, sub};
 use crate::watch::{Interrupted, Watch, unwatched};
@@ -237,6 +238,9 @@ impl RepairLog {
 /// A triangle's height in a surface of size 1 that may be rounding alone.
 const ROUNDED_HEIGHT: f64 = 1e-14;
 
+/// So many halfedges or vertices are gone through one after the other.
+const RUN: usize = 1 << 16;
+
 /// Stands for "no twin".
 const NONE: u32 = u32::MAX;
 
@@ -313,22 +317,14 @@ impl Soup {
 
     fn new(model: &Model, triangles: &Triangles, place: Option<&[u32]>, log: &mut RepairLog) -> Self {
         let place = |v: u32| place.map_or(v, |place| place[v as usize]);
-        let mut soup = Self {
-            vertex_count: model.vertex_count(),
-            tail: Vec::with_capacity(3 * triangles.len()),
-            corner: Vec::with_capacity(3 * triangles.len()),
-            triangle: Vec::with_capacity(triangles.len()),
-            twin: Vec::new(),
-        };
-        for (t, (&corners, &face)) in triangles.corners.iter().zip(&triangles.face_of).enumerate() {
-            let [a, b, c] = corners.map(|corner| VertexId(place(model.corners()[corner as usize])));
-            if a == b || b == c || c == a {
-                log.note(RepairKind::RepeatedVertex, face as usize);
-                continue;
-            }
-            soup.tail.extend([a, b, c]);
-            soup.corner.extend(corners);
-            soup.triangle.push((t as u32, face));
+        let corner = triangles.corners.as_flattened().to_vec();
+        let tail = map(corner.len(), |k| VertexId(place(model.corners()[corner[k] as usize])));
+        let triangle = map(triangles.len(), |t| (t as u32, triangles.face_of[t]));
+        let mut soup = Self { vertex_count: model.vertex_count(), tail, corner, triangle, twin: Vec::new() };
+        let repeats = |[a, b, c]: [VertexId; 3]| a == b || b == c || c == a;
+        let keep: Vec<bool> = soup.tail.as_chunks().0.iter().map(|&corners| !repeats(corners)).collect();
+        if keep.contains(&false) {
+            soup.leave_out(&keep, RepairKind::RepeatedVertex, log);
         }
         soup
     }
@@ -350,9 +346,15 @@ impl Soup {
             return false;
         }
         let mut keep = vec![true; self.triangle.len()];
-        for f in doubled {
-            keep[f] = false;
-            log.note(RepairKind::DuplicateFace, self.triangle[f].1 as usize);
+        doubled.into_iter().for_each(|f| keep[f] = false);
+        self.leave_out(&keep, RepairKind::DuplicateFace, log);
+        true
+    }
+
+    /// Leaves out the triangles that are not kept.
+    fn leave_out(&mut self, keep: &[bool], why: RepairKind, log: &mut RepairLog) {
+        for (_, (_, face)) in keep.iter().zip(&self.triangle).filter(|(keep, _)| !**keep) {
+            log.note(why, *face as usize);
         }
         let mut side = 0..self.tail.len();
         self.tail.retain(|_| side.next().is_some_and(|h| keep[h / 3]));
@@ -360,7 +362,6 @@ impl Soup {
         self.corner.retain(|_| side.next().is_some_and(|h| keep[h / 3]));
         let mut face = keep.iter();
         self.triangle.retain(|_| face.next() == Some(&true));
-        true
     }
 
     /// Of ascending triangles those whose faces have no others: a polygon without one of its triangles would fall apart, and
@@ -378,35 +379,37 @@ impl Soup {
     /// Makes twins of the two sides of each edge that has just two. The diagonals of polygons are edges of their own: a
     /// polygon must stay in one piece, for its triangles share its corners.
     fn glue(&mut self) -> Crowded {
-        let mut twin = vec![NONE; self.tail.len()];
-        let mut crowded = Crowded::default();
-        let mut rest = Vec::new();
-        for_each_edge(self.vertex_count, &self.tail, |ends, sides| {
-            let mut left = sides;
-            if sides.len() > 2 {
-                rest.clear();
-                rest.extend_from_slice(sides);
-                crowded.faces.extend(sides.iter().map(|h| (h / 3) as usize));
-                for &h in sides {
-                    let other = |&g: &u32| self.are_one_diagonal(h as usize, g as usize);
-                    if let Some(g) = rest.iter().copied().find(other).filter(|_| rest.contains(&h)) {
-                        twin[h as usize] = g;
-                        twin[g as usize] = h;
-                        rest.retain(|&side| side != h && side != g);
+        let twins = Twins::none(self.tail.len());
+        let visit = |crowded: &mut Crowded, [lower, _]: [u32; 2], sides: &[u32]| {
+            match *sides {
+                [_] => {}
+                [h, g] => twins.set(h, g),
+                _ => {
+                    crowded.faces.extend(sides.iter().map(|h| (h / 3) as usize));
+                    let mut rest = sides.to_vec();
+                    for &h in sides {
+                        let other = |&g: &u32| self.are_one_diagonal(h as usize, g as usize);
+                        if let Some(g) = rest.iter().copied().find(other).filter(|_| rest.contains(&h)) {
+                            twins.set(h, g);
+                            rest.retain(|&side| side != h && side != g);
+                        }
+                    }
+                    match *rest {
+                        [] | [_] => {}
+                        [h, g] => twins.set(h, g),
+                        _ => crowded.opened.push(VertexId(lower)),
                     }
                 }
-                left = &rest;
             }
-            match *left {
-                [] | [_] => {}
-                [h, g] => {
-                    twin[h as usize] = g;
-                    twin[g as usize] = h;
-                }
-                _ => crowded.opened.push(ends[0]),
-            }
-        });
-        self.twin = twin;
+            Ok::<_, Infallible>(())
+        };
+        let parts = of_edges(self.vertex_count, self.tail.len(), |h| self.tail[h].0, visit);
+        self.twin = twins.into_vec();
+        let mut crowded = Crowded::default();
+        for Ok(part) in parts {
+            crowded.faces.extend(part.faces);
+            crowded.opened.extend(part.opened);
+        }
         crowded
     }
 
@@ -420,7 +423,7 @@ impl Soup {
     /// Turns triangles until twins run in opposite directions; unglues them where that cannot be, but never inside a polygon.
     fn orient(&mut self, log: &mut RepairLog) {
         let is_oriented = |h: usize| self.twin[h] == NONE || !self.run_alike(h, self.twin[h] as usize);
-        if (0..self.tail.len()).all(is_oriented) {
+        if all(self.tail.len(), RUN, is_oriented) {
             return;
         }
         let faces = self.triangle.len();
@@ -506,6 +509,9 @@ impl Soup {
     /// Numbers the fans: each is a vertex of its own. Returns the fan of each halfedge's tail and the vertex of each fan,
     /// which are in the order of the vertices.
     fn fans(&self, log: &mut RepairLog) -> (Vec<u32>, Vec<VertexId>) {
+        if let Some(lone) = self.lone_fans() {
+            return lone;
+        }
         let mut fan = vec![NONE; self.tail.len()];
         let mut vertex: Vec<VertexId> = Vec::new();
         for corner in 0..self.tail.len() {
@@ -541,6 +547,45 @@ impl Soup {
         number(&order, &mut rank);
         fan.iter_mut().for_each(|fan| *fan = rank[*fan as usize]);
         (fan, order.into_iter().map(|number| vertex[number as usize]).collect())
+    }
+
+    /// The same where each vertex has one fan; none if one has several.
+    fn lone_fans(&self) -> Option<(Vec<u32>, Vec<VertexId>)> {
+        // How many halfedges start at each vertex, and one of them.
+        let mut starting = vec![(0, 0); self.vertex_count];
+        for (h, v) in self.tail.iter().enumerate() {
+            let (count, any) = &mut starting[v.index()];
+            (*count, *any) = (*count + 1, h as u32);
+        }
+        let is_lone = |v: usize| starting[v].0 == 0 || self.fan_size(starting[v].1 as usize) == starting[v].0;
+        if !all(self.vertex_count, RUN, is_lone) {
+            return None;
+        }
+        let vertex: Vec<VertexId> =
+            (0..).map(VertexId).zip(&starting).filter(|(_, s)| s.0 > 0).map(|(v, _)| v).collect();
+        let mut fan = vec![NONE; self.vertex_count];
+        (0..).zip(&vertex).for_each(|(number, v)| fan[v.index()] = number);
+        Some((map(self.tail.len(), |h| fan[self.tail[h].index()]), vertex))
+    }
+
+    /// How many halfedges the fan has that one is in.
+    fn fan_size(&self, start: usize) -> u32 {
+        let (mut h, mut size) = (start, 1);
+        loop {
+            match self.twin[prev(h)] {
+                NONE => break,
+                g if g as usize == start => return size,
+                g => h = g as usize,
+            }
+            size += 1;
+        }
+        // It ends at the boundary: the rest is clockwise.
+        h = start;
+        while self.twin[h] != NONE {
+            h = next(self.twin[h] as usize);
+            size += 1;
+        }
+        size
     }
 
     /// The connected components, as lists of triangles in ascending order.
@@ -588,10 +633,15 @@ impl Soup {
             let watch = watch.within(share(done), share(done + faces.len()));
             watch.ask(0.0)?;
             done += faces.len();
-            let is_new = |fan: &u32| std::mem::replace(&mut local[*fan as usize], 0) == NONE;
-            let mut fans: Vec<u32> = sides(&faces).map(|h| fan[h]).filter(is_new).collect();
-            fans.sort_unstable();
-            let places: Vec<[f64; 3]> = fans.iter().map(|&fan| points[fan_vertex[fan as usize].index()]).collect();
+            let mut fans: Vec<u32> = if faces.len() == new_face.len() {
+                (0..fan_vertex.len() as u32).collect()
+            } else {
+                let is_new = |fan: &u32| std::mem::replace(&mut local[*fan as usize], 0) == NONE;
+                let mut fans: Vec<u32> = sides(&faces).map(|h| fan[h]).filter(is_new).collect();
+                fans.sort_unstable();
+                fans
+            };
+            let places = map(fans.len(), |k| points[fan_vertex[fans[k] as usize].index()]);
             let first_face = self.triangle[faces[0] as usize].1 as usize;
             let Some((mut points, scale)) = to_unit_size(&places) else {
                 log.note(RepairKind::ComponentWithoutArea, first_face);
@@ -620,7 +670,7 @@ impl Soup {
             watch.ask(0.4)?;
             let mesh = Mesh::from_twins(fans.len(), tail, twin).expect("every fan is a vertex of its own");
             watch.ask(0.6)?;
-            let vertex: VertexData<u32> = fans.iter().map(|&fan| fan_vertex[fan as usize].0).collect();
+            let vertex = map(fans.len(), |k| fan_vertex[fans[k] as usize].0).into();
             let corner = map(side_count, |k| self.corner[side(k)]).into();
             let face_of = |h: HalfedgeId| self.triangle[faces[h.index() / 3] as usize].1;
             let metric = Metric::from_points(&mesh, &points);
@@ -644,7 +694,7 @@ impl Soup {
                 mesh.twin(h).is_some_and(|g| face_of(g) == face_of(h))
             };
             let diagonal = map(mesh.edge_count(), |e| inside(EdgeId::new(e))).into();
-            let triangle = faces.iter().map(|&f| self.triangle[f as usize].0).collect();
+            let triangle = map(faces.len(), |k| self.triangle[faces[k] as usize].0).into();
             surfaces.push(Surface { mesh, points, vertex, corner, triangle, diagonal, scale, zero_area });
         }
         Ok(surfaces)

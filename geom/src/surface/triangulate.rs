@@ -70,6 +70,12 @@ impl Model {
 
 fn triangulate(model: &Model) -> Triangles {
     let count = model.corner_count() - 2 * model.face_count();
+    if count == model.face_count() {
+        // No face has fewer than three corners, so that none has more.
+        let faces = 0..count as u32;
+        let corners = faces.clone().map(|face| [0, 1, 2].map(|k| 3 * face + k)).collect();
+        return Triangles { corners, face_of: faces.collect() };
+    }
     let mut triangles = Triangles { corners: Vec::with_capacity(count), face_of: Vec::with_capacity(count) };
     let mut work = WORK_PER_MODEL;
     for face in 0..model.face_count() {

@@ -11,9 +11,8 @@
 //!         ╱╱ 2╲╲
 //! ```
 
-use crate::mesh::{
-    EdgeData, FaceData, FaceId, HalfedgeData, HalfedgeId, Id, Mesh, VertexData, VertexId, WedgeData, WedgeId,
-};
+use super::islands::Islands;
+use crate::mesh::{EdgeData, FaceId, HalfedgeData, HalfedgeId, Id, Mesh, VertexData, VertexId, WedgeData, WedgeId};
 use crate::parallel;
 
 /// A mesh opened along some of its edges: what its vertices, islands and boundary are then.
@@ -36,10 +35,8 @@ pub struct CutMesh {
     vertex: WedgeData<VertexId>,
     /// The wedges of vertex v are `first_wedge[v]..first_wedge[v + 1]`.
     first_wedge: Vec<u32>,
-    island: FaceData<u32>,
-    island_count: usize,
     edge_count: usize,
-    boundary_loops: Vec<Vec<HalfedgeId>>,
+    islands: Islands,
 }
 
 impl CutMesh {
@@ -48,21 +45,11 @@ impl CutMesh {
     /// # Panics
     /// If there is an edge without a mark.
     pub fn open(mesh: &Mesh, cut: &EdgeData<bool>) -> Self {
-        let across = |h: HalfedgeId| mesh.twin(h).filter(|_| !cut[mesh.edge(h)]);
-        let (wedges, ((island, island_count), boundary_loops)) = parallel::join(
-            || Wedges::new(mesh, cut),
-            || parallel::join(|| islands(mesh, across), || boundary_loops(mesh, across)),
-        );
+        let (wedges, islands) = parallel::join(|| Wedges::new(mesh, cut), || Islands::new(mesh, cut));
         let Wedges { wedge, vertex, first_wedge } = wedges;
-        Self {
-            wedge,
-            vertex,
-            first_wedge,
-            island,
-            island_count,
-            edge_count: mesh.edge_count() + mesh.edges().filter(|&e| cut[e] && !mesh.is_boundary_edge(e)).count(),
-            boundary_loops,
-        }
+        // An edge of the opened surface has two sides, or one on its boundary.
+        let boundary: usize = islands.boundary_loops().iter().map(Vec::len).sum();
+        Self { wedge, vertex, first_wedge, edge_count: (mesh.halfedge_count() + boundary) / 2, islands }
     }
 
     /// The wedge of the corner at a halfedge's tail.
@@ -94,23 +81,22 @@ impl CutMesh {
     }
     /// The number of triangles.
     pub fn face_count(&self) -> usize {
-        self.island.len()
+        self.islands.of_faces().len()
     }
 
-    /// The island that a triangle is on. Islands are numbered by their lowest triangle.
+    /// The [island](Islands::of) that a triangle is on.
     #[inline]
     pub fn island(&self, f: FaceId) -> u32 {
-        self.island[f]
+        self.islands.of(f)
     }
-    /// The number of islands: pieces that hang together by edges that are not cut.
+    /// The number of islands.
     pub fn island_count(&self) -> usize {
-        self.island_count
+        self.islands.count()
     }
 
-    /// The opened surface's boundary: each loop as its halfedges in order, the surface on their left. Loops start at
-    /// their lowest halfedge and are ordered by it.
+    /// The opened surface's [boundary](Islands::boundary_loops).
     pub fn boundary_loops(&self) -> &[Vec<HalfedgeId>] {
-        &self.boundary_loops
+        self.islands.boundary_loops()
     }
     /// The Euler characteristic V - E + F of the opened surface.
     pub fn euler_characteristic(&self) -> i64 {
@@ -118,7 +104,7 @@ impl CutMesh {
     }
     /// Whether the opened surface is one disk.
     pub fn is_disk(&self) -> bool {
-        self.island_count == 1 && self.euler_characteristic() == 1
+        self.island_count() == 1 && self.euler_characteristic() == 1
     }
 }
 
@@ -164,68 +150,6 @@ impl Wedges {
         of_ends.into_iter().for_each(|(h, of_end)| wedge[h] = of_end);
         Self { wedge, vertex: vertex.into(), first_wedge }
     }
-}
-
-/// For each triangle the number of its island, and how many there are; `across` leads over edges that are not cut.
-fn islands(mesh: &Mesh, across: impl Fn(HalfedgeId) -> Option<HalfedgeId>) -> (FaceData<u32>, usize) {
-    // Each triangle has the label of a neighbour before it, or a new one; labels that meet are one, the least of them.
-    let mut same: Vec<u32> = Vec::new();
-    fn least(same: &mut [u32], mut label: u32) -> u32 {
-        while same[label as usize] != label {
-            same[label as usize] = same[same[label as usize] as usize];
-            label = same[label as usize];
-        }
-        label
-    }
-    let mut island: FaceData<u32> = FaceData::constant(mesh.face_count(), 0);
-    for f in mesh.faces() {
-        let mut own = None;
-        for g in mesh.sides(f).into_iter().filter_map(&across).map(|h| mesh.face(h)).filter(|&g| g < f) {
-            let other = least(&mut same, island[g]);
-            let [low, high] = own.map_or([other; 2], |own: u32| [own.min(other), own.max(other)]);
-            same[high as usize] = low;
-            own = Some(low);
-        }
-        island[f] = own.unwrap_or_else(|| {
-            same.push(same.len() as u32);
-            same.len() as u32 - 1
-        });
-    }
-    let mut number = vec![0; same.len()];
-    let mut count = 0;
-    for label in 0..same.len() {
-        if same[label] == label as u32 {
-            number[label] = count;
-            count += 1;
-        } else {
-            number[label] = number[same[label] as usize]; // a lesser label
-        }
-    }
-    island.iter_mut().for_each(|label| *label = number[*label as usize]);
-    (island, count as usize)
-}
-
-/// The loops of halfedges over which nothing leads.
-fn boundary_loops(mesh: &Mesh, across: impl Fn(HalfedgeId) -> Option<HalfedgeId>) -> Vec<Vec<HalfedgeId>> {
-    let mut seen = HalfedgeData::constant(mesh.halfedge_count(), false);
-    let mut loops = Vec::new();
-    for first in mesh.halfedges() {
-        if seen[first] || across(first).is_some() {
-            continue;
-        }
-        let mut around = Vec::new();
-        let mut h = first;
-        while !seen[h] {
-            seen[h] = true;
-            around.push(h);
-            h = mesh.next(h);
-            while let Some(twin) = across(h) {
-                h = mesh.next(twin);
-            }
-        }
-        loops.push(around);
-    }
-    loops
 }
 
 #[cfg(test)]
