@@ -12,6 +12,7 @@ use std::collections::VecDeque;
 
 use geom::{
     CutMesh, EdgeData, FaceData, FaceId, HalfedgeData, HalfedgeId, Id, Mesh, Metric, ShortestPaths, Sides, VertexData,
+    open_vertices,
 };
 use num_complex::Complex64;
 
@@ -82,10 +83,7 @@ fn whole_polygons(input: &Mesh, lengths: &EdgeData<f64>, faces: &[FaceId]) -> Ve
 
 /// Cuts along a shortest path from each hole that touches no seam and no boundary to one that does.
 fn join_holes(input: &Mesh, lengths: &EdgeData<f64>, is_out: &FaceData<bool>, cut: &mut EdgeData<bool>) {
-    let mut is_open: VertexData<bool> = input.vertices().map(|v| input.is_boundary_vertex(v)).collect();
-    for v in input.edges().filter(|&e| cut[e]).flat_map(|e| input.ends(e)) {
-        is_open[v] = true;
-    }
+    let is_open = open_vertices(input, cut);
     let open = input.vertices().filter(|&v| is_open[v]);
     let paths = ShortestPaths::new(input, lengths, open.map(|v| (v, 0)));
     let mut is_done = FaceData::constant(input.face_count(), false);

@@ -6,9 +6,10 @@
 
 use std::f64::consts::PI;
 
-use geom::{EdgeData, EdgeId, FaceData, FaceId, HalfedgeId, Interrupted, Islands, Mesh, ShortestPaths, Watch};
+use geom::{
+    EdgeData, EdgeId, FaceData, FaceId, HalfedgeId, Interrupted, Islands, Mesh, ShortestPaths, Watch, open_vertices,
+};
 
-use super::divide::open_vertices;
 use super::map::UvMap;
 use super::triangle;
 

@@ -14,7 +14,9 @@
 use std::cmp::Reverse;
 use std::f64::consts::{FRAC_PI_2, TAU};
 
-use geom::{EdgeData, EdgeId, FaceData, FaceId, HalfedgeId, Id, Islands, Mesh, Rows, VertexId, edges_at};
+use geom::{
+    EdgeData, EdgeId, FaceData, FaceId, HalfedgeId, Id, Islands, Mesh, Rows, VertexId, edges_at, open_vertices,
+};
 use num_complex::Complex64;
 use rayon::prelude::*;
 
@@ -23,7 +25,6 @@ use super::across::axis;
 use super::attach::{ALLOWED, Moved, may_meet};
 use super::boxes::{self, Bounds, Boxes, joined};
 use super::chains::motion_across;
-use super::divide::open_vertices;
 use super::map::UvMap;
 use super::motion::Motion;
 use super::overlap::NEGLIGIBLE_DEPTH;

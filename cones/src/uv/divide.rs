@@ -20,8 +20,8 @@
 
 use geom::{
     EdgeData, EdgeId, FaceData, FaceId, Id, Interrupted, Islands, Mesh, ShortestPaths, VertexData, VertexId, Watch,
+    kruskal, open_vertices, other_end,
 };
-use geom::{kruskal, other_end};
 use rayon::prelude::*;
 
 use super::AT_ONCE;
@@ -175,13 +175,6 @@ impl Open {
         }
         Self { cut, is_open, distance: VertexData::constant(0, 0.0) }
     }
-}
-
-/// Which vertices are on the boundary of a mesh that is opened along the marked edges.
-pub(super) fn open_vertices(mesh: &Mesh, cut: &EdgeData<bool>) -> VertexData<bool> {
-    let mut is_open: VertexData<bool> = mesh.vertices().map(|v| mesh.is_boundary_vertex(v)).collect();
-    mesh.edges().filter(|&e| cut[e]).flat_map(|e| mesh.ends(e)).for_each(|v| is_open[v] = true);
-    is_open
 }
 
 /// The tree of shortest paths to what was open at first.

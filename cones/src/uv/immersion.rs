@@ -12,11 +12,10 @@
 use std::ops::Range;
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 
-use geom::{FaceData, FaceId, Id, Interrupted, Islands, Mesh, VertexData, Watch};
+use geom::{FaceData, FaceId, Id, Interrupted, Islands, Mesh, VertexData, Watch, open_vertices};
 use rayon::prelude::*;
 
 use super::boxes::{Boxes, bounds};
-use super::divide::open_vertices;
 use super::map::UvMap;
 use super::overlap::{FREE_PAIRS, NEGLIGIBLE_DEPTH, Overlap, Overlaps};
 use super::table::Set;

@@ -1,7 +1,6 @@
 //! A map of a surface to the plane: positions of corners, and the edges where it is open.
 
 use geom::{CutMesh, EdgeData, FaceId, HalfedgeData, HalfedgeId, Id, Islands, Mesh, WedgeData};
-
 use rayon::prelude::*;
 
 use super::AT_ONCE;

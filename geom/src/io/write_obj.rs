@@ -390,6 +390,17 @@ mod tests {
     use super::*;
 
     #[test]
+    fn of_two_errors_that_of_the_texture_coordinates_is_told() {
+        let model = crate::io::read_bytes("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n".into(), "a.obj").unwrap();
+        let foreign = Triangles { corners: vec![[0, 1, 9]], face_of: vec![0] };
+        let content = ObjContent { uv: Some(&[]), triangles: Some(&foreign), ..ObjContent::default() };
+        let told = write_obj(&model, &content, Vec::new());
+        assert!(matches!(told, Err(WriteError::TextureCount { found: 0, corners: 3 })), "{told:?}");
+        let content = ObjContent { uv: None, ..content };
+        assert!(matches!(write_obj(&model, &content, Vec::new()), Err(WriteError::ForeignTriangle { .. })));
+    }
+
+    #[test]
     fn blocks_have_the_place_of_the_whole() {
         let texts = [
             "v 0 0 0\nvt 0 0\nvt 1 0\nf 1/1 1/2 1/1\nvt 2 2\nf 1 1 1\n",

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use crate::mesh::{EdgeData, FaceData, FaceId, HalfedgeData, HalfedgeId, Id, Mesh};
+use crate::mesh::{EdgeData, FaceData, FaceId, HalfedgeData, HalfedgeId, Id, Mesh, VertexData};
 use crate::parallel;
 
 /// So many triangles or halfedges are gone through one after the other.
@@ -64,6 +64,16 @@ impl Islands {
     pub fn boundary_loops(&self) -> &[Vec<HalfedgeId>] {
         &self.boundary_loops
     }
+}
+
+/// Which vertices are on the boundary of a mesh that is opened along the marked edges. O(V + E).
+///
+/// # Panics
+/// If there is an edge without a mark.
+pub fn open_vertices(mesh: &Mesh, cut: &EdgeData<bool>) -> VertexData<bool> {
+    let mut is_open: VertexData<bool> = mesh.vertices().map(|v| mesh.is_boundary_vertex(v)).collect();
+    mesh.edges().filter(|&e| cut[e]).flat_map(|e| mesh.ends(e)).for_each(|v| is_open[v] = true);
+    is_open
 }
 
 /// For each triangle the number of its island, and how many there are; `across` leads over edges that are not cut. Triangles are labelled in runs

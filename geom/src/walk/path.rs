@@ -366,6 +366,21 @@ mod tests {
     }
 
     #[test]
+    fn no_edge_makes_a_way_shorter_on_a_surface_whose_edges_are_copied_in_several_runs() {
+        let (mesh, lengths) = torus(200);
+        assert!(mesh.vertex_count() > RUN);
+        let source = VertexId(RUN as u32 - 1);
+        let paths = ShortestPaths::new(&mesh, &lengths, [(source, 0)]);
+        for (e, [a, b]) in mesh.edges().map(|e| (e, mesh.ends(e).map(|v| paths.distance[v]))) {
+            assert!(a <= b + lengths[e] && b <= a + lengths[e]);
+        }
+        for v in mesh.vertices().filter(|&v| v != source) {
+            let e = paths.predecessor[v].unwrap();
+            assert_eq!(paths.distance[v], paths.distance[other_end(&mesh, e, v)] + lengths[e]);
+        }
+    }
+
+    #[test]
     fn paths_lead_to_their_owner_and_are_as_long_as_the_distance() {
         let (mesh, lengths) = torus(9);
         let sources = [VertexId(3), VertexId(40), VertexId(77)];
