@@ -72,3 +72,20 @@ impl Quality {
         distortion_of(&self.ratios)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_largest_log_scale_is_that_farthest_from_the_mean_either_way() {
+        for sign in [1.0, -1.0] {
+            // Log scales of 1, -2 and 0.5, with the mean 0.3 · 1 - 0.2 · 2 + 0.5 · 0.5 = 0.15.
+            let ratios =
+                [(3.0, 1.0), (2.0, -2.0), (5.0, 0.5)].map(|(area, u): (f64, f64)| (area, (2.0 * sign * u).exp()));
+            let quality = Quality { quasi_conformal: 1.0, ratios: ratios.to_vec(), bent_share: 0.0 };
+            assert!((quality.mean_log_scale() - sign * 0.15).abs() < 1e-12);
+            assert!((quality.largest_log_scale() - 2.15).abs() < 1e-12);
+        }
+    }
+}

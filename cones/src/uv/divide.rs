@@ -492,3 +492,39 @@ impl<'a> Division<'a> {
         smallness * length / if preference.power == 1.0 { resolved } else { resolved.powf(preference.power) }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use geom::{Metric, shapes};
+
+    #[test]
+    fn each_cut_is_the_best_with_all_before_it_free() {
+        // A torus is first cut to a disk.
+        for shape in [shapes::disk(600), shapes::torus(1, 600)] {
+            let mesh = shape.mesh();
+            let metric = Metric::from_points(&mesh, &shape.points);
+            let triangle = |k: usize| FaceId::new(k % mesh.face_count());
+            let pair = |k: usize| Pair { triangles: [triangle(7919 * k), triangle(104_729 * k)], weight: 1 + k as i64 };
+            let pairs: Vec<Pair> = (1..40).map(pair).filter(|pair| pair.triangles[0] != pair.triangles[1]).collect();
+            let preference = Preference { within_overlap: 3.0, power: 1.0, least_share: 0.03 };
+            let cut = EdgeData::constant(mesh.edge_count(), false);
+            let divider = Divider::new((&mesh, metric.lengths()), &cut, &pairs, 3.0, Watch::NONE).unwrap();
+            assert!(mesh.vertices().all(|v| !divider.open.is_open[v] || divider.open.distance[v] == 0.0));
+            let mut open = divider.open.clone();
+            let mut division = Division::new(&divider.cotree, &pairs);
+            let mut cuts = 0;
+            while division.has_pairs() {
+                divider.tree.measure(&mut open);
+                let length = |i: usize| divider.tree.closing(&mesh, divider.cotree.crossing[i]).length(&open.distance);
+                let [i] = division.best(length, &preference, 1)[..] else { panic!("there is one best cut") };
+                divider.tree.cut(&mesh, &mut open, divider.cotree.crossing[i]);
+                division.part(i);
+                division.count();
+                cuts += 1;
+            }
+            assert!((4..ONE_AT_A_TIME).contains(&cuts), "{cuts} cuts");
+            assert_eq!(divider.divide(&preference, Watch::NONE).unwrap(), open.cut);
+        }
+    }
+}
