@@ -27,7 +27,8 @@ export abstract class Chart {
   private readonly sheet = element("svg", { class: "marks", "aria-hidden": "true" });
 
   constructor(protected readonly place: HTMLElement, private readonly label: string) {
-    new ResizeObserver(() => this.draw()).observe(place);
+    // An observer also tells of the size that it begins with, which may be drawn already.
+    new ResizeObserver(() => (place.clientWidth === this.frame.width && place.clientHeight === this.frame.height) || this.draw()).observe(place);
   }
 
   protected abstract fill(svg: SVGElement): void;

@@ -581,10 +581,12 @@ try {
     await firstMap(file);
     assert.match(await file.textContent("#about"), /network, values from 1 to 9/);
     assert.deepEqual(await file.locator("#cones li span:first-child").allTextContents(), ["New York", "Rome", "<b>Ur</b>"]);
-    const bars = await file.locator("#curve [data-pair]").evaluateAll((lines) => lines.map((line) => line.getBBox().width));
+    // In one step: between finding and measuring, a chart may be drawn anew.
+    const sizes = (selector) => file.evaluate((selector) => Array.from(document.querySelectorAll(selector), (shape) => shape.getBBox()).map(({ width, height }) => ({ width, height })), selector);
+    const bars = (await sizes("#curve [data-pair]")).map(({ width }) => width);
     assert.ok(bars.length === 3 && bars.every((width) => width > 20), `${bars}`);
-    const depths = await file.locator("#tree path").evaluateAll((paths) => paths.map((path) => path.getBBox().height));
-    assert.ok(depths.every((height) => height > 20), `${depths}`);
+    const depths = (await sizes("#tree path")).map(({ height }) => height);
+    assert.ok(depths.length === 3 && depths.every((height) => height > 20), `${depths}`);
     assert.match(await file.locator("#diagram circle title").first().textContent(), /maximum at New York: 9 to the end/);
     await file.click("#cones li:nth-child(2) button");
     assert.match(await file.textContent("#numbers"), /Maximum atRome.*Saddle atLlanfair.*Persistence5JoinsNew York/);
