@@ -9,6 +9,7 @@ use std::f64::consts::PI;
 use geom::{
     EdgeData, EdgeId, FaceData, FaceId, HalfedgeId, Interrupted, Islands, Mesh, ShortestPaths, Watch, open_vertices,
 };
+use rayon::prelude::*;
 
 use super::map::UvMap;
 use super::triangle;
@@ -25,6 +26,10 @@ const LEAST_SHARE: f64 = 0.005;
 
 /// How far something reaches in each direction, and in each opposite one.
 type Reach = [f32; 2 * DIRECTIONS];
+const NOWHERE: Reach = [f32::MIN; 2 * DIRECTIONS];
+
+/// So many triangles are looked at one after the other.
+const AT_ONCE: usize = 1024;
 
 /// A path across an island.
 #[derive(Clone, Debug)]
@@ -183,8 +188,8 @@ impl<'a> Paths<'a> {
         chosen
     }
 
-    /// For each path the areas of rectangles about both sides, over that of one about the island. However the island lies
-    /// they are the same.
+    /// For each path, in the order of the sweep, the areas of rectangles about both sides, over that of one about the island.
+    /// However the island lies they are the same.
     ///
     /// # Errors
     /// If it is stopped.
@@ -192,22 +197,29 @@ impl<'a> Paths<'a> {
         let corners = sweep.faces.iter().flat_map(|&f| self.map.triangle(f));
         let axis = axis(corners);
         let directions = std::array::from_fn(|k| (axis + PI * k as f64 / DIRECTIONS as f64).sin_cos());
-        let reach: Vec<Reach> = sweep.faces.iter().map(|&f| self.reach(f, &directions)).collect();
+        let faces = sweep.faces.par_iter().with_min_len(AT_ONCE);
+        let reach: Vec<Reach> = faces.map(|&f| self.reach(f, &directions)).collect();
         watch.ask(0.4)?;
-        let mut below = reach.clone();
+        let after: Vec<Reach> = running(reach.iter().rev());
+        // What is before a path is met on the way from one to the next.
+        let (mut before, mut at) = (NOWHERE, 0);
+        let outside = across.iter().map(|path| {
+            before = reach[at..path.first].iter().fold(before, |all, next| farther(&all, next));
+            at = path.first;
+            farther(&before, &after[sweep.faces.len() - path.end])
+        });
+        let outside: Vec<Reach> = outside.collect();
+        drop(after);
+        watch.ask(0.6)?;
+        let mut below = reach;
         for k in (1..below.len()).rev() {
             let parent = sweep.parent(self.mesh, k);
             below[parent] = farther(&below[parent], &below[k]);
         }
-        watch.ask(0.6)?;
-        let before = running(reach.iter());
-        let after: Vec<Reach> = running(reach.iter().rev());
-        let both = |path: &Across| {
-            let outside = farther(&before[path.first], &after[sweep.faces.len() - path.end]);
-            (rectangle(&below[path.first]) + rectangle(&outside)) / rectangle(&below[0])
-        };
         watch.ask(0.9)?;
-        Ok(across.iter().map(both).collect())
+        let whole = rectangle(&below[0]);
+        let share = |(path, outside): (&Across, &Reach)| (rectangle(&below[path.first]) + rectangle(outside)) / whole;
+        Ok(across.iter().zip(&outside).map(share).collect())
     }
 
     /// The length of the path that an edge closes; nothing if both of its ends come to the same point.
@@ -261,7 +273,7 @@ impl<'a> Paths<'a> {
 
     /// How far a triangle reaches in directions, given by sine and cosine.
     fn reach(&self, f: FaceId, directions: &[(f64, f64); DIRECTIONS]) -> Reach {
-        let mut reach = [f32::MIN; 2 * DIRECTIONS];
+        let mut reach = NOWHERE;
         for [x, y] in self.mesh.sides(f).map(|h| self.map.position[h]) {
             for (k, (sin, cos)) in directions.iter().enumerate() {
                 let at = (cos * x + sin * y) as f32;
@@ -308,7 +320,7 @@ fn farther(a: &Reach, b: &Reach) -> Reach {
 
 /// Element k: how far the first k reach.
 fn running<'a>(reach: impl Iterator<Item = &'a Reach>) -> Vec<Reach> {
-    let mut all = vec![[f32::MIN; 2 * DIRECTIONS]];
+    let mut all = vec![NOWHERE];
     for next in reach {
         all.push(farther(&all[all.len() - 1], next));
     }

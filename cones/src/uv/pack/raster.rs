@@ -38,23 +38,23 @@ pub(super) struct Run {
 impl Shape {
     /// The cells of an island: `edges` about its centre, turned and scaled, and a margin in cells.
     pub(super) fn new(edges: &[[Complex64; 2]], turn: Complex64, scale: f64, margin: f64) -> Self {
-        let place = |z: Complex64| z * turn * scale;
+        let mut edges: Vec<[Complex64; 2]> = edges.iter().map(|edge| edge.map(|z| z * turn * scale)).collect();
         let (mut low, mut high) = (Complex64::new(f64::MAX, f64::MAX), Complex64::new(f64::MIN, f64::MIN));
-        for z in edges.iter().flatten().map(|&z| place(z)) {
+        for z in edges.iter().flatten() {
             low = Complex64::new(low.re.min(z.re), low.im.min(z.im));
             high = Complex64::new(high.re.max(z.re), high.im.max(z.im));
         }
         let inset = Complex64::new(ROUNDING, ROUNDING);
         let low = low - inset;
         let size = [high.re - low.re, high.im - low.im].map(|extent| (extent + ROUNDING) as usize + 1);
-        let edges = || edges.iter().map(|edge| edge.map(|z| place(z) - low));
+        edges.iter_mut().flatten().for_each(|z| *z -= low);
         let mut cells = Bitmap::new(size);
-        fill(&mut cells, edges());
-        edges().for_each(|edge| touched(&mut cells, edge));
+        fill(&mut cells, &edges);
+        edges.iter().for_each(|&edge| touched(&mut cells, edge));
         let pad = margin.ceil() as usize + 1;
         let mut kept_off = cells.padded(pad);
         let shift = Complex64::new(pad as f64, pad as f64);
-        edges().for_each(|edge| capsule(&mut kept_off, edge.map(|z| z + shift), margin));
+        edges.iter().for_each(|edge| capsule(&mut kept_off, edge.map(|z| z + shift), margin));
         Self { turn, low, size, taken: spread(cells.runs()), kept_off, pad }
     }
 
@@ -86,13 +86,13 @@ fn spread(runs: Vec<Run>) -> Vec<Run> {
 }
 
 /// Sets the cells whose centre is wound about.
-fn fill(cells: &mut Bitmap, edges: impl Iterator<Item = [Complex64; 2]>) {
+fn fill(cells: &mut Bitmap, edges: &[[Complex64; 2]]) {
     let [width, height] = cells.size;
     let mut steps: Vec<Vec<(usize, i32)>> = vec![Vec::new(); height];
-    for [a, b] in edges {
+    for &[a, b] in edges {
         let (low, high, way) = if a.im <= b.im { (a, b, 1) } else { (b, a, -1) };
         // Rows whose centre line is crossed, the lower end included.
-        let rows = (low.im + 0.5).floor().max(0.0) as usize..(high.im + 0.5).floor().max(0.0) as usize;
+        let rows = (low.im + 0.5) as usize..(high.im + 0.5) as usize;
         for (row, steps) in steps.iter_mut().enumerate().take(rows.end.min(height)).skip(rows.start) {
             let y = row as f64 + 0.5;
             if !(low.im <= y && y < high.im) {
@@ -136,27 +136,25 @@ fn touched(cells: &mut Bitmap, [a, b]: [Complex64; 2]) {
     }
 }
 
-/// Sets the cells that come within `radius` of an edge.
+/// Sets the cells that come within `radius` of an edge that ends inside.
 fn capsule(cells: &mut Bitmap, [a, b]: [Complex64; 2], radius: f64) {
     let radius = radius + ROUNDING;
-    let [width, height] = cells.size.map(|n| n as f64);
-    let first = (a.im.min(b.im) - radius).floor().max(0.0);
-    let last = (a.im.max(b.im) + radius).floor().min(height - 1.0);
-    let mut set = |row: f64, left: f64, right: f64| {
-        let (from, to) = (left.floor().max(0.0), (right.floor() + 1.0).min(width));
-        if from < to {
-            cells.set(row as usize, from as usize, to as usize);
-        }
-    };
-    if first == last {
-        return set(first, a.re.min(b.re) - radius, a.re.max(b.re) + radius);
+    let [width, height] = cells.size;
+    let cell = |at: f64, count: usize| (at.max(0.0) as usize).min(count - 1);
+    let rows = cell(a.im.min(b.im) - radius, height)..=cell(a.im.max(b.im) + radius, height);
+    let from = cell(a.re.min(b.re) - radius, width);
+    let to = cell(a.re.max(b.re) + radius, width) + 1;
+    if rows.start() == rows.end() {
+        return cells.set(*rows.start(), from, to);
+    }
+    // Of a long outline in large cells mostly others have set all that there is.
+    if rows.clone().all(|row| cells.next(row, from, false) >= to) {
+        return;
     }
     let (right, left) = (Capsule::new(a, b, radius), Capsule::new(-a.conj(), -b.conj(), radius));
-    let mut row = first;
-    while row <= last {
-        let band = [row, row + 1.0];
-        set(row, -left.reach(band), right.reach(band));
-        row += 1.0;
+    for row in rows {
+        let band = [row as f64, (row + 1) as f64];
+        cells.set(row, cell(-left.reach(band), width), cell(right.reach(band), width) + 1);
     }
 }
 
