@@ -66,12 +66,14 @@ pub enum Error {
         given: usize,
     },
     /// Given curvatures break Gauss–Bonnet.
-    #[error("the given curvatures sum to {sum:.9}, but on this closed surface they must sum to 2πχ = {total:.9}")]
+    #[error("the given curvatures sum to {sum:.9}, but on this closed surface they must sum to 2πχ = {total:.9}{}", if *has_handles { ": those found with opened handles may not, open them again" } else { "" })]
     CurvatureSum {
         /// What they sum to.
         sum: f64,
         /// What they should.
         total: f64,
+        /// Whether it has handles, which may be [opened](crate::Handles).
+        has_handles: bool,
     },
     /// A given curvature leaves no angle.
     #[error("a cone's curvature must be less than 2π, but {0} is given")]
@@ -80,10 +82,12 @@ pub enum Error {
     #[error("these cones are of another analysis: give their vertices to this one")]
     ForeignCones,
     /// An edge for seams, or without, is none of the model's.
-    #[error("there is no edge from vertex {} to {} (counted from 0): seams run along edges of faces", ends[0], ends[1])]
+    #[error("there is no edge from vertex {} to {} (counted from 0): seams run along edges of faces{}", ends[0], ends[1], if *is_refined { ", and these are even triangles, which have other edges" } else { "" })]
     NoSuchEdge {
         /// Its vertices.
         ends: [u32; 2],
+        /// Whether the surface was [refined](crate::Refining).
+        is_refined: bool,
     },
     /// An edge was given for a seam where the surface ends.
     #[error("the edge from vertex {} to {} (counted from 0) is on the boundary, where the surface is open already", ends[0], ends[1])]

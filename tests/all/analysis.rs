@@ -6,6 +6,8 @@ use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 use std::sync::{Arc, Barrier};
 use std::time::{Duration, Instant};
 
+use cones::report::{MeasuredAtlas, UvSize};
+use cones::uv::{PackOptions, Tiles};
 use cones::{
     Analysis, Atlas, Baseline, ConeChoice, Cones, CurvatureRule, Error, FreeSeams, Handles, Islands, Note, Options,
     Placement, Preparation, Progress, Refining, SeamOptions, Symmetry, unwrap_model,
@@ -769,4 +771,32 @@ fn options_come_back_as_they_were_serialized_and_what_is_left_out_is_the_default
     let expected = Options { preparation, rule: CurvatureRule::Harmonic, ..count(8) };
     assert_eq!(serde_json::from_str::<Options>(text).expect("a few are given"), expected);
     assert!(serde_json::from_str::<Options>(r#"{"placement":"anyhow"}"#).is_err());
+}
+
+#[test]
+fn islands_have_the_area_of_the_surface_and_the_density_that_was_asked_for() {
+    let shape = solids::side_by_side(&[shapes::hare(700), shapes::torus(1, 400)]);
+    let model = model(&shape);
+    let surface: f64 = shape
+        .triangles
+        .iter()
+        .map(|t| t.map(|v| shape.points[v as usize]))
+        .map(|[a, b, c]| 0.5 * vector::length(vector::cross(vector::sub(b, a), vector::sub(c, a))))
+        .sum();
+    let analysis = Analysis::new(&model).unwrap();
+    let with = |tiles: Tiles, size: UvSize| {
+        let packing = PackOptions { tiles, ..PackOptions::default() };
+        let atlas = analysis.atlas(&Options { packing, ..count(8) }).unwrap();
+        let triangles = atlas.triangles.corners.clone();
+        let uv = MeasuredAtlas::new(&model, atlas, size, analysis.weld()).unwrap().uv;
+        let twice = |[p, q, r]: [[f64; 2]; 3]| (q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0]);
+        triangles.iter().map(|t| 0.5 * twice(t.map(|c| uv[c as usize])).abs()).sum::<f64>()
+    };
+    let raw = with(Tiles::One, UvSize::Raw);
+    assert!(raw > 1.001 * surface, "what is scaled is not the surface's already: {raw} {surface}");
+    let area = with(Tiles::One, UvSize::Area);
+    assert!((area / surface - 1.0).abs() < 1e-9, "{area} {surface}");
+    let on_tiles = with(Tiles::Udim { texel_density: 900.0 }, UvSize::Unit);
+    let texels = f64::from(PackOptions::default().texture_size).powi(2) * on_tiles;
+    assert!((texels / (900.0 * 900.0 * surface) - 1.0).abs() < 1e-9, "{texels}");
 }

@@ -167,8 +167,8 @@ fn edges_that_are_none_are_refused_by_name() {
     let avoid = |edge| SeamOptions { avoid: vec![edge], ..SeamOptions::default() };
     let kept = |edge| SeamOptions { kept: vec![edge], ..SeamOptions::default() };
     for none in [[0, 0], [0, 100_000], [0, mesh.vertex_count() as u32 - 1]] {
-        assert!(matches!(flatten(given(none)), Err(Error::NoSuchEdge { ends }) if ends == none));
-        assert!(matches!(flatten(avoid(none)), Err(Error::NoSuchEdge { ends }) if ends == none));
+        assert!(matches!(flatten(given(none)), Err(Error::NoSuchEdge { ends, is_refined: false }) if ends == none));
+        assert!(matches!(flatten(avoid(none)), Err(Error::NoSuchEdge { ends, is_refined: false }) if ends == none));
         flatten(kept(none)).unwrap();
     }
     assert!(matches!(flatten(given(rim)), Err(Error::OpenEdge { ends }) if ends == rim));
@@ -246,6 +246,34 @@ fn seams_that_do_not_tile_are_told_of() {
     assert!(tiling.broken > 0 && told, "{tiling:?}");
     let plain = unwrap_model(&shapes::hare(500).into(), &count(6)).unwrap();
     assert_eq!(plain.tiling, None);
+}
+
+/// A prism of five sides, as its faces are: a net of its corners is exact, with curvatures of 2π/5.
+fn prism() -> Model {
+    let point = |k: u32| {
+        let (sin, cos) = (f64::from(k % 5) * 0.4 * std::f64::consts::PI).sin_cos();
+        [cos, sin, f64::from(k / 5)]
+    };
+    let sides = (0..5).map(|k| vec![k, (k + 1) % 5, 5 + (k + 1) % 5, 5 + k]);
+    let faces: Vec<Vec<u32>> = sides.chain([vec![4, 3, 2, 1, 0], vec![5, 6, 7, 8, 9]]).collect();
+    Model::from_polygons((0..10).map(point).collect(), &faces).expect("an ordinary solid")
+}
+
+#[test]
+fn cones_at_all_corners_of_a_net_are_rounded_too() {
+    let whole = |atlas: &Atlas| {
+        let steps = atlas.cones.iter().map(|cone| cone.curvature / std::f64::consts::FRAC_PI_2);
+        steps.map(|steps| (steps - steps.round()).abs()).fold(0.0, f64::max) < 1e-9
+    };
+    let net = unwrap_model(&prism(), &Options::default()).unwrap();
+    assert!(net.cones.len() == 10 && !whole(&net));
+    let tiling = unwrap_model(&prism(), &Options { quantize: Some(Symmetry::Fourfold), ..Options::default() }).unwrap();
+    assert!(whole(&tiling) && tiling.tiling.unwrap().broken == 0, "{:?} {:?}", tiling.cones, tiling.tiling);
+    // Given curvatures stay as they are.
+    let given = net.cones.iter().map(|cone| (cone.vertex, Some(cone.curvature))).collect();
+    let options = Options { cones: ConeChoice::Given(given), quantize: Some(Symmetry::Fourfold), ..Options::default() };
+    let given = unwrap_model(&prism(), &options).unwrap();
+    assert!(given.notes.iter().any(|note| matches!(note, Note::SeamsDoNotTile { are_given: true, .. })));
 }
 
 /// The surface of a cube of n × n quads a side, with its points moved.

@@ -130,6 +130,7 @@ pub(crate) fn run(args: &UnwrapArgs) -> Result<(), CommandError> {
     args.packing.check();
     args.seams.check();
     check_max_seam(args);
+    check_scale(args);
     args.candidates.warn_of_idle_smoothing();
     match (&args.many.out_dir, &args.output) {
         (Some(folder), _) => many::run(args, folder),
@@ -144,6 +145,14 @@ fn check_max_seam(args: &UnwrapArgs) {
     if args.max_seam.is_some() && !matches!(args.islands, IslandsName::Pack) {
         let message = "--max-seam is for --islands pack: add that, or leave --max-seam out\n";
         clap::Error::raw(clap::error::ErrorKind::MissingRequiredArgument, message).exit()
+    }
+}
+
+/// Tiles are unit squares: islands in another size would lie across them.
+fn check_scale(args: &UnwrapArgs) {
+    if args.packing.is_udim() && !matches!(args.scale, Scale::Unit) {
+        let message = "--udim puts islands on tiles that are unit squares, by --texel-density: leave --scale out\n";
+        clap::Error::raw(clap::error::ErrorKind::ArgumentConflict, message).exit()
     }
 }
 

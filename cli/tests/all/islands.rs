@@ -208,3 +208,14 @@ fn figures_of_a_split_surface_are_those_of_the_welded_one() {
         assert_eq!(figures(&printed(&folder, &again)), figures(&whole), "and those of an unwrapping");
     }
 }
+
+#[test]
+fn tiles_are_unit_squares() {
+    let folder = Folder::with_shapes();
+    let tiles = ["unwrap", "hare.obj", "-o", "out.obj", "--udim", "--texel-density", "300", "--scale"];
+    for scale in ["area", "none"] {
+        let said = stderr(&folder.run(&[&tiles[..], &[scale]].concat()).code(2));
+        assert!(said.contains("leave --scale out"), "{said}");
+    }
+    folder.run(&[&tiles[..], &["unit"]].concat()).success();
+}

@@ -119,3 +119,18 @@ fn a_missing_file_of_edges_or_cones_is_told_as_a_missing_mesh_is() {
         assert_eq!(complaint, "error: missing.txt: there is no such file\n");
     }
 }
+
+#[test]
+fn edges_that_even_triangles_do_not_have_are_told_of() {
+    let folder = Folder::with_shapes();
+    folder.run(&["unwrap", "hare.obj", "-n", "6", "-o", "before.obj"]).success();
+    let kept = ["unwrap", "before.obj", "-o", "out.obj", "--keep-seams"];
+    let said = stderr(&folder.run(&kept).success());
+    assert!(!said.contains("are no seams"), "{said}");
+    let said = stderr(&folder.run(&[&kept[..], &["--refine"]].concat()).success());
+    let said = said.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(
+        said.contains("edges of the input's seams are no seams of the map: even triangles have other edges"),
+        "{said}"
+    );
+}

@@ -44,8 +44,11 @@ impl Topology {
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct Atlas {
-    /// A position in the plane for each corner of the model. The total area is that of the surface.
+    /// A position in the plane for each corner of the model. On each part the mean of the log scale, weighted by area, is about 0: islands have
+    /// a little more area than the surface.
     pub uv: Vec<[f64; 2]>,
+    /// The area of the surface.
+    pub area: f64,
     /// What positions are multiplied by so that the tile is the unit square, or tiles are unit squares.
     pub scale: f64,
     /// How many tiles the islands are on.

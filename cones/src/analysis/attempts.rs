@@ -352,9 +352,9 @@ impl Attempts<'_> {
             _ => 0.0,
         };
         let longest = short.max(LONGEST_NET * self.seams(&flat));
-        let rule = self.options.rule;
         let stage = (Stage::Curvature, self.component.index);
-        let configured = self.task.stage(stage, self.times, |watch| self.component.configure(corners, rule, watch))?;
+        let with_curvatures = |watch: Watch| self.component.with_curvatures(corners, self.options, watch);
+        let configured = self.task.stage(stage, self.times, with_curvatures)?;
         match configured {
             Ok(configuration) => match self.attempt(&configuration)? {
                 Ok(net) if self.is_sound(&net) && cost(&net) < cost(&flat) && self.seams(&net) <= longest => Ok(net),

@@ -29,6 +29,9 @@ impl Analysis {
         made: impl Fn(f64) -> Result<Self, Error>,
     ) -> Result<(Self, Atlas), Error> {
         let mut taken = (self, atlas);
+        if options.seams.names_edges() {
+            return Ok(taken); // each time fewer of these edges are left
+        }
         if taken.0.refined().is_none() && options.preparation.refine == Refining::Needles {
             taken = taken.0.or_other(taken.1, options, || made(LARGEST))?;
         }

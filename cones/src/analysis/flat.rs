@@ -200,9 +200,7 @@ impl Component {
     /// may change by more: they are as sharp as pays.
     pub(crate) fn doubt(&self, flat: &Flat, are_given: bool) -> Option<Note> {
         let (most_area, most_angle, most_log) = DOUBTFUL;
-        let mut u = flat.u.clone();
-        self.operators.subtract_mean(&mut u);
-        let log = u.iter().fold(0.0_f64, |most, u| most.max(u.abs()));
+        let log = flat.quality.largest_log_scale();
         let (area, angles) = (flat.quality.area_distortion(), flat.quality.quasi_conformal);
         let is_good = area <= most_area && angles <= most_angle && (log <= most_log || !are_given);
         let component = self.index;

@@ -153,6 +153,15 @@ pub enum Note {
         seams: usize,
         /// Across how many of them it does not run on.
         broken: usize,
+        /// Whether curvatures were given, which are not rounded.
+        are_given: bool,
+    },
+    /// A refined surface has not all edges that were to be kept as seams.
+    SeamsNotKept {
+        /// How many edges it lacks.
+        lost: usize,
+        /// How many there are of the input.
+        of: usize,
     },
     /// The cones that were to be flattened, given ones for example, make a bad map.
     Distorted {
@@ -175,7 +184,10 @@ impl Note {
 
     fn component_mut(&mut self) -> Option<&mut usize> {
         match self {
-            Self::FewerThanNeeded { .. } | Self::FewExtrema { .. } | Self::SeamsDoNotTile { .. } => None,
+            Self::FewerThanNeeded { .. }
+            | Self::FewExtrema { .. }
+            | Self::SeamsDoNotTile { .. }
+            | Self::SeamsNotKept { .. } => None,
             Self::Mollified { component }
             | Self::NotSmoothed { component }
             | Self::PlacedByPersistence { component, .. }
@@ -284,11 +296,20 @@ impl fmt::Display for Note {
                     cones(left)
                 )
             }
-            Self::SeamsDoNotTile { symmetry, seams, broken } => write!(
+            Self::SeamsDoNotTile { symmetry, seams, broken, are_given } => write!(
                 f,
-                "a texture that looks the same after 1/{} of a turn does not run on across {broken} of {seams} seams: no \
-                 cone sets how handles and boundaries turn",
-                symmetry.order()
+                "a texture that looks the same after 1/{} of a turn does not run on across {broken} of {seams} seams: {}",
+                symmetry.order(),
+                if *are_given {
+                    "given curvatures are not rounded"
+                } else {
+                    "no cone sets how handles and boundaries turn"
+                }
+            ),
+            Self::SeamsNotKept { lost, of } => write!(
+                f,
+                "{lost} of {of} edges of the input's seams are no seams of the map: even triangles have other edges, leave \
+                 them as they are to keep these"
             ),
             Self::TargetMissed { target, reached, cones: count, .. } => {
                 write!(f, "an area distortion of {target} was not reached: {reached:.3} with {}", cones(count))

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use geom::{EdgeData, EdgeId, FaceData, FaceId, HalfedgeId, Id, Interrupted, Watch};
+use num_complex::Complex64;
 use rayon::prelude::*;
 
 use super::component::Component;
@@ -53,7 +54,14 @@ pub(crate) fn packed(
     let Options { islands, quantize, ref seams, .. } = *options;
     // Whoever says where seams run, or has a texture run on across them, wants no others.
     let has_say = seams.names_edges() || quantize.is_some();
-    let options = &options.packing_for_texture();
+    let mut options = options.packing_for_texture();
+    if let Tiles::Udim { texel_density } = &mut options.tiles {
+        // Islands have a little more area than the surface, which texels are counted on.
+        let area: f64 = components.iter().map(|component| component.area).sum();
+        let islands: f64 = components.iter().zip(flats).map(|(component, flat)| laid_out(component, flat)).sum();
+        *texel_density *= if islands > 0.0 && area > 0.0 { (area / islands).sqrt() } else { 1.0 };
+    }
+    let options = &options;
     let is_of_several = islands == Islands::OverlapFree && components.len() > 1 && options.tiles == Tiles::One;
     let asks = is_of_several && !has_say;
     task.stage((Stage::Pack, 0), times, |watch| {
@@ -118,6 +126,14 @@ fn added(components: &[Arc<Component>], cuts: &[EdgeData<bool>], further: &[Edge
         new.map(|e| component.vertices_along(&Chain { vertices: mesh.ends(e).to_vec(), edges: vec![e] })).collect()
     };
     components.iter().zip(cuts).zip(further).flat_map(of_one).collect()
+}
+
+/// The area of a component's layout.
+fn laid_out(component: &Component, flat: &Flat) -> f64 {
+    let mesh = &component.surface.mesh;
+    let area = |[a, b, c]: [Complex64; 3]| 0.5 * ((b - a).conj() * (c - a)).im.abs();
+    let sum: f64 = mesh.faces().map(|f| area(mesh.sides(f).map(|h| flat.layout.corner(h)))).sum();
+    flat.size * flat.size * sum
 }
 
 /// Where a component's layout has a corner, in the size of the surface.

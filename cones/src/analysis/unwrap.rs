@@ -542,21 +542,37 @@ impl Analysis {
         if seams.given.is_empty() && seams.avoid.is_empty() {
             return Ok(());
         }
-        let surfaces = self.components().iter().map(|component| &component.surface);
-        let mut edges = ModelEdges::new(surfaces, self.corner_vertices());
-        for component in self.components() {
-            let opened = component.handles.loops.iter().flat_map(|around| &around.edges);
-            edges.allow(&component.surface, self.corner_vertices(), opened);
-        }
+        let edges = self.edges();
         for &ends in seams.given.iter().chain(&seams.avoid) {
             if !edges.has(ends) {
-                return Err(Error::NoSuchEdge { ends });
+                return Err(Error::NoSuchEdge { ends, is_refined: self.refined().is_some() });
             }
         }
         match seams.given.iter().find(|ends| edges.is_open(**ends)) {
             Some(&ends) => Err(Error::OpenEdge { ends }),
             None => Ok(()),
         }
+    }
+
+    /// That a refined surface has not all edges that were to be kept as seams.
+    fn lost_seams(&self, seams: &SeamOptions) -> Option<Note> {
+        if self.refined().is_none() || seams.kept.is_empty() {
+            return None;
+        }
+        let edges = self.edges();
+        let lost = seams.kept.iter().filter(|ends| !edges.has(**ends)).count();
+        (lost > 0).then_some(Note::SeamsNotKept { lost, of: seams.kept.len() })
+    }
+
+    /// The edges that seams may be given by.
+    fn edges(&self) -> ModelEdges {
+        let surfaces = self.components().iter().map(|component| &component.surface);
+        let mut edges = ModelEdges::new(surfaces, self.corner_vertices());
+        for component in self.components() {
+            let opened = component.handles.loops.iter().flat_map(|around| &around.edges);
+            edges.allow(&component.surface, self.corner_vertices(), opened);
+        }
+        edges
     }
 
     /// Puts flattened components together.
@@ -600,8 +616,11 @@ impl Analysis {
                 }
             }
         }
+        notes.extend(self.lost_seams(&options.seams));
         if let Some(Tiling { symmetry, seams, broken: broken @ 1.., .. }) = tiling {
-            notes.push(Note::SeamsDoNotTile { symmetry, seams, broken });
+            let are_given =
+                matches!(&options.cones, ConeChoice::Given(cones) if cones.iter().any(|(_, k)| k.is_some()));
+            notes.push(Note::SeamsDoNotTile { symmetry, seams, broken, are_given });
         }
         seams.extend(added);
         let opened_handles = loops.len();
@@ -621,6 +640,7 @@ impl Analysis {
         times.add(Stage::Pack, began.elapsed());
         Ok(Atlas {
             uv,
+            area: self.area(),
             scale: packing.scale,
             tiles: packing.tiles,
             fill: packing.fill,

@@ -20,7 +20,7 @@ pub enum UvSize {
     /// The islands' tile is the unit square, or their tiles are unit squares.
     #[default]
     Unit,
-    /// Areas in the layout are areas on the surface; the layout begins at 0.
+    /// All islands together have the surface's area; the layout begins at 0.
     Area,
     /// As computed.
     Raw,
@@ -131,9 +131,11 @@ impl Atlas {
     /// The texture coordinates in a size.
     pub fn uv_in(&self, size: UvSize) -> Vec<[f64; 2]> {
         let low = self.uv.iter().fold([f64::INFINITY; 2], |low, uv| [0, 1].map(|k| uv[k].min(low[k])));
+        let islands = self.fill * self.tiles as f64 / (self.scale * self.scale);
+        let to_area = if islands > 0.0 { (self.area / islands).sqrt() } else { 1.0 };
         let place = |uv: &[f64; 2]| match size {
             UvSize::Unit => uv.map(|x| x * self.scale),
-            UvSize::Area => [0, 1].map(|k| uv[k] - low[k]),
+            UvSize::Area => [0, 1].map(|k| to_area * (uv[k] - low[k])),
             UvSize::Raw => *uv,
         };
         self.uv.par_iter().with_min_len(AT_ONCE).map(place).collect()

@@ -43,6 +43,11 @@ impl PackArgs {
         }
     }
 
+    /// Whether islands go onto many tiles.
+    pub(crate) fn is_udim(&self) -> bool {
+        self.udim
+    }
+
     /// The library's options; `unit` is the length on the surface of a unit of the islands' plane.
     pub(crate) fn options(&self, unit: f64) -> PackOptions {
         let rotations = match self.rotations {
