@@ -8,7 +8,7 @@ use super::picture::{Letters, Picture};
 const MARGIN: usize = 16;
 /// A scale's width and height in pixels; narrower where there is no room.
 const BAR: [usize; 2] = [320, 14];
-/// Empty pixels beside the text of a mark, at least.
+/// Empty pixels beside what is written, at least.
 const EDGE: usize = 4;
 
 /// An entry of a legend: the colour of a square, and what it means.
@@ -31,8 +31,8 @@ pub(crate) fn strip(width: usize, scale: Option<&Scale>, entries: &[Entry]) -> P
     let title = scale.map_or_else(Vec::new, |scale| lines(scale.title, width.saturating_sub(2 * MARGIN)));
     let beside = title.last().map_or(MARGIN, |last| 2 * MARGIN + letters.width(last));
     // Entries stand beside the last line of the title, or below it where they are too wide for that.
-    let fits = entries.is_empty() || beside + entries_width(entries, letters) <= width;
-    let left = if fits { beside } else { MARGIN.min(width.saturating_sub(entries_width(entries, letters))) };
+    let fits = entries.is_empty() || beside + entries_width(entries, letters) + EDGE <= width;
+    let left = if fits { beside } else { MARGIN.min(width.saturating_sub(entries_width(entries, letters) + EDGE)) };
     let above = if fits { title.len().saturating_sub(1) } else { title.len() };
     let top = if scale.is_some() { BAR[1] + line + 3 } else { 0 };
     let foot = if scale.is_some() { MARGIN - 3 } else { MARGIN };
