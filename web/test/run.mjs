@@ -522,6 +522,18 @@ try {
     await context.close();
   });
 
+  await test("a report tells what is predicted for the cones of its map", async () => {
+    const made = spawnSync(program, ["unwrap", mesh, "-o", join(folder, "out.obj"), "--report", report, "--json"], { encoding: "utf8" });
+    assert.equal(made.status, 0, made.stderr);
+    const { chosen, predicted_area } = JSON.parse(made.stdout).number;
+    const file = await browser.newPage();
+    await file.goto(`file://${report}`);
+    await firstMap(file);
+    assert.equal(await file.inputValue("#count"), String(chosen));
+    assert.equal(await file.textContent("#numbers tr:first-child td:last-child"), predicted_area.toFixed(3));
+    await file.close();
+  });
+
   // Fields: a mesh, a picture, a volume, a series.
   writeFields(folder);
   const fields = [

@@ -199,6 +199,7 @@ impl Job<'_> {
     fn unwrap(&self, progress: &Progress) -> Result<(Unwrapped, Times), CommandError> {
         let Self { args, input, format, .. } = *self;
         let mut options = options(args, input)?;
+        args.candidates.warn_of_idle_choice(&options);
         let edges = args.seams.read(&mut options)?;
         let (model, read) = input::read_model(input)?;
         args.seams.keep(input, &model, &mut options)?;

@@ -104,7 +104,8 @@ fn drawn_scale(scale: &Scale, top: f64) -> String {
         hex(INK)
     );
     for (place, mark) in &scale.marks {
-        let x = 24.0 + place * BAR;
+        // A letter is less than nine units wide: a long mark at the left end stays on the page.
+        let x = (24.0 + place * BAR).max(4.5 * mark.len() as f64);
         let _ = writeln!(svg, "<text x=\"{x:.1}\" y=\"{:.1}\" text-anchor=\"middle\">{mark}</text>", top + 29.0);
     }
     let _ = writeln!(svg, "<text x=\"{:.1}\" y=\"{:.1}\">{}</text>\n</g>", 24.0 + BAR + 24.0, top + 12.0, scale.title);

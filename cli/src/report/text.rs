@@ -4,7 +4,7 @@ use super::seams::seam_text;
 use super::table::{counted, labelled, thousands};
 use super::{InputReport, UnwrapReport};
 use cones::report::{DistortionReport, OverlapReport, RefinedReport, Report};
-use cones::{ConeChoice, Islands, Options, Placement, Prediction};
+use cones::{ConeChoice, Islands, Options, Prediction};
 use geom::{Repair, RepairKind};
 
 /// Above this quasi-conformal distortion finer triangles are worth a thought.
@@ -80,16 +80,8 @@ fn short(distortion: f64, decimals: usize) -> String {
 
 /// How cones and their curvatures are chosen.
 pub(super) fn rule(options: &Options) -> String {
-    let curvatures = match &options.cones {
-        ConeChoice::Given(given) if given.iter().any(|(_, curvature)| curvature.is_some()) => "given",
-        _ => options.rule.name(),
-    };
-    let places = match options.cones {
-        ConeChoice::Given(_) => "given".to_owned(),
-        ConeChoice::MinPersistence(_) => format!("method {}", Placement::Persistence.name()),
-        _ => format!("method {}", options.placement.name()),
-    };
-    format!("{places}, {curvatures} curvatures")
+    let method = if matches!(options.cones, ConeChoice::Given(_)) { "" } else { "method " };
+    format!("{method}{}, {} curvatures", options.method_name(), options.angles_name())
 }
 
 impl UnwrapReport {

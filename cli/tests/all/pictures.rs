@@ -87,14 +87,20 @@ fn a_figure_s_values_are_those_of_the_command() {
 
 #[test]
 fn one_command_draws_all_figures() {
-    let folder = Folder::new();
-    folder.run(&["figure", "all", "-o", "figures", "--vertices", "600", "--panel", "200"]).success();
-    let entries = fs::read_dir(folder.path("figures")).expect("it was made");
-    let mut names: Vec<String> =
-        entries.map(|entry| entry.expect("it can be listed").file_name().to_string_lossy().into_owned()).collect();
-    names.sort();
+    let folder = Folder::with_shapes();
+    let drawn = |meshes: &[&str], output: &str| {
+        let all = ["figure", "all", "-o", output, "--vertices", "600", "--panel", "200"];
+        folder.run(&[&all[..], meshes].concat()).success();
+        let entries = fs::read_dir(folder.path(output)).expect("it was made");
+        let mut names: Vec<String> =
+            entries.map(|entry| entry.expect("it can be listed").file_name().to_string_lossy().into_owned()).collect();
+        names.sort();
+        names
+    };
     let five = ["figure-1", "figure-2", "figure-3", "figure-4-hare", "figure-4-part", "figure-5", "readme"];
-    assert_eq!(names, five.map(|name| format!("{name}.png")));
+    assert_eq!(drawn(&[], "figures"), five.map(|name| format!("{name}.png")));
+    let one = ["figure-1", "figure-2", "figure-3", "figure-4-sphere", "figure-5", "readme"];
+    assert_eq!(drawn(&["sphere.obj"], "sphere"), one.map(|name| format!("{name}.png")));
     folder.complaint(&["figure", "2", "-o", "two.svg"]);
     assert!(folder.complaint(&["figure", "5", "--paper", ".", "-o", "five.png"]).contains("paper's models"));
 }

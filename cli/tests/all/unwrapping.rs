@@ -182,6 +182,26 @@ fn smoothing_where_no_extrema_are_looked_for_is_warned_of() {
 }
 
 #[test]
+fn options_that_given_cones_leave_idle_are_warned_of_and_not_reported() {
+    let folder = Folder::with_shapes();
+    folder.write("places", "5\n70\n140\n210\n");
+    folder.run(&["unwrap", "hare.obj", "-n", "5", "-o", "out.obj", "--cones-out", "cones"]).success();
+    let run = |cones: &str, more: &[&str]| {
+        let args = ["unwrap", "hare.obj", "-o", "out.obj", "--report", "r.json", "--cones", cones];
+        let told = stderr(&folder.run(&[&args[..], more].concat()).success());
+        let report = folder.json("r.json");
+        let said = |key: &str| report[key].as_str().expect("it is a word").to_owned();
+        let is_idle = |option: &str| told.contains(&format!("{option} changes none of these "));
+        ([is_idle("--method"), is_idle("--angles")], [said("method"), said("angles")])
+    };
+    let both = ["--method", "pursuit", "--angles", "harmonic"];
+    let words = |[method, angles]: [&str; 2]| [method.to_owned(), angles.to_owned()];
+    assert_eq!(run("cones", &[]), ([false; 2], words(["given", "given"])));
+    assert_eq!(run("cones", &both), ([true; 2], words(["given", "given"])));
+    assert_eq!(run("places", &both), ([true, false], words(["given", "harmonic"])));
+}
+
+#[test]
 fn a_checkerboard_is_on_all_faces_whatever_materials_the_file_has() {
     let folder = Folder::new();
     let tetrahedron = "mtllib own.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nusemtl red\nf 1 3 2\nusemtl blue\nf 1 2 4\nf 2 3 4\nf 3 1 4\n";

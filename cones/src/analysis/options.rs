@@ -7,6 +7,9 @@ use crate::cut::{SeamOptions, Symmetry};
 use crate::placement::{MOST_ORDERED, Placement, Search};
 use crate::uv::{PackOptions, Rotations};
 
+/// What reports call cones and curvatures that no method has found.
+const GIVEN: &str = "given";
+
 /// How a model is made ready.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default))]
@@ -162,6 +165,25 @@ pub enum ConeChoice {
 }
 
 impl Options {
+    /// How cones are placed, in a word: the method's [name](Placement::name), or `given`.
+    pub fn method_name(&self) -> &'static str {
+        match self.cones {
+            ConeChoice::Given(_) => GIVEN,
+            ConeChoice::MinPersistence(_) => Placement::Persistence.name(),
+            _ => self.placement.name(),
+        }
+    }
+
+    /// How their curvatures are found, in a word: the rule's [name](CurvatureRule::name), or `given`.
+    pub fn angles_name(&self) -> &'static str {
+        if self.gives_curvatures() { GIVEN } else { self.rule.name() }
+    }
+
+    /// Whether cones are given with their curvatures.
+    pub fn gives_curvatures(&self) -> bool {
+        matches!(&self.cones, ConeChoice::Given(given) if given.iter().any(|(_, curvature)| curvature.is_some()))
+    }
+
     /// How islands are packed: those of a texture that runs on across seams are not turned out of its directions.
     pub(crate) fn packing_for_texture(&self) -> PackOptions {
         let rotations = match (self.quantize, self.packing.rotations) {

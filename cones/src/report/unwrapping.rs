@@ -18,9 +18,9 @@ pub struct Report {
     pub refined: Option<RefinedReport>,
     /// Part by part, in the order in which they were placed.
     pub cones: Vec<Cone>,
-    /// How they were placed, by [name](crate::Placement::name).
+    /// How they were placed, by [name](crate::Placement::name), or `given`.
     pub method: &'static str,
-    /// How their curvatures were found, by [name](crate::CurvatureRule::name).
+    /// How their curvatures were found, by [name](crate::CurvatureRule::name), or `given`.
     pub angles: &'static str,
     /// What was done where the layout lay over itself, by [name](crate::Islands::name).
     pub policy: &'static str,
@@ -47,8 +47,8 @@ impl Report {
             repairs: analysis.repairs().iter().map(RepairReport::from).collect(),
             refined: analysis.refined().map(RefinedReport::from),
             cones: atlas.cones.clone(),
-            method: options.placement.name(),
-            angles: options.rule.name(),
+            method: options.method_name(),
+            angles: options.angles_name(),
             policy: options.islands.name(),
             hierarchy: HierarchyReport::new(analysis),
             // By the file's own triangles: the atlas has judged by those it was computed on, whose edges may be lengthened.

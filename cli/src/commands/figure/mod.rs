@@ -127,17 +127,22 @@ impl FigureArgs {
         if self.which != Which::All {
             return vec![(self.which, None, self.output.clone())];
         }
-        let [parts, statues] = if self.paper.is_some() { ["Fandisk", "Moai"] } else { ["part", "hare"] };
         let file = |name: &str| self.output.join(format!("{name}.png"));
-        vec![
+        let fourth = |name: &str| file(&format!("figure-4-{name}"));
+        let of = |name: &'static str| (Which::Methods, Some(name), fourth(&name.to_lowercase()));
+        let methods = match (self.meshes.first(), &self.paper) {
+            (Some(mesh), _) => vec![(Which::Methods, None, fourth(&stem(mesh)))],
+            (None, Some(_)) => vec![of("Fandisk"), of("Moai")],
+            (None, None) => vec![of("part"), of("hare")],
+        };
+        let mut files = vec![
             (Which::Absorbed, None, file("figure-1")),
             (Which::Factor, None, file("figure-2")),
             (Which::Terrain, None, file("figure-3")),
-            (Which::Methods, Some(parts), file(&format!("figure-4-{}", parts.to_lowercase()))),
-            (Which::Methods, Some(statues), file(&format!("figure-4-{}", statues.to_lowercase()))),
-            (Which::Surfaces, None, file("figure-5")),
-            (Which::Readme, None, file("readme")),
-        ]
+        ];
+        files.extend(methods);
+        files.extend([(Which::Surfaces, None, file("figure-5")), (Which::Readme, None, file("readme"))]);
+        files
     }
 
     /// What a figure is of.
@@ -145,10 +150,8 @@ impl FigureArgs {
         let built =
             |name: &str, vertices| Exhibit { name: name.to_owned(), model: shape::model(name, vertices), stand: None };
         if !self.meshes.is_empty() {
-            let read = |path: &PathBuf| {
-                let name = path.file_stem().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
-                Ok(Exhibit { name, model: input::read_model(path)?.0, stand: None })
-            };
+            let read =
+                |path: &PathBuf| Ok(Exhibit { name: stem(path), model: input::read_model(path)?.0, stand: None });
             let meshes = if which == Which::Surfaces { &self.meshes[..] } else { &self.meshes[..1] };
             return meshes.iter().map(read).collect();
         }
@@ -193,6 +196,11 @@ impl FigureArgs {
     fn methods_or(&self, methods: &[Variant]) -> Vec<Variant> {
         if self.method.is_empty() { methods.to_vec() } else { self.method.clone() }
     }
+}
+
+/// What a mesh is called after its file.
+fn stem(path: &Path) -> String {
+    path.file_stem().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
 }
 
 /// A figure as a picture, and what is printed of its maps.

@@ -24,15 +24,15 @@ pub(crate) struct CandidateArgs {
     #[arg(long, value_name = "P", group = "which", value_parser = non_negative, allow_negative_numbers = true)]
     min_persistence: Option<f64>,
     /// How cones are chosen; `refined` chooses more than 512 by persistence, `pursuit`
-    /// more than 64
-    #[arg(long, value_parser = placements(), default_value = Placement::default().name())]
-    method: Placement,
+    /// more than 64 [default: refined]
+    #[arg(long, value_parser = placements())]
+    method: Option<Placement>,
     /// How thoroughly `refined` and `pursuit` look for cones
     #[arg(long, value_enum, default_value_t = SearchName::Coarse)]
     search: SearchName,
-    /// How curvature is shared among the cones
-    #[arg(long, value_enum, default_value_t = AnglesName::Optimal)]
-    angles: AnglesName,
+    /// How curvature is shared among the cones [default: optimal]
+    #[arg(long, value_enum)]
+    angles: Option<AnglesName>,
     /// Diffuse the curvature before extrema are looked for: steadier on noisy scans. It acts on the methods `persistence` and
     /// `alternating` and on --min-persistence; the others read no extrema
     #[arg(long)]
@@ -108,11 +108,22 @@ impl CandidateArgs {
 
     /// Says that --smooth changes no cones where no extrema are looked for.
     pub(crate) fn warn_of_idle_smoothing(&self) {
-        let method = self.count.map_or(self.method, |count| self.method.for_count(count));
+        let method = self.method.unwrap_or_default();
+        let method = self.count.map_or(method, |count| method.for_count(count));
         if self.smooth && self.min_persistence.is_none() && !method.reads_extrema() {
             output::warn(
                 "--smooth changes none of these cones: it acts on --method persistence and alternating, and on --min-persistence",
             );
+        }
+    }
+
+    /// Says which options change nothing about cones that a file gives.
+    pub(crate) fn warn_of_idle_choice(&self, options: &Options) {
+        if self.method.is_some() && matches!(options.cones, ConeChoice::Given(_)) {
+            output::warn("--method changes none of these cones: the file of --cones gives them");
+        }
+        if self.angles.is_some() && options.gives_curvatures() {
+            output::warn("--angles changes none of these curvatures: the file of --cones gives them");
         }
     }
 
@@ -145,8 +156,8 @@ impl CandidateArgs {
             (None, None) => self.max_distortion.map_or(ConeChoice::Automatic, ConeChoice::WithinDistortion),
         };
         let rule = match self.angles {
-            AnglesName::Optimal => CurvatureRule::Optimal,
-            AnglesName::Harmonic => CurvatureRule::Harmonic,
+            None | Some(AnglesName::Optimal) => CurvatureRule::Optimal,
+            Some(AnglesName::Harmonic) => CurvatureRule::Harmonic,
         };
         let search = match self.search {
             SearchName::Coarse => Search::CoarseToFine,
@@ -164,7 +175,7 @@ impl CandidateArgs {
         };
         Options {
             cones,
-            placement: self.method,
+            placement: self.method.unwrap_or_default(),
             search,
             rule,
             preparation: Preparation { smooth: self.smooth, weld: self.weld.chosen(), refine, handles },

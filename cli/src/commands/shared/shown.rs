@@ -197,8 +197,8 @@ impl<'a> Subject<'a> {
         let Shown { atlas, .. } = shown;
         json!({
             "cones": atlas.cones,
-            "method": options.placement.name(),
-            "angles": options.rule.name(),
+            "method": options.method_name(),
+            "angles": options.angles_name(),
             "number": atlas.number,
             "tiles": atlas.tiles,
             "fill": atlas.fill,
