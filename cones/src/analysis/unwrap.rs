@@ -618,8 +618,7 @@ impl Analysis {
         }
         notes.extend(self.lost_seams(&options.seams));
         if let Some(Tiling { symmetry, seams, broken: broken @ 1.., .. }) = tiling {
-            let are_given =
-                matches!(&options.cones, ConeChoice::Given(cones) if cones.iter().any(|(_, k)| k.is_some()));
+            let are_given = options.gives_curvatures();
             notes.push(Note::SeamsDoNotTile { symmetry, seams, broken, are_given });
         }
         seams.extend(added);
