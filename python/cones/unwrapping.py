@@ -204,7 +204,7 @@ def unwrap(
     margin, texture_size, rotations, texel_density, max_seam
         How islands are packed; a texel density (texels a unit of length) puts them on UDIM tiles.
     scale : "unit", "area" or "none"
-        The unit square, areas as on the surface, or as computed.
+        The unit square, all islands together with the surface's area, or as computed; "unit" with ``texel_density``.
     progress : callable, optional
         ``progress(stage, fraction)``; if it raises, the work stops and the exception is passed on.
 

@@ -74,7 +74,8 @@ impl Analysis {
         progress: Option<Py<PyAny>>,
     ) -> PyResult<(Self, Bound<'py, PyDict>)> {
         let preparation: Preparation = depythonize(preparation)?;
-        let (options, size) = (Options { preparation, ..depythonize(options)? }, size_by_name(scale)?);
+        let options = Options { preparation, ..depythonize(options)? };
+        let size = size_by_name(scale, &options)?;
         let (analysis, measured) = watched(py, progress, |told| {
             let (found, atlas) = Found::unwrapped(&mesh.0, &options, told.observer()).map_err(NoMap::Cones)?;
             let analysis = Self { model: model_of(&found, mesh), found, preparation };
@@ -199,7 +200,8 @@ impl Analysis {
         progress: Option<Py<PyAny>>,
         work: impl FnOnce(&Found, &Options) -> Result<cones::Atlas, cones::Error> + Send,
     ) -> PyResult<Bound<'py, PyDict>> {
-        let (options, size) = (self.options(options)?, size_by_name(scale)?);
+        let options = self.options(options)?;
+        let size = size_by_name(scale, &options)?;
         let measured = watched(py, progress, |told| {
             let atlas = work(&self.found.with_observer(told.observer()), &options).map_err(NoMap::Cones)?;
             self.measured(atlas, size, told)

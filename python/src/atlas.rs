@@ -1,6 +1,7 @@
 //! An unwrapped model as a dictionary of arrays, with the command's report.
 
 use cones::report::{MeasuredAtlas, Report, SCHEMA, UvSize};
+use cones::uv::Tiles;
 use cones::{Analysis, Atlas, Options, Stage, Topology};
 use numpy::PyArray1;
 use pyo3::prelude::*;
@@ -12,9 +13,12 @@ use crate::array::from_rows;
 use crate::error::Error;
 
 /// A size of texture coordinates by its name on the command line.
-pub(crate) fn size_by_name(name: &str) -> PyResult<UvSize> {
+pub(crate) fn size_by_name(name: &str, options: &Options) -> PyResult<UvSize> {
     match name {
         "unit" => Ok(UvSize::Unit),
+        "area" | "none" if options.packing.tiles != Tiles::One => {
+            Err(Error::new_err("texel_density puts islands on tiles that are unit squares: leave scale out"))
+        }
         "area" => Ok(UvSize::Area),
         "none" => Ok(UvSize::Raw),
         other => Err(Error::new_err(format!("scale is unit, area or none, not {other:?}"))),

@@ -40,8 +40,8 @@ export abstract class Chart {
 
   protected draw(): void {
     const [width, height] = [this.place.clientWidth, this.place.clientHeight];
-    if (width < 40 || height < 40) return;
     this.frame = { ...this.frame, width, height };
+    if (width < 40 || height < 40) return;
     const viewBox = `0 0 ${width} ${height}`;
     const svg = element("svg", { viewBox, role: "img", "aria-label": this.label });
     this.sheet.setAttribute("viewBox", viewBox);

@@ -12,6 +12,7 @@ use super::note::{Failure, Note};
 use super::observer::{Stage, Task, Times};
 use super::options::{ConeChoice, Options, Refining};
 use super::refined::{MOST_NEEDLES, needle_share};
+use crate::curvature::CurvatureError;
 use crate::cut::SeamPlan;
 use crate::error::Error;
 use crate::field::Operators;
@@ -360,6 +361,7 @@ impl Attempts<'_> {
                 Ok(net) if self.is_sound(&net) && cost(&net) < cost(&flat) && self.seams(&net) <= longest => Ok(net),
                 _ => Ok(flat),
             },
+            Err(CurvatureError::Interrupted(stop)) => Err(stop.into()),
             Err(_) => Ok(flat),
         }
     }

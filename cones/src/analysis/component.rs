@@ -72,6 +72,7 @@ impl Component {
     pub(super) fn new(index: usize, ready: Ready, making: Making, task: &Task) -> Result<Self, Error> {
         let Making { preparation, largest, is_searched, is_asked_once, .. } = making;
         let Ready { surface, mut metric, way, handles, shape } = ready;
+        let area = metric.area(&surface.mesh) / surface.scale / surface.scale;
         let mut notes = Vec::new();
         let mut times = Times::default();
         let operators = task.stage((Stage::Factor, index), &mut times, |watch| {
@@ -100,7 +101,6 @@ impl Component {
                 let hierarchy = ConeHierarchy::new(&operators, &factor);
                 Ok((factor, hierarchy))
             })??;
-        let area = metric.area(&surface.mesh) / surface.scale / surface.scale;
         Ok(Self {
             index,
             shape,

@@ -153,7 +153,7 @@ pub enum Note {
         seams: usize,
         /// Across how many of them it does not run on.
         broken: usize,
-        /// Whether curvatures were given, which are not rounded.
+        /// Whether cones turn by other angles, as given curvatures are not rounded.
         are_given: bool,
     },
     /// A refined surface has not all edges that were to be kept as seams.

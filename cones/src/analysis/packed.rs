@@ -55,12 +55,18 @@ pub(crate) fn packed(
     // Whoever says where seams run, or has a texture run on across them, wants no others.
     let has_say = seams.names_edges() || quantize.is_some();
     let mut options = options.packing_for_texture();
+    let mut unit = 1.0;
     if let Tiles::Udim { texel_density } = &mut options.tiles {
         // Islands have a little more area than the surface, which texels are counted on.
         let area: f64 = components.iter().map(|component| component.area).sum();
         let islands: f64 = components.iter().zip(flats).map(|(component, flat)| laid_out(component, flat)).sum();
-        *texel_density *= if islands > 0.0 && area > 0.0 { (area / islands).sqrt() } else { 1.0 };
+        unit = if islands > 0.0 && area > 0.0 { (area / islands).sqrt() } else { 1.0 };
+        *texel_density *= unit;
     }
+    let in_unit = |error| match error {
+        Error::Pack(error) => Error::Pack(error.in_unit(unit)),
+        error => error,
+    };
     let options = &options;
     let is_of_several = islands == Islands::OverlapFree && components.len() > 1 && options.tiles == Tiles::One;
     let asks = is_of_several && !has_say;
@@ -88,6 +94,7 @@ pub(crate) fn packed(
         packed.added = added(components, &cuts, &further);
         Ok(packed)
     })?
+    .map_err(in_unit)
 }
 
 /// The islands packed that there are with cuts.

@@ -43,6 +43,8 @@ const HARDLY_LESS: f64 = 0.85;
 const MOST_OPENED_AT_ONCE: usize = 100_000;
 /// So many triangles are gone through one after the other.
 const AT_ONCE: usize = 4096;
+/// Curvatures that are rounded for a texture are whole multiples of its angle to this.
+const ROUNDING: f64 = 1e-9;
 
 /// Whether nested orders tell that handles are not worth opening.
 fn is_hardly_worth_opening(closed: &Automatic, opened: &Automatic) -> bool {
@@ -618,7 +620,8 @@ impl Analysis {
         }
         notes.extend(self.lost_seams(&options.seams));
         if let Some(Tiling { symmetry, seams, broken: broken @ 1.., .. }) = tiling {
-            let are_given = options.gives_curvatures();
+            let mut steps = cones.iter().map(|cone| cone.curvature / symmetry.angle());
+            let are_given = steps.any(|steps| (steps - steps.round()).abs() > ROUNDING);
             notes.push(Note::SeamsDoNotTile { symmetry, seams, broken, are_given });
         }
         seams.extend(added);

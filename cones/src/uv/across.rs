@@ -201,6 +201,7 @@ impl<'a> Paths<'a> {
         let reach: Vec<Reach> = faces.map(|&f| self.reach(f, &directions)).collect();
         watch.ask(0.4)?;
         let after: Vec<Reach> = running(reach.iter().rev());
+        debug_assert!(across.is_sorted_by_key(|path| path.first), "they are in the order of the sweep");
         // What is before a path is met on the way from one to the next.
         let (mut before, mut at) = (NOWHERE, 0);
         let outside = across.iter().map(|path| {
@@ -350,6 +351,16 @@ mod tests {
         let sweep = paths.sweep(&paths.islands()[0]).unwrap();
         let across = paths.across(&sweep, f64::MAX, 0.05);
         assert!(across.len() > 20, "{}", across.len());
+        let axis = axis(sweep.faces.iter().flat_map(|&f| map.triangle(f)));
+        let directions = std::array::from_fn(|k| (axis + PI * k as f64 / DIRECTIONS as f64).sin_cos());
+        let reach =
+            |faces: &[FaceId]| faces.iter().fold(NOWHERE, |all, &f| farther(&all, &paths.reach(f, &directions)));
+        let rectangles = paths.rectangles(&sweep, &across, Watch::NONE).unwrap();
+        for (path, share) in across.iter().zip(rectangles) {
+            let outside = farther(&reach(&sweep.faces[..path.first]), &reach(&sweep.faces[path.end..]));
+            let inside = reach(&sweep.faces[path.first..path.end]);
+            assert_eq!(share, (rectangle(&inside) + rectangle(&outside)) / rectangle(&reach(&sweep.faces)));
+        }
         for path in &across {
             let (first, rest) =
                 (&sweep.faces[path.first..path.end], [&sweep.faces[..path.first], &sweep.faces[path.end..]]);

@@ -21,7 +21,7 @@ use std::time::Instant;
 pub(crate) enum Scale {
     /// The islands' tile is the unit square, or their tiles are unit squares
     Unit,
-    /// Areas in the layout are areas on the surface
+    /// All islands together have the surface's area
     Area,
     /// As computed
     None,
