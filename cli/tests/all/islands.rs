@@ -210,12 +210,19 @@ fn figures_of_a_split_surface_are_those_of_the_welded_one() {
 }
 
 #[test]
-fn tiles_are_unit_squares() {
+fn tiles_are_unit_squares_and_what_does_not_fit_says_which_density_does() {
     let folder = Folder::with_shapes();
-    let tiles = ["unwrap", "hare.obj", "-o", "out.obj", "--udim", "--texel-density", "300", "--scale"];
+    let tiles = |density: &str, scale: &str| {
+        folder.run(&["unwrap", "hare.obj", "-o", "out.obj", "--udim", "--texel-density", density, "--scale", scale])
+    };
     for scale in ["area", "none"] {
-        let said = stderr(&folder.run(&[&tiles[..], &[scale]].concat()).code(2));
+        let said = stderr(&tiles("100", scale).code(2));
         assert!(said.contains("leave --scale out"), "{said}");
     }
-    folder.run(&[&tiles[..], &["unit"]].concat()).success();
+    let said = stderr(&tiles("400", "unit").code(1));
+    let said = said.split_whitespace().collect::<Vec<_>>().join(" ");
+    let fits = said.split("lower the texel density to ").nth(1).and_then(|rest| rest.split(' ').next());
+    let fits: f64 = fits.and_then(|fits| fits.parse().ok()).unwrap_or_else(|| panic!("{said}"));
+    tiles(&fits.to_string(), "unit").success();
+    tiles(&(1.02 * fits).to_string(), "unit").code(1);
 }
