@@ -1,11 +1,12 @@
 //! Seams where people want them, through the library.
 
 use std::collections::BTreeSet;
+use std::ops::ControlFlow;
 
 use cones::internals::SeamPlan;
 use cones::{
-    Analysis, Atlas, ConeChoice, Error, FreeSeams, Handles, Islands, Note, Options, Placement, Preparation,
-    SeamFigures, SeamOptions, Symmetry, unwrap_model,
+    Analysis, Atlas, ConeChoice, Error, FreeSeams, Handles, Islands, Note, Options, Placement, Preparation, Progress,
+    Refining, SeamFigures, SeamOptions, Symmetry, unwrap_model,
 };
 use geom::shapes::{self, Shape};
 use geom::{CutMesh, EdgeId, Mesh, Metric, Model, ShortestPaths, Surface, VertexId, Watch, prepare};
@@ -241,11 +242,39 @@ fn seams_that_do_not_tile_are_told_of() {
     let atlas = atlas.unwrap();
     let tiling = atlas.tiling.unwrap();
     let told = atlas.notes.iter().any(|note| {
-        matches!(note, Note::SeamsDoNotTile { broken, seams, .. } if (*broken, *seams) == (tiling.broken, tiling.seams))
+        matches!(note, Note::SeamsDoNotTile { broken, seams, are_given: false, .. } if (*broken, *seams) == (tiling.broken, tiling.seams))
     });
     assert!(tiling.broken > 0 && told, "{tiling:?}");
     let plain = unwrap_model(&shapes::hare(500).into(), &count(6)).unwrap();
     assert_eq!(plain.tiling, None);
+}
+
+#[test]
+fn what_even_triangles_have_of_the_edges_to_keep_is_cut_and_the_others_are_counted() {
+    let goes_on = |_: Progress| ControlFlow::Continue(());
+    let refined = |shape: Shape, kept: &BTreeSet<[u32; 2]>| {
+        let options = Options {
+            preparation: Preparation { refine: Refining::Always, ..Preparation::default() },
+            seams: SeamOptions { kept: kept.iter().copied().collect(), ..SeamOptions::default() },
+            ..count(2)
+        };
+        let (analysis, atlas) = Analysis::unwrapped(&shape.into(), &options, goes_on).unwrap();
+        (analysis.refined().unwrap().model.clone(), atlas)
+    };
+    let seams = |shape: Shape| cut_edges(&unwrap_model(&shape.into(), &count(6)).unwrap());
+    let edges = seams(shapes::hare(1100));
+    let (model, atlas) = refined(shapes::hare(1100), &edges);
+    let sides = |f: usize| [[0, 1], [1, 2], [2, 0]].map(|side| side.map(|k: usize| model.face(f)[k]));
+    let sides = (0..model.face_count()).flat_map(sides).map(|[a, b]| [a.min(b), a.max(b)]);
+    let there: BTreeSet<[u32; 2]> = sides.filter(|side| edges.contains(side)).collect();
+    assert!(!there.is_empty() && 2 * there.len() != edges.len() && there.len() < edges.len(), "{}", there.len());
+    assert!(there.is_subset(&cut_edges(&atlas)));
+    let told = Note::SeamsNotKept { lost: edges.len() - there.len(), of: edges.len() };
+    assert!(atlas.notes.contains(&told), "{:?} {told:?}", atlas.notes);
+    // Where triangles are too coarse, smaller ones would have fewer of them still.
+    let edges = seams(shapes::sphere(40));
+    let [kept, free] = [&edges, &BTreeSet::new()].map(|kept| refined(shapes::sphere(40), kept).0.vertex_count());
+    assert!(2 * kept < free, "{kept} {free}");
 }
 
 /// A prism of five sides, as its faces are: a net of its corners is exact, with curvatures of 2π/5.

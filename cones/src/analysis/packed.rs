@@ -3,7 +3,6 @@
 use std::sync::Arc;
 
 use geom::{EdgeData, EdgeId, FaceData, FaceId, HalfedgeId, Id, Interrupted, Watch};
-use num_complex::Complex64;
 use rayon::prelude::*;
 
 use super::component::Component;
@@ -57,10 +56,7 @@ pub(crate) fn packed(
     let mut options = options.packing_for_texture();
     let mut unit = 1.0;
     if let Tiles::Udim { texel_density } = &mut options.tiles {
-        // Islands have a little more area than the surface, which texels are counted on.
-        let area: f64 = components.iter().map(|component| component.area).sum();
-        let islands: f64 = components.iter().zip(flats).map(|(component, flat)| laid_out(component, flat)).sum();
-        unit = if islands > 0.0 && area > 0.0 { (area / islands).sqrt() } else { 1.0 };
+        unit = unit_of_islands(components, flats);
         *texel_density *= unit;
     }
     let in_unit = |error| match error {
@@ -95,6 +91,15 @@ pub(crate) fn packed(
         Ok(packed)
     })?
     .map_err(in_unit)
+}
+
+/// The length on the surface of a unit of the islands' plane, on average: they have a little more area than the surface.
+fn unit_of_islands(components: &[Arc<Component>], flats: &[Flat]) -> f64 {
+    let area: f64 = components.iter().map(|component| component.area).sum();
+    let laid_out =
+        |(component, flat): (&Arc<Component>, &Flat)| flat.size * flat.size * flat.layout.area(&component.surface.mesh);
+    let islands: f64 = components.iter().zip(flats).map(laid_out).sum();
+    if islands > 0.0 && area > 0.0 { (area / islands).sqrt() } else { 1.0 }
 }
 
 /// The islands packed that there are with cuts.
@@ -133,14 +138,6 @@ fn added(components: &[Arc<Component>], cuts: &[EdgeData<bool>], further: &[Edge
         new.map(|e| component.vertices_along(&Chain { vertices: mesh.ends(e).to_vec(), edges: vec![e] })).collect()
     };
     components.iter().zip(cuts).zip(further).flat_map(of_one).collect()
-}
-
-/// The area of a component's layout.
-fn laid_out(component: &Component, flat: &Flat) -> f64 {
-    let mesh = &component.surface.mesh;
-    let area = |[a, b, c]: [Complex64; 3]| 0.5 * ((b - a).conj() * (c - a)).im.abs();
-    let sum: f64 = mesh.faces().map(|f| area(mesh.sides(f).map(|h| flat.layout.corner(h)))).sum();
-    flat.size * flat.size * sum
 }
 
 /// Where a component's layout has a corner, in the size of the surface.

@@ -47,9 +47,7 @@ pub(super) struct Reseaming<'a> {
 
 impl<'a> Reseaming<'a> {
     pub(super) fn new(mesh: &'a Mesh, flat: &'a Flat, plan: &'a SeamPlan, asks_for_room: bool, share: f64) -> Self {
-        let area = |[a, b, c]: [Complex64; 3]| 0.5 * ((b - a).conj() * (c - a)).im.abs();
-        let area = mesh.faces().map(|f| area(mesh.sides(f).map(|h| flat.layout.corner(h)))).sum();
-        Self { mesh, flat, plan, asks_for_room, share, area }
+        Self { mesh, flat, plan, asks_for_room, share, area: flat.layout.area(mesh) }
     }
 
     /// The component opened so that it does not lie over itself. A layout that does not stays as it is, unless room is asked for or the model's

@@ -94,6 +94,12 @@ impl Layout {
     pub fn corner(&self, h: HalfedgeId) -> Complex64 {
         self.position[self.cut.wedge(h).index()]
     }
+
+    /// The area of all triangles of the input, whichever way round they lie.
+    pub(crate) fn area(&self, input: &Mesh) -> f64 {
+        let area = |[a, b, c]: [Complex64; 3]| 0.5 * ((b - a).conj() * (c - a)).im.abs();
+        input.faces().map(|f| area(input.sides(f).map(|h| self.corner(h)))).sum()
+    }
 }
 
 /// A [`Connection`] of the input.

@@ -325,10 +325,24 @@ mod tests {
 
     proptest! {
         #[test]
-        fn a_capsule_is_the_cells_within_its_radius(ends in [1.0..19.0f64, 1.0..19.0, 1.0..19.0, 1.0..19.0], radius in 0.0..4.0f64) {
+        fn a_capsule_is_the_cells_within_its_radius(
+            ends in [1.0..19.0f64, 1.0..19.0, 1.0..19.0, 1.0..19.0], radius in 0.0..4.0f64,
+            holes in prop::collection::vec((0..20usize, 0..20usize), 0..6)
+        ) {
             let edge = [Complex64::new(ends[0], ends[1]), Complex64::new(ends[2], ends[3])];
             let mut cells = Bitmap::new([20, 20]);
             capsule(&mut cells, edge, radius);
+            // Where nearly all is set already, it sets what it would elsewhere.
+            let mut full = Bitmap::new([20, 20]);
+            for (k, [x, y]) in (0..400).map(|k| (k, [k % 20, k / 20])) {
+                let is_hole = holes.contains(&(x, y)) || k == 0;
+                (!is_hole).then(|| full.set(y, x, x + 1));
+            }
+            let before = full.clone();
+            capsule(&mut full, edge, radius);
+            for cell in (0..400).map(|k| [k % 20, k / 20]) {
+                prop_assert_eq!(is_set(&full, cell), is_set(&before, cell) || is_set(&cells, cell), "{:?}", cell);
+            }
             for cell in (0..400).map(|k| [k % 20, k / 20]) {
                 let distance = distance(cell, edge);
                 prop_assert!(!is_set(&cells, cell) || distance < radius + 0.1, "{cell:?}");
