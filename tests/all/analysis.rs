@@ -456,12 +456,17 @@ fn given_cones_are_doubted_only_where_the_map_is_bad() {
     let shape = shapes::hare(900);
     let analysis = Analysis::new(&model(&shape)).expect("a sound model");
     let doubts = |cones: &Cones| -> Vec<f64> {
-        let notes = analysis.flatten(cones).expect("it unwraps").notes;
+        let atlas = analysis.flatten(cones).expect("it unwraps");
+        let map = MeasuredAtlas::new(&model(&shape), atlas, UvSize::Unit, analysis.weld()).expect("it is finite");
         let area = |note: &Note| match note {
-            Note::Distorted { area, .. } => Some(*area),
+            Note::Distorted { area, log, .. } => {
+                // Of this map: what its triangles have.
+                assert!((log - map.quality.distortion.u_linf).abs() < 1e-6, "{log}");
+                Some(*area)
+            }
             _ => None,
         };
-        notes.iter().filter_map(area).collect()
+        map.atlas.notes.iter().filter_map(area).collect()
     };
     let good = analysis.choose(&Options::default()).expect("a sound model");
     let vertices: Vec<u32> = good.iter().map(|cone| cone.vertex).collect();
