@@ -111,7 +111,7 @@ mod tests {
         let before = shapes::disk(60).mesh().triangulation().clone();
         for h in before.halfedges().filter(|&h| before.twin(h).is_none()) {
             let mut changed = before.clone();
-            changed.split_boundary(h);
+            changed.split(h);
             let [out, ..] = changed.sides(FaceId::new(before.face_count()));
             let gone = changed.take_out_of_boundary(out);
             let (after, ..) = changed.without_gaps(|f| f == gone);

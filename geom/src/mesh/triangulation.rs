@@ -239,16 +239,36 @@ impl Triangulation {
         v
     }
 
-    /// Puts a new vertex m on a boundary edge ij, which becomes im, its triangle (i, m, k); mj, mk and (m, j, k) are new. `h` is
-    /// the edge's halfedge; what was at the side jk moves to the second side of the new triangle.
-    pub(crate) fn split_boundary(&mut self, h: HalfedgeId) -> VertexId {
-        debug_assert!(self.twin(h).is_none(), "only boundary edges are split");
+    /// Puts a new vertex m on an edge ij, which becomes im, and its triangle (i, j, k) (i, m, k); mj, mk and (m, j, k) are new. `h` is
+    /// the halfedge from i to j; what was at the side jk moves to the second side of the new triangle. Likewise with what is across the edge,
+    /// a triangle (j, i, l): ml, then, is new, and (m, i, l).
+    pub(crate) fn split(&mut self, h: HalfedgeId) -> VertexId {
+        debug_assert!(self.twin(h).is_none_or(|g| self.face(g) != self.face(h)), "two triangles, or one");
+        let e = self.edge(h);
+        let m = VertexId::new(self.vertex_count);
+        self.vertex_count += 1;
+        let to_j = EdgeId::new(self.edge_count());
+        let first = HalfedgeId::new(self.halfedge_count());
+        self.edge_halfedge[e.index()] = h;
+        self.edge_halfedge.push(first);
+        self.split_side(h, m, to_j);
+        if let Some(g) = self.twin(h) {
+            let second = HalfedgeId::new(self.halfedge_count());
+            self.split_side(g, m, e);
+            self.edge[g.index()] = to_j;
+            for (one, other) in [(h, second), (g, first)] {
+                (self.twin[one.index()], self.twin[other.index()]) = (other.0, one.0);
+            }
+        }
+        m
+    }
+
+    /// Puts a vertex m on a side ij of a triangle (i, j, k), which becomes (i, m, k); (m, j, k) is new, and its side mj part of this edge.
+    fn split_side(&mut self, h: HalfedgeId, m: VertexId, to_j: EdgeId) {
         let a = self.next(h);
         let first = self.tail.len() as u32;
         let [j, k] = [self.tail(a), self.head(a)];
-        let m = VertexId::new(self.vertex_count);
-        self.vertex_count += 1;
-        let [to_j, to_k] = [0, 1].map(|n| EdgeId::new(self.edge_halfedge.len() + n));
+        let to_k = EdgeId::new(self.edge_count());
         let (old, to) = (self.edge[a.index()], HalfedgeId(first + 1));
         // The triangle's third side may be the twin; it stays where it is.
         let twin = self.twin[a.index()];
@@ -264,8 +284,7 @@ impl Triangulation {
         self.tail[a.index()] = m;
         self.twin[a.index()] = first + 2;
         self.edge[a.index()] = to_k;
-        self.edge_halfedge.extend([HalfedgeId(first), a]);
-        m
+        self.edge_halfedge.push(a);
     }
 
     /// Asserts every invariant of the connectivity.

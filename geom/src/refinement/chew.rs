@@ -28,12 +28,14 @@ const MOST_CROSSINGS_PER_VERTEX: usize = 1000;
 const SPARE_CROSSINGS: usize = 500_000;
 /// The same for what is left of them in the end: each is two triangles of the common refinement. At most 40 in our collection.
 const MOST_LEFT_PER_VERTEX: usize = 200;
+/// Distances from a corner are the same if they differ by no more than this share.
+const SAME_DISTANCE: f64 = 1e-9;
 /// A new vertex has at least these barycentric coordinates in its triangle, lest its triangles have no area. Circumcentres of
 /// right triangles lie on their longest sides.
 const LEAST_WEIGHT: f64 = 1e-3;
 /// The way to a circumcentre crosses few triangles of a Delaunay triangulation; where rounding leads astray it ends.
 const MOST_STEPS: usize = 1000;
-/// Triangles that a vertex may take away, as far as they are looked at for boundary edges.
+/// Triangles that a vertex may take away, as far as they are looked at for edges that cannot go.
 const LARGEST_CAVITY: usize = 256;
 /// Vertices put in, or edges looked at, between two looks at the watch.
 const STRIDE: usize = 256;
@@ -47,10 +49,21 @@ pub struct Refinement {
     pub metric: Metric,
     /// Where each vertex is on the input.
     pub place: VertexData<SurfacePoint>,
+    /// The input's halfedge that each edge is part of, as the halfedge that names it runs; none where it crosses the input's triangles.
+    pub along: EdgeData<Option<HalfedgeId>>,
     /// What both triangulations cut the surface into.
     pub common: CommonRefinement,
     /// Whether all triangles have the least angle, but those at narrow corners; not so where a cap was reached.
     pub is_complete: bool,
+}
+
+/// What is to become of some edges of the input; of none, by default.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct EdgeRoles<'a> {
+    /// The common refinement is not cut along these.
+    pub left_out: Option<&'a EdgeData<bool>>,
+    /// These stay edges, if need be in several parts: nothing crosses them. Between two of them angles below 60° are let be.
+    pub held: Option<&'a EdgeData<bool>>,
 }
 
 /// Refines a surface until its triangles are even, and their circumcircles no larger than with the radius `largest` (infinity
@@ -69,10 +82,10 @@ pub struct Refinement {
 /// # Ok::<(), geom::MeshError>(())
 /// ```
 pub fn refine(input: &Triangulation, metric: &Metric, largest: f64) -> Refinement {
-    unwatched(refine_watched(input, metric, largest, None, Watch::NONE))
+    unwatched(refine_watched(input, metric, largest, EdgeRoles::default(), Watch::NONE))
 }
 
-/// [`refine`], watched. The common refinement is not cut along edges of the input that `left_out` names.
+/// [`refine`], with edges of the input that play a role, and watched.
 ///
 /// # Errors
 /// If it is stopped.
@@ -80,10 +93,10 @@ pub fn refine_watched(
     input: &Triangulation,
     metric: &Metric,
     largest: f64,
-    left_out: Option<&EdgeData<bool>>,
+    EdgeRoles { left_out, held }: EdgeRoles,
     watch: Watch,
 ) -> Result<Refinement, Interrupted> {
-    let mut chew = Chew::new(input, metric, largest);
+    let mut chew = Chew::new((input, metric), held, largest);
     watch.ask(0.05)?;
     chew.flip_all(watch.within(0.05, 0.2))?;
     watch.ask(0.2)?;
@@ -93,12 +106,14 @@ pub fn refine_watched(
     let mut home = left_out.map(|edges| overlay.leave_out(edges));
     let is_astray = is_astray || overlay.crossings > MOST_LEFT_PER_VERTEX * input.vertex_count() + SPARE_CROSSINGS;
     if is_astray {
-        (overlay, home) = (Overlay::new(input, metric), None);
+        (overlay, home) = (Overlay::new(input, metric, held), None);
     }
     let is_complete = is_complete && !is_astray;
     let common = CommonRefinement::new(input, &overlay, home.as_ref(), watch.within(0.7, 1.0))?;
+    let along = overlay.along();
     let Overlay { triangulation, length, place, .. } = overlay;
-    Ok(Refinement { triangulation, metric: Metric::new(length.into()), place: place.into(), common, is_complete })
+    let metric = Metric::new(length.into());
+    Ok(Refinement { triangulation, metric, place: place.into(), along, common, is_complete })
 }
 
 /// A bad triangle, as it was when it was found.
@@ -126,17 +141,19 @@ impl PartialOrd for Bad {
 enum Goal {
     /// In a triangle, at these barycentric coordinates.
     Inside(FaceId, [f64; 3]),
-    /// At a boundary edge.
-    Boundary(HalfedgeId),
+    /// At an edge of the boundary, or one that is held.
+    Edge(HalfedgeId),
     /// Nowhere.
     Lost,
 }
 
 struct Chew<'a> {
     overlay: Overlay<'a>,
+    /// The lengths of the input's edges.
+    metric: &'a Metric,
     /// No circumcircle is larger.
     largest: f64,
-    /// Whether the angles at a vertex of the input are narrow.
+    /// Whether there is a narrow angle at a vertex of the input: that round it, or one between edges that are held.
     is_narrow: Vec<bool>,
     bad: BinaryHeap<Bad>,
     /// How many edges may be flipped yet, lest rounding flip some for ever. What is left over serves later: a vertex in the middle of
@@ -147,11 +164,14 @@ struct Chew<'a> {
 }
 
 impl<'a> Chew<'a> {
-    fn new(input: &'a Triangulation, metric: &Metric, largest: f64) -> Self {
-        let is_narrow = metric.angle_sums(input).iter().map(|sum| *sum < NARROW).collect();
+    fn new((input, metric): (&'a Triangulation, &'a Metric), held: Option<&'a EdgeData<bool>>, largest: f64) -> Self {
+        let mut is_narrow: Vec<bool> = metric.angle_sums(input).iter().map(|sum| *sum < NARROW).collect();
+        if let Some(held) = held {
+            narrow_sectors(input, metric, held).for_each(|v| is_narrow[v.index()] = true);
+        }
         let most_crossings = MOST_CROSSINGS_PER_VERTEX * input.vertex_count() + SPARE_CROSSINGS;
-        let overlay = Overlay::new(input, metric);
-        Self { overlay, largest, is_narrow, bad: BinaryHeap::new(), flips_left: 0, most_crossings }
+        let overlay = Overlay::new(input, metric, held);
+        Self { overlay, metric, largest, is_narrow, bad: BinaryHeap::new(), flips_left: 0, most_crossings }
     }
 
     /// Whether the edges cross those of the input too often.
@@ -203,10 +223,30 @@ impl<'a> Chew<'a> {
         let corners = self.overlay.triangulation.corners(f);
         let is_narrow = |v: VertexId| self.is_narrow.get(v.index()).copied().unwrap_or(false);
         let angles = sides.corner_angles();
-        let is_bad = (0..3).any(|s| angles[s] < LEAST_ANGLE && !is_narrow(corners[s]));
+        let is_excused = |s: usize| is_narrow(corners[s]) || self.spans_corner([1, 2].map(|k| corners[(s + k) % 3]));
+        let is_bad = (0..3).any(|s| angles[s] < LEAST_ANGLE && !is_excused(s));
         let area = sides.area();
         let radius = sides.0.iter().product::<f64>() / (4.0 * area);
         (area > 0.0 && (is_bad || radius > self.largest)).then_some(radius)
+    }
+
+    /// Whether vertices are equally far from a narrow corner, on edges from it that cannot go. What is opposite of them is narrow as the
+    /// corner is, and to split it would split the edges beside the corner in vain (Miller, Pav & Walkington 2003).
+    fn spans_corner(&self, ends: [VertexId; 2]) -> bool {
+        let [Some(one), Some(other)] = ends.map(|v| self.corners_beside(v)) else { return false };
+        let is_corner = |v: VertexId| self.is_narrow[v.index()];
+        let is_alike = |(v, far): (VertexId, f64), (w, as_far): (VertexId, f64)| {
+            v == w && (far - as_far).abs() <= SAME_DISTANCE * far && is_corner(v)
+        };
+        one.into_iter().any(|end| other.into_iter().any(|other| is_alike(end, other)))
+    }
+
+    /// The ends of the input's edge that a vertex was put on, and how far they are from it.
+    fn corners_beside(&self, v: VertexId) -> Option<[(VertexId, f64); 2]> {
+        let SurfacePoint::Edge(h, along) = self.overlay.place[v.index()] else { return None };
+        let input = self.overlay.input;
+        let length = self.metric.length(input.edge(h));
+        Some([(input.tail(h), along * length), (input.head(h), (1.0 - along) * length)])
     }
 
     /// Inserts vertices until no triangle is bad, or so many; whether none is.
@@ -232,14 +272,15 @@ impl<'a> Chew<'a> {
                     self.overlay.insert(f, weights);
                     edges.to_vec()
                 }
-                Goal::Boundary(h) => {
+                Goal::Edge(h) if !self.is_folded(h) => {
                     let t = &self.overlay.triangulation;
-                    let edges = [t.next(h), t.prev(h)].map(|h| t.edge(h));
+                    let sides = [Some(h), t.twin(h)].into_iter().flatten();
+                    let edges = sides.flat_map(|h| [t.next(h), t.prev(h)]).map(|h| t.edge(h)).collect();
                     let share = self.split_at(h);
-                    self.overlay.split_boundary(h, share);
-                    edges.to_vec()
+                    self.overlay.split(h, share);
+                    edges
                 }
-                Goal::Lost => {
+                Goal::Edge(_) | Goal::Lost => {
                     is_complete = false;
                     continue;
                 }
@@ -252,13 +293,19 @@ impl<'a> Chew<'a> {
                 sides.into_iter().flatten().for_each(|h| self.look_at(self.overlay.triangulation.face(h)));
             }
             self.flip(edges, watch)?;
-            // Where a boundary edge was split it may be as it was.
+            // Where an edge was split it may be as it was.
             self.look_at(face);
         }
         Ok(is_complete)
     }
 
-    /// Where a boundary edge is split: in the middle, but beside a narrow corner at a power of two from it, so that both sides
+    /// Whether an edge has one triangle on both sides.
+    fn is_folded(&self, h: HalfedgeId) -> bool {
+        let t = &self.overlay.triangulation;
+        t.twin(h).is_some_and(|g| t.face(g) == t.face(h))
+    }
+
+    /// Where an edge is split: in the middle, but beside a narrow corner at a power of two from it, so that both sides
     /// of the corner are split alike (Ruppert 1995, §8).
     fn split_at(&self, h: HalfedgeId) -> f64 {
         let t = &self.overlay.triangulation;
@@ -291,7 +338,7 @@ impl<'a> Chew<'a> {
             };
             let Some(s) = (0..3).find(leaves) else {
                 if let Some(h) = self.encroached((sides, corners), goal) {
-                    return Goal::Boundary(h);
+                    return Goal::Edge(h);
                 }
                 return match weights(corners, goal) {
                     Some(weights) => Goal::Inside(t.face(sides[0]), rotated(weights, sides[0])),
@@ -300,17 +347,17 @@ impl<'a> Chew<'a> {
             };
             match self.across((sides, corners), s) {
                 Some(next) => (sides, corners) = next,
-                None => return Goal::Boundary(sides[s]),
+                None => return Goal::Edge(sides[s]),
             }
             entered = Some(0);
         }
         Goal::Lost
     }
 
-    /// The triangle across a side, unfolded, that side first.
+    /// The triangle across a side, unfolded, that side first; none across the boundary and edges that are held.
     fn across(&self, (sides, corners): Unfolded, s: usize) -> Option<Unfolded> {
         let t = &self.overlay.triangulation;
-        let g = t.twin(sides[s])?;
+        let g = self.overlay.across(sides[s])?;
         let (p, q) = (corners[(s + 1) % 3], corners[s]);
         let sides = [g, t.next(g), t.prev(g)];
         let [along, _, back] = Sides(sides.map(|h| self.overlay.length[t.edge(h).index()])).unfold();
@@ -319,8 +366,7 @@ impl<'a> Chew<'a> {
         Some((sides, [p, q, apex]))
     }
 
-    /// A boundary edge in whose diametral circle a point of a triangle lies; it would be one of the triangles that the point
-    /// takes away.
+    /// An edge that cannot go in whose diametral circle a point of a triangle lies; its triangle would be one that the point takes away.
     fn encroached(&self, from: Unfolded, goal: Point) -> Option<HalfedgeId> {
         let mut seen = vec![(from, None)];
         let mut next = 0;
@@ -339,6 +385,18 @@ impl<'a> Chew<'a> {
         }
         None
     }
+}
+
+/// Vertices with a narrow angle between two edges that are held, or one and the boundary.
+fn narrow_sectors(input: &Triangulation, metric: &Metric, held: &EdgeData<bool>) -> impl Iterator<Item = VertexId> {
+    let across = |h: HalfedgeId| input.twin(h).filter(|_| !held[input.edge(h)]);
+    let sector = move |first: HalfedgeId| {
+        // Counter-clockwise, until the next one.
+        let corners = std::iter::successors(Some(first), |&h| across(input.prev(h)));
+        corners.map(|h| metric.angle(input, h)).sum::<f64>()
+    };
+    let first = input.halfedges().filter(move |&h| across(h).is_none());
+    first.filter(move |&h| sector(h) < NARROW).map(|h| input.tail(h))
 }
 
 /// A triangle's halfedges, from any of them on, with the positions of their tails.

@@ -34,7 +34,9 @@ impl Trace {
 
 /// See the module's head.
 pub(super) struct Overlay<'a> {
-    input: &'a Triangulation,
+    pub(super) input: &'a Triangulation,
+    /// Edges of the input that stay edges.
+    held: Option<&'a EdgeData<bool>>,
     pub(super) triangulation: Triangulation,
     /// The length of each edge.
     pub(super) length: Vec<f64>,
@@ -46,9 +48,10 @@ pub(super) struct Overlay<'a> {
 }
 
 impl<'a> Overlay<'a> {
-    pub(super) fn new(input: &'a Triangulation, metric: &Metric) -> Self {
+    pub(super) fn new(input: &'a Triangulation, metric: &Metric, held: Option<&'a EdgeData<bool>>) -> Self {
         Self {
             input,
+            held,
             triangulation: input.clone(),
             length: metric.lengths().to_vec(),
             trace: input.edges().map(|e| Trace::Along(input.halfedge(e))).collect(),
@@ -93,6 +96,23 @@ impl<'a> Overlay<'a> {
         }
     }
 
+    /// The input's halfedge that each edge is part of, as the halfedge that names it runs; none where it crosses others.
+    pub(super) fn along(&self) -> EdgeData<Option<HalfedgeId>> {
+        let shared = |trace: &Trace| if let Trace::Along(shared) = trace { Some(*shared) } else { None };
+        self.trace.iter().map(shared).collect()
+    }
+
+    /// What is across a halfedge; none where it is a side of the boundary or part of an edge that is held.
+    pub(super) fn across(&self, h: HalfedgeId) -> Option<HalfedgeId> {
+        self.triangulation.twin(h).filter(|_| !self.is_held(self.triangulation.edge(h)))
+    }
+
+    /// Whether an edge is part of one of the input's that are held.
+    fn is_held(&self, e: EdgeId) -> bool {
+        let Trace::Along(shared) = self.trace[e.index()] else { return false };
+        self.held.is_some_and(|held| held[self.input.edge(shared)])
+    }
+
     /// The places where an edge is crossed.
     pub(super) fn crossed_at(&self, e: EdgeId) -> &[Crossing] {
         self.trace[e.index()].crossings()
@@ -106,16 +126,24 @@ impl<'a> Overlay<'a> {
     pub(super) fn home(&self, f: FaceId, cut: &Cut, cell: Cell) -> FaceId {
         let sides = self.triangulation.sides(f);
         let by_side = || sides.into_iter().find_map(|h| self.shared(h)).map(|h| self.input.face(h));
-        let corners = self.triangulation.corners(f).map(|v| self.place[v.index()]);
-        let by_corner = || {
-            corners.into_iter().find_map(|place| match place {
-                SurfacePoint::Vertex(_) => None,
-                SurfacePoint::Edge(h, _) => Some(self.input.face(h)),
-                SurfacePoint::Face(home, _) => Some(home),
-            })
-        };
+        let by_corner = || sides.into_iter().find_map(|h| self.home_at(h));
         // A triangle that nothing crosses, whose corners are vertices of the input, has sides of the input.
         cut.rim(cell).map(|h| self.input.face(h)).or_else(by_side).or_else(by_corner).unwrap_or(FaceId(0))
+    }
+
+    /// The input's triangle that the tail of a halfedge is in, or on the edge of with the triangle of the halfedge; none for a vertex of the input.
+    fn home_at(&self, mut h: HalfedgeId) -> Option<FaceId> {
+        match self.place[self.triangulation.tail(h).index()] {
+            SurfacePoint::Vertex(_) => None,
+            SurfacePoint::Face(home, _) => Some(home),
+            // Clockwise round the vertex to the edge that it is on.
+            SurfacePoint::Edge(..) => loop {
+                match self.shared(h) {
+                    Some(shared) => break Some(self.input.face(shared)),
+                    None => h = self.triangulation.next(self.triangulation.twin(h)?),
+                }
+            },
+        }
     }
 
     /// Forgets where these edges of the input cross others; nothing can be flipped or put in afterwards. A triangle of the input
@@ -145,7 +173,7 @@ impl<'a> Overlay<'a> {
 
     /// Flips an edge if it is not Delaunay; whether it was.
     pub(super) fn flip_to_delaunay(&mut self, e: EdgeId) -> bool {
-        if !self.triangulation.is_flippable(e) {
+        if !self.triangulation.is_flippable(e) || self.is_held(e) {
             return false;
         }
         let h = self.triangulation.halfedge(e);
@@ -234,24 +262,44 @@ impl<'a> Overlay<'a> {
         self.triangulation.insert(f)
     }
 
-    /// Puts a vertex on a boundary edge, at a share of its length from its start.
-    pub(super) fn split_boundary(&mut self, h: HalfedgeId, share: f64) -> VertexId {
+    /// Puts a vertex on an edge of the boundary, or on one that is held between two triangles, at a share of its length from the start of `h`.
+    pub(super) fn split(&mut self, h: HalfedgeId, share: f64) -> VertexId {
         let t = &self.triangulation;
         let e = t.edge(h);
-        let shared = self.shared(h).expect("a boundary edge is part of one");
+        let shared = self.shared(h).expect("only parts of the input's edges are split");
         let along = |v: VertexId, corner: f64| match self.place[v.index()] {
-            SurfacePoint::Edge(_, along) => along,
+            SurfacePoint::Edge(halfedge, along) if halfedge == shared => along,
+            SurfacePoint::Edge(_, along) => 1.0 - along,
             _ => corner,
         };
         let (from, to) = (along(t.tail(h), 0.0), along(t.head(h), 1.0));
         let place = SurfacePoint::Edge(shared, from + share * (to - from));
-        let [a, b] = [t.next(h), t.prev(h)];
         let whole = self.length[e.index()];
-        let [_, left, right] = [h, a, b].map(|h| self.length[t.edge(h).index()]);
-        let [along, _, back] = Sides([whole, left, right]).unfold();
+        let beside = self.beside(h, share);
+        let across = t.twin(h).map(|g| self.beside(g, 1.0 - share));
+        self.place.push(place);
+        self.length[e.index()] = share * whole;
+        self.trace[e.index()] = Trace::Along(shared);
+        self.length.push(whole - share * whole);
+        self.trace.push(Trace::Along(shared));
+        for (crossings, length) in [Some(beside), across].into_iter().flatten() {
+            self.crossings += crossings.len();
+            self.length.push(length);
+            self.trace.push(Trace::Across(crossings));
+        }
+        self.triangulation.split(h)
+    }
+
+    /// What an edge from a point on a side, at a share of its length from its start, to the corner opposite crosses, and its length. The side
+    /// is crossed by nothing.
+    fn beside(&self, h: HalfedgeId, share: f64) -> (Vec<Crossing>, f64) {
+        let t = &self.triangulation;
+        let sides = [h, t.next(h), t.prev(h)];
+        let lengths = sides.map(|h| self.length[t.edge(h).index()]);
+        let [along, _, back] = Sides(lengths).unfold();
         let corners = [[0.0, 0.0], along, [-back[0], -back[1]]];
-        let m = [share * whole, 0.0];
-        let cut = Cut::new(self.input, [h, a, b].map(|h| self.crossings(h)));
+        let m = [share * lengths[0], 0.0];
+        let cut = Cut::new(self.input, sides.map(|h| self.crossings(h)));
         // All that meets the triangle goes round k or into the corners beside m.
         let mut chords: Vec<Chord> = match cut.fan {
             Some((s, count)) if s != 2 => {
@@ -266,14 +314,9 @@ impl<'a> Overlay<'a> {
             _ => Vec::new(),
         };
         chords.extend((0..cut.arcs[2]).rev().map(|m| cut.arc(2, m).reversed_in(self.input)));
-        let trace = crossed([m, corners[2]], chords.into_iter().map(|chord| placed(&cut, &corners, chord)));
-        self.crossings += trace.len();
-        self.place.push(place);
-        self.length[e.index()] = share * whole;
+        let crossings = crossed([m, corners[2]], chords.into_iter().map(|chord| placed(&cut, &corners, chord)));
         let up = minus(corners[2], m);
-        self.length.extend([whole - share * whole, up[0].hypot(up[1])]);
-        self.trace.extend([Trace::Along(shared), Trace::Across(trace)]);
-        self.triangulation.split_boundary(h)
+        (crossings, up[0].hypot(up[1]))
     }
 }
 

@@ -6,19 +6,52 @@ use crate::mesh::{EdgeData, Id, Mesh};
 use crate::shapes;
 use crate::surface::{Model, Weld, prepare};
 use crate::vector;
+use crate::walk::edges_at;
 use crate::watch::Watch;
 
 /// Asserts all that is true of a refinement of a surface with these positions.
 fn check(mesh: &Mesh, points: &[[f64; 3]]) -> Refinement {
+    check_holding(mesh, points, &EdgeData::constant(mesh.edge_count(), false))
+}
+
+/// The same, with edges that are held.
+fn check_holding(mesh: &Mesh, points: &[[f64; 3]], held: &EdgeData<bool>) -> Refinement {
     let metric = Metric::from_points(mesh, points);
-    let refinement = refine(mesh, &metric, f64::INFINITY);
-    check_triangulation(mesh, &metric, &refinement);
+    let roles = EdgeRoles { held: Some(held), left_out: None };
+    let refinement = refine_watched(mesh, &metric, f64::INFINITY, roles, Watch::NONE).expect("it is not stopped");
+    check_triangulation((mesh, &metric), held, &refinement);
     check_common(mesh, points, &refinement);
+    check_held((mesh, &metric), held, &refinement);
+    assert!(refinement.place.len() < 10_000, "it ended by itself: {}", refinement.place.len());
     refinement
 }
 
-fn check_triangulation(mesh: &Mesh, metric: &Metric, refinement: &Refinement) {
-    let Refinement { triangulation, metric: fine, is_complete, .. } = refinement;
+/// Asserts that edges that are held are edges, in parts that are as long as they are, and that nothing crosses them.
+fn check_held((mesh, metric): (&Mesh, &Metric), held: &EdgeData<bool>, refinement: &Refinement) {
+    let Refinement { triangulation, metric: fine, place, along, common, .. } = refinement;
+    let mut parts = EdgeData::constant(mesh.edge_count(), 0.0);
+    for (e, part_of) in along.iter_ids() {
+        if let Some(h) = *part_of {
+            parts[mesh.edge(h)] += fine.length(e);
+            let ends = triangulation.ends(e).map(|v| match place[v] {
+                SurfacePoint::Vertex(v) => f64::from(u8::from(v == mesh.head(h))),
+                SurfacePoint::Edge(on, share) if on == h => share,
+                SurfacePoint::Edge(on, share) if Some(on) == mesh.twin(h) => 1.0 - share,
+                elsewhere => panic!("{elsewhere:?} is not on {h:?}"),
+            });
+            assert!(ends[0] < ends[1], "{h:?}: {ends:?}");
+        }
+    }
+    for (e, _) in held.iter_ids().filter(|&(_, held)| *held) {
+        let length = metric.length(e);
+        assert!((parts[e] - length).abs() < 1e-12 * length, "{e:?}, {length} long, is {} long", parts[e]);
+    }
+    let is_crossed = |place: &&SurfacePoint| matches!(place, SurfacePoint::Edge(h, _) if held[mesh.edge(*h)]);
+    assert_eq!(common.place.iter().skip(place.len()).filter(is_crossed).count(), 0);
+}
+
+fn check_triangulation((mesh, metric): (&Mesh, &Metric), held: &EdgeData<bool>, refinement: &Refinement) {
+    let Refinement { triangulation, metric: fine, place, along, is_complete, .. } = refinement;
     triangulation.check();
     let [before, after] = [metric.area(mesh), fine.area(triangulation)];
     assert!((after / before - 1.0).abs() < 1e-9, "area {before} became {after}");
@@ -29,17 +62,30 @@ fn check_triangulation(mesh: &Mesh, metric: &Metric, refinement: &Refinement) {
         let expected = before.get(v.index()).copied().unwrap_or(0.0);
         assert!((after[v] - expected).abs() < 1e-7, "{v:?}: {expected} became {}", after[v]);
     }
-    assert!(
-        edge_weights(triangulation, fine)
-            .iter()
-            .enumerate()
-            .all(|(e, w)| { *w > -1e-6 || triangulation.is_boundary_edge(crate::mesh::EdgeId::new(e)) })
-    );
+    assert!(edge_weights(triangulation, fine).iter().enumerate().all(|(e, w)| {
+        let e = crate::mesh::EdgeId::new(e);
+        let is_held = along[e].is_some_and(|h| held[mesh.edge(h)]);
+        *w > -1e-6 || triangulation.is_boundary_edge(e) || is_held
+    }));
     if *is_complete {
         let sums = metric.angle_sums(mesh);
+        // Angles between edges that are held, or one and the boundary, may be narrow.
+        let held_at = |v: VertexId| edges_at(mesh, v).filter(|&(e, _)| held[e] || mesh.is_boundary_edge(e)).count();
+        // And so those that span the same narrow corner farther off.
+        let edge_of = |v: VertexId| match place[v] {
+            SurfacePoint::Edge(h, _) => Some(mesh.ends(mesh.edge(h))),
+            _ => None,
+        };
+        let meet = |v: VertexId, w: VertexId| match (edge_of(v), edge_of(w)) {
+            (Some(one), Some(other)) => one.iter().any(|end| other.contains(end)),
+            _ => false,
+        };
         for h in triangulation.halfedges() {
-            let is_narrow =
-                sums.get(triangulation.tail(h).index()).is_some_and(|sum| *sum < std::f64::consts::PI / 3.0);
+            let tail = triangulation.tail(h);
+            let is_narrow = |sum: &f64| *sum < std::f64::consts::PI / 3.0 || held_at(tail) > 1;
+            let opposite = triangulation.next(h);
+            let is_narrow = sums.get(tail.index()).is_some_and(is_narrow)
+                || meet(triangulation.tail(opposite), triangulation.head(opposite));
             let angle = fine.angle(triangulation, h);
             assert!(is_narrow || angle > LEAST_ANGLE - 1e-9, "{h:?} {angle}");
         }
@@ -178,6 +224,30 @@ proptest! {
     }
 
     #[test]
+    fn edges_that_are_held_stay_edges(
+        rim in prop::collection::vec((magnitude(4.0), 0.3..1.0f64, -0.2..0.2f64), 4..12),
+        height in magnitude(2.0),
+        held in prop::collection::vec(any::<bool>(), 36),
+    ) {
+        let (mesh, points) = bipyramid(&rim, height);
+        check_holding(&mesh, &points, &mesh.edges().map(|e| held[e.index()]).collect());
+    }
+
+    #[test]
+    fn edges_that_are_held_in_a_patch_stay_edges(
+        heights in prop::collection::vec(0.0..1.0f64, 25),
+        by in (magnitude(3.0), magnitude(3.0), magnitude(3.0)),
+        held in prop::collection::vec(prop::sample::select(vec![false, false, true]), 56),
+    ) {
+        let points: Vec<[f64; 3]> =
+            heights.iter().enumerate().map(|(v, z)| [by.0 * (v % 5) as f64, by.1 * (v / 5) as f64, by.2 * z]).collect();
+        let squares = (0..16u32).map(|k| k / 4 * 5 + k % 4);
+        let faces: Vec<[u32; 3]> = squares.flat_map(|v| [[v, v + 1, v + 6], [v, v + 6, v + 5]]).collect();
+        let mesh = Mesh::new(25, &faces).expect("a patch");
+        check_holding(&mesh, &points, &mesh.edges().map(|e| held[e.index()]).collect());
+    }
+
+    #[test]
     fn planes_need_no_edges_of_the_input(
         heights in prop::collection::vec(prop::sample::select(vec![0.0, 0.0, 0.0, 0.0, 1.0]), 49),
         diagonals in prop::collection::vec(any::<bool>(), 36),
@@ -204,7 +274,7 @@ proptest! {
             prop_assert_eq!(planar[e], is_flat, "{:?}", e);
         }
         let metric = Metric::from_points(&mesh, &points);
-        let cut = |left_out| refine_watched(&mesh, &metric, f64::INFINITY, left_out, Watch::NONE).expect("it is not stopped");
+        let cut = |left_out| refine_watched(&mesh, &metric, f64::INFINITY, EdgeRoles { left_out, held: None }, Watch::NONE).expect("it is not stopped");
         let (all, fewer) = (cut(None), cut(Some(&planar)));
         prop_assert_eq!(&fewer.triangulation, &all.triangulation);
         check_surface(&mesh, &points, &fewer);
@@ -296,7 +366,7 @@ fn a_vertex_in_the_middle_of_a_large_polygon_flips_as_many_edges_as_it_takes() {
         let (mesh, points) = prism(corners);
         let metric = Metric::from_points(&mesh, &points);
         let refinement = refine(&mesh, &metric, 0.07);
-        check_triangulation(&mesh, &metric, &refinement);
+        check_triangulation((&mesh, &metric), &EdgeData::constant(mesh.edge_count(), false), &refinement);
         check_common(&mesh, &points, &refinement);
         assert!(refinement.is_complete && refinement.place.len() < 4 * points.len() + 10_000, "{corners}");
     }
@@ -310,7 +380,8 @@ fn what_would_be_cut_too_often_stays_as_it_is() {
         let mesh = shape.mesh();
         let left_out = EdgeData::constant(mesh.edge_count(), can_be_left_out);
         let metric = Metric::from_points(&mesh, &shape.points);
-        let refinement = refine_watched(&mesh, &metric, f64::INFINITY, Some(&left_out), Watch::NONE).unwrap();
+        let roles = EdgeRoles { left_out: Some(&left_out), held: None };
+        let refinement = refine_watched(&mesh, &metric, f64::INFINITY, roles, Watch::NONE).unwrap();
         assert!(!refinement.is_complete, "{by}");
         assert_eq!(refinement.triangulation, *mesh.triangulation());
         assert_eq!(refinement.common.triangles.len(), mesh.face_count());
