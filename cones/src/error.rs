@@ -86,7 +86,7 @@ pub enum Error {
     NoSuchEdge {
         /// Its vertices.
         ends: [u32; 2],
-        /// Whether the surface was [refined](crate::Refining).
+        /// Whether the surface was [refined](crate::Refining) before edges were named.
         is_refined: bool,
     },
     /// An edge was given for a seam where the surface ends.

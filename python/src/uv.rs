@@ -115,8 +115,8 @@ pub(crate) fn part<'py>(
     Ok(answer)
 }
 
-/// Packs the islands of a map: the positions of all corners, and what is known of the packing. `triangle_island` numbers the islands, -1 is
-/// none; without it islands are found.
+/// Packs the islands of a map: the positions of all corners, and what is known of the packing. `triangle_island` names the islands by any
+/// numbers, negative ones are none; without it islands are found.
 #[pyfunction]
 pub(crate) fn pack<'py>(
     py: Python<'py>,
@@ -133,7 +133,10 @@ pub(crate) fn pack<'py>(
     let triangles = model.triangles();
     let islands: Vec<Option<u32>> = match given {
         Some(given) if given.len() == triangles.len() => {
-            given.iter().map(|&island| u32::try_from(island).ok()).collect()
+            let mut names: Vec<i64> = given.iter().copied().filter(|&island| island >= 0).collect();
+            names.sort_unstable();
+            names.dedup();
+            given.iter().map(|island| names.binary_search(island).ok().map(|number| number as u32)).collect()
         }
         Some(given) => {
             let (given, there) = (given.len(), triangles.len());

@@ -60,6 +60,10 @@ def test_measuring_parting_and_packing_are_those_of_the_command(command, tmp_pat
     assert cones.measure(cones.read(path), uv=parted.uv).distortion["overlap_pairs"] == 0
     command("pack", path, "-o", out, "--rotations", "quarter")
     assert (cones.pack(path, rotations="quarter").uv == cones.read(out).uv).all()
+    mesh = cones.read(path)
+    named = 10**12 * parted.triangle_island
+    packed = [cones.pack(mesh, uv=parted.uv, triangle_island=names).uv for names in (parted.triangle_island, named)]
+    assert (packed[0] == packed[1]).all()
 
 
 def test_copies_and_triangles_with_a_vertex_twice_are_not_measured(command, tmp_path):

@@ -6,7 +6,7 @@ use std::ops::ControlFlow;
 use cones::internals::SeamPlan;
 use cones::{
     Analysis, Atlas, ConeChoice, Error, FreeSeams, Handles, Islands, Note, Options, Placement, Preparation, Progress,
-    Refining, SeamFigures, SeamOptions, Symmetry, unwrap_model,
+    RefinedModel, Refining, SeamFigures, SeamOptions, Symmetry, unwrap_model,
 };
 use geom::shapes::{self, Shape};
 use geom::{CutMesh, EdgeId, Mesh, Metric, Model, ShortestPaths, Surface, VertexId, Watch, prepare};
@@ -249,21 +249,58 @@ fn seams_that_do_not_tile_are_told_of() {
     assert_eq!(plain.tiling, None);
 }
 
-#[test]
-fn what_even_triangles_have_of_the_edges_to_keep_is_cut_and_the_others_are_counted() {
-    let goes_on = |_: Progress| ControlFlow::Continue(());
-    let refined = |shape: Shape, kept: &BTreeSet<[u32; 2]>| {
-        let options = Options {
-            preparation: Preparation { refine: Refining::Always, ..Preparation::default() },
-            seams: SeamOptions { kept: kept.iter().copied().collect(), ..SeamOptions::default() },
-            ..count(2)
-        };
-        let (analysis, atlas) = Analysis::unwrapped(&shape.into(), &options, goes_on).unwrap();
-        (analysis.refined().unwrap().model.clone(), atlas)
+/// What share of an edge of the model that was given is cut on the refined one.
+fn share_cut(refined: &RefinedModel, cut: &BTreeSet<[u32; 2]>, [a, b]: [u32; 2]) -> f64 {
+    let given = refined.model.vertex_count() - refined.added.len();
+    // How far along the edge a vertex is that is on it.
+    let along = |v: u32| {
+        let made_of = (v as usize).checked_sub(given).map_or([(v, 1.0), (v, 0.0), (v, 0.0)], |k| refined.added[k]);
+        let is_on = made_of.iter().all(|&(v, weight)| v == a || v == b || weight == 0.0);
+        let at_b = made_of.iter().filter(|(v, _)| *v == b).map(|(_, weight)| weight);
+        is_on.then(|| at_b.sum::<f64>())
     };
-    let seams = |shape: Shape| cut_edges(&unwrap_model(&shape.into(), &count(6)).unwrap());
-    let edges = seams(shapes::hare(1100));
-    let (model, atlas) = refined(shapes::hare(1100), &edges);
+    cut.iter().filter_map(|part| Some((along(part[0])? - along(part[1])?).abs())).sum()
+}
+
+#[test]
+fn edges_that_are_named_stay_edges_of_even_triangles() {
+    let preparation = Preparation { refine: Refining::Always, ..Preparation::default() };
+    let of = |model: &Model, seams: SeamOptions| {
+        let goes_on = |_: Progress| ControlFlow::Continue(());
+        let (analysis, atlas) =
+            Analysis::unwrapped(model, &Options { preparation, seams, ..count(6) }, goes_on).unwrap();
+        assert!(!atlas.notes.iter().any(|note| matches!(note, Note::SeamsNotKept { .. })));
+        let (model, cut) = (analysis.refined().unwrap().clone(), cut_edges(&atlas));
+        move |ends| share_cut(&model, &cut, ends)
+    };
+    for shape in [shapes::hare(1100), shapes::sphere(40), shapes::terrain(300, 2)] {
+        let model: Model = shape.into();
+        let named: Vec<[u32; 2]> = cut_edges(&unwrap_model(&model, &count(5)).unwrap()).into_iter().collect();
+        let free = of(&model, SeamOptions::default());
+        assert!(named.iter().any(|&ends| free(ends) < 0.5));
+        let kept = of(&model, SeamOptions { kept: named.clone(), ..SeamOptions::default() });
+        let given = of(&model, SeamOptions { given: named.clone(), ..SeamOptions::default() });
+        let avoid = of(&model, SeamOptions { avoid: named.clone(), ..SeamOptions::default() });
+        for &ends in &named {
+            assert!([kept(ends), given(ends)].iter().all(|share| (share - 1.0).abs() < 1e-9), "{ends:?}");
+        }
+        let avoided: f64 = named.iter().map(|&ends| avoid(ends)).sum();
+        assert!(avoided < 0.02 * named.len() as f64, "of {} edges {avoided} are cut", named.len());
+    }
+}
+
+#[test]
+fn edges_to_keep_that_a_refined_analysis_has_are_cut_and_the_others_are_counted() {
+    let model: Model = shapes::hare(1100).into();
+    let edges = cut_edges(&unwrap_model(&model, &count(6)).unwrap());
+    let options = Options {
+        preparation: Preparation { refine: Refining::Always, ..Preparation::default() },
+        seams: SeamOptions { kept: edges.iter().copied().collect(), ..SeamOptions::default() },
+        ..count(2)
+    };
+    let analysis = Analysis::with(&model, options.preparation).unwrap();
+    let atlas = analysis.atlas(&options).unwrap();
+    let model = &analysis.refined().unwrap().model;
     let sides = |f: usize| [[0, 1], [1, 2], [2, 0]].map(|side| side.map(|k: usize| model.face(f)[k]));
     let sides = (0..model.face_count()).flat_map(sides).map(|[a, b]| [a.min(b), a.max(b)]);
     let there: BTreeSet<[u32; 2]> = sides.filter(|side| edges.contains(side)).collect();
@@ -271,10 +308,6 @@ fn what_even_triangles_have_of_the_edges_to_keep_is_cut_and_the_others_are_count
     assert!(there.is_subset(&cut_edges(&atlas)));
     let told = Note::SeamsNotKept { lost: edges.len() - there.len(), of: edges.len() };
     assert!(atlas.notes.contains(&told), "{:?} {told:?}", atlas.notes);
-    // Where triangles are too coarse, smaller ones would have fewer of them still.
-    let edges = seams(shapes::sphere(40));
-    let [kept, free] = [&edges, &BTreeSet::new()].map(|kept| refined(shapes::sphere(40), kept).0.vertex_count());
-    assert!(2 * kept < free, "{kept} {free}");
 }
 
 /// A prism of five sides, as its faces are: a net of its corners is exact, with curvatures of 2π/5.

@@ -42,9 +42,12 @@ fn the_line_of_an_edge_that_is_none_is_named() {
         ("--seams", "7 7\n", "edges.txt, line 1: \"7 7\" is not an edge"),
     ] {
         folder.write("edges.txt", text);
-        let said = folder.complaint(&["unwrap", "hare.obj", "-o", "out.obj", option, "edges.txt"]);
-        let said = said.split_whitespace().collect::<Vec<_>>().join(" ");
-        assert!(said.contains(expected), "{said}");
+        for refined in [&[][..], &["--refine"]] {
+            let args = [&["unwrap", "hare.obj", "-o", "out.obj", option, "edges.txt"], refined].concat();
+            let said = folder.complaint(&args);
+            let said = said.split_whitespace().collect::<Vec<_>>().join(" ");
+            assert!(said.contains(expected) && !said.contains("even triangles"), "{said}");
+        }
     }
     // The first edge of the boundary: one that a single face has.
     let faces: Vec<Vec<u32>> = folder
@@ -56,8 +59,11 @@ fn the_line_of_an_edge_that_is_none_is_named() {
     let sides = || faces.iter().flat_map(|f| (0..3).map(|k| [f[k], f[(k + 1) % 3]]));
     let rim = sides().find(|&[a, b]| !sides().any(|side| side == [b, a])).expect("there is a boundary");
     folder.write("edges.txt", &format!("{} {}\n", rim[0], rim[1]));
-    let said = folder.complaint(&["unwrap", "terrain.obj", "-o", "out.obj", "--seams", "edges.txt"]);
-    assert!(said.contains("edges.txt, line 1:") && said.contains("boundary"), "{said}");
+    for refined in [&[][..], &["--refine"]] {
+        let args = [&["unwrap", "terrain.obj", "-o", "out.obj", "--seams", "edges.txt"], refined].concat();
+        let said = folder.complaint(&args);
+        assert!(said.contains("edges.txt, line 1:") && said.contains("boundary"), "{said}");
+    }
     folder.complaint(&["unwrap", "terrain.obj", "-o", "out.obj", "--seams", "missing.txt"]);
     folder.complaint(&["unwrap", "terrain.obj", "-o", "edges.txt", "--seams", "edges.txt"]);
 }
@@ -121,16 +127,24 @@ fn a_missing_file_of_edges_or_cones_is_told_as_a_missing_mesh_is() {
 }
 
 #[test]
-fn edges_that_even_triangles_do_not_have_are_told_of() {
+fn edges_that_are_named_are_edges_of_even_triangles() {
     let folder = Folder::with_shapes();
     folder.run(&["unwrap", "hare.obj", "-n", "6", "-o", "before.obj"]).success();
-    let kept = ["unwrap", "before.obj", "-o", "out.obj", "--keep-seams"];
-    let said = stderr(&folder.run(&kept).success());
-    assert!(!said.contains("are no seams"), "{said}");
-    let said = stderr(&folder.run(&[&kept[..], &["--refine"]].concat()).success());
-    let said = said.split_whitespace().collect::<Vec<_>>().join(" ");
-    assert!(
-        said.contains("edges of the input's seams are no seams of the map: even triangles have other edges"),
-        "{said}"
-    );
+    let refined = ["unwrap", "before.obj", "-n", "6", "--refine", "-o", "out.obj"];
+    let said = stderr(&folder.run(&[&refined[..], &["--keep-seams"]].concat()).success());
+    assert!(!said.contains("seams"), "{said}");
+    let faces = folder.read("before.obj");
+    let face = faces.lines().find_map(|line| line.strip_prefix("f ")).expect("there is a face");
+    let corners: Vec<usize> = face.split_whitespace().map(vertex).collect();
+    for (a, b) in [(0, 1), (1, 2), (2, 0)] {
+        folder.write("edge.txt", &format!("{} {}\n", corners[a], corners[b]));
+        for option in ["--seams", "--avoid"] {
+            folder.run(&[&refined[..], &[option, "edge.txt"]].concat()).success();
+        }
+    }
+}
+
+/// The vertex, from 0, of a corner in an OBJ.
+fn vertex(corner: &str) -> usize {
+    corner.split('/').next().and_then(|v| v.parse::<usize>().ok()).expect("an index") - 1
 }

@@ -28,9 +28,6 @@ impl Analysis {
         options: &Options,
         made: impl Fn(f64) -> Result<Self, Error>,
     ) -> Result<(Self, Atlas), Error> {
-        if options.seams.names_edges() {
-            return Ok((self, atlas)); // fewer of these edges are left each time
-        }
         let mut taken = (self, atlas);
         if taken.0.refined().is_none() && options.preparation.refine == Refining::Needles {
             taken = taken.0.or_other(taken.1, options, || made(LARGEST))?;

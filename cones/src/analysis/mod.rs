@@ -33,7 +33,7 @@ mod refined;
 mod reseaming;
 mod unwrap;
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 use std::sync::{Arc, OnceLock};
 use std::time::Instant;
@@ -54,6 +54,7 @@ pub use refined::{MOST_NEEDLES, RefinedModel};
 pub use unwrap::unwrap_model;
 
 use crate::curvature::CurvatureRule;
+use crate::cut::ascending;
 use crate::error::Error;
 use crate::placement::{Placement, Prediction};
 use component::{Component, Making};
@@ -146,13 +147,14 @@ impl Analysis {
             is_opened: false,
             is_asked_once: false,
         };
-        Self::made(model, making, Arc::new(observer))
+        Self::made(model, making, &HashSet::new(), Arc::new(observer))
     }
 
     /// Analyses a model and unwraps it, while an observer listens: the same as [`observed`](Self::observed) and
     /// [`atlas`](Self::atlas), but what these options will look for cones on is found while the Laplacian is factored, and large factors
     /// are freed once the map needs them no more. (Whoever asks for more waits until they are there again.) Where surfaces were refined
-    /// only for their needles, and no cones flatten one of them so, the model is taken as it is. Where the map of a small model bends angles by more than
+    /// only for their needles, and no cones flatten one of them so, the model is taken as it is. Edges that [seams](Options::seams) are named by
+    /// stay edges where surfaces are refined, in parts. Where the map of a small model bends angles by more than
     /// 1.06 on average, another one is made, of the model refined if it may be, and then in triangles half as large; the best is taken.
     ///
     /// # Errors
@@ -163,10 +165,11 @@ impl Analysis {
         observer: impl Observer + 'static,
     ) -> Result<(Self, Atlas), Error> {
         let observer: Arc<dyn Observer> = Arc::new(observer);
+        let named = options.seams.named().map(ascending).collect();
         let for_options = |preparation, (largest, is_bent)| {
             let is_searched = options.searches_coarse_level();
             let making = Making { preparation, largest, is_bent, is_searched, is_opened: false, is_asked_once: true };
-            Self::made(model, making, observer.clone())
+            Self::made(model, making, &named, observer.clone())
         };
         let analysis = for_options(options.preparation, (LARGEST, false))?;
         match analysis.atlas(options) {
@@ -183,7 +186,13 @@ impl Analysis {
         }
     }
 
-    fn made(model: &Model, making: Making, observer: Arc<dyn Observer>) -> Result<Self, Error> {
+    /// Makes it. Where surfaces are refined, edges that are `held`, by their vertices in ascending order, stay edges.
+    fn made(
+        model: &Model,
+        making: Making,
+        held: &HashSet<[u32; 2]>,
+        observer: Arc<dyn Observer>,
+    ) -> Result<Self, Error> {
         let preparation = making.preparation;
         let mut times = Times::default();
         let (mut prepared, shapes) =
@@ -197,8 +206,9 @@ impl Analysis {
         let task = Task::new(&observer, prepared.surfaces.len());
         let is_refined = making.is_bent || is_asked_for(preparation.refine, &prepared.surfaces, &shapes);
         let (ready, refined, triangles, left_out) = if is_refined {
+            let refining = (preparation.refine, making.largest, held);
             let (ready, refined, triangles, left_out) =
-                refine_all(model, (prepared, &shapes), (preparation.refine, making.largest), &task, &mut times)?;
+                refine_all(model, (prepared, &shapes), refining, &task, &mut times)?;
             (ready, Some(refined), triangles, left_out)
         } else {
             let Prepared { surfaces, triangles, left_out, .. } = prepared;

@@ -156,7 +156,7 @@ pub enum Note {
         /// Whether cones turn by other angles, as given curvatures are not rounded.
         are_given: bool,
     },
-    /// A refined surface has not all edges that were to be kept as seams.
+    /// A surface that was refined before they were named has not all edges that were to be kept as seams.
     SeamsNotKept {
         /// How many edges it lacks.
         lost: usize,

@@ -9,14 +9,15 @@ use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
 use geom::{
-    CommonRefinement, EdgeData, EdgeId, FaceData, FaceId, HalfedgeData, HalfedgeId, Id, Intrinsic, Mesh, MeshError,
-    Metric, Model, OpenedIsland, Prepared, Refinement, Surface, SurfacePoint, Triangles, Triangulation, VertexId,
-    Watch, angle_defects, delaunay, planar_edges, refine_watched,
+    CommonRefinement, EdgeData, EdgeId, EdgeRoles, FaceData, FaceId, HalfedgeData, HalfedgeId, Id, Intrinsic, Mesh,
+    MeshError, Metric, Model, OpenedIsland, Prepared, Refinement, Surface, SurfacePoint, Triangles, Triangulation,
+    VertexId, Watch, angle_defects, delaunay, planar_edges, refine_watched,
 };
 use rayon::prelude::*;
 
 use super::observer::{Stage, Task, Times};
 use super::options::Refining;
+use crate::cut::{ascending, named_edges, names};
 use crate::error::Error;
 use crate::field::TiedLoops;
 use crate::flatten::Chain;
@@ -89,6 +90,23 @@ pub struct RefinedModel {
     pub added: Vec<[(u32, f64); 3]>,
     /// Whether all triangles of the intrinsic triangulations are even; not so where the cap on vertices was reached.
     pub is_complete: bool,
+    /// The edges that those of the model that were held are in, if any were to be.
+    parts: Option<Parts>,
+}
+
+/// Edges in parts, all by their vertices, which the names of whole ones have in ascending order.
+type Parts = HashMap<[u32; 2], Vec<[u32; 2]>>;
+
+impl RefinedModel {
+    /// The edges that an edge of the model that was given is in, if it was held.
+    pub(crate) fn parts(&self, ends: [u32; 2]) -> Option<&[[u32; 2]]> {
+        self.parts.as_ref()?.get(&ascending(ends)).map(Vec::as_slice)
+    }
+
+    /// Whether edges that seams are named by were to be held.
+    pub(crate) fn holds_edges(&self) -> bool {
+        self.parts.is_some()
+    }
 }
 
 /// The way from a refined surface to the refined model.
@@ -281,14 +299,14 @@ fn own_points(model: &Model, surface: &Surface) -> Vec<[f64; 3]> {
 }
 
 /// Refines the surfaces of a model to triangles of a size ([`LARGEST`]), but where needles alone ask for it none that is flat; what was prepared becomes that of the refined
-/// model.
+/// model. Edges that `names_held` has, by their vertices in ascending order, stay edges.
 ///
 /// # Errors
 /// If the refined model is too large, or the watch has said stop.
 pub(crate) fn refine_all(
     model: &Model,
     (prepared, shapes): (Prepared, &[usize]),
-    (refining, largest): (Refining, f64),
+    (refining, largest, names_held): (Refining, f64, &HashSet<[u32; 2]>),
     task: &Task,
     times: &mut Times,
 ) -> Result<(Vec<Ready>, RefinedModel, Triangles, Vec<u32>), Error> {
@@ -298,33 +316,40 @@ pub(crate) fn refine_all(
     // Faces that nothing tells from each other need not be told apart.
     let is_bare = model.obj_text().is_none() && model.attributes().is_bare();
     let face_of = |surface: &Surface, f: FaceId| triangles.face_of[surface.triangle[f] as usize];
-    let (shapes, planar, mut refined) = task.stage((Stage::Prepare, 0), times, |watch| -> Result<_, Error> {
-        let planar = |(k, surface): (usize, &Surface)| {
-            // An instance has the points of another one, but it is its own planes that edges may be left out of.
-            let own = (shapes[k] != k).then(|| own_points(model, surface));
-            let points = own.as_ref().unwrap_or(&surface.points);
-            let tolerance = (rounding * surface.scale).min(VISIBLE);
-            planar_edges(&surface.mesh, points, tolerance, |f, g| is_bare || face_of(surface, f) == face_of(surface, g))
-        };
-        let planar: Vec<_> = surfaces.par_iter().enumerate().with_max_len(1).map(planar).collect();
-        let alike = |(k, &shape): (usize, &usize)| if planar[k] == planar[shape] { shape } else { k };
-        let shapes: Vec<usize> = shapes.iter().enumerate().map(alike).collect();
-        let refine = |k: usize, surface: &Surface| {
-            let metric = surface.metric();
-            if refining == Refining::Needles && is_flat(surface, &metric) {
-                return Ok(None);
-            }
-            let largest = largest * metric.area(&surface.mesh).sqrt();
-            refine_watched(&surface.mesh, &metric, largest, Some(&planar[k]), watch).map(Some)
-        };
-        let refined = of_shapes(&surfaces, &shapes, |k, surface| refine(k, surface).transpose());
-        let refined = refined.into_iter().map(Option::transpose).collect::<Result<Vec<Option<Refinement>>, _>>()?;
-        Ok((shapes, planar, refined))
-    })??;
+    let (shapes, planar, held, mut refined) =
+        task.stage((Stage::Prepare, 0), times, |watch| -> Result<_, Error> {
+            let planar = |(k, surface): (usize, &Surface)| {
+                // An instance has the points of another one, but it is its own planes that edges may be left out of.
+                let own = (shapes[k] != k).then(|| own_points(model, surface));
+                let points = own.as_ref().unwrap_or(&surface.points);
+                let tolerance = (rounding * surface.scale).min(VISIBLE);
+                planar_edges(&surface.mesh, points, tolerance, |f, g| {
+                    is_bare || face_of(surface, f) == face_of(surface, g)
+                })
+            };
+            let planar: Vec<_> = surfaces.par_iter().enumerate().with_max_len(1).map(planar).collect();
+            let held = surfaces.iter().map(|surface| named_edges(surface, model.corners(), names_held));
+            let held: Vec<EdgeData<bool>> = held.collect();
+            let is_alike = |k: usize, shape: usize| planar[k] == planar[shape] && held[k] == held[shape];
+            let alike = |(k, &shape): (usize, &usize)| if is_alike(k, shape) { shape } else { k };
+            let shapes: Vec<usize> = shapes.iter().enumerate().map(alike).collect();
+            let refine = |k: usize, surface: &Surface| {
+                let metric = surface.metric();
+                if refining == Refining::Needles && is_flat(surface, &metric) {
+                    return Ok(None);
+                }
+                let largest = largest * metric.area(&surface.mesh).sqrt();
+                let roles = EdgeRoles { left_out: Some(&planar[k]), held: Some(&held[k]) };
+                refine_watched(&surface.mesh, &metric, largest, roles, watch).map(Some)
+            };
+            let refined = of_shapes(&surfaces, &shapes, |k, surface| refine(k, surface).transpose());
+            let refined = refined.into_iter().map(Option::transpose).collect::<Result<Vec<Option<Refinement>>, _>>()?;
+            Ok((shapes, planar, held, refined))
+        })??;
     let is_complete = refined.iter().flatten().all(|refinement| refinement.is_complete);
     task.stage((Stage::Prepare, 0), times, |watch: Watch| {
         let points = model.points().to_vec();
-        let mut growing = Growing { points, added: Vec::new(), triangles: Vec::new(), part_of: Vec::new() };
+        let mut growing = Growing { points, ..Growing::default() };
         // Where no side of a triangle was left out, the pieces named for it are all of it.
         let whole = |(surface, planar): (&Surface, &EdgeData<bool>)| {
             let is_whole = |f: &FaceId| surface.mesh.sides(*f).iter().all(|&h| !planar[surface.mesh.edge(h)]);
@@ -334,11 +359,11 @@ pub(crate) fn refine_all(
         let mut ready: Vec<Ready> = Vec::with_capacity(surfaces.len());
         let mut instances = vec![0; surfaces.len()];
         shapes.iter().for_each(|&shape| instances[shape] += 1);
-        for (surface, &shape) in surfaces.into_iter().zip(&shapes) {
+        for ((surface, &shape), held) in surfaces.into_iter().zip(&shapes).zip(&held) {
             instances[shape] -= 1;
             let refinement = &mut refined[shape];
             ready.push(match if instances[shape] == 0 { refinement.take() } else { refinement.clone() } {
-                Some(refinement) => growing.add(model, &triangles, (surface, shape), refinement),
+                Some(refinement) => growing.add((model, &triangles), (surface, shape), held, refinement),
                 None => growing.add_as_it_is(model, &triangles, (surface, shape)),
             });
             watch.ask(0.5)?;
@@ -350,16 +375,18 @@ pub(crate) fn refine_all(
         ready.iter_mut().for_each(|ready| ready.renumber(&number));
         watch.ask(0.8)?;
         let left_out = number[kept..].to_vec();
-        let Growing { points, added, triangles: pieces, part_of } = growing;
+        let Growing { points, added, triangles: pieces, part_of, parts } = growing;
+        let parts = (!names_held.is_empty()).then_some(parts);
         let face = part_of.iter().map(|&t| triangles.face_of[t as usize]).collect();
         let model = Model::from_triangles(points, &pieces).map_err(Error::Refined)?;
         watch.ask(0.9)?;
         let triangles = model.triangles();
-        Ok((ready, RefinedModel { model, face, added, is_complete }, triangles, left_out))
+        Ok((ready, RefinedModel { model, face, added, is_complete, parts }, triangles, left_out))
     })?
 }
 
 /// A refined model as far as it is known.
+#[derive(Default)]
 struct Growing {
     points: Vec<[f64; 3]>,
     /// What the vertices that were put in are made of.
@@ -367,6 +394,8 @@ struct Growing {
     triangles: Vec<[u32; 3]>,
     /// The triangle of the model that each is part of, or one of them.
     part_of: Vec<u32>,
+    /// The edges that those that were held are in.
+    parts: Parts,
 }
 
 impl Growing {
@@ -433,12 +462,12 @@ impl Growing {
 
     fn add(
         &mut self,
-        model: &Model,
-        triangles: &Triangles,
+        (model, triangles): (&Model, &Triangles),
         (surface, shape): (Surface, usize),
+        held: &EdgeData<bool>,
         refinement: Refinement,
     ) -> Ready {
-        let Refinement { triangulation, metric, common, .. } = refinement;
+        let Refinement { triangulation, metric, common, along, .. } = refinement;
         let input = &surface.mesh;
         let corner = |h: HalfedgeId| model.corners()[surface.corner[h] as usize];
         let positions: Vec<[f64; 3]> = surface.vertex.iter().map(|&v| model.points()[v as usize]).collect();
@@ -448,6 +477,13 @@ impl Growing {
             vertex.push(self.points.len() as u32);
             self.points.push(place.position(input, &positions));
             self.added.push(made_of(*place, input).map(|(v, weight)| (surface.vertex[v], weight)));
+        }
+        for (e, part_of) in along.iter_ids() {
+            let Some(whole) = part_of.map(|h| input.edge(h)).filter(|&whole| held[whole]) else { continue };
+            let part = triangulation.ends(e).map(|v| vertex[v.index()]);
+            for name in names(&surface, model.corners(), whole) {
+                self.parts.entry(name).or_default().push(part);
+            }
         }
         let first = self.triangles.len() as u32;
         let triangle = (first..first + common.triangles.len() as u32).collect();

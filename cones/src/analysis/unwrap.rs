@@ -19,6 +19,7 @@ use super::note::Note;
 use super::observer::{Silent, Stage, Task, Times};
 use super::options::{ConeChoice, Handles, Options};
 use super::packed::{Packed, packed};
+use super::refined::RefinedModel;
 use crate::cut::{ModelEdges, SeamFigures, SeamOptions, SeamPlan, Symmetry, Tiling};
 use crate::error::Error;
 use crate::placement::{Automatic, Prediction, Predictor, distortion_of};
@@ -535,6 +536,8 @@ impl Analysis {
         times: &mut Times,
     ) -> Result<SeamPlan, Error> {
         let Component { index, surface, metric, .. } = component;
+        let in_parts = self.refined().map(|_| seams.in_parts(|ends| self.parts(ends)));
+        let seams = in_parts.as_ref().unwrap_or(seams);
         let plan = |watch: Watch| SeamPlan::new(surface, metric, self.corner_vertices(), seams, watch);
         Ok(task.stage((Stage::Cut, *index), times, plan)??)
     }
@@ -546,19 +549,26 @@ impl Analysis {
         }
         let edges = self.edges();
         for &ends in seams.given.iter().chain(&seams.avoid) {
-            if !edges.has(ends) {
-                return Err(Error::NoSuchEdge { ends, is_refined: self.refined().is_some() });
+            if !self.parts(ends).into_iter().all(|part| edges.has(part)) {
+                let is_refined = self.refined().is_some_and(|refined| !refined.holds_edges());
+                return Err(Error::NoSuchEdge { ends, is_refined });
             }
         }
-        match seams.given.iter().find(|ends| edges.is_open(**ends)) {
+        let is_open = |ends: &[u32; 2]| self.parts(*ends).into_iter().any(|part| edges.is_open(part));
+        match seams.given.iter().find(|ends| is_open(ends)) {
             Some(&ends) => Err(Error::OpenEdge { ends }),
             None => Ok(()),
         }
     }
 
-    /// That a refined surface has not all edges that were to be kept as seams.
+    /// The edges that an edge of the model that was given is in: itself, where it was not held while the model was refined.
+    fn parts(&self, ends: [u32; 2]) -> Vec<[u32; 2]> {
+        self.refined().and_then(|refined| refined.parts(ends)).map_or_else(|| vec![ends], <[_]>::to_vec)
+    }
+
+    /// That a surface that was refined before anyone named edges has not all that were to be kept as seams.
     fn lost_seams(&self, seams: &SeamOptions) -> Option<Note> {
-        if self.refined().is_none() || seams.kept.is_empty() {
+        if seams.kept.is_empty() || self.refined().is_none_or(RefinedModel::holds_edges) {
             return None;
         }
         let edges = self.edges();

@@ -17,6 +17,6 @@ mod turning;
 pub use figures::SeamFigures;
 pub(crate) use limbs::{Limbs, limbs};
 pub use options::{SeamOptions, Symmetry};
-pub(crate) use plan::ModelEdges;
 pub use plan::SeamPlan;
+pub(crate) use plan::{ModelEdges, ascending, named_edges, names};
 pub use tiling::Tiling;

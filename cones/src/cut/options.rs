@@ -30,7 +30,18 @@ impl Default for SeamOptions {
 impl SeamOptions {
     /// Whether it says something of some edges.
     pub(crate) fn names_edges(&self) -> bool {
-        !(self.given.is_empty() && self.kept.is_empty() && self.avoid.is_empty())
+        self.named().next().is_some()
+    }
+
+    /// The edges that it says something of.
+    pub(crate) fn named(&self) -> impl Iterator<Item = [u32; 2]> + '_ {
+        self.given.iter().chain(&self.kept).chain(&self.avoid).copied()
+    }
+
+    /// The same of the parts that each edge is in now.
+    pub(crate) fn in_parts(&self, parts: impl Fn([u32; 2]) -> Vec<[u32; 2]>) -> Self {
+        let of = |edges: &[[u32; 2]]| edges.iter().flat_map(|&ends| parts(ends)).collect();
+        Self { weight: self.weight, given: of(&self.given), kept: of(&self.kept), avoid: of(&self.avoid) }
     }
 }
 

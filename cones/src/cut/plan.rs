@@ -215,18 +215,24 @@ impl ModelEdges {
 
 /// The inner edges of a surface that are named by vertices of the model; none inside a polygon.
 fn marked<'a>(surface: &Surface, corners: &[u32], edges: impl Iterator<Item = &'a [u32; 2]>) -> EdgeData<bool> {
+    let mut marked = named_edges(surface, corners, &edges.map(|&ends| ascending(ends)).collect());
+    surface.mesh.edges().filter(|&e| surface.mesh.is_boundary_edge(e)).for_each(|e| marked[e] = false);
+    marked
+}
+
+/// The edges of a surface that are named by vertices of the model in ascending order; none inside a polygon.
+pub(crate) fn named_edges(surface: &Surface, corners: &[u32], named: &HashSet<[u32; 2]>) -> EdgeData<bool> {
     let mesh = &surface.mesh;
-    let named: HashSet<[u32; 2]> = edges.map(|&ends| ascending(ends)).collect();
     if named.is_empty() {
         return EdgeData::constant(mesh.edge_count(), false);
     }
     let is_named = |e: EdgeId| names(surface, corners, e).any(|name| named.contains(&name));
-    mesh.edges().map(|e| !surface.diagonal[e] && !mesh.is_boundary_edge(e) && is_named(e)).collect()
+    mesh.edges().map(|e| !surface.diagonal[e] && is_named(e)).collect()
 }
 
 /// What each side of an edge calls it: vertices of the model in ascending order. Where vertices were welded they differ.
 /// `corners` has the vertex of each corner of the model.
-fn names(surface: &Surface, corners: &[u32], e: EdgeId) -> impl Iterator<Item = [u32; 2]> {
+pub(crate) fn names(surface: &Surface, corners: &[u32], e: EdgeId) -> impl Iterator<Item = [u32; 2]> {
     let mesh = &surface.mesh;
     let h = mesh.halfedge(e);
     let vertex = |h: HalfedgeId| corners[surface.corner[h] as usize];
@@ -235,6 +241,6 @@ fn names(surface: &Surface, corners: &[u32], e: EdgeId) -> impl Iterator<Item = 
 }
 
 /// The name of an edge, whichever way it runs.
-fn ascending([a, b]: [u32; 2]) -> [u32; 2] {
+pub(crate) fn ascending([a, b]: [u32; 2]) -> [u32; 2] {
     [a.min(b), a.max(b)]
 }

@@ -4,6 +4,8 @@
 //! of the surface face each other; where more than two meet, each faces the next. They are glued where their ends' images
 //! agree.
 
+use std::collections::HashSet;
+
 use petgraph::unionfind::UnionFind;
 
 use crate::mesh::{FaceData, FaceId, Id, of_edges};
@@ -111,6 +113,21 @@ impl Charts {
             chi[self.island_of(pair.sides[0])] += 1;
         }
         chi
+    }
+
+    /// Those of some vertices that have several fans of triangles, with no edge between them, once for each but the first.
+    pub(super) fn further_fans(&self, corner_vertex: &[u32], of: &HashSet<u32>) -> Vec<u32> {
+        if of.is_empty() {
+            return Vec::new();
+        }
+        let is_asked = |&corner: &u32| of.contains(&corner_vertex[corner as usize]);
+        let mut fans = UnionFind::new(corner_vertex.len());
+        for [c, d] in self.facing.iter().flat_map(|pair| pair.corners_at_ends()).filter(|[c, _]| is_asked(c)) {
+            fans.union(c, d);
+        }
+        let mut has_one = HashSet::new();
+        let corners = (0..corner_vertex.len() as u32).filter(is_asked).filter(|&corner| fans.find(corner) == corner);
+        corners.map(|corner| corner_vertex[corner as usize]).filter(|&v| !has_one.insert(v)).collect()
     }
 
     /// How many loops bound each island.

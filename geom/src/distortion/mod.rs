@@ -335,7 +335,8 @@ fn islands(charts: &Charts, images: &[Image]) -> Vec<Island> {
     islands
 }
 
-/// 2π less the angles at the images of each vertex inside the surface; angles of flipped triangles count negative.
+/// 2π less the angles at the images of each vertex inside the surface, for each fan of triangles round it; angles of flipped triangles count
+/// negative.
 fn curvature(
     charts: &Charts,
     triangles: &[[u32; 3]],
@@ -359,6 +360,11 @@ fn curvature(
                 curvature[VertexId(corners[k])] -= if image.area < 0.0 { -angle } else { angle };
             }
         }
+    }
+    // Only what has lost half a turn can have several fans.
+    let suspects = curvature.iter_ids().filter(|(_, k)| **k < -PI).map(|(v, _)| v.0).collect();
+    for v in charts.further_fans(triangles.as_flattened(), &suspects) {
+        curvature[VertexId(v)] += 2.0 * PI;
     }
     curvature
 }

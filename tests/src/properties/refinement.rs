@@ -2,7 +2,10 @@
 
 use std::f64::consts::PI;
 
-use geom::{Id, LEAST_ANGLE, Mesh, Refinement, SurfacePoint, VertexId, angle_defects, refine};
+use geom::{
+    EdgeData, EdgeRoles, Id, LEAST_ANGLE, Mesh, Metric, Refinement, SurfacePoint, VertexId, Watch, angle_defects,
+    refine_watched,
+};
 
 use super::{assert_close, metric_of};
 use crate::decode::{self, Bytes};
@@ -11,13 +14,16 @@ use crate::decode::{self, Bytes};
 const ROUNDING: f64 = 1e-6;
 
 /// A refinement is the same surface, in even triangles: its vertices stay where they are, area and curvature are as before, angles
-/// have the least that is promised but at narrow corners, and each triangle of the input is covered once by the triangles that both
-/// cut it into. It ends.
+/// have the least that is promised but at narrow corners, each triangle of the input is covered once by the triangles that both
+/// cut it into, and edges that are held are covered by edges. It ends.
 pub fn refinement(bytes: &[u8]) {
-    let shape = decode::surface(&mut Bytes::new(bytes));
+    let mut bytes = Bytes::new(bytes);
+    let shape = decode::surface(&mut bytes);
     let mesh = shape.mesh();
     let metric = metric_of(&mesh, &shape);
-    let refinement = refine(&mesh, &metric, f64::INFINITY);
+    let held: EdgeData<bool> = mesh.edges().map(|_| bytes.below(4) == 1).collect();
+    let roles = EdgeRoles { held: Some(&held), left_out: None };
+    let refinement = refine_watched(&mesh, &metric, f64::INFINITY, roles, Watch::NONE).expect("nobody says stop");
     let Refinement { triangulation, metric: fine, place, is_complete, .. } = &refinement;
     triangulation.check();
     assert_eq!(triangulation.euler_characteristic(), mesh.euler_characteristic());
@@ -31,13 +37,26 @@ pub fn refinement(bytes: &[u8]) {
     assert_close(total, 2.0 * PI * mesh.euler_characteristic() as f64, 1e-9, refined.face_count() as f64);
     let sums = metric.angle_sums(&mesh);
     let is_narrow = |v: VertexId| sums.get(v.index()).is_some_and(|sum| *sum < PI / 3.0);
-    if *is_complete {
+    if *is_complete && !held.contains(&true) {
         for h in triangulation.halfedges().filter(|&h| !is_narrow(triangulation.tail(h))) {
             let angle = fine.angle(triangulation, h);
             assert!(angle > LEAST_ANGLE - ROUNDING, "{h:?} has {angle}");
         }
     }
     is_covered_once(&mesh, &refinement);
+    is_held(&mesh, (&metric, &held), &refinement);
+}
+
+/// The edges that run along one that is held are as long as it together.
+fn is_held(mesh: &Mesh, (metric, held): (&Metric, &EdgeData<bool>), refinement: &Refinement) {
+    let mut parts = EdgeData::constant(mesh.edge_count(), 0.0);
+    for (e, along) in refinement.along.iter_ids() {
+        if let Some(h) = *along {
+            parts[mesh.edge(h)] += refinement.metric.length(e);
+        }
+    }
+    let held = mesh.edges().filter(|&e| held[e]);
+    held.for_each(|e| assert_close(parts[e], metric.length(e), 1e-9, metric.length(e)));
 }
 
 /// Areas in barycentric coordinates of what lies on each triangle of the input sum to that of the whole, none turned over.
