@@ -148,6 +148,7 @@ BROKEN = [
     (lambda v, f: (v, -f.astype(int)), "negative"),
     (lambda v, f: (v, f[:0]), "no faces"),
     (lambda v, f: (v, f[0]), "faces must have the shape"),
+    (lambda v, f: (np.ma.masked_array(v, v == v[3]), f), "are masked, where each is needed"),
 ]
 
 
