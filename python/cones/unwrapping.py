@@ -93,8 +93,13 @@ class Unwrapping:
 
     @property
     def warnings(self) -> list[str]:
-        """What was decided on the way and what could not be had, a sentence each."""
+        """What was decided on the way and what could not be had, a sentence each. What was mended in the mesh is in `repairs`."""
         return self.report["warnings"]
+
+    @property
+    def repairs(self) -> list[tuple[str, int, int]]:
+        """What was repaired: what it was, how often, and the first place (a face or a vertex); empty for a sound mesh."""
+        return [(repair["kind"], repair["count"], *repair["first"].values()) for repair in self.report["repairs"]]
 
     @property
     def island_count(self) -> int:

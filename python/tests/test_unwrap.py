@@ -159,6 +159,13 @@ def test_what_cannot_be_a_mesh_is_refused_in_a_sentence(hare, broken, sentence):
     assert sentence in str(told.value).replace("they have", "it has")
 
 
+def test_repairs_are_told(hare):
+    doubled = cones.Mesh(np.vstack([hare.vertices, hare.vertices[:1]]), np.vstack([hare.faces, hare.faces[:2]]))
+    result = cones.unwrap(doubled, n=6)
+    assert [count for _, count, _ in result.repairs] == [2, 1] and cones.unwrap(hare, n=6).repairs == []
+    assert result.repairs == cones.Analysis(doubled).repairs
+
+
 def test_wrong_options_are_refused_in_a_sentence(hare):
     wrong = [
         ({"n": 4, "max_distortion": 1.2}, "give one of"),
