@@ -37,7 +37,7 @@ def sublevel(
     domain : Graph, TriangleMesh, scipy sparse matrix or networkx graph, optional
         With networkx the field may also be a mapping from nodes, or the name of an attribute of theirs.
     connectivity : "axis" (default), "full" or "freudenthal"
-        2, 4, 6 neighbours; 2, 8, 26; or the edges of a triangulation: 2, 6, 14.
+        2, 4, 6 neighbours; 2, 8, 26; or the edges of a triangulation: 2, 6, 14, which is the command's default.
     periodic : bool or sequence of bool
         Which axes go round.
     mask : array of bool, optional
