@@ -239,7 +239,7 @@ def _chunked(field: Any) -> Any:
     known = (np.ndarray, da.Array)
     if not isinstance(field, known) and isinstance(getattr(field, "data", None), known):
         field = field.data
-    array = field if isinstance(field, da.Array) else da.from_array(field)
+    array: Any = field if isinstance(field, da.Array) else da.from_array(field)
     if not 1 <= array.ndim <= 3:
         raise Error(f"a chunked field is an array of one to three axes, not {array.ndim}")
     if any(np.isnan(length) for length in array.shape):

@@ -210,14 +210,14 @@ class MergeTree:
         """The components of the set of vertices up to a level (for maxima: from it upwards): a structured array (extremum, value, saddle, size),
         and the component of each vertex. The level may be any number, also where the field is of integers."""
         values = self._read.values
+        columns = [("extremum", "i8"), ("value", self._read.cast(values[:0]).dtype), ("saddle", "i8"), ("size", "i8")]
         number = _level(level, values.dtype, self.is_superlevel)
         if number is None:
-            none = np.empty(0, dtype=np.int64)
-            (extremum, value, saddle, size), (extrema, labels) = (none, none, none, none), (none, np.full(values.size, -1, dtype=np.int32))
-        else:
-            (extremum, value, saddle, size), (extrema, labels) = self._native.components(number)
+            labels = np.full(values.size, -1, dtype=np.int32)
+            return np.empty(0, dtype=columns), Segmentation(np.empty(0, dtype=np.int64), self._read.shaped(labels))
+        (extremum, value, saddle, size), (extrema, labels) = self._native.components(number)
         value = self._read.cast(value)
-        table = np.empty(len(extremum), dtype=[("extremum", "i8"), ("value", value.dtype), ("saddle", "i8"), ("size", "i8")])
+        table = np.empty(len(extremum), dtype=columns)
         table["extremum"], table["value"], table["saddle"], table["size"] = extremum, value, saddle, size
         return table, Segmentation(extrema, self._read.shaped(labels))
 
