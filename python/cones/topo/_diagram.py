@@ -86,15 +86,14 @@ class Matching:
 
 
 def bottleneck(a: Any, b: Any) -> float:
-    """The bottleneck distance of two diagrams (`Pairs`, `Diagram` or (n, 2)); exact. Takes O(n² √n) at worst for n points, and Ctrl-C does not
-    stop it."""
+    """The bottleneck distance of two diagrams (`Pairs`, `Diagram` or (n, 2)); exact. A step of the search takes O(n² √n) at worst for n
+    points."""
     return _diagram(a)._native.bottleneck(_diagram(b)._native)
 
 
 def wasserstein(a: Any, b: Any, order: float = 2.0, *, ground: float = float("inf"), relative_error: float = 0.01) -> float:
     """The Wasserstein distance of some order; steps are measured by the norm ``ground``. Too large by ``relative_error`` at most; exact for
-    diagrams of 200 points and fewer, and with 0, which takes O(n³) at worst for n points. Ctrl-C does not stop it: take the most persistent
-    points (`Pairs.top`) of large diagrams."""
+    diagrams of 200 points and fewer, and with 0, which takes O(n³) at worst for n points."""
     return _diagram(a)._native.wasserstein(_diagram(b)._native, order, ground, relative_error)
 
 
