@@ -9,6 +9,9 @@ import numpy as np
 
 import cones
 
+#: The attribute of edges that says which of them `write` has marked as seams.
+OWN = "cone_unwrap_seam"
+
 
 def read(obj):
     """The mesh of an object in its own coordinates."""
@@ -40,10 +43,25 @@ def edges(data):
 
 
 def marked_seams(obj):
-    """The edges that are marked as seams (k, 2); the mesh has been read."""
-    marked = np.empty(len(obj.data.edges), dtype=bool)
-    obj.data.edges.foreach_get("use_seam", marked)
-    return edges(obj.data)[marked]
+    """The edges that the user has marked as seams (k, 2), and no earlier `write`; the mesh has been read."""
+    return edges(obj.data)[_users_seams(obj)]
+
+
+def _users_seams(obj):
+    data = obj.data
+    marked = np.empty(len(data.edges), dtype=bool)
+    data.edges.foreach_get("use_seam", marked)
+    if OWN not in data.attributes:
+        return marked
+    own = np.empty(len(data.edges), dtype=np.int32)
+    if obj.mode == "EDIT":
+        # The attribute's own data is empty then.
+        mesh = bmesh.from_edit_mesh(data)
+        layer = mesh.edges.layers.int[OWN]
+        own[:] = [edge[layer] for edge in mesh.edges]
+    else:
+        data.attributes[OWN].data.foreach_get("value", own)
+    return marked & (own == 0)
 
 
 def selected_vertices(obj):
@@ -53,33 +71,43 @@ def selected_vertices(obj):
     return np.flatnonzero(selected)
 
 
-def write(obj, uv, seams):
-    """Puts texture coordinates on the active UV map, or on a new one, and marks edges (k, 2) as seams."""
-    marked = _edge_indices(edges(obj.data), seams)
-    if obj.mode == "EDIT":
-        _write_in_edit_mode(obj.data, uv, marked)
-        return
+def write(obj, uv, seams=None):
+    """Puts texture coordinates on the active UV map, or on a new one. Marks edges (k, 2) as seams where some are given, in place of those that
+    an earlier call has marked: they would pile up, and be taken for the user's."""
     data = obj.data
+    own = None
+    if seams is not None:
+        own = np.zeros(len(data.edges), dtype=bool)
+        own[_edge_indices(edges(data), seams)] = True
+        users = _users_seams(obj)
+        own &= ~users
+    if obj.mode == "EDIT":
+        _write_in_edit_mode(data, uv, own)
+        return
     layer = data.uv_layers.active or data.uv_layers.new(name="UVMap")
     # By the attribute: `layer.uv` writes into memory that a step of undo shares (Blender 5.0), and undo then gives back the new map.
     data.attributes[layer.name].data.foreach_set("vector", np.ascontiguousarray(uv, dtype=np.float32).reshape(-1))
-    is_seam = np.empty(len(data.edges), dtype=bool)
-    data.edges.foreach_get("use_seam", is_seam)
-    is_seam[marked] = True
-    data.edges.foreach_set("use_seam", is_seam)
+    if own is not None:
+        data.edges.foreach_set("use_seam", users | own)
+        if OWN not in data.attributes:
+            data.attributes.new(OWN, "INT", "EDGE")
+        data.attributes[OWN].data.foreach_set("value", own.astype(np.int32))
     data.update()
 
 
-def _write_in_edit_mode(data, uv, marked):
+def _write_in_edit_mode(data, uv, own):
     mesh = bmesh.from_edit_mesh(data)
+    # Layers first: one that is made moves the others.
     layer = mesh.loops.layers.uv.verify()
+    owns = None if own is None else mesh.edges.layers.int.get(OWN) or mesh.edges.layers.int.new(OWN)
     places = iter(uv.tolist())
     for face in mesh.faces:
         for loop in face.loops:
             loop[layer].uv = next(places)
-    mesh.edges.ensure_lookup_table()
-    for edge in marked.tolist():
-        mesh.edges[edge].seam = True
+    if own is not None:
+        for edge, is_own in zip(mesh.edges, own.tolist()):
+            if is_own or edge[owns]:
+                edge.seam, edge[owns] = is_own, is_own
     bmesh.update_edit_mesh(data, loop_triangles=False, destructive=False)
 
 

@@ -143,10 +143,11 @@ class UV_OT_cone_unwrap(bpy.types.Operator):
             if isinstance(outcome, cones.Error):
                 self.refused.append(f"{obj.name}: {outcome}")
                 continue
-            exchange.write(obj, outcome.uv, outcome.seam_edges if self.mark_seams else [])
+            exchange.write(obj, outcome.uv, outcome.seam_edges if self.mark_seams else None)
             done.append(outcome)
-            for warning in outcome.warnings:
-                self.report({"INFO"}, f"{obj.name}: {warning}")
+            repairs = [f"{count} {kind}" for kind, count, _ in outcome.repairs]
+            for sentence in [*repairs, *outcome.warnings, *_of_scale(obj)]:
+                self.report({"INFO"}, f"{obj.name}: {sentence}")
         if not done:
             self.report({"ERROR"}, "\n".join(self.refused))
             return {"CANCELLED"}
@@ -157,6 +158,8 @@ class UV_OT_cone_unwrap(bpy.types.Operator):
 
     def _keywords(self, obj):
         """What is asked of the library for an object."""
+        if not obj.data.is_editable:
+            raise cones.Error("its mesh is linked from another file and cannot be written: make it local (Object > Relations > Make Local)")
         mesh = exchange.read(obj)
         which = {"max_distortion": self.distortion} if self.number == "AUTOMATIC" and self.distortion != 1.25 else {}
         if self.number == "COUNT":
@@ -183,6 +186,13 @@ def _objects(context):
         return []
     by_data = {obj.data: obj for obj in context.selected_objects if obj.type == "MESH"}
     return list(by_data.values())
+
+
+def _of_scale(obj):
+    """What Blender's own Unwrap says where it matters."""
+    sizes = [abs(size) for size in obj.scale]
+    if max(sizes) - min(sizes) > 1e-4 * max(sizes):
+        yield "it has non-uniform scale, and is unwrapped without it: apply the scale first (Object > Apply > Scale)"
 
 
 def _summary(results):

@@ -66,7 +66,7 @@ def uv_of(obj):
 def seams_of(obj):
     if obj.mode == "EDIT":
         obj.update_from_editmode()
-    return {frozenset(edge) for edge in exchange.marked_seams(obj).tolist()}
+    return {frozenset(edge.vertices) for edge in obj.data.edges if edge.use_seam}
 
 
 def measured(obj):
@@ -142,6 +142,60 @@ def test_seams_are_left_alone_where_that_is_asked():
     select(obj)
     bpy.ops.uv.cone_unwrap(mark_seams=False)
     assert seams_of(obj) == set()
+
+
+@pytest.mark.parametrize("mode", ["OBJECT", "EDIT"])
+def test_marks_of_an_earlier_run_make_way_and_those_of_the_user_stay(mode):
+    mesh = cones.shape("capsule", 400)
+    obj, fresh = from_mesh(mesh, "capsule"), from_mesh(mesh, "fresh")
+    loop = equator(mesh)
+    for one in (obj, fresh):
+        for edge in one.data.edges:
+            edge.use_seam = frozenset(edge.vertices) in loop
+    select(obj)
+    bpy.ops.object.mode_set(mode=mode)
+    bpy.ops.uv.cone_unwrap(number="COUNT", count=24)
+    many = seams_of(obj)
+    bpy.ops.uv.cone_unwrap(number="COUNT", count=6, mark_seams=False)
+    assert seams_of(obj) == many
+    bpy.ops.uv.cone_unwrap(number="COUNT", count=6)
+    bpy.ops.object.mode_set(mode="OBJECT")
+    select(fresh)
+    bpy.ops.uv.cone_unwrap(number="COUNT", count=6)
+    assert loop < seams_of(obj) == seams_of(fresh) and len(seams_of(obj)) < len(many)
+    assert (uv_of(obj) == uv_of(fresh)).all()
+
+
+def test_a_linked_mesh_is_refused_and_stops_no_other(tmp_path):
+    library = str(tmp_path / "library.blend")
+    cube().name = "theirs"
+    bpy.data.libraries.write(library, {bpy.context.object})
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    with bpy.data.libraries.load(library, link=True) as (_, to):
+        to.objects = ["theirs"]
+    bpy.context.collection.objects.link(bpy.data.objects["theirs"])
+    select(bpy.data.objects["theirs"])
+    with pytest.raises(RuntimeError, match="theirs: its mesh is linked from another file"):
+        bpy.ops.uv.cone_unwrap()
+    obj = cube()
+    bpy.data.objects["theirs"].select_set(True)
+    assert bpy.ops.uv.cone_unwrap() == {"FINISHED"}
+    assert_is_map(obj)
+
+
+def test_repairs_and_scales_are_told():
+    mesh = cones.shape("capsule", 400)
+    obj = from_mesh(cones.Mesh(np.vstack([mesh.vertices, mesh.vertices[:1]]), mesh.faces), "capsule")
+    obj.scale = (1, 1, -2)
+    select(obj)
+    run = Run()
+    run.execute(run.context)
+    told = [sentence for _, sentence in run.reports]
+    assert told[0] == "capsule: 1 isolated vertices, left out" and "capsule: it has non-uniform scale" in told[1]
+    obj.scale = (2, 2, -2)
+    run.reports.clear()
+    run.execute(run.context)
+    assert not any("scale" in sentence for _, sentence in run.reports)
 
 
 def test_selected_vertices_are_cones():

@@ -18,7 +18,8 @@
 
 Arrays are numpy's, and lie in memory as numpy has them: C-contiguous ones of the right type are read in place. Work runs without the
 interpreter's lock, on as many threads as ``RAYON_NUM_THREADS`` says or as there are cores; results do not depend on how many. Ctrl-C
-stops it, and so does an exception of ``progress(stage, fraction)``, which is called in the caller's thread. What cannot be had raises
+stops it, and so does an exception of ``progress(stage, fraction)``, which is called in the caller's thread: the fraction is None where it is
+not known, and short work may end before the first call. What cannot be had raises
 `Error`, with the sentence that the command prints.
 """
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from . import _cones, options
 from ._arrays import count
+from ._cones import Error
 from .mesh import Faces, Mesh, as_mesh
 from .unwrapping import Progress, Unwrapping, cone_table
 
@@ -111,7 +112,7 @@ class Analysis:
     weld, smooth, refine, open_handles
         How it is made ready, as for `cones.unwrap`.
     progress : callable, optional
-        ``progress(stage, fraction)`` while it is made.
+        ``progress(stage, fraction)`` while it is made, as for `cones.unwrap`.
     """
 
     def __init__(
@@ -142,6 +143,12 @@ class Analysis:
         refined = self._native.refined
         return None if refined is None else refined[1]
 
+    def _layout(self, layout: dict) -> dict:
+        for name in ("weld", "smooth", "refine", "open_handles"):
+            if name in layout:
+                raise Error(f"{name} says how a mesh is made ready: give it to cones.Analysis, which has done that already")
+        return options.layout(self.input, self._weld, self.mesh.vertex_count, **layout)
+
     def place(
         self,
         n: Any = None,
@@ -152,10 +159,11 @@ class Analysis:
         method: str = "refined",
         angles: str = "optimal",
         quantize: Optional[int] = None,
+        search: str = "coarse",
         progress: Optional[Progress] = None,
     ) -> Cones:
         """Cones by a method, or given ones with curvatures by a rule; options as for `cones.unwrap`."""
-        asked = options.choice(n, max_distortion, min_persistence, cones, method, angles, quantize)
+        asked = options.choice(n, max_distortion, min_persistence, cones, method, angles, quantize, search)
         return Cones(self._native.choose(asked, progress), self.topology["components"])
 
     def predict(self, cones: Any, *, angles: str = "optimal") -> dict:
@@ -175,7 +183,8 @@ class Analysis:
         return Order(self._native.order(asked, count("n", "cones", n), progress))
 
     def curve(self, n: int = 64, *, method: str = "pursuit", angles: str = "optimal") -> np.ndarray:
-        """What is predicted for every number of cones: a structured array (n, predicted_l2, predicted_area)."""
+        """What is predicted for every number of cones, up to ``n`` at least, as far as there are so many: a structured array (n, predicted_l2,
+        predicted_area), a row for each number for which there is a set."""
         return self.order(n, method=method, angles=angles).curve
 
     def flatten(
@@ -193,7 +202,7 @@ class Analysis:
         over itself it is taken apart.
         """
         placed = cones if isinstance(cones, Cones) else self.place(cones=cones, angles=angles, progress=progress)
-        asked = {**options.choice(angles=angles), **options.layout(self.input, self._weld, **layout)}
+        asked = options.together(options.choice(angles=angles), self._layout(layout))
         return Unwrapping(self.mesh, self._native.flatten(placed._native, asked, scale, progress))
 
     def unwrap(
@@ -206,13 +215,14 @@ class Analysis:
         method: str = "refined",
         angles: str = "optimal",
         quantize: Optional[int] = None,
+        search: str = "coarse",
         scale: str = "unit",
         progress: Optional[Progress] = None,
         **layout: Any,
     ) -> Unwrapping:
         """Cones and a map with them, or with others where these fail: `cones.unwrap` on an analysis that is there, whose mesh stays as it is refined."""
-        asked = options.choice(n, max_distortion, min_persistence, cones, method, angles, quantize)
-        asked.update(options.layout(self.input, self._weld, **layout))
+        choice = options.choice(n, max_distortion, min_persistence, cones, method, angles, quantize, search)
+        asked = options.together(choice, self._layout(layout))
         return Unwrapping(self.mesh, self._native.atlas(asked, scale, progress))
 
     def conformal_factor(self) -> np.ndarray:

@@ -38,6 +38,7 @@ from ._cones import Error
 from .mesh import write_whole
 from .topo import Pairs, Persistence
 from .topo import _blocks as blocks
+from .topo._domain import round_ends
 from .unwrapping import unwrap as _unwrap
 
 Path_ = Union[str, os.PathLike]
@@ -74,9 +75,11 @@ def unwrap(
 ) -> list:
     """A delayed task for each mesh, which writes it with texture coordinates to ``folder`` and gives an `Item`.
 
-    Outputs are named as the inputs are below their common folder. ``ending`` is .obj, .ply or .glb; ``options`` are those of
+    Outputs are named as the inputs are below their common folder; no input is overwritten. ``ending`` is .obj, .ply or .glb; ``options`` are those of
     `cones.unwrap`. With ``resume`` what is there already is not done again.
     """
+    if isinstance(paths, (str, os.PathLike)):
+        raise Error(f"paths is a list of files, not one: give [{os.fspath(paths)!r}]")
     sources = [Path(path) for path in paths]
     outputs = _outputs(sources, Path(folder), ending)
     work = dask.delayed(_item, pure=False)
@@ -92,7 +95,11 @@ def _outputs(sources: list[Path], folder: Path, ending: str) -> list[Path]:
     base = os.path.commonpath([source.parent for source in absolute])
     outputs = [folder / source.relative_to(base).with_name(_stem(source) + ending) for source in absolute]
     first: dict[Path, Path] = {}
+    # By whatever name: also that of another one.
+    inputs = {source.resolve() for source in absolute}
     for source, output in zip(sources, outputs):
+        if output.resolve() in inputs:
+            raise Error(f"{output} is an input, which is never overwritten: name another folder")
         if output in first:
             raise Error(f"{first[output]} and {source} would both be written to {output}: give them different names")
         first[output] = source
@@ -194,7 +201,7 @@ def persistence(
 ) -> Persistence:
     """The pairs of both directions of a chunked field: of a dask array, something that has one as ``.data`` (xarray), or what
     ``dask.array.from_array`` takes (zarr). Computed at once, by the client that is active if there is one. Options are as for
-    `cones.topo.sublevel`.
+    `cones.topo.sublevel`. Masked cells of masked arrays are left out.
 
     Parameters
     ----------
@@ -232,21 +239,23 @@ def _chunked(field: Any) -> Any:
     known = (np.ndarray, da.Array)
     if not isinstance(field, known) and isinstance(getattr(field, "data", None), known):
         field = field.data
-    array = field if isinstance(field, da.Array) else da.from_array(field)
+    array: Any = field if isinstance(field, da.Array) else da.from_array(field)
     if not 1 <= array.ndim <= 3:
         raise Error(f"a chunked field is an array of one to three axes, not {array.ndim}")
     if any(np.isnan(length) for length in array.shape):
         raise Error("the sizes of the field's chunks must be known: call compute_chunk_sizes() on it")
-    return array
+    # Then all chunks are masked arrays: summaries join if they are of one kind of numbers.
+    return array.map_blocks(np.ma.asarray) if _is_masked(array._meta) else array
+
+
+def _is_masked(array: Any) -> bool:
+    return isinstance(array, np.ma.MaskedArray)
 
 
 def _options(axes: int, connectivity: Optional[str], periodic: Any, nan: str, keep_zeros: bool) -> dict:
     if nan not in ("refuse", "mask"):
         raise Error(f"nan is refuse or mask, not {nan!r}")
-    round_ends = (bool(periodic),) * axes if np.ndim(periodic) == 0 else tuple(bool(p) for p in periodic)
-    if len(round_ends) != axes:
-        raise Error("periodic needs a truth value for each axis")
-    return {"connectivity": connectivity or "axis", "periodic": round_ends, "nan": nan, "keep_zeros": keep_zeros}
+    return {"connectivity": connectivity or "axis", "periodic": tuple(round_ends(periodic, axes)), "nan": nan, "keep_zeros": keep_zeros}
 
 
 def _trees(array: Any, plan: _Plan) -> list:
@@ -309,6 +318,7 @@ class _Plan:
     def __init__(self, array: Any, directions: tuple, asked: dict):
         self.tiles = [_tiles(lengths, periodic) for lengths, periodic in zip(array.chunks, asked["periodic"])]
         self.shape, self.directions, self.asked = array.shape, directions, asked
+        self.is_masked = _is_masked(array._meta)
 
     def pieces(self, place: tuple) -> list[_Piece]:
         """The pieces of the tile at a place, the last axis fastest."""
@@ -361,7 +371,9 @@ def _tiles(lengths: tuple, periodic: bool) -> list[_Along]:
 
 def _taken_apart(values: Any, plan: _Plan, block_id: tuple) -> dict:
     """By tile what a chunk gives: the summaries of the one that is its own, slabs to those that it shares."""
-    chunk = np.asarray(values)
+    chunk = np.asanyarray(values)
+    if _is_masked(chunk) and not plan.is_masked:
+        raise Error("a chunk is a masked array, but the array of chunks does not say so: give it a meta that is one")
     given: dict[tuple, Any] = {}
     for place in plan.places(block_id):
         pieces = plan.pieces(place)
@@ -369,15 +381,16 @@ def _taken_apart(values: Any, plan: _Plan, block_id: tuple) -> dict:
             given[place] = plan.summarised(chunk, place)
         else:
             (piece,) = (piece for piece in pieces if piece.chunk == block_id)
-            given[place] = np.array(chunk[piece.slices])
+            given[place] = chunk[piece.slices].copy()
     return given
 
 
 def _of_slabs(slabs: list, place: tuple, plan: _Plan) -> list:
     """The summaries of a tile that lies in several chunks."""
+    concatenate = np.ma.concatenate if plan.is_masked else np.concatenate
     for axis in reversed(range(len(place))):
         count = len(plan.tiles[axis][place[axis]].pieces)
-        slabs = [np.concatenate(slabs[k : k + count], axis=axis) for k in range(0, len(slabs), count)]
+        slabs = [concatenate(slabs[k : k + count], axis=axis) for k in range(0, len(slabs), count)]
     return plan.summarised(slabs[0], place)
 
 

@@ -8,7 +8,7 @@ from typing import Any, Optional, Union
 import numpy as np
 
 from . import _cones, options
-from ._arrays import plain
+from ._arrays import places, plain
 from ._cones import Error
 from .mesh import Faces, Mesh, as_mesh, welding
 from .unwrapping import Progress
@@ -79,11 +79,11 @@ def measure(
 ) -> Measures:
     """Measures a map: the command ``cones measure``.
 
-    ``uv`` is (corners, 2), or the mesh's own; ``cones`` are vertices that may be curved, by default all that are by more than 0.1. ``weld``
+    ``uv`` is (corners, 2), or the mesh's own; ``cones`` are vertices that may be curved, or a table of cones; by default all that are by more than 0.1. ``weld``
     says which vertices are taken for one, as for `cones.unwrap`.
     """
     mesh = as_mesh(vertices, faces)
-    known = None if cones is None else plain(cones, np.uint32)
+    known = None if cones is None else places("cones", options.vertices_of(cones), mesh.vertex_count).astype(np.uint32)
     return Measures(**_cones.measure(mesh._native, _map(mesh, uv), welding(weld), known))
 
 

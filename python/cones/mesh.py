@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import errno
+import gzip
 import os
 import tempfile
 from collections.abc import Sequence
@@ -16,6 +18,8 @@ from ._cones import Error
 
 #: What a mesh can be made of: the mesh itself, or vertices and faces.
 Faces = Union[np.ndarray, Sequence[Sequence[int]]]
+#: The most that a built-in surface is made of, as by the command.
+_MOST_VERTICES = 4_000_000
 
 
 class Mesh:
@@ -97,27 +101,37 @@ class Mesh:
         return self._native.texture_seams(welding(weld))
 
     def write(self, path: Union[str, os.PathLike], uv: Any = None, *, triangulate: bool = False) -> None:
-        """Writes the mesh as .obj, .ply or .glb, with texture coordinates for its corners (corners, 2).
+        """Writes the mesh as .obj, .ply or .glb, compressed where .gz follows, with texture coordinates for its corners (corners, 2).
 
         An OBJ that was read is written back line for line. The file appears whole or not at all.
         """
         path = Path(path)
         coordinates = None if uv is None else plain(uv, np.float64)
-        data = self._native.to_bytes(path.suffix.lower().lstrip("."), coordinates, triangulate)
-        write_whole(path, data)
+        is_compressed = path.suffix.lower() == ".gz"
+        ending = path.with_suffix("").suffix if is_compressed else path.suffix
+        data = self._native.to_bytes(ending.lower().lstrip("."), coordinates, triangulate)
+        # Without the time of writing: the same mesh is the same bytes.
+        write_whole(path, gzip.compress(data, mtime=0) if is_compressed else data)
 
     def __repr__(self) -> str:
         return f"<cones.Mesh of {self.vertex_count} vertices, {self.face_count} faces>"
 
 
 def read(path: Union[str, os.PathLike]) -> Mesh:
-    """Reads a mesh: OBJ, OFF, PLY or STL, gzipped or not; known by its content."""
-    return Mesh._of(_cones.Mesh.read(os.fspath(path)))
+    """Reads a mesh: OBJ, OFF, PLY, STL or glTF (.glb, .gltf), gzipped or not; known by its content."""
+    name = os.fspath(path)
+    try:
+        return Mesh._of(_cones.Mesh.read(name))
+    except FileNotFoundError:
+        raise FileNotFoundError(errno.ENOENT, os.strerror(errno.ENOENT), name) from None
 
 
 def shape(name: str, vertices: int = 10_000) -> Mesh:
-    """A built-in surface with about so many vertices: sphere, capsule, torus, torus-3, hare, part, terrain, ..."""
-    return Mesh._of(_cones.shape(name, count("vertices", "vertices", vertices)))
+    """A built-in surface with about so many vertices, from 1 to 4,000,000: sphere, capsule, torus, torus-3, hare, part, terrain, ..."""
+    wanted = count("vertices", "vertices", vertices)
+    if not 1 <= wanted <= _MOST_VERTICES:
+        raise Error(f"vertices is a number from 1 to {_MOST_VERTICES:,}, not {wanted}")
+    return Mesh._of(_cones.shape(name, wanted))
 
 
 def as_mesh(vertices: Any, faces: Optional[Faces]) -> Mesh:

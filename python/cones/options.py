@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import os
+from collections.abc import Iterator, Mapping, Set
 from typing import Any, Optional, Union
 
 import numpy as np
 
-from ._arrays import count
+from ._arrays import count, is_whole, places
 from ._cones import METHODS, Error
 from .mesh import Mesh, welding
 
@@ -30,6 +31,7 @@ def choice(
     method: str = "refined",
     angles: str = "optimal",
     quantize: Optional[int] = None,
+    search: str = "coarse",
 ) -> dict:
     """Which cones."""
     if sum(x is not None for x in (n, max_distortion, min_persistence, cones)) > 1:
@@ -39,6 +41,7 @@ def choice(
     return {
         "cones": _which(n, max_distortion, min_persistence, cones),
         "placement": _one_of("method", method, METHODS),
+        "search": {"coarse": "coarse-to-fine", "full": "full"}[_one_of("search", search, ("coarse", "full"))],
         "rule": _one_of("angles", angles, ("optimal", "harmonic")),
         "quantize": {None: None, 4: "fourfold", 6: "sixfold"}[quantize],
     }
@@ -47,6 +50,7 @@ def choice(
 def layout(
     mesh: Mesh,
     weld: Union[bool, str],
+    vertices: int,
     seam_weight: float = 0.5,
     seams: Any = None,
     keep_seams: Any = False,
@@ -60,7 +64,7 @@ def layout(
     texel_density: Optional[float] = None,
     max_seam: float = 0.1,
 ) -> dict:
-    """Where seams run, and what becomes of the islands."""
+    """Where seams run, and what becomes of the islands, on a mesh of so many vertices: the given one, or what it was refined to."""
     if not 0 <= seam_weight <= 1:
         raise Error(f"seam_weight is a number from 0 to 1, not {seam_weight}")
     kept = keep_seams
@@ -68,13 +72,22 @@ def layout(
         if keep_seams and mesh.uv is None:
             raise Error("keep_seams is for a mesh with texture coordinates, and this one has none")
         kept = mesh.texture_seams(weld=weld) if keep_seams else None
+    kept = _edges(kept)
+    places("edges of keep_seams", kept, vertices)
     return {
         "islands": _one_of("islands", islands, ("single", "overlap-free", "pack")),
-        "seams": {"weight": float(seam_weight), "given": _edges(seams), "kept": _edges(kept), "avoid": _edges(avoid)},
+        "seams": {"weight": float(seam_weight), "given": _edges(seams), "kept": kept, "avoid": _edges(avoid)},
         "limbs": _one_of("cut_limbs", cut_limbs, ("auto", "never")),
         "free_seams": _one_of("free_seams", free_seams, ("auto", "never", "always")),
         "packing": packing(margin, texture_size, rotations, texel_density, max_seam),
     }
+
+
+def together(choice: dict, layout: dict) -> dict:
+    """All options of a map, which must not contradict each other."""
+    if choice["quantize"] and layout["free_seams"] == "always":
+        raise Error("free_seams='always' lets the two sides of seams differ, quantize keeps them alike: leave one of the two out")
+    return {**choice, **layout}
 
 
 def packing(
@@ -95,6 +108,11 @@ def packing(
     }
 
 
+def vertices_of(cones: Any) -> list[int]:
+    """The vertices of given cones."""
+    return [vertex for vertex, _ in _given(cones)]
+
+
 def _which(n: Any, max_distortion: Any, min_persistence: Any, cones: Any) -> Any:
     if max_distortion is not None:
         if not max_distortion > 1:
@@ -113,24 +131,26 @@ def _which(n: Any, max_distortion: Any, min_persistence: Any, cones: Any) -> Any
 
 def _given(cones: Any) -> list:
     """Vertices, with curvatures in radians if those are given too."""
+    if isinstance(cones, (str, bytes, os.PathLike)):
+        raise Error(f"cones are vertices, not the name of a file: read it first, as with numpy.loadtxt({os.fspath(cones)!r}, dtype=int)")
     if isinstance(cones, Mapping):
         return [[_vertex(v), None if k is None else float(k)] for v, k in cones.items()]
     table = getattr(cones, "table", cones)
     if isinstance(table, np.ndarray) and table.dtype.names:
         return [[_vertex(v), float(k)] for v, k in zip(table["vertex"], table["curvature"])]
-    return [[_vertex(v), None] for v in table]
+    return [[_vertex(v), None] for v in (table if np.iterable(table) else [table])]
 
 
 def _vertex(v: Any) -> int:
-    if not 0 <= v < 2**32:
-        raise Error(f"a cone is at vertex {v}, which is negative, or beyond 32 bits (vertices are counted from 0)")
+    if not is_whole(v, 2**32 - 1):
+        raise Error(f"a cone is at vertex {v}, which is negative, no whole number, or beyond 32 bits (vertices are counted from 0)")
     return int(v)
 
 
 def _edges(edges: Any) -> list:
     if edges is None:
         return []
-    table = np.asarray(edges)
+    table = np.asarray(list(edges) if isinstance(edges, (Set, Iterator)) else edges)
     if table.size == 0:
         return []
     if table.ndim != 2 or table.shape[1] != 2 or table.dtype.kind not in "iu":

@@ -12,7 +12,7 @@ import numpy as np
 from . import _cones, options
 from .mesh import Faces, Mesh, as_mesh
 
-#: ``progress(stage, fraction)``: the stage's name, and how much of it is done (0 to 1) where that is known.
+#: ``progress(stage, fraction)``: the stage's name, and how much of it is done (0 to 1), or none where that is not known.
 Progress = Callable[[str, Optional[float]], Any]
 
 #: The columns of a table of cones.
@@ -93,8 +93,13 @@ class Unwrapping:
 
     @property
     def warnings(self) -> list[str]:
-        """What was decided on the way and what could not be had, a sentence each."""
+        """What was decided on the way and what could not be had, a sentence each. What was mended in the mesh is in `repairs`."""
         return self.report["warnings"]
+
+    @property
+    def repairs(self) -> list[tuple[str, int, int]]:
+        """What was repaired: what it was, how often, and the first place (a face or a vertex); empty for a sound mesh."""
+        return [(repair["kind"], repair["count"], *repair["first"].values()) for repair in self.report["repairs"]]
 
     @property
     def island_count(self) -> int:
@@ -120,7 +125,7 @@ class Unwrapping:
         return corners[first], self.uv[first], wedge.reshape(-1)[self.triangles]
 
     def write(self, path: Union[str, os.PathLike], *, triangulate: bool = False) -> None:
-        """Writes the mesh with its texture coordinates as .obj, .ply or .glb."""
+        """Writes the mesh with its texture coordinates as .obj, .ply or .glb, compressed where .gz follows."""
         self.mesh.write(path, self.uv, triangulate=triangulate)
 
     def write_report(self, path: Union[str, os.PathLike]) -> None:
@@ -152,6 +157,7 @@ def unwrap(
     refine: str = "never",
     open_handles: str = "auto",
     quantize: Optional[int] = None,
+    search: str = "coarse",
     seam_weight: float = 0.5,
     seams: Any = None,
     keep_seams: Any = False,
@@ -167,7 +173,8 @@ def unwrap(
     scale: str = "unit",
     progress: Optional[Progress] = None,
 ) -> Unwrapping:
-    """Unwraps a surface. Options have the names, meanings and defaults of the command ``cones unwrap``.
+    """Unwraps a surface. Options have the names, meanings and defaults of the command ``cones unwrap``, but for ``refine``: an STL is refined
+    only where that is asked for, while the command refines it if it has needles.
 
     Parameters
     ----------
@@ -180,6 +187,8 @@ def unwrap(
     cones : vertices, mapping of vertices to curvatures, or a table of cones, optional
         Given cones. Curvatures are in radians and must add up to 2πχ on a closed component.
     method : one of ``cones.METHODS``
+    search : "coarse" or "full"
+        Whether large surfaces are searched for the best cones on a coarse level first, or on all vertices, which takes long.
     angles : "optimal" or "harmonic"
     smooth : bool
         Diffuse the curvature before extrema are looked for.
@@ -200,13 +209,15 @@ def unwrap(
     cut_limbs : "auto" or "never"
         Cut off thin limbs at their necks where no affordable number of cones keeps lengths.
     free_seams : "auto", "never" or "always"
-        Let the two sides of seams differ, for less distortion; "auto" where triangles are coarse. Where ``quantize`` is given they never do.
+        Let the two sides of seams differ, for less distortion; "auto" where triangles are coarse. Where ``quantize`` is given they never do, and "always" is
+        refused.
     margin, texture_size, rotations, texel_density, max_seam
         How islands are packed; a texel density (texels a unit of length) puts them on UDIM tiles.
     scale : "unit", "area" or "none"
         The unit square, all islands together with the surface's area, or as computed; "unit" with ``texel_density``.
     progress : callable, optional
-        ``progress(stage, fraction)``; if it raises, the work stops and the exception is passed on.
+        ``progress(stage, fraction)`` hears some 25 times a second in what stage the work is, and how much of it is done, from 0 to 1, or None
+        where that is not known; short work may end before it was ever called. If it raises, the work stops and the exception is passed on.
 
     Returns
     -------
@@ -219,10 +230,11 @@ def unwrap(
     """
     given = as_mesh(vertices, faces)
     prepared = options.preparation(weld, smooth, refine, open_handles)
-    asked = options.choice(n, max_distortion, min_persistence, cones, method, angles, quantize)
+    choice = options.choice(n, max_distortion, min_persistence, cones, method, angles, quantize, search)
     layout = options.layout(
         given,
         weld,
+        given.vertex_count,
         seam_weight=seam_weight,
         seams=seams,
         keep_seams=keep_seams,
@@ -236,6 +248,6 @@ def unwrap(
         texel_density=texel_density,
         max_seam=max_seam,
     )
-    analysis, found = _cones.Analysis.unwrapped(given._native, prepared, {**asked, **layout}, scale, progress)
+    analysis, found = _cones.Analysis.unwrapped(given._native, prepared, options.together(choice, layout), scale, progress)
     refined = analysis.refined
     return Unwrapping(given if refined is None else Mesh._of(refined[0]), found)

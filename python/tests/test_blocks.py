@@ -47,6 +47,19 @@ def test_random_fields_in_random_chunks(axes):
         same(found.maxima, expected.maxima)
 
 
+@pytest.mark.parametrize("kind", [np.float32, np.int32, np.uint8])
+def test_masked_arrays_in_chunks_are_taken_with_their_mask(kind):
+    rng = np.random.default_rng(4)
+    field = np.ma.masked_array((100 * rng.random((40, 50))).astype(kind), rng.random((40, 50)) < 0.3)
+    # Chunks without a masked cell, and some without any other.
+    field.mask[:20, :20], field.mask[20:, :10] = False, True
+    chunked = da.from_array(field, chunks=(13, 10))
+    same(many.superlevel(chunked, periodic=[False, True]), topo.superlevel(field, periodic=[False, True]))
+    unsaid = da.from_array(field.data, chunks=(13, 10)).map_blocks(lambda chunk: np.ma.masked_array(chunk, chunk > 50), meta=np.empty((0, 0), kind))
+    with pytest.raises(cones.Error, match="give it a meta that is one"):
+        many.superlevel(unsaid)
+
+
 def test_summaries_join_in_any_order():
     rng = np.random.default_rng(9)
     field = rng.integers(0, 9, (30, 30)).astype(np.float64)
@@ -96,6 +109,7 @@ def test_other_arrays_are_taken_and_what_is_none_is_refused(tmp_path):
         (lambda: many.sublevel(np.zeros((2, 2, 2, 2))), "one to three axes"),
         (lambda: many.sublevel(field, nan="drop"), "nan is"),
         (lambda: many.sublevel(field, periodic=[True]), "for each axis"),
+        (lambda: many.sublevel(field, periodic="no"), "for each axis, 2 here; it is 'no'"),
         (lambda: many.sublevel(da.from_array(np.where(field > 0.5, field, np.nan), chunks=20)), "is NaN"),
     ]:
         with pytest.raises(cones.Error, match=sentence):

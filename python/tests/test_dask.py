@@ -60,6 +60,18 @@ def test_outputs_that_would_collide_are_refused(folder, tmp_path):
     with pytest.raises(cones.Error, match="not as '.stl'"):
         many.unwrap([folder / "a.obj"], tmp_path, ending=".stl")
     assert many.unwrap([], tmp_path) == []
+    with pytest.raises(cones.Error, match="a list of files, not one: give"):
+        many.unwrap(str(folder / "mesh1.obj"), tmp_path)
+
+
+def test_no_input_is_overwritten(folder, tmp_path):
+    from cones import dask as many
+
+    (tmp_path / "link").symlink_to(folder)
+    for target in (folder, tmp_path / "link"):
+        with pytest.raises(cones.Error, match="mesh1.obj is an input, which is never overwritten"):
+            many.unwrap([folder / "mesh1.obj", folder / "mesh2.obj"], target)
+    assert len(many.unwrap([folder / "mesh1.obj"], folder, ending=".ply")) == 1
 
 
 def test_workers_that_are_killed_lose_nothing(folder, tmp_path):

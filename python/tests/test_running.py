@@ -137,6 +137,29 @@ def test_ctrl_c_stops_what_is_asked_of_one_array(asked):
 
 
 @pytest.mark.skipif(os.name == "nt", reason="signals are sent")
+@pytest.mark.parametrize("distance", ["bottleneck(*diagrams)", "wasserstein(*diagrams, relative_error=0)", "matching(*diagrams, relative_error=1e-6)"])
+def test_ctrl_c_stops_distances(distance):
+    program = f"""
+        import numpy as np, signal, time
+        from cones import topo
+        signal.signal(signal.SIGINT, signal.default_int_handler)
+        points = np.random.default_rng(6).random((2, 3000, 2))
+        points[..., 1] += points[..., 0]
+        diagrams = [topo.Diagram(of_one) for of_one in points]
+        begin = time.perf_counter()
+        topo.{distance}
+        print(time.perf_counter() - begin, flush=True)
+        try:
+            while True:
+                topo.{distance}
+        except KeyboardInterrupt:
+            print("stopped", flush=True)
+    """
+    takes, waited = _interrupted(program, 0.2)
+    assert waited < 0.5 * takes + 0.1
+
+
+@pytest.mark.skipif(os.name == "nt", reason="signals are sent")
 def test_ctrl_c_stops_measuring():
     program = """
         import cones, numpy as np, signal, time

@@ -139,6 +139,48 @@ def test_a_mask_leaves_vertices_out():
         topo.sublevel(holed)
 
 
+def test_masked_arrays_are_taken_with_their_mask():
+    field = RANDOM.random((30, 40))
+    field.flat[77] = np.inf
+    holed, mask = (RANDOM.random((30, 40)) < 0.8 for _ in range(2))
+    hidden = np.ma.masked_array(field, ~holed)
+    for given, inside in [(hidden, None), (np.ma.masked_array((field[:, ::-1] < 0.5), ~holed), None), (hidden, mask)]:
+        expected = topo.superlevel(given.data, mask=holed if inside is None else holed & inside)
+        assert (topo.superlevel(given, mask=inside).array == expected.array).all()
+    assert (topo.simplify(hidden, threshold=0.1) == topo.simplify(field, threshold=0.1, mask=holed)).all()
+    assert (topo.segmentation(hidden).labels[~holed] == -1).all()
+    # Integers that are no floats need no cell to be left out.
+    large = np.ma.masked_array(np.array([2**63, 2**63 - 1, 2**63 + 5], dtype=np.uint64))
+    assert topo.superlevel(large).array["birth"].max() == 2**63 + 5
+    with pytest.raises(cones.Error, match="1 values of an array are masked"):
+        topo.single_linkage(3, [[0, 1], [1, 2]], np.ma.masked_array([1.0, 2.0], [False, True]))
+
+
+def test_simplify_changes_nothing_that_is_no_number_or_outside():
+    field = np.array([0.0, 5.0, np.nan, 3.0, np.inf, -np.inf, 4.0, 3.5, 7.0], dtype=np.float32)
+    mask = np.array([True] * 8 + [False])
+    expected = np.array([0.0, 5.0, np.nan, 3.0, np.inf, -np.inf, 4.0, 4.0, 7.0], dtype=np.float32)
+    assert np.array_equal(topo.simplify(field, threshold=0.5, mask=mask), expected, equal_nan=True)
+    networkx = pytest.importorskip("networkx")
+    path = networkx.path_graph(4)
+    networkx.set_node_attributes(path, dict(enumerate([0, 3, 2, 9])), "height")
+    for given in ("height", {0: 0, 1: 3, 2: 2, 3: 9}):
+        assert topo.simplify(given, path, threshold=1, mask=[True, True, True, False]).tolist() == [0, 3, 3, 9]
+
+
+@pytest.mark.parametrize("kind", [np.uint8, np.int16, np.int64, np.uint64])
+def test_components_take_any_level(kind):
+    field = np.array([0, 7, 255 if kind == np.uint8 else np.iinfo(kind).max, 3, 4], dtype=kind)
+    for name, is_in in [("maximum", lambda level: [v >= level for v in field.tolist()]), ("minimum", lambda level: [v <= level for v in field.tolist()])]:
+        tree = topo.merge_tree(field, kind=name)
+        for level in (3, 3.5, np.float32(3.5), -1, -0.5, 300, 2.0**64, 10**30, np.inf, -np.inf, np.int64(4)):
+            table, components = tree.components(level)
+            assert (components.labels >= 0).tolist() == is_in(level.item() if isinstance(level, np.generic) else level), (name, level)
+            assert table["size"].sum() == (components.labels >= 0).sum() and len(components.extrema) == len(table)
+        with pytest.raises(cones.Error, match="not NaN"):
+            tree.components(float("nan"))
+
+
 def test_graphs_of_all_kinds_have_the_same_pairs():
     scipy = pytest.importorskip("scipy.sparse")
     networkx = pytest.importorskip("networkx")
@@ -297,6 +339,9 @@ def test_vectors_of_diagrams_have_their_shapes():
     assert diagram.silhouette(np.linspace(0, 1, 11)).shape == (11,)
     assert diagram.image((0, 1), (0, 1), (4, 6), 0.1).shape == (4, 6)
     assert diagram.betti_curve().shape[1] == 2 and diagram.entropy() > 0
+    for shape, bandwidth, sentence in [((10**6, 10**6), 0.1, "a smaller shape"), ((4, 6), 0, "above 0, not 0"), ((4, -6), 1, "shape is a number of rows")]:
+        with pytest.raises(cones.Error, match=sentence):
+            diagram.image((0, 1), (0, 1), shape, bandwidth)
     pytest.importorskip("matplotlib").use("agg")
     from cones.topo import plot
 
@@ -317,11 +362,19 @@ def test_what_is_no_field_is_refused_in_a_sentence():
         (lambda: topo.segmentation(np.zeros(3), threshold=float("nan")), "must be 0 at least"),
         (lambda: topo.holes(np.zeros(3)), "two or three axes"),
         (lambda: topo.merge_tree(np.zeros(3), kind="saddle"), "minimum or maximum"),
-        (lambda: topo.isolation(np.zeros(3), [7]), "not on the grid"),
+        (lambda: topo.isolation(np.zeros(3), [7]), "extrema name vertex 7, which is not there: there are 3"),
+        (lambda: topo.isolation(np.zeros(3), -1), "extrema name vertex -1"),
+        (lambda: topo.isolation(np.zeros(3), [1.5]), "extrema are vertices, which are integers, not float64"),
+        *(
+            (lambda periodic=periodic: topo.sublevel(np.zeros((3, 3)), periodic=periodic), "one of them for each axis, 2 here; it is")
+            for periodic in ("x", "no", (0, 1), {0: True}, (2, 3), 1, [True], None)
+        ),
         (lambda: topo.bottleneck([[0, 1], [1, 0]], []), "die above their birth"),
         (lambda: topo.single_linkage(3, [[0, 1]], [1.0, 2.0]), "1 edges but 2 weights"),
+        (lambda: topo.single_linkage(3, [[0, 1]], [[1.0]]), "one number for each edge"),
     ]
     for ask, sentence in wrong:
         with pytest.raises(cones.Error, match=sentence):
             ask()
+    assert len(topo.sublevel([1, 2, 3], topo.Graph(3, []))) == 3
     assert len(topo.sublevel(np.zeros(0))) == 0 and len(topo.sublevel(np.zeros((0, 3)))) == 0

@@ -1,5 +1,7 @@
 """Unwrapping from Python is unwrapping by the command."""
 
+import errno
+import gzip
 import json
 from pathlib import Path
 
@@ -141,6 +143,34 @@ def test_marked_seams_are_cut(hare):
     assert all(frozenset(edge) in cut for edge in edges.tolist())
     path = cones.unwrap(result.mesh, n=6, seams=result.seam_edges)
     assert path.distortion["overlap_pairs"] == 0
+    for given in (set(map(tuple, edges.tolist())), (edge for edge in edges.tolist())):
+        assert cones.unwrap(hare, n=6, seams=given).seam_edges.shape == result.seam_edges.shape
+
+
+def test_cones_to_measure_are_those_of_a_result_or_vertices(hare):
+    result = cones.unwrap(hare, n=6)
+    error = cones.measure(hare, uv=result.uv, cones=result.cones["vertex"]).distortion["curvature_error"]
+    for given in (result.cones, cones.Analysis(hare).place(cones=result.cones), result.cones["vertex"].tolist()):
+        assert cones.measure(hare, uv=result.uv, cones=given).distortion["curvature_error"] == error
+    for given in ([-1], [10**6], [1.7]):
+        with pytest.raises(cones.Error, match="vertex"):
+            cones.measure(hare, uv=result.uv, cones=given)
+
+
+def test_the_search_is_that_of_the_command(command, tmp_path):
+    path = tmp_path / "hare.obj"
+    cones.shape("hare", 9000).write(path)
+    found = {search: cones.unwrap(path, n=5, search=search).cones["vertex"].tolist() for search in ("coarse", "full")}
+    for search, vertices in found.items():
+        command("unwrap", path, "-n", 5, "--search", search, "-o", tmp_path / "map.obj", "--report", tmp_path / "report.json")
+        assert [cone["vertex"] for cone in report(tmp_path / "report.json")["cones"]] == vertices
+
+
+def test_meshes_are_written_compressed(hare, tmp_path):
+    hare.write(tmp_path / "hare.obj")
+    hare.write(tmp_path / "hare.obj.gz")
+    assert gzip.decompress((tmp_path / "hare.obj.gz").read_bytes()) == (tmp_path / "hare.obj").read_bytes()
+    assert (cones.read(tmp_path / "hare.obj.gz").faces == hare.faces).all()
 
 
 BROKEN = [
@@ -152,6 +182,7 @@ BROKEN = [
     (lambda v, f: (v, -f.astype(int)), "negative"),
     (lambda v, f: (v, f[:0]), "no faces"),
     (lambda v, f: (v, f[0]), "faces must have the shape"),
+    (lambda v, f: (np.ma.masked_array(v, v == v[3]), f), "are masked, where each is needed"),
 ]
 
 
@@ -160,6 +191,13 @@ def test_what_cannot_be_a_mesh_is_refused_in_a_sentence(hare, broken, sentence):
     with pytest.raises(cones.Error) as told:
         cones.unwrap(*broken(hare.vertices, hare.faces))
     assert sentence in str(told.value).replace("they have", "it has")
+
+
+def test_repairs_are_told(hare):
+    doubled = cones.Mesh(np.vstack([hare.vertices, hare.vertices[:1]]), np.vstack([hare.faces, hare.faces[:2]]))
+    result = cones.unwrap(doubled, n=6)
+    assert [count for _, count, _ in result.repairs] == [2, 1] and cones.unwrap(hare, n=6).repairs == []
+    assert result.repairs == cones.Analysis(doubled).repairs
 
 
 def test_wrong_options_are_refused_in_a_sentence(hare):
@@ -181,6 +219,12 @@ def test_wrong_options_are_refused_in_a_sentence(hare):
         ({"texture_size": 2**32}, "texture_size is a number of pixels"),
         ({"margin": 900.0}, "does not fit on a texture"),
         ({"keep_seams": True}, "texture coordinates"),
+        ({"keep_seams": [(0, 10**6)]}, "edges of keep_seams name vertex 1000000, which is not there"),
+        ({"quantize": 4, "free_seams": "always"}, "leave one of the two out"),
+        ({"n": "4"}, "n is a number of cones, not '4'"),
+        ({"cones": "c.obj"}, "not the name of a file"),
+        ({"cones": [1.7]}, "a cone is at vertex 1.7, which is"),
+        ({"search": "fine"}, "search is coarse or full"),
     ]
     for keywords, sentence in wrong:
         with pytest.raises(cones.Error, match=sentence):
@@ -188,16 +232,24 @@ def test_wrong_options_are_refused_in_a_sentence(hare):
     for vertices in (-5, 10**30):
         with pytest.raises(cones.Error, match=f"vertices is a number of vertices, not {vertices}"):
             cones.shape("hare", vertices)
+    for vertices in (0, 4_000_001):
+        with pytest.raises(cones.Error, match=f"vertices is a number from 1 to 4,000,000, not {vertices}"):
+            cones.shape("hare", vertices)
     with pytest.raises(cones.Error, match="n is a number of cones, not -1"):
         cones.Analysis(hare).order(-1)
-    with pytest.raises(FileNotFoundError, match="nothing.obj"):
+    with pytest.raises(FileNotFoundError, match="nothing.obj") as told:
         cones.read("nothing.obj")
+    assert (told.value.errno, told.value.filename) == (errno.ENOENT, "nothing.obj")
     with pytest.raises(FileNotFoundError) as told:
         hare.write("nowhere/hare.obj")
     assert told.value.filename == str(Path("nowhere/hare.obj"))
     one, other = cones.Analysis(hare), cones.Analysis(hare)
     with pytest.raises(cones.Error, match="another analysis"):
         other.flatten(one.place(4))
+    with pytest.raises(cones.Error, match="weld says how a mesh is made ready"):
+        one.flatten(one.place(4), weld="never")
+    with pytest.raises(cones.Error, match="leave one of the two out"):
+        one.unwrap(4, quantize=4, free_seams="always")
 
 
 def test_errors_are_values_errors_and_maps_of_the_wrong_length_are_refused(hare):

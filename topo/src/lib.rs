@@ -162,7 +162,7 @@
 //! | distances, with the matching | [`Diagram::bottleneck`], [`Diagram::wasserstein`], [`Wasserstein`] | see there |
 //! | the pairs of a field in blocks, one at a time or on many machines | [`Summary`], [`Tile`] | a scan a block; what the borders hold |
 //! | the same with NaN masked, with zero persistence | [`PersistenceOptions`] | |
-//! | pairs that can be stopped | [`PersistenceOptions::sublevel_watched`], [`Watch`] | |
+//! | pairs, and distances, that can be stopped | [`PersistenceOptions::sublevel_watched`], [`Wasserstein::distance_watched`], [`Watch`] | |
 //!
 //! For mountains: prominence is [`Pair::persistence`], the key col [`Pair::saddle`], the parent [`Branch::parent`].
 //!

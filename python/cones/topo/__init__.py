@@ -25,7 +25,8 @@ A field is an array of one to three axes, on a grid of its shape; or a value for
 
 Fields of 8 to 64 bit integers and 32 or 64 bit floats are read where they lie if they are C-contiguous; ``int8``, ``uint32``, ``bool`` and
 ``float16`` are widened first. Vertices are ordered by (value, index). NaN is refused unless ``nan="mask"``, which leaves such vertices out;
-so does ``mask``, an array that is true inside of the domain. While a field is read no other thread may change it.
+so do ``mask``, an array that is true inside of the domain, and the mask of a masked array. An array of three axes is a volume, also a
+picture in colour (h, w, 3). While a field is read no other thread may change it.
 """
 
 from importlib import import_module as _import_module

@@ -15,8 +15,9 @@ from typing import Any, Optional
 import numpy as np
 
 from .. import _cones
+from .._arrays import unmasked
 from .._cones import Error
-from ._domain import _read_in_place
+from ._domain import _read_in_place, masked
 from ._pairs import Pairs, pair_table
 
 
@@ -64,12 +65,13 @@ def summarise(
     nan: str = "refuse",
     keep_zeros: bool = False,
 ) -> Part:
-    """Sums up the tile from ``start`` to ``stop`` of a grid of some shape; its values are those that `reach` says."""
-    field = np.asarray(values)
-    read = _read_in_place(field)
+    """Sums up the tile from ``start`` to ``stop`` of a grid of some shape; its values are those that `reach` says. Of a masked array the masked
+    cells are left out, and all other tiles must be masked arrays too: their numbers are then floats."""
+    field, inside = unmasked(values)
+    read = _read_in_place(field if inside is None else masked(field, inside))
     grid = _cones.Domain.grid(list(shape), connectivity, list(periodic[: len(shape)]))
     bytes_, columns, zeros = _cones.summarise(
-        grid, list(start), list(stop), read, superlevel, nan == "mask", keep_zeros
+        grid, list(start), list(stop), read, superlevel, nan == "mask" or inside is not None, keep_zeros
     )
     return Part(bytes_, read.dtype.str[1:], pair_table(columns, field.dtype), zeros)
 

@@ -8,13 +8,20 @@ from typing import Any, Union
 import numpy as np
 
 from .. import _cones
-from .._arrays import plain
+from .._arrays import count as whole, plain
 from .._cones import Error
 from ._pairs import Pairs
 
+#: The cells of an image: 2 GB.
+_MOST_CELLS = 2**28
+
 
 class Diagram:
-    """Points (birth, death). Made of `Pairs`, or of an array (n, 2) whose essential classes have an infinite death."""
+    """Points (birth, death). Made of `Pairs`, or of an array (n, 2) whose essential classes have an infinite death.
+
+    As vectors: only `betti_curve` counts essential classes. The others, entropy, persistence curve, landscape, silhouette and image, leave
+    them out, as they have no lifetime.
+    """
 
     def __init__(self, points: Union[Pairs, Diagram, Any]):
         table = points.diagram() if isinstance(points, Pairs) else np.asarray(points, dtype=np.float64)
@@ -33,29 +40,35 @@ class Diagram:
         self._native = _cones.Diagram(self.finite, self.essential, bool(falls))
 
     def entropy(self) -> float:
-        """The entropy of the lifetimes, as parts of their sum."""
+        """The entropy of the lifetimes, as parts of their sum; without essential classes."""
         return self._native.entropy()
 
     def betti_curve(self) -> np.ndarray:
-        """How many components there are from each level on: (k, 2)."""
+        """How many components there are from each level on, essential classes among them: (k, 2)."""
         return np.array(self._native.betti_curve(), dtype=np.float64).reshape(-1, 2)
 
     def persistence_curve(self) -> np.ndarray:
-        """How many pairs are more persistent than each threshold: (k, 2)."""
+        """How many finite pairs are more persistent than each threshold: (k, 2)."""
         return np.array(self._native.persistence_curve(), dtype=np.float64).reshape(-1, 2)
 
     def landscape(self, levels: Any, count: int = 5) -> np.ndarray:
-        """The first functions of the persistence landscape at some levels: (count, levels)."""
+        """The first functions of the persistence landscape at some levels: (count, levels); without essential classes."""
         at = plain(levels, np.float64)
         return self._native.landscape(count, at).reshape(count, len(at))
 
     def silhouette(self, levels: Any, power: float = 1.0) -> np.ndarray:
-        """The silhouette at some levels, tents weighted by a power of the lifetime."""
+        """The silhouette at some levels, tents weighted by a power of the lifetime; without essential classes."""
         return self._native.silhouette(power, plain(levels, np.float64))
 
     def image(self, births: tuple, lifetimes: tuple, shape: tuple, bandwidth: float) -> np.ndarray:
-        """The persistence image: a row for each of some lifetimes, a column for each of some births, both (first, last)."""
-        return self._native.image(births, lifetimes, list(shape), bandwidth).reshape(shape)
+        """The persistence image: a row for each of some lifetimes, a column for each of some births, both (first, last). Each finite point adds
+        a Gaussian of width ``bandwidth`` whose mass is its lifetime."""
+        rows, columns = (whole("shape", "rows, and one of columns", length) for length in shape)
+        if rows * columns > _MOST_CELLS:
+            raise Error(f"an image of {rows} x {columns} cells is larger than {_MOST_CELLS:,}: ask for a smaller shape")
+        if not 0 < bandwidth < float("inf"):
+            raise Error(f"bandwidth is the width of a Gaussian, above 0, not {bandwidth}")
+        return self._native.image(births, lifetimes, [rows, columns], bandwidth).reshape(rows, columns)
 
     def __len__(self) -> int:
         return len(self.finite) + len(self.essential)
@@ -73,18 +86,19 @@ class Matching:
 
 
 def bottleneck(a: Any, b: Any) -> float:
-    """The bottleneck distance of two diagrams (`Pairs`, `Diagram` or (n, 2)); exact."""
+    """The bottleneck distance of two diagrams (`Pairs`, `Diagram` or (n, 2)); exact. A step of the search takes O(n² √n) at worst for n
+    points."""
     return _diagram(a)._native.bottleneck(_diagram(b)._native)
 
 
 def wasserstein(a: Any, b: Any, order: float = 2.0, *, ground: float = float("inf"), relative_error: float = 0.01) -> float:
     """The Wasserstein distance of some order; steps are measured by the norm ``ground``. Too large by ``relative_error`` at most; exact for
-    diagrams of 200 points and fewer, and with 0."""
+    diagrams of 200 points and fewer, and with 0, which takes O(n³) at worst for n points."""
     return _diagram(a)._native.wasserstein(_diagram(b)._native, order, ground, relative_error)
 
 
 def matching(a: Any, b: Any, order: float = 2.0, *, ground: float = float("inf"), relative_error: float = 0.01) -> Matching:
-    """The Wasserstein distance with a matching that has it."""
+    """The Wasserstein distance with a matching that has it. Parameters and cost as for `wasserstein`."""
     distance, finite, essential = _diagram(a)._native.matching(_diagram(b)._native, order, ground, relative_error)
     pairs = [np.array(part, dtype=np.int64).reshape(-1, 2) for part in (finite, essential)]
     return Matching(distance, *pairs)
@@ -117,4 +131,7 @@ class Linkage:
 def single_linkage(vertices: int, edges: Any, weights: Any) -> Linkage:
     """Single linkage of weighted edges (m, 2): clusters joined from the lightest edge on."""
     table = plain(np.asarray(edges).reshape(-1, 2), np.int64)
-    return Linkage(_cones.single_linkage(int(vertices), table, plain(weights, np.float64)))
+    numbers = plain(weights, np.float64)
+    if numbers.ndim != 1:
+        raise Error(f"weights are one number for each edge, (m,), but they have the shape {numbers.shape}")
+    return Linkage(_cones.single_linkage(int(vertices), table, numbers))

@@ -8,7 +8,7 @@ from typing import Any, Optional, Union
 import numpy as np
 
 from .. import _cones
-from .._arrays import plain
+from .._arrays import plain, unmasked
 from .._cones import Error
 
 #: Kinds of numbers that are read in place on grids; what others are widened to; and what is used on graphs and meshes.
@@ -23,7 +23,7 @@ class Graph:
 
     def __init__(self, vertices: int, edges: Any):
         table = np.asarray(edges)
-        table = table.reshape(0, 2) if table.size == 0 else table
+        table = np.empty((0, 2), dtype=np.int64) if table.size == 0 else table
         if table.ndim != 2 or table.dtype.kind not in "iu":
             raise Error(f"edges are pairs of vertex indices of the shape (m, 2), but {table.shape} {table.dtype} is given")
         self._native = _cones.Domain.graph(int(vertices), plain(table, np.int64))
@@ -86,13 +86,16 @@ class Field:
             domain, field = _of_networkx(domain, field, self.names)
         if isinstance(field, (str, bytes, os.PathLike)):
             raise Error(f"a field is an array of numbers, not the name of a file: read it first, as with numpy.load({os.fspath(field)!r})")
-        values = np.asarray(field)
+        values, inside = unmasked(field)
         self.shape, self.dtype = values.shape, values.dtype
         if nan not in ("refuse", "mask"):
             raise Error(f"nan is refuse or mask, not {nan!r}")
-        self.masks_nan = nan == "mask" or mask is not None
-        if mask is not None:
-            values = _masked(values, mask)
+        inside = _inside(mask, inside, values.shape)
+        self.masks_nan = nan == "mask" or inside is not None
+        #: The array as it was given, where cells of it are left out.
+        self.given = values if inside is not None else None
+        if inside is not None:
+            values = masked(values, inside)
         if domain is None:
             self.domain = _grid(values.shape, connectivity, periodic)
             self.values = _read_in_place(values)
@@ -117,8 +120,16 @@ def _grid(shape: tuple, connectivity: Optional[str], periodic: Any) -> _cones.Do
     axes = len(shape)
     if not 1 <= axes <= 3:
         raise Error(f"a field without a domain is an array of one to three axes, not {axes}")
-    round_ends = [bool(periodic)] * axes if np.ndim(periodic) == 0 else [bool(p) for p in periodic]
-    return _cones.Domain.grid(list(shape), connectivity or "axis", round_ends)
+    return _cones.Domain.grid(list(shape), connectivity or "axis", round_ends(periodic, axes))
+
+
+def round_ends(periodic: Any, axes: int) -> list[bool]:
+    """Which axes go round: all or none, or as it is said for each."""
+    of_each = [periodic] * axes if isinstance(periodic, (bool, np.bool_)) else periodic
+    is_list = isinstance(of_each, (list, tuple)) or (isinstance(of_each, np.ndarray) and of_each.ndim == 1)
+    if not is_list or len(of_each) != axes or not all(isinstance(goes_round, (bool, np.bool_)) for goes_round in of_each):
+        raise Error(f"periodic is True or False, or a list with one of them for each axis, {axes} here; it is {periodic!r}")
+    return [bool(goes_round) for goes_round in of_each]
 
 
 def _graph(domain: Any) -> _cones.Domain:
@@ -149,16 +160,25 @@ def _widest(values: np.ndarray) -> np.ndarray:
     return plain(values, wide)
 
 
-def _masked(values: np.ndarray, mask: Any) -> np.ndarray:
-    inside = np.asarray(mask, dtype=bool)
-    if inside.shape != values.shape:
-        raise Error(f"the mask has the shape {inside.shape}, but the field {values.shape}")
+def _inside(mask: Any, own: Optional[np.ndarray], shape: tuple) -> Optional[np.ndarray]:
+    """The cells inside both a mask and the field's own, if there are any outside."""
+    if mask is not None:
+        mask = np.asarray(mask, dtype=bool)
+        if mask.shape != shape:
+            raise Error(f"the mask has the shape {mask.shape}, but the field {shape}")
+        return mask if own is None else mask & own
+    # Integers stay what they are where nothing is masked.
+    return None if own is None or own.all() else own
+
+
+def masked(values: np.ndarray, inside: np.ndarray) -> np.ndarray:
+    """Floats that are NaN outside."""
     if values.dtype.kind in "iu" and values.size and max(abs(int(values.min())), abs(int(values.max()))) > _EXACT:
         raise Error("integers beyond 2**53 cannot be masked: subtract a constant first")
     wide = values.dtype if values.dtype in (np.dtype("f4"), np.dtype("f8")) else np.dtype("f8")
-    masked = values.astype(wide)
-    masked[~inside] = np.nan
-    return masked
+    floats = values.astype(wide)
+    floats[~inside] = np.nan
+    return floats
 
 
 def _is_networkx(domain: Any) -> bool:
@@ -179,4 +199,4 @@ def _of_networkx(graph: Any, field: Any, names: list) -> tuple[Graph, Any]:
             values = [field[name] for name in names]
     except KeyError as missing:
         raise Error(f"there is no value for {missing}") from None
-    return Graph(len(names), edges), np.asarray(values)
+    return Graph(len(names), edges), values

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field as _field
 from typing import Any, Optional
 
 import numpy as np
 
 from .. import _cones
-from .._arrays import plain
+from .._arrays import places, plain
 from .._cones import Error
 from ._domain import Field
 from ._pairs import Pairs, Persistence, pair_table
@@ -31,15 +32,18 @@ def sublevel(
     Parameters
     ----------
     field : array of one to three axes, or (vertices,) with a domain
+        Of masked arrays (`numpy.ma`) the masked cells are left out. A picture in colour (h, w, 3) would be read as a volume: take a channel
+        of it, or their mean.
     domain : Graph, TriangleMesh, scipy sparse matrix or networkx graph, optional
         With networkx the field may also be a mapping from nodes, or the name of an attribute of theirs.
     connectivity : "axis" (default), "full" or "freudenthal"
-        2, 4, 6 neighbours; 2, 8, 26; or the edges of a triangulation: 2, 6, 14.
+        2, 4, 6 neighbours; 2, 8, 26; or the edges of a triangulation: 2, 6, 14, which is the command's default.
     periodic : bool or sequence of bool
         Which axes go round.
     mask : array of bool, optional
-        True inside of the domain.
+        True inside of the domain. With a mask NaN inside is left out too.
     nan : "refuse" or "mask"
+        Whether NaN is an error, or left out.
     keep_zeros : bool
         Keep pairs whose extremum and saddle have equal values.
     """
@@ -84,11 +88,18 @@ def _pairs(read: Field, is_superlevel: bool, keep_zeros: bool) -> Pairs:
 
 @dataclass(frozen=True)
 class Segmentation:
-    """Every vertex with its extremum."""
+    """Every vertex with its extremum.
 
-    #: The extremum of each segment.
+    Attributes
+    ----------
+    extrema : ndarray int64
+        The extremum of each segment: a vertex.
+    labels : ndarray int32
+        The segment of each vertex, in the shape of the field: a place in ``extrema``; -1 where a vertex is masked or, of
+        `MergeTree.components`, beyond the level.
+    """
+
     extrema: np.ndarray
-    #: The segment of each vertex, in the shape of the field; -1 for none.
     labels: np.ndarray = _field(repr=False)
 
     def sizes(self) -> np.ndarray:
@@ -125,13 +136,19 @@ def simplify(
     mask: Any = None,
     nan: str = "refuse",
 ) -> np.ndarray:
-    """The field without extrema that are no more persistent than ``threshold``, nowhere changed by more. What a mask leaves out is as it was."""
-    given = np.asarray(field) if mask is not None else None
+    """The field without extrema that are no more persistent than ``threshold``, nowhere changed by more. What a mask leaves out is as it was.
+
+    Removing minima can make maxima less persistent, and the other way round, which are then removed too: some that were up to twice as
+    persistent as ``threshold`` may go. Parameters as for `sublevel`.
+    """
     read = Field(field, domain, connectivity=connectivity, periodic=periodic, mask=mask, nan=nan)
     simple = read.shaped(_cones.simplify(read.domain, read.values, threshold, read.masks_nan))
-    if given is None:
+    if read.given is None:
         return read.cast(simple)
-    return np.where(np.asarray(mask, dtype=bool), np.nan_to_num(simple), given).astype(read.dtype)
+    is_inside = ~np.isnan(simple)
+    whole = read.given.copy()
+    whole[is_inside] = simple[is_inside]
+    return whole
 
 
 class MergeTree:
@@ -191,11 +208,16 @@ class MergeTree:
 
     def components(self, level: Any) -> tuple[np.ndarray, Segmentation]:
         """The components of the set of vertices up to a level (for maxima: from it upwards): a structured array (extremum, value, saddle, size),
-        and the component of each vertex."""
-        number = self._read.values.dtype.type(level).item()
+        and the component of each vertex. The level may be any number, also where the field is of integers."""
+        values = self._read.values
+        columns = [("extremum", "i8"), ("value", self._read.cast(values[:0]).dtype), ("saddle", "i8"), ("size", "i8")]
+        number = _level(level, values.dtype, self.is_superlevel)
+        if number is None:
+            labels = np.full(values.size, -1, dtype=np.int32)
+            return np.empty(0, dtype=columns), Segmentation(np.empty(0, dtype=np.int64), self._read.shaped(labels))
         (extremum, value, saddle, size), (extrema, labels) = self._native.components(number)
         value = self._read.cast(value)
-        table = np.empty(len(extremum), dtype=[("extremum", "i8"), ("value", value.dtype), ("saddle", "i8"), ("size", "i8")])
+        table = np.empty(len(extremum), dtype=columns)
         table["extremum"], table["value"], table["saddle"], table["size"] = extremum, value, saddle, size
         return table, Segmentation(extrema, self._read.shaped(labels))
 
@@ -251,7 +273,14 @@ def tomato(
 
 def holes(field: Any, *, kind: str = "minimum", connectivity: str = "axis") -> np.ndarray:
     """The holes of the sublevel sets (``kind="minimum"``) or superlevel sets of a picture, or the cavities of those of a volume: persistent
-    homology of dimension 1, or 2. A structured array (closed, filled, birth, death)."""
+    homology of dimension 1, or 2.
+
+    Returns
+    -------
+    structured array (closed, filled, birth, death)
+        ``closed`` is the vertex that closes the ring or the shell, ``filled`` the one inside that is reached last, both as in
+        ``field.ravel()``; birth and death are the values there.
+    """
     read = Field(field, connectivity=connectivity)
     closed, filled, birth, death = _cones.holes(read.domain, read.values, _is_maximum(kind))
     birth, death = read.cast(birth), read.cast(death)
@@ -265,13 +294,28 @@ def isolation(
     extrema: Any,
     *,
     kind: str = "maximum",
-    connectivity: str = "axis",
     periodic: Any = False,
 ) -> np.ndarray:
-    """For each extremum how far it is, in steps of the grid, to the nearest vertex that is more extreme; infinite where there is none."""
-    read = Field(field, connectivity=connectivity, periodic=periodic, nan="mask")
-    vertices = plain(extrema, np.int64)
+    """For each extremum how far it is to the nearest vertex that is more extreme, connected to it or not; infinite where there is none. The
+    distance is Euclidean, and a step along an axis is 1. NaN and masked cells are passed over. Ctrl-C does not stop it."""
+    read = Field(field, periodic=periodic, nan="mask")
+    vertices = places("extrema", extrema, read.values.size)
     return _cones.isolation(read.domain, read.values, _is_maximum(kind), vertices)
+
+
+def _level(level: Any, kind: np.dtype, is_superlevel: bool) -> Any:
+    """The level in a field's kind of numbers that takes in the same vertices; none if it takes in no vertex, whatever the field."""
+    if level != level:
+        raise Error("a level is a number, not NaN")
+    if kind.kind == "f":
+        return kind.type(level).item()
+    # As a number of Python, which compares integers and floats exactly.
+    level = level.item() if isinstance(level, (np.ndarray, np.generic)) else level
+    least, most = np.iinfo(kind).min, np.iinfo(kind).max
+    if level > most if is_superlevel else level < least:
+        return None
+    inside = min(max(level, least), most)
+    return math.ceil(inside) if is_superlevel else math.floor(inside)
 
 
 def _is_maximum(kind: str) -> bool:

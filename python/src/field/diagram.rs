@@ -2,10 +2,10 @@
 
 use numpy::{PyArray1, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
-use topo::{Kind, Wasserstein};
+use topo::{Kind, Wasserstein, Watch};
 
+use super::stoppable;
 use crate::array::rows;
-use crate::error::Failed;
 
 /// A distance, the finite points and the essential classes that go to each other.
 type Matched = (f64, Vec<[i64; 2]>, Vec<[usize; 2]>);
@@ -14,6 +14,19 @@ type Matched = (f64, Vec<[i64; 2]>, Vec<[usize; 2]>);
 #[pyclass(frozen, module = "cones._cones")]
 #[derive(Debug)]
 pub(crate) struct Diagram(topo::Diagram);
+
+impl Diagram {
+    /// Compares two diagrams so that Ctrl-C stops it where it is long: a pair of points is taken to cost what a value of a field does.
+    fn compared<T: Send>(
+        &self,
+        py: Python<'_>,
+        other: &Self,
+        compare: impl FnOnce(&topo::Diagram, &topo::Diagram, Watch<'_>) -> Result<T, topo::Error> + Send,
+    ) -> PyResult<T> {
+        let points = self.0.finite.len() + other.0.finite.len();
+        stoppable(py, points.saturating_mul(points), |watch| compare(&self.0, &other.0, watch))
+    }
+}
 
 #[pymethods]
 impl Diagram {
@@ -29,12 +42,13 @@ impl Diagram {
     }
 
     fn bottleneck(&self, py: Python<'_>, other: &Self) -> PyResult<f64> {
-        Ok(py.detach(|| self.0.bottleneck(&other.0)).map_err(Failed)?)
+        let asked = Wasserstein::new(f64::INFINITY);
+        self.compared(py, other, |a, b, watch| asked.distance_watched(a, b, watch))
     }
 
     fn wasserstein(&self, py: Python<'_>, other: &Self, order: f64, ground: f64, relative_error: f64) -> PyResult<f64> {
         let asked = Wasserstein::new(order).ground(ground).relative_error(relative_error);
-        Ok(py.detach(|| asked.distance(&self.0, &other.0)).map_err(Failed)?)
+        self.compared(py, other, |a, b, watch| asked.distance_watched(a, b, watch))
     }
 
     /// The distance, and places among the finite points of both that go to each other; -1 is the diagonal.
@@ -47,7 +61,7 @@ impl Diagram {
         relative_error: f64,
     ) -> PyResult<Matched> {
         let asked = Wasserstein::new(order).ground(ground).relative_error(relative_error);
-        let matching = py.detach(|| asked.matching(&self.0, &other.0)).map_err(Failed)?;
+        let matching = self.compared(py, other, |a, b, watch| asked.matching_watched(a, b, watch))?;
         let place = |place: Option<usize>| place.map_or(-1, |place| place as i64);
         let finite = matching.finite.into_iter().map(|pair| pair.map(place)).collect();
         Ok((matching.distance, finite, matching.essential))

@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
-use topo::{Connectivity, Domain, Error, Grid, Kind, PersistenceOptions, TriangleMesh, Watch};
+use topo::{Connectivity, Diagram, Domain, Error, Grid, Kind, PersistenceOptions, TriangleMesh, Wasserstein, Watch};
 
 /// Noise: numbers with ties now and then.
 fn noise(count: usize) -> Vec<u32> {
@@ -82,5 +82,19 @@ fn trees_segmentations_holes_and_simpler_fields_are_stopped_wherever_they_are() 
         (0..200_000u32).map(|v| (v / 400).abs_diff(250).pow(2) + (v % 400).abs_diff(100 + v / 3000).pow(2)).collect();
     for field in [field, smooth] {
         assert!(asked(|watch| options.contour_tree_watched(&filled, &field, watch)) > 10);
+    }
+}
+
+#[test]
+fn distances_are_stopped_wherever_they_are() {
+    let [a, b] = [0, 1000].map(|first| {
+        let coordinates: Vec<f64> = noise(first + 600).into_iter().skip(first).map(f64::from).collect();
+        let finite = coordinates.chunks(2).map(|pair| (pair[0], pair[0] + pair[1])).collect();
+        Diagram { kind: Kind::Minimum, finite, essential: vec![0.0] }
+    });
+    for (order, error, least) in [(f64::INFINITY, 0.0, 1000), (2.0, 0.01, 1000), (2.0, 0.0, 300)] {
+        let measure = Wasserstein::new(order).relative_error(error);
+        assert!(asked(|watch| measure.distance_watched(&a, &b, watch)) > least);
+        assert!(asked(|watch| measure.matching_watched(&a, &b, watch)) > least);
     }
 }

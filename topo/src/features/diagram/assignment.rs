@@ -10,6 +10,7 @@
 //! potential 0. O(n² m) at worst; costs are computed as they are needed.
 
 use crate::pairing::NONE;
+use crate::watch::Watch;
 
 /// How often rows are assigned by their two best columns before paths are searched for, as by Jonker & Volgenant.
 const REDUCTIONS: usize = 2;
@@ -26,14 +27,14 @@ pub(super) trait Costs {
     fn write_row(&self, row: usize, costs: &mut [f64]);
 }
 
-/// For each row its column, or [`NONE`] for the diagonal.
-pub(super) fn assign(costs: &impl Costs) -> Vec<u32> {
+/// For each row its column, or [`NONE`] for the diagonal; of no meaning if the watch has stopped the work.
+pub(super) fn assign(costs: &impl Costs, watch: Watch<'_>) -> Vec<u32> {
     let mut assignment = Assignment::new(costs);
     let mut free: Vec<u32> = (0..costs.alone().len() as u32).collect();
     for _ in 0..REDUCTIONS {
-        free = assignment.reduce(&free);
+        free = assignment.reduce(&free, watch);
     }
-    free.into_iter().for_each(|row| assignment.augment(row));
+    free.into_iter().take_while(|_| !watch.stops()).for_each(|row| assignment.augment(row));
     assignment.column_of
 }
 
@@ -66,11 +67,11 @@ impl<'a, C: Costs> Assignment<'a, C> {
 
     /// Gives each free row its best column, whose potential falls until the second best is as good; what that turns out is
     /// tried on until nothing is gained. Returns the rows left free.
-    fn reduce(&mut self, free: &[u32]) -> Vec<u32> {
+    fn reduce(&mut self, free: &[u32], watch: Watch<'_>) -> Vec<u32> {
         let mut left = Vec::new();
         let mut waiting: Vec<u32> = free.iter().rev().copied().collect();
         let mut steps = free.len() * 4;
-        while let Some(row) = waiting.pop() {
+        while let Some(row) = waiting.pop().filter(|_| !watch.stops()) {
             let alone = self.costs.alone()[row as usize];
             let (best, [first, second]) = self.two_best(row, alone);
             let Some(column) = best else {

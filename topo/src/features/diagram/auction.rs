@@ -12,6 +12,7 @@
 use super::ground::Point;
 use super::kd_tree::{KdTree, Offer};
 use crate::pairing::NONE;
+use crate::watch::Watch;
 
 /// By how much ε falls from phase to phase, as Kerber, Morozov & Nigmetov have it.
 const FALL: f64 = 5.0;
@@ -42,16 +43,22 @@ pub(super) trait Scale {
 }
 
 /// For each point of `a` its partner in `b`, or [`NONE`] for the diagonal, where what the matching costs and what the cheapest
-/// costs at least are `near` enough; `None` if that is beyond rounding.
-pub(super) fn bid(a: &[Point], b: &[Point], scale: &impl Scale, near: impl Fn(f64, f64) -> bool) -> Option<Vec<u32>> {
+/// costs at least are `near` enough; `None` if that is beyond rounding, or the watch has stopped the work.
+pub(super) fn bid(
+    a: &[Point],
+    b: &[Point],
+    scale: &impl Scale,
+    near: impl Fn(f64, f64) -> bool,
+    watch: Watch<'_>,
+) -> Option<Vec<u32>> {
     let mut auction = Auction::new(a, b, scale);
     let largest = auction.alone.iter().chain(&auction.others).copied().fold(0.0, f64::max);
     let mut epsilon = (FIRST * auction.bound() / auction.item_of.len() as f64).max(FLOOR * largest);
     for _ in 0..PHASES {
-        if epsilon <= LEAST * auction.highest {
+        if epsilon <= LEAST * auction.highest || watch.stops() {
             break;
         }
-        if !auction.phase(epsilon) {
+        if !auction.phase(epsilon, watch) {
             epsilon *= RISE;
             continue;
         }
@@ -101,8 +108,8 @@ impl<'a, C: Scale> Auction<'a, C> {
     }
 
     /// Sells all items anew, at the present prices and above. False if ε is too small: if that takes too many bids, or it is
-    /// lost in the rounding of a price.
-    fn phase(&mut self, epsilon: f64) -> bool {
+    /// lost in the rounding of a price; or if the watch has stopped the work.
+    fn phase(&mut self, epsilon: f64, watch: Watch<'_>) -> bool {
         self.item_of.fill(NONE);
         self.bidder_of.fill(NONE);
         let mut waiting: Vec<u32> = (0..self.item_of.len() as u32).rev().collect();
@@ -114,7 +121,7 @@ impl<'a, C: Scale> Auction<'a, C> {
             let step = if second.is_finite() { second - best } else { 0.0 };
             let (before, price) = (self.price(item), self.price(item) + step + epsilon);
             bids = bids.saturating_sub(1);
-            if bids == 0 || epsilon == 0.0 || price - before < epsilon / 2.0 {
+            if bids == 0 || epsilon == 0.0 || price - before < epsilon / 2.0 || watch.stops() {
                 return false;
             }
             self.highest = self.highest.max(price);

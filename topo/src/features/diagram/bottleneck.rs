@@ -5,10 +5,11 @@
 //! O(n² · √n) a matching at worst, 64 of them at most.
 
 use super::ground::{Ground, Point};
+use crate::watch::Watch;
 use core::ops::Range;
 
-/// The least reach, no less than `least`, within which all points have a place.
-pub(super) fn bottleneck(a: &[Point], b: &[Point], ground: Ground, least: f64) -> f64 {
+/// The least reach, no less than `least`, within which all points have a place; any number if the watch has stopped the work.
+pub(super) fn bottleneck(a: &[Point], b: &[Point], ground: Ground, least: f64, watch: Watch<'_>) -> f64 {
     let by_birth = |points: &[Point]| {
         let mut points = points.to_vec();
         points.sort_unstable_by(|p, q| p.0.total_cmp(&q.0));
@@ -21,7 +22,7 @@ pub(super) fn bottleneck(a: &[Point], b: &[Point], ground: Ground, least: f64) -
     while low < high {
         let middle = low + (high - low) / 2;
         let reach = f64::from_bits(middle);
-        if covers(&a, &b, ground, reach) && covers(&b, &a, ground, reach) {
+        if covers(&a, &b, ground, reach, watch) && covers(&b, &a, ground, reach, watch) {
             high = middle;
         } else {
             low = middle + 1;
@@ -33,7 +34,7 @@ pub(super) fn bottleneck(a: &[Point], b: &[Point], ground: Ground, least: f64) -
 /// Whether all points of `a` that are beyond reach of the diagonal can be matched with different points of `b`.
 ///
 /// If that holds both ways, one matching does it for both (Mendelsohn & Dulmage 1958), and the rest is near the diagonal.
-fn covers(a: &[Point], b: &[Point], ground: Ground, reach: f64) -> bool {
+fn covers(a: &[Point], b: &[Point], ground: Ground, reach: f64, watch: Watch<'_>) -> bool {
     let far: Vec<Point> = a.iter().copied().filter(|&point| ground.to_diagonal(point) > reach).collect();
     if far.len() > b.len() {
         return false;
@@ -43,7 +44,7 @@ fn covers(a: &[Point], b: &[Point], ground: Ground, reach: f64) -> bool {
     };
     let windows: Vec<Range<usize>> = far.iter().map(window).collect();
     let (partner, taken) = (vec![None; far.len()], vec![None; b.len()]);
-    Matching { far: &far, others: b, windows: &windows, ground, reach, partner, taken }.covers_all()
+    Matching { far: &far, others: b, windows: &windows, ground, reach, partner, taken, watch }.covers_all()
 }
 
 /// Hopcroft & Karp's matching of points within reach of each other.
@@ -57,6 +58,7 @@ struct Matching<'a> {
     reach: f64,
     partner: Vec<Option<usize>>,
     taken: Vec<Option<usize>>,
+    watch: Watch<'a>,
 }
 
 impl Matching<'_> {
@@ -78,6 +80,9 @@ impl Matching<'_> {
         let mut is_seen = vec![false; self.others.len()];
         let mut next = 0;
         while let Some(&point) = queue.get(next) {
+            if self.watch.stops() {
+                break;
+            }
             next += 1;
             for other in self.windows[point].clone() {
                 if is_seen[other] || !self.is_near(point, other) {
@@ -99,6 +104,9 @@ impl Matching<'_> {
         // Each point of the path with the next other point to try.
         let mut path = vec![(start, self.windows[start].start)];
         while let Some((point, next)) = path.last_mut() {
+            if self.watch.stops() {
+                return false;
+            }
             let (point, layer) = (*point, layers[*point]);
             let leads_on = |&other: &usize| {
                 let owner_fits = self.taken[other].is_none_or(|owner| layers[owner] == layer.map(|layer| layer + 1));

@@ -8,6 +8,7 @@ use super::ground::{Ground, Point, bounded};
 use super::unbounded::{self, Matched};
 use crate::error::Error;
 use crate::pairing::NONE;
+use crate::watch::Watch;
 
 /// How to measure the distance of two diagrams: the least possible p-norm of all steps when each point of one diagram goes to
 /// one of the other or to the diagonal, to each its own. p is the order; steps are measured by a ground metric.
@@ -79,11 +80,19 @@ impl Wasserstein {
     /// If one is of minima and the other of maxima, if a coordinate is NaN, if the order or the norm is not 1 at least, or
     /// if the relative error is negative.
     pub fn distance(self, a: &Diagram, b: &Diagram) -> Result<f64, Error> {
+        self.distance_watched(a, b, Watch::NONE)
+    }
+
+    /// [`distance`](Self::distance) that can be stopped.
+    ///
+    /// # Errors
+    /// As [`distance`](Self::distance); [`Error::Interrupted`] if the watch has stopped the work.
+    pub fn distance_watched(self, a: &Diagram, b: &Diagram, watch: Watch<'_>) -> Result<f64, Error> {
         if self.order == f64::INFINITY {
             self.check(a, b)?;
-            return Ok(self.bottleneck(a, b));
+            return watch.held(|watch| self.bottleneck(a, b, watch));
         }
-        Ok(self.matching(a, b)?.distance)
+        Ok(self.matching_watched(a, b, watch)?.distance)
     }
 
     /// The distance of two diagrams with a matching that has it.
@@ -91,13 +100,28 @@ impl Wasserstein {
     /// # Errors
     /// As [`distance`](Self::distance).
     pub fn matching(self, a: &Diagram, b: &Diagram) -> Result<Matching, Error> {
+        self.matching_watched(a, b, Watch::NONE)
+    }
+
+    /// [`matching`](Self::matching) that can be stopped.
+    ///
+    /// # Errors
+    /// As [`distance_watched`](Self::distance_watched).
+    pub fn matching_watched(self, a: &Diagram, b: &Diagram, watch: Watch<'_>) -> Result<Matching, Error> {
         self.check(a, b)?;
+        watch.held(|watch| self.matched(a, b, watch))
+    }
+
+    fn matched(self, a: &Diagram, b: &Diagram, watch: Watch<'_>) -> Result<Matching, Error> {
         let (Some(essential), Some(infinite)) = (unbounded::essential(a, b), unbounded::infinite(a, b)) else {
             return Ok(Matching { distance: f64::INFINITY, finite: Vec::new(), essential: Vec::new() });
         };
         let ((places_a, a_points), (places_b, b_points)) = (bounded(a), bounded(b));
-        let reach = if self.order == f64::INFINITY { self.bottleneck(a, b) } else { f64::INFINITY };
-        let matched = self.match_bounded(&a_points, &b_points, reach);
+        let reach = if self.order == f64::INFINITY { self.bottleneck(a, b, watch)? } else { f64::INFINITY };
+        let matched = self.match_bounded(&a_points, &b_points, reach, watch);
+        if watch.stops() {
+            return Err(Error::Interrupted);
+        }
         let mut steps = [essential.steps, infinite.steps].concat();
         steps.extend(matched.iter().map(|&pair| self.step(&a_points, &b_points, pair)));
         let finite = infinite.pairs.iter().map(|pair| pair.map(Some));
@@ -131,11 +155,12 @@ impl Wasserstein {
         Ok(())
     }
 
-    fn bottleneck(self, a: &Diagram, b: &Diagram) -> f64 {
+    fn bottleneck(self, a: &Diagram, b: &Diagram, watch: Watch<'_>) -> Result<f64, Error> {
         let steps = |matched: Option<Matched>| matched.map_or(vec![f64::INFINITY], |matched| matched.steps);
         let unbounded = [steps(unbounded::essential(a, b)), steps(unbounded::infinite(a, b))].concat();
         let least = unbounded.into_iter().fold(0.0, f64::max);
-        bottleneck(&bounded(a).1, &bounded(b).1, Ground(self.ground), least)
+        let distance = bottleneck(&bounded(a).1, &bounded(b).1, Ground(self.ground), least, watch);
+        if watch.stops() { Err(Error::Interrupted) } else { Ok(distance) }
     }
 
     fn step(self, a: &[Point], b: &[Point], pair: [Option<usize>; 2]) -> f64 {
@@ -148,19 +173,20 @@ impl Wasserstein {
         }
     }
 
-    /// The cheapest matching of points with finite coordinates. Steps longer than the reach are not taken.
-    fn match_bounded(self, a: &[Point], b: &[Point], reach: f64) -> Vec<[Option<usize>; 2]> {
+    /// The cheapest matching of points with finite coordinates; any if the watch has stopped the work. Steps longer than the reach are
+    /// not taken.
+    fn match_bounded(self, a: &[Point], b: &[Point], reach: f64, watch: Watch<'_>) -> Vec<[Option<usize>; 2]> {
         // Rows are the fewer ones.
         if a.len() > b.len() {
-            let swapped = self.match_bounded(b, a, reach);
+            let swapped = self.match_bounded(b, a, reach, watch);
             return swapped.into_iter().map(|[q, p]| [p, q]).collect();
         }
         let scale = Units::new(a, b, self);
         let is_exact = b.len() <= EXACT || self.relative_error == 0.0 || reach < f64::INFINITY;
         // Both are sums of powers of steps.
         let allowed = (1.0 + self.relative_error).powf(self.order);
-        let near = if is_exact { None } else { bid(a, b, &scale, |cost, bound| cost <= bound * allowed) };
-        let columns = near.unwrap_or_else(|| assign(&Steps::new(a, b, &scale, reach)));
+        let near = if is_exact { None } else { bid(a, b, &scale, |cost, bound| cost <= bound * allowed, watch) };
+        let columns = near.unwrap_or_else(|| assign(&Steps::new(a, b, &scale, reach), watch));
         let mut is_taken = vec![false; b.len()];
         columns.iter().filter(|&&column| column != NONE).for_each(|&column| is_taken[column as usize] = true);
         let rows = columns.iter().enumerate().map(|(p, &q)| [Some(p), (q != NONE).then_some(q as usize)]);
