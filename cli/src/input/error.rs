@@ -100,7 +100,7 @@ pub(crate) enum Problem {
     Tiff(#[from] ::tiff::TiffError),
     #[error("has {0} values at each place, and one is read: save one of them by itself")]
     Samples(usize),
-    #[error("has {0} bits for each value, and 8 to 64 are read: save it as a picture in grey with 8")]
+    #[error("has a bit depth of {0}, and 8 to 64 are read: save it as a picture in grey with 8")]
     Bits(u8),
     #[error(
         "says that zero stands for white, which is read of whole numbers without a sign only: save it so that zero stands for black"
