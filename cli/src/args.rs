@@ -4,6 +4,7 @@ use crate::commands::{
     compare, completions, demo, distance, extract, features, figure, islands, man, measure, pack, persistence, shape,
     simplify, tree, unwrap, view, whole,
 };
+use crate::limits::MOST_THREADS;
 use crate::output::Volume;
 use clap::error::ErrorKind;
 use clap::{Command, CommandFactory, Parser};
@@ -21,7 +22,7 @@ pub(crate) struct Arguments {
     #[arg(
         long,
         value_name = "T",
-        value_parser = whole::<NonZeroUsize>("number of threads", 1..),
+        value_parser = whole::<NonZeroUsize>("number of threads", 1..=MOST_THREADS),
         allow_negative_numbers = true,
         global = true,
         help_heading = "For all commands"

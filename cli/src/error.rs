@@ -1,6 +1,6 @@
 //! Why the command could not do it: each a sentence with what to do.
 
-use crate::input::told;
+use crate::input::{gaps, told};
 use geom::distortion::DistortionError;
 use std::io;
 use std::path::PathBuf;
@@ -75,8 +75,9 @@ pub(crate) enum CommandError {
     #[error("{} has no axis {axis}, only {axes}: x is the last, y the one before", told(path))]
     NoAxis { path: PathBuf, axis: &'static str, axes: usize },
     #[error(
-        "{}: the value of vertex {vertex} is NaN: replace it, or leave such vertices out with --nan mask",
-        told(path)
+        "{}: the value of vertex {vertex} is NaN{}: replace it, or leave such vertices out with --nan mask",
+        told(path),
+        gaps(path)
     )]
     NotANumber { path: PathBuf, vertex: usize },
     #[error("{}: {error}", told(path))]

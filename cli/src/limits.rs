@@ -50,12 +50,16 @@ fn address_space(limits: &str) -> Option<u64> {
     line.split_whitespace().next()?.parse().ok()
 }
 
+/// More threads than any machine has cores for; to start thousands takes minutes.
+pub(crate) const MOST_THREADS: usize = 1024;
+
 /// Makes the pool of threads to work on: this one and as many others as can be had, in all so many or one for each core.
 /// A limit on processes (`ulimit -u`) may allow fewer, or none. Rayon gives up where one cannot be started, so they are
 /// started here, each to wait for the work that rayon hands to it.
 pub(crate) fn start_threads(count: Option<NonZeroUsize>) {
     let wanted = count.or_else(from_environment).or_else(|| thread::available_parallelism().ok());
-    let others: Vec<Sender<ThreadBuilder>> = (1..wanted.map_or(1, NonZeroUsize::get)).map_while(|_| wait()).collect();
+    let wanted = wanted.map_or(1, NonZeroUsize::get).min(MOST_THREADS);
+    let others: Vec<Sender<ThreadBuilder>> = (1..wanted).map_while(|_| wait()).collect();
     let builder = ThreadPoolBuilder::new().num_threads(1 + others.len()).use_current_thread();
     let mut others = others.into_iter();
     let builder = builder.spawn_handler(move |work| match others.next() {

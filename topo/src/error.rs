@@ -28,7 +28,7 @@ pub enum Error {
         /// The vertex in whose list it stands.
         of: usize,
         /// What stands there.
-        vertex: i64,
+        vertex: i128,
         /// Number of vertices.
         vertices: usize,
     },
@@ -37,7 +37,7 @@ pub enum Error {
         /// Number of the edge, from 0.
         edge: usize,
         /// What it names.
-        vertex: i64,
+        vertex: i128,
         /// Number of vertices.
         vertices: usize,
     },
@@ -58,6 +58,8 @@ pub enum Error {
         /// Number of the edge, from 0.
         edge: usize,
     },
+    /// The threshold of persistence is NaN.
+    Threshold,
     /// A grid goes round an axis, which has to have ends.
     Periodic,
     /// One diagram is of minima and the other of maxima.
@@ -107,7 +109,7 @@ pub enum Error {
         /// Number of the triangle, from 0.
         triangle: usize,
         /// What it names.
-        vertex: i64,
+        vertex: i128,
         /// Number of vertices.
         vertices: usize,
     },
@@ -148,6 +150,7 @@ impl fmt::Display for Error {
             Self::Weight { edge } => {
                 return write!(f, "the weight of edge {edge} is NaN; replace it, or leave the edge out");
             }
+            Self::Threshold => return f.write_str("the threshold of persistence is NaN; it must be a number"),
             Self::Periodic => return f.write_str("the grid goes round an axis; holes are found on grids with ends"),
             Self::Directions => {
                 return f.write_str("one diagram is of minima and the other of maxima; compare like with like");
@@ -194,6 +197,11 @@ const MAX_VERTICES: usize = (1 << 31) - 1;
 /// Refuses more vertices than fit into 31 bits.
 pub(crate) fn check_vertex_count(vertices: usize) -> Result<(), Error> {
     if vertices > MAX_VERTICES { Err(Error::TooLarge { vertices }) } else { Ok(()) }
+}
+
+/// Refuses a threshold that nothing is above or below of.
+pub(crate) fn check_threshold<W: PartialOrd>(threshold: W) -> Result<(), Error> {
+    if threshold.partial_cmp(&threshold).is_none() { Err(Error::Threshold) } else { Ok(()) }
 }
 
 #[cfg(test)]

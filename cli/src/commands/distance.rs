@@ -1,6 +1,7 @@
 //! `cones distance`: how far apart two fields are, by their persistence diagrams.
 
 use crate::commands::persistence::{DirectionName, DomainField, FieldArgs, direction, explain, on};
+use crate::commands::shared::non_negative;
 use crate::error::CommandError;
 use crate::input::{Number, each};
 use crate::output;
@@ -9,7 +10,7 @@ use crate::report::table::columns;
 use clap::Args;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
-use topo::{Diagram, Kind};
+use topo::{Diagram, Kind, Wasserstein};
 
 #[derive(Args, Debug)]
 pub(crate) struct DistanceArgs {
@@ -21,9 +22,15 @@ pub(crate) struct DistanceArgs {
     /// Whether to compare minima, maxima or both
     #[arg(long, value_enum, default_value_t = DirectionName::Both)]
     direction: DirectionName,
-    /// The order of the Wasserstein distance, at least 1
+    /// Leave out pairs of either that are no more persistent than this
+    #[arg(long, value_name = "P", default_value_t = 0.0, value_parser = non_negative, allow_negative_numbers = true)]
+    min_persistence: f64,
+    /// The order of the Wasserstein distance, at least 1, or inf; steps are measured by the larger of the changes of birth and death
     #[arg(long, value_name = "ORDER", default_value_t = 2.0, value_parser = order, allow_negative_numbers = true)]
     order: f64,
+    /// By how much the Wasserstein distance of diagrams of more than 200 points may exceed the least one, as a part of it; 0 is exact, and slow
+    #[arg(long, value_name = "SHARE", default_value_t = 0.01, value_parser = non_negative, allow_negative_numbers = true)]
+    relative_error: f64,
     /// Print JSON in place of the table
     #[arg(long)]
     json: bool,
@@ -34,7 +41,7 @@ pub(crate) struct DistanceArgs {
 struct DistanceReport {
     schema: u32,
     inputs: [String; 2],
-    order: f64,
+    order: Number,
     #[serde(skip_serializing_if = "Option::is_none")]
     sublevel: Option<Distances>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -61,11 +68,12 @@ pub(crate) fn run(args: &DistanceArgs) -> Result<(), CommandError> {
     let first = DomainField::read(&args.of)?;
     let second = DomainField::read(&FieldArgs { input: args.other.clone(), ..args.of.clone() })?;
     let inputs = [&args.of.input, &args.other].map(|path| path.display().to_string());
-    let mut report = DistanceReport { schema: SCHEMA, inputs, order: args.order, sublevel: None, superlevel: None };
+    let order = Number::Double(args.order);
+    let mut report = DistanceReport { schema: SCHEMA, inputs, order, sublevel: None, superlevel: None };
+    let measure = Wasserstein::new(args.order).relative_error(args.relative_error);
     for &kind in args.direction.kinds() {
-        let diagrams = [diagram(&args.of, &first, kind)?, diagram(&args.of, &second, kind)?];
-        let distances =
-            Distances::new(&diagrams, args.order).map_err(|error| explain(Path::new(&args.other), error))?;
+        let diagrams = [diagram(args, &first, kind)?, diagram(args, &second, kind)?];
+        let distances = Distances::new(&diagrams, measure).map_err(|error| explain(Path::new(&args.other), error))?;
         match kind {
             Kind::Minimum => report.sublevel = Some(distances),
             Kind::Maximum => report.superlevel = Some(distances),
@@ -74,22 +82,27 @@ pub(crate) fn run(args: &DistanceArgs) -> Result<(), CommandError> {
     if args.json { output::print_json(&report) } else { output::print(&report.text(args.direction.kinds())) }
 }
 
-fn diagram(args: &FieldArgs, subject: &DomainField, kind: Kind) -> Result<Diagram, CommandError> {
-    let options = args.options();
+/// The diagram of a field, of what is persistent enough.
+fn diagram(args: &DistanceArgs, subject: &DomainField, kind: Kind) -> Result<Diagram, CommandError> {
+    let options = args.of.options();
     let diagram: Result<Diagram, topo::Error> = each!(&subject.values, field => on!(&subject.domain, domain => match kind {
         Kind::Minimum => options.sublevel(domain, field).map(|pairs| pairs.diagram()),
         Kind::Maximum => options.superlevel(domain, field).map(|pairs| pairs.diagram()),
     }));
-    diagram.map_err(|error| explain(&subject.path, error))
+    let mut diagram = diagram.map_err(|error| explain(&subject.path, error))?;
+    if args.min_persistence > 0.0 {
+        diagram.finite.retain(|(birth, death)| (death - birth).abs() > args.min_persistence);
+    }
+    Ok(diagram)
 }
 
 impl Distances {
-    fn new([a, b]: &[Diagram; 2], order: f64) -> Result<Self, topo::Error> {
+    fn new([a, b]: &[Diagram; 2], measure: Wasserstein) -> Result<Self, topo::Error> {
         Ok(Self {
             pairs: [a, b].map(|diagram| diagram.finite.len()),
             essential: [a, b].map(|diagram| diagram.essential.len()),
             bottleneck: Number::Double(a.bottleneck(b)?),
-            wasserstein: Number::Double(a.wasserstein(b, order)?),
+            wasserstein: Number::Double(measure.distance(a, b)?),
         })
     }
 }

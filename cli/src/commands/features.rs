@@ -20,7 +20,8 @@ pub(crate) struct FeaturesArgs {
     /// The surface: OBJ, OFF, PLY, STL or glTF
     #[arg(value_name = "IN")]
     input: PathBuf,
-    /// The field: phi, curvature, mean-curvature, height[:x|y|z], distance[:VERTEX], or a file .npy or .txt
+    /// The field: phi, curvature, mean-curvature, height[:x|y|z], distance[:VERTEX], a file .npy or .txt, or numbers that the file has at its vertices, such as a
+    /// PLY's quality
     #[arg(long, value_name = "VALUES", default_value = "phi", value_parser = Source::parse)]
     field: Source,
     /// How many feature points [default: 16]
@@ -110,7 +111,7 @@ pub(crate) fn run(args: &FeaturesArgs) -> Result<(), CommandError> {
         Some(path) => Some((path, html(path, &subject, &[&minima, &maxima], options(args))?)),
         None => None,
     };
-    let count = minima.pairs.len() + maxima.pairs.len();
+    let count = minima.persistent + maxima.persistent;
     let mut extrema = ordered(args.method, extrema(&minima, &subject.places), extrema(&maxima, &subject.places));
     if args.min_persistence.is_none() {
         extrema.truncate(args.count.unwrap_or(COUNT));
@@ -129,7 +130,7 @@ pub(crate) fn run(args: &FeaturesArgs) -> Result<(), CommandError> {
     write(args, &subject, &report, &mut files)?;
     files.finish()?;
     report.times.write = Some(start.elapsed().as_secs_f64());
-    if args.json { output::print_json(&report) } else { output::print(&text(&report)) }
+    if args.json { output::print_json(&report) } else { output::print_table(&text(&report)) }
 }
 
 fn check_outputs(args: &FeaturesArgs) -> Result<(), CommandError> {
@@ -139,12 +140,13 @@ fn check_outputs(args: &FeaturesArgs) -> Result<(), CommandError> {
     let inputs: Vec<&Path> = [Some(args.input.as_path()), args.field.file()].into_iter().flatten().collect();
     let outputs: Vec<&Path> =
         [&args.output, &args.picture, &args.report].into_iter().filter_map(|path| path.as_deref()).collect();
-    output::check(&inputs, &outputs)
+    output::check(&inputs, &outputs)?;
+    output::check_json(args.json, &outputs)
 }
 
 fn options(args: &FeaturesArgs) -> PersistenceOptions {
     // A computed field is NaN where a mesh has no surface, which is no mistake of anyone's.
-    let nan = if args.field.leaves_gaps() { NanPolicy::Mask } else { args.nan.policy() };
+    let nan = if args.field.is_computed() { NanPolicy::Mask } else { args.nan.policy() };
     PersistenceOptions::new().nan(nan)
 }
 

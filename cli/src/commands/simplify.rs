@@ -17,7 +17,7 @@ pub(crate) struct SimplifyArgs {
     /// Remove minima and maxima that are no more persistent than this; nowhere is the field changed by more
     #[arg(long, value_name = "P", value_parser = non_negative, allow_negative_numbers = true)]
     threshold: f64,
-    /// The simplified field, an array of the same shape and numbers: .npy
+    /// The simplified field, an array of the same shape: .npy; whole numbers become int32, int64 or uint64, halves float32
     #[arg(short, long, value_name = "OUT")]
     output: PathBuf,
 }
@@ -38,7 +38,7 @@ pub(crate) fn run(args: &SimplifyArgs) -> Result<(), CommandError> {
     files.write(&args.output, |out| Ok(write_values(&shape, &subject.values, out)?))?;
     files.finish()?;
     let [minima, maxima] = [0, 1].map(|kind| format!("{} of {}", thousands(after[kind]), thousands(before[kind])));
-    output::print(&format!(
+    output::summary(&format!(
         "{minima} minima and {maxima} maxima are left; no value is changed by more than {}\n",
         six_digits(change)
     ))

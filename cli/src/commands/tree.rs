@@ -65,6 +65,7 @@ pub(crate) fn run(args: &TreeArgs) -> Result<(), CommandError> {
     args.output.as_deref().map_or(Ok(""), |path| output::extension(path, &["csv", "json"]))?;
     let outputs: Vec<_> = args.output.as_deref().into_iter().collect();
     output::check(&args.of.files(), &outputs)?;
+    output::check_json(args.json, &outputs)?;
     let subject = DomainField::read(&args.of)?;
     let tree = |&kind: &Kind| Tree::new(&subject, kind, args.of.options(), args.min_persistence);
     let trees: Result<Vec<Tree>, topo::Error> = args.direction.kinds().iter().map(tree).collect();
@@ -79,7 +80,7 @@ pub(crate) fn run(args: &TreeArgs) -> Result<(), CommandError> {
         }
         files.finish()?;
     }
-    if args.json { output::print_json(&report) } else { output::print(&report.text(&subject.places)) }
+    if args.json { output::print_json(&report) } else { output::print_table(&report.text(&subject.places)) }
 }
 
 impl Tree {

@@ -13,13 +13,17 @@ pub(super) struct Decimals {
 }
 
 impl Decimals {
-    /// Adds a number.
+    /// Adds a number, NaN for what [is missing](is_missing).
     pub(super) fn push(&mut self, text: &str) -> Result<(), Problem> {
         if let (None, Ok(integer)) = (&self.floats, text.parse()) {
             self.integers.push(integer);
             return Ok(());
         }
-        let float: f64 = text.parse().map_err(|_| Problem::unexpected(format!("{text:?}"), "a number"))?;
+        let float = match text.parse() {
+            Ok(float) => float,
+            Err(_) if is_missing(text) => f64::NAN,
+            Err(_) => return Err(Problem::unexpected(format!("{text:?}"), "a number")),
+        };
         let integers = &mut self.integers;
         self.floats.get_or_insert_with(|| integers.drain(..).map(|x| x as f64).collect()).push(float);
         Ok(())
@@ -31,6 +35,11 @@ impl Decimals {
             None => Values::I64(self.integers),
         }
     }
+}
+
+/// Whether a cell says that there is no number, as spreadsheets, R and pandas write it.
+pub(super) fn is_missing(text: &str) -> bool {
+    ["", "NA", "N/A", "n/a", "null"].contains(&text)
 }
 
 /// Reads a text of one number a line; lines may be empty or begin with `#`.

@@ -80,6 +80,11 @@ pub(crate) enum Problem {
     NoNode(String),
     #[error("has {values} values where the mesh has {vertices} vertices: it needs one for each, in the mesh's order")]
     Count { values: usize, vertices: usize },
+    #[error(
+        "has no numbers called {name} at its vertices{}: name them, or phi, curvature, mean-curvature, height, distance, or a file .npy or .txt",
+        named(there)
+    )]
+    NoAttribute { name: String, there: Vec<String> },
     #[error("has no vertex {vertex}: it has {vertices}, counted from 0")]
     NoVertex { vertex: usize, vertices: usize },
     #[error(
@@ -95,6 +100,16 @@ pub(crate) enum Problem {
     Tiff(#[from] ::tiff::TiffError),
     #[error("has {0} values at each place, and one is read: save one of them by itself")]
     Samples(usize),
+    #[error("has a bit depth of {0}, and 8 to 64 are read: save it as a picture in grey with 8")]
+    Bits(u8),
+    #[error(
+        "says that zero stands for white, which is read of whole numbers without a sign only: save it so that zero stands for black"
+    )]
+    WhiteIsZero,
+    #[error("has a page {page} of another size or another type of numbers than the first: save it by itself")]
+    Pages { page: usize },
+    #[error("is empty, with numbers below: in a column each line is a place, so write NaN, or take the line out")]
+    BlankLine,
     #[error("holds no values")]
     Empty,
     #[error("is no ZIP archive that can be read ({0})")]
@@ -135,6 +150,11 @@ impl fmt::Display for FilePosition {
             Self::Byte(byte) => write!(f, ", byte {byte}"),
         }
     }
+}
+
+/// What else there is, as a part of a sentence.
+fn named(there: &[String]) -> String {
+    if there.is_empty() { String::new() } else { format!(", only {}", there.join(", ")) }
 }
 
 /// A number of bytes as people say it.

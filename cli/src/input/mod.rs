@@ -33,6 +33,7 @@ pub(crate) use error::{Problem, ReadError};
 pub(crate) use network::{Network, edges_beside};
 pub(crate) use npy::{write_labels, write_values};
 pub(crate) use source::Source;
+pub(crate) use table::heading;
 pub(crate) use values::{FieldScalar, Number, Values, each, significant, six_digits};
 
 use geom::Model;
@@ -61,6 +62,15 @@ pub(crate) fn read_model(path: &Path) -> Result<(Model, f64), geom::io::ReadErro
         geom::io::read(path)?
     };
     Ok((model, start.elapsed().as_secs_f64()))
+}
+
+/// What NaN may stand for in a file, by its ending: for what readers put it.
+pub(crate) fn gaps(path: &Path) -> &'static str {
+    match ending(path).as_str() {
+        "tif" | "tiff" => " or the file's no-data value",
+        "csv" | "tsv" | "txt" => " or missing",
+        _ => "",
+    }
 }
 
 /// The endings of arrays, but for `csv`, which networks have too.

@@ -1,11 +1,12 @@
-//! Networks: a table of nodes and a table of edges.
+//! Networks: a table of nodes and a table of edges, with commas, semicolons or tabs between cells.
 
 use super::decimal::Decimals;
 use super::error::{FilePosition, Problem, ReadError, unreadable};
+use super::table::separator;
 use super::values::Values;
 use csv::{ReaderBuilder, StringRecord, Trim};
 use std::collections::HashMap;
-use std::fs::File;
+use std::io::Cursor;
 use std::path::{Path, PathBuf};
 
 /// Nodes with values and the edges between them.
@@ -85,15 +86,17 @@ impl Nodes {
 /// A table whose first line names its columns.
 struct Table<'a> {
     path: &'a Path,
-    reader: csv::Reader<File>,
+    reader: csv::Reader<Cursor<Vec<u8>>>,
     columns: StringRecord,
     line: u64,
 }
 
 impl<'a> Table<'a> {
     fn open(path: &'a Path) -> Result<Self, ReadError> {
-        let file = File::open(path).map_err(|error| Problem::from(error).in_file(path))?;
-        let mut reader = ReaderBuilder::new().trim(Trim::All).from_reader(file);
+        let bytes = std::fs::read(path).map_err(|error| Problem::from(error).in_file(path))?;
+        let first = bytes.split(|&byte| byte == b'\n').find(|line| !line.trim_ascii().is_empty()).unwrap_or_default();
+        let separator = separator(&String::from_utf8_lossy(first)).unwrap_or(',') as u8;
+        let mut reader = ReaderBuilder::new().delimiter(separator).trim(Trim::All).from_reader(Cursor::new(bytes));
         let columns = reader.headers().map_err(|error| fault(&error, path))?.clone();
         Ok(Self { path, reader, columns, line: 1 })
     }

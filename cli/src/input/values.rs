@@ -36,6 +36,19 @@ impl Values {
         each!(self, field => field.len())
     }
 
+    /// Puts values of the same type behind these; false, and nothing is changed, where they are of another.
+    pub(super) fn append(&mut self, more: Self) -> bool {
+        match (self, more) {
+            (Self::I32(field), Self::I32(mut more)) => field.append(&mut more),
+            (Self::I64(field), Self::I64(mut more)) => field.append(&mut more),
+            (Self::U64(field), Self::U64(mut more)) => field.append(&mut more),
+            (Self::F32(field), Self::F32(mut more)) => field.append(&mut more),
+            (Self::F64(field), Self::F64(mut more)) => field.append(&mut more),
+            _ => return false,
+        }
+        true
+    }
+
     /// The values as f64: rounded, where they are integers beyond 2⁵³.
     pub(crate) fn to_f64(&self) -> Vec<f64> {
         each!(self, field => field.iter().map(|&x| x.number().to_f64()).collect())

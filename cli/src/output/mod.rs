@@ -75,6 +75,11 @@ pub(crate) fn summary(text: &str) -> Result<(), CommandError> {
     }
 }
 
+/// Writes a result for people to standard output; where one of the files is standard output it becomes a [`summary`].
+pub(crate) fn print_table(text: &str) -> Result<(), CommandError> {
+    if file::is_standard_output_taken() { summary(text) } else { print(text) }
+}
+
 /// A value as JSON that people can read, too.
 pub(crate) fn json(value: &impl serde::Serialize) -> String {
     serde_json::to_string_pretty(value).expect("reports have string keys and no failing parts") + "\n"
@@ -135,6 +140,9 @@ pub(crate) fn check(inputs: &[&Path], outputs: &[&Path]) -> Result<(), CommandEr
         if path.is_dir() {
             return Err(CommandError::OutputIsFolder(path.to_owned()));
         }
+        if path == Path::new(STANDARD) && outputs[..i].contains(&path) {
+            return Err(CommandError::OutputTwice(path.to_owned()));
+        }
         if file::is_written_directly(path) {
             continue;
         }
@@ -151,6 +159,12 @@ pub(crate) fn check(inputs: &[&Path], outputs: &[&Path]) -> Result<(), CommandEr
     }
     let mut files = Files::new();
     outputs.iter().try_for_each(|path| files.check(path))
+}
+
+/// Makes sure that no file is to go where JSON goes, which is standard output.
+pub(crate) fn check_json(is_json: bool, outputs: &[&Path]) -> Result<(), CommandError> {
+    let standard = Path::new(STANDARD);
+    if is_json && outputs.contains(&standard) { Err(CommandError::OutputTwice(standard.to_owned())) } else { Ok(()) }
 }
 
 /// The ending of a file's name in lower case, if it is one of those wanted; a device or a pipe needs none and gets the first.

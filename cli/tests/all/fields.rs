@@ -311,6 +311,23 @@ fn a_mesh_has_fields_of_its_own() {
 }
 
 #[test]
+fn numbers_at_the_vertices_of_a_ply_are_a_field() {
+    let folder = Folder::new();
+    let head = "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n\
+                property double quality\nproperty short label\nelement face 2\nproperty list uchar int vertex_indices\nend_header\n";
+    folder.write("a.ply", &format!("{head}0 0 0 .5 3\n1 0 0 .25 7\n1 1 0 4 1\n0 1 0 2 9\n3 0 1 2\n3 0 2 3\n"));
+    let quality = report(&folder, &["a.ply", "--field", "quality"]);
+    assert_eq!(quality["sublevel"]["essential"][0]["birth"], 0.25);
+    assert_eq!(report(&folder, &["a.ply", "--field", "label"])["superlevel"]["essential"][0]["birth"], 9);
+    let complaint = folder.complaint(&["persistence", "a.ply", "--field", "qualty"]);
+    assert!(
+        complaint.contains("a.ply: has no numbers called qualty at its vertices, only quality, label"),
+        "{complaint}"
+    );
+    folder.run(&["persistence", "a.ply", "--field", "height:w"]).code(2);
+}
+
+#[test]
 fn a_network_is_two_tables() {
     let folder = Folder::new();
     folder.write("x.nodes.csv", "id,name,value\nann,\"Ann, of Arc\",3\nbob,Bob,5\ncid,Cid, 1\ndon,Don,4\n");
@@ -425,6 +442,7 @@ fn arrays_without_values_have_no_pairs() {
         let report = report(&folder, &["a.npy", "--diagram", "a.svg", "--barcode", "b.svg", "--pairs", "a.vtp"]);
         assert_eq!(report["sublevel"]["essential"].as_array().map(Vec::len), Some(0), "{shape}");
         assert_eq!(report["input"]["edges"], 0);
+        assert!(report["sublevel"]["total_persistence"].as_f64().is_some_and(f64::is_sign_positive), "{shape}");
     }
 }
 
@@ -452,6 +470,7 @@ fn feature_points_are_the_most_persistent_extrema() {
     let above = features(&["--min-persistence", "0.3"]);
     let persistences = above["extrema"].as_array().expect("a list").iter().map(|e| e["persistence"].as_f64());
     assert!(persistences.into_iter().all(|persistence| persistence > Some(0.3)));
+    assert_eq!(above["count"], features(&[])["count"], "it is of the field, whatever is listed");
     folder.run(&["features", "hare.obj", "-n", "4", "--min-persistence", "1"]).code(2);
 }
 

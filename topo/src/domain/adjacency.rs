@@ -108,6 +108,6 @@ mod tests {
         let error = Adjacency::from_edges(2, &[(0i64, 1), (1, -1)]).expect_err("no vertex is negative");
         assert_eq!(error, Error::Edge { edge: 1, vertex: -1, vertices: 2 });
         let error = Adjacency::from_edges(2, &[[0, u64::MAX]]).expect_err("far too large");
-        assert_eq!(error, Error::Edge { edge: 0, vertex: i64::MAX, vertices: 2 });
+        assert_eq!(error, Error::Edge { edge: 0, vertex: u64::MAX.into(), vertices: 2 });
     }
 }

@@ -77,10 +77,20 @@ impl<const D: usize> Grid<D> {
     }
 
     /// Where a vertex is.
+    ///
+    /// # Panics
+    /// If there is no such vertex.
     pub fn position(&self, vertex: usize) -> [usize; D] {
-        let [_, ny, nx] = self.shape.map(|length| length.max(1));
-        let position = [vertex / nx / ny, vertex / nx % ny, vertex % nx];
+        let vertices: usize = self.shape.iter().product();
+        assert!(vertex < vertices, "there is no vertex {vertex}: the grid has {vertices}, counted from 0");
+        let position = self.place(vertex);
         core::array::from_fn(|axis| position[axis + 3 - D])
+    }
+
+    /// Where a vertex that there is is, by z, y and x.
+    fn place(&self, vertex: usize) -> [usize; 3] {
+        let [_, ny, nx] = self.shape;
+        [vertex / nx / ny, vertex / nx % ny, vertex % nx]
     }
 
     /// The vertex at a position, or `None` outside the grid.
@@ -105,7 +115,7 @@ impl<const D: usize> Grid<D> {
 
     /// The offsets along each axis that lead from a vertex to the others, to each by the shorter way.
     pub(crate) fn reach(&self, vertex: usize) -> [RangeInclusive<isize>; 3] {
-        let position = padded(self.position(vertex), 0);
+        let position = self.place(vertex);
         core::array::from_fn(|axis| {
             let (at, length) = (position[axis] as isize, self.shape[axis] as isize);
             if self.periodic[axis] { -((length - 1) / 2)..=length / 2 } else { -at..=length - 1 - at }
@@ -114,7 +124,7 @@ impl<const D: usize> Grid<D> {
 
     /// The vertex one offset within [reach](Self::reach) away.
     pub(crate) fn at_offset(&self, vertex: usize, offset: [isize; 3]) -> usize {
-        let position = padded(self.position(vertex), 0);
+        let position = self.place(vertex);
         self.index(core::array::from_fn(|axis| {
             (position[axis] as isize + offset[axis]).rem_euclid(self.shape[axis] as isize) as usize
         }))
@@ -149,7 +159,7 @@ impl<const D: usize> Domain for &Grid<D> {
     }
 
     fn for_each_neighbor(&self, index: usize, mut visit: impl FnMut(usize)) {
-        let position = padded(self.position(index), 0);
+        let position = self.place(index);
         let stencil = self.stencil();
         let count = stencil.neighbors(u32::MAX).count_ones() as usize;
         let offsets = &stencil.offsets[..count];
@@ -473,4 +483,17 @@ fn neighbor<const D: usize>(grid: &Grid<D>, stencil: &Stencil, vertex: u32, bit:
     let position = padded(grid.position(vertex as usize), 0);
     let neighbor = grid.step(position, stencil.offsets[bit as usize]);
     neighbor.expect("bits are set for vertices inside the grid only") as u32
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    #[should_panic(expected = "there is no vertex 6: the grid has 6, counted from 0")]
+    fn no_position_is_beyond_the_grid() {
+        let grid = Grid::new([2, 3], Connectivity::Axis);
+        assert_eq!(grid.position(5), [1, 2]);
+        grid.position(6);
+    }
 }

@@ -95,9 +95,9 @@ impl<T: Copy + Ord> Rows<T> {
 }
 
 /// The index of a vertex that some integer names; what it names instead if there is none.
-pub(crate) fn vertex_index<I: PrimInt>(named: I, vertices: usize) -> Result<u32, i64> {
+pub(crate) fn vertex_index<I: PrimInt>(named: I, vertices: usize) -> Result<u32, i128> {
     let index = named.to_u32().filter(|&index| (index as usize) < vertices);
-    index.ok_or_else(|| named.to_i64().unwrap_or(i64::MAX))
+    index.ok_or_else(|| named.to_i128().unwrap_or(i128::MAX))
 }
 
 /// Checks both ends of all edges.

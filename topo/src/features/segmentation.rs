@@ -5,7 +5,7 @@
 
 use super::branches::{Branches, spilled};
 use crate::domain::Domain;
-use crate::error::Error;
+use crate::error::{Error, check_threshold};
 use crate::filtration::{Direction, Falling, Filtration, Kind, Rising};
 use crate::options::PersistenceOptions;
 use crate::pairing::{NONE, Pointing};
@@ -111,7 +111,7 @@ impl PersistenceOptions {
     /// [`segmentation`](fn@crate::segmentation) with these options.
     ///
     /// # Errors
-    /// If the field does not fit the domain, see [`Error`].
+    /// If the field does not fit the domain, or the threshold is NaN, see [`Error`].
     pub fn segmentation<G: Domain, S: Scalar>(
         self,
         domain: G,
@@ -125,7 +125,7 @@ impl PersistenceOptions {
     /// [`segmentation`](fn@crate::segmentation) with these options that can be stopped.
     ///
     /// # Errors
-    /// If the field does not fit the domain, see [`Error`]; [`Error::Interrupted`] if the watch has stopped the work.
+    /// If the field does not fit the domain, or the threshold is NaN, see [`Error`]; [`Error::Interrupted`] if the watch has stopped the work.
     pub fn segmentation_watched<G: Domain, S: Scalar>(
         self,
         domain: G,
@@ -134,6 +134,7 @@ impl PersistenceOptions {
         threshold: S::Width,
         watch: Watch<'_>,
     ) -> Result<Segmentation<G::Vertex>, Error> {
+        check_threshold(threshold)?;
         let count = domain.vertex_count();
         watch.held(|watch| match kind {
             Kind::Minimum => {
@@ -152,7 +153,7 @@ impl PersistenceOptions {
 /// [`MergeTree::segmentation`](crate::MergeTree::segmentation).
 ///
 /// # Errors
-/// If the field does not fit the domain, see [`Error`].
+/// If the field does not fit the domain, or the threshold is NaN, see [`Error`].
 pub fn segmentation<G: Domain, S: Scalar>(
     domain: G,
     field: &[S],

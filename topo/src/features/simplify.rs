@@ -9,7 +9,7 @@
 
 use super::branches::Branches;
 use crate::domain::Domain;
-use crate::error::Error;
+use crate::error::{Error, check_threshold};
 use crate::filtration::{Direction, Falling, Filtration, NanPolicy, Rising};
 use crate::options::PersistenceOptions;
 use crate::pairing::Pointing;
@@ -27,7 +27,7 @@ use crate::watch::Watch;
 /// ```
 ///
 /// # Errors
-/// If the field does not fit the domain, see [`Error`].
+/// If the field does not fit the domain, or the threshold is NaN, see [`Error`].
 pub fn simplify<G: Domain, S: Scalar>(domain: G, field: &[S], threshold: S::Width) -> Result<Vec<S>, Error> {
     PersistenceOptions::new().simplify(domain, field, threshold)
 }
@@ -36,7 +36,7 @@ impl PersistenceOptions {
     /// [`simplify`](fn@crate::simplify) with these options.
     ///
     /// # Errors
-    /// If the field does not fit the domain, see [`Error`].
+    /// If the field does not fit the domain, or the threshold is NaN, see [`Error`].
     pub fn simplify<G: Domain, S: Scalar>(self, domain: G, field: &[S], threshold: S::Width) -> Result<Vec<S>, Error> {
         self.simplify_watched(domain, field, threshold, Watch::NONE)
     }
@@ -44,7 +44,7 @@ impl PersistenceOptions {
     /// [`simplify`](fn@crate::simplify) with these options that can be stopped.
     ///
     /// # Errors
-    /// If the field does not fit the domain, see [`Error`]; [`Error::Interrupted`] if the watch has stopped the work.
+    /// If the field does not fit the domain, or the threshold is NaN, see [`Error`]; [`Error::Interrupted`] if the watch has stopped the work.
     pub fn simplify_watched<G: Domain, S: Scalar>(
         self,
         domain: G,
@@ -52,6 +52,7 @@ impl PersistenceOptions {
         threshold: S::Width,
         watch: Watch<'_>,
     ) -> Result<Vec<S>, Error> {
+        check_threshold(threshold)?;
         watch.held(|watch| until_stable(domain, field, threshold, self.nan, watch))
     }
 }
@@ -86,4 +87,16 @@ fn fill<G: Domain, S: Scalar, D: Direction>(
     let filtration = Filtration::<S, D>::new(field, domain.vertex_count(), nan)?.watched(watch);
     let branches = Branches::new(domain, &filtration, Pointing::Labels)?;
     Ok(branches.filled(&filtration, &branches.longer(&filtration, threshold)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_threshold_that_is_no_number_is_refused() {
+        let (path, field) = (crate::Path::new(3), [2.0, 1.0, 3.0]);
+        assert_eq!(simplify(&path, &field, f64::NAN), Err(Error::Threshold));
+        assert_eq!(crate::segmentation(&path, &field, crate::Kind::Minimum, f64::NAN), Err(Error::Threshold));
+    }
 }

@@ -67,6 +67,7 @@ fn vectors_of_a_diagram_are_as_defined() {
     let whole: f64 = diagram.image(-9.0..=11.0, -6.0..=14.0, [201, 201], 1.0).iter().sum();
     assert!((whole * 0.01 - 8.0).abs() < 1e-6);
     let none = Diagram { finite: vec![], ..diagram };
+    assert!(none.entropy().is_sign_positive());
     assert_eq!((none.entropy(), none.silhouette(1.0, &[0.0])), (0.0, vec![0.0]));
     assert!(none.image(0.0..=1.0, 0.0..=1.0, [0, 0], 1.0).is_empty());
 }

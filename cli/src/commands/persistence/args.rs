@@ -14,7 +14,8 @@ pub(crate) struct FieldArgs {
     /// numbers), a mesh with --field, or a network's nodes (.csv with columns id, name, value); - is standard input: a .npy, or a mesh
     #[arg(value_name = "FIELD")]
     pub(crate) input: PathBuf,
-    /// The values on a mesh: phi, curvature, mean-curvature, height[:x|y|z], distance[:VERTEX], or a file .npy or .txt
+    /// The values on a mesh: phi, curvature, mean-curvature, height[:x|y|z], distance[:VERTEX], a file .npy or .txt, or numbers that the file has at its vertices, such as a
+    /// PLY's quality
     #[arg(long, value_name = "VALUES", value_parser = Source::parse)]
     pub(crate) field: Option<Source>,
     /// A network's edges (.csv with columns a, b) [default: X.edges.csv beside X.nodes.csv]
@@ -67,7 +68,7 @@ pub(crate) struct PersistenceArgs {
     #[arg(long, value_name = "FILE")]
     pub(crate) barcode: Option<PathBuf>,
     /// How many bars of each direction are drawn
-    #[arg(long, value_name = "N", value_parser = whole::<usize>("number of bars", 0..), allow_negative_numbers = true, default_value_t = 120)]
+    #[arg(long, value_name = "N", value_parser = whole::<usize>("number of bars", 0..), allow_negative_numbers = true, default_value_t = 120, requires = "barcode")]
     pub(crate) bars: usize,
     /// Write the extremum that each vertex descends or climbs to, of those above --min-persistence: .npy, .ply (mesh) or
     /// .png (picture, shaded by the field); needs --direction sub or super
@@ -129,7 +130,7 @@ impl FieldArgs {
     /// The library's options for the field.
     pub(crate) fn options(&self) -> PersistenceOptions {
         // A computed field is NaN where a mesh has no surface, which is no mistake of anyone's.
-        let has_gaps = self.field.as_ref().is_some_and(Source::leaves_gaps);
+        let has_gaps = self.field.as_ref().is_some_and(Source::is_computed);
         PersistenceOptions::new().nan(if has_gaps { NanPolicy::Mask } else { self.nan.policy() })
     }
 

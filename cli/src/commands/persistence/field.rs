@@ -2,12 +2,13 @@
 
 use super::args::{ConnectivityName, FieldArgs};
 use crate::error::CommandError;
-use crate::input::{Array, Form, Network, Source, Values, edges_beside, read_array, significant};
+use crate::input::{Array, Form, Network, Source, Values, each, edges_beside, heading, read_array, significant};
 use crate::report::table::{counted, cut};
-use crate::{commands::shared::warn, input, output};
+use crate::{commands::shared::warn, input, input::told, output};
+use geom::{Model, Repair, RepairKind, Weld};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
-use topo::{Adjacency, Connectivity, Domain as _, Grid, TriangleMesh};
+use topo::{Adjacency, Connectivity, Domain as _, Grid, Scalar as _, TriangleMesh};
 
 /// What is asked about.
 #[derive(Debug)]
@@ -96,6 +97,9 @@ impl DomainField {
 
     fn array(args: &FieldArgs) -> Result<Self, CommandError> {
         let Array { values, shape } = read_array(&args.input, args.array.as_deref())?.layer(args.layer, &args.input)?;
+        if let Some(names) = heading(&args.input) {
+            output::warn(&format!("{}: the first line, {names}, is taken for names of columns", told(&args.input)));
+        }
         let periodic = args.periodic.unwrap_or_default().zyx;
         if let Some(axis) = (0..3 - shape.len()).find(|&axis| periodic[axis]) {
             return Err(CommandError::NoAxis { path: args.input.clone(), axis: AXES[axis], axes: shape.len() });
@@ -122,15 +126,34 @@ impl DomainField {
         Ok(Self { path: path.to_owned(), domain, values, places: Places::Network(names), grid: None })
     }
 
-    /// A mesh with a field.
+    /// A mesh with a field. Copies of a vertex, as files have them along seams and creases, are joined as for a map, and have one value; where a
+    /// file gives them several the surface stays split.
     pub(crate) fn mesh(path: &Path, source: &Source) -> Result<Self, CommandError> {
         let (model, _) = input::read_model(path)?;
         let triangles = model.triangles().vertices(&model);
-        let values = match source.values(path, &model, &triangles)? {
+        let mut joined = triangles.clone();
+        let first = Weld::Auto.of(&model).unwrap_or_default();
+        if !first.is_empty() {
+            joined.iter_mut().flatten().for_each(|v| *v = first[*v as usize]);
+        }
+        let mut values = match source.values(path, &model, &joined)? {
             Some(values) => values,
             None => Values::F64(conformal_factor(path, &model)?),
         };
-        let domain = TriangleMesh::new(model.vertex_count(), &triangles).map_err(domain_failure(path))?;
+        let differing = if source.is_computed() { None } else { differing(&values, &first) };
+        if let Some(copy) = differing {
+            output::warn(&format!(
+                "{}: the value of vertex {copy} is not that of vertex {}, at the same place: the surface stays split along its seams",
+                told(path),
+                first[copy]
+            ));
+            joined.clone_from(&triangles);
+        } else {
+            share(&mut values, &first);
+            // An edge to the first one keeps a copy, which is no corner any more, from being a part by itself.
+            joined.extend((0..).zip(&first).filter(|&(v, &first)| v != first).map(|(v, &first)| [first, v, v]));
+        }
+        let domain = TriangleMesh::new(model.vertex_count(), &joined).map_err(domain_failure(path))?;
         let places = Places::Mesh { points: model.points().to_vec(), triangles };
         Ok(Self { path: path.to_owned(), domain: Domain::Mesh(domain), values, places, grid: None })
     }
@@ -168,6 +191,17 @@ impl DomainField {
     }
 }
 
+/// The first copy of a vertex that has not the value of the first one.
+fn differing(values: &Values, first: &[u32]) -> Option<usize> {
+    // Keys are equal where numbers are, and where both are NaN.
+    each!(values, field => (0..first.len()).find(|&v| field[v].key() != field[first[v] as usize].key()))
+}
+
+/// Gives all copies of a vertex the value of the first one.
+fn share(values: &mut Values, first: &[u32]) {
+    each!(values, field => (0..).zip(first).for_each(|(v, &first): (usize, _)| field[v] = field[first as usize]));
+}
+
 /// Says which edges of a network join nothing that is not joined without them.
 fn warn_of_idle([loops, repeated]: [usize; 2], edges: &Path) {
     let kinds = [
@@ -182,10 +216,15 @@ fn warn_of_idle([loops, repeated]: [usize; 2], edges: &Path) {
 }
 
 /// The conformal factor φ of each vertex; NaN where it is on no surface.
-fn conformal_factor(path: &Path, model: &geom::Model) -> Result<Vec<f64>, CommandError> {
+fn conformal_factor(path: &Path, model: &Model) -> Result<Vec<f64>, CommandError> {
     let analysis =
         cones::Analysis::new(model).map_err(|error| CommandError::Unwrap { path: path.to_owned(), error })?;
-    warn(analysis.repairs(), analysis.notes(), analysis.topology().components);
+    // What is said of vertices at one place ends in an option that fields do not have.
+    let is_of_copies = |repair: &&Repair| matches!(repair.kind, RepairKind::Welded | RepairKind::Unwelded);
+    let (copies, repairs): (Vec<_>, Vec<_>) = analysis.repairs().iter().partition(is_of_copies);
+    copies.iter().for_each(|repair| output::warn(&repair.kind.counted(repair.count)));
+    let repairs: Vec<Repair> = repairs.into_iter().cloned().collect();
+    warn(&repairs, analysis.notes(), analysis.topology().components);
     Ok(analysis.conformal_factor())
 }
 
@@ -332,5 +371,41 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn a_mesh_split_along_a_seam_has_the_field_of_the_whole_one() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = |name: &str| folder.path().join(name);
+        // Two pyramids on one square, as one octahedron and apart along the square, whose vertices the lower one has once more.
+        let square = "v 1 0 0\nv 0 1.5 .2\nv -2 0 0\nv 0 -1 .1\n";
+        let sides = |a: u32, b: u32, c: u32, d: u32, tip: u32| {
+            [[a, b], [b, c], [c, d], [d, a]].map(|[p, q]| format!("f {p} {q} {tip}\n")).concat()
+        };
+        let tips = "v 0 0 1\nv 0 0 -2\n";
+        let whole = format!("{square}{tips}{}{}", sides(1, 2, 3, 4, 5), sides(4, 3, 2, 1, 6));
+        let split = format!("{square}{tips}{square}{}{}", sides(1, 2, 3, 4, 5), sides(10, 9, 8, 7, 6));
+        std::fs::write(path("whole.obj"), whole).expect("it can be written");
+        std::fs::write(path("split.obj"), split).expect("it can be written");
+        std::fs::write(path("agree.txt"), "1\n2\n3\n4\n5\n6\n1\n2\n3\n4\n").expect("it can be written");
+        std::fs::write(path("differ.txt"), "1\n2\n3\n4\n5\n6\n1\n2\n3\n7\n").expect("it can be written");
+        let read = |name: &str, source: &Source| DomainField::mesh(&path(name), source).expect("it can be read");
+        let essential = |subject: &DomainField| {
+            let (Domain::Mesh(mesh), Values::F64(field)) = (&subject.domain, Values::F64(subject.values.to_f64()))
+            else {
+                panic!("a mesh")
+            };
+            let pairs = topo::persistence(mesh, &field).expect("no value is NaN");
+            [pairs.minima, pairs.maxima].map(|pairs| pairs.essential().map(|pair| pair.birth).collect::<Vec<f64>>())
+        };
+        for name in ["phi", "curvature", "mean-curvature", "distance:0", "height:y"] {
+            let source = Source::parse(name).expect("a field");
+            let [whole, split] = ["whole.obj", "split.obj"].map(|file| read(file, &source));
+            let expected = [0, 1, 2, 3, 4, 5, 0, 1, 2, 3].map(|v| whole.values.to_f64()[v]);
+            assert_eq!(split.values.to_f64(), expected, "{name}");
+            assert_eq!(essential(&split), essential(&whole), "{name}");
+        }
+        let parts = |values: &str| essential(&read("split.obj", &Source::File(path(values))))[0].len();
+        assert_eq!([parts("agree.txt"), parts("differ.txt")], [1, 2]);
     }
 }

@@ -46,7 +46,11 @@ pub(crate) fn run(args: &PersistenceArgs) -> Result<(), CommandError> {
     let start = Instant::now();
     write(args, &subject, &lists, &report)?;
     report.times.write = Some(start.elapsed().as_secs_f64());
-    if args.json { output::print_json(&report) } else { output::print(&report.text(&subject.places, &lists, args.top)) }
+    if args.json {
+        output::print_json(&report)
+    } else {
+        output::print_table(&report.text(&subject.places, &lists, args.top))
+    }
 }
 
 /// The library's options.
@@ -77,6 +81,7 @@ fn check_outputs(args: &PersistenceArgs) -> Result<(), CommandError> {
     }
     let outputs: Vec<&Path> = outputs.iter().filter_map(|(output, _)| output.as_deref()).collect();
     output::check(&args.of.files(), &outputs)?;
+    output::check_json(args.json, &outputs)?;
     match (&args.segmentation, args.direction.kinds()) {
         (Some(path), [_, _]) => Err(CommandError::WhichSegments(path.clone())),
         _ => Ok(()),
@@ -112,7 +117,15 @@ fn write(
         match output::extension(path, &["csv", "json", "vtp"])? {
             "csv" => files.write_csv(path, &report::rows(lists, &subject.places))?,
             "json" => files.write_json(path, report)?,
-            _ => files.write_text(path, &vtp::text(lists, &subject.places))?,
+            _ => {
+                if subject.path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("vti")) {
+                    output::warn(&format!(
+                        "{}: points are numbered as in the array, without the image's origin and spacing",
+                        path.display()
+                    ));
+                }
+                files.write_text(path, &vtp::text(lists, &subject.places))?;
+            }
         }
     }
     let title = subject.path.file_name().map(|name| name.to_string_lossy()).unwrap_or_default();

@@ -29,6 +29,8 @@ pub(crate) struct PairList {
     pub(crate) total: f64,
     /// How many essential classes there are.
     pub(crate) essential: usize,
+    /// How many pairs of either sort have any persistence, whatever is asked for.
+    pub(crate) persistent: usize,
     /// What is no more persistent than this is not among the pairs.
     pub(crate) floor: f64,
     /// How many finite pairs have no persistence.
@@ -62,7 +64,8 @@ impl PairList {
             pair.is_essential() || least == 0.0 || S::width_number(pair.persistence()).to_f64() > least
         };
         let essential = pairs.essential().count();
-        let kept: Vec<Pair> = pairs.ranked().iter().filter(persists).map(tell).collect();
+        let ranked = pairs.ranked();
+        let kept: Vec<Pair> = ranked.iter().filter(persists).map(tell).collect();
         let finite = || kept.iter().filter(|pair| pair.saddle.is_some());
         let top = wanted.top.unwrap_or(usize::MAX);
         let next = kept.iter().skip(top).find(|pair| pair.saddle.is_some());
@@ -70,8 +73,10 @@ impl PairList {
             floor: next.map_or(least, |pair| pair.persistence.to_f64()),
             kind: pairs.kind(),
             count: finite().count(),
-            total: finite().map(|pair| pair.persistence.to_f64()).sum(),
+            // The sum of no floats is -0.
+            total: finite().fold(0.0, |sum, pair| sum + pair.persistence.to_f64()),
             essential,
+            persistent: ranked.iter().filter(|pair| S::width_number(pair.persistence()).to_f64() > 0.0).count(),
             zero_pairs: pairs.zero_count(),
             pairs: kept.into_iter().take(top).collect(),
         }

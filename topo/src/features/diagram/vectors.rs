@@ -11,7 +11,8 @@ impl Diagram {
     pub fn entropy(&self) -> f64 {
         let sum: f64 = self.bounded().map(lifetime).sum();
         let parts = self.bounded().map(|point| lifetime(point) / sum).filter(|&part| part > 0.0);
-        parts.map(|part| -part * part.ln()).sum()
+        // The sum of no floats is -0.
+        parts.fold(0.0, |sum, part| sum - part * part.ln())
     }
 
     /// The persistence landscape (Bubenik 2015) at some levels: for each of the first `count` functions its values, one after the
