@@ -4,6 +4,9 @@ import type { Extremum, ForeseenLevel } from "./data";
 
 const SPACE = "http://www.w3.org/2000/svg";
 
+/** As wide are digits at most, in pixels. */
+export const DIGIT = 7;
+
 export function element(name: string, attributes: Record<string, string | number>, text?: string): SVGElement {
   const made = document.createElementNS(SPACE, name);
   for (const [key, value] of Object.entries(attributes)) made.setAttribute(key, String(value));
@@ -62,15 +65,24 @@ export abstract class Chart {
       svg.append(element("line", { x1: left, x2: width - 4, y1: at, y2: at, stroke: "var(--line)" }));
       svg.append(element("text", { x: left - 5, y: at + 4, "text-anchor": "end" }, text));
     }
-    // Numbers at the rim stay inside.
-    const inside = (at: number, text: string) => Math.min(at, width - 3.5 * text.length - 2);
-    for (const [at, text] of x) svg.append(element("text", { x: inside(at, text), y: height - bottom + 14, "text-anchor": "middle" }, text));
+    // Numbers at the rim stay inside, and those that would lie over earlier ones are left out.
+    const taken: [number, number][] = [];
+    for (const [at, text] of x) {
+      const half = 0.5 * DIGIT * text.length + 2;
+      const middle = Math.max(half, Math.min(at, width - half));
+      if (taken.some(([low, high]) => middle - half < high && low < middle + half)) continue;
+      taken.push([middle - half, middle + half]);
+      svg.append(element("text", { x: middle, y: height - bottom + 14, "text-anchor": "middle" }, text));
+    }
   }
 }
+
+const FINDING = "being found …";
 
 /** The predicted area distortion for every number of cones, and the measured one of the maps that were made. */
 export class CurveChart extends Chart {
   private curve: ForeseenLevel[] = [];
+  private isKnown = false;
   private measured = new Map<number, number>();
   private chosen = 0;
   private most = 64;
@@ -86,10 +98,12 @@ export class CurveChart extends Chart {
     place.style.cursor = "crosshair";
   }
 
-  show(curve: ForeseenLevel[], measured: Map<number, number>, chosen: number, most: number): void {
-    this.curve = curve.filter(({ n }) => n <= most);
+  /** The curve is none while it is being found. */
+  show(curve: ForeseenLevel[] | null, measured: Map<number, number>, chosen: number, most: number): void {
+    this.isKnown = curve !== null;
+    this.curve = (curve ?? []).filter(({ n }) => n <= most);
     [this.measured, this.chosen, this.most] = [measured, chosen, most];
-    const drawn = JSON.stringify([this.curve.map(({ predicted_area }) => predicted_area), [...measured], most]);
+    const drawn = JSON.stringify([this.isKnown, this.curve.map(({ predicted_area }) => predicted_area), [...measured], most]);
     if (drawn !== this.drawn) this.draw();
     else this.mark();
     this.drawn = drawn;
@@ -137,7 +151,7 @@ export class CurveChart extends Chart {
     const points = this.curve.map(({ n, predicted_area }) => `${x(n)},${y(predicted_area)}`).join(" ");
     svg.append(element("polyline", { points, fill: "none", stroke: "var(--accent)", "stroke-width": 2 }));
     for (const [n, d] of this.measured) if (n <= this.most) svg.append(this.dot(x(n), y(d), 3, n));
-    if (!this.curve.length) svg.append(element("text", { x: width / 2, y: height / 2, "text-anchor": "middle" }, "being found …"));
+    if (!this.curve.length) svg.append(element("text", { x: width / 2, y: height / 2, "text-anchor": "middle" }, this.isKnown ? "no cones to choose" : FINDING));
   }
 }
 
@@ -146,7 +160,7 @@ const MOST = 1200;
 
 /** The extrema of the conformal factor: where each begins, and where it ends. */
 export class DiagramChart extends Chart {
-  private extrema: Extremum[] = [];
+  private extrema: Extremum[] | null = null;
   private chosen = new Set<number>();
   private at: (extremum: Extremum) => [number, number] = () => [0, 0];
 
@@ -154,7 +168,8 @@ export class DiagramChart extends Chart {
     super(place, "Persistence diagram of the conformal factor: minima above the diagonal, maxima below, cones marked");
   }
 
-  show(extrema: Extremum[], chosen: number[]): void {
+  /** The extrema are none while they are being found. */
+  show(extrema: Extremum[] | null, chosen: number[]): void {
     const isOther = extrema !== this.extrema;
     this.extrema = extrema;
     this.chosen = new Set(chosen);
@@ -164,8 +179,8 @@ export class DiagramChart extends Chart {
 
   protected fill(svg: SVGElement): void {
     const { width, height, left, bottom } = this.frame;
-    if (!this.extrema.length) {
-      svg.append(element("text", { x: width / 2, y: height / 2, "text-anchor": "middle" }, "being found …"));
+    if (!this.extrema?.length) {
+      svg.append(element("text", { x: width / 2, y: height / 2, "text-anchor": "middle" }, this.extrema ? "φ has no extrema" : FINDING));
       return;
     }
     const end = ({ kind, value, persistence }: Extremum) => value + (kind === "minimum" ? persistence : -persistence);
@@ -182,7 +197,7 @@ export class DiagramChart extends Chart {
   }
 
   protected marks(): SVGElement[] {
-    const chosen = this.extrema.filter((extremum) => this.chosen.has(extremum.vertex));
+    const chosen = (this.extrema ?? []).filter((extremum) => this.chosen.has(extremum.vertex));
     return chosen.map((extremum) => this.dot(extremum, { r: 5, stroke: "var(--ink)" }));
   }
 

@@ -8,6 +8,8 @@ export interface Surface {
   methods: { name: string; description: string }[];
   chosen: { n: number | null; method: string; angles: string };
   warnings: string[];
+  /** Whether maps are computed on even triangles, whose edges are not those that are shown. */
+  refined: boolean;
   /** Three coordinates a vertex, about the origin. */
   points: Float32Array;
   /** Three vertices a triangle. */
@@ -16,6 +18,8 @@ export interface Surface {
   factor: Float32Array;
   /** The number of each vertex in the file; none where it is the number here. */
   vertex: Uint32Array | null;
+  /** For each vertex whether it can be a cone; none where nothing can be asked for. */
+  usable: Uint8Array | null;
 }
 
 /** A cone at a vertex as it is numbered here; its curvature in radians, NaN while it is not known. */
@@ -75,6 +79,8 @@ export interface Measured {
       curvature_error: number;
     };
     islands: number;
+    /** The area distortion that was predicted for its cones. */
+    predicted: number | null;
   };
   logArea: Float32Array;
   stretch: Float32Array;

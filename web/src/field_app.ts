@@ -2,8 +2,9 @@
 
 import { css, gradient, sample } from "./colours";
 import type { Container, Surface } from "./data";
-import { BarcodeChart, PairDiagram, TreeChart, short } from "./field_charts";
+import { BarcodeChart, PairDiagram, TreeChart } from "./field_charts";
 import { type Direction, type Field, NONE, readField } from "./field_data";
+import { rounded, writer } from "./field_numbers";
 import { FieldPicture } from "./field_picture";
 import { vertexOf } from "./geometry";
 import * as page from "./page";
@@ -27,6 +28,7 @@ export class FieldApp {
   private readonly tree: TreeChart;
   private readonly barcode: BarcodeChart;
   private readonly diagram: PairDiagram;
+  private readonly write: (value: number) => string;
   private readonly ramp = Array.from({ length: 256 }, (_, k) => sample(RAMP, (k - 1) / 254));
   private mode: "values" | "segments" = "segments";
   private at: number;
@@ -37,6 +39,7 @@ export class FieldApp {
   constructor(data: Container) {
     this.field = readField(data);
     const { field } = this;
+    this.write = writer(field.range);
     document.body.classList.add("field", "file");
     this.at = field.directions.length - 1;
     this.arrange();
@@ -64,7 +67,7 @@ export class FieldApp {
     const { field } = this;
     page.byId("name").textContent = document.title = field.name;
     const count = field.kind === "array" ? `array of ${field.shape!.filter((n, k) => n > 1 || k === 2).join(" × ")}` : field.kind === "mesh" ? "mesh" : "network";
-    byId("about").textContent = `${count}, values from ${short(field.range[0])} to ${short(field.range[1])}`;
+    byId("about").textContent = `${count}, values from ${this.write(field.range[0])} to ${this.write(field.range[1])}`;
     byId("atlas").replaceChildren(Object.assign(make("div"), { id: "tree" }));
     byId("atlas").setAttribute("aria-label", "Merge tree");
     const buttons = (["segments", "values"] as const).map((mode) => {
@@ -87,7 +90,9 @@ export class FieldApp {
     layers.hidden = field.kind !== "array" || field.shape![0] === 1;
     layers.append(Object.assign(document.createElement("input"), { id: "layer", type: "range", min: "0", max: String((field.shape?.[0] ?? 1) - 1), value: "0" }), make("b", "0"));
     byId("controls").replaceChildren(byId("number"), make("output", "", "quiet"), label, layers);
-    const titles = ["Barcode", "Persistence diagram", "This extremum", "Extrema, the most persistent first"];
+    const isOne = field.directions.every(({ pairs }) => pairs.filter(({ death }) => death === null).length < 2);
+    const order = isOne ? "Extrema, the most persistent first" : "Extrema: those that never end, then the most persistent";
+    const titles = ["Barcode", "Persistence diagram", "This extremum", order];
     document.querySelectorAll("figcaption").forEach((caption, k) => (caption.textContent = titles[k]));
     byId("add").remove();
   }
@@ -96,7 +101,7 @@ export class FieldApp {
   private surface(): Surface {
     const { points, triangles, name } = this.field;
     return {
-      name, points: points!, triangles: triangles!, factor: new Float32Array(), vertex: null, least: 0, most: 0, methods: [], warnings: [],
+      name, points: points!, triangles: triangles!, factor: new Float32Array(), vertex: null, usable: null, refined: false, least: 0, most: 0, methods: [], warnings: [],
       chosen: { n: null, method: "", angles: "" }, topology: { vertices: 0, faces: 0, components: 1, boundary_loops: 0, genus: 0 },
     };
   }
@@ -129,7 +134,10 @@ export class FieldApp {
       this.select(at === null ? null : this.segment(at));
     });
     byId("surface").querySelector(".fit")!.addEventListener("click", () => this.view?.fit());
-    document.addEventListener("keydown", (event) => event.key === "Escape" && this.select(null));
+    document.addEventListener("keydown", (event) => {
+      if (event.key === "Escape") this.select(null);
+      else if (event.key === "f" && event.target === document.body) this.view?.fit();
+    });
   }
 
   private showDirection(): void {
@@ -188,7 +196,7 @@ export class FieldApp {
     byId<HTMLInputElement>("count").value = String(n);
     byId<HTMLInputElement>("layer").value = String(this.layer);
     byId("layer").nextElementSibling!.textContent = String(this.layer);
-    byId("controls").querySelector("output")!.textContent = `of ${direction.all.toLocaleString("en")}, more persistent than ${short(threshold)}`;
+    byId("controls").querySelector("output")!.textContent = `of ${direction.all.toLocaleString("en")}, more persistent than ${this.write(threshold)}`;
     const colour = (at: number) => this.colourOf(at);
     const ids = Array.from({ length: this.count() }, (_, k) => k);
     this.picture?.show(this.layer, colour, ids.map((k) => ({ vertex: direction.pairs[k].extremum, colour: direction.kind === "minimum" ? "#1f5fd0" : "#d62728", isSelected: k === this.selected })));
@@ -224,8 +232,9 @@ export class FieldApp {
     const ramp = make("div", "", "ramp");
     const bar = make("i");
     bar.style.background = gradient(RAMP);
-    const marks = this.field.range.map((value, k) => Object.assign(make("b", short(value)), { style: `left: ${k ? 92 : 8}%` }));
+    const marks = this.field.range.map((value, k) => Object.assign(make("b", this.write(value)), { className: k ? "high" : "low" }));
     ramp.append(bar, ...marks);
+    ramp.style.minWidth = `${2 + marks.reduce((sum, mark) => sum + mark.textContent!.length, 0)}ch`;
     place.replaceChildren(ramp, make("span", "value"));
   }
 
@@ -235,10 +244,10 @@ export class FieldApp {
     const rows: [string, string][] = pair
       ? [
         [this.direction.kind === "minimum" ? "Minimum at" : "Maximum at", this.placeOf(pair.extremum)],
-        ["Value, birth", short(pair.birth)],
+        ["Value, birth", this.write(pair.birth)],
         ["Saddle at", pair.saddle === null ? "none: it never ends" : this.placeOf(pair.saddle)],
-        ["Value there, death", pair.death === null ? "–" : short(pair.death)],
-        ["Persistence", short(pair.persistence)],
+        ["Value there, death", pair.death === null ? "–" : this.write(pair.death)],
+        ["Persistence", this.write(pair.persistence)],
         ["Joins", pair.parent === null ? "–" : this.placeOf(this.direction.pairs[pair.parent].extremum)],
       ]
       : [["Click an extremum, a branch, a bar or a segment", ""]];
@@ -254,16 +263,17 @@ export class FieldApp {
       const row = make("li");
       const button = make("button") as HTMLButtonElement;
       button.type = "button";
+      button.dataset.vertex = String(pair.extremum);
       button.setAttribute("aria-pressed", String(k === this.selected));
       const name = make("span", this.placeOf(pair.extremum));
       name.style.borderLeft = `.7rem solid ${css(segmentColour(k))}`;
       name.style.paddingLeft = ".4rem";
-      button.append(name, make("span", short(pair.persistence)));
+      button.append(name, make("span", this.write(pair.persistence)));
       button.addEventListener("click", () => this.select(k));
       row.append(button);
       return row;
     });
-    byId("cones").replaceChildren(...rows);
+    page.listRows(rows);
   }
 
   /** A vertex as people look for it: a network's node by its name, of an array the indices, the slowest first. */
@@ -284,7 +294,7 @@ export class FieldApp {
       return;
     }
     const { range, values, first } = this.field;
-    const value = values[at] ? short(range[0] + ((values[at] - 1) / 254) * (range[1] - range[0])) : "none";
+    const value = values[at] ? this.write(rounded(range[0] + ((values[at] - 1) / 254) * (range[1] - range[0]), range)) : "none";
     const k = this.segment(at);
     const segment = k === null ? "" : `  ·  belongs to ${this.placeOf(this.direction.pairs[k].extremum)}`;
     byId("place").textContent = `${this.placeOf(first + at)}  ·  about ${value}${segment}`;

@@ -1,7 +1,8 @@
 // The pairs of a field: how components merge, how long each lasts, and the diagram of both ends.
 
-import { Chart, element } from "./charts";
+import { Chart, DIGIT, element } from "./charts";
 import type { Direction, Pair } from "./field_data";
+import { rounded, writer } from "./field_numbers";
 
 /** So many branches or bars are drawn, the most persistent. */
 const MOST = 200;
@@ -12,10 +13,13 @@ abstract class PairChart extends Chart {
   protected count = 0;
   protected selected: number | null = null;
 
-  constructor(place: HTMLElement, label: string, private readonly range: [number, number], protected readonly colour: (k: number) => string, private readonly placeOf: (vertex: number) => string, choose: (k: number) => void) {
+  private readonly write: (value: number) => string;
+
+  constructor(place: HTMLElement, label: string, protected readonly range: [number, number], protected readonly colour: (k: number) => string, private readonly placeOf: (vertex: number) => string, choose: (k: number) => void) {
     super(place, label);
-    // Values may have many digits.
-    this.frame.left = 56;
+    this.write = writer(range);
+    // Values may have many digits, none of which may be cut off: they would be other numbers.
+    this.frame.left = Math.max(this.frame.left, 10 + DIGIT * Math.max(...this.ticks().map(([, text]) => text.length)));
     place.addEventListener("click", (event) => {
       const k = (event.target as Element).closest("[data-pair]")?.getAttribute("data-pair");
       if (k) choose(Number(k));
@@ -29,7 +33,8 @@ abstract class PairChart extends Chart {
 
   protected share(value: number): number {
     const [low, high] = this.range;
-    return high > low ? (value - low) / (high - low) : 0.5;
+    // What is infinite lies at the end that it is beyond.
+    return high > low ? (Math.min(high, Math.max(low, value)) - low) / (high - low) : 0.5;
   }
 
   /** Where a component ends: that of a class that never does, at the other end of the values. */
@@ -40,7 +45,7 @@ abstract class PairChart extends Chart {
   protected pair(name: string, k: number, attributes: Record<string, string | number>): SVGElement {
     const pair = this.direction!.pairs[k];
     const made = element(name, { "data-pair": k, ...attributes });
-    made.append(element("title", {}, `${this.direction!.kind} at ${this.placeOf(pair.extremum)}: ${short(pair.birth)} to ${pair.death === null ? "the end" : short(pair.death)}, persistence ${short(pair.persistence)}`));
+    made.append(element("title", {}, `${this.direction!.kind} at ${this.placeOf(pair.extremum)}: ${this.write(pair.birth)} to ${pair.death === null ? "the end" : this.write(pair.death)}, persistence ${this.write(pair.persistence)}`));
     return made;
   }
 
@@ -49,10 +54,11 @@ abstract class PairChart extends Chart {
     return { stroke: isThere ? this.colour(k) : "var(--quiet)", "stroke-opacity": isThere ? 1 : 0.35, "stroke-width": k === this.selected ? 5 : isThere ? 2.5 : 1 };
   }
 
+  /** The ends of the range, and the middle where there is room for it. */
   protected ticks(): [number, string][] {
     const [low, high] = this.range;
-    const decimals = high > low ? Math.min(12, Math.max(0, 2 - Math.floor(Math.log10(high - low)))) : 3;
-    return [low, 0.5 * (low + high), high].map((value) => [value, short(Number(value.toFixed(decimals)))]);
+    const written = (value: number): [number, string] => [value, this.write(rounded(value, this.range))];
+    return (high > low ? [low, high, 0.5 * (low + high)] : [low]).map(written);
   }
 }
 
@@ -77,7 +83,7 @@ export class TreeChart extends PairChart {
   }
 }
 
-/** A bar for each pair, from birth to death, the longest first. */
+/** A bar for each pair, from birth to death. */
 export class BarcodeChart extends PairChart {
   protected fill(svg: SVGElement): void {
     const { width, height, left, bottom } = this.frame;
@@ -102,7 +108,7 @@ export class PairDiagram extends PairChart {
     const y = (value: number) => height - bottom - 4 - (height - bottom - 14) * this.share(value);
     const ticks = this.ticks();
     this.axes(svg, ticks.map(([value, text]) => [x(value), text]), ticks.map(([value, text]) => [y(value), text]));
-    const [low, high] = [ticks[0][0], ticks[2][0]];
+    const [low, high] = this.range;
     svg.append(element("line", { x1: x(low), y1: y(low), x2: x(high), y2: y(high), stroke: "var(--line)", "stroke-width": 1.5 }));
     this.direction!.pairs.forEach((pair, k) => {
       const isThere = k < this.count;
@@ -130,8 +136,4 @@ function sideBySide(pairs: Pair[]): number[] {
     waiting.push(...children[k].slice().reverse());
   }
   return place;
-}
-
-export function short(value: number): string {
-  return Number.isFinite(value) ? String(Number(value.toPrecision(4))) : "∞";
 }

@@ -23,7 +23,7 @@ export interface Level {
 
 export interface Direction {
   kind: "minimum" | "maximum";
-  /** The most persistent first. */
+  /** Those that never end first, then the most persistent: at each level the first ones are those that are there. */
   pairs: Pair[];
   /** How many pairs there are. */
   all: number;
@@ -61,11 +61,13 @@ export function readField(data: Container): Field {
     triangles: isMesh ? data.words("triangles") : null,
     directions: directions.map((direction: any, k: number): Direction => {
       const all = data.words(`survivors.${k}`);
+      // Infinite values are written as words, as JSON has no such numbers.
       const pairs = direction.pairs.map(([extremum, saddle, birth, death, persistence, parent]: any): Pair => ({
-        extremum, saddle, birth: birth ?? 0, death, persistence: persistence ?? Infinity, parent,
+        extremum, saddle, birth: Number(birth), death: death === null ? null : Number(death), persistence: Number(persistence), parent,
       }));
+      const levels = direction.levels.map(({ n, threshold }: any): Level => ({ n, threshold: Number(threshold) }));
       const level = (k: number) => all.subarray(k * direction.basins, (k + 1) * direction.basins);
-      return { ...direction, pairs, basins: data.words(`basins.${k}`), survivors: direction.levels.map((_: Level, k: number) => level(k)) };
+      return { ...direction, pairs, levels, basins: data.words(`basins.${k}`), survivors: levels.map((_: Level, k: number) => level(k)) };
     }),
   };
 }

@@ -74,6 +74,25 @@ export function boundary({ triangles }: Surface, { start, corner }: Corners): nu
   return found;
 }
 
+/** The vertex nearest to one for which something holds, of the first ring around it that has such. */
+export function nearestVertex({ points, triangles }: Surface, { start, corner }: Corners, from: number, holds: (vertex: number) => boolean): number | null {
+  const seen = new Set([from]);
+  const away = (v: number) => Math.hypot(...[0, 1, 2].map((i) => points[3 * v + i] - points[3 * from + i]));
+  for (let ring = [from]; ring.length; ) {
+    const found = ring.filter(holds);
+    if (found.length) return found.reduce((best, v) => (away(v) < away(best) ? v : best));
+    const next: number[] = [];
+    for (const v of ring) {
+      for (let k = start[v]; k < start[v + 1]; k++) {
+        const one = follow(corner[k]);
+        for (const w of [triangles[one], triangles[follow(one)]]) if (!seen.has(w)) next.push(w), seen.add(w);
+      }
+    }
+    ring = next;
+  }
+  return null;
+}
+
 export function follow(corner: number): number {
   return corner % 3 === 2 ? corner - 2 : corner + 1;
 }

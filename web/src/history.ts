@@ -11,6 +11,11 @@ export class History<T> {
     this.future = [];
   }
 
+  /** What was before the last change, which is forgotten. */
+  drop(): T | undefined {
+    return this.past.pop();
+  }
+
   undo(now: T): T | undefined {
     const before = this.past.pop();
     if (before !== undefined) this.future.push(now);

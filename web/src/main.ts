@@ -13,7 +13,7 @@ import { type Outline, onMap, outline } from "./outline";
 import * as page from "./page";
 import { byId } from "./page";
 import * as pins from "./pins";
-import { Replaced, type Source, source, stored } from "./source";
+import { Refused, Replaced, type Source, source, stored } from "./source";
 import { onClick, webGl } from "./stage";
 import { SurfaceView } from "./surface_view";
 
@@ -33,8 +33,11 @@ const HINTS = {
   cut: "click where the cut goes on, or twice on a seam",
   avoid: "click along what stays whole, or twice on a seam",
 };
+const NO_EDGES = "edges cannot be pinned here: maps are computed on even triangles, which have other edges";
 /** A vertex on a seam of the map is taken hold of within so many pixels. */
 const REACH = 9;
+/** The clicks of a double click come within so many milliseconds. */
+const DOUBLE = 500;
 
 class App {
   private readonly corners: geometry.Corners;
@@ -66,7 +69,14 @@ class App {
   private tool: "" | "cones" | pins.Pin = "";
   /** Where the chain that is being pinned goes on from. */
   private chainEnd: number | null = null;
+  /** When the surface or the map was last clicked to pin something, and the choice before that: the click may be half of a double one. */
+  private clicked: { at: number; before: Question | null } = { at: 0, before: null };
+  /** The vertex of the cone that is selected. Cones are exchanged at any time, so that their places tell nothing. */
   private selected: number | null = null;
+  /** The cone that is dragged, by its place, and the cones that there are if nothing comes of it: others wait until it is let go. */
+  private dragged: { k: number; isMoved: boolean; otherwise: Cone[] } | null = null;
+  /** Why the last choice was refused. */
+  private refusal = "";
   private serial = Date.now();
   private running: AbortController | null = null;
   /** Whether the source may be at work on what was asked. */
@@ -124,18 +134,19 @@ class App {
   }
 
   /** Shows at once what is known of the choice, then asks for its map. */
-  private restart(): void {
+  private restart(refusal = ""): void {
     this.running?.abort();
     const { signal } = (this.running = new AbortController());
     const serial = ++this.serial;
-    this.selected = null;
+    this.refusal = refusal;
+    this.selected = this.dragged = this.predicted = null;
     this.showControls();
     // All numbers take as much computing as a third of the first map, which comes first.
     if (!this.isOpening()) void this.learn();
     this.stale(true);
     this.foresee();
     clearTimeout(this.waiting?.timer);
-    page.status("computing the map …", "busy");
+    this.tell("computing the map …", "busy");
     if (this.isAsking) this.source.stop(serial);
     this.isAsking = false;
     const begin = () => {
@@ -145,6 +156,26 @@ class App {
     };
     if (!this.map) return begin();
     this.waiting = { timer: window.setTimeout(begin, this.isHeld ? HELD : PATIENCE), begin };
+  }
+
+  /** Tells how far the map is, or why it is not that of the last choice. */
+  private tell(text: string, how: "" | "busy" = ""): void {
+    page.status(this.refusal || text, this.refusal ? "failed" : how);
+  }
+
+  /** Other cones take the place of those that there are. */
+  private takeCones(cones: Cone[]): void {
+    if (this.dragged) {
+      this.dragged.otherwise = cones;
+      return;
+    }
+    this.cones = cones;
+    if (this.selectedAt() === null) this.selected = null;
+  }
+
+  private selectedAt(): number | null {
+    const k = this.cones.findIndex(({ vertex }) => vertex === this.selected);
+    return k < 0 ? null : k;
   }
 
   /** Whether the first map is still to come, and nothing else was chosen. */
@@ -167,14 +198,13 @@ class App {
     const level = this.level();
     const preview = given || !level ? undefined : this.previewsHere().get(level.n);
     if (preview && (n === null || level!.n === n)) {
-      this.cones = preview.cones;
+      this.takeCones(preview.cones);
       this.predicted = preview.predicted;
     } else if (given) {
       const known = new Map(this.cones.map((cone) => [cone.vertex, cone.curvature]));
-      this.cones = given.map(([vertex, curvature]) => ({ vertex, curvature: curvature ?? known.get(vertex) ?? NaN }));
-      this.predicted = null;
+      this.takeCones(given.map(([vertex, curvature]) => ({ vertex, curvature: curvature ?? known.get(vertex) ?? NaN })));
     } else if (level && (n === null || level.n === n)) {
-      this.cones = level.cones.map(([vertex, curvature]) => ({ vertex, curvature: curvature ?? NaN }));
+      this.takeCones(level.cones.map(([vertex, curvature]) => ({ vertex, curvature: curvature ?? NaN })));
       this.predicted = level.predicted_area;
     } else return;
     this.view?.showSeams(preview?.seams ?? []);
@@ -209,17 +239,24 @@ class App {
     const isNewest = () => serial === this.serial;
     const fail = (error: unknown) => {
       if (!isNewest() || error instanceof Replaced) return;
-      page.status(String((error as Error).message ?? error), "failed");
+      const told = String((error as Error).message ?? error);
+      // What cannot be had is not chosen: the choice before it stands again.
+      const before = error instanceof Refused ? this.history.drop() : undefined;
+      if (before) {
+        this.question = before;
+        return this.restart(told);
+      }
+      page.status(told, "failed");
       void this.learn();
     };
     const early = this.early(question);
     const preview = early && this.source.preview(early, serial, signal).then((found) => {
       if (!isNewest()) return;
       if (this.source.isLive && !question.given) this.previewsHere().set(found.cones.length, found);
-      this.predicted = found.predicted ?? this.predicted;
       // A map that was made before may be there first.
-      if (this.mapIsOf(question)) return this.showCurve();
-      this.cones = found.cones;
+      if (this.mapIsOf(question)) return;
+      this.predicted = found.predicted;
+      this.takeCones(found.cones);
       this.showCones();
       this.view?.showSeams(found.seams);
     });
@@ -261,9 +298,11 @@ class App {
     const isPatient = this.mapOf !== "";
     this.mapOf = JSON.stringify(question);
     if (!isNear) {
-      this.cones = map.cones;
+      this.takeCones(map.cones);
       this.view?.showSeams(map.seams);
     }
+    // What was predicted until now is that of other cones, or may be.
+    this.predicted = null;
     this.stale(false);
     const extent = geometry.extent(map.uv);
     this.grid = null;
@@ -280,20 +319,21 @@ class App {
     this.showCones();
     page.warnings([...new Set([...this.surface.warnings, ...map.meta.warnings])]);
     if (map.measured) this.takeMeasures(map, question);
-    else page.status("measuring the map …", "busy");
+    else this.tell("measuring the map …", "busy");
     this.mark(this.pinned, this.pinned);
   }
 
   /** What the map is like. */
   private takeMeasures(map: UvMap, question: Question): void {
     this.map = map;
+    this.predicted = map.measured!.meta.predicted;
     const isNear = this.isNear(map, question);
     if (!isNear && !question.given) this.measuredHere().set(map.cones.length, map.measured!.meta.distortion.area_mean);
     if (isOfMeasures(this.mode)) this.colour(this.mode, true);
     else this.showLegend();
     this.showCurve();
     if (this.marked) this.mark(this.marked === this.pinned ? null : this.marked);
-    page.status(isNear ? `no map is stored for ${question.n} cones` : "exact map");
+    this.tell(isNear ? `no map is stored for ${question.n} cones` : "exact map");
     this.isAsking = false;
   }
 
@@ -353,13 +393,12 @@ class App {
   }
 
   private showCurve(): void {
-    this.curve.show(this.foreseen()?.levels ?? [], this.measuredHere(), this.count(), this.surface.most);
-    if (!this.question.given) this.predicted ??= this.level()?.predicted_area ?? null;
+    this.curve.show(this.foreseen()?.levels ?? null, this.measuredHere(), this.count(), this.surface.most);
     page.numbers(this.mapIsOf(this.question) ? this.map : null, this.predicted);
   }
 
   private showCones(): void {
-    this.view?.showCones(this.cones, this.selected);
+    this.view?.showCones(this.cones, this.selectedAt());
     byId<HTMLButtonElement>("remove").disabled = this.selected === null;
     this.showCurve();
     // What is not looked at while the slider moves waits until it rests: a smaller part of the window is drawn so.
@@ -382,8 +421,8 @@ class App {
 
   private list(): void {
     this.stale(!this.mapIsOf(this.question));
-    page.coneList(this.cones, this.selected, (v) => this.name(v), (k) => this.select(k));
-    this.diagram.show(this.foreseen()?.extrema ?? [], this.cones.map(({ vertex }) => vertex));
+    page.coneList(this.cones, this.selectedAt(), (v) => this.name(v), (k) => this.select(k));
+    this.diagram.show(this.foreseen()?.extrema ?? null, this.cones.map(({ vertex }) => vertex));
   }
 
   private showControls(): void {
@@ -394,6 +433,7 @@ class App {
       [input.min, input.max] = [String(this.surface.least), String(this.surface.most)];
       input.value = String(count);
     }
+    byId("auto").setAttribute("aria-pressed", String(this.question.n === null && !given));
     byId<HTMLSelectElement>("method").value = given ? "" : method;
     byId<HTMLSelectElement>("angles").value = angles;
     const { cut, avoid } = this.question;
@@ -496,6 +536,10 @@ class App {
       const { least, most } = this.surface;
       this.sayBound(asked > most ? `the page shows ${most} at most` : asked < least ? `${least} at least are needed` : "");
     });
+    byId("auto").addEventListener("click", () => {
+      this.sayBound("");
+      this.choose({ n: null, given: null });
+    });
     const method = byId<HTMLSelectElement>("method");
     method.append(new Option("by hand", "", false, false), ...this.surface.methods.map(({ name, description }) => {
       const option = new Option(name, name);
@@ -511,6 +555,10 @@ class App {
     byId("undo").addEventListener("click", () => this.go(this.history.undo(this.question)));
     byId("redo").addEventListener("click", () => this.go(this.history.redo(this.question)));
     for (const [id, tool] of TOOLS) byId(id).addEventListener("click", () => this.take(tool));
+    for (const id of this.surface.refined ? ["cut", "avoid"] : []) {
+      byId<HTMLButtonElement>(id).disabled = true;
+      byId(id).title = NO_EDGES;
+    }
     byId("unpin").addEventListener("click", () => this.choose({ cut: [], avoid: [] }));
     byId("save-pins").addEventListener("click", () => this.savePins());
     byId("remove").addEventListener("click", () => this.remove());
@@ -549,31 +597,33 @@ class App {
 
   private listenToSurface(view: SurfaceView): void {
     const { canvas, controls } = view.stage;
-    let dragged: number | null = null;
-    let isMoved = false;
     canvas.addEventListener("pointerdown", (event) => {
       if (this.tool !== "cones" || !event.isPrimary) return;
-      dragged = view.coneUnder(event, view.under(event));
-      isMoved = false;
-      if (dragged === null) return;
+      const k = view.coneUnder(event, view.under(event));
+      if (k === null) return;
+      this.dragged = { k, isMoved: false, otherwise: this.cones };
       controls.enabled = false;
       canvas.setPointerCapture(event.pointerId);
-      this.select(dragged);
+      this.select(k);
     }, { capture: true });
     canvas.addEventListener("pointermove", (event) => {
-      const place = dragged === null && event.buttons ? null : view.under(event);
-      if (dragged !== null && place) {
-        isMoved = true;
-        this.cones = this.cones.with(dragged, { ...this.cones[dragged], vertex: geometry.vertexOf(this.surface, place) });
-        view.showCones(this.cones, dragged);
+      const { dragged } = this;
+      const place = !dragged && event.buttons ? null : view.under(event);
+      const vertex = dragged && place && this.nearestUsable(geometry.vertexOf(this.surface, place));
+      if (dragged && vertex !== null) {
+        dragged.isMoved = true;
+        this.selected = vertex;
+        this.cones = this.cones.with(dragged.k, { ...this.cones[dragged.k], vertex });
+        view.showCones(this.cones, dragged.k);
       }
       if (!event.buttons) this.mark(place);
     });
-    canvas.addEventListener("pointerup", () => {
-      if (dragged !== null && isMoved) this.choose({ given: this.free(this.cones) });
-      dragged = null;
-      controls.enabled = true;
-    });
+    for (const end of ["pointerup", "pointercancel"] as const) {
+      canvas.addEventListener(end, () => {
+        controls.enabled = true;
+        this.letGo(end === "pointerup");
+      });
+    }
     canvas.addEventListener("pointerleave", () => this.mark(null));
     onClick(canvas, (event) => {
       const place = view.under(event);
@@ -605,8 +655,24 @@ class App {
 
   /** Does at a vertex what the tool is for. */
   private use(vertex: number): void {
-    if (this.tool === "cones") this.add(this.name(vertex));
+    if (this.tool === "cones") this.add(this.name(this.nearestUsable(vertex) ?? vertex));
     else if (this.tool) this.pin(this.tool, vertex);
+  }
+
+  /** The vertex nearest to one that can be a cone. */
+  private nearestUsable(vertex: number): number | null {
+    const { usable } = this.surface;
+    return usable ? geometry.nearestVertex(this.surface, this.corners, vertex, (v) => usable[v] > 0) : vertex;
+  }
+
+  /** Ends a drag: the cone stays where it is, or all are as if it had not been dragged. */
+  private letGo(isMeant: boolean): void {
+    const { dragged } = this;
+    if (!dragged) return;
+    this.dragged = null;
+    if (dragged.isMoved && isMeant) return this.choose({ given: this.free(this.cones) });
+    this.takeCones(dragged.otherwise);
+    this.showCones();
   }
 
   private key(event: KeyboardEvent): void {
@@ -621,6 +687,10 @@ class App {
       this.selected = this.chainEnd = null;
       this.mark(null, null);
       this.showCones();
+    } else if (event.key === "f" && !isTyping && !event.ctrlKey && !event.metaKey && !(event.target instanceof HTMLCanvasElement)) {
+      // A view that has the focus fits itself.
+      this.view?.fit();
+      this.atlas.fit();
     } else if (isTyping || event.ctrlKey || event.metaKey || event.altKey || !this.source.isLive) return;
     else if (event.key in KEYS && !(event.target instanceof HTMLSelectElement)) this.take(KEYS[event.key]);
     else if (event.key === "Delete" && this.selected !== null) this.remove();
@@ -630,17 +700,19 @@ class App {
 
   /** Takes a tool, or lays it down. */
   private take(tool: "cones" | pins.Pin): void {
+    if (this.surface.refined && tool !== "cones") return page.status(NO_EDGES, "failed");
     this.tool = this.tool === tool ? "" : tool;
     this.chainEnd = null;
     for (const [id, one] of TOOLS) byId(id).setAttribute("aria-pressed", String(one === this.tool));
-    page.status(this.tool ? HINTS[this.tool] : this.map ? "exact map" : "");
+    page.hint(this.tool && HINTS[this.tool]);
     for (const canvas of document.querySelectorAll("canvas")) canvas.style.cursor = this.tool ? "crosshair" : "";
   }
 
   private select(k: number): void {
-    this.selected = this.selected === k && this.tool !== "cones" ? null : k;
+    const { vertex } = this.cones[k];
+    this.selected = this.selected === vertex && this.tool !== "cones" ? null : vertex;
     this.showCones();
-    const corner = this.corners.corner[this.corners.start[this.cones[k].vertex]];
+    const corner = this.corners.corner[this.corners.start[vertex]];
     const weights = [0, 1, 2].map((i) => Number(i === corner % 3)) as geometry.Vec3;
     const place = { triangle: Math.floor(corner / 3), weights };
     if (this.tool !== "cones") this.view?.face(place);
@@ -652,13 +724,15 @@ class App {
     if (!(start[vertex] < start[vertex + 1])) {
       return page.status(`cone ${vertex} is not a vertex of any face (vertices are numbered from 0 to ${start.length - 2})`, "failed");
     }
+    const { usable } = this.surface;
+    if (usable && !usable[vertex]) return page.status(`no cone can be at vertex ${vertex}: the even triangles that maps are computed on do not have it`, "failed");
     if (this.cones.some((cone) => cone.vertex === vertex)) return;
     this.choose({ given: this.free([...this.cones, { vertex, curvature: NaN }]) });
   }
 
   private remove(): void {
     if (this.selected === null) return;
-    this.choose({ given: this.free(this.cones.filter((_, k) => k !== this.selected)) });
+    this.choose({ given: this.free(this.cones.filter(({ vertex }) => vertex !== this.selected)) });
   }
 
   /** Cones whose curvatures follow the rule, none twice. */
@@ -674,10 +748,12 @@ class App {
   private pin(pin: pins.Pin, vertex: number): void {
     const from = this.chainEnd;
     this.chainEnd = vertex;
+    const now = performance.now();
+    this.clicked = { at: now, before: now - this.clicked.at < DOUBLE ? this.clicked.before : this.question };
     const corner = this.corners.corner[this.corners.start[vertex]];
     const place = { triangle: Math.floor(corner / 3), weights: [0, 1, 2].map((i) => Number(i === corner % 3)) as geometry.Vec3 };
     this.mark(place, place);
-    if (from === null || from === vertex) return page.status(HINTS[pin]);
+    if (from === null || from === vertex) return;
     const way = pins.chain(this.surface, this.corners, from, vertex);
     if (way) this.choose(pins.pinned(this.question, pin, way));
     else page.status("no edges lead there: it is another part", "failed");
@@ -688,7 +764,19 @@ class App {
     const seam = vertex === null ? undefined : this.map?.seams.find((chain) => chain.includes(vertex));
     if (!seam || !this.tool || this.tool === "cones") return;
     this.chainEnd = null;
+    this.takeBackClicks();
     this.choose(pins.pinned(this.question, this.tool, Array.from(seam)));
+  }
+
+  /** The clicks that a double click begins with have gone on with a chain, which was not meant. */
+  private takeBackClicks(): void {
+    const { at, before } = this.clicked;
+    if (performance.now() - at > DOUBLE) return;
+    while (before && this.question !== before) {
+      const last = this.history.drop();
+      if (!last) return;
+      this.go(last);
+    }
   }
 
   private savePins(): void {
@@ -705,7 +793,7 @@ class App {
     if (!file) return;
     try {
       const text = await file.text();
-      const edges = pins.read(text);
+      const edges = pins.read(text, this.surface, this.corners);
       if (edges) return this.choose({ [edges.pin]: edges.edges });
       const given = page.readCones(text);
       if (!given.length) throw new Error("the file lists no cone");
@@ -720,10 +808,10 @@ class App {
   private async save(kind: "cones" | "obj" | "glb"): Promise<void> {
     const name = this.surface.name.replace(/(\.\w+)?(\.gz)?$/, "");
     try {
-      const blob = await this.source.save(kind, this.question, this.serial);
+      const blob = await this.source.save(kind, this.question);
       page.save(blob, kind === "cones" ? `${name}-cones.txt` : `${name}-uv.${kind}`);
     } catch (error) {
-      if (!(error instanceof Replaced)) page.status((error as Error).message, "failed");
+      page.status(`not saved: ${(error as Error).message}`, "failed");
     }
   }
 }

@@ -18,11 +18,12 @@ export function make(name: string, text = "", className = ""): HTMLElement {
 
 export function about(surface: Surface): void {
   const { vertices, faces, components, genus, boundary_loops } = surface.topology;
-  const thousands = (n: number) => n.toLocaleString("en");
-  const parts = [`${thousands(vertices)} vertices`, `${thousands(faces)} triangles`];
+  const counted = (n: number, one: string, many: string) => `${n.toLocaleString("en")} ${n === 1 ? one : many}`;
+  const parts = [counted(vertices, "vertex", "vertices"), counted(faces, "triangle", "triangles")];
+  if (surface.refined) parts[1] += `, refined to ${counted(surface.points.length / 3, "vertex", "vertices")}, ${counted(surface.triangles.length / 3, "triangle", "triangles")}`;
   if (components > 1) parts.push(`${components} parts`);
   if (genus) parts.push(`genus ${genus}`);
-  if (boundary_loops) parts.push(`${boundary_loops} boundary ${boundary_loops > 1 ? "loops" : "loop"}`);
+  if (boundary_loops) parts.push(counted(boundary_loops, "boundary loop", "boundary loops"));
   byId("name").textContent = byId("name").title = surface.name;
   document.title = `${surface.name} – cones`;
   byId("about").textContent = parts.join(", ");
@@ -94,16 +95,24 @@ export function warnings(sentences: string[]): void {
 }
 
 export function coneList(cones: Cone[], selected: number | null, name: (vertex: number) => number, select: (k: number) => void): void {
-  byId("cones").replaceChildren(...cones.map(({ vertex, curvature }, k) => {
+  listRows(cones.map(({ vertex, curvature }, k) => {
     const row = make("li");
     const button = make("button") as HTMLButtonElement;
     button.type = "button";
+    button.dataset.vertex = String(vertex);
     button.setAttribute("aria-pressed", String(k === selected));
     button.append(make("span", `vertex ${name(vertex)}`), make("span", turns(curvature), curvature < 0 ? "negative" : "positive"));
     button.addEventListener("click", () => select(k));
     row.append(button);
     return row;
   }));
+}
+
+/** The rows of the list, each with a button of a vertex: whoever goes through them by keys stays where they are. */
+export function listRows(rows: HTMLElement[]): void {
+  const focused = (document.activeElement as HTMLElement | null)?.dataset.vertex;
+  byId("cones").replaceChildren(...rows);
+  if (focused !== undefined) byId("cones").querySelector<HTMLElement>(`[data-vertex="${focused}"]`)?.focus({ preventScroll: true });
 }
 
 /** A curvature as a multiple of π. */
@@ -115,6 +124,11 @@ export function status(text: string, how: "" | "busy" | "failed" = ""): void {
   const state = byId("state");
   if (state.textContent !== text) state.textContent = state.title = text;
   state.className = how;
+}
+
+/** How what a click does is used. */
+export function hint(text: string): void {
+  byId("hint").textContent = text;
 }
 
 export function message(view: HTMLElement, text: string): void {
@@ -146,10 +160,14 @@ export function theme(changed: (isDark: boolean) => void): void {
 
 /** The cones of a file of lines `vertex curvature` or `vertex`. */
 export function readCones(text: string): [number, number | null][] {
-  return text.split("\n").map((line) => line.split("#")[0].trim()).filter(Boolean).map((line) => {
+  const cones = text.split("\n").map((line) => line.split("#")[0].trim()).filter(Boolean).map((line): [number, number | null] => {
     const words = line.split(/\s+/);
     const [vertex, curvature] = [Number(words[0]), words.length > 1 ? Number(words[1]) : null];
     if (!Number.isInteger(vertex) || vertex < 0 || words.length > 2 || Number.isNaN(curvature)) throw new Error(`no cone: ${line.slice(0, 60)}`);
     return [vertex, curvature];
   });
+  const vertices = cones.map(([vertex]) => vertex);
+  const twice = vertices.find((vertex, k) => vertices.indexOf(vertex) < k);
+  if (twice !== undefined) throw new Error(`the file lists cone ${twice} twice`);
+  return cones;
 }

@@ -8,7 +8,7 @@ export type Pin = "cut" | "avoid";
 /** The edges of a choice. */
 export type Pins = Pick<Question, Pin>;
 
-/** The first line of a file of edges, which tells what they are for; the command passes over it. */
+/** A comment in a file of edges that tells what they are for; the command passes over it. */
 const HEADS: Record<Pin, string> = {
   cut: "# edges to cut, for --seams",
   avoid: "# edges not to cut, for --avoid",
@@ -57,17 +57,27 @@ export function text(pin: Pin, edges: Edge[]): string {
   return [HEADS[pin], ...edges.map((edge) => edge.join(" "))].join("\n") + "\n";
 }
 
-/** What a file pins, and its edges; nothing where it is a file of something else. */
-export function read(file: string): { pin: Pin; edges: Edge[] } | null {
-  const [head, ...lines] = file.split("\n").map((line) => line.trim());
-  const pin = (["cut", "avoid"] as const).find((pin) => HEADS[pin] === head);
-  if (!pin) return null;
-  const edges = lines.filter((line) => line && !line.startsWith("#")).map((line): Edge => {
+/**
+ * What a file pins, and its edges; nothing where it is a file of something else. Where no comment says what it is for, its lines are edges
+ * to cut if all of them are edges of the surface: curvatures are seldom whole numbers, and never all of them neighbours.
+ */
+export function read(file: string, surface: Surface, corners: Corners): { pin: Pin; edges: Edge[] } | null {
+  const lines = file.split("\n").map((line) => line.trim());
+  const pin = (["cut", "avoid"] as const).find((pin) => lines.includes(HEADS[pin]));
+  const told = lines.map((line) => line.split("#")[0].trim()).filter(Boolean);
+  const edges = told.map((line): Edge | null => {
     const [a, b, ...more] = line.split(/\s+/).map(Number);
-    if (more.length || ![a, b].every((v) => Number.isInteger(v) && v >= 0)) throw new Error(`no edge: ${line.slice(0, 60)}`);
-    return [Math.min(a, b), Math.max(a, b)];
+    return !more.length && [a, b].every((v) => Number.isInteger(v) && v >= 0) ? [Math.min(a, b), Math.max(a, b)] : null;
   });
-  return { pin, edges };
+  const wrong = edges.indexOf(null);
+  if (pin && wrong >= 0) throw new Error(`no edge: ${told[wrong].slice(0, 60)}`);
+  const isPinned = pin || (edges.length > 0 && edges.every((edge) => edge && isEdge(surface, corners, edge)));
+  return isPinned ? { pin: pin ?? "cut", edges: edges as Edge[] } : null;
+}
+
+function isEdge({ triangles }: Surface, { start, corner }: Corners, [a, b]: Edge): boolean {
+  if (Math.max(a, b) >= start.length - 1) return false;
+  return corner.subarray(start[a], start[a + 1]).some((c) => triangles[follow(c)] === b || triangles[follow(follow(c))] === b);
 }
 
 /** Vertices by their distances, the nearest first. */

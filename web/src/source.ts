@@ -12,7 +12,7 @@ export interface Source {
   map(question: Question, serial: number, signal: AbortSignal): Promise<UvMap>;
   /** What the map of a question is like, which that one did not say. */
   measured(question: Question, serial: number, signal: AbortSignal): Promise<Measured>;
-  save(kind: "obj" | "glb" | "cones", question: Question, serial: number): Promise<Blob>;
+  save(kind: "obj" | "glb" | "cones", question: Question): Promise<Blob>;
   /** Wants nothing any more of what was asked before a question of that number. */
   stop(serial: number): void;
 }
@@ -20,12 +20,16 @@ export interface Source {
 /** An answer that a newer question has replaced. */
 export class Replaced extends Error {}
 
+/** A question that has no answer, and why. */
+export class Refused extends Error {}
+
 class Live implements Source {
   readonly isLive = true;
   private readonly tab = Math.random().toString(36).slice(2);
 
   constructor() {
-    addEventListener("pagehide", () => navigator.sendBeacon("leave", JSON.stringify({ tab: this.tab })));
+    // A page that the browser keeps may come back.
+    addEventListener("pagehide", (event) => event.persisted || navigator.sendBeacon("leave", JSON.stringify({ tab: this.tab })));
   }
 
   async surface(): Promise<Surface> {
@@ -36,6 +40,7 @@ class Live implements Source {
       triangles: data.words("triangles"),
       factor: data.floats("factor"),
       vertex: null,
+      usable: data.bytes("usable"),
     };
   }
 
@@ -69,8 +74,9 @@ class Live implements Source {
     return { meta: data.meta, logArea: data.floats("log_area"), stretch: data.floats("stretch") };
   }
 
-  async save(kind: string, question: Question, serial: number): Promise<Blob> {
-    return (await this.ask(`save/${kind}`, { ...question, serial })).blob();
+  /** Asked for apart from maps, so that no other choice stops it. */
+  async save(kind: string, question: Question): Promise<Blob> {
+    return (await this.ask(`save/${kind}`, { ...question, serial: 0, tab: `${this.tab}-saves` })).blob();
   }
 
   stop(serial: number): void {
@@ -84,7 +90,7 @@ class Live implements Source {
       throw new Error(`cones view does not answer: is it still running? (${error.message})`);
     });
     if (answer.status === 409) throw new Replaced();
-    if (!answer.ok) throw new Error(await answer.text());
+    if (!answer.ok) throw new Refused(await answer.text());
     return answer;
   }
 }
@@ -117,6 +123,7 @@ class Stored implements Source {
       factor: packed.values(this.data.bytes("factor"), this.from, 1, meta.factor),
       triangles: this.corners,
       vertex: this.vertex,
+      usable: null,
     };
   }
 
@@ -142,7 +149,7 @@ class Stored implements Source {
     return {
       meta: meta.map!,
       measured: {
-        meta: meta.measured!,
+        meta: { ...meta.measured!, predicted: meta.predicted },
         logArea: packed.logarithms(bytes("log_area"), this.data.meta.most_log_area),
         stretch: packed.logarithms(bytes("stretch"), this.data.meta.most_log_stretch).map(Math.exp),
       },

@@ -76,6 +76,36 @@ function writeFields(folder) {
   writeFileSync(join(folder, "net.edges.csv"), "a,b\n0,1\n1,2\n2,3\n3,4\n");
 }
 
+/** Fields whose numbers are hard to write: large whole ones, ones that differ late, infinite ones; of three parts, the least of which has a pair that ends. */
+function writeHardFields(folder) {
+  const bump = (k) => Math.sin(0.8 * k) + 0.3 * Math.sin(0.31 * k);
+  const values = (of) => Array.from({ length: 120 }, (_, k) => of(bump(k), k)).join("\n");
+  writeFileSync(join(folder, "whole.txt"), values((b) => Math.round(52736 + 20000 * b)));
+  writeFileSync(join(folder, "late.txt"), values((b) => (1e9 + 0.3 * b).toFixed(4)));
+  const array = (of) => {
+    const head = "{'descr': '<f8', 'fortran_order': False, 'shape': (120,), }".padEnd(117) + "\n";
+    const numbers = Float64Array.from({ length: 120 }, (_, k) => of(bump(k), k));
+    return Buffer.concat([Buffer.from("\x93NUMPY\x01\x00v\x00", "latin1"), Buffer.from(head), Buffer.from(numbers.buffer)]);
+  };
+  writeFileSync(join(folder, "infinite.npy"), array((b, k) => (k === 50 ? -Infinity : 5 + b)));
+  writeFileSync(join(folder, "parts.npy"), array((b, k) => (k === 70 || k === 90 ? NaN : k > 70 ? 0.01 * b : 5 * b)));
+}
+
+/** A cylinder of long triangles, and two tetrahedra that share a vertex. */
+function writeHardMeshes(folder) {
+  const sides = 40;
+  const at = (k, z) => [Math.cos((2 * Math.PI * k) / sides), Math.sin((2 * Math.PI * k) / sides), z].map((x) => x.toFixed(6)).join(" ");
+  const facets = Array.from({ length: sides }, (_, k) => [
+    [at(k, -1.5), at(k + 1, -1.5), at(k + 1, 1.5)], [at(k, -1.5), at(k + 1, 1.5), at(k, 1.5)], [at(k, 1.5), at(k + 1, 1.5), "0 0 1.5"], [at(k + 1, -1.5), at(k, -1.5), "0 0 -1.5"],
+  ]).flat();
+  const facet = (points) => `facet normal 0 0 0\nouter loop\n${points.map((p) => `vertex ${p}\n`).join("")}endloop\nendfacet`;
+  writeFileSync(join(folder, "needles.stl"), `solid needles\n${facets.map(facet).join("\n")}\nendsolid needles\n`);
+  const points = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1], [-1, 0, 0], [0, -1, 0], [0, 0, -1]];
+  const faces = [[1, 3, 2], [1, 2, 4], [1, 4, 3], [2, 3, 4], [1, 6, 5], [1, 5, 7], [1, 7, 6], [5, 6, 7]];
+  writeFileSync(join(folder, "fans.obj"), [...points.map((p) => `v ${p.join(" ")}`), ...faces.map((f) => `f ${f.join(" ")}`)].join("\n"));
+  writeFileSync(join(folder, "one.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+}
+
 /** The arrays of what the server sends, by name. */
 function arrays(body) {
   const length = body.readUInt32LE(0);
@@ -149,6 +179,12 @@ async function flaws(page) {
         if (box.left < frame.left - 1 || box.right > frame.right + 1) found.push(`${text.textContent} of a chart is cut off`);
       }
     }
+    const theme = document.querySelector("#theme").getBoundingClientRect();
+    const words = document.createRange();
+    words.selectNodeContents(document.querySelector("#about"));
+    for (const box of words.getClientRects()) {
+      if (Math.min(box.right, theme.right) - Math.max(box.left, theme.left) > 1 && Math.min(box.bottom, theme.bottom) - Math.max(box.top, theme.top) > 1) found.push("the switch covers what is said of the surface");
+    }
     const buttons = all.filter((element) => element.matches("button, select") && !element.closest("figure"));
     buttons.forEach((a, k) => buttons.slice(k + 1).forEach((b) => {
       const [p, q] = [a.getBoundingClientRect(), b.getBoundingClientRect()];
@@ -159,12 +195,31 @@ async function flaws(page) {
   });
 }
 
-const server = spawn(program, ["view", mesh, "--no-open", "-n", "8"]);
-server.stderr.on("data", (data) => process.stderr.write(data));
-const url = await new Promise((found, failed) => {
-  server.stdout.once("data", (data) => found(String(data).trim()));
-  server.once("exit", () => failed(new Error("cones view has ended")));
-});
+/** A server and its address. */
+async function serve(...args) {
+  const server = spawn(program, ["view", "--no-open", ...args]);
+  server.stderr.on("data", (data) => process.stderr.write(data));
+  const url = await new Promise((found, failed) => {
+    server.stdout.once("data", (data) => found(String(data).trim()));
+    server.once("exit", () => failed(new Error("cones view has ended")));
+  });
+  return { server, url };
+}
+
+/** A page of a server of its own, for as long as it is used. */
+async function served(browser, args, use) {
+  const { server, url } = await serve(...args);
+  try {
+    const page = await open(browser, url);
+    await firstMap(page);
+    await use(page);
+    await page.context().close();
+  } finally {
+    server.kill();
+  }
+}
+
+const { server, url } = await serve(mesh, "-n", "8");
 const browser = await chromium.launch({ executablePath, headless: true, args: [...flags, ...drawing] });
 const comparable = areComparable(browser.version());
 try {
@@ -307,6 +362,100 @@ try {
     await page.waitForFunction(() => /^\d+\.\d{3}$/.test(document.querySelector("#numbers").rows[0].cells[1].textContent), null, { timeout: 5000 });
     await page.click("#edit");
   });
+  await test("a map that comes with other cones while one is chosen or dragged changes no other", async () => {
+    const listed = () => page.locator("#cones li button").evaluateAll((rows) => rows.map((row) => Number(row.dataset.vertex)));
+    /** Asks for so many cones, whose map comes when it is let, and has more cones and other ones. */
+    const asked = async (n) => {
+      let let_go;
+      const waits = new Promise((go) => (let_go = go));
+      await page.route("**/map", async (route) => {
+        await waits;
+        await route.continue({ postData: JSON.stringify({ ...route.request().postDataJSON(), n: n + 9, method: "iterative" }) });
+      }, { times: 1 });
+      await page.fill("#count", String(n));
+      await page.press("#count", "Enter");
+      await page.waitForTimeout(300);
+      return let_go;
+    };
+    let come = await asked(11);
+    const foreseen = await listed();
+    const k = 5;
+    await page.locator("#cones li button").nth(k).click();
+    await afterMap(page, come);
+    assert.notDeepEqual(await listed(), foreseen);
+    const selected = await page.locator("#cones li button[aria-pressed=true]").evaluateAll((rows) => rows.map((row) => Number(row.dataset.vertex)));
+    assert.deepEqual(selected, (await listed()).includes(foreseen[k]) ? [foreseen[k]] : []);
+    await page.click("#edit");
+    for (const goesOn of [true, false]) {
+      come = await asked(goesOn ? 12 : 13);
+      const before = await listed();
+      // One that is in sight, by its mark.
+      let at = null;
+      for (let k = 0; k < before.length && !at; k++) {
+        await page.locator("#cones li button").nth(k).click();
+        const mark = page.locator("#surface .mark:not(.behind)");
+        const box = (await mark.count()) && (await mark.boundingBox());
+        if (box) at = { vertex: before[k], x: box.x + 11, y: box.y + 11 };
+      }
+      await page.mouse.move(at.x, at.y);
+      await page.mouse.down();
+      await page.mouse.move(at.x + 12, at.y + 9, { steps: 3 });
+      await afterMap(page, come);
+      if (goesOn) await page.mouse.move(at.x + 20, at.y + 14, { steps: 3 });
+      const [request] = await Promise.all([page.waitForRequest((request) => request.url().endsWith("/map")), afterMap(page, () => page.mouse.up())]);
+      const after = request.postDataJSON().given.map(([vertex]) => vertex);
+      assert.deepEqual(before.filter((vertex) => !after.includes(vertex)), [at.vertex], "the dragged one has moved");
+      assert.equal(after.length, before.length, "and all others are as they were shown");
+    }
+    await page.click("#edit");
+    await afterMap(page, () => page.fill("#count", "5").then(() => page.press("#count", "Enter")));
+  });
+  await test("a tool that is taken and laid down while a map is computed does not say that it is there", async () => {
+    let come;
+    const waits = new Promise((go) => (come = go));
+    await page.route("**/map", (route) => waits.then(() => route.continue()), { times: 1 });
+    await page.locator("#slider").press("ArrowRight");
+    await page.click("#edit");
+    assert.match(await page.textContent("#hint"), /click adds a cone/);
+    assert.equal(await state(page), "computing the map …");
+    await page.click("#edit");
+    assert.equal(await page.textContent("#hint"), "");
+    assert.equal(await state(page), "computing the map …");
+    await afterMap(page, come);
+    assert.equal(await state(page), "exact map");
+    await afterMap(page, () => page.locator("#slider").press("ArrowLeft"));
+  });
+  await test("a save is done though another choice is made meanwhile", async () => {
+    let come;
+    const waits = new Promise((go) => (come = go));
+    await page.route("**/save/cones", (route) => waits.then(() => route.continue()), { times: 1 });
+    await page.fill("#count", "23");
+    await page.press("#count", "Enter");
+    const saved = page.waitForEvent("download");
+    await page.click("#save-cones");
+    await afterMap(page, () => page.fill("#count", "5").then(() => page.press("#count", "Enter")));
+    come();
+    const path = join(folder, "saved.txt");
+    await (await saved).saveAs(path);
+    assert.equal(readFileSync(path, "utf8").trim().split("\n").filter((line) => !line.startsWith("#")).length, 23);
+  });
+  await test("a cone that is chosen by keys keeps the focus, F fits both views from anywhere", async () => {
+    await page.locator("#cones li button").nth(2).focus();
+    await page.keyboard.press("Enter");
+    assert.equal(await page.evaluate(() => [...document.querySelectorAll("#cones button")].indexOf(document.activeElement)), 2);
+    await page.keyboard.press("Escape");
+    const look = () => page.locator("#atlas canvas").screenshot();
+    const before = await look();
+    await page.locator("#atlas canvas").hover();
+    await page.mouse.wheel(0, -600);
+    await page.waitForTimeout(300);
+    await page.mouse.move(2, 2);
+    const near = await look();
+    assert.ok(!before.equals(near));
+    await page.keyboard.press("f");
+    await page.waitForTimeout(300);
+    assert.ok(!near.equals(await look()));
+  });
   await test("seams are pinned along chains, kept through other changes, undone, saved and loaded", async () => {
     const box = await page.locator("#surface canvas").boundingBox();
     const at = (x, y) => page.mouse.click(box.x + x * box.width, box.y + y * box.height);
@@ -350,6 +499,24 @@ try {
     assert.equal(await pins(), false);
     const again = await mapOf(() => page.setInputFiles("#file", files[0]));
     assert.deepEqual(again.question.cut, cut);
+    // By hand nobody writes the heading first, or at all.
+    const lines = readFileSync(files[0], "utf8").trim().split("\n");
+    for (const [name, text] of [["plain.txt", lines.slice(1)], ["late.txt", ["# mine", ...lines]]]) {
+      await afterMap(page, () => page.click("#unpin"));
+      writeFileSync(join(folder, name), text.join("\n"));
+      assert.deepEqual((await mapOf(() => page.setInputFiles("#file", join(folder, name)))).question.cut, cut, name);
+      for (let k = 0; k < 2; k++) await afterMap(page, () => page.click("#undo"));
+    }
+    writeFileSync(join(folder, "twice.txt"), "5\n6\n7\n5\n");
+    await page.setInputFiles("#file", join(folder, "twice.txt"));
+    await page.waitForSelector("#state.failed");
+    assert.equal(await state(page), "the file lists cone 5 twice");
+    // What the server refuses is not chosen.
+    writeFileSync(join(folder, "none.txt"), "# edges to cut, for --seams\n1 2000\n");
+    await afterMap(page, () => page.setInputFiles("#file", join(folder, "none.txt")));
+    assert.match(await state(page), /there is no edge/);
+    assert.ok((await pins()) && (await page.isEnabled("#undo")));
+    complaints.splice(0, complaints.length, ...complaints.filter((text) => !text.includes("422")));
     for (let k = 0; k < 2; k++) await afterMap(page, () => page.click("#undo"));
     assert.ok(await pins(), "what was unpinned is pinned again");
     for (let k = 0; k < 3; k++) await afterMap(page, () => page.click("#undo"));
@@ -381,6 +548,10 @@ try {
     const [x, y] = [box.x + 0.5 * box.width + (u - 0.5) * unit, box.y + 0.5 * box.height - (v - 0.5) * unit];
     const { avoid } = await asked(() => page.mouse.dblclick(x, y));
     assert.deepEqual(avoid.map(String).sort(), edgesOf(seam).sort(), "a seam from end to end");
+    await afterMap(page, () => page.click("#undo"));
+    await at(0.5, 0.5);
+    const open = await asked(() => page.mouse.dblclick(x, y));
+    assert.deepEqual(open.avoid.map(String).sort(), edgesOf(seam).sort(), "and not the way to it from where a chain was begun");
     for (let k = 0; k < 3; k++) await afterMap(page, () => page.click("#undo"));
     await page.click("#avoid");
     assert.equal(await page.isDisabled("#unpin"), true);
@@ -393,7 +564,8 @@ try {
       return path;
     };
     const cones = await save("#save-cones");
-    assert.equal(readFileSync(cones, "utf8").trim().split("\n").length, 7);
+    const count = await page.locator("#cones li").count();
+    assert.equal(readFileSync(cones, "utf8").trim().split("\n").length, count + 1);
     const obj = await save("#save-obj");
     assert.match(readFileSync(obj, "utf8"), /^vt /m);
     const measured = spawnSync(program, ["measure", obj, "--json"], { encoding: "utf8" });
@@ -401,7 +573,7 @@ try {
     assert.equal(readFileSync(await save("#save-glb")).subarray(0, 4).toString(), "glTF");
     await afterMap(page, () => page.locator("#slider").press("ArrowRight"));
     await afterMap(page, () => page.setInputFiles("#file", cones));
-    assert.equal(await page.locator("#cones li").count(), 6);
+    assert.equal(await page.locator("#cones li").count(), count);
     writeFileSync(join(folder, "wrong.txt"), "here no cones\n");
     await page.setInputFiles("#file", join(folder, "wrong.txt"));
     await page.waitForSelector("#state.failed");
@@ -475,10 +647,11 @@ try {
     }
   }
 
-  for (const [name, viewport] of [["desk", { width: 1280, height: 800 }], ["phone", { width: 390, height: 844 }], ["wide", { width: 1920, height: 1080 }]]) {
+  const sizes = [["desk", 1280, 800], ["laptop", 1024, 768], ["tablet", 900, 700], ["phone", 390, 844], ["wide", 1920, 1080]];
+  for (const [name, width, height] of sizes) {
     for (const colorScheme of ["light", "dark"]) {
       await test(`nothing is cut off or covered: ${name}, ${colorScheme}`, async () => {
-        const other = await open(browser, url, { viewport, colorScheme });
+        const other = await open(browser, url, { viewport: { width, height }, colorScheme });
         await firstMap(other);
         assert.deepEqual(await flaws(other), []);
         await other.click("[data-mode=area]");
@@ -516,7 +689,7 @@ try {
       if (await file.isHidden("#badge")) stored.add(n + 1);
     }
     assert.ok(stored.size >= 4, `${[...stored]}`);
-    assert.equal(await file.isVisible("#edit"), false);
+    for (const id of ["#edit", "#add", "#auto"]) assert.equal(await file.isVisible(id), false);
     assert.deepEqual(asked, []);
     await picture(file, "report");
     await context.close();
@@ -532,6 +705,60 @@ try {
     assert.equal(await file.inputValue("#count"), String(chosen));
     assert.equal(await file.textContent("#numbers tr:first-child td:last-child"), predicted_area.toFixed(3));
     await file.close();
+  });
+
+  await test("as many cones as the surface asks for can be chosen again, with what is predicted for them", async () => {
+    const made = spawnSync(program, ["unwrap", mesh, "-o", join(folder, "out.obj"), "--json"], { encoding: "utf8" });
+    const { chosen, predicted_area } = JSON.parse(made.stdout).number;
+    await served(browser, [mesh], async (page) => {
+      const shown = () => Promise.all([page.inputValue("#count"), page.textContent("#numbers tr:first-child td:last-child"), page.getAttribute("#auto", "aria-pressed")]);
+      const automatic = [String(chosen), predicted_area.toFixed(3), "true"];
+      assert.deepEqual(await shown(), automatic);
+      await page.waitForSelector("#curve polyline[points*=' ']", { timeout: 60_000 });
+      await page.waitForTimeout(300);
+      assert.deepEqual(await shown(), automatic, "also when the curve is known");
+      await afterMap(page, () => page.fill("#count", "20").then(() => page.press("#count", "Enter")));
+      assert.notDeepEqual(await shown(), automatic);
+      await afterMap(page, () => page.click("#auto"));
+      assert.deepEqual(await shown(), automatic);
+    });
+  });
+  writeHardMeshes(folder);
+  await test("on a refined model cones are put where they can be, and it is said that it is refined", async () => {
+    await served(browser, [join(folder, "needles.stl"), "-n", "6"], async (page) => {
+      assert.match(await page.textContent("#about"), /^82 vertices, 160 triangles, refined to [\d,]+ vertices/);
+      assert.match(await page.textContent("#warnings"), /refined to even triangles/);
+      for (const id of ["#cut", "#avoid"]) {
+        assert.ok(await page.isDisabled(id));
+        assert.match(await page.getAttribute(id, "title"), /even triangles/);
+      }
+      await page.click("#edit");
+      const box = await page.locator("#surface canvas").boundingBox();
+      for (let k = 0; k < 12; k++) {
+        const before = await page.locator("#cones li").count();
+        await afterMap(page, () => page.mouse.click(box.x + (0.4 + 0.017 * k) * box.width, box.y + (0.35 + 0.031 * ((5 * k) % 7)) * box.height));
+        assert.equal(await state(page), "exact map");
+        assert.equal(await page.locator("#cones li").count(), before + 1);
+      }
+    });
+  });
+  await test("what was mended is told in the page and in a report", async () => {
+    const fans = /1 vertex with several fans of faces, opened/;
+    await served(browser, [join(folder, "fans.obj")], async (page) => assert.match(await page.textContent("#warnings"), fans));
+    spawnSync(program, ["unwrap", join(folder, "fans.obj"), "-o", join(folder, "out.obj"), "--report", report, "-q"]);
+    const file = await browser.newPage();
+    await file.goto(`file://${report}`);
+    await firstMap(file);
+    assert.match(await file.textContent("#warnings"), fans);
+    await file.close();
+    // So few vertices bear no cones that could be foreseen.
+    complaints.splice(0, complaints.length, ...complaints.filter((text) => !text.includes("422")));
+  });
+  await test("where there is nothing to find nothing is said to be found", async () => {
+    await served(browser, [join(folder, "one.obj")], async (page) => {
+      assert.equal(await page.textContent("#about"), "3 vertices, 1 triangle, 1 boundary loop");
+      await page.waitForFunction(() => !["#curve", "#diagram"].some((chart) => document.querySelector(chart).textContent.includes("being found")), null, { timeout: 5000 });
+    });
   });
 
   // Fields: a mesh, a picture, a volume, a series.
@@ -583,6 +810,39 @@ try {
         assert.equal(await differs(file, "field"), "");
       }
       await context.close();
+    });
+  }
+  writeHardFields(folder);
+  const hard = [
+    ["whole.txt", /values from 26972 to 78251$/, /^Maximum at\d+Value, birth7\d{4}Saddle/],
+    ["late.txt", /values from 999999999\.\d+ to 1000000000\.\d+$/, /birth1000000000\.\d+Saddle/],
+    ["infinite.npy", /values from 3\.\d+ to 6\.\d+$/, /^Minimum at50Value, birth−∞Saddle/],
+    ["parts.npy", /values from -\d/, /Saddle atnone/],
+  ];
+  for (const [name, about, numbers] of hard) {
+    await test(`numbers are written as they are, and nothing is cut off: ${name}`, async () => {
+      const html = join(folder, "hard.html");
+      const made = spawnSync(program, ["persistence", join(folder, name), "--nan", "mask", "--report", html], { encoding: "utf8" });
+      assert.equal(made.status, 0, made.stderr);
+      const file = await open(browser, `file://${html}`, { offline: true });
+      await firstMap(file);
+      if (name === "infinite.npy") await file.selectOption("#direction", "0");
+      assert.match(await file.textContent("#about"), about);
+      await file.click("#cones li:first-child button");
+      assert.match(await file.textContent("#numbers"), numbers);
+      await file.click("[data-mode=values]");
+      assert.deepEqual(await flaws(file), []);
+      if (name === "parts.npy") {
+        const marked = async () => [await file.inputValue("#count"), await file.locator("#cones li").count(), await file.locator("#tree circle").count()].map(String);
+        for (let k = 0; k < 3; k++) await file.locator("#slider").press("ArrowLeft");
+        const never = file.locator("#cones li").filter({ hasText: "" });
+        assert.ok((await never.count()) >= 3, "all three parts are there at every level");
+        assert.equal(new Set(await marked()).size, 1);
+        await file.locator("#cones li").nth(2).locator("button").click();
+        assert.match(await file.textContent("#numbers"), /Saddle atnone/);
+      }
+      await picture(file, `hard-${name}`);
+      await file.context().close();
     });
   }
   await test("a network is seen with its tree, bars and pairs, and its nodes by their names", async () => {

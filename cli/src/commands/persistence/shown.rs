@@ -2,7 +2,8 @@
 //!
 //! Segments are told level by level: one for each of some numbers of extrema, where all less persistent ones have joined
 //! others. Levels are nested, so that a vertex is given with its basin at the finest of them, and each level says which extremum each of these
-//! basins belongs to there.
+//! basins belongs to there. Essential classes survive at every level, whatever the range of their component: they stand first, so that those
+//! that survive are always the first pairs.
 
 use super::explain;
 use super::field::{DomainField, Places, on};
@@ -84,9 +85,9 @@ fn direction(
 
 /// One direction, with a basin for every vertex.
 fn told<S: FieldScalar>(tree: &MergeTree<usize, S>, list: &PairList, vertices: usize) -> FieldDirection {
-    let pairs = &list.pairs[..list.pairs.len().min(MOST_PAIRS)];
-    let number: HashMap<usize, u32> = (0..).zip(pairs).map(|(k, pair)| (pair.extremum, k)).collect();
-    let thresholds = thresholds(pairs, list.floor);
+    let pairs: Vec<Pair> = list.essential().chain(list.finite()).take(MOST_PAIRS).copied().collect();
+    let number: HashMap<usize, u32> = (0..).zip(&pairs).map(|(k, pair)| (pair.extremum, k)).collect();
+    let thresholds = thresholds(&pairs, list.floor);
     let finest = tree.segmentation(S::threshold(thresholds.last().copied().unwrap_or(0.0)));
     let (mut levels, mut survivors) = (Vec::new(), Vec::new());
     for threshold in thresholds {
@@ -96,15 +97,17 @@ fn told<S: FieldScalar>(tree: &MergeTree<usize, S>, list: &PairList, vertices: u
             extremum.and_then(|extremum| number.get(&extremum).copied()).unwrap_or(NO_SEGMENT)
         };
         survivors.extend(finest.extrema().iter().map(survivor));
-        levels.push(json!({ "n": level.extrema().len(), "threshold": threshold }));
+        // Of many essential classes only so many may be wanted.
+        let n = level.extrema().iter().filter(|&extremum| number.contains_key(extremum)).count();
+        levels.push(json!({ "n": n, "threshold": value(threshold) }));
     }
     let basin = |v| finest.label(v).map_or(NO_SEGMENT, |label| label as u32);
     let parents: HashMap<usize, usize> =
         tree.branches().into_iter().filter_map(|branch| Some((branch.pair.extremum, branch.parent?))).collect();
     let row = |pair: &Pair| -> Value {
         let parent = parents.get(&pair.extremum).and_then(|parent| number.get(parent));
-        let death = pair.death.map(|death| death.to_f64());
-        json!([pair.extremum, pair.saddle, pair.birth.to_f64(), death, pair.persistence.to_f64(), parent])
+        let [birth, persistence] = [pair.birth, pair.persistence].map(|number| value(number.to_f64()));
+        json!([pair.extremum, pair.saddle, birth, pair.death.map(|death| value(death.to_f64())), persistence, parent])
     };
     let meta = json!({
         "kind": list.kind.name(),
@@ -114,6 +117,15 @@ fn told<S: FieldScalar>(tree: &MergeTree<usize, S>, list: &PairList, vertices: u
         "basins": finest.extrema().len(),
     });
     FieldDirection { meta, basins: (0..vertices).map(basin).collect(), survivors }
+}
+
+/// A value as the page reads it: JSON has no number that is infinite.
+fn value(number: f64) -> Value {
+    match number {
+        f64::INFINITY => json!("Infinity"),
+        f64::NEG_INFINITY => json!("-Infinity"),
+        _ => json!(number),
+    }
 }
 
 /// For each level the persistence that its extrema are above, rising in their number; the last is `floor`.
@@ -179,6 +191,38 @@ mod tests {
                     assert_eq!(list.pairs[pair as usize].extremum, segments.extrema()[label.unwrap()]);
                 }
             }
+        }
+    }
+
+    #[test]
+    fn the_first_pairs_survive_each_level_though_some_never_end() {
+        // Two strips, one of small values that never end and one of large ones that do.
+        let mut values: Vec<f64> = (0..200).map(|k| 5.0 * (0.7 * k as f64).sin() + 0.1 * k as f64).collect();
+        values.extend((0..200).map(|k| 0.01 * (0.9 * k as f64).sin()));
+        values[199] = f64::NAN;
+        values[60] = f64::NEG_INFINITY;
+        let subject = DomainField {
+            path: PathBuf::from("strips"),
+            domain: super::super::field::Domain::Plane(topo::Grid::new([1, 400], Connectivity::Freudenthal)),
+            values: Values::F64(values),
+            places: Places::Array(vec![1, 400]),
+            grid: None,
+        };
+        let options = PersistenceOptions::new().nan(topo::NanPolicy::Mask);
+        let list =
+            PairList::new(&subject, Kind::Minimum, &Wanted { options, min_persistence: 0.0, top: None }).unwrap();
+        assert_eq!(list.essential, 2);
+        let shown = direction(&subject, &list, options).unwrap();
+        let pairs = shown.meta["pairs"].as_array().unwrap();
+        assert!(pairs.iter().any(|pair| pair[2] == "-Infinity"));
+        let levels = shown.meta["levels"].as_array().unwrap();
+        let basins = shown.meta["basins"].as_u64().unwrap() as usize;
+        assert!(levels.len() > 5);
+        for (k, level) in levels.iter().enumerate() {
+            let mut seen: Vec<u32> = shown.survivors[k * basins..][..basins].to_vec();
+            seen.sort_unstable();
+            seen.dedup();
+            assert_eq!(seen, (0..level["n"].as_u64().unwrap() as u32).collect::<Vec<_>>());
         }
     }
 

@@ -4,9 +4,13 @@ use super::unwrapped::{corner_uv, vertices};
 use crate::error::CommandError;
 use crate::page;
 use crate::render::{Mark, Scene, extent};
-use crate::report::{SCHEMA, Times};
+use crate::report::table::counted;
+use crate::report::{SCHEMA, Times, repair_text};
 use cones::report::{Quality, UvSize, sentences};
-use cones::{Analysis, Atlas, Cone, CurvatureRule, MOST_ORDERED, ModelExtremum, Options, Placement};
+use cones::{
+    Analysis, Atlas, Cone, ConeChoice, CurvatureRule, MOST_ORDERED, ModelExtremum, Note, Options, Placement,
+    RefinedModel,
+};
 use geom::{Model, Triangles, Watch};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
@@ -78,6 +82,12 @@ impl<'a> Subject<'a> {
         }
     }
 
+    /// For each vertex whether it can be a cone. In a refined model those cannot that the map's own even triangles lack, and nowhere those
+    /// that are on no surface.
+    pub(crate) fn usable(&self) -> Vec<u8> {
+        self.analysis.conformal_factor().iter().map(|factor| u8::from(!factor.is_nan())).collect()
+    }
+
     /// What the page says of the surface.
     pub(crate) fn meta(&self, chosen: &Chosen) -> Value {
         let methods = Placement::ALL.iter().filter(|placement| **placement != Placement::Refactoring);
@@ -93,8 +103,21 @@ impl<'a> Subject<'a> {
             "most": self.most(),
             "methods": methods,
             "chosen": chosen,
-            "warnings": sentences(self.analysis.notes(), topology.components),
+            "refined": self.analysis.refined().is_some(),
+            "warnings": self.warnings(self.analysis.notes()),
         })
+    }
+
+    /// What was mended, whether it was refined, and notes, as sentences.
+    fn warnings(&self, notes: &[Note]) -> Vec<String> {
+        let repairs = self.analysis.repairs().iter().map(repair_text);
+        let refined = self.analysis.refined().map(|RefinedModel { model, is_complete, .. }| {
+            let vertices = counted(model.vertex_count(), "vertex", "vertices");
+            let triangles = counted(model.face_count(), "triangle", "triangles");
+            let how = if *is_complete { "to even triangles" } else { "in part" };
+            format!("refined {how}; shown and saved as {vertices}, {triangles}")
+        });
+        repairs.chain(refined).chain(sentences(notes, self.analysis.topology().components)).collect()
     }
 
     /// What is known of a method's cones before they are flattened. Where it has no order of its own, or one that takes long, they are
@@ -195,6 +218,7 @@ impl<'a> Subject<'a> {
     /// What the page says of a map at once.
     pub(crate) fn map_meta(&self, shown: &Shown, options: &Options) -> Value {
         let Shown { atlas, .. } = shown;
+        let warnings = [self.warnings(&atlas.notes), on_seams(atlas)].concat();
         json!({
             "cones": atlas.cones,
             "method": options.method_name(),
@@ -203,14 +227,37 @@ impl<'a> Subject<'a> {
             "tiles": atlas.tiles,
             "fill": atlas.fill,
             "times": Times::default().with(atlas.times),
-            "warnings": sentences(&atlas.notes, self.analysis.topology().components),
+            "warnings": warnings,
         })
+    }
+
+    /// The area distortion that is predicted for the cones of a map: they are others than those of the curve.
+    pub(crate) fn predicted(&self, options: &Options, atlas: &Atlas) -> Option<f64> {
+        if let Some(number) = &atlas.number {
+            return Some(number.predicted);
+        }
+        let given = atlas.cones.iter().map(|cone| (cone.vertex, Some(cone.curvature))).collect();
+        let options = Options { cones: ConeChoice::Given(given), ..options.clone() };
+        self.analysis.choose(&options).ok().map(|cones| cones.prediction().area_distortion)
     }
 
     /// What the page says of a map when it is measured.
     pub(crate) fn measured_meta(quality: &Quality) -> Value {
         json!({ "distortion": quality.distortion, "islands": quality.islands.len() })
     }
+}
+
+/// What became of handles, limbs and the two sides of seams.
+fn on_seams(atlas: &Atlas) -> Vec<String> {
+    let handles = counted(atlas.opened_handles, "handle is", "handles are");
+    let necks = counted(atlas.necks, "neck", "necks");
+    let mismatch = 100.0 * atlas.seam_figures.mean_mismatch();
+    let told = [
+        (atlas.opened_handles, format!("{handles} opened along short loops, whose sides fit in length alone")),
+        (atlas.necks, format!("limbs are cut off at {necks}, as no affordable number of cones keeps lengths")),
+        (atlas.freed, format!("seams are free: the lengths of their two sides differ by {mismatch:.1} %")),
+    ];
+    told.into_iter().filter(|(count, _)| *count > 0).map(|(_, sentence)| sentence).collect()
 }
 
 /// Cones of a method for every number of them.

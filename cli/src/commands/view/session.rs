@@ -44,7 +44,7 @@ impl<'a> Session<'a> {
         let built = |builder: ThreadPoolBuilder| {
             builder.build().map_err(|error| CommandError::Threads(std::io::Error::other(error)))
         };
-        let surface = subject.surface().container(subject.meta(chosen)).finish();
+        let surface = subject.surface().container(subject.meta(chosen)).bytes("usable", &subject.usable()).finish();
         let quick = built(ThreadPoolBuilder::new().num_threads(1))?;
         let thorough = built(ThreadPoolBuilder::new().num_threads(threads).start_handler(|_| limits::give_way()))?;
         Ok(Self { subject, surface, tabs: Tabs::default(), quick, thorough, maps: Maps::default() })
@@ -130,9 +130,14 @@ impl<'a> Session<'a> {
         let turn = self.tabs.turn(&question.tab, question.serial);
         let goes_on = |_| turn.goes_on();
         let watch = Watch::new(&goes_on);
-        let quality = self.thorough.install(|| self.subject.measure(&shown.uv, &shown.atlas.cones, watch));
-        let quality = quality.map_err(|error| refused(&error))?;
-        let container = self.subject.stretches(&quality).container(Subject::measured_meta(&quality));
+        let found = self.thorough.install(|| {
+            let quality = self.subject.measure(&shown.uv, &shown.atlas.cones, watch)?;
+            Ok((quality, self.subject.predicted(&options, &shown.atlas)))
+        });
+        let (quality, predicted) = found.map_err(|error| refused(&error))?;
+        let mut meta = Subject::measured_meta(&quality);
+        meta["predicted"] = json!(predicted);
+        let container = self.subject.stretches(&quality).container(meta);
         Ok(Response::new(BYTES, container.finish()))
     }
 
