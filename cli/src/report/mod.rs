@@ -6,6 +6,7 @@ pub(crate) mod table;
 mod text;
 
 pub(crate) use hierarchy_file::{HierarchyFile, rows as hierarchy_rows};
+pub(crate) use seams::on_seams;
 pub(crate) use text::{distortion_text, overlap_text, repair_text};
 
 use cones::report::Report;

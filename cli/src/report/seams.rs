@@ -1,30 +1,29 @@
 //! Lines on seams.
 
-use super::table::labelled;
+use super::table::{counted, labelled};
 use cones::report::{SeamReport, TilingReport};
 
 /// A line where handles were opened, one where limbs were cut off, one where seams are free, and one where tiling was asked for.
 pub(super) fn seam_text(seams: &SeamReport) -> String {
-    let opened = match seams.opened_handles {
-        0 => String::new(),
-        1 => labelled("handles", "1 opened along a short loop, whose sides fit in length alone"),
-        count => labelled("handles", &format!("{count} opened along short loops, whose sides fit in length alone")),
-    };
-    let necks = match seams.necks {
-        0 => String::new(),
-        1 => labelled("limbs", "cut off at 1 neck, as no affordable number of cones keeps lengths"),
-        count => {
-            labelled("limbs", &format!("cut off at {count} necks, as no affordable number of cones keeps lengths"))
-        }
-    };
-    let freed = match seams.freed_parts {
-        0 => String::new(),
-        _ => labelled(
-            "seams",
-            &format!("free: the lengths of their two sides differ by {:.1} %", 100.0 * seams.mismatch),
+    let lines: String = on_seams(seams).into_iter().map(|(label, text)| labelled(label, &text)).collect();
+    lines + &seams.tiling.map_or_else(String::new, tiling_text)
+}
+
+/// What became of handles, limbs and the two sides of seams, and of which it is said.
+pub(crate) fn on_seams(seams: &SeamReport) -> Vec<(&'static str, String)> {
+    let loops = if seams.opened_handles == 1 { "a short loop" } else { "short loops" };
+    let necks = counted(seams.necks, "neck", "necks");
+    let mismatch = 100.0 * seams.mismatch;
+    let told = [
+        (
+            seams.opened_handles,
+            "handles",
+            format!("{} opened along {loops}, whose sides fit in length alone", seams.opened_handles),
         ),
-    };
-    opened + &necks + &freed + &seams.tiling.map_or_else(String::new, tiling_text)
+        (seams.necks, "limbs", format!("cut off at {necks}, as no affordable number of cones keeps lengths")),
+        (seams.freed_parts, "seams", format!("free, the lengths of their two sides differing by {mismatch:.1} %")),
+    ];
+    told.into_iter().filter(|(count, ..)| *count > 0).map(|(_, label, text)| (label, text)).collect()
 }
 
 fn tiling_text(TilingReport { order, seams, broken, error, .. }: TilingReport) -> String {

@@ -136,11 +136,10 @@ fn edges_that_are_named_are_edges_of_even_triangles() {
     let faces = folder.read("before.obj");
     let face = faces.lines().find_map(|line| line.strip_prefix("f ")).expect("there is a face");
     let corners: Vec<usize> = face.split_whitespace().map(vertex).collect();
-    for (a, b) in [(0, 1), (1, 2), (2, 0)] {
-        folder.write("edge.txt", &format!("{} {}\n", corners[a], corners[b]));
-        for option in ["--seams", "--avoid"] {
-            folder.run(&[&refined[..], &[option, "edge.txt"]].concat()).success();
-        }
+    let sides = [(0, 1), (1, 2), (2, 0)].map(|(a, b)| format!("{} {}\n", corners[a], corners[b]));
+    folder.write("edges.txt", &sides.concat());
+    for option in ["--seams", "--avoid"] {
+        folder.run(&[&refined[..], &[option, "edges.txt"]].concat()).success();
     }
 }
 

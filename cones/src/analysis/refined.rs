@@ -90,8 +90,10 @@ pub struct RefinedModel {
     pub added: Vec<[(u32, f64); 3]>,
     /// Whether all triangles of the intrinsic triangulations are even; not so where the cap on vertices was reached.
     pub is_complete: bool,
-    /// The edges that those of the model that were held are in, if any were to be.
-    parts: Option<Parts>,
+    /// The edges that were to be held, by their vertices in ascending order.
+    named: HashSet<[u32; 2]>,
+    /// The edges that those of them that there are are in.
+    parts: Parts,
 }
 
 /// Edges in parts, all by their vertices, which the names of whole ones have in ascending order.
@@ -100,12 +102,12 @@ type Parts = HashMap<[u32; 2], Vec<[u32; 2]>>;
 impl RefinedModel {
     /// The edges that an edge of the model that was given is in, if it was held.
     pub(crate) fn parts(&self, ends: [u32; 2]) -> Option<&[[u32; 2]]> {
-        self.parts.as_ref()?.get(&ascending(ends)).map(Vec::as_slice)
+        self.parts.get(&ascending(ends)).map(Vec::as_slice)
     }
 
-    /// Whether edges that seams are named by were to be held.
-    pub(crate) fn holds_edges(&self) -> bool {
-        self.parts.is_some()
+    /// Whether an edge was to be held.
+    pub(crate) fn is_named(&self, ends: [u32; 2]) -> bool {
+        self.named.contains(&ascending(ends))
     }
 }
 
@@ -339,7 +341,8 @@ pub(crate) fn refine_all(
                     return Ok(None);
                 }
                 let largest = largest * metric.area(&surface.mesh).sqrt();
-                let roles = EdgeRoles { left_out: Some(&planar[k]), held: Some(&held[k]) };
+                let roles =
+                    EdgeRoles { left_out: Some(&planar[k]), held: Some(&held[k]).filter(|held| held.contains(&true)) };
                 refine_watched(&surface.mesh, &metric, largest, roles, watch).map(Some)
             };
             let refined = of_shapes(&surfaces, &shapes, |k, surface| refine(k, surface).transpose());
@@ -376,12 +379,16 @@ pub(crate) fn refine_all(
         watch.ask(0.8)?;
         let left_out = number[kept..].to_vec();
         let Growing { points, added, triangles: pieces, part_of, parts } = growing;
-        let parts = (!names_held.is_empty()).then_some(parts);
         let face = part_of.iter().map(|&t| triangles.face_of[t as usize]).collect();
         let model = Model::from_triangles(points, &pieces).map_err(Error::Refined)?;
         watch.ask(0.9)?;
         let triangles = model.triangles();
-        Ok((ready, RefinedModel { model, face, added, is_complete, parts }, triangles, left_out))
+        Ok((
+            ready,
+            RefinedModel { model, face, added, is_complete, named: names_held.clone(), parts },
+            triangles,
+            left_out,
+        ))
     })?
 }
 
@@ -482,7 +489,11 @@ impl Growing {
             let Some(whole) = part_of.map(|h| input.edge(h)).filter(|&whole| held[whole]) else { continue };
             let part = triangulation.ends(e).map(|v| vertex[v.index()]);
             for name in names(&surface, model.corners(), whole) {
-                self.parts.entry(name).or_default().push(part);
+                let parts = self.parts.entry(name).or_default();
+                // Both sides call it the same where nothing was welded.
+                if parts.last() != Some(&part) {
+                    parts.push(part);
+                }
             }
         }
         let first = self.triangles.len() as u32;

@@ -19,7 +19,6 @@ use super::note::Note;
 use super::observer::{Silent, Stage, Task, Times};
 use super::options::{ConeChoice, Handles, Options};
 use super::packed::{Packed, packed};
-use super::refined::RefinedModel;
 use crate::cut::{ModelEdges, SeamFigures, SeamOptions, SeamPlan, Symmetry, Tiling};
 use crate::error::Error;
 use crate::placement::{Automatic, Prediction, Predictor, distortion_of};
@@ -549,12 +548,12 @@ impl Analysis {
         }
         let edges = self.edges();
         for &ends in seams.given.iter().chain(&seams.avoid) {
-            if !self.parts(ends).into_iter().all(|part| edges.has(part)) {
-                let is_refined = self.refined().is_some_and(|refined| !refined.holds_edges());
+            if !self.parts(&ends).iter().all(|&part| edges.has(part)) {
+                let is_refined = self.refined().is_some_and(|refined| !refined.is_named(ends));
                 return Err(Error::NoSuchEdge { ends, is_refined });
             }
         }
-        let is_open = |ends: &[u32; 2]| self.parts(*ends).into_iter().any(|part| edges.is_open(part));
+        let is_open = |ends: &[u32; 2]| self.parts(ends).iter().any(|&part| edges.is_open(part));
         match seams.given.iter().find(|ends| is_open(ends)) {
             Some(&ends) => Err(Error::OpenEdge { ends }),
             None => Ok(()),
@@ -562,17 +561,20 @@ impl Analysis {
     }
 
     /// The edges that an edge of the model that was given is in: itself, where it was not held while the model was refined.
-    fn parts(&self, ends: [u32; 2]) -> Vec<[u32; 2]> {
-        self.refined().and_then(|refined| refined.parts(ends)).map_or_else(|| vec![ends], <[_]>::to_vec)
+    fn parts<'a>(&'a self, ends: &'a [u32; 2]) -> &'a [[u32; 2]] {
+        let parts = self.refined().and_then(|refined| refined.parts(*ends));
+        parts.unwrap_or(std::slice::from_ref(ends))
     }
 
-    /// That a surface that was refined before anyone named edges has not all that were to be kept as seams.
+    /// That a surface that was refined before they were named has not all edges that were to be kept as seams.
     fn lost_seams(&self, seams: &SeamOptions) -> Option<Note> {
-        if seams.kept.is_empty() || self.refined().is_none_or(RefinedModel::holds_edges) {
+        let refined = self.refined()?;
+        let others: Vec<[u32; 2]> = seams.kept.iter().copied().filter(|&ends| !refined.is_named(ends)).collect();
+        if others.is_empty() {
             return None;
         }
         let edges = self.edges();
-        let lost = seams.kept.iter().filter(|ends| !edges.has(**ends)).count();
+        let lost = others.into_iter().filter(|&ends| !edges.has(ends)).count();
         (lost > 0).then_some(Note::SeamsNotKept { lost, of: seams.kept.len() })
     }
 

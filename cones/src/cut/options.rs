@@ -39,8 +39,8 @@ impl SeamOptions {
     }
 
     /// The same of the parts that each edge is in now.
-    pub(crate) fn in_parts(&self, parts: impl Fn([u32; 2]) -> Vec<[u32; 2]>) -> Self {
-        let of = |edges: &[[u32; 2]]| edges.iter().flat_map(|&ends| parts(ends)).collect();
+    pub(crate) fn in_parts<'a>(&'a self, parts: impl Fn(&'a [u32; 2]) -> &'a [[u32; 2]]) -> Self {
+        let of = |edges: &'a [[u32; 2]]| edges.iter().flat_map(&parts).copied().collect();
         Self { weight: self.weight, given: of(&self.given), kept: of(&self.kept), avoid: of(&self.avoid) }
     }
 }

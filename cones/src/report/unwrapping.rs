@@ -164,7 +164,8 @@ pub struct SeamReport {
 }
 
 impl SeamReport {
-    fn new(atlas: &Atlas) -> Self {
+    /// Of a map.
+    pub fn new(atlas: &Atlas) -> Self {
         Self {
             turning: atlas.seam_figures.turning,
             sharp: atlas.seam_figures.sharp_share(),

@@ -115,19 +115,29 @@ impl Charts {
         chi
     }
 
-    /// Those of some vertices that have several fans of triangles, with no edge between them, once for each but the first.
-    pub(super) fn further_fans(&self, corner_vertex: &[u32], of: &HashSet<u32>) -> Vec<u32> {
-        if of.is_empty() {
+    /// The vertices inside the surface that several fans of triangles share, with no edge between them, once for each fan but the first.
+    pub(super) fn further_fans(&self, corner_vertex: &[u32], is_inside: &[bool]) -> Vec<u32> {
+        // A fan that no seam runs into has one image of its vertex.
+        let mut image = vec![None; is_inside.len()];
+        let mut has_images = vec![false; is_inside.len()];
+        for (&v, &vertex) in corner_vertex.iter().zip(&self.vertex) {
+            has_images[v as usize] |= *image[v as usize].get_or_insert(vertex) != vertex;
+        }
+        let is_asked = |corner: u32| {
+            let v = corner_vertex[corner as usize] as usize;
+            is_inside[v] && has_images[v]
+        };
+        let asked: Vec<u32> = (0..corner_vertex.len() as u32).filter(|&corner| is_asked(corner)).collect();
+        if asked.is_empty() {
             return Vec::new();
         }
-        let is_asked = |&corner: &u32| of.contains(&corner_vertex[corner as usize]);
         let mut fans = UnionFind::new(corner_vertex.len());
-        for [c, d] in self.facing.iter().flat_map(|pair| pair.corners_at_ends()).filter(|[c, _]| is_asked(c)) {
+        for [c, d] in self.facing.iter().flat_map(|pair| pair.corners_at_ends()).filter(|&[c, _]| is_asked(c)) {
             fans.union(c, d);
         }
+        let firsts = asked.into_iter().filter(|&corner| fans.find(corner) == corner);
         let mut has_one = HashSet::new();
-        let corners = (0..corner_vertex.len() as u32).filter(is_asked).filter(|&corner| fans.find(corner) == corner);
-        corners.map(|corner| corner_vertex[corner as usize]).filter(|&v| !has_one.insert(v)).collect()
+        firsts.map(|corner| corner_vertex[corner as usize]).filter(|&v| !has_one.insert(v)).collect()
     }
 
     /// How many loops bound each island.

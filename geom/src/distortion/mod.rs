@@ -335,7 +335,7 @@ fn islands(charts: &Charts, images: &[Image]) -> Vec<Island> {
     islands
 }
 
-/// 2π less the angles at the images of each vertex inside the surface, for each fan of triangles round it; angles of flipped triangles count
+/// 2π less the angles at the images of each vertex inside the surface, 2π for each fan of triangles round it; angles of flipped triangles count
 /// negative.
 fn curvature(
     charts: &Charts,
@@ -361,9 +361,7 @@ fn curvature(
             }
         }
     }
-    // Only what has lost half a turn can have several fans.
-    let suspects = curvature.iter_ids().filter(|(_, k)| **k < -PI).map(|(v, _)| v.0).collect();
-    for v in charts.further_fans(triangles.as_flattened(), &suspects) {
+    for v in charts.further_fans(triangles.as_flattened(), &is_inside) {
         curvature[VertexId(v)] += 2.0 * PI;
     }
     curvature

@@ -327,18 +327,18 @@ fn a_vertex_that_left_its_fan_has_lost_the_whole_turn() {
 
 #[test]
 fn each_fan_round_a_vertex_has_a_turn_of_its_own() {
-    // Two squares that share their middle; the second is bent to a cone of three quarters.
+    // Two squares that share their middle; the second may be bent to a cone of three quarters, or both to cones of a half.
     let corner = |k: usize| [[1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0], [1.0, -1.0]][k % 4];
     let points: Vec<[f64; 3]> = std::iter::once([0.0; 3])
         .chain((0..8).map(|k| [corner(k)[0], corner(k)[1], if k < 4 { 1.0 } else { -1.0 }]))
         .collect();
-    let square = |first: u32, sides: u32| (0..sides).map(move |k| [0, first + k, first + (k + 1) % sides]);
-    for (sides, expected) in [(4, 0.0), (3, 0.5 * PI)] {
-        let triangles: Vec<[u32; 3]> = square(1, 4).chain(square(5, sides)).collect();
-        let uv: Vec<[[f64; 2]; 3]> =
-            (0..triangles.len()).map(|f| [[0.0; 2], corner(f % 4), corner(f % 4 + 1)]).collect();
-        let distortion = measure(&points, &triangles, &uv).unwrap();
-        assert!((distortion.curvature[VertexId(0)] - expected).abs() < 1e-14, "{}", distortion.curvature[VertexId(0)]);
+    let fan = |first: u32, sides: u32| (0..sides).map(move |k| [0, first + k, first + (k + 1) % sides]);
+    for (sides, expected) in [([4, 4], 0.0), ([4, 3], 0.5 * PI), ([3, 3], PI), ([2, 2], 2.0 * PI)] {
+        let triangles: Vec<[u32; 3]> = fan(1, sides[0]).chain(fan(5, sides[1])).collect();
+        let turns = (0..sides[0]).chain(0..sides[1]).map(|k| k as usize);
+        let uv: Vec<[[f64; 2]; 3]> = turns.map(|k| [[0.0; 2], corner(k), corner(k + 1)]).collect();
+        let found = measure(&points, &triangles, &uv).unwrap().curvature[VertexId(0)];
+        assert!((found - expected).abs() < 1e-14, "{sides:?}: {found}");
     }
 }
 

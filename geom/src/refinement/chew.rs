@@ -1,7 +1,7 @@
 //! The loop: the bad triangle with the largest circumcircle gets a vertex at its circumcentre, until there is none.
 
 use std::cmp::Ordering;
-use std::collections::{BinaryHeap, VecDeque};
+use std::collections::{BinaryHeap, HashMap, HashSet, VecDeque};
 use std::f64::consts::PI;
 
 use super::SurfacePoint;
@@ -43,7 +43,8 @@ const STRIDE: usize = 256;
 /// A surface with an even intrinsic triangulation.
 #[derive(Clone, Debug)]
 pub struct Refinement {
-    /// The Delaunay triangulation, or the input's where it stays as it is. The input's vertices come first, under their own numbers.
+    /// The Delaunay triangulation, constrained by edges that are held, or the input's where it stays as it is. The input's vertices come first,
+    /// under their own numbers.
     pub triangulation: Triangulation,
     /// Its edge lengths.
     pub metric: Metric,
@@ -53,7 +54,8 @@ pub struct Refinement {
     pub along: EdgeData<Option<HalfedgeId>>,
     /// What both triangulations cut the surface into.
     pub common: CommonRefinement,
-    /// Whether all triangles have the least angle, but those at narrow corners; not so where a cap was reached.
+    /// Whether all triangles have the least angle, but those at narrow corners and those that span one between edges that are held; not so
+    /// where a cap was reached.
     pub is_complete: bool,
 }
 
@@ -62,7 +64,8 @@ pub struct Refinement {
 pub struct EdgeRoles<'a> {
     /// The common refinement is not cut along these.
     pub left_out: Option<&'a EdgeData<bool>>,
-    /// These stay edges, if need be in several parts: nothing crosses them. Between two of them angles below 60° are let be.
+    /// These stay edges, if need be in several parts: nothing crosses them. Where two of them, or one and the boundary, are less than 60° apart,
+    /// triangles between them may be as narrow.
     pub held: Option<&'a EdgeData<bool>>,
 }
 
@@ -153,8 +156,10 @@ struct Chew<'a> {
     metric: &'a Metric,
     /// No circumcircle is larger.
     largest: f64,
-    /// Whether there is a narrow angle at a vertex of the input: that round it, or one between edges that are held.
+    /// Whether the angles at a vertex of the input are narrow.
     is_narrow: Vec<bool>,
+    /// What they are divided into.
+    sectors: Sectors,
     bad: BinaryHeap<Bad>,
     /// How many edges may be flipped yet, lest rounding flip some for ever. What is left over serves later: a vertex in the middle of
     /// a circle flips about as many edges as there are vertices on it.
@@ -165,13 +170,11 @@ struct Chew<'a> {
 
 impl<'a> Chew<'a> {
     fn new((input, metric): (&'a Triangulation, &'a Metric), held: Option<&'a EdgeData<bool>>, largest: f64) -> Self {
-        let mut is_narrow: Vec<bool> = metric.angle_sums(input).iter().map(|sum| *sum < NARROW).collect();
-        if let Some(held) = held {
-            narrow_sectors(input, metric, held).for_each(|v| is_narrow[v.index()] = true);
-        }
+        let is_narrow = metric.angle_sums(input).iter().map(|sum| *sum < NARROW).collect();
+        let sectors = held.map_or_else(Sectors::default, |held| Sectors::new(input, metric, held));
         let most_crossings = MOST_CROSSINGS_PER_VERTEX * input.vertex_count() + SPARE_CROSSINGS;
         let overlay = Overlay::new(input, metric, held);
-        Self { overlay, metric, largest, is_narrow, bad: BinaryHeap::new(), flips_left: 0, most_crossings }
+        Self { overlay, metric, largest, is_narrow, sectors, bad: BinaryHeap::new(), flips_left: 0, most_crossings }
     }
 
     /// Whether the edges cross those of the input too often.
@@ -221,32 +224,55 @@ impl<'a> Chew<'a> {
     fn badness(&self, f: FaceId) -> Option<f64> {
         let sides = self.overlay.sides(f);
         let corners = self.overlay.triangulation.corners(f);
-        let is_narrow = |v: VertexId| self.is_narrow.get(v.index()).copied().unwrap_or(false);
         let angles = sides.corner_angles();
-        let is_excused = |s: usize| is_narrow(corners[s]) || self.spans_corner([1, 2].map(|k| corners[(s + k) % 3]));
+        let out = self.overlay.triangulation.sides(f);
+        let is_excused =
+            |s: usize| self.is_narrow_at(out[s]) || self.spans_corner([1, 2].map(|k| corners[(s + k) % 3]));
         let is_bad = (0..3).any(|s| angles[s] < LEAST_ANGLE && !is_excused(s));
         let area = sides.area();
         let radius = sides.0.iter().product::<f64>() / (4.0 * area);
         (area > 0.0 && (is_bad || radius > self.largest)).then_some(radius)
     }
 
-    /// Whether vertices are equally far from a narrow corner, on edges from it that cannot go. What is opposite of them is narrow as the
-    /// corner is, and to split it would split the edges beside the corner in vain (Miller, Pav & Walkington 2003).
-    fn spans_corner(&self, ends: [VertexId; 2]) -> bool {
-        let [Some(one), Some(other)] = ends.map(|v| self.corners_beside(v)) else { return false };
-        let is_corner = |v: VertexId| self.is_narrow[v.index()];
-        let is_alike = |(v, far): (VertexId, f64), (w, as_far): (VertexId, f64)| {
-            v == w && (far - as_far).abs() <= SAME_DISTANCE * far && is_corner(v)
-        };
-        one.into_iter().any(|end| other.into_iter().any(|other| is_alike(end, other)))
+    /// Whether the angles of the input are narrow where a halfedge begins, on its left.
+    fn is_narrow_at(&self, mut h: HalfedgeId) -> bool {
+        let t = &self.overlay.triangulation;
+        let v = t.tail(h);
+        if !self.sectors.divided.contains(&v) {
+            return self.is_narrow.get(v.index()).copied().unwrap_or(false);
+        }
+        // Clockwise to where the sector begins.
+        while let Some(g) = self.overlay.across(h) {
+            h = t.next(g);
+        }
+        self.overlay.shared(h).is_some_and(|first| self.sectors.narrow.contains_key(&first))
     }
 
-    /// The ends of the input's edge that a vertex was put on, and how far they are from it.
-    fn corners_beside(&self, v: VertexId) -> Option<[(VertexId, f64); 2]> {
+    /// Whether vertices are equally far from a narrow corner, on the edges that it is between. What is opposite of them is narrow as the
+    /// corner is, and to split it would split the edges beside the corner in vain (Miller, Pav & Walkington 2003).
+    fn spans_corner(&self, ends: [VertexId; 2]) -> bool {
+        if self.sectors.narrow.is_empty() {
+            return false;
+        }
+        let [Some(one), Some(other)] = ends.map(|v| self.ways_from_corners(v)) else { return false };
+        let is_between = |begin: &WayFrom, end: &WayFrom| {
+            begin.out.is_some_and(|out| self.sectors.narrow.get(&out) == Some(&end.edge))
+                && begin.corner == end.corner
+                && (begin.far - end.far).abs() <= SAME_DISTANCE * end.far
+        };
+        one.iter().any(|one| other.iter().any(|other| is_between(one, other) || is_between(other, one)))
+    }
+
+    /// The ways to a vertex from the ends of the input's edge that it was put on.
+    fn ways_from_corners(&self, v: VertexId) -> Option<[WayFrom; 2]> {
         let SurfacePoint::Edge(h, along) = self.overlay.place[v.index()] else { return None };
         let input = self.overlay.input;
-        let length = self.metric.length(input.edge(h));
-        Some([(input.tail(h), along * length), (input.head(h), (1.0 - along) * length)])
+        let edge = input.edge(h);
+        let length = self.metric.length(edge);
+        Some([
+            WayFrom { corner: input.tail(h), edge, out: Some(h), far: along * length },
+            WayFrom { corner: input.head(h), edge, out: input.twin(h), far: (1.0 - along) * length },
+        ])
     }
 
     /// Inserts vertices until no triangle is bad, or so many; whether none is.
@@ -387,16 +413,41 @@ impl<'a> Chew<'a> {
     }
 }
 
-/// Vertices with a narrow angle between two edges that are held, or one and the boundary.
-fn narrow_sectors(input: &Triangulation, metric: &Metric, held: &EdgeData<bool>) -> impl Iterator<Item = VertexId> {
-    let across = |h: HalfedgeId| input.twin(h).filter(|_| !held[input.edge(h)]);
-    let sector = move |first: HalfedgeId| {
-        // Counter-clockwise, until the next one.
-        let corners = std::iter::successors(Some(first), |&h| across(input.prev(h)));
-        corners.map(|h| metric.angle(input, h)).sum::<f64>()
-    };
-    let first = input.halfedges().filter(move |&h| across(h).is_none());
-    first.filter(move |&h| sector(h) < NARROW).map(|h| input.tail(h))
+/// A way along one of the input's edges, from one of its ends.
+struct WayFrom {
+    corner: VertexId,
+    edge: EdgeId,
+    /// The halfedge that runs so, if there is one.
+    out: Option<HalfedgeId>,
+    far: f64,
+}
+
+/// What edges that cannot go divide the angles at vertices of the input into, where some are held.
+#[derive(Default)]
+struct Sectors {
+    /// The vertices that such an edge ends at.
+    divided: HashSet<VertexId>,
+    /// The narrow sectors, by the halfedge that each begins with, counter-clockwise, with the edge that it ends at.
+    narrow: HashMap<HalfedgeId, EdgeId>,
+}
+
+impl Sectors {
+    fn new(input: &Triangulation, metric: &Metric, held: &EdgeData<bool>) -> Self {
+        let across = |h: HalfedgeId| input.twin(h).filter(|_| !held[input.edge(h)]);
+        let mut sectors = Self::default();
+        for first in input.halfedges().filter(|&h| across(h).is_none()) {
+            sectors.divided.insert(input.tail(first));
+            let (mut h, mut angle) = (first, metric.angle(input, first));
+            while let Some(next) = across(input.prev(h)) {
+                h = next;
+                angle += metric.angle(input, h);
+            }
+            if angle < NARROW {
+                sectors.narrow.insert(first, input.edge(input.prev(h)));
+            }
+        }
+        sectors
+    }
 }
 
 /// A triangle's halfedges, from any of them on, with the positions of their tails.

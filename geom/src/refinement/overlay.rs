@@ -87,7 +87,7 @@ impl<'a> Overlay<'a> {
     }
 
     /// The input's halfedge that a halfedge is part of.
-    fn shared(&self, h: HalfedgeId) -> Option<HalfedgeId> {
+    pub(super) fn shared(&self, h: HalfedgeId) -> Option<HalfedgeId> {
         let e = self.triangulation.edge(h);
         match self.trace[e.index()] {
             Trace::Along(shared) if self.triangulation.halfedge(e) == h => Some(shared),

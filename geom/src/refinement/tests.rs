@@ -6,7 +6,6 @@ use crate::mesh::{EdgeData, Id, Mesh};
 use crate::shapes;
 use crate::surface::{Model, Weld, prepare};
 use crate::vector;
-use crate::walk::edges_at;
 use crate::watch::Watch;
 
 /// Asserts all that is true of a refinement of a surface with these positions.
@@ -69,23 +68,39 @@ fn check_triangulation((mesh, metric): (&Mesh, &Metric), held: &EdgeData<bool>, 
     }));
     if *is_complete {
         let sums = metric.angle_sums(mesh);
-        // Angles between edges that are held, or one and the boundary, may be narrow.
-        let held_at = |v: VertexId| edges_at(mesh, v).filter(|&(e, _)| held[e] || mesh.is_boundary_edge(e)).count();
-        // And so those that span the same narrow corner farther off.
-        let edge_of = |v: VertexId| match place[v] {
-            SurfacePoint::Edge(h, _) => Some(mesh.ends(mesh.edge(h))),
-            _ => None,
+        // Between edges that are held, or one and the boundary, angles may be narrow, and farther off what is as far from such a corner.
+        let across = |h: HalfedgeId| mesh.twin(h).filter(|_| !held[mesh.edge(h)]);
+        let mut least: VertexData<f64> = sums.clone();
+        for first in mesh.halfedges().filter(|&h| held[mesh.edge(h)]) {
+            let sector = std::iter::successors(Some(first), |&h| across(mesh.prev(h)));
+            let angle = sector.map(|h| metric.angle(mesh, h)).sum::<f64>();
+            least[mesh.tail(first)] = least[mesh.tail(first)].min(angle);
+            // The sector that ends at it.
+            let sector = std::iter::successors(mesh.twin(first).map(|g| mesh.next(g)), |&h| {
+                mesh.twin(h).filter(|_| !held[mesh.edge(h)]).map(|g| mesh.next(g))
+            });
+            let angle = sector.map(|h| metric.angle(mesh, h)).sum::<f64>();
+            least[mesh.tail(first)] = least[mesh.tail(first)].min(angle);
+        }
+        let is_narrow = |v: VertexId| least.get(v.index()).is_some_and(|least| *least < std::f64::consts::PI / 3.0);
+        let from_corners = |v: VertexId| match place[v] {
+            SurfacePoint::Edge(h, along) => {
+                let length = metric.length(mesh.edge(h));
+                vec![(mesh.tail(h), along * length), (mesh.head(h), (1.0 - along) * length)]
+            }
+            _ => Vec::new(),
         };
-        let meet = |v: VertexId, w: VertexId| match (edge_of(v), edge_of(w)) {
-            (Some(one), Some(other)) => one.iter().any(|end| other.contains(end)),
-            _ => false,
+        let spans_corner = |v: VertexId, w: VertexId| {
+            let corners = from_corners(w);
+            let is_alike = |(v, far): (VertexId, f64)| {
+                corners.iter().any(|&(w, as_far)| v == w && (far - as_far).abs() < 1e-8 * far && is_narrow(v))
+            };
+            from_corners(v).into_iter().any(is_alike)
         };
         for h in triangulation.halfedges() {
-            let tail = triangulation.tail(h);
-            let is_narrow = |sum: &f64| *sum < std::f64::consts::PI / 3.0 || held_at(tail) > 1;
             let opposite = triangulation.next(h);
-            let is_narrow = sums.get(tail.index()).is_some_and(is_narrow)
-                || meet(triangulation.tail(opposite), triangulation.head(opposite));
+            let is_narrow = is_narrow(triangulation.tail(h))
+                || held.contains(&true) && spans_corner(triangulation.tail(opposite), triangulation.head(opposite));
             let angle = fine.angle(triangulation, h);
             assert!(is_narrow || angle > LEAST_ANGLE - 1e-9, "{h:?} {angle}");
         }

@@ -5,7 +5,7 @@ use super::unwrapped::Unwrapped;
 use crate::error::CommandError;
 use crate::page::{Level, Report};
 use crate::progress::Progress;
-use cones::{Atlas, ConeChoice, Options, SeamOptions};
+use cones::{ConeChoice, Options, SeamOptions};
 use geom::Watch;
 use rayon::prelude::*;
 use serde_json::{Value, json};
@@ -61,21 +61,11 @@ fn stored_level(subject: &Subject, report: &Report, options: &Options, n: usize)
     let meta = json!({
         "n": n,
         "cones": places(shown.atlas.cones.iter()),
-        "predicted": predicted(subject, options, &shown.atlas),
+        "predicted": subject.predicted(options, &shown.atlas),
         "map": subject.map_meta(&shown, options),
         "measured": Subject::measured_meta(&quality),
     });
     Ok(Level { meta, map: Some(report.pack(&map, &subject.stretches(&quality))), seams: map.seams })
-}
-
-/// The area distortion that is predicted for the cones of a map: they are others than those of the curve.
-fn predicted(subject: &Subject, options: &Options, atlas: &Atlas) -> Option<f64> {
-    if let Some(number) = &atlas.number {
-        return Some(number.predicted);
-    }
-    let given = atlas.cones.iter().map(|cone| (cone.vertex, Some(cone.curvature))).collect();
-    let options = Options { cones: ConeChoice::Given(given), ..options.clone() };
-    subject.analysis.choose(&options).ok().map(|cones| cones.prediction().area_distortion)
 }
 
 /// Cones that are foreseen, with the seams that their map begins with; these are the shortest, and not yet straight.

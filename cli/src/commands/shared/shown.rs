@@ -5,8 +5,8 @@ use crate::error::CommandError;
 use crate::page;
 use crate::render::{Mark, Scene, extent};
 use crate::report::table::counted;
-use crate::report::{SCHEMA, Times, repair_text};
-use cones::report::{Quality, UvSize, sentences};
+use crate::report::{SCHEMA, Times, on_seams, repair_text};
+use cones::report::{Quality, SeamReport, UvSize, sentences};
 use cones::{
     Analysis, Atlas, Cone, ConeChoice, CurvatureRule, MOST_ORDERED, ModelExtremum, Note, Options, Placement,
     RefinedModel,
@@ -218,7 +218,8 @@ impl<'a> Subject<'a> {
     /// What the page says of a map at once.
     pub(crate) fn map_meta(&self, shown: &Shown, options: &Options) -> Value {
         let Shown { atlas, .. } = shown;
-        let warnings = [self.warnings(&atlas.notes), on_seams(atlas)].concat();
+        let on_seams = on_seams(&SeamReport::new(atlas)).into_iter().map(|(label, text)| format!("{label}: {text}"));
+        let warnings: Vec<String> = self.warnings(&atlas.notes).into_iter().chain(on_seams).collect();
         json!({
             "cones": atlas.cones,
             "method": options.method_name(),
@@ -245,19 +246,6 @@ impl<'a> Subject<'a> {
     pub(crate) fn measured_meta(quality: &Quality) -> Value {
         json!({ "distortion": quality.distortion, "islands": quality.islands.len() })
     }
-}
-
-/// What became of handles, limbs and the two sides of seams.
-fn on_seams(atlas: &Atlas) -> Vec<String> {
-    let handles = counted(atlas.opened_handles, "handle is", "handles are");
-    let necks = counted(atlas.necks, "neck", "necks");
-    let mismatch = 100.0 * atlas.seam_figures.mean_mismatch();
-    let told = [
-        (atlas.opened_handles, format!("{handles} opened along short loops, whose sides fit in length alone")),
-        (atlas.necks, format!("limbs are cut off at {necks}, as no affordable number of cones keeps lengths")),
-        (atlas.freed, format!("seams are free: the lengths of their two sides differ by {mismatch:.1} %")),
-    ];
-    told.into_iter().filter(|(count, _)| *count > 0).map(|(_, sentence)| sentence).collect()
 }
 
 /// Cones of a method for every number of them.
