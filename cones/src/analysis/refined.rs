@@ -341,8 +341,7 @@ pub(crate) fn refine_all(
                     return Ok(None);
                 }
                 let largest = largest * metric.area(&surface.mesh).sqrt();
-                let roles =
-                    EdgeRoles { left_out: Some(&planar[k]), held: Some(&held[k]).filter(|held| held.contains(&true)) };
+                let roles = EdgeRoles { left_out: Some(&planar[k]), held: Some(&held[k]) };
                 refine_watched(&surface.mesh, &metric, largest, roles, watch).map(Some)
             };
             let refined = of_shapes(&surfaces, &shapes, |k, surface| refine(k, surface).transpose());

@@ -99,6 +99,7 @@ pub fn refine_watched(
     EdgeRoles { left_out, held }: EdgeRoles,
     watch: Watch,
 ) -> Result<Refinement, Interrupted> {
+    let held = held.filter(|held| held.contains(&true));
     let mut chew = Chew::new((input, metric), held, largest);
     watch.ask(0.05)?;
     chew.flip_all(watch.within(0.05, 0.2))?;
@@ -156,9 +157,8 @@ struct Chew<'a> {
     metric: &'a Metric,
     /// No circumcircle is larger.
     largest: f64,
-    /// Whether the angles at a vertex of the input are narrow.
+    /// Whether angles at a vertex of the input are narrow: all round it, or those of a sector.
     is_narrow: Vec<bool>,
-    /// What they are divided into.
     sectors: Sectors,
     bad: BinaryHeap<Bad>,
     /// How many edges may be flipped yet, lest rounding flip some for ever. What is left over serves later: a vertex in the middle of
@@ -170,8 +170,9 @@ struct Chew<'a> {
 
 impl<'a> Chew<'a> {
     fn new((input, metric): (&'a Triangulation, &'a Metric), held: Option<&'a EdgeData<bool>>, largest: f64) -> Self {
-        let is_narrow = metric.angle_sums(input).iter().map(|sum| *sum < NARROW).collect();
+        let mut is_narrow: Vec<bool> = metric.angle_sums(input).iter().map(|sum| *sum < NARROW).collect();
         let sectors = held.map_or_else(Sectors::default, |held| Sectors::new(input, metric, held));
+        sectors.narrow.keys().for_each(|&first| is_narrow[input.tail(first).index()] = true);
         let most_crossings = MOST_CROSSINGS_PER_VERTEX * input.vertex_count() + SPARE_CROSSINGS;
         let overlay = Overlay::new(input, metric, held);
         Self { overlay, metric, largest, is_narrow, sectors, bad: BinaryHeap::new(), flips_left: 0, most_crossings }

@@ -70,7 +70,7 @@ fn check_triangulation((mesh, metric): (&Mesh, &Metric), held: &EdgeData<bool>, 
         let sums = metric.angle_sums(mesh);
         // Between edges that are held, or one and the boundary, angles may be narrow, and farther off what is as far from such a corner.
         let across = |h: HalfedgeId| mesh.twin(h).filter(|_| !held[mesh.edge(h)]);
-        let mut least: VertexData<f64> = sums.clone();
+        let mut least = sums.clone();
         for first in mesh.halfedges().filter(|&h| held[mesh.edge(h)]) {
             let sector = std::iter::successors(Some(first), |&h| across(mesh.prev(h)));
             let angle = sector.map(|h| metric.angle(mesh, h)).sum::<f64>();
