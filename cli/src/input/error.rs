@@ -108,7 +108,7 @@ pub(crate) enum Problem {
     WhiteIsZero,
     #[error("has a page {page} of another size or another type of numbers than the first: save it by itself")]
     Pages { page: usize },
-    #[error("is empty, with numbers below: in a column each line is a place, so write NaN, or take the line out")]
+    #[error("is empty, with numbers below: each line is a place, so write NaN, or take the line out")]
     BlankLine,
     #[error("holds no values")]
     Empty,

@@ -1,8 +1,8 @@
 //! Tables of numbers in text: a column is a series, several columns are a matrix, as spreadsheets and `numpy.savetxt` write them.
 //!
 //! Numbers are set apart by commas, semicolons, tabs or spaces, may be quoted, and are NaN where a cell is empty or NA. All lines have as
-//! many numbers as the first; some may begin with `#` or be empty, but in a column none may be empty that has numbers above and below, as
-//! it may stand for a missing one. In `.csv` and `.tsv` the first may have names of columns instead, which are passed over.
+//! many numbers as the first; some may begin with `#` or be empty, but in a column, or of tabs alone in `.tsv`, none may be empty that has numbers
+//! above and below, as it may stand for missing ones. In `.csv` and `.tsv` the first may have names of columns instead, which are passed over.
 
 use super::array::Array;
 use super::decimal::{Decimals, is_missing};
@@ -17,7 +17,9 @@ pub(super) fn read(path: &Path) -> Result<Array, ReadError> {
     let bytes = std::fs::read(path).map_err(|error| Problem::from(error).in_file(path))?;
     let mut numbers = Decimals::default();
     let (mut rows, mut columns) = (0, 0);
-    let mut blank = None;
+    // The first lines that are empty: one may stand for the number of a column, or, of tabs, for a row.
+    let (mut blank, mut blank_row) = (None, None);
+    let is_tabbed = ending(path) == "tsv";
     let (mut is_begun, may_have_heading) = (false, may_have_heading(path));
     for (line, text) in (1..).zip(bytes.split(|&byte| byte == b'\n')) {
         let text = String::from_utf8_lossy(text);
@@ -34,13 +36,14 @@ pub(super) fn read(path: &Path) -> Result<Array, ReadError> {
         if count == 0 {
             let is_blank = is_begun && trimmed(&text).is_empty();
             blank = blank.or(is_blank.then_some(line));
+            blank_row = blank_row.or((is_blank && is_tabbed && text.contains('\t')).then_some(line));
             continue;
         }
         columns = if rows == 0 { count } else { columns };
         if count != columns {
             return Err(fault(Problem::unexpected(format!("a line of {count} numbers"), format!("one of {columns}"))));
         }
-        if let (Some(blank), 1) = (blank, columns) {
+        if let Some(blank) = if columns == 1 { blank } else { blank_row } {
             return Err(Problem::BlankLine.at(FilePosition::Line(blank), path));
         }
         rows += 1;
@@ -59,7 +62,10 @@ pub(super) fn is_of_nodes(path: &Path) -> bool {
 
 /// The line that is passed over as names of columns, if a table has one.
 pub(crate) fn heading(path: &Path) -> Option<String> {
-    let line = first_line(path).filter(|line| may_have_heading(path) && is_heading(line))?;
+    if !may_have_heading(path) {
+        return None;
+    }
+    let line = first_line(path).filter(|line| is_heading(line))?;
     Some(trimmed(&line).to_owned())
 }
 

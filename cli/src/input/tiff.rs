@@ -27,10 +27,13 @@ pub(super) fn read(path: &Path) -> Result<Array, ReadError> {
 fn decode(path: &Path) -> Result<Array, Problem> {
     let file = File::open(path)?;
     let length = file.metadata()?.len();
-    let mut limits = Limits::default();
-    // Pictures are held against the file's length and the memory that is free; tags stay small.
-    (limits.decoding_buffer_size, limits.intermediate_buffer_size) = (usize::MAX, usize::MAX);
-    let mut decoder = Decoder::new(BufReader::new(file))?.with_limits(limits);
+    // No tag is longer than its file; pictures are held against that and the memory that is free.
+    let limits = |most: u64| {
+        let mut limits = Limits::unlimited();
+        limits.decoding_buffer_size = usize::try_from(most).unwrap_or(usize::MAX);
+        limits
+    };
+    let mut decoder = Decoder::new(BufReader::new(file))?.with_limits(limits(length));
     let mut volume: Option<Volume> = None;
     let mut no_data = None;
     for page in 1.. {
@@ -41,6 +44,7 @@ fn decode(path: &Path) -> Result<Array, Problem> {
             check_expansion(pixels, length)?;
             memory::check(pixels, WIDEST)?;
             no_data = no_data.or(no_data_of(&mut decoder)?);
+            decoder = decoder.with_limits(limits(length.max(pixels.saturating_mul(WIDEST as u64))));
             let values = page_values(&mut decoder, size)?;
             match &mut volume {
                 None => volume = Some(Volume { size, pages: 1, values }),

@@ -142,6 +142,9 @@ fn cells_of_a_table_may_be_quoted_or_missing() {
 #[test]
 fn a_line_that_is_missing_in_a_column_is_missed() {
     let folder = Folder::new();
+    folder.write("rows.tsv", "1\t2\t3\n\t\t\n4\t5\t6\n");
+    let complaint = folder.complaint(&["persistence", "rows.tsv"]);
+    assert!(complaint.contains("rows.tsv, line 2: is empty"), "{complaint}");
     for name in ["a.csv", "a.txt"] {
         folder.write(name, "# heights\n\n1\n5\n\n\n2\n");
         let complaint = folder.complaint(&["persistence", name]);
