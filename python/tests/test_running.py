@@ -101,9 +101,23 @@ def test_ctrl_c_stops_the_work():
     assert running.wait(30) == 0
 
 
-def _interrupted(program, share):
-    """How long a program's work takes, which it prints, and how long after an interrupt it says `stopped`, a share of that work later."""
-    running = subprocess.Popen([sys.executable, "-c", textwrap.dedent(program)], stdout=subprocess.PIPE, text=True)
+def _interrupted(prepared, asked, share):
+    """How long some work takes, and how long after an interrupt it stops, a share of that work later."""
+    program = f"""
+import cones, numpy as np, signal, time
+from cones import topo
+signal.signal(signal.SIGINT, signal.default_int_handler)
+{textwrap.dedent(prepared)}
+begin = time.perf_counter()
+{asked}
+print(time.perf_counter() - begin, flush=True)
+try:
+    while True:
+        {asked}
+except KeyboardInterrupt:
+    print("stopped", flush=True)
+"""
+    running = subprocess.Popen([sys.executable, "-c", program], stdout=subprocess.PIPE, text=True)
     takes = float(running.stdout.readline())
     time.sleep(share * takes)
     begin = time.perf_counter()
@@ -117,21 +131,8 @@ def _interrupted(program, share):
 @pytest.mark.skipif(os.name == "nt", reason="signals are sent")
 @pytest.mark.parametrize("asked", ["sublevel(field)", "merge_tree(field)", "segmentation(field)", "simplify(field, threshold=0.1)", "holes(field)"])
 def test_ctrl_c_stops_what_is_asked_of_one_array(asked):
-    program = f"""
-        import numpy as np, signal, time
-        from cones import topo
-        signal.signal(signal.SIGINT, signal.default_int_handler)
-        field = np.random.default_rng(6).random((220, 220, 220), dtype=np.float32)
-        begin = time.perf_counter()
-        topo.{asked}
-        print(time.perf_counter() - begin, flush=True)
-        try:
-            while True:
-                topo.{asked}
-        except KeyboardInterrupt:
-            print("stopped", flush=True)
-    """
-    takes, waited = _interrupted(program, 0.2)
+    field = "field = np.random.default_rng(6).random((220, 220, 220), dtype=np.float32)"
+    takes, waited = _interrupted(field, f"topo.{asked}", 0.2)
     # Work that is not stopped would go on for most of its time.
     assert waited < 0.5 * takes + 0.1
 
@@ -139,47 +140,26 @@ def test_ctrl_c_stops_what_is_asked_of_one_array(asked):
 @pytest.mark.skipif(os.name == "nt", reason="signals are sent")
 @pytest.mark.parametrize("distance", ["bottleneck(*diagrams)", "wasserstein(*diagrams, relative_error=0)", "matching(*diagrams, relative_error=1e-6)"])
 def test_ctrl_c_stops_distances(distance):
-    program = f"""
-        import numpy as np, signal, time
-        from cones import topo
-        signal.signal(signal.SIGINT, signal.default_int_handler)
+    diagrams = """
         points = np.random.default_rng(6).random((2, 3000, 2))
         points[..., 1] += points[..., 0]
         diagrams = [topo.Diagram(of_one) for of_one in points]
-        begin = time.perf_counter()
-        topo.{distance}
-        print(time.perf_counter() - begin, flush=True)
-        try:
-            while True:
-                topo.{distance}
-        except KeyboardInterrupt:
-            print("stopped", flush=True)
     """
-    takes, waited = _interrupted(program, 0.2)
+    takes, waited = _interrupted(diagrams, f"topo.{distance}", 0.2)
     assert waited < 0.5 * takes + 0.1
 
 
 @pytest.mark.skipif(os.name == "nt", reason="signals are sent")
 def test_ctrl_c_stops_measuring():
-    program = """
-        import cones, numpy as np, signal, time
-        signal.signal(signal.SIGINT, signal.default_int_handler)
+    grid = """
         n = 700
         at = np.stack(np.meshgrid(np.arange(n), np.arange(n)), axis=-1).reshape(-1, 2) / n
         points = np.column_stack([at, 0.1 * np.sin(9 * at[:, 0])])
         first = (np.arange(n - 1)[:, None] * n + np.arange(n - 1)).ravel()
         faces = np.concatenate([np.stack([first, first + 1, first + n + 1], 1), np.stack([first, first + n + 1, first + n], 1)])
         mesh, uv = cones.Mesh(points, faces), at[faces.ravel()]
-        begin = time.perf_counter()
-        cones.measure(mesh, uv=uv)
-        print(time.perf_counter() - begin, flush=True)
-        try:
-            while True:
-                cones.measure(mesh, uv=uv)
-        except KeyboardInterrupt:
-            print("stopped", flush=True)
     """
-    takes, waited = _interrupted(program, 0.3)
+    takes, waited = _interrupted(grid, "cones.measure(mesh, uv=uv)", 0.3)
     # Measuring that is not stopped would go on for most of its time.
     assert waited < 0.4 * takes + 0.1, (waited, takes)
 
