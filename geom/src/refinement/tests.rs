@@ -67,22 +67,23 @@ fn check_triangulation((mesh, metric): (&Mesh, &Metric), held: &EdgeData<bool>, 
         *w > -1e-6 || triangulation.is_boundary_edge(e) || is_held
     }));
     if *is_complete {
-        let sums = metric.angle_sums(mesh);
         // Between edges that are held, or one and the boundary, angles may be narrow, and farther off what is as far from such a corner.
-        let across = |h: HalfedgeId| mesh.twin(h).filter(|_| !held[mesh.edge(h)]);
-        let mut least = sums.clone();
-        for first in mesh.halfedges().filter(|&h| held[mesh.edge(h)]) {
-            let sector = std::iter::successors(Some(first), |&h| across(mesh.prev(h)));
-            let angle = sector.map(|h| metric.angle(mesh, h)).sum::<f64>();
-            least[mesh.tail(first)] = least[mesh.tail(first)].min(angle);
-            // The sector that ends at it.
-            let sector = std::iter::successors(mesh.twin(first).map(|g| mesh.next(g)), |&h| {
-                mesh.twin(h).filter(|_| !held[mesh.edge(h)]).map(|g| mesh.next(g))
-            });
-            let angle = sector.map(|h| metric.angle(mesh, h)).sum::<f64>();
-            least[mesh.tail(first)] = least[mesh.tail(first)].min(angle);
+        let across = |h: HalfedgeId| {
+            let is_held = along[triangulation.edge(h)].is_some_and(|h| held[mesh.edge(h)]);
+            triangulation.twin(h).filter(|_| !is_held)
+        };
+        let is_narrow_at = |h: HalfedgeId| {
+            let clockwise = |g: &HalfedgeId| across(*g).map(|g| triangulation.next(g)).filter(|&g| g != h);
+            let first = std::iter::successors(Some(h), clockwise).last().expect("itself");
+            let counterclockwise = |g: &HalfedgeId| across(triangulation.prev(*g)).filter(|&g| g != first);
+            let sector = std::iter::successors(Some(first), counterclockwise);
+            let is_of_input = triangulation.tail(h).index() < mesh.vertex_count();
+            is_of_input && sector.map(|h| fine.angle(triangulation, h)).sum::<f64>() < std::f64::consts::PI / 3.0 + 1e-9
+        };
+        let mut has_narrow = vec![false; triangulation.vertex_count()];
+        for h in triangulation.halfedges() {
+            has_narrow[triangulation.tail(h).index()] |= is_narrow_at(h);
         }
-        let is_narrow = |v: VertexId| least.get(v.index()).is_some_and(|least| *least < std::f64::consts::PI / 3.0);
         let from_corners = |v: VertexId| match place[v] {
             SurfacePoint::Edge(h, along) => {
                 let length = metric.length(mesh.edge(h));
@@ -93,13 +94,13 @@ fn check_triangulation((mesh, metric): (&Mesh, &Metric), held: &EdgeData<bool>, 
         let spans_corner = |v: VertexId, w: VertexId| {
             let corners = from_corners(w);
             let is_alike = |(v, far): (VertexId, f64)| {
-                corners.iter().any(|&(w, as_far)| v == w && (far - as_far).abs() < 1e-8 * far && is_narrow(v))
+                corners.iter().any(|&(w, as_far)| v == w && (far - as_far).abs() < 1e-8 * far && has_narrow[v.index()])
             };
             from_corners(v).into_iter().any(is_alike)
         };
         for h in triangulation.halfedges() {
             let opposite = triangulation.next(h);
-            let is_narrow = is_narrow(triangulation.tail(h))
+            let is_narrow = is_narrow_at(h)
                 || held.contains(&true) && spans_corner(triangulation.tail(opposite), triangulation.head(opposite));
             let angle = fine.angle(triangulation, h);
             assert!(is_narrow || angle > LEAST_ANGLE - 1e-9, "{h:?} {angle}");
