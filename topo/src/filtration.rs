@@ -216,7 +216,7 @@ fn first_nan<S: Scalar>(field: &[S]) -> Option<usize> {
         let values = field[place * TESTED..].iter();
         values.clone().position(|value| value.is_nan()).map(|offset| start + place * TESTED + offset)
     };
-    parallel::fold_blocks(field, first_of_block).into_iter().flatten().next()
+    parallel::fold_blocks(field, &first_of_block).into_iter().flatten().next()
 }
 
 #[cfg(test)]

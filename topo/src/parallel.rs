@@ -1,7 +1,8 @@
 //! Work on blocks of vertices, in parallel if the feature `rayon` is on.
 //!
 //! Blocks are independent and their results come back in order, so nothing that is computed depends on the number of
-//! threads, nor on there being any.
+//! threads, nor on there being any. What is done to a block is called through a pointer: nothing next to the block, and what hands blocks out
+//! is compiled once rather than for every domain and type of value.
 
 use crate::watch::Watch;
 use core::ops::Range;
@@ -16,7 +17,7 @@ pub(crate) const BLOCK: usize = 1 << 15;
 pub(crate) fn map_blocks<T: Send, R: Send>(
     data: &mut [T],
     unit: usize,
-    work: impl Fn(Range<usize>, &mut [T]) -> R + Sync,
+    work: &(dyn Fn(Range<usize>, &mut [T]) -> R + Sync),
 ) -> Vec<R> {
     use rayon::prelude::*;
     let length = block_length(unit);
@@ -26,7 +27,7 @@ pub(crate) fn map_blocks<T: Send, R: Send>(
 
 /// Calls `work` with blocks of `data` and the range each has in it, one after the other.
 #[cfg(not(feature = "rayon"))]
-pub(crate) fn map_blocks<T, R>(data: &mut [T], unit: usize, work: impl Fn(Range<usize>, &mut [T]) -> R) -> Vec<R> {
+pub(crate) fn map_blocks<T, R>(data: &mut [T], unit: usize, work: &dyn Fn(Range<usize>, &mut [T]) -> R) -> Vec<R> {
     let length = block_length(unit);
     let work = |(block, data): (usize, &mut [T])| work(block * length..block * length + data.len(), data);
     data.chunks_mut(length).enumerate().map(work).collect()
@@ -37,9 +38,9 @@ pub(crate) fn map_blocks<T, R>(data: &mut [T], unit: usize, work: impl Fn(Range<
 pub(crate) fn scan_blocks<T: Send, R: Default + Send>(
     data: &mut [T],
     unit: usize,
-    work: impl Fn(Range<usize>, &mut [T], &mut R) + Sync,
+    work: &(dyn Fn(Range<usize>, &mut [T], &mut R) + Sync),
 ) -> Vec<R> {
-    map_blocks(data, unit, |range, data| {
+    map_blocks(data, unit, &|range, data| {
         let mut found = R::default();
         work(range, data, &mut found);
         found
@@ -51,7 +52,7 @@ pub(crate) fn scan_blocks<T: Send, R: Default + Send>(
 pub(crate) fn scan_blocks<T, R: Default>(
     data: &mut [T],
     unit: usize,
-    work: impl Fn(Range<usize>, &mut [T], &mut R),
+    work: &dyn Fn(Range<usize>, &mut [T], &mut R),
 ) -> Vec<R> {
     let (length, mut found) = (block_length(unit), R::default());
     for (block, data) in data.chunks_mut(length).enumerate() {
@@ -65,7 +66,7 @@ pub(crate) fn scan_blocks<T, R: Default>(
 pub(crate) fn scan_blocks_of_two<T: Send, R: Default + Send>(
     [one, two]: [&mut [T]; 2],
     unit: usize,
-    work: impl Fn(Range<usize>, [&mut [T]; 2], &mut R) + Sync,
+    work: &(dyn Fn(Range<usize>, [&mut [T]; 2], &mut R) + Sync),
 ) -> Vec<R> {
     use rayon::prelude::*;
     let length = block_length(unit);
@@ -83,7 +84,7 @@ pub(crate) fn scan_blocks_of_two<T: Send, R: Default + Send>(
 pub(crate) fn scan_blocks_of_two<T, R: Default>(
     [one, two]: [&mut [T]; 2],
     unit: usize,
-    work: impl Fn(Range<usize>, [&mut [T]; 2], &mut R),
+    work: &dyn Fn(Range<usize>, [&mut [T]; 2], &mut R),
 ) -> Vec<R> {
     let (length, mut found) = (block_length(unit), R::default());
     for (block, (one, two)) in one.chunks_mut(length).zip(two.chunks_mut(length)).enumerate() {
@@ -99,28 +100,28 @@ fn block_length(unit: usize) -> usize {
 
 /// The results of `work` for consecutive blocks of `items`, each with the index of its first, in order.
 #[cfg(feature = "rayon")]
-pub(crate) fn fold_blocks<T: Sync, R: Send>(items: &[T], work: impl Fn(usize, &[T]) -> R + Sync) -> Vec<R> {
+pub(crate) fn fold_blocks<T: Sync, R: Send>(items: &[T], work: &(dyn Fn(usize, &[T]) -> R + Sync)) -> Vec<R> {
     use rayon::prelude::*;
     items.par_chunks(BLOCK).enumerate().map(|(block, items)| work(block * BLOCK, items)).collect()
 }
 
-/// The results of `work` for some things, in their order.
-#[cfg(feature = "rayon")]
-pub(crate) fn map_each<T: Sync, R: Send>(things: &[T], work: impl Fn(&T) -> R + Sync + Send) -> Vec<R> {
-    use rayon::prelude::*;
-    things.par_iter().map(work).collect()
-}
-
-/// The results of `work` for some things, in their order.
-#[cfg(not(feature = "rayon"))]
-pub(crate) fn map_each<T, R>(things: &[T], work: impl Fn(&T) -> R) -> Vec<R> {
-    things.iter().map(work).collect()
-}
-
 /// The result of `work` for all `items` as one block.
 #[cfg(not(feature = "rayon"))]
-pub(crate) fn fold_blocks<T, R>(items: &[T], work: impl Fn(usize, &[T]) -> R) -> Vec<R> {
+pub(crate) fn fold_blocks<T, R>(items: &[T], work: &dyn Fn(usize, &[T]) -> R) -> Vec<R> {
     vec![work(0, items)]
+}
+
+/// The results of `work` for consecutive blocks of `items`, in order.
+#[cfg(feature = "rayon")]
+pub(crate) fn map_each_block<T: Sync, R: Send>(items: &[T], work: &(dyn Fn(&[T]) -> R + Sync)) -> Vec<R> {
+    use rayon::prelude::*;
+    items.par_chunks(BLOCK).map(work).collect()
+}
+
+/// The results of `work` for consecutive blocks of `items`, in order.
+#[cfg(not(feature = "rayon"))]
+pub(crate) fn map_each_block<T, R>(items: &[T], work: &dyn Fn(&[T]) -> R) -> Vec<R> {
+    items.chunks(BLOCK).map(work).collect()
 }
 
 /// The results that `map` has for the items of blocks, in their order; those of some blocks only if the watch stops.

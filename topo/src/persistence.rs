@@ -328,9 +328,11 @@ impl PersistenceOptions {
                 pair
             };
             let mut pairs = if self.plain_sweep {
-                let value = |vertex| filtration.value(vertex);
-                let merges = sweep(domain, &filtration);
-                merges.iter().map(|merge| pair(merge, value(merge.extremum), value(merge.end))).collect()
+                let mut pairs = Vec::new();
+                for merge in sweep(domain, &filtration) {
+                    pairs.push(pair(&merge, filtration.value(merge.extremum), filtration.value(merge.end)));
+                }
+                pairs
             } else {
                 domain.map_merges(&filtration, pair)
             };
@@ -341,11 +343,15 @@ impl PersistenceOptions {
                 filtration.check()?;
             }
             if !self.keep_zeros && zero_count.get() > 0 {
-                pairs.retain(|pair| !pair.is_zero());
+                leave_out_zeros(&mut pairs);
             }
             Ok(Pairs::new(D::KIND, pairs, zero_count.get()))
         })
     }
+}
+
+fn leave_out_zeros<V: Copy, S: Scalar>(pairs: &mut Vec<Pair<V, S>>) {
+    pairs.retain(|pair| !pair.is_zero());
 }
 
 /// The minima of a field, paired with the saddles at which the components of its sublevel sets merge.

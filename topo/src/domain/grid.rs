@@ -180,7 +180,7 @@ impl<const D: usize> Domain for &Grid<D> {
         // Zeros are memory that no thread has touched yet; the scan writes every pointer.
         let mut next = vec![0; self.vertex_count()];
         let row_length = self.shape[2];
-        let scans = parallel::scan_blocks(&mut next, row_length, |vertices, next, found: &mut Scan| {
+        let scans = parallel::scan_blocks(&mut next, row_length, &|vertices, next, found: &mut Scan| {
             if filtration.stops() {
                 return;
             }
@@ -190,7 +190,7 @@ impl<const D: usize> Domain for &Grid<D> {
                 scanner.scan_row(row, next);
             }
         });
-        Basins::new(next, scans, filtration, pointing)
+        Basins::new(next, scans, pointing, filtration.watch())
     }
 }
 
@@ -269,7 +269,7 @@ impl<'a, S: Scalar, F: Direction, const D: usize> Scanner<'a, S, F, D> {
                 self.looks.push(Look { bit, leap, dx });
             }
         }
-        self.looks.sort_unstable_by_key(|look| (look.leap > 0, look.leap.abs()));
+        nearest_first(&mut self.looks);
     }
 
     /// Fills in the sets of a span of the row.
@@ -380,12 +380,22 @@ impl<'a, S: Scalar, F: Direction, const D: usize> Scanner<'a, S, F, D> {
         }
     }
 
+    /// The ends of the row, if it is periodic, that lie in a span.
     fn periodic_ends(&self, span: &Range<usize>) -> impl Iterator<Item = usize> + use<S, F, D> {
-        let (span, is_periodic) = (span.clone(), self.grid.periodic[2]);
-        let last = self.grid.shape[2] - 1;
-        let ends = [Some(0), (last > 0).then_some(last)];
-        ends.into_iter().flatten().filter(move |x| is_periodic && span.contains(x))
+        ends_within(span, self.grid.shape[2], self.grid.periodic[2])
     }
+}
+
+/// Puts looks in the order that [`Scanner::looks`] has.
+fn nearest_first(looks: &mut [Look]) {
+    looks.sort_unstable_by_key(|look| (look.leap > 0, look.leap.abs()));
+}
+
+/// The ends of a row, if it is periodic, that lie in a span.
+fn ends_within(span: &Range<usize>, length: usize, is_periodic: bool) -> impl Iterator<Item = usize> + use<> {
+    let (span, last) = (span.clone(), length - 1);
+    let ends = [Some(0), (last > 0).then_some(last)];
+    ends.into_iter().flatten().filter(move |x| is_periodic && span.contains(x))
 }
 
 /// Sets a bit where the value of the other vertex is earlier than that of the centre.

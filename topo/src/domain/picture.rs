@@ -102,7 +102,7 @@ impl Picture {
         let width = grid.shape()[1];
         let (mut inside, mut outside) = (vec![0; count], vec![0; count + 1]);
         let nexts = [&mut inside[..], &mut outside[..count]];
-        let scans = parallel::scan_blocks_of_two(nexts, width, |vertices, [inside, outside], found: &mut Found| {
+        let scans = parallel::scan_blocks_of_two(nexts, width, &|vertices, [inside, outside], found: &mut Found| {
             if filtration.stops() {
                 return;
             }

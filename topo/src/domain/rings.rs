@@ -121,7 +121,7 @@ pub(crate) fn basins<S: Scalar, D: Direction>(
     pointing: Pointing,
 ) -> Basins {
     let mut next = vec![0; domain.vertex_count()];
-    let scans = parallel::scan_blocks(&mut next, 1, |vertices, next, found| {
+    let scans = parallel::scan_blocks(&mut next, 1, &|vertices, next, found| {
         if filtration.stops() {
             return;
         }
@@ -132,7 +132,7 @@ pub(crate) fn basins<S: Scalar, D: Direction>(
             }
         }
     });
-    Basins::new(next, scans, filtration, pointing)
+    Basins::new(next, scans, pointing, filtration.watch())
 }
 
 /// Points a vertex to an earlier neighbour; notes it if it is an extremum or may be a saddle.

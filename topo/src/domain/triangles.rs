@@ -8,8 +8,9 @@
 
 use crate::filtration::{Direction, Filtration};
 use crate::pairing::{Basins, Descent, Join, NONE, OUTSIDE};
-use crate::parallel::{self, BLOCK};
+use crate::parallel;
 use crate::scalar::Scalar;
+use crate::watch::Watch;
 use core::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
 /// The basins of the vertices of some triangles; vertices point to any earlier neighbour.
@@ -41,7 +42,7 @@ fn pointers<S: Scalar, D: Direction>(
             next[middle as usize].store(first, Relaxed);
         }
     };
-    for_blocks(triangles, filtration, |triangles| {
+    for_blocks(triangles, filtration.watch(), &|triangles| {
         triangles.iter().for_each(|&triangle| for_each_in_order(filtration, triangle, point));
     });
     next.into_iter().map(AtomicU32::into_inner).collect()
@@ -53,7 +54,7 @@ fn crossed<S: Scalar, D: Direction>(
     filtration: &Filtration<'_, S, D>,
     descent: &Descent,
 ) -> Vec<Vec<[u32; 3]>> {
-    for_blocks(triangles, filtration, |triangles| {
+    for_blocks(triangles, filtration.watch(), &|triangles| {
         let mut crossed = Vec::new();
         for &triangle in triangles {
             let [a, b, c] = triangle.map(|corner| descent.basin_or_outside(corner));
@@ -130,12 +131,7 @@ fn ordered<S: Scalar, D: Direction>(u: (u32, S), v: (u32, S)) -> [(u32, S); 2] {
 }
 
 /// What `work` makes of blocks of triangles; of those only that it comes to before the work is stopped.
-fn for_blocks<S: Scalar, D: Direction, R: Send>(
-    triangles: &[[u32; 3]],
-    filtration: &Filtration<'_, S, D>,
-    work: impl Fn(&[[u32; 3]]) -> R + Sync,
-) -> Vec<R> {
-    let blocks: Vec<&[[u32; 3]]> = triangles.chunks(BLOCK).collect();
-    let results = parallel::map_each(&blocks, |block| (!filtration.stops()).then(|| work(block)));
+fn for_blocks<R: Send>(triangles: &[[u32; 3]], watch: Watch<'_>, work: &(dyn Fn(&[[u32; 3]]) -> R + Sync)) -> Vec<R> {
+    let results = parallel::map_each_block(triangles, &|block| (!watch.stops()).then(|| work(block)));
     results.into_iter().flatten().collect()
 }

@@ -78,14 +78,14 @@ pub(crate) fn fill_levels<L: Copy>(
 }
 
 /// For each extremum the place among the kept ones of that into whose basin its own spills, by way of others that are not
-/// kept; from (extremum, beyond) for all branches that end.
+/// kept; from all branches that end.
 ///
 /// Every branch spills into another component, so spills close no circle: each group is a tree of them, with one
 /// extremum that is kept, whichever member is the root of the union-find.
-pub(crate) fn spilled(ends: impl Iterator<Item = (u32, u32)>, kept: &[bool]) -> Vec<u32> {
+pub(crate) fn spilled(ends: &[BranchEnd], kept: &[bool]) -> Vec<u32> {
     let mut groups = UnionFind::new(kept.len());
-    for (extremum, beyond) in ends.filter(|end| !kept[end.0 as usize]) {
-        let (from, to) = (groups.find(extremum), groups.find(beyond));
+    for end in ends.iter().filter(|end| !kept[end.extremum as usize]) {
+        let (from, to) = (groups.find(end.extremum), groups.find(end.beyond));
         groups.join(from, to);
     }
     let mut place_of_group = vec![NONE; kept.len()];

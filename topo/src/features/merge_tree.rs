@@ -103,7 +103,7 @@ impl<'f, V: Copy, S: Scalar> MergeTree<'f, V, S> {
         watch: Watch<'_>,
     ) -> Result<Self, Error> {
         let filtration = Filtration::<S, D>::new(field, domain.vertex_count(), nan)?.watched(watch);
-        Self::named(domain, &filtration, field, |index| domain.vertex(index as usize))
+        Self::named(domain, &filtration, field, &|index| domain.vertex(index as usize))
     }
 
     /// The tree with vertices named otherwise than by the domain, unless the work is stopped.
@@ -111,11 +111,15 @@ impl<'f, V: Copy, S: Scalar> MergeTree<'f, V, S> {
         domain: G,
         filtration: &Filtration<'_, S, D>,
         field: &'f [S],
-        name: impl Fn(u32) -> V,
+        name: &dyn Fn(u32) -> V,
     ) -> Result<Self, Error> {
-        let Branches { extrema, basins, ends, essential } = Branches::new(domain, filtration, Pointing::Steepest)?;
-        Ok(Self {
-            kind: D::KIND,
+        Ok(Self::of_branches(Branches::new(domain, filtration, Pointing::Steepest)?, D::KIND, field, name))
+    }
+
+    fn of_branches(branches: Branches, kind: Kind, field: &'f [S], name: &dyn Fn(u32) -> V) -> Self {
+        let Branches { extrema, basins, ends, essential } = branches;
+        Self {
+            kind,
             leaf_names: extrema.iter().map(|&extremum| name(extremum)).collect(),
             leaves: extrema,
             saddle_names: ends.iter().map(|end| name(end.saddle)).collect(),
@@ -124,7 +128,7 @@ impl<'f, V: Copy, S: Scalar> MergeTree<'f, V, S> {
             roots: essential,
             basins,
             values: Cow::Borrowed(field),
-        })
+        }
     }
 
     /// The value at a vertex.
@@ -300,7 +304,7 @@ impl<'f, V: Copy, S: Scalar> MergeTree<'f, V, S> {
     }
 
     fn spilled(&self, kept: &[bool]) -> Vec<u32> {
-        spilled(self.ends.iter().map(|end| (end.extremum, end.beyond)), kept)
+        spilled(&self.ends, kept)
     }
 
     /// Whether a value has been reached at a level.

@@ -44,11 +44,20 @@ impl<V: Copy> Segmentation<V> {
     ) -> Result<Self, Error> {
         let branches = Branches::new(domain, filtration, Pointing::Labels)?;
         let kept = branches.longer(filtration, threshold);
-        let segment_of_basin = spilled(branches.ends.iter().map(|end| (end.extremum, end.beyond)), &kept);
-        let survivors = branches.extrema.iter().zip(&kept).filter(|&(_, &kept)| kept);
-        let extrema = survivors.map(|(&extremum, _)| domain.vertex(extremum as usize)).collect();
-        let labels = branches.basins.into_labels(filtration.watch(), |basin| of_basin(&segment_of_basin, basin));
-        if filtration.stops() { Err(Error::Interrupted) } else { Ok(Self::new(extrema, labels)) }
+        Self::of_branches(branches, &kept, &|extremum| domain.vertex(extremum as usize), filtration.watch())
+    }
+
+    fn of_branches(
+        branches: Branches,
+        kept: &[bool],
+        name: &dyn Fn(u32) -> V,
+        watch: Watch<'_>,
+    ) -> Result<Self, Error> {
+        let segment_of_basin = spilled(&branches.ends, kept);
+        let survivors = branches.extrema.iter().zip(kept).filter(|&(_, &kept)| kept);
+        let extrema = survivors.map(|(&extremum, _)| name(extremum)).collect();
+        let labels = branches.basins.into_labels(watch, |basin| of_basin(&segment_of_basin, basin));
+        if watch.stops() { Err(Error::Interrupted) } else { Ok(Self::new(extrema, labels)) }
     }
 
     /// The extremum of each segment.

@@ -22,6 +22,8 @@ use super::union_find::UnionFind;
 use crate::filtration::{Direction, Filtration, Kind};
 use crate::parallel;
 use crate::scalar::Scalar;
+use crate::watch::Watch;
+use core::cmp::Ordering;
 
 /// What a scan finds, ranges of vertices apart.
 #[derive(Debug, Default)]
@@ -125,7 +127,7 @@ fn joins_of_graph<G: Graph, S: Scalar, D: Direction>(
             }
         });
         if pointing.is_steepest() && others.len() > 1 {
-            others.sort_unstable_by(|&(u, _), &(v, _)| filtration.compare(u, v));
+            sort_by_entry(&mut others, &|u, v| filtration.compare(u, v));
         }
         joins.extend(others.iter().map(|&(_, basin)| Join { saddle, basins: [own, basin] }));
     }
@@ -144,10 +146,20 @@ pub(crate) fn note_sides<S: Scalar, D: Direction>(
         [a, b] if filtration.precedes(*b, *a) => candidates.push(SaddleCandidate { saddle, sides: [*b, *a] }),
         [a, b] => candidates.push(SaddleCandidate { saddle, sides: [*a, *b] }),
         _ => {
-            sides.sort_unstable_by(|&u, &v| filtration.compare(u, v));
+            sort_sides(sides, &|u, v| filtration.compare(u, v));
             candidates.extend(sides[1..].iter().map(|&side| SaddleCandidate { saddle, sides: [sides[0], side] }));
         }
     }
+}
+
+/// Puts neighbours, each with its basin, in the order in which they enter.
+fn sort_by_entry(neighbors: &mut [(u32, u32)], compare: &dyn Fn(u32, u32) -> Ordering) {
+    neighbors.sort_unstable_by(|&(u, _), &(v, _)| compare(u, v));
+}
+
+/// Puts neighbours in the order in which they enter.
+fn sort_sides(sides: &mut [u32], compare: &dyn Fn(u32, u32) -> Ordering) {
+    sides.sort_unstable_by(|&u, &v| compare(u, v));
 }
 
 impl Basins {
@@ -157,13 +169,8 @@ impl Basins {
     }
 
     /// From where vertices point to and what the scans of consecutive ranges have found; nothing if one was stopped.
-    pub(crate) fn new<S: Scalar, D: Direction>(
-        next: Vec<u32>,
-        scans: Vec<Scan>,
-        filtration: &Filtration<'_, S, D>,
-        pointing: Pointing,
-    ) -> Self {
-        if filtration.stops() {
+    pub(crate) fn new(next: Vec<u32>, scans: Vec<Scan>, pointing: Pointing, watch: Watch<'_>) -> Self {
+        if watch.stops() {
             return Self::none();
         }
         let mut extrema = Vec::with_capacity(scans.iter().map(|scan| scan.extrema.len()).sum());
@@ -171,11 +178,11 @@ impl Basins {
         let candidates: Vec<_> = scans.into_iter().map(|scan| scan.candidates).collect();
         let descent = Descent::new(next, extrema);
         if descent.is_worth_settling_for(candidates.iter().map(Vec::len).sum()) {
-            descent.settle(filtration.watch());
+            descent.settle(watch);
         } else if pointing == Pointing::Labels {
-            descent.shorten(filtration.watch());
+            descent.shorten(watch);
         }
-        let mut joins = parallel::filter_map(candidates, filtration.watch(), |SaddleCandidate { saddle, sides }| {
+        let mut joins = parallel::filter_map(candidates, watch, |SaddleCandidate { saddle, sides }| {
             let basins = sides.map(|side| descent.basin(side));
             (basins[0] != basins[1]).then_some(Join { saddle, basins })
         });
@@ -302,10 +309,10 @@ pub(crate) fn last_of_all<S: Scalar, D: Direction>(filtration: &Filtration<'_, S
         let has_last = |value: &S| *value == last;
         let place =
             if D::KIND == Kind::Minimum { values.iter().rposition(has_last) } else { values.iter().position(has_last) };
-        place.map(|place| (start + of + place) as u32)
+        place.map(|place| start + of + place)
     };
-    let lasts = parallel::fold_blocks(filtration.field(), last_of_block);
-    lasts.into_iter().flatten().reduce(|u, v| filtration.later(u, v)).into_iter().collect()
+    let lasts = parallel::fold_blocks(filtration.field(), &last_of_block);
+    lasts.into_iter().flatten().map(|v| v as u32).reduce(|u, v| filtration.later(u, v)).into_iter().collect()
 }
 
 /// How many values are compared at once, and how many are searched for the last of them.

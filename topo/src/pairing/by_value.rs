@@ -10,6 +10,7 @@ use crate::filtration::{Direction, Filtration, Kind};
 use crate::parallel::BLOCK;
 use crate::scalar::Scalar;
 use crate::watch::Watch;
+use core::cmp::Ordering;
 
 /// Bits of a digit: the places to which numbers go, one for each value of a digit, stay within the second-level cache.
 const DIGIT: u32 = 11;
@@ -45,22 +46,27 @@ pub(super) fn by_value<S: Scalar>(
     watch: Watch<'_>,
 ) -> Vec<u32> {
     let value = |place: u32| field[vertex(place) as usize];
-    let places = 0..count as u32;
-    let widest = places.clone().map(|place| bits(value(place)));
-    let (lowest, highest) = widest.fold((u64::MAX, 0), |(low, high), bits| (low.min(bits), high.max(bits)));
+    let bits = (0..count as u32).map(|place| bits(value(place))).collect();
+    sorted(bits, &|a, b| value(a).key().cmp(&value(b).key()), watch)
+}
+
+/// The places of things in order, given their bits and how to compare two whose upper bits are equal.
+fn sorted(bits: Vec<u64>, compare: &dyn Fn(u32, u32) -> Ordering, watch: Watch<'_>) -> Vec<u32> {
+    let count = bits.len();
+    let (lowest, highest) = bits.iter().fold((u64::MAX, 0), |(low, high), &bits| (low.min(bits), high.max(bits)));
     let shift = u64::BITS.saturating_sub(highest.saturating_sub(lowest).leading_zeros() + u32::BITS);
     let mut counts = vec![[0u32; 1 << DIGIT]; DIGITS];
-    let keyed = places.map(|place| {
-        let key = ((bits(value(place)) - lowest) >> shift) as u32; // at most 32 bits
+    let keyed = (0..).zip(bits).map(|(place, bits)| {
+        let key = ((bits - lowest) >> shift) as u32; // at most 32 bits
         counts.iter_mut().zip(0..).for_each(|(counts, digit)| counts[digit_of(key, digit)] += 1);
         (key, place)
     });
     let mut keyed: Vec<Keyed> = keyed.collect();
     if count > FEW {
         keyed = sorted_by_digits(keyed, &mut counts, watch);
-        sort_equal(&mut keyed, value, watch);
+        sort_equal(&mut keyed, compare, watch);
     } else {
-        keyed.sort_unstable_by_key(|&(_, place)| (value(place).key(), place));
+        sort_few(&mut keyed, compare);
     }
     keyed.into_iter().map(|(_, place)| place).collect()
 }
@@ -96,12 +102,17 @@ fn sorted_by_digits(mut keyed: Vec<Keyed>, counts: &mut [[u32; 1 << DIGIT]], wat
 }
 
 /// Sorts runs of one key whose values differ.
-fn sort_equal<S: Scalar>(keyed: &mut [Keyed], value: impl Fn(u32) -> S, watch: Watch<'_>) {
+fn sort_equal(keyed: &mut [Keyed], compare: &dyn Fn(u32, u32) -> Ordering, watch: Watch<'_>) {
     for run in keyed.chunk_by_mut(|a, b| a.0 == b.0).filter(|run| run.len() > 1) {
-        if !run.is_sorted_by(|a, b| value(a.1) <= value(b.1)) && !watch.stops() {
-            run.sort_unstable_by_key(|&(_, place)| (value(place).key(), place));
+        if !run.is_sorted_by(|a, b| compare(a.1, b.1).is_le()) && !watch.stops() {
+            sort_few(run, compare);
         }
     }
+}
+
+/// Sorts by comparisons; equal ones keep their order.
+fn sort_few(keyed: &mut [Keyed], compare: &dyn Fn(u32, u32) -> Ordering) {
+    keyed.sort_unstable_by(|&(_, a), &(_, b)| compare(a, b).then(a.cmp(&b)));
 }
 
 #[cfg(test)]

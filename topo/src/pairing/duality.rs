@@ -12,6 +12,7 @@ use super::merges::Merge;
 use crate::filtration::{Direction, Filtration};
 use crate::parallel::{self, BLOCK};
 use crate::scalar::Scalar;
+use crate::watch::Watch;
 
 /// A vertex at which something may merge in the picture, or in what is left out.
 #[derive(Debug, Clone, Copy)]
@@ -28,16 +29,7 @@ pub(crate) fn pair_both<S: Scalar, D: Direction>(
     descents: [&Descent; 2],
     mut crossings: Vec<Crossing>,
 ) -> [Vec<Merge>; 2] {
-    parallel::map_blocks(&mut crossings, 1, |_, crossings| {
-        if filtration.stops() {
-            return;
-        }
-        for crossing in crossings {
-            for (sides, descent) in crossing.sides.iter_mut().zip(descents) {
-                *sides = sides.map(|side| descent.basin(side));
-            }
-        }
-    });
+    lead_down(&mut crossings, descents, filtration.watch());
     let order = by_value::in_order(filtration, crossings.len(), |place| crossings[place as usize].saddle);
     let [inside, outside] = descents.map(Descent::extrema);
     let value = |&extremum: &u32| filtration.field()[extremum as usize];
@@ -60,4 +52,18 @@ pub(crate) fn pair_both<S: Scalar, D: Direction>(
         left_out.join(saddle, sides[1], is_elder);
     }
     [components.merges, left_out.merges]
+}
+
+/// Replaces the sides of crossings by their basins, unless the watch stops.
+fn lead_down(crossings: &mut [Crossing], descents: [&Descent; 2], watch: Watch<'_>) {
+    parallel::map_blocks(crossings, 1, &|_, crossings| {
+        if watch.stops() {
+            return;
+        }
+        for crossing in crossings {
+            for (sides, descent) in crossing.sides.iter_mut().zip(descents) {
+                *sides = sides.map(|side| descent.basin(side));
+            }
+        }
+    });
 }

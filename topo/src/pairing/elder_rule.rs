@@ -63,7 +63,7 @@ pub(crate) fn branch<S: Scalar, D: Direction>(
                 ends.push(BranchEnd { extremum, saddle, elder, beyond });
             }
         }
-        _ => end_branches(components, joins, is_elder, &mut ends),
+        _ => end_branches(components, joins, &is_elder, &mut ends),
     });
     (ends, components)
 }
@@ -72,7 +72,7 @@ pub(crate) fn branch<S: Scalar, D: Direction>(
 fn end_branches(
     components: &mut UnionFind,
     joins: &[Join],
-    is_elder: impl Fn(u32, u32) -> bool,
+    is_elder: &dyn Fn(u32, u32) -> bool,
     ends: &mut Vec<BranchEnd>,
 ) {
     let Some(&Join { saddle, basins: [earliest, _] }) = joins.first() else { return };

@@ -41,18 +41,21 @@ impl Parts {
             return Self { joins, begins: vec![0] };
         }
         let bits = |join: &Join| by_value::bits(filtration.value(join.saddle));
-        let mut sample: Vec<u64> = joins.iter().step_by(joins.len() / (count * SAMPLED)).map(bits).collect();
-        sample.sort_unstable();
-        let lowest: Vec<u64> = (1..count).map(|part| sample[part * sample.len() / count]).collect();
-        let mut sizes = vec![0; count];
+        let sample = joins.iter().step_by(joins.len() / (count * SAMPLED)).map(bits).collect();
+        let lowest = lowest_of_parts(sample, count);
         let part_of = |join: &Join| {
             let bits = bits(join);
             let lower = lowest.partition_point(|&lowest| lowest <= bits);
-            let part = if D::KIND == Kind::Minimum { count - 1 - lower } else { lower };
-            sizes[part] += 1;
-            part as u8
+            (if D::KIND == Kind::Minimum { count - 1 - lower } else { lower }) as u8
         };
-        let part_of: Vec<u8> = joins.iter().map(part_of).collect();
+        let part_of = joins.iter().map(part_of).collect();
+        Self::parted(joins, part_of, count)
+    }
+
+    /// Joins that go to so many parts, each to its own.
+    fn parted(joins: Vec<Join>, part_of: Vec<u8>, count: usize) -> Self {
+        let mut sizes = vec![0; count];
+        part_of.iter().for_each(|&part| sizes[usize::from(part)] += 1);
         let begin = |end: &mut usize, size: usize| {
             *end += size;
             Some(*end - size)
@@ -105,4 +108,10 @@ impl Parts {
             is_first = false;
         }
     }
+}
+
+/// The lowest value of each part but the first, from those of a sample.
+fn lowest_of_parts(mut sample: Vec<u64>, count: usize) -> Vec<u64> {
+    sample.sort_unstable();
+    (1..count).map(|part| sample[part * sample.len() / count]).collect()
 }

@@ -34,17 +34,18 @@ pub(crate) fn sweep<G: Graph, S: Scalar, D: Direction>(graph: G, filtration: &Fi
             components.join(younger, elder);
         });
     }
-    merges.extend(essential(&order, &mut components));
-    merges.sort_unstable_by_key(|merge| merge.extremum);
-    merges
+    with_essential(merges, &order, &mut components)
 }
 
-/// The eldest of each component with the last vertex to enter it.
-fn essential(order: &[u32], components: &mut UnionFind) -> Vec<Merge> {
+/// Adds the eldest of each component with the last vertex to enter it, and puts all in the order of their extrema.
+fn with_essential(mut merges: Vec<Merge>, order: &[u32], components: &mut UnionFind) -> Vec<Merge> {
     let mut last = vec![0; components.len()];
     for &v in order {
         last[components.find(v) as usize] = v;
     }
     let eldest = order.iter().filter(|&&v| components.find(v) == v);
-    eldest.map(|&v| Merge { extremum: v, end: last[v as usize], towards: NONE }).collect()
+    let eldest: Vec<u32> = eldest.copied().collect();
+    merges.extend(eldest.into_iter().map(|v| Merge { extremum: v, end: last[v as usize], towards: NONE }));
+    merges.sort_unstable_by_key(|merge| merge.extremum);
+    merges
 }

@@ -63,7 +63,7 @@ impl<S: Scalar> Summary<S> {
         if let Some(values) = [values.len(), names.len(), blocks.len()].into_iter().find(|&length| length != vertices) {
             return Err(Error::Length { values, vertices });
         }
-        let order = Order::by(vertices, |v| names[v as usize])?;
+        let order = Order::by(names)?;
         let (values, names, blocks) = (order.sorted(values), order.sorted(names), order.sorted(blocks));
         let domain = Renumbered { domain, order: &order };
         match kind {
@@ -99,15 +99,15 @@ fn of_tile<S: Scalar, F: Direction, const D: usize>(
     if !tile.goes_round() {
         let name = |v: u32| tile.vertex(v as usize);
         let filtration = filtration::<S, F>(values, vertices, options.nan, name)?;
-        let shared = tile.shared(|u, v| filtration.precedes(u, v), |v| filtration.contains(v));
+        let shared = tile.shared(&|u, v| filtration.precedes(u, v), &|v| filtration.contains(v));
         return Ok(summary(domain, &filtration, &shared, name, options));
     }
-    let order = Order::by(vertices, |v| tile.vertex(v as usize))?;
+    let order = Order::by(&(0..vertices).map(|v| tile.vertex(v)).collect::<Vec<_>>())?;
     let (domain, values) = (Renumbered { domain, order: &order }, order.sorted(values));
     let name = |v: u32| tile.vertex(order.before(v) as usize);
     let filtration = filtration::<S, F>(&values, vertices, options.nan, name)?;
     let mut shared =
-        tile.shared(|u, v| filtration.precedes(order.rank(u), order.rank(v)), |v| filtration.contains(order.rank(v)));
+        tile.shared(&|u, v| filtration.precedes(order.rank(u), order.rank(v)), &|v| filtration.contains(order.rank(v)));
     shared.iter_mut().for_each(|shared| shared.0 = order.rank(shared.0));
     Ok(summary(&domain, &filtration, &shared, name, options))
 }

@@ -17,13 +17,14 @@ pub(super) struct Order {
 
 impl Order {
     /// From the name of each vertex.
-    pub(super) fn by(count: usize, name: impl Fn(u32) -> u64) -> Result<Self, Error> {
-        let mut before: Vec<u32> = (0..count as u32).collect();
+    pub(super) fn by(names: &[u64]) -> Result<Self, Error> {
+        let name = |v: u32| names[v as usize];
+        let mut before: Vec<u32> = (0..names.len() as u32).collect();
         before.sort_unstable_by_key(|&v| name(v));
         if let Some(twice) = before.windows(2).find(|two| name(two[0]) == name(two[1])) {
             return Err(Error::Twice { vertex: name(twice[0]) });
         }
-        let mut rank = vec![0; count];
+        let mut rank = vec![0; names.len()];
         before.iter().zip(0..).for_each(|(&v, place)| rank[v as usize] = place);
         Ok(Self { before, rank })
     }

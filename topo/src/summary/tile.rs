@@ -125,7 +125,7 @@ impl<const D: usize> Tile<D> {
     ///
     /// A vertex is left out if one of its neighbours enters before it that lies in all planes of cuts that it lies in: all
     /// tiles that have the vertex have that neighbour too, with the edge between, and so each finds the same.
-    pub(super) fn shared(&self, precedes: impl Fn(u32, u32) -> bool, enters: impl Fn(u32) -> bool) -> Vec<(u32, u32)> {
+    pub(super) fn shared(&self, precedes: &dyn Fn(u32, u32) -> bool, enters: &dyn Fn(u32) -> bool) -> Vec<(u32, u32)> {
         let mut kept = Vec::new();
         self.for_each_on_border(|v| {
             let planes = self.planes(v);

@@ -43,7 +43,7 @@ pub(super) fn combine<S: Scalar>(
     order.iter().zip(arc_in_order).for_each(|(&found, arc)| arc_of_edge[found as usize] = arc);
     let values: Vec<S> = vertices.iter().map(|&vertex| filtration.value(vertex)).collect();
     let ranks = Ranks::new(&vertices, &values);
-    parallel::map_blocks(&mut arc_of, 1, |range, arcs| {
+    parallel::map_blocks(&mut arc_of, 1, &|range, arcs| {
         if filtration.stops() {
             return;
         }

@@ -94,11 +94,11 @@ impl<V: Copy, S: Scalar> ContourTree<V, S> {
         if filtration.field().iter().any(|value| value.is_nan()) {
             return Ok(None);
         }
-        let join = MergeTree::named(domain, filtration, filtration.field(), |_| ())?;
+        let join = MergeTree::named(domain, filtration, filtration.field(), &|_| ())?;
         if join.leaf_count() > filtration.field().len() / MANY_LEAVES + FEW_LEAVES {
             return Ok(None);
         }
-        let split = MergeTree::named(domain, &filtration.backwards(), filtration.field(), |_| ())?;
+        let split = MergeTree::named(domain, &filtration.backwards(), filtration.field(), &|_| ())?;
         let critical = critical::combine(&join, &split, filtration);
         if filtration.stops() {
             return Err(Error::Interrupted);
