@@ -57,6 +57,14 @@ pub enum Error {
     /// A cone was given on the boundary.
     #[error("cone {0} lies on the boundary, where no cone is needed: choose an inner vertex")]
     ConeOnBoundary(u32),
+    /// Numbers of cones were given for more components than there are.
+    #[error("{numbers} numbers of cones are given, but there {}: give one for each, in the order of their first faces", if *parts == 1 { "is 1 part".to_owned() } else { format!("are {parts} parts") })]
+    NumbersWithoutParts {
+        /// How many numbers.
+        numbers: usize,
+        /// How many components there are.
+        parts: usize,
+    },
     /// Some cones were given curvatures and others not.
     #[error("{known} of {given} cones are given with a curvature: give one for all of them, or for none")]
     SomeCurvatures {

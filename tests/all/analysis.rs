@@ -267,6 +267,13 @@ fn where_parts_need_more_cones_than_were_asked_for_it_is_said_for_all_of_them() 
     let analysis = Analysis::new(&model(&two)).expect("sound shapes");
     let cones = analysis.place(Placement::Refined, 5).expect("sound shapes");
     assert_eq!((cones.notes(), analysis.flatten(&cones).expect("they unwrap").notes), (&told[..], told.clone()));
+    let each = |counts: &[usize]| Options { cones: ConeChoice::Each(counts.to_vec()), ..Options::default() };
+    let (told, atlas) = notes(&two, &each(&[8, 2]));
+    assert_eq!(told, [Note::FewerThanNeeded { asked: 2, needed: 3, components: 1 }]);
+    assert_eq!(atlas.cones.len(), 11);
+    assert!(notes(&two, &each(&[8, 3])).0.is_empty());
+    let refused = unwrap_model(&model(&two), &each(&[8, 3, 3])).expect_err("there is no third part");
+    assert!(refused.to_string().starts_with("3 numbers of cones are given, but there are 2 parts"), "{refused}");
     let threshold = Options { cones: ConeChoice::MinPersistence(1e9), ..Options::default() };
     let (told, atlas) = notes(&two, &threshold);
     // The highest and the lowest point of a part have a saddle at no height at all.

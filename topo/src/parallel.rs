@@ -11,6 +11,22 @@ use core::ops::Range;
 /// each whether to go on.
 pub(crate) const BLOCK: usize = 1 << 15;
 
+/// What is found in a block of a list, given the range that it has there.
+#[cfg(feature = "rayon")]
+type Scanning<'a, T, R> = &'a (dyn Fn(Range<usize>, &mut [T], &mut R) + Sync);
+
+/// What is found in a block of a list, given the range that it has there.
+#[cfg(not(feature = "rayon"))]
+type Scanning<'a, T, R> = &'a dyn Fn(Range<usize>, &mut [T], &mut R);
+
+/// What is found in blocks of two lists, given the range that they have there.
+#[cfg(feature = "rayon")]
+type ScanningTwo<'a, T, R> = &'a (dyn Fn(Range<usize>, [&mut [T]; 2], &mut R) + Sync);
+
+/// What is found in blocks of two lists, given the range that they have there.
+#[cfg(not(feature = "rayon"))]
+type ScanningTwo<'a, T, R> = &'a dyn Fn(Range<usize>, [&mut [T]; 2], &mut R);
+
 /// Calls `work` with blocks of `data` and the range each has in it. Blocks are multiples of `unit` long, except the
 /// last.
 #[cfg(feature = "rayon")]
@@ -35,11 +51,7 @@ pub(crate) fn map_blocks<T, R>(data: &mut [T], unit: usize, work: &dyn Fn(Range<
 
 /// Calls `work` with blocks of `data` and the range each has in it, to note what it finds there; the findings of consecutive ranges.
 #[cfg(feature = "rayon")]
-pub(crate) fn scan_blocks<T: Send, R: Default + Send>(
-    data: &mut [T],
-    unit: usize,
-    work: &(dyn Fn(Range<usize>, &mut [T], &mut R) + Sync),
-) -> Vec<R> {
+pub(crate) fn scan_blocks<T: Send, R: Default + Send>(data: &mut [T], unit: usize, work: Scanning<'_, T, R>) -> Vec<R> {
     map_blocks(data, unit, &|range, data| {
         let mut found = R::default();
         work(range, data, &mut found);
@@ -49,11 +61,7 @@ pub(crate) fn scan_blocks<T: Send, R: Default + Send>(
 
 /// Calls `work` with blocks of `data` and the range each has in it, to note what it finds there; all findings in one.
 #[cfg(not(feature = "rayon"))]
-pub(crate) fn scan_blocks<T, R: Default>(
-    data: &mut [T],
-    unit: usize,
-    work: &dyn Fn(Range<usize>, &mut [T], &mut R),
-) -> Vec<R> {
+pub(crate) fn scan_blocks<T, R: Default>(data: &mut [T], unit: usize, work: Scanning<'_, T, R>) -> Vec<R> {
     let (length, mut found) = (block_length(unit), R::default());
     for (block, data) in data.chunks_mut(length).enumerate() {
         work(block * length..block * length + data.len(), data, &mut found);
@@ -66,7 +74,7 @@ pub(crate) fn scan_blocks<T, R: Default>(
 pub(crate) fn scan_blocks_of_two<T: Send, R: Default + Send>(
     [one, two]: [&mut [T]; 2],
     unit: usize,
-    work: &(dyn Fn(Range<usize>, [&mut [T]; 2], &mut R) + Sync),
+    work: ScanningTwo<'_, T, R>,
 ) -> Vec<R> {
     use rayon::prelude::*;
     let length = block_length(unit);
@@ -84,7 +92,7 @@ pub(crate) fn scan_blocks_of_two<T: Send, R: Default + Send>(
 pub(crate) fn scan_blocks_of_two<T, R: Default>(
     [one, two]: [&mut [T]; 2],
     unit: usize,
-    work: &dyn Fn(Range<usize>, [&mut [T]; 2], &mut R),
+    work: ScanningTwo<'_, T, R>,
 ) -> Vec<R> {
     let (length, mut found) = (block_length(unit), R::default());
     for (block, (one, two)) in one.chunks_mut(length).zip(two.chunks_mut(length)).enumerate() {

@@ -95,8 +95,7 @@ impl Analysis {
                 self.placed(&mut shared, options, &counts, task)?
             }
             ConeChoice::Each(counts) => {
-                let of_component = |c: &Arc<Component>| counts.get(c.index).copied().unwrap_or(0).max(c.least());
-                let counts: Vec<usize> = self.components().iter().map(of_component).collect();
+                let counts = self.at_least(&mut shared, counts)?;
                 self.placed(&mut shared, options, &counts, task)?
             }
             ConeChoice::MinPersistence(threshold) => {
@@ -170,6 +169,22 @@ impl Analysis {
             analysis: self.id(),
             quantize: options.quantize,
         }
+    }
+
+    /// How many cones each component gets of numbers for each: those, or as many as it needs.
+    fn at_least(&self, shared: &mut Shared, counts: &[usize]) -> Result<Vec<usize>, Error> {
+        let components = self.components();
+        if counts.len() > components.len() {
+            return Err(Error::NumbersWithoutParts { numbers: counts.len(), parts: components.len() });
+        }
+        let asked = |component: &Component| counts.get(component.index).copied().unwrap_or(0);
+        let few: Vec<_> = components.iter().filter(|component| asked(component) < component.least()).collect();
+        if !few.is_empty() {
+            let (of_few, needed) =
+                few.iter().fold((0, 0), |(of_few, needed), c| (of_few + asked(c), needed + c.least()));
+            shared.notes.push(Note::FewerThanNeeded { asked: of_few, needed, components: few.len() });
+        }
+        Ok(components.iter().map(|component| asked(component).max(component.least())).collect())
     }
 
     /// How many cones each component gets of a total.

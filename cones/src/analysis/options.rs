@@ -156,7 +156,7 @@ pub enum ConeChoice {
     WithinDistortion(f64),
     /// So many, on all connected components together.
     Count(usize),
-    /// So many on each connected component, in the order of their first faces; none where the list ends.
+    /// So many on each connected component, in the order of their first faces, or as many as it needs; none where the list ends.
     Each(Vec<usize>),
     /// All extrema of the conformal factor with a persistence above this.
     MinPersistence(f64),

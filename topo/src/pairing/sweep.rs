@@ -44,8 +44,7 @@ fn with_essential(mut merges: Vec<Merge>, order: &[u32], components: &mut UnionF
         last[components.find(v) as usize] = v;
     }
     let eldest = order.iter().filter(|&&v| components.find(v) == v);
-    let eldest: Vec<u32> = eldest.copied().collect();
-    merges.extend(eldest.into_iter().map(|v| Merge { extremum: v, end: last[v as usize], towards: NONE }));
+    merges.extend(eldest.map(|&v| Merge { extremum: v, end: last[v as usize], towards: NONE }));
     merges.sort_unstable_by_key(|merge| merge.extremum);
     merges
 }
