@@ -181,7 +181,8 @@ def unwrap(
     vertices, faces
         Vertices (v, 3) and faces (m, k); or a `Mesh`, something with ``.vertices`` and ``.faces``, or a path alone.
     n : int or sequence of int, optional
-        How many cones, in all or on each connected component. Without it as few as keep the area distortion within 1.25.
+        How many cones, in all or on each connected component in the order of their first faces (none where the sequence ends, but as many
+        as a component needs). Without it as few as keep the area distortion within 1.25.
     max_distortion, min_persistence : float, optional
         As few cones as keep the area distortion within this; or all extrema that are so persistent.
     cones : vertices, mapping of vertices to curvatures, or a table of cones, optional

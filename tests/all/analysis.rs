@@ -269,7 +269,7 @@ fn where_parts_need_more_cones_than_were_asked_for_it_is_said_for_all_of_them() 
     assert_eq!((cones.notes(), analysis.flatten(&cones).expect("they unwrap").notes), (&told[..], told.clone()));
     let each = |counts: &[usize]| Options { cones: ConeChoice::Each(counts.to_vec()), ..Options::default() };
     let (told, atlas) = notes(&two, &each(&[8, 2]));
-    assert_eq!(told, [Note::FewerThanNeeded { asked: 2, needed: 3, components: 1 }]);
+    assert_eq!(told, [Note::MoreForCurvature { component: 1, asked: 2, taken: 3 }]);
     assert_eq!(atlas.cones.len(), 11);
     assert!(notes(&two, &each(&[8, 3])).0.is_empty());
     let refused = unwrap_model(&model(&two), &each(&[8, 3, 3])).expect_err("there is no third part");
@@ -386,7 +386,7 @@ fn each_part_gets_what_it_was_given_or_what_it_needs() {
     let options = Options { cones: ConeChoice::Each(vec![5, 0]), ..Options::default() };
     let cones = analysis.choose(&options).expect("sound shapes");
     let of = |part: usize| cones.iter().filter(|cone| cone.component == part).count();
-    let told = [Note::FewerThanNeeded { asked: 0, needed: 3, components: 1 }];
+    let told = [Note::MoreForCurvature { component: 1, asked: 0, taken: 3 }];
     assert_eq!(([0, 1, 2].map(of), cones.notes()), ([5, 3, 0], &told[..]));
     let by_sign = |cone: &&cones::Cone| (cone.kind == cones::Kind::Minimum) == (cone.curvature >= 0.0);
     assert!(cones.iter().filter(|cone| cone.persistence.is_none()).all(|cone| by_sign(&cone)), "{cones:?}");

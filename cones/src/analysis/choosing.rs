@@ -177,14 +177,15 @@ impl Analysis {
         if counts.len() > components.len() {
             return Err(Error::NumbersWithoutParts { numbers: counts.len(), parts: components.len() });
         }
-        let asked = |component: &Component| counts.get(component.index).copied().unwrap_or(0);
-        let few: Vec<_> = components.iter().filter(|component| asked(component) < component.least()).collect();
-        if !few.is_empty() {
-            let (of_few, needed) =
-                few.iter().fold((0, 0), |(of_few, needed), c| (of_few + asked(c), needed + c.least()));
-            shared.notes.push(Note::FewerThanNeeded { asked: of_few, needed, components: few.len() });
-        }
-        Ok(components.iter().map(|component| asked(component).max(component.least())).collect())
+        let of_component = |component: &Arc<Component>| {
+            let asked = counts.get(component.index).copied().unwrap_or(0);
+            let taken = asked.max(component.least());
+            if taken > asked {
+                shared.notes.push(Note::MoreForCurvature { component: component.index, asked, taken });
+            }
+            taken
+        };
+        Ok(components.iter().map(of_component).collect())
     }
 
     /// How many cones each component gets of a total.
