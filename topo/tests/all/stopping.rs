@@ -24,9 +24,14 @@ fn asked<T: PartialEq + std::fmt::Debug>(work: impl Fn(Watch<'_>) -> Result<T, E
     assert!(counting(usize::MAX).is_ok_and(|watched| watched == found));
     let all = count.load(Relaxed);
     for stop_at in (0..all).step_by(all / 40 + 1) {
-        assert!(counting(stop_at) == Err(Error::Interrupted), "at {stop_at} of {all}");
+        let watched = counting(stop_at);
+        // Threads that race for where a vertex of a mesh points to change how often it is asked, by little.
+        let is_told = count.load(Relaxed) > stop_at;
+        assert!(is_told || stop_at > all - all / 8, "asked {} times after {all}", count.load(Relaxed));
+        let is_right = if is_told { watched == Err(Error::Interrupted) } else { watched.is_ok_and(|it| it == found) };
+        assert!(is_right, "at {stop_at} of {all}");
     }
-    assert!(counting(all).is_ok_and(|watched| watched == found));
+    assert!(counting(2 * all).is_ok_and(|watched| watched == found));
     all
 }
 
