@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use geom::io::{ObjContent, read, write_glb, write_obj, write_ply};
-use geom::{Model, Triangles, texture_seams};
+use geom::{Model, Triangles, Weld, texture_seams};
 use numpy::{PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
@@ -12,7 +12,6 @@ use pyo3::types::PyBytes;
 use crate::array::{from_rows, rows};
 use crate::error::{Error, Failed};
 use crate::threads::in_pool;
-use crate::uv::weld_by_name;
 
 /// Three corners a triangle (t, 3), and the face of each (t,).
 type TriangleArrays<'py> = (Bound<'py, PyArray2<u32>>, Bound<'py, PyArray1<u32>>);
@@ -130,6 +129,16 @@ impl Mesh {
         });
         written?.map_err(Failed)?;
         Ok(PyBytes::new(py, &bytes))
+    }
+}
+
+/// Which vertices are taken for one.
+pub(crate) fn weld_by_name(name: &str) -> PyResult<Weld> {
+    match name {
+        "auto" => Ok(Weld::Auto),
+        "never" => Ok(Weld::Never),
+        "always" => Ok(Weld::Always),
+        other => Err(Error::new_err(format!("weld is auto, never or always, not {other:?}"))),
     }
 }
 

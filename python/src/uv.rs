@@ -12,7 +12,7 @@ use pythonize::{depythonize, pythonize};
 
 use crate::array::{from_rows, rows};
 use crate::error::{Error, Failed, exception};
-use crate::mesh::Mesh;
+use crate::mesh::{Mesh, weld_by_name};
 use crate::watched::watched;
 
 /// The positions of a map at the corners of triangles.
@@ -31,16 +31,6 @@ fn checked<'a>(model: &Model, uv: &'a PyReadonlyArray2<'_, f64>) -> PyResult<&'a
         "uv has {} rows; it needs one for each of the {corners} corners of faces (the mesh has {vertices} vertices)",
         uv.len()
     )))
-}
-
-/// Which vertices are taken for one.
-pub(crate) fn weld_by_name(name: &str) -> PyResult<Weld> {
-    match name {
-        "auto" => Ok(Weld::Auto),
-        "never" => Ok(Weld::Never),
-        "always" => Ok(Weld::Always),
-        other => Err(Error::new_err(format!("weld is auto, never or always, not {other:?}"))),
-    }
 }
 
 /// Measures a map: the report, and arrays of what is known of each triangle, those that are not measured included.

@@ -12,116 +12,22 @@
 //! Polygons are computed with as triangles ([`Model::triangles`]); the edges inside a polygon are known, so that no seam
 //! need run along them. Every halfedge knows the model's corner that it came from: that is the way back.
 
-use std::collections::{BTreeMap, HashMap, HashSet};
-use std::convert::Infallible;
+use std::collections::HashMap;
 
 use thiserror::Error;
 
 use super::model::{Model, place_key};
+use super::numbering::{along_a_curve, is_scattered};
+use super::repair::{Repair, RepairKind, RepairLog};
+use super::soup::{NONE, Soup, number};
 use super::triangulate::Triangles;
-use super::weld::{BoundarySide, Weld, stitches};
+use super::weld::Weld;
 use crate::intrinsic::Metric;
-use crate::mesh::{
-    EdgeData, EdgeId, FaceData, FaceId, HalfedgeData, HalfedgeId, Id, Mesh, Twins, VertexData, VertexId, of_edges,
-};
-use crate::parallel::{all, each_of, join, map, sort};
+use crate::mesh::{EdgeData, EdgeId, FaceData, FaceId, HalfedgeData, HalfedgeId, Id, Mesh, VertexData, VertexId};
+use crate::parallel::{each_of, join, map};
 use crate::rows::Rows;
 use crate::vector::{cross, length, sub};
-use crate::watch::{Interrupted, Watch, unwatched};
-
-/// Something that was mended.
-#[derive(Clone, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Repair {
-    /// What it was.
-    pub kind: RepairKind,
-    /// How often it occurred.
-    pub count: usize,
-    /// The first place, in the file's numbering from 0: a face for what concerns faces, otherwise a vertex.
-    pub first: usize,
-}
-
-/// What can be mended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
-#[non_exhaustive]
-pub enum RepairKind {
-    /// A face that uses a vertex twice; left out.
-    RepeatedVertex,
-    /// A copy of a face at an edge with more than two; left out.
-    DuplicateFace,
-    /// A vertex that no face uses; left out.
-    IsolatedVertex,
-    /// A face that was oriented against its neighbours; turned.
-    FlippedFace,
-    /// An edge with more than two faces; opened.
-    NonManifoldEdge,
-    /// A vertex whose faces form several fans; one copy a fan.
-    NonManifoldVertex,
-    /// An edge of a surface that cannot be oriented; opened.
-    NonOrientableEdge,
-    /// A triangle without area; computed with slightly lengthened edges.
-    ZeroArea,
-    /// A component without any area; left out.
-    ComponentWithoutArea,
-    /// A boundary vertex at the same place as another one: perhaps a seam that was never [welded](Weld).
-    Unwelded,
-    /// Vertices welded because they were at the same place.
-    Welded,
-}
-
-impl RepairKind {
-    /// What was found and what was done, for a report.
-    pub fn description(self) -> &'static str {
-        match self {
-            Self::RepeatedVertex => "faces that use a vertex twice, left out",
-            Self::DuplicateFace => "copies of faces, left out",
-            Self::IsolatedVertex => "isolated vertices, left out",
-            Self::FlippedFace => "faces oriented against their neighbours, turned",
-            Self::NonManifoldEdge => "edges with more than two faces, opened",
-            Self::NonManifoldVertex => "vertices with several fans of faces, opened",
-            Self::NonOrientableEdge => "edges where the surface cannot be oriented, opened",
-            Self::ZeroArea => "triangles without area, computed with slightly lengthened edges",
-            Self::ComponentWithoutArea => "parts without any area, left out",
-            Self::Unwelded => "boundary vertices at the place of another one, not welded",
-            Self::Welded => "vertices at the place of another one, welded",
-        }
-    }
-
-    /// The [description](Self::description) with how many there were, in the singular for one.
-    pub fn counted(self, count: usize) -> String {
-        if count != 1 {
-            return format!("{count} {}", self.description());
-        }
-        let one = match self {
-            Self::RepeatedVertex => "face that uses a vertex twice, left out",
-            Self::DuplicateFace => "copy of a face, left out",
-            Self::IsolatedVertex => "isolated vertex, left out",
-            Self::FlippedFace => "face oriented against its neighbours, turned",
-            Self::NonManifoldEdge => "edge with more than two faces, opened",
-            Self::NonManifoldVertex => "vertex with several fans of faces, opened",
-            Self::NonOrientableEdge => "edge where the surface cannot be oriented, opened",
-            Self::ZeroArea => "triangle without area, computed with slightly lengthened edges",
-            Self::ComponentWithoutArea => "part without any area, left out",
-            Self::Unwelded => "boundary vertex at the place of another one, not welded",
-            Self::Welded => "vertex at the place of another one, welded",
-        };
-        format!("1 {one}")
-    }
-
-    /// Whether [`Repair::first`] counts faces (otherwise vertices).
-    pub fn is_of_faces(self) -> bool {
-        matches!(
-            self,
-            Self::RepeatedVertex
-                | Self::DuplicateFace
-                | Self::FlippedFace
-                | Self::ZeroArea
-                | Self::ComponentWithoutArea
-        )
-    }
-}
+use crate::watch::{Interrupted, Watch};
 
 /// Why a model has no surface to compute with.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
@@ -208,7 +114,8 @@ pub fn prepare_watched(model: &Model, weld: Weld, watch: Watch) -> Result<Prepar
     note_isolated(model, &mut log);
     soup.orient(&mut log);
     watch.ask(0.5)?;
-    let surfaces = soup.into_surfaces(model.points(), &mut log, watch.within(0.5, 0.95))?;
+    let surfaces = surfaces(&soup, model.points(), &mut log, watch.within(0.5, 0.95))?;
+    drop(soup);
     if surfaces.is_empty() {
         return Err(PrepareError::NoArea { faces: model.face_count() });
     }
@@ -219,555 +126,131 @@ pub fn prepare_watched(model: &Model, weld: Weld, watch: Watch) -> Result<Prepar
     Ok(Prepared { surfaces, triangles, left_out, repairs: log.into_repairs() })
 }
 
-/// What has been mended so far.
-#[derive(Default)]
-pub(super) struct RepairLog(BTreeMap<RepairKind, (usize, usize)>);
-
-impl RepairLog {
-    fn note(&mut self, kind: RepairKind, place: usize) {
-        let (count, first) = self.0.entry(kind).or_insert((0, place));
-        *count += 1;
-        *first = place.min(*first);
-    }
-
-    fn into_repairs(self) -> Vec<Repair> {
-        self.0.into_iter().map(|(kind, (count, first))| Repair { kind, count, first }).collect()
-    }
-}
-
 /// A triangle's height in a surface of size 1 that may be rounding alone.
 const ROUNDED_HEIGHT: f64 = 1e-14;
 
-/// So many halfedges or vertices are gone through one after the other.
-const RUN: usize = 1 << 16;
-
-/// Stands for "no twin".
-const NONE: u32 = u32::MAX;
-
-/// Triangles on their way to surfaces. Halfedges are numbered as in a mesh: three a triangle.
-struct Soup {
-    vertex_count: usize,
-    /// The vertex where each halfedge starts.
-    tail: Vec<VertexId>,
-    /// The model's corner where it starts.
-    corner: Vec<u32>,
-    /// For each triangle the model's triangle and face.
-    triangle: Vec<(u32, u32)>,
-    /// The halfedge across the edge, in whatever direction it runs; `NONE` where the surface ends.
-    twin: Vec<u32>,
-}
-
-/// What lies at edges with more than two sides.
-#[derive(Default)]
-struct Crowded {
-    /// The triangles, some of them often.
-    faces: Vec<usize>,
-    /// The lower end of each such edge that stays open.
-    opened: Vec<VertexId>,
-}
-
-impl Soup {
-    /// The triangles of a model, each glued to its neighbours; vertices are taken for others at a `place`.
-    fn glued(
-        model: &Model,
-        triangles: &Triangles,
-        place: Option<&[u32]>,
-        log: &mut RepairLog,
-        watch: Watch,
-    ) -> Result<Self, Interrupted> {
+/// A surface of each connected component.
+fn surfaces(soup: &Soup, points: &[[f64; 3]], log: &mut RepairLog, watch: Watch) -> Result<Vec<Surface>, Interrupted> {
+    let ((fan, fan_vertex), components) = join(|| soup.fans(log), || soup.components());
+    let face_count = soup.triangle.len();
+    let (new_vertex, new_face) = (vec![NONE; fan_vertex.len()], vec![NONE; face_count]);
+    let mut parting = Parting { soup, points, fan, fan_vertex, new_vertex, new_face };
+    let mut surfaces = Vec::new();
+    let mut done = 0;
+    for faces in components {
+        let share = |faces: usize| faces as f64 / face_count as f64;
+        let watch = watch.within(share(done), share(done + faces.len()));
         watch.ask(0.0)?;
-        if let Some(place) = place {
-            (0..)
-                .zip(place)
-                .filter(|&(v, &place)| v != place)
-                .for_each(|(v, _)| log.note(RepairKind::Welded, v as usize));
-        }
-        let mut soup = Self::new(model, triangles, place, log);
+        done += faces.len();
+        surfaces.extend(parting.surface(faces, log, watch)?);
+    }
+    Ok(surfaces)
+}
+
+/// Triangles parted into surfaces.
+struct Parting<'a> {
+    soup: &'a Soup,
+    points: &'a [[f64; 3]],
+    /// The fan of each halfedge's tail, and the vertex of each fan.
+    fan: Vec<u32>,
+    fan_vertex: Vec<VertexId>,
+    /// What fans and triangles are numbered on the surface that they are of.
+    new_vertex: Vec<u32>,
+    new_face: Vec<u32>,
+}
+
+impl Parting<'_> {
+    /// The surface of the triangles of one component; none if it has no area.
+    fn surface(&mut self, faces: Vec<u32>, log: &mut RepairLog, watch: Watch) -> Result<Option<Surface>, Interrupted> {
+        let soup = self.soup;
+        let first_face = soup.triangle[faces[0] as usize].1 as usize;
+        let fans = self.fans_of(&faces);
+        let places = map(fans.len(), |k| self.points[self.fan_vertex[fans[k] as usize].index()]);
+        let Some((points, scale)) = to_unit_size(&places) else {
+            log.note(RepairKind::ComponentWithoutArea, first_face);
+            return Ok(None);
+        };
+        let (faces, fans, points) = self.numbered(faces, fans, points);
         watch.ask(0.2)?;
-        let mut crowded = soup.glue();
+        let mesh = self.mesh(&faces, fans.len(), watch)?;
         watch.ask(0.6)?;
-        if soup.leave_out_duplicates(crowded.faces, log) {
-            crowded = soup.glue();
+        let vertex = map(fans.len(), |k| self.fan_vertex[fans[k] as usize].0).into();
+        let corner = map(mesh.halfedge_count(), |k| soup.corner[side(&faces, k)]).into();
+        let face_of = |h: HalfedgeId| soup.triangle[faces[h.index() / 3] as usize].1;
+        let metric = Metric::from_points(&mesh, &points);
+        watch.ask(0.8)?;
+        let mut zero_area = 0;
+        let has_none = |f: usize| metric.sides(&mesh, FaceId::new(f)).area() <= 0.0;
+        each_of(mesh.face_count(), has_none, |f, has_none| {
+            if has_none {
+                log.note(RepairKind::ZeroArea, face_of(mesh.sides(FaceId::new(f))[0]) as usize);
+                zero_area += 1;
+            }
+        });
+        if zero_area == mesh.face_count() || mesh.faces().all(|f| is_line(mesh.corners(f).map(|v| points[v.index()]))) {
+            log.note(RepairKind::ComponentWithoutArea, first_face);
+            return Ok(None);
         }
-        crowded.opened.iter().for_each(|v| log.note(RepairKind::NonManifoldEdge, v.index()));
-        Ok(soup)
-    }
-
-    /// What vertices at the boundary are taken for where it meets itself.
-    fn stitches(&self, points: &[[f64; 3]]) -> Option<Vec<u32>> {
-        let mut open = (0..self.tail.len()).filter(|&h| self.twin[h] == NONE).peekable();
-        open.peek()?;
-        let reach = points.as_flattened().iter().fold(0.0, |reach: f64, x| reach.max(x.abs()));
-        let scale = if reach > 0.0 { reach.recip() } else { 1.0 };
-        let at = |h: usize| points[self.tail[h].index()].map(|x| x * scale);
-        let twice_area = |f: usize| {
-            let [a, b, c] = [3 * f, 3 * f + 1, 3 * f + 2].map(at);
-            length(cross(sub(b, a), sub(c, a)))
+        let inside = |e: EdgeId| {
+            let h = mesh.halfedge(e);
+            mesh.twin(h).is_some_and(|g| face_of(g) == face_of(h))
         };
-        let mut part = vec![0; self.triangle.len()];
-        let mut area = Vec::new();
-        for (faces, k) in self.components().iter().zip(0..) {
-            faces.iter().for_each(|&f| part[f as usize] = k);
-            area.push(0.5 * faces.iter().map(|&f| twice_area(f as usize)).sum::<f64>());
-        }
-        let side =
-            |h: usize| BoundarySide { triangle: [h, next(h), prev(h)].map(|h| self.tail[h].0), part: part[h / 3] };
-        stitches((points, scale), open.map(side), &area)
+        let diagonal = map(mesh.edge_count(), |e| inside(EdgeId::new(e))).into();
+        let triangle = map(faces.len(), |k| soup.triangle[faces[k] as usize].0).into();
+        Ok(Some(Surface { mesh, points, vertex, corner, triangle, diagonal, scale, zero_area }))
     }
 
-    fn new(model: &Model, triangles: &Triangles, place: Option<&[u32]>, log: &mut RepairLog) -> Self {
-        let place = |v: u32| place.map_or(v, |place| place[v as usize]);
-        let corner = triangles.corners.as_flattened().to_vec();
-        let tail = map(corner.len(), |k| VertexId(place(model.corners()[corner[k] as usize])));
-        let triangle = map(triangles.len(), |t| (t as u32, triangles.face_of[t]));
-        let mut soup = Self { vertex_count: model.vertex_count(), tail, corner, triangle, twin: Vec::new() };
-        let repeats = |[a, b, c]: [VertexId; 3]| a == b || b == c || c == a;
-        let keep: Vec<bool> = soup.tail.as_chunks().0.iter().map(|&corners| !repeats(corners)).collect();
-        if keep.contains(&false) {
-            soup.leave_out(&keep, RepairKind::RepeatedVertex, log);
+    /// The fans of triangles, ascending.
+    fn fans_of(&mut self, faces: &[u32]) -> Vec<u32> {
+        if faces.len() == self.new_face.len() {
+            return (0..self.fan_vertex.len() as u32).collect();
         }
-        soup
+        let Self { fan, new_vertex, .. } = self;
+        let is_new = |fan: &u32| std::mem::replace(&mut new_vertex[*fan as usize], 0) == NONE;
+        let mut fans: Vec<u32> = (0..3 * faces.len()).map(|k| fan[side(faces, k)]).filter(is_new).collect();
+        fans.sort_unstable();
+        fans
     }
 
-    fn sorted_vertices(&self, f: usize) -> [VertexId; 3] {
-        let mut vertices = [self.tail[3 * f], self.tail[3 * f + 1], self.tail[3 * f + 2]];
-        vertices.sort_unstable();
-        vertices
+    /// Numbers triangles and fans, the points with these: as they are listed, or along a curve where they are scattered.
+    fn numbered(
+        &mut self,
+        mut faces: Vec<u32>,
+        mut fans: Vec<u32>,
+        mut points: Vec<[f64; 3]>,
+    ) -> (Vec<u32>, Vec<u32>, Vec<[f64; 3]>) {
+        number(&fans, &mut self.new_vertex);
+        let new_vertex = |this: &Self, h: usize| this.new_vertex[this.fan[h] as usize];
+        if is_scattered(fans.len(), &faces, |h| new_vertex(self, h)) {
+            let order = along_a_curve(&points);
+            fans = order.iter().map(|&k| fans[k as usize]).collect();
+            points = order.iter().map(|&k| points[k as usize]).collect();
+            number(&fans, &mut self.new_vertex);
+            // By their first vertices.
+            let first = |k: usize| (0..3).map(|i| new_vertex(self, side(&faces, 3 * k + i))).fold(NONE, u32::min);
+            let first = map(faces.len(), first);
+            let in_rows = first.iter().zip(&faces).map(|(&first, &f)| (first as usize, f));
+            faces = Rows::sorted(fans.len(), in_rows).into_items();
+        }
+        number(&faces, &mut self.new_face);
+        (faces, fans, points)
     }
 
-    /// Leaves out all but the first of the triangles on the same three vertices, where an edge has too many; whether there are any.
-    fn leave_out_duplicates(&mut self, mut crowded: Vec<usize>, log: &mut RepairLog) -> bool {
-        crowded.sort_unstable();
-        crowded.dedup();
-        let mut first = HashSet::new();
-        let mut doubled: Vec<usize> = crowded.into_iter().filter(|&f| !first.insert(self.sorted_vertices(f))).collect();
-        self.retain_whole_faces(&mut doubled);
-        if doubled.is_empty() {
-            return false;
-        }
-        let mut keep = vec![true; self.triangle.len()];
-        doubled.into_iter().for_each(|f| keep[f] = false);
-        self.leave_out(&keep, RepairKind::DuplicateFace, log);
-        true
-    }
-
-    /// Leaves out the triangles that are not kept.
-    fn leave_out(&mut self, keep: &[bool], why: RepairKind, log: &mut RepairLog) {
-        for (_, (_, face)) in keep.iter().zip(&self.triangle).filter(|(keep, _)| !**keep) {
-            log.note(why, *face as usize);
-        }
-        let mut side = 0..self.tail.len();
-        self.tail.retain(|_| side.next().is_some_and(|h| keep[h / 3]));
-        let mut side = 0..self.corner.len();
-        self.corner.retain(|_| side.next().is_some_and(|h| keep[h / 3]));
-        let mut face = keep.iter();
-        self.triangle.retain(|_| face.next() == Some(&true));
-    }
-
-    /// Of ascending triangles those whose faces have no others: a polygon without one of its triangles would fall apart, and
-    /// its pieces share its corners.
-    fn retain_whole_faces(&self, triangles: &mut Vec<usize>) {
-        let face = |f: usize| self.triangle[f].1;
-        let size = |of: u32| {
-            let from = self.triangle.partition_point(|&(_, face)| face < of);
-            self.triangle[from..].iter().take_while(|&&(_, face)| face == of).count()
-        };
-        let whole = triangles.chunk_by(|&f, &g| face(f) == face(g)).filter(|chunk| chunk.len() == size(face(chunk[0])));
-        *triangles = whole.flatten().copied().collect();
-    }
-
-    /// Makes twins of the two sides of each edge that has just two. The diagonals of polygons are edges of their own: a
-    /// polygon must stay in one piece, for its triangles share its corners.
-    fn glue(&mut self) -> Crowded {
-        let twins = Twins::none(self.tail.len());
-        let visit = |crowded: &mut Crowded, [lower, _]: [u32; 2], sides: &[u32]| {
-            match *sides {
-                [_] => {}
-                [h, g] => twins.set(h, g),
-                _ => {
-                    crowded.faces.extend(sides.iter().map(|h| (h / 3) as usize));
-                    let mut rest = sides.to_vec();
-                    for &h in sides {
-                        let other = |&g: &u32| self.are_one_diagonal(h as usize, g as usize);
-                        if let Some(g) = rest.iter().copied().find(other).filter(|_| rest.contains(&h)) {
-                            twins.set(h, g);
-                            rest.retain(|&side| side != h && side != g);
-                        }
-                    }
-                    match *rest {
-                        [] | [_] => {}
-                        [h, g] => twins.set(h, g),
-                        _ => crowded.opened.push(VertexId(lower)),
-                    }
-                }
-            }
-            Ok::<_, Infallible>(())
-        };
-        let parts = of_edges(self.vertex_count, self.tail.len(), |h| self.tail[h].0, visit);
-        self.twin = twins.into_vec();
-        let mut crowded = Crowded::default();
-        for Ok(part) in parts {
-            crowded.faces.extend(part.faces);
-            crowded.opened.extend(part.opened);
-        }
-        crowded
-    }
-
-    /// Whether two sides run the opposite way between the same corners of a polygon.
-    fn are_one_diagonal(&self, h: usize, g: usize) -> bool {
-        let corners = |h: usize| [self.corner[h], self.corner[next(h)]];
-        let ([a, b], [c, d]) = (corners(h), corners(g));
-        self.triangle[h / 3].1 == self.triangle[g / 3].1 && [a, b] == [d, c]
-    }
-
-    /// Turns triangles until twins run in opposite directions; unglues them where that cannot be, but never inside a polygon.
-    fn orient(&mut self, log: &mut RepairLog) {
-        let is_oriented = |h: usize| self.twin[h] == NONE || !self.run_alike(h, self.twin[h] as usize);
-        if all(self.tail.len(), RUN, is_oriented) {
-            return;
-        }
-        let faces = self.triangle.len();
-        let mut turned: Vec<Option<bool>> = vec![None; faces];
-        let mut component = Vec::new();
-        for seed in 0..faces {
-            if turned[seed].is_some() {
-                continue;
-            }
-            component.clear();
-            self.turn_polygon((seed, false), &mut turned, &mut component);
-            let mut at = 0;
-            while at < component.len() {
-                let f: usize = component[at];
-                at += 1;
-                for h in 3 * f..3 * f + 3 {
-                    let g = self.twin[h] as usize;
-                    if self.twin[h] != NONE && turned[g / 3].is_none() {
-                        let turns = (turned[f] == Some(true)) ^ self.run_alike(h, g);
-                        self.turn_polygon((g / 3, turns), &mut turned, &mut component);
-                    }
-                }
-            }
-            // The way most of them were is the right way.
-            let majority = component.iter().filter(|&&f| turned[f] == Some(true)).count() * 2 > component.len();
-            for &f in &component {
-                turned[f] = turned[f].map(|t| t ^ majority);
-            }
-        }
-        for h in 0..self.tail.len() {
-            let g = self.twin[h] as usize;
-            if self.twin[h] != NONE && (turned[h / 3] != turned[g / 3]) != self.run_alike(h, g) {
-                log.note(RepairKind::NonOrientableEdge, self.tail[h].index());
-                self.twin[g] = NONE;
-                self.twin[h] = NONE;
-            }
-        }
-        for f in (0..faces).filter(|&f| turned[f] == Some(true)) {
-            log.note(RepairKind::FlippedFace, self.triangle[f].1 as usize);
-            self.turn(f);
-        }
-    }
-
-    /// Decides whether a triangle is turned, and with it the others of its polygon, which share its corners: all are listed.
-    fn turn_polygon(&self, (first, turns): (usize, bool), turned: &mut [Option<bool>], listed: &mut Vec<usize>) {
-        let mut at = listed.len();
-        turned[first] = Some(turns);
-        listed.push(first);
-        while at < listed.len() {
-            let f = listed[at];
-            at += 1;
-            for h in 3 * f..3 * f + 3 {
-                let g = self.twin[h] as usize;
-                let is_inside = self.twin[h] != NONE && self.triangle[g / 3].1 == self.triangle[f].1;
-                if is_inside && turned[g / 3].is_none() {
-                    turned[g / 3] = turned[f].map(|f| f ^ self.run_alike(h, g));
-                    listed.push(g / 3);
-                }
-            }
-        }
-    }
-
-    /// Whether two halfedges with the same ends run in the same direction.
-    fn run_alike(&self, h: usize, g: usize) -> bool {
-        self.tail[h] == self.tail[g]
-    }
-
-    /// Reverses a triangle: corners 0, 1, 2 become 0, 2, 1, and so sides 01, 12, 20 become 02, 21, 10.
-    fn turn(&mut self, f: usize) {
-        let [a, b, c] = [3 * f, 3 * f + 1, 3 * f + 2];
-        self.tail.swap(b, c);
-        self.corner.swap(b, c);
-        self.twin.swap(a, c);
-        for h in [a, b, c] {
-            let g = self.twin[h];
-            if g != NONE {
-                // A twin within the same triangle would be an edge with repeated ends, and there is none.
-                self.twin[g as usize] = h as u32;
-            }
-        }
-    }
-
-    /// Numbers the fans: each is a vertex of its own. Returns the fan of each halfedge's tail and the vertex of each fan,
-    /// which are in the order of the vertices.
-    fn fans(&self, log: &mut RepairLog) -> (Vec<u32>, Vec<VertexId>) {
-        if let Some(lone) = self.lone_fans() {
-            return lone;
-        }
-        let mut fan = vec![NONE; self.tail.len()];
-        let mut vertex: Vec<VertexId> = Vec::new();
-        for corner in 0..self.tail.len() {
-            if fan[corner] != NONE {
-                continue;
-            }
-            let number = vertex.len() as u32;
-            vertex.push(self.tail[corner]);
-            // Counter-clockwise over twin(prev), then clockwise over next(twin).
-            let mut h = corner;
-            while fan[h] == NONE {
-                fan[h] = number;
-                match self.twin[prev(h)] {
-                    NONE => break,
-                    g => h = g as usize,
-                }
-            }
-            h = corner;
-            while self.twin[h] != NONE {
-                h = next(self.twin[h] as usize);
-                if fan[h] != NONE {
-                    break;
-                }
-                fan[h] = number;
-            }
-        }
-        let of_vertex = Rows::sorted(self.vertex_count, (0..).zip(&vertex).map(|(number, v)| (v.index(), number)));
-        for v in (0..self.vertex_count).filter(|&v| of_vertex.row(v).len() > 1) {
-            log.note(RepairKind::NonManifoldVertex, v);
-        }
-        let order = of_vertex.into_items();
-        let mut rank = vec![0; order.len()];
-        number(&order, &mut rank);
-        fan.iter_mut().for_each(|fan| *fan = rank[*fan as usize]);
-        (fan, order.into_iter().map(|number| vertex[number as usize]).collect())
-    }
-
-    /// The same where each vertex has one fan; none if one has several.
-    fn lone_fans(&self) -> Option<(Vec<u32>, Vec<VertexId>)> {
-        // How many halfedges start at each vertex, and one of them.
-        let mut starting = vec![(0, 0); self.vertex_count];
-        for (h, v) in self.tail.iter().enumerate() {
-            let (count, any) = &mut starting[v.index()];
-            (*count, *any) = (*count + 1, h as u32);
-        }
-        let is_lone = |v: usize| starting[v].0 == 0 || self.fan_size(starting[v].1 as usize) == starting[v].0;
-        if !all(self.vertex_count, RUN, is_lone) {
-            return None;
-        }
-        let vertex: Vec<VertexId> =
-            (0..).map(VertexId).zip(&starting).filter(|(_, s)| s.0 > 0).map(|(v, _)| v).collect();
-        let mut fan = vec![NONE; self.vertex_count];
-        (0..).zip(&vertex).for_each(|(number, v)| fan[v.index()] = number);
-        Some((map(self.tail.len(), |h| fan[self.tail[h].index()]), vertex))
-    }
-
-    /// How many halfedges the fan has that one is in.
-    fn fan_size(&self, start: usize) -> u32 {
-        let (mut h, mut size) = (start, 1);
-        loop {
-            match self.twin[prev(h)] {
-                NONE => break,
-                g if g as usize == start => return size,
-                g => h = g as usize,
-            }
-            size += 1;
-        }
-        // It ends at the boundary: the rest is clockwise.
-        h = start;
-        while self.twin[h] != NONE {
-            h = next(self.twin[h] as usize);
-            size += 1;
-        }
-        size
-    }
-
-    /// The connected components, as lists of triangles in ascending order.
-    fn components(&self) -> Vec<Vec<u32>> {
-        let faces = self.triangle.len();
-        let mut component = vec![NONE; faces];
-        let mut count = 0;
-        let mut stack = Vec::new();
-        for seed in 0..faces {
-            if component[seed] != NONE {
-                continue;
-            }
-            component[seed] = count;
-            stack.push(seed);
-            while let Some(f) = stack.pop() {
-                for &g in &self.twin[3 * f..3 * f + 3] {
-                    if g != NONE && component[g as usize / 3] == NONE {
-                        component[g as usize / 3] = count;
-                        stack.push(g as usize / 3);
-                    }
-                }
-            }
-            count += 1;
-        }
-        let mut lists = vec![Vec::new(); count as usize];
-        for (f, &c) in component.iter().enumerate() {
-            lists[c as usize].push(f as u32);
-        }
-        lists
-    }
-
-    fn into_surfaces(
-        self,
-        points: &[[f64; 3]],
-        log: &mut RepairLog,
-        watch: Watch,
-    ) -> Result<Vec<Surface>, Interrupted> {
-        let ((fan, fan_vertex), components) = join(|| self.fans(log), || self.components());
-        let mut local = vec![NONE; fan_vertex.len()];
-        let mut new_face = vec![NONE; self.triangle.len()];
-        let mut surfaces = Vec::new();
-        let mut done = 0;
-        for mut faces in components {
-            let share = |faces: usize| faces as f64 / new_face.len() as f64;
-            let watch = watch.within(share(done), share(done + faces.len()));
-            watch.ask(0.0)?;
-            done += faces.len();
-            let mut fans: Vec<u32> = if faces.len() == new_face.len() {
-                (0..fan_vertex.len() as u32).collect()
-            } else {
-                let is_new = |fan: &u32| std::mem::replace(&mut local[*fan as usize], 0) == NONE;
-                let mut fans: Vec<u32> = sides(&faces).map(|h| fan[h]).filter(is_new).collect();
-                fans.sort_unstable();
-                fans
-            };
-            let places = map(fans.len(), |k| points[fan_vertex[fans[k] as usize].index()]);
-            let first_face = self.triangle[faces[0] as usize].1 as usize;
-            let Some((mut points, scale)) = to_unit_size(&places) else {
-                log.note(RepairKind::ComponentWithoutArea, first_face);
-                continue;
-            };
-            number(&fans, &mut local);
-            if is_scattered(fans.len(), &faces, |h| local[fan[h] as usize]) {
-                let order = along_a_curve(&points);
-                fans = order.iter().map(|&k| fans[k as usize]).collect();
-                points = order.iter().map(|&k| points[k as usize]).collect();
-                number(&fans, &mut local);
-                // By their first vertices.
-                let first =
-                    |k: usize| (0..3).map(|i| local[fan[side(&faces, 3 * k + i)] as usize]).fold(NONE, u32::min);
-                let first = map(faces.len(), first);
-                let in_rows = first.iter().zip(&faces).map(|(&first, &f)| (first as usize, f));
-                faces = Rows::sorted(fans.len(), in_rows).into_items();
-            }
-            number(&faces, &mut new_face);
-            watch.ask(0.2)?;
-            let side = |k: usize| side(&faces, k);
-            let side_count = 3 * faces.len();
-            let tail: Vec<VertexId> = map(side_count, |k| VertexId(local[fan[side(k)] as usize]));
-            let renumber = |g: u32| if g == NONE { NONE } else { 3 * new_face[g as usize / 3] + g % 3 };
-            let twin: Vec<u32> = map(side_count, |k| renumber(self.twin[side(k)]));
-            watch.ask(0.4)?;
-            let mesh = Mesh::from_twins(fans.len(), tail, twin).expect("every fan is a vertex of its own");
-            watch.ask(0.6)?;
-            let vertex = map(fans.len(), |k| fan_vertex[fans[k] as usize].0).into();
-            let corner = map(side_count, |k| self.corner[side(k)]).into();
-            let face_of = |h: HalfedgeId| self.triangle[faces[h.index() / 3] as usize].1;
-            let metric = Metric::from_points(&mesh, &points);
-            watch.ask(0.8)?;
-            let mut zero_area = 0;
-            let has_none = |f: usize| metric.sides(&mesh, FaceId::new(f)).area() <= 0.0;
-            each_of(mesh.face_count(), has_none, |f, has_none| {
-                if has_none {
-                    log.note(RepairKind::ZeroArea, face_of(mesh.sides(FaceId::new(f))[0]) as usize);
-                    zero_area += 1;
-                }
-            });
-            if zero_area == mesh.face_count()
-                || mesh.faces().all(|f| is_line(mesh.corners(f).map(|v| points[v.index()])))
-            {
-                log.note(RepairKind::ComponentWithoutArea, first_face);
-                continue;
-            }
-            let inside = |e: EdgeId| {
-                let h = mesh.halfedge(e);
-                mesh.twin(h).is_some_and(|g| face_of(g) == face_of(h))
-            };
-            let diagonal = map(mesh.edge_count(), |e| inside(EdgeId::new(e))).into();
-            let triangle = map(faces.len(), |k| self.triangle[faces[k] as usize].0).into();
-            surfaces.push(Surface { mesh, points, vertex, corner, triangle, diagonal, scale, zero_area });
-        }
-        Ok(surfaces)
+    /// The mesh of triangles that are numbered.
+    fn mesh(&self, faces: &[u32], vertex_count: usize, watch: Watch) -> Result<Mesh, Interrupted> {
+        let tail = |k: usize| VertexId(self.new_vertex[self.fan[side(faces, k)] as usize]);
+        let renumber = |g: u32| if g == NONE { NONE } else { 3 * self.new_face[g as usize / 3] + g % 3 };
+        let tail = map(3 * faces.len(), tail);
+        let twin = map(3 * faces.len(), |k| renumber(self.soup.twin[side(faces, k)]));
+        watch.ask(0.4)?;
+        Ok(Mesh::from_twins(vertex_count, tail, twin).expect("every fan is a vertex of its own"))
     }
 }
 
-/// The halfedges of triangles.
-fn sides(faces: &[u32]) -> impl Iterator<Item = usize> {
-    (0..3 * faces.len()).map(|k| side(faces, k))
-}
-
+/// A side of the triangles of a list, counted through it.
 fn side(faces: &[u32], k: usize) -> usize {
     3 * faces[k / 3] as usize + k % 3
 }
-
-fn next(h: usize) -> usize {
-    if h % 3 == 2 { h - 2 } else { h + 1 }
-}
-
-fn prev(h: usize) -> usize {
-    if h.is_multiple_of(3) { h + 2 } else { h - 1 }
-}
-
-/// Writes for each item its place in the list.
-fn number(list: &[u32], place: &mut [u32]) {
-    for (k, &item) in list.iter().enumerate() {
-        place[item as usize] = k as u32;
-    }
-}
-
-/// Surfaces of fewer vertices fit the cache whatever their numbering.
-const FITS_THE_CACHE: usize = 1 << 13;
-
-/// Whether what is near on a large surface is mostly far apart in memory: the ends of edges, or triangles that follow each other. Numbers are far apart
-/// where four rows of a square grid with as many vertices are between them.
-fn is_scattered(vertex_count: usize, faces: &[u32], vertex: impl Fn(usize) -> u32) -> bool {
-    if vertex_count < FITS_THE_CACHE {
-        return false;
-    }
-    let reach = 4 * vertex_count.isqrt() as u32;
-    let ends = faces.iter().map(|&f| (vertex(3 * f as usize), vertex(3 * f as usize + 1)));
-    let far = |(a, b): (u32, u32)| a.abs_diff(b) > reach;
-    let long = ends.clone().filter(|&ends| far(ends)).count();
-    let jumps = ends.clone().zip(ends.skip(1)).filter(|&((a, _), (b, _))| far((a, b))).count();
-    2 * long.max(jumps) > faces.len()
-}
-
-/// The points of a box of size 1 about the origin, in the order of Morton's curve, where neighbours are mostly near each other. O(n log n).
-fn along_a_curve(points: &[[f64; 3]]) -> Vec<u32> {
-    let code = |k: usize| {
-        // 21 bits an axis, each followed by two of the other axes.
-        let [x, y, z] = points[k].map(|x| {
-            let mut bits = (((x + 0.5) * f64::from(1 << 21)) as u64).min((1 << 21) - 1);
-            for (shift, mask) in CURVE {
-                bits = (bits | bits << shift) & mask;
-            }
-            bits
-        });
-        (x | y << 1 | z << 2, k as u32)
-    };
-    let mut order: Vec<(u64, u32)> = map(points.len(), code);
-    sort(&mut order);
-    order.into_iter().map(|(_, k)| k).collect()
-}
-
-/// How the bits of a number of 21 are spread to every third place, in five steps.
-const CURVE: [(u32, u64); 5] = [
-    (32, 0x001F_0000_0000_FFFF),
-    (16, 0x001F_0000_FF00_00FF),
-    (8, 0x100F_00F0_0F00_F00F),
-    (4, 0x10C3_0C30_C30C_30C3),
-    (2, 0x1249_2492_4924_9249),
-];
 
 /// Points moved so that their bounding box is centred, and scaled so that its longest side is 1, with that scale; none if
 /// they all coincide.
@@ -796,12 +279,6 @@ fn is_line([a, b, c]: [[f64; 3]; 3]) -> bool {
     length(cross(first, second)) <= ROUNDED_HEIGHT * longest
 }
 
-/// What vertices of a model at its boundary are taken for where that meets itself.
-pub(super) fn stitches_of(model: &Model) -> Option<Vec<u32>> {
-    let soup = Soup::glued(model, &model.triangles(), None, &mut RepairLog::default(), Watch::NONE);
-    unwatched(soup).stitches(model.points())
-}
-
 fn note_isolated(model: &Model, log: &mut RepairLog) {
     let mut used = vec![false; model.vertex_count()];
     model.corners().iter().for_each(|&v| used[v as usize] = true);
@@ -825,6 +302,7 @@ fn note_unwelded(points: &[[f64; 3]], surfaces: &[Surface], log: &mut RepairLog)
 
 #[cfg(test)]
 mod tests {
+    use super::super::numbering::FITS_THE_CACHE;
     use super::*;
     use crate::shapes;
 

@@ -3,12 +3,8 @@
 //! Many files have a vertex several times where its faces differ in normals or texture coordinates, up to one for each corner of a
 //! triangle: as they are numbered, their surfaces fall apart.
 
-use std::collections::HashMap;
-
-use petgraph::unionfind::UnionFind;
-
-use super::model::{Model, place_key};
-use crate::vector::{length, sub};
+use super::model::Model;
+use super::soup::stitches_of;
 
 /// Which vertices of a model are taken for one.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -32,7 +28,7 @@ impl Weld {
         let place = match self {
             Self::Never => return None,
             Self::Always => model.first_at_place(),
-            Self::Auto => return super::prepare::stitches_of(model),
+            Self::Auto => return stitches_of(model),
         };
         (0..).zip(&place).any(|(v, &place)| v != place).then_some(place)
     }
@@ -43,99 +39,6 @@ impl Weld {
             triangles.iter_mut().flatten().for_each(|v| *v = place[*v as usize]);
         }
     }
-}
-
-/// A run that is joined is at least this times the root of the area of the largest part that it is of: slits of scans are shorter (.03 on the dragon),
-/// seams and creases longer (1 and more on robot parts).
-const LONG_ENOUGH: f64 = 0.3;
-/// Or, where the smallest of its parts has at least this share of the area of the largest, that times the root of the smallest: the mouths of pockets of scans
-/// are of less (4e-7 at most on the dragon, which no cones flatten with its pockets joined).
-const POCKET: f64 = 1e-5;
-
-/// A side of a triangle on the boundary.
-#[derive(Clone, Copy)]
-pub(super) struct BoundarySide {
-    /// The vertices of the triangle, first those that the side is between.
-    pub(super) triangle: [u32; 3],
-    /// The connected part that it is of.
-    pub(super) part: u32,
-}
-
-/// For each vertex the first of those that sides of the boundary at the same place join; none if there are none such. `area` is that of each part of
-/// the surface, once points are multiplied by `scale`.
-pub(super) fn stitches(
-    (points, scale): (&[[f64; 3]], f64),
-    sides: impl Iterator<Item = BoundarySide>,
-    area: &[f64],
-) -> Option<Vec<u32>> {
-    let key = |v: u32| place_key(&points[v as usize]);
-    let mut number = HashMap::new();
-    let mut at_place: Vec<([u32; 2], BoundarySide)> = Vec::new();
-    for side in sides {
-        let [a, b, c] = side.triangle.map(key);
-        // What has no area would be a third one between two that meet.
-        if a == b || b == c || c == a {
-            continue;
-        }
-        let mut place = [a, b].map(|key| {
-            let next = number.len() as u32;
-            *number.entry(key).or_insert(next)
-        });
-        place.sort_unstable();
-        at_place.push((place, side));
-    }
-    at_place.sort_by_key(|&(place, _)| place);
-    let places = |side: &BoundarySide| {
-        let mut places = side.triangle.map(key);
-        places.sort_unstable();
-        places
-    };
-    let pairs: Vec<([u32; 2], [BoundarySide; 2])> = at_place
-        .chunk_by(|a, b| a.0 == b.0)
-        .filter_map(|at_one| match *at_one {
-            [(place, one), (_, other)] if places(&one) != places(&other) => Some((place, [one, other])),
-            _ => None,
-        })
-        .collect();
-    // Runs of such sides, their lengths and the areas of the smallest and the largest part that they are of.
-    let mut runs = UnionFind::<u32>::new(number.len());
-    pairs.iter().for_each(|&([a, b], _)| {
-        runs.union(a, b);
-    });
-    let mut run = vec![(0.0, [f64::INFINITY, 0.0]); number.len()];
-    for (place, pair) in &pairs {
-        let [a, b] = [0, 1].map(|k| points[pair[0].triangle[k] as usize].map(|x| x * scale));
-        let (long, of) = &mut run[runs.find_mut(place[0]) as usize];
-        *long += length(sub(b, a));
-        for side in pair {
-            let area = area[side.part as usize];
-            *of = [area.min(of[0]), area.max(of[1])];
-        }
-    }
-    let mut joined = UnionFind::<u32>::new(points.len());
-    let mut is_any = false;
-    for (place, [one, other]) in pairs {
-        let (long, [least, most]) = run[runs.find_mut(place[0]) as usize];
-        let of = if least < POCKET * most { most } else { least };
-        if long < LONG_ENOUGH * f64::sqrt(of) {
-            continue;
-        }
-        let ([a, b, _], [mut c, mut d, _]) = (one.triangle, other.triangle);
-        if key(a) != key(c) {
-            std::mem::swap(&mut c, &mut d);
-        }
-        is_any |= joined.union(a, c) | joined.union(b, d);
-    }
-    is_any.then(|| {
-        let mut first = vec![u32::MAX; points.len()];
-        (0..points.len() as u32)
-            .map(|v| {
-                let first = &mut first[joined.find_mut(v) as usize];
-                *first = v.min(*first);
-                *first
-            })
-            .collect()
-    })
 }
 
 #[cfg(test)]
