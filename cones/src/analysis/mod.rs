@@ -9,6 +9,7 @@
 //! depend on how many there are.
 
 mod apportionment;
+mod assembly;
 mod atlas;
 mod attempts;
 mod baselines;
@@ -24,6 +25,7 @@ mod islands;
 mod limbs;
 mod note;
 mod observer;
+mod opening;
 mod options;
 mod order;
 mod packed;

@@ -1,0 +1,216 @@
+//! Flattened components put together: one map of the model, with all that is known of it.
+
+use std::collections::HashMap;
+use std::time::Instant;
+
+use geom::Id;
+use rayon::prelude::*;
+
+use super::Analysis;
+use super::atlas::Atlas;
+use super::component::Component;
+use super::cones::ChosenNumber;
+use super::flat::{Flat, RIGID_SEAMS};
+use super::note::Note;
+use super::observer::{Stage, Task, Times};
+use super::options::Options;
+use super::packed::{Packed, packed};
+use crate::cut::{SeamFigures, Symmetry, Tiling};
+use crate::error::Error;
+use crate::placement::{Prediction, Predictor, distortion_of};
+
+/// So many triangles are gone through one after the other.
+const AT_ONCE: usize = 4096;
+/// Curvatures that are rounded for a texture are whole multiples of its angle to this.
+const ROUNDING: f64 = 1e-9;
+
+/// Positions of the model's corners, as far as they are known.
+struct Placed {
+    uv: Vec<[f64; 2]>,
+    is_placed: Vec<bool>,
+}
+
+impl Placed {
+    fn new(corners: usize) -> Self {
+        Self { uv: vec![[0.0; 2]; corners], is_placed: vec![false; corners] }
+    }
+
+    fn at(&self, corner: u32) -> Option<[f64; 2]> {
+        self.is_placed[corner as usize].then(|| self.uv[corner as usize])
+    }
+
+    fn put(&mut self, corner: u32, position: [f64; 2]) {
+        self.uv[corner as usize] = position;
+        self.is_placed[corner as usize] = true;
+    }
+
+    fn put_if_none(&mut self, corner: u32, position: [f64; 2]) {
+        if !self.is_placed[corner as usize] {
+            self.put(corner, position);
+        }
+    }
+}
+
+impl Analysis {
+    /// Puts flattened components together.
+    pub(super) fn assemble(
+        &self,
+        flats: Vec<Flat>,
+        mut notes: Vec<Note>,
+        (number, quantize): (Option<ChosenNumber>, Option<Symmetry>),
+        options: &Options,
+        task: &Task,
+        mut times: Times,
+    ) -> Result<Atlas, Error> {
+        let Packed { triangles, packing, islands, added } =
+            packed(self.components(), &flats, options, task, &mut times)?;
+        let began = Instant::now();
+        let (mut cones, mut seams, mut loops, mut detached) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+        let number = number.map(|number| self.measured(number, &flats));
+        let mut curvature_error = 0.0_f64;
+        let (mut unfolded, mut freed) = (0, 0);
+        let mut seam_figures = SeamFigures::default();
+        let mut tiling = quantize.map(Tiling::none);
+        notes.splice(0..0, self.notes().iter().cloned());
+        for (component, flat) in self.components().iter().zip(flats) {
+            let surface = &component.surface;
+            curvature_error = curvature_error.max(flat.error);
+            unfolded += usize::from(flat.is_unfolded);
+            let figures = SeamFigures::laid_out(surface, &component.metric, &flat.seams, &flat.layout);
+            freed += usize::from(figures.mean_mismatch() > RIGID_SEAMS);
+            seam_figures += figures;
+            if let Some(tiling) = &mut tiling {
+                *tiling += Tiling::new(&surface.mesh, &flat.seams, &flat.layout, tiling.symmetry);
+            }
+            seam_figures += SeamFigures::of_chains(surface, &component.metric, &component.handles.loops);
+            seams.extend(flat.seams.chains.iter().map(|chain| component.vertices_along(chain)));
+            loops.extend(component.handles.loops.iter().map(|chain| component.vertices_along(chain)));
+            detached.extend(flat.detached.iter().flat_map(|&f| component.triangles_of(f)).copied());
+            cones.extend(flat.cones.iter().zip(&flat.curvature).map(|(&v, &k)| component.cone(v, k, self.points())));
+            for note in flat.notes {
+                if !notes.contains(&note) {
+                    notes.push(note);
+                }
+            }
+        }
+        notes.extend(self.lost_seams(&options.seams));
+        if let Some(Tiling { symmetry, seams, broken: broken @ 1.., .. }) = tiling {
+            let mut steps = cones.iter().map(|cone| cone.curvature / symmetry.angle());
+            let are_given = steps.any(|steps| (steps - steps.round()).abs() > ROUNDING);
+            notes.push(Note::SeamsDoNotTile { symmetry, seams, broken, are_given });
+        }
+        seams.extend(added);
+        let opened_handles = loops.len();
+        seams.extend(loops);
+        let mut island = vec![None; self.triangles().len()];
+        let mut placed = Placed::new(self.corner_vertices().len());
+        let mut triangles = triangles.as_slice();
+        for (component, islands) in self.components().iter().zip(&islands) {
+            let (own, others) = triangles.split_at(islands.len());
+            component.spread(|h| own.as_flattened()[h.index()], |corner, position| placed.put(corner, position));
+            triangles = others;
+            for (f, &number) in islands.iter_ids() {
+                component.triangles_of(f).iter().for_each(|&triangle| island[triangle as usize] = Some(number));
+            }
+        }
+        let uv = self.fill_corners(placed);
+        times.add(Stage::Pack, began.elapsed());
+        Ok(Atlas {
+            uv,
+            area: self.area(),
+            scale: packing.scale,
+            tiles: packing.tiles,
+            fill: packing.fill,
+            triangles: self.triangles().clone(),
+            left_out: self.left_out().to_vec(),
+            islands: island,
+            detached,
+            cones,
+            seams,
+            opened_handles,
+            necks: 0,
+            seam_figures,
+            tiling,
+            number,
+            curvature_error,
+            unfolded,
+            freed,
+            times,
+            notes,
+        })
+    }
+
+    /// The number of cones that were taken in the end, what is predicted for these, and whether the map that was made meets the target.
+    fn measured(&self, number: ChosenNumber, flats: &[Flat]) -> ChosenNumber {
+        let mut predictor = Predictor::new(flats.len());
+        for (component, flat) in self.components().iter().zip(flats) {
+            let Component { index, operators, area, .. } = &**component;
+            predictor.put(*index, operators, *area, flat.cones.len(), flat.predicted.clone());
+        }
+        let Prediction { count: chosen, area_distortion: predicted, .. } = predictor.prediction();
+        let mut all: Vec<(f64, f64)> = Vec::new();
+        for (component, flat) in self.components().iter().zip(flats) {
+            let whole: f64 = flat.quality.ratios.iter().map(|(area, _)| area).sum();
+            let size = flat.size * flat.size * component.surface.scale * component.surface.scale;
+            let ratios = flat.quality.ratios.par_iter().with_min_len(AT_ONCE);
+            all.par_extend(ratios.map(|(area, r)| (area / whole * component.area, r * size)));
+        }
+        ChosenNumber { chosen, predicted, ..number }.judged(distortion_of(&all))
+    }
+
+    /// Corners that no surface has get the positions of a triangle on the same three vertices, or of a corner at the same vertex of their own
+    /// one. What is left of a triangle goes to one point, so that it lies over nothing: of its own, of one of its vertices, or the origin.
+    fn fill_corners(&self, mut placed: Placed) -> Vec<[f64; 2]> {
+        if placed.is_placed.contains(&false) {
+            self.fill_copies(&mut placed);
+            let corners = || (0..).zip(self.corner_vertices());
+            let mut of_vertex = vec![None; self.points().len()];
+            for (corner, &v) in corners() {
+                of_vertex[v as usize] = placed.at(corner).or(of_vertex[v as usize]);
+            }
+            let vertex = |corner: u32| self.corner_vertices()[corner as usize];
+            for &t in self.left_out() {
+                let own = self.triangles().corners[t as usize];
+                let point = own.iter().find_map(|&corner| placed.at(corner));
+                let point = point.or_else(|| own.iter().find_map(|&corner| of_vertex[vertex(corner) as usize]));
+                for corner in own {
+                    let twin = own.iter().filter(|&&other| vertex(other) == vertex(corner));
+                    let twin = twin.copied().find_map(|other| placed.at(other));
+                    placed.put_if_none(corner, twin.or(point).unwrap_or_default());
+                }
+            }
+            // Corners of no triangle at all.
+            corners().for_each(|(corner, &v)| placed.put_if_none(corner, of_vertex[v as usize].unwrap_or_default()));
+        }
+        placed.uv
+    }
+
+    /// Gives copies of triangles the positions of the triangle that they are copies of.
+    fn fill_copies(&self, placed: &mut Placed) {
+        let vertex = |corner: &u32| self.corner_vertices()[*corner as usize];
+        let sorted = |t: u32| {
+            let mut corners = self.triangles().corners[t as usize];
+            corners.sort_unstable_by_key(vertex);
+            corners
+        };
+        let place = |t: u32| sorted(t).map(|corner| vertex(&corner));
+        let mut original: HashMap<[u32; 3], Option<[u32; 3]>> =
+            self.left_out().iter().map(|&t| (place(t), None)).collect();
+        if original.is_empty() {
+            return;
+        }
+        let mut is_on_surface = vec![true; self.triangles().len()];
+        self.left_out().iter().for_each(|&t| is_on_surface[t as usize] = false);
+        for t in (0..).zip(is_on_surface).filter_map(|(t, is_on_surface)| is_on_surface.then_some(t)) {
+            original.entry(place(t)).and_modify(|first| _ = first.get_or_insert_with(|| sorted(t)));
+        }
+        for &t in self.left_out() {
+            let Some(Some(from)) = original.get(&place(t)) else { continue };
+            for (to, from) in sorted(t).into_iter().zip(from) {
+                if let Some(position) = placed.at(*from) {
+                    placed.put_if_none(to, position);
+                }
+            }
+        }
+    }
+}
