@@ -38,6 +38,8 @@ pub(crate) enum CommandError {
     OutputIsInput(PathBuf),
     #[error("{} is named for two outputs: give each its own file", .0.display())]
     OutputTwice(PathBuf),
+    #[error("{} is where --checker writes its board beside the OBJ: name another file", .0.display())]
+    CheckerTaken(PathBuf),
     #[error("{} is named twice: name each surface once", .0.display())]
     InputTwice(PathBuf),
     #[error("{} is a folder: name a file in it", .0.display())]
@@ -96,6 +98,8 @@ pub(crate) enum CommandError {
     NoPaperMeshes(PathBuf),
     #[error("{failed} of {count} surfaces could not be unwrapped: see the errors above")]
     SomeFailed { failed: usize, count: usize },
+    #[error("{failed} of {count} surfaces could not be compared: see the errors above")]
+    SomeNotCompared { failed: usize, count: usize },
     #[error("{}: the program has a fault, and stopped on this surface", told(.0))]
     Fault(PathBuf),
     #[error("port {port} of this machine cannot be listened at: name another with --port, or none")]

@@ -1,5 +1,6 @@
 //! Why something that was asked for cannot be had.
 
+use geom::distortion::DistortionError;
 use geom::{Interrupted, ModelError, PoissonError, PrepareError};
 use thiserror::Error;
 
@@ -15,6 +16,18 @@ pub enum Error {
     /// The model has no surface.
     #[error(transparent)]
     Prepare(PrepareError),
+    /// There is no such model.
+    #[error(transparent)]
+    Model(#[from] ModelError),
+    /// A map cannot be measured.
+    #[error(transparent)]
+    Measure(DistortionError),
+    /// Fewer cones distort less than nothing.
+    #[error("an area distortion of {0} cannot be had: it is 1 at least")]
+    TargetDistortion(f64),
+    /// A threshold that no extremum is above or below of.
+    #[error("the threshold of persistence is NaN")]
+    Threshold,
     /// The refined model is too large.
     #[error("the refined model cannot be had")]
     Refined(#[source] ModelError),
@@ -74,8 +87,10 @@ pub enum Error {
         given: usize,
     },
     /// Given curvatures break Gauss–Bonnet.
-    #[error("the given curvatures sum to {sum:.9}, but on this closed surface they must sum to 2πχ = {total:.9}{}", if *has_handles { ": those found with opened handles may not, open them again" } else { "" })]
+    #[error("the given curvatures{} sum to {sum:.9}, but on {} closed surface they must sum to 2πχ = {total:.9}: {}", part.map_or_else(String::new, |part| format!(" of part {}", part + 1)), if part.is_some() { "that" } else { "this" }, if *has_handles { "those found with opened handles may not, open them again" } else { "give none, and the best ones are taken" })]
     CurvatureSum {
+        /// The component, counted from 0, if there are several.
+        part: Option<usize>,
         /// What they sum to.
         sum: f64,
         /// What they should.
@@ -128,4 +143,4 @@ macro_rules! from {
     };
 }
 
-from!(PrepareError => Prepare, PackError => Pack, PoissonError => Poisson, CurvatureError => Curvature, SeamError => Seams, ScalingError => Scaling);
+from!(DistortionError => Measure, PrepareError => Prepare, PackError => Pack, PoissonError => Poisson, CurvatureError => Curvature, SeamError => Seams, ScalingError => Scaling);

@@ -43,7 +43,7 @@
 //! 8. `baseline`: what the method is compared with.
 //!
 //! Curvature is an angle defect in radians: a cone of curvature k has 2π - k of angle. L is positive semidefinite.
-//! Everything is deterministic. The feature `serde` makes options, cones, orders and reports serializable.
+//! Everything is deterministic, and runs on the threads of the rayon pool from which it is called. The feature `serde` makes options, cones, orders and reports serializable.
 
 mod analysis;
 mod baseline;
@@ -58,6 +58,7 @@ mod placement;
 pub mod report;
 pub mod uv;
 
+pub use ::geom;
 pub use analysis::{
     Analysis, Atlas, Baseline, BaselineMap, ChosenNumber, Cone, ConeChoice, ConeOrder, Cones, Failure, FreeSeams,
     Handles, Islands, Limbs, MOST_AUTOMATIC, MOST_NEEDLES, ModelExtremum, Note, Observer, Options, OrderedCone,

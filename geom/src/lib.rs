@@ -2,7 +2,7 @@
 //!
 //! | for | there is |
 //! |---|---|
-//! | files | [`io`] reads OBJ, OFF, PLY and STL into a [`Model`]: points and polygons as the file had them |
+//! | files | [`io`] reads OBJ, OFF, PLY, STL and glTF into a [`Model`]: points and polygons as the file had them; and writes OBJ, PLY and GLB |
 //! | making surfaces of it | [`prepare()`]: oriented manifold [`Surface`]s, what is broken mended and counted |
 //! | connectivity | [`Mesh`], and [`Triangulation`], which can be flipped; typed ids ([`VertexId`], …); a `&Mesh` is a graph for petgraph |
 //! | lengths | [`Metric`]: an edge length each; angles, areas, cotangents; [`angle_defects`] |
@@ -14,7 +14,9 @@
 //!
 //! Words: a *halfedge* is a side of a triangle, directed counter-clockwise, and names the *corner* at its tail. A *metric*
 //! is a length for every edge. *Curvature* is an angle defect in radians, at vertices. The Laplacian is positive
-//! semidefinite. Everything is f64.
+//! semidefinite. Everything is f64, but for [`EdgeDistances`].
+//!
+//! Halfedges 3f, 3f + 1 and 3f + 2 are the sides of triangle f, in its order; corner c of a [`Model`] is the c-th of all its faces, one face after the other.
 //!
 //! ```
 //! use geom::{Metric, angle_defects, shapes};

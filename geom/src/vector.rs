@@ -38,6 +38,12 @@ pub fn length(a: Vec3) -> f64 {
     dot(a, a).sqrt()
 }
 
+/// The length of a vector of the plane. `f64::hypot` takes several times as long, and is needed only where squares leave the range of numbers.
+pub fn norm([x, y]: [f64; 2]) -> f64 {
+    let squared = x * x + y * y;
+    if squared.is_normal() { squared.sqrt() } else { x.hypot(y) }
+}
+
 /// The distance of two points.
 pub fn distance(a: Vec3, b: Vec3) -> f64 {
     length(sub(a, b))

@@ -67,6 +67,7 @@ def pack(
     mesh: Mesh,
     uv: NDArray[np.float64],
     triangle_island: Optional[NDArray[np.int64]],
+    weld: str,
     options: dict[str, Any],
     progress: Any,
 ) -> dict[str, Any]: ...

@@ -19,7 +19,7 @@ class Measures:
     """How good a map is."""
 
     #: Under the keys of ``cones measure --json``: area_mean (the area distortion D), quasi_conformal and area (mean, median, p95, p99, max),
-    #: u_l2, u_linf, flipped, degenerate, overlap, overlap_pairs, overlap_depth, fill, seam_length, curvature_error.
+    #: u_l2, u_linf, flipped, degenerate, overlap, overlap_pairs, overlap_depth, fill, tiles, seam_length, curvature_error.
     distortion: dict
     #: The number of triangles and the share of the area of each island.
     islands: list[dict]
@@ -63,7 +63,7 @@ class Packing:
     #: The share of the tiles that is covered, before and after.
     fill_before: float
     fill: float
-    #: Texels between islands.
+    #: Texels between islands: what was asked for, or less where there are too many for that.
     margin: float
     #: What lengths in the plane were multiplied by.
     scale: float
@@ -105,7 +105,7 @@ def islands(
     asked = options.packing(margin, texture_size, rotations, texel_density)
     parted = _cones.part(mesh._native, _map(mesh, uv), welding(weld), progress)
     if parted["overlapping_pairs"]:
-        packed = _cones.pack(mesh._native, parted["uv"], parted["triangle_island"], asked, progress)
+        packed = _cones.pack(mesh._native, parted["uv"], parted["triangle_island"], "never", asked, progress)
         parted["uv"] = packed["uv"]
     return Islands(**parted)
 
@@ -116,6 +116,7 @@ def pack(
     uv: Any = None,
     *,
     triangle_island: Any = None,
+    weld: Union[bool, str] = "auto",
     margin: float = 4.0,
     texture_size: int = 1024,
     rotations: str = "any",
@@ -123,11 +124,12 @@ def pack(
     progress: Optional[Progress] = None,
 ) -> Packing:
     """Packs the islands of a map into the unit square, or onto UDIM tiles: the command ``cones pack``. Islands move rigidly and are scaled
-    alike. ``triangle_island`` says which triangles move together (-1 stays); without it islands are found."""
+    alike. ``triangle_island`` says which triangles move together (-1 stays); without it islands are found, where ``weld`` says which vertices are
+    taken for one, as for `cones.unwrap`."""
     mesh = as_mesh(vertices, faces)
     asked = options.packing(margin, texture_size, rotations, texel_density)
     given = None if triangle_island is None else plain(triangle_island, np.int64)
-    return Packing(**_cones.pack(mesh._native, _map(mesh, uv), given, asked, progress))
+    return Packing(**_cones.pack(mesh._native, _map(mesh, uv), given, welding(weld), asked, progress))
 
 
 def _map(mesh: Mesh, uv: Any) -> np.ndarray:

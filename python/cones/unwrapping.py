@@ -200,7 +200,7 @@ def unwrap(
     open_handles : "auto", "never" or "always"
         Open handles along short loops that take curvature, so that fewer cones are enough.
     quantize : 4 or 6, optional
-        Round cones so that a texture of squares, or of triangles, runs on across seams.
+        Round cones so that a texture of squares, or of triangles, keeps its directions across seams.
     seams, avoid : edges (k, 2), optional
         Edges to cut, and not to cut if there is another way.
     keep_seams : bool or edges (k, 2)

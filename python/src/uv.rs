@@ -106,17 +106,18 @@ pub(crate) fn part<'py>(
 }
 
 /// Packs the islands of a map: the positions of all corners, and what is known of the packing. `triangle_island` names the islands by any
-/// numbers, negative ones are none; without it islands are found.
+/// numbers, negative ones are none; without it islands are found, `weld` taking vertices for one.
 #[pyfunction]
 pub(crate) fn pack<'py>(
     py: Python<'py>,
     mesh: &Mesh,
     uv: PyReadonlyArray2<'py, f64>,
     triangle_island: Option<PyReadonlyArray1<'py, i64>>,
+    weld: &str,
     options: &Bound<'py, PyAny>,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let uv = checked(&mesh.0, &uv)?;
+    let (uv, weld) = (checked(&mesh.0, &uv)?, weld_by_name(weld)?);
     let options: PackOptions = depythonize(options)?;
     let model = &mesh.0;
     let given = triangle_island.as_ref().map(|islands| islands.as_slice()).transpose()?;
@@ -133,10 +134,11 @@ pub(crate) fn pack<'py>(
             return Err(Error::new_err(format!("islands are given for {given} triangles, but there are {there}")));
         }
         None => {
-            let map = corner_uv(&triangles.corners, uv);
+            let (mut vertices, map) = (triangles.vertices(model), corner_uv(&triangles.corners, uv));
             let measured = watched(py, None, |told| {
                 let stops = |_| told.goes_on();
-                measure_watched(model.points(), &triangles.vertices(model), &map, Watch::new(&stops))
+                weld.apply(model, &mut vertices);
+                measure_watched(model.points(), &vertices, &map, Watch::new(&stops))
             })?;
             measured.triangle_island.iter().map(|&island| Some(island)).collect()
         }

@@ -15,6 +15,8 @@ use geom::{Model, Watch};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
+/// A map of which nothing overlaps stays as it is. Where anything does, all islands are packed anew, by the options of packing: into the unit
+/// square, or with --udim onto tiles.
 #[derive(Args, Debug)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct IslandsArgs {
@@ -44,6 +46,8 @@ struct IslandsReport {
     input: PartedInput,
     before: MapReport,
     after: MapReport,
+    /// Whether islands were moved and scaled, as all are where any lay over itself or another.
+    packed: bool,
     /// How many pairs of triangles could not be parted.
     left: usize,
 }
@@ -75,9 +79,10 @@ pub(crate) fn run(args: &IslandsArgs) -> Result<(), CommandError> {
     let parted = part(&model, &uv, args.weld.chosen(), Watch::NONE)
         .map_err(|error| CommandError::Unwrap { path: args.input.clone(), error: error.into() })?;
     let left = parted.left;
-    let placed = if parted.overlaps.pairs.is_empty() { parted.uv } else { packed(args, &model, parted)? };
+    let is_packed = !parted.overlaps.pairs.is_empty();
+    let placed = if is_packed { packed(args, &model, parted)? } else { parted.uv };
     let after = measured(args, &model, &placed)?;
-    write(&model, &placed, &args.output, format)?;
+    write(&model, &placed, args, format)?;
     if split_vertices(&model, args.weld.chosen()) > 0 {
         output::warn("the surface is split along its seams: with --weld what is cut off can be attached across them");
     }
@@ -86,7 +91,7 @@ pub(crate) fn run(args: &IslandsArgs) -> Result<(), CommandError> {
         vertices: model.vertex_count(),
         faces: model.face_count(),
     };
-    let report = IslandsReport { schema: SCHEMA, input, before, after, left };
+    let report = IslandsReport { schema: SCHEMA, input, before, after, packed: is_packed, left };
     if args.json { output::print_json(&report) } else { output::summary(&summary(&report, &args.output)) }
 }
 
@@ -100,6 +105,7 @@ fn packed(args: &IslandsArgs, model: &Model, parted: Parted) -> Result<Vec<[f64;
     let unit = unit_on_surface(model.points(), &vertices, &images);
     let packing = pack(&images, &island, &args.packing.options(unit), Watch::NONE)
         .map_err(|error| CommandError::Pack { path: args.input.clone(), error: error.in_unit(unit) })?;
+    args.packing.warn_of_margin(packing.margin);
     let mut placed = uv.clone();
     for (corners, island) in corners.iter().zip(island) {
         corners.iter().for_each(|&c| placed[c as usize] = packing.place(island as usize, uv[c as usize]));
@@ -121,10 +127,10 @@ fn measured(args: &IslandsArgs, model: &Model, uv: &[[f64; 2]]) -> Result<MapRep
     })
 }
 
-fn write(model: &Model, uv: &[[f64; 2]], path: &Path, format: MeshFormat) -> Result<(), CommandError> {
-    let file = SurfaceFile { model, uv: Some(uv), triangles: None, material: None };
+fn write(model: &Model, uv: &[[f64; 2]], args: &IslandsArgs, format: MeshFormat) -> Result<(), CommandError> {
+    let file = SurfaceFile { model, source: Some(&args.input), uv: Some(uv), triangles: None, material: None };
     let mut files = Files::new();
-    let lost = file.write(&mut files, path, format)?;
+    let lost = file.write(&mut files, &args.output, format)?;
     files.finish()?;
     if let Some(lost) = lost {
         output::warn(&lost.to_string());
@@ -133,10 +139,11 @@ fn write(model: &Model, uv: &[[f64; 2]], path: &Path, format: MeshFormat) -> Res
 }
 
 fn summary(report: &IslandsReport, path: &Path) -> String {
-    let IslandsReport { input, before, after, left, .. } = report;
+    let IslandsReport { input, before, after, packed, left, .. } = report;
     let map = |map: &MapReport| {
         let islands = counted(map.islands, "island", "islands");
-        format!("{islands}, {} overlapping, seams {:.2} √area", overlap_text(map.overlap), map.seam_length)
+        let flipped = if map.flipped > 0 { format!(", {} flipped", map.flipped) } else { String::new() };
+        format!("{islands}{flipped}, {} overlapping, seams {:.2} √area", overlap_text(map.overlap), map.seam_length)
     };
     let left = match left {
         0 => String::new(),
@@ -152,6 +159,10 @@ fn summary(report: &IslandsReport, path: &Path) -> String {
         ),
         labelled("before", &map(before)),
         labelled("after", &map(after)),
+        labelled(
+            "places",
+            if *packed { "all islands packed anew, scaled alike" } else { "as they were: nothing overlaps" },
+        ),
         left,
         labelled("written", &path.display().to_string()),
     ]

@@ -82,6 +82,11 @@ pub(crate) fn run(args: &MeasureArgs) -> Result<(), CommandError> {
             counted(measured.left_out, "triangle", "triangles")
         ));
     }
+    let degenerate = report.distortion.degenerate;
+    if degenerate > 0 {
+        let triangles = counted(degenerate, "triangle has", "triangles have");
+        output::warn(&format!("{triangles} no area in the map: left out of all means"));
+    }
     warn_of_split(split_vertices(surface, args.weld.chosen()));
     if args.json {
         return output::print_json(&report);

@@ -1,18 +1,18 @@
 //! `cones pack`: the islands of any unwrapped OBJ, PLY or glTF, packed.
 
-use crate::commands::shared::{PackArgs, SurfaceFile, corner_uv, texture};
+use crate::commands::shared::{PackArgs, SurfaceFile, WeldArgs, corner_uv, texture};
 use crate::error::CommandError;
 use crate::input;
 use crate::output::{self, Files};
-use crate::report::SCHEMA;
 use crate::report::table::{counted, labelled};
+use crate::report::{SCHEMA, tiles_text};
 use clap::Args;
 use cones::uv::{PackError, Packing, fill, pack};
 use geom::distortion::{Distortion, measure, unit_on_surface};
 use geom::io::MeshFormat;
 use geom::{Model, Watch};
 use serde::Serialize;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Islands are moved rigidly and scaled alike. Islands that lie over each other, mirrored halves that share their texture
 /// for example, get a place each.
@@ -25,6 +25,8 @@ pub(crate) struct PackCommandArgs {
     /// Where to write it packed: .obj, .ply or .glb, also .gz; an OBJ's other lines are kept
     #[arg(short, long, value_name = "OUT")]
     output: PathBuf,
+    #[command(flatten)]
+    weld: WeldArgs,
     #[command(flatten)]
     packing: PackArgs,
     /// Print JSON in place of the text
@@ -58,14 +60,17 @@ pub(crate) fn run(args: &PackCommandArgs) -> Result<(), CommandError> {
     let uv = texture(&args.input, &model)?;
     let triangles = model.triangles();
     let corners = corner_uv(&triangles.corners, &uv);
-    let measured = measure(model.points(), &triangles.vertices(&model), &corners)
+    let mut vertices = triangles.vertices(&model);
+    args.weld.chosen().apply(&model, &mut vertices);
+    let measured = measure(model.points(), &vertices, &corners)
         .map_err(|error| CommandError::Measure { path: args.input.clone(), error })?;
     let packing = packing(args, &model, &corners, &measured)?;
     let mut placed = uv;
     for (t, &island) in triangles.corners.iter().zip(measured.triangle_island.iter()) {
         t.iter().zip(corner_of(&model, t)).for_each(|(&c, p)| placed[c as usize] = packing.place(island as usize, p));
     }
-    write(&model, &placed, &args.output, format)?;
+    write(&model, &placed, args, format)?;
+    args.packing.warn_of_margin(packing.margin);
     let report = PackReport {
         schema: SCHEMA,
         input: args.input.display().to_string(),
@@ -96,10 +101,10 @@ fn packing(
     pack(uv, &measured.triangle_island, &options, Watch::NONE).map_err(failed)
 }
 
-fn write(model: &Model, uv: &[[f64; 2]], path: &Path, format: MeshFormat) -> Result<(), CommandError> {
-    let file = SurfaceFile { model, uv: Some(uv), triangles: None, material: None };
+fn write(model: &Model, uv: &[[f64; 2]], args: &PackCommandArgs, format: MeshFormat) -> Result<(), CommandError> {
+    let file = SurfaceFile { model, source: Some(&args.input), uv: Some(uv), triangles: None, material: None };
     let mut files = Files::new();
-    let lost = file.write(&mut files, path, format)?;
+    let lost = file.write(&mut files, &args.output, format)?;
     files.finish()?;
     if let Some(lost) = lost {
         output::warn(&lost.to_string());
@@ -108,7 +113,7 @@ fn write(model: &Model, uv: &[[f64; 2]], path: &Path, format: MeshFormat) -> Res
 }
 
 fn text(report: &PackReport, args: &PackCommandArgs) -> String {
-    let tiles = if report.tiles == 1 { "the unit square".to_owned() } else { format!("{} tiles", report.tiles) };
+    let tiles = tiles_text(Some(report.tiles));
     let islands = counted(report.islands, "island", "islands");
     let (before, after) = (100.0 * report.fill_before, 100.0 * report.fill);
     let fill = format!("{after:.1} % of {tiles} ({before:.1} % before), {:.3} texels apart", report.margin);

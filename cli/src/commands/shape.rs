@@ -43,7 +43,7 @@ pub(crate) fn run(args: &ShapeArgs) -> Result<(), CommandError> {
     limits::check_memory(Path::new(&args.name), args.vertices, limits::MADE)?;
     let model = model(&args.name, args.vertices);
     let mut files = Files::new();
-    let file = SurfaceFile { model: &model, uv: None, triangles: None, material: None };
+    let file = SurfaceFile { model: &model, source: None, uv: None, triangles: None, material: None };
     file.write(&mut files, &args.output, format)?;
     files.finish()?;
     let vertices = counted(model.vertex_count(), "vertex", "vertices");

@@ -167,6 +167,9 @@ fn run_one(args: &UnwrapArgs, output: &Path) -> Result<(), CommandError> {
     let progress = Progress::begin(&input.display().to_string());
     let began = Instant::now();
     let (mut unwrapped, times) = job.unwrap(&progress)?;
+    if args.hierarchy.is_some() {
+        unwrapped.note_closed_order();
+    }
     let extras = Extras::new(args, input, &unwrapped, &progress)?;
     let draw = extras.draw;
     progress.step("write");
@@ -222,6 +225,7 @@ impl Job<'_> {
         let checker = args.checker(output);
         let file = SurfaceFile {
             model: &unwrapped.model,
+            source: Some(self.input),
             uv: Some(&unwrapped.map.uv),
             triangles: triangles.as_ref(),
             material: checker.as_ref().map(CheckerFiles::material),
@@ -275,6 +279,10 @@ fn check_outputs(args: &UnwrapArgs, input: &Path, output: &Path) -> Result<MeshF
     let inputs: Vec<&Path> = inputs.chain(args.seams.files()).collect();
     let checker = args.checker(output);
     let mut outputs = outputs(args, output);
+    let is_named = |path: &&Path| outputs.contains(path);
+    if let Some(taken) = checker.iter().flat_map(CheckerFiles::paths).find(is_named) {
+        return Err(CommandError::CheckerTaken(taken.to_owned()));
+    }
     outputs.extend(checker.iter().flat_map(CheckerFiles::paths));
     output::check(&inputs, &outputs)?;
     Ok(format)

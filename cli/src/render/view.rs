@@ -38,6 +38,11 @@ impl View {
     /// # Errors
     /// What would be understood, in words.
     pub(crate) fn parse(text: &str) -> Result<Self, String> {
+        let text = match text {
+            "top" => "above",
+            "bottom" => "below",
+            other => other,
+        };
         if let Some((_, view)) = NAMES.iter().find(|(name, _)| *name == text) {
             return Ok(*view);
         }

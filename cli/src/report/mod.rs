@@ -7,10 +7,11 @@ mod text;
 
 pub(crate) use hierarchy_file::{HierarchyFile, rows as hierarchy_rows};
 pub(crate) use seams::on_seams;
-pub(crate) use text::{distortion_text, overlap_text, repair_text};
+pub(crate) use text::{distortion_text, overlap_text, repair_text, tiles_text};
 
 use cones::report::Report;
 pub(crate) use cones::report::SCHEMA;
+use cones::uv::Tiles;
 use cones::{Islands, Options, Refining, Stage, Topology};
 use serde::Serialize;
 use std::path::Path;
@@ -31,6 +32,9 @@ pub(crate) struct UnwrapReport {
     /// What was asked for islands.
     #[serde(skip)]
     pub(crate) islands: Islands,
+    /// Whether islands are of a size that was asked for, on as many tiles as they need.
+    #[serde(skip)]
+    pub(crate) is_udim: bool,
     /// Whether to advise refining: not where it was tried, or a warning does.
     #[serde(skip)]
     pub(crate) may_advise_refining: bool,
@@ -78,6 +82,7 @@ impl UnwrapReport {
             peak_memory: peak_memory(),
             rule,
             islands,
+            is_udim: options.packing.tiles != Tiles::One,
             may_advise_refining,
         }
     }

@@ -46,7 +46,9 @@ impl UnwrapReport {
     fn advice(&self) -> String {
         let Report { refined, distortion, .. } = &self.map;
         let is_bent = self.may_advise_refining && refined.is_none() && distortion.quasi_conformal.mean > BENT;
-        let is_sparse = self.islands == Islands::OverlapFree && distortion.fill < SPARSE;
+        // Tiles are as empty as the density that was asked for leaves them, and of single triangles there is nothing to cut.
+        let can_be_cut = !self.is_udim && self.map.islands.iter().any(|island| island.faces > 1);
+        let is_sparse = self.islands == Islands::OverlapFree && distortion.fill < SPARSE && can_be_cut;
         let advice = [
             (is_bent, "--refine writes finer triangles, on which angles are mostly kept better"),
             (is_sparse, "--islands pack cuts islands that leave most of the square empty"),
@@ -140,9 +142,18 @@ pub(crate) fn distortion_text(distortion: &DistortionReport, islands: usize) -> 
                 "{islands}, {flipped} flipped, {degenerate} degenerate, {overlap} overlapping, seams {seam_length:.2} √area"
             ),
         ),
-        labelled("fill", &format!("{:.1} % of the square", 100.0 * distortion.fill)),
+        labelled("fill", &format!("{:.1} % of {}", 100.0 * distortion.fill, tiles_text(distortion.tiles))),
     ]
     .concat()
+}
+
+/// What is filled.
+pub(crate) fn tiles_text(tiles: Option<usize>) -> String {
+    match tiles {
+        Some(0 | 1) => "the square".to_owned(),
+        Some(tiles) => format!("{tiles} tiles"),
+        None => "the smallest square about it".to_owned(),
+    }
 }
 
 /// The share that overlaps, and pairs where the grid sees none.

@@ -185,7 +185,7 @@ fn what_a_format_does_not_hold_is_one_line_and_in_the_report() {
     let text = folder.read("hare.obj");
     folder.write("named.obj", &format!("usemtl skin\n{text}"));
     let done = folder.run(&["unwrap", "named.obj", "-n", "4", "-o", "out.ply", "--report", "report.json"]).success();
-    let line = "not kept, as PLY has no place for it: materials (skin)";
+    let line = "not kept in PLY: materials (skin)";
     assert_eq!(stderr(&done), format!("warning: {line}\n"));
     assert_eq!(folder.json("report.json")["warnings"], Value::from(vec![line]));
     let done = folder.run(&["unwrap", "named.obj", "-n", "4", "-o", "out.glb"]).success();

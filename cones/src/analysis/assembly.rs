@@ -1,6 +1,6 @@
 //! Flattened components put together: one map of the model, with all that is known of it.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::time::Instant;
 
 use geom::Id;
@@ -15,7 +15,7 @@ use super::note::Note;
 use super::observer::{Stage, Task, Times};
 use super::options::Options;
 use super::packed::{Packed, packed};
-use crate::cut::{SeamFigures, Symmetry, Tiling};
+use crate::cut::{SeamFigures, SeamOptions, Symmetry, Tiling, ascending};
 use crate::error::Error;
 use crate::placement::{Prediction, Predictor, distortion_of};
 
@@ -49,6 +49,14 @@ impl Placed {
             self.put(corner, position);
         }
     }
+}
+
+/// That edges were to be avoided that were to be cut, too.
+fn contested(seams: &SeamOptions) -> Option<Note> {
+    let cut: HashSet<[u32; 2]> = seams.given.iter().chain(&seams.kept).map(|&ends| ascending(ends)).collect();
+    let avoided: HashSet<[u32; 2]> = seams.avoid.iter().map(|&ends| ascending(ends)).collect();
+    let edges = avoided.intersection(&cut).count();
+    (edges > 0).then_some(Note::AvoidedGiven { edges })
 }
 
 impl Analysis {
@@ -94,6 +102,8 @@ impl Analysis {
             }
         }
         notes.extend(self.lost_seams(&options.seams));
+        notes.extend(contested(&options.seams));
+        notes.extend(Note::of_margin(options.packing.margin, packing.margin));
         if let Some(Tiling { symmetry, seams, broken: broken @ 1.., .. }) = tiling {
             let mut steps = cones.iter().map(|cone| cone.curvature / symmetry.angle());
             let are_given = steps.any(|steps| (steps - steps.round()).abs() > ROUNDING);

@@ -45,7 +45,7 @@ impl Topology {
 #[non_exhaustive]
 pub struct Atlas {
     /// A position in the plane for each corner of the model. On each part the mean of the log scale, weighted by area, is about 0: islands have
-    /// a little more area than the surface.
+    /// more area than the surface, the more the greater the area distortion ([`uv_in`](Self::uv_in) has other sizes).
     pub uv: Vec<[f64; 2]>,
     /// The area of the surface.
     pub area: f64,
@@ -75,11 +75,12 @@ pub struct Atlas {
     pub necks: usize,
     /// What the seams are like.
     pub seam_figures: SeamFigures,
-    /// Across which seams a texture runs on, where curvatures were to be [rounded](crate::Options::quantize) for it.
+    /// Across which seams a texture keeps its directions, where curvatures were to be [rounded](crate::Options::quantize) for it.
     pub tiling: Option<Tiling>,
     /// How the number of cones was found, where none was given.
     pub number: Option<ChosenNumber>,
-    /// The largest curvature off the cones that the metric has, in radians.
+    /// The largest curvature off the cones that the cone metric has, in radians. Where seams were set [free](crate::FreeSeams) afterwards angles along
+    /// them are other ones: what is written is measured by [`report`](crate::report).
     pub curvature_error: f64,
     /// How many components, or pieces of one whose limbs were cut off, no cones could flatten: these are unfolded with a cone at every vertex, cut to shreds.
     pub unfolded: usize,

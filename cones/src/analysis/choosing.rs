@@ -83,6 +83,7 @@ impl Analysis {
         task: &Task,
     ) -> Result<Chosen, Error> {
         let mut shared = Shared::default();
+        options.cones.check()?;
         let configurations = match &options.cones {
             ConeChoice::Automatic => {
                 self.fewest(&mut shared, options, (TARGET_DISTORTION, MOST_AUTOMATIC), known, task)?
@@ -106,12 +107,22 @@ impl Analysis {
                 self.check_given(given)?;
                 each(self.components(), &mut shared.times, |component, times| {
                     task.stage((Stage::Curvature, component.index), times, |watch| {
-                        component.given(given, options, watch)
+                        component.given(given, options, watch).map_err(|error| self.naming_a_part(error))
                     })
                 })?
             }
         };
         Ok((shared, configurations))
+    }
+
+    /// What concerns a part, of which the only one has no number.
+    fn naming_a_part(&self, error: Error) -> Error {
+        match (error, self.components()) {
+            (Error::CurvatureSum { sum, total, has_handles, .. }, [_]) => {
+                Error::CurvatureSum { part: None, sum, total, has_handles }
+            }
+            (error, _) => error,
+        }
     }
 
     /// What was chosen, with more cones where these would leave too much to distort.

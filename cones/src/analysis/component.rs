@@ -339,7 +339,7 @@ impl Component {
         let sum: f64 = curvature.iter().sum();
         let total = self.operators.total_curvature();
         if !self.operators.is_bordered() && (sum - total).abs() > 1e-6 {
-            return Err(Error::CurvatureSum { sum, total, has_handles: self.has_handles() });
+            return Err(Error::CurvatureSum { part: Some(self.index), sum, total, has_handles: self.has_handles() });
         }
         if let Some(k) = curvature.iter().find(|k| k.is_nan() || **k >= 2.0 * std::f64::consts::PI) {
             return Err(Error::CurvatureTooLarge(*k));

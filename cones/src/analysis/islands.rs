@@ -82,7 +82,12 @@ impl Component {
         let pairs = overlaps.pairs.len();
         if pairs > 0 {
             let map = map(&self.surface.mesh, &flat.layout, &flat.seams.cut);
-            let share = overlaps.share(map.triangles());
+            // Islands lie over each other, too, until they are packed.
+            let share = match map.islands(&self.surface.mesh).count() {
+                1 => overlaps.share(map.triangles()),
+                _ => overlaps.pairs.iter().map(|pair| pair.area).sum::<f64>() / flat.layout.area(&self.surface.mesh),
+            };
+            let share = share.min(1.0);
             flat.notes.push(Note::Overlap { component: self.index, pairs, share });
         }
     }

@@ -356,6 +356,18 @@ impl Analysis {
         &self.found.triangles
     }
 
+    /// The connected component that each of the [triangles](Self::triangles) is on, as [`Cone::component`] and [`Note`]s count them; none for those that belong
+    /// to no surface. O(triangles).
+    pub fn triangle_components(&self) -> Vec<Option<usize>> {
+        let mut of_triangle = vec![None; self.triangles().len()];
+        for component in self.components() {
+            for f in component.surface.mesh.faces() {
+                component.triangles_of(f).iter().for_each(|&t| of_triangle[t as usize] = Some(component.index));
+            }
+        }
+        of_triangle
+    }
+
     /// The triangles that belong to no surface: with repeated vertices, or copies.
     pub fn left_out(&self) -> &[u32] {
         &self.found.left_out

@@ -145,13 +145,13 @@ pub enum Note {
         /// How many are left.
         left: usize,
     },
-    /// A texture does not run on across all seams, though curvatures were rounded for it.
+    /// A texture does not keep its directions across all seams, though curvatures were rounded for it.
     SeamsDoNotTile {
         /// What the texture is like.
         symmetry: Symmetry,
         /// How many seams there are, pieces without branches.
         seams: usize,
-        /// Across how many of them it does not run on.
+        /// Across how many of them it does not.
         broken: usize,
         /// Whether cones turn by other angles, as given curvatures are not rounded.
         are_given: bool,
@@ -162,6 +162,18 @@ pub enum Note {
         lost: usize,
         /// How many there are of the input.
         of: usize,
+    },
+    /// Edges that were to be cut and avoided are cut.
+    AvoidedGiven {
+        /// How many.
+        edges: usize,
+    },
+    /// There are too many islands for the margin that was asked for.
+    NarrowMargin {
+        /// How many texels were asked for.
+        asked: f64,
+        /// How many texels islands are apart at least.
+        kept: f64,
     },
     /// The cones that were to be flattened, given ones for example, make a bad map.
     Distorted {
@@ -176,7 +188,15 @@ pub enum Note {
     },
 }
 
+/// Margins are computed to this share.
+const ROUNDED: f64 = 1e-6;
+
 impl Note {
+    /// That islands are nearer to each other than was asked for, where they are: both in texels.
+    pub fn of_margin(asked: f64, kept: f64) -> Option<Self> {
+        (kept < asked * (1.0 - ROUNDED)).then_some(Self::NarrowMargin { asked, kept })
+    }
+
     /// The component that it is about, unless it is about all of them.
     pub fn component(&self) -> Option<usize> {
         self.clone().component_mut().copied()
@@ -187,6 +207,8 @@ impl Note {
             Self::FewerThanNeeded { .. }
             | Self::FewExtrema { .. }
             | Self::SeamsDoNotTile { .. }
+            | Self::AvoidedGiven { .. }
+            | Self::NarrowMargin { .. }
             | Self::SeamsNotKept { .. } => None,
             Self::Mollified { component }
             | Self::NotSmoothed { component }
@@ -291,14 +313,14 @@ impl fmt::Display for Note {
             Self::RoundedAway { placed, left, .. } => {
                 write!(
                     f,
-                    "rounded so that a texture runs on across seams, the curvatures of {} distort less than those of all \
+                    "rounded so that a texture keeps its directions across seams, the curvatures of {} distort less than those of all \
                      {placed}: taking {left}",
                     cones(left)
                 )
             }
             Self::SeamsDoNotTile { symmetry, seams, broken, are_given } => write!(
                 f,
-                "a texture that looks the same after 1/{} of a turn does not run on across {broken} of {seams} seams: {}",
+                "a texture that looks the same after 1/{} of a turn does not keep its directions across {broken} of {seams} seams: {}",
                 symmetry.order(),
                 if *are_given {
                     "given curvatures are not rounded"
@@ -311,6 +333,18 @@ impl fmt::Display for Note {
                 "{lost} of {of} edges of the input's seams are no seams of the map: even triangles have other edges, leave \
                  them as they are to keep these"
             ),
+            Self::AvoidedGiven { edges: 1 } => {
+                write!(f, "an edge that was to be avoided was to be cut, too: it is cut")
+            }
+            Self::AvoidedGiven { edges } => {
+                write!(f, "{edges} edges that were to be avoided were to be cut, too: they are cut")
+            }
+            Self::NarrowMargin { asked, kept } => {
+                write!(
+                    f,
+                    "a margin of {asked} texels was asked for, but islands are {kept:.2} texels apart: there are too many"
+                )
+            }
             Self::TargetMissed { target, reached, cones: count, .. } => {
                 write!(f, "an area distortion of {target} was not reached: {reached:.3} with {}", cones(count))
             }
@@ -397,7 +431,7 @@ mod tests {
         let rounded = |left| said(Note::RoundedAway { component: 0, placed: 38, left });
         assert_eq!(
             rounded(29),
-            "rounded so that a texture runs on across seams, the curvatures of 29 cones distort less than those of all 38: \
+            "rounded so that a texture keeps its directions across seams, the curvatures of 29 cones distort less than those of all 38: \
              taking 29"
         );
         assert!(rounded(1).contains("the curvatures of 1 cone distort"));

@@ -4,6 +4,7 @@ use geom::Weld;
 
 use crate::curvature::CurvatureRule;
 use crate::cut::{SeamOptions, Symmetry};
+use crate::error::Error;
 use crate::placement::{MOST_ORDERED, Placement, Search};
 use crate::uv::{PackOptions, Rotations};
 
@@ -101,7 +102,7 @@ pub struct Options {
     pub islands: Islands,
     /// Where seams should run.
     pub seams: SeamOptions,
-    /// Whether curvatures are rounded to multiples of a texture's angle, so that it runs on across seams; those that are given are not.
+    /// Whether curvatures are rounded to multiples of a texture's angle, so that it keeps its directions across seams; those that are given are not.
     pub quantize: Option<Symmetry>,
     /// Whether thin limbs are cut off where cones fail.
     pub limbs: Limbs,
@@ -152,16 +153,28 @@ pub enum ConeChoice {
     #[default]
     Automatic,
     /// In each connected component as few as keep its area distortion within this, confirmed by flattening, at most
-    /// [`MOST_OPTIMISED`](crate::MOST_OPTIMISED).
+    /// [`MOST_OPTIMISED`](crate::MOST_OPTIMISED); 1 at least.
     WithinDistortion(f64),
     /// So many, on all connected components together.
     Count(usize),
     /// So many on each connected component, in the order of their first faces, or as many as it needs; none where the list ends.
     Each(Vec<usize>),
-    /// All extrema of the conformal factor with a persistence above this.
+    /// All extrema of the conformal factor with a persistence above this, which must not be NaN.
     MinPersistence(f64),
-    /// These vertices of the model, each with its curvature if that is given too (for all or for none).
+    /// These vertices of the model, each with its curvature if that is given too (for all or for none). On coarse triangles, where seams are set
+    /// [free](FreeSeams), angles at cones come out otherwise: with [`FreeSeams::Never`] just so.
     Given(Vec<(u32, Option<f64>)>),
+}
+
+impl ConeChoice {
+    /// Refuses numbers that mean nothing.
+    pub(super) fn check(&self) -> Result<(), Error> {
+        match self {
+            Self::WithinDistortion(target) if target.is_nan() || *target < 1.0 => Err(Error::TargetDistortion(*target)),
+            Self::MinPersistence(threshold) if threshold.is_nan() => Err(Error::Threshold),
+            _ => Ok(()),
+        }
+    }
 }
 
 impl Options {
@@ -184,7 +197,7 @@ impl Options {
         matches!(&self.cones, ConeChoice::Given(given) if given.iter().any(|(_, curvature)| curvature.is_some()))
     }
 
-    /// How islands are packed: those of a texture that runs on across seams are not turned out of its directions.
+    /// How islands are packed: those of a texture that goes on across seams are not turned out of its directions.
     pub(crate) fn packing_for_texture(&self) -> PackOptions {
         let rotations = match (self.quantize, self.packing.rotations) {
             (Some(Symmetry::Fourfold), Rotations::Any) => Rotations::Quarter,

@@ -21,7 +21,8 @@ use crate::error::Error;
 use crate::placement::{Prediction, Predictor};
 
 /// Unwraps a model in one call: [`Analysis::unwrapped`] unobserved, with the time of both and all that the user
-/// should know.
+/// should know. Where the options ask for [refining](crate::Refining), what is unwrapped is another model, of even triangles: take
+/// [`Analysis::unwrapped`] then, whose analysis has it.
 ///
 /// ```
 /// use cones::{ConeChoice, Options, unwrap_model};
@@ -45,7 +46,7 @@ pub fn unwrap_model(model: &Model, options: &Options) -> Result<Atlas, Error> {
 }
 
 impl Analysis {
-    /// Flattens the model with given cones. Fold-overs are removed as far as possible; triangles that stay folded over are
+    /// Flattens the model with given cones, in some ten solves of its Laplacian and a few factorizations. Fold-overs are removed as far as possible; triangles that stay folded over are
     /// detached and named. No other cones are tried. Where the layout lies over itself it is taken apart.
     ///
     /// # Errors
@@ -72,9 +73,11 @@ impl Analysis {
     /// ```
     ///
     /// # Errors
-    /// As [`flatten`](Self::flatten), and if an edge is none of the model's, or one to be cut is open already.
+    /// As [`flatten`](Self::flatten), if an edge is none of the model's, or one to be cut is open already, and if islands cannot be packed as is
+    /// asked.
     pub fn flatten_with(&self, cones: &Cones, options: &Options) -> Result<Atlas, Error> {
         self.check_own(cones)?;
+        options.packing.check()?;
         self.check_seams(&options.seams)?;
         let task = self.task();
         let mut times = Times::default();
@@ -127,9 +130,10 @@ impl Analysis {
     /// notes.
     ///
     /// # Errors
-    /// As [`choose`](Self::choose); given cones are never replaced.
+    /// As [`choose`](Self::choose) and [`flatten_with`](Self::flatten_with); given cones are never replaced.
     pub fn atlas(&self, options: &Options) -> Result<Atlas, Error> {
         self.check_seams(&options.seams)?;
+        options.packing.check()?;
         if matches!(options.cones, ConeChoice::Given(_)) {
             let cones = self.choose(options)?;
             let mut atlas = self.flatten_with(&cones, options)?;

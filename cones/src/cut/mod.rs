@@ -2,7 +2,7 @@
 //!
 //! [`flatten`](crate::flatten) cuts a surface to a disk along seams as short as edges allow. Here is what people ask beyond that:
 //! seams along sharp edges and in hidden places ([`cost`]), straight ones ([`straighten`]), through edges that are given and
-//! round edges that are to be avoided ([`plan`]), and whether a texture of hatches or bricks runs on across them ([`tiling`]). The
+//! round edges that are to be avoided ([`plan`]), and whether a texture of hatches or bricks keeps its directions across them ([`tiling`]). The
 //! metric knows nothing of the cut, so that all of this costs length and nothing else.
 
 mod cost;

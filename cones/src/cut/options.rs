@@ -9,7 +9,8 @@ pub(crate) const DEFAULT_WEIGHT: f64 = 0.5;
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default))]
 pub struct SeamOptions {
-    /// How much seams may lengthen to run straight, along sharp edges and in hidden places: from 0, as short as they can be, to 1.
+    /// How much seams may lengthen to run straight, along sharp edges and in hidden places: from 0, as short as they can be, to 1 (what is
+    /// beyond counts as the nearer of the two, NaN as 0).
     pub weight: f64,
     /// Edges that are cut. Others are cut besides, until each island is a disk with all cones on its boundary. A cut that ends
     /// away from cones and from other seams lies closed in the plane: there is no curvature to open it.

@@ -1,4 +1,4 @@
-//! Whether a texture of hatches or bricks runs on across the seams.
+//! Whether a texture of hatches or bricks keeps its directions across the seams.
 //!
 //! The two sides of a seam lie in the plane as a rigid motion apart. Where its rotation is one that the texture looks the same
 //! after, the texture's lines meet at the seam. The rotation round a loop is the sum of the curvatures within (the holonomy):
@@ -16,7 +16,7 @@ use crate::flatten::{Chain, Layout, Seams};
 /// A rotation is one of the texture's if it is no further from it than this, in radians.
 const TOLERANCE: f64 = 1e-9;
 
-/// Across which seams a texture runs on.
+/// Across which seams a texture keeps its directions.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Tiling {
@@ -24,7 +24,7 @@ pub struct Tiling {
     pub symmetry: Symmetry,
     /// How many seams there are: pieces without branches.
     pub seams: usize,
-    /// How many of them the texture does not run on across.
+    /// How many of them the texture does not keep them across.
     pub broken: usize,
     /// How far the rotation of any of the others is from one of the texture's, in radians: rounding.
     pub error: f64,

@@ -11,6 +11,7 @@
 use std::collections::VecDeque;
 use std::ops::Index;
 
+use geom::vector::norm;
 use geom::{
     CutMesh, EdgeData, FaceData, FaceId, HalfedgeData, HalfedgeId, Id, Interrupted, Mesh, Rows, Triangulation, Watch,
     minimum_spanning_forest,
@@ -268,7 +269,7 @@ impl Opened {
 
 /// A number of modulus 1 in the direction of `z`; 1 where `z` is 0.
 fn unit(z: Complex64) -> Complex64 {
-    let norm = z.norm();
+    let norm = norm([z.re, z.im]);
     if norm > 0.0 { z / norm } else { Complex64::ONE }
 }
 

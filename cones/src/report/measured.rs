@@ -45,7 +45,7 @@ impl MeasuredAtlas {
     /// as [`Preparation::weld`](crate::Preparation::weld) does.
     ///
     /// # Errors
-    /// If it has a coordinate that is not finite.
+    /// If it has a coordinate that is not finite, or is of a model with another number of corners.
     pub fn new(model: &Model, atlas: Atlas, size: UvSize, weld: Weld) -> Result<Self, DistortionError> {
         Self::new_watched(model, atlas, size, weld, Watch::NONE)
     }
@@ -61,6 +61,10 @@ impl MeasuredAtlas {
         weld: Weld,
         watch: Watch,
     ) -> Result<Self, DistortionError> {
+        if atlas.uv.len() != model.corner_count() {
+            let [triangles, uv] = [model.corner_count(), atlas.uv.len()].map(|corners| corners / 3);
+            return Err(DistortionError::Count { triangles, uv });
+        }
         let uv = atlas.uv_in(size);
         let triangles: Cow<[[u32; 3]]> = match atlas.left_out.is_empty() {
             true => Cow::Borrowed(&atlas.triangles.corners),
@@ -116,6 +120,11 @@ fn flaws(model: &Model, quality: &Quality, triangles: &[[u32; 3]], notes: &[Note
 }
 
 impl Atlas {
+    /// How many islands there are.
+    pub fn island_count(&self) -> usize {
+        self.islands.iter().flatten().max().map_or(0, |&last| last as usize + 1)
+    }
+
     /// The triangles that lie on a surface, as corners of the model.
     pub fn surface_triangles(&self) -> Vec<[u32; 3]> {
         self.on_surface().into_iter().map(|t| self.triangles.corners[t as usize]).collect()

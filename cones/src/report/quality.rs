@@ -60,10 +60,10 @@ impl Quality {
         cones: Option<&[u32]>,
         watch: Watch,
     ) -> Result<Self, DistortionError> {
-        let (map, (overlaps, fill)) = watch.within(0.0, 0.8).shared(|watch| {
+        let (map, (overlaps, (fill, tiles))) = watch.within(0.0, 0.8).shared(|watch| {
             rayon::join(
                 || distortion::measure_watched(points, triangles, uv, watch),
-                || (uv::overlaps_watched(uv, NEGLIGIBLE_DEPTH, |_| true, watch), uv::fill(uv)),
+                || (uv::overlaps_watched(uv, NEGLIGIBLE_DEPTH, |_| true, watch), uv::filled(uv)),
             )
         });
         let (map, overlaps) = (map?, overlaps?);
@@ -85,6 +85,7 @@ impl Quality {
                 degenerate: map.degenerate,
                 overlap,
                 fill,
+                tiles,
                 seam_length: map.seam_length,
                 curvature_error: map.curvature_error(&cones),
             },
@@ -135,6 +136,8 @@ pub struct DistortionReport {
     pub overlap: OverlapReport,
     /// The triangles' areas over that of the tiles they are on, or of the smallest square about them.
     pub fill: f64,
+    /// On how many tiles the map is, unit squares; nothing where it keeps to none.
+    pub tiles: Option<usize>,
     /// Relative to the square root of the surface's area.
     pub seam_length: f64,
     /// The largest curvature off the cones, in radians.

@@ -159,7 +159,7 @@ pub struct SeamReport {
     pub freed_parts: usize,
     /// By how much the lengths of both sides differ in the plane, over their mean, on average; 0 where seams are rigid.
     pub mismatch: f64,
-    /// Across how many of them a texture runs on; nothing where that was not asked for.
+    /// Across how many of them a texture keeps its directions; nothing where that was not asked for.
     pub tiling: Option<TilingReport>,
 }
 
@@ -178,7 +178,7 @@ impl SeamReport {
     }
 }
 
-/// Whether a texture runs on across seams.
+/// Whether a texture keeps its directions across seams.
 #[derive(Clone, Copy, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[non_exhaustive]
@@ -187,7 +187,7 @@ pub struct TilingReport {
     pub order: u32,
     /// How many pieces of seam there are.
     pub seams: usize,
-    /// Across how many it does not run on.
+    /// Across how many it does not.
     pub broken: usize,
     /// How far the others' rotations are from the texture's, in radians.
     pub error: f64,

@@ -82,7 +82,7 @@ impl Overlaps {
     }
 }
 
-/// The pairs of triangles of a map that overlap deeper than [`NEGLIGIBLE_DEPTH`].
+/// The pairs of triangles of a map that overlap deeper than [`NEGLIGIBLE_DEPTH`]. Triangles with coordinates that are not finite lie over nothing.
 ///
 /// ```
 /// let lower = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]];

@@ -41,6 +41,8 @@ pub struct Parted {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///
+/// Triangles with coordinates that are not finite lie over nothing.
+///
 /// # Errors
 /// If the model has no surface, or the work is stopped.
 ///

@@ -1,7 +1,7 @@
 //! The linear map of one triangle.
 
 use crate::parallel;
-use crate::vector::{cross, dot, length, sub};
+use crate::vector::{cross, dot, length, norm, sub};
 
 /// A triangle of the surface is degenerate below this share of the mean area.
 const LEAST_AREA: f64 = 1e-12;
@@ -34,8 +34,8 @@ impl Image {
         let right = d1.map(|d| d / base);
         let up = [0, 1].map(|k| (d2[k] - right[k] * x) / height);
         // A linear map is a similarity plus one that is turned over; their scales are the half sum and difference of σ.
-        let similar = 0.5 * (right[0] + up[1]).hypot(right[1] - up[0]);
-        let mirrored = 0.5 * (right[0] - up[1]).hypot(right[1] + up[0]);
+        let similar = 0.5 * norm([right[0] + up[1], right[1] - up[0]]);
+        let mirrored = 0.5 * norm([right[0] - up[1], right[1] + up[0]]);
         let (larger, smaller) = (similar + mirrored, (similar - mirrored).abs());
         Self {
             surface_area: 0.5 * twice_area,

@@ -20,6 +20,9 @@ pub struct Metric {
 
 impl Metric {
     /// A metric given by its lengths: finite and not negative.
+    ///
+    /// # Panics
+    /// With debug assertions, if one is not.
     pub fn new(length: EdgeData<f64>) -> Self {
         debug_assert!(length.iter().all(|l| l.is_finite() && *l >= 0.0));
         Self { length }

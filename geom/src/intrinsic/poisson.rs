@@ -4,6 +4,9 @@
 //! to zero (as Gauss–Bonnet makes curvatures do), and a solution is known up to a constant. With fixed vertices (a
 //! boundary, pinned cones) L is restricted to the others and solutions are 0 at the fixed ones.
 
+use std::fmt;
+
+use petgraph::unionfind::UnionFind;
 use thiserror::Error;
 
 use crate::linalg::{Cholesky, CholeskyError, SymmetricMatrix};
@@ -51,7 +54,6 @@ impl From<CholeskyError> for PoissonError {
 /// assert!((x[VertexId(0)] + x[VertexId(1)]).abs() < 1e-12);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-#[derive(Debug)]
 pub struct Poisson {
     cholesky: Cholesky,
     /// The vertex of each unknown.
@@ -61,12 +63,25 @@ pub struct Poisson {
     closed: bool,
 }
 
+/// Not its numbers, which are millions.
+impl fmt::Debug for Poisson {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        let Self { vertex_count, closed, .. } = self;
+        f.debug_struct("Poisson").field("vertex_count", vertex_count).field("closed", closed).finish_non_exhaustive()
+    }
+}
+
 impl Poisson {
-    /// Factors the Laplacian of a connected surface, with x = 0 at the fixed vertices (in any order, repeats allowed).
+    /// Factors the Laplacian of a connected surface, with x = 0 at the fixed vertices (in any order, repeats allowed). Of several pieces each needs
+    /// a fixed vertex.
     ///
     /// # Errors
-    /// If the matrix is not positive definite off the kernel, or memory does not suffice.
+    /// If the matrix is not positive definite off the kernel, as where a piece has no fixed vertex, or memory does not suffice.
+    ///
+    /// # Panics
+    /// If a fixed vertex is none of the surface's.
     pub fn new(laplacian: &SymmetricMatrix, fixed: &[VertexId]) -> Result<Self, PoissonError> {
+        check_pieces(laplacian, fixed)?;
         Self::new_watched(laplacian.clone(), fixed, None, Watch::NONE)
     }
 
@@ -83,10 +98,12 @@ impl Poisson {
         fixed: &[VertexId],
         points: &[[f64; 3]],
     ) -> Result<Self, PoissonError> {
+        check_pieces(laplacian, fixed)?;
         Self::new_watched(laplacian.clone(), fixed, Some(points), Watch::NONE)
     }
 
-    /// [`Poisson::with_points`] where there are points, else [`Poisson::new`]; watched, and without a copy of the Laplacian.
+    /// [`Poisson::with_points`] where there are points, else [`Poisson::new`]; watched, and without a copy of the Laplacian. Whether each piece of
+    /// the surface has a fixed vertex is not looked up: a pivot that should be 0 may be rounded to more.
     ///
     /// # Errors
     /// As [`Poisson::new`], and if it is stopped.
@@ -168,11 +185,11 @@ impl Poisson {
         Ok(Self { cholesky, ..self })
     }
 
-    /// Solves L x = b with x = 0 at the fixed vertices. On a closed surface b must sum to zero, and x is shifted to mean
-    /// zero over the vertices. One step of refinement is added where the residual asks for it.
+    /// Solves L x = b with x = 0 at the fixed vertices. Where none is fixed, with or without a boundary, b must sum to zero (what it sums to is put
+    /// at the last vertex), and x is shifted to mean zero over the vertices. One step of refinement is added where the residual asks for it.
     ///
     /// # Panics
-    /// If `b` is not as long as there are vertices.
+    /// If `b` is not as long as there are vertices; with debug assertions, if it does not sum to zero where it has to.
     pub fn solve(&self, b: &[f64]) -> VertexData<f64> {
         unwatched(self.solve_watched(b, Watch::NONE))
     }
@@ -264,13 +281,13 @@ impl Poisson {
         })
     }
 
-    /// On a closed surface, the vertex that was left out to make the Laplacian definite.
+    /// Where none is fixed, the vertex that was left out to make the Laplacian definite.
     pub fn grounded(&self) -> Option<VertexId> {
         (self.closed && self.vertex_count > 0).then(|| VertexId::new(self.vertex_count - 1))
     }
 
     /// For each given vertex the forward substitution of the solve that gives its Green's function `G e_v`, where G is the
-    /// inverse of the Laplacian that was factored: without the fixed vertices, and on a closed surface without the
+    /// inverse of the Laplacian that was factored: without the fixed vertices, and where there are none without the
     /// grounded one. At those G is 0.
     ///
     /// With the factor, L = C Cᵀ, this is `C⁻¹ e_v`, which is 0 but on the way from v to the root of the elimination tree:
@@ -286,7 +303,7 @@ impl Poisson {
 
     /// `G b` for right-hand sides b that are 0 but at the vertices given with their values: for a single vertex its
     /// Green's function. Little more than half as expensive as [`solve_many`](Self::solve_many), since the forward
-    /// substitution is sparse, as in [`solve_forward`](Self::solve_forward). Values at fixed vertices do not count; on a closed surface the
+    /// substitution is sparse, as in [`solve_forward`](Self::solve_forward). Values at fixed vertices do not count; where none is fixed the
     /// grounded vertex takes what is missing from a sum of zero, and has the solution 0.
     pub fn solve_sparse(&self, right_hand_sides: &[Vec<(VertexId, f64)>]) -> Vec<VertexData<f64>> {
         unwatched(self.solve_sparse_watched(right_hand_sides, Watch::NONE))
@@ -331,7 +348,7 @@ impl Poisson {
         assert_eq!(b.len(), self.vertex_count, "a right-hand side has one value a vertex");
         debug_assert!(
             !self.closed || b.iter().sum::<f64>().abs() <= 1e-8 * (1.0 + b.iter().map(|b| b.abs()).sum::<f64>()),
-            "on a closed surface the right-hand side sums to zero"
+            "where no vertex is fixed the right-hand side sums to zero"
         );
     }
 
@@ -394,10 +411,50 @@ fn restrict(matrix: SymmetricMatrix, unknown: &[VertexId]) -> SymmetricMatrix {
     matrix.into_restricted(unknown.iter().map(|v| v.index()))
 }
 
+/// Refuses a surface of which a piece has no fixed vertex: nothing determines a solution there. O(stored entries).
+fn check_pieces(laplacian: &SymmetricMatrix, fixed: &[VertexId]) -> Result<(), PoissonError> {
+    let count = laplacian.dimension();
+    let mut pieces = UnionFind::<u32>::new(count);
+    for column in 0..count {
+        for (row, value) in laplacian.column(column) {
+            if row != column && value != 0.0 {
+                pieces.union(column as u32, row as u32);
+            }
+        }
+    }
+    let mut is_held = vec![false; count];
+    fixed.iter().for_each(|v| is_held[pieces.find_mut(v.0) as usize] = true);
+    if fixed.is_empty() && count > 0 {
+        is_held[pieces.find_mut(0) as usize] = true;
+    }
+    let is_free = (0..count as u32).any(|v| !is_held[pieces.find_mut(v) as usize]);
+    if is_free { Err(PoissonError::NotPositiveDefinite) } else { Ok(()) }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Metric, laplacian, shapes};
+
+    #[test]
+    fn each_piece_of_a_surface_needs_a_fixed_vertex() {
+        for shape in [shapes::sphere(60), shapes::disk(200), shapes::hare(300), shapes::torus(1, 400)] {
+            let count = shape.points.len() as u32;
+            let second = shape.triangles.iter().map(|t| t.map(|v| v + count));
+            let both: Vec<[u32; 3]> = shape.triangles.iter().copied().chain(second).collect();
+            let mesh = Mesh::new(2 * count as usize, &both).unwrap();
+            let points = [&shape.points[..], &shape.points].concat();
+            let laplacian = laplacian(&mesh, &Metric::from_points(&mesh, &points));
+            let [one, other] = [VertexId(3), VertexId(count + 5)];
+            for fixed in [&[][..], &[one], &[other, other]] {
+                let refused = Poisson::new(&laplacian, fixed).map(|_| ());
+                assert_eq!(refused, Err(PoissonError::NotPositiveDefinite));
+                let refused = Poisson::with_points(&laplacian, fixed, &points).map(|_| ());
+                assert_eq!(refused, Err(PoissonError::NotPositiveDefinite));
+            }
+            assert!(Poisson::new(&laplacian, &[one, other]).is_ok());
+        }
+    }
+    use crate::{Mesh, Metric, laplacian, shapes};
 
     #[test]
     fn forward_and_backward_substitution_make_up_a_solve() {

@@ -20,10 +20,12 @@ mod placement;
 use std::collections::HashMap;
 use std::path::Path;
 
+use serde_json::Value;
+
 use super::colour::to_srgb;
 use super::error::{Fault, Place};
 use super::joined::Joined;
-use super::write_glb::GENERATOR;
+use super::write_glb::{GENERATOR, is_plain};
 use crate::surface::{
     Attribute, AttributeDomain, Attributes, Meaning, Model, Polygons, ScalarType, Skipped, TextureCoordinates,
 };
@@ -236,6 +238,7 @@ impl Draft {
         let attributes = Attributes {
             tables,
             materials: material_names(document),
+            looks: looks(document),
             face_material,
             left: left(document, &self.left),
             ..Attributes::default()
@@ -289,10 +292,21 @@ fn empty(name: &str, accessor: &Accessor) -> Attribute {
     }
 }
 
-/// The names of materials. One without a name that is the only one is no material worth a name.
+/// What is known of the looks of materials. What we put on a map to look at it is none.
+fn looks(document: &Document) -> Vec<String> {
+    let is_ours = document.asset.generator.as_deref() == Some(GENERATOR);
+    let look = |material: &document::Material| {
+        let look = material.without_textures();
+        let is_plain = is_ours && is_plain(&look);
+        if look.is_empty() || is_plain { String::new() } else { Value::Object(look).to_string() }
+    };
+    document.materials.iter().map(look).collect()
+}
+
+/// The names of materials. One without name and look that is the only one is no material worth a name.
 fn material_names(document: &Document) -> Vec<String> {
     let materials = &document.materials;
-    if materials.len() == 1 && materials[0].name.is_none() {
+    if materials.len() == 1 && materials[0].name.is_none() && looks(document)[0].is_empty() {
         return Vec::new();
     }
     let name =
@@ -312,6 +326,7 @@ fn left(document: &Document, seen: &[&str]) -> Vec<String> {
         ("animations", !document.animations.is_empty()),
         ("cameras", !document.cameras.is_empty()),
         ("textures", !document.images.is_empty() && !is_ours),
+        ("nodes", document.nodes.iter().filter(|node| node.mesh.is_some()).count() > 1 && !is_ours),
     ];
     kinds.into_iter().filter(|(name, there)| *there || seen.contains(name)).map(|(name, _)| name.to_owned()).collect()
 }

@@ -36,7 +36,7 @@ impl fmt::Display for MeshFormat {
     }
 }
 
-/// What of a model a format does not hold. Printed, it is one line: `not kept, as GLB has no place for it: groups, label of faces`.
+/// What of a model a format does not hold. Printed, it is one line: `not kept in GLB: groups, label of faces`.
 #[derive(Debug, Clone, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct NotKept {
@@ -48,7 +48,7 @@ pub struct NotKept {
 
 impl fmt::Display for NotKept {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "not kept, as {} has no place for it: {}", self.format, self.what.join(", "))
+        write!(f, "not kept in {}: {}", self.format, self.what.join(", "))
     }
 }
 
@@ -61,7 +61,7 @@ impl fmt::Display for NotKept {
 /// let model = read_bytes(b"v 0 0 0\nv 1 0 0\nv 0 1 0\ng left\nf 1 2 3\n".to_vec(), "a.obj")?;
 /// assert_eq!(not_kept(&model, MeshFormat::Obj), None);
 /// let lost = not_kept(&model, MeshFormat::Ply).expect("PLY has no groups");
-/// assert_eq!(lost.to_string(), "not kept, as PLY has no place for it: groups");
+/// assert_eq!(lost.to_string(), "not kept in PLY: groups");
 /// # Ok::<(), geom::io::ReadError>(())
 /// ```
 pub fn not_kept(model: &Model, format: MeshFormat) -> Option<NotKept> {
@@ -73,6 +73,9 @@ pub fn not_kept(model: &Model, format: MeshFormat) -> Option<NotKept> {
     if format == MeshFormat::Ply && attributes.face_material.iter().any(|&m| (m as usize) < attributes.materials.len())
     {
         what.push(format!("materials ({})", attributes.materials.join(", ")));
+    }
+    if format != MeshFormat::Glb && (0..model.face_count()).any(|face| attributes.look(face).is_some()) {
+        what.push("looks of materials".to_owned());
     }
     if format != MeshFormat::Ply {
         what.extend(attributes.tables.iter().filter(|table| !is_kept(attributes, table, format)).map(name));
@@ -98,7 +101,7 @@ fn name(table: &Attribute) -> String {
     match table.domain() {
         AttributeDomain::Faces => format!("{} of faces", table.meaning()),
         AttributeDomain::Corners if *table.meaning() == Meaning::Colour => {
-            "more than one colour at a vertex".to_owned()
+            "colours that some corners of a vertex have and others have not".to_owned()
         }
         AttributeDomain::Vertices | AttributeDomain::Corners => table.meaning().to_string(),
     }

@@ -25,7 +25,7 @@ use crate::vector::normal;
 pub(super) const GENERATOR: &str = "cones";
 
 /// Writes a model's triangles as `.glb`, with a texture coordinate for each corner and with these a PNG as the texture, for the map to be
-/// looked at: [`read_bytes`](super::read_bytes) passes over it without a word.
+/// looked at, of what has no material with a [look](crate::Attributes::looks) of its own: [`read_bytes`](super::read_bytes) passes over it without a word.
 ///
 /// # Errors
 /// When texture coordinates or triangles do not fit the model, when it is larger than 4 GB, or when writing fails.
@@ -45,11 +45,12 @@ pub fn write_glb(
     let mut binary = Binary::default();
     let content = Content { model, uv, tables, frame: &frame };
     let parts = parts(model, &wedges, triangles);
-    let materials: Vec<Option<&str>> = parts.iter().map(|part| part.material).collect();
+    let materials: Vec<(Option<&str>, Option<&str>)> = parts.iter().map(|part| (part.material, part.look)).collect();
     let primitives = parts.into_iter().enumerate().map(|(k, part)| content.primitive(k, part, &wedges, &mut binary));
     let primitives: Vec<Value> = primitives.collect();
-    let image = texture.filter(|_| uv.is_some()).map(|texture| binary.view(None, texture.iter().copied()));
-    let materials: Vec<Value> = materials.iter().map(|name| material(*name, image.is_some())).collect();
+    let texture = texture.filter(|_| uv.is_some() && materials.iter().any(|(_, look)| look.is_none()));
+    let image = texture.map(|texture| binary.view(None, texture.iter().copied()));
+    let materials: Vec<Value> = materials.iter().map(|(name, look)| material(*name, *look, image.is_some())).collect();
     let json = document(&frame, &binary, primitives, materials, image);
     write_chunks(json.to_string().into_bytes(), binary.bytes, &mut out)
 }
@@ -254,6 +255,7 @@ fn colour(table: &Attribute, row: Option<usize>) -> [f32; 4] {
 /// The triangles of one material.
 struct Part<'a> {
     material: Option<&'a str>,
+    look: Option<&'a str>,
     /// Their wedges.
     indices: Vec<u32>,
 }
@@ -265,7 +267,8 @@ fn parts<'a>(model: &'a Model, wedges: &Wedges, triangles: &Triangles) -> Vec<Pa
     for (corners, &face) in triangles.corners.iter().zip(&triangles.face_of) {
         let material = model.attributes().material(face as usize);
         let k = *number.entry(material).or_insert_with(|| {
-            parts.push(Part { material, indices: Vec::new() });
+            let look = model.attributes().look(face as usize);
+            parts.push(Part { material, look, indices: Vec::new() });
             parts.len() - 1
         });
         parts[k].indices.extend(corners.map(|corner| wedges.of_corner[corner as usize]));
@@ -273,13 +276,26 @@ fn parts<'a>(model: &'a Model, wedges: &Wedges, triangles: &Triangles) -> Vec<Pa
     parts
 }
 
-/// A material, with the texture as its colour if there is one.
-fn material(name: Option<&str>, has_texture: bool) -> Value {
-    let mut look = json!({"metallicFactor": 0, "roughnessFactor": 0.8});
-    if has_texture {
-        look["baseColorTexture"] = json!({"index": 0});
-    }
-    let mut material = json!({"doubleSided": true, "pbrMetallicRoughness": look});
+/// The look of a material of ours.
+fn plain() -> Value {
+    json!({"doubleSided": true, "pbrMetallicRoughness": {"metallicFactor": 0, "roughnessFactor": 0.8}})
+}
+
+/// Whether a look is that of a material of ours.
+pub(super) fn is_plain(look: &Map<String, Value>) -> bool {
+    plain().as_object() == Some(look)
+}
+
+/// A material with its own look, or with the texture as its colour if there is one.
+fn material(name: Option<&str>, look: Option<&str>, has_texture: bool) -> Value {
+    let own: Option<Value> = look.and_then(|look| serde_json::from_str(look).ok()).filter(Value::is_object);
+    let mut material = own.unwrap_or_else(|| {
+        let mut material = plain();
+        if has_texture {
+            material["pbrMetallicRoughness"]["baseColorTexture"] = json!({"index": 0});
+        }
+        material
+    });
     if let Some(name) = name {
         material["name"] = name.into();
     }

@@ -33,6 +33,8 @@ pub struct ObjContent<'a> {
     pub triangles: Option<&'a Triangles>,
     /// A material for all faces: what the text already has of materials is left out.
     pub material: Option<Material<'a>>,
+    /// The way from the new file's folder to that of the old one, with `/` at its end, for the names of the material libraries that the text names.
+    pub libraries: Option<&'a str>,
 }
 
 /// A material of a `.mtl` file.
@@ -180,6 +182,12 @@ impl Job<'_> {
                 copy.at = text.len();
                 is_dropped = true;
             }
+            if let Some(way) = self.content.libraries.filter(|_| !is_dropped)
+                && line.words().next() == Some(b"mtllib")
+            {
+                self.faces(&mut faces, addition, &mut copy)?;
+                copy.libraries(&line, way)?;
+            }
             if line.words().next().is_some_and(is_face) {
                 if face == 0 {
                     copy.until(line.start)?;
@@ -298,6 +306,21 @@ impl<W: Write> Copy<'_, W> {
         self.at = end;
         Ok(())
     }
+
+    /// Copies up to the last name of material libraries on a line, with the way to them. Names may have spaces: one ends with its ending.
+    fn libraries(&mut self, line: &Line, way: &str) -> io::Result<()> {
+        let mut is_first = true;
+        for word in corner_words(line) {
+            let name = &self.text[word.clone()];
+            let is_absolute = name.starts_with(b"/") || name.starts_with(b"\\") || name.get(1) == Some(&b':');
+            let ends = name.to_ascii_lowercase().ends_with(b".mtl");
+            if std::mem::replace(&mut is_first, ends) && !is_absolute {
+                self.until(word.start)?;
+                self.out.write_all(way.as_bytes())?;
+            }
+        }
+        Ok(())
+    }
 }
 
 /// What a text, or a block of it, says of texture coordinates.
@@ -388,6 +411,23 @@ fn line_end_of(text: &[u8]) -> &'static str {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn material_libraries_are_named_from_the_new_folder_on() {
+        let text = "mtllib a.mtl my b.MTL\nv 0 0 0\nv 1 0 0\nv 0 1 0\nmtllib /c.mtl # d.mtl\nf 1 2 3\nmtllib\te.mtl\nf 3 2 1\n";
+        let model = crate::io::read_bytes(text.into(), "a.obj").unwrap();
+        let written = |content: &ObjContent| {
+            let mut out = Vec::new();
+            write_obj(&model, content, &mut out).unwrap();
+            String::from_utf8(out).unwrap()
+        };
+        let content = ObjContent { libraries: Some("../in/"), ..ObjContent::default() };
+        let named = text.replace("a.mtl my b", "../in/a.mtl ../in/my b").replace("\te.mtl", "\t../in/e.mtl");
+        assert_eq!(written(&content), named);
+        assert_eq!(written(&ObjContent::default()), text);
+        let material = Some(Material { library: "own.mtl", name: "own" });
+        assert!(!written(&ObjContent { material, ..content }).contains("../in/"));
+    }
 
     #[test]
     fn of_two_errors_that_of_the_texture_coordinates_is_told() {

@@ -4,6 +4,7 @@
 //! `factorization`); what is kept of them for another matrix of the same pattern, or of nearly the same, is kept.
 
 use std::collections::BTreeSet;
+use std::fmt;
 use std::ops::Range;
 use std::sync::{Mutex, PoisonError};
 
@@ -57,7 +58,6 @@ fn minimum_degree(matrix: &SymmetricMatrix) -> Result<Vec<u32>, CholeskyError> {
 /// assert!((matrix.multiply(&x)[0] - 3.0).abs() < 1e-14);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-#[derive(Debug)]
 pub struct Cholesky {
     matrix: SymmetricMatrix,
     elimination: Elimination,
@@ -66,6 +66,14 @@ pub struct Cholesky {
     values: Vec<f64>,
     /// How one right-hand side is solved for on several threads.
     parted: Option<Parted>,
+}
+
+/// Not its numbers, which are millions.
+impl fmt::Debug for Cholesky {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        let (dimension, entries) = (self.matrix.dimension(), self.factor_len());
+        f.debug_struct("Cholesky").field("dimension", &dimension).field("factor_len", &entries).finish_non_exhaustive()
+    }
 }
 
 impl Cholesky {

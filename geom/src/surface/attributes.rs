@@ -334,6 +334,8 @@ pub struct Attributes {
     pub tables: Vec<Attribute>,
     /// The names of materials.
     pub materials: Vec<String>,
+    /// What a glTF says of their looks, in its JSON and without textures; empty where it says nothing, or another format was read.
+    pub looks: Vec<String>,
     /// The material of each face, an index into `materials`, if any has one; what is out of range is none.
     pub face_material: Vec<u32>,
     /// Comments, of a PLY, each with its keyword.
@@ -358,6 +360,12 @@ impl Attributes {
     /// The name of a face's material.
     pub fn material(&self, face: usize) -> Option<&str> {
         self.materials.get(*self.face_material.get(face)? as usize).map(String::as_str)
+    }
+
+    /// What is known of the look of a face's material, in glTF's JSON.
+    pub fn look(&self, face: usize) -> Option<&str> {
+        let look = self.looks.get(*self.face_material.get(face)? as usize)?;
+        (!look.is_empty()).then_some(look)
     }
 
     /// Leaves out tables whose rows are not as many as they should be.

@@ -83,6 +83,14 @@ pub enum ModelError {
         /// How many it has.
         largest: usize,
     },
+    /// Texture coordinates are one for each corner.
+    #[error("there are {found} texture coordinates for {corners} corners of faces")]
+    TextureCount {
+        /// How many texture coordinates there are.
+        found: usize,
+        /// How many corners there are.
+        corners: usize,
+    },
     /// Indices are 32 bits wide.
     #[error("there are {count} {what}, more than 32-bit indices can count")]
     TooMany {
@@ -273,6 +281,31 @@ impl Model {
 /// Equal for equal points; adding 0 makes -0 positive.
 pub(super) fn place_key(p: &[f64; 3]) -> [u64; 3] {
     p.map(|x| (x + 0.0).to_bits())
+}
+
+impl Model {
+    /// The same model with a texture coordinate for each corner, in place of those of its file.
+    ///
+    /// ```
+    /// let square = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
+    /// let model = geom::Model::from_triangles(square, &[[0, 1, 2], [0, 2, 3]])?;
+    /// let [a, b, c, d] = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
+    /// let moved = [a, c, d].map(|[u, v]| [u + 2.0, v]);
+    /// let model = model.with_texture([[a, b, c], moved].concat())?;
+    /// assert_eq!(geom::texture_seams(&model, geom::Weld::Never), [[0, 2]]);
+    /// # Ok::<(), geom::ModelError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// If there are more or fewer than corners.
+    pub fn with_texture(mut self, uv: Vec<[f64; 2]>) -> Result<Self, ModelError> {
+        let (found, corners) = (uv.len(), self.corners.len());
+        if found != corners {
+            return Err(ModelError::TextureCount { found, corners });
+        }
+        self.uv = Some(TextureCoordinates { points: uv, corners: (0..corners as u32).collect() });
+        Ok(self)
+    }
 }
 
 #[cfg(feature = "files")]

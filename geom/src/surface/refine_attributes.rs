@@ -31,6 +31,7 @@ pub fn refine_attributes(model: &Model, refined: &Model, added: &[[(u32, f64); 3
         tables: attributes.tables.iter().map(table).collect(),
         face_material: if is_there { face.iter().map(material).collect() } else { Vec::new() },
         materials: attributes.materials.clone(),
+        looks: attributes.looks.clone(),
         comments: attributes.comments.clone(),
         listings: attributes.listings.clone(),
         left: attributes.left.clone(),

@@ -10,16 +10,20 @@ type Side = [u32; 2];
 
 /// The edges of a model whose two polygons have different texture coordinates there, by their vertices in ascending order.
 /// Coordinates are compared as points, so that one that is written twice is no seam. Where `weld` takes
-/// vertices for one, an edge is named as its first polygon names it. Edges that have not just two polygons are
-/// left aside, and so are those where a corner has no coordinate at all. O(F).
+/// vertices for one, an edge is named as its first polygon names it. Where just one of its polygons has coordinates the map ends, which is a seam, too.
+/// Edges that have not just two polygons are left aside. O(F).
 ///
 /// ```
 /// # #[cfg(feature = "files")]
 /// # {
-/// let square = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nvt 5 5\n\
-///               f 1/1 2/2 3/3\nf 1/5 3/3 4/4\n";
-/// let model = geom::io::read_bytes(square.into(), "square.obj")?;
-/// assert_eq!(geom::texture_seams(&model, geom::Weld::Never), [[0, 2]]);
+/// let square = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nvt 5 5\n";
+/// let seams = |faces: &str| {
+///     let model = geom::io::read_bytes([square, faces].concat().into(), "square.obj")?;
+///     Ok::<_, geom::Error>(geom::texture_seams(&model, geom::Weld::Never))
+/// };
+/// assert_eq!(seams("f 1/1 2/2 3/3\nf 1/5 3/3 4/4\n")?, [[0, 2]]);
+/// assert_eq!(seams("f 1/1 2/2 3/3\nf 1 3 4\n")?, [[0, 2]]);
+/// assert!(seams("f 1/1 2/2 3/3\nf 1/1 3/3 4/4\n")?.is_empty());
 /// # }
 /// # Ok::<(), geom::Error>(())
 /// ```
@@ -49,9 +53,7 @@ pub fn texture_seams(model: &Model, weld: Weld) -> Vec<[u32; 2]> {
         if ends(one)[0] != ends(other)[0] {
             other.reverse();
         }
-        one.into_iter()
-            .zip(other)
-            .any(|(a, b)| matches!([uv.corner(a as usize), uv.corner(b as usize)], [Some(a), Some(b)] if a != b))
+        one.into_iter().zip(other).any(|(a, b)| uv.corner(a as usize) != uv.corner(b as usize))
     };
     let named = |[one, _]: [Side; 2]| {
         let mut ends = one.map(|corner| model.corners()[corner as usize]);
@@ -83,7 +85,7 @@ mod tests {
             "the same point twice"
         );
         assert_eq!(seams("f 1/1 2/2 3/3 4/4\nf 2/4 7/1 8/1 3/3\n", Weld::Never), [[1, 2]]);
-        assert_eq!(seams("f 1 2 3 4\nf 2/4 7/1 8/1 3/3\n", Weld::Never), [[0u32; 2]; 0], "one side has none");
+        assert_eq!(seams("f 1 2 3 4\nf 2/4 7/1 8/1 3/3\n", Weld::Never), [[1, 2]], "the map ends");
         assert_eq!(seams("f 1 2 3 4\nf 2 7 8 3\n", Weld::Never), [[0u32; 2]; 0]);
     }
 

@@ -35,7 +35,7 @@ impl Islands {
     pub fn new(mesh: &Mesh, cut: &EdgeData<bool>) -> Self {
         let across = |h: HalfedgeId| mesh.twin(h).filter(|_| !cut[mesh.edge(h)]);
         let ((of_face, count), boundary_loops) =
-            parallel::join(|| numbered(mesh, across, RUN), || boundary_loops(mesh, across));
+            parallel::join(|| numbered(mesh, cut, RUN), || boundary_loops(mesh, across));
         Self { of_face, count, boundary_loops }
     }
 
@@ -76,14 +76,9 @@ pub fn open_vertices(mesh: &Mesh, cut: &EdgeData<bool>) -> VertexData<bool> {
     is_open
 }
 
-/// For each triangle the number of its island, and how many there are; `across` leads over edges that are not cut. Triangles are labelled in runs
-/// of so many.
-fn numbered(
-    mesh: &Mesh,
-    across: impl Fn(HalfedgeId) -> Option<HalfedgeId> + Sync,
-    run: usize,
-) -> (FaceData<u32>, usize) {
-    let runs = parallel::of_runs(mesh.face_count(), run, |run| Labels::new(mesh, run, &across));
+/// For each triangle the number of its island, and how many there are. Triangles are labelled in runs of so many.
+fn numbered(mesh: &Mesh, cut: &EdgeData<bool>, run: usize) -> (FaceData<u32>, usize) {
+    let runs = parallel::of_runs(mesh.face_count(), run, |run| Labels::new(mesh, cut, run));
     let mut same: Vec<u32> = Vec::new();
     let mut first = Vec::with_capacity(runs.len());
     for labels in &runs {
@@ -118,18 +113,24 @@ struct Labels {
 }
 
 impl Labels {
-    fn new(mesh: &Mesh, run: Range<usize>, across: impl Fn(HalfedgeId) -> Option<HalfedgeId>) -> Self {
+    fn new(mesh: &Mesh, cut: &EdgeData<bool>, run: Range<usize>) -> Self {
         let mut labels = Self { of_face: Vec::with_capacity(run.len()), same: Vec::new(), beside: Vec::new() };
         let mut outside = Vec::new();
         for f in run.clone().map(FaceId::new) {
             let mut own = None;
-            for g in mesh.sides(f).into_iter().filter_map(&across).map(|h| mesh.face(h)).filter(|&g| g < f) {
+            for h in mesh.sides(f) {
+                let Some(g) = mesh.twin(h).map(|twin| mesh.face(twin)).filter(|&g| g < f && !cut[mesh.edge(h)]) else {
+                    continue;
+                };
                 if g.index() < run.start {
                     outside.push(g);
                     continue;
                 }
-                let other = labels.of_face[g.index() - run.start];
-                own = Some(join(&mut labels.same, own.unwrap_or(other), other));
+                let other = least(&mut labels.same, labels.of_face[g.index() - run.start]);
+                own = Some(match own {
+                    Some(own) if own != other => join(&mut labels.same, own, other),
+                    _ => other,
+                });
             }
             let own = own.unwrap_or_else(|| {
                 labels.same.push(labels.same.len() as u32);
@@ -199,8 +200,8 @@ mod tests {
                 // With the marks one after the other, over and over, most edges are cut or few.
                 let cut: EdgeData<bool> = mesh.edges().map(|e| marks.get(e.index() % marks.len().max(1)) == Some(&true)).collect();
                 let across = |h: HalfedgeId| mesh.twin(h).filter(|_| !cut[mesh.edge(h)]);
-                let (in_one, count) = numbered(&mesh, across, mesh.face_count());
-                prop_assert_eq!(numbered(&mesh, across, run), (in_one.clone(), count));
+                let (in_one, count) = numbered(&mesh, &cut, mesh.face_count());
+                prop_assert_eq!(numbered(&mesh, &cut, run), (in_one.clone(), count));
                 // Each island is reached from its lowest triangle, and these ascend.
                 let mut flooded = FaceData::constant(mesh.face_count(), u32::MAX);
                 let mut seeds = 0;

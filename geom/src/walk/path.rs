@@ -49,7 +49,7 @@ pub struct ShortestPaths {
 
 impl ShortestPaths {
     /// Shortest paths from sources, each with the number of its owner; several sources may have the same owner, and
-    /// a vertex named twice is its first owner's. O(V log V), and memory for each edge twice.
+    /// a vertex named twice is its first owner's. A length that is negative or NaN counts as 0. O(V log V), and memory for each edge twice.
     ///
     /// # Panics
     /// If there is an edge without a length, or a source is no vertex of the mesh.

@@ -219,7 +219,7 @@ impl<'f, V: Copy, S: Scalar> MergeTree<'f, V, S> {
     }
 
     /// The basins of all leaves that are more persistent than a threshold, as [`segmentation`](fn@crate::segmentation)
-    /// finds them. O(vertices).
+    /// finds them; with NaN as with one that none is above. O(vertices).
     pub fn segmentation(&self, threshold: S::Width) -> Segmentation<V> {
         self.basins_of(&self.longer(threshold))
     }
@@ -259,7 +259,7 @@ impl<'f, V: Copy, S: Scalar> MergeTree<'f, V, S> {
     }
 
     /// The tree without branches that live no longer than a threshold: that of the field with their basins filled up
-    /// (or, for maxima, cut off) to the saddle. O(vertices).
+    /// (or, for maxima, cut off) to the saddle; with NaN only what never dies is left. O(vertices).
     #[must_use = "the tree itself is left as it is"]
     pub fn simplify(&self, threshold: S::Width) -> MergeTree<'static, V, S> {
         self.pruned(&self.longer(threshold))

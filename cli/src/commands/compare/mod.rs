@@ -68,9 +68,12 @@ pub(crate) fn run(args: &CompareArgs) -> Result<(), CommandError> {
     let inputs: Vec<&Path> = args.meshes.iter().map(|path| &**path).collect();
     output::check(&inputs, args.output.as_deref().as_slice())?;
     let mut comparison = Comparison { rounds: args.best_of, rows: Vec::new(), files: Vec::new(), claims: Vec::new() };
-    match &args.paper {
-        Some(folder) => comparison.run_paper(folder)?,
+    let failed = match &args.paper {
+        Some(folder) => comparison.run_paper(folder).map(|()| 0)?,
         None => comparison.run_meshes(args)?,
+    };
+    if comparison.rows.is_empty() && failed > 0 {
+        return Err(CommandError::SomeNotCompared { failed, count: args.meshes.len() });
     }
     let written = match args.format() {
         Format::Text => plain::text(&comparison),
@@ -85,14 +88,16 @@ pub(crate) fn run(args: &CompareArgs) -> Result<(), CommandError> {
         Some(path) => {
             let mut files = Files::new();
             files.write_text(path, &written)?;
-            files.finish()
+            files.finish()?;
         }
-        None => output::print(&written),
+        None => output::print(&written)?,
     }
+    if failed > 0 { Err(CommandError::SomeNotCompared { failed, count: args.meshes.len() }) } else { Ok(()) }
 }
 
 impl Comparison {
-    fn run_meshes(&mut self, args: &CompareArgs) -> Result<(), CommandError> {
+    /// Runs methods on the meshes that are asked for; how many of these cannot be read, of which it is said why.
+    fn run_meshes(&mut self, args: &CompareArgs) -> Result<usize, CommandError> {
         let variants = args.variants();
         let entries: Vec<Entry> =
             args.counts.iter().flat_map(|&n| variants.iter().map(move |&variant| (n, variant, None))).collect();
@@ -103,11 +108,19 @@ impl Comparison {
                 );
             }
         }
+        let mut failed = 0;
         for path in &args.meshes {
-            let (model, _) = input::read_model(path)?;
-            self.rows.extend(self.compete(&PreparedModel::new(path.display().to_string(), model)?, &entries));
+            let subject = input::read_model(path).map_err(CommandError::from);
+            match subject.and_then(|(model, _)| PreparedModel::new(path.display().to_string(), model)) {
+                Ok(subject) => self.rows.extend(self.compete(&subject, &entries)),
+                Err(error) if args.meshes.len() == 1 => return Err(error),
+                Err(error) => {
+                    output::explain(&error);
+                    failed += 1;
+                }
+            }
         }
-        Ok(())
+        Ok(failed)
     }
 
     /// Table 1 of the paper.

@@ -60,7 +60,8 @@ pub(super) fn legend(comparison: &Comparison) -> String {
     let line = |column: &&Column| format!("- {}: {}\n", column.head, column.meaning);
     let lines: String = columns(comparison).iter().map(line).collect();
     format!(
-        "{lines}- times: one thread, the least of {} rounds, each of which runs every method once\n",
+        "{lines}- maps: seams rigid, as cones unwrap has them with --free-seams never\n\
+         - times: one thread, the least of {} rounds, each of which runs every method once\n",
         comparison.rounds
     )
 }

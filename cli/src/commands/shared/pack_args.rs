@@ -1,14 +1,16 @@
 //! The options of packing islands.
 
 use super::numbers::{non_negative, positive, whole};
+use crate::output;
 use clap::error::ErrorKind;
 use clap::{Args, ValueEnum};
+use cones::Note;
 use cones::uv::{PackOptions, Rotations, Tiles};
 
 /// How islands are packed.
 #[derive(Args, Debug)]
 pub(crate) struct PackArgs {
-    /// How many texels islands keep from each other, and half as many from the border
+    /// How many texels islands keep from each other, and half as many from the border: what is between two sides of one island is as wide as it is
     #[arg(long, value_name = "TEXELS", value_parser = non_negative, allow_negative_numbers = true, default_value_t = PackOptions::default().margin)]
     margin: f64,
     /// The side of the texture in texels
@@ -20,7 +22,7 @@ pub(crate) struct PackArgs {
     /// Put islands of a given size on as many tiles as they need, 1001 and on
     #[arg(long, requires = "texel_density")]
     udim: bool,
-    /// Texels for each unit of length on the surface, for --udim
+    /// Texels for each unit of length on the surface, on average over all islands, for --udim
     #[arg(long, value_name = "D", value_parser = positive, allow_negative_numbers = true, requires = "udim")]
     texel_density: Option<f64>,
 }
@@ -40,6 +42,13 @@ impl PackArgs {
     pub(crate) fn check(&self) {
         if let Err(error) = self.options(1.0).check() {
             clap::Error::raw(ErrorKind::ValueValidation, format!("{error}\n")).exit()
+        }
+    }
+
+    /// Says where islands are nearer to each other than was asked for.
+    pub(crate) fn warn_of_margin(&self, kept: f64) {
+        if let Some(note) = Note::of_margin(self.margin, kept) {
+            output::warn(&note.to_string());
         }
     }
 

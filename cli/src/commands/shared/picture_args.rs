@@ -11,7 +11,7 @@ const LEAST_PIXELS: usize = 64;
 /// From where a picture is taken, and how large it is.
 #[derive(Args, Clone, Copy, Debug)]
 pub(crate) struct ShotArgs {
-    /// From where the picture looks: front, right, back, left, above, below, or degrees AZIMUTH,ELEVATION to the right of the front and
+    /// From where the picture looks: front, right, back, left, above (top), below (bottom), or degrees AZIMUTH,ELEVATION to the right of the front and
     /// above the horizon [default: the corner from which most cones are seen]
     #[arg(long, value_name = "VIEW", value_parser = View::parse, allow_hyphen_values = true, requires = "picture")]
     view: Option<View>,

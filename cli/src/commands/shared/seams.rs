@@ -9,7 +9,7 @@ use cones::{FreeSeams, Limbs, Options, SeamOptions, Symmetry};
 use geom::{Model, texture_seams};
 use std::path::{Path, PathBuf};
 
-/// Where seams run, and what is to run on across them.
+/// Where seams run, and what is to go on across them.
 #[derive(Args, Debug)]
 pub(crate) struct SeamArgs {
     /// How much seams may lengthen to run straight, along sharp edges and in hidden places: 0 (shortest) to 1
@@ -24,7 +24,7 @@ pub(crate) struct SeamArgs {
     /// Edges not to cut if there is another way: a file as for --seams
     #[arg(long, value_name = "FILE")]
     avoid: Option<PathBuf>,
-    /// Round cones for a texture that looks the same after 1/4 or 1/6 of a turn, so that it runs on across seams
+    /// Round cones for a texture that looks the same after 1/4 or 1/6 of a turn, so that it keeps its directions across seams
     #[arg(long, value_name = "4|6")]
     quantize: Option<SymmetryName>,
     /// Cut off thin limbs at their necks where no affordable number of cones keeps lengths

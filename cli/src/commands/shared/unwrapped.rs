@@ -10,7 +10,7 @@ use crate::render::{Mark, Paint, Scene};
 use crate::report::{Times, UnwrapReport};
 use clap::ValueEnum;
 use cones::report::{MeasuredAtlas, UvSize};
-use cones::{Analysis, Islands, MOST_NEEDLES, Note, Options, RefinedModel};
+use cones::{Analysis, Handles, Islands, MOST_NEEDLES, Note, Options, RefinedModel};
 use geom::io::{refine_obj, triangulated};
 use geom::{Model, refine_attributes};
 use std::path::Path;
@@ -95,6 +95,16 @@ impl Unwrapped {
         Ok(if pairs(&other) < pairs(&self) { other } else { self })
     }
 
+    /// Notes that an order of cones for any number of them is for another surface, where handles were opened for just this number.
+    pub(crate) fn note_closed_order(&mut self) {
+        let opened = self.map.atlas.opened_handles;
+        if opened > 0 && self.options.preparation.handles == Handles::Auto {
+            let told = "the hierarchy is of the surface with its handles closed, but this map has them opened: --open-handles always or \
+                        never has both alike";
+            self.map.flaws.push(told.to_owned());
+        }
+    }
+
     /// Notes what is wrong with the polygons of the map where another program cuts them into triangles in its own way: it may
     /// see triangles flipped, as the polygons are not convex.
     pub(crate) fn note_polygons(&mut self) {
@@ -175,8 +185,10 @@ impl Unwrapped {
         let triangles = atlas.surface_triangles();
         let cones = atlas.cones.iter().map(|c| Mark { vertex: c.vertex, positive: c.curvature >= 0.0 }).collect();
         let uv = corner_uv(&triangles, &atlas.uv_in(UvSize::Unit));
-        let (triangles, seams) = (vertices(&self.model, &triangles), atlas.seams.clone());
-        let scene = Scene::new(self.model.points(), triangles, uv.clone(), seams, cones).packed(uv, atlas.fill);
+        let mut vertices = vertices(&self.model, &triangles);
+        self.analysis.weld().apply(&self.model, &mut vertices);
+        let scene =
+            Scene::new(self.model.points(), vertices, uv.clone(), atlas.seams.clone(), cones).packed(uv, atlas.fill);
         if self.map.quality.distortion.flipped == 0 { scene.upright() } else { scene }
     }
 

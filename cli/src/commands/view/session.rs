@@ -157,7 +157,7 @@ impl<'a> Session<'a> {
 
     fn obj(&self, shown: &Shown) -> Result<Vec<u8>, WriteError> {
         let mut bytes = Vec::new();
-        let content = ObjContent { uv: Some(&shown.uv), triangles: None, material: None };
+        let content = ObjContent { uv: Some(&shown.uv), ..ObjContent::default() };
         write_obj(self.subject.model, &content, &mut bytes)?;
         Ok(bytes)
     }

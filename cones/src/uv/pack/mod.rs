@@ -27,6 +27,7 @@ use geom::{Interrupted, Watch};
 use num_complex::Complex64;
 
 pub use fill::fill;
+pub(crate) use fill::filled;
 pub use island_place::IslandPlace;
 pub use options::{PackError, PackOptions, Rotations, Tiles};
 pub(super) use room::convex_hull;

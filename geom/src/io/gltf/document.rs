@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::Deserialize;
 use serde::de::IgnoredAny;
+use serde_json::{Map, Value};
 
 use super::super::error::{Fault, Place};
 
@@ -126,6 +127,24 @@ pub(super) struct Buffer {
 #[serde(default)]
 pub(super) struct Material {
     pub(super) name: Option<String>,
+    /// All else that is said of it.
+    #[serde(flatten)]
+    pub(super) look: Map<String, Value>,
+}
+
+impl Material {
+    /// Its look without textures, which are for other coordinates than those that are written, and without extensions.
+    pub(super) fn without_textures(&self) -> Map<String, Value> {
+        let mut look = self.look.clone();
+        look.retain(|key, _| !matches!(key.as_str(), "extensions" | "extras"));
+        leave_out_textures(&mut look);
+        look
+    }
+}
+
+fn leave_out_textures(look: &mut Map<String, Value>) {
+    look.retain(|key, _| !key.ends_with("Texture"));
+    look.values_mut().filter_map(Value::as_object_mut).for_each(leave_out_textures);
 }
 
 /// Beginnings of the names of extensions that say how a surface looks and not where it is.

@@ -84,7 +84,7 @@ fn nodes_are_moved_and_mirrored_ones_stay_outside_out() {
     assert_eq!(model.faces().nth(2).unwrap(), [4, 6, 5], "and all where the node mirrors");
     assert_eq!(model.uv().unwrap().corner(2), Some([0.0, 0.0]), "v is counted upwards");
     let attributes = model.attributes();
-    assert_eq!((attributes.material(3), attributes.left.len()), (Some("brick"), 0));
+    assert_eq!((attributes.material(3), &attributes.left[..]), (Some("brick"), &["nodes".to_owned()][..]));
     let row = |meaning, v| attributes.table(&meaning).unwrap().row(v).collect::<Vec<_>>();
     assert_eq!(row(Meaning::Normal, 7), [0.0, 0.0, 1.0]);
     assert_eq!(row(Meaning::Colour, 1), [0.0, 65535.0, 0.0, 65535.0]);
@@ -137,6 +137,35 @@ fn sparse_elements_stand_in_place_of_others() {
 }
 
 #[test]
+fn materials_keep_their_looks_but_for_textures() {
+    let red = json!({"alphaMode": "BLEND", "pbrMetallicRoughness": {"baseColorFactor": [1, 0, 0, 0.5]}});
+    let seen = document(|json| {
+        let mut material = red.clone();
+        material["name"] = "brick".into();
+        material["normalTexture"] = json!({"index": 0});
+        material["extensions"] = json!({"KHR_materials_unlit": {}});
+        material["pbrMetallicRoughness"]["baseColorTexture"] = json!({"index": 0});
+        json["materials"][1] = material;
+    });
+    let model = read_bytes(glb(seen), "a.glb").unwrap();
+    assert_eq!(model.attributes().looks, ["", &red.to_string()]);
+    let lost = not_kept(&model, MeshFormat::Obj).unwrap().what;
+    assert!(lost.contains(&"looks of materials".to_owned()), "{lost:?}");
+    // What has a look keeps it, and what has none gets the texture, which is no look when it is read again.
+    let uv = vec![[0.0; 2]; model.corner_count()];
+    let written = |model: &Model| {
+        let mut out = Vec::new();
+        write_glb(model, Some(&uv), &model.triangles(), Some(b"png"), &mut out).unwrap();
+        read_bytes(out, "b.glb").unwrap()
+    };
+    let back = written(&model);
+    assert_eq!((back.attributes().look(0), back.attributes().material(0)), (model.attributes().look(0), Some("brick")));
+    assert!(!not_kept(&back, MeshFormat::Obj).unwrap().what.contains(&"textures".to_owned()));
+    let plain = read_bytes(glb(document(|_| {})), "a.glb").unwrap();
+    assert_eq!(written(&plain).attributes().look(0), None);
+}
+
+#[test]
 fn what_is_passed_over_is_named_and_what_is_needed_refused() {
     let seen = document(|json| {
         json["animations"] = json!([{}]);
@@ -146,7 +175,7 @@ fn what_is_passed_over_is_named_and_what_is_needed_refused() {
         json["extensionsRequired"] = json!(["KHR_mesh_quantization", "KHR_materials_unlit"]);
     });
     let model = read_bytes(glb(seen), "a.glb").unwrap();
-    assert_eq!(model.attributes().left, ["tangents", "morph targets", "animations", "textures"]);
+    assert_eq!(model.attributes().left, ["tangents", "morph targets", "animations", "textures", "nodes"]);
     let ours = document(|json| {
         json["asset"]["generator"] = "cones".into();
         json["images"] = json!([{}]);

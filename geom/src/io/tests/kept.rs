@@ -133,13 +133,10 @@ fn normals_colours_and_materials_go_from_format_to_format() {
 fn what_a_format_does_not_hold_is_named() {
     let model = read_bytes(PLY.into(), "a.ply").unwrap();
     let words = |format| not_kept(&model, format).unwrap().to_string();
-    assert_eq!(
-        words(MeshFormat::Glb),
-        "not kept, as GLB has no place for it: near, colours of faces, label of faces, elements `edge`"
-    );
+    assert_eq!(words(MeshFormat::Glb), "not kept in GLB: near, colours of faces, label of faces, elements `edge`");
     assert_eq!(
         words(MeshFormat::Obj),
-        "not kept, as OBJ has no place for it: flag, quality, near, colours of faces, label of faces, elements `edge`"
+        "not kept in OBJ: flag, quality, near, colours of faces, label of faces, elements `edge`"
     );
     let back = written(&model, Some(&some_uv(&model)), MeshFormat::Glb);
     assert_near(&model, &back, Meaning::Other("quality".into()), 1e-7);

@@ -172,7 +172,7 @@ fn triangles_take_the_place_of_polygons() {
     let model = obj(text);
     let uv: Vec<_> = (0..7).map(|i| [f64::from(i), 0.0]).collect();
     let triangles = model.triangles();
-    let content = ObjContent { uv: Some(&uv), triangles: Some(&triangles), material: None };
+    let content = ObjContent { uv: Some(&uv), triangles: Some(&triangles), ..ObjContent::default() };
     let mut out = Vec::new();
     write_obj(&model, &content, &mut out).unwrap();
     let out = String::from_utf8(out).unwrap();
@@ -200,7 +200,7 @@ fn a_material_is_that_of_all_faces_whatever_the_text_has() {
     let uv = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
     let material = Some(Material { library: "checker.mtl", name: "checker" });
     let mut out = Vec::new();
-    write_obj(&model, &ObjContent { uv: Some(&uv), material, triangles: None }, &mut out).unwrap();
+    write_obj(&model, &ObjContent { uv: Some(&uv), material, ..ObjContent::default() }, &mut out).unwrap();
     let expected = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\ng one\nmtllib checker.mtl\nusemtl checker\nf 1/2 2/3 3/4\n\
                     f 2/3 4/5 3/4\nvt 0 0\nvt 0.0 0.0\nvt 1.0 0.0\nvt 0.0 1.0\nvt 1.0 1.0\nl 1/1 2/1\n";
     assert_eq!(String::from_utf8(out).unwrap(), expected);
@@ -258,7 +258,7 @@ fn a_glb_is_as_long_as_its_headers_say() {
 fn what_does_not_fit_the_model_is_not_written() {
     let model = obj(TETRAHEDRON);
     let refused = |uv: Option<&[[f64; 2]]>, triangles: Option<&crate::Triangles>| {
-        let content = ObjContent { uv, triangles, material: None };
+        let content = ObjContent { uv, triangles, ..ObjContent::default() };
         write_obj(&model, &content, Vec::new()).unwrap_err().to_string()
     };
     let mut uv = some_uv(&model);

@@ -163,7 +163,7 @@ impl<V: Copy, S: Scalar> ContourTree<V, S> {
     /// The tree without leaves whose arc is no higher than a threshold, the lowest arc first, where another arc leaves the
     /// inner node on the same side; nodes that become regular go. Vertices of a pruned arc go to the longest arc that is left on the same
     /// side of its inner node, or to the arc on which that node lies if it goes too. Carr, Snoeyink & van de Panne (2004), "Simplifying
-    /// flexible isosurfaces using local geometric measures". O(vertices + arcs log arcs).
+    /// flexible isosurfaces using local geometric measures". With NaN as with a threshold that no arc is above. O(vertices + arcs log arcs).
     #[must_use = "the tree itself is left as it is"]
     pub fn simplify(&self, threshold: S::Width) -> Self {
         let values: Vec<S> = self.nodes.iter().map(|node| node.value).collect();

@@ -48,7 +48,7 @@ impl Diagram {
 
     /// The persistence image (Adams et al. 2017): a row for each of some lifetimes, shortest first, a column for each of some
     /// births, evenly from one end of a range to the other. Each point adds a Gaussian round (birth, lifetime) of unit mass times
-    /// its lifetime. O(pixels · points).
+    /// its lifetime; `bandwidth`, the standard deviation, is above 0 (with 0 pixels are NaN). O(pixels · points).
     pub fn image(
         &self,
         births: RangeInclusive<f64>,
