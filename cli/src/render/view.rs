@@ -135,8 +135,9 @@ mod tests {
     #[test]
     fn directions_are_named_or_given_in_degrees() {
         assert_eq!(View::parse("right"), Ok(View { azimuth: 90.0, elevation: 0.0 }));
+        assert_eq!([View::parse("top"), View::parse("bottom")], ["above", "below"].map(View::parse));
         assert_eq!(View::parse("-30, 15"), Ok(View { azimuth: -30.0, elevation: 15.0 }));
-        for wrong in ["", "top", "1", "1,2,3", "NaN,0", "0,91", "inf,0"] {
+        for wrong in ["", "under", "1", "1,2,3", "NaN,0", "0,91", "inf,0"] {
             assert!(View::parse(wrong).is_err(), "{wrong}");
         }
     }
