@@ -38,7 +38,7 @@ pub enum RepairKind {
     ZeroArea,
     /// A component without any area; left out.
     ComponentWithoutArea,
-    /// A boundary vertex at the same place as another one: perhaps a seam that was never [welded](Weld).
+    /// A boundary vertex at the same place as another one: perhaps a seam that was never [welded](crate::Weld).
     Unwelded,
     /// Vertices welded because they were at the same place.
     Welded,
