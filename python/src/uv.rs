@@ -3,7 +3,7 @@
 use cones::report::{Quality, worth_measuring};
 use cones::uv::{PackError, PackOptions, Packing, Parted};
 use geom::distortion::{DistortionError, measure_watched, unit_on_surface};
-use geom::{FaceId, Id, Model, PrepareError, Watch, Weld};
+use geom::{FaceId, Id, Model, PrepareError, Watch};
 use numpy::{PyArray1, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
