@@ -1,6 +1,6 @@
 //! One analysis, asked many things: the same answers whoever asks, when, and what was stopped before.
 
-use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
+use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 use std::sync::{Arc, Barrier};
@@ -13,7 +13,7 @@ use cones::{
     Placement, Preparation, Progress, Refining, SeamOptions, Symmetry, unwrap_model,
 };
 use geom::shapes::{self, Shape};
-use geom::{Attributes, Model, distortion, vector};
+use geom::{Attributes, Model, Weld, distortion, vector};
 use tests::oracle::check_map;
 use tests::solids;
 
@@ -812,4 +812,26 @@ fn islands_have_the_area_of_the_surface_and_the_density_that_was_asked_for() {
     let on_tiles = with(Tiles::Udim { texel_density: 100.0 }, UvSize::Unit);
     let texels = f64::from(PackOptions::default().texture_size).powi(2) * on_tiles;
     assert!((texels / (100.0 * 100.0 * surface) - 1.0).abs() < 1e-9, "{texels}");
+}
+
+#[test]
+fn what_polygons_lie_over_is_told_as_it_is_measured() {
+    // A prism over a star: its ends are polygons of twenty corners, and what lies over them is not cut.
+    let at = |k: u32| {
+        let (radius, turn) = (if k % 2 == 0 { 0.7 } else { 2.0 }, PI * f64::from(k % 20) / 10.0);
+        [radius * turn.cos(), radius * turn.sin(), f64::from(k / 20)]
+    };
+    let sides = (0..20).map(|k| vec![k, (k + 1) % 20, (k + 1) % 20 + 20, k + 20]);
+    let ends = [(0..20).rev().collect(), (20..40).collect()];
+    let model = Model::from_polygons((0..40).map(at).collect(), ends.into_iter().chain(sides)).unwrap();
+    let options = Options { quantize: Some(Symmetry::Sixfold), ..Options::default() };
+    let atlas = Analysis::new(&model).unwrap().atlas(&options).unwrap();
+    let told = atlas.notes.iter().find_map(|note| match note {
+        Note::Overlap { share, pairs, .. } => Some((*share, *pairs)),
+        _ => None,
+    });
+    let (share, pairs) = told.expect("it lies over itself");
+    let measured = MeasuredAtlas::new(&model, atlas, UvSize::Unit, Weld::Never).unwrap().quality.distortion.overlap;
+    assert_eq!(pairs, measured.pairs);
+    assert!((0.5..2.0).contains(&(share / measured.share)), "{share} {}", measured.share);
 }

@@ -34,7 +34,7 @@ fn a_picture_is_as_large_as_is_asked_and_looks_from_where_is_asked() {
         let said = stderr(&folder.run(&[&["unwrap", "hare.obj", "-o", "out.obj"], &lonely[..]].concat()).code(2));
         assert!(said.contains("--picture"), "{said}");
     }
-    for wrong in [["--view", "top"], ["--size", "9"], ["--colour", "blue"]] {
+    for wrong in [["--view", "under"], ["--size", "9"], ["--colour", "blue"]] {
         folder.run(&[&["unwrap", "hare.obj", "-o", "x.obj", "--picture", "x.png"][..], &wrong].concat()).code(2);
     }
 }

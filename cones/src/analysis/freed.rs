@@ -81,7 +81,7 @@ impl Component {
             let map = map(mesh, &flat.layout, &flat.seams.cut);
             let overlaps = task.stage(stage, times, |watch| overlaps_on_islands(mesh, &map, watch))??;
             flat.notes.retain(|note| !is_overlap(note));
-            self.note_overlap(flat, &overlaps);
+            self.note_overlap(flat, &map, &overlaps);
         }
         let now = flat.quality.area_distortion();
         flat.notes.retain_mut(|note| match note {

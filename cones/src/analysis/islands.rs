@@ -11,7 +11,7 @@ use super::options::{Islands, Options};
 use super::reseaming::{Reseaming, map};
 use crate::cut::SeamPlan;
 use crate::error::Error;
-use crate::uv::{NEGLIGIBLE_DEPTH, Overlaps, overlaps_watched};
+use crate::uv::{NEGLIGIBLE_DEPTH, Overlaps, UvMap, overlaps_watched};
 
 impl Component {
     /// Islands as they are written: parted where the layout lies over itself, and nearer to an isometry where seams may move.
@@ -53,14 +53,14 @@ impl Component {
             let asked = |[f, g]: [u32; 2]| cut.island(geom::FaceId(f)) == cut.island(geom::FaceId(g));
             let overlaps =
                 task.stage(stage, times, |watch| overlaps_watched(map.triangles(), NEGLIGIBLE_DEPTH, asked, watch))??;
-            self.note_overlap(flat, &overlaps);
+            self.note_overlap(flat, &map, &overlaps);
             flat.notes.extend(self.note_avoided(plan, &flat.seams));
             return Ok(());
         }
         let done = task.stage(stage, times, |watch| {
             Reseaming::new(mesh, flat, plan, islands == Islands::Pack, share).best(watch)
         })??;
-        self.note_overlap(flat, &done.left);
+        self.note_overlap(flat, &done.map, &done.left);
         if done.map.cut == flat.seams.cut {
             flat.notes.extend(self.note_avoided(plan, &flat.seams));
             return Ok(());
@@ -78,10 +78,10 @@ impl Component {
         Ok(())
     }
 
-    pub(super) fn note_overlap(&self, flat: &mut Flat, overlaps: &Overlaps) {
+    /// Says what lies over itself on the islands of a map of the layout.
+    pub(super) fn note_overlap(&self, flat: &mut Flat, map: &UvMap, overlaps: &Overlaps) {
         let pairs = overlaps.pairs.len();
         if pairs > 0 {
-            let map = map(&self.surface.mesh, &flat.layout, &flat.seams.cut);
             // Islands lie over each other, too, until they are packed.
             let share = match map.islands(&self.surface.mesh).count() {
                 1 => overlaps.share(map.triangles()),
