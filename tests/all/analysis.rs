@@ -818,7 +818,7 @@ fn islands_have_the_area_of_the_surface_and_the_density_that_was_asked_for() {
 fn what_polygons_lie_over_is_told_as_it_is_measured() {
     // A prism over a star: its ends are polygons of twenty corners, and what lies over them is not cut.
     let at = |k: u32| {
-        let (radius, turn) = (if k % 2 == 0 { 0.7 } else { 2.0 }, PI * f64::from(k % 20) / 10.0);
+        let (radius, turn) = (if k.is_multiple_of(2) { 0.7 } else { 2.0 }, PI * f64::from(k % 20) / 10.0);
         [radius * turn.cos(), radius * turn.sin(), f64::from(k / 20)]
     };
     let sides = (0..20).map(|k| vec![k, (k + 1) % 20, (k + 1) % 20 + 20, k + 20]);
@@ -834,4 +834,41 @@ fn what_polygons_lie_over_is_told_as_it_is_measured() {
     let measured = MeasuredAtlas::new(&model, atlas, UvSize::Unit, Weld::Never).unwrap().quality.distortion.overlap;
     assert_eq!(pairs, measured.pairs);
     assert!((0.5..2.0).contains(&(share / measured.share)), "{share} {}", measured.share);
+}
+
+#[test]
+fn triangles_know_their_component_and_islands_are_counted() {
+    let model = several();
+    let analysis = Analysis::new(&model).unwrap();
+    let atlas = analysis.atlas(&Options::default()).unwrap();
+    let components = analysis.triangle_components();
+    assert_eq!(components.iter().flatten().max(), Some(&3));
+    assert!(components.is_sorted(), "shapes are side by side, one after the other");
+    assert!((4..20).contains(&atlas.island_count()) && atlas.islands.contains(&Some(atlas.island_count() as u32 - 1)));
+    for cone in &atlas.cones {
+        let at = |t: usize| analysis.triangles().vertices(&model)[t].contains(&cone.vertex);
+        let triangle = (0..components.len()).find(|&t| at(t)).expect("a cone is a vertex of a triangle");
+        assert_eq!(components[triangle], Some(cone.component));
+    }
+    let other = model_of_one_triangle();
+    let foreign = MeasuredAtlas::new(&other, atlas, UvSize::Unit, Weld::Never);
+    assert!(matches!(foreign, Err(distortion::DistortionError::Count { .. })), "{foreign:?}");
+}
+
+fn model_of_one_triangle() -> Model {
+    Model::from_triangles(vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], &[[0, 1, 2]]).unwrap()
+}
+
+#[test]
+fn numbers_that_mean_nothing_are_refused_before_anything_is_flattened() {
+    let analysis = Analysis::new(&model(&shapes::hare(500))).unwrap();
+    let refused = |options: &Options| analysis.atlas(options).expect_err("it is refused");
+    for target in [f64::NAN, 0.5, -3.0] {
+        let options = Options { cones: ConeChoice::WithinDistortion(target), ..Options::default() };
+        assert!(matches!(refused(&options), Error::TargetDistortion(_)), "{target}");
+    }
+    let options = Options { cones: ConeChoice::MinPersistence(f64::NAN), ..Options::default() };
+    assert!(matches!(refused(&options), Error::Threshold));
+    let packing = PackOptions { margin: -1.0, ..PackOptions::default() };
+    assert!(matches!(refused(&Options { packing, ..count(4) }), Error::Pack(_)));
 }

@@ -238,3 +238,13 @@ fn the_papers_table_is_run_on_what_there_is_and_its_claims_are_judged() {
     assert_eq!(claims.len(), 6);
     assert!(claims.iter().all(|claim| claim["holds"].is_boolean() && claim["measured"].is_string()));
 }
+
+#[test]
+fn a_mesh_that_cannot_be_read_stops_no_other() {
+    let folder = Folder::with_shapes();
+    folder.write("broken.obj", "v 0 0 0\nf 1 2 3\n");
+    let args = ["compare", "broken.obj", "hare.obj", "-n", "4", "--best-of", "1", "--method", "persistence"];
+    let done = folder.run(&args).code(1);
+    assert!(stdout(&done).contains("hare.obj") && stdout(&done).contains("persistence"), "{}", stdout(&done));
+    assert!(stderr(&done).contains("broken.obj, line 2") && stderr(&done).contains("1 of 2 surfaces"));
+}

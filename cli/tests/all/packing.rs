@@ -138,3 +138,72 @@ fn a_map_with_holes_is_refused_with_the_first_of_them() {
         folder.complaint(&["measure", "none.obj"]).contains("none.obj has no texture coordinates: unwrap it first")
     );
 }
+
+/// Two squares side by side, the second with vertices of its own, and one map of both.
+const SPLIT: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 1 0 0\nv 2 0 0\nv 2 1 0\nv 1 1 0\n\
+    vt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nvt 2 0\nvt 2 1\nf 1/1 2/2 3/3 4/4\nf 5/2 6/5 7/6 8/3\n";
+
+#[test]
+fn what_split_vertices_join_is_packed_as_one_island() {
+    let folder = Folder::new();
+    folder.write("in.obj", SPLIT);
+    let islands = |weld: &[&str]| {
+        let args = [&["pack", "in.obj", "-o", "out.obj", "--json"], weld].concat();
+        let report: serde_json::Value =
+            serde_json::from_str(&stdout(&folder.run(&args).success())).expect("it is JSON");
+        report["islands"].as_u64()
+    };
+    assert_eq!([islands(&[]), islands(&["--weld"]), islands(&["--weld=never"])], [Some(1), Some(1), Some(2)]);
+}
+
+#[test]
+fn a_margin_that_is_not_kept_is_said_and_so_are_edges_that_are_cut_and_avoided() {
+    let folder = Folder::with_shapes();
+    let faces = folder.read("hare.obj");
+    let corners = |line: &str| -> Vec<usize> {
+        line.split_whitespace().skip(1).map(|word| word.parse().expect("a vertex")).collect()
+    };
+    let edges: String = faces
+        .lines()
+        .filter(|line| line.starts_with("f "))
+        .flat_map(|line| [[0, 1], [1, 2], [2, 0]].map(|ends| ends.map(|k| corners(line)[k] - 1)))
+        .filter(|[a, b]| a < b)
+        .map(|[a, b]| format!("{a} {b}\n"))
+        .collect();
+    folder.write("all.edges", &edges);
+    let args = ["unwrap", "hare.obj", "-n", "6", "-o", "out.obj", "--texture-size", "256", "--margin", "16"];
+    let whole = stderr(&folder.run(&args).success());
+    assert!(!whole.contains("margin") && !whole.contains("avoided"), "{whole}");
+    let cut = [&args[..], &["--seams", "all.edges", "--avoid", "all.edges"]].concat();
+    let said = stderr(&folder.run(&cut).success());
+    assert!(said.contains("a margin of 16 texels was asked for, but islands are "), "{said}");
+    assert!(said.contains("edges that were to be avoided were to be cut, too"), "{said}");
+    let packed = stderr(&folder.run(&["pack", "out.obj", "-o", "p.obj", "--texture-size", "256", "--margin", "16"]));
+    assert!(packed.contains("a margin of 16 texels was asked for"), "{packed}");
+}
+
+#[test]
+fn material_libraries_are_found_from_another_folder() {
+    let folder = Folder::new();
+    folder.write("in.obj", &format!("mtllib stone.mtl\n{SQUARES}"));
+    std::fs::create_dir(folder.path("out")).expect("it is new");
+    for command in ["pack", "islands", "unwrap"] {
+        folder.run(&[command, "in.obj", "-o", "out/x.obj"]).success();
+        assert!(folder.read("out/x.obj").starts_with("mtllib ../stone.mtl\n"), "{command}");
+        folder.run(&[command, "in.obj", "-o", "x.obj"]).success();
+        assert!(folder.read("x.obj").starts_with("mtllib stone.mtl\n"), "{command}");
+    }
+}
+
+#[test]
+fn it_is_said_whether_islands_were_packed_anew() {
+    let folder = Folder::new();
+    for (text, is_packed, places) in [(SPLIT, false, "as they were"), (SQUARES, true, "packed anew")] {
+        folder.write("in.obj", text);
+        let said = stdout(&folder.run(&["islands", "in.obj", "-o", "out.obj"]).success());
+        assert!(said.contains(places), "{said}");
+        let report = stdout(&folder.run(&["islands", "in.obj", "-o", "out.obj", "--json"]).success());
+        let report: serde_json::Value = serde_json::from_str(&report).expect("it is JSON");
+        assert_eq!(report["packed"], is_packed);
+    }
+}

@@ -53,6 +53,9 @@ impl Placed {
 
 /// That edges were to be avoided that were to be cut, too.
 fn contested(seams: &SeamOptions) -> Option<Note> {
+    if seams.avoid.is_empty() {
+        return None;
+    }
     let cut: HashSet<[u32; 2]> = seams.given.iter().chain(&seams.kept).map(|&ends| ascending(ends)).collect();
     let avoided: HashSet<[u32; 2]> = seams.avoid.iter().map(|&ends| ascending(ends)).collect();
     let edges = avoided.intersection(&cut).count();

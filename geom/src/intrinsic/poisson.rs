@@ -434,6 +434,7 @@ fn check_pieces(laplacian: &SymmetricMatrix, fixed: &[VertexId]) -> Result<(), P
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::{Mesh, Metric, laplacian, shapes};
 
     #[test]
     fn each_piece_of_a_surface_needs_a_fixed_vertex() {
@@ -454,7 +455,6 @@ mod tests {
             assert!(Poisson::new(&laplacian, &[one, other]).is_ok());
         }
     }
-    use crate::{Mesh, Metric, laplacian, shapes};
 
     #[test]
     fn forward_and_backward_substitution_make_up_a_solve() {

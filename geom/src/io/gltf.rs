@@ -235,10 +235,11 @@ impl Draft {
         let tables = joined.tables(self.tables.into_iter().map(table).collect(), &polygons.corners);
         let uv = has_uv.then(|| TextureCoordinates::new(uv, polygons.corners.clone()));
         joined.apply(&mut points, &mut polygons.corners);
+        let looks = looks(document);
         let attributes = Attributes {
             tables,
-            materials: material_names(document),
-            looks: looks(document),
+            materials: material_names(document, &looks),
+            looks,
             face_material,
             left: left(document, &self.left),
             ..Attributes::default()
@@ -296,17 +297,17 @@ fn empty(name: &str, accessor: &Accessor) -> Attribute {
 fn looks(document: &Document) -> Vec<String> {
     let is_ours = document.asset.generator.as_deref() == Some(GENERATOR);
     let look = |material: &document::Material| {
-        let look = material.without_textures();
-        let is_plain = is_ours && is_plain(&look);
-        if look.is_empty() || is_plain { String::new() } else { Value::Object(look).to_string() }
+        let look = &material.look;
+        let says_nothing = look.is_empty() || is_ours && is_plain(look);
+        if says_nothing { String::new() } else { Value::Object(look.clone()).to_string() }
     };
     document.materials.iter().map(look).collect()
 }
 
 /// The names of materials. One without name and look that is the only one is no material worth a name.
-fn material_names(document: &Document) -> Vec<String> {
+fn material_names(document: &Document, looks: &[String]) -> Vec<String> {
     let materials = &document.materials;
-    if materials.len() == 1 && materials[0].name.is_none() && looks(document)[0].is_empty() {
+    if materials.len() == 1 && materials[0].name.is_none() && looks[0].is_empty() {
         return Vec::new();
     }
     let name =

@@ -2,8 +2,9 @@
 
 use std::collections::BTreeMap;
 
-use serde::Deserialize;
-use serde::de::IgnoredAny;
+use serde::de::{Error, IgnoredAny};
+use serde::{Deserialize, Deserializer};
+use serde_json::value::RawValue;
 use serde_json::{Map, Value};
 
 use super::super::error::{Fault, Place};
@@ -123,22 +124,27 @@ pub(super) struct Buffer {
     pub(super) byte_length: usize,
 }
 
-#[derive(Debug, Default, Deserialize)]
-#[serde(default)]
+#[derive(Debug, Default)]
 pub(super) struct Material {
     pub(super) name: Option<String>,
-    /// All else that is said of it.
-    #[serde(flatten)]
+    /// All else that is said of it, but for textures, which are for other coordinates than those that are written, and extensions; nothing if
+    /// that is more than JSON can hold here, as a number may be.
     pub(super) look: Map<String, Value>,
 }
 
-impl Material {
-    /// Its look without textures, which are for other coordinates than those that are written, and without extensions.
-    pub(super) fn without_textures(&self) -> Map<String, Value> {
-        let mut look = self.look.clone();
-        look.retain(|key, _| !matches!(key.as_str(), "extensions" | "extras"));
+impl<'de> Deserialize<'de> for Material {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        #[derive(Default, Deserialize)]
+        #[serde(default)]
+        struct Named {
+            name: Option<String>,
+        }
+        let text = Box::<RawValue>::deserialize(deserializer)?;
+        let Named { name } = serde_json::from_str(text.get()).map_err(Error::custom)?;
+        let mut look: Map<String, Value> = serde_json::from_str(text.get()).unwrap_or_default();
+        look.retain(|key, _| !matches!(key.as_str(), "name" | "extensions" | "extras"));
         leave_out_textures(&mut look);
-        look
+        Ok(Self { name, look })
     }
 }
 

@@ -44,7 +44,11 @@ fn document(change: impl Fn(&mut Value)) -> (Value, Vec<u8>) {
 }
 
 fn glb((json, binary): (Value, Vec<u8>)) -> Vec<u8> {
-    let mut json = json.to_string().into_bytes();
+    glb_of(&json.to_string(), binary)
+}
+
+fn glb_of(json: &str, binary: Vec<u8>) -> Vec<u8> {
+    let mut json = json.as_bytes().to_vec();
     json.resize(json.len().next_multiple_of(4), b' ');
     let mut out = b"glTF".to_vec();
     let size = 12 + 8 + json.len() + 8 + binary.len();
@@ -161,6 +165,10 @@ fn materials_keep_their_looks_but_for_textures() {
     let back = written(&model);
     assert_eq!((back.attributes().look(0), back.attributes().material(0)), (model.attributes().look(0), Some("brick")));
     assert!(!not_kept(&back, MeshFormat::Obj).unwrap().what.contains(&"textures".to_owned()));
+    // A number that is too large is no cause to refuse the surface.
+    let (json, bytes) = document(|json| json["materials"][1]["alphaCutoff"] = 1234.5.into());
+    let huge = glb_of(&json.to_string().replace("1234.5", "1e999"), bytes);
+    assert_eq!(read_bytes(huge, "a.glb").unwrap().attributes().look(0), None);
     let plain = read_bytes(glb(document(|_| {})), "a.glb").unwrap();
     assert_eq!(written(&plain).attributes().look(0), None);
 }

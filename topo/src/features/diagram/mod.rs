@@ -157,4 +157,13 @@ mod tests {
         assert_eq!(diagram.betti_curve(), [(0.0, 1), (1.0, 2), (2.0, 3), (3.0, 2), (4.0, 1)]);
         assert_eq!(diagram.persistence_curve(), [(0.0, 2), (1.0, 1), (3.0, 0)]);
     }
+
+    #[test]
+    fn a_pair_that_dies_before_it_is_born_is_no_component() {
+        for (kind, sign) in [(Kind::Minimum, 1.0), (Kind::Maximum, -1.0)] {
+            let finite = vec![(2.0 * sign, sign), (3.0 * sign, 4.0 * sign)];
+            let diagram = Diagram { kind, finite, essential: vec![] };
+            assert_eq!(diagram.betti_curve(), [(3.0 * sign, 1), (4.0 * sign, 0)]);
+        }
+    }
 }
