@@ -1,6 +1,6 @@
 //! Refines the surfaces of models and says how far that goes: `refine FILE…`.
 
-use geom::{Metric, prepare, refine};
+use geom::{Metric, TriangleSize, prepare, refine};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     for path in std::env::args().skip(1) {
@@ -8,7 +8,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         for surface in prepare(&model, geom::Weld::Auto)?.surfaces {
             let metric: Metric = surface.metric();
             let began = std::time::Instant::now();
-            let refinement = refine(&surface.mesh, &metric, f64::INFINITY);
+            let refinement = refine(&surface.mesh, &metric, TriangleSize::ANY);
             let took = began.elapsed().as_secs_f64();
             let t = &refinement.triangulation;
             let angles = t.halfedges().map(|h| refinement.metric.angle(t, h).to_degrees());

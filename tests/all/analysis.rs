@@ -674,6 +674,38 @@ fn a_flat_roof_far_from_the_origin_is_no_plane() {
 }
 
 #[test]
+fn scraps_are_refined_less_than_what_is_large_and_flat_ones_not_at_all() {
+    let needles = solids::mapped(&shapes::torus(1, 400), |[x, y, z]| [x, y, 0.05 * z]);
+    let beside = |shape: &Shape, size: f64| solids::mapped(shape, |p| [size * p[0] + 5.0, size * p[1], size * p[2]]);
+    let sliver =
+        beside(&Shape { points: vec![[0.0; 3], [1.0, 0.0, 0.0], [0.5, 0.01, 0.0]], triangles: vec![[0, 1, 2]] }, 0.3);
+    let preparation = Preparation { refine: Refining::Always, ..Preparation::default() };
+    let pieces = |shape: &Shape, others: &[Shape]| {
+        let all = solids::side_by_side(&[std::slice::from_ref(shape), others].concat());
+        let analysis = Analysis::with(&model(&all), preparation).expect("a sound model");
+        let refined = analysis.refined().expect("it was asked for");
+        assert!(refined.is_complete);
+        let first = shape.triangles.len() as u32;
+        refined.face.iter().filter(|face| **face >= first).count()
+    };
+    let [large, scrap] = [1.0, 1e-2].map(|size| pieces(&needles, &[beside(&needles, size)]));
+    assert!(needles.triangles.len() < scrap && 2 * scrap < large, "{scrap} {large}");
+    assert_eq!(pieces(&needles, std::slice::from_ref(&sliver)), 1);
+    assert!(pieces(&sliver, &[]) == 0);
+}
+
+#[test]
+fn needles_of_a_large_surface_stay_where_they_are_small() {
+    let shape = solids::mapped(&shapes::hare(201_000), |[x, y, z]| [x, y, 3.0 * z]);
+    let preparation = Preparation { refine: Refining::Always, ..Preparation::default() };
+    let analysis = Analysis::with(&model(&shape), preparation).expect("a sound model");
+    let refined = analysis.refined().expect("it was asked for");
+    assert!(refined.is_complete && shape.points.len() > 100_000);
+    let count = refined.model.vertex_count();
+    assert!(count < 2 * shape.points.len(), "{count} for {}", shape.points.len());
+}
+
+#[test]
 fn flat_parts_are_left_as_they_are_where_needles_are_to_be_refined() {
     let strip = solids::mapped(&shapes::disk(3), |[x, y, _]| [x, 1e-2 * y, 2.0 + 0.3 * x]);
     let prism = solids::mapped(&solids::tube(24, 1), |[x, y, z]| [x, y, 40.0 * z]);

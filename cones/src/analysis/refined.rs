@@ -10,8 +10,8 @@ use std::sync::Arc;
 
 use geom::{
     CommonRefinement, EdgeData, EdgeId, EdgeRoles, FaceData, FaceId, HalfedgeData, HalfedgeId, Id, Intrinsic, Mesh,
-    MeshError, Metric, Model, OpenedIsland, Prepared, Refinement, Surface, SurfacePoint, Triangles, Triangulation,
-    VertexId, Watch, angle_defects, delaunay, planar_edges, refine_watched,
+    MeshError, Metric, Model, OpenedIsland, Prepared, Refinement, Surface, SurfacePoint, TriangleSize, Triangles,
+    Triangulation, VertexId, Watch, angle_defects, delaunay, planar_edges, refine_watched,
 };
 use rayon::prelude::*;
 
@@ -76,6 +76,13 @@ fn of_shapes<T: Send>(
 pub(crate) const LARGEST: f64 = 0.02;
 /// The same where a map shows that this is [too coarse](super::finer).
 pub(crate) const FINER: f64 = 0.01;
+/// On surfaces with more vertices than this triangles are [small](TriangleSize::small)
+const MANY_VERTICES: usize = 100_000;
+/// below this share of that radius: needles that do no harm, which cut each other's neighbours into tens of pieces.
+const SMALL: f64 = 0.25;
+/// Parts with less than this share of the model's area have larger triangles, so that their number falls with the root of the share: what is missed falls
+/// with the number of triangles, and counts by the share.
+const LARGE_PART: f64 = 0.01;
 
 /// A refined model: triangles, each part of a face of the model that was given, or of several in one plane that nothing tells apart. It has all of that model's vertices, under their own
 /// numbers, and after them those that were put in.
@@ -300,7 +307,7 @@ fn own_points(model: &Model, surface: &Surface) -> Vec<[f64; 3]> {
     surface.vertex.iter().map(place).collect()
 }
 
-/// Refines the surfaces of a model to triangles of a size ([`LARGEST`]), but where needles alone ask for it none that is flat; what was prepared becomes that of the refined
+/// Refines the surfaces of a model to triangles of a size ([`LARGEST`]), but none that is flat where needles alone ask for it or where it is small; what was prepared becomes that of the refined
 /// model. Edges that `names_held` has, by their vertices in ascending order, stay edges.
 ///
 /// # Errors
@@ -335,14 +342,20 @@ pub(crate) fn refine_all(
             let is_alike = |k: usize, shape: usize| planar[k] == planar[shape] && held[k] == held[shape];
             let alike = |(k, &shape): (usize, &usize)| if is_alike(k, shape) { shape } else { k };
             let shapes: Vec<usize> = shapes.iter().enumerate().map(alike).collect();
+            // In the model's units.
+            let area = |surface: &Surface| surface.metric().area(&surface.mesh) * surface.scale.powi(-2);
+            let whole: f64 = surfaces.par_iter().map(area).collect::<Vec<f64>>().iter().sum();
             let refine = |k: usize, surface: &Surface| {
                 let metric = surface.metric();
-                if refining == Refining::Needles && is_flat(surface, &metric) {
+                let lacks = (LARGE_PART * whole / area(surface)).max(1.0);
+                if (refining == Refining::Needles || lacks > 1.0) && is_flat(surface, &metric) {
                     return Ok(None);
                 }
-                let largest = largest * metric.area(&surface.mesh).sqrt();
+                let larger = lacks.powf(0.25);
+                let largest = larger * largest * metric.area(&surface.mesh).sqrt();
+                let small = if surface.mesh.vertex_count() > MANY_VERTICES { SMALL * largest } else { 0.0 };
                 let roles = EdgeRoles { left_out: Some(&planar[k]), held: Some(&held[k]) };
-                refine_watched(&surface.mesh, &metric, largest, roles, watch).map(Some)
+                refine_watched(&surface.mesh, &metric, TriangleSize { largest, small }, roles, watch).map(Some)
             };
             let refined = of_shapes(&surfaces, &shapes, |k, surface| refine(k, surface).transpose());
             let refined = refined.into_iter().map(Option::transpose).collect::<Result<Vec<Option<Refinement>>, _>>()?;

@@ -54,9 +54,26 @@ pub struct Refinement {
     pub along: EdgeData<Option<HalfedgeId>>,
     /// What both triangulations cut the surface into.
     pub common: CommonRefinement,
-    /// Whether all triangles have the least angle, but those at narrow corners and those that span one between edges that are held; not so
+    /// Whether all triangles have the least angle, but small ones, those at narrow corners and those that span one between edges that are held; not so
     /// where a cap was reached.
     pub is_complete: bool,
+}
+
+/// How large triangles may be, and how small those are that need not be even, by the radii of their circumcircles.
+///
+/// What a function that is linear on triangles misses of a smooth one's gradient is bounded by these radii, whatever the angles are (the
+/// *circumradius condition*: Kobayashi & Tsuchiya 2014). So needles with small ones do no harm.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TriangleSize {
+    /// None is larger; infinity where any will do.
+    pub largest: f64,
+    /// Smaller ones may have any angles; 0 where all are to have [`LEAST_ANGLE`].
+    pub small: f64,
+}
+
+impl TriangleSize {
+    /// Any size, but all with [`LEAST_ANGLE`].
+    pub const ANY: Self = Self { largest: f64::INFINITY, small: 0.0 };
 }
 
 /// What is to become of some edges of the input; of none, by default.
@@ -69,23 +86,22 @@ pub struct EdgeRoles<'a> {
     pub held: Option<&'a EdgeData<bool>>,
 }
 
-/// Refines a surface until its triangles are even, and their circumcircles no larger than with the radius `largest` (infinity
-/// where any will do). At most 20 vertices are put in for each of the input's, and 10,000 more. A surface whose common refinement would fill
+/// Refines a surface until its triangles are even, and as large as they may be. At most 20 vertices are put in for each of the input's, and 10,000 more. A surface whose common refinement would fill
 /// the memory (more than 200 crossings of edges for each vertex of the input, and 500,000 more) stays as it is, and is not complete.
 /// O(n log n) for n vertices in the end, and the number of places where edges of the two triangulations cross.
 ///
 /// ```
-/// use geom::{Mesh, Metric, refine};
+/// use geom::{Mesh, Metric, TriangleSize, refine};
 ///
 /// // A strip of two needles.
 /// let mesh = Mesh::new(4, &[[0, 1, 2], [0, 2, 3]])?;
 /// let strip = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 0.05, 0.0], [0.0, 0.05, 0.0]];
-/// let refinement = refine(&mesh, &Metric::from_points(&mesh, &strip), f64::INFINITY);
+/// let refinement = refine(&mesh, &Metric::from_points(&mesh, &strip), TriangleSize::ANY);
 /// assert!(refinement.is_complete && refinement.triangulation.vertex_count() > 4);
 /// # Ok::<(), geom::MeshError>(())
 /// ```
-pub fn refine(input: &Triangulation, metric: &Metric, largest: f64) -> Refinement {
-    unwatched(refine_watched(input, metric, largest, EdgeRoles::default(), Watch::NONE))
+pub fn refine(input: &Triangulation, metric: &Metric, size: TriangleSize) -> Refinement {
+    unwatched(refine_watched(input, metric, size, EdgeRoles::default(), Watch::NONE))
 }
 
 /// [`refine`], with edges of the input that play a role, and watched.
@@ -95,12 +111,12 @@ pub fn refine(input: &Triangulation, metric: &Metric, largest: f64) -> Refinemen
 pub fn refine_watched(
     input: &Triangulation,
     metric: &Metric,
-    largest: f64,
+    size: TriangleSize,
     EdgeRoles { left_out, held }: EdgeRoles,
     watch: Watch,
 ) -> Result<Refinement, Interrupted> {
     let held = held.filter(|held| held.contains(&true));
-    let mut chew = Chew::new((input, metric), held, largest);
+    let mut chew = Chew::new((input, metric), held, size);
     watch.ask(0.05)?;
     chew.flip_all(watch.within(0.05, 0.2))?;
     watch.ask(0.2)?;
@@ -155,8 +171,7 @@ struct Chew<'a> {
     overlay: Overlay<'a>,
     /// The lengths of the input's edges.
     metric: &'a Metric,
-    /// No circumcircle is larger.
-    largest: f64,
+    size: TriangleSize,
     /// Whether angles at a vertex of the input are narrow: all round it, or those of a sector.
     is_narrow: Vec<bool>,
     sectors: Sectors,
@@ -169,13 +184,17 @@ struct Chew<'a> {
 }
 
 impl<'a> Chew<'a> {
-    fn new((input, metric): (&'a Triangulation, &'a Metric), held: Option<&'a EdgeData<bool>>, largest: f64) -> Self {
+    fn new(
+        (input, metric): (&'a Triangulation, &'a Metric),
+        held: Option<&'a EdgeData<bool>>,
+        size: TriangleSize,
+    ) -> Self {
         let mut is_narrow: Vec<bool> = metric.angle_sums(input).iter().map(|sum| *sum < NARROW).collect();
         let sectors = held.map_or_else(Sectors::default, |held| Sectors::new(input, metric, held));
         sectors.narrow.keys().for_each(|&first| is_narrow[input.tail(first).index()] = true);
         let most_crossings = MOST_CROSSINGS_PER_VERTEX * input.vertex_count() + SPARE_CROSSINGS;
         let overlay = Overlay::new(input, metric, held);
-        Self { overlay, metric, largest, is_narrow, sectors, bad: BinaryHeap::new(), flips_left: 0, most_crossings }
+        Self { overlay, metric, size, is_narrow, sectors, bad: BinaryHeap::new(), flips_left: 0, most_crossings }
     }
 
     /// Whether the edges cross those of the input too often.
@@ -229,10 +248,10 @@ impl<'a> Chew<'a> {
         let out = self.overlay.triangulation.sides(f);
         let is_excused =
             |s: usize| self.is_narrow_at(out[s]) || self.spans_corner([1, 2].map(|k| corners[(s + k) % 3]));
-        let is_bad = (0..3).any(|s| angles[s] < LEAST_ANGLE && !is_excused(s));
         let area = sides.area();
         let radius = sides.0.iter().product::<f64>() / (4.0 * area);
-        (area > 0.0 && (is_bad || radius > self.largest)).then_some(radius)
+        let is_bad = radius >= self.size.small && (0..3).any(|s| angles[s] < LEAST_ANGLE && !is_excused(s));
+        (area > 0.0 && (is_bad || radius > self.size.largest)).then_some(radius)
     }
 
     /// Whether the angles of the input are narrow where a halfedge begins, on its left.

@@ -5,7 +5,7 @@
 //! same: only lengths are computed with. Where the boundary lies between, or the circumcentre in the diametral circle of a boundary
 //! edge, that edge is split instead (Ruppert 1995): Chew takes points out again there, which a correspondence does not like. So at
 //! boundaries the bound that is proven is Ruppert's, 20.7°; a cap ends what does not end. Corners that are narrow by themselves
-//! cannot have the angle and are let be. Edges that are [held](EdgeRoles::held) are such boundaries with a triangle on both sides.
+//! cannot have the angle and are let be, and nothing is asked of triangles that are [small](TriangleSize::small). Edges that are [held](EdgeRoles::held) are such boundaries with a triangle on both sides.
 //!
 //! The input's edges are carried along ([`overlay`]), exactly as far as order goes, so that both triangulations cut the surface into
 //! a [`CommonRefinement`]: the same surface in space, and in each of its triangles a map of either is linear. Where the surface is plane
@@ -18,7 +18,7 @@ mod overlay;
 mod planar;
 mod plane;
 
-pub use chew::{EdgeRoles, LEAST_ANGLE, Refinement, refine, refine_watched};
+pub use chew::{EdgeRoles, LEAST_ANGLE, Refinement, TriangleSize, refine, refine_watched};
 pub use common::CommonRefinement;
 pub use planar::planar_edges;
 

@@ -15,10 +15,10 @@ fn check(mesh: &Mesh, points: &[[f64; 3]]) -> Refinement {
 
 /// The same, with edges that are held.
 fn check_holding(mesh: &Mesh, points: &[[f64; 3]], held: &EdgeData<bool>) -> Refinement {
-    let metric = Metric::from_points(mesh, points);
+    let (metric, size) = (Metric::from_points(mesh, points), TriangleSize::ANY);
     let roles = EdgeRoles { held: Some(held), left_out: None };
-    let refinement = refine_watched(mesh, &metric, f64::INFINITY, roles, Watch::NONE).expect("it is not stopped");
-    check_triangulation((mesh, &metric), held, &refinement);
+    let refinement = refine_watched(mesh, &metric, size, roles, Watch::NONE).expect("it is not stopped");
+    check_triangulation((mesh, &metric), size, held, &refinement);
     check_common(mesh, points, &refinement);
     check_held((mesh, &metric), held, &refinement);
     assert!(refinement.place.len() < 10_000, "it ended by itself: {}", refinement.place.len());
@@ -49,7 +49,12 @@ fn check_held((mesh, metric): (&Mesh, &Metric), held: &EdgeData<bool>, refinemen
     assert_eq!(common.place.iter().skip(place.len()).filter(is_crossed).count(), 0);
 }
 
-fn check_triangulation((mesh, metric): (&Mesh, &Metric), held: &EdgeData<bool>, refinement: &Refinement) {
+fn check_triangulation(
+    (mesh, metric): (&Mesh, &Metric),
+    size: TriangleSize,
+    held: &EdgeData<bool>,
+    refinement: &Refinement,
+) {
     let Refinement { triangulation, metric: fine, place, along, is_complete, .. } = refinement;
     triangulation.check();
     let [before, after] = [metric.area(mesh), fine.area(triangulation)];
@@ -103,7 +108,10 @@ fn check_triangulation((mesh, metric): (&Mesh, &Metric), held: &EdgeData<bool>, 
             let is_narrow = is_narrow_at(h)
                 || held.contains(&true) && spans_corner(triangulation.tail(opposite), triangulation.head(opposite));
             let angle = fine.angle(triangulation, h);
-            assert!(is_narrow || angle > LEAST_ANGLE - 1e-9, "{h:?} {angle}");
+            let sides = fine.sides(triangulation, triangulation.face(h));
+            let radius = sides.0.iter().product::<f64>() / (4.0 * sides.area());
+            assert!(radius < size.largest * (1.0 + 1e-9), "{h:?} {radius}");
+            assert!(is_narrow || radius < size.small || angle > LEAST_ANGLE - 1e-9, "{h:?} {angle}");
         }
     }
 }
@@ -182,6 +190,26 @@ fn stretched_shapes_get_even_triangles() {
             let shape = stretched(shape, by);
             assert!(check(&shape.mesh(), &shape.points).is_complete);
         }
+    }
+}
+
+#[test]
+fn small_needles_may_stay() {
+    for shape in [shapes::hare(900), shapes::torus(2, 900), shapes::terrain(600, 3)] {
+        let shape = stretched(shape, [1.0, 1.0, 6.0]);
+        let mesh = shape.mesh();
+        let metric = Metric::from_points(&mesh, &shape.points);
+        let none_held = EdgeData::constant(mesh.edge_count(), false);
+        let root = metric.area(&mesh).sqrt();
+        let counts = [0.0, 0.03, 0.08].map(|small| {
+            let size = TriangleSize { largest: 0.1 * root, small: small * root };
+            let refinement = refine(&mesh, &metric, size);
+            check_triangulation((&mesh, &metric), size, &none_held, &refinement);
+            check_common(&mesh, &shape.points, &refinement);
+            assert!(refinement.is_complete);
+            refinement.place.len()
+        });
+        assert!(counts.is_sorted_by(|more, fewer| more > fewer), "{counts:?}");
     }
 }
 
@@ -290,7 +318,7 @@ proptest! {
             prop_assert_eq!(planar[e], is_flat, "{:?}", e);
         }
         let metric = Metric::from_points(&mesh, &points);
-        let cut = |left_out| refine_watched(&mesh, &metric, f64::INFINITY, EdgeRoles { left_out, held: None }, Watch::NONE).expect("it is not stopped");
+        let cut = |left_out| refine_watched(&mesh, &metric, TriangleSize::ANY, EdgeRoles { left_out, held: None }, Watch::NONE).expect("it is not stopped");
         let (all, fewer) = (cut(None), cut(Some(&planar)));
         prop_assert_eq!(&fewer.triangulation, &all.triangulation);
         check_surface(&mesh, &points, &fewer);
@@ -325,7 +353,7 @@ proptest! {
     fn one_triangle_of_aspect_up_to_a_hundred_million_ends(x in 0.0..1.0f64, height in magnitude(8.0)) {
         let mesh = Mesh::new(3, &[[0, 1, 2]]).expect("a triangle");
         let metric = Metric::from_points(&mesh, &[[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [x, height, 0.0]]);
-        let refinement = refine(&mesh, &metric, f64::INFINITY);
+        let refinement = refine(&mesh, &metric, TriangleSize::ANY);
         refinement.triangulation.check();
         prop_assert!(refinement.triangulation.vertex_count() <= 3 + 10_060);
     }
@@ -338,7 +366,7 @@ fn vertices_at_circumcentres_on_edges_of_the_input_leave_no_triangle_without_are
         let points = [[0.0, 0.0, 0.0], [width, 0.0, 0.0], [width, 1.0, 0.0], [0.0, 1.0, 0.0]];
         let mesh = Mesh::new(4, &[[0, 1, 2], [0, 2, 3]]).unwrap();
         for largest in [0.4, 0.2, 0.1, 0.05] {
-            let refinement = refine(&mesh, &Metric::from_points(&mesh, &points), largest);
+            let refinement = refine(&mesh, &Metric::from_points(&mesh, &points), TriangleSize { largest, small: 0.0 });
             let at = refinement.common.positions(&mesh, &points);
             let area = |t: &[u32; 3]| {
                 let [a, b, c] = t.map(|v| at[v as usize]);
@@ -381,8 +409,9 @@ fn a_vertex_in_the_middle_of_a_large_polygon_flips_as_many_edges_as_it_takes() {
     for corners in [100, 1400, 2000] {
         let (mesh, points) = prism(corners);
         let metric = Metric::from_points(&mesh, &points);
-        let refinement = refine(&mesh, &metric, 0.07);
-        check_triangulation((&mesh, &metric), &EdgeData::constant(mesh.edge_count(), false), &refinement);
+        let size = TriangleSize { largest: 0.07, small: 0.0 };
+        let refinement = refine(&mesh, &metric, size);
+        check_triangulation((&mesh, &metric), size, &EdgeData::constant(mesh.edge_count(), false), &refinement);
         check_common(&mesh, &points, &refinement);
         assert!(refinement.is_complete && refinement.place.len() < 4 * points.len() + 10_000, "{corners}");
     }
@@ -397,7 +426,7 @@ fn what_would_be_cut_too_often_stays_as_it_is() {
         let left_out = EdgeData::constant(mesh.edge_count(), can_be_left_out);
         let metric = Metric::from_points(&mesh, &shape.points);
         let roles = EdgeRoles { left_out: Some(&left_out), held: None };
-        let refinement = refine_watched(&mesh, &metric, f64::INFINITY, roles, Watch::NONE).unwrap();
+        let refinement = refine_watched(&mesh, &metric, TriangleSize::ANY, roles, Watch::NONE).unwrap();
         assert!(!refinement.is_complete, "{by}");
         assert_eq!(refinement.triangulation, *mesh.triangulation());
         assert_eq!(refinement.common.triangles.len(), mesh.face_count());

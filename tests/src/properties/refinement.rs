@@ -3,8 +3,8 @@
 use std::f64::consts::PI;
 
 use geom::{
-    EdgeData, EdgeRoles, Id, LEAST_ANGLE, Mesh, Metric, Refinement, SurfacePoint, VertexId, Watch, angle_defects,
-    refine_watched,
+    EdgeData, EdgeRoles, Id, LEAST_ANGLE, Mesh, Metric, Refinement, SurfacePoint, TriangleSize, VertexId, Watch,
+    angle_defects, refine_watched,
 };
 
 use super::{assert_close, metric_of};
@@ -23,7 +23,7 @@ pub fn refinement(bytes: &[u8]) {
     let metric = metric_of(&mesh, &shape);
     let held: EdgeData<bool> = mesh.edges().map(|_| bytes.below(4) == 1).collect();
     let roles = EdgeRoles { held: Some(&held), left_out: None };
-    let refinement = refine_watched(&mesh, &metric, f64::INFINITY, roles, Watch::NONE).expect("nobody says stop");
+    let refinement = refine_watched(&mesh, &metric, TriangleSize::ANY, roles, Watch::NONE).expect("nobody says stop");
     let Refinement { triangulation, metric: fine, place, is_complete, .. } = &refinement;
     triangulation.check();
     assert_eq!(triangulation.euler_characteristic(), mesh.euler_characteristic());
