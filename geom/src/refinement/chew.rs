@@ -86,8 +86,8 @@ pub struct EdgeRoles<'a> {
     pub held: Option<&'a EdgeData<bool>>,
 }
 
-/// Refines a surface until its triangles are even, and as large as they may be. At most 20 vertices are put in for each of the input's, and 10,000 more. A surface whose common refinement would fill
-/// the memory (more than 200 crossings of edges for each vertex of the input, and 500,000 more) stays as it is, and is not complete.
+/// Refines a surface until its triangles are even, and no larger than they may be. At most 20 vertices are put in for each of the input's, and
+/// 10,000 more. A surface whose common refinement would fill the memory (more than 200 crossings of edges for each vertex of the input, and 500,000 more) stays as it is, and is not complete.
 /// O(n log n) for n vertices in the end, and the number of places where edges of the two triangulations cross.
 ///
 /// ```
