@@ -691,12 +691,13 @@ fn scraps_are_refined_less_than_what_is_large_and_flat_ones_not_at_all() {
     let [large, scrap] = [1.0, 1e-2].map(|size| pieces(&needles, &[beside(&needles, size)]));
     assert!(needles.triangles.len() < scrap && 2 * scrap < large, "{scrap} {large}");
     assert_eq!(pieces(&needles, std::slice::from_ref(&sliver)), 1);
-    assert!(pieces(&sliver, &[]) == 0);
+    let alone = Analysis::with(&model(&sliver), preparation).expect("a sound model");
+    assert!(alone.refined().is_some_and(|refined| refined.face.len() > 1), "it is all that there is");
 }
 
 #[test]
 fn needles_of_a_large_surface_stay_where_they_are_small() {
-    let shape = solids::mapped(&shapes::hare(201_000), |[x, y, z]| [x, y, 3.0 * z]);
+    let shape = solids::mapped(&shapes::hare(103_000), |[x, y, z]| [x, y, 3.0 * z]);
     let preparation = Preparation { refine: Refining::Always, ..Preparation::default() };
     let analysis = Analysis::with(&model(&shape), preparation).expect("a sound model");
     let refined = analysis.refined().expect("it was asked for");
