@@ -78,7 +78,7 @@ pub(crate) const LARGEST: f64 = 0.02;
 pub(crate) const FINER: f64 = 0.01;
 /// On surfaces with more vertices than this triangles are [small](TriangleSize::small)
 const MANY_VERTICES: usize = 100_000;
-/// below this share of that radius: needles that do no harm, which cut each other's neighbours into tens of pieces.
+/// below this share of that radius: their needles do no harm, but refined they change nearly all edges, and the file's triangles are cut along each.
 const SMALL: f64 = 0.25;
 /// Parts with less than this share of the model's area have larger triangles, so that their number falls with the root of the share: what is missed falls
 /// with the number of triangles, and counts by the share.
@@ -344,10 +344,11 @@ pub(crate) fn refine_all(
             let shapes: Vec<usize> = shapes.iter().enumerate().map(alike).collect();
             // In the model's units.
             let area = |surface: &Surface| surface.metric().area(&surface.mesh) * surface.scale.powi(-2);
-            let whole: f64 = surfaces.par_iter().map(area).collect::<Vec<f64>>().iter().sum();
+            let areas: Vec<f64> = surfaces.par_iter().map(area).collect();
+            let whole: f64 = areas.iter().sum();
             let refine = |k: usize, surface: &Surface| {
                 let metric = surface.metric();
-                let lacks = (LARGE_PART * whole / area(surface)).max(1.0);
+                let lacks = (LARGE_PART * whole / areas[k]).max(1.0);
                 if (refining == Refining::Needles || lacks > 1.0) && is_flat(surface, &metric) {
                     return Ok(None);
                 }
