@@ -70,10 +70,11 @@ pub(crate) fn start_threads(count: Option<NonZeroUsize>) {
     let _ = builder.build_global();
 }
 
-/// So many pools of threads, or as many as can be had, which share the threads of the one that there is.
+/// So many pools of threads, or as many as can be had, which share the threads of the one that there is: no more than it has.
 pub(crate) fn pools(count: usize) -> Vec<ThreadPool> {
     let threads = rayon::current_num_threads();
-    let share = |k: usize| (threads / count + usize::from(k < threads % count)).max(1);
+    let count = count.min(threads);
+    let share = |k: usize| threads / count + usize::from(k < threads % count);
     (0..count).map_while(|k| ThreadPoolBuilder::new().num_threads(share(k)).build().ok()).collect()
 }
 

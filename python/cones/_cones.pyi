@@ -25,6 +25,7 @@ class Mesh:
     face_count: int
     corner_count: int
     skipped: str
+    has_uv: bool
     uv: Optional[NDArray[np.float64]]
     def triangles(self) -> tuple[NDArray[np.uint32], NDArray[np.uint32]]: ...
     def texture_seams(self, weld: str) -> NDArray[np.uint32]: ...

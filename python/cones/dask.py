@@ -20,16 +20,18 @@ workers; pairs go to the caller.
 
 from __future__ import annotations
 
+import gzip
 import hashlib
 import itertools
 import json
 import operator
 import os
 import time
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, Optional, Union
+from urllib.parse import unquote
 
 import dask
 import numpy as np
@@ -122,6 +124,8 @@ def _item(path: str, output: str, resume: bool, options: dict) -> Item:
             return done
         result = _unwrap(path, **options)
         Path(output).parent.mkdir(parents=True, exist_ok=True)
+        # Lest it be taken for a line about the new output, should this end in between.
+        line.unlink(missing_ok=True)
         result.write(output)
         item = Item(
             path,
@@ -144,16 +148,40 @@ def _key(path: str, options: dict) -> str:
     """What a result depends on: the input's bytes, the options, the version."""
     from ._cones import __version__
 
-    text = json.dumps([__version__, options], sort_keys=True, default=_plain)
+    text = json.dumps([__version__, _plain(sorted(options.items()))])
     digest = hashlib.blake2b(text.encode())
-    with open(path, "rb") as file:
-        while block := file.read(1 << 20):
-            digest.update(block)
+    for part in [Path(path), *_buffers(Path(path))]:
+        with open(part, "rb") as file:
+            while block := file.read(1 << 20):
+                digest.update(block)
     return digest.hexdigest()
 
 
 def _plain(value: Any) -> Any:
+    """A value in terms of JSON, of which keys of mappings may be anything."""
+    if isinstance(value, Mapping):
+        return [[_plain(key), _plain(of_key)] for key, of_key in value.items()]
+    if isinstance(value, (list, tuple)):
+        return [_plain(item) for item in value]
+    if value is None or isinstance(value, (str, int, float)):
+        return value
     return value.tolist() if hasattr(value, "tolist") else repr(value)
+
+
+def _buffers(path: Path) -> list[Path]:
+    """The files beside it that a glTF keeps its numbers in."""
+    name = path.name.lower()
+    if not name.endswith((".gltf", ".gltf.gz")):
+        return []
+    data = path.read_bytes()
+    try:
+        content = json.loads(gzip.decompress(data) if name.endswith(".gz") else data)
+        names = [buffer.get("uri", "data:") for buffer in content.get("buffers", [])]
+        beside = [path.parent / unquote(name) for name in names if not name.startswith("data:")]
+    except (ValueError, OSError, EOFError, AttributeError, TypeError):
+        # Whoever reads the mesh says what is wrong with it.
+        return []
+    return [buffer for buffer in beside if buffer.is_file()]
 
 
 def _found(line: Path, output: str, key: str) -> Optional[Item]:
@@ -162,7 +190,7 @@ def _found(line: Path, output: str, key: str) -> Optional[Item]:
         found = json.loads(line.read_text())
     except (OSError, ValueError):
         return None
-    if found.pop("key", None) != key or not Path(output).exists():
+    if not isinstance(found, dict) or found.pop("key", None) != key or not Path(output).exists():
         return None
     return Item(**{**found, "warnings": tuple(found["warnings"]), "was_done": True})
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 import errno
 import gzip
 import os
-import tempfile
+import secrets
+import shutil
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, Optional, Union
@@ -148,19 +149,21 @@ def as_mesh(vertices: Any, faces: Optional[Faces]) -> Mesh:
 
 
 def write_whole(path: Path, data: bytes) -> None:
-    """Writes a file that appears whole or not at all."""
+    """Writes a file that appears whole or not at all. A link is followed, and what is replaced hands on its mode."""
+    target = path.resolve() if path.is_symlink() else path
+    # Files of tempfile are their owner's alone, and to ask for the umask is to change it for all threads.
+    temporary = target.with_name(f".{target.name}.{secrets.token_hex(4)}")
     try:
-        handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
+        file = open(temporary, "xb")
     except OSError as error:
         # It names the temporary file, of which nobody knows.
         raise OSError(error.errno, error.strerror, str(path)) from None
     try:
-        with os.fdopen(handle, "wb") as file:
+        with file:
             file.write(data)
-        mask = os.umask(0)
-        os.umask(mask)
-        os.chmod(temporary, 0o666 & ~mask)
-        os.replace(temporary, path)
+        if target.exists():
+            shutil.copymode(target, temporary)
+        os.replace(temporary, target)
     except BaseException:
         os.unlink(temporary)
         raise

@@ -69,7 +69,7 @@ def layout(
         raise Error(f"seam_weight is a number from 0 to 1, not {seam_weight}")
     kept = keep_seams
     if isinstance(keep_seams, bool):
-        if keep_seams and mesh.uv is None:
+        if keep_seams and not mesh._native.has_uv:
             raise Error("keep_seams is for a mesh with texture coordinates, and this one has none")
         kept = mesh.texture_seams(weld=weld) if keep_seams else None
     kept = _edges(kept)

@@ -86,6 +86,12 @@ impl Mesh {
         self.0.skipped().to_string()
     }
 
+    /// Whether any corner may have texture coordinates.
+    #[getter]
+    fn has_uv(&self) -> bool {
+        self.0.uv().is_some()
+    }
+
     /// The texture coordinates of all corners; none if any corner has none.
     #[getter]
     fn uv<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArray2<f64>>>> {

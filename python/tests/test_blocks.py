@@ -47,7 +47,7 @@ def test_random_fields_in_random_chunks(axes):
         same(found.maxima, expected.maxima)
 
 
-@pytest.mark.parametrize("kind", [np.float32, np.int32, np.uint8])
+@pytest.mark.parametrize("kind", [np.float32, np.int32, np.uint8, ">f4", ">f8"])
 def test_masked_arrays_in_chunks_are_taken_with_their_mask(kind):
     rng = np.random.default_rng(4)
     field = np.ma.masked_array((100 * rng.random((40, 50))).astype(kind), rng.random((40, 50)) < 0.3)

@@ -52,6 +52,60 @@ def test_a_run_goes_on_where_it_was(folder, tmp_path):
     assert not third["mesh1.obj"] and not third["mesh2.obj"] and third["mesh4.obj"]
 
 
+def test_no_line_about_another_output_is_believed(folder, tmp_path):
+    out = tmp_path / "out"
+    items(folder, out, n=4)
+    lines = sorted(out.rglob("*.json"))
+    before = {line: line.read_bytes() for line in lines}
+    items(folder, out, n=5)
+    # As if the second run had ended between an output and the line about it, which is gone by then.
+    lines[0].unlink()
+    lines[1].write_text("[]")
+    lines[2].write_text("null")
+    found = {f"{item.output}.json": item for item in items(folder, out, n=5) if not item.error}
+    assert [found[str(line)].was_done for line in lines[:4]] == [False, False, False, True]
+    assert all(item.cones == 5 for item in found.values())
+    assert all(line.read_bytes() != text for line, text in before.items())
+
+
+def test_an_output_that_is_replaced_has_no_line_while_it_is(folder, tmp_path, monkeypatch):
+    from cones import dask as many
+
+    source, output = folder / "mesh1.obj", tmp_path / "mesh1.obj"
+    many._item(str(source), str(output), True, {"n": 4})
+    line = tmp_path / "mesh1.obj.json"
+    assert line.exists()
+    there = []
+    monkeypatch.setattr(cones.Unwrapping, "write", lambda self, path: there.append(line.exists()))
+    many._item(str(source), str(output), True, {"n": 5})
+    assert there == [False]
+
+
+def test_a_gltf_depends_on_its_buffers(tmp_path):
+    from cones import dask as many
+
+    path = tmp_path / "a.gltf"
+    path.write_text('{"buffers": [{"uri": "a%20b.bin"}, {"uri": "data:;base64,AA=="}, {}, {"uri": "none.bin"}]}')
+    (tmp_path / "a b.bin").write_bytes(b"1")
+    first = many._key(str(path), {})
+    (tmp_path / "a b.bin").write_bytes(b"2")
+    assert many._key(str(path), {}) != first
+    for text in ["{", "[]", '{"buffers": 1}', '{"buffers": [1]}', '{"buffers": [{"uri": 1}]}']:
+        path.write_text(text)
+        many._key(str(path), {})
+
+
+def test_options_of_any_kind_make_a_key(tmp_path):
+    import numpy as np
+
+    from cones import dask as many
+
+    path = tmp_path / "a.obj"
+    path.write_text("")
+    keys = [many._key(str(path), {"cones": given}) for given in ({np.int64(3): 1.0}, {3: 1.0}, {3: 2.0}, np.array([3]), [3], None)]
+    assert keys[0] == keys[1] and keys[3] == keys[4] and len(set(keys)) == 4
+
+
 def test_outputs_that_would_collide_are_refused(folder, tmp_path):
     from cones import dask as many
 

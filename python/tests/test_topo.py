@@ -152,6 +152,13 @@ def test_masked_arrays_are_taken_with_their_mask():
     # Integers that are no floats need no cell to be left out.
     large = np.ma.masked_array(np.array([2**63, 2**63 - 1, 2**63 + 5], dtype=np.uint64))
     assert topo.superlevel(large).array["birth"].max() == 2**63 + 5
+    # Nor are those that are left out: a fill value may be what nobody can compare.
+    filled = np.arange(6)
+    filled[2] = np.iinfo(np.int64).min
+    found = topo.sublevel(np.ma.masked_equal(filled, filled[2]))
+    assert found.array["extremum"].tolist() == [0, 3]
+    with pytest.raises(cones.Error, match="beyond 2\\*\\*53 cannot be masked"):
+        topo.sublevel(filled, mask=np.arange(6) != 4)
     with pytest.raises(cones.Error, match="1 values of an array are masked"):
         topo.single_linkage(3, [[0, 1], [1, 2]], np.ma.masked_array([1.0, 2.0], [False, True]))
 
@@ -282,6 +289,28 @@ def test_single_linkage_is_that_of_scipy():
     assert np.allclose(linkage.links[:, 2], theirs[:, 2])
     labels, expected = linkage.clusters(4), hierarchy.fcluster(theirs, 4, "maxclust")
     assert len({(a, b) for a, b in zip(labels, expected)}) == 4
+
+
+def test_what_is_no_table_of_edges_is_refused():
+    for wrong in ([[0.9, 1.9], [1.9, 2.9]], [[0, 1, 2, 3], [1, 2, 3, 4]], [[0, 1, 1.5]], [0, 1], np.array([[0, 2**64 - 1]], np.uint64)):
+        for build in (lambda: topo.Graph(5, wrong), lambda: topo.single_linkage(5, wrong, np.ones(len(wrong)))):
+            with pytest.raises(cones.Error, match="edge"):
+                build()
+    for wrong in (3.7, "3", -1):
+        with pytest.raises(cones.Error, match="vertices is a number of vertices"):
+            topo.Graph(wrong, [])
+    assert topo.TriangleMesh(3, []).vertex_count == 3
+    with pytest.raises(cones.Error, match="n is a number of pairs, not -1"):
+        topo.sublevel([1.0, 2.0]).top(-1)
+
+
+def test_a_diagram_of_maxima_is_compared_with_an_empty_one():
+    maxima, none = [[7.0, 2.0], [5.0, 4.0]], np.empty((0, 2))
+    assert topo.bottleneck(maxima, none) == topo.bottleneck(none, maxima) == 2.5
+    assert topo.wasserstein(maxima, [[3.0, 3.0]], order=1.0) == 3.0
+    assert topo.matching(maxima, none).distance > 0
+    with pytest.raises(cones.Error, match="one diagram is of minima"):
+        topo.bottleneck(maxima, [[0.0, 1.0]])
 
 
 def test_compressed_rows_are_the_graph_of_their_edges():

@@ -3,6 +3,7 @@
 import errno
 import gzip
 import json
+import os
 from pathlib import Path
 
 import numpy as np
@@ -250,6 +251,39 @@ def test_wrong_options_are_refused_in_a_sentence(hare):
         one.flatten(one.place(4), weld="never")
     with pytest.raises(cones.Error, match="leave one of the two out"):
         one.unwrap(4, quantize=4, free_seams="always")
+
+
+def test_a_file_is_replaced_as_the_command_replaces_it(tmp_path):
+    mesh = cones.shape("sphere", 100)
+    path, link = tmp_path / "a.obj", tmp_path / "link.obj"
+    before = os.umask(0o027)
+    try:
+        mesh.write(path)
+        assert path.stat().st_mode & 0o777 == 0o640, "as the umask asks"
+        assert os.umask(0o027) == 0o027
+        path.chmod(0o604)
+        link.symlink_to("a.obj")
+        path.write_text("")
+        mesh.write(link)
+    finally:
+        os.umask(before)
+    assert link.is_symlink() and path.stat().st_mode & 0o777 == 0o604 and path.read_text().count("\nv ") > 90
+    assert sorted(entry.name for entry in tmp_path.iterdir()) == ["a.obj", "link.obj"]
+
+
+def test_seams_of_a_mesh_that_has_texture_coordinates_in_part_are_kept(tmp_path):
+    path = tmp_path / "part.obj"
+    path.write_text("v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nf 1/1 2/2 3/3\nf 1 3 4\n")
+    mesh = cones.read(path)
+    assert mesh.uv is None
+    result = cones.unwrap(mesh, keep_seams=True)
+    assert result.island_count == 2, "they end along the diagonal"
+
+
+def test_rounded_cones_keep_the_directions_of_textures_when_they_are_flattened(hare):
+    analysis = cones.Analysis(hare)
+    flattened, atlas = analysis.flatten(analysis.place(8, quantize=4)), cones.Analysis(hare).unwrap(8, quantize=4)
+    assert (flattened.uv == atlas.uv).all()
 
 
 def test_errors_are_values_errors_and_maps_of_the_wrong_length_are_refused(hare):

@@ -539,6 +539,28 @@ fn spare_faces_lie_where_their_originals_do_or_over_nothing() {
 }
 
 #[test]
+fn copies_of_polygons_have_the_positions_of_their_originals_whatever_their_diagonals() {
+    let side = 5_u32;
+    let points: Vec<[f64; 3]> =
+        (0..side * side).map(|v| [f64::from(v % side), f64::from(v / side), 0.2 * f64::from(v % 3)]).collect();
+    let corner = |k: u32| side * (k / (side - 1)) + k % (side - 1);
+    let squares: Vec<[u32; 4]> =
+        (0..(side - 1).pow(2)).map(|k| [0, 1, side + 1, side].map(|v| corner(k) + v)).collect();
+    let turned = squares.iter().map(|&[a, b, c, d]| [c, b, a, d]);
+    let faces: Vec<[u32; 4]> = squares.iter().copied().chain(turned).collect();
+    let model = Model::from_polygons(points, &faces).unwrap();
+    let atlas = unwrap_model(&model, &Options::default()).unwrap();
+    for (original, copy) in (0..squares.len()).zip(squares.len()..) {
+        let place = |face: usize, v: u32| {
+            let corner =
+                model.face_corners(face).find(|&c| model.corners()[c] == v).expect("it is one of its vertices");
+            atlas.uv[corner]
+        };
+        faces[copy].iter().for_each(|&v| assert_eq!(place(copy, v), place(original, v), "face {copy}"));
+    }
+}
+
+#[test]
 fn copies_of_faces_are_refined_as_their_originals_are() {
     let (model, count) = with_spare_faces();
     let refine = Preparation { refine: Refining::Always, ..Preparation::default() };

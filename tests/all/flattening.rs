@@ -50,6 +50,11 @@ proptest! {
     }
 
     #[test]
+    fn whatever_is_asked_for_comes_or_is_refused(bytes in bytes(240)) {
+        properties::options_unwrap(&bytes);
+    }
+
+    #[test]
     fn whatever_a_file_holds_unwraps_or_is_refused(bytes in bytes(160)) {
         properties::files_unwrap(&bytes);
     }

@@ -127,6 +127,35 @@ fn found(source: &Path) -> BTreeMap<String, BTreeMap<String, PathBuf>> {
     found
 }
 
+/// The files that may declare a module.
+fn parents(module: &[String], source: &Path) -> Vec<PathBuf> {
+    match module.split_last() {
+        None | Some((_, [])) => ["lib.rs", "main.rs"].map(|name| source.join(name)).to_vec(),
+        Some((_, outer)) => {
+            let folder = outer.iter().fold(source.to_owned(), |folder, name| folder.join(name));
+            vec![folder.join("mod.rs"), folder.with_extension("rs")]
+        }
+    }
+}
+
+#[test]
+fn every_file_is_a_module_of_its_crate() {
+    for name in ["topo", "geom", "cones", "cli", "tests", "python"] {
+        let source = root().join(name).join("src");
+        let files = sources(&source);
+        assert!(!files.is_empty(), "{name} has sources");
+        for file in files {
+            let module = module(&file, &source);
+            let Some(own) = module.last().filter(|own| !["lib", "main"].contains(&own.as_str())) else { continue };
+            let declared = format!("mod {own};");
+            let is_declared = |parent: &PathBuf| {
+                fs::read_to_string(parent).is_ok_and(|text| text.lines().any(|l| l.ends_with(&declared)))
+            };
+            assert!(parents(&module, &source).iter().any(is_declared), "nothing declares {}", file.display());
+        }
+    }
+}
+
 #[test]
 fn no_folder_imports_what_the_architecture_does_not_let_it() {
     let stated = stated();

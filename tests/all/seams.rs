@@ -236,6 +236,38 @@ fn across_every_seam_of_a_sphere_a_texture_runs_on() {
 }
 
 #[test]
+fn rounded_cones_that_are_flattened_by_themselves_have_the_map_of_the_atlas() {
+    for symmetry in [Symmetry::Fourfold, Symmetry::Sixfold] {
+        // The first has triangles so coarse that seams would be set free.
+        for (model, cones) in [(Model::from(shapes::hare(200)), 8), (shapes::hare(900).into(), 8)] {
+            let analysis = Analysis::new(&model).unwrap();
+            let options = Options { quantize: Some(symmetry), ..count(cones) };
+            let atlas = analysis.atlas(&options).unwrap();
+            let flattened = analysis.flatten(&analysis.choose(&options).unwrap()).unwrap();
+            assert_eq!((&flattened.uv, &flattened.tiling), (&atlas.uv, &atlas.tiling));
+            assert!(flattened.seam_figures.mean_mismatch() < 1e-9, "the two sides are congruent");
+        }
+    }
+}
+
+#[test]
+fn seams_of_welded_vertices_can_be_given_back() {
+    // Every triangle with vertices of its own, as files with a texture often have them along its seams.
+    let shape = shapes::hare(300);
+    let points: Vec<[f64; 3]> = shape.triangles.iter().flatten().map(|&v| shape.points[v as usize]).collect();
+    let faces: Vec<[u32; 3]> = (0..shape.triangles.len() as u32).map(|f| [3 * f, 3 * f + 1, 3 * f + 2]).collect();
+    let model = Model::from_triangles(points, &faces).unwrap();
+    let preparation = Preparation { weld: geom::Weld::Always, ..Preparation::default() };
+    let analysis = Analysis::with(&model, preparation).unwrap();
+    let options = Options { preparation, ..count(6) };
+    let seams = cut_edges(&analysis.atlas(&options).unwrap());
+    assert!(seams.len() > 10);
+    let given = SeamOptions { given: seams.iter().copied().collect(), ..SeamOptions::default() };
+    let again = analysis.atlas(&Options { seams: given, ..options }).unwrap();
+    assert!(cut_edges(&again).is_superset(&seams));
+}
+
+#[test]
 fn seams_that_do_not_tile_are_told_of() {
     let options = Options { quantize: Some(Symmetry::Fourfold), ..count(6) };
     let atlas = unwrap_model(&shapes::torus(2, 900).into(), &options);

@@ -12,7 +12,9 @@ mod preparing;
 mod refinement;
 
 pub use files::{obj_is_given_back, reading};
-pub use flattening::{Reached, cones_flatten, every_vertex_a_cone_unfolds, files_unwrap, insults_unwrap, options};
+pub use flattening::{
+    Reached, cones_flatten, every_vertex_a_cone_unfolds, files_unwrap, insults_unwrap, options, options_unwrap,
+};
 pub use operators::{flips, laplacian, poisson, seams};
 pub use persistence::{domains, hierarchy, pairing, relabelled};
 pub use preparing::preparing;

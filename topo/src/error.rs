@@ -90,6 +90,11 @@ pub enum Error {
         /// The name of the vertex.
         vertex: u64,
     },
+    /// Summaries that are to be joined have the same pair: a block is part of both.
+    JoinedTwice {
+        /// The name of the pair's extremum.
+        vertex: u64,
+    },
     /// A summary is to be finished, but not all blocks have been joined.
     Unfinished {
         /// A vertex that is shared with a block that is missing.
@@ -170,6 +175,9 @@ impl fmt::Display for Error {
                     f,
                     "the blocks do not agree about the value of vertex {vertex}, or how many of them share it"
                 );
+            }
+            Self::JoinedTwice { vertex } => {
+                return write!(f, "the extremum {vertex} is part of both summaries: a block is to be joined once");
             }
             Self::Unfinished { vertex } => {
                 return write!(f, "vertex {vertex} is shared with a block that has not been joined");

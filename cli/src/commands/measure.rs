@@ -1,4 +1,4 @@
-//! `cones measure`: the distortion of any unwrapped OBJ.
+//! `cones measure`: the distortion of any map, of an OBJ, PLY or glTF.
 
 use crate::commands::shared::{WeldArgs, corner_uv, split_vertices, texture};
 use crate::error::CommandError;

@@ -3,7 +3,7 @@
 use std::collections::{HashMap, HashSet};
 use std::time::Instant;
 
-use geom::Id;
+use geom::{Id, Triangles};
 use rayon::prelude::*;
 
 use super::Analysis;
@@ -15,7 +15,7 @@ use super::note::Note;
 use super::observer::{Stage, Task, Times};
 use super::options::Options;
 use super::packed::{Packed, packed};
-use crate::cut::{SeamFigures, SeamOptions, Symmetry, Tiling, ascending};
+use crate::cut::{SeamFigures, SeamOptions, Tiling, ascending};
 use crate::error::Error;
 use crate::placement::{Prediction, Predictor, distortion_of};
 
@@ -49,6 +49,15 @@ impl Placed {
             self.put(corner, position);
         }
     }
+
+    /// Puts corners that have no positions where others are, one by one.
+    fn copy(&mut self, to: &[u32], from: &[u32]) {
+        for (&to, &from) in to.iter().zip(from) {
+            if let Some(position) = self.at(from) {
+                self.put_if_none(to, position);
+            }
+        }
+    }
 }
 
 /// That edges were to be avoided that were to be cut, too.
@@ -68,7 +77,7 @@ impl Analysis {
         &self,
         flats: Vec<Flat>,
         mut notes: Vec<Note>,
-        (number, quantize): (Option<ChosenNumber>, Option<Symmetry>),
+        number: Option<ChosenNumber>,
         options: &Options,
         task: &Task,
         mut times: Times,
@@ -81,7 +90,7 @@ impl Analysis {
         let mut curvature_error = 0.0_f64;
         let (mut unfolded, mut freed) = (0, 0);
         let mut seam_figures = SeamFigures::default();
-        let mut tiling = quantize.map(Tiling::none);
+        let mut tiling = options.quantize.map(Tiling::none);
         notes.splice(0..0, self.notes().iter().cloned());
         for (component, flat) in self.components().iter().zip(flats) {
             let surface = &component.surface;
@@ -218,11 +227,41 @@ impl Analysis {
             original.entry(place(t)).and_modify(|first| _ = first.get_or_insert_with(|| sorted(t)));
         }
         for &t in self.left_out() {
-            let Some(Some(from)) = original.get(&place(t)) else { continue };
-            for (to, from) in sorted(t).into_iter().zip(from) {
-                if let Some(position) = placed.at(*from) {
-                    placed.put_if_none(to, position);
-                }
+            if let Some(Some(from)) = original.get(&place(t)) {
+                placed.copy(&sorted(t), from);
+            }
+        }
+        self.fill_copied_polygons(placed);
+    }
+
+    /// Gives copies of polygons, which may be cut into other triangles, the positions of the polygon that they are copies of.
+    fn fill_copied_polygons(&self, placed: &mut Placed) {
+        let Triangles { corners, face_of } = self.triangles();
+        let of_face = |face: u32| face_of.partition_point(|&f| f < face)..face_of.partition_point(|&f| f <= face);
+        let vertex = |corner: &u32| self.corner_vertices()[*corner as usize];
+        let sorted = |face: u32| {
+            let mut corners = corners[of_face(face)].concat();
+            corners.sort_unstable_by_key(|corner| (vertex(corner), *corner));
+            corners.dedup();
+            corners
+        };
+        let key = |corners: &[u32]| corners.iter().map(vertex).collect::<Vec<u32>>();
+        let mut left_out: Vec<u32> = self.left_out().iter().map(|&t| face_of[t as usize]).collect();
+        left_out.dedup();
+        let copies: Vec<Vec<u32>> =
+            left_out.iter().filter(|&&face| of_face(face).len() > 1).map(|&face| sorted(face)).collect();
+        let mut original: HashMap<Vec<u32>, Option<Vec<u32>>> =
+            copies.iter().map(|corners| (key(corners), None)).collect();
+        if original.is_empty() {
+            return;
+        }
+        let faces = face_of.chunk_by(|f, g| f == g).filter(|chunk| chunk.len() > 1).map(|chunk| chunk[0]);
+        for corners in faces.filter(|face| left_out.binary_search(face).is_err()).map(sorted) {
+            original.entry(key(&corners)).and_modify(|first| _ = first.get_or_insert(corners));
+        }
+        for to in copies {
+            if let Some(Some(from)) = original.get(&key(&to)) {
+                placed.copy(&to, from);
             }
         }
     }

@@ -61,9 +61,15 @@ const IN_VAIN: usize = 2;
 /// A net's seams are at most so many times longer: 1.6 times on that prism, where they go round both rims, 2.1 times
 /// on a dodecahedron. Spheres of as many corners would be cut to peel, thrice as long.
 const LONGEST_NET: f64 = 2.25;
+/// And those of more corners than [`MOST_ORDERED`], up to so many: heat sinks, combs and stairs of 96 to 1,600 corners have nets with seams as long
+/// as those of any other map, or shorter, where low-poly animals would be cut to peel. They may be longer by what the other map distorts, as logarithms.
+const MOST_OF_NET: usize = 2048;
+const LONGEST_LARGE_NET: f64 = 1.25;
 /// Or so long over the root of the area, where angles are [`BENT`] with hardly any seams: a cone of 24 sides, as high as wide and open below,
 /// has 1.42 with no cone, and 1 with one at its tip.
 const SHORT_NET: f64 = 1.0;
+/// A net whose distortions are no more than this, as logarithms, is as good as any map can be.
+const EXACT: f64 = 0.01;
 /// What a share of detached triangles costs beside the logarithms of the distortions: one in a hundred as much as a product of
 /// both that is 1.28 times larger. Detached triangles are islands of one to a few, or stretched.
 const DETACHED_COST: f64 = 25.0;
@@ -90,8 +96,10 @@ impl Component {
         let mut flat = attempts.flatten_with_enough(chosen.as_ref().map_err(Clone::clone))?;
         match options.cones {
             ConeChoice::Automatic => {
-                if flat.promised.quasi_conformal > MOST_CONFORMAL {
-                    flat = attempts.net(flat)?;
+                if (flat.promised.quasi_conformal > MOST_CONFORMAL || !flat.detached.is_empty())
+                    && let Some(net) = attempts.net(Some(&flat))?
+                {
+                    flat = net;
                 }
                 flat = attempts.less_bent(flat)?;
                 let predicted = area_distortion(&self.operators, &flat.predicted);
@@ -214,7 +222,15 @@ impl Attempts<'_> {
         let count = configuration.vertices.len();
         let mut last = cause;
         let most = count.max(self.component.most_cones());
-        let mut others = if is_nearly_sound { near_counts(count, most) } else { other_counts(count, most, &cause) };
+        let is_automatic = self.options.cones == ConeChoice::Automatic;
+        let net = if is_automatic && !is_nearly_sound { self.net(best.as_ref())? } else { None };
+        let is_exact = net.as_ref().is_some_and(|net| net.promised.cost() <= EXACT);
+        best = net.or(best);
+        let mut others = match is_nearly_sound {
+            _ if is_exact => Vec::new(),
+            true => near_counts(count, most),
+            false => other_counts(count, most, &cause),
+        };
         if is_doubling(&cause) && self.has_its_own_triangles() {
             others.truncate(FEW_REFINED);
         }
@@ -340,29 +356,38 @@ impl Attempts<'_> {
         Ok(flat)
     }
 
-    /// A cone at each corner of a surface that has few, if that gives a better map with seams not much longer: a polyhedron's net, exact.
-    fn net(&mut self, flat: Flat) -> Result<Flat, Error> {
-        let operators = &self.component.operators;
-        let Some(corners) = corners(operators, MOST_ORDERED).filter(|c| c.len() > flat.cones.len()) else {
-            return Ok(flat);
+    /// A cone at each corner of a surface that has few, if that gives a better map than there is with seams not much longer: a polyhedron's net, exact.
+    fn net(&mut self, flat: Option<&Flat>) -> Result<Option<Flat>, Error> {
+        let Component { operators, metric, surface, .. } = self.component;
+        // Curvatures that are rounded are not those that corners have.
+        let most = if self.options.quantize.is_none() { MOST_OF_NET } else { MOST_ORDERED };
+        let cones = flat.map_or(0, |flat| flat.cones.len());
+        let Some(corners) = corners(operators, most).filter(|corners| corners.len() > cones) else { return Ok(None) };
+        let longest = match flat.filter(|flat| !is_ruin(flat) && detached_share(flat) <= MOST_DETACHED) {
+            None => f64::INFINITY, // any is better
+            Some(flat) => {
+                let is_bent = flat.promised.quasi_conformal >= BENT;
+                let short = if is_bent { SHORT_NET * metric.area(&surface.mesh).sqrt() } else { 0.0 };
+                let times = if corners.len() <= MOST_ORDERED { LONGEST_NET } else { LONGEST_LARGE_NET + cost(flat) };
+                short.max(times * self.seams(flat))
+            }
         };
-        let Component { metric, surface, .. } = self.component;
-        let short = match flat.promised.quasi_conformal {
-            _ if is_ruin(&flat) => f64::INFINITY, // any is better
-            BENT.. => SHORT_NET * metric.area(&surface.mesh).sqrt(),
-            _ => 0.0,
+        let configured = match self.options.quantize {
+            None => Ok(self.component.with_own_curvatures(corners)),
+            Some(_) => {
+                let stage = (Stage::Curvature, self.component.index);
+                let with_curvatures = |watch: Watch| self.component.with_curvatures(corners, self.options, watch);
+                self.task.stage(stage, self.times, with_curvatures)?
+            }
         };
-        let longest = short.max(LONGEST_NET * self.seams(&flat));
-        let stage = (Stage::Curvature, self.component.index);
-        let with_curvatures = |watch: Watch| self.component.with_curvatures(corners, self.options, watch);
-        let configured = self.task.stage(stage, self.times, with_curvatures)?;
         match configured {
-            Ok(configuration) => match self.attempt(&configuration)? {
-                Ok(net) if self.is_sound(&net) && cost(&net) < cost(&flat) && self.seams(&net) <= longest => Ok(net),
-                _ => Ok(flat),
-            },
+            Ok(configuration) => {
+                let net = self.attempt(&configuration)?.ok().filter(|net| self.is_sound(net));
+                let is_better = |net: &Flat| flat.is_none_or(|flat| cost(net) < cost(flat));
+                Ok(net.filter(|net| is_better(net) && self.seams(net) <= longest))
+            }
             Err(CurvatureError::Interrupted(stop)) => Err(stop.into()),
-            Err(_) => Ok(flat),
+            Err(_) => Ok(None),
         }
     }
 
@@ -441,7 +466,8 @@ fn detached_share(flat: &Flat) -> f64 {
 /// each. (On `thingi79741`, 99.7 % needles, the 14 cones chosen leave 219 triangles folded over and a quasi-conformal
 /// distortion of 1.76, 56 cones 159 and 1.20; 3 cones none, but 4.1 with an area distortion of 7. On `cheese` 38 to 158 cones leave 520 to 680, 512
 /// leave 73. Each attempt takes seconds there, so that few are made.)
-fn other_counts(count: usize, most: usize, cause: &Failure) -> Vec<usize> {
+fn other_counts(chosen: usize, most: usize, cause: &Failure) -> Vec<usize> {
+    let count = chosen.max(1);
     let mut counts = match cause {
         Failure::Distorted { area, .. } if *area > RUINED => {
             [2, 4, 8, 16].map(|times| (times * count).min(MOST_OPTIMISED.max(count))).to_vec()
@@ -452,7 +478,7 @@ fn other_counts(count: usize, most: usize, cause: &Failure) -> Vec<usize> {
             vec![(4 * count).min(most), (16 * count).min(most), count / 4]
         }
         _ => {
-            let doubled = std::iter::successors(Some(2 * count.max(2)), |count| Some(2 * count));
+            let doubled = std::iter::successors(Some(2 * chosen.max(2)), |count| Some(2 * count));
             doubled
                 .enumerate()
                 .take_while(|&(k, count)| k < 4 || count <= MOST_OPTIMISED)
@@ -461,7 +487,7 @@ fn other_counts(count: usize, most: usize, cause: &Failure) -> Vec<usize> {
         }
     };
     counts.dedup();
-    counts.retain(|&other| other <= most);
+    counts.retain(|&other| other != chosen && other <= most);
     counts
 }
 
@@ -546,6 +572,10 @@ mod tests {
     fn more_cones_are_tried_for_a_metric_and_fewer_too_for_needles() {
         assert_eq!(other_counts(8, 9999, &Failure::Stretched { log: 9.0 }), [16, 32, 64, 128, 256, 512]);
         assert_eq!(other_counts(0, 9999, &Failure::Metric), [4, 8, 16, 32, 64, 128, 256, 512]);
+        assert_eq!(other_counts(0, 9999, &Failure::FoldOvers { triangles: 1 }), [4, 16]);
+        assert_eq!(other_counts(0, 9999, &Failure::Distorted { area: 2.0, angles: 1.0 }), [2, 4]);
+        assert_eq!(other_counts(0, 9999, &Failure::Distorted { area: 1e9, angles: 1.0 }), [2, 4, 8, 16]);
+        assert_eq!(other_counts(512, 9999, &Failure::Distorted { area: 1e9, angles: 1.0 }), [0; 0]);
         assert_eq!(other_counts(300, 9999, &Failure::Metric), [600, 1200, 2400, 4800]);
         assert_eq!(other_counts(8, 9999, &Failure::FoldOvers { triangles: 1 }), [32, 128, 2]);
         assert_eq!(other_counts(256, 9999, &Failure::FoldOvers { triangles: 1 }), [512, 64]);

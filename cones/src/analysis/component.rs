@@ -5,7 +5,7 @@
 
 use std::sync::{Arc, OnceLock};
 
-use geom::{FaceId, HalfedgeId, Id, Metric, PoissonError, Surface, VertexId, Watch};
+use geom::{FaceId, HalfedgeId, Id, Metric, PoissonError, Surface, VertexData, VertexId, Watch};
 use topo::{Extremum, Kind};
 
 use super::cones::{Cone, Configuration};
@@ -327,6 +327,13 @@ impl Component {
             });
         }
         Configuration { vertices, curvature: found.curvature, predicted: found.predicted, notes }
+    }
+
+    /// Cones that keep the curvature that they have: where other vertices have none, nothing is stretched.
+    pub(crate) fn with_own_curvatures(&self, vertices: Vec<VertexId>) -> Configuration {
+        let own = vertices.iter().map(|&v| self.operators.curvature()[v]).collect();
+        let nothing = VertexData::constant(self.operators.mesh().vertex_count(), 0.0);
+        self.configured(vertices, ConeCurvatures::known(&self.operators, own, |_| nothing))
     }
 
     /// Takes curvatures as they are given.

@@ -4,12 +4,17 @@
 //! triangles may be is known once there is a map. Those that are small from the start would cost polyhedra their exact nets, since few cones
 //! bend angles little then, too; a net bends none, and stays.
 
+use std::sync::Arc;
+
 use super::Analysis;
 use super::atlas::Atlas;
 use super::choosing::TARGET_DISTORTION;
+use super::component::Component;
+use super::note::Note;
 use super::options::{ConeChoice, Options, Refining};
 use super::refined::{FINER, LARGEST};
 use crate::error::Error;
+use crate::placement::{MOST_OPTIMISED, corners};
 
 /// A map that bends angles by more than this on average is made once more: the mean of σ₁/σ₂,
 pub(super) const BENT: f64 = 1.06;
@@ -19,7 +24,40 @@ const MOST_VERTICES: usize = 50_000;
 /// What an area distortion below the target counts for, as a share of what it would above.
 const BELOW_TARGET: f64 = 0.25;
 
+/// Of a model with no more vertices than this that would be refined it is looked first whether it has exact nets as it is,
+const MOST_OF_NETS: usize = 5_000;
+/// of so many islands for each part at most (a plate with 24 holes has one of 16, and refined a map of 2),
+const MOST_ISLANDS: usize = 2;
+/// whose distortions are no larger: edges that are lengthened for the sake of needles bend angles by some ten-thousandths.
+const EXACT: f64 = 1.001;
+
 impl Analysis {
+    /// The analysis with its map, if that is exact: the net of polyhedra of few corners, which no refining makes better.
+    pub(super) fn net_as_it_is(
+        made: impl FnOnce() -> Result<Self, Error>,
+        options: &Options,
+    ) -> Result<Option<(Self, Atlas)>, Error> {
+        let has_few_corners = |analysis: &Self| {
+            let few = |component: &Arc<Component>| corners(&component.operators, MOST_OPTIMISED).is_some();
+            analysis.points().len() <= MOST_OF_NETS && analysis.components().iter().all(few)
+        };
+        let net = made().and_then(|analysis| match has_few_corners(&analysis) {
+            true => analysis.atlas(options).map(|atlas| Some((analysis, atlas))),
+            false => Ok(None),
+        });
+        let is_exact = |(analysis, atlas): &(Self, Atlas)| {
+            let is_whole =
+                atlas.detached.is_empty() && !atlas.notes.iter().any(|note| matches!(note, Note::Overlap { .. }));
+            is_whole
+                && atlas.island_count() <= MOST_ISLANDS * analysis.components().len()
+                && analysis.distortion(atlas).is_some_and(|distortion| distortion.areas.max(distortion.angles) <= EXACT)
+        };
+        match net {
+            Err(Error::Interrupted) => Err(Error::Interrupted),
+            net => Ok(net.ok().flatten().filter(is_exact)),
+        }
+    }
+
     /// The analysis and its map, or those of the same model refined, or in smaller triangles where it was, if these were too coarse and that
     /// gives a better map. `made` takes how large triangles may be.
     pub(super) fn or_finer(

@@ -155,7 +155,7 @@ impl Analysis {
     /// Analyses a model and unwraps it, while an observer listens: the same as [`observed`](Self::observed) and
     /// [`atlas`](Self::atlas), but what these options will look for cones on is found while the Laplacian is factored, and large factors
     /// are freed once the map needs them no more. (Whoever asks for more waits until they are there again.) Where surfaces were refined
-    /// only for their needles, and no cones flatten one of them so, the model is taken as it is. Edges that [seams](Options::seams) are named by
+    /// only for their needles, the model is taken as it is if no cones flatten one of them so, or if it has few corners and its map as it is is exact. Edges that [seams](Options::seams) are named by
     /// stay edges where surfaces are refined, in parts. Where the map of a small model bends angles by more than
     /// 1.06 on average, another one is made, of the model refined if it may be, and then in triangles half as large; the best is taken.
     ///
@@ -173,13 +173,21 @@ impl Analysis {
             let making = Making { preparation, largest, is_bent, is_searched, is_opened: false, is_asked_once: true };
             Self::made(model, making, &named, observer.clone())
         };
+        let as_it_is = Preparation { refine: Refining::Never, ..options.preparation };
+        let unrefined = Options { preparation: as_it_is, ..options.clone() };
         let analysis = for_options(options.preparation, (LARGEST, false))?;
+        if analysis.refined().is_some() && options.preparation.refine == Refining::Needles {
+            let net = Self::net_as_it_is(|| for_options(as_it_is, (LARGEST, false)), &unrefined)?;
+            if let Some((net, mut atlas)) = net {
+                atlas.times += analysis.times();
+                return Ok((net, atlas));
+            }
+        }
         match analysis.atlas(options) {
             Err(Error::NotFlatRefined { component }) => {
                 drop(analysis);
-                let preparation = Preparation { refine: Refining::Never, ..options.preparation };
-                let analysis = for_options(preparation, (LARGEST, false))?;
-                let mut atlas = analysis.atlas(&Options { preparation, ..options.clone() })?;
+                let analysis = for_options(as_it_is, (LARGEST, false))?;
+                let mut atlas = analysis.atlas(&unrefined)?;
                 atlas.notes.push(Note::NotRefined { component });
                 Ok((analysis, atlas))
             }
@@ -406,7 +414,7 @@ impl Found {
             let index = opened.index;
             components[index] = opened;
         }
-        Ok(self.with_components(components, times))
+        Ok(self.with_opened(components, times))
     }
 
     /// The same with other components at some places, and more of them: `ready`, by their places. The others are those of `taken`.
@@ -424,17 +432,18 @@ impl Found {
             components[place] = Some(piece);
         }
         let components = components.into_iter().flatten().collect();
-        let Preparation { handles, .. } = self.making.preparation;
-        let mut found = self.with_components(components, Times::default());
-        found.making = self.making;
-        found.making.preparation.handles = handles;
-        found.opened = OnceLock::new();
-        Ok(found)
+        Ok(self.with_components(components, self.making, Times::default()))
     }
 
     /// The same with other components, whose handles are opened, or those of some.
-    fn with_components(&self, components: Vec<Arc<Component>>, times: Times) -> Self {
+    fn with_opened(&self, components: Vec<Arc<Component>>, times: Times) -> Self {
         let preparation = Preparation { handles: Handles::Always, ..self.making.preparation };
+        let making = Making { is_opened: true, preparation, ..self.making };
+        Self { opened: OnceLock::from(None), ..self.with_components(components, making, times) }
+    }
+
+    /// The same with other components, made in some way.
+    fn with_components(&self, components: Vec<Arc<Component>>, making: Making, times: Times) -> Self {
         Self {
             id: COUNT.fetch_add(1, Relaxed),
             points: self.points.clone(),
@@ -446,8 +455,8 @@ impl Found {
             topology: self.topology,
             notes: notes_of(&components),
             components,
-            making: Making { is_opened: true, preparation, ..self.making },
-            opened: OnceLock::from(None),
+            making,
+            opened: OnceLock::new(),
             previews: Default::default(),
             times,
         }

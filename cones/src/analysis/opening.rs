@@ -178,7 +178,7 @@ impl Analysis {
     }
 
     /// What is chosen with handles opened, beside what was found with them closed; and which parts nested orders tell are hardly worth opening, so
-    /// that drafts are left there. Parts that are not in question are not searched again.
+    /// that drafts are left there. Parts that are not in question are not searched again. The time of it is among what was tried.
     fn searched_beside(
         &self,
         closed: &[Automatic],
@@ -192,7 +192,7 @@ impl Analysis {
             _ => Known::Nothing,
         };
         let mut chosen = self.configurations(options, &known, &self.task())?;
-        *tried += chosen.0.times;
+        *tried += std::mem::take(&mut chosen.0.times);
         let both = || closed.iter().zip(&chosen.0.found);
         let is_hardly_worth: Vec<bool> =
             both().map(|(closed, opened)| is_hardly_worth_opening(closed, opened)).collect();
@@ -204,7 +204,7 @@ impl Analysis {
                 false => Known::Found(&drafts[part]),
             };
             chosen = self.configurations(options, &known, &self.task())?;
-            *tried += chosen.0.times;
+            *tried += std::mem::take(&mut chosen.0.times);
         }
         Ok((chosen, move |part| is_hardly_worth.get(part) == Some(&true)))
     }
@@ -213,7 +213,7 @@ impl Analysis {
     fn with_parts_of(&self, opened: &Self, is_opened: &[bool]) -> Self {
         let of_part = |part: usize| if is_opened[part] { &opened.components()[part] } else { &self.components()[part] };
         let components = (0..is_opened.len()).map(|part| Arc::clone(of_part(part))).collect();
-        let found = self.found.with_components(components, opened.times());
+        let found = self.found.with_opened(components, opened.times());
         Self { found: Arc::new(found), observer: Arc::clone(&self.observer) }
     }
 

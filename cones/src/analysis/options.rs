@@ -63,7 +63,7 @@ pub enum FreeSeams {
     /// On components whose triangles are so coarse that rigid seams leave a quasi-conformal distortion above 1.1.
     #[default]
     Auto,
-    /// They are congruent, but along opened handles and what was detached.
+    /// They are congruent, but along opened handles and where needles were detached.
     Never,
     /// Angles and areas are kept as well as can be, whatever becomes of the seams.
     Always,
@@ -122,7 +122,7 @@ pub enum Islands {
     /// itself.
     Single,
     /// It is cut and put together again across other seams until nothing lies over itself, in as few islands as can be
-    /// ([`uv`](crate::uv)). Of a model of several parts that then fills less than .6 of the square an island is cut, too, if a hundredth of
+    /// ([`uv`](crate::uv)). Of a model of several parts that then fills less than .6 of the square an island is cut, too, if a fiftieth of
     /// the seams lets it fill .04 more and nothing is said of where seams run.
     #[default]
     OverlapFree,

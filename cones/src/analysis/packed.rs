@@ -200,7 +200,7 @@ mod tests {
     use geom::{Metric, Model, shapes};
     use std::f64::consts::PI;
 
-    /// A hare of area 1, and a flat arc round it, less wide than a hundredth of the hare's seams is long.
+    /// A hare of area 1, and a flat arc round it, less wide than a fiftieth of the hare's seams is long.
     fn hare_and_arc() -> Model {
         let hare = shapes::hare(900);
         let scale = Metric::from_points(&hare.mesh(), &hare.points).area(&hare.mesh()).sqrt().recip();

@@ -79,6 +79,8 @@ impl Analysis {
         self.check_own(cones)?;
         options.packing.check()?;
         self.check_seams(&options.seams)?;
+        // Curvatures that were rounded ask for more than seams that happen to be so.
+        let options = &Options { quantize: cones.quantize, ..options.clone() };
         let task = self.task();
         let mut times = Times::default();
         let area = self.area();
@@ -97,7 +99,7 @@ impl Analysis {
             Ok(flat)
         })?;
         let own = cones.notes.iter().filter(|note| note.component().is_none()).cloned().collect();
-        self.assemble(flats, own, (cones.number.clone(), cones.quantize), options, &task, times)
+        self.assemble(flats, own, cones.number.clone(), options, &task, times)
     }
 
     /// The seams that a map with given cones begins with, as chains of vertices of the model: what [`flatten_with`](Self::flatten_with)
@@ -165,7 +167,6 @@ impl Analysis {
         if may_be_opened
             && let Some((opened, other)) = self.opened_instead(&mut chosen, settled, options, &mut tried)?
         {
-            tried = opened.times();
             tried += chosen.0.times;
             (taken, chosen) = (opened, other);
         }
@@ -253,7 +254,7 @@ impl Analysis {
             component.finish(&mut flat, (options, plan, component.area / area), task, times)?;
             Ok(flat)
         })?;
-        self.assemble(flats, notes, (number, options.quantize), options, task, times)
+        self.assemble(flats, notes, number, options, task, times)
     }
 
     /// The components flattened: one of each shape, unless something is said of edges.

@@ -230,14 +230,15 @@ pub(crate) fn named_edges(surface: &Surface, corners: &[u32], named: &HashSet<[u
     mesh.edges().map(|e| !surface.diagonal[e] && is_named(e)).collect()
 }
 
-/// What each side of an edge calls it: vertices of the model in ascending order. Where vertices were welded they differ.
-/// `corners` has the vertex of each corner of the model.
+/// What an edge is called, by vertices of the model in ascending order: by each side of it, which differ where vertices were welded, and by those that
+/// its ends are taken for, as seams are told. `corners` has the vertex of each corner of the model.
 pub(crate) fn names(surface: &Surface, corners: &[u32], e: EdgeId) -> impl Iterator<Item = [u32; 2]> {
     let mesh = &surface.mesh;
     let h = mesh.halfedge(e);
     let vertex = |h: HalfedgeId| corners[surface.corner[h] as usize];
     let name = |h: HalfedgeId| ascending([h, mesh.next(h)].map(vertex));
-    [Some(h), mesh.twin(h)].map(|side| side.map(name)).into_iter().flatten()
+    let welded = ascending([mesh.tail(h), mesh.head(h)].map(|v| surface.vertex[v]));
+    [Some(name(h)), mesh.twin(h).map(name), Some(welded)].into_iter().flatten()
 }
 
 /// The name of an edge, whichever way it runs.

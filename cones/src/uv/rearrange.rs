@@ -25,7 +25,7 @@ const STEPS: usize = 8000;
 /// takes .64 of the time, all of it .89; seams .04 % shorter, fill .0002 more, 15,268 islands for 15,234.
 const MODEL_STEPS: f64 = 200_000.0;
 const FEWEST_A_CELL: usize = 15;
-/// With more than 350 cells fewer, since each step compares cells: steps times the square of that are so many at most.
+/// With more than 707 cells fewer, since each step compares cells: steps times the square of that are so many at most.
 const MOST_WORK: usize = 4_000_000_000;
 /// Rooms are whole multiples of this share of the side of all triangles' area, so that rounding decides nothing.
 const ROOMS: f64 = 4096.0;

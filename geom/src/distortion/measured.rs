@@ -18,18 +18,22 @@ pub(super) struct Measured {
 
 impl Measured {
     pub(super) fn new(images: &[Image]) -> Result<Self, DistortionError> {
-        let with_surface = || images.iter().filter(|image| image.has_surface);
-        let scale = with_surface().map(|image| image.surface_area).sum::<f64>()
-            / with_surface().map(|image| image.area.abs()).sum::<f64>();
-        let ratio = |image: &Image| image.area.abs() * scale / image.surface_area;
-        let is_measured = |image: &Image| image.has_surface && !image.is_collapsed && ratio(image) > 1e-14;
-        let faces: Vec<FaceId> = (0..images.len()).filter(|&f| is_measured(&images[f])).map(FaceId::new).collect();
+        let with_surface: Vec<FaceId> = (0..images.len()).filter(|&f| images[f].has_surface).map(FaceId::new).collect();
+        let areas = |faces: &[FaceId]| {
+            let sum = |area: fn(&Image) -> f64| faces.iter().map(|f| area(&images[f.index()])).sum::<f64>();
+            (sum(|image| image.surface_area), sum(|image| image.area.abs()))
+        };
+        let ratio =
+            |image: &Image, (surface, plane): (f64, f64)| image.area.abs() * (surface / plane) / image.surface_area;
+        let of_all = areas(&with_surface);
+        let is_measured = |image: &Image| !image.is_collapsed && ratio(image, of_all) > 1e-14;
+        let faces: Vec<FaceId> = with_surface.into_iter().filter(|f| is_measured(&images[f.index()])).collect();
         if faces.is_empty() {
             return Err(DistortionError::NoArea);
         }
         let measured = |k: usize| &images[faces[k].index()];
-        let total: f64 = (0..faces.len()).map(|k| measured(k).surface_area).sum();
-        let area_ratio = map(faces.len(), |k| ratio(measured(k)));
+        let (total, plane) = areas(&faces);
+        let area_ratio = map(faces.len(), |k| ratio(measured(k), (total, plane)));
         let mut new = Self {
             weight: map(faces.len(), |k| measured(k).surface_area / total),
             quasi_conformal: map(faces.len(), |k| measured(k).quasi_conformal),

@@ -239,6 +239,9 @@ fn triangles_without_area_are_counted_apart_and_take_no_part() {
     let distortion = measured(&shape, &uv);
     assert_eq!((distortion.degenerate, distortion.degenerate_on_surface), (2, 2));
     assert_near(distortion.quasi_conformal.max, 1.0);
+    // The others are as large as each other: those without area have no say in how large that is.
+    assert_near(distortion.area.max, 1.0);
+    assert_near(distortion.area_inverse_mean, 1.0);
     assert_eq!(distortion.triangle_quasi_conformal.iter().filter(|x| x.is_infinite()).count(), 4);
     assert_eq!(distortion.triangle_quasi_conformal.len(), count + 2);
     assert_eq!(distortion.triangle_log_scale[FaceId(3)], 0.0);

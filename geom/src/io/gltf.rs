@@ -94,8 +94,14 @@ impl Draft {
             self.left.push("morph targets");
         }
         match primitive.mode {
-            0 => self.skipped.points += 1,
-            1..=3 => self.skipped.lines += 1,
+            0 => {
+                self.skipped.points += 1;
+                self.left.push("points");
+            }
+            1..=3 => {
+                self.skipped.lines += 1;
+                self.left.push("lines");
+            }
             4..=6 => {}
             mode => {
                 let found = format!("a primitive of mode {mode}");
@@ -321,6 +327,8 @@ fn left(document: &Document, seen: &[&str]) -> Vec<String> {
     // What we put on a map to look at it is no loss: who writes another GLB puts it there again.
     let is_ours = document.asset.generator.as_deref() == Some(GENERATOR);
     let kinds = [
+        ("points", false),
+        ("lines", false),
         ("tangents", false),
         ("morph targets", false),
         ("skins", has_skin),

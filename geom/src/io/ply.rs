@@ -146,6 +146,10 @@ impl Draft {
         columns: &mut Columns,
         list: &mut Vec<f64>,
     ) -> Result<(), Fault> {
+        if roles.contains(&Role::FaceTexture) {
+            // Triangles of strips have none, and may come first.
+            self.corner_uv.resize(self.polygons.corners.len(), [f64::NAN; 2]);
+        }
         let mut row = Row { first_uv: self.corner_uv.len(), ..Row::default() };
         for (k, (property, &role)) in element.properties.iter().zip(roles).enumerate() {
             match property.shape {

@@ -73,10 +73,12 @@ struct Frame {
 }
 
 impl Frame {
-    /// The middle of the model, and 1 as scale where f32 bears the size and its square, the size where not.
+    /// The middle of the model's faces, and 1 as scale where f32 bears the size and its square, the size where not.
     fn of(model: &Model) -> Self {
-        let (mut low, mut high) = (model.points()[0], model.points()[0]);
-        for point in model.points() {
+        let mut used = model.corners().iter().map(|&v| model.points()[v as usize]);
+        let first = used.next().unwrap_or_default();
+        let (mut low, mut high) = (first, first);
+        for point in used {
             for axis in 0..3 {
                 low[axis] = low[axis].min(point[axis]);
                 high[axis] = high[axis].max(point[axis]);

@@ -477,7 +477,26 @@ mod tests {
         // A copy of the whole polygon is left out as before.
         let faces: [&[u32]; 3] = [&[0, 1, 2, 3], &[0, 2, 4], &[0, 1, 2, 3]];
         let copied = prepare(&Model::from_polygons(points, faces).unwrap(), Weld::Never).unwrap();
-        assert_eq!((count(&copied, RepairKind::DuplicateFace), &copied.left_out[..]), (2, &[3, 4][..]));
+        assert_eq!((count(&copied, RepairKind::DuplicateFace), &copied.left_out[..]), (1, &[3, 4][..]));
+    }
+
+    #[test]
+    fn copies_of_polygons_are_left_out_wherever_they_begin_and_whichever_way_they_go() {
+        // A grid of squares, whose two diagonals are as long.
+        let points: Vec<[f64; 3]> = (0..16).map(|v| [f64::from(v % 4), f64::from(v / 4), 0.0]).collect();
+        let corner = |k: u32| 4 * (k / 3) + k % 3;
+        let squares: Vec<[u32; 4]> = (0..9).map(|k| [0, 1, 5, 4].map(|v| corner(k) + v)).collect();
+        let begun_elsewhere = |[a, b, c, d]: [u32; 4]| [b, c, d, a];
+        let reversed = |[a, b, c, d]: [u32; 4]| [d, c, b, a];
+        let ways: [&dyn Fn([u32; 4]) -> [u32; 4]; 3] = [&|face| face, &begun_elsewhere, &reversed];
+        for way in ways {
+            let faces: Vec<[u32; 4]> = squares.iter().copied().chain(squares.iter().map(|&face| way(face))).collect();
+            let model = Model::from_polygons(points.clone(), faces).unwrap();
+            let prepared = prepare(&model, Weld::Never).unwrap();
+            check(&prepared, &model);
+            assert_eq!(prepared.repairs, [Repair { kind: RepairKind::DuplicateFace, count: 9, first: 9 }]);
+            assert_eq!((prepared.surfaces.len(), prepared.left_out.len()), (1, 18));
+        }
     }
 
     #[test]
@@ -509,7 +528,8 @@ mod tests {
         let model = Model::from_triangles(points, &faces).unwrap();
         let opened = prepare(&model, Weld::Never).unwrap();
         check(&opened, &model);
-        assert!(count(&opened, RepairKind::NonOrientableEdge) > 0);
+        // It is opened where the file has it disagree, and nothing is turned.
+        assert_eq!((count(&opened, RepairKind::NonOrientableEdge), count(&opened, RepairKind::FlippedFace)), (1, 0));
         assert_eq!(opened.surfaces[0].mesh.euler_characteristic(), 1);
     }
 

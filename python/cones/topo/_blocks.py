@@ -15,7 +15,7 @@ from typing import Any, Optional
 import numpy as np
 
 from .. import _cones
-from .._arrays import unmasked
+from .._arrays import count, unmasked
 from .._cones import Error
 from ._domain import _read_in_place, masked
 from ._pairs import Pairs, pair_table
@@ -122,7 +122,7 @@ class Collected(Pairs):
 
     def top(self, n: int) -> np.ndarray:
         """The n most persistent pairs."""
-        return self.ranked()[:n]
+        return self.ranked()[: count("n", "pairs", n)]
 
     def above(self, threshold: float) -> np.ndarray:
         """The pairs of persistence strictly above a threshold."""

@@ -10,6 +10,7 @@ import numpy as np
 from .. import _cones
 from .._arrays import count as whole, plain
 from .._cones import Error
+from ._domain import edge_table, vertex_count
 from ._pairs import Pairs
 
 #: The cells of an image: 2 GB.
@@ -130,8 +131,7 @@ class Linkage:
 
 def single_linkage(vertices: int, edges: Any, weights: Any) -> Linkage:
     """Single linkage of weighted edges (m, 2): clusters joined from the lightest edge on."""
-    table = plain(np.asarray(edges).reshape(-1, 2), np.int64)
     numbers = plain(weights, np.float64)
     if numbers.ndim != 1:
         raise Error(f"weights are one number for each edge, (m,), but they have the shape {numbers.shape}")
-    return Linkage(_cones.single_linkage(int(vertices), table, numbers))
+    return Linkage(_cones.single_linkage(vertex_count(vertices), edge_table(edges), numbers))

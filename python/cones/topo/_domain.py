@@ -8,7 +8,7 @@ from typing import Any, Optional, Union
 import numpy as np
 
 from .. import _cones
-from .._arrays import plain, unmasked
+from .._arrays import count as whole, plain, unmasked
 from .._cones import Error
 
 #: Kinds of numbers that are read in place on grids; what others are widened to; and what is used on graphs and meshes.
@@ -18,16 +18,28 @@ _WIDENED = {"b1": "u1", "i1": "i2", "u4": "i8", "f2": "f4"}
 _EXACT = 2**53
 
 
+def vertex_count(vertices: Any) -> int:
+    """A number of vertices."""
+    return whole("vertices", "vertices", vertices)
+
+
+def edge_table(edges: Any) -> np.ndarray:
+    """Edges as pairs of vertex indices."""
+    table = np.asarray(edges)
+    table = np.empty((0, 2), dtype=np.int64) if table.size == 0 else table
+    if table.ndim != 2 or table.shape[1] != 2 or table.dtype.kind not in "iu":
+        raise Error(f"edges are pairs of vertex indices of the shape (m, 2), but {table.shape} {table.dtype} is given")
+    if table.dtype.kind == "u" and table.max(initial=0) > np.iinfo(np.int64).max:
+        raise Error(f"an edge names vertex {table.max()}, which is not there")
+    return plain(table, np.int64)
+
+
 class Graph:
     """An undirected graph of ``vertices`` vertices and edges (m, 2). Repeated edges and loops change nothing."""
 
     def __init__(self, vertices: int, edges: Any):
-        table = np.asarray(edges)
-        table = np.empty((0, 2), dtype=np.int64) if table.size == 0 else table
-        if table.ndim != 2 or table.dtype.kind not in "iu":
-            raise Error(f"edges are pairs of vertex indices of the shape (m, 2), but {table.shape} {table.dtype} is given")
-        self._native = _cones.Domain.graph(int(vertices), plain(table, np.int64))
-        self.vertex_count = int(vertices)
+        self.vertex_count = vertex_count(vertices)
+        self._native = _cones.Domain.graph(self.vertex_count, edge_table(edges))
 
     @classmethod
     def from_rows(cls, starts: Any, indices: Any) -> Graph:
@@ -59,12 +71,13 @@ class TriangleMesh:
 
     def __init__(self, vertices: int, triangles: Any):
         table = np.asarray(triangles)
+        table = np.empty((0, 3), dtype=np.uint32) if table.size == 0 else table
         if table.ndim != 2 or table.dtype.kind not in "iu":
             raise Error(f"triangles have the shape (m, 3), but {table.shape} {table.dtype} is given")
         if table.size and (table.min() < 0 or table.max() >= 2**32):
             raise Error("a triangle names a vertex that is negative, or beyond 32 bits (vertices are counted from 0)")
-        self._native = _cones.Domain.triangles(int(vertices), plain(table, np.uint32))
-        self.vertex_count = int(vertices)
+        self.vertex_count = vertex_count(vertices)
+        self._native = _cones.Domain.triangles(self.vertex_count, plain(table, np.uint32))
 
 
 class Field:
@@ -173,10 +186,11 @@ def _inside(mask: Any, own: Optional[np.ndarray], shape: tuple) -> Optional[np.n
 
 def masked(values: np.ndarray, inside: np.ndarray) -> np.ndarray:
     """Floats that are NaN outside."""
-    if values.dtype.kind in "iu" and values.size and max(abs(int(values.min())), abs(int(values.max()))) > _EXACT:
+    seen = values[inside] if values.dtype.kind in "iu" else values[:0]
+    if seen.size and max(abs(int(seen.min())), abs(int(seen.max()))) > _EXACT:
         raise Error("integers beyond 2**53 cannot be masked: subtract a constant first")
-    wide = values.dtype if values.dtype in (np.dtype("f4"), np.dtype("f8")) else np.dtype("f8")
-    floats = values.astype(wide)
+    native = values.dtype.newbyteorder("=")
+    floats = values.astype(native if native in (np.dtype("f4"), np.dtype("f8")) else np.dtype("f8"))
     floats[~inside] = np.nan
     return floats
 

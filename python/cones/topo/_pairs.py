@@ -9,6 +9,7 @@ from typing import Any, Optional
 import numpy as np
 
 from .. import _cones
+from .._arrays import count
 from ._domain import Field
 
 
@@ -54,7 +55,7 @@ class Pairs:
 
     def top(self, n: int) -> np.ndarray:
         """The n most persistent pairs, without sorting the others."""
-        return self._table(self._native.top(n))
+        return self._table(self._native.top(count("n", "pairs", n)))
 
     def above(self, threshold: float) -> np.ndarray:
         """The pairs of persistence strictly above a threshold."""

@@ -1,10 +1,13 @@
 //! Of flattening a surface.
 
 use std::f64::consts::TAU;
+use std::ops::ControlFlow;
 
 use cones::internals::{Layout, Operators, Scaling, Seams, cone_curvatures, scale};
+use cones::uv::{Rotations, overlaps};
 use cones::{
-    ConeChoice, CurvatureError, CurvatureRule, Error, Islands, Note, Options, Placement, Preparation, unwrap_model,
+    Analysis, ConeChoice, CurvatureError, CurvatureRule, Error, FreeSeams, Handles, Islands, Limbs, Note, Options,
+    Placement, Preparation, Progress, Refining, SeamOptions, Search, Symmetry, unwrap_model,
 };
 use geom::vector::{length, normal};
 use geom::{Double, Id, Mesh, Metric, Model, PrepareError, VertexData, VertexId, Watch, angle_defects};
@@ -18,7 +21,7 @@ use crate::solids;
 /// Triangles of less height than this, relative to the extent of the whole map, may be lost in rounding.
 const NEEDLE: f64 = 1e-9;
 
-/// All ways to a set of cones.
+/// All ways to a set of cones but [`Refactoring`](Placement::Refactoring), which is [`Iterative`](Placement::Iterative) made slow.
 const METHODS: [Placement; 6] = [
     Placement::Persistence,
     Placement::Alternating,
@@ -186,6 +189,39 @@ pub fn files_unwrap(bytes: &[u8]) {
     }
 }
 
+/// A small surface, whole or insulted, with any options: it becomes a map without overlap unless a note says so, or what was said of cones and
+/// edges is refused.
+pub fn options_unwrap(bytes: &[u8]) {
+    let bytes = &mut Bytes::new(bytes);
+    let shape = if bytes.coin() { decode::surface(bytes) } else { decode::insulted(bytes, Moves::Near) };
+    let model = solids::model(&shape).expect("coordinates are bounded and indices in range");
+    let options = any_options(bytes, &model);
+    let is_named = |error: &Error| match error {
+        Error::Prepare(PrepareError::NoArea { .. }) => true,
+        Error::NumbersWithoutParts { .. } => matches!(options.cones, ConeChoice::Each(_)),
+        Error::NoSuchEdge { .. } | Error::OpenEdge { .. } => options.seams != SeamOptions::default(),
+        error => {
+            // Their metrics may be none that is found, and seams through them none that cut the surface open.
+            let is_of_cones = !matches!(error, Error::Interrupted | Error::NotFlatRefined { .. });
+            is_of_cones && matches!(options.cones, ConeChoice::Given(_))
+        }
+    };
+    let (analysis, atlas) = match Analysis::unwrapped(&model, &options, |_: Progress| ControlFlow::Continue(())) {
+        Err(error) if is_named(&error) => return,
+        unwrapped => unwrapped.unwrap_or_else(|error| panic!("{error} with {options:?}")),
+    };
+    let model = analysis.refined().map_or(&model, |refined| &refined.model);
+    assert_eq!(atlas.uv.len(), model.corner_count());
+    assert!(atlas.uv.iter().flatten().all(|x| x.is_finite()), "a corner has no finite position");
+    let place = |t: &u32| atlas.triangles.corners[*t as usize].map(|c| atlas.uv[c as usize]);
+    let triangles: Vec<[[f64; 2]; 3]> = atlas.on_surface().iter().map(place).collect();
+    let is_told = atlas.notes.iter().any(|note| matches!(note, Note::Overlap { .. }));
+    if options.islands != Islands::Single && !is_told {
+        let found = overlaps(&triangles);
+        assert!(found.pairs.is_empty(), "{} pairs overlap with {options:?}", found.pairs.len());
+    }
+}
+
 /// Each face of a model gets a finite position in each corner, none flipped against its neighbours unless it is a needle, or
 /// nothing has any area.
 fn unwraps(model: &Model, options: &Options) {
@@ -217,6 +253,46 @@ fn unwraps(model: &Model, options: &Options) {
 pub(super) fn weld(bytes: &mut Bytes) -> geom::Weld {
     use geom::Weld;
     [Weld::Auto, Weld::Never, Weld::Always][usize::from(bytes.byte()) % 3]
+}
+
+/// Any options for a model at all.
+fn any_options(bytes: &mut Bytes, model: &Model) -> Options {
+    let vertex = |bytes: &mut Bytes| bytes.below(model.vertex_count() + 1) as u32;
+    let edges = |bytes: &mut Bytes| -> Vec<[u32; 2]> {
+        let any = |bytes: &mut Bytes| {
+            let face = model.face(bytes.below(model.face_count().max(1)));
+            let k = bytes.below(3);
+            [face[k], face[(k + 1) % 3]]
+        };
+        let count = if model.face_count() > 0 && bytes.coin() { bytes.below(12) } else { 0 };
+        (0..count).map(|_| any(bytes)).collect()
+    };
+    let mut options = options(bytes);
+    match bytes.below(8) {
+        0 => options.placement = Placement::Refactoring,
+        1 => options.cones = ConeChoice::Each((0..1 + bytes.below(2)).map(|_| bytes.below(20)).collect()),
+        2 => options.cones = ConeChoice::WithinDistortion(1.0 + 0.5 * bytes.signed().abs()),
+        3 => {
+            let are_known = bytes.coin();
+            let given = (0..bytes.below(12)).map(|_| (vertex(bytes), are_known.then(|| TAU * bytes.signed())));
+            options.cones = ConeChoice::Given(given.collect());
+        }
+        _ => {}
+    }
+    options.preparation.refine = [Refining::Never, Refining::Needles, Refining::Always][bytes.below(3)];
+    options.preparation.handles = [Handles::Auto, Handles::Never, Handles::Always][bytes.below(3)];
+    options.search = if bytes.coin() { Search::Full } else { Search::CoarseToFine };
+    options.quantize = [None, None, Some(Symmetry::Fourfold), Some(Symmetry::Sixfold)][bytes.below(4)];
+    options.islands = [Islands::OverlapFree, Islands::Single, Islands::Pack][bytes.below(3)];
+    options.free_seams = [FreeSeams::Auto, FreeSeams::Never, FreeSeams::Always][bytes.below(3)];
+    options.limbs = if bytes.coin() { Limbs::Never } else { Limbs::Auto };
+    options.seams.weight = f64::from(bytes.byte()) / 255.0;
+    options.seams.given = edges(bytes);
+    options.seams.kept = edges(bytes);
+    options.seams.avoid = edges(bytes);
+    options.packing.rotations = [Rotations::Any, Rotations::Quarter, Rotations::None][bytes.below(3)];
+    options.packing.margin = f64::from(bytes.byte() % 16);
+    options
 }
 
 /// Any way to choose cones.

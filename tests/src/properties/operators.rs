@@ -44,7 +44,7 @@ pub fn flips(bytes: &[u8]) {
     assert_eq!(topo::persistence(surface, &field), topo::persistence(&flipped, &field));
 }
 
-/// L is symmetric, constants are in its kernel, and no other direction is: xᵀLx > 0.
+/// L is symmetric, constants are in its kernel, and xᵀLx is the Dirichlet energy of the piecewise linear x, 0 for no others.
 pub fn laplacian(bytes: &[u8]) {
     let bytes = &mut Bytes::new(bytes);
     let shape = decode::surface(bytes);
@@ -61,6 +61,27 @@ pub fn laplacian(bytes: &[u8]) {
         }
     }
     assert!(energy >= -1e-10 * largest, "positive semidefinite, but xᵀLx = {energy:e}");
+    let is_thin = |corners: &[u32; 3]| {
+        let [p, q, r] = corners.map(|v| shape.points[v as usize]);
+        let longest = [(p, q), (q, r), (r, p)].iter().map(|&(p, q)| distance(p, q)).fold(0.0, f64::max);
+        oracle::area([p, q, r]) < 1e-4 * longest * longest
+    };
+    if !shape.triangles.iter().any(is_thin) {
+        let expected: f64 = shape.triangles.iter().map(|corners| dirichlet(corners, &shape.points, &x)).sum();
+        assert_close(energy, expected, 1e-9, expected.max(largest));
+    }
+}
+
+fn distance(p: [f64; 3], q: [f64; 3]) -> f64 {
+    p.iter().zip(q).map(|(p, q)| (p - q).powi(2)).sum::<f64>().sqrt()
+}
+
+/// ∫ |∇x|² over a triangle, from the gradient itself: as long as the sum of the sides, each times the value opposite to it, over twice the area.
+fn dirichlet(corners: &[u32; 3], points: &[[f64; 3]], x: &[f64]) -> f64 {
+    let p = corners.map(|v| points[v as usize]);
+    let x = corners.map(|v| x[v as usize]);
+    let sum = [0, 1, 2].map(|axis| (0..3).map(|k| x[k] * (p[(k + 2) % 3][axis] - p[(k + 1) % 3][axis])).sum::<f64>());
+    sum.iter().map(|s| s * s).sum::<f64>() / (4.0 * oracle::area(p))
 }
 
 /// Solutions are those of Gaussian elimination on the dense matrix, for any fixed vertices and none, one right-hand side

@@ -90,7 +90,7 @@ impl<V: Copy, S: Scalar> MergeTree<'_, V, S> {
         let mut sums = vec![T::default(); self.leaves.len()];
         for (v, (basin, &value)) in self.basins().iter().zip(&*self.values).enumerate() {
             if enters(basin) {
-                sums[ancestry.branch_of(self, v as u32, value, basin) as usize] += weight(v);
+                sums[ancestry.branch_of(self, self.enters_with(v as u32), value, basin) as usize] += weight(v);
             }
         }
         for end in &self.ends {

@@ -74,6 +74,8 @@ pub struct MergeTree<'f, V, S: Scalar> {
     pub(super) basins: BasinLabels,
     /// For each vertex its value, or the level up to which it is filled. Leaves, saddles and roots are never filled beyond their own values.
     pub(super) values: Cow<'f, [S]>,
+    /// Where basins are filled, for each vertex the one with which it enters: itself, or the saddle up to which it is filled.
+    filled_to: Option<Vec<u32>>,
 }
 
 impl<V: PartialEq, S: Scalar> PartialEq for MergeTree<'_, V, S> {
@@ -128,7 +130,13 @@ impl<'f, V: Copy, S: Scalar> MergeTree<'f, V, S> {
             roots: essential,
             basins,
             values: Cow::Borrowed(field),
+            filled_to: None,
         }
+    }
+
+    /// The vertex with which a vertex enters, itself unless it is filled up to another.
+    pub(super) fn enters_with(&self, vertex: u32) -> u32 {
+        self.filled_to.as_ref().map_or(vertex, |filled_to| filled_to[vertex as usize])
     }
 
     /// The value at a vertex.
@@ -172,9 +180,9 @@ impl<'f, V: Copy, S: Scalar> MergeTree<'f, V, S> {
     /// # Ok::<(), topo::Error>(())
     /// ```
     pub fn into_owned(self) -> MergeTree<'static, V, S> {
-        let Self { kind, leaves, leaf_names, ends, saddle_names, roots, root_names, basins, values } = self;
+        let Self { kind, leaves, leaf_names, ends, saddle_names, roots, root_names, basins, values, filled_to } = self;
         let values = Cow::Owned(values.into_owned());
-        MergeTree { kind, leaves, leaf_names, ends, saddle_names, roots, root_names, basins, values }
+        MergeTree { kind, leaves, leaf_names, ends, saddle_names, roots, root_names, basins, values, filled_to }
     }
 
     /// Leaves, then saddles in the order in which they enter, then roots that are neither.
@@ -268,12 +276,16 @@ impl<'f, V: Copy, S: Scalar> MergeTree<'f, V, S> {
     /// The tree with some branches only; those that end in others bring them along.
     pub(super) fn pruned(&self, kept: &[bool]) -> MergeTree<'static, V, S> {
         let place = self.spilled(kept);
-        let levels = fill_levels(self.ends.iter().map(|end| (end.extremum, end.elder, self.value(end.saddle))), kept);
+        let levels = fill_levels(self.ends.iter().map(|end| (end.extremum, end.elder, end.saddle)), kept);
         let renumbered = |leaf: u32| place[leaf as usize];
-        let filled = |(basin, &value): (u32, &S)| {
-            let level = levels.get(basin as usize).copied().flatten();
-            level.filter(|&level| self.has_reached(value, level)).unwrap_or(value)
+        let filled_to = |((v, basin), &value): ((u32, u32), &S)| {
+            let (saddle, own) = (levels.get(basin as usize).copied().flatten(), self.enters_with(v));
+            saddle.filter(|&saddle| self.is_before(own, value, saddle)).unwrap_or(own)
         };
+        let vertices = (0..).zip(self.basins().iter()).zip(&*self.values);
+        let filled_to: Vec<u32> = vertices.map(filled_to).collect();
+        let value =
+            |(&to, (v, &value)): (&u32, (u32, &S))| if to == self.enters_with(v) { value } else { self.value(to) };
         let ends = self.ends_and_saddles().filter(|(end, _)| kept[end.extremum as usize]);
         let end = |(end, name): (&BranchEnd, V)| {
             let [extremum, elder, beyond] = [end.extremum, end.elder, end.beyond].map(renumbered);
@@ -288,8 +300,9 @@ impl<'f, V: Copy, S: Scalar> MergeTree<'f, V, S> {
             saddle_names,
             roots: self.roots.iter().map(|&(leaf, last)| (renumbered(leaf), last)).collect(),
             root_names: self.root_names.clone(),
-            values: self.basins().iter().zip(&*self.values).map(filled).collect(),
+            values: filled_to.iter().zip((0..).zip(&*self.values)).map(value).collect(),
             basins: BasinLabels::new(self.basins().iter().map(|basin| of_basin(&place, basin))),
+            filled_to: Some(filled_to),
         }
     }
 

@@ -82,17 +82,22 @@ impl<S: Scalar> Summary<S> {
     /// been [taken](Self::take_pairs).
     ///
     /// # Errors
-    /// If directions or options differ, or the two do not agree on a vertex that they share.
+    /// If directions or options differ, or the two do not agree on a vertex that they share, or both have the same final pair, as where a
+    /// block is part of both.
     pub fn join(self, other: Self) -> Result<Self, Error> {
         if (self.kind, self.keep_zeros) != (other.kind, other.keep_zeros) {
             return Err(Error::Summaries);
         }
         let (places, edges) = self.tree.united(&other.tree)?;
         let pairs = [self.pairs, other.pairs].concat();
-        let mut joined =
-            Self { pairs, zero_count: self.zero_count + other.zero_count, tree: Reduced::default(), ..self };
+        // What is read as bytes may claim any number.
+        let zero_count = self.zero_count.saturating_add(other.zero_count);
+        let mut joined = Self { pairs, zero_count, tree: Reduced::default(), ..self };
         joined.reduce(&places, &edges);
-        Ok(joined)
+        match joined.pairs.windows(2).find(|two| two[0].extremum == two[1].extremum) {
+            Some(two) => Err(Error::JoinedTwice { vertex: two[0].extremum }),
+            None => Ok(joined),
+        }
     }
 
     /// All pairs that have not been [taken](Self::take_pairs), by rising name of the extremum: once all blocks are joined,
@@ -152,7 +157,7 @@ impl<S: Scalar> Summary<S> {
     fn add(&mut self, mut pairs: Vec<Pair<u64, S>>) {
         pairs.retain(|pair| {
             let is_zero = !pair.is_essential() && pair.persistence().is_zero();
-            self.zero_count += usize::from(is_zero);
+            self.zero_count = self.zero_count.saturating_add(usize::from(is_zero));
             self.keep_zeros || !is_zero
         });
         self.pairs.append(&mut pairs);

@@ -154,6 +154,23 @@ fn equal_diagrams_of_many_equal_points_are_no_distance_apart() {
 }
 
 #[test]
+fn what_has_no_points_off_the_diagonal_is_of_either_kind() {
+    let maxima = Diagram { kind: Kind::Maximum, finite: vec![(7.0, 2.0), (5.0, 4.0)], essential: vec![] };
+    let minima = |finite: &[(f64, f64)], essential: &[f64]| Diagram {
+        kind: Kind::Minimum,
+        finite: finite.to_vec(),
+        essential: essential.to_vec(),
+    };
+    for nothing in [minima(&[], &[]), minima(&[(3.0, 3.0)], &[])] {
+        assert_eq!((maxima.bottleneck(&nothing), nothing.bottleneck(&maxima)), (Ok(2.5), Ok(2.5)));
+        assert_eq!(maxima.wasserstein(&nothing, 1.0), Ok(3.0));
+    }
+    for other in [minima(&[(3.0, 4.0)], &[]), minima(&[], &[0.0])] {
+        assert_eq!(maxima.bottleneck(&other), Err(Error::Directions));
+    }
+}
+
+#[test]
 fn numbers_of_any_size_are_compared() {
     for unit in [f64::MIN_POSITIVE, 1e-200, 1e200, 1e300] {
         let points = |count: usize| (0..count).map(|i| (0.0, unit * (1.0 + (i % 7) as f64))).collect();

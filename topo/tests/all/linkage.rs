@@ -63,6 +63,11 @@ fn vectors_of_a_diagram_are_as_defined() {
     let image = diagram.image(0.0..=1.0, 4.0..=4.0, [1, 2], 1.0);
     let expected = 4.0 / std::f64::consts::TAU * (1.0 + (-0.5f64).exp());
     assert!(image.iter().all(|pixel| (pixel - expected).abs() < 1e-12));
+    // Births are births, also of maxima, which die lower down.
+    let of_maxima = Diagram { kind: Kind::Maximum, finite: vec![(3.0, 1.0)], essential: vec![] };
+    let image = of_maxima.image(0.0..=4.0, 2.0..=2.0, [1, 5], 0.5);
+    let largest = (0..5).max_by(|&a, &b| image[a].total_cmp(&image[b]));
+    assert_eq!(largest, Some(3));
     // Far enough round, the image has the sum of the lifetimes.
     let whole: f64 = diagram.image(-9.0..=11.0, -6.0..=14.0, [201, 201], 1.0).iter().sum();
     assert!((whole * 0.01 - 8.0).abs() < 1e-6);

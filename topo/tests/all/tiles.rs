@@ -280,7 +280,11 @@ fn blocks_that_do_not_belong_together_are_refused() {
     assert_eq!(a.clone().join(maxima), Err(Error::Summaries));
     let of_three = Summary::of_block(&path, &[1.0, 3.0], &[1, 2], &[3, 1], Kind::Minimum, options).expect("it fits");
     assert_eq!(a.clone().join(of_three), Err(Error::Shared { vertex: 1 }));
-    assert_eq!(a.finish(), Err(Error::Unfinished { vertex: 1 }));
+    assert_eq!(a.clone().finish(), Err(Error::Unfinished { vertex: 1 }));
+    let rest = block([2.0, 1.0], [2, 1], Kind::Minimum).expect("it fits");
+    let whole = a.join(rest).expect("they belong together");
+    assert!(whole.is_complete());
+    assert_eq!(whole.clone().join(whole), Err(Error::JoinedTwice { vertex: 0 }));
     assert_eq!(block([0.0, 1.0], [3, 3], Kind::Minimum), Err(Error::Twice { vertex: 3 }));
     assert_eq!(block([0.0, f64::NAN], [3, 9], Kind::Minimum), Err(Error::NotANumber { vertex: 9 }));
     let grid = Grid::new([3, 4], Connectivity::Axis);

@@ -179,6 +179,22 @@ proptest! {
     }
 
     #[test]
+    fn branches_that_are_kept_are_as_large_as_before((graph, field) in graph_and_field(), kind in kind(), first in 0..3u8, least in 1..4usize) {
+        let tree = topo::merge_tree(&graph, &field, kind).expect("fits");
+        let weights: Vec<f64> = (0..field.len()).map(|v| (v % 5) as f64).collect();
+        let before: Vec<_> = tree.branches().into_iter().zip(tree.sums(&weights).expect("a weight for each")).collect();
+        let once = tree.simplify(f64::from(first));
+        let twice = once.filter(|branch| branch.size >= least);
+        for simple in [once, twice] {
+            for (branch, sum) in simple.branches().iter().zip(simple.sums(&weights).expect("a weight for each")) {
+                let same = before.iter().find(|(other, _)| other.pair.extremum == branch.pair.extremum);
+                let (other, sum_before) = same.expect("it was there");
+                prop_assert_eq!((branch.size, sum), (other.size, *sum_before));
+            }
+        }
+    }
+
+    #[test]
     fn a_filtered_tree_has_the_wanted_branches_and_what_they_end_in((graph, field) in graph_and_field(), kind in kind(), least in 1..6usize) {
         let tree = topo::merge_tree(&graph, &field, kind).expect("fits");
         let wide = tree.filter(|branch| branch.size >= least);

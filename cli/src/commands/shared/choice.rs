@@ -20,7 +20,7 @@ pub(crate) struct CandidateArgs {
     /// As few cones as keep the area distortion within this, as predicted; `unwrap` makes sure by flattening
     #[arg(long, value_name = "D", group = "which", value_parser = distortion, allow_negative_numbers = true)]
     max_distortion: Option<f64>,
-    /// All extrema of the conformal factor that are at least so persistent
+    /// All extrema of the conformal factor that are more persistent than this
     #[arg(long, value_name = "P", group = "which", value_parser = non_negative, allow_negative_numbers = true)]
     min_persistence: Option<f64>,
     /// How cones are chosen; `refined` chooses more than 512 by persistence, `pursuit`

@@ -12,6 +12,7 @@ use clap::ValueEnum;
 use cones::report::{MeasuredAtlas, UvSize};
 use cones::{Analysis, Handles, Islands, MOST_NEEDLES, Note, Options, RefinedModel};
 use geom::io::{refine_obj, triangulated};
+use geom::vector::{dot, normal};
 use geom::{Model, refine_attributes};
 use std::path::Path;
 use std::time::Instant;
@@ -63,14 +64,7 @@ impl Unwrapped {
         limits::check_memory(path, model.vertex_count(), limits::UNWRAPPED)?;
         let failed = |error| CommandError::Unwrap { path: path.to_owned(), error };
         let (analysis, atlas) = Analysis::unwrapped(&model, &options, progress.observer()).map_err(failed)?;
-        let model = match analysis.refined() {
-            Some(RefinedModel { model: refined, face, added, .. }) => refine_obj(&model, added, refined, face)
-                .unwrap_or_else(|| {
-                    let attributes = refine_attributes(&model, refined, added, face);
-                    refined.clone().with_attributes(attributes)
-                }),
-            None => model,
-        };
+        let model = refined_model(model, &analysis);
         progress.step("measure");
         let start = Instant::now();
         let map = MeasuredAtlas::new(&model, atlas, scale.into(), analysis.weld())
@@ -118,15 +112,22 @@ impl Unwrapped {
         for (&face, &corners) in atlas.triangles.face_of.iter().zip(&atlas.triangles.corners) {
             turned[face as usize][usize::from(area(corners.map(|c| uv[c as usize])) < 0.0)] = true;
         }
+        // What is not convex in space either is cut with care by any program.
         let is_torn = |&face: &usize| {
+            let way = match turned[face] {
+                [true, false] => 1.0,
+                [false, true] => -1.0,
+                _ => return false,
+            };
             let first = self.model.face_corners(face).start;
-            let fan = self.model.face_corners(face).skip(1).zip(self.model.face_corners(face).skip(2));
-            let mut areas = fan.map(|(b, c)| area([first, b, c].map(|c| uv[c])));
-            match turned[face] {
-                [true, false] => areas.any(|area| area <= 0.0),
-                [false, true] => areas.any(|area| area >= 0.0),
-                _ => false,
-            }
+            let fan = || self.model.face_corners(face).skip(1).zip(self.model.face_corners(face).skip(2));
+            let in_space =
+                |(b, c)| normal([first, b, c].map(|c| self.model.points()[self.model.corners()[c] as usize]));
+            let whole = fan().map(in_space).fold([0.0; 3], |sum, part| [0, 1, 2].map(|axis| sum[axis] + part[axis]));
+            fan().any(|(b, c)| {
+                let is_there = dot(in_space((b, c)), whole) > 0.0;
+                is_there && way * area([first, b, c].map(|c| uv[c])) <= 0.0
+            })
         };
         let polygons = (0..self.model.face_count()).filter(|&face| self.model.face(face).len() > 3);
         let torn: Vec<usize> = polygons.filter(is_torn).collect();
@@ -211,6 +212,13 @@ impl Unwrapped {
         report.may_advise_refining &= self.hint().is_none();
         report
     }
+}
+
+/// The model as it is written: where its analysis was refined, that, with all that the file says of its own vertices and faces.
+pub(crate) fn refined_model(model: Model, analysis: &Analysis) -> Model {
+    let Some(RefinedModel { model: refined, face, added, .. }) = analysis.refined() else { return model };
+    refine_obj(&model, added, refined, face)
+        .unwrap_or_else(|| refined.clone().with_attributes(refine_attributes(&model, refined, added, face)))
 }
 
 /// The model's vertices at triangles of its corners.

@@ -17,9 +17,9 @@ use geom::io::MeshFormat;
 use names::{Target, targets};
 use serde::Serialize;
 use std::collections::{BTreeMap, HashSet};
-use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
@@ -85,15 +85,15 @@ pub(super) fn run(args: &UnwrapArgs, folder: &Path) -> Result<(), CommandError> 
         Mutex::new(Teller { args, targets: &targets, waiting: BTreeMap::new(), told: 0, summary: Summary::default() });
     let next = AtomicUsize::new(0);
     // Whoever reads standard output may leave, as `head` does: then nothing more is begun.
-    let is_over = AtomicUsize::new(0);
+    let is_over = AtomicBool::new(false);
     let work = || {
-        while is_over.load(Ordering::Relaxed) == 0 {
+        while !is_over.load(Ordering::Relaxed) {
             let number = next.fetch_add(1, Ordering::Relaxed);
             let Some(target) = targets.get(number) else { break };
             let outcome = attempt(args, &inputs, target);
             let mut teller = teller.lock().unwrap_or_else(PoisonError::into_inner);
             if let Err(error) = teller.hear(number, outcome) {
-                is_over.store(1, Ordering::Relaxed);
+                is_over.store(true, Ordering::Relaxed);
                 return Err(error);
             }
         }
@@ -103,7 +103,7 @@ pub(super) fn run(args: &UnwrapArgs, folder: &Path) -> Result<(), CommandError> 
     let ended: Vec<Result<(), CommandError>> = if pools.len() > 1 {
         std::thread::scope(|scope| {
             let started: Vec<_> = pools.iter().map(|pool| scope.spawn(|| pool.install(work))).collect();
-            started.into_iter().map(|thread| thread.join().unwrap_or(Ok(()))).collect()
+            started.into_iter().map(|thread| thread.join().unwrap_or_else(|fault| resume_unwind(fault))).collect()
         })
     } else {
         vec![work()]

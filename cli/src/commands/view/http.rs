@@ -6,6 +6,7 @@
 
 use std::io::{self, Read, Write};
 use std::net::{Shutdown, TcpListener, TcpStream};
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicUsize, Ordering::SeqCst};
 use std::time::{Duration, Instant};
 
@@ -22,6 +23,8 @@ const PATIENCE: Duration = Duration::from_secs(10);
 const FAREWELL: Duration = Duration::from_millis(200);
 /// Where no connection can be had, as when too many files are open, it is tried again after this.
 const BREATH: Duration = Duration::from_millis(50);
+
+const FAULT: &str = "this has brought out a fault of the program: please report it, with the surface if you may";
 
 /// A request, as far as it matters here.
 #[derive(Clone, Debug, Default)]
@@ -66,6 +69,7 @@ impl Response {
             413 => "Content Too Large",
             422 => "Unprocessable Content",
             431 => "Request Header Fields Too Large",
+            500 => "Internal Server Error",
             _ => "Service Unavailable",
         };
         let ahead = self.ahead.map(|path| format!("Link: <{path}>; rel=preload; as=fetch; crossorigin\r\n"));
@@ -118,7 +122,11 @@ fn converse(mut stream: TcpStream, answer: impl Fn(Request) -> Response) -> io::
     stream.set_write_timeout(Some(PATIENCE))?;
     let deadline = Instant::now() + PATIENCE;
     match read(&mut Timed { stream: &stream, deadline }) {
-        Ok(request) => answer(request).write(&stream),
+        Ok(request) => {
+            // A fault in one answer is no reason to give no others.
+            let answered = catch_unwind(AssertUnwindSafe(|| answer(request)));
+            answered.unwrap_or_else(|_| Response::refusal(500, FAULT)).write(&stream)
+        }
         Err(Refused::Gone) => Ok(()),
         Err(Refused::With(status, text)) => {
             Response::refusal(status, text).write(&stream)?;
@@ -258,6 +266,20 @@ mod tests {
         assert!(matches!(refused(b"\x16\x03\x01\x02\x00\x01\x00"), Refused::With(400, _)));
         assert_eq!(with("Content-Length: 7"), Refused::Gone);
         assert_eq!(refused(b""), Refused::Gone);
+    }
+
+    #[test]
+    fn after_a_fault_in_one_answer_others_are_given() {
+        let [mut client, server] = {
+            let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+            let client = TcpStream::connect(listener.local_addr().unwrap()).unwrap();
+            [client, listener.accept().unwrap().0]
+        };
+        client.write_all(b"GET / HTTP/1.1\r\n\r\n").unwrap();
+        converse(server, |_| panic!("a fault")).unwrap();
+        let mut answer = String::new();
+        client.read_to_string(&mut answer).unwrap();
+        assert!(answer.starts_with("HTTP/1.1 500 ") && answer.ends_with(FAULT), "{answer}");
     }
 
     proptest! {

@@ -10,15 +10,14 @@ mod session;
 mod tabs;
 
 use crate::commands::persistence::FieldArgs;
-use crate::commands::shared::{CandidateArgs, Chosen, Subject, warn, whole};
+use crate::commands::shared::{CandidateArgs, Chosen, Subject, refined_model, warn, whole};
 use crate::error::CommandError;
 use crate::input::read_model;
 use crate::limits;
 use crate::output::{self, Volume};
 use crate::progress::Progress;
 use clap::Args;
-use cones::{Analysis, ConeChoice, Options, RefinedModel};
-use geom::io::refine_obj;
+use cones::{Analysis, ConeChoice, Options};
 use guard::Guard;
 use http::{Request, Response};
 use session::Session;
@@ -68,12 +67,7 @@ pub(crate) fn run(args: &ViewArgs) -> Result<(), CommandError> {
     let analysis = Analysis::observed(&model, options.preparation, progress.observer()).map_err(failed)?;
     progress.finish();
     warn(analysis.repairs(), analysis.notes(), analysis.topology().components);
-    let model = match analysis.refined() {
-        Some(RefinedModel { model: refined, face, added, .. }) => {
-            refine_obj(&model, added, refined, face).unwrap_or_else(|| refined.clone())
-        }
-        None => model,
-    };
+    let model = refined_model(model, &analysis);
     let chosen = Chosen::new(count(&options, &analysis).map_err(failed)?, options.placement, options.rule);
     let subject = Subject::new(input, &model, analysis, options);
     let session = Session::new(subject, &chosen, rayon::current_num_threads())?;

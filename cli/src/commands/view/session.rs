@@ -16,6 +16,7 @@ use geom::distortion::DistortionError;
 use geom::io::{ObjContent, WriteError, write_glb, write_obj};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use serde_json::{Value, json};
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 
 const HTML: &str = "text/html; charset=utf-8";
@@ -61,8 +62,10 @@ impl<'a> Session<'a> {
     pub(super) fn make(&self, begun: Begun) {
         let observed = begun.clone();
         let analysis = self.subject.analysis.with_observer(move |_: cones::Progress| observed.goes_on());
-        let shown = self.thorough.install(|| self.subject.map(&analysis, begun.options()));
-        self.maps.end(begun, shown.ok().map(Arc::new));
+        let make = || self.thorough.install(|| self.subject.map(&analysis, begun.options()));
+        // Whoever waits for it is not to wait for ever, should this bring out a fault.
+        let shown = catch_unwind(AssertUnwindSafe(make)).ok().and_then(Result::ok);
+        self.maps.end(begun, shown.map(Arc::new));
     }
 
     /// Answers what is asked at a path below the page's.

@@ -220,6 +220,27 @@ fn ply_strips_alternate_and_drop_their_turns() {
 }
 
 #[test]
+fn ply_faces_beside_strips_keep_their_texture_coordinates() {
+    let strips = ("element tristrips 1\nproperty list int int vertex_indices\n", "4 0 1 2 3\n");
+    let faces = (
+        "element face 2\nproperty list uchar int vertex_indices\nproperty list uchar float texcoord\n",
+        "3 0 1 2 6 0 0 1 0 1 1\n3 0 2 3 6 0 0 1 1 0 1\n",
+    );
+    let own = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
+    for ([first, second], at) in [([strips, faces], 6), ([faces, strips], 0)] {
+        let text = format!(
+            "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n{}{}end_header\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n{}{}",
+            first.0, second.0, first.1, second.1
+        );
+        let model = read_bytes(text.into_bytes(), "a.ply").unwrap();
+        assert_eq!(model.corner_count(), 12);
+        let uv = model.uv().unwrap();
+        assert_eq!((at..at + 6).map(|c| uv.corner(c)).collect::<Vec<_>>(), own.map(Some));
+        assert!((0..12).filter(|c| !(at..at + 6).contains(c)).all(|c| uv.corner(c).is_none()));
+    }
+}
+
+#[test]
 fn ply_texture_coordinates_of_vertices_are_those_of_their_corners() {
     let text = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nproperty float s\nproperty float t\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0 0.5 0\n1 0 0 0.25 0\n0 1 0 0 1\n3 2 1 0\n";
     let model = read_bytes(text.into(), "a.ply").unwrap();

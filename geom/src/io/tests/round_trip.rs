@@ -255,6 +255,19 @@ fn a_glb_is_as_long_as_its_headers_say() {
 }
 
 #[test]
+fn a_vertex_far_off_that_is_of_no_face_costs_a_glb_no_digits() {
+    let at = |x: f64, y: f64| format!("v {} {} 0\n", 5e5 + x, 5.4e6 + y);
+    let text = format!("v 0 0 0\n{}{}{}f 2 3 4\n", at(0.0, 0.0), at(0.1, 0.0), at(0.0, 0.1));
+    let model = obj(&text);
+    let mut out = Vec::new();
+    write_glb(&model, None, &model.triangles(), None, &mut out).unwrap();
+    let back = read_bytes(out, "back.glb").unwrap();
+    for (point, expected) in back.points().iter().zip(&model.points()[1..]) {
+        assert!(point.iter().zip(expected).all(|(x, y)| (x - y).abs() < 1e-7), "{point:?} {expected:?}");
+    }
+}
+
+#[test]
 fn what_does_not_fit_the_model_is_not_written() {
     let model = obj(TETRAHEDRON);
     let refused = |uv: Option<&[[f64; 2]]>, triangles: Option<&crate::Triangles>| {

@@ -9,6 +9,7 @@ mod orient;
 
 use std::collections::HashSet;
 use std::convert::Infallible;
+use std::ops::Range;
 
 use super::model::Model;
 use super::repair::{RepairKind, RepairLog};
@@ -67,7 +68,7 @@ impl Soup {
         watch.ask(0.2)?;
         let mut crowded = soup.glue();
         watch.ask(0.6)?;
-        if soup.leave_out_duplicates(crowded.faces, log) {
+        if soup.leave_out_duplicates(crowded.faces, model, place, log) {
             crowded = soup.glue();
         }
         crowded.opened.iter().for_each(|v| log.note(RepairKind::NonManifoldEdge, v.index()));
@@ -116,13 +117,30 @@ impl Soup {
         vertices
     }
 
-    /// Leaves out all but the first of the triangles on the same three vertices, where an edge has too many; whether there are any.
-    fn leave_out_duplicates(&mut self, mut crowded: Vec<usize>, log: &mut RepairLog) -> bool {
+    /// Leaves out all but the first of the triangles on the same three vertices, and of the polygons round the same ones, which may be cut
+    /// otherwise, where an edge has too many; whether there are any.
+    fn leave_out_duplicates(
+        &mut self,
+        mut crowded: Vec<usize>,
+        model: &Model,
+        place: Option<&[u32]>,
+        log: &mut RepairLog,
+    ) -> bool {
         crowded.sort_unstable();
         crowded.dedup();
+        let mut polygons: Vec<u32> = crowded.iter().map(|&f| self.triangle[f].1).collect();
+        polygons.dedup();
         let mut first = HashSet::new();
         let mut doubled: Vec<usize> = crowded.into_iter().filter(|&f| !first.insert(self.sorted_vertices(f))).collect();
         self.retain_whole_faces(&mut doubled);
+        let around = |&face: &u32| {
+            let place = |&v: &u32| place.map_or(v, |place| place[v as usize]);
+            cycle(model.face(face as usize).iter().map(place).collect())
+        };
+        let mut first = HashSet::new();
+        let polygons = polygons.into_iter().filter(|&face| model.face(face as usize).len() > 3);
+        let copies: Vec<u32> = polygons.filter(|face| !first.insert(around(face))).collect();
+        doubled.extend(copies.into_iter().flat_map(|face| self.triangles_of(face)));
         if doubled.is_empty() {
             return false;
         }
@@ -134,9 +152,7 @@ impl Soup {
 
     /// Leaves out the triangles that are not kept.
     fn leave_out(&mut self, keep: &[bool], why: RepairKind, log: &mut RepairLog) {
-        for (_, (_, face)) in keep.iter().zip(&self.triangle).filter(|(keep, _)| !**keep) {
-            log.note(why, *face as usize);
-        }
+        self.note_faces((0..keep.len()).filter(|&f| !keep[f]), why, log);
         let mut side = 0..self.tail.len();
         self.tail.retain(|_| side.next().is_some_and(|h| keep[h / 3]));
         let mut side = 0..self.corner.len();
@@ -149,12 +165,22 @@ impl Soup {
     /// its pieces share its corners.
     fn retain_whole_faces(&self, triangles: &mut Vec<usize>) {
         let face = |f: usize| self.triangle[f].1;
-        let size = |of: u32| {
-            let from = self.triangle.partition_point(|&(_, face)| face < of);
-            self.triangle[from..].iter().take_while(|&&(_, face)| face == of).count()
-        };
-        let whole = triangles.chunk_by(|&f, &g| face(f) == face(g)).filter(|chunk| chunk.len() == size(face(chunk[0])));
+        let is_whole = |chunk: &&[usize]| chunk.len() == self.triangles_of(face(chunk[0])).len();
+        let whole = triangles.chunk_by(|&f, &g| face(f) == face(g)).filter(is_whole);
         *triangles = whole.flatten().copied().collect();
+    }
+
+    /// The triangles of a face.
+    fn triangles_of(&self, of: u32) -> Range<usize> {
+        let end = |is_before: fn(u32, u32) -> bool| self.triangle.partition_point(|&(_, face)| is_before(face, of));
+        end(|face, of| face < of)..end(|face, of| face <= of)
+    }
+
+    /// Notes the faces of ascending triangles, each once.
+    fn note_faces(&self, triangles: impl Iterator<Item = usize>, why: RepairKind, log: &mut RepairLog) {
+        let mut faces: Vec<u32> = triangles.map(|f| self.triangle[f].1).collect();
+        faces.dedup();
+        faces.into_iter().for_each(|face| log.note(why, face as usize));
     }
 
     /// Makes twins of the two sides of each edge that has just two. The diagonals of polygons are edges of their own: a
@@ -235,6 +261,17 @@ impl Soup {
 pub(super) fn stitches_of(model: &Model) -> Option<Vec<u32>> {
     let soup = Soup::glued(model, &model.triangles(), None, &mut RepairLog::default(), Watch::NONE);
     unwatched(soup).stitches(model.points())
+}
+
+/// The corners of a polygon from the least one on, the way that has the lesser of its neighbours next: the same whichever the first corner and
+/// whichever way round.
+fn cycle(mut corners: Vec<u32>) -> Vec<u32> {
+    let least = (0..corners.len()).min_by_key(|&k| corners[k]).unwrap_or_default();
+    corners.rotate_left(least);
+    if corners[corners.len() - 1] < corners[1] {
+        corners[1..].reverse();
+    }
+    corners
 }
 
 fn next(h: usize) -> usize {

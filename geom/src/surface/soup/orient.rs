@@ -1,5 +1,7 @@
 //! Triangles turned until neighbours agree.
 
+use std::collections::VecDeque;
+
 use super::{NONE, RUN, Soup};
 use crate::mesh::Id;
 use crate::parallel::all;
@@ -21,16 +23,28 @@ impl Soup {
             }
             component.clear();
             self.turn_polygon((seed, false), &mut turned, &mut component);
+            // Where neighbours disagree it is gone on last: what cannot be oriented is opened there.
+            let mut disagreeing = VecDeque::new();
             let mut at = 0;
-            while at < component.len() {
-                let f: usize = component[at];
-                at += 1;
-                for h in 3 * f..3 * f + 3 {
-                    let g = self.twin[h] as usize;
-                    if self.twin[h] != NONE && turned[g / 3].is_none() {
-                        let turns = (turned[f] == Some(true)) ^ self.run_alike(h, g);
-                        self.turn_polygon((g / 3, turns), &mut turned, &mut component);
+            loop {
+                while at < component.len() {
+                    let f: usize = component[at];
+                    at += 1;
+                    for h in 3 * f..3 * f + 3 {
+                        let g = self.twin[h] as usize;
+                        if self.twin[h] == NONE || turned[g / 3].is_some() {
+                            continue;
+                        }
+                        match self.run_alike(h, g) {
+                            true => disagreeing.push_back(h),
+                            false => self.turn_polygon((g / 3, turned[f] == Some(true)), &mut turned, &mut component),
+                        }
                     }
+                }
+                let Some(h) = disagreeing.pop_front() else { break };
+                let g = self.twin[h] as usize;
+                if turned[g / 3].is_none() {
+                    self.turn_polygon((g / 3, turned[h / 3] == Some(false)), &mut turned, &mut component);
                 }
             }
             // The way most of them were is the right way.
@@ -47,10 +61,9 @@ impl Soup {
                 self.twin[h] = NONE;
             }
         }
-        for f in (0..faces).filter(|&f| turned[f] == Some(true)) {
-            log.note(RepairKind::FlippedFace, self.triangle[f].1 as usize);
-            self.turn(f);
-        }
+        let turned: Vec<usize> = (0..faces).filter(|&f| turned[f] == Some(true)).collect();
+        self.note_faces(turned.iter().copied(), RepairKind::FlippedFace, log);
+        turned.into_iter().for_each(|f| self.turn(f));
     }
 
     /// Decides whether a triangle is turned, and with it the others of its polygon, which share its corners: all are listed.

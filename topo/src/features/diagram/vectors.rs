@@ -64,9 +64,8 @@ impl Diagram {
         let bell = |x: f64| (-x * x / (2.0 * variance)).exp();
         let mut pixels = vec![0.0; rows * columns];
         for point in self.bounded() {
-            let birth = point.0.min(point.1);
             let mass = lifetime(point) / (core::f64::consts::TAU * variance);
-            let row: Vec<f64> = (0..columns).map(|x| bell(along(&births, columns, x) - birth)).collect();
+            let row: Vec<f64> = (0..columns).map(|x| bell(along(&births, columns, x) - point.0)).collect();
             for (y, pixels) in pixels.chunks_mut(columns.max(1)).enumerate() {
                 let across = mass * bell(along(&lifetimes, rows, y) - lifetime(point));
                 pixels.iter_mut().zip(&row).for_each(|(pixel, bell)| *pixel += across * bell);
