@@ -7,7 +7,8 @@
 use std::f64::consts::PI;
 
 use geom::{
-    EdgeData, EdgeId, FaceData, FaceId, HalfedgeId, Interrupted, Islands, Mesh, ShortestPaths, Watch, open_vertices,
+    EdgeData, EdgeId, FaceData, FaceId, HalfedgeId, Interrupted, Islands, Mesh, ShortestPaths, VertexData, VertexId,
+    Watch, open_vertices, other_end,
 };
 use rayon::prelude::*;
 
@@ -154,17 +155,20 @@ impl<'a> Paths<'a> {
         Some(Sweep { faces, over, end, place, rim, area })
     }
 
-    /// The paths across an island that are not longer than `most` and leave at least a share of the area on either side.
-    pub(super) fn across(&self, sweep: &Sweep, most: f64, least_share: f64) -> Vec<Across> {
+    /// The paths across an island that are not longer than `most` and leave at least a share of the area on either side. With `rings`, also those
+    /// that begin and end at one point of the surface, on two sides of a seam, as they go round a tube.
+    pub(super) fn across(&self, sweep: &Sweep, most: f64, least_share: f64, rings: bool) -> Vec<Across> {
         let (areas, count) = (&sweep.area, sweep.faces.len());
         let whole = areas[count];
+        let arrivals = rings.then(|| self.arrivals());
         let found = (1..count).filter_map(|k| {
             let (edge, end) = (sweep.over[k]?, sweep.end[k]);
             let share = (areas[end] - areas[k]) / whole;
-            let length = self.length(edge)?;
+            let length = self.length(edge);
             if length > most || share < least_share || share > 1.0 - least_share {
                 return None;
             }
+            self.is_across(edge, arrivals.as_ref()).then_some(())?;
             let middle = self.middle(edge);
             Some(Across { edge, length, middle, first: k, end })
         });
@@ -173,7 +177,7 @@ impl<'a> Paths<'a> {
 
     /// The shortest of the paths across an island, none of which passes near a shorter one.
     pub(super) fn spread(&self, sweep: &Sweep) -> Vec<Across> {
-        let mut across = self.across(sweep, f64::MAX, LEAST_SHARE);
+        let mut across = self.across(sweep, f64::MAX, LEAST_SHARE, false);
         across.sort_by(|a, b| a.length.total_cmp(&b.length));
         let near = NEAR * sweep.area[sweep.faces.len()].sqrt();
         let mut chosen: Vec<Across> = Vec::new();
@@ -223,11 +227,56 @@ impl<'a> Paths<'a> {
         Ok(across.iter().zip(&outside).map(share).collect())
     }
 
-    /// The length of the path that an edge closes; nothing if both of its ends come to the same point.
-    fn length(&self, e: EdgeId) -> Option<f64> {
-        let [u, v] = self.mesh.ends(e);
-        let owner = &self.shortest.owner;
-        (owner[u] != owner[v]).then(|| self.shortest.distance[u] + self.lengths[e] + self.shortest.distance[v])
+    /// The length of the path that an edge closes.
+    fn length(&self, e: EdgeId) -> f64 {
+        let [u, v] = self.mesh.ends(e).map(|v| self.shortest.distance[v]);
+        u + self.lengths[e] + v
+    }
+
+    /// Whether both ends of the path that an edge closes come to other points; or, where it is known at which [corner](Self::corner) paths
+    /// arrive, to other corners of one.
+    fn is_across(&self, e: EdgeId, arrivals: Option<&VertexData<Option<HalfedgeId>>>) -> bool {
+        let ends = self.mesh.ends(e);
+        let [one, other] = ends.map(|v| self.shortest.owner[v]);
+        one != other
+            || arrivals.is_some_and(|arrivals| {
+                let [one, other] = ends.map(|v| arrivals[v].unwrap_or_else(|| self.corner(e, v)));
+                one != other
+            })
+    }
+
+    /// For each vertex the corner at which its path arrives; none where something is open already.
+    fn arrivals(&self) -> VertexData<Option<HalfedgeId>> {
+        let predecessor = &self.shortest.predecessor;
+        let mut arrivals = VertexData::constant(self.mesh.vertex_count(), None);
+        let mut way = Vec::new();
+        for start in self.mesh.vertices() {
+            let (mut at, mut found) = (start, None);
+            while let Some(e) = predecessor[at].filter(|_| found.is_none()) {
+                found = arrivals[at];
+                way.push(at);
+                at = other_end(self.mesh, e, at);
+                if predecessor[at].is_none() {
+                    found = found.or_else(|| Some(self.corner(e, at)));
+                }
+            }
+            way.drain(..).for_each(|v| arrivals[v] = found);
+        }
+        arrivals
+    }
+
+    /// The corner at a vertex where something is open that an edge is in, by its last side: what is between two open edges.
+    fn corner(&self, e: EdgeId, v: VertexId) -> HalfedgeId {
+        let h = self.mesh.halfedge(e);
+        let from = if self.mesh.tail(h) == v { Some(h) } else { self.mesh.twin(h) };
+        let mut at = from.unwrap_or(h);
+        while let Some(g) = self.mesh.twin(at).filter(|_| !self.map.cut[self.mesh.edge(at)]) {
+            at = self.mesh.next(g);
+            if Some(at) == from {
+                break; // nothing is open here
+            }
+        }
+        at
     }
 
     /// The edges of a path.
@@ -349,7 +398,7 @@ mod tests {
         let lengths = mesh.edges().map(|_| 1.0).collect();
         let paths = Paths::new(&mesh, &lengths, &map, Watch::NONE).unwrap();
         let sweep = paths.sweep(&paths.islands()[0]).unwrap();
-        let across = paths.across(&sweep, f64::MAX, 0.05);
+        let across = paths.across(&sweep, f64::MAX, 0.05, false);
         assert!(across.len() > 20, "{}", across.len());
         let axis = axis(sweep.faces.iter().flat_map(|&f| map.triangle(f)));
         let directions = std::array::from_fn(|k| (axis + PI * k as f64 / DIRECTIONS as f64).sin_cos());

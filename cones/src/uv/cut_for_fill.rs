@@ -25,8 +25,9 @@ const TRIED: usize = 24;
 const COMPARED: usize = 16;
 /// Of those that pass within this share of the island's extent of a better one, none is tried.
 const NEAR: f64 = 0.06;
-/// A cut must raise the fill by so much, and by so much more if it takes all of the seam that is left.
+/// A cut must raise the fill by so much, or by this share of it where there is little, and by so much more if it takes all of the seam that is left.
 const LEAST_GAIN: f64 = 0.012;
+const LEAST_GROWTH: f64 = 0.2;
 const PRICE: f64 = 0.03;
 /// After so many of the best a second one is sought, on models of at most so many triangles: two are made at once if they gain more by
 /// [`LEAST_GAIN`] than one, which may gain nothing alone. (15 surfaces with 32 cones: fill .590 with one at a time, .605 with two only where none
@@ -92,6 +93,8 @@ struct Found {
     cuts: Vec<Cut>,
     /// Two across different islands, where none gains enough alone and these do; the first is said to gain what both do.
     two: Vec<Cut>,
+    /// What cuts must gain.
+    least: f64,
     /// How many islands were compared.
     islands: usize,
     /// The length of the shortest path that there was: infinite if there was none, 0 where none was looked for.
@@ -131,14 +134,14 @@ fn cut_from(
         let watch = watch.within(at(made), at(made + 1));
         let is_large = triangles > most_triangles;
         let in_twos = is_large && made + 2 <= MOST_CUTS;
-        let Found { cuts: found, two, islands, shortest } =
+        let Found { cuts: found, two, least, islands, shortest } =
             cuts(parts, &maps, (left, in_twos), options, watch.within(0.0, 0.3))?;
-        let mut chosen: Vec<Cut> = found.first().filter(|best| best.gain > LEAST_GAIN).cloned().into_iter().collect();
+        let mut chosen: Vec<Cut> = found.first().filter(|best| best.gain > least).cloned().into_iter().collect();
         if chosen.is_empty() {
             chosen = two;
         }
         if made + 2 <= MOST_CUTS && !is_large {
-            let least = LEAST_GAIN + chosen.iter().map(|cut| cut.gain).sum::<f64>();
+            let least = least + chosen.iter().map(|cut| cut.gain).sum::<f64>();
             let firsts = &found[..found.len().min(FIRST * FEW_ISLANDS / islands.max(FEW_ISLANDS))];
             let two = two_cuts(parts, &maps, firsts, (left, least), options, watch.within(0.3, 1.0))?;
             chosen = two.unwrap_or(chosen);
@@ -229,7 +232,7 @@ fn cuts(
         watch.ask(0.3)?;
         let part = islands[island].0;
         let extent = islands[island].3.area.sqrt();
-        let across = paths[part].across(sweep, left, LEAST_SHARE);
+        let across = paths[part].across(sweep, left, LEAST_SHARE, true);
         shortest = across.iter().fold(shortest, |least, path| least.min(path.length));
         watch.ask(0.3)?;
         let rectangles = paths[part].rectangles(sweep, &across, watch.within(0.3, 0.3))?;
@@ -246,6 +249,7 @@ fn cuts(
     if before > ENOUGH {
         return Ok(Found { islands: islands.len(), ..Found::default() });
     }
+    let least = LEAST_GAIN.min(LEAST_GROWTH * before);
     let gain = |length: f64, fill: f64| fill - before - PRICE * length / left;
     let once = |trial: &Trial| {
         packing.ask(0.0)?;
@@ -264,10 +268,10 @@ fn cuts(
     let gains = compared.par_iter().map(fill).collect::<Result<Vec<f64>, Interrupted>>()?;
     let mut cuts: Vec<Cut> = compared.iter().zip(gains).map(|((trial, _), gain)| trial.cut(&paths, gain)).collect();
     cuts.sort_by(|a, b| b.gain.total_cmp(&a.gain));
-    let mut found = Found { cuts, two: Vec::new(), islands: islands.len(), shortest };
-    if in_twos && found.cuts.first().is_none_or(|best| best.gain <= LEAST_GAIN) {
+    let mut found = Found { cuts, two: Vec::new(), least, islands: islands.len(), shortest };
+    if in_twos && found.cuts.first().is_none_or(|best| best.gain <= least) {
         let sides: Vec<Tried> = trials.iter().zip(once.iter().map(|(_, sides)| sides)).collect();
-        if let Some(([one, other], gain)) = best_two(&sides, left, &rough, gain, packing)? {
+        if let Some(([one, other], gain)) = best_two(&sides, (left, least), &rough, gain, packing)? {
             found.two = vec![one.cut(&paths, gain), other.cut(&paths, 0.0)];
         }
     }
@@ -280,7 +284,7 @@ type Tried<'a> = (&'a Trial<'a>, &'a [Piece; 2]);
 /// The two cuts across different islands that gain most, if that is enough.
 fn best_two<'a>(
     trials: &[Tried<'a>],
-    left: f64,
+    (left, least): (f64, f64),
     rough: &Rough,
     gain: impl Fn(f64, f64) -> f64 + Sync,
     packing: Watch,
@@ -306,7 +310,7 @@ fn best_two<'a>(
     };
     let gains = compared.par_iter().map(fill).collect::<Result<Vec<f64>, Interrupted>>()?;
     let best = compared.into_iter().zip(gains).reduce(|best, next| if next.1 > best.1 { next } else { best });
-    Ok(best.filter(|(_, gain)| *gain > LEAST_GAIN).map(|((two, _), gain)| (two.map(|(trial, _)| trial), gain)))
+    Ok(best.filter(|(_, gain)| *gain > least).map(|((two, _), gain)| (two.map(|(trial, _)| trial), gain)))
 }
 
 /// The paths that are worth packing, of some with their rectangles.
@@ -459,6 +463,43 @@ mod tests {
         assert_eq!(cut(2.0, 1), [2, 2]);
         assert_eq!(cut(2.0, MOST_TRIANGLES), [2, 2]);
         assert_eq!(cut(1.8, 1), [0, 0]);
+    }
+
+    /// A tube of `n` rings of `m` squares, unrolled.
+    fn tube(n: u32, m: u32) -> (Mesh, EdgeData<f64>, UvMap) {
+        let vertex = |i: u32, j: u32| i * m + j % m;
+        let squares = (0..n).flat_map(|i| (0..m).map(move |j| (i, j)));
+        let corners: Vec<[[u32; 2]; 3]> = squares
+            .flat_map(|(i, j)| {
+                let [a, b, c, d] = [[i, j], [i, j + 1], [i + 1, j + 1], [i + 1, j]];
+                [[a, b, c], [a, c, d]]
+            })
+            .collect();
+        let triangles: Vec<[u32; 3]> = corners.iter().map(|t| t.map(|[i, j]| vertex(i, j))).collect();
+        let mesh = Mesh::new(((n + 1) * m) as usize, &triangles).unwrap();
+        let position: Vec<[f64; 2]> = corners.as_flattened().iter().map(|p| p.map(f64::from)).collect();
+        let map = UvMap::new(&mesh, position.into());
+        let length = |e: EdgeId| {
+            let h = mesh.halfedge(e);
+            let [p, q] = [h, mesh.next(h)].map(|h| map.position[h]);
+            (p[0] - q[0]).hypot(p[1] - q[1])
+        };
+        let lengths = mesh.edges().map(length).collect();
+        (mesh, lengths, map)
+    }
+
+    #[test]
+    fn a_tube_is_cut_into_shorter_ones() {
+        for (length, most, least) in [(200, 8.0, 1.8), (2000, 40.0, 3.0)] {
+            let (mesh, lengths, map) = tube(length, 4);
+            let part = Part { mesh: &mesh, lengths: &lengths, map: &map };
+            let cut = &cut_for_fill(&[part], most, &PackOptions::default(), Watch::NONE).unwrap()[0];
+            let [(_, before), (islands, after)] = [packed(&mesh, &map, &map.cut), packed(&mesh, &map, cut)];
+            let added: f64 = mesh.edges().filter(|&e| cut[e] && !map.cut[e]).map(|e| lengths[e]).sum();
+            // Round the tube it is four.
+            assert!(islands > 1 && added <= 4.0 * (islands - 1) as f64 + 1e-9, "{added} for {islands} islands");
+            assert!(after > least * before, "{before} {after}");
+        }
     }
 
     #[test]
