@@ -113,6 +113,14 @@ mod tests {
     use super::*;
 
     #[test]
+    fn no_more_pools_are_had_than_threads_whose_number_they_share() {
+        let of_three = ThreadPoolBuilder::new().num_threads(3).build().unwrap();
+        let threads =
+            |count| of_three.install(|| pools(count)).iter().map(ThreadPool::current_num_threads).collect::<Vec<_>>();
+        assert_eq!([threads(1), threads(2), threads(8)], [vec![3], vec![2, 1], vec![1, 1, 1]]);
+    }
+
+    #[test]
     fn the_limit_is_read_where_there_is_one() {
         let text = |limit: &str| format!("Max locked memory 1 1 bytes\nMax address space {limit}  unlimited  bytes\n");
         assert_eq!(address_space(&text("40960000")), Some(40_960_000));

@@ -636,16 +636,19 @@ fn what_no_cones_flatten_in_even_triangles_is_taken_in_its_own() {
         }
     }
     let spindle = Shape { points, triangles };
-    let unwrapped = |refine: Refining| {
+    let unwrapped = |refine: Refining, cones: ConeChoice| {
         let preparation = Preparation { refine, ..Preparation::default() };
-        let options = Options { preparation, ..Options::default() };
+        let options = Options { preparation, cones, ..Options::default() };
         let goes_on = |_: Progress| ControlFlow::Continue(());
         let (analysis, atlas) = Analysis::unwrapped(&model(&spindle), &options, goes_on).expect("it unwraps");
         let is_said = atlas.notes.iter().any(|note| matches!(note, Note::NotRefined { .. }));
         (analysis.refined().is_some(), is_said)
     };
-    assert_eq!(unwrapped(Refining::Needles), (false, true));
-    assert_eq!(unwrapped(Refining::Never), (false, false));
+    let four = ConeChoice::Count(4);
+    assert_eq!(unwrapped(Refining::Needles, four.clone()), (false, true));
+    assert_eq!(unwrapped(Refining::Never, four), (false, false));
+    // By itself it has an exact net, and refining is not tried.
+    assert_eq!(unwrapped(Refining::Needles, ConeChoice::Automatic), (false, false));
 }
 
 #[test]

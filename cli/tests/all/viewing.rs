@@ -129,6 +129,18 @@ fn a_file_of_many_lines_is_saved_on_one_thread() {
 }
 
 #[test]
+fn a_refined_surface_is_saved_with_the_colours_between_those_of_the_file() {
+    let folder = Folder::with_shapes();
+    let header = "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\nproperty uchar red\n\
+                  property uchar green\nproperty uchar blue\nelement face 4\nproperty list uchar int vertex_indices\nend_header\n";
+    let points = "0 0 0 9 9 9\n1 0 0 9 9 9\n0 1 0 9 9 9\n0 0 1 9 9 9\n3 0 2 1\n3 0 1 3\n3 1 2 3\n3 2 0 3\n";
+    folder.write("coloured.ply", &format!("{header}{points}"));
+    let viewer = Viewer::of(folder, &["coloured.ply", "-n", "4", "--refine"]);
+    let saved = viewer.post("save/glb", r#"{"tab":"a","serial":1,"n":4}"#);
+    assert!(saved.body.starts_with(b"glTF") && String::from_utf8_lossy(&saved.body).contains("COLOR_0"));
+}
+
+#[test]
 fn a_newer_question_of_the_same_tab_stops_an_older_one() {
     let viewer = Viewer::new();
     assert_eq!(viewer.post("map", r#"{"tab":"a","serial":2,"n":6}"#).status, 200);

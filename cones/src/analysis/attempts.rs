@@ -536,6 +536,32 @@ mod tests {
         }
     }
 
+    /// A plate with ribs, its profile drawn out: walls of four corners between two caps of 4 `ribs`.
+    fn ribbed(ribs: u32) -> Model {
+        let rib = |k: u32| [(0.0, 0.0), (0.0, 3.0), (0.6, 3.0), (0.6, 0.0)].map(|(x, y)| [f64::from(k) + x, y]);
+        let mut profile: Vec<[f64; 2]> = (0..ribs).flat_map(rib).collect();
+        let n = profile.len();
+        (profile[0][1], profile[n - 1][1]) = (-0.5, -0.5);
+        let n = n as u32;
+        let points = [0.0, 9.0].iter().flat_map(|&z| profile.iter().map(move |&[x, y]| [x, y, z])).collect();
+        let mut faces: Vec<Vec<u32>> = (0..n).map(|k| vec![(k + 1) % n, k, n + k, n + (k + 1) % n]).collect();
+        faces.extend([(0..n).collect(), (n..2 * n).rev().collect()]);
+        Model::from_polygons(points, faces).unwrap()
+    }
+
+    #[test]
+    fn what_has_hundreds_of_corners_becomes_its_net_where_that_is_no_longer() {
+        // Of 96 corners and of 320.
+        for ribs in [12, 40] {
+            let model = ribbed(ribs);
+            let atlas = Analysis::new(&model).unwrap().atlas(&Options::default()).unwrap();
+            let found = measured(&model, &atlas);
+            assert!(found.quasi_conformal.max < 1.0 + 1e-6 && found.area.max < 1.0 + 1e-6, "{found:?}");
+            assert_eq!(atlas.cones.len(), 8 * ribs as usize);
+            assert!(!atlas.notes.iter().any(|note| matches!(note, Note::Overlap { .. })), "{:?}", atlas.notes);
+        }
+    }
+
     #[test]
     fn on_a_rough_surface_it_is_measured_whether_more_cones_are_needed() {
         let mut shape = shapes::sphere(1500);

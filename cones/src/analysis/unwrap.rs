@@ -79,7 +79,7 @@ impl Analysis {
         self.check_own(cones)?;
         options.packing.check()?;
         self.check_seams(&options.seams)?;
-        // Curvatures that were rounded ask for more than seams that happen to be so.
+        // Where curvatures were rounded for a texture, seams stay rigid and islands keep its directions.
         let options = &Options { quantize: cones.quantize, ..options.clone() };
         let task = self.task();
         let mut times = Times::default();

@@ -12,7 +12,6 @@ use clap::ValueEnum;
 use cones::report::{MeasuredAtlas, UvSize};
 use cones::{Analysis, Handles, Islands, MOST_NEEDLES, Note, Options, RefinedModel};
 use geom::io::{refine_obj, triangulated};
-use geom::vector::{dot, normal};
 use geom::{Model, refine_attributes};
 use std::path::Path;
 use std::time::Instant;
@@ -112,22 +111,15 @@ impl Unwrapped {
         for (&face, &corners) in atlas.triangles.face_of.iter().zip(&atlas.triangles.corners) {
             turned[face as usize][usize::from(area(corners.map(|c| uv[c as usize])) < 0.0)] = true;
         }
-        // What is not convex in space either is cut with care by any program.
         let is_torn = |&face: &usize| {
-            let way = match turned[face] {
-                [true, false] => 1.0,
-                [false, true] => -1.0,
-                _ => return false,
-            };
             let first = self.model.face_corners(face).start;
-            let fan = || self.model.face_corners(face).skip(1).zip(self.model.face_corners(face).skip(2));
-            let in_space =
-                |(b, c)| normal([first, b, c].map(|c| self.model.points()[self.model.corners()[c] as usize]));
-            let whole = fan().map(in_space).fold([0.0; 3], |sum, part| [0, 1, 2].map(|axis| sum[axis] + part[axis]));
-            fan().any(|(b, c)| {
-                let is_there = dot(in_space((b, c)), whole) > 0.0;
-                is_there && way * area([first, b, c].map(|c| uv[c])) <= 0.0
-            })
+            let fan = self.model.face_corners(face).skip(1).zip(self.model.face_corners(face).skip(2));
+            let mut areas = fan.map(|(b, c)| area([first, b, c].map(|c| uv[c])));
+            match turned[face] {
+                [true, false] => areas.any(|area| area <= 0.0),
+                [false, true] => areas.any(|area| area >= 0.0),
+                _ => false,
+            }
         };
         let polygons = (0..self.model.face_count()).filter(|&face| self.model.face(face).len() > 3);
         let torn: Vec<usize> = polygons.filter(is_torn).collect();
