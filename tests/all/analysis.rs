@@ -541,8 +541,8 @@ fn spare_faces_lie_where_their_originals_do_or_over_nothing() {
 #[test]
 fn copies_of_polygons_have_the_positions_of_their_originals_whatever_their_diagonals() {
     let side = 5_u32;
-    let points: Vec<[f64; 3]> =
-        (0..side * side).map(|v| [f64::from(v % side), f64::from(v / side), 0.2 * f64::from(v % 3)]).collect();
+    let at = |v: u32| [f64::from(v % side), f64::from(v / side), 0.2 * f64::from(v % 3)];
+    let points: Vec<[f64; 3]> = (0..side * side).map(at).collect();
     let corner = |k: u32| side * (k / (side - 1)) + k % (side - 1);
     let squares: Vec<[u32; 4]> =
         (0..(side - 1).pow(2)).map(|k| [0, 1, side + 1, side].map(|v| corner(k) + v)).collect();
@@ -636,19 +636,16 @@ fn what_no_cones_flatten_in_even_triangles_is_taken_in_its_own() {
         }
     }
     let spindle = Shape { points, triangles };
-    let unwrapped = |refine: Refining, cones: ConeChoice| {
+    let unwrapped = |refine: Refining| {
         let preparation = Preparation { refine, ..Preparation::default() };
-        let options = Options { preparation, cones, ..Options::default() };
+        let options = Options { preparation, ..Options::default() };
         let goes_on = |_: Progress| ControlFlow::Continue(());
         let (analysis, atlas) = Analysis::unwrapped(&model(&spindle), &options, goes_on).expect("it unwraps");
         let is_said = atlas.notes.iter().any(|note| matches!(note, Note::NotRefined { .. }));
         (analysis.refined().is_some(), is_said)
     };
-    let four = ConeChoice::Count(4);
-    assert_eq!(unwrapped(Refining::Needles, four.clone()), (false, true));
-    assert_eq!(unwrapped(Refining::Never, four), (false, false));
-    // By itself it has an exact net, and refining is not tried.
-    assert_eq!(unwrapped(Refining::Needles, ConeChoice::Automatic), (false, false));
+    assert_eq!(unwrapped(Refining::Needles), (false, true));
+    assert_eq!(unwrapped(Refining::Never), (false, false));
 }
 
 #[test]

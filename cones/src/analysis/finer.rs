@@ -46,8 +46,9 @@ impl Analysis {
             false => Ok(None),
         });
         let is_exact = |(analysis, atlas): &(Self, Atlas)| {
-            let is_whole =
-                atlas.detached.is_empty() && !atlas.notes.iter().any(|note| matches!(note, Note::Overlap { .. }));
+            let is_whole = atlas.detached.is_empty()
+                && atlas.unfolded == 0
+                && !atlas.notes.iter().any(|note| matches!(note, Note::Overlap { .. }));
             is_whole
                 && atlas.island_count() <= MOST_ISLANDS * analysis.components().len()
                 && analysis.distortion(atlas).is_some_and(|distortion| distortion.areas.max(distortion.angles) <= EXACT)
