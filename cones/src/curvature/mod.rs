@@ -147,7 +147,8 @@ fn bounds(operators: &Operators, input: &Mesh, cones: &[VertexId], largest: f64)
 pub(crate) fn bounds_at(operators: &Operators, v: VertexId, lowest: f64, [low, high]: [f64; 2]) -> [f64; 2] {
     let own = operators.curvature[v].min(SPIKE);
     let high = high.max(own);
-    [low.max(lowest).min(own).min(high), high]
+    let low = if own < low { own } else { low.max(lowest) };
+    [low.min(high), high]
 }
 
 /// The least and greatest curvature of any of so many cones, more than `largest` only where it has to be.
