@@ -5,6 +5,7 @@
 //! one side of a path are a range. So areas and extents on both sides are found for all paths in one sweep.
 
 use std::f64::consts::PI;
+use std::sync::OnceLock;
 
 use geom::{
     EdgeData, EdgeId, FaceData, FaceId, HalfedgeId, Interrupted, Islands, Mesh, ShortestPaths, VertexData, VertexId,
@@ -52,6 +53,8 @@ pub(super) struct Paths<'a> {
     map: &'a UvMap,
     islands: Islands,
     shortest: ShortestPaths,
+    /// For each vertex the [corner](Self::corner) at which its path arrives, once somebody asks for rings.
+    arrivals: OnceLock<VertexData<Option<HalfedgeId>>>,
 }
 
 /// The triangles of an island in preorder.
@@ -88,7 +91,7 @@ impl<'a> Paths<'a> {
         let sources = mesh.vertices().filter(|&v| is_open[v]).zip(0..);
         let shortest = || ShortestPaths::new_watched(mesh, lengths, sources, watch);
         let (shortest, islands) = rayon::join(shortest, || map.islands(mesh));
-        Ok(Self { mesh, lengths, map, islands, shortest: shortest? })
+        Ok(Self { mesh, lengths, map, islands, shortest: shortest?, arrivals: OnceLock::new() })
     }
 
     /// The triangles of each island.
@@ -160,7 +163,6 @@ impl<'a> Paths<'a> {
     pub(super) fn across(&self, sweep: &Sweep, most: f64, least_share: f64, rings: bool) -> Vec<Across> {
         let (areas, count) = (&sweep.area, sweep.faces.len());
         let whole = areas[count];
-        let arrivals = rings.then(|| self.arrivals());
         let found = (1..count).filter_map(|k| {
             let (edge, end) = (sweep.over[k]?, sweep.end[k]);
             let share = (areas[end] - areas[k]) / whole;
@@ -168,7 +170,7 @@ impl<'a> Paths<'a> {
             if length > most || share < least_share || share > 1.0 - least_share {
                 return None;
             }
-            self.is_across(edge, arrivals.as_ref()).then_some(())?;
+            self.is_across(edge, rings).then_some(())?;
             let middle = self.middle(edge);
             Some(Across { edge, length, middle, first: k, end })
         });
@@ -233,16 +235,13 @@ impl<'a> Paths<'a> {
         u + self.lengths[e] + v
     }
 
-    /// Whether both ends of the path that an edge closes come to other points; or, where it is known at which [corner](Self::corner) paths
-    /// arrive, to other corners of one.
-    fn is_across(&self, e: EdgeId, arrivals: Option<&VertexData<Option<HalfedgeId>>>) -> bool {
+    /// Whether both ends of the path that an edge closes come to other points; or, of rings, to other [corners](Self::corner) of one.
+    fn is_across(&self, e: EdgeId, rings: bool) -> bool {
         let ends = self.mesh.ends(e);
         let [one, other] = ends.map(|v| self.shortest.owner[v]);
-        one != other
-            || arrivals.is_some_and(|arrivals| {
-                let [one, other] = ends.map(|v| arrivals[v].unwrap_or_else(|| self.corner(e, v)));
-                one != other
-            })
+        let arrival =
+            |v: VertexId| self.arrivals.get_or_init(|| self.arrivals())[v].unwrap_or_else(|| self.corner(e, v));
+        one != other || rings && arrival(ends[0]) != arrival(ends[1])
     }
 
     /// For each vertex the corner at which its path arrives; none where something is open already.
