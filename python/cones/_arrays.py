@@ -38,6 +38,18 @@ def is_whole(n: Any, most: int) -> bool:
         return False
 
 
+def number(name: str, value: Any, least: float, most: float = float("inf")) -> float:
+    """A number within bounds, and not NaN."""
+    try:
+        found = float(value)
+    except (TypeError, ValueError):
+        raise Error(f"{name} is a number, not {value!r}") from None
+    if not least <= found <= most:
+        bounds = "" if least == float("-inf") else f" of {least:g} at least" if most == float("inf") else f" from {least:g} to {most:g}"
+        raise Error(f"{name} is a number{bounds}, not {value!r}")
+    return found
+
+
 def places(names: str, values: Any, size: int) -> np.ndarray:
     """Vertices that there are, of so many; ``names`` is what the caller calls them."""
     table = np.asarray(values).reshape(-1)

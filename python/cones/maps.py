@@ -19,7 +19,7 @@ class Measures:
     """How good a map is."""
 
     #: Under the keys of ``cones measure --json``: area_mean (the area distortion D), quasi_conformal and area (mean, median, p95, p99, max),
-    #: u_l2, u_linf, flipped, degenerate, overlap, overlap_pairs, overlap_depth, fill, tiles, seam_length, curvature_error.
+    #: u_l2, u_linf, flipped, degenerate, overlap, overlap_pairs, overlap_complete, overlap_depth, fill, tiles, seam_length, curvature_error.
     distortion: dict
     #: The number of triangles and the share of the area of each island.
     islands: list[dict]
@@ -41,7 +41,7 @@ class Islands:
 
     #: A position for each corner (corners, 2).
     uv: np.ndarray = field(repr=False)
-    #: The island of each triangle; -1 for those that belong to no surface.
+    #: The island of each triangle; -1 for those that have a vertex twice and no corner in common with any other.
     triangle_island: np.ndarray = field(repr=False)
     island_count: int
     #: How many pairs of triangles lay over each other.
@@ -128,7 +128,10 @@ def pack(
     taken for one, as for `cones.unwrap`."""
     mesh = as_mesh(vertices, faces)
     asked = options.packing(margin, texture_size, rotations, texel_density)
-    given = None if triangle_island is None else plain(triangle_island, np.int64)
+    given = None if triangle_island is None else np.asarray(triangle_island)
+    if given is not None and given.dtype.kind not in "iu":
+        raise Error(f"triangle_island is a number of an island for each triangle, an integer, not {given.dtype}")
+    given = None if given is None else plain(given, np.int64)
     return Packing(**_cones.pack(mesh._native, _map(mesh, uv), given, welding(weld), asked, progress))
 
 

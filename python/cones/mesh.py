@@ -28,15 +28,16 @@ class Mesh:
 
     ``Mesh(V, F)`` takes vertices (n, 3) and faces: an array (m, k) of vertex indices from 0, or a sequence of polygons of any size.
     Faces may be flipped, doubled, degenerate or non-manifold: what is broken is mended when the mesh is analysed, and counted. Maps are
-    given for *corners*: those of face 0 in order, then those of face 1, and so on.
+    given for *corners*: those of face 0 in order, then those of face 1, and so on. ``uv`` are texture coordinates that there are already, for
+    each corner (corners, 2) or for each vertex (n, 2).
     """
 
-    def __init__(self, vertices: Any, faces: Faces):
+    def __init__(self, vertices: Any, faces: Faces, uv: Any = None):
         points = plain(vertices, np.float64)
         if points.ndim != 2:
             raise Error(f"vertices must have the shape (n, 3), but they have {points.shape}")
         corners, starts = _polygons(faces)
-        self._native = _cones.Mesh(points, corners, starts)
+        self._native = _cones.Mesh(points, corners, starts, None if uv is None else _of_corners(uv, corners, len(points)))
 
     @classmethod
     def _of(cls, native: _cones.Mesh) -> Mesh:
@@ -144,7 +145,8 @@ def as_mesh(vertices: Any, faces: Optional[Faces]) -> Mesh:
     if isinstance(vertices, (str, os.PathLike)):
         return read(vertices)
     if hasattr(vertices, "vertices") and hasattr(vertices, "faces"):
-        return Mesh(vertices.vertices, vertices.faces)
+        # As trimesh has them.
+        return Mesh(vertices.vertices, vertices.faces, getattr(getattr(vertices, "visual", None), "uv", None))
     raise Error("give vertices and faces, a cones.Mesh, something with .vertices and .faces, or the path of a file")
 
 
@@ -167,6 +169,18 @@ def write_whole(path: Path, data: bytes) -> None:
     except BaseException:
         os.unlink(temporary)
         raise
+
+
+def _of_corners(uv: Any, corners: np.ndarray, vertices: int) -> np.ndarray:
+    """Texture coordinates of corners, where they are given for those or for vertices."""
+    table = plain(uv, np.float64)
+    if table.ndim != 2 or table.shape[1] != 2 or len(table) not in (len(corners), vertices):
+        raise Error(f"uv has the shape ({len(corners)}, 2), for corners, or ({vertices}, 2), for vertices, not {table.shape}")
+    if len(table) == len(corners):
+        return table
+    if corners.size and corners.max() >= vertices:
+        raise Error(f"a face uses vertex {corners.max()}, but there are {vertices}, counted from 0")
+    return plain(table[corners], np.float64)
 
 
 def _polygons(faces: Faces) -> tuple[np.ndarray, np.ndarray]:

@@ -6,6 +6,7 @@ from typing import Any, Optional
 
 import numpy as np
 
+from ._cones import Error
 from .unwrapping import Unwrapping
 
 
@@ -19,6 +20,8 @@ def _axes(axes: Optional[Any]) -> Any:
 
 def layout(result: Unwrapping, axes: Optional[Any] = None, *, colour: str = "scale", edges: bool = False) -> Any:
     """The islands in the plane, coloured by ``scale`` (the log of each triangle's area ratio: red is enlarged) or by ``island``."""
+    if colour not in ("scale", "island"):
+        raise Error(f"colour is scale or island, not {colour!r}")
     axes = _axes(axes)
     kept = result.triangle_island >= 0
     triangles, uv = result.triangles[kept], result.uv

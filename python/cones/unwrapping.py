@@ -93,7 +93,8 @@ class Unwrapping:
 
     @property
     def warnings(self) -> list[str]:
-        """What was decided on the way and what could not be had, a sentence each. What was mended in the mesh is in `repairs`."""
+        """What was decided on the way and what could not be had, a sentence each. What was mended in the mesh is in `repairs`; ``report["seams"]`` says
+        what seams are like: handles that were opened, parts whose seams are free, and by how much their two sides differ."""
         return self.report["warnings"]
 
     @property

@@ -23,12 +23,14 @@ pub(crate) struct Mesh(pub(crate) Arc<Model>);
 
 #[pymethods]
 impl Mesh {
-    /// Of vertices (n, 3), the vertex of each corner, and where each face's corners begin (with their number at the end).
+    /// Of vertices (n, 3), the vertex of each corner, where each face's corners begin (with their number at the end), and a position in the
+    /// plane for each corner.
     #[new]
     fn new(
         points: PyReadonlyArray2<'_, f64>,
         corners: PyReadonlyArray1<'_, u32>,
         face_start: PyReadonlyArray1<'_, i64>,
+        uv: Option<PyReadonlyArray2<'_, f64>>,
     ) -> PyResult<Self> {
         let points = rows::<f64, 3>(&points, "vertices")?.to_vec();
         let (corners, starts) = (corners.as_slice()?, face_start.as_slice()?);
@@ -40,7 +42,12 @@ impl Mesh {
         let spans = starts.first() == Some(&0) && starts.last().is_some_and(|&end| end == corners.len() as i64);
         let faces =
             faces.filter(|_| spans).ok_or_else(|| Error::new_err("face_start does not cut the corners into faces"))?;
-        Ok(Self(Arc::new(Model::from_polygons(points, faces).map_err(Failed)?)))
+        let model = Model::from_polygons(points, faces).map_err(Failed)?;
+        let model = match uv {
+            Some(uv) => model.with_texture(rows::<f64, 2>(&uv, "uv")?.to_vec()).map_err(Failed)?,
+            None => model,
+        };
+        Ok(Self(Arc::new(model)))
     }
 
     /// Reads a file.
@@ -150,8 +157,8 @@ pub(crate) fn weld_by_name(name: &str) -> PyResult<Weld> {
 
 /// A built-in surface.
 #[pyfunction]
-pub(crate) fn shape(name: &str, vertices: usize) -> PyResult<Mesh> {
-    let shape = geom::shapes::by_name(name, vertices);
+pub(crate) fn shape(py: Python<'_>, name: &str, vertices: usize) -> PyResult<Mesh> {
+    let shape = in_pool(py, || geom::shapes::by_name(name, vertices))?;
     let shape = shape.ok_or_else(|| Error::new_err(format!("there is no built-in shape {name:?}")))?;
     Ok(Mesh(Arc::new(shape.into())))
 }

@@ -1,8 +1,8 @@
 //! Maps of any origin: measured, taken apart where they lie over themselves, packed.
 
 use cones::report::{Quality, worth_measuring};
-use cones::uv::{PackError, PackOptions, Packing, Parted};
-use geom::distortion::{DistortionError, measure_watched, unit_on_surface};
+use cones::uv::{PackError, PackOptions, Parted, Repacked, islands_of, repack};
+use geom::distortion::DistortionError;
 use geom::{FaceId, Id, Model, PrepareError, Watch};
 use numpy::{PyArray1, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::exceptions::PyKeyboardInterrupt;
@@ -133,46 +133,23 @@ pub(crate) fn pack<'py>(
             let (given, there) = (given.len(), triangles.len());
             return Err(Error::new_err(format!("islands are given for {given} triangles, but there are {there}")));
         }
-        None => {
-            let (mut vertices, map) = (triangles.vertices(model), corner_uv(&triangles.corners, uv));
-            let measured = watched(py, None, |told| {
-                let stops = |_| told.goes_on();
-                weld.apply(model, &mut vertices);
-                measure_watched(model.points(), &vertices, &map, Watch::new(&stops))
-            })?;
-            measured.triangle_island.iter().map(|&island| Some(island)).collect()
-        }
+        None => watched(py, None, |told| {
+            let stops = |_| told.goes_on();
+            islands_of(model, uv, weld, Watch::new(&stops))
+        })?,
     };
-    let (corners, island): (Vec<[u32; 3]>, Vec<u32>) =
-        triangles.corners.iter().zip(&islands).filter_map(|(&corners, island)| Some((corners, (*island)?))).unzip();
-    let map = corner_uv(&corners, uv);
-    let vertices: Vec<[u32; 3]> = corners.iter().map(|t| t.map(|c| model.corners()[c as usize])).collect();
-    let unit = unit_on_surface(model.points(), &vertices, &map);
-    let options = in_units_of_surface(options, unit);
-    let packing: Packing = watched(py, progress, |told| {
-        told.watch("pack", |watch| cones::uv::pack(&map, &island, &options, watch))
-            .map_err(|error| StoppedPacking(error.in_unit(unit)))
+    let Repacked { uv: placed, packing, fill_before, .. } = watched(py, progress, |told| {
+        told.watch("pack", |watch| repack(model, uv, &islands, &options, watch)).map_err(StoppedPacking)
     })?;
-    let mut placed = uv.to_vec();
-    for (corners, island) in corners.iter().zip(&island) {
-        corners.iter().for_each(|&c| placed[c as usize] = packing.place(*island as usize, uv[c as usize]));
-    }
     let answer = PyDict::new(py);
     answer.set_item("uv", from_rows(py, placed)?)?;
     answer.set_item("islands", packing.places.len())?;
     answer.set_item("tiles", packing.tiles)?;
-    answer.set_item("fill_before", cones::uv::fill(&map))?;
+    answer.set_item("fill_before", fill_before)?;
     answer.set_item("fill", packing.fill)?;
     answer.set_item("margin", packing.margin)?;
     answer.set_item("scale", packing.scale)?;
     Ok(answer)
-}
-
-/// The same options with the density of texels counted in the map's unit: users give it for the surface's.
-fn in_units_of_surface(options: PackOptions, unit: f64) -> PackOptions {
-    use cones::uv::Tiles;
-    let Tiles::Udim { texel_density } = options.tiles else { return options };
-    PackOptions { tiles: Tiles::Udim { texel_density: texel_density * unit }, ..options }
 }
 
 struct Stopped(PrepareError);

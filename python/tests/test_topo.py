@@ -79,6 +79,24 @@ def test_holes_are_those_of_gudhi():
         assert sorted(zip(found["birth"].astype(float), found["death"].astype(float))) == expected
 
 
+def test_holes_round_what_is_masked_are_never_filled():
+    ring = np.full((5, 5), 9)
+    ring[1:4, 1:4] = 1
+    ring[2, 2] = 7
+    assert topo.holes(ring).tolist() == [(18, 12, 1, 7)]
+    for given in ({"field": ring, "mask": ring != 7}, {"field": np.ma.masked_equal(ring, 7)}, {"field": np.where(ring == 7, np.nan, ring), "nan": "mask"}):
+        assert topo.holes(**given).tolist() == [(18, -1, 1.0, np.inf)]
+        turned = {name: -value if name == "field" else value for name, value in given.items()}
+        assert topo.holes(**turned, kind="maximum")[["filled", "death"]].tolist() == [(-1, -np.inf)]
+
+
+def test_what_dies_where_a_field_is_infinite_is_no_essential_class():
+    pairs = topo.sublevel(np.array([0.0, 5.0, np.inf, 4.0, 1.0, 7.0]))
+    diagram = topo.Diagram(pairs)
+    assert (diagram.finite.tolist(), diagram.essential.tolist()) == ([[1.0, np.inf]], [0.0])
+    assert topo.bottleneck(pairs, topo.sublevel(np.array([0.0, 5.0]))) == np.inf
+
+
 def test_distances_are_those_of_hera():
     # GUDHI's other one, `gudhi.bottleneck_distance`, is wrong on some diagrams with essential classes (3.13: the eighth pair here).
     hera = pytest.importorskip("gudhi.hera")
@@ -167,7 +185,7 @@ def test_simplify_changes_nothing_that_is_no_number_or_outside():
     field = np.array([0.0, 5.0, np.nan, 3.0, np.inf, -np.inf, 4.0, 3.5, 7.0], dtype=np.float32)
     mask = np.array([True] * 8 + [False])
     expected = np.array([0.0, 5.0, np.nan, 3.0, np.inf, -np.inf, 4.0, 4.0, 7.0], dtype=np.float32)
-    assert np.array_equal(topo.simplify(field, threshold=0.5, mask=mask), expected, equal_nan=True)
+    assert np.array_equal(topo.simplify(field, threshold=0.5, mask=mask, nan="mask"), expected, equal_nan=True)
     networkx = pytest.importorskip("networkx")
     path = networkx.path_graph(4)
     networkx.set_node_attributes(path, dict(enumerate([0, 3, 2, 9])), "height")
@@ -368,6 +386,15 @@ def test_vectors_of_diagrams_have_their_shapes():
     assert diagram.silhouette(np.linspace(0, 1, 11)).shape == (11,)
     assert diagram.image((0, 1), (0, 1), (4, 6), 0.1).shape == (4, 6)
     assert diagram.betti_curve().shape[1] == 2 and diagram.entropy() > 0
+    assert diagram.landscape(0.5).shape == (5, 1) and diagram.silhouette(0.5).shape == (1,)
+    for ask, sentence in [
+        (lambda: diagram.landscape([0.5], 10**12), "ask for fewer"),
+        (lambda: diagram.landscape([0.5], 1.5), "count is a number of functions"),
+        (lambda: diagram.silhouette([0.5], -1), "power is a number of 0 at least"),
+        (lambda: diagram.image((np.nan, 1), (0, 1), (2, 2), 0.1), "births is a range of finite numbers"),
+    ]:
+        with pytest.raises(cones.Error, match=sentence):
+            ask()
     for shape, bandwidth, sentence in [((10**6, 10**6), 0.1, "a smaller shape"), ((4, 6), 0, "above 0, not 0"), ((4, -6), 1, "shape is a number of rows")]:
         with pytest.raises(cones.Error, match=sentence):
             diagram.image((0, 1), (0, 1), shape, bandwidth)
@@ -386,6 +413,10 @@ def test_what_is_no_field_is_refused_in_a_sentence():
         (lambda: topo.sublevel(np.array(["a"])), "integers or floats"),
         (lambda: topo.sublevel(np.array([1j])), "integers or floats"),
         (lambda: topo.sublevel(np.zeros(3), connectivity="round"), "connectivity is"),
+        (lambda: topo.sublevel(np.zeros(3), connectivity=8), "connectivity is"),
+        (lambda: topo.sublevel(np.ma.array([1.0, np.nan, 2.0], mask=[0, 0, 1])), "1 values that are not masked are NaN"),
+        (lambda: topo.single_linkage(3, [[0, 1]], [1.0]).at(np.nan), "weight is a number"),
+        (lambda: topo.single_linkage(3, [[0, 1]], [1.0]).clusters(1.5), "count is a number of clusters"),
         (lambda: topo.sublevel(np.zeros(3), topo.Graph(4, [[0, 1]])), "has 3 values for 4 vertices"),
         (lambda: topo.segmentation(np.zeros(3), threshold=-1), "must be 0 at least"),
         (lambda: topo.segmentation(np.zeros(3), threshold=float("nan")), "must be 0 at least"),

@@ -5,6 +5,7 @@ import gzip
 import json
 import os
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -111,6 +112,33 @@ def test_curvatures_of_a_closed_surface_sum_to_gauss_bonnet(hare):
     assert (phi[extrema["vertex"]] == extrema["value"]).all()
     top = extrema[0]
     assert top["persistence"] == phi.max() - phi.min()
+
+
+def test_merged_copies_of_a_vertex_stand_for_it(hare):
+    soup = hare.vertices[hare.corners]
+    analysis = cones.Analysis(soup, np.arange(len(soup)).reshape(-1, 3), weld=True)
+    whole = cones.Analysis(hare).conformal_factor()
+    assert np.allclose(analysis.conformal_factor(), whole[hare.corners], atol=1e-9)
+    four = analysis.place(4).vertices
+    copy = next(v for v in np.flatnonzero((soup == soup[four[0]]).all(axis=1)) if v != four[0])
+    assert (analysis.place(cones=[copy, *four[1:]]).vertices == four).all()
+    with pytest.raises(cones.Error, match="is given twice"):
+        analysis.place(cones=[copy, *four])
+
+
+def test_meshes_may_have_texture_coordinates(hare):
+    result = cones.unwrap(hare, n=4)
+    mapped = cones.Mesh(hare.vertices, hare.faces, result.uv)
+    assert (mapped.uv == result.uv).all()
+    assert cones.measure(mapped).distortion["area_mean"] == pytest.approx(result.distortion["area_mean"])
+    origin, uv, triangles = result.split()
+    # As trimesh has them: for each vertex.
+    like = SimpleNamespace(vertices=hare.vertices[origin], faces=triangles, visual=SimpleNamespace(uv=uv))
+    assert len(cones.measure(like).islands) == result.island_count
+    with pytest.raises(cones.Error, match="for corners, or"):
+        cones.Mesh(hare.vertices, hare.faces, result.uv[:7])
+    with pytest.raises(cones.Error, match="triangle_island is a number"):
+        cones.pack(mapped, triangle_island=np.zeros(hare.face_count))
 
 
 def test_quadrilaterals_and_polygons_keep_their_corners():

@@ -53,6 +53,7 @@ pub(crate) fn run(args: &ExtractArgs) -> Result<(), CommandError> {
         output::extension(path, &HIERARCHY_ENDINGS)?;
     }
     let outputs: Vec<&Path> = [&args.cones_out, &args.hierarchy].into_iter().flatten().map(|p| &**p).collect();
+    output::check_json(args.json, &outputs)?;
     output::check(&[&args.input], &outputs)?;
     args.candidates.warn_of_idle_smoothing();
     let options = args.candidates.options();

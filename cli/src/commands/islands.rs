@@ -1,16 +1,14 @@
 //! `cones islands`: a map that somebody made, taken apart where it lies over itself.
 
-use crate::commands::shared::{PackArgs, SurfaceFile, WeldArgs, corner_uv, split_vertices, texture, vertices};
+use crate::commands::shared::{PackArgs, WeldArgs, corner_uv, picked, split_vertices, texture, write_map};
 use crate::error::CommandError;
 use crate::input;
-use crate::output::{self, Files};
+use crate::output;
 use crate::report::table::{counted, labelled};
 use crate::report::{SCHEMA, overlap_text};
 use clap::Args;
-use cones::report::{OverlapReport, Quality};
-use cones::uv::{Parted, pack, part};
-use geom::distortion::unit_on_surface;
-use geom::io::MeshFormat;
+use cones::report::{OverlapReport, Quality, worth_measuring};
+use cones::uv::{Parted, part, repack};
 use geom::{Model, Watch};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -72,6 +70,7 @@ struct MapReport {
 pub(crate) fn run(args: &IslandsArgs) -> Result<(), CommandError> {
     args.packing.check();
     let format = output::surface_format(&args.output, None)?;
+    output::check_json(args.json, &[&args.output])?;
     output::check(&[&args.input], &[&args.output])?;
     let (model, _) = input::read_model(&args.input)?;
     let uv = texture(&args.input, &model)?;
@@ -82,7 +81,7 @@ pub(crate) fn run(args: &IslandsArgs) -> Result<(), CommandError> {
     let is_packed = !parted.overlaps.pairs.is_empty();
     let placed = if is_packed { packed(args, &model, parted)? } else { parted.uv };
     let after = measured(args, &model, &placed)?;
-    write(&model, &placed, args, format)?;
+    write_map(&model, &placed, (&args.input, &args.output), format)?;
     if split_vertices(&model, args.weld.chosen()) > 0 {
         output::warn("the surface is split along its seams: with --weld what is cut off can be attached across them");
     }
@@ -98,25 +97,18 @@ pub(crate) fn run(args: &IslandsArgs) -> Result<(), CommandError> {
 /// The islands side by side in the unit square, or on tiles.
 fn packed(args: &IslandsArgs, model: &Model, parted: Parted) -> Result<Vec<[f64; 2]>, CommandError> {
     let Parted { uv, islands, .. } = parted;
-    let triangles = model.triangles().corners;
-    let on_island = || triangles.iter().zip(&islands).filter_map(|(&corners, island)| Some((corners, (*island)?)));
-    let (corners, island): (Vec<[u32; 3]>, Vec<u32>) = on_island().unzip();
-    let (vertices, images) = (vertices(model, &corners), corner_uv(&corners, &uv));
-    let unit = unit_on_surface(model.points(), &vertices, &images);
-    let packing = pack(&images, &island, &args.packing.options(unit), Watch::NONE)
-        .map_err(|error| CommandError::Pack { path: args.input.clone(), error: error.in_unit(unit) })?;
-    args.packing.warn_of_margin(packing.margin);
-    let mut placed = uv.clone();
-    for (corners, island) in corners.iter().zip(island) {
-        corners.iter().for_each(|&c| placed[c as usize] = packing.place(island as usize, uv[c as usize]));
-    }
-    Ok(placed)
+    let packed = repack(model, &uv, &islands, &args.packing.options(), Watch::NONE)
+        .map_err(|error| CommandError::Pack { path: args.input.clone(), error })?;
+    args.packing.warn_of_margin(packed.packing.margin);
+    Ok(packed.uv)
 }
 
 fn measured(args: &IslandsArgs, model: &Model, uv: &[[f64; 2]]) -> Result<MapReport, CommandError> {
     let triangles = model.triangles();
     let (mut vertices, corners) = (triangles.vertices(model), corner_uv(&triangles.corners, uv));
     args.weld.chosen().apply(model, &mut vertices);
+    let kept = worth_measuring(&vertices, &corners);
+    let (vertices, corners) = (picked(&kept, &vertices), picked(&kept, &corners));
     let Quality { distortion, islands, .. } = Quality::measure(model.points(), &vertices, &corners, None)
         .map_err(|error| CommandError::Measure { path: args.input.clone(), error })?;
     Ok(MapReport {
@@ -125,17 +117,6 @@ fn measured(args: &IslandsArgs, model: &Model, uv: &[[f64; 2]]) -> Result<MapRep
         seam_length: distortion.seam_length,
         flipped: distortion.flipped,
     })
-}
-
-fn write(model: &Model, uv: &[[f64; 2]], args: &IslandsArgs, format: MeshFormat) -> Result<(), CommandError> {
-    let file = SurfaceFile { model, source: Some(&args.input), uv: Some(uv), triangles: None, material: None };
-    let mut files = Files::new();
-    let lost = file.write(&mut files, &args.output, format)?;
-    files.finish()?;
-    if let Some(lost) = lost {
-        output::warn(&lost.to_string());
-    }
-    Ok(())
 }
 
 fn summary(report: &IslandsReport, path: &Path) -> String {

@@ -1,6 +1,6 @@
 //! `cones measure`: the distortion of any map, of an OBJ, PLY or glTF.
 
-use crate::commands::shared::{WeldArgs, corner_uv, split_vertices, texture};
+use crate::commands::shared::{WeldArgs, corner_uv, picked, split_vertices, texture};
 use crate::error::CommandError;
 use crate::input;
 use crate::output::{self, Files};
@@ -93,7 +93,7 @@ pub(crate) fn run(args: &MeasureArgs) -> Result<(), CommandError> {
     }
     let vertices = counted(report.input.vertices, "vertex", "vertices");
     let faces = counted(report.input.faces, "face", "faces");
-    output::print(&format!(
+    output::print_table(&format!(
         "surface   {vertices}, {faces}\n{}",
         distortion_text(&report.distortion, report.islands.len())
     ))
@@ -106,6 +106,7 @@ fn check_outputs(args: &MeasureArgs) -> Result<(), CommandError> {
     }
     let inputs: Vec<&Path> = [Some(&args.input), args.reference.as_ref()].into_iter().flatten().map(|p| &**p).collect();
     let outputs: Vec<&Path> = [&args.overlap_faces, &args.layout].into_iter().flatten().map(|p| &**p).collect();
+    output::check_json(args.json, &outputs)?;
     output::check(&inputs, &outputs)
 }
 
@@ -158,10 +159,6 @@ fn measure(args: &MeasureArgs, model: &Model, reference: &Model) -> Result<Measu
     let quality = Quality::measure(reference.points(), &vertices, &uv, None)
         .map_err(|error| CommandError::Measure { path: args.input.clone(), error })?;
     Ok(Measured { left_out, face_of, vertices, uv, quality })
-}
-
-fn picked<T: Copy>(kept: &[u32], items: &[T]) -> Vec<T> {
-    kept.iter().map(|&t| items[t as usize]).collect()
 }
 
 fn report(args: &MeasureArgs, reference: &Model, Measured { left_out, quality, .. }: &Measured) -> MeasureReport {

@@ -1,15 +1,14 @@
 //! `cones pack`: the islands of any unwrapped OBJ, PLY or glTF, packed.
 
-use crate::commands::shared::{PackArgs, SurfaceFile, WeldArgs, corner_uv, texture};
+use crate::commands::shared::{PackArgs, WeldArgs, corner_uv, picked, texture, write_map};
 use crate::error::CommandError;
 use crate::input;
-use crate::output::{self, Files};
+use crate::output;
 use crate::report::table::{counted, labelled};
-use crate::report::{SCHEMA, tiles_text};
+use crate::report::{SCHEMA, overlap_text, tiles_text};
 use clap::Args;
-use cones::uv::{PackError, Packing, fill, pack};
-use geom::distortion::{Distortion, measure, unit_on_surface};
-use geom::io::MeshFormat;
+use cones::report::{OverlapReport, worth_measuring};
+use cones::uv::{islands_of, repack};
 use geom::{Model, Watch};
 use serde::Serialize;
 use std::path::PathBuf;
@@ -55,61 +54,37 @@ struct PackReport {
 pub(crate) fn run(args: &PackCommandArgs) -> Result<(), CommandError> {
     args.packing.check();
     let format = output::surface_format(&args.output, None)?;
+    output::check_json(args.json, &[&args.output])?;
     output::check(&[&args.input], &[&args.output])?;
     let (model, _) = input::read_model(&args.input)?;
     let uv = texture(&args.input, &model)?;
-    let triangles = model.triangles();
-    let corners = corner_uv(&triangles.corners, &uv);
-    let mut vertices = triangles.vertices(&model);
-    args.weld.chosen().apply(&model, &mut vertices);
-    let measured = measure(model.points(), &vertices, &corners)
+    let islands = islands_of(&model, &uv, args.weld.chosen(), Watch::NONE)
         .map_err(|error| CommandError::Measure { path: args.input.clone(), error })?;
-    let packing = packing(args, &model, &corners, &measured)?;
-    let mut placed = uv;
-    for (t, &island) in triangles.corners.iter().zip(measured.triangle_island.iter()) {
-        t.iter().zip(corner_of(&model, t)).for_each(|(&c, p)| placed[c as usize] = packing.place(island as usize, p));
-    }
-    write(&model, &placed, args, format)?;
-    args.packing.warn_of_margin(packing.margin);
+    let packed = repack(&model, &uv, &islands, &args.packing.options(), Watch::NONE)
+        .map_err(|error| CommandError::Pack { path: args.input.clone(), error })?;
+    write_map(&model, &packed.uv, (&args.input, &args.output), format)?;
+    args.packing.warn_of_margin(packed.packing.margin);
+    warn_of_overlap(&model, &packed.uv);
     let report = PackReport {
         schema: SCHEMA,
         input: args.input.display().to_string(),
-        islands: measured.islands.len(),
-        tiles: packing.tiles,
-        fill_before: fill(&corners),
-        fill: packing.fill,
-        margin: packing.margin,
+        islands: packed.packing.places.len(),
+        tiles: packed.packing.tiles,
+        fill_before: packed.fill_before,
+        fill: packed.packing.fill,
+        margin: packed.packing.margin,
     };
     if args.json { output::print_json(&report) } else { output::summary(&text(&report, args)) }
 }
 
-/// The texture coordinates that the file has at corners of the model.
-fn corner_of(model: &Model, corners: &[u32; 3]) -> [[f64; 2]; 3] {
-    corners.map(|c| model.uv().and_then(|uv| uv.corner(c as usize)).unwrap_or_default())
-}
-
-fn packing(
-    args: &PackCommandArgs,
-    model: &Model,
-    uv: &[[[f64; 2]; 3]],
-    measured: &Distortion,
-) -> Result<Packing, CommandError> {
-    let vertices = model.triangles().vertices(model);
-    let unit = unit_on_surface(model.points(), &vertices, uv);
-    let options = args.packing.options(unit);
-    let failed = |error: PackError| CommandError::Pack { path: args.input.clone(), error: error.in_unit(unit) };
-    pack(uv, &measured.triangle_island, &options, Watch::NONE).map_err(failed)
-}
-
-fn write(model: &Model, uv: &[[f64; 2]], args: &PackCommandArgs, format: MeshFormat) -> Result<(), CommandError> {
-    let file = SurfaceFile { model, source: Some(&args.input), uv: Some(uv), triangles: None, material: None };
-    let mut files = Files::new();
-    let lost = file.write(&mut files, &args.output, format)?;
-    files.finish()?;
-    if let Some(lost) = lost {
-        output::warn(&lost.to_string());
+/// Islands that lie over themselves are packed as they are.
+fn warn_of_overlap(model: &Model, uv: &[[f64; 2]]) {
+    let triangles = model.triangles();
+    let (vertices, images) = (triangles.vertices(model), corner_uv(&triangles.corners, uv));
+    let found = OverlapReport::of(&picked(&worth_measuring(&vertices, &images), &images));
+    if found.pairs > 0 {
+        output::warn(&format!("islands lie over themselves, {}: cones islands takes them apart", overlap_text(found)));
     }
-    Ok(())
 }
 
 fn text(report: &PackReport, args: &PackCommandArgs) -> String {

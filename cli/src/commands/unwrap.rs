@@ -244,7 +244,7 @@ fn options(args: &UnwrapArgs, input: &Path) -> Result<Options, CommandError> {
         IslandsName::OverlapFree => Islands::OverlapFree,
         IslandsName::Pack => Islands::Pack,
     };
-    let packing = args.packing.options(1.0);
+    let packing = args.packing.options();
     let packing = PackOptions { max_seam: args.max_seam.unwrap_or(packing.max_seam), ..packing };
     let options = Options { islands, packing, ..args.candidates.options_for(input) };
     Ok(match &args.cones {
@@ -272,9 +272,6 @@ fn check_outputs(args: &UnwrapArgs, input: &Path, output: &Path) -> Result<MeshF
         }
     }
     check_checker(args, output, format)?;
-    if args.json && output == Path::new(output::STANDARD) {
-        return Err(CommandError::OutputTwice(output.to_owned()));
-    }
     let inputs = [Some(input), args.cones.as_deref()].into_iter().flatten();
     let inputs: Vec<&Path> = inputs.chain(args.seams.files()).collect();
     let checker = args.checker(output);
@@ -284,6 +281,7 @@ fn check_outputs(args: &UnwrapArgs, input: &Path, output: &Path) -> Result<MeshF
         return Err(CommandError::CheckerTaken(taken.to_owned()));
     }
     outputs.extend(checker.iter().flat_map(CheckerFiles::paths));
+    output::check_json(args.json, &outputs)?;
     output::check(&inputs, &outputs)?;
     Ok(format)
 }

@@ -165,6 +165,11 @@ pub(super) fn is_written_directly(path: &Path) -> bool {
     matches!(Way::to(path), Ok(Way::Directly | Way::StandardOutput))
 }
 
+/// Whether it is standard output, by any of its names.
+pub(super) fn is_standard_output(path: &Path) -> bool {
+    matches!(Way::to(path), Ok(Way::StandardOutput))
+}
+
 /// How a path is written.
 enum Way {
     StandardOutput,

@@ -140,7 +140,7 @@ pub(crate) fn check(inputs: &[&Path], outputs: &[&Path]) -> Result<(), CommandEr
         if path.is_dir() {
             return Err(CommandError::OutputIsFolder(path.to_owned()));
         }
-        if path == Path::new(STANDARD) && outputs[..i].contains(&path) {
+        if file::is_standard_output(path) && outputs[..i].iter().any(|path| file::is_standard_output(path)) {
             return Err(CommandError::OutputTwice(path.to_owned()));
         }
         if file::is_written_directly(path) {
@@ -163,8 +163,10 @@ pub(crate) fn check(inputs: &[&Path], outputs: &[&Path]) -> Result<(), CommandEr
 
 /// Makes sure that no file is to go where JSON goes, which is standard output.
 pub(crate) fn check_json(is_json: bool, outputs: &[&Path]) -> Result<(), CommandError> {
-    let standard = Path::new(STANDARD);
-    if is_json && outputs.contains(&standard) { Err(CommandError::OutputTwice(standard.to_owned())) } else { Ok(()) }
+    match outputs.iter().find(|path| is_json && file::is_standard_output(path)) {
+        Some(&path) => Err(CommandError::OutputTwice(path.to_owned())),
+        None => Ok(()),
+    }
 }
 
 /// The ending of a file's name in lower case, if it is one of those wanted; a device or a pipe needs none and gets the first.

@@ -104,7 +104,7 @@ impl Analysis {
                 self.placed(&mut shared, options, &counts, task)?
             }
             ConeChoice::Given(given) => {
-                self.check_given(given)?;
+                let given = &self.on_surface(given)?;
                 each(self.components(), &mut shared.times, |component, times| {
                     task.stage((Stage::Curvature, component.index), times, |watch| {
                         component.given(given, options, watch).map_err(|error| self.naming_a_part(error))
@@ -299,27 +299,30 @@ impl Analysis {
         Ok(configurations)
     }
 
-    /// Given cones must be vertices of a surface, each once.
-    fn check_given(&self, given: &[(u32, Option<f64>)]) -> Result<(), Error> {
+    /// Given cones as vertices of surfaces, each once: where vertices were merged the one that stands for them.
+    fn on_surface(&self, given: &[(u32, Option<f64>)]) -> Result<Vec<(u32, Option<f64>)>, Error> {
         let count = self.points().len();
-        let mut on_surface = vec![false; count];
+        let mut stands_for = vec![None; count];
         for component in self.components() {
-            component.surface.vertex.iter().for_each(|&v| on_surface[v as usize] = true);
+            for (vertex, v) in self.corners_of(component) {
+                stands_for[vertex as usize] = Some(component.surface.vertex[v]);
+            }
         }
         let mut is_given = vec![false; count];
-        for &(vertex, _) in given {
-            if !on_surface.get(vertex as usize).copied().unwrap_or(false) {
-                return Err(Error::NoSuchCone { vertex, count });
-            }
-            if std::mem::replace(&mut is_given[vertex as usize], true) {
+        let mut found = Vec::with_capacity(given.len());
+        for &(vertex, curvature) in given {
+            let on_surface = stands_for.get(vertex as usize).copied().flatten();
+            let on_surface = on_surface.ok_or(Error::NoSuchCone { vertex, count })?;
+            if std::mem::replace(&mut is_given[on_surface as usize], true) {
                 return Err(Error::RepeatedCone(vertex));
             }
+            found.push((on_surface, curvature));
         }
         let known = given.iter().filter(|(_, k)| k.is_some()).count();
         if known != 0 && known != given.len() {
             return Err(Error::SomeCurvatures { known, given: given.len() });
         }
-        Ok(())
+        Ok(found)
     }
 }
 

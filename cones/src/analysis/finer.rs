@@ -6,6 +6,8 @@
 
 use std::sync::Arc;
 
+use geom::Model;
+
 use super::Analysis;
 use super::atlas::Atlas;
 use super::choosing::TARGET_DISTORTION;
@@ -34,12 +36,16 @@ const EXACT: f64 = 1.001;
 impl Analysis {
     /// The analysis with its map, if that is exact: the net of polyhedra of few corners, which no refining makes better.
     pub(super) fn net_as_it_is(
+        model: &Model,
         made: impl FnOnce() -> Result<Self, Error>,
         options: &Options,
     ) -> Result<Option<(Self, Atlas)>, Error> {
+        if model.vertex_count() > MOST_OF_NETS {
+            return Ok(None);
+        }
         let has_few_corners = |analysis: &Self| {
             let few = |component: &Arc<Component>| corners(&component.operators, MOST_OPTIMISED).is_some();
-            analysis.points().len() <= MOST_OF_NETS && analysis.components().iter().all(few)
+            analysis.components().iter().all(few)
         };
         let net = made().and_then(|analysis| match has_few_corners(&analysis) {
             true => analysis.atlas(options).map(|atlas| Some((analysis, atlas))),

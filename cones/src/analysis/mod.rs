@@ -40,7 +40,7 @@ use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 use std::sync::{Arc, OnceLock};
 use std::time::Instant;
 
-use geom::{Model, Prepared, Repair, RepairKind, Triangles, Weld, prepare_watched, unify_instances};
+use geom::{Model, Prepared, Repair, RepairKind, Surface, Triangles, VertexId, Weld, prepare_watched, unify_instances};
 use rayon::prelude::*;
 
 pub use atlas::{Atlas, Topology};
@@ -177,7 +177,7 @@ impl Analysis {
         let unrefined = Options { preparation: as_it_is, ..options.clone() };
         let analysis = for_options(options.preparation, (LARGEST, false))?;
         if analysis.refined().is_some() && options.preparation.refine == Refining::Needles {
-            let net = Self::net_as_it_is(|| for_options(as_it_is, (LARGEST, false)), &unrefined)?;
+            let net = Self::net_as_it_is(model, || for_options(as_it_is, (LARGEST, false)), &unrefined)?;
             if let Some((net, mut atlas)) = net {
                 atlas.times += analysis.times();
                 return Ok((net, atlas));
@@ -300,15 +300,20 @@ impl Analysis {
         Ok(self.given(vertices, rule)?.prediction())
     }
 
-    /// The conformal factor φ of each vertex of the model; NaN where it is on no surface.
+    /// The conformal factor φ of each vertex of the model, those merged with others among them; NaN where it is on no surface.
     pub fn conformal_factor(&self) -> Vec<f64> {
         let mut factor = vec![f64::NAN; self.points().len()];
         for component in self.components() {
-            for (v, phi) in component.factor.phi.iter_ids() {
-                factor[component.surface.vertex[v] as usize] = *phi;
-            }
+            let phi = &component.factor.phi;
+            self.corners_of(component).for_each(|(vertex, v)| factor[vertex as usize] = phi[v]);
         }
         factor
+    }
+
+    /// The vertices of the model at the corners of a component, and those of the surface that they are or were merged with.
+    fn corners_of<'a>(&'a self, component: &'a Component) -> impl Iterator<Item = (u32, VertexId)> + 'a {
+        let Surface { mesh, corner, .. } = &component.surface;
+        mesh.halfedges().map(|h| (self.corner_vertices()[corner[h] as usize], mesh.tail(h)))
     }
 
     /// How many cones the model needs at least.

@@ -155,6 +155,9 @@ pub struct OverlapReport {
     /// How many pairs of triangles lie over each other.
     #[cfg_attr(feature = "serde", serde(rename = "overlap_pairs"))]
     pub pairs: usize,
+    /// Whether these are all pairs; where very many lie over each other counting ends.
+    #[cfg_attr(feature = "serde", serde(rename = "overlap_complete"))]
+    pub is_complete: bool,
     /// How far two triangles reach into each other at most, over the layout's extent.
     #[cfg_attr(feature = "serde", serde(rename = "overlap_depth"))]
     pub depth: f64,
@@ -167,7 +170,8 @@ impl OverlapReport {
     }
 
     fn new(overlaps: &Overlaps, uv: &[Triangle]) -> Self {
-        Self { share: overlaps.share(uv), pairs: overlaps.pairs.len(), depth: overlaps.depth() }
+        let &Overlaps { ref pairs, is_complete, .. } = overlaps;
+        Self { share: overlaps.share(uv), pairs: pairs.len(), is_complete, depth: overlaps.depth() }
     }
 }
 

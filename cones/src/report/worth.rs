@@ -1,8 +1,6 @@
 //! Which triangles of a map are measured.
 
-use std::collections::HashSet;
-
-use crate::uv::Triangle;
+use crate::uv::{Corners, Triangle, leaders};
 
 /// The triangles of a map that are worth measuring, by number: all but those that unwrapping leaves out as well, which have a vertex twice, or lie
 /// where another one on the same vertices does.
@@ -16,11 +14,5 @@ use crate::uv::Triangle;
 /// assert_eq!(worth_measuring(&vertices, &uv), [0, 2, 4]);
 /// ```
 pub fn worth_measuring(vertices: &[[u32; 3]], uv: &[Triangle]) -> Vec<u32> {
-    let mut known = HashSet::with_capacity(vertices.len());
-    let mut is_worth_it = |(v, uv): (&[u32; 3], &Triangle)| {
-        let mut corners = [0, 1, 2].map(|k| (v[k], uv[k].map(f64::to_bits)));
-        corners.sort_unstable();
-        corners[0].0 != corners[1].0 && corners[1].0 != corners[2].0 && known.insert(corners)
-    };
-    (0..).zip(vertices.iter().zip(uv)).filter_map(|(t, corners)| is_worth_it(corners).then_some(t)).collect()
+    leaders(&Corners { vertices, uv }.companions(0..vertices.len() as u32))
 }

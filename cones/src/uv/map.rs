@@ -21,12 +21,27 @@ impl UvMap {
     /// # Panics
     /// If there is a corner without a position.
     pub fn new(mesh: &Mesh, position: HalfedgeData<[f64; 2]>) -> Self {
-        let at = |h| position[h].map(f64::to_bits);
+        // Adding 0 makes -0 positive.
+        let at = |h| position[h].map(|x| (x + 0.0).to_bits());
         let cut = mesh.edges().map(|e| {
             let h = mesh.halfedge(e);
             mesh.twin(h).is_some_and(|g| at(h) != at(mesh.next(g)) || at(mesh.next(h)) != at(g))
         });
         Self { cut: cut.collect(), position }
+    }
+
+    /// The map with these positions but for rounding: closed where both ends of an edge are nearer than `tolerance` on its two sides, with one
+    /// position for each vertex of an island.
+    pub(super) fn nearly(mesh: &Mesh, position: HalfedgeData<[f64; 2]>, tolerance: f64) -> Self {
+        let is_near = |h: HalfedgeId, g: HalfedgeId| {
+            position[h].iter().zip(&position[g]).all(|(x, y)| x == y || (x - y).abs() <= tolerance)
+        };
+        let cut = mesh.edges().map(|e| {
+            let h = mesh.halfedge(e);
+            mesh.twin(h).is_some_and(|g| !is_near(h, mesh.next(g)) || !is_near(mesh.next(h), g))
+        });
+        let cut = cut.collect();
+        Self { cut, position }.snapped(mesh, |_, _| true)
     }
 
     /// The same map with one position for each vertex of an island: where its corners' positions are not the same to the bit, that of one

@@ -5,7 +5,7 @@
 //! | finding overlap | [`overlaps`]: the pairs of triangles, exactly, with depth and area |
 //! | a surface | [`separate`]: a [`UvMap`] cut and put together again until no island lies over itself |
 //! | a model | [`part`]: the same for all its surfaces |
-//! | painting | [`pack`]: islands moved rigidly into one square or onto tiles; [`cut_for_fill`]: cut further so that they fill more |
+//! | painting | [`pack`]: islands moved rigidly into one square or onto tiles, [`repack`] those of a model; [`cut_for_fill`]: cut further so that they fill more |
 //!
 //! Everything is for maps of any origin. Positions belong to corners. Islands move rigidly, so that scale and distortion
 //! stay.
@@ -15,6 +15,7 @@ mod attach;
 mod boxes;
 mod cells;
 mod chains;
+mod companions;
 mod cut_for_fill;
 mod divide;
 mod immersion;
@@ -24,6 +25,7 @@ mod overlap;
 mod pack;
 mod part;
 mod rearrange;
+mod repack;
 mod separate;
 mod sides;
 mod table;
@@ -31,6 +33,7 @@ mod table;
 mod tests;
 mod triangle;
 
+pub(crate) use companions::{Corners, leaders};
 pub use cut_for_fill::{Part, cut_for_fill};
 pub use map::UvMap;
 pub use motion::Motion;
@@ -39,6 +42,7 @@ pub use pack::{IslandPlace, PackError, PackOptions, Packing, Rotations, Tiles, f
 pub(crate) use pack::{filled, room};
 pub use part::{Parted, part};
 pub(crate) use rearrange::Figures;
+pub use repack::{Repacked, islands_of, repack};
 pub use separate::{Separation, separate};
 pub(crate) use separate::{add_necks, attached, overlaps_on_islands, taken_apart};
 pub use triangle::Triangle;

@@ -1,11 +1,17 @@
 //! A model's map, whoever made it, taken apart until no island lies over itself.
 
-use geom::{EdgeData, EdgeId, Model, PrepareError, Prepared, Surface, Watch, Weld, prepare_watched};
+use geom::{
+    EdgeData, EdgeId, Interrupted, Model, PrepareError, Prepared, Surface, Triangles, Watch, Weld, prepare_watched,
+};
 
+use super::companions::{Corners, leaders};
 use super::map::UvMap;
 use super::overlap::{NEGLIGIBLE_DEPTH, Overlaps, overlaps_watched};
 use super::separate::separate;
 use super::triangle::Triangle;
+
+/// The two sides of an edge whose ends are this near, over the map's extent, are the same: files round.
+const ROUNDING: f64 = 1e-6;
 
 /// A model's map whose islands do not lie over themselves.
 #[derive(Clone, Debug)]
@@ -13,7 +19,8 @@ use super::triangle::Triangle;
 pub struct Parted {
     /// The position of each corner of the model.
     pub uv: Vec<[f64; 2]>,
-    /// The island of each of the model's triangles, numbered from 0; none for those that belong to no surface.
+    /// The island of each of the model's triangles, numbered from 0; none for those that have a vertex twice and no corner in common with any
+    /// other. Copies of triangles are on the island of the one that they lie on, or on one of their own where they lie elsewhere.
     pub islands: Vec<Option<u32>>,
     /// How many islands there are.
     pub island_count: usize,
@@ -26,8 +33,8 @@ pub struct Parted {
 }
 
 /// Cuts islands that lie over themselves, attaches what was cut off where the two sides of a seam are congruent. Islands stay where they were,
-/// so that they may lie over each other until they are packed ([`pack`](super::pack)). A map without any overlap comes back as it is, to the bit. `weld` takes vertices for one, as many files have several along seams. Triangles that
-/// belong to no surface (of repeated vertices, copies) keep their positions unless another triangle has their corner.
+/// so that they may lie over each other until they are packed ([`repack`](super::repack)). A map without any overlap comes back as it is, to the bit. `weld` takes vertices for one, as many files have several along seams. Triangles that
+/// belong to no surface, of repeated vertices or copies, go where the triangle goes with which they have corners in common.
 ///
 /// ```
 /// use cones::uv::part;
@@ -49,9 +56,13 @@ pub struct Parted {
 /// # Panics
 /// If there is a corner without a position.
 pub fn part(model: &Model, uv: &[[f64; 2]], weld: Weld, watch: Watch) -> Result<Parted, PrepareError> {
-    let Prepared { surfaces, triangles, .. } = prepare_watched(model, weld, watch.within(0.0, 0.1))?;
+    let Prepared { surfaces, triangles, left_out, .. } = prepare_watched(model, weld, watch.within(0.0, 0.1))?;
     let images: Vec<Triangle> = triangles.corners.iter().map(|corners| corners.map(|c| uv[c as usize])).collect();
-    let overlaps = overlaps_watched(&images, NEGLIGIBLE_DEPTH, |_| true, watch.within(0.1, 0.3))?;
+    let mut vertices = triangles.vertices(model);
+    weld.apply(model, &mut vertices);
+    let corners = Corners { vertices: &vertices, uv: &images };
+    let companions = companions_of(corners, &left_out);
+    let overlaps = overlaps_of(&images, &companions, watch.within(0.1, 0.3))?;
     let mut parted = Parted {
         uv: uv.to_vec(),
         islands: vec![None; triangles.len()],
@@ -62,11 +73,12 @@ pub fn part(model: &Model, uv: &[[f64; 2]], weld: Weld, watch: Watch) -> Result<
     };
     let mut maps = Vec::new();
     for (k, surface) in surfaces.iter().enumerate() {
-        let map = UvMap::new(&surface.mesh, surface.mesh.halfedges().map(|h| uv[surface.corner[h] as usize]).collect());
+        let position = surface.mesh.halfedges().map(|h| uv[surface.corner[h] as usize]).collect();
         if parted.overlaps.pairs.is_empty() {
-            maps.push(map);
+            maps.push(UvMap::new(&surface.mesh, position));
             continue;
         }
+        let map = UvMap::nearly(&surface.mesh, position, ROUNDING * parted.overlaps.extent);
         let share = |k: usize| 0.3 + 0.6 * k as f64 / surfaces.len() as f64;
         let done = separate(&surface.mesh, &lengths(surface), None, map, watch.within(share(k), share(k + 1)))?;
         parted.left += done.left.pairs.len();
@@ -76,7 +88,27 @@ pub fn part(model: &Model, uv: &[[f64; 2]], weld: Weld, watch: Watch) -> Result<
     for (surface, map) in surfaces.iter().zip(&maps) {
         parted.put(surface, map);
     }
+    parted.put_left_out(&triangles, corners, (&left_out, &companions));
     Ok(parted)
+}
+
+/// The companions of triangles, which are on surfaces where any are.
+fn companions_of(corners: Corners, left_out: &[u32]) -> Vec<Option<u32>> {
+    let mut is_left_out = vec![false; corners.vertices.len()];
+    left_out.iter().for_each(|&t| is_left_out[t as usize] = true);
+    let on_surface = (0..).zip(&is_left_out).filter_map(|(t, is_left_out)| (!is_left_out).then_some(t));
+    corners.companions(on_surface.chain(left_out.iter().copied()))
+}
+
+/// The pairs of triangles that lie over each other, without those that only lie where others of the same corners do.
+fn overlaps_of(images: &[Triangle], companions: &[Option<u32>], watch: Watch) -> Result<Overlaps, Interrupted> {
+    let kept = leaders(companions);
+    let kept_images: Vec<Triangle> = kept.iter().map(|&t| images[t as usize]).collect();
+    let mut overlaps = overlaps_watched(&kept_images, NEGLIGIBLE_DEPTH, |_| true, watch)?;
+    for pair in &mut overlaps.pairs {
+        pair.triangles = pair.triangles.map(|t| kept[t as usize]);
+    }
+    Ok(overlaps)
 }
 
 impl Parted {
@@ -91,6 +123,49 @@ impl Parted {
             }
         }
         self.island_count += islands.count();
+    }
+
+    /// Puts triangles that belong to no surface on islands: on those of which they have corners, or on ones of their own.
+    fn put_left_out(
+        &mut self,
+        triangles: &Triangles,
+        corners: Corners,
+        (left_out, companions): (&[u32], &[Option<u32>]),
+    ) {
+        let mut of_corner = vec![None; self.uv.len()];
+        for (own, &island) in triangles.corners.iter().zip(&self.islands) {
+            own.iter().filter(|_| island.is_some()).for_each(|&c| of_corner[c as usize] = island);
+        }
+        let (copies, alone): (Vec<u32>, Vec<u32>) = left_out.iter().partition(|&&t| companions[t as usize] != Some(t));
+        let mut apart = Vec::new();
+        for t in alone {
+            self.islands[t as usize] = triangles.corners[t as usize].iter().find_map(|&c| of_corner[c as usize]);
+            if self.islands[t as usize].is_none() {
+                apart.push(t);
+            }
+        }
+        let numbers = corners.connected(&apart);
+        for (&t, &number) in apart.iter().zip(&numbers) {
+            self.islands[t as usize] = Some(self.island_count as u32 + number);
+        }
+        self.island_count += numbers.iter().max().map_or(0, |&last| last as usize + 1);
+        for t in copies {
+            let Some(companion) = companions[t as usize] else { continue };
+            self.islands[t as usize] = self.islands[companion as usize];
+            let own = triangles.corners[t as usize];
+            for (k, c) in own.into_iter().enumerate().filter(|&(_, c)| of_corner[c as usize].is_none()) {
+                // The rest of a triangle that has a vertex twice goes where one of its corners does, so that it lies over nothing.
+                let same = (0..3).find(|&other| corners.corner(companion, other) == corners.corner(t, k));
+                let at = same.or_else(|| {
+                    let shared =
+                        |other: &usize| (0..3).any(|k| corners.corner(t, k) == corners.corner(companion, *other));
+                    (0..3).find(shared)
+                });
+                if let Some(other) = at {
+                    self.uv[c as usize] = self.uv[triangles.corners[companion as usize][other] as usize];
+                }
+            }
+        }
     }
 }
 

@@ -1,8 +1,8 @@
 //! Which triangles of a map hang together.
 //!
 //! A *side* is that of a triangle from its corner k to the next, numbered 3f + k as its corner is. Two sides on one edge
-//! of the surface face each other; where more than two meet, each faces the next. They are glued where their ends' images
-//! agree.
+//! of the surface face each other; they are glued where their ends' images agree. Where more than two meet all those are glued
+//! whose images agree, in whatever order they come, and those that are left over face another one.
 
 use std::collections::HashSet;
 
@@ -12,8 +12,8 @@ use crate::mesh::{FaceData, FaceId, Id, of_edges};
 use crate::parallel::join;
 use crate::watch::{Interrupted, Progress, Watch};
 
-/// Images closer than this share of the map's extent are the same: files round.
-const SAME_IMAGE: f64 = 1e-7;
+/// Images closer than this share of the map's extent are the same: files round, to six digits or to single precision, and each corner by itself.
+const SAME_IMAGE: f64 = 1e-6;
 
 /// The watch is asked once for so many pairs.
 const STRIDE: usize = 2048;
@@ -190,22 +190,55 @@ fn face_sides(
 ) -> Result<Vec<Facing>, Interrupted> {
     let progress = Progress::new(watch, corner_vertex.len() / 2);
     let vertex = |side: usize| corner_vertex[side];
+    let facing = |sides: [u32; 2]| {
+        let is_parallel = vertex(sides[0] as usize) == vertex(sides[1] as usize);
+        let pair = Facing { sides, is_parallel, is_glued: false };
+        let is_glued = pair.corners_at_ends().into_iter().all(|[c, d]| is_same_image(c, d));
+        Facing { is_glued, ..pair }
+    };
     let visit = |found: &mut Vec<Facing>, _, sides: &[u32]| {
-        for pair in sides.windows(2) {
-            if found.len().is_multiple_of(STRIDE) {
-                progress.add(STRIDE);
-                progress.ask()?;
-            }
-            let sides = [pair[0], pair[1]];
-            let is_parallel = vertex(sides[0] as usize) == vertex(sides[1] as usize);
-            let pair = Facing { sides, is_parallel, is_glued: false };
-            let is_glued = pair.corners_at_ends().into_iter().all(|[c, d]| is_same_image(c, d));
-            found.push(Facing { is_glued, ..pair });
+        if found.len().is_multiple_of(STRIDE) {
+            progress.add(STRIDE);
+            progress.ask()?;
+        }
+        match *sides {
+            [] | [_] => {}
+            [a, b] => found.push(facing([a, b])),
+            ref many => found.extend(facing_of_many(many, facing)),
         }
         Ok(())
     };
     let parts = of_edges(vertex_count, corner_vertex.len(), vertex, visit);
     Ok(parts.into_iter().collect::<Result<Vec<_>, Interrupted>>()?.concat())
+}
+
+/// Of more than two sides on one edge those that are glued, in chains, and for each that is left over another one that it faces.
+fn facing_of_many(sides: &[u32], facing: impl Fn([u32; 2]) -> Facing) -> Vec<Facing> {
+    let mut chains: Vec<Vec<u32>> = Vec::new();
+    let mut found = Vec::new();
+    for &side in sides {
+        let glued = chains.iter_mut().find_map(|chain| {
+            let pair = facing([chain[chain.len() - 1], side]);
+            pair.is_glued.then_some((chain, pair))
+        });
+        match glued {
+            Some((chain, pair)) => {
+                chain.push(side);
+                found.push(pair);
+            }
+            None => chains.push(vec![side]),
+        }
+    }
+    for k in 0..chains.len() {
+        let other = if k > 0 { k - 1 } else { 1 };
+        if let ([alone], Some(others)) = (&chains[k][..], chains.get(other)) {
+            // The second one by itself is counted at its own turn.
+            if other < k || others.len() > 1 {
+                found.push(facing([others[0], *alone]));
+            }
+        }
+    }
+    found
 }
 
 /// Whether two corners have the same image.

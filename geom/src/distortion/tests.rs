@@ -364,3 +364,27 @@ fn the_median_is_what_half_of_the_surface_does_not_exceed() {
     let quasi_conformal = measure(&points, &[[0, 1, 2], [3, 4, 5]], &uv).unwrap().quasi_conformal;
     assert_eq!((quasi_conformal.median, quasi_conformal.p95, quasi_conformal.max), (1.0, 2.0, 2.0));
 }
+
+#[test]
+fn sides_with_one_image_are_glued_in_whatever_order_three_faces_meet() {
+    // A wall of two triangles, and a fin on the edge between them.
+    let points = [[0.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, 1.0]];
+    let [left, right, fin] = [[1, 0, 3], [0, 1, 2], [0, 1, 4]];
+    let flat = |v: u32| [[0.0, 0.0], [0.0, 1.0], [1.0, 0.0], [-1.0, 0.0], [1.0, 0.0]][v as usize];
+    for order in [[left, fin, right], [left, right, fin], [fin, left, right]] {
+        let away = |t: [u32; 3], [x, y]: [f64; 2]| if t == fin { [x + 3.0, y] } else { [x, y] };
+        let uv: Vec<[[f64; 2]; 3]> = order.iter().map(|&t| t.map(|v| away(t, flat(v)))).collect();
+        let measured = measure(&points, &order, &uv).unwrap();
+        assert_eq!(measured.islands.len(), 2, "{order:?}");
+        let area: f64 = 1.5;
+        assert!((measured.seam_length - area.sqrt().recip()).abs() < 1e-12, "{}", measured.seam_length);
+    }
+}
+
+#[test]
+fn images_of_a_corner_may_be_rounded() {
+    let points = [[0.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [-1.0, 0.0, 0.0]];
+    let shift = |by: f64| [[[0.0, 1.0], [0.0, 0.0], [-1.0, 0.0]], [[by, 0.0], [by, 1.0], [1.0, 0.0]]];
+    let islands = |by| measure(&points, &[[1, 0, 3], [0, 1, 2]], &shift(by)).unwrap().islands.len();
+    assert_eq!((islands(5e-7), islands(1e-4)), (1, 2));
+}

@@ -18,6 +18,7 @@ mod document;
 mod placement;
 
 use std::collections::HashMap;
+use std::convert::Infallible;
 use std::path::Path;
 
 use serde_json::Value;
@@ -26,6 +27,7 @@ use super::colour::to_srgb;
 use super::error::{Fault, Place};
 use super::joined::Joined;
 use super::write_glb::{GENERATOR, is_plain};
+use crate::mesh::of_edges;
 use crate::surface::{
     Attribute, AttributeDomain, Attributes, Meaning, Model, Polygons, ScalarType, Skipped, TextureCoordinates,
 };
@@ -228,8 +230,11 @@ impl Draft {
 
     fn finish(self, document: &Document) -> Result<Model, Fault> {
         let Self { mut points, mut polygons, uv, has_uv, face_material, skipped, .. } = self;
-        let joined = Joined::of_places(self.places.into_iter());
         let vertices = points.len();
+        // Only what lies on an open side may have been split off: bodies that touch, each closed by itself, stay apart.
+        let is_open = on_open_sides(&polygons.corners, vertices);
+        let places = (0..).zip(self.places).map(|(v, place)| if is_open[v as usize] { Ok(place) } else { Err(v) });
+        let joined = Joined::of_places(places.collect::<Vec<Result<_, u32>>>().into_iter());
         let table = |Table { rows, mut of_vertex, .. }: Table| {
             of_vertex.resize(vertices, Attribute::NONE);
             if of_vertex.contains(&Attribute::NONE) {
@@ -252,6 +257,19 @@ impl Draft {
         };
         Ok(Model::new(points, polygons)?.with_uv(uv).with_skipped(skipped).with_attributes(attributes))
     }
+}
+
+/// For each vertex whether it is on a side of a triangle that no other triangle has.
+fn on_open_sides(corners: &[u32], vertices: usize) -> Vec<bool> {
+    let visit = |found: &mut Vec<[u32; 2]>, ends: [u32; 2], sides: &[u32]| {
+        found.extend((sides.len() == 1).then_some(ends));
+        Ok::<(), Infallible>(())
+    };
+    let mut is_open = vec![false; vertices];
+    for part in of_edges(vertices, corners.len(), |corner| corners[corner], visit) {
+        part.unwrap_or_else(|never| match never {}).into_iter().flatten().for_each(|v| is_open[v as usize] = true);
+    }
+    is_open
 }
 
 /// The indices of a primitive, all of vertices that are there.

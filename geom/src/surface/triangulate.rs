@@ -21,6 +21,13 @@ const WORK_PER_MODEL: u64 = 1 << 29;
 /// below any triangle worth having.
 const FLAT: f64 = 1e-12;
 
+/// Corners of polygons of few corners that are this near to a side, in a polygon of size 1, lie on it, as far as ears without them can be found: files round,
+/// and what lies on a straight side would be a triangle without area.
+const NEAR: f64 = 1e-5;
+
+/// So many corners are few: all of them are compared.
+const FEW: usize = 64;
+
 /// Squares of a quadrilateral's diagonals that differ by this share count as equal: the first is taken, so that instances of one shape, whose points
 /// are rounded, are cut alike.
 const TIE: f64 = 2e-3;
@@ -187,6 +194,9 @@ impl<'a> Ears<'a> {
 
     /// The next ear from `start` on, or the corner with the widest triangle if there is no ear.
     fn find(&mut self, start: usize) -> usize {
+        if let Some(ear) = self.find_wide(start) {
+            return ear;
+        }
         let (mut corner, mut widest) = (start, start);
         loop {
             if *self.work == 0 {
@@ -204,6 +214,34 @@ impl<'a> Ears<'a> {
                 return widest;
             }
         }
+    }
+
+    /// The next ear whose corners are apart, of a polygon of few corners.
+    fn find_wide(&mut self, start: usize) -> Option<usize> {
+        let count = self.points.len();
+        let mut corner = start;
+        for _ in 0..if count <= FEW { count } else { 0 } {
+            if self.is_wide_ear(corner) {
+                return Some(corner);
+            }
+            corner = self.next[corner];
+        }
+        None
+    }
+
+    fn is_wide_ear(&self, corner: usize) -> bool {
+        let [a, b, c] = [self.previous[corner], corner, self.next[corner]].map(|i| self.points[i]);
+        let beside = |from: [f64; 2], to: [f64; 2], p: [f64; 2]| {
+            let length = (to[0] - from[0]).hypot(to[1] - from[1]);
+            orientation(from, to, p) / length
+        };
+        let is_apart = |i: usize| {
+            let p = self.points[i];
+            let is_corner = p == a || p == b || p == c;
+            is_corner || [(a, b), (b, c), (c, a)].into_iter().any(|(from, to)| beside(from, to, p) < -NEAR)
+        };
+        let left = |&i: &usize| self.next[i] != i;
+        beside(c, a, b) > NEAR && (0..self.points.len()).filter(left).all(is_apart)
     }
 
     /// Takes a corner out and returns the one behind it.
@@ -411,6 +449,24 @@ mod tests {
         assert_eq!(triangles.vertices(&model)[3], [2, 1, 0]);
         for (corners, &face) in triangles.corners.iter().zip(&triangles.face_of) {
             assert!(corners.iter().all(|&corner| model.face_corners(face as usize).contains(&(corner as usize))));
+        }
+    }
+
+    #[test]
+    fn corners_on_straight_sides_make_no_triangle_without_area() {
+        // Three sides of a rectangle with corners inside them, turned, in single precision.
+        let sides = [[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [3.0, 0.0], [3.0, 1.0], [3.0, 2.0], [1.5, 2.0], [0.0, 2.0]];
+        for angle in [0.1_f64, 0.7, 1.9, 2.6] {
+            for shift in 0..sides.len() {
+                let turn =
+                    |[x, y]: [f64; 2]| [x * angle.cos() - y * angle.sin(), x * angle.sin() + y * angle.cos(), 0.5 * x];
+                let mut points: Vec<[f64; 3]> = sides.iter().map(|&p| turn(p).map(|x| f64::from(x as f32))).collect();
+                points.rotate_left(shift);
+                let model = polygon(&points);
+                for corners in model.triangles().corners {
+                    assert!(norm2(area2(&model, corners)).sqrt() > 0.1, "{corners:?} of {points:?}");
+                }
+            }
         }
     }
 

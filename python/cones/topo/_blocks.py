@@ -17,7 +17,7 @@ import numpy as np
 from .. import _cones
 from .._arrays import count, unmasked
 from .._cones import Error
-from ._domain import _read_in_place, masked
+from ._domain import _read_in_place, masked, refuse_nan
 from ._pairs import Pairs, pair_table
 
 
@@ -68,6 +68,8 @@ def summarise(
     """Sums up the tile from ``start`` to ``stop`` of a grid of some shape; its values are those that `reach` says. Of a masked array the masked
     cells are left out, and all other tiles must be masked arrays too: their numbers are then floats."""
     field, inside = unmasked(values)
+    if nan == "refuse" and inside is not None:
+        refuse_nan(field, inside)
     read = _read_in_place(field if inside is None else masked(field, inside))
     grid = _cones.Domain.grid(list(shape), connectivity, list(periodic[: len(shape)]))
     bytes_, columns, zeros = _cones.summarise(
@@ -118,6 +120,11 @@ class Collected(Pairs):
         order = np.lexsort((table["extremum"], table["birth"]))
         order = order[::-1] if self._superlevel else order
         order = order[np.argsort(table["saddle"][order] >= 0, kind="stable")]
+        birth, death = table["birth"][order], table["death"][order]
+        if birth.dtype.kind in "iu":
+            # Exact, also where a float is not; how far the largest is above each, as unsigned numbers have no sign to turn.
+            lives = np.maximum(birth, death).astype(np.uint64) - np.minimum(birth, death).astype(np.uint64)
+            return table[order[np.argsort(~lives, kind="stable")]]
         return table[order[np.argsort(-table["persistence"][order], kind="stable")]]
 
     def top(self, n: int) -> np.ndarray:
@@ -130,13 +137,12 @@ class Collected(Pairs):
             raise Error(f"a threshold of persistence must be 0 at least, but {threshold} is given")
         return self.array[self.array["persistence"] > threshold]
 
-    def diagram(self) -> np.ndarray:
-        """Points (birth, death) as `Pairs.diagram` gives them."""
+    def points(self) -> tuple[np.ndarray, np.ndarray]:
+        """Birth and death of the finite pairs, and the births of the essential classes, as `Pairs.points` gives them."""
         table = self.array
         points = np.column_stack([table["birth"].astype(np.float64), table["death"].astype(np.float64)])
         lives = table["saddle"] < 0
-        points[lives, 1] = -np.inf if self._superlevel else np.inf
-        return np.concatenate([points[~lives], points[lives]])
+        return points[~lives], points[lives, 0]
 
     def __len__(self) -> int:
         return len(self.array)

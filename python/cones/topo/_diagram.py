@@ -8,12 +8,12 @@ from typing import Any, Union
 import numpy as np
 
 from .. import _cones
-from .._arrays import count as whole, plain
+from .._arrays import count as whole, number, plain
 from .._cones import Error
 from ._domain import edge_table, vertex_count
 from ._pairs import Pairs
 
-#: The cells of an image: 2 GB.
+#: The numbers of an image or of a landscape: 2 GB.
 _MOST_CELLS = 2**28
 
 
@@ -25,19 +25,15 @@ class Diagram:
     """
 
     def __init__(self, points: Union[Pairs, Diagram, Any]):
-        table = points.diagram() if isinstance(points, Pairs) else np.asarray(points, dtype=np.float64)
-        table = table.reshape(0, 2) if table.size == 0 else table
-        if table.ndim != 2 or table.shape[1] != 2:
-            raise Error(f"a diagram has the shape (n, 2), but {table.shape} is given")
-        births, deaths = table.T
-        lives = np.isfinite(births) & np.isinf(deaths)
-        falls = (deaths < births).any() or (isinstance(points, Pairs) and points.is_superlevel)
-        if falls and (deaths > births).any():
-            raise Error("some points of the diagram die above their birth and others below")
+        if isinstance(points, Pairs):
+            # Of pairs it is known: those that die where the field is infinite are no essential classes.
+            (finite, essential), falls = points.points(), points.is_superlevel
+        else:
+            finite, essential, falls = _split(np.asarray(points, dtype=np.float64))
         #: Points of finite pairs (n, 2).
-        self.finite = plain(table[~lives], np.float64)
+        self.finite = plain(finite, np.float64)
         #: Births of essential classes (k,).
-        self.essential = plain(births[lives], np.float64)
+        self.essential = plain(essential, np.float64)
         self._native = _cones.Diagram(self.finite, self.essential, bool(falls))
 
     def entropy(self) -> float:
@@ -54,12 +50,14 @@ class Diagram:
 
     def landscape(self, levels: Any, count: int = 5) -> np.ndarray:
         """The first functions of the persistence landscape at some levels: (count, levels); without essential classes."""
-        at = plain(levels, np.float64)
-        return self._native.landscape(count, at).reshape(count, len(at))
+        at, functions = plain(levels, np.float64).reshape(-1), whole("count", "functions", count)
+        if functions * at.size > _MOST_CELLS:
+            raise Error(f"{functions:,} functions at {at.size:,} levels are more than {_MOST_CELLS:,} numbers: ask for fewer")
+        return self._native.landscape(functions, at).reshape(functions, at.size)
 
     def silhouette(self, levels: Any, power: float = 1.0) -> np.ndarray:
         """The silhouette at some levels, tents weighted by a power of the lifetime; without essential classes."""
-        return self._native.silhouette(power, plain(levels, np.float64))
+        return self._native.silhouette(number("power", power, 0.0), plain(levels, np.float64).reshape(-1))
 
     def image(self, births: tuple, lifetimes: tuple, shape: tuple, bandwidth: float) -> np.ndarray:
         """The persistence image: a row for each of some lifetimes, a column for each of some births, both (first, last). Each finite point adds
@@ -69,7 +67,10 @@ class Diagram:
             raise Error(f"an image of {rows} x {columns} cells is larger than {_MOST_CELLS:,}: ask for a smaller shape")
         if not 0 < bandwidth < float("inf"):
             raise Error(f"bandwidth is the width of a Gaussian, above 0, not {bandwidth}")
-        return self._native.image(births, lifetimes, [rows, columns], bandwidth).reshape(rows, columns)
+        for name, ends in (("births", births), ("lifetimes", lifetimes)):
+            if np.shape(ends) != (2,) or not np.isfinite(ends).all():
+                raise Error(f"{name} is a range of finite numbers, (first, last), not {ends!r}")
+        return self._native.image(tuple(births), tuple(lifetimes), [rows, columns], bandwidth).reshape(rows, columns)
 
     def __len__(self) -> int:
         return len(self.finite) + len(self.essential)
@@ -109,6 +110,18 @@ def _diagram(points: Any) -> Diagram:
     return points if isinstance(points, Diagram) else Diagram(points)
 
 
+def _split(table: np.ndarray) -> tuple[np.ndarray, np.ndarray, bool]:
+    """The finite points of a table, births of its essential classes, and whether points die below their births."""
+    table = table.reshape(0, 2) if table.size == 0 else table
+    if table.ndim != 2 or table.shape[1] != 2:
+        raise Error(f"a diagram has the shape (n, 2), but {table.shape} is given")
+    births, deaths = table.T
+    lives, falls = np.isfinite(births) & np.isinf(deaths), bool((deaths < births).any())
+    if falls and (deaths > births).any():
+        raise Error("some points of the diagram die above their birth and others below")
+    return table[~lives], births[lives], falls
+
+
 class Linkage:
     """The clusters of weighted edges, from the lightest edge on."""
 
@@ -118,15 +131,15 @@ class Linkage:
     @property
     def links(self) -> np.ndarray:
         """Both clusters, weight and size of each link: (k, 4), which is what ``scipy.cluster.hierarchy`` calls Z where the graph is connected."""
-        return np.array(self._native.links(), dtype=np.float64).reshape(-1, 4)
+        return self._native.links()
 
     def at(self, weight: float) -> np.ndarray:
         """The cluster of each vertex after all links up to a weight."""
-        return np.array(self._native.at(weight), dtype=np.int64)
+        return self._native.at(number("weight", weight, float("-inf")))
 
     def clusters(self, count: int) -> np.ndarray:
         """The cluster of each vertex where there are so many clusters."""
-        return np.array(self._native.clusters(count), dtype=np.int64)
+        return self._native.clusters(whole("count", "clusters", count))
 
 
 def single_linkage(vertices: int, edges: Any, weights: Any) -> Linkage:

@@ -104,6 +104,8 @@ class Field:
         if nan not in ("refuse", "mask"):
             raise Error(f"nan is refuse or mask, not {nan!r}")
         inside = _inside(mask, inside, values.shape)
+        if nan == "refuse" and inside is not None:
+            refuse_nan(values, inside)
         self.masks_nan = nan == "mask" or inside is not None
         #: The array as it was given, where cells of it are left out.
         self.given = values if inside is not None else None
@@ -133,6 +135,8 @@ def _grid(shape: tuple, connectivity: Optional[str], periodic: Any) -> _cones.Do
     axes = len(shape)
     if not 1 <= axes <= 3:
         raise Error(f"a field without a domain is an array of one to three axes, not {axes}")
+    if connectivity not in (None, "axis", "full", "freudenthal"):
+        raise Error(f"connectivity is axis, full or freudenthal, not {connectivity!r}")
     return _cones.Domain.grid(list(shape), connectivity or "axis", round_ends(periodic, axes))
 
 
@@ -182,6 +186,13 @@ def _inside(mask: Any, own: Optional[np.ndarray], shape: tuple) -> Optional[np.n
         return mask if own is None else mask & own
     # Integers stay what they are where nothing is masked.
     return None if own is None or own.all() else own
+
+
+def refuse_nan(values: np.ndarray, inside: np.ndarray) -> None:
+    """Says so where values that are not left out are NaN."""
+    missing = np.isnan(values[inside]).sum() if values.dtype.kind == "f" else 0
+    if missing:
+        raise Error(f"{missing:,} values that are not masked are NaN: leave them out too with nan='mask'")
 
 
 def masked(values: np.ndarray, inside: np.ndarray) -> np.ndarray:

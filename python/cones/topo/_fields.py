@@ -41,7 +41,7 @@ def sublevel(
     periodic : bool or sequence of bool
         Which axes go round.
     mask : array of bool, optional
-        True inside of the domain. With a mask NaN inside is left out too.
+        True inside of the domain.
     nan : "refuse" or "mask"
         Whether NaN is an error, or left out.
     keep_zeros : bool
@@ -271,19 +271,28 @@ def tomato(
     return merge_tree(density, domain, kind="maximum", **options).clusters(count)
 
 
-def holes(field: Any, *, kind: str = "minimum", connectivity: str = "axis") -> np.ndarray:
+def holes(
+    field: Any, *, kind: str = "minimum", connectivity: str = "axis", mask: Any = None, nan: str = "refuse"
+) -> np.ndarray:
     """The holes of the sublevel sets (``kind="minimum"``) or superlevel sets of a picture, or the cavities of those of a volume: persistent
-    homology of dimension 1, or 2.
+    homology of dimension 1, or 2. Parameters as for `sublevel`; what a mask leaves out is in no set, so that a hole round it is never filled.
 
     Returns
     -------
     structured array (closed, filled, birth, death)
         ``closed`` is the vertex that closes the ring or the shell, ``filled`` the one inside that is reached last, both as in
-        ``field.ravel()``; birth and death are the values there.
+        ``field.ravel()``; birth and death are the values there. Of a hole that is never filled ``filled`` is -1 and death infinite. Birth and
+        death are floats where a mask is given.
     """
-    read = Field(field, connectivity=connectivity)
-    closed, filled, birth, death = _cones.holes(read.domain, read.values, _is_maximum(kind))
-    birth, death = read.cast(birth), read.cast(death)
+    read, is_superlevel = Field(field, connectivity=connectivity, mask=mask, nan=nan), _is_maximum(kind)
+    values, outside = read.values, np.isnan(read.values) if read.masks_nan else None
+    if outside is not None:
+        values = np.where(outside, np.float32(-np.inf if is_superlevel else np.inf), values)
+    closed, filled, birth, death = _cones.holes(read.domain, values, is_superlevel)
+    if outside is None:
+        birth, death = read.cast(birth), read.cast(death)
+    else:
+        filled = np.where(outside[filled], -1, filled)
     table = np.empty(len(closed), dtype=[("closed", "i8"), ("filled", "i8"), ("birth", birth.dtype), ("death", birth.dtype)])
     table["closed"], table["filled"], table["birth"], table["death"] = closed, filled, birth, death
     return table
@@ -308,7 +317,11 @@ def _level(level: Any, kind: np.dtype, is_superlevel: bool) -> Any:
     if level != level:
         raise Error("a level is a number, not NaN")
     if kind.kind == "f":
-        return kind.type(level).item()
+        # As numpy compares: a number of Python is taken to the field's kind, one of a wider kind is exact.
+        near = kind.type(level)
+        if isinstance(level, np.generic) and near != level and (near > level) != is_superlevel:
+            near = np.nextafter(near, kind.type(np.inf if is_superlevel else -np.inf))
+        return near.item()
     # As a number of Python, which compares integers and floats exactly.
     level = level.item() if isinstance(level, (np.ndarray, np.generic)) else level
     least, most = np.iinfo(kind).min, np.iinfo(kind).max

@@ -64,9 +64,13 @@ class Pairs:
     def diagram(self) -> np.ndarray:
         """Points (birth, death) as gudhi's ``persistence_intervals_in_dimension(0)``, persim and ripser have them: (n, 2) float64, essential
         classes with an infinite death (-inf for maxima). Integers beyond 2**53 are rounded."""
-        finite, essential = self._native.diagram()
+        finite, essential = self.points()
         never = np.full(len(essential), -np.inf if self.is_superlevel else np.inf)
         return np.concatenate([finite, np.column_stack([essential, never])])
+
+    def points(self) -> tuple[np.ndarray, np.ndarray]:
+        """Birth and death of the finite pairs (n, 2), and the births of the essential classes (k,), which no infinite value of a field is taken for."""
+        return self._native.diagram()
 
     def gudhi(self) -> list[tuple[int, tuple[float, float]]]:
         """What gudhi's ``persistence()`` gives: (dimension, (birth, death)), longest first."""

@@ -3,11 +3,11 @@
 use std::sync::Arc;
 
 use num_traits::PrimInt;
-use numpy::{PyArray1, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
+use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 use topo::{Adjacency, Connectivity, TriangleMesh};
 
-use crate::array::rows;
+use crate::array::{from_rows, rows};
 use crate::error::{Error, Failed};
 
 /// A domain that Python keeps.
@@ -139,17 +139,27 @@ pub(crate) struct Linkage(topo::Dendrogram<f64>);
 #[pymethods]
 impl Linkage {
     /// Both clusters, weight and size of each link, as `scipy.cluster.hierarchy` has them.
-    fn links(&self) -> Vec<(usize, usize, f64, usize)> {
-        self.0.links().iter().map(|link| (link.clusters[0], link.clusters[1], link.weight, link.size)).collect()
+    fn links<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let row = |link: &topo::Link<f64>| {
+            let [a, b] = link.clusters;
+            [a as f64, b as f64, link.weight, link.size as f64]
+        };
+        let links = py.detach(|| self.0.links().iter().map(row).collect());
+        from_rows(py, links)
     }
 
     /// The cluster of each vertex after all links up to a weight.
-    fn at(&self, weight: f64) -> Vec<usize> {
-        self.0.at(weight)
+    fn at<'py>(&self, py: Python<'py>, weight: f64) -> Bound<'py, PyArray1<i64>> {
+        numbers(py, || self.0.at(weight))
     }
 
     /// The cluster of each vertex where there are so many clusters, or as few as can be.
-    fn clusters(&self, count: usize) -> Vec<usize> {
-        self.0.clusters(count)
+    fn clusters<'py>(&self, py: Python<'py>, count: usize) -> Bound<'py, PyArray1<i64>> {
+        numbers(py, || self.0.clusters(count))
     }
+}
+
+/// Numbers of clusters as an array, found without the interpreter's lock.
+fn numbers<'py>(py: Python<'py>, find: impl FnOnce() -> Vec<usize> + Send) -> Bound<'py, PyArray1<i64>> {
+    PyArray1::from_vec(py, py.detach(|| find().into_iter().map(|cluster| cluster as i64).collect()))
 }

@@ -139,7 +139,7 @@ impl Pairs {
 
     /// Birth and death of the finite pairs, births of the essential classes.
     fn diagram<'py>(&self, py: Python<'py>) -> PyResult<Points<'py>> {
-        let topo::Diagram { finite, essential, .. } = self.0.diagram();
+        let topo::Diagram { finite, essential, .. } = py.detach(|| self.0.diagram());
         let points = finite.into_iter().map(|(birth, death)| [birth, death]).collect();
         Ok((from_rows(py, points)?, PyArray1::from_vec(py, essential)))
     }

@@ -40,7 +40,7 @@ enum RotationsName {
 impl PackArgs {
     /// Ends the run, as for any wrong argument, where each of them is right but not all together: before anything is read.
     pub(crate) fn check(&self) {
-        if let Err(error) = self.options(1.0).check() {
+        if let Err(error) = self.options().check() {
             clap::Error::raw(ErrorKind::ValueValidation, format!("{error}\n")).exit()
         }
     }
@@ -57,15 +57,15 @@ impl PackArgs {
         self.udim
     }
 
-    /// The library's options; `unit` is the length on the surface of a unit of the islands' plane.
-    pub(crate) fn options(&self, unit: f64) -> PackOptions {
+    /// The library's options.
+    pub(crate) fn options(&self) -> PackOptions {
         let rotations = match self.rotations {
             RotationsName::Any => Rotations::Any,
             RotationsName::Quarter => Rotations::Quarter,
             RotationsName::None => Rotations::None,
         };
         let tiles = match self.texel_density {
-            Some(density) => Tiles::Udim { texel_density: density * unit },
+            Some(texel_density) => Tiles::Udim { texel_density },
             None => Tiles::One,
         };
         PackOptions { texture_size: self.texture_size, margin: self.margin, rotations, tiles, ..PackOptions::default() }

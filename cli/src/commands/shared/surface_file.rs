@@ -90,6 +90,23 @@ fn way_back(source: &Path, path: &Path) -> Option<String> {
     Some(up.chain(down).map(|name| name + "/").collect())
 }
 
+/// Writes a surface that was read from a file with other texture coordinates.
+pub(crate) fn write_map(
+    model: &Model,
+    uv: &[[f64; 2]],
+    (input, output): (&Path, &Path),
+    format: MeshFormat,
+) -> Result<(), CommandError> {
+    let file = SurfaceFile { model, source: Some(input), uv: Some(uv), triangles: None, material: None };
+    let mut files = Files::new();
+    let lost = file.write(&mut files, output, format)?;
+    files.finish()?;
+    if let Some(lost) = lost {
+        output::warn(&lost.to_string());
+    }
+    Ok(())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

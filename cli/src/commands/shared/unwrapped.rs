@@ -223,6 +223,11 @@ pub(crate) fn corner_uv(triangles: &[[u32; 3]], uv: &[[f64; 2]]) -> Vec<[[f64; 2
     triangles.iter().map(|t| t.map(|c| uv[c as usize])).collect()
 }
 
+/// Some of many things.
+pub(crate) fn picked<T: Copy>(kept: &[u32], items: &[T]) -> Vec<T> {
+    kept.iter().map(|&t| items[t as usize]).collect()
+}
+
 /// Twice the signed area of a triangle of the map.
 fn area([a, b, c]: [[f64; 2]; 3]) -> f64 {
     (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])

@@ -41,7 +41,8 @@ use piece::Rasters;
 use search::{Effort, Put, smallest_square};
 use tiles::{MOST_TILES, Tiled, tiled};
 
-/// The margins of all islands may take this share of the square; where they would take more, they are narrower.
+/// The squares of all islands' margins may take this share of the square; where they would take more, margins are narrower. So islands are some
+/// two and a half margins wide on average at least.
 const MOST_MARGINS: f64 = 0.15;
 /// The side of the square is guessed for the margins inside of blocks, at most so often.
 const GUESSES: u32 = 20;

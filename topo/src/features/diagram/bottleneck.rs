@@ -1,139 +1,160 @@
 //! The bottleneck distance of points with finite coordinates: the least number of `f64` for which a matching exists.
 //!
 //! Matchings by augmenting paths (Hopcroft & Karp 1973), the number by bisection over the bits, as Efrat, Itai & Katz (2001)
-//! bisect over the candidates. Whom a point can reach is sought among those whose births are within reach. For n points
-//! O(n² · √n) a matching at worst, 64 of them at most.
+//! bisect over the candidates; like them, whom a point can reach is asked of a search structure from which those that a round has
+//! seen are taken out, so that a round looks for each point once. A matching is carried on from one number to the next, without the
+//! steps that have become too long. For n points O(n log n) a round if points lie well, √n rounds and 64 numbers at most.
 
 use super::ground::{Ground, Point};
+use super::kd_tree::{KdTree, Offer};
+use crate::pairing::NONE;
 use crate::watch::Watch;
-use core::ops::Range;
+
+/// By how much norms that are computed with roots may be off.
+const ROUNDING: f64 = 1e-12;
 
 /// The least reach, no less than `least`, within which all points have a place; any number if the watch has stopped the work.
 pub(super) fn bottleneck(a: &[Point], b: &[Point], ground: Ground, least: f64, watch: Watch<'_>) -> f64 {
-    let by_birth = |points: &[Point]| {
-        let mut points = points.to_vec();
-        points.sort_unstable_by(|p, q| p.0.total_cmp(&q.0));
-        points
-    };
-    let (a, b) = (by_birth(a), by_birth(b));
-    // As far as the diagonal is from all, it does for all. Distances are not negative, so their bits rise as they do.
-    let farthest = a.iter().chain(&b).map(|&point| ground.to_diagonal(point)).fold(least, f64::max);
-    let (mut low, mut high) = (least.to_bits(), farthest.to_bits());
+    let mut sides = [Side::new(a, b, ground), Side::new(b, a, ground)];
+    // As far as the diagonal is from all, it does for all; and nobody's nearest place is farther than the distance.
+    let farthest = sides.iter().flat_map(|side| &side.to_diagonal).copied().fold(least, f64::max);
+    let nearest = sides.iter().map(|side| side.farthest_of_nearest(least, watch)).fold(least, f64::max);
+    let slack = if ground == Ground::MAXIMUM { 0.0 } else { ROUNDING };
+    // Distances are not negative, so their bits rise as they do.
+    let (mut low, mut high) = ((nearest * (1.0 - slack)).max(least).to_bits(), farthest.to_bits());
+    // What is least possible is often enough.
+    let mut next = nearest.to_bits();
     while low < high {
-        let middle = low + (high - low) / 2;
-        let reach = f64::from_bits(middle);
-        if covers(&a, &b, ground, reach, watch) && covers(&b, &a, ground, reach, watch) {
-            high = middle;
+        let reach = f64::from_bits(next);
+        if sides.iter_mut().all(|side| side.is_covered(reach, watch)) {
+            high = next;
         } else {
-            low = middle + 1;
+            low = next + 1;
         }
+        next = low + high.saturating_sub(low) / 2;
     }
-    f64::from_bits(low)
+    f64::from_bits(high)
 }
 
-/// Whether all points of `a` that are beyond reach of the diagonal can be matched with different points of `b`.
+/// The points of one diagram, and those of the other that they can go to.
 ///
-/// If that holds both ways, one matching does it for both (Mendelsohn & Dulmage 1958), and the rest is near the diagonal.
-fn covers(a: &[Point], b: &[Point], ground: Ground, reach: f64, watch: Watch<'_>) -> bool {
-    let far: Vec<Point> = a.iter().copied().filter(|&point| ground.to_diagonal(point) > reach).collect();
-    if far.len() > b.len() {
-        return false;
-    }
-    let window = |&(birth, _): &Point| {
-        b.partition_point(|other| other.0 < birth - reach)..b.partition_point(|other| other.0 <= birth + reach)
-    };
-    let windows: Vec<Range<usize>> = far.iter().map(window).collect();
-    let (partner, taken) = (vec![None; far.len()], vec![None; b.len()]);
-    Matching { far: &far, others: b, windows: &windows, ground, reach, partner, taken, watch }.covers_all()
-}
-
-/// Hopcroft & Karp's matching of points within reach of each other.
-struct Matching<'a> {
-    far: &'a [Point],
-    /// By birth.
+/// If all points of each diagram that are beyond reach of the diagonal can be matched with different points of the other, one
+/// matching does it for both (Mendelsohn & Dulmage 1958), and the rest is near the diagonal.
+struct Side<'a> {
+    points: &'a [Point],
+    to_diagonal: Vec<f64>,
     others: &'a [Point],
-    /// For each point the others whose births are within reach.
-    windows: &'a [Range<usize>],
+    tree: KdTree,
     ground: Ground,
-    reach: f64,
-    partner: Vec<Option<usize>>,
-    taken: Vec<Option<usize>>,
-    watch: Watch<'a>,
+    /// For each point the other that it goes to, and the other way round.
+    partner: Vec<u32>,
+    taken: Vec<u32>,
 }
 
-impl Matching<'_> {
-    fn covers_all(&mut self) -> bool {
-        while self.partner.contains(&None) {
-            let mut layers = self.layers();
-            let free: Vec<usize> = (0..self.far.len()).filter(|&point| self.partner[point].is_none()).collect();
-            if free.into_iter().filter(|&point| self.augment(point, &mut layers)).count() == 0 {
+impl<'a> Side<'a> {
+    fn new(points: &'a [Point], others: &'a [Point], ground: Ground) -> Self {
+        let to_diagonal = points.iter().map(|&point| ground.to_diagonal(point)).collect();
+        let (partner, taken) = (vec![NONE; points.len()], vec![NONE; others.len()]);
+        Self { points, to_diagonal, others, tree: KdTree::new(others), ground, partner, taken }
+    }
+
+    /// How far it is at least from each point to some place, if that is more than `least`; the longest of these ways.
+    fn farthest_of_nearest(&self, least: f64, watch: Watch<'_>) -> f64 {
+        let cost = |x: f64, y: f64| self.ground.norm(x, y);
+        self.points.iter().zip(&self.to_diagonal).fold(least, |farthest, (&point, &to_diagonal)| {
+            if to_diagonal <= farthest || watch.stops() {
+                return farthest;
+            }
+            let mut offer = Offer { best: to_diagonal, second: to_diagonal, ..Offer::NONE };
+            self.tree.offer(point, &cost, &mut offer);
+            farthest.max(offer.best)
+        })
+    }
+
+    /// Whether all points that are beyond reach of the diagonal can be matched with different others.
+    fn is_covered(&mut self, reach: f64, watch: Watch<'_>) -> bool {
+        let far: Vec<u32> = (0..).zip(&self.to_diagonal).filter(|&(_, &way)| way > reach).map(|(p, _)| p).collect();
+        if far.len() > self.others.len() {
+            return false;
+        }
+        for (point, partner) in self.partner.iter_mut().enumerate().filter(|(_, partner)| **partner != NONE) {
+            let other = *partner as usize;
+            let is_kept = self.to_diagonal[point] > reach
+                && self.ground.distance(self.points[point], self.others[other]) <= reach;
+            if !is_kept {
+                (*partner, self.taken[other]) = (NONE, NONE);
+            }
+        }
+        let mut free: Vec<u32> = far.into_iter().filter(|&point| self.partner[point as usize] == NONE).collect();
+        while !free.is_empty() {
+            let mut layers = self.layers(&free, reach, watch);
+            let before = free.len();
+            free.retain(|&point| !self.augment(point, &mut layers, reach));
+            if free.len() == before || watch.stops() {
                 return false;
             }
         }
         true
     }
 
-    /// Distance of each point from the unmatched ones along alternating paths.
-    fn layers(&self) -> Vec<Option<usize>> {
-        let mut layers: Vec<_> = self.partner.iter().map(|partner| partner.is_none().then_some(0)).collect();
-        let mut queue: Vec<usize> = (0..self.far.len()).filter(|&point| layers[point].is_some()).collect();
-        let mut is_seen = vec![false; self.others.len()];
-        let mut next = 0;
-        while let Some(&point) = queue.get(next) {
-            if self.watch.stops() {
-                break;
-            }
-            next += 1;
-            for other in self.windows[point].clone() {
-                if is_seen[other] || !self.is_near(point, other) {
-                    continue;
-                }
-                is_seen[other] = true;
-                if let Some(owner) = self.taken[other].filter(|&owner| layers[owner].is_none()) {
-                    layers[owner] = layers[point].map(|layer| layer + 1);
-                    queue.push(owner);
+    /// The others that free points reach, then those that the owners of these reach, and so on until some have no owner.
+    fn layers(&mut self, free: &[u32], reach: f64, watch: Watch<'_>) -> Vec<Layer> {
+        let (mut layers, mut from) = (Vec::new(), free.to_vec());
+        self.tree.offer_all();
+        while !from.is_empty() && !watch.stops() {
+            let (mut reached, mut owners, mut is_last) = (Vec::new(), Vec::new(), false);
+            for point in from {
+                while let Some(other) = self.tree.take(self.points[point as usize], self.ground, reach) {
+                    reached.push(other);
+                    match self.taken[other as usize] {
+                        NONE => is_last = true,
+                        owner => owners.push(owner),
+                    }
                 }
             }
+            let places: Vec<Point> = reached.iter().map(|&other| self.others[other as usize]).collect();
+            layers.push(Layer { tree: KdTree::new(&places), others: reached });
+            from = if is_last { Vec::new() } else { owners };
         }
         layers
     }
 
-    /// Looks for a free point along the layers from one of them, and swaps partners on the way. With a stack of its own,
-    /// for paths can be as long as there are points.
-    fn augment(&mut self, start: usize, layers: &mut [Option<usize>]) -> bool {
-        // Each point of the path with the next other point to try.
-        let mut path = vec![(start, self.windows[start].start)];
-        while let Some((point, next)) = path.last_mut() {
-            if self.watch.stops() {
-                return false;
-            }
-            let (point, layer) = (*point, layers[*point]);
-            let leads_on = |&other: &usize| {
-                let owner_fits = self.taken[other].is_none_or(|owner| layers[owner] == layer.map(|layer| layer + 1));
-                owner_fits && self.is_near(point, other)
-            };
-            let Some(other) = (*next..self.windows[point].end).find(leads_on) else {
-                layers[point] = None;
+    /// Looks for an other without owner along the layers, and swaps partners on the way. With a stack of its own, for paths can be as
+    /// long as there are points. What has been looked at is taken out of its layer.
+    fn augment(&mut self, start: u32, layers: &mut [Layer], reach: f64) -> bool {
+        // The points of the path, and the others between them.
+        let (mut path, mut between) = (vec![start], Vec::new());
+        while let Some(&point) = path.last() {
+            let layer = layers.get_mut(path.len() - 1);
+            let Some(other) = layer.and_then(|layer| layer.take(self.points[point as usize], self.ground, reach))
+            else {
                 path.pop();
+                between.pop();
                 continue;
             };
-            *next = other + 1;
-            match self.taken[other] {
-                Some(owner) => path.push((owner, self.windows[owner].start)),
-                None => {
-                    for &(point, after) in &path {
-                        self.partner[point] = Some(after - 1);
-                        self.taken[after - 1] = Some(point);
+            between.push(other);
+            match self.taken[other as usize] {
+                NONE => {
+                    for (&point, &other) in path.iter().zip(&between) {
+                        (self.partner[point as usize], self.taken[other as usize]) = (other, point);
                     }
-                    path.iter().for_each(|&(point, _)| layers[point] = None);
                     return true;
                 }
+                owner => path.push(owner),
             }
         }
         false
     }
+}
 
-    fn is_near(&self, point: usize, other: usize) -> bool {
-        self.ground.distance(self.far[point], self.others[other]) <= self.reach
+/// Others that are equally many steps from the free points.
+struct Layer {
+    tree: KdTree,
+    others: Vec<u32>,
+}
+
+impl Layer {
+    fn take(&mut self, from: Point, ground: Ground, reach: f64) -> Option<u32> {
+        Some(self.others[self.tree.take(from, ground, reach)? as usize])
     }
 }

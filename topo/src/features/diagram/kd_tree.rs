@@ -3,7 +3,7 @@
 //! A k-d tree (Bentley 1975) of points in the plane that are for sale; every node has the box of its points and their lowest
 //! price, so that what can be no cheaper than the second best is passed over (Kerber, Morozov & Nigmetov 2017, §4).
 
-use super::ground::Point;
+use super::ground::{Ground, Point};
 
 /// Points in a leaf: a few, so that their boxes are worth a look.
 const LEAF: usize = 8;
@@ -112,6 +112,38 @@ impl KdTree {
         }
     }
 
+    /// Finds an item within reach of a place that has not been taken, and takes it: its price is then infinite.
+    pub(super) fn take(&mut self, from: Point, ground: Ground, reach: f64) -> Option<u32> {
+        let item = if self.items.is_empty() { None } else { self.within(ROOT, from, ground, reach) }?;
+        self.raise(item, f64::INFINITY);
+        Some(item)
+    }
+
+    /// Puts all items back, for nothing.
+    pub(super) fn offer_all(&mut self) {
+        self.prices.fill(0.0);
+        self.nodes.iter_mut().for_each(|node| node.least_price = 0.0);
+    }
+
+    fn within(&self, at: usize, from: Point, ground: Ground, reach: f64) -> Option<u32> {
+        let node = &self.nodes[at];
+        if node.least_price == f64::INFINITY {
+            return None;
+        }
+        // Of all norms the largest is no longer, and is not rounded.
+        let [x, y] = node.gaps(from);
+        if x.max(y) > reach {
+            return None;
+        }
+        if let Some(first) = node.children {
+            let children = [first as usize, first as usize + 1];
+            return children.into_iter().find_map(|child| self.within(child, from, ground, reach));
+        }
+        let place = (node.range[0] as usize..node.range[1] as usize)
+            .find(|&place| self.prices[place] < f64::INFINITY && ground.distance(self.points[place], from) <= reach)?;
+        Some(self.items[place])
+    }
+
     /// Adds what all points offer to someone at a place, where going by some steps along both axes costs what `cost` says.
     pub(super) fn offer(&self, from: Point, cost: &impl Fn(f64, f64) -> f64, offer: &mut Offer) {
         if !self.items.is_empty() {
@@ -141,9 +173,17 @@ impl KdTree {
 
     /// What the points of a node cost at least.
     fn least(&self, node: usize, from: Point, cost: &impl Fn(f64, f64) -> f64) -> f64 {
-        let Node { low, high, least_price, .. } = &self.nodes[node];
+        let node = &self.nodes[node];
+        let [x, y] = node.gaps(from);
+        cost(x, y) + node.least_price
+    }
+}
+
+impl Node {
+    /// How far its box is from a place along both axes.
+    fn gaps(&self, from: Point) -> [f64; 2] {
         let gap = |at: f64, low: f64, high: f64| (low - at).max(at - high).max(0.0);
-        cost(gap(from.0, low.0, high.0), gap(from.1, low.1, high.1)) + least_price
+        [gap(from.0, self.low.0, self.high.0), gap(from.1, self.low.1, self.high.1)]
     }
 }
 
