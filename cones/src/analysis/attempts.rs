@@ -105,10 +105,12 @@ impl Component {
                 let predicted = area_distortion(&self.operators, &flat.predicted);
                 if predicted <= TARGET_DISTORTION && !is_ruin(&flat) {
                     flat = attempts.within(flat, TOLERABLE_DISTORTION)?;
+                    attempts.free_where_missed(&mut flat, TOLERABLE_DISTORTION)?;
                 }
             }
             ConeChoice::WithinDistortion(target) => {
                 flat = attempts.within(flat, target)?;
+                attempts.free_where_missed(&mut flat, target)?;
                 let reached = flat.promised.area_distortion();
                 if reached > target {
                     let (component, cones) = (self.index, flat.cones.len());
@@ -311,6 +313,19 @@ impl Attempts<'_> {
                 Ok(Ok(flat))
             }
         }
+    }
+
+    /// Free seams where more cones do not bring about what they are predicted to: where coarse triangles part two scales, as needles round the foot of a
+    /// statue on its ground, which linear theory knows nothing of.
+    fn free_where_missed(&mut self, flat: &mut Flat, target: f64) -> Result<(), Error> {
+        let predicted = area_distortion(&self.component.operators, &flat.predicted);
+        if flat.promised.area_distortion() > target && predicted <= target {
+            flat.misses_areas = true;
+            let stage = (Stage::Layout, self.component.index);
+            let promised = |watch: Watch| self.component.promised(flat, self.options, watch);
+            self.task.stage(stage, self.times, promised)??;
+        }
+        Ok(())
     }
 
     /// More cones where a map distorts areas more than was asked for, until it does not.
@@ -533,6 +548,30 @@ mod tests {
             // Whoever says how many shall have so many.
             let asked = Options { cones: ConeChoice::Count(chosen.len()), ..options };
             assert_eq!(analysis.atlas(&asked).unwrap().cones.len(), chosen.len());
+        }
+    }
+
+    #[test]
+    fn where_areas_come_out_worse_than_predicted_seams_are_set_free() {
+        let analysis = Analysis::new(&shapes::sphere(100).into()).unwrap();
+        let (task, component) = (analysis.task(), &analysis.components()[0]);
+        let mut times = Times::default();
+        for free_seams in [crate::FreeSeams::Auto, crate::FreeSeams::Never] {
+            let options = Options { free_seams, ..Options::default() };
+            let plan = analysis.plan(component, &options.seams, &task, &mut times).unwrap();
+            let mut attempts = Attempts { component, options: &options, plan: &plan, task: &task, times: &mut times };
+            for count in 8..12 {
+                let configuration = attempts.place(count).unwrap().unwrap();
+                let mut flat = attempts.attempt(&configuration).unwrap().ok().unwrap();
+                let predicted = area_distortion(&component.operators, &flat.predicted);
+                let before = flat.promised.area_distortion();
+                assert!(before > predicted);
+                attempts.free_where_missed(&mut flat, before).unwrap();
+                assert_eq!((flat.misses_areas, flat.promised.area_distortion()), (false, before));
+                attempts.free_where_missed(&mut flat, predicted).unwrap();
+                assert!(flat.misses_areas);
+                assert_eq!(flat.promised.area_distortion() < before, free_seams == crate::FreeSeams::Auto);
+            }
         }
     }
 

@@ -49,6 +49,8 @@ pub(crate) struct Flat {
     pub(crate) quality: Quality,
     /// What it is compared by: its worth, or what that will be with free seams.
     pub(crate) promised: Quality,
+    /// Whether areas come out worse than was asked for and predicted, for triangles too coarse for what they are to scale.
+    pub(crate) misses_areas: bool,
     /// The layout with free seams that promises it.
     pub(crate) freed: Option<Freed>,
     /// What is folded over.
@@ -186,6 +188,7 @@ impl Component {
             error,
             size: (-mean).exp() / self.surface.scale,
             promised: quality.clone(),
+            misses_areas: false,
             freed: None,
             quality,
             fold_overs: None,

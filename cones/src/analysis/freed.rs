@@ -40,11 +40,11 @@ impl Options {
         self.free_seams != FreeSeams::Never && self.quantize.is_none()
     }
 
-    /// Whether a map with this quasi-conformal distortion is better with free seams.
-    fn frees_seams(&self, quasi_conformal: f64) -> bool {
+    /// Whether a layout is better with free seams.
+    fn frees_seams(&self, flat: &Flat) -> bool {
         self.quantize.is_none()
             && match self.free_seams {
-                FreeSeams::Auto => quasi_conformal > COARSE,
+                FreeSeams::Auto => flat.quality.quasi_conformal > COARSE || flat.misses_areas,
                 FreeSeams::Never => false,
                 FreeSeams::Always => true,
             }
@@ -63,7 +63,7 @@ impl Component {
         task: &Task,
         times: &mut Times,
     ) -> Result<(), Error> {
-        if flat.is_unfolded || !options.frees_seams(flat.quality.quasi_conformal) {
+        if flat.is_unfolded || !options.frees_seams(flat) {
             return Ok(());
         }
         let stage = (Stage::Layout, self.index);
@@ -97,7 +97,7 @@ impl Component {
     /// Finds what the layout is worth once its seams are free, if they are to be and nothing is in the way: of one that is [ruined](RUINED) too
     /// much would be.
     pub(super) fn promised(&self, flat: &mut Flat, options: &Options, watch: Watch) -> Result<(), Error> {
-        if options.frees_seams(flat.quality.quasi_conformal) && flat.quality.area_distortion() <= RUINED {
+        if options.frees_seams(flat) && flat.quality.area_distortion() <= RUINED {
             let freed = self.freed(flat, None, watch)?;
             flat.freed = freed.map(|(layout, quality)| Freed { from: flat.layout.position.clone(), layout, quality });
         }

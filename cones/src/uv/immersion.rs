@@ -15,7 +15,7 @@ use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 use geom::{FaceData, FaceId, Id, Interrupted, Islands, Mesh, VertexData, Watch, open_vertices};
 use rayon::prelude::*;
 
-use super::boxes::{Boxes, bounds};
+use super::boxes::{Boxes, bounds, joined};
 use super::map::UvMap;
 use super::overlap::{FREE_PAIRS, NEGLIGIBLE_DEPTH, Overlap, Overlaps};
 use super::table::Set;
@@ -33,6 +33,8 @@ const MOST_PAIRS: usize = 4;
 const MOST_SQUARES: usize = 4096;
 /// So many triangles are looked up one after the other.
 const AT_ONCE: usize = 1 << 10;
+/// More islands than this are many.
+const MANY_ISLANDS: usize = 64;
 /// So many pairs of a triangle are remembered in a list, further ones in a hash set.
 const LONGEST_LIST: usize = 24;
 
@@ -48,23 +50,27 @@ pub(super) fn overlaps_from_boundary(mesh: &Mesh, map: &UvMap, watch: Watch) -> 
     watch.ask(0.0)?;
     let (first, of_face) = first_to_look_at(mesh, map, &islands, &is_folded);
     watch.ask(0.0)?;
-    // The boxes about these are about all, too.
-    let boxes = Boxes::of(&first, (0..first.len() as u32).collect());
-    if !EXTENTS.contains(&boxes.extent) {
+    // The box about these is about all, too.
+    let [low, high] = first.iter().map(bounds).reduce(joined).unwrap_or_default();
+    let extent = (high[0] - low[0]).max(high[1] - low[1]);
+    if !EXTENTS.contains(&extent) {
         return Ok(None);
     }
+    let apart = Apart::new(islands.count(), extent);
+    let moved: Vec<Triangle> = first.iter().zip(&of_face).map(|(t, &f)| apart.moved(t, islands.of(f))).collect();
+    let boxes = Boxes::of(&moved, (0..moved.len() as u32).collect());
     let most = FREE_PAIRS + MOST_PAIRS * uv.len();
     // A pair is found from either triangle. Whether there are too many does not depend on who stops first.
     let found = AtomicUsize::new(0);
     let are_few = || found.load(Relaxed) <= 2 * most;
     let upright = |f: FaceId| triangle::upright(map.triangle(f));
-    let near = Near::new(uv.len(), &first, &boxes);
+    let near = Near::new(uv.len(), &moved, &boxes);
     let with_first = |g: u32| {
         let g = FaceId(g);
         let mut of_one = Vec::new();
-        let may_meet = near.may_meet(&uv[g.index()]) && are_few();
+        let may_meet = near.may_meet(&apart.moved(&uv[g.index()], islands.of(g))) && are_few();
         if let Some(one) = upright(g).filter(|_| may_meet) {
-            boxes.meeting(&one, |place| {
+            boxes.meeting(&apart.moved(&one, islands.of(g)), |place| {
                 let f = of_face[place as usize];
                 if f != g
                     && islands.of(f) == islands.of(g)
@@ -92,10 +98,10 @@ pub(super) fn overlaps_from_boundary(mesh: &Mesh, map: &UvMap, watch: Watch) -> 
     let overlap = |[f, g]: [FaceId; 2]| {
         let (one, other) = (upright(f)?, upright(g)?);
         let depth = triangle::depth(&one, &other)?;
-        let is_deep = depth > NEGLIGIBLE_DEPTH * boxes.extent;
+        let is_deep = depth > NEGLIGIBLE_DEPTH * extent;
         let area = if is_deep { triangle::common_area(&one, &other) } else { 0.0 };
         let beyond = [(f, &other), (g, &one)].map(|(f, other)| neighbors_reached(mesh, map, f, other));
-        Some(Found { overlap: Overlap { triangles: [f.0, g.0], depth: depth / boxes.extent, area }, is_deep, beyond })
+        Some(Found { overlap: Overlap { triangles: [f.0, g.0], depth: depth / extent, area }, is_deep, beyond })
     };
     let mut pairs = Vec::new();
     let mut count = 0;
@@ -120,7 +126,29 @@ pub(super) fn overlaps_from_boundary(mesh: &Mesh, map: &UvMap, watch: Watch) -> 
         }
     }
     pairs.par_sort_unstable_by_key(|pair| pair.triangles);
-    Ok(Some(Overlaps { pairs, extent: boxes.extent, is_complete: true }))
+    Ok(Some(Overlaps { pairs, extent, is_complete: true }))
+}
+
+/// Where islands are looked for each other's triangles: a cell each in rows, if they are many, which lie all over each other as they are laid out. What
+/// is moved is off by rounding of some 1e-12 of the extent, which is no overlap yet; whether two triangles overlap is told by where they are.
+struct Apart {
+    /// The side of a cell, and how many are in a row.
+    cell: f64,
+    row: u32,
+}
+
+impl Apart {
+    fn new(islands: usize, extent: f64) -> Self {
+        Self { cell: if islands > MANY_ISLANDS { 1.5 * extent } else { 0.0 }, row: islands.isqrt() as u32 + 1 }
+    }
+
+    fn moved(&self, triangle: &Triangle, island: u32) -> Triangle {
+        if self.cell == 0.0 {
+            return *triangle;
+        }
+        let [dx, dy] = [island % self.row, island / self.row].map(|step| self.cell * f64::from(step));
+        triangle.map(|[x, y]| [x + dx, y + dy])
+    }
 }
 
 /// Two triangles that overlap.
@@ -295,6 +323,34 @@ mod tests {
 
     fn of(mesh: &Mesh, map: &UvMap) -> Option<Overlaps> {
         overlaps_from_boundary(mesh, map, Watch::NONE).unwrap()
+    }
+
+    #[test]
+    fn among_many_islands_each_is_looked_at_by_itself() {
+        let (mesh, mut map) = image(|w| w * w * (1.0 + 0.13 * w));
+        // Rings, on each of which about w and -w lie over each other, and to the right each triangle by itself.
+        let middle = |f: FaceId| {
+            let [a, b, c] = map.triangle(f);
+            [0, 1].map(|i| (a[i] + b[i] + c[i]) / 3.0)
+        };
+        let cell = |f: FaceId| {
+            let [x, y] = middle(f);
+            if x > 0.4 { f.0 } else { u32::MAX - (6.0 * x.hypot(y)) as u32 }
+        };
+        let is_cut = |e: geom::EdgeId| {
+            let h = mesh.halfedge(e);
+            mesh.twin(h).is_some_and(|g| cell(mesh.face(h)) != cell(mesh.face(g)))
+        };
+        map.cut = mesh.edges().map(is_cut).collect();
+        let islands = map.islands(&mesh);
+        assert!(islands.count() > MANY_ISLANDS);
+        let found = of(&mesh, &map).unwrap();
+        let mut expected = overlaps(map.triangles());
+        expected.pairs.retain(|pair| islands.of(FaceId(pair.triangles[0])) == islands.of(FaceId(pair.triangles[1])));
+        assert!(expected.pairs.len() > 200, "{}", expected.pairs.len());
+        let triangles = |overlaps: &Overlaps| overlaps.pairs.iter().map(|pair| pair.triangles).collect::<Vec<_>>();
+        assert_eq!(triangles(&found), triangles(&expected));
+        assert_eq!(found.extent, expected.extent);
     }
 
     /// The image of the unit disk under a function.
