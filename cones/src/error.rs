@@ -57,7 +57,7 @@ pub enum Error {
     #[error(transparent)]
     Lscm(#[from] LscmError),
     /// A given cone is no vertex of a surface.
-    #[error("cone {vertex} is not a vertex of any face (vertices are numbered from 0 to {})", count.saturating_sub(1))]
+    #[error("cone {vertex} is not a vertex of any face (vertices are numbered from 0 to {}; cones of a refined map are vertices of what was written)", count.saturating_sub(1))]
     NoSuchCone {
         /// The vertex that was given.
         vertex: u32,

@@ -63,9 +63,10 @@ impl UnwrapReport {
             self.beside().iter().map(|p| format!("{} cones {}", p.count, short(p.area_distortion, 2))).collect();
         let others = if others.is_empty() { String::new() } else { format!("; {}", others.join(", ")) };
         let (predicted, target, reached) = (number.predicted, number.target, self.map.distortion.area_mean);
+        let of_each = if self.input.topology.components > 1 { " on each part" } else { "" };
         let target = match number.is_met {
-            true => format!(", target {target}"),
-            false => format!(", {} reached: target {target} not met", short(reached, 2)),
+            true => format!(", target {target}{of_each}"),
+            false => format!(", {} reached: target {target}{of_each} not met", short(reached, 2)),
         };
         let text = format!("automatic: area distortion {} predicted{target}{others}", short(predicted, 2));
         labelled("number", &text)

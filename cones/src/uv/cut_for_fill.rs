@@ -12,8 +12,8 @@ use super::across::{Across, Paths, Side, Sweep};
 use super::map::UvMap;
 use super::pack::{PackOptions, Piece, Rough};
 
-/// So many cuts are made at most.
-const MOST_CUTS: usize = 6;
+/// So many cuts are made at most: a wire has 9 % of the square with 6, 48 % with 11, a spring 34 and 66 %; of 25 scans and parts none is cut so often.
+const MOST_CUTS: usize = 16;
 /// So many of the largest islands may be cut, of those with at least this share of all area.
 const LARGEST: usize = 3;
 const LEAST_ISLAND: f64 = 0.1;
