@@ -18,7 +18,6 @@ mod document;
 mod placement;
 
 use std::collections::HashMap;
-use std::convert::Infallible;
 use std::path::Path;
 
 use serde_json::Value;
@@ -27,7 +26,7 @@ use super::colour::to_srgb;
 use super::error::{Fault, Place};
 use super::joined::Joined;
 use super::write_glb::{GENERATOR, is_plain};
-use crate::mesh::of_edges;
+use crate::rows::Rows;
 use crate::surface::{
     Attribute, AttributeDomain, Attributes, Meaning, Model, Polygons, ScalarType, Skipped, TextureCoordinates,
 };
@@ -261,13 +260,15 @@ impl Draft {
 
 /// For each vertex whether it is on a side of a triangle that no other triangle has.
 fn on_open_sides(corners: &[u32], vertices: usize) -> Vec<bool> {
-    let visit = |found: &mut Vec<[u32; 2]>, ends: [u32; 2], sides: &[u32]| {
-        found.extend((sides.len() == 1).then_some(ends));
-        Ok::<(), Infallible>(())
-    };
+    let sides = corners.as_chunks().0.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]);
+    let mut others = Rows::sorted(vertices, sides.map(|[a, b]| (a.min(b) as usize, a.max(b))));
     let mut is_open = vec![false; vertices];
-    for part in of_edges(vertices, corners.len(), |corner| corners[corner], visit) {
-        part.unwrap_or_else(|never| match never {}).into_iter().flatten().for_each(|v| is_open[v as usize] = true);
+    for lower in 0..vertices {
+        let row = others.row_mut(lower);
+        row.sort_unstable();
+        for upper in row.chunk_by(|a, b| a == b).filter(|sides| sides.len() == 1).map(|side| side[0]) {
+            (is_open[lower], is_open[upper as usize]) = (true, true);
+        }
     }
     is_open
 }
