@@ -2,7 +2,7 @@
 
 use super::camera::Camera;
 use super::scene::{Scene, face_normal};
-use geom::vector::{Vec3, dot, step, unit};
+use geom::vector::{Vec3, cross, dot, step, sub, unit};
 use std::collections::BTreeMap;
 
 /// Degrees to the right of the front, in order of preference, and how many times as many cones must be seen from there as from those before:
@@ -12,6 +12,9 @@ const TURNS: [(f64, f64); 4] = [(32.0, 1.0), (-32.0, 1.0), (-148.0, 1.5), (148.0
 const RISE: f64 = 0.42;
 /// A cone is seen where the surface is turned to the eye by more than this cosine.
 const SEEN: f64 = 0.15;
+
+/// Of a surface with one side, seen from it, the area covers more than this share of its box.
+const ONE_SIDED: f64 = 0.25;
 
 /// A direction to look from.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -115,13 +118,16 @@ fn cone_normals(scene: &Scene) -> Vec<Vec3> {
     normals.into_values().collect()
 }
 
-/// Up, front and right of a model: y is up and z in front as in most files, except in a landscape, wide in x and y.
+/// Up, front and right of a model, given the corners of its triangles: y is up and z in front as in most files, except in a landscape, which is wide in x and y
+/// and has one side: a figure that holds out its arms is as thin.
 fn axes(points: &[Vec3]) -> (Vec3, Vec3, Vec3) {
     let size = |i: usize| {
         let (low, high) = points.iter().fold((f64::MAX, f64::MIN), |(l, h), p| (l.min(p[i]), h.max(p[i])));
         high - low
     };
-    if size(2) < 0.5 * size(0).min(size(1)) {
+    let upwards: f64 = points.as_chunks().0.iter().map(|&[a, b, c]| 0.5 * cross(sub(b, a), sub(c, a))[2]).sum();
+    let is_thin = size(2) < 0.5 * size(0).min(size(1));
+    if is_thin && upwards.abs() > ONE_SIDED * size(0) * size(1) {
         ([0.0, 0.0, 1.0], [0.0, -1.0, 0.0], [1.0, 0.0, 0.0])
     } else {
         ([0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0])
@@ -140,6 +146,16 @@ mod tests {
         for wrong in ["", "under", "1", "1,2,3", "NaN,0", "0,91", "inf,0"] {
             assert!(View::parse(wrong).is_err(), "{wrong}");
         }
+    }
+
+    #[test]
+    fn a_landscape_lies_and_a_figure_with_its_arms_out_stands() {
+        let corners = [[0.0, 0.0, 0.0], [4.0, 0.0, 0.5], [4.0, 4.0, 0.0], [0.0, 4.0, 0.5]];
+        let sheet = [0, 1, 2, 0, 2, 3].map(|k| corners[k]);
+        let back = sheet.map(|[x, y, z]| [x, y, z - 0.4]);
+        let closed: Vec<Vec3> = sheet.into_iter().chain(back.into_iter().rev()).collect();
+        assert_eq!(axes(&sheet).0, [0.0, 0.0, 1.0]);
+        assert_eq!(axes(&closed).0, [0.0, 1.0, 0.0]);
     }
 
     #[test]

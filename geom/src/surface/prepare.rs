@@ -12,7 +12,7 @@
 //! Polygons are computed with as triangles ([`Model::triangles`]); the edges inside a polygon are known, so that no seam
 //! need run along them. Every halfedge knows the model's corner that it came from: that is the way back.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 use thiserror::Error;
 
@@ -289,11 +289,13 @@ fn note_isolated(model: &Model, log: &mut RepairLog) {
 
 fn note_unwelded(points: &[[f64; 3]], surfaces: &[Surface], log: &mut RepairLog) {
     let mut at_place: HashMap<[u64; 3], u32> = HashMap::new();
+    // A vertex with several fans is on the boundary more than once.
+    let mut noted = HashSet::new();
     for surface in surfaces {
         for v in surface.mesh.vertices().filter(|&v| surface.mesh.is_boundary_vertex(v)) {
             let vertex = surface.vertex[v];
             let other = *at_place.entry(place_key(&points[vertex as usize])).or_insert(vertex);
-            if other != vertex {
+            if other != vertex && noted.insert(vertex) {
                 log.note(RepairKind::Unwelded, vertex as usize);
             }
         }
