@@ -244,8 +244,11 @@ fn the_times_of_stages_add_up_to_the_time_on_the_clock() {
         let told: Duration = [analysis.times(), cones.times(), atlas.times].iter().map(cones::Times::total).sum();
         told.as_secs_f64() / clock.as_secs_f64()
     };
-    let shares: Vec<f64> = (0..5).map(share).collect();
-    assert!(shares.iter().all(|share| *share <= 1.0), "{shares:?}");
+    let mut shares = Vec::new();
+    while shares.len() < 20 && shares.iter().all(|share| *share < 0.9) {
+        shares.push(share(shares.len()));
+        assert!(shares.iter().all(|share| *share <= 1.0), "{shares:?}");
+    }
     assert!(shares.iter().any(|share| *share >= 0.9), "{shares:?}");
     let whole = unwrap_model(&model, &count(24)).expect("it unwraps").times;
     let of = |stage| whole.of(stage);
