@@ -29,7 +29,7 @@ class Mesh:
     ``Mesh(V, F)`` takes vertices (n, 3) and faces: an array (m, k) of vertex indices from 0, or a sequence of polygons of any size.
     Faces may be flipped, doubled, degenerate or non-manifold: what is broken is mended when the mesh is analysed, and counted. Maps are
     given for *corners*: those of face 0 in order, then those of face 1, and so on. ``uv`` are texture coordinates that there are already, for
-    each corner (corners, 2) or for each vertex (n, 2).
+    each corner (corners, 2) or for each vertex (n, 2); where there are as many of both, for corners.
     """
 
     def __init__(self, vertices: Any, faces: Faces, uv: Any = None):
@@ -145,8 +145,7 @@ def as_mesh(vertices: Any, faces: Optional[Faces]) -> Mesh:
     if isinstance(vertices, (str, os.PathLike)):
         return read(vertices)
     if hasattr(vertices, "vertices") and hasattr(vertices, "faces"):
-        # As trimesh has them.
-        return Mesh(vertices.vertices, vertices.faces, getattr(getattr(vertices, "visual", None), "uv", None))
+        return Mesh(vertices.vertices, vertices.faces, _of_visual(vertices))
     raise Error("give vertices and faces, a cones.Mesh, something with .vertices and .faces, or the path of a file")
 
 
@@ -169,6 +168,16 @@ def write_whole(path: Path, data: bytes) -> None:
     except BaseException:
         os.unlink(temporary)
         raise
+
+
+def _of_visual(mesh: Any) -> Optional[np.ndarray]:
+    """The texture coordinates that trimesh has for each vertex, for each corner; none where there are no such."""
+    table = np.asarray(getattr(getattr(mesh, "visual", None), "uv", None), dtype=object)
+    if table.ndim != 2 or table.shape[1] < 2 or len(table) != len(mesh.vertices):
+        return None
+    corners, _ = _polygons(mesh.faces)
+    is_there = bool(corners.size) and int(corners.max()) < len(table)
+    return plain(table[:, :2].astype(np.float64)[corners], np.float64) if is_there else None
 
 
 def _of_corners(uv: Any, corners: np.ndarray, vertices: int) -> np.ndarray:

@@ -139,7 +139,7 @@ pub(crate) fn pack<'py>(
         })?,
     };
     let Repacked { uv: placed, packing, fill_before, .. } = watched(py, progress, |told| {
-        told.watch("pack", |watch| repack(model, uv, &islands, &options, watch)).map_err(StoppedPacking)
+        told.watch("pack", |watch| repack(model, uv, &islands, (weld, &options), watch)).map_err(StoppedPacking)
     })?;
     let answer = PyDict::new(py);
     answer.set_item("uv", from_rows(py, placed)?)?;

@@ -90,6 +90,14 @@ def test_holes_round_what_is_masked_are_never_filled():
         assert topo.holes(**turned, kind="maximum")[["filled", "death"]].tolist() == [(-1, -np.inf)]
 
 
+def test_holes_of_what_has_nothing_left_out_are_in_its_own_kind():
+    ring = np.full((3, 3), 5) + 2**60
+    ring[1, 1] += 4
+    for given in ({}, {"nan": "mask"}, {"nan": "mask", "kind": "minimum"}):
+        found = topo.holes(ring, **given)
+        assert found.dtype["birth"] == ring.dtype and found.tolist() == [(8, 4, 2**60 + 5, 2**60 + 9)]
+
+
 def test_what_dies_where_a_field_is_infinite_is_no_essential_class():
     pairs = topo.sublevel(np.array([0.0, 5.0, np.inf, 4.0, 1.0, 7.0]))
     diagram = topo.Diagram(pairs)

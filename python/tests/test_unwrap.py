@@ -135,6 +135,15 @@ def test_meshes_may_have_texture_coordinates(hare):
     # As trimesh has them: for each vertex.
     like = SimpleNamespace(vertices=hare.vertices[origin], faces=triangles, visual=SimpleNamespace(uv=uv))
     assert len(cones.measure(like).islands) == result.island_count
+    # For vertices also where there are as many corners; and what is none is no reason to refuse a mesh.
+    corners = np.random.default_rng(1).permutation(3 * hare.face_count).reshape(-1, 3)
+    soup, flat = np.empty((corners.size, 3)), np.empty((corners.size, 2))
+    soup[corners.ravel()], flat[corners.ravel()] = hare.vertices[hare.corners], result.uv
+    like = SimpleNamespace(vertices=soup, faces=corners, visual=SimpleNamespace(uv=flat))
+    assert cones.measure(like, weld=True).distortion["area_mean"] == pytest.approx(result.distortion["area_mean"])
+    for other in ([], np.zeros((0, 2)), np.zeros((5, 2)), None, "x"):
+        odd = SimpleNamespace(vertices=hare.vertices, faces=hare.faces, visual=SimpleNamespace(uv=other))
+        assert cones.Analysis(odd).topology["faces"] == hare.face_count
     with pytest.raises(cones.Error, match="for corners, or"):
         cones.Mesh(hare.vertices, hare.faces, result.uv[:7])
     with pytest.raises(cones.Error, match="triangle_island is a number"):

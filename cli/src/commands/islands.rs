@@ -97,7 +97,7 @@ pub(crate) fn run(args: &IslandsArgs) -> Result<(), CommandError> {
 /// The islands side by side in the unit square, or on tiles.
 fn packed(args: &IslandsArgs, model: &Model, parted: Parted) -> Result<Vec<[f64; 2]>, CommandError> {
     let Parted { uv, islands, .. } = parted;
-    let packed = repack(model, &uv, &islands, &args.packing.options(), Watch::NONE)
+    let packed = repack(model, &uv, &islands, (args.weld.chosen(), &args.packing.options()), Watch::NONE)
         .map_err(|error| CommandError::Pack { path: args.input.clone(), error })?;
     args.packing.warn_of_margin(packed.packing.margin);
     Ok(packed.uv)

@@ -9,7 +9,7 @@ use crate::report::{SCHEMA, overlap_text, tiles_text};
 use clap::Args;
 use cones::report::{OverlapReport, worth_measuring};
 use cones::uv::{islands_of, repack};
-use geom::{Model, Watch};
+use geom::{Model, Watch, Weld};
 use serde::Serialize;
 use std::path::PathBuf;
 
@@ -60,11 +60,11 @@ pub(crate) fn run(args: &PackCommandArgs) -> Result<(), CommandError> {
     let uv = texture(&args.input, &model)?;
     let islands = islands_of(&model, &uv, args.weld.chosen(), Watch::NONE)
         .map_err(|error| CommandError::Measure { path: args.input.clone(), error })?;
-    let packed = repack(&model, &uv, &islands, &args.packing.options(), Watch::NONE)
+    let packed = repack(&model, &uv, &islands, (args.weld.chosen(), &args.packing.options()), Watch::NONE)
         .map_err(|error| CommandError::Pack { path: args.input.clone(), error })?;
     write_map(&model, &packed.uv, (&args.input, &args.output), format)?;
     args.packing.warn_of_margin(packed.packing.margin);
-    warn_of_overlap(&model, &packed.uv);
+    warn_of_overlap(&model, &packed.uv, args.weld.chosen());
     let report = PackReport {
         schema: SCHEMA,
         input: args.input.display().to_string(),
@@ -78,9 +78,10 @@ pub(crate) fn run(args: &PackCommandArgs) -> Result<(), CommandError> {
 }
 
 /// Islands that lie over themselves are packed as they are.
-fn warn_of_overlap(model: &Model, uv: &[[f64; 2]]) {
+fn warn_of_overlap(model: &Model, uv: &[[f64; 2]], weld: Weld) {
     let triangles = model.triangles();
-    let (vertices, images) = (triangles.vertices(model), corner_uv(&triangles.corners, uv));
+    let (mut vertices, images) = (triangles.vertices(model), corner_uv(&triangles.corners, uv));
+    weld.apply(model, &mut vertices);
     let found = OverlapReport::of(&picked(&worth_measuring(&vertices, &images), &images));
     if found.pairs > 0 {
         output::warn(&format!("islands lie over themselves, {}: cones islands takes them apart", overlap_text(found)));

@@ -52,7 +52,7 @@ pub fn islands_of(
 }
 
 /// Packs the islands of a model's map: they are moved rigidly and scaled alike, with all their triangles; what is on none stays. Copies of triangles take no
-/// room and stay where the others are. Texels of [`Tiles::Udim`] are those of a unit of length on the surface. Cost as of [`pack`].
+/// room and stay where the others are; `weld` takes vertices for one. Texels of [`Tiles::Udim`] are those of a unit of length on the surface. Cost as of [`pack`].
 ///
 /// # Errors
 /// As [`pack`].
@@ -63,11 +63,12 @@ pub fn repack(
     model: &Model,
     uv: &[[f64; 2]],
     islands: &[Option<u32>],
-    options: &PackOptions,
+    (weld, options): (Weld, &PackOptions),
     watch: Watch,
 ) -> Result<Repacked, PackError> {
     let triangles = model.triangles();
-    let (vertices, images) = (triangles.vertices(model), images(&triangles.corners, uv));
+    let (mut vertices, images) = (triangles.vertices(model), images(&triangles.corners, uv));
+    weld.apply(model, &mut vertices);
     let companions = Corners { vertices: &vertices, uv: &images }.companions(0..vertices.len() as u32);
     let kept: Vec<u32> = leaders(&companions).into_iter().filter(|&t| islands[t as usize].is_some()).collect();
     let of_kept: Vec<Triangle> = kept.iter().map(|&t| images[t as usize]).collect();
@@ -123,7 +124,8 @@ mod tests {
         let (model, uv) = copied(second, BESIDE);
         let parted = part(&model, &uv, Weld::Auto, Watch::NONE).unwrap();
         assert_eq!((parted.overlaps.pairs.len(), parted.island_count), (2, 2));
-        let packed = repack(&model, &parted.uv, &parted.islands, &PackOptions::default(), Watch::NONE).unwrap();
+        let packed =
+            repack(&model, &parted.uv, &parted.islands, (Weld::Auto, &PackOptions::default()), Watch::NONE).unwrap();
         assert_ne!(packed.uv[3..6], uv[3..6]);
         assert_eq!(packed.uv[9..12], packed.uv[3..6]);
         let found = islands_of(&model, &uv, Weld::Auto, Watch::NONE).unwrap();
@@ -138,7 +140,8 @@ mod tests {
         let (model, uv) = copied(second, [[5.0, 5.0], [6.0, 4.0], [6.0, 5.0]]);
         let parted = part(&model, &uv, Weld::Auto, Watch::NONE).unwrap();
         assert_eq!((parted.island_count, parted.islands[3]), (3, Some(2)));
-        let packed = repack(&model, &parted.uv, &parted.islands, &PackOptions::default(), Watch::NONE).unwrap();
+        let packed =
+            repack(&model, &parted.uv, &parted.islands, (Weld::Auto, &PackOptions::default()), Watch::NONE).unwrap();
         assert!(packed.uv.as_flattened().iter().all(|x| (0.0..=1.0).contains(x)), "{:?}", packed.uv);
     }
 

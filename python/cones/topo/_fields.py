@@ -282,17 +282,18 @@ def holes(
     structured array (closed, filled, birth, death)
         ``closed`` is the vertex that closes the ring or the shell, ``filled`` the one inside that is reached last, both as in
         ``field.ravel()``; birth and death are the values there. Of a hole that is never filled ``filled`` is -1 and death infinite. Birth and
-        death are floats where a mask is given.
+        death are floats where anything is left out.
     """
     read, is_superlevel = Field(field, connectivity=connectivity, mask=mask, nan=nan), _is_maximum(kind)
-    values, outside = read.values, np.isnan(read.values) if read.masks_nan else None
-    if outside is not None:
-        values = np.where(outside, np.float32(-np.inf if is_superlevel else np.inf), values)
+    values = read.values
+    outside = np.isnan(values) if read.masks_nan and values.dtype.kind == "f" else np.zeros(0, dtype=bool)
+    if outside.any():
+        values = np.where(outside, values.dtype.type(-np.inf if is_superlevel else np.inf), values)
     closed, filled, birth, death = _cones.holes(read.domain, values, is_superlevel)
-    if outside is None:
-        birth, death = read.cast(birth), read.cast(death)
-    else:
+    if outside.any():
         filled = np.where(outside[filled], -1, filled)
+    else:
+        birth, death = read.cast(birth), read.cast(death)
     table = np.empty(len(closed), dtype=[("closed", "i8"), ("filled", "i8"), ("birth", birth.dtype), ("death", birth.dtype)])
     table["closed"], table["filled"], table["birth"], table["death"] = closed, filled, birth, death
     return table
