@@ -18,7 +18,8 @@ _MOST_CELLS = 2**28
 
 
 class Diagram:
-    """Points (birth, death). Made of `Pairs`, or of an array (n, 2) whose essential classes have an infinite death.
+    """Points (birth, death). Made of `Pairs`, or of an array (n, 2) whose essential classes have an infinite death (which in an
+    array no finite pair can have: where a field has infinite values, give its `Pairs`).
 
     As vectors: only `betti_curve` counts essential classes. The others, entropy, persistence curve, landscape, silhouette and image, leave
     them out, as they have no lifetime.
