@@ -26,7 +26,6 @@ use super::colour::to_srgb;
 use super::error::{Fault, Place};
 use super::joined::Joined;
 use super::write_glb::{GENERATOR, is_plain};
-use crate::rows::Rows;
 use crate::surface::{
     Attribute, AttributeDomain, Attributes, Meaning, Model, Polygons, ScalarType, Skipped, TextureCoordinates,
 };
@@ -229,11 +228,8 @@ impl Draft {
 
     fn finish(self, document: &Document) -> Result<Model, Fault> {
         let Self { mut points, mut polygons, uv, has_uv, face_material, skipped, .. } = self;
+        let joined = Joined::of_places(self.places.into_iter());
         let vertices = points.len();
-        // Only what lies on an open side may have been split off: bodies that touch, each closed by itself, stay apart.
-        let is_open = on_open_sides(&polygons.corners, vertices);
-        let places = (0..).zip(self.places).map(|(v, place)| if is_open[v as usize] { Ok(place) } else { Err(v) });
-        let joined = Joined::of_places(places.collect::<Vec<Result<_, u32>>>().into_iter());
         let table = |Table { rows, mut of_vertex, .. }: Table| {
             of_vertex.resize(vertices, Attribute::NONE);
             if of_vertex.contains(&Attribute::NONE) {
@@ -256,22 +252,6 @@ impl Draft {
         };
         Ok(Model::new(points, polygons)?.with_uv(uv).with_skipped(skipped).with_attributes(attributes))
     }
-}
-
-/// For each vertex whether it is on a side of a triangle that no other triangle has, copies of it aside.
-fn on_open_sides(corners: &[u32], vertices: usize) -> Vec<bool> {
-    let whole = corners.as_chunks().0.iter().filter(|&&[a, b, c]| a != b && b != c && c != a);
-    let sides = whole.flat_map(|&[a, b, c]| [[a, b, c], [b, c, a], [c, a, b]]);
-    let mut others = Rows::sorted(vertices, sides.map(|[a, b, third]| (a.min(b) as usize, [a.max(b), third])));
-    let mut is_open = vec![false; vertices];
-    for lower in 0..vertices {
-        let row = others.row_mut(lower);
-        row.sort_unstable();
-        for sides in row.chunk_by(|a, b| a[0] == b[0]).filter(|sides| sides.iter().all(|side| side == &sides[0])) {
-            (is_open[lower], is_open[sides[0][0] as usize]) = (true, true);
-        }
-    }
-    is_open
 }
 
 /// The indices of a primitive, all of vertices that are there.
@@ -358,23 +338,4 @@ fn left(document: &Document, seen: &[&str]) -> Vec<String> {
         ("nodes", document.nodes.iter().filter(|node| node.mesh.is_some()).count() > 1 && !is_ours),
     ];
     kinds.into_iter().filter(|(name, there)| *there || seen.contains(name)).map(|(name, _)| name.to_owned()).collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::on_open_sides;
-
-    #[test]
-    fn only_what_lies_on_open_sides_may_have_been_split_off() {
-        // A tetrahedron with vertices 0 to 3, and one that is split into triangles.
-        let closed = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
-        let split = [[4, 5, 6], [7, 8, 9], [10, 11, 12], [13, 14, 15]];
-        let all = [closed, split].concat();
-        // The same with each triangle from behind, too, and with what strips have between their parts.
-        let doubled: Vec<[u32; 3]> = all.iter().flat_map(|&[a, b, c]| [[a, b, c], [c, b, a], [a, b, b]]).collect();
-        for triangles in [all, doubled] {
-            let is_open = on_open_sides(triangles.as_flattened(), 17);
-            assert!((0..17).all(|v| is_open[v] == (4..16).contains(&v)), "{is_open:?}");
-        }
-    }
 }
