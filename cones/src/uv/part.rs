@@ -7,6 +7,7 @@ use geom::{
 use super::companions::{Corners, leaders};
 use super::map::UvMap;
 use super::overlap::{NEGLIGIBLE_DEPTH, Overlaps, overlaps_watched};
+use super::repack::images;
 use super::separate::separate;
 use super::triangle::Triangle;
 
@@ -57,7 +58,7 @@ pub struct Parted {
 /// If there is a corner without a position.
 pub fn part(model: &Model, uv: &[[f64; 2]], weld: Weld, watch: Watch) -> Result<Parted, PrepareError> {
     let Prepared { surfaces, triangles, left_out, .. } = prepare_watched(model, weld, watch.within(0.0, 0.1))?;
-    let images: Vec<Triangle> = triangles.corners.iter().map(|corners| corners.map(|c| uv[c as usize])).collect();
+    let images = images(&triangles.corners, uv);
     let mut vertices = triangles.vertices(model);
     weld.apply(model, &mut vertices);
     let corners = Corners { vertices: &vertices, uv: &images };

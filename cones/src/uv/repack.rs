@@ -91,7 +91,8 @@ pub fn repack(
     Ok(Repacked { uv: placed, packing, fill_before: fill(&of_kept) })
 }
 
-fn images(corners: &[[u32; 3]], uv: &[[f64; 2]]) -> Vec<Triangle> {
+/// The images of triangles, given as corners of which the positions are known.
+pub(super) fn images(corners: &[[u32; 3]], uv: &[[f64; 2]]) -> Vec<Triangle> {
     corners.iter().map(|t| t.map(|c| uv[c as usize])).collect()
 }
 

@@ -158,3 +158,33 @@ impl Layer {
         Some(self.others[self.tree.take(from, ground, reach)? as usize])
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_carried_on_from_one_number_to_the_next_changes_nothing() {
+        let mut random = 1_u64;
+        let mut coordinate = || {
+            random = random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (random >> 40) as f64 / (1 << 24) as f64
+        };
+        let mut harder = 0;
+        for _ in 0..20 {
+            // Far from the diagonal, so that all have to go to each other.
+            let [a, b] = [(); 2].map(|()| (0..40).map(|_| (coordinate(), 10.0 + coordinate())).collect::<Vec<Point>>());
+            let ground = Ground::MAXIMUM;
+            let covers = |reach: f64| {
+                [(&a, &b), (&b, &a)].iter().all(|(p, q)| Side::new(p, q, ground).is_covered(reach, Watch::NONE))
+            };
+            let mut steps: Vec<f64> = a.iter().flat_map(|&p| b.iter().map(move |&q| ground.distance(p, q))).collect();
+            steps.sort_unstable_by(f64::total_cmp);
+            let least = steps[steps.partition_point(|&step| !covers(step))];
+            assert_eq!(bottleneck(&a, &b, ground, 0.0, Watch::NONE), least);
+            let nearest = Side::new(&a, &b, ground).farthest_of_nearest(0.0, Watch::NONE);
+            harder += usize::from(least > nearest);
+        }
+        assert!(harder > 3, "the first number that is tried must not be enough: {harder}");
+    }
+}
