@@ -12,7 +12,7 @@ use super::cones::{Cone, Configuration};
 use super::note::Note;
 use super::observer::{Stage, Task, Times};
 use super::options::{ConeChoice, Options, Preparation};
-use super::refined::{LARGEST, OpenedHandles, Ready, Way};
+use super::refined::{OpenedHandles, Ready, Way};
 use crate::curvature::{ConeCurvatures, CurvatureError, CurvatureRule, cone_curvatures, least_cones};
 use crate::cut::Symmetry;
 use crate::error::Error;
@@ -27,8 +27,8 @@ use crate::placement::{
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Making {
     pub(super) preparation: Preparation,
-    /// In triangles of this size, where they are refined: [`LARGEST`](super::refined::LARGEST) or smaller.
-    pub(super) largest: f64,
+    /// Refined as far as they will be: smaller where [a map shows that](super::sizing).
+    pub(super) is_finest: bool,
     /// Refined though there are few needles, since the map of the model as it is [bends angles](super::finer).
     pub(super) is_bent: bool,
     /// With what their coarse levels are made of, which are searched soon.
@@ -70,7 +70,7 @@ pub(crate) struct Component {
 impl Component {
     /// What is found once of a surface.
     pub(super) fn new(index: usize, ready: Ready, making: Making, task: &Task) -> Result<Self, Error> {
-        let Making { preparation, largest, is_searched, is_asked_once, .. } = making;
+        let Making { preparation, is_finest, is_searched, is_asked_once, .. } = making;
         let Ready { surface, mut metric, way, handles, shape } = ready;
         let area = metric.area(&surface.mesh) / surface.scale / surface.scale;
         let mut notes = Vec::new();
@@ -115,7 +115,7 @@ impl Component {
             terms: Arc::default(),
             level: Arc::default(),
             is_asked_once,
-            is_finest: largest < LARGEST,
+            is_finest,
             notes,
             times,
         })

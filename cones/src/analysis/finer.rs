@@ -14,13 +14,13 @@ use super::choosing::TARGET_DISTORTION;
 use super::component::Component;
 use super::note::Note;
 use super::options::{ConeChoice, Options, Refining};
-use super::refined::{FINER, LARGEST};
+use super::sizing::Sizing;
 use crate::error::Error;
 use crate::placement::{MOST_OPTIMISED, corners};
 
 /// A map that bends angles by more than this on average is made once more: the mean of σ₁/σ₂,
 pub(super) const BENT: f64 = 1.06;
-/// where the model has no more vertices than this. `cheese` refined, which has more, takes 256 cones so instead of 512, and is bent by 1.093 for 1.071.
+/// where what it is computed on has no more vertices than this.
 const MOST_VERTICES: usize = 50_000;
 
 /// What an area distortion below the target counts for, as a share of what it would above.
@@ -66,19 +66,19 @@ impl Analysis {
     }
 
     /// The analysis and its map, or those of the same model refined, or in smaller triangles where it was, if these were too coarse and that
-    /// gives a better map. `made` takes how large triangles may be.
+    /// gives a better map. `made` takes how large triangles may be where.
     pub(super) fn or_finer(
         self,
         atlas: Atlas,
         options: &Options,
-        made: impl Fn(f64) -> Result<Self, Error>,
+        made: impl Fn(Option<&Sizing>) -> Result<Self, Error>,
     ) -> Result<(Self, Atlas), Error> {
         let mut taken = (self, atlas);
         if taken.0.refined().is_none() && options.preparation.refine == Refining::Needles {
-            taken = taken.0.or_other(taken.1, options, || made(LARGEST))?;
+            taken = taken.0.or_other(taken.1, options, |_| made(None))?;
         }
         if taken.0.refined().is_some_and(|refined| refined.is_complete) {
-            taken = taken.0.or_other(taken.1, options, || made(FINER))?;
+            taken = taken.0.or_other(taken.1, options, |sizing| made(Some(sizing)))?;
         }
         Ok(taken)
     }
@@ -88,18 +88,22 @@ impl Analysis {
         self,
         atlas: Atlas,
         options: &Options,
-        other: impl FnOnce() -> Result<Self, Error>,
+        other: impl FnOnce(&Sizing) -> Result<Self, Error>,
     ) -> Result<(Self, Atlas), Error> {
-        let before = if self.points().len() <= MOST_VERTICES { self.distortion(&atlas) } else { None };
+        let vertices: usize = self.components().iter().map(|component| component.surface.mesh.vertex_count()).sum();
+        let measured = if vertices <= MOST_VERTICES { self.measures(&atlas) } else { None };
+        let Some(measured) = measured.filter(|measured| measured.quasi_conformal.mean > BENT) else {
+            return Ok((self, atlas));
+        };
         let target = match options.cones {
             ConeChoice::Automatic => TARGET_DISTORTION,
             ConeChoice::WithinDistortion(target) => target,
             _ => 1.0,
         };
-        let cost = |distortion: &Distortion| distortion.cost(target);
-        let Some(before) = before.filter(|before| before.angles > BENT) else { return Ok((self, atlas)) };
-        let (mut taken, left) = match other().and_then(|other| Ok((other.atlas(options)?, other))) {
-            Ok((map, other)) if other.distortion(&map).is_some_and(|after| cost(&after) < cost(&before)) => {
+        let before = Distortion::of(&measured).cost(target);
+        let sizing = Sizing::new(&self, &atlas, &measured);
+        let (mut taken, left) = match other(&sizing).and_then(|other| Ok((other.atlas(options)?, other))) {
+            Ok((map, other)) if other.distortion(&map).is_some_and(|after| after.cost(target) < before) => {
                 ((other, map), (self, atlas))
             }
             Ok((map, other)) => ((self, atlas), (other, map)),
@@ -113,12 +117,16 @@ impl Analysis {
 
     /// What a map does to the surfaces, on average.
     fn distortion(&self, atlas: &Atlas) -> Option<Distortion> {
+        self.measures(atlas).as_ref().map(Distortion::of)
+    }
+
+    /// The measures of a map, on the triangles that are on islands.
+    fn measures(&self, atlas: &Atlas) -> Option<geom::distortion::Distortion> {
         let on_surface = atlas.triangles.corners.iter().zip(&atlas.islands).filter(|(_, island)| island.is_some());
         let corners = || on_surface.clone().map(|(corners, _)| corners);
         let vertices: Vec<[u32; 3]> = corners().map(|t| t.map(|c| self.corner_vertices()[c as usize])).collect();
         let uv: Vec<[[f64; 2]; 3]> = corners().map(|t| t.map(|c| atlas.uv[c as usize])).collect();
-        let measured = geom::distortion::measure(self.points(), &vertices, &uv).ok()?;
-        Some(Distortion { areas: measured.area.mean, angles: measured.quasi_conformal.mean })
+        geom::distortion::measure(self.points(), &vertices, &uv).ok()
     }
 }
 
@@ -129,6 +137,10 @@ struct Distortion {
 }
 
 impl Distortion {
+    fn of(measured: &geom::distortion::Distortion) -> Self {
+        Self { areas: measured.area.mean, angles: measured.quasi_conformal.mean }
+    }
+
     /// What maps are compared by: the logarithms of both, that of areas where it misses what is wanted; below, where there are more cones for it, it
     /// counts less.
     fn cost(&self, target: f64) -> f64 {

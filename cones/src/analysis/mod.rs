@@ -33,6 +33,7 @@ mod preview;
 mod quality;
 mod refined;
 mod reseaming;
+mod sizing;
 mod unwrap;
 
 use std::collections::{HashMap, HashSet};
@@ -63,7 +64,8 @@ use component::{Component, Making};
 use handles::open_handles;
 use observer::{Silent, Task};
 use preview::PreviewOrder;
-use refined::{LARGEST, Ready, is_asked_for, refine_all};
+use refined::{Ready, is_asked_for, refine_all};
+use sizing::Sizing;
 
 /// A model with all that is found of it once; see the [crate's documentation](crate). Clones share it.
 ///
@@ -143,13 +145,13 @@ impl Analysis {
     pub fn observed(model: &Model, preparation: Preparation, observer: impl Observer + 'static) -> Result<Self, Error> {
         let making = Making {
             preparation,
-            largest: LARGEST,
+            is_finest: false,
             is_bent: false,
             is_searched: false,
             is_opened: false,
             is_asked_once: false,
         };
-        Self::made(model, making, &HashSet::new(), Arc::new(observer))
+        Self::made(model, making, (&HashSet::new(), None), Arc::new(observer))
     }
 
     /// Analyses a model and unwraps it, while an observer listens: the same as [`observed`](Self::observed) and
@@ -157,7 +159,7 @@ impl Analysis {
     /// are freed once the map needs them no more. (Whoever asks for more waits until they are there again.) Where surfaces were refined
     /// only for their needles, the model is taken as it is if no cones flatten one of them so, or if it has few corners and its map as it is is exact. Edges that [seams](Options::seams) are named by
     /// stay edges where surfaces are refined, in parts. Where the map of a small model bends angles by more than
-    /// 1.06 on average, another one is made, of the model refined if it may be, and then in triangles half as large; the best is taken.
+    /// 1.06 on average, another one is made, of the model refined if it may be, and then in triangles that are smaller where the map is bent; the best is taken.
     ///
     /// # Errors
     /// As both.
@@ -168,16 +170,17 @@ impl Analysis {
     ) -> Result<(Self, Atlas), Error> {
         let observer: Arc<dyn Observer> = Arc::new(observer);
         let named = options.seams.named().map(ascending).collect();
-        let for_options = |preparation, (largest, is_bent)| {
+        let making = |preparation, is_bent, is_finest| {
             let is_searched = options.searches_coarse_level();
-            let making = Making { preparation, largest, is_bent, is_searched, is_opened: false, is_asked_once: true };
-            Self::made(model, making, &named, observer.clone())
+            Making { preparation, is_finest, is_bent, is_searched, is_opened: false, is_asked_once: true }
         };
+        let of_size = |making, sizing: Option<&Sizing>| Self::made(model, making, (&named, sizing), observer.clone());
+        let made = |preparation| of_size(making(preparation, false, false), None);
         let as_it_is = Preparation { refine: Refining::Never, ..options.preparation };
         let unrefined = Options { preparation: as_it_is, ..options.clone() };
-        let analysis = for_options(options.preparation, (LARGEST, false))?;
+        let analysis = made(options.preparation)?;
         if analysis.refined().is_some() && options.preparation.refine == Refining::Needles {
-            let net = Self::net_as_it_is(model, || for_options(as_it_is, (LARGEST, false)), &unrefined)?;
+            let net = Self::net_as_it_is(model, || made(as_it_is), &unrefined)?;
             if let Some((net, mut atlas)) = net {
                 atlas.times += analysis.times();
                 return Ok((net, atlas));
@@ -186,21 +189,24 @@ impl Analysis {
         match analysis.atlas(options) {
             Err(Error::NotFlatRefined { component }) => {
                 drop(analysis);
-                let analysis = for_options(as_it_is, (LARGEST, false))?;
+                let analysis = made(as_it_is)?;
                 let mut atlas = analysis.atlas(&unrefined)?;
                 atlas.notes.push(Note::NotRefined { component });
                 Ok((analysis, atlas))
             }
-            Ok(atlas) => analysis.or_finer(atlas, options, |largest| for_options(options.preparation, (largest, true))),
+            Ok(atlas) => analysis.or_finer(atlas, options, |sizing| {
+                of_size(making(options.preparation, true, sizing.is_some()), sizing)
+            }),
             Err(error) => Err(error),
         }
     }
 
-    /// Makes it. Where surfaces are refined, edges that are `held`, by their vertices in ascending order, stay edges.
+    /// Makes it. Where surfaces are refined, edges that are `held`, by their vertices in ascending order, stay edges, and triangles are as small as
+    /// `sizing` says.
     fn made(
         model: &Model,
         making: Making,
-        held: &HashSet<[u32; 2]>,
+        (held, sizing): (&HashSet<[u32; 2]>, Option<&Sizing>),
         observer: Arc<dyn Observer>,
     ) -> Result<Self, Error> {
         let preparation = making.preparation;
@@ -216,7 +222,7 @@ impl Analysis {
         let task = Task::new(&observer, prepared.surfaces.len());
         let is_refined = making.is_bent || is_asked_for(preparation.refine, &prepared.surfaces, &shapes);
         let (ready, refined, triangles, left_out) = if is_refined {
-            let refining = (preparation.refine, making.largest, held);
+            let refining = (preparation.refine, sizing, held);
             let (ready, refined, triangles, left_out) =
                 refine_all(model, (prepared, &shapes), refining, &task, &mut times)?;
             (ready, Some(refined), triangles, left_out)

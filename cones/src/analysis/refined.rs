@@ -17,6 +17,7 @@ use rayon::prelude::*;
 
 use super::observer::{Stage, Task, Times};
 use super::options::Refining;
+use super::sizing::Sizing;
 use crate::cut::{ascending, named_edges, names};
 use crate::error::Error;
 use crate::field::TiedLoops;
@@ -73,9 +74,7 @@ fn of_shapes<T: Send>(
 /// The radius of the largest circumcircle, over the root of the surface's area: some three thousand triangles at least. On CAD
 /// parts large flat triangles lie beside small ones, and a map that is linear on them bends angles: on `thingi520644` the quasi-conformal
 /// distortion is 1.136 without a bound, 1.108 with 0.04, and 1.092 with 0.02, which takes 4 % more vertices.
-pub(crate) const LARGEST: f64 = 0.02;
-/// The same where a map shows that this is [too coarse](super::finer).
-pub(crate) const FINER: f64 = 0.01;
+const LARGEST: f64 = 0.02;
 /// On surfaces with more vertices than this triangles are [small](TriangleSize::small)
 const MANY_VERTICES: usize = 100_000;
 /// below this share of that radius: their needles do no harm, but refined they change nearly all edges, and the file's triangles are cut along each.
@@ -307,7 +306,7 @@ fn own_points(model: &Model, surface: &Surface) -> Vec<[f64; 3]> {
     surface.vertex.iter().map(place).collect()
 }
 
-/// Refines the surfaces of a model to triangles of a size ([`LARGEST`]), but none that is flat where needles alone ask for it or where it is small; what was prepared becomes that of the refined
+/// Refines the surfaces of a model to triangles of a size ([`LARGEST`], and less where `sizing` says so), but none that is flat where needles alone ask for it or where it is small; what was prepared becomes that of the refined
 /// model. Edges that `names_held` has, by their vertices in ascending order, stay edges.
 ///
 /// # Errors
@@ -315,7 +314,7 @@ fn own_points(model: &Model, surface: &Surface) -> Vec<[f64; 3]> {
 pub(crate) fn refine_all(
     model: &Model,
     (prepared, shapes): (Prepared, &[usize]),
-    (refining, largest, names_held): (Refining, f64, &HashSet<[u32; 2]>),
+    (refining, sizing, names_held): (Refining, Option<&Sizing>, &HashSet<[u32; 2]>),
     task: &Task,
     times: &mut Times,
 ) -> Result<(Vec<Ready>, RefinedModel, Triangles, Vec<u32>), Error> {
@@ -353,10 +352,16 @@ pub(crate) fn refine_all(
                     return Ok(None);
                 }
                 let larger = lacks.powf(0.25);
-                let largest = larger * largest * metric.area(&surface.mesh).sqrt();
+                let largest = larger * LARGEST * metric.area(&surface.mesh).sqrt();
                 let small = if surface.mesh.vertex_count() > MANY_VERTICES { SMALL * largest } else { 0.0 };
                 let roles = EdgeRoles { left_out: Some(&planar[k]), held: Some(&held[k]) };
-                refine_watched(&surface.mesh, &metric, TriangleSize { largest, small }, roles, watch).map(Some)
+                let sizing = sizing.map(|sizing| {
+                    let points: Vec<_> = surface.vertex.iter().map(|&v| model.points()[v as usize]).collect();
+                    move |place: SurfacePoint| surface.scale * sizing.at(place.position(&surface.mesh, &points))
+                });
+                let at = sizing.as_ref().map(|at| at as &(dyn Fn(SurfacePoint) -> f64 + Sync));
+                let size = TriangleSize { largest, at, small };
+                refine_watched(&surface.mesh, &metric, size, roles, watch).map(Some)
             };
             let refined = of_shapes(&surfaces, &shapes, |k, surface| refine(k, surface).transpose());
             let refined = refined.into_iter().map(Option::transpose).collect::<Result<Vec<Option<Refinement>>, _>>()?;

@@ -63,17 +63,26 @@ pub struct Refinement {
 ///
 /// What a function that is linear on triangles misses of a smooth one's gradient is bounded by these radii, whatever the angles are (the
 /// *circumradius condition*: Kobayashi & Tsuchiya 2014). So needles with small ones do no harm.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct TriangleSize {
+#[derive(Clone, Copy)]
+pub struct TriangleSize<'a> {
     /// None is larger; infinity where any will do.
     pub largest: f64,
+    /// Nor larger than this is at its corners, on average. It is asked once for each vertex of the intrinsic triangulation.
+    pub at: Option<&'a (dyn Fn(SurfacePoint) -> f64 + Sync)>,
     /// Smaller ones may have any angles; 0 where all are to have [`LEAST_ANGLE`].
     pub small: f64,
 }
 
-impl TriangleSize {
+impl TriangleSize<'_> {
     /// Any size, but all with [`LEAST_ANGLE`].
-    pub const ANY: Self = Self { largest: f64::INFINITY, small: 0.0 };
+    pub const ANY: Self = Self { largest: f64::INFINITY, at: None, small: 0.0 };
+}
+
+impl std::fmt::Debug for TriangleSize<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
+        let Self { largest, small, .. } = self;
+        f.debug_struct("TriangleSize").field("largest", largest).field("small", small).finish_non_exhaustive()
+    }
 }
 
 /// What is to become of some edges of the input; of none, by default.
@@ -171,7 +180,9 @@ struct Chew<'a> {
     overlay: Overlay<'a>,
     /// The lengths of the input's edges.
     metric: &'a Metric,
-    size: TriangleSize,
+    size: TriangleSize<'a>,
+    /// How large triangles may be at each vertex, if that is not everywhere the same.
+    largest: Vec<f64>,
     /// Whether angles at a vertex of the input are narrow: all round it, or those of a sector.
     is_narrow: Vec<bool>,
     sectors: Sectors,
@@ -187,19 +198,37 @@ impl<'a> Chew<'a> {
     fn new(
         (input, metric): (&'a Triangulation, &'a Metric),
         held: Option<&'a EdgeData<bool>>,
-        size: TriangleSize,
+        size: TriangleSize<'a>,
     ) -> Self {
         let mut is_narrow: Vec<bool> = metric.angle_sums(input).iter().map(|sum| *sum < NARROW).collect();
         let sectors = held.map_or_else(Sectors::default, |held| Sectors::new(input, metric, held));
         sectors.narrow.keys().for_each(|&first| is_narrow[input.tail(first).index()] = true);
         let most_crossings = MOST_CROSSINGS_PER_VERTEX * input.vertex_count() + SPARE_CROSSINGS;
         let overlay = Overlay::new(input, metric, held);
-        Self { overlay, metric, size, is_narrow, sectors, bad: BinaryHeap::new(), flips_left: 0, most_crossings }
+        let (bad, largest) = (BinaryHeap::new(), Vec::new());
+        let mut chew = Self { overlay, metric, size, largest, is_narrow, sectors, bad, flips_left: 0, most_crossings };
+        chew.ask_for_sizes();
+        chew
     }
 
     /// Whether the edges cross those of the input too often.
     fn is_astray(&self) -> bool {
         self.overlay.crossings > self.most_crossings
+    }
+
+    /// Asks how large triangles may be at vertices that are new.
+    fn ask_for_sizes(&mut self) {
+        if let Some(at) = self.size.at {
+            self.largest.extend(self.overlay.place[self.largest.len()..].iter().map(|&place| at(place)));
+        }
+    }
+
+    /// How large a triangle between vertices may be.
+    fn largest_between(&self, corners: [VertexId; 3]) -> f64 {
+        match self.size.at {
+            Some(_) => self.size.largest.min(corners.iter().map(|v| self.largest[v.index()] / 3.0).sum()),
+            None => self.size.largest,
+        }
     }
 
     fn flip_all(&mut self, watch: Watch) -> Result<(), Interrupted> {
@@ -251,7 +280,7 @@ impl<'a> Chew<'a> {
         let area = sides.area();
         let radius = sides.0.iter().product::<f64>() / (4.0 * area);
         let is_bad = radius >= self.size.small && (0..3).any(|s| angles[s] < LEAST_ANGLE && !is_excused(s));
-        (area > 0.0 && (is_bad || radius > self.size.largest)).then_some(radius)
+        (area > 0.0 && (is_bad || radius > self.largest_between(corners))).then_some(radius)
     }
 
     /// Whether the angles of the input are narrow where a halfedge begins, on its left.
@@ -331,6 +360,7 @@ impl<'a> Chew<'a> {
                     continue;
                 }
             };
+            self.ask_for_sizes();
             let new = before..self.overlay.triangulation.edge_count();
             let edges: Vec<EdgeId> = touched.into_iter().chain(new.map(EdgeId::new)).collect();
             for &e in &edges {

@@ -51,7 +51,7 @@ fn check_held((mesh, metric): (&Mesh, &Metric), held: &EdgeData<bool>, refinemen
 
 fn check_triangulation(
     (mesh, metric): (&Mesh, &Metric),
-    size: TriangleSize,
+    size: TriangleSize<'_>,
     held: &EdgeData<bool>,
     refinement: &Refinement,
 ) {
@@ -202,7 +202,7 @@ fn small_needles_may_stay() {
         let none_held = EdgeData::constant(mesh.edge_count(), false);
         let root = metric.area(&mesh).sqrt();
         let counts = [0.0, 0.03, 0.08].map(|small| {
-            let size = TriangleSize { largest: 0.1 * root, small: small * root };
+            let size = TriangleSize { largest: 0.1 * root, at: None, small: small * root };
             let refinement = refine(&mesh, &metric, size);
             check_triangulation((&mesh, &metric), size, &none_held, &refinement);
             check_common(&mesh, &shape.points, &refinement);
@@ -366,7 +366,7 @@ fn vertices_at_circumcentres_on_edges_of_the_input_leave_no_triangle_without_are
         let points = [[0.0, 0.0, 0.0], [width, 0.0, 0.0], [width, 1.0, 0.0], [0.0, 1.0, 0.0]];
         let mesh = Mesh::new(4, &[[0, 1, 2], [0, 2, 3]]).unwrap();
         for largest in [0.4, 0.2, 0.1, 0.05] {
-            let refinement = refine(&mesh, &Metric::from_points(&mesh, &points), TriangleSize { largest, small: 0.0 });
+            let refinement = refine(&mesh, &Metric::from_points(&mesh, &points), TriangleSize { largest, at: None, small: 0.0 });
             let at = refinement.common.positions(&mesh, &points);
             let area = |t: &[u32; 3]| {
                 let [a, b, c] = t.map(|v| at[v as usize]);
@@ -409,7 +409,7 @@ fn a_vertex_in_the_middle_of_a_large_polygon_flips_as_many_edges_as_it_takes() {
     for corners in [100, 1400, 2000] {
         let (mesh, points) = prism(corners);
         let metric = Metric::from_points(&mesh, &points);
-        let size = TriangleSize { largest: 0.07, small: 0.0 };
+        let size = TriangleSize { largest: 0.07, at: None, small: 0.0 };
         let refinement = refine(&mesh, &metric, size);
         check_triangulation((&mesh, &metric), size, &EdgeData::constant(mesh.edge_count(), false), &refinement);
         check_common(&mesh, &points, &refinement);
