@@ -30,7 +30,7 @@ const GOOD_ENOUGH: f64 = 1.25;
 /// measured as is predicted.
 const ROUGH: f64 = 0.05;
 /// An area distortion that no cones should have: where more is predicted for the chosen ones, others are measured by this.
-const BAD: f64 = 2.0;
+pub(super) const BAD: f64 = 2.0;
 /// A map with a larger area distortion is not good enough, even where that was predicted and angles are kept.
 pub(super) const RUINED: f64 = 4.0;
 /// A larger change of lengths, as a logarithm, is not good enough: a needle that is sixty times as long makes the square large for all.
@@ -123,6 +123,16 @@ impl Component {
     }
 }
 
+impl Component {
+    /// Whether what is left between cones is bent by triangles that are no needles, so that maps with free seams distort less than is predicted.
+    pub(super) fn is_rough(&self) -> bool {
+        let Operators { mesh, metric, curvature, weight, .. } = &*self.operators;
+        let bent: f64 = curvature.iter().zip(weight.iter()).map(|(curvature, weight)| curvature.abs() * weight).sum();
+        let whole: f64 = weight.iter().sum();
+        bent > ROUGH * whole && needle_share([(mesh.triangulation(), metric, 1.0)].into_iter()) <= MOST_NEEDLES
+    }
+}
+
 impl Attempts<'_> {
     /// So many cones; why there are none in the inner error.
     fn place(&mut self, count: usize) -> Result<Result<Configuration, Error>, Error> {
@@ -141,7 +151,7 @@ impl Attempts<'_> {
         if predicted <= goal {
             return self.flatten(chosen);
         }
-        let first = match predicted <= BAD && self.is_rough() {
+        let first = match predicted <= BAD && self.component.is_rough() {
             true => Some(self.attempt(configuration)?),
             false => None,
         };
@@ -163,14 +173,6 @@ impl Attempts<'_> {
             Some(Ok(first)) if !is_asked_for && self.is_sound(&first) && is_better(&first) => first,
             _ => more,
         })
-    }
-
-    /// Whether what is left between cones is bent by triangles that are no needles, so that maps with free seams distort less than is predicted.
-    fn is_rough(&self) -> bool {
-        let Operators { mesh, metric, curvature, weight, .. } = &*self.component.operators;
-        let bent: f64 = curvature.iter().zip(weight.iter()).map(|(curvature, weight)| curvature.abs() * weight).sum();
-        let whole: f64 = weight.iter().sum();
-        bent > ROUGH * whole && needle_share([(mesh.triangulation(), metric, 1.0)].into_iter()) <= MOST_NEEDLES
     }
 
     /// The first attempt if it succeeds, else the best of several.

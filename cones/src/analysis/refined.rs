@@ -71,17 +71,18 @@ fn of_shapes<T: Send>(
     surfaces.map(|(k, (surface, &shape))| if k == shape { of(k, surface) } else { None }).collect()
 }
 
-/// The radius of the largest circumcircle, over the root of the surface's area: some three thousand triangles at least. On CAD
-/// parts large flat triangles lie beside small ones, and a map that is linear on them bends angles: on `thingi520644` the quasi-conformal
-/// distortion is 1.136 without a bound, 1.108 with 0.04, and 1.092 with 0.02, which takes 4 % more vertices.
-const LARGEST: f64 = 0.02;
+/// The radius of the largest circumcircle, over the root of the surface's area: some nine hundred triangles at least. On CAD
+/// parts large flat triangles lie beside small ones, and a map that is linear on them bends angles. Where that is still too much
+/// [a map shows](super::sizing) where triangles should be smaller.
+const LARGEST: f64 = 0.03;
 /// On surfaces with more vertices than this triangles are [small](TriangleSize::small)
 const MANY_VERTICES: usize = 100_000;
 /// below this share of that radius: their needles do no harm, but refined they change nearly all edges, and the file's triangles are cut along each.
 const SMALL: f64 = 0.25;
-/// Parts with less than this share of the model's area have larger triangles, so that their number falls with the root of the share: what is missed falls
-/// with the number of triangles, and counts by the share.
+/// Parts with less than this share of the model's area have larger triangles: what is missed falls with the number of triangles, and counts by the share.
 const LARGE_PART: f64 = 0.01;
+/// Their size grows with this power of what they lack; with 0.5 all parts' would be the same in the model's units.
+const LARGER: f64 = 0.4;
 
 /// A refined model: triangles, each part of a face of the model that was given, or of several in one plane that nothing tells apart. It has all of that model's vertices, under their own
 /// numbers, and after them those that were put in.
@@ -351,7 +352,7 @@ pub(crate) fn refine_all(
                 if (refining == Refining::Needles || lacks > 1.0) && is_flat(surface, &metric) {
                     return Ok(None);
                 }
-                let larger = lacks.powf(0.25);
+                let larger = lacks.powf(LARGER);
                 let largest = larger * LARGEST * metric.area(&surface.mesh).sqrt();
                 let small = if surface.mesh.vertex_count() > MANY_VERTICES { SMALL * largest } else { 0.0 };
                 let roles = EdgeRoles { left_out: Some(&planar[k]), held: Some(&held[k]) };

@@ -7,7 +7,9 @@
 
 use geom::{Interrupted, PoissonError, VertexId};
 
-use super::automatic::{Automatic, Goal, at_corners, automatic, bend, has_few_corners, meets};
+use super::automatic::{
+    Automatic, Goal, at_corners, automatic, bend, has_few_corners, is_hardly_better, is_tolerable, meets,
+};
 use super::energy_model::{ConeSet, EnergyModel};
 use super::exchange::{drop_cheapest, exchange};
 use super::level::CoarseLevel;
@@ -104,6 +106,7 @@ pub(crate) fn fewest_from(
         return Ok(Automatic { curvatures, ..found });
     };
     let mut count = found.set.cones.len();
+    let mut first = None;
     loop {
         let (set, predicted, curvatures) = confirmed_on_surface(ground, middle, &found.set, rule)?;
         let is_met = meets(&set, &predicted, target);
@@ -111,8 +114,12 @@ pub(crate) fn fewest_from(
         if is_met || count >= most || model.is_over() {
             break;
         }
+        first.get_or_insert_with(|| found.clone());
         count = enough_cones(&found.curve, (count, predicted.area_distortion), target, most);
         found.set = polished(&mut model, level, &refined(&mut coarse_model, count));
+    }
+    if let Some(first) = first.filter(|first| !found.is_met && is_hardly_better(&found.predicted, &first.predicted)) {
+        found = first;
     }
     if to_knee && has_few_corners(ground.operators, &found) {
         let mut model = ground.energy_model()?.putting_columns_off();
@@ -239,14 +246,20 @@ impl Fewest<'_, '_> {
         }
         let mut best = self.polished(&coarse.set);
         if !coarse.is_met {
-            return best;
+            // Of what is left here the coarse level has seen too little to do with fewer.
+            let is_in_vain = best.0.cones.len() >= most || is_tolerable(&best.1);
+            return if is_in_vain { best } else { self.polished(&refined(coarse_model, most)) };
         }
         let mut least = least_cones(self.model.operators());
+        let first = best.clone();
         while !meets(&best.0, &best.1, self.target) && count < most && !self.model.is_over() {
             least = count + 1;
             count = enough_cones(&coarse.curve, (count, best.1.area_distortion), self.target, most);
             let passed = coarse.passed.iter().find(|set| set.cones.len() == count).cloned();
             best = self.polished(&passed.unwrap_or_else(|| refined(coarse_model, count)));
+        }
+        if !meets(&best.0, &best.1, self.target) && is_hardly_better(&best.1, &first.1) {
+            best = first;
         }
         if meets(&best.0, &best.1, self.target) {
             while best.0.cones.len() > least

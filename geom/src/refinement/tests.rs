@@ -366,7 +366,8 @@ fn vertices_at_circumcentres_on_edges_of_the_input_leave_no_triangle_without_are
         let points = [[0.0, 0.0, 0.0], [width, 0.0, 0.0], [width, 1.0, 0.0], [0.0, 1.0, 0.0]];
         let mesh = Mesh::new(4, &[[0, 1, 2], [0, 2, 3]]).unwrap();
         for largest in [0.4, 0.2, 0.1, 0.05] {
-            let refinement = refine(&mesh, &Metric::from_points(&mesh, &points), TriangleSize { largest, at: None, small: 0.0 });
+            let refinement =
+                refine(&mesh, &Metric::from_points(&mesh, &points), TriangleSize { largest, at: None, small: 0.0 });
             let at = refinement.common.positions(&mesh, &points);
             let area = |t: &[u32; 3]| {
                 let [a, b, c] = t.map(|v| at[v as usize]);
