@@ -112,10 +112,7 @@ impl Component {
                 flat = attempts.within(flat, target)?;
                 attempts.free_where_missed(&mut flat, target)?;
                 let reached = flat.promised.area_distortion();
-                if reached > target {
-                    let (component, cones) = (self.index, flat.cones.len());
-                    flat.notes.push(Note::TargetMissed { component, target, reached, cones });
-                }
+                self.note_missed_target(&mut flat, reached, options);
             }
             _ => {}
         }
@@ -124,6 +121,13 @@ impl Component {
 }
 
 impl Component {
+    /// Says so where an area distortion was asked for and more is reached.
+    pub(super) fn note_missed_target(&self, flat: &mut Flat, reached: f64, options: &Options) {
+        if let Some(target) = options.cones.wanted().filter(|target| reached > *target) {
+            flat.notes.push(Note::TargetMissed { component: self.index, target, reached, cones: flat.cones.len() });
+        }
+    }
+
     /// Whether what is left between cones is bent by triangles that are no needles, so that maps with free seams distort less than is predicted.
     pub(super) fn is_rough(&self) -> bool {
         let Operators { mesh, metric, curvature, weight, .. } = &*self.operators;

@@ -368,6 +368,11 @@ impl Component {
 }
 
 impl ConeChoice {
+    /// The area distortion that somebody asked for.
+    pub(super) fn wanted(&self) -> Option<f64> {
+        if let Self::WithinDistortion(target) = self { Some(*target) } else { None }
+    }
+
     /// The area distortion that is not exceeded as long as more cones help.
     pub(super) fn goal(&self) -> Option<f64> {
         match self {

@@ -175,7 +175,8 @@ mod tests {
             before.angles,
             after.angles
         );
-        assert!(finer.refined().unwrap().model.vertex_count() > 2 * first.refined().unwrap().model.vertex_count());
+        let [fewer, more] = [&first, &finer].map(|analysis| analysis.refined().unwrap().model.vertex_count());
+        assert!(fewer < more && more < 10_000, "{fewer} {more}");
         // Its times are those of both maps. One of them may have had to wait for other tests.
         let options = Options { cones: ConeChoice::Count(2), free_seams: FreeSeams::Never, ..Options::default() };
         let again = || first.atlas(&options).unwrap().times.total();

@@ -25,7 +25,7 @@ use crate::uv::overlaps_on_islands;
 
 /// Above this quasi-conformal distortion seams are set free.
 const COARSE: f64 = 1.1;
-/// How much areas count beside angles: λ of [`Relaxation`]. The second where the first leaves more than [`TARGET_DISTORTION`].
+/// How much areas count beside angles: λ of [`Relaxation`]. The second where the first leaves more than what was asked for, or [`TARGET_DISTORTION`].
 const AREAS: [f64; 2] = [0.05, 0.15];
 /// So many steps at most, those after which corners are held included.
 const STEPS: usize = 60;
@@ -69,7 +69,7 @@ impl Component {
         let stage = (Stage::Layout, self.index);
         let freed = task.stage(stage, times, |watch| match self.kept(flat, watch)? {
             Some(kept) => Ok(Some(kept)),
-            None => self.freed(flat, Some(options.islands), watch),
+            None => self.freed(flat, options, Some(options.islands), watch),
         })??;
         let Some((layout, quality)) = freed else { return Ok(()) };
         (flat.layout, flat.quality) = (layout, quality);
@@ -83,14 +83,9 @@ impl Component {
             flat.notes.retain(|note| !is_overlap(note));
             self.note_overlap(flat, &map, &overlaps);
         }
-        let now = flat.quality.area_distortion();
-        flat.notes.retain_mut(|note| match note {
-            Note::TargetMissed { target, reached, .. } => {
-                *reached = now;
-                now > *target
-            }
-            _ => true,
-        });
+        // Less was promised where all may overlap.
+        flat.notes.retain(|note| !matches!(note, Note::TargetMissed { .. }));
+        self.note_missed_target(flat, flat.quality.area_distortion(), options);
         Ok(())
     }
 
@@ -98,7 +93,7 @@ impl Component {
     /// much would be.
     pub(super) fn promised(&self, flat: &mut Flat, options: &Options, watch: Watch) -> Result<(), Error> {
         if options.frees_seams(flat) && flat.quality.area_distortion() <= RUINED {
-            let freed = self.freed(flat, None, watch)?;
+            let freed = self.freed(flat, options, None, watch)?;
             flat.freed = freed.map(|(layout, quality)| Freed { from: flat.layout.position.clone(), layout, quality });
         }
         flat.promised = flat.freed.as_ref().map_or(&flat.quality, |freed| &freed.quality).clone();
@@ -118,7 +113,14 @@ impl Component {
     }
 
     /// The layout with free seams, if that is better; `islands` as in [`relaxed`](Self::relaxed).
-    fn freed(&self, flat: &Flat, islands: Option<Islands>, watch: Watch) -> Result<Option<(Layout, Quality)>, Error> {
+    fn freed(
+        &self,
+        flat: &Flat,
+        options: &Options,
+        islands: Option<Islands>,
+        watch: Watch,
+    ) -> Result<Option<(Layout, Quality)>, Error> {
+        let target = options.cones.wanted().unwrap_or(TARGET_DISTORTION);
         let mut best: Option<(Layout, Quality)> = None;
         for areas in AREAS {
             let (first, before) =
@@ -130,7 +132,7 @@ impl Component {
             if !is_better {
                 break;
             }
-            let is_done = quality.area_distortion() <= TARGET_DISTORTION;
+            let is_done = quality.area_distortion() <= target;
             best = Some((layout, quality));
             if is_done {
                 break;

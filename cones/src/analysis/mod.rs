@@ -64,7 +64,7 @@ use component::{Component, Making};
 use handles::open_handles;
 use observer::{Silent, Task};
 use preview::PreviewOrder;
-use refined::{Ready, is_asked_for, refine_all};
+use refined::{Ready, SizeAt, is_asked_for, refine_all};
 use sizing::Sizing;
 
 /// A model with all that is found of it once; see the [crate's documentation](crate). Clones share it.
@@ -222,7 +222,8 @@ impl Analysis {
         let task = Task::new(&observer, prepared.surfaces.len());
         let is_refined = making.is_bent || is_asked_for(preparation.refine, &prepared.surfaces, &shapes);
         let (ready, refined, triangles, left_out) = if is_refined {
-            let refining = (preparation.refine, sizing, held);
+            let size_at = sizing.map(|sizing| |place| sizing.at(place));
+            let refining = (preparation.refine, size_at.as_ref().map(|at| at as SizeAt), held);
             let (ready, refined, triangles, left_out) =
                 refine_all(model, (prepared, &shapes), refining, &task, &mut times)?;
             (ready, Some(refined), triangles, left_out)

@@ -17,7 +17,6 @@ use rayon::prelude::*;
 
 use super::observer::{Stage, Task, Times};
 use super::options::Refining;
-use super::sizing::Sizing;
 use crate::cut::{ascending, named_edges, names};
 use crate::error::Error;
 use crate::field::TiedLoops;
@@ -295,6 +294,9 @@ fn is_flat(Surface { mesh, .. }: &Surface, metric: &Metric) -> bool {
     mesh.vertices().any(|v| mesh.is_boundary_vertex(v)) && inner.all(|v| defects[v].abs() < FLAT)
 }
 
+/// How large the circumcircles of triangles may be at a place, in the model's unit.
+pub(crate) type SizeAt<'a> = &'a (dyn Fn([f64; 3]) -> f64 + Sync);
+
 /// Vertices this far from a plane, over the largest coordinate, are in it: two units of single precision, which is what most files have.
 const PLANE: f64 = 2.0 * f32::EPSILON as f64;
 /// But no farther than this, over the part's extent (the unit of its points), where a part is small or far from the origin.
@@ -307,7 +309,7 @@ fn own_points(model: &Model, surface: &Surface) -> Vec<[f64; 3]> {
     surface.vertex.iter().map(place).collect()
 }
 
-/// Refines the surfaces of a model to triangles of a size ([`LARGEST`], and less where `sizing` says so), but none that is flat where needles alone ask for it or where it is small; what was prepared becomes that of the refined
+/// Refines the surfaces of a model to triangles of a size ([`LARGEST`], and less where `size_at` says so), but none that is flat where needles alone ask for it or where it is small; what was prepared becomes that of the refined
 /// model. Edges that `names_held` has, by their vertices in ascending order, stay edges.
 ///
 /// # Errors
@@ -315,7 +317,7 @@ fn own_points(model: &Model, surface: &Surface) -> Vec<[f64; 3]> {
 pub(crate) fn refine_all(
     model: &Model,
     (prepared, shapes): (Prepared, &[usize]),
-    (refining, sizing, names_held): (Refining, Option<&Sizing>, &HashSet<[u32; 2]>),
+    (refining, size_at, names_held): (Refining, Option<SizeAt>, &HashSet<[u32; 2]>),
     task: &Task,
     times: &mut Times,
 ) -> Result<(Vec<Ready>, RefinedModel, Triangles, Vec<u32>), Error> {
@@ -356,11 +358,11 @@ pub(crate) fn refine_all(
                 let largest = larger * LARGEST * metric.area(&surface.mesh).sqrt();
                 let small = if surface.mesh.vertex_count() > MANY_VERTICES { SMALL * largest } else { 0.0 };
                 let roles = EdgeRoles { left_out: Some(&planar[k]), held: Some(&held[k]) };
-                let sizing = sizing.map(|sizing| {
+                let size_at = size_at.map(|size_at| {
                     let points: Vec<_> = surface.vertex.iter().map(|&v| model.points()[v as usize]).collect();
-                    move |place: SurfacePoint| surface.scale * sizing.at(place.position(&surface.mesh, &points))
+                    move |place: SurfacePoint| surface.scale * size_at(place.position(&surface.mesh, &points))
                 });
-                let at = sizing.as_ref().map(|at| at as &(dyn Fn(SurfacePoint) -> f64 + Sync));
+                let at = size_at.as_ref().map(|at| at as &(dyn Fn(SurfacePoint) -> f64 + Sync));
                 let size = TriangleSize { largest, at, small };
                 refine_watched(&surface.mesh, &metric, size, roles, watch).map(Some)
             };

@@ -17,8 +17,10 @@ use super::refined::Way;
 
 /// What the mean of σ₁/σ₂ is to have above 1, by what triangles do as they are. It comes out a fourth below, since none becomes larger.
 const AIM: f64 = 0.05;
-/// There are to be so many times as many triangles at most.
+/// There are to be so many times as many triangles at most,
 const MOST_GROWTH: f64 = 3.0;
+/// or so many.
+const FEW: f64 = 10_000.0;
 /// A triangle becomes at most so many times smaller,
 const SMALLEST: f64 = 1.0 / 16.0;
 /// and none is bent by less than this, nor by more.
@@ -57,7 +59,7 @@ impl Sizing {
         // The area of an even triangle, over the square of its radius.
         let even = 0.75 * 3.0_f64.sqrt();
         let count = whole * mean(&|sample| sample.change.powf(2.0 / 3.0)) / even;
-        let to_growth = (count / (MOST_GROWTH * samples.len() as f64)).sqrt();
+        let to_growth = (count / (MOST_GROWTH * samples.len() as f64).max(FEW)).sqrt();
         let size = |Sample { radius, change, .. }: &Sample| {
             let size = to_aim.max(to_growth) * change.powf(-1.0 / 3.0);
             if size < *radius { size.max(SMALLEST * radius) } else { f64::INFINITY }
@@ -94,5 +96,35 @@ impl Component {
             let sample = Sample { middle: moment.map(|x| x / area), area, radius, change: bend / area / radius };
             (area > 0.0 && radius.is_finite() && sample.change > 0.0).then_some(sample)
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Options, Preparation, Refining};
+    use geom::shapes;
+
+    #[test]
+    fn triangles_are_smallest_at_cones_and_as_they_are_where_nothing_changes() {
+        let preparation = Preparation { refine: Refining::Always, ..Preparation::default() };
+        let analysis = Analysis::with(&shapes::sphere(200).into(), preparation).unwrap();
+        let options = Options { preparation, cones: crate::ConeChoice::Count(2), ..Options::default() };
+        let atlas = analysis.atlas(&options).unwrap();
+        let corners = atlas.triangles.corners.iter().map(|t| t.map(|c| analysis.corner_vertices()[c as usize]));
+        let vertices: Vec<[u32; 3]> = corners.collect();
+        let uv: Vec<[[f64; 2]; 3]> = atlas.triangles.corners.iter().map(|t| t.map(|c| atlas.uv[c as usize])).collect();
+        let measured = geom::distortion::measure(analysis.points(), &vertices, &uv).unwrap();
+        let sizing = Sizing::new(&analysis, &atlas, &measured);
+        let poles: Vec<[f64; 3]> = atlas.cones.iter().map(|cone| cone.position).collect();
+        let [one, other] = [poles[0], poles[1]].map(|pole| sizing.at(pole));
+        // On the equator between two cones of 2π at the poles the map is as good as rigid.
+        let between = cross(poles[0], [0.3, 0.5, 0.8]);
+        let between = between.map(|x| x / length(between));
+        assert!(
+            one.max(other) < 0.06 && sizing.at(between) > 2.0 * one.max(other),
+            "{one} {other} {}",
+            sizing.at(between)
+        );
     }
 }

@@ -214,6 +214,33 @@ fn small_needles_may_stay() {
 }
 
 #[test]
+fn triangles_are_as_small_as_is_said_at_a_place() {
+    let shape = shapes::sphere(400);
+    let mesh = shape.mesh();
+    let metric = Metric::from_points(&mesh, &shape.points);
+    let top = shape.points[0];
+    let far = |place: SurfacePoint| vector::distance(place.position(&mesh, &shape.points), top);
+    let at = |place: SurfacePoint| 0.005 + 0.3 * far(place);
+    let size = TriangleSize { largest: 0.4, at: Some(&at), small: 0.0 };
+    let none_held = EdgeData::constant(mesh.edge_count(), false);
+    let refinement = refine_watched(&mesh, &metric, size, EdgeRoles::default(), Watch::NONE).unwrap();
+    check_triangulation((&mesh, &metric), size, &none_held, &refinement);
+    check_common(&mesh, &shape.points, &refinement);
+    assert!(refinement.is_complete);
+    let Refinement { triangulation, metric, place, .. } = &refinement;
+    let mut radii = Vec::new();
+    for f in triangulation.faces() {
+        let sides = metric.sides(triangulation, f);
+        let radius = sides.0.iter().product::<f64>() / (4.0 * sides.area());
+        let most = triangulation.corners(f).iter().map(|&v| at(place[v]) / 3.0).sum::<f64>();
+        assert!(radius <= most * (1.0 + 1e-9), "{radius} {most}");
+        radii.push(radius);
+    }
+    radii.sort_by(f64::total_cmp);
+    assert!(radii[radii.len() - 1] > 8.0 * radii[0], "{:?}", [radii[0], radii[radii.len() - 1]]);
+}
+
+#[test]
 fn a_needle_alone_is_cut_up() {
     for aspect in [1e1, 1e3, 1e5] {
         let points = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.4, 1.0 / aspect, 0.0]];
