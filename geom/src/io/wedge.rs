@@ -27,6 +27,11 @@ impl Wedges {
         if let Some(uv) = uv {
             Self::check(model, uv)?;
         }
+        Ok(Self::unchecked(model, uv, tables))
+    }
+
+    /// The same of texture coordinates that need not be finite.
+    pub(super) fn unchecked(model: &Model, uv: Option<&[[f64; 2]]>, tables: &[&Attribute]) -> Self {
         let (start, mut corners) = corners_by_vertex(model);
         let order = |a: u32, b: u32| order(model, uv, tables, a, b);
         let is_one = |v: usize| {
@@ -47,7 +52,7 @@ impl Wedges {
                 wedge.iter().for_each(|&corner| first_of_corner[corner as usize] = wedge[0]);
             }
         }
-        Ok(Self::numbered(first_of_corner))
+        Self::numbered(first_of_corner)
     }
 
     /// Whether a map has a finite texture coordinate for each corner of a model.

@@ -8,8 +8,9 @@
 //! text's own ones are left out.
 //!
 //! Other models are written with the shortest digits that read back as the same f64, with their normals, their colours behind the
-//! vertices, and the names of their materials.
+//! vertices, and the names of their materials. A map that nobody gives is the model's own: the text's, or what was put in its place.
 
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::io::{self, Write};
 use std::ops::Range;
@@ -27,7 +28,8 @@ use crate::surface::{Model, Triangles};
 /// What an OBJ is to hold besides the model.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct ObjContent<'a> {
-    /// A texture coordinate for each corner of the model. Corners of a vertex that have the same share a `vt` line.
+    /// A texture coordinate for each corner of the model; none leaves the model's own, whether all corners have one or some. Corners of a vertex that
+    /// have the same share a `vt` line.
     pub uv: Option<&'a [[f64; 2]]>,
     /// Triangles to write in the place of polygons.
     pub triangles: Option<&'a Triangles>,
@@ -67,11 +69,11 @@ pub struct Material<'a> {
 /// When texture coordinates or triangles do not fit the model, or when writing fails.
 pub fn write_obj(model: &Model, content: &ObjContent, out: impl Write) -> Result<(), WriteError> {
     let text = model.obj_text();
-    let (wedges, addition) = join(
-        || content.uv.map(|uv| Wedges::new(model, uv)).transpose(),
+    let (texture, addition) = join(
+        || content.uv.map_or_else(|| Ok(Texture::own(model)), |uv| Texture::given(model, uv).map(Some)),
         || text.map(|text| Addition::place(text, block_size(text))),
     );
-    let job = Job { model, content, wedges: wedges? };
+    let job = Job { model, content, texture: texture? };
     let cells = Cells::new(model, content.triangles)?;
     match text.zip(addition) {
         Some((text, addition)) => job.rewrite((text, &addition), cells, out)?,
@@ -83,10 +85,49 @@ pub fn write_obj(model: &Model, content: &ObjContent, out: impl Write) -> Result
 /// So many faces are gathered, to be written on all threads.
 const AT_ONCE: usize = 1 << 16;
 
+/// The `vt` lines that are written.
+struct Texture<'a> {
+    /// What each corner has.
+    uv: Cow<'a, [[f64; 2]]>,
+    /// A corner for each line.
+    first: Vec<u32>,
+    /// The line of each corner; [`NO_LINE`] where it has none.
+    of_corner: Vec<u32>,
+}
+
+/// Stands for a corner without a line.
+const NO_LINE: u32 = u32::MAX;
+
+impl<'a> Texture<'a> {
+    /// Those of a map that has a finite texture coordinate for each corner.
+    fn given(model: &Model, uv: &'a [[f64; 2]]) -> Result<Self, WriteError> {
+        let Wedges { of_corner, first } = Wedges::new(model, uv)?;
+        Ok(Self { uv: uv.into(), first, of_corner })
+    }
+
+    /// Those of the model's own map, of which corners may have nothing; none where there is no map, or the model's text has it.
+    fn own(model: &Model) -> Option<Self> {
+        let own = model.uv_beside_text()?;
+        let uv: Vec<_> = (0..model.corner_count()).map(|corner| own.corner(corner).unwrap_or([f64::NAN; 2])).collect();
+        let Wedges { mut of_corner, mut first } = Wedges::unchecked(model, Some(&uv), &[]);
+        let is_there = |&corner: &u32| !uv[corner as usize][0].is_nan();
+        let mut lines = 0..;
+        let line: Vec<u32> =
+            first.iter().map(|c| if is_there(c) { lines.next().unwrap_or(NO_LINE) } else { NO_LINE }).collect();
+        of_corner.iter_mut().for_each(|wedge| *wedge = line[*wedge as usize]);
+        first.retain(is_there);
+        Some(Self { uv: uv.into(), first, of_corner })
+    }
+
+    fn line(&self, corner: usize) -> Option<u32> {
+        Some(self.of_corner[corner]).filter(|&line| line != NO_LINE)
+    }
+}
+
 struct Job<'a> {
     model: &'a Model,
     content: &'a ObjContent<'a>,
-    wedges: Option<Wedges>,
+    texture: Option<Texture<'a>>,
 }
 
 impl Job<'_> {
@@ -129,10 +170,10 @@ impl Job<'_> {
         text.write_all(b"f")?;
         for &corner in corners {
             write!(text, " {}", self.model.corners()[corner as usize] + 1)?;
-            let texture = self.wedges.as_ref().map(|wedges| wedges.of_corner[corner as usize] + 1);
-            match (texture, look.normal(corner as usize)) {
-                (Some(texture), Some(normal)) => write!(text, "/{texture}/{}", normal + 1)?,
-                (Some(texture), None) => write!(text, "/{texture}")?,
+            let line = self.texture.as_ref().and_then(|texture| texture.line(corner as usize)).map(|line| line + 1);
+            match (line, look.normal(corner as usize)) {
+                (Some(line), Some(normal)) => write!(text, "/{line}/{}", normal + 1)?,
+                (Some(line), None) => write!(text, "/{line}")?,
                 (None, Some(normal)) => write!(text, "//{}", normal + 1)?,
                 (None, None) => {}
             }
@@ -148,9 +189,9 @@ impl Job<'_> {
 
     /// The lines of the texture coordinates.
     fn texture(&self, line_end: &str, mut out: impl Write) -> io::Result<()> {
-        let (Some(uv), Some(wedges)) = (self.content.uv, &self.wedges) else { return Ok(()) };
-        write_lines(wedges.first.len(), &mut out, |number, text| {
-            let [u, v] = uv[wedges.first[number] as usize];
+        let Some(Texture { uv, first, .. }) = &self.texture else { return Ok(()) };
+        write_lines(first.len(), &mut out, |number, text| {
+            let [u, v] = uv[first[number] as usize];
             write!(text, "vt {u:?} {v:?}{line_end}")
         })
     }
@@ -162,7 +203,7 @@ impl Job<'_> {
         let mut faces = Vec::new();
         let (mut face, mut added, mut is_dropped) = (0, false, false);
         let is_old = |word: &[u8]| match word {
-            b"vt" => addition.drops_old && self.wedges.is_some(),
+            b"vt" => addition.drops_old && self.texture.is_some(),
             b"mtllib" | b"usemtl" => self.content.material.is_some(),
             _ => false,
         };
@@ -262,14 +303,16 @@ impl Job<'_> {
 
     /// Writes a corner: vertex and normal as they stand, the texture index new.
     fn corner(&self, word: &[u8], corner: usize, addition: &Addition, out: &mut impl Write) -> io::Result<()> {
-        let Some(wedges) = &self.wedges else { return out.write_all(word) };
+        let Some(texture) = &self.texture else { return out.write_all(word) };
         let mut parts = word.split(|&b| b == b'/');
         out.write_all(parts.next().unwrap_or_default())?;
-        write!(out, "/{}", addition.known + u64::from(wedges.of_corner[corner]) + 1)?;
-        match parts.nth(1) {
-            None | Some(b"") => Ok(()),
-            Some(normal) => out.write_all(b"/").and_then(|()| out.write_all(normal)),
+        let normal = parts.nth(1).filter(|normal| !normal.is_empty());
+        match texture.line(corner) {
+            Some(line) => write!(out, "/{}", addition.known + u64::from(line) + 1)?,
+            None if normal.is_some() => out.write_all(b"/")?,
+            None => {}
         }
+        normal.map_or(Ok(()), |normal| out.write_all(b"/").and_then(|()| out.write_all(normal)))
     }
 }
 

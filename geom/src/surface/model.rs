@@ -110,6 +110,8 @@ pub struct Model {
     uv: Option<TextureCoordinates>,
     skipped: Skipped,
     obj_text: Option<Vec<u8>>,
+    /// Whether the text has other texture coordinates than `uv`, which were given later.
+    text_has_other_uv: bool,
     attributes: Arc<Attributes>,
 }
 
@@ -156,6 +158,7 @@ impl Model {
             uv: None,
             skipped: Skipped::default(),
             obj_text: None,
+            text_has_other_uv: false,
             attributes: Arc::default(),
         };
         model.check().map(|()| model)
@@ -272,7 +275,11 @@ impl Model {
     }
 
     /// The same model with other attributes. Tables that have not as many rows as they should are left out.
+    ///
+    /// The text of an OBJ says what the old ones were, so that it is [no longer kept](Self::obj_text): its comments, groups and material libraries
+    /// are gone from what is written.
     pub fn with_attributes(mut self, attributes: Attributes) -> Self {
+        self.obj_text = None;
         self.attributes = Arc::new(attributes.fitting(self.vertex_count(), self.face_count(), self.corner_count()));
         self
     }
@@ -284,7 +291,7 @@ pub(super) fn place_key(p: &[f64; 3]) -> [u64; 3] {
 }
 
 impl Model {
-    /// The same model with a texture coordinate for each corner, in place of those of its file.
+    /// The same model with a texture coordinate for each corner, in place of those of its file. The text of an OBJ stays, and is written with the new ones.
     ///
     /// ```
     /// let square = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
@@ -304,6 +311,7 @@ impl Model {
             return Err(ModelError::TextureCount { found, corners });
         }
         self.uv = Some(TextureCoordinates { points: uv, corners: (0..corners as u32).collect() });
+        self.text_has_other_uv = true;
         Ok(self)
     }
 }
@@ -324,7 +332,13 @@ impl Model {
 
     pub(crate) fn with_obj_text(mut self, text: Vec<u8>) -> Self {
         self.obj_text = Some(text);
+        self.text_has_other_uv = false;
         self
+    }
+
+    /// The texture coordinates that a text of the model's own does not have.
+    pub(crate) fn uv_beside_text(&self) -> Option<&TextureCoordinates> {
+        self.uv.as_ref().filter(|_| self.obj_text.is_none() || self.text_has_other_uv)
     }
 }
 

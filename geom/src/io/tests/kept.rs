@@ -172,3 +172,45 @@ fn no_two_properties_of_a_ply_have_one_name() {
     let names: Vec<String> = back.attributes().tables.iter().map(|table| table.meaning().to_string()).collect();
     assert_eq!(names, ["x_", "s_", "my_name", "my_name_", "unnamed"]);
 }
+
+const TEXTURED: &str = "# by hand\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvn 0 0 1\ng left\nf 1/1/1 2/2/1 3/3/1\nf 1/1 3/3 4\n";
+
+#[test]
+fn texture_coordinates_that_an_obj_is_given_are_written_with_its_text() {
+    let model = obj(TEXTURED);
+    let uv = some_uv(&model);
+    let bytes = |model: &Model, uv| {
+        let mut out = Vec::new();
+        write_obj(model, &ObjContent { uv, ..ObjContent::default() }, &mut out).unwrap();
+        String::from_utf8(out).unwrap()
+    };
+    let given = model.clone().with_texture(uv.clone()).unwrap();
+    assert_eq!(bytes(&given, None), bytes(&model, Some(&uv)));
+    assert_eq!(bytes(&model, None), TEXTURED);
+    // A corner that is given nothing has nothing.
+    let mut partly = uv.clone();
+    partly[0][1] = f64::NAN;
+    let text = bytes(&model.with_texture(partly).unwrap(), None);
+    assert!(text.starts_with("# by hand\n") && text.contains("\nf 1//1 2/1/1 3/2/1\n"), "{text}");
+    let back = obj(&text);
+    let found: Vec<_> = (0..6).map(|corner| back.uv().unwrap().corner(corner)).collect();
+    assert_eq!((found[0], &found[1..]), (None, &uv[1..].iter().copied().map(Some).collect::<Vec<_>>()[..]));
+}
+
+#[test]
+fn attributes_that_an_obj_is_given_are_written_and_its_map_stays() {
+    let model = obj(TEXTURED);
+    let mut table = Attribute::new(Meaning::Colour, AttributeDomain::Vertices, ScalarType::U8, 3);
+    (0..12).for_each(|x| table.push(f64::from(20 * x)));
+    let mut attributes = model.attributes().clone();
+    attributes.tables.push(table);
+    let given = model.clone().with_attributes(attributes);
+    let back = written(&given, None, MeshFormat::Obj);
+    assert_near(&given, &back, Meaning::Colour, 1e-5);
+    assert_near(&given, &back, Meaning::Normal, 0.0);
+    let map = |model: &Model| (0..6).map(|corner| model.uv().unwrap().corner(corner)).collect::<Vec<_>>();
+    assert_eq!(map(&back), map(&model));
+    assert_eq!(not_kept(&given, MeshFormat::Obj).unwrap().to_string(), "not kept in OBJ: groups");
+    let bare = written(&model.with_attributes(crate::Attributes::default()), None, MeshFormat::Obj);
+    assert!(bare.attributes().is_bare());
+}
