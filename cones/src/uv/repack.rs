@@ -4,7 +4,7 @@ use geom::distortion::{DistortionError, measure_watched, unit_on_surface};
 use geom::{FaceId, Id, Model, Watch, Weld};
 
 use super::companions::{Corners, leaders};
-use super::pack::{PackError, PackOptions, Packing, Tiles, fill, pack};
+use super::pack::{PackError, PackOptions, Packing, Tiles, check_islands, fill, pack_numbered};
 use super::triangle::Triangle;
 
 /// A model's map whose islands are packed.
@@ -52,10 +52,10 @@ pub fn islands_of(
 }
 
 /// Packs the islands of a model's map: they are moved rigidly and scaled alike, with all their triangles; what is on none stays. Copies of triangles take no
-/// room and stay where the others are; `weld` takes vertices for one. Texels of [`Tiles::Udim`] are those of a unit of length on the surface. Cost as of [`pack`].
+/// room and stay where the others are; `weld` takes vertices for one. Texels of [`Tiles::Udim`] are those of a unit of length on the surface. Cost as of [`pack`](super::pack()).
 ///
 /// # Errors
-/// As [`pack`].
+/// As [`pack`](super::pack()).
 ///
 /// # Panics
 /// If there is a corner without a position, or a triangle without an entry.
@@ -66,6 +66,8 @@ pub fn repack(
     (weld, options): (Weld, &PackOptions),
     watch: Watch,
 ) -> Result<Repacked, PackError> {
+    options.check()?;
+    check_islands(islands.iter().copied())?;
     let triangles = model.triangles();
     let (mut vertices, images) = (triangles.vertices(model), images(&triangles.corners, uv));
     weld.apply(model, &mut vertices);
@@ -79,8 +81,9 @@ pub fn repack(
         Tiles::Udim { texel_density } => Tiles::Udim { texel_density: texel_density * unit },
         Tiles::One => Tiles::One,
     };
-    let packing =
-        pack(&of_kept, &island, &PackOptions { tiles, ..*options }, watch).map_err(|error| error.in_unit(unit))?;
+    let options = PackOptions { tiles, ..*options };
+    options.check().map_err(|error| error.in_unit(unit))?;
+    let packing = pack_numbered(&of_kept, &island, &options, watch).map_err(|error| error.in_unit(unit))?;
     let mut placed = uv.to_vec();
     for ((corners, own), companion) in triangles.corners.iter().zip(islands).zip(&companions) {
         let island = companion.and_then(|companion| islands[companion as usize]).or(*own);
@@ -144,6 +147,21 @@ mod tests {
         let packed =
             repack(&model, &parted.uv, &parted.islands, (Weld::Auto, &PackOptions::default()), Watch::NONE).unwrap();
         assert!(packed.uv.as_flattened().iter().all(|x| (0.0..=1.0).contains(x)), "{:?}", packed.uv);
+    }
+
+    #[test]
+    fn islands_may_have_any_numbers_less_than_that_of_triangles() {
+        let second = [[0.1, 0.0], [1.1, 0.0], [0.1, 1.0]];
+        let (model, uv) = copied(second, BESIDE);
+        let repacked = |islands: [u32; 4]| {
+            repack(&model, &uv, &islands.map(Some), (Weld::Auto, &PackOptions::default()), Watch::NONE)
+        };
+        // The fourth triangle is a copy, so that three are packed.
+        assert_eq!(repacked([3, 3, 1, 3]).unwrap().packing.places.len(), 4);
+        for island in [4, u32::MAX] {
+            let error = repacked([0, 0, island, 0]).unwrap_err();
+            assert_eq!(error, PackError::Island { triangle: 2, island, triangles: 4 });
+        }
     }
 
     #[test]

@@ -110,7 +110,7 @@ impl Packing {
 /// islands only. What comes out depends on nothing but the input, not on the number of threads either.
 ///
 /// # Errors
-/// If the lists differ in length, coordinates are not finite, options make no sense, an island is larger than a tile of the
+/// If the lists differ in length, the number of an island is not less than that of all triangles, coordinates are not finite, options make no sense, an island is larger than a tile of the
 /// density that was asked for, or the work was stopped.
 pub fn pack(
     triangles: &[[[f64; 2]; 3]],
@@ -122,6 +122,27 @@ pub fn pack(
     if triangles.len() != island.len() {
         return Err(PackError::Count { triangles: triangles.len(), islands: island.len() });
     }
+    check_islands(island.iter().copied().map(Some))?;
+    pack_numbered(triangles, island, options, watch)
+}
+
+/// Refuses the numbers of triangles' islands, if these have any, that are not less than how many triangles there are: memory is taken for each number.
+pub(super) fn check_islands(islands: impl ExactSizeIterator<Item = Option<u32>>) -> Result<(), PackError> {
+    let triangles = islands.len();
+    let is_too_large = |&(_, island): &(usize, Option<u32>)| island.is_some_and(|island| island as usize >= triangles);
+    match islands.enumerate().find(is_too_large) {
+        Some((triangle, Some(island))) => Err(PackError::Island { triangle, island, triangles }),
+        _ => Ok(()),
+    }
+}
+
+/// [`pack`] with options, and numbers of islands, that were checked.
+pub(super) fn pack_numbered(
+    triangles: &[[[f64; 2]; 3]],
+    island: &[u32],
+    options: &PackOptions,
+    watch: Watch,
+) -> Result<Packing, PackError> {
     let (outlines, unit) = outlines(triangles, island, watch.within(0.0, 0.2))?;
     let count = outlines.iter().filter(|outline| !outline.edges.is_empty()).count();
     if count == 0 {

@@ -69,6 +69,19 @@ pub enum PackError {
         /// For how many an island is given.
         islands: usize,
     },
+    /// An island's number is as large as there are triangles, or larger.
+    #[error(
+        "triangle {triangle} (counted from 0) is on island {island}, but of {triangles} triangles islands can have the numbers from 0 to {} only",
+        triangles.saturating_sub(1)
+    )]
+    Island {
+        /// The first triangle on such an island.
+        triangle: usize,
+        /// The island's number.
+        island: u32,
+        /// How many triangles there are.
+        triangles: usize,
+    },
     /// A coordinate is infinite, NaN, or too large to measure with.
     #[error(
         "triangle {triangle} (counted from 0) has a texture coordinate that is not a finite number, or is beyond 1e300"

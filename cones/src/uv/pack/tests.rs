@@ -226,7 +226,7 @@ fn nothing_packs_into_nothing() {
     let packing = pack(&[], &[], &PackOptions::default(), Watch::NONE).unwrap();
     assert_eq!((packing.places.len(), packing.fill, packing.tiles), (0, 0.0, 0));
     // Numbers that no triangle has are islands without anything.
-    let (packing, _) = check(&[[[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]], &[2], &PackOptions::default());
+    let (packing, _) = check(&[[[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]; 3], &[2; 3], &PackOptions::default());
     assert_eq!(packing.places.len(), 3);
 }
 
@@ -264,6 +264,14 @@ fn what_cannot_be_packed_is_said_by_name() {
     assert!(matches!(refused(PackOptions { margin: f64::NAN, ..margin }), PackError::Margin { .. }));
     let counts = pack(&[triangle], &[0, 1], &PackOptions::default(), Watch::NONE);
     assert_eq!(counts.unwrap_err(), PackError::Count { triangles: 1, islands: 2 });
+    let sparse = |island| pack(&[triangle; 2], &[1, island], &PackOptions::default(), Watch::NONE).unwrap_err();
+    for island in [2, 50_000_000, u32::MAX] {
+        assert_eq!(sparse(island), PackError::Island { triangle: 1, island, triangles: 2 });
+    }
+    assert_eq!(
+        sparse(7).to_string(),
+        "triangle 1 (counted from 0) is on island 7, but of 2 triangles islands can have the numbers from 0 to 1 only"
+    );
     let stop = |_| std::ops::ControlFlow::Break(());
     let stopped = pack(&[triangle], &[0], &PackOptions::default(), Watch::new(&stop));
     assert_eq!(stopped.unwrap_err(), PackError::Interrupted(geom::Interrupted));
