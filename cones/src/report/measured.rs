@@ -61,9 +61,9 @@ impl MeasuredAtlas {
         weld: Weld,
         watch: Watch,
     ) -> Result<Self, DistortionError> {
-        if atlas.uv.len() != model.corner_count() {
-            let [triangles, uv] = [model.corner_count(), atlas.uv.len()].map(|corners| corners / 3);
-            return Err(DistortionError::Count { triangles, uv });
+        let (found, corners) = (atlas.uv.len(), model.corner_count());
+        if found != corners {
+            return Err(DistortionError::TextureCount { found, corners });
         }
         let uv = atlas.uv_in(size);
         let triangles: Cow<[[u32; 3]]> = match atlas.left_out.is_empty() {
@@ -148,5 +148,23 @@ impl Atlas {
             UvSize::Raw => *uv,
         };
         self.uv.par_iter().with_min_len(AT_ONCE).map(place).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_atlas_of_a_model_with_another_number_of_corners_is_refused_by_both_numbers() {
+        let points = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.5, 1.5, 0.0], [0.0, 1.0, 0.0]];
+        let polygon = |face: &[u32]| Model::from_polygons(points.clone(), [face]).unwrap();
+        let quad = polygon(&[0, 1, 2, 4]);
+        let atlas = Analysis::new(&quad).unwrap().atlas(&Options::default()).unwrap();
+        for (other, corners) in [(polygon(&[0, 1, 2]), 3), (polygon(&[0, 1, 2, 3, 4]), 5)] {
+            let error = MeasuredAtlas::new(&other, atlas.clone(), UvSize::Unit, Weld::Never).unwrap_err();
+            let told = format!("there are 4 texture coordinates for {corners} corners of faces");
+            assert_eq!(error.to_string(), told);
+        }
     }
 }

@@ -155,6 +155,14 @@ pub enum DistortionError {
         /// How many have images.
         uv: usize,
     },
+    /// Texture coordinates are one for each corner of a model's faces.
+    #[error("there are {found} texture coordinates for {corners} corners of faces")]
+    TextureCount {
+        /// How many texture coordinates there are.
+        found: usize,
+        /// How many corners there are.
+        corners: usize,
+    },
     /// A triangle names a vertex that is not there.
     #[error("triangle {face} uses vertex {vertex}, but there are only {count} vertices (counted from 0)")]
     VertexOutOfRange {
