@@ -7,7 +7,7 @@ use thiserror::Error;
 use crate::baseline::LscmError;
 use crate::curvature::CurvatureError;
 use crate::flatten::{ScalingError, SeamError};
-use crate::uv::PackError;
+use crate::uv::{PackError, PartError};
 
 /// Why a model cannot be analysed, its cones placed, or flattened.
 #[derive(Clone, Debug, Error)]
@@ -144,3 +144,13 @@ macro_rules! from {
 }
 
 from!(DistortionError => Measure, PrepareError => Prepare, PackError => Pack, PoissonError => Poisson, CurvatureError => Curvature, SeamError => Seams, ScalingError => Scaling);
+
+impl From<PartError> for Error {
+    fn from(error: PartError) -> Self {
+        match error {
+            PartError::Prepare(error) => error.into(),
+            PartError::TextureCount { found, corners } => Self::Model(ModelError::TextureCount { found, corners }),
+            PartError::Interrupted(interrupted) => interrupted.into(),
+        }
+    }
+}

@@ -1,9 +1,9 @@
 //! Maps of any origin: measured, taken apart where they lie over themselves, packed.
 
 use cones::report::{Quality, worth_measuring};
-use cones::uv::{PackError, PackOptions, Parted, Repacked, islands_of, repack};
+use cones::uv::{PackError, PackOptions, PartError, Parted, Repacked, islands_of, repack};
 use geom::distortion::DistortionError;
-use geom::{FaceId, Id, Model, PrepareError, Watch};
+use geom::{FaceId, Id, Model, Watch};
 use numpy::{PyArray1, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
@@ -152,12 +152,12 @@ pub(crate) fn pack<'py>(
     Ok(answer)
 }
 
-struct Stopped(PrepareError);
+struct Stopped(PartError);
 
 impl From<Failed<Stopped>> for PyErr {
     fn from(Failed(Stopped(error)): Failed<Stopped>) -> Self {
         match error {
-            PrepareError::Interrupted(_) => PyKeyboardInterrupt::new_err(()),
+            PartError::Interrupted(_) => PyKeyboardInterrupt::new_err(()),
             error => exception(&error),
         }
     }

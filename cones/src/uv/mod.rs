@@ -40,7 +40,7 @@ pub use motion::Motion;
 pub use overlap::{NEGLIGIBLE_DEPTH, Overlap, Overlaps, overlaps, overlaps_watched};
 pub use pack::{IslandPlace, PackError, PackOptions, Packing, Rotations, Tiles, fill, pack};
 pub(crate) use pack::{filled, room};
-pub use part::{Parted, part};
+pub use part::{PartError, Parted, part};
 pub(crate) use rearrange::Figures;
 pub use repack::{Repacked, islands_of, repack};
 pub use separate::{Separation, separate};

@@ -3,6 +3,7 @@
 use geom::{
     EdgeData, EdgeId, Interrupted, Model, PrepareError, Prepared, Surface, Triangles, Watch, Weld, prepare_watched,
 };
+use thiserror::Error;
 
 use super::companions::{Corners, leaders};
 use super::map::UvMap;
@@ -13,6 +14,35 @@ use super::triangle::Triangle;
 
 /// The two sides of an edge whose ends are this near, over the map's extent, are the same: files round.
 const ROUNDING: f64 = 1e-6;
+
+/// Why a map cannot be taken apart.
+#[derive(Clone, Debug, Error, PartialEq)]
+#[non_exhaustive]
+pub enum PartError {
+    /// The model has no surface.
+    #[error(transparent)]
+    Prepare(PrepareError),
+    /// Texture coordinates are one for each corner of the model's faces.
+    #[error("there are {found} texture coordinates for {corners} corners of faces")]
+    TextureCount {
+        /// How many texture coordinates there are.
+        found: usize,
+        /// How many corners there are.
+        corners: usize,
+    },
+    /// The work was stopped.
+    #[error(transparent)]
+    Interrupted(#[from] Interrupted),
+}
+
+impl From<PrepareError> for PartError {
+    fn from(error: PrepareError) -> Self {
+        match error {
+            PrepareError::Interrupted(interrupted) => Self::Interrupted(interrupted),
+            error => Self::Prepare(error),
+        }
+    }
+}
 
 /// A model's map whose islands do not lie over themselves.
 #[derive(Clone, Debug)]
@@ -52,11 +82,12 @@ pub struct Parted {
 /// Triangles with coordinates that are not finite lie over nothing.
 ///
 /// # Errors
-/// If the model has no surface, or the work is stopped.
-///
-/// # Panics
-/// If there is a corner without a position.
-pub fn part(model: &Model, uv: &[[f64; 2]], weld: Weld, watch: Watch) -> Result<Parted, PrepareError> {
+/// If there are more or fewer positions than corners, the model has no surface, or the work is stopped.
+pub fn part(model: &Model, uv: &[[f64; 2]], weld: Weld, watch: Watch) -> Result<Parted, PartError> {
+    let (found, corners) = (uv.len(), model.corner_count());
+    if found != corners {
+        return Err(PartError::TextureCount { found, corners });
+    }
     let Prepared { surfaces, triangles, left_out, .. } = prepare_watched(model, weld, watch.within(0.0, 0.1))?;
     let images = images(&triangles.corners, uv);
     let mut vertices = triangles.vertices(model);

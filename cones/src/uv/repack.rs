@@ -24,16 +24,17 @@ pub struct Repacked {
 /// one. O(F).
 ///
 /// # Errors
-/// If positions are not finite, there is no area, or the work was stopped.
-///
-/// # Panics
-/// If there is a corner without a position.
+/// If there are more or fewer positions than corners, positions are not finite, there is no area, or the work was stopped.
 pub fn islands_of(
     model: &Model,
     uv: &[[f64; 2]],
     weld: Weld,
     watch: Watch,
 ) -> Result<Vec<Option<u32>>, DistortionError> {
+    let (found, corners) = (uv.len(), model.corner_count());
+    if found != corners {
+        return Err(DistortionError::TextureCount { found, corners });
+    }
     let triangles = model.triangles();
     let (mut vertices, images) = (triangles.vertices(model), images(&triangles.corners, uv));
     weld.apply(model, &mut vertices);
@@ -55,10 +56,7 @@ pub fn islands_of(
 /// room and stay where the others are; `weld` takes vertices for one. Texels of [`Tiles::Udim`] are those of a unit of length on the surface. Cost as of [`pack`](super::pack()).
 ///
 /// # Errors
-/// As [`pack`](super::pack()).
-///
-/// # Panics
-/// If there is a corner without a position, or a triangle without an entry.
+/// As [`pack`](super::pack()), and if there are more or fewer positions than corners, or entries than triangles.
 pub fn repack(
     model: &Model,
     uv: &[[f64; 2]],
@@ -67,8 +65,15 @@ pub fn repack(
     watch: Watch,
 ) -> Result<Repacked, PackError> {
     options.check()?;
-    check_islands(islands.iter().copied())?;
+    let (found, corners) = (uv.len(), model.corner_count());
+    if found != corners {
+        return Err(PackError::TextureCount { found, corners });
+    }
     let triangles = model.triangles();
+    if islands.len() != triangles.len() {
+        return Err(PackError::Count { triangles: triangles.len(), islands: islands.len() });
+    }
+    check_islands(islands.iter().copied())?;
     let (mut vertices, images) = (triangles.vertices(model), images(&triangles.corners, uv));
     weld.apply(model, &mut vertices);
     let companions = Corners { vertices: &vertices, uv: &images }.companions(0..vertices.len() as u32);
@@ -161,6 +166,24 @@ mod tests {
         for island in [4, u32::MAX] {
             let error = repacked([0, 0, island, 0]).unwrap_err();
             assert_eq!(error, PackError::Island { triangle: 2, island, triangles: 4 });
+        }
+    }
+
+    #[test]
+    fn what_does_not_fit_the_model_is_refused_by_both_numbers() {
+        let (model, uv) = copied(FIRST, BESIDE);
+        let packed = |uv: &[[f64; 2]], islands: &[Option<u32>]| {
+            repack(&model, uv, islands, (Weld::Auto, &PackOptions::default()), Watch::NONE).unwrap_err()
+        };
+        let long = [uv.as_slice(), &uv[..1]].concat();
+        for wrong in [&uv[1..], &long, &[]] {
+            let told = format!("there are {} texture coordinates for 12 corners of faces", wrong.len());
+            assert_eq!(islands_of(&model, wrong, Weld::Auto, Watch::NONE).unwrap_err().to_string(), told);
+            assert_eq!(part(&model, wrong, Weld::Auto, Watch::NONE).unwrap_err().to_string(), told);
+            assert_eq!(packed(wrong, &[Some(0); 4]).to_string(), told);
+        }
+        for islands in [3, 5] {
+            assert_eq!(packed(&uv, &vec![Some(0); islands]), PackError::Count { triangles: 4, islands });
         }
     }
 

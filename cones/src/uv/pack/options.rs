@@ -69,6 +69,14 @@ pub enum PackError {
         /// For how many an island is given.
         islands: usize,
     },
+    /// Texture coordinates are one for each corner of a model's faces.
+    #[error("there are {found} texture coordinates for {corners} corners of faces")]
+    TextureCount {
+        /// How many texture coordinates there are.
+        found: usize,
+        /// How many corners there are.
+        corners: usize,
+    },
     /// An island's number is as large as there are triangles, or larger.
     #[error(
         "triangle {triangle} (counted from 0) is on island {island}, but of {triangles} triangles islands can have the numbers from 0 to {} only",
