@@ -8,7 +8,7 @@ use crate::intrinsic::PoissonError;
 use crate::io::{ReadError, WriteError};
 use crate::linalg::CholeskyError;
 use crate::mesh::MeshError;
-use crate::surface::{ModelError, PrepareError};
+use crate::surface::{AttributeError, ModelError, PrepareError};
 use crate::watch::Interrupted;
 
 /// Any error of this crate, for callers that pass all of them on. Each function returns its own, which says more of what to
@@ -35,6 +35,9 @@ pub enum Error {
     /// Points and polygons make no model.
     #[error(transparent)]
     Model(#[from] ModelError),
+    /// Numbers make no attribute of a model.
+    #[error(transparent)]
+    Attribute(#[from] AttributeError),
     /// A model has no surface.
     #[error(transparent)]
     Prepare(#[from] PrepareError),

@@ -2,7 +2,9 @@
 //!
 //! An [`Attribute`] is a table of numbers in the file's own type, a row for each vertex, face or, by an index, corner: normals,
 //! colours, and whatever else a file has under a name of its own. They go with a [`Model`](crate::Model) from its reader to
-//! the writers and are never computed with. Where a surface is cut finer they are interpolated ([`refine_attributes`](crate::refine_attributes)).
+//! the writers and are never computed with. Readers make them, or whoever has numbers of their own ([`Attribute::of_vertices`]). Where a surface is cut finer they are interpolated ([`refine_attributes`](crate::refine_attributes)).
+
+use thiserror::Error;
 
 /// The type of a number in a file. All of them fit in f64 exactly.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -107,6 +109,17 @@ impl std::fmt::Display for Meaning {
     }
 }
 
+impl Meaning {
+    /// Whether rows of so many numbers can be it.
+    fn takes(&self, width: usize) -> bool {
+        match self {
+            Self::Normal => width == 3,
+            Self::Colour => width == 3 || width == 4,
+            Self::Other(_) => width > 0,
+        }
+    }
+}
+
 /// What an attribute has a row for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum AttributeDomain {
@@ -116,6 +129,50 @@ pub enum AttributeDomain {
     Corners,
     /// Each face.
     Faces,
+}
+
+impl std::fmt::Display for AttributeDomain {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::Vertices => "vertices",
+            Self::Corners => "corners of faces",
+            Self::Faces => "faces",
+        })
+    }
+}
+
+/// Why numbers make no [`Attribute`], or none of a model's.
+#[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
+pub enum AttributeError {
+    /// Normals are rows of three numbers, colours of three or four, others of one at least.
+    #[error("{meaning} cannot be rows of {width} numbers: normals have 3, colours 3 or 4, others at least 1")]
+    Width {
+        /// What they were to be.
+        meaning: Meaning,
+        /// How many numbers a row has.
+        width: usize,
+    },
+    /// A number is infinite or NaN.
+    #[error("row {row} of {meaning} (counted from 0) has a number that is not finite")]
+    NotFinite {
+        /// What they were to be.
+        meaning: Meaning,
+        /// The row.
+        row: usize,
+    },
+    /// A model has another number of vertices, corners or faces.
+    #[error("there are {meaning} for {found} {domain}, but the model has {needed}")]
+    Count {
+        /// What they are.
+        meaning: Meaning,
+        /// What they are of.
+        domain: AttributeDomain,
+        /// How many of these they are for.
+        found: usize,
+        /// How many of these there are.
+        needed: usize,
+    },
 }
 
 /// A table of numbers; see the module's head.
@@ -139,10 +196,82 @@ impl Attribute {
     pub(crate) const NONE: u32 = u32::MAX;
 
     /// A table of rows of `width` numbers, without rows yet.
-    #[cfg_attr(not(feature = "files"), allow(dead_code, reason = "readers of files make tables, and tests"))]
     pub(crate) fn new(meaning: Meaning, domain: AttributeDomain, scalar: ScalarType, width: usize) -> Self {
         let (start, bytes, index) = (Vec::new(), Vec::new(), Vec::new());
         Self { meaning, domain, scalar, width: Some(width.max(1)), start, bytes, index }
+    }
+
+    /// A table of vertices, a row each in the order of the model's. `scalar` is the type that files get: numbers are rounded to it, and a share of
+    /// a colour is one of [`ScalarType::one`]. [`Model::with_attribute`](crate::Model::with_attribute) puts it on a model.
+    ///
+    /// ```
+    /// # #[cfg(feature = "files")] {
+    /// use geom::io::{read_bytes, write_ply};
+    /// use geom::{Attribute, Meaning, Model, ScalarType};
+    ///
+    /// let points = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+    /// let colours = [[255.0, 0.0, 0.0], [0.0, 255.0, 0.0], [0.0, 0.0, 255.0]];
+    /// let colours = Attribute::of_vertices(Meaning::Colour, ScalarType::U8, &colours)?;
+    /// let model = Model::from_triangles(points, &[[0, 1, 2]])?.with_attribute(colours)?;
+    /// let mut file = Vec::new();
+    /// write_ply(&model, None, None, &mut file)?;
+    /// let back = read_bytes(file, "triangle.ply")?;
+    /// let colours = back.attributes().table(&Meaning::Colour).expect("they were written");
+    /// assert_eq!(colours.row(1).collect::<Vec<_>>(), [0.0, 255.0, 0.0]);
+    /// # }
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// If rows are not as long as their meaning asks, or a number is not finite.
+    pub fn of_vertices<const WIDTH: usize>(
+        meaning: Meaning,
+        scalar: ScalarType,
+        rows: &[[f64; WIDTH]],
+    ) -> Result<Self, AttributeError> {
+        Self::of_rows(meaning, AttributeDomain::Vertices, scalar, rows)
+    }
+
+    /// A table of faces, a row each in the order of the model's; otherwise as [`Attribute::of_vertices`].
+    ///
+    /// # Errors
+    /// As [`Attribute::of_vertices`].
+    pub fn of_faces<const WIDTH: usize>(
+        meaning: Meaning,
+        scalar: ScalarType,
+        rows: &[[f64; WIDTH]],
+    ) -> Result<Self, AttributeError> {
+        Self::of_rows(meaning, AttributeDomain::Faces, scalar, rows)
+    }
+
+    /// A table of corners, of which each names its row: what is no row is none. Otherwise as [`Attribute::of_vertices`].
+    ///
+    /// # Errors
+    /// As [`Attribute::of_vertices`].
+    pub fn of_corners<const WIDTH: usize>(
+        meaning: Meaning,
+        scalar: ScalarType,
+        rows: &[[f64; WIDTH]],
+        row_of_corner: Vec<u32>,
+    ) -> Result<Self, AttributeError> {
+        Self::of_rows(meaning, AttributeDomain::Corners, scalar, rows).map(|table| table.at_corners(row_of_corner))
+    }
+
+    fn of_rows<const WIDTH: usize>(
+        meaning: Meaning,
+        domain: AttributeDomain,
+        scalar: ScalarType,
+        rows: &[[f64; WIDTH]],
+    ) -> Result<Self, AttributeError> {
+        if !meaning.takes(WIDTH) {
+            return Err(AttributeError::Width { meaning, width: WIDTH });
+        }
+        if let Some(row) = rows.iter().position(|row| row.iter().any(|x| !x.is_finite())) {
+            return Err(AttributeError::NotFinite { meaning, row });
+        }
+        let mut table = Self::new(meaning, domain, scalar, WIDTH);
+        rows.as_flattened().iter().for_each(|&x| table.push(x));
+        Ok(table)
     }
 
     /// What its numbers are.
@@ -176,6 +305,25 @@ impl Attribute {
         let size = self.scalar.size();
         let bytes = self.row_bytes(row);
         bytes.chunks_exact(size).map(|bytes| self.scalar.decode(bytes))
+    }
+
+    /// How many vertices, corners or faces it is for.
+    fn count(&self) -> usize {
+        if self.domain == AttributeDomain::Corners { self.index.len() } else { self.rows() }
+    }
+
+    /// Whether it fits a model of so many vertices, faces and corners.
+    ///
+    /// # Errors
+    /// If it does not.
+    pub(super) fn check(&self, [vertices, faces, corners]: [usize; 3]) -> Result<(), AttributeError> {
+        let needed = match self.domain {
+            AttributeDomain::Vertices => vertices,
+            AttributeDomain::Faces => faces,
+            AttributeDomain::Corners => corners,
+        };
+        let (meaning, domain, found) = (self.meaning.clone(), self.domain, self.count());
+        if found == needed { Ok(()) } else { Err(AttributeError::Count { meaning, domain, found, needed }) }
     }
 
     /// The bytes of a row.
@@ -368,13 +516,16 @@ impl Attributes {
         (!look.is_empty()).then_some(look)
     }
 
+    /// Adds a table that was checked, in place of those with its meaning.
+    pub(super) fn put(&mut self, table: Attribute) {
+        let is_of_faces = |table: &Attribute| table.domain == AttributeDomain::Faces;
+        self.tables.retain(|old| old.meaning != table.meaning || is_of_faces(old) != is_of_faces(&table));
+        self.tables.push(table);
+    }
+
     /// Leaves out tables whose rows are not as many as they should be.
     pub(super) fn fitting(mut self, vertices: usize, faces: usize, corners: usize) -> Self {
-        self.tables.retain(|table| match table.domain {
-            AttributeDomain::Vertices => table.rows() == vertices,
-            AttributeDomain::Faces => table.rows() == faces,
-            AttributeDomain::Corners => table.index.len() == corners,
-        });
+        self.tables.retain(|table| table.check([vertices, faces, corners]).is_ok());
         if self.face_material.len() != faces {
             self.face_material.clear();
         }

@@ -12,7 +12,7 @@ use std::collections::HashMap;
 use std::fmt;
 use std::sync::Arc;
 
-use super::attributes::Attributes;
+use super::attributes::{Attribute, AttributeError, Attributes};
 
 /// The largest absolute coordinate that a [`Model`] takes: three squared differences still add up to a finite number.
 pub const MAX_COORDINATE: f64 = 1e153;
@@ -278,10 +278,26 @@ impl Model {
     ///
     /// The text of an OBJ says what the old ones were, so that it is [no longer kept](Self::obj_text): its comments, groups and material libraries
     /// are gone from what is written.
+    ///
+    /// See also [`Model::with_attribute`].
     pub fn with_attributes(mut self, attributes: Attributes) -> Self {
         self.obj_text = None;
         self.attributes = Arc::new(attributes.fitting(self.vertex_count(), self.face_count(), self.corner_count()));
         self
+    }
+}
+
+impl Model {
+    /// The same model with one more table of numbers, in place of any of its meaning; tables of faces and others stand side by side. As of
+    /// [`Model::with_attributes`], the text of an OBJ is no longer kept. An example is at [`Attribute::of_vertices`].
+    ///
+    /// # Errors
+    /// If the table is for another number of vertices, faces or corners than there are.
+    pub fn with_attribute(self, table: Attribute) -> Result<Self, AttributeError> {
+        table.check([self.vertex_count(), self.face_count(), self.corner_count()])?;
+        let mut attributes = self.attributes().clone();
+        attributes.put(table);
+        Ok(self.with_attributes(attributes))
     }
 }
 

@@ -214,3 +214,45 @@ fn attributes_that_an_obj_is_given_are_written_and_its_map_stays() {
     let bare = written(&model.with_attributes(crate::Attributes::default()), None, MeshFormat::Obj);
     assert!(bare.attributes().is_bare());
 }
+
+#[test]
+fn attributes_of_a_mesh_in_memory_go_through_files() {
+    let points = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
+    let bare = Model::from_triangles(points, &[[0, 1, 2], [0, 2, 3]]).unwrap();
+    let [up, aside] = [[0.0, 0.0, 1.0], [0.0, 0.6, 0.8]];
+    let normals =
+        Attribute::of_corners(Meaning::Normal, ScalarType::F32, &[up, aside], vec![0, 0, 0, 1, 1, 1]).unwrap();
+    let colours: Vec<_> = (0..4).map(|v| [51.0 * f64::from(v), 255.0, 0.0, 102.0]).collect();
+    let colours = Attribute::of_vertices(Meaning::Colour, ScalarType::U8, &colours).unwrap();
+    let label = Meaning::Other("label".into());
+    let labels = Attribute::of_faces(label.clone(), ScalarType::I32, &[[7.0], [-8.0]]).unwrap();
+    let tables = [normals, colours, labels];
+    let model = tables.into_iter().try_fold(bare.clone(), Model::with_attribute).unwrap();
+    for format in MeshFormat::ALL {
+        let back = written(&model, None, format);
+        assert_near(&model, &back, Meaning::Normal, 1e-6);
+        assert_near(&model, &back, Meaning::Colour, 1e-4);
+    }
+    let back = written(&model, None, MeshFormat::Ply);
+    let label = back.attributes().tables.iter().find(|table| *table.meaning() == label).unwrap();
+    assert_eq!((label.row(0).next(), label.row(1).next(), label.scalar()), (Some(7.0), Some(-8.0), ScalarType::I32));
+
+    // Another table of colours takes the place of the first.
+    let grey = Attribute::of_vertices(Meaning::Colour, ScalarType::F32, &[[0.5; 3]; 4]).unwrap();
+    let model = model.with_attribute(grey.clone()).unwrap();
+    assert_eq!((model.attributes().tables.len(), model.attributes().table(&Meaning::Colour)), (3, Some(&grey)));
+
+    let refused = |table: Result<Attribute, crate::AttributeError>| {
+        table.and_then(|table| bare.clone().with_attribute(table)).unwrap_err().to_string()
+    };
+    let of = |rows: &[[f64; 3]]| Attribute::of_vertices(Meaning::Normal, ScalarType::F32, rows);
+    assert_eq!(refused(of(&[up; 3])), "there are normals for 3 vertices, but the model has 4");
+    assert_eq!(
+        refused(of(&[up, [0.0, f64::NAN, 1.0]])),
+        "row 1 of normals (counted from 0) has a number that is not finite"
+    );
+    let few = Attribute::of_corners(Meaning::Normal, ScalarType::F32, &[up], vec![0; 5]);
+    assert_eq!(refused(few), "there are normals for 5 corners of faces, but the model has 6");
+    let narrow = refused(Attribute::of_vertices(Meaning::Colour, ScalarType::U8, &[[0.0; 2]; 4]));
+    assert!(narrow.starts_with("colours cannot be rows of 2 numbers"), "{narrow}");
+}
