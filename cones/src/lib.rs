@@ -43,7 +43,11 @@
 //! 8. `baseline`: what the method is compared with.
 //!
 //! Curvature is an angle defect in radians: a cone of curvature k has 2π - k of angle. L is positive semidefinite.
-//! Everything is deterministic, and runs on the threads of the rayon pool from which it is called. The feature `serde` makes options, cones, orders and reports serializable.
+//! Everything is deterministic, and runs on the threads of the rayon pool from which it is called.
+//!
+//! # Features
+//!
+//! None is on by default. `files` reads and writes mesh files, by `cones::geom::io`; `serde` makes options, cones, orders and reports serializable.
 
 mod analysis;
 mod baseline;
