@@ -166,14 +166,12 @@ pub(crate) fn overlap_text(overlap: OverlapReport) -> String {
     }
 }
 
-/// A repair as a sentence.
+/// A repair as a sentence, with what could be done about it.
 pub(crate) fn repair_text(repair: &Repair) -> String {
-    let element = if repair.kind.is_of_faces() { "face" } else { "vertex" };
     let remedy = match repair.kind {
         RepairKind::Unwelded => "; --weld joins them",
         RepairKind::Welded => "; --weld=never leaves them",
         _ => "",
     };
-    let Repair { kind, count, first, .. } = repair;
-    format!("{} (first {element} {first}, counted from 0){remedy}", kind.counted(*count))
+    format!("{repair}{remedy}")
 }

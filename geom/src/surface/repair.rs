@@ -1,8 +1,9 @@
 //! What was mended of a model.
 
 use std::collections::BTreeMap;
+use std::fmt;
 
-/// Something that was mended.
+/// Something that was mended. Printed, it is one line: `2 isolated vertices, left out (first vertex 7, counted from 0)`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Repair {
@@ -12,6 +13,14 @@ pub struct Repair {
     pub count: usize,
     /// The first place, in the file's numbering from 0: a face for what concerns faces, otherwise a vertex.
     pub first: usize,
+}
+
+impl fmt::Display for Repair {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { kind, count, first } = self;
+        let element = if kind.is_of_faces() { "face" } else { "vertex" };
+        write!(f, "{} (first {element} {first}, counted from 0)", kind.counted(*count))
+    }
 }
 
 /// What can be mended.
@@ -109,5 +118,21 @@ impl RepairLog {
 
     pub(super) fn into_repairs(self) -> Vec<Repair> {
         self.0.into_iter().map(|(kind, (count, first))| Repair { kind, count, first }).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_repair_is_printed_with_how_often_and_where_first() {
+        let printed = |kind, count, first| Repair { kind, count, first }.to_string();
+        let two = "2 isolated vertices, left out (first vertex 7, counted from 0)";
+        assert_eq!(printed(RepairKind::IsolatedVertex, 2, 7), two);
+        assert_eq!(
+            printed(RepairKind::DuplicateFace, 1, 3),
+            "1 copy of a face, left out (first face 3, counted from 0)"
+        );
     }
 }
