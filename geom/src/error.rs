@@ -8,7 +8,7 @@ use crate::intrinsic::PoissonError;
 use crate::io::{ReadError, WriteError};
 use crate::linalg::CholeskyError;
 use crate::mesh::MeshError;
-use crate::surface::{AttributeError, ModelError, PrepareError};
+use crate::surface::{AttributeError, MissingTexture, ModelError, PrepareError};
 use crate::watch::Interrupted;
 
 /// Any error of this crate, for callers that pass all of them on. Each function returns its own, which says more of what to
@@ -38,6 +38,9 @@ pub enum Error {
     /// Numbers make no attribute of a model.
     #[error(transparent)]
     Attribute(#[from] AttributeError),
+    /// A map is not one of all corners.
+    #[error(transparent)]
+    Texture(#[from] MissingTexture),
     /// A model has no surface.
     #[error(transparent)]
     Prepare(#[from] PrepareError),

@@ -19,7 +19,7 @@ pub use attributes::{Attribute, AttributeDomain, AttributeError, Attributes, Lis
 pub use curvature::{gaussian_curvature, mean_curvature};
 pub use exposure::{exposure, exposure_watched};
 pub use instances::unify_instances;
-pub use model::{MAX_COORDINATE, Model, ModelError, Skipped, TextureCoordinates};
+pub use model::{MAX_COORDINATE, MissingTexture, Model, ModelError, Skipped, TextureCoordinates};
 #[cfg(feature = "files")]
 pub(crate) use model::{Polygons, is_coordinate};
 pub use prepare::{PrepareError, Prepared, Surface, prepare, prepare_watched};

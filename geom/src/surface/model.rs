@@ -412,6 +412,15 @@ impl Polygons {
     }
 }
 
+/// A corner of a model has no texture coordinate, or one that is not finite.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[error("corner {corner} (counted from 0) has no finite texture coordinate")]
+#[non_exhaustive]
+pub struct MissingTexture {
+    /// The corner.
+    pub corner: usize,
+}
+
 /// Texture coordinates of a file: points of the plane, and for each corner of the model which of them it has.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TextureCoordinates {
@@ -450,9 +459,9 @@ impl TextureCoordinates {
     /// The texture coordinates of all corners in order.
     ///
     /// # Errors
-    /// The first corner that has none.
-    pub fn all(&self) -> Result<Vec<[f64; 2]>, usize> {
-        (0..self.corners.len()).map(|corner| self.corner(corner).ok_or(corner)).collect()
+    /// If a corner has none; the first is named.
+    pub fn all(&self) -> Result<Vec<[f64; 2]>, MissingTexture> {
+        (0..self.corners.len()).map(|corner| self.corner(corner).ok_or(MissingTexture { corner })).collect()
     }
 }
 
@@ -537,6 +546,16 @@ mod tests {
         assert_eq!((model.vertex_count(), model.face_count(), model.corner_count()), (4, 2, 7));
         assert_eq!((model.face(1), model.face_corners(1)), (&[0, 1, 2, 3][..], 3..7));
         assert_eq!(model.faces().map(<[u32]>::len).collect::<Vec<_>>(), [3, 4]);
+    }
+
+    #[test]
+    fn of_corners_without_texture_the_first_is_named() {
+        let uv = vec![[0.0, 0.0], [1.0, f64::NAN], [f64::INFINITY, 0.0]];
+        let model = Model::from_triangles(POINTS.to_vec(), &[[0, 1, 2]]).unwrap().with_texture(uv).unwrap();
+        let missing = model.uv().unwrap().all().unwrap_err();
+        assert_eq!(missing, MissingTexture { corner: 1 });
+        let error: Box<dyn std::error::Error> = missing.into();
+        assert_eq!(error.to_string(), "corner 1 (counted from 0) has no finite texture coordinate");
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! The map that a file has.
 
 use crate::error::CommandError;
-use geom::Model;
+use geom::{MissingTexture, Model};
 use std::path::Path;
 
 /// The texture coordinates of all corners of a model that was read from a file.
@@ -9,7 +9,7 @@ pub(crate) fn texture(path: &Path, model: &Model) -> Result<Vec<[f64; 2]>, Comma
     let corners = 0..model.corner_count();
     let uv = model.uv().filter(|uv| corners.clone().any(|corner| uv.index(corner).is_some()));
     let uv = uv.ok_or_else(|| CommandError::NoTexture(path.to_owned()))?;
-    uv.all().map_err(|first| CommandError::PartlyNoTexture {
+    uv.all().map_err(|MissingTexture { corner: first, .. }| CommandError::PartlyNoTexture {
         path: path.to_owned(),
         lacking: corners.clone().filter(|&corner| uv.corner(corner).is_none()).count(),
         corners: corners.len(),
