@@ -28,6 +28,14 @@ pub enum PoissonError {
     /// The factor does not fit into memory.
     #[error("there is not enough memory to factor the Laplacian of {0} vertices")]
     OutOfMemory(usize),
+    /// Another Laplacian is not of the same surface.
+    #[error("the other Laplacian is of {found} vertices, but the first of {vertices}")]
+    Size {
+        /// How many vertices the other one has.
+        found: usize,
+        /// How many the first has.
+        vertices: usize,
+    },
     /// The work was stopped.
     #[error(transparent)]
     Interrupted(#[from] Interrupted),
@@ -151,7 +159,7 @@ impl Poisson {
     /// Factors another Laplacian of the same surface, with the same vertices fixed, in the same order of elimination.
     ///
     /// # Errors
-    /// As [`Poisson::new`].
+    /// As [`Poisson::new`], and if it is of another number of vertices.
     pub fn another(&self, laplacian: &SymmetricMatrix) -> Result<Self, PoissonError> {
         self.another_watched(laplacian.clone(), Watch::NONE)
     }
@@ -159,9 +167,9 @@ impl Poisson {
     /// [`Poisson::another`], watched, and without a copy of the Laplacian.
     ///
     /// # Errors
-    /// As [`Poisson::new`], and if it is stopped.
+    /// As [`Poisson::another`], and if it is stopped.
     pub fn another_watched(&self, laplacian: SymmetricMatrix, watch: Watch) -> Result<Self, PoissonError> {
-        debug_assert_eq!(laplacian.dimension(), self.vertex_count);
+        self.check_size(&laplacian)?;
         let cholesky = self.cholesky.another(restrict(laplacian, &self.unknown), watch)?;
         Ok(Self { cholesky, unknown: self.unknown.clone(), ..*self })
     }
@@ -170,7 +178,7 @@ impl Poisson {
     /// and there are never two factors.
     ///
     /// # Errors
-    /// As [`Poisson::new`].
+    /// As [`Poisson::another`].
     pub fn refactor(self, laplacian: &SymmetricMatrix) -> Result<Self, PoissonError> {
         self.refactor_watched(laplacian.clone(), Watch::NONE)
     }
@@ -178,11 +186,17 @@ impl Poisson {
     /// [`Poisson::refactor`], watched, and without a copy of the Laplacian.
     ///
     /// # Errors
-    /// As [`Poisson::new`], and if it is stopped.
+    /// As [`Poisson::another`], and if it is stopped.
     pub fn refactor_watched(self, laplacian: SymmetricMatrix, watch: Watch) -> Result<Self, PoissonError> {
-        debug_assert_eq!(laplacian.dimension(), self.vertex_count);
+        self.check_size(&laplacian)?;
         let cholesky = self.cholesky.refactor(restrict(laplacian, &self.unknown), watch)?;
         Ok(Self { cholesky, ..self })
+    }
+
+    /// Whether another Laplacian is of as many vertices.
+    fn check_size(&self, other: &SymmetricMatrix) -> Result<(), PoissonError> {
+        let (found, vertices) = (other.dimension(), self.vertex_count);
+        if found == vertices { Ok(()) } else { Err(PoissonError::Size { found, vertices }) }
     }
 
     /// Solves L x = b with x = 0 at the fixed vertices. Where none is fixed, with or without a boundary, b must sum to zero (what it sums to is put
@@ -215,7 +229,7 @@ impl Poisson {
     /// If it is stopped.
     ///
     /// # Panics
-    /// If `b` is not as long as there are vertices.
+    /// If the other Laplacian is of another number of vertices, or `b` is not as long as there are vertices.
     pub fn solve_perturbed(
         &self,
         laplacian: SymmetricMatrix,
@@ -223,6 +237,7 @@ impl Poisson {
         tolerance: f64,
         watch: Watch,
     ) -> Result<Option<VertexData<f64>>, Interrupted> {
+        assert_eq!(laplacian.dimension(), self.vertex_count, "the other Laplacian must be of the same surface");
         let matrix = restrict(laplacian, &self.unknown);
         watch.ask(0.0)?;
         let x = self.cholesky.solve_perturbed(&matrix, &self.gather(b), tolerance, watch)?;
@@ -454,6 +469,23 @@ mod tests {
             }
             assert!(Poisson::new(&laplacian, &[one, other]).is_ok());
         }
+    }
+
+    #[test]
+    fn another_laplacian_is_of_as_many_vertices() {
+        let of = |shape: shapes::Shape| {
+            let mesh = shape.mesh();
+            laplacian(&mesh, &Metric::from_points(&mesh, &shape.points))
+        };
+        let [matrix, small, large] = [shapes::disk(200), shapes::sphere(60), shapes::hare(900)].map(of);
+        assert!(small.dimension() < matrix.dimension() && matrix.dimension() < large.dimension());
+        let poisson = Poisson::new(&matrix, &[]).unwrap();
+        for wrong in [&small, &large] {
+            let refused = PoissonError::Size { found: wrong.dimension(), vertices: matrix.dimension() };
+            assert_eq!(poisson.another(wrong).map(|_| ()), Err(refused.clone()));
+            assert_eq!(Poisson::new(&matrix, &[]).unwrap().refactor(wrong).map(|_| ()), Err(refused));
+        }
+        assert!(poisson.another(&matrix).is_ok());
     }
 
     #[test]
