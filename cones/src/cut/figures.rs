@@ -28,6 +28,7 @@ pub struct SeamFigures {
 
 impl SeamFigures {
     /// Of the seams of one surface; of their sides nothing is known. O(seam edges).
+    #[doc(hidden)] // Seams are nothing that users of the library have; this is for what `internals` is for.
     pub fn new(surface: &Surface, metric: &Metric, seams: &Seams) -> Self {
         let length = seams.length / surface.scale;
         Self { length, ..Self::of_chains(surface, metric, &seams.chains) }
