@@ -7,7 +7,7 @@ use thiserror::Error;
 use crate::baseline::LscmError;
 use crate::curvature::CurvatureError;
 use crate::flatten::{ScalingError, SeamError};
-use crate::uv::{PackError, PartError};
+use crate::uv::{PackError, PartError, readable};
 
 /// Why a model cannot be analysed, its cones placed, or flattened.
 #[derive(Clone, Debug, Error)]
@@ -23,7 +23,7 @@ pub enum Error {
     #[error(transparent)]
     Measure(DistortionError),
     /// Fewer cones distort less than nothing.
-    #[error("an area distortion of {0} cannot be had: it is 1 at least")]
+    #[error("an area distortion of {} cannot be had: it is 1 at least", readable(*.0))]
     TargetDistortion(f64),
     /// A threshold that no extremum is above or below of.
     #[error("the threshold of persistence is NaN")]
@@ -99,7 +99,7 @@ pub enum Error {
         has_handles: bool,
     },
     /// A given curvature leaves no angle.
-    #[error("a cone's curvature must be less than 2π, but {0} is given")]
+    #[error("a cone's curvature must be less than 2π, but {} is given", readable(*.0))]
     CurvatureTooLarge(f64),
     /// Cones were asked about that another analysis has placed.
     #[error("these cones are of another analysis: give their vertices to this one")]

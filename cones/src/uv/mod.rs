@@ -39,7 +39,7 @@ pub use map::UvMap;
 pub use motion::Motion;
 pub use overlap::{NEGLIGIBLE_DEPTH, Overlap, Overlaps, overlaps, overlaps_watched};
 pub use pack::{IslandPlace, PackError, PackOptions, Packing, Rotations, Tiles, fill, pack};
-pub(crate) use pack::{filled, room};
+pub(crate) use pack::{filled, readable, room};
 pub use part::{PartError, Parted, part};
 pub(crate) use rearrange::Figures;
 pub use repack::{Repacked, islands_of, repack};

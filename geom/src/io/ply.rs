@@ -283,7 +283,7 @@ impl Row {
     fn take(&mut self, role: Role, value: f64, values: &impl Values) -> Result<(), Fault> {
         match role {
             Role::Position(_) if !is_coordinate(value) => {
-                let found = format!("the coordinate {value}");
+                let found = format!("the coordinate {value:e}");
                 return Err(Fault::unexpected(values.place(), found, format!("at most {MAX_COORDINATE:e}")));
             }
             Role::Position(axis) => self.position[axis] = value,

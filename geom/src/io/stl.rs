@@ -83,9 +83,11 @@ fn binary_point(bytes: &[u8], at: usize) -> Result<[f64; 3], Fault> {
         *x = f32::from_le_bytes(bytes.try_into().expect("chunks of four bytes")).into();
     }
     match point.iter().find(|&&x| !is_coordinate(x)) {
-        Some(x) => {
-            Err(Fault::unexpected(Place::Byte(at as u64), format!("a point with the coordinate {x}"), "finite numbers"))
-        }
+        Some(x) => Err(Fault::unexpected(
+            Place::Byte(at as u64),
+            format!("a point with the coordinate {x:e}"),
+            "finite numbers",
+        )),
         None => Ok(point),
     }
 }

@@ -43,7 +43,7 @@ pub enum ModelError {
         vertices: usize,
     },
     /// A coordinate is not finite or too large.
-    #[error("vertex {vertex} has the coordinate {value}, which must be finite and at most {MAX_COORDINATE:e} from 0")]
+    #[error("vertex {vertex} has the coordinate {value:e}, which must be finite and at most {MAX_COORDINATE:e} from 0")]
     Coordinate {
         /// The vertex.
         vertex: usize,
@@ -533,6 +533,9 @@ mod tests {
         }
         points[2][1] = f64::NAN;
         assert!(refused(&points, &[&[0, 1, 2]]).to_string().starts_with("vertex 2 has the coordinate NaN"));
+        points[2][1] = -1.1e153;
+        let told = "vertex 2 has the coordinate -1.1e153, which must be finite and at most 1e153 from 0";
+        assert_eq!(refused(&points, &[&[0, 1, 2]]).to_string(), told);
     }
 
     #[test]

@@ -29,6 +29,7 @@ use num_complex::Complex64;
 pub use fill::fill;
 pub(crate) use fill::filled;
 pub use island_place::IslandPlace;
+pub(crate) use options::readable;
 pub use options::{PackError, PackOptions, Rotations, Tiles};
 pub(super) use room::convex_hull;
 pub(crate) use room::room;

@@ -100,7 +100,8 @@ pub enum PackError {
     },
     /// The margin leaves no room.
     #[error(
-        "a margin of {margin} texels does not fit on a texture of {texture_size}: it must be at least 0 and less than a quarter of it"
+        "a margin of {} texels does not fit on a texture of {texture_size}: it must be at least 0 and less than a quarter of it",
+        readable(*margin)
     )]
     Margin {
         /// What was asked for.
@@ -109,10 +110,10 @@ pub enum PackError {
         texture_size: u32,
     },
     /// The share of the seams is negative or no number.
-    #[error("seams can become longer by a share of their length that is at least 0, but {0} is given")]
+    #[error("seams can become longer by a share of their length that is at least 0, but {} is given", readable(*.0))]
     MaxSeam(f64),
     /// The density is no positive number.
-    #[error("a texel density must be a positive number, but {0} is given")]
+    #[error("a texel density must be a positive number, but {} is given", readable(*.0))]
     Density(f64),
     /// An island is larger than a tile; of several, the largest: a density lower by `times` takes all.
     #[error(
@@ -145,6 +146,11 @@ impl PackError {
             other => other,
         }
     }
+}
+
+/// A number as it is, or by its power of ten where it has more than fifteen digits before the point.
+pub(crate) fn readable(x: f64) -> String {
+    if x.abs() < 1e15 { x.to_string() } else { format!("{x:e}") }
 }
 
 /// A positive number with three digits, rounded down.

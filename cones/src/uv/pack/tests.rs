@@ -262,6 +262,10 @@ fn what_cannot_be_packed_is_said_by_name() {
     let margin = PackOptions { margin: 256.0, ..PackOptions::default() };
     assert_eq!(refused(margin), PackError::Margin { margin: 256.0, texture_size: 1024 });
     assert!(matches!(refused(PackOptions { margin: f64::NAN, ..margin }), PackError::Margin { .. }));
+    let told = |margin| refused(PackOptions { margin, ..PackOptions::default() }).to_string();
+    for (margin, shown) in [(256.5, "256.5"), (-1.0, "-1"), (1e155, "1e155"), (f64::INFINITY, "inf")] {
+        assert!(told(margin).starts_with(&format!("a margin of {shown} texels")), "{}", told(margin));
+    }
     let counts = pack(&[triangle], &[0, 1], &PackOptions::default(), Watch::NONE);
     assert_eq!(counts.unwrap_err(), PackError::Count { triangles: 1, islands: 2 });
     let sparse = |island| pack(&[triangle; 2], &[1, island], &PackOptions::default(), Watch::NONE).unwrap_err();
