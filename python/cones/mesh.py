@@ -103,7 +103,7 @@ class Mesh:
         return self._native.texture_seams(welding(weld))
 
     def write(self, path: Union[str, os.PathLike], uv: Any = None, *, triangulate: bool = False) -> None:
-        """Writes the mesh as .obj, .ply or .glb, compressed where .gz follows, with texture coordinates for its corners (corners, 2).
+        """Writes the mesh as .obj, .ply or .glb, compressed where .gz follows, with texture coordinates for its corners (corners, 2), or its own.
 
         An OBJ that was read is written back line for line. The file appears whole or not at all.
         """

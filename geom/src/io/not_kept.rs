@@ -53,7 +53,7 @@ impl fmt::Display for NotKept {
 }
 
 /// What a model says that a file of this format does not; none where it says all. Comments, polygons that become triangles in GLB and
-/// numbers that become f32 there are not counted.
+/// numbers that become f32 there are not counted, nor a map of some corners alone, which PLY and GLB do not hold, as writers may be given one of all.
 ///
 /// ```
 /// use geom::io::{MeshFormat, not_kept, read_bytes};

@@ -26,6 +26,7 @@ pub(super) const GENERATOR: &str = "cones";
 
 /// Writes a model's triangles as `.glb`, with a texture coordinate for each corner and with these a PNG as the texture, for the map to be
 /// looked at, of what has no material with a [look](crate::Attributes::looks) of its own: [`read_bytes`](super::read_bytes) passes over it without a word.
+/// Without texture coordinates the model's own are written, if each corner has one; a map of some corners alone a GLB cannot hold.
 ///
 /// # Errors
 /// When texture coordinates or triangles do not fit the model, when it is larger than 4 GB, or when writing fails.
@@ -36,6 +37,8 @@ pub fn write_glb(
     texture: Option<&[u8]>,
     mut out: impl Write,
 ) -> Result<(), WriteError> {
+    let own = if uv.is_none() { model.whole_uv() } else { None };
+    let uv = uv.or(own.as_deref());
     let tables: Vec<&Attribute> = model.attributes().tables.iter().filter(|table| is_written(table)).collect();
     let of_corners: Vec<&Attribute> =
         tables.iter().copied().filter(|table| table.domain() == AttributeDomain::Corners).collect();

@@ -18,7 +18,8 @@ use super::ply::SOURCE;
 use super::wedge::{Split, Wedges};
 use crate::surface::{Attribute, AttributeDomain, Listing, Meaning, Model, ScalarType, Triangles};
 
-/// Writes a model as binary PLY, with a texture coordinate for each corner and triangles in the place of polygons if given.
+/// Writes a model as binary PLY, with a texture coordinate for each corner and triangles in the place of polygons if given. Without texture coordinates the
+/// model's own are written, if each corner has one; a map of some corners alone a PLY cannot hold.
 ///
 /// # Errors
 /// When texture coordinates or triangles do not fit the model, or when writing fails.
@@ -28,6 +29,8 @@ pub fn write_ply(
     triangles: Option<&Triangles>,
     mut out: impl Write,
 ) -> Result<(), WriteError> {
+    let own = if uv.is_none() { model.whole_uv() } else { None };
+    let uv = uv.or(own.as_deref());
     let of_corners: Vec<&Attribute> =
         model.attributes().tables.iter().filter(is_of(AttributeDomain::Corners)).collect();
     let wedges = Wedges::split(model, uv, &of_corners)?;

@@ -352,6 +352,11 @@ impl Model {
         self
     }
 
+    /// The texture coordinates of all corners in order, if each has one.
+    pub(crate) fn whole_uv(&self) -> Option<Vec<[f64; 2]>> {
+        self.uv.as_ref()?.all().ok()
+    }
+
     /// The texture coordinates that a text of the model's own does not have.
     pub(crate) fn uv_beside_text(&self) -> Option<&TextureCoordinates> {
         self.uv.as_ref().filter(|_| self.obj_text.is_none() || self.text_has_other_uv)

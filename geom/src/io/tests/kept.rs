@@ -256,3 +256,30 @@ fn attributes_of_a_mesh_in_memory_go_through_files() {
     let narrow = refused(Attribute::of_vertices(Meaning::Colour, ScalarType::U8, &[[0.0; 2]; 4]));
     assert!(narrow.starts_with("colours cannot be rows of 2 numbers"), "{narrow}");
 }
+
+#[test]
+fn the_map_of_a_model_is_written_where_no_other_is_given() {
+    let points = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
+    let bare = Model::from_triangles(points, &[[0, 1, 2], [0, 2, 3]]).unwrap();
+    let narrow = |uv: &[[f64; 2]]| uv.iter().map(|point| point.map(|x| x as f32)).collect::<Vec<_>>();
+    let uv = some_uv(&bare);
+    let model = bare.clone().with_texture(uv.clone()).unwrap();
+    let other: Vec<_> = uv.iter().map(|[u, v]| [*v, *u]).collect();
+    for format in MeshFormat::ALL {
+        assert!(written(&bare, None, format).uv().is_none());
+        for (given, expected) in [(None, &uv), (Some(other.as_slice()), &other)] {
+            let back = written(&model, given, format).uv().unwrap().all().unwrap();
+            let near = |(a, b): (&[f32; 2], &[f32; 2])| (0..2).all(|k| (a[k] - b[k]).abs() <= 1e-6);
+            assert!(narrow(&back).iter().zip(&narrow(expected)).all(near), "{format}: {back:?}");
+        }
+    }
+    // What is not one of all corners, only an OBJ holds.
+    let mut partly = uv;
+    partly[4][0] = f64::NAN;
+    let partly = bare.with_texture(partly).unwrap();
+    let corners = |model: &Model| (0..6).map(|c| model.uv()?.corner(c)).collect::<Vec<_>>();
+    assert_eq!(corners(&written(&partly, None, MeshFormat::Obj)), corners(&partly));
+    for format in [MeshFormat::Ply, MeshFormat::Glb] {
+        assert!(written(&partly, None, format).uv().is_none());
+    }
+}
