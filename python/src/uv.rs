@@ -1,9 +1,8 @@
 //! Maps of any origin: measured, taken apart where they lie over themselves, packed.
 
-use cones::report::{Quality, worth_measuring};
+use cones::report::MeasuredMap;
 use cones::uv::{PackError, PackOptions, PartError, Parted, Repacked, islands_of, repack};
-use geom::distortion::DistortionError;
-use geom::{FaceId, Id, Model, Watch};
+use geom::{Model, Watch};
 use numpy::{PyArray1, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
@@ -14,11 +13,6 @@ use crate::array::{from_rows, rows};
 use crate::error::{Error, Failed, exception};
 use crate::mesh::{Mesh, weld_by_name};
 use crate::watched::watched;
-
-/// The positions of a map at the corners of triangles.
-pub(crate) fn corner_uv(triangles: &[[u32; 3]], uv: &[[f64; 2]]) -> Vec<cones::uv::Triangle> {
-    triangles.iter().map(|t| t.map(|c| uv[c as usize])).collect()
-}
 
 /// A position for each corner, or nothing.
 fn checked<'a>(model: &Model, uv: &'a PyReadonlyArray2<'_, f64>) -> PyResult<&'a [[f64; 2]]> {
@@ -45,24 +39,14 @@ pub(crate) fn measure<'py>(
     let (uv, weld) = (checked(&mesh.0, &uv)?, weld_by_name(weld)?);
     let cones = cones.as_ref().map(|cones| cones.as_slice()).transpose()?;
     let model = &mesh.0;
-    let triangles = model.triangles();
-    let (quality, kept) = watched(py, None, |told| {
-        let (mut vertices, map) = (triangles.vertices(model), corner_uv(&triangles.corners, uv));
-        weld.apply(model, &mut vertices);
-        let kept = worth_measuring(&vertices, &map);
-        let (vertices, map): (Vec<_>, Vec<_>) = kept.iter().map(|&t| (vertices[t as usize], map[t as usize])).unzip();
+    let map = watched(py, None, |told| {
         let stops = |_| told.goes_on();
-        let quality = Quality::measure_watched(model.points(), &vertices, &map, cones, Watch::new(&stops));
-        let quality = quality.map_err(|error| match error {
-            DistortionError::UvNotFinite(f) => DistortionError::UvNotFinite(FaceId::new(kept[f.index()] as usize)),
-            error => error,
-        })?;
-        Ok::<_, DistortionError>((quality, kept))
+        MeasuredMap::new_watched(model, uv, weld, cones, Watch::new(&stops))
     })?;
-    let mut is_kept = vec![false; triangles.len()];
-    kept.iter().for_each(|&t| is_kept[t as usize] = true);
-    let left_out = (0..).zip(&is_kept).filter_map(|(t, is_kept)| (!is_kept).then_some(t)).collect();
-    let overlapping = quality.overlapping.iter().map(|&t| kept[t as usize]).collect();
+    let MeasuredMap { quality, triangle, left_out, .. } = map;
+    let mut is_kept = vec![true; triangle.len() + left_out.len()];
+    left_out.iter().for_each(|&t| is_kept[t as usize] = false);
+    let overlapping = quality.overlapping.iter().map(|&t| triangle[t as usize]).collect();
     let island = quality.triangle_island.iter().map(|&island| i64::from(island));
     let report = pythonize(py, &quality)?.cast_into::<PyDict>()?;
     report.set_item("left_out", PyArray1::<u32>::from_vec(py, left_out))?;

@@ -1,13 +1,13 @@
 //! `cones islands`: a map that somebody made, taken apart where it lies over itself.
 
-use crate::commands::shared::{PackArgs, WeldArgs, corner_uv, picked, split_vertices, texture, write_map};
+use crate::commands::shared::{PackArgs, WeldArgs, split_vertices, texture, write_map};
 use crate::error::CommandError;
 use crate::input;
 use crate::output;
 use crate::report::table::{counted, labelled};
 use crate::report::{SCHEMA, overlap_text};
 use clap::Args;
-use cones::report::{OverlapReport, Quality, worth_measuring};
+use cones::report::{MeasuredMap, OverlapReport, Quality};
 use cones::uv::{Parted, part, repack};
 use geom::{Model, Watch};
 use serde::Serialize;
@@ -104,13 +104,9 @@ fn packed(args: &IslandsArgs, model: &Model, parted: Parted) -> Result<Vec<[f64;
 }
 
 fn measured(args: &IslandsArgs, model: &Model, uv: &[[f64; 2]]) -> Result<MapReport, CommandError> {
-    let triangles = model.triangles();
-    let (mut vertices, corners) = (triangles.vertices(model), corner_uv(&triangles.corners, uv));
-    args.weld.chosen().apply(model, &mut vertices);
-    let kept = worth_measuring(&vertices, &corners);
-    let (vertices, corners) = (picked(&kept, &vertices), picked(&kept, &corners));
-    let Quality { distortion, islands, .. } = Quality::measure(model.points(), &vertices, &corners, None)
+    let map = MeasuredMap::new(model, uv, args.weld.chosen())
         .map_err(|error| CommandError::Measure { path: args.input.clone(), error })?;
+    let Quality { distortion, islands, .. } = map.quality;
     Ok(MapReport {
         islands: islands.len(),
         overlap: distortion.overlap,

@@ -1,6 +1,6 @@
 //! `cones measure`: the distortion of any map, of an OBJ, PLY or glTF.
 
-use crate::commands::shared::{WeldArgs, corner_uv, picked, split_vertices, texture};
+use crate::commands::shared::{WeldArgs, split_vertices, texture};
 use crate::error::CommandError;
 use crate::input;
 use crate::output::{self, Files};
@@ -8,7 +8,7 @@ use crate::render::{self, Paint, Scene};
 use crate::report::table::counted;
 use crate::report::{SCHEMA, distortion_text};
 use clap::Args;
-use cones::report::{DistortionReport, IslandReport, Quality, worth_measuring};
+use cones::report::{DistortionReport, IslandReport, MeasuredMap};
 use geom::Model;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -57,17 +57,6 @@ struct MeasuredInput {
     left_out: usize,
 }
 
-/// What is measured: the triangles of the surface with their images.
-struct Measured {
-    /// How many triangles were left out of it.
-    left_out: usize,
-    /// The face that each triangle is part of.
-    face_of: Vec<u32>,
-    vertices: Vec<[u32; 3]>,
-    uv: Vec<[[f64; 2]; 3]>,
-    quality: Quality,
-}
-
 pub(crate) fn run(args: &MeasureArgs) -> Result<(), CommandError> {
     check_outputs(args)?;
     let (model, _) = input::read_model(&args.input)?;
@@ -76,10 +65,10 @@ pub(crate) fn run(args: &MeasureArgs) -> Result<(), CommandError> {
     let measured = measure(args, &model, surface)?;
     write_extras(args, surface, &measured)?;
     let report = report(args, surface, &measured);
-    if measured.left_out > 0 {
+    if !measured.left_out.is_empty() {
         output::warn(&format!(
             "{} with a vertex twice, or at the place of another one on the same vertices: not measured",
-            counted(measured.left_out, "triangle", "triangles")
+            counted(measured.left_out.len(), "triangle", "triangles")
         ));
     }
     let degenerate = report.distortion.degenerate;
@@ -110,7 +99,7 @@ fn check_outputs(args: &MeasureArgs) -> Result<(), CommandError> {
     output::check(&inputs, &outputs)
 }
 
-fn write_extras(args: &MeasureArgs, surface: &Model, measured: &Measured) -> Result<(), CommandError> {
+fn write_extras(args: &MeasureArgs, surface: &Model, measured: &MeasuredMap) -> Result<(), CommandError> {
     let mut files = Files::new();
     if let Some(path) = &args.overlap_faces {
         let mut faces: Vec<u32> = measured.quality.overlapping.iter().map(|&t| measured.face_of[t as usize]).collect();
@@ -147,21 +136,13 @@ fn reference(path: &Path, input: &Path, model: &Model) -> Result<Model, CommandE
 }
 
 /// Measures the model's texture coordinates on the surface of `reference`.
-fn measure(args: &MeasureArgs, model: &Model, reference: &Model) -> Result<Measured, CommandError> {
+fn measure(args: &MeasureArgs, model: &Model, reference: &Model) -> Result<MeasuredMap, CommandError> {
     let uv = texture(&args.input, model)?;
-    let triangles = reference.triangles();
-    let (mut vertices, uv) = (triangles.vertices(reference), corner_uv(&triangles.corners, &uv));
-    args.weld.chosen().apply(reference, &mut vertices);
-    let kept = worth_measuring(&vertices, &uv);
-    let left_out = vertices.len() - kept.len();
-    let (vertices, uv) = (picked(&kept, &vertices), picked(&kept, &uv));
-    let face_of = picked(&kept, &triangles.face_of);
-    let quality = Quality::measure(reference.points(), &vertices, &uv, None)
-        .map_err(|error| CommandError::Measure { path: args.input.clone(), error })?;
-    Ok(Measured { left_out, face_of, vertices, uv, quality })
+    MeasuredMap::new(reference, &uv, args.weld.chosen())
+        .map_err(|error| CommandError::Measure { path: args.input.clone(), error })
 }
 
-fn report(args: &MeasureArgs, reference: &Model, Measured { left_out, quality, .. }: &Measured) -> MeasureReport {
+fn report(args: &MeasureArgs, reference: &Model, MeasuredMap { left_out, quality, .. }: &MeasuredMap) -> MeasureReport {
     MeasureReport {
         schema: SCHEMA,
         input: MeasuredInput {
@@ -169,7 +150,7 @@ fn report(args: &MeasureArgs, reference: &Model, Measured { left_out, quality, .
             reference: args.reference.as_ref().map(|path| path.display().to_string()),
             vertices: reference.vertex_count(),
             faces: reference.face_count(),
-            left_out: *left_out,
+            left_out: left_out.len(),
         },
         distortion: quality.distortion.clone(),
         islands: quality.islands.clone(),

@@ -1,14 +1,16 @@
 //! Reports: how good a map is, and what was done to make it.
 //!
-//! [`Quality`] measures any map, and [`worth_measuring`] tells which triangles of one that somebody made count. [`MeasuredAtlas`] is an atlas with its texture coordinates in the size in which they are written, and what
+//! [`MeasuredMap`] measures any map of a model: its [`Quality`], of the triangles that are [worth measuring](worth_measuring). [`MeasuredAtlas`] is an atlas with its texture coordinates in the size in which they are written, and what
 //! they are worth; its [`report`](MeasuredAtlas::report) has what a user or a program wants to know of an unwrapping. With the
 //! feature `serde` all of them are serializable, under the keys of the command's JSON (`docs/json.md`), of which [`SCHEMA`] counts the changes.
 
+mod map;
 mod measured;
 mod quality;
 mod unwrapping;
 mod worth;
 
+pub use map::MeasuredMap;
 pub use measured::{MeasuredAtlas, UvSize};
 pub use quality::{DistortionReport, IslandReport, OverlapReport, Quality};
 pub use unwrapping::{
