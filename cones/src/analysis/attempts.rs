@@ -5,7 +5,7 @@ use geom::Watch;
 
 use super::choosing::{TARGET_DISTORTION, TOLERABLE_DISTORTION};
 use super::component::Component;
-use super::cones::Configuration;
+use super::cones::{Configuration, ROUNDING};
 use super::finer;
 use super::flat::Flat;
 use super::note::{Failure, Note};
@@ -123,7 +123,7 @@ impl Component {
 impl Component {
     /// Says so where an area distortion was asked for and more is reached.
     pub(super) fn note_missed_target(&self, flat: &mut Flat, reached: f64, options: &Options) {
-        if let Some(target) = options.cones.wanted().filter(|target| reached > *target) {
+        if let Some(target) = options.cones.wanted().filter(|target| reached > *target + ROUNDING) {
             flat.notes.push(Note::TargetMissed { component: self.index, target, reached, cones: flat.cones.len() });
         }
     }

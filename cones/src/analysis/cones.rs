@@ -56,7 +56,7 @@ pub struct ChosenNumber {
 }
 
 /// A measured area distortion counts as within a target if it is when printed with two decimals.
-const ROUNDING: f64 = 0.005;
+pub(super) const ROUNDING: f64 = 0.005;
 
 impl ChosenNumber {
     /// The same with what was measured.

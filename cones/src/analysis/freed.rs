@@ -25,7 +25,8 @@ use crate::uv::overlaps_on_islands;
 
 /// Above this quasi-conformal distortion seams are set free.
 const COARSE: f64 = 1.1;
-/// How much areas count beside angles: λ of [`Relaxation`]. The second where the first leaves more than what was asked for, or [`TARGET_DISTORTION`].
+/// How much areas count beside angles: λ of [`Relaxation`]. The second where the first leaves more than was asked for, or than [`TARGET_DISTORTION`] where
+/// nothing was.
 const AREAS: [f64; 2] = [0.05, 0.15];
 /// So many steps at most, those after which corners are held included.
 const STEPS: usize = 60;
@@ -71,6 +72,10 @@ impl Component {
             Some(kept) => Ok(Some(kept)),
             None => self.freed(flat, options, Some(options.islands), watch),
         })??;
+        // Less may have been promised, where all may overlap.
+        let now = freed.as_ref().map_or(&flat.quality, |(_, quality)| quality).area_distortion();
+        flat.notes.retain(|note| !matches!(note, Note::TargetMissed { .. }));
+        self.note_missed_target(flat, now, options);
         let Some((layout, quality)) = freed else { return Ok(()) };
         (flat.layout, flat.quality) = (layout, quality);
         flat.size = (-flat.quality.mean_log_scale()).exp() / self.surface.scale;
@@ -83,9 +88,6 @@ impl Component {
             flat.notes.retain(|note| !is_overlap(note));
             self.note_overlap(flat, &map, &overlaps);
         }
-        // Less was promised where all may overlap.
-        flat.notes.retain(|note| !matches!(note, Note::TargetMissed { .. }));
-        self.note_missed_target(flat, flat.quality.area_distortion(), options);
         Ok(())
     }
 

@@ -222,7 +222,7 @@ impl Analysis {
         let task = Task::new(&observer, prepared.surfaces.len());
         let is_refined = making.is_bent || is_asked_for(preparation.refine, &prepared.surfaces, &shapes);
         let (ready, refined, triangles, left_out) = if is_refined {
-            let size_at = sizing.map(|sizing| |place| sizing.at(place));
+            let size_at = sizing.map(|sizing| |part, place| sizing.at(part, place));
             let refining = (preparation.refine, size_at.as_ref().map(|at| at as SizeAt), held);
             let (ready, refined, triangles, left_out) =
                 refine_all(model, (prepared, &shapes), refining, &task, &mut times)?;

@@ -294,8 +294,8 @@ fn is_flat(Surface { mesh, .. }: &Surface, metric: &Metric) -> bool {
     mesh.vertices().any(|v| mesh.is_boundary_vertex(v)) && inner.all(|v| defects[v].abs() < FLAT)
 }
 
-/// How large the circumcircles of triangles may be at a place, in the model's unit.
-pub(crate) type SizeAt<'a> = &'a (dyn Fn([f64; 3]) -> f64 + Sync);
+/// How large the circumcircles of a part's triangles may be at a place, in the model's unit.
+pub(crate) type SizeAt<'a> = &'a (dyn Fn(usize, [f64; 3]) -> f64 + Sync);
 
 /// Vertices this far from a plane, over the largest coordinate, are in it: two units of single precision, which is what most files have.
 const PLANE: f64 = 2.0 * f32::EPSILON as f64;
@@ -360,7 +360,7 @@ pub(crate) fn refine_all(
                 let roles = EdgeRoles { left_out: Some(&planar[k]), held: Some(&held[k]) };
                 let size_at = size_at.map(|size_at| {
                     let points: Vec<_> = surface.vertex.iter().map(|&v| model.points()[v as usize]).collect();
-                    move |place: SurfacePoint| surface.scale * size_at(place.position(&surface.mesh, &points))
+                    move |place: SurfacePoint| surface.scale * size_at(k, place.position(&surface.mesh, &points))
                 });
                 let at = size_at.as_ref().map(|at| at as &(dyn Fn(SurfacePoint) -> f64 + Sync));
                 let size = TriangleSize { largest, at, small };

@@ -71,7 +71,7 @@ pub(crate) struct Goal {
     pub(crate) target: f64,
     /// At most so many,
     pub(crate) most: usize,
-    /// but a few more where that leaves nearly nothing to distort.
+    /// but a few more where that leaves nearly nothing to distort, and fewer where [hardly more](is_hardly_better) is left by these.
     pub(crate) to_knee: bool,
     /// Whether nothing better than the nested order is looked for where that misses the target: most of the time goes there, in vain where
     /// opened handles make other cones of it.
@@ -90,7 +90,7 @@ impl Automatic {
 /// Chooses as few cones as keep the predicted area distortion within `target`, at most `most`, at least as many as the
 /// surface needs, whatever the goal says of a knee. They will get their curvatures by `rule`; where they are is chosen for optimal ones.
 pub(crate) fn automatic(model: &mut EnergyModel, rule: CurvatureRule, goal: Goal) -> Automatic {
-    let Goal { target, most, is_draft, is_part, .. } = goal;
+    let Goal { target, most, to_knee, is_draft, is_part } = goal;
     let operators = model.operators();
     let least = least_cones(operators);
     let ordered = |model: &mut EnergyModel, pursuit: fn(&mut EnergyModel, usize) -> Nested, most: usize| {
@@ -110,7 +110,7 @@ pub(crate) fn automatic(model: &mut EnergyModel, rule: CurvatureRule, goal: Goal
     let (set, predicted, passed) = match enough {
         Some(count) => fewest(model, &nested.sets[count], rule, target, least),
         None => {
-            let worthwhile = curve.last().and_then(|last| {
+            let worthwhile = curve.last().filter(|_| to_knee).and_then(|last| {
                 let mut fewer = curve.iter().filter(|point| point.count >= least);
                 fewer.find(|fewer| is_hardly_better(last, fewer)).map(|fewer| fewer.count)
             });
@@ -294,7 +294,7 @@ mod tests {
     }
 
     #[test]
-    fn where_no_cones_help_none_are_taken() {
+    fn where_cones_hardly_help_few_are_taken_unless_a_target_is_asked_for() {
         let point = |count, area_distortion| Prediction { count, log_scale_norm: 0.1, area_distortion };
         for (more, fewer, expected) in [
             (point(32, 1.30), point(0, 1.33), true),
@@ -312,9 +312,15 @@ mod tests {
             dice = dice.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
             point[2] = (f64::from((dice >> 32) as u32) / f64::from(u32::MAX) - 0.5) / 15.0;
         }
-        let chosen = choose(&noise, 1.05, 32);
-        let last = chosen.curve.last().unwrap();
-        assert!(!chosen.is_met && chosen.set.cones.len() <= 16, "{} {last:?}", chosen.set.cones.len());
+        let mesh = noise.mesh();
+        let operators = Operators::new(&mesh, &Metric::from_points(&mesh, &noise.points)).unwrap();
+        let [few, most] = [true, false].map(|to_knee| {
+            let goal = Goal { to_knee, ..goal(1.05, 32) };
+            let chosen = automatic(&mut EnergyModel::new(&operators, &mesh), CurvatureRule::Optimal, goal);
+            assert!(!chosen.is_met);
+            chosen.set.cones.len()
+        });
+        assert!(few <= 16 && most == 32, "{few} {most}");
     }
 
     #[test]

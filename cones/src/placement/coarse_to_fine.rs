@@ -86,10 +86,10 @@ pub(crate) fn fewest_from(
         rayon::join(|| automatic(&mut coarse_model, rule, goal), || finer_model(ground, level))
     };
     let mut model = model?;
-    let mut search = Fewest { model: &mut model, level, rule, target };
+    let mut search = Fewest { model: &mut model, level, rule, target, to_knee };
     let (set, predicted) = search.confirmed(&mut coarse_model, &coarse, most);
     let is_met = meets(&set, &predicted, target);
-    let norm = coarse.set.log_scale_norm();
+    let (norm, is_missed_there) = (coarse.set.log_scale_norm(), !coarse.is_met);
     let mut found = Automatic { set, predicted, is_met, is_from_level: true, ..coarse };
     if to_knee {
         let corners = if level.middle().is_none() { at_corners(&mut model, &found) } else { None };
@@ -111,14 +111,17 @@ pub(crate) fn fewest_from(
         let (set, predicted, curvatures) = confirmed_on_surface(ground, middle, &found.set, rule)?;
         let is_met = meets(&set, &predicted, target);
         found = Automatic { set, predicted, is_met, curvatures, ..found };
-        if is_met || count >= most || model.is_over() {
+        let is_in_vain = to_knee && is_missed_there && is_tolerable(&predicted);
+        if is_met || is_in_vain || count >= most || model.is_over() {
             break;
         }
         first.get_or_insert_with(|| found.clone());
         count = enough_cones(&found.curve, (count, predicted.area_distortion), target, most);
         found.set = polished(&mut model, level, &refined(&mut coarse_model, count));
     }
-    if let Some(first) = first.filter(|first| !found.is_met && is_hardly_better(&found.predicted, &first.predicted)) {
+    if let Some(first) =
+        first.filter(|first| to_knee && !found.is_met && is_hardly_better(&found.predicted, &first.predicted))
+    {
         found = first;
     }
     if to_knee && has_few_corners(ground.operators, &found) {
@@ -234,6 +237,8 @@ struct Fewest<'s, 'm> {
     level: &'s CoarseLevel,
     rule: CurvatureRule,
     target: f64,
+    /// See [`Goal`].
+    to_knee: bool,
 }
 
 impl Fewest<'_, '_> {
@@ -258,7 +263,7 @@ impl Fewest<'_, '_> {
             let passed = coarse.passed.iter().find(|set| set.cones.len() == count).cloned();
             best = self.polished(&passed.unwrap_or_else(|| refined(coarse_model, count)));
         }
-        if !meets(&best.0, &best.1, self.target) && is_hardly_better(&best.1, &first.1) {
+        if self.to_knee && !meets(&best.0, &best.1, self.target) && is_hardly_better(&best.1, &first.1) {
             best = first;
         }
         if meets(&best.0, &best.1, self.target) {

@@ -2,7 +2,7 @@
 //!
 //! [`MeasuredMap`] measures any map of a model: its [`Quality`], of the triangles that are [worth measuring](worth_measuring). [`MeasuredAtlas`] is an atlas with its texture coordinates in the size in which they are written, and what
 //! they are worth; its [`report`](MeasuredAtlas::report) has what a user or a program wants to know of an unwrapping. With the
-//! feature `serde` all of them are serializable, under the keys of the command's JSON (`docs/json.md`), of which [`SCHEMA`] counts the changes.
+//! feature `serde` reports and qualities are serializable, under the keys of the command's JSON (`docs/json.md`), of which [`SCHEMA`] counts the changes.
 
 mod map;
 mod measured;

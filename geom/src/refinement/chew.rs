@@ -67,7 +67,8 @@ pub struct Refinement {
 pub struct TriangleSize<'a> {
     /// None is larger; infinity where any will do.
     pub largest: f64,
-    /// Nor larger than this is at its corners, on average. It is asked once for each vertex of the intrinsic triangulation.
+    /// Nor larger than this is at its corners, on average. It is asked once for each vertex of the intrinsic triangulation, of the input first, and is to
+    /// be positive, in the metric's unit; infinity where any size will do. What is nowhere reached ends at the cap on vertices.
     pub at: Option<&'a (dyn Fn(SurfacePoint) -> f64 + Sync)>,
     /// Smaller ones may have any angles; 0 where all are to have [`LEAST_ANGLE`].
     pub small: f64,

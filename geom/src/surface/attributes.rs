@@ -263,10 +263,12 @@ impl Attribute {
         scalar: ScalarType,
         rows: &[[f64; WIDTH]],
     ) -> Result<Self, AttributeError> {
+        // As it is kept.
+        let is_finite = |&x: &f64| if scalar == ScalarType::F32 { (x as f32).is_finite() } else { x.is_finite() };
         if !meaning.takes(WIDTH) {
             return Err(AttributeError::Width { meaning, width: WIDTH });
         }
-        if let Some(row) = rows.iter().position(|row| row.iter().any(|x| !x.is_finite())) {
+        if let Some(row) = rows.iter().position(|row| !row.iter().all(is_finite)) {
             return Err(AttributeError::NotFinite { meaning, row });
         }
         let mut table = Self::new(meaning, domain, scalar, WIDTH);
