@@ -700,7 +700,7 @@ fn a_flat_roof_far_from_the_origin_is_no_plane() {
 
 #[test]
 fn scraps_are_refined_less_than_what_is_large_and_flat_ones_not_at_all() {
-    let needles = solids::mapped(&shapes::torus(1, 400), |[x, y, z]| [x, y, 0.05 * z]);
+    let needles = solids::mapped(&shapes::torus(1, 100), |[x, y, z]| [x, y, 0.05 * z]);
     let beside = |shape: &Shape, size: f64| solids::mapped(shape, |p| [size * p[0] + 5.0, size * p[1], size * p[2]]);
     let sliver =
         beside(&Shape { points: vec![[0.0; 3], [1.0, 0.0, 0.0], [0.5, 0.01, 0.0]], triangles: vec![[0, 1, 2]] }, 0.3);

@@ -323,7 +323,7 @@ fn edges_that_are_named_stay_edges_of_even_triangles() {
 
 #[test]
 fn edges_to_keep_that_a_refined_analysis_has_are_cut_and_the_others_are_counted() {
-    let model: Model = shapes::hare(1100).into();
+    let model: Model = shapes::hare(600).into();
     let edges = cut_edges(&unwrap_model(&model, &count(6)).unwrap());
     let options = Options {
         preparation: Preparation { refine: Refining::Always, ..Preparation::default() },
