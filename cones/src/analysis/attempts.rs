@@ -581,6 +581,26 @@ mod tests {
         }
     }
 
+    #[test]
+    fn seams_are_set_free_for_the_areas_that_are_asked_for_and_what_misses_them_is_told() {
+        let analysis = Analysis::new(&shapes::sphere(60).into()).unwrap();
+        let (task, component) = (analysis.task(), &analysis.components()[0]);
+        let mut times = Times::default();
+        let [automatic, asked] = [ConeChoice::Automatic, ConeChoice::WithinDistortion(1.01)].map(|cones| {
+            let options = Options { cones, free_seams: crate::FreeSeams::Always, ..Options::default() };
+            let plan = analysis.plan(component, &options.seams, &task, &mut times).unwrap();
+            let mut attempts = Attempts { component, options: &options, plan: &plan, task: &task, times: &mut times };
+            let configuration = attempts.place(8).unwrap().unwrap();
+            let mut flat = attempts.attempt(&configuration).unwrap().ok().unwrap();
+            component.free_seams(&mut flat, &options, &task, &mut times).unwrap();
+            flat
+        });
+        let areas = [&automatic, &asked].map(|flat| flat.quality.area_distortion());
+        assert!(areas[0] <= TARGET_DISTORTION && areas[1] < areas[0] && areas[1] > 1.02, "{areas:?}");
+        let told = |flat: &Flat| flat.notes.iter().any(|note| matches!(note, Note::TargetMissed { .. }));
+        assert_eq!([told(&automatic), told(&asked)], [false, true]);
+    }
+
     /// A plate with ribs, its profile drawn out: walls of four corners between two caps of 4 `ribs`.
     fn ribbed(ribs: u32) -> Model {
         let rib = |k: u32| [(0.0, 0.0), (0.0, 3.0), (0.6, 3.0), (0.6, 0.0)].map(|(x, y)| [f64::from(k) + x, y]);

@@ -125,7 +125,7 @@ impl Analysis {
     }
 
     /// The measures of a map, on the triangles that are on islands.
-    fn measures(&self, atlas: &Atlas) -> Option<geom::distortion::Distortion> {
+    pub(super) fn measures(&self, atlas: &Atlas) -> Option<geom::distortion::Distortion> {
         let on_surface = atlas.triangles.corners.iter().zip(&atlas.islands).filter(|(_, island)| island.is_some());
         let corners = || on_surface.clone().map(|(corners, _)| corners);
         let vertices: Vec<[u32; 3]> = corners().map(|t| t.map(|c| self.corner_vertices()[c as usize])).collect();

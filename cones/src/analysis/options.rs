@@ -149,7 +149,7 @@ pub enum ConeChoice {
     /// In each connected component as few as keep its area distortion within [`TARGET_DISTORTION`](crate::TARGET_DISTORTION),
     /// as predicted, at most [`MOST_AUTOMATIC`](crate::MOST_AUTOMATIC), or as many as keep it within
     /// [`TOLERABLE_DISTORTION`](crate::TOLERABLE_DISTORTION); where a few more leave nearly nothing to distort, as the corners of a
-    /// box do, these.
+    /// box do, these; where no number does, and twice as many hardly leave less, fewer.
     #[default]
     Automatic,
     /// In each connected component as few as keep its area distortion within this, confirmed by flattening, at most
