@@ -238,6 +238,24 @@ impl<'a> EnergyModel<'a> {
         self.terms.distances.get_or_init(|| EdgeDistances::new(&self.operators.mesh, self.unit_length()))
     }
 
+    /// So many vertices inside, each as far as can be from those before it (Gonzalez 1985).
+    pub(crate) fn spread(&self, count: usize) -> Vec<VertexId> {
+        let mesh = &self.operators.mesh;
+        let inner: Vec<VertexId> = mesh.vertices().filter(|&v| !mesh.is_boundary_vertex(v)).collect();
+        let Some(&first) = inner.first() else { return Vec::new() };
+        let mut spread = vec![first];
+        let Ok(mut distance) = self.distances().from_watched([first], self.watch()) else { return spread };
+        while spread.len() < count {
+            let farthest = inner.iter().copied().max_by(|&v, &w| distance[v].total_cmp(&distance[w]));
+            let Some(farthest) = farthest.filter(|&v| distance[v] > 0.0) else { break };
+            spread.push(farthest);
+            if self.distances().lower_watched(&mut distance, [farthest], self.watch()).is_err() {
+                break;
+            }
+        }
+        spread
+    }
+
     /// The vertices within such a distance of one, at most so many, the nearest first.
     pub(crate) fn around(&self, v: VertexId, radius: f32, most: usize) -> Vec<(VertexId, f32)> {
         vertices_around(&self.operators.mesh, self.unit_length(), v, radius, most)
