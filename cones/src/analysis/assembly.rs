@@ -61,7 +61,7 @@ impl Placed {
 }
 
 /// That edges were to be avoided that were to be cut, too.
-fn contested(seams: &SeamOptions) -> Option<Note> {
+pub(super) fn contested(seams: &SeamOptions) -> Option<Note> {
     if seams.avoid.is_empty() {
         return None;
     }
@@ -82,8 +82,9 @@ impl Analysis {
         task: &Task,
         mut times: Times,
     ) -> Result<Atlas, Error> {
+        let has_say = options.seams.names_edges() || self.found.making.is_cut_as_given;
         let Packed { triangles, packing, islands, added } =
-            packed(self.components(), &flats, options, task, &mut times)?;
+            packed(self.components(), &flats, (options, has_say), task, &mut times)?;
         let began = Instant::now();
         let (mut cones, mut seams, mut loops, mut detached) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
         let number = number.map(|number| self.measured(number, &flats));

@@ -35,6 +35,8 @@ pub(super) struct Making {
     pub(super) is_searched: bool,
     /// With handles opened.
     pub(super) is_opened: bool,
+    /// Opened along seams that are given, so that whoever has given them wants no others.
+    pub(super) is_cut_as_given: bool,
     /// For one map: then large factors go when it needs them no more.
     pub(super) is_asked_once: bool,
 }

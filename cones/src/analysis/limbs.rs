@@ -80,6 +80,8 @@ pub(super) struct CutOff {
     before: Vec<usize>,
     /// The necks, as chains of vertices of the model.
     necks: Vec<Vec<u32>>,
+    /// What is not cut since thin limbs are there, but since it is given.
+    given: Vec<Vec<u32>>,
     figures: SeamFigures,
 }
 
@@ -93,7 +95,10 @@ impl Analysis {
         options: &Options,
         (settled, times): (&[Settled], &mut Times),
     ) -> Result<Option<CutOff>, Error> {
-        let has_say = options.seams.names_edges() || options.quantize.is_some() || options.islands == Islands::Single;
+        let has_say = options.seams.names_edges()
+            || self.found.making.is_cut_as_given
+            || options.quantize.is_some()
+            || options.islands == Islands::Single;
         let Some(goal) = options.cones.goal() else { return Ok(None) };
         if has_say || options.limbs == options::Limbs::Never {
             return Ok(None);
@@ -148,6 +153,7 @@ impl Analysis {
                 .collect(),
             before: (0..remedies.len()).collect(),
             necks: Vec::new(),
+            given: Vec::new(),
             figures: SeamFigures::default(),
         };
         let mut ready = Vec::new();
@@ -177,7 +183,8 @@ impl Analysis {
             }
         }
         let task = Task::new(&self.observer, cut_off.before.len());
-        cut_off.analysis.found = Arc::new(self.found.in_pieces(taken, ready, &task, times)?);
+        cut_off.analysis.found =
+            Arc::new(self.found.in_pieces(taken, ready, self.found.making.is_cut_as_given, &task, times)?);
         Ok(Some(cut_off))
     }
 }
@@ -222,6 +229,12 @@ impl Component {
 }
 
 impl CutOff {
+    /// A model opened along seams that are given, and the part that each of its parts was before.
+    pub(super) fn along_seams(analysis: Analysis, before: Vec<usize>, given: Vec<Vec<u32>>) -> Self {
+        let figures = SeamFigures::default();
+        Self { analysis, parts: Vec::new(), before, necks: Vec::new(), given, figures }
+    }
+
     /// Its atlas as one of the model before.
     pub(super) fn put_back(self, atlas: Result<Atlas, Error>) -> Result<Atlas, Error> {
         let mut atlas = atlas.map_err(|error| match error {
@@ -244,6 +257,7 @@ impl CutOff {
             }
         }
         atlas.notes = own;
+        atlas.seams.splice(0..0, self.given);
         let first = atlas.seams.len() - atlas.opened_handles - atlas.necks;
         atlas.necks += self.necks.len();
         atlas.seams.splice(first..first, self.necks);

@@ -19,6 +19,7 @@ mod cones;
 mod finer;
 mod flat;
 mod freed;
+mod given_seams;
 mod handles;
 mod instances;
 mod islands;
@@ -149,6 +150,7 @@ impl Analysis {
             is_bent: false,
             is_searched: false,
             is_opened: false,
+            is_cut_as_given: false,
             is_asked_once: false,
         };
         Self::made(model, making, (&HashSet::new(), None), Arc::new(observer))
@@ -172,7 +174,16 @@ impl Analysis {
         let named = options.seams.named().map(ascending).collect();
         let making = |preparation, is_bent, is_finest| {
             let is_searched = options.searches_coarse_level();
-            Making { preparation, is_finest, is_bent, is_searched, is_opened: false, is_asked_once: true }
+            let is_cut_as_given = false;
+            Making {
+                preparation,
+                is_finest,
+                is_bent,
+                is_searched,
+                is_opened: false,
+                is_cut_as_given,
+                is_asked_once: true,
+            }
         };
         let of_size = |making, sizing: Option<&Sizing>| Self::made(model, making, (&named, sizing), observer.clone());
         let made = |preparation| of_size(making(preparation, false, false), None);
@@ -434,17 +445,19 @@ impl Found {
         &self,
         taken: &Analysis,
         ready: Vec<(usize, Ready)>,
+        is_cut_as_given: bool,
         task: &Task,
         times: &mut Times,
     ) -> Result<Self, Error> {
+        let making = Making { is_opened: false, is_cut_as_given, ..self.making };
         let mut components: Vec<Option<Arc<Component>>> = taken.components().iter().cloned().map(Some).collect();
         components.resize(components.len().max(1 + ready.iter().map(|(place, _)| *place).max().unwrap_or(0)), None);
-        for piece in made_of(ready, Making { is_opened: false, ..self.making }, task, times)? {
+        for piece in made_of(ready, making, task, times)? {
             let place = piece.index;
             components[place] = Some(piece);
         }
         let components = components.into_iter().flatten().collect();
-        Ok(self.with_components(components, self.making, Times::default()))
+        Ok(self.with_components(components, Making { is_cut_as_given, ..self.making }, Times::default()))
     }
 
     /// The same with other components, whose handles are opened, or those of some.

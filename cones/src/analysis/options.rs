@@ -60,7 +60,8 @@ pub enum Limbs {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
 #[non_exhaustive]
 pub enum FreeSeams {
-    /// On components whose triangles are so coarse that rigid seams leave a quasi-conformal distortion above 1.1.
+    /// On components whose triangles are so coarse that rigid seams leave a quasi-conformal distortion above 1.1, or where areas miss their target; and along seams that are
+    /// [given](crate::SeamOptions::given), whose sides have the same lengths where the map is conformal.
     #[default]
     Auto,
     /// They are congruent, but along opened handles and where needles were detached.

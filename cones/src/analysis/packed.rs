@@ -39,20 +39,18 @@ pub(crate) struct Packed {
     pub(crate) added: Vec<Vec<u32>>,
 }
 
-/// Packs the islands of flattened components.
+/// Packs the islands of flattened components; `has_say` where somebody has said where seams run, and wants no others.
 ///
 /// # Errors
 /// If they cannot be packed as is asked, or the observer has said stop.
 pub(crate) fn packed(
     components: &[Arc<Component>],
     flats: &[Flat],
-    options: &Options,
+    (options, has_say): (&Options, bool),
     task: &Task,
     times: &mut Times,
 ) -> Result<Packed, Error> {
-    let Options { islands, quantize, ref seams, .. } = *options;
-    // Whoever says where seams run, or has a texture run on across them, wants no others.
-    let has_say = seams.names_edges() || quantize.is_some();
+    let Options { islands, quantize, .. } = *options;
     let mut options = options.packing_for_texture();
     let mut unit = 1.0;
     if let Tiles::Udim { texel_density } = &mut options.tiles {
@@ -65,7 +63,8 @@ pub(crate) fn packed(
     };
     let options = &options;
     let is_of_several = islands == Islands::OverlapFree && components.len() > 1 && options.tiles == Tiles::One;
-    let asks = is_of_several && !has_say;
+    // Nor does who has a texture run on across them.
+    let asks = is_of_several && !has_say && quantize.is_none();
     task.stage((Stage::Pack, 0), times, |watch| {
         let cuts: Vec<EdgeData<bool>> = components.iter().zip(flats).map(|(c, flat)| cut(c, flat)).collect();
         let (first, share, watch) = match islands {

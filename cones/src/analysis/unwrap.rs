@@ -142,11 +142,14 @@ impl Analysis {
             atlas.times += cones.times;
             return Ok(atlas);
         }
-        self.atlas_beside(&[], options)
+        match self.atlas_along_seams(options)? {
+            Some(atlas) => Ok(atlas),
+            None => self.atlas_beside(&[], options),
+        }
     }
 
     /// The atlas, where something is settled already of parts.
-    fn atlas_beside(&self, settled: &[Settled], options: &Options) -> Result<Atlas, Error> {
+    pub(super) fn atlas_beside(&self, settled: &[Settled], options: &Options) -> Result<Atlas, Error> {
         let task = self.task();
         let mut tried = Times::default();
         let may_be_opened = self.may_be_opened(options);
@@ -311,7 +314,7 @@ impl Analysis {
     }
 
     /// The edges that an edge of the model that was given is in: itself, where it was not held while the model was refined.
-    fn parts<'a>(&'a self, ends: &'a [u32; 2]) -> &'a [[u32; 2]] {
+    pub(super) fn parts<'a>(&'a self, ends: &'a [u32; 2]) -> &'a [[u32; 2]] {
         let parts = self.refined().and_then(|refined| refined.parts(*ends));
         parts.unwrap_or(std::slice::from_ref(ends))
     }

@@ -12,7 +12,10 @@ pub struct SeamOptions {
     /// How much seams may lengthen to run straight, along sharp edges and in hidden places: from 0, as short as they can be, to 1 (what is
     /// beyond counts as the nearer of the two, NaN as 0).
     pub weight: f64,
-    /// Edges that are cut. Others are cut besides, until each island is a disk with all cones on its boundary. A cut that ends
+    /// Edges that are cut. Others are cut besides, until each island is a disk with all cones on its boundary.
+    /// [`Analysis::atlas`](crate::Analysis::atlas) opens surfaces along them first and flattens what that leaves by itself, unless the two sides are to be congruent
+    /// ([`FreeSeams::Never`](crate::FreeSeams::Never), [`Options::quantize`](crate::Options::quantize)) or cones are given, or their numbers for each part. Then, as in
+    /// [`Analysis::flatten_with`](crate::Analysis::flatten_with), a cut that ends
     /// away from cones and from other seams lies closed in the plane: there is no curvature to open it.
     pub given: Vec<[u32; 2]>,
     /// Edges that are cut as well, such as the [seams that a file has](geom::texture_seams), but passed over where they are none of

@@ -1,0 +1,224 @@
+//! Surfaces opened along the seams that are given, so that what they leave is flattened for itself.
+//!
+//! Whoever says where seams run has chosen charts. With cones on the whole surface the two sides of such a seam would stay congruent, and a chart round by
+//! itself become a polygon, its corners the cones that the other side needs. Opened, each chart has a boundary that takes curvature, with the log
+//! scale factor 0 along it: of all conformal maps that is the one that distorts areas least (Springborn, Schröder & Pinkall 2008; Sawhney & Crane 2017), and needs
+//! few cones or none.
+
+use std::collections::HashSet;
+
+use geom::{EdgeData, EdgeId, HalfedgeId, OpenedIsland, VertexData, open_islands};
+
+use super::Analysis;
+use super::assembly::contested;
+use super::atlas::Atlas;
+use super::component::Component;
+use super::flat::RIGID_SEAMS;
+use super::limbs::CutOff;
+use super::observer::{Task, Times};
+use super::options::{ConeChoice, FreeSeams, Options};
+use crate::cut::{SeamFigures, SeamOptions, ascending, named_edges};
+use crate::error::Error;
+use crate::flatten::{Chain, Seams, seam_lengths};
+
+impl Options {
+    /// Whether surfaces are opened along the seams that are given. Cones that are given, or numbers of them for each part, speak of whole surfaces.
+    fn opens_given_seams(&self) -> bool {
+        let is_given = !self.seams.given.is_empty() || !self.seams.kept.is_empty();
+        let is_of_whole = matches!(self.cones, ConeChoice::Given(_) | ConeChoice::Each(_));
+        is_given && self.free_seams != FreeSeams::Never && self.quantize.is_none() && !is_of_whole
+    }
+}
+
+impl Analysis {
+    /// The atlas of the model opened along the seams that are given; none where these stay rigid, or are none of its edges.
+    ///
+    /// # Errors
+    /// As [`atlas`](Self::atlas).
+    pub(super) fn atlas_along_seams(&self, options: &Options) -> Result<Option<Atlas>, Error> {
+        if !options.opens_given_seams() {
+            return Ok(None);
+        }
+        let in_parts = options.seams.in_parts(|ends| self.parts(ends));
+        let named: HashSet<[u32; 2]> =
+            in_parts.given.iter().chain(&in_parts.kept).map(|&ends| ascending(ends)).collect();
+        let charts: Vec<Option<Charts>> =
+            self.components().iter().map(|component| Charts::new(component, self.corner_vertices(), &named)).collect();
+        if charts.iter().all(Option::is_none) {
+            return Ok(None);
+        }
+        let chains: Vec<Vec<Chain>> =
+            charts.iter().map(|charts| charts.as_ref().map_or(Vec::new(), |charts| charts.chains.clone())).collect();
+        let mut times = Times::default();
+        let cut = self.cut_into(charts, &mut times)?;
+        // What is given is open now.
+        let seams = SeamOptions { given: Vec::new(), kept: Vec::new(), ..options.seams.clone() };
+        let of_charts = cut.analysis.atlas_beside(&[], &Options { seams, ..options.clone() });
+        let mut atlas = cut.put_back(of_charts)?;
+        for (component, chains) in self.components().iter().zip(&chains) {
+            let mismatch = mismatch(component, chains, &atlas.uv);
+            let figures =
+                SeamFigures { mismatch, ..SeamFigures::of_chains(&component.surface, &component.metric, chains) };
+            atlas.freed += usize::from(figures.mean_mismatch() > RIGID_SEAMS);
+            atlas.seam_figures += figures;
+        }
+        atlas.notes.extend(self.lost_seams(&options.seams).into_iter().chain(contested(&options.seams)));
+        atlas.times += times;
+        Ok(Some(atlas))
+    }
+
+    /// The model with some parts in charts.
+    fn cut_into(&self, charts: Vec<Option<Charts>>, times: &mut Times) -> Result<CutOff, Error> {
+        let mut before: Vec<usize> = (0..charts.len()).collect();
+        let (mut ready, mut given) = (Vec::new(), Vec::new());
+        for (component, charts) in self.components().iter().zip(charts) {
+            let Some(Charts { islands, chains }) = charts else { continue };
+            component.let_factor_go();
+            given.extend(chains.iter().map(|chain| component.vertices_along(chain)));
+            let whole = component.ready();
+            for (k, island) in islands.into_iter().enumerate() {
+                let place = if k == 0 { component.index } else { before.len() };
+                if k > 0 {
+                    before.push(component.index);
+                }
+                ready.push((place, whole.island(island, place).in_unit_size()));
+            }
+        }
+        let task = Task::new(&self.observer, before.len());
+        let found = self.found.in_pieces(self, ready, true, &task, times)?;
+        Ok(CutOff::along_seams(Self { found: found.into(), observer: self.observer.clone() }, before, given))
+    }
+}
+
+/// What a surface falls into along given seams.
+struct Charts {
+    islands: Vec<OpenedIsland>,
+    chains: Vec<Chain>,
+}
+
+impl Charts {
+    /// Those of a component; none where no edge of it is named. Edges inside polygons, on the boundary and on opened handles are none.
+    fn new(component: &Component, corners: &[u32], named: &HashSet<[u32; 2]>) -> Option<Self> {
+        let Component { surface, metric, handles, .. } = component;
+        let mesh = &surface.mesh;
+        if handles.of_vertex.is_some() {
+            return None;
+        }
+        let mut cut: EdgeData<bool> = named_edges(surface, corners, named);
+        mesh.edges().filter(|&e| mesh.is_boundary_edge(e)).for_each(|e| cut[e] = false);
+        if !cut.contains(&true) {
+            return None;
+        }
+        let islands = open_islands(mesh, &cut);
+        let no_ends = VertexData::constant(mesh.vertex_count(), false);
+        let chains = Seams::of_cut(mesh, &seam_lengths(surface, metric), cut, &no_ends).chains;
+        Some(Self { islands, chains })
+    }
+}
+
+/// By how much the two sides of chains differ in a map, in the model's units; see [`SeamFigures::mismatch`].
+fn mismatch(component: &Component, chains: &[Chain], uv: &[[f64; 2]]) -> f64 {
+    let Component { surface, metric, .. } = component;
+    let mesh = &surface.mesh;
+    let at = |h: HalfedgeId| uv[surface.corner[h] as usize];
+    let length = |h: HalfedgeId| {
+        let ([a, b], [c, d]) = (at(h), at(mesh.next(h)));
+        (c - a).hypot(d - b)
+    };
+    let of_edge = |&e: &EdgeId| {
+        let h = mesh.halfedge(e);
+        let sides = [length(h), length(mesh.twin(h)?)];
+        let mean = 0.5 * (sides[0] + sides[1]);
+        (mean > 0.0).then(|| metric.length(e) * (sides[0] - sides[1]).abs() / mean)
+    };
+    chains.iter().flat_map(|chain| &chain.edges).filter_map(of_edge).sum::<f64>() / surface.scale
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::HashSet;
+
+    use geom::{Id, Model, shapes};
+
+    use super::*;
+    use crate::cut::Symmetry;
+
+    /// A sphere, and the edges between its halves.
+    fn halves() -> (Model, Vec<[u32; 2]>) {
+        let shape = shapes::sphere(1500);
+        let is_upper = |triangle: [u32; 3]| triangle.iter().map(|&v| shape.points[v as usize][2]).sum::<f64>() > 0.0;
+        let mesh = shape.mesh();
+        let is_between = |e: &EdgeId| {
+            let h = mesh.halfedge(*e);
+            let sides = [h, mesh.twin(h).unwrap()].map(|h| is_upper(shape.triangles[mesh.face(h).index()]));
+            sides[0] != sides[1]
+        };
+        let between = mesh.edges().filter(is_between).map(|e| mesh.ends(e).map(|v| v.0)).collect();
+        (shape.into(), between)
+    }
+
+    fn unwrapped(model: &Model, given: &[[u32; 2]], options: Options) -> (Analysis, Atlas) {
+        let seams = SeamOptions { given: given.to_vec(), ..SeamOptions::default() };
+        Analysis::unwrapped(model, &Options { seams, ..options }, super::super::observer::Silent).unwrap()
+    }
+
+    fn edges(atlas: &Atlas) -> HashSet<[u32; 2]> {
+        atlas.seams.iter().flat_map(|seam| seam.windows(2).map(|ends| ascending([ends[0], ends[1]]))).collect()
+    }
+
+    #[test]
+    fn halves_of_a_sphere_need_fewer_cones_and_their_sides_fit() {
+        let (model, given) = halves();
+        let (analysis, free) = unwrapped(&model, &given, Options::default());
+        let rigid = Options { free_seams: FreeSeams::Never, ..Options::default() };
+        let (as_whole, rigid) = unwrapped(&model, &given, rigid);
+        let areas = |analysis: &Analysis, atlas: &Atlas| analysis.measures(atlas).unwrap().area.mean;
+        assert!(free.cones.len() < rigid.cones.len() && rigid.freed == 0);
+        assert!(areas(&analysis, &free) < areas(&as_whole, &rigid));
+        assert_eq!((free.island_count(), free.detached.len()), (2, 0));
+        // The scale is 1 along the boundary.
+        assert!(free.seam_figures.mean_mismatch() < 1e-6 && free.freed == 0);
+        let cut = edges(&free);
+        assert!(given.iter().all(|&ends| cut.contains(&ascending(ends))));
+        assert!(free.cones.iter().all(|cone| cone.component == 0), "it is one part");
+        assert!((free.seam_figures.length / rigid.seam_figures.length - 1.0).abs() < 0.3);
+    }
+
+    #[test]
+    fn no_cones_may_be_asked_for_where_charts_need_none() {
+        let (model, given) = halves();
+        let none = Options { cones: ConeChoice::Count(0), ..Options::default() };
+        let (_, atlas) = unwrapped(&model, &given, none.clone());
+        assert_eq!((atlas.cones.len(), atlas.island_count()), (0, 2));
+        assert_eq!(edges(&atlas), given.iter().map(|&ends| ascending(ends)).collect());
+        // A slit is opened, too, and takes what cones would take.
+        let slit: Vec<[u32; 2]> =
+            given.iter().copied().filter(|ends| ends.iter().all(|&v| model.points()[v as usize][0] > -0.8)).collect();
+        assert!(slit.len() < given.len());
+        let (_, atlas) = unwrapped(&model, &slit, none.clone());
+        assert_eq!((atlas.cones.len(), atlas.island_count()), (0, 1));
+        let refine = Options {
+            preparation: super::super::Preparation { refine: super::super::Refining::Always, ..none.preparation },
+            ..none
+        };
+        let (analysis, atlas) = unwrapped(&model, &given, refine);
+        assert_eq!((atlas.cones.len(), atlas.island_count()), (0, 2));
+        assert!(analysis.refined().is_some() && atlas.detached.is_empty());
+    }
+
+    #[test]
+    fn sides_stay_congruent_for_textures_and_for_cones_that_are_given() {
+        let (model, given) = halves();
+        let tiled = Options { quantize: Some(Symmetry::Fourfold), cones: ConeChoice::Count(8), ..Options::default() };
+        let cones = (0..4).map(|k| (300 * k, None)).collect();
+        for options in [tiled, Options { cones: ConeChoice::Given(cones), ..Options::default() }] {
+            assert!(
+                !Options { seams: SeamOptions { given: given.clone(), ..SeamOptions::default() }, ..options.clone() }
+                    .opens_given_seams()
+            );
+            let (_, atlas) = unwrapped(&model, &given, options);
+            assert!(atlas.cones.len() >= 4 && atlas.freed == 0);
+        }
+        assert!(!Options::default().opens_given_seams());
+    }
+}
