@@ -13,7 +13,7 @@ use super::cones::ChosenNumber;
 use super::flat::{Flat, RIGID_SEAMS};
 use super::note::Note;
 use super::observer::{Stage, Task, Times};
-use super::options::Options;
+use super::options::{Options, Recipe};
 use super::packed::{Packed, packed};
 use crate::cut::{SeamFigures, SeamOptions, Tiling, ascending};
 use crate::error::Error;
@@ -87,6 +87,12 @@ impl Analysis {
         let began = Instant::now();
         let (mut cones, mut seams, mut loops, mut detached) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
         let number = number.map(|number| self.measured(number, &flats));
+        let missed = self.components().iter().zip(&flats).filter(|(_, flat)| flat.misses_areas);
+        let recipe = Recipe {
+            freed: missed.map(|(component, _)| self.first_face(component)).collect(),
+            target: options.cones.wanted(),
+            ..self.recipe(flats.iter().map(|flat| (&flat.cones[..], &flat.curvature[..])))
+        };
         let mut curvature_error = 0.0_f64;
         let (mut unfolded, mut freed) = (0, 0);
         let mut seam_figures = SeamFigures::default();
@@ -114,6 +120,7 @@ impl Analysis {
             }
         }
         notes.extend(self.lost_seams(&options.seams));
+        notes.extend(self.open_seams(&options.seams));
         notes.extend(contested(&options.seams));
         notes.extend(Note::of_margin(options.packing.margin, packing.margin));
         if let Some(Tiling { symmetry, seams, broken: broken @ 1.., .. }) = tiling {
@@ -159,6 +166,9 @@ impl Analysis {
             freed,
             times,
             notes,
+            repairs: self.repairs().to_vec(),
+            refined: self.found.refined.clone(),
+            recipe,
         })
     }
 

@@ -12,7 +12,7 @@ pub struct SeamOptions {
     /// How much seams may lengthen to run straight, along sharp edges and in hidden places: from 0, as short as they can be, to 1 (what is
     /// beyond counts as the nearer of the two, NaN as 0).
     pub weight: f64,
-    /// Edges that are cut. Others are cut besides, until each island is a disk with all cones on its boundary. A cut that ends
+    /// Edges that are cut; of those on the boundary a note says how many there are. Others are cut besides, until each island is a disk with all cones on its boundary. A cut that ends
     /// away from cones and from other seams lies closed in the plane: there is no curvature to open it.
     pub given: Vec<[u32; 2]>,
     /// Edges that are cut as well, such as the [seams that a file has](geom::texture_seams), but passed over where they are none of
