@@ -64,6 +64,29 @@ pub enum Error {
         /// How many vertices the model has.
         count: usize,
     },
+    /// A given cone is no vertex of the face that it was given with.
+    #[error("cone {vertex} is no vertex of face {face} (counted from 0)")]
+    NotAtFace {
+        /// The vertex that was given.
+        vertex: u32,
+        /// The face.
+        face: u32,
+    },
+    /// A recipe is that of another model.
+    #[error(
+        "the cones are of a model of {vertices} vertices, and this one has {count}: give them with the mesh that they were found on, or, where that was refined, with what was written"
+    )]
+    OtherModel {
+        /// How many vertices its model has.
+        vertices: usize,
+        /// How many this one has.
+        count: usize,
+    },
+    /// Necks are no edges of the surface's, or do not part it.
+    #[error(
+        "the necks that limbs are to be cut off at do not part the surface: give them with the mesh that they were found on, prepared alike"
+    )]
+    NoNecks,
     /// A cone was given twice.
     #[error("cone {0} is given twice")]
     RepeatedCone(u32),
@@ -111,12 +134,6 @@ pub enum Error {
         ends: [u32; 2],
         /// Whether the surface was [refined](crate::Refining) before edges were named.
         is_refined: bool,
-    },
-    /// An edge was given for a seam where the surface ends.
-    #[error("the edge from vertex {} to {} (counted from 0) is on the boundary, where the surface is open already", ends[0], ends[1])]
-    OpenEdge {
-        /// Its vertices.
-        ends: [u32; 2],
     },
     /// The observer has said stop.
     #[error("interrupted")]

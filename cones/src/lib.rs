@@ -65,9 +65,9 @@ pub mod uv;
 pub use ::geom;
 pub use analysis::{
     Analysis, Atlas, Baseline, BaselineMap, ChosenNumber, Cone, ConeChoice, ConeOrder, Cones, Failure, FreeSeams,
-    Handles, Islands, Limbs, MOST_AUTOMATIC, MOST_NEEDLES, ModelExtremum, Note, Observer, Options, OrderedCone,
-    Preparation, Preview, Progress, RefinedModel, Refining, Stage, TARGET_DISTORTION, TOLERABLE_DISTORTION, Times,
-    Topology, unwrap_model,
+    GivenCone, Handles, Islands, Limbs, MOST_AUTOMATIC, MOST_NEEDLES, ModelExtremum, Note, Observer, Options,
+    OrderedCone, Preparation, Preview, Progress, Recipe, RefinedModel, Refining, Stage, TARGET_DISTORTION,
+    TOLERABLE_DISTORTION, Times, Topology, unwrap_model,
 };
 pub use baseline::LscmError;
 pub use curvature::{CurvatureError, CurvatureRule};

@@ -15,6 +15,7 @@ mod operators;
 mod persistence;
 mod preparing;
 mod real;
+mod recipes;
 mod seams;
 
 use proptest::collection::vec;

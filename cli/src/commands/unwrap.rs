@@ -7,7 +7,7 @@ use crate::commands::shared::{
     SurfaceFile, Unwrapped, non_negative, page_file, vtp_text, whole, write_hierarchy,
 };
 use crate::error::CommandError;
-use crate::input::{self, cone_file};
+use crate::input::{self, ConeFile, cone_file};
 use crate::output::{self, Files};
 use crate::progress::Progress;
 use crate::render::{self, Paint, Picture, Scene};
@@ -201,18 +201,22 @@ impl Job<'_> {
     /// Reads and unwraps it; the time of reading.
     fn unwrap(&self, progress: &Progress) -> Result<(Unwrapped, Times), CommandError> {
         let Self { args, input, format, .. } = *self;
-        let mut options = options(args, input)?;
+        let mut options = options(args, input);
+        let cones = args.cones.as_deref().map(ConeFile::read).transpose()?;
+        if let Some(cones) = &cones {
+            options.cones = ConeChoice::Recipe(Box::new(cones.recipe()));
+        }
         args.candidates.warn_of_idle_choice(&options);
         let edges = args.seams.read(&mut options)?;
         let (model, read) = input::read_model(input)?;
         args.seams.keep(input, &model, &mut options)?;
-        let unwrapped = Unwrapped::new(input, model, options, args.scale, progress);
-        let mut unwrapped = unwrapped.map_err(|error| edges.place(error))?;
+        let place = |error| edges.place(placed(cones.as_ref(), error));
+        let mut unwrapped = Unwrapped::new(input, model, options, args.scale, progress).map_err(place)?;
         let is_cut = args.triangulate || format == MeshFormat::Glb;
         if !is_cut {
             unwrapped.note_polygons();
         } else if unwrapped.has_overlapping_polygons() {
-            unwrapped = unwrapped.triangulated(input, args.scale, progress).map_err(|error| edges.place(error))?;
+            unwrapped = unwrapped.triangulated(input, args.scale, progress).map_err(place)?;
         }
         Ok((unwrapped, Times { read: Some(read), ..Times::default() }))
     }
@@ -237,8 +241,18 @@ impl Job<'_> {
     }
 }
 
-/// The library's options.
-fn options(args: &UnwrapArgs, input: &Path) -> Result<Options, CommandError> {
+/// An error with the line of the cone that it is about.
+fn placed(cones: Option<&ConeFile>, error: CommandError) -> CommandError {
+    match (cones, error) {
+        (Some(cones), CommandError::Unwrap { path, error }) => {
+            cones.place(error).map_or_else(|error| CommandError::Unwrap { path, error }, CommandError::from)
+        }
+        (_, error) => error,
+    }
+}
+
+/// The library's options, but for files.
+fn options(args: &UnwrapArgs, input: &Path) -> Options {
     let islands = match args.islands {
         IslandsName::Single => Islands::Single,
         IslandsName::OverlapFree => Islands::OverlapFree,
@@ -246,11 +260,7 @@ fn options(args: &UnwrapArgs, input: &Path) -> Result<Options, CommandError> {
     };
     let packing = args.packing.options();
     let packing = PackOptions { max_seam: args.max_seam.unwrap_or(packing.max_seam), ..packing };
-    let options = Options { islands, packing, ..args.candidates.options_for(input) };
-    Ok(match &args.cones {
-        Some(file) => Options { cones: ConeChoice::Given(cone_file::read(file)?), ..options },
-        None => options,
-    })
+    Options { islands, packing, ..args.candidates.options_for(input) }
 }
 
 /// Endings and places of the outputs, before anything is computed; the format of the surface.
@@ -351,7 +361,7 @@ impl Extras {
 
     fn write(self, args: &UnwrapArgs, unwrapped: &Unwrapped, files: &mut Files) -> Result<(), CommandError> {
         if let Some(path) = &args.cones_out {
-            files.write_text(path, &cone_file::text(&unwrapped.map.atlas.cones))?;
+            files.write_text(path, &cone_file::text(unwrapped.map.atlas.recipe()))?;
         }
         if let (Some(path), Some(order)) = (&args.hierarchy, self.order) {
             write_hierarchy(files, path, order)?;

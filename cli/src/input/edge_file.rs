@@ -41,9 +41,7 @@ impl EdgeFile {
 
     /// The complaint about an edge, with the line that has it; the error itself if it is about none of them.
     pub(crate) fn place(&self, error: cones::Error) -> Result<EdgeFileError, cones::Error> {
-        let (cones::Error::NoSuchEdge { ends, .. } | cones::Error::OpenEdge { ends }) = &error else {
-            return Err(error);
-        };
+        let cones::Error::NoSuchEdge { ends, .. } = &error else { return Err(error) };
         match self.edges.iter().find(|(edge, _)| edge == ends) {
             Some(&(_, line)) => Ok(EdgeFileError::Refused { path: self.path.clone(), line, error }),
             None => Err(error),

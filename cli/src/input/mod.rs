@@ -27,7 +27,7 @@ mod vtk_blocks;
 
 pub(crate) use array::{Array, Axes, Layer};
 pub(crate) use array_file::read_array;
-pub(crate) use cone_file::ConeFileError;
+pub(crate) use cone_file::{ConeFile, ConeFileError};
 pub(crate) use edge_file::{EdgeFile, EdgeFileError};
 pub(crate) use error::{Problem, ReadError};
 pub(crate) use network::{Network, edges_beside};

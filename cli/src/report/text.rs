@@ -4,7 +4,7 @@ use super::seams::seam_text;
 use super::table::{counted, labelled, thousands};
 use super::{InputReport, UnwrapReport};
 use cones::report::{DistortionReport, OverlapReport, RefinedReport, Report};
-use cones::{ConeChoice, Islands, Options, Prediction};
+use cones::{Islands, Options, Prediction};
 use geom::{Repair, RepairKind};
 
 /// Above this quasi-conformal distortion finer triangles are worth a thought.
@@ -83,7 +83,7 @@ fn short(distortion: f64, decimals: usize) -> String {
 
 /// How cones and their curvatures are chosen.
 pub(super) fn rule(options: &Options) -> String {
-    let method = if matches!(options.cones, ConeChoice::Given(_)) { "" } else { "method " };
+    let method = if options.cones.is_given() { "" } else { "method " };
     format!("{method}{}, {} curvatures", options.method_name(), options.angles_name())
 }
 

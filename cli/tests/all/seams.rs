@@ -61,8 +61,8 @@ fn the_line_of_an_edge_that_is_none_is_named() {
     folder.write("edges.txt", &format!("{} {}\n", rim[0], rim[1]));
     for refined in [&[][..], &["--refine"]] {
         let args = [&["unwrap", "terrain.obj", "-o", "out.obj", "--seams", "edges.txt"], refined].concat();
-        let said = folder.complaint(&args);
-        assert!(said.contains("edges.txt, line 1:") && said.contains("boundary"), "{said}");
+        let said = stderr(&folder.run(&args).success());
+        assert!(said.contains("1 of 1 edges that were to be cut is on the boundary"), "{said}");
     }
     folder.complaint(&["unwrap", "terrain.obj", "-o", "out.obj", "--seams", "missing.txt"]);
     folder.complaint(&["unwrap", "terrain.obj", "-o", "edges.txt", "--seams", "edges.txt"]);

@@ -133,6 +133,41 @@ fn cones_written_out_and_given_back_unwrap_the_same() {
 }
 
 #[test]
+fn a_file_of_cones_makes_the_map_again_that_it_was_written_with() {
+    let folder = Folder::with_shapes();
+    for (shape, options) in
+        [("torus-4", &["-n", "4"]), ("terrain", &["-n", "0"]), ("hare", &["--max-distortion", "1.2"])]
+    {
+        folder.run(&["shape", shape, "--vertices", "1000", "-o", "in.obj"]).success();
+        let first = ["unwrap", "in.obj", "-o", "a.obj", "--cones-out", "cones.txt", "--report", "r.json"];
+        folder.run(&[&first[..], &options[..]].concat()).success();
+        folder.run(&["unwrap", "in.obj", "-o", "b.obj", "--cones", "cones.txt"]).success();
+        assert!(folder.read("a.obj") == folder.read("b.obj"), "{shape}");
+        let text = folder.read("cones.txt");
+        assert!(text.contains("#: vertices "), "{text}");
+        assert_eq!(text.contains("#: opened "), shape == "torus-4", "{text}");
+    }
+}
+
+#[test]
+fn extracting_opens_handles_as_unwrapping_does() {
+    let folder = Folder::with_shapes();
+    folder.run(&["shape", "torus-4", "--vertices", "1000", "-o", "torus.obj"]).success();
+    for number in ["2", "4"] {
+        let number = ["-n", number];
+        let args = [&["extract", "torus.obj", "--json", "--cones-out", "cones.txt"], &number[..]].concat();
+        let extracted: Value = serde_json::from_str(&stdout(&folder.run(&args).success())).expect("stdout is JSON");
+        let args = [&["unwrap", "torus.obj", "-o", "a.obj", "--report", "report.json"], &number[..]].concat();
+        folder.run(&args).success();
+        let report = folder.json("report.json");
+        assert_eq!(extracted["cones"], report["cones"]);
+        assert_eq!((&extracted["opened_handles"], &report["seams"]["opened_handles"]), (&4.into(), &4.into()));
+        folder.run(&["unwrap", "torus.obj", "-o", "b.obj", "--cones", "cones.txt"]).success();
+        assert!(folder.read("a.obj") == folder.read("b.obj"));
+    }
+}
+
+#[test]
 fn the_summary_says_how_the_cones_were_really_chosen() {
     let folder = Folder::with_shapes();
     folder.write("places", "5\n70\n140\n210\n");
@@ -220,10 +255,21 @@ fn a_wrong_line_in_a_file_of_cones_is_named() {
     folder.write("cones.txt", "# mine\n3 1.5\nseven\n");
     let run = ["unwrap", "hare.obj", "--cones", "cones.txt", "-o", "out.obj"];
     assert!(folder.complaint(&run).contains("cones.txt, line 3"));
-    folder.write("cones.txt", "999999\n");
-    folder.complaint(&run);
-    folder.write("cones.txt", "\n");
-    folder.complaint(&run);
+    for (text, expected) in [
+        ("4\n\n999999\n", "cones.txt, line 3: cone 999999"),
+        ("4\n5\n# again\n4\n", "cones.txt, line 4: cone 4 is given twice"),
+        ("4 1\n5\n6 1\n", "cones.txt, line 2: 2 of 3 cones"),
+        ("4 7\n5 1\n6 4.566370614359172\n", "cones.txt, line 1: a cone's curvature must be less than 2π"),
+        ("4 1\n5 1\n", "cones.txt: the given curvatures sum to 2.0"),
+        ("#: vertices 7\n4\n5\n6\n", "cones.txt: the cones are of a model of 7 vertices"),
+        ("#: handles 7\n4\n", "cones.txt, line 1: \"#: handles 7\" is nothing that can be said"),
+        ("4 #: face 99999\n", "cones.txt, line 1: cone 4 is no vertex of face 99999"),
+        ("# nothing\n\n", "cones.txt lists no cone"),
+    ] {
+        folder.write("cones.txt", text);
+        let said = folder.complaint(&run).split_whitespace().collect::<Vec<_>>().join(" ");
+        assert!(said.contains(expected), "{said}");
+    }
     assert!(!folder.path("out.obj").exists());
 }
 

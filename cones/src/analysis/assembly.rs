@@ -13,7 +13,7 @@ use super::cones::ChosenNumber;
 use super::flat::{Flat, RIGID_SEAMS};
 use super::note::Note;
 use super::observer::{Stage, Task, Times};
-use super::options::Options;
+use super::options::{Options, Recipe};
 use super::packed::{Packed, packed};
 use crate::cut::{SeamFigures, SeamOptions, Tiling, ascending};
 use crate::error::Error;
@@ -61,7 +61,7 @@ impl Placed {
 }
 
 /// That edges were to be avoided that were to be cut, too.
-pub(super) fn contested(seams: &SeamOptions) -> Option<Note> {
+fn contested(seams: &SeamOptions) -> Option<Note> {
     if seams.avoid.is_empty() {
         return None;
     }
@@ -72,6 +72,11 @@ pub(super) fn contested(seams: &SeamOptions) -> Option<Note> {
 }
 
 impl Analysis {
+    /// What is to be said of the seams that are asked for.
+    pub(super) fn notes_of_seams(&self, seams: &SeamOptions) -> impl Iterator<Item = Note> {
+        [self.lost_seams(seams), self.open_seams(seams), contested(seams)].into_iter().flatten()
+    }
+
     /// Puts flattened components together.
     pub(super) fn assemble(
         &self,
@@ -88,6 +93,12 @@ impl Analysis {
         let began = Instant::now();
         let (mut cones, mut seams, mut loops, mut detached) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
         let number = number.map(|number| self.measured(number, &flats));
+        let missed = self.components().iter().zip(&flats).filter(|(_, flat)| flat.misses_areas);
+        let recipe = Recipe {
+            freed: missed.map(|(component, _)| self.first_face(component)).collect(),
+            target: options.cones.wanted(),
+            ..self.recipe(flats.iter().map(|flat| (&flat.cones[..], &flat.curvature[..])))
+        };
         let mut curvature_error = 0.0_f64;
         let (mut unfolded, mut freed) = (0, 0);
         let mut seam_figures = SeamFigures::default();
@@ -114,8 +125,7 @@ impl Analysis {
                 }
             }
         }
-        notes.extend(self.lost_seams(&options.seams));
-        notes.extend(contested(&options.seams));
+        notes.extend(self.notes_of_seams(&options.seams));
         notes.extend(Note::of_margin(options.packing.margin, packing.margin));
         if let Some(Tiling { symmetry, seams, broken: broken @ 1.., .. }) = tiling {
             let mut steps = cones.iter().map(|cone| cone.curvature / symmetry.angle());
@@ -160,6 +170,9 @@ impl Analysis {
             freed,
             times,
             notes,
+            repairs: self.repairs().to_vec(),
+            refined: self.found.refined.clone(),
+            recipe,
         })
     }
 

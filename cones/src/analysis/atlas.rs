@@ -1,10 +1,14 @@
 //! An unwrapped model: what comes out of flattening all components.
 
-use geom::{Surface, Triangles};
+use std::sync::Arc;
+
+use geom::{Repair, Surface, Triangles};
 
 use super::cones::{ChosenNumber, Cone};
 use super::note::Note;
 use super::observer::Times;
+use super::options::Recipe;
+use super::refined::RefinedModel;
 use crate::cut::{SeamFigures, Tiling};
 
 /// The topology of a model's surfaces, added up.
@@ -90,4 +94,16 @@ pub struct Atlas {
     pub times: Times,
     /// What the user should know.
     pub notes: Vec<Note>,
+    /// What was repaired in the model.
+    pub repairs: Vec<Repair>,
+    /// The model that the map is of, where that is [another one](crate::Analysis::refined) than was given: vertices, corners and triangles are its.
+    pub refined: Option<Arc<RefinedModel>>,
+    pub(crate) recipe: Recipe,
+}
+
+impl Atlas {
+    /// What makes it again.
+    pub fn recipe(&self) -> &Recipe {
+        &self.recipe
+    }
 }

@@ -9,7 +9,7 @@ use super::cones::{ChosenNumber, Cones, Configuration};
 use super::instances::{each, each_shape};
 use super::note::Note;
 use super::observer::{Stage, Task, Times};
-use super::options::{ConeChoice, Options};
+use super::options::{ConeChoice, Options, Recipe};
 use super::order::whole_curve;
 use crate::curvature::CurvatureRule;
 use crate::error::Error;
@@ -67,9 +67,12 @@ impl Analysis {
     /// If a given cone is none, if given curvatures are impossible, if cones cannot take the curvature of a component, or if the
     /// observer has said stop.
     pub fn choose(&self, options: &Options) -> Result<Cones, Error> {
-        let task = self.task();
-        let chosen = self.configurations(options, &|_| Known::Nothing, &task)?;
-        let (shared, configurations) = self.enough(chosen, options, &task)?;
+        self.chosen(self.configurations(options, &|_| Known::Nothing, &self.task())?, options)
+    }
+
+    /// What was chosen, told, with more cones where these would leave too much to distort.
+    pub(super) fn chosen(&self, chosen: Chosen, options: &Options) -> Result<Cones, Error> {
+        let (shared, configurations) = self.enough(chosen, options, &self.task())?;
         let configurations = configurations.into_iter().collect::<Result<Vec<Configuration>, Error>>()?;
         Ok(self.cones(options, shared, configurations))
     }
@@ -103,11 +106,12 @@ impl Analysis {
                 let counts = self.above(&mut shared, *threshold);
                 self.placed(&mut shared, options, &counts, task)?
             }
-            ConeChoice::Given(given) => {
-                let given = &self.on_surface(given)?;
+            ConeChoice::Given(_) | ConeChoice::Recipe(_) => {
+                let given = &self.on_surface(&options.cones.given().unwrap_or_default())?;
                 each(self.components(), &mut shared.times, |component, times| {
                     task.stage((Stage::Curvature, component.index), times, |watch| {
-                        component.given(given, options, watch).map_err(|error| self.naming_a_part(error))
+                        let here = &given[component.index];
+                        component.given(here, options, watch).map_err(|error| self.naming_a_part(error))
                     })
                 })?
             }
@@ -168,9 +172,15 @@ impl Analysis {
         let Shared { mut notes, number, times, .. } = shared;
         notes.extend(configurations.iter().flat_map(|configuration| configuration.notes.iter().cloned()));
         let most = configurations.iter().map(|c| c.vertices.len()).max().unwrap_or(0);
+        let recipe = Recipe {
+            target: options.cones.wanted(),
+            freed: options.cones.recipe().map_or_else(Vec::new, |recipe| recipe.freed.clone()),
+            ..self.recipe(configurations.iter().map(Configuration::cones))
+        };
         Cones {
             cones,
-            placement: (!matches!(options.cones, ConeChoice::Given(_))).then(|| options.placement_for(most)),
+            recipe,
+            placement: (!options.cones.is_given()).then(|| options.placement_for(most)),
             rule: options.rule,
             prediction: predictor.prediction(),
             number,
@@ -298,32 +308,6 @@ impl Analysis {
         shared.found = found;
         Ok(configurations)
     }
-
-    /// Given cones as vertices of surfaces, each once: where vertices were merged the one that stands for them.
-    fn on_surface(&self, given: &[(u32, Option<f64>)]) -> Result<Vec<(u32, Option<f64>)>, Error> {
-        let count = self.points().len();
-        let mut stands_for = vec![None; count];
-        for component in self.components() {
-            for (vertex, v) in self.corners_of(component) {
-                stands_for[vertex as usize] = Some(component.surface.vertex[v]);
-            }
-        }
-        let mut is_given = vec![false; count];
-        let mut found = Vec::with_capacity(given.len());
-        for &(vertex, curvature) in given {
-            let on_surface = stands_for.get(vertex as usize).copied().flatten();
-            let on_surface = on_surface.ok_or(Error::NoSuchCone { vertex, count })?;
-            if std::mem::replace(&mut is_given[on_surface as usize], true) {
-                return Err(Error::RepeatedCone(vertex));
-            }
-            found.push((on_surface, curvature));
-        }
-        let known = given.iter().filter(|(_, k)| k.is_some()).count();
-        if known != 0 && known != given.len() {
-            return Err(Error::SomeCurvatures { known, given: given.len() });
-        }
-        Ok(found)
-    }
 }
 
 impl Component {
@@ -370,7 +354,11 @@ impl Component {
 impl ConeChoice {
     /// The area distortion that somebody asked for.
     pub(super) fn wanted(&self) -> Option<f64> {
-        if let Self::WithinDistortion(target) = self { Some(*target) } else { None }
+        match self {
+            Self::WithinDistortion(target) => Some(*target),
+            Self::Recipe(recipe) => recipe.target,
+            _ => None,
+        }
     }
 
     /// The area distortion that is not exceeded as long as more cones help.

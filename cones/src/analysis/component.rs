@@ -41,6 +41,9 @@ pub(super) struct Making {
     pub(super) is_asked_once: bool,
 }
 
+/// A given cone on the surface of a component: the vertex there, that of the model, the curvature.
+pub(super) type OnSurface = (VertexId, u32, Option<f64>);
+
 /// What is found once; see the module's head. It is never changed.
 #[derive(Debug)]
 pub(crate) struct Component {
@@ -358,19 +361,9 @@ impl Component {
     }
 
     /// The given cones that lie on it, with their curvatures.
-    pub(crate) fn given(
-        &self,
-        given: &[(u32, Option<f64>)],
-        options: &Options,
-        watch: Watch,
-    ) -> Result<Configuration, Error> {
-        let surface = &self.surface;
-        let here = given.iter().filter_map(|&(vertex, k)| {
-            let v = surface.vertex.iter().position(|&v| v == vertex)?;
-            Some((VertexId::new(v), vertex, k))
-        });
-        let here: Vec<(VertexId, u32, Option<f64>)> = here.collect();
-        if let Some(&(_, vertex, _)) = here.iter().find(|(v, _, _)| surface.mesh.is_boundary_vertex(*v)) {
+    pub(super) fn given(&self, here: &[OnSurface], options: &Options, watch: Watch) -> Result<Configuration, Error> {
+        let mesh = &self.surface.mesh;
+        if let Some(&(_, vertex, _)) = here.iter().find(|(v, _, _)| mesh.is_boundary_vertex(*v)) {
             return Err(Error::ConeOnBoundary(vertex));
         }
         let vertices = here.iter().map(|&(v, _, _)| v).collect();

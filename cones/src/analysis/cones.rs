@@ -5,6 +5,7 @@ use topo::Kind;
 
 use super::note::Note;
 use super::observer::Times;
+use super::options::Recipe;
 use crate::curvature::CurvatureRule;
 use crate::cut::Symmetry;
 use crate::placement::{Placement, Prediction};
@@ -70,6 +71,8 @@ impl ChosenNumber {
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Cones {
     pub(crate) cones: Vec<Cone>,
+    #[cfg_attr(feature = "serde", serde(skip))]
+    pub(crate) recipe: Recipe,
     pub(crate) placement: Option<Placement>,
     pub(crate) rule: CurvatureRule,
     pub(crate) prediction: Prediction,
@@ -146,6 +149,11 @@ impl Cones {
     /// How their number was found, where none was given.
     pub fn number(&self) -> Option<&ChosenNumber> {
         self.number.as_ref()
+    }
+
+    /// What makes a map with them again.
+    pub fn recipe(&self) -> &Recipe {
+        &self.recipe
     }
 
     /// What the user should know of how they were chosen.

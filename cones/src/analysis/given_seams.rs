@@ -10,7 +10,6 @@ use std::collections::HashSet;
 use geom::{EdgeData, EdgeId, HalfedgeId, OpenedIsland, VertexData, open_islands};
 
 use super::Analysis;
-use super::assembly::contested;
 use super::atlas::Atlas;
 use super::component::Component;
 use super::flat::RIGID_SEAMS;
@@ -25,7 +24,10 @@ impl Options {
     /// Whether surfaces are opened along the seams that are given. Cones that are given, or numbers of them for each part, speak of whole surfaces.
     fn opens_given_seams(&self) -> bool {
         let is_given = !self.seams.given.is_empty() || !self.seams.kept.is_empty();
-        let is_of_whole = matches!(self.cones, ConeChoice::Given(_) | ConeChoice::Each(_));
+        let is_of_whole = match &self.cones {
+            ConeChoice::Recipe(recipe) => !recipe.charts,
+            cones => matches!(cones, ConeChoice::Given(_) | ConeChoice::Each(_)),
+        };
         is_given && self.free_seams != FreeSeams::Never && self.quantize.is_none() && !is_of_whole
     }
 }
@@ -53,8 +55,9 @@ impl Analysis {
         let cut = self.cut_into(charts, &mut times)?;
         // What is given is open now.
         let seams = SeamOptions { given: Vec::new(), kept: Vec::new(), ..options.seams.clone() };
-        let of_charts = cut.analysis.atlas_beside(&[], &Options { seams, ..options.clone() });
+        let of_charts = cut.analysis.atlas(&Options { seams, ..options.clone() });
         let mut atlas = cut.put_back(of_charts)?;
+        atlas.recipe.charts = true;
         for (component, chains) in self.components().iter().zip(&chains) {
             let mismatch = mismatch(component, chains, &atlas.uv);
             let figures =
@@ -62,7 +65,7 @@ impl Analysis {
             atlas.freed += usize::from(figures.mean_mismatch() > RIGID_SEAMS);
             atlas.seam_figures += figures;
         }
-        atlas.notes.extend(self.lost_seams(&options.seams).into_iter().chain(contested(&options.seams)));
+        atlas.notes.extend(self.notes_of_seams(&options.seams));
         atlas.times += times;
         Ok(Some(atlas))
     }
@@ -204,6 +207,16 @@ mod tests {
         let (analysis, atlas) = unwrapped(&model, &given, refine);
         assert_eq!((atlas.cones.len(), atlas.island_count()), (0, 2));
         assert!(analysis.refined().is_some() && atlas.detached.is_empty());
+    }
+
+    #[test]
+    fn what_was_found_makes_the_same_map_again() {
+        let (model, given) = halves();
+        let (_, atlas) = unwrapped(&model, &given, Options::default());
+        assert!(atlas.recipe().charts);
+        let again = Options { cones: ConeChoice::Recipe(Box::new(atlas.recipe().clone())), ..Options::default() };
+        let (_, again) = unwrapped(&model, &given, again);
+        assert_eq!(again.uv, atlas.uv);
     }
 
     #[test]

@@ -4,10 +4,10 @@
 //! pieces of few limbs each ([`limbs`]), which are parts like any others from then on, they are easy: each piece gets the cones that it needs, and
 //! the boundary at its necks takes curvature.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
-use geom::{EdgeData, FaceData, Mesh, OpenedIsland, Watch, open_islands};
+use geom::{EdgeData, EdgeId, FaceData, Mesh, OpenedIsland, Watch, open_islands};
 
 use super::Analysis;
 use super::atlas::Atlas;
@@ -19,7 +19,8 @@ use super::instances::{OfShape, each_shape};
 use super::note::Note;
 use super::observer::{Stage, Task, Times};
 use super::options::{self, Islands, Options};
-use crate::cut::{Limbs, SeamFigures, limbs};
+use super::refined::Ready;
+use crate::cut::{Limbs, SeamFigures, ascending, limbs};
 use crate::error::Error;
 use crate::field::Operators;
 use crate::flatten::{Chain, seam_lengths};
@@ -146,16 +147,10 @@ impl Analysis {
             Remedy::Cones(more) => Some(more.clone()),
             _ => settled.get(part).and_then(|settled| settled.cones.clone()),
         };
-        let mut cut_off = CutOff {
-            analysis: taken.clone(),
-            parts: (0..remedies.len())
-                .map(|part| Settled { found: chosen.0.found.get(part).cloned(), cones: more(part), cuts: cuts(part) })
-                .collect(),
-            before: (0..remedies.len()).collect(),
-            necks: Vec::new(),
-            given: Vec::new(),
-            figures: SeamFigures::default(),
-        };
+        let parts = (0..remedies.len())
+            .map(|part| Settled { found: chosen.0.found.get(part).cloned(), cones: more(part), cuts: cuts(part) })
+            .collect();
+        let mut cut_off = CutOff::none(taken.clone(), parts);
         let mut ready = Vec::new();
         // The places of the pieces of the first part of each shape.
         let mut of_shape: HashMap<*const Operators, Vec<usize>> = HashMap::new();
@@ -163,28 +158,54 @@ impl Analysis {
             let Remedy::Pieces(pieces) = remedy else { continue };
             let part = component.index;
             [component, &taken.components()[part]].into_iter().for_each(|component| component.let_factor_go());
-            let necks = necks(&component.surface.mesh, &pieces);
-            cut_off.figures += SeamFigures::of_chains(&component.surface, &component.metric, &necks);
-            cut_off.necks.extend(necks.iter().map(|chain| component.vertices_along(chain)));
-            let whole = component.ready();
-            let first = of_shape.entry(Arc::as_ptr(&component.operators)).or_insert_with(|| {
-                let more = cut_off.before.len()..;
-                std::iter::once(part).chain(more).take(pieces.len()).collect::<Vec<usize>>()
-            });
+            let first = of_shape.entry(Arc::as_ptr(&component.operators)).or_default();
             let settled = Settled { cuts: cuts(part) + 1, ..Settled::default() };
-            cut_off.parts[part] = settled.clone();
-            for (k, piece) in pieces.into_iter().enumerate() {
-                let place = if k == 0 { part } else { cut_off.before.len() };
-                if k > 0 {
-                    cut_off.before.push(part);
-                    cut_off.parts.push(settled.clone());
-                }
-                ready.push((place, whole.island(piece, first[k]).in_unit_size()));
-            }
+            ready.extend(cut_off.cut(component, pieces, first, &settled));
         }
         let task = Task::new(&self.observer, cut_off.before.len());
         cut_off.analysis.found =
             Arc::new(self.found.in_pieces(taken, ready, self.found.making.is_cut_as_given, &task, times)?);
+        Ok(Some(cut_off))
+    }
+}
+
+impl Analysis {
+    /// The model with limbs cut off at necks that are given, as chains of its vertices; none if none is given.
+    ///
+    /// # Errors
+    /// If they part no surface, if a Laplacian cannot be factored, or if the observer has said stop.
+    pub(super) fn cut_at(&self, necks: &[Vec<u32>]) -> Result<Option<CutOff>, Error> {
+        if necks.is_empty() {
+            return Ok(None);
+        }
+        let edges = edges_along(necks);
+        let mut cut_off = CutOff::none(self.clone(), vec![Settled::default(); self.components().len()]);
+        let mut ready = Vec::new();
+        for component in self.components() {
+            let mesh = &component.surface.mesh;
+            let is_cut = |e: EdgeId| {
+                let whole = Chain { vertices: mesh.ends(e).to_vec(), edges: vec![e] };
+                let along = component.vertices_along(&whole);
+                !mesh.is_boundary_edge(e) && along.windows(2).all(|part| edges.contains(&ascending([part[0], part[1]])))
+            };
+            let pieces = open_islands(mesh, &mesh.edges().map(is_cut).collect());
+            if pieces.len() > 1 {
+                component.let_factor_go();
+                // Each is worked on by itself.
+                ready.extend(cut_off.cut(component, pieces, &mut Vec::new(), &Settled::default()));
+            }
+        }
+        if ready.is_empty() {
+            return Err(Error::NoNecks);
+        }
+        let task = Task::new(&self.observer, cut_off.before.len());
+        cut_off.analysis.found = Arc::new(self.found.in_pieces(
+            self,
+            ready,
+            self.found.making.is_cut_as_given,
+            &task,
+            &mut Times::default(),
+        )?);
         Ok(Some(cut_off))
     }
 }
@@ -229,10 +250,40 @@ impl Component {
 }
 
 impl CutOff {
-    /// A model opened along seams that are given, and the part that each of its parts was before.
+    /// An analysis none of whose parts is in pieces.
+    fn none(analysis: Analysis, parts: Vec<Settled>) -> Self {
+        let before = (0..parts.len()).collect();
+        Self { analysis, parts, before, necks: Vec::new(), given: Vec::new(), figures: SeamFigures::default() }
+    }
+
+    /// An analysis opened along seams that are given, and the part that each of its parts was before.
     pub(super) fn along_seams(analysis: Analysis, before: Vec<usize>, given: Vec<Vec<u32>>) -> Self {
-        let figures = SeamFigures::default();
-        Self { analysis, parts: Vec::new(), before, necks: Vec::new(), given, figures }
+        Self { before, given, ..Self::none(analysis, Vec::new()) }
+    }
+
+    /// Puts a part into pieces, the first in its place; these, with their places. `first` has the places of the pieces of the first part of its shape, or gets
+    /// these; `settled` is what is known of each.
+    fn cut(
+        &mut self,
+        component: &Component,
+        pieces: Vec<OpenedIsland>,
+        first: &mut Vec<usize>,
+        settled: &Settled,
+    ) -> Vec<(usize, Ready)> {
+        let part = component.index;
+        let necks = necks(&component.surface.mesh, &pieces);
+        self.figures += SeamFigures::of_chains(&component.surface, &component.metric, &necks);
+        self.necks.extend(necks.iter().map(|chain| component.vertices_along(chain)));
+        let places: Vec<usize> = std::iter::once(part).chain(self.before.len()..).take(pieces.len()).collect();
+        if first.is_empty() {
+            first.clone_from(&places);
+        }
+        self.parts[part] = settled.clone();
+        self.parts.extend(places[1..].iter().map(|_| settled.clone()));
+        self.before.extend(places[1..].iter().map(|_| part));
+        let whole = component.ready();
+        let pieces = pieces.into_iter().enumerate();
+        pieces.map(|(k, piece)| (places[k], whole.island(piece, first[k]).in_unit_size())).collect()
     }
 
     /// Its atlas as one of the model before.
@@ -260,10 +311,16 @@ impl CutOff {
         atlas.seams.splice(0..0, self.given);
         let first = atlas.seams.len() - atlas.opened_handles - atlas.necks;
         atlas.necks += self.necks.len();
+        atlas.recipe.necks.extend(self.necks.iter().cloned());
         atlas.seams.splice(first..first, self.necks);
         atlas.seam_figures += self.figures;
         Ok(atlas)
     }
+}
+
+/// The edges along chains of vertices, by these in ascending order.
+fn edges_along(chains: &[Vec<u32>]) -> HashSet<[u32; 2]> {
+    chains.iter().flat_map(|chain| chain.windows(2).map(|ends| ascending([ends[0], ends[1]]))).collect()
 }
 
 /// The edges between different pieces.

@@ -33,6 +33,7 @@ mod packed;
 mod preview;
 mod quality;
 mod refined;
+mod remade;
 mod reseaming;
 mod sizing;
 mod unwrap;
@@ -51,7 +52,7 @@ pub use choosing::{MOST_AUTOMATIC, TARGET_DISTORTION, TOLERABLE_DISTORTION};
 pub use cones::{ChosenNumber, Cone, Cones};
 pub use note::{Failure, Note};
 pub use observer::{Observer, Progress, Stage, Times};
-pub use options::{ConeChoice, FreeSeams, Handles, Islands, Limbs, Options, Preparation, Refining};
+pub use options::{ConeChoice, FreeSeams, GivenCone, Handles, Islands, Limbs, Options, Preparation, Recipe, Refining};
 pub use order::{ConeOrder, ModelExtremum, OrderedCone};
 pub use preview::Preview;
 pub use refined::{MOST_NEEDLES, RefinedModel};
@@ -100,7 +101,7 @@ struct Found {
     triangles: Triangles,
     left_out: Vec<u32>,
     repairs: Vec<Repair>,
-    refined: Option<RefinedModel>,
+    refined: Option<Arc<RefinedModel>>,
     topology: Topology,
     /// Shared with the analyses of the same model with handles opened, as far as these leave them as they are.
     components: Vec<Arc<Component>>,
@@ -170,7 +171,14 @@ impl Analysis {
         options: &Options,
         observer: impl Observer + 'static,
     ) -> Result<(Self, Atlas), Error> {
-        let observer: Arc<dyn Observer> = Arc::new(observer);
+        Self::unwrapped_watched(model, options, Arc::new(observer))
+    }
+
+    fn unwrapped_watched(
+        model: &Model,
+        options: &Options,
+        observer: Arc<dyn Observer>,
+    ) -> Result<(Self, Atlas), Error> {
         let named = options.seams.named().map(ascending).collect();
         let making = |preparation, is_bent, is_finest| {
             let is_searched = options.searches_coarse_level();
@@ -190,6 +198,25 @@ impl Analysis {
         let as_it_is = Preparation { refine: Refining::Never, ..options.preparation };
         let unrefined = Options { preparation: as_it_is, ..options.clone() };
         let analysis = made(options.preparation)?;
+        if let Some(recipe) = options.cones.recipe() {
+            let may_be_other = !recipe.is_of(&analysis) && options.preparation.refine == Refining::Needles;
+            let analysis = match (may_be_other, analysis.refined()) {
+                (false, _) => analysis,
+                (true, Some(_)) => made(as_it_is)?,
+                (true, None) => of_size(making(options.preparation, true, false), None)?,
+            };
+            let analysis = match &recipe.refined_for {
+                Some(choice) if !recipe.is_of(&analysis) && !choice.is_given() => {
+                    drop(analysis);
+                    let before = Options { cones: (**choice).clone(), ..options.clone() };
+                    Self::unwrapped_watched(model, &before, observer)?.0
+                }
+                _ => analysis,
+            };
+            let mut atlas = analysis.atlas(options)?;
+            atlas.recipe.refined_for.clone_from(&recipe.refined_for);
+            return Ok((analysis, atlas));
+        }
         if analysis.refined().is_some() && options.preparation.refine == Refining::Needles {
             let net = Self::net_as_it_is(model, || made(as_it_is), &unrefined)?;
             if let Some((net, mut atlas)) = net {
@@ -205,9 +232,15 @@ impl Analysis {
                 atlas.notes.push(Note::NotRefined { component });
                 Ok((analysis, atlas))
             }
-            Ok(atlas) => analysis.or_finer(atlas, options, |sizing| {
-                of_size(making(options.preparation, true, sizing.is_some()), sizing)
-            }),
+            Ok(atlas) => {
+                let (analysis, mut atlas) = analysis.or_finer(atlas, options, |sizing| {
+                    of_size(making(options.preparation, true, sizing.is_some()), sizing)
+                })?;
+                if analysis.found.making.is_finest {
+                    atlas.recipe.refined_for = Some(Box::new(options.cones.clone()));
+                }
+                Ok((analysis, atlas))
+            }
             Err(error) => Err(error),
         }
     }
@@ -237,7 +270,7 @@ impl Analysis {
             let refining = (preparation.refine, size_at.as_ref().map(|at| at as SizeAt), held);
             let (ready, refined, triangles, left_out) =
                 refine_all(model, (prepared, &shapes), refining, &task, &mut times)?;
-            (ready, Some(refined), triangles, left_out)
+            (ready, Some(Arc::new(refined)), triangles, left_out)
         } else {
             let Prepared { surfaces, triangles, left_out, .. } = prepared;
             let ready = surfaces.into_iter().zip(shapes).map(|(surface, shape)| Ready::as_it_is(surface, shape));
@@ -295,6 +328,10 @@ impl Analysis {
 
     /// `count` cones by a method, with optimal curvatures, or as many as the model needs.
     ///
+    /// Up to [`MOST_OPTIMISED`](crate::MOST_OPTIMISED) cones take seconds. Beyond, N cones are placed by persistence, but their curvatures are a dense program: 8 (V + 2N) N bytes
+    /// and O(N³) time for a part of V vertices (16,000 vertices with 4,000 cones: .8 GB). It can be stopped at any time. Where all inner vertices are cones these keep the curvatures that they have. Those
+    /// beyond the extrema take a solve each to be placed besides (2,930 of as many vertices: 7 s).
+    ///
     /// # Errors
     /// If there are too few vertices for the model's curvature, or if the observer has said stop.
     pub fn place(&self, placement: Placement, count: usize) -> Result<Cones, Error> {
@@ -347,7 +384,7 @@ impl Analysis {
     /// The model that maps are of, where [`Preparation::refine`] asked for another one than was given: its vertices, corners and
     /// triangles are then meant everywhere.
     pub fn refined(&self) -> Option<&RefinedModel> {
-        self.found.refined.as_ref()
+        self.found.refined.as_deref()
     }
 
     /// The share of the area that is in triangles with an angle below 10°, after intrinsic Delaunay flips. Above [`MOST_NEEDLES`] a model
@@ -358,6 +395,11 @@ impl Analysis {
             (operators.mesh.triangulation(), &operators.metric, surface.scale.powi(-2))
         });
         refined::needle_share(parts)
+    }
+
+    /// How many handles are opened.
+    pub fn opened_handles(&self) -> usize {
+        self.components().iter().map(|component| component.handles.loops.len()).sum()
     }
 
     /// What was repaired in the model.

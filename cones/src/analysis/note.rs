@@ -163,6 +163,13 @@ pub enum Note {
         /// How many there are of the input.
         of: usize,
     },
+    /// Edges that were to be cut are on the boundary: the surface is open there already.
+    SeamsOpen {
+        /// How many.
+        edges: usize,
+        /// Of how many that were given.
+        of: usize,
+    },
     /// Edges that were to be cut and avoided are cut.
     AvoidedGiven {
         /// How many.
@@ -207,6 +214,7 @@ impl Note {
             Self::FewerThanNeeded { .. }
             | Self::FewExtrema { .. }
             | Self::SeamsDoNotTile { .. }
+            | Self::SeamsOpen { .. }
             | Self::AvoidedGiven { .. }
             | Self::NarrowMargin { .. }
             | Self::SeamsNotKept { .. } => None,
@@ -333,6 +341,15 @@ impl fmt::Display for Note {
                 "{lost} of {of} edges of the input's seams are no seams of the map: even triangles have other edges, leave \
                  them as they are to keep these"
             ),
+            Self::SeamsOpen { edges: 1, of } => {
+                write!(f, "1 of {of} edges that were to be cut is on the boundary, where the surface is open already")
+            }
+            Self::SeamsOpen { edges, of } => {
+                write!(
+                    f,
+                    "{edges} of {of} edges that were to be cut are on the boundary, where the surface is open already"
+                )
+            }
             Self::AvoidedGiven { edges: 1 } => {
                 write!(f, "an edge that was to be avoided was to be cut, too: it is cut")
             }

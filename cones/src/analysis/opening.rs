@@ -5,6 +5,7 @@ use std::sync::Arc;
 use super::Analysis;
 use super::choosing::{Chosen, Known, Shared, TARGET_DISTORTION};
 use super::component::Component;
+use super::cones::Cones;
 use super::instances::{each, each_shape};
 use super::limbs::{Settled, is_settled};
 use super::observer::{Stage, Times};
@@ -59,6 +60,27 @@ impl Analysis {
         let seams = &options.seams;
         let has_say = !seams.given.is_empty() || !seams.kept.is_empty() || options.quantize.is_some();
         self.found.making.preparation.handles == Handles::Auto && !has_say
+    }
+
+    /// The cones that [`atlas`](Self::atlas) begins with, and the analysis that they are of: this one, or the same with handles opened where that
+    /// promises the better map. The atlas has others where flattening shows that these fail, fold over, bend angles or miss what was asked for, and
+    /// where limbs are cut off; for a fixed number of cones it mostly has these.
+    ///
+    /// # Errors
+    /// As [`choose`](Self::choose).
+    pub fn choose_for_map(&self, options: &Options) -> Result<(Self, Cones), Error> {
+        let may_be_opened = self.may_be_opened(options) && !options.cones.is_given();
+        let has_handles = |part: usize| may_be_opened && self.components()[part].has_handles();
+        let known = |part: usize| if has_handles(part) { Known::MayBeOpened } else { Known::Nothing };
+        let mut chosen = self.configurations(options, &known, &self.task())?;
+        let (mut taken, mut tried) = (self.clone(), Times::default());
+        if may_be_opened && let Some((opened, other)) = self.opened_instead(&mut chosen, &[], options, &mut tried)? {
+            tried += chosen.0.times;
+            (taken, chosen) = (opened, other);
+        }
+        let mut cones = taken.chosen(chosen, options)?;
+        cones.times += tried;
+        Ok((taken, cones))
     }
 
     /// The analysis with handles opened and what is chosen there, where that promises the better map: on all components, or, unless
@@ -210,7 +232,7 @@ impl Analysis {
     }
 
     /// The same analysis with some parts of another one, the same but for opened handles.
-    fn with_parts_of(&self, opened: &Self, is_opened: &[bool]) -> Self {
+    pub(super) fn with_parts_of(&self, opened: &Self, is_opened: &[bool]) -> Self {
         let of_part = |part: usize| if is_opened[part] { &opened.components()[part] } else { &self.components()[part] };
         let components = (0..is_opened.len()).map(|part| Arc::clone(of_part(part))).collect();
         let found = self.found.with_opened(components, opened.times());

@@ -165,9 +165,71 @@ pub enum ConeChoice {
     /// These vertices of the model, each with its curvature if that is given too (for all or for none). On coarse triangles, where seams are set
     /// [free](FreeSeams), angles at cones come out otherwise: with [`FreeSeams::Never`] just so.
     Given(Vec<(u32, Option<f64>)>),
+    /// The cones of a map that was made, with what was done to its surface for them: the same map again.
+    Recipe(Box<Recipe>),
+}
+
+/// A cone that is given.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct GivenCone {
+    /// The vertex of the model.
+    pub vertex: u32,
+    /// Its curvature in radians, if that is given too: for all cones or for none.
+    pub curvature: Option<f64>,
+    /// A face with that vertex, where the surface has the vertex several times, as where two sheets touch there: the cone is on the
+    /// sheet of this face.
+    pub face: Option<u32>,
+}
+
+/// The cones of a map, and what was done to its surface before it was flattened with them: with the same preparation, seams and islands
+/// [`ConeChoice::Recipe`] makes the same map again, but for rounding. [`Atlas::recipe`](crate::Atlas::recipe) has that of a map, [`Cones::recipe`](crate::Cones::recipe) that
+/// of cones.
+#[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default))]
+pub struct Recipe {
+    /// The cones.
+    pub cones: Vec<GivenCone>,
+    /// How many vertices the model has that their numbers are of, to refuse those of another one: a [refined](crate::RefinedModel) one has more.
+    pub vertices: Option<usize>,
+    /// A face of each part whose handles were opened. It is heeded with [`Handles::Auto`].
+    pub opened: Vec<u32>,
+    /// The necks that thin limbs were cut off at, as chains of vertices of the model.
+    pub necks: Vec<Vec<u32>>,
+    /// Whether the surface was opened along the seams that were given, and each chart flattened for itself.
+    pub charts: bool,
+    /// A face of each part whose seams were set free since areas came out worse than was asked for and predicted.
+    pub freed: Vec<u32>,
+    /// The area distortion that was asked for, if one was.
+    pub target: Option<f64>,
+    /// What cones were asked for, where the model was refined by what the map of others of them was like: to refine it again so, that map is made first.
+    pub refined_for: Option<Box<ConeChoice>>,
 }
 
 impl ConeChoice {
+    /// What makes a map again, where that was given.
+    pub(super) fn recipe(&self) -> Option<&Recipe> {
+        if let Self::Recipe(recipe) = self { Some(recipe) } else { None }
+    }
+
+    /// The cones that are given, where they are.
+    pub(super) fn given(&self) -> Option<Vec<GivenCone>> {
+        match self {
+            Self::Given(given) => {
+                Some(given.iter().map(|&(vertex, curvature)| GivenCone { vertex, curvature, face: None }).collect())
+            }
+            Self::Recipe(recipe) => Some(recipe.cones.clone()),
+            _ => None,
+        }
+    }
+}
+
+impl ConeChoice {
+    /// Whether it says which vertices are cones.
+    pub fn is_given(&self) -> bool {
+        matches!(self, Self::Given(_) | Self::Recipe(_))
+    }
+
     /// Refuses numbers that mean nothing.
     pub(super) fn check(&self) -> Result<(), Error> {
         match self {
@@ -182,7 +244,7 @@ impl Options {
     /// How cones are placed, in a word: the method's [name](Placement::name), or `given`.
     pub fn method_name(&self) -> &'static str {
         match self.cones {
-            ConeChoice::Given(_) => GIVEN,
+            ConeChoice::Given(_) | ConeChoice::Recipe(_) => GIVEN,
             ConeChoice::MinPersistence(_) => Placement::Persistence.name(),
             _ => self.placement.name(),
         }
@@ -195,7 +257,7 @@ impl Options {
 
     /// Whether cones are given with their curvatures.
     pub fn gives_curvatures(&self) -> bool {
-        matches!(&self.cones, ConeChoice::Given(given) if given.iter().any(|(_, curvature)| curvature.is_some()))
+        self.cones.given().is_some_and(|given| given.iter().any(|cone| cone.curvature.is_some()))
     }
 
     /// How islands are packed: those of a texture that goes on across seams are not turned out of its directions.
@@ -215,7 +277,7 @@ impl Options {
             ConeChoice::Automatic | ConeChoice::WithinDistortion(_) => true,
             ConeChoice::Count(count) => *count <= MOST_ORDERED,
             ConeChoice::Each(counts) => counts.iter().any(|count| *count <= MOST_ORDERED),
-            ConeChoice::MinPersistence(_) | ConeChoice::Given(_) => false,
+            ConeChoice::MinPersistence(_) | ConeChoice::Given(_) | ConeChoice::Recipe(_) => false,
         };
         self.search == Search::CoarseToFine && is_searched && counts
     }

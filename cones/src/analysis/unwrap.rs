@@ -15,14 +15,14 @@ use super::instances::{each, each_shape};
 use super::limbs::Settled;
 use super::note::Note;
 use super::observer::{Silent, Stage, Task, Times};
-use super::options::{ConeChoice, Options};
+use super::options::Options;
 use crate::cut::{ModelEdges, SeamOptions, SeamPlan};
 use crate::error::Error;
 use crate::placement::{Prediction, Predictor};
 
 /// Unwraps a model in one call: [`Analysis::unwrapped`] unobserved, with the time of both and all that the user
-/// should know. Where the options ask for [refining](crate::Refining), what is unwrapped is another model, of even triangles: take
-/// [`Analysis::unwrapped`] then, whose analysis has it.
+/// should know. Where the options ask for [refining](crate::Refining), what is unwrapped is another model, of even triangles: the atlas
+/// [has it](Atlas::refined).
 ///
 /// ```
 /// use cones::{ConeChoice, Options, unwrap_model};
@@ -73,7 +73,7 @@ impl Analysis {
     /// ```
     ///
     /// # Errors
-    /// As [`flatten`](Self::flatten), if an edge is none of the model's, or one to be cut is open already, and if islands cannot be packed as is
+    /// As [`flatten`](Self::flatten), if an edge is none of the model's, and if islands cannot be packed as is
     /// asked.
     pub fn flatten_with(&self, cones: &Cones, options: &Options) -> Result<Atlas, Error> {
         self.check_own(cones)?;
@@ -84,7 +84,11 @@ impl Analysis {
         let task = self.task();
         let mut times = Times::default();
         let area = self.area();
-        let is_same = |one: usize, other: usize| cones.configurations[one].is_same(&cones.configurations[other]);
+        let missed = self.parts_of(&cones.recipe.freed);
+        let is_same = |one: usize, other: usize| {
+            missed.contains(&one) == missed.contains(&other)
+                && cones.configurations[one].is_same(&cones.configurations[other])
+        };
         let flats = self.flats(options, &mut times, is_same, |component, times| {
             let plan = self.plan(component, &options.seams, &task, times)?;
             let mut flat = component.flatten(
@@ -94,6 +98,10 @@ impl Analysis {
                 times,
             )?;
             component.detach_fold_overs(&mut flat);
+            flat.misses_areas = missed.contains(&component.index);
+            task.stage((Stage::Layout, component.index), times, |watch| {
+                component.promised(&mut flat, options, watch)
+            })??;
             component.finish(&mut flat, (options, &plan, component.area / area), &task, times)?;
             flat.notes.extend(component.doubt(&flat, cones.placement.is_none()));
             Ok(flat)
@@ -136,14 +144,9 @@ impl Analysis {
     pub fn atlas(&self, options: &Options) -> Result<Atlas, Error> {
         self.check_seams(&options.seams)?;
         options.packing.check()?;
-        if matches!(options.cones, ConeChoice::Given(_)) {
-            let cones = self.choose(options)?;
-            let mut atlas = self.flatten_with(&cones, options)?;
-            atlas.times += cones.times;
-            return Ok(atlas);
-        }
         match self.atlas_along_seams(options)? {
             Some(atlas) => Ok(atlas),
+            None if options.cones.is_given() => self.atlas_as_given(options),
             None => self.atlas_beside(&[], options),
         }
     }
@@ -294,7 +297,7 @@ impl Analysis {
         Ok(task.stage((Stage::Cut, *index), times, plan)??)
     }
 
-    /// Edges must be edges of the model, and those that are to be cut not open already.
+    /// Edges must be edges of the model.
     fn check_seams(&self, seams: &SeamOptions) -> Result<(), Error> {
         if seams.given.is_empty() && seams.avoid.is_empty() {
             return Ok(());
@@ -306,11 +309,18 @@ impl Analysis {
                 return Err(Error::NoSuchEdge { ends, is_refined });
             }
         }
-        let is_open = |ends: &[u32; 2]| self.parts(ends).iter().any(|&part| edges.is_open(part));
-        match seams.given.iter().find(|ends| is_open(ends)) {
-            Some(&ends) => Err(Error::OpenEdge { ends }),
-            None => Ok(()),
+        Ok(())
+    }
+
+    /// That edges to be cut are open already.
+    pub(super) fn open_seams(&self, seams: &SeamOptions) -> Option<Note> {
+        if seams.given.is_empty() {
+            return None;
         }
+        let edges = self.edges();
+        let is_open = |ends: &&[u32; 2]| self.parts(ends).iter().any(|&part| edges.is_open(part));
+        let open = seams.given.iter().filter(is_open).count();
+        (open > 0).then_some(Note::SeamsOpen { edges: open, of: seams.given.len() })
     }
 
     /// The edges that an edge of the model that was given is in: itself, where it was not held while the model was refined.

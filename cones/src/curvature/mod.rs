@@ -16,7 +16,7 @@ use thiserror::Error;
 
 use crate::field::Operators;
 use crate::numerics::dense;
-use crate::numerics::quadratic_program::{Held, ProgramError, Quadratic, minimise};
+use crate::numerics::quadratic_program::{Held, ProgramError, Quadratic, minimise_watched};
 
 /// The widest angle that the triangles at a cone have on average. Below π they can be laid out without flips. Surfaces of
 /// high genus with few cones need what there is: on casting (genus 9, 16 cones) 0.75π instead means an L2 norm 12 % larger
@@ -39,6 +39,9 @@ pub(crate) const SHARPEST_CURVATURE: f64 = 1.8 * PI;
 /// On bunny with 5 cones the energy falls by 5 %, the area distortion from 1.744 to 1.728, the quasi-conformal distortion grows from 1.0314
 /// to 1.0326; on moai with 3 cones it falls by 1 %, and the area distortion grows from 1.71 to 1.80.
 pub(crate) const LEAST_SHARPENED: f64 = 0.03;
+
+/// The columns of so many cones are held at once where one solve would do.
+const MOST_COLUMNS: usize = 512;
 
 /// A vertex that has more curvature than that may keep it, up to here.
 const SPIKE: f64 = 2.0 * PI - 1e-9;
@@ -120,7 +123,8 @@ impl ConeCurvatures {
         Self { predicted: predicted(&curvature), curvature, out_of_bounds: Vec::new() }
     }
 
-    /// Curvatures that somebody gives.
+    /// Curvatures that somebody gives. Up to [`MOST_COLUMNS`] cones cost a solve each and are summed as where their curvatures are found, so that the same come
+    /// to the same bits; more cost one together.
     ///
     /// # Errors
     /// If the watch has said stop.
@@ -130,6 +134,11 @@ impl ConeCurvatures {
         curvature: Vec<f64>,
         watch: Watch,
     ) -> Result<Self, CurvatureError> {
+        if cones.len() > MOST_COLUMNS {
+            let predicted = operators.log_scale(cones, &curvature);
+            watch.ask(1.0)?;
+            return Ok(Self { predicted, curvature, out_of_bounds: Vec::new() });
+        }
         let (p, green) = centred(operators, operators.green_watched(cones, watch)?, watch.within(1.0, 1.0))?;
         Ok(Self { predicted: combine(&p, &green, &curvature), curvature, out_of_bounds: Vec::new() })
     }
@@ -185,8 +194,8 @@ pub fn least_cones(operators: &Operators) -> usize {
     }
 }
 
-/// The curvatures of the given cones, in their order. `input` is the triangulation that will be laid out. Costs one block
-/// of solves.
+/// The curvatures of the given cones, in their order. `input` is the triangulation that will be laid out. Costs a solve for each of N cones, of which all
+/// are held, O(V N) numbers, and a dense program of N² numbers and O(N³); nothing where all inner vertices are cones, which keep their own.
 ///
 /// # Errors
 /// If the bounds cannot be met with so few cones.
@@ -197,6 +206,9 @@ pub fn cone_curvatures(
     rule: CurvatureRule,
     watch: Watch,
 ) -> Result<ConeCurvatures, CurvatureError> {
+    if rule == CurvatureRule::Optimal && are_all(operators, input, cones) {
+        return Ok(own(operators, cones));
+    }
     let flattening = operators.flattening_watched(watch.within(0.0, 0.1))?;
     let green = operators.green_watched(cones, watch.within(0.1, 0.6))?;
     watch.ask(0.6)?;
@@ -224,6 +236,20 @@ pub fn cone_curvatures(
     let curvature = optimal(operators, &p, &g, [&bounds[0], &bounds[1]], watch.within(0.7, 1.0))?;
     let predicted = combine(&p, &g, &curvature);
     Ok(ConeCurvatures { curvature, predicted, out_of_bounds })
+}
+
+/// Whether so many cones, all different, are all inner vertices of the surface, none of which has too much curvature for a cone.
+fn are_all(operators: &Operators, input: &Mesh, cones: &[VertexId]) -> bool {
+    input.vertex_count() == operators.mesh().vertex_count()
+        && cones.len() == input.vertices().filter(|&v| !input.is_boundary_vertex(v)).count()
+        && cones.iter().all(|&v| operators.curvature[v] <= SPIKE)
+}
+
+/// The cones' own curvatures: where no other vertex has any, nothing is stretched, and nothing is better.
+fn own(operators: &Operators, cones: &[VertexId]) -> ConeCurvatures {
+    let own = cones.iter().map(|&v| operators.curvature[v]).collect();
+    let nothing = VertexData::constant(operators.mesh().vertex_count(), 0.0);
+    ConeCurvatures::known(operators, own, |_| nothing)
 }
 
 fn centred(
@@ -264,13 +290,16 @@ fn optimal(
     let linear = green.par_iter().map(product).collect::<Result<Vec<f64>, Interrupted>>()?;
     let total = (!operators.is_bordered()).then(|| operators.total_curvature());
     let energy = Quadratic { constant: operators.inner(p, p), linear: &linear, matrix: &quadratic };
-    match minimise(&energy, bounds, total) {
+    let watch = watch.within(0.7, 1.0);
+    match minimise_watched(&energy, bounds, total, watch) {
         Ok(optimum) => {
             let is_held = (0..n).any(|i| optimum.held[i] == Held::Upper && bounds[i][1] < sharpest[i][1]);
-            let sharper = is_held.then(|| minimise(&energy, sharpest, total).ok()).flatten();
+            let sharper = is_held.then(|| minimise_watched(&energy, sharpest, total, watch).ok()).flatten();
+            watch.ask(1.0)?;
             let most = (1.0 - LEAST_SHARPENED) * optimum.energy;
             Ok(sharper.filter(|sharper| sharper.energy < most).unwrap_or(optimum).curvatures)
         }
+        Err(ProgramError::Interrupted(stop)) => Err(stop.into()),
         Err(ProgramError::Infeasible { .. }) => Err(CurvatureError::TooFew {
             cones: n,
             total: operators.total_curvature(),
@@ -426,5 +455,29 @@ mod tests {
         let wide: Vec<VertexId> = mesh.vertices().filter(|&v| mesh.face_degree(v) >= 6).step_by(97).take(3).collect();
         let found = cone_curvatures(&operators, &mesh, &wide, CurvatureRule::Optimal, Watch::NONE).unwrap();
         assert!((found.curvature.iter().sum::<f64>() + 8.0 * PI).abs() < 1e-9);
+    }
+
+    #[test]
+    fn where_all_vertices_are_cones_they_keep_their_own_curvature() {
+        let (mesh, operators) = hare();
+        let all: Vec<VertexId> = mesh.vertices().collect();
+        let found = cone_curvatures(&operators, &mesh, &all, CurvatureRule::Optimal, Watch::NONE).unwrap();
+        assert!(found.predicted.iter().all(|u| *u == 0.0));
+        let own = all.iter().map(|&v| operators.curvature()[v]);
+        assert!(found.curvature.iter().zip(own).all(|(found, own)| (found - own).abs() < 1e-12));
+    }
+
+    #[test]
+    fn many_given_curvatures_cause_what_few_columns_say() {
+        let (mesh, operators) = hare();
+        let cones = spread(&mesh, MOST_COLUMNS + 1);
+        let curvature: Vec<f64> =
+            (0..cones.len()).map(|k| 4.0 * PI / cones.len() as f64 + 0.01 * (k % 2) as f64).collect();
+        let off = (curvature.iter().sum::<f64>() - 4.0 * PI) / cones.len() as f64;
+        let curvature: Vec<f64> = curvature.iter().map(|k| k - off).collect();
+        let found = ConeCurvatures::given(&operators, &cones, curvature.clone(), Watch::NONE).unwrap();
+        let (p, green) = centred(&operators, operators.green(&cones), Watch::NONE).unwrap();
+        let summed = combine(&p, &green, &curvature);
+        assert!(found.predicted.iter().zip(summed.iter()).all(|(one, other)| (one - other).abs() < 1e-9));
     }
 }

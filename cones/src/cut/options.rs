@@ -12,7 +12,7 @@ pub struct SeamOptions {
     /// How much seams may lengthen to run straight, along sharp edges and in hidden places: from 0, as short as they can be, to 1 (what is
     /// beyond counts as the nearer of the two, NaN as 0).
     pub weight: f64,
-    /// Edges that are cut. Others are cut besides, until each island is a disk with all cones on its boundary.
+    /// Edges that are cut; of those on the boundary a note says how many there are. Others are cut besides, until each island is a disk with all cones on its boundary.
     /// [`Analysis::atlas`](crate::Analysis::atlas) opens surfaces along them first and flattens what that leaves by itself, unless the two sides are to be congruent
     /// ([`FreeSeams::Never`](crate::FreeSeams::Never), [`Options::quantize`](crate::Options::quantize)) or cones are given, or their numbers for each part. Then, as in
     /// [`Analysis::flatten_with`](crate::Analysis::flatten_with), a cut that ends

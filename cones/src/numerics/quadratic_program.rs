@@ -18,6 +18,7 @@
 //! gradient vanishes, so that the ridge is not seen in the result. The energy never grows and the number of steps is
 //! limited, so the method always ends; what it returns is feasible in any case.
 
+use geom::{Interrupted, Watch};
 use thiserror::Error;
 
 /// What is added to the matrix's diagonal, relative to its largest entry. Smaller lets rounding errors choose a
@@ -35,6 +36,9 @@ const GRADIENT_TOLERANCE: f64 = 1e-11;
 const MANY: usize = 65;
 /// so many steps at most.
 const LEAPS: usize = 12;
+
+/// So many rows of a factor are computed between two looks at the watch.
+const ROWS_AT_ONCE: usize = 64;
 
 /// How far bounds may miss the sum, relative to their own size.
 const SUM_TOLERANCE: f64 = 1e-12;
@@ -120,6 +124,9 @@ pub enum ProgramError {
     /// A coefficient, a bound or the sum is NaN or infinite, or too large to compute with.
     #[error("the cones' energy or bounds are not finite numbers")]
     NotFinite,
+    /// It was stopped.
+    #[error(transparent)]
+    Interrupted(#[from] Interrupted),
     /// Matrix, vector and bounds do not fit each other.
     #[error("{variables} bounds were given for an energy with {linear} linear and {matrix} quadratic coefficients")]
     Sizes {
@@ -148,7 +155,20 @@ pub enum ProgramError {
 /// # Errors
 /// If no q is between the bounds with that sum, if something is not finite, or if the sizes do not agree.
 pub fn minimise(energy: &Quadratic, bounds: &[[f64; 2]], total: Option<f64>) -> Result<Optimum, ProgramError> {
-    minimise_from(energy, bounds, total, None).map(|(optimum, _)| optimum)
+    minimise_watched(energy, bounds, total, Watch::NONE)
+}
+
+/// [`minimise`], watched: of many variables a step takes seconds.
+///
+/// # Errors
+/// As [`minimise`], and if it is stopped.
+pub(crate) fn minimise_watched(
+    energy: &Quadratic,
+    bounds: &[[f64; 2]],
+    total: Option<f64>,
+    watch: Watch,
+) -> Result<Optimum, ProgramError> {
+    fit(energy, bounds, total, (None, watch)).map(|(optimum, _)| optimum)
 }
 
 /// [`minimise`], begun at a guess if there is one, and the sum of the third powers of the sizes of the matrices that were factored
@@ -159,7 +179,18 @@ pub(crate) fn minimise_from(
     total: Option<f64>,
     guess: Option<&[f64]>,
 ) -> Result<(Optimum, u64), ProgramError> {
+    fit(energy, bounds, total, (guess, Watch::NONE))
+}
+
+fn fit(
+    energy: &Quadratic,
+    bounds: &[[f64; 2]],
+    total: Option<f64>,
+    (guess, watch): (Option<&[f64]>, Watch),
+) -> Result<(Optimum, u64), ProgramError> {
     let mut set = ActiveSet::feasible(energy, bounds, total)?;
+    // What is few is done at once.
+    set.watch = if bounds.len() >= MANY { watch } else { Watch::NONE };
     if let Some(guess) = guess {
         set.begin_at(guess);
     }
@@ -167,6 +198,7 @@ pub(crate) fn minimise_from(
         set.leap();
     }
     let multiplier = set.minimise();
+    set.watch.ask(f64::NAN)?;
     let energy = energy.value(&set.q);
     if !energy.is_finite() {
         return Err(ProgramError::NotFinite);
@@ -185,6 +217,8 @@ struct ActiveSet<'a> {
     factor: Option<(Vec<usize>, Cholesky)>,
     /// The sum of the third powers of the sizes of what was factored.
     work: u64,
+    /// What it is stopped by, between rows of a factor.
+    watch: Watch<'a>,
 }
 
 impl<'a> ActiveSet<'a> {
@@ -215,7 +249,7 @@ impl<'a> ActiveSet<'a> {
         let between = |&[lower, upper]: &[f64; 2]| (lower + way * (upper - lower)).clamp(lower, upper);
         let held = bounds.iter().map(|[lower, upper]| if lower == upper { Held::Lower } else { Held::Free });
         let q = bounds.iter().map(between).collect();
-        Ok(Self { energy, bounds, total, q, held: held.collect(), factor: None, work: 0 })
+        Ok(Self { energy, bounds, total, q, held: held.collect(), factor: None, work: 0, watch: Watch::NONE })
     }
 
     /// Goes to the feasible point near a guess: all variables as far on their ways to one of their bounds as the sum asks for.
@@ -241,7 +275,7 @@ impl<'a> ActiveSet<'a> {
         let before = (self.q.clone(), self.held.clone(), self.energy.value(&self.q));
         for _ in 0..LEAPS {
             let gradient = self.energy.half_gradient(&self.q);
-            let Some(direction) = self.direction(&gradient) else { break };
+            let Some(direction) = self.direction(&gradient).filter(|_| !self.watch.stops_at(f64::NAN)) else { break };
             self.q.iter_mut().zip(&direction).for_each(|(q, d)| *q += d);
             let gradient = self.energy.half_gradient(&self.q);
             let multiplier = self.multiplier(&gradient);
@@ -304,6 +338,9 @@ impl<'a> ActiveSet<'a> {
         let mut repeats = 0;
         // A variable comes to a bound and leaves it once or twice; what takes longer goes round in circles.
         for _ in 0..50 + 20 * self.q.len() {
+            if self.watch.stops_at(f64::NAN) {
+                break;
+            }
             let gradient = self.energy.half_gradient(&self.q);
             let multiplier = self.multiplier(&gradient);
             let tolerance = self.tolerance(multiplier);
@@ -392,7 +429,7 @@ impl<'a> ActiveSet<'a> {
         }
         if self.factor.as_ref().is_none_or(|(of, _)| *of != all_free) {
             self.work += (free.len() as u64).pow(3);
-            self.factor = Some((all_free, Cholesky::new(free.len(), self.reduced(&free, last))));
+            self.factor = Some((all_free, Cholesky::new(free.len(), self.reduced(&free, last), self.watch)));
         }
         let (_, factor) = self.factor.as_ref()?;
         let downhill = free.iter().map(|&i| last.map_or(0.0, |p| gradient[p]) - gradient[i]).collect();
@@ -487,7 +524,8 @@ struct Cholesky {
 }
 
 impl Cholesky {
-    fn new(n: usize, mut a: Vec<f64>) -> Self {
+    /// Where the watch says stop what is returned is none.
+    fn new(n: usize, mut a: Vec<f64>, watch: Watch) -> Self {
         let largest = (0..n).map(|i| a[i * n + i]).fold(0.0, f64::max);
         let ridge = if largest > 0.0 { RIDGE * largest } else { 1.0 };
         // Each entry needs the product of two rows. Those of a row are summed up side by side, which takes a fifth of the
@@ -495,6 +533,9 @@ impl Cholesky {
         let mut columns = vec![0.0; n * n];
         let mut products = vec![0.0; n];
         for i in 0..n {
+            if i % ROWS_AT_ONCE == 0 && watch.stops_at(f64::NAN) {
+                break;
+            }
             a[i * n + i] += ridge;
             products[..=i].fill(-0.0);
             for j in 0..=i {
@@ -733,5 +774,30 @@ mod tests {
         assert_eq!(minimise(&energy, &[[0.0, f64::NAN]; 2], None).unwrap_err(), ProgramError::NotFinite);
         assert_eq!(minimise(&energy, &[[-1e308, 1e308]; 2], Some(3.0)).unwrap_err(), ProgramError::NotFinite);
         assert!(matches!(minimise(&energy, &[[0.0, 1.0]; 3], None), Err(ProgramError::Sizes { .. })));
+    }
+
+    #[test]
+    fn many_variables_are_stopped_between_rows_of_a_factor() {
+        use std::ops::ControlFlow;
+        use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
+        let n = 400;
+        let matrix: Vec<f64> = (0..n * n).map(|k| if k % (n + 1) == 0 { 2.0 } else { 1.0 / n as f64 }).collect();
+        let linear = vec![-1.0; n];
+        let energy = Quadratic { constant: 0.0, linear: &linear, matrix: &matrix };
+        let bounds = vec![[-1.0, 1.0]; n];
+        let asked = AtomicUsize::new(0);
+        let goes_on = |most: usize| {
+            let asked = &asked;
+            move |_: f64| match asked.fetch_add(1, Relaxed) < most {
+                true => ControlFlow::Continue(()),
+                false => ControlFlow::Break(()),
+            }
+        };
+        let (few, all) = (goes_on(3), goes_on(usize::MAX));
+        let stopped = minimise_watched(&energy, &bounds, Some(1.0), Watch::new(&few));
+        assert_eq!(stopped, Err(ProgramError::Interrupted(Interrupted)));
+        assert!(asked.load(Relaxed) < 3 + 8, "it goes on for {} looks", asked.load(Relaxed));
+        let done = minimise_watched(&energy, &bounds, Some(1.0), Watch::new(&all)).unwrap();
+        assert_eq!(done, minimise(&energy, &bounds, Some(1.0)).unwrap());
     }
 }

@@ -342,8 +342,8 @@ pub(crate) fn polished(model: &mut EnergyModel, level: &CoarseLevel, coarse: &Co
     let cones = apart(model, level.in_finer(&coarse.cones), reach);
     model.add(&cones);
     let (worthwhile, rounds) = match cones.len() {
-        ..=VERY_FEW => (WORTHWHILE_FOR_VERY_FEW, ROUNDS_FOR_VERY_FEW),
-        ..=FEW => (WORTHWHILE, ROUNDS),
+        count if count <= VERY_FEW => (WORTHWHILE_FOR_VERY_FEW, ROUNDS_FOR_VERY_FEW),
+        count if count <= FEW => (WORTHWHILE, ROUNDS),
         _ => (WORTHWHILE_FOR_MANY, ROUNDS),
     };
     within_comfort(model, |model| {

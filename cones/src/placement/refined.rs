@@ -163,7 +163,7 @@ fn drawn(model: &mut EnergyModel, count: usize) -> Vec<ConeSet> {
     ends
 }
 
-/// Numbers that look random: SplitMix64 (Steele, Lea & Flood 2014).
+/// Numbers that look random, by Steele, Lea & Flood (Steele, Lea & Flood 2014).
 struct Dice(u64);
 
 impl Dice {

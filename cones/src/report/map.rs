@@ -5,7 +5,7 @@ use geom::{FaceId, Id, Model, Watch, Weld};
 
 use super::quality::Quality;
 use super::worth::worth_measuring;
-use crate::uv::Triangle;
+use crate::uv::{Triangle, rounding_depth};
 
 /// What a map of a model is worth, and the triangles that were measured for it: all but those that [`worth_measuring`] leaves out.
 #[derive(Clone, Debug)]
@@ -26,7 +26,7 @@ pub struct MeasuredMap {
 }
 
 impl MeasuredMap {
-    /// Measures a map that has a position for each corner of a model. `weld` takes vertices for one, as many files have several along seams.
+    /// Measures a map that has a position for each corner of a model. What rounding to single precision [explains](rounding_depth) is no overlap. `weld` takes vertices for one, as many files have several along seams.
     ///
     /// ```
     /// use cones::report::MeasuredMap;
@@ -73,7 +73,8 @@ impl MeasuredMap {
         let mut is_left_out = vec![true; vertices.len()];
         triangle.iter().for_each(|&t| is_left_out[t as usize] = false);
         let (vertices, uv) = (picked(&triangle, &vertices), picked(&triangle, &uv));
-        let quality = Quality::measure_watched(model.points(), &vertices, &uv, cones.as_deref(), watch);
+        let cones = (cones.as_deref(), rounding_depth(&uv));
+        let quality = Quality::measure_deeper(model.points(), &vertices, &uv, cones, watch);
         let quality = quality.map_err(|error| match error {
             DistortionError::UvNotFinite(f) => DistortionError::UvNotFinite(FaceId::new(triangle[f.index()] as usize)),
             error => error,

@@ -60,10 +60,21 @@ impl Quality {
         cones: Option<&[u32]>,
         watch: Watch,
     ) -> Result<Self, DistortionError> {
+        Self::measure_deeper(points, triangles, uv, (cones, NEGLIGIBLE_DEPTH), watch)
+    }
+
+    /// [`measure_watched`](Self::measure_watched), where overlaps that are no deeper than a share of the map's extent are none.
+    pub(super) fn measure_deeper(
+        points: &[[f64; 3]],
+        triangles: &[[u32; 3]],
+        uv: &[Triangle],
+        (cones, deeper_than): (Option<&[u32]>, f64),
+        watch: Watch,
+    ) -> Result<Self, DistortionError> {
         let (map, (overlaps, (fill, tiles))) = watch.within(0.0, 0.8).shared(|watch| {
             rayon::join(
                 || distortion::measure_watched(points, triangles, uv, watch),
-                || (uv::overlaps_watched(uv, NEGLIGIBLE_DEPTH, |_| true, watch), uv::filled(uv)),
+                || (uv::overlaps_watched(uv, deeper_than, |_| true, watch), uv::filled(uv)),
             )
         });
         let (map, overlaps) = (map?, overlaps?);
@@ -164,9 +175,11 @@ pub struct OverlapReport {
 }
 
 impl OverlapReport {
-    /// How much of a map lies over itself.
+    /// How much of a map lies over itself deeper than [rounding](uv::rounding_depth) explains.
     pub fn of(uv: &[Triangle]) -> Self {
-        Self::new(&uv::overlaps(uv), uv)
+        // Only a watch interrupts.
+        let found = uv::overlaps_watched(uv, uv::rounding_depth(uv), |_| true, Watch::NONE);
+        Self::new(&found.unwrap_or_default(), uv)
     }
 
     fn new(overlaps: &Overlaps, uv: &[Triangle]) -> Self {

@@ -37,7 +37,7 @@ pub(crate) use companions::{Corners, leaders};
 pub use cut_for_fill::{Part, cut_for_fill};
 pub use map::UvMap;
 pub use motion::Motion;
-pub use overlap::{NEGLIGIBLE_DEPTH, Overlap, Overlaps, overlaps, overlaps_watched};
+pub use overlap::{NEGLIGIBLE_DEPTH, Overlap, Overlaps, overlaps, overlaps_watched, rounding_depth};
 pub use pack::{IslandPlace, PackError, PackOptions, Packing, Rotations, Tiles, fill, pack};
 pub(crate) use pack::{filled, readable, room};
 pub use part::{PartError, Parted, part};

@@ -11,6 +11,7 @@
 //! come from a tree of the bounding boxes ([`boxes`](super::boxes)). O(n log n + candidates).
 
 use std::borrow::Cow;
+use std::collections::{HashMap, HashSet};
 
 use geom::{Interrupted, Watch, distortion};
 use rayon::prelude::*;
@@ -22,8 +23,17 @@ use super::triangle::{self, Triangle};
 /// An overlap that is not deeper than this share of the map's extent is a seam that touches: rounding leaves up to 1e-12,
 /// real overlaps are deeper than 1e-7.
 pub const NEGLIGIBLE_DEPTH: f64 = 1e-9;
-/// Points of the grid along the longer side of a map on which it is measured how much of it is covered more than once.
+/// Corners are rounded to the nearest number of single precision, 2⁻²⁵ of the extent away, in both coordinates, and two triangles may come nearer by that: 2⁻²³·⁵.
+/// Twice as much is left for who scales or turns a map in single precision.
+const ROUNDED: f64 = 1.0 / (1 << 22) as f64;
+/// Points of the grid at most along the longer side of triangles of which it is measured how much they cover more than once,
 const GRID: usize = 2048;
+/// and at least,
+const FEWEST_POINTS: usize = 256;
+/// and so many of its points for each of them between.
+const POINTS_OF_TRIANGLE: f64 = 4096.0;
+/// So many looks are taken for three triangles that lie over each other.
+const MOST_STEPS: usize = 1 << 26;
 /// So many pairs are kept for each triangle, and [`FREE_PAIRS`] besides. The layouts of surfaces have less than two; a map that
 /// is folded to a ball has n² of them.
 const MOST_PAIRS: usize = 16;
@@ -66,11 +76,28 @@ impl Overlaps {
         self.pairs.iter().fold(0.0, |most, pair| pair.depth.max(most))
     }
 
-    /// The share of the covered area of the map, whose pairs these are, that is covered more than once, on a grid of 2048 points along its longer side; 0 without
-    /// pairs.
+    /// The share of the covered area of the map, whose pairs these are, that is covered more than once: wherever islands are, and exact up to rounding where
+    /// no three triangles lie over each other. Triangles of which some do are counted by themselves, those that hang together by overlaps on a grid of up
+    /// to 2048 points along their longer side; all are where there are so many pairs that not all are known. O(n + pairs), and the grids' points.
     pub fn share(&self, uv: &[Triangle]) -> f64 {
-        // What the grid finds where no pair is, is rounding.
-        if self.pairs.is_empty() { 0.0 } else { distortion::overlap(uv, GRID) }
+        if self.pairs.is_empty() {
+            return 0.0;
+        }
+        if !self.is_complete {
+            return distortion::overlap(uv, GRID);
+        }
+        let clusters = clusters(&self.pairs);
+        let of_clusters = clusters.into_par_iter().map(|cluster| {
+            let all: f64 = cluster.triangles.iter().filter_map(|&f| triangle::area(uv[f as usize])).sum();
+            let [once, again] = cluster.coverage(uv, all);
+            [all, once, again]
+        });
+        let of_clusters: Vec<[f64; 3]> = of_clusters.collect();
+        let whole: f64 = uv.iter().filter_map(|&corners| triangle::area(corners)).sum();
+        let [in_clusters, once, again] =
+            of_clusters.iter().fold([0.0; 3], |sum, of_one| [0, 1, 2].map(|k| sum[k] + of_one[k]));
+        let covered = (whole - in_clusters).max(0.0) + once;
+        if covered > 0.0 { (again / covered).min(1.0) } else { 0.0 }
     }
 
     /// The triangles that lie over or under another, in order.
@@ -149,6 +176,83 @@ pub fn overlaps_watched(
         }
     }
     Ok(Overlaps { pairs, extent: extent * size, is_complete })
+}
+
+/// Triangles that hang together by overlaps.
+#[derive(Default)]
+struct Cluster {
+    triangles: Vec<u32>,
+    /// What the pairs have in common, added up.
+    common: f64,
+    /// Whether three of them may lie over each other.
+    is_deep: bool,
+}
+
+impl Cluster {
+    /// The areas that they cover, and cover more than once, given what their areas add up to.
+    fn coverage(&self, uv: &[Triangle], all: f64) -> [f64; 2] {
+        if !self.is_deep {
+            return [all - self.common, self.common];
+        }
+        let own: Vec<Triangle> = self.triangles.iter().map(|&f| uv[f as usize]).collect();
+        let points = (POINTS_OF_TRIANGLE * own.len() as f64).sqrt() as usize;
+        distortion::coverage(&own, points.clamp(FEWEST_POINTS, GRID))
+    }
+}
+
+/// Triangles that overlap, by what hangs together, in the order of their first pairs.
+fn clusters(pairs: &[Overlap]) -> Vec<Cluster> {
+    let mut partners: HashMap<u32, Vec<u32>> = HashMap::new();
+    for &Overlap { triangles: [f, g], .. } in pairs {
+        partners.entry(f).or_default().push(g);
+        partners.entry(g).or_default().push(f);
+    }
+    partners.values_mut().for_each(|partners| partners.sort_unstable());
+    let mut of_triangle: HashMap<u32, usize> = HashMap::new();
+    let mut clusters: Vec<Cluster> = Vec::new();
+    let mut steps = 0;
+    for &Overlap { triangles: [f, g], area, .. } in pairs {
+        let number = *of_triangle.entry(f).or_insert_with(|| {
+            clusters.push(Cluster::default());
+            clusters.len() - 1
+        });
+        if clusters[number].triangles.is_empty() {
+            clusters[number].triangles = reached(f, &partners);
+            clusters[number].triangles.iter().for_each(|&f| _ = of_triangle.insert(f, number));
+        }
+        let cluster = &mut clusters[number];
+        cluster.common += area;
+        let (few, many) = if partners[&f].len() < partners[&g].len() { (f, g) } else { (g, f) };
+        // Three triangles with a point in common are partners of each other.
+        let is_third = |third: &u32| partners[&many].binary_search(third).is_ok();
+        if !cluster.is_deep {
+            steps += partners[&few].len();
+            cluster.is_deep = steps > MOST_STEPS || partners[&few].iter().any(is_third);
+        }
+    }
+    clusters
+}
+
+/// What is reached from a triangle by overlaps.
+fn reached(first: u32, partners: &HashMap<u32, Vec<u32>>) -> Vec<u32> {
+    let (mut reached, mut is_reached) = (vec![first], HashSet::from([first]));
+    let mut next = 0;
+    while let Some(&f) = reached.get(next) {
+        next += 1;
+        reached.extend(partners[&f].iter().copied().filter(|&g| is_reached.insert(g)));
+    }
+    reached
+}
+
+/// What rounding to single precision, as most files and programs have it, may make overlap of a map, over its extent: 2⁻²² of that, or of the largest
+/// coordinate if the map is far from the origin.
+pub fn rounding_depth(uv: &[Triangle]) -> f64 {
+    let finite = || uv.iter().flatten().filter(|p| p.iter().all(|x| x.is_finite()));
+    let range = |k: usize| finite().fold([f64::MAX, f64::MIN], |[low, high], p| [low.min(p[k]), high.max(p[k])]);
+    let ranges = [range(0), range(1)];
+    let extent = ranges.iter().fold(0.0_f64, |most, [low, high]| most.max(high - low));
+    let largest = ranges.as_flattened().iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+    if extent > 0.0 && extent.is_finite() { ROUNDED * (largest / extent).max(1.0) } else { ROUNDED }
 }
 
 /// The longer side of the map's bounding box, if no triangle overlaps another; see the module's head.
@@ -302,6 +406,57 @@ mod tests {
         let ball: Vec<Triangle> = (0..4000).map(|k| [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0 + f64::from(k)]]).collect();
         let found = overlaps(&ball);
         assert!(!found.is_complete && found.pairs.len() <= FREE_PAIRS + MOST_PAIRS * ball.len() + BLOCK * MOST_OF_ONE);
+    }
+
+    #[test]
+    fn the_share_does_not_depend_on_where_islands_are() {
+        let moved = |by: [f64; 2]| move |t: &Triangle| t.map(|[x, y]| [x + by[0], y + by[1]]);
+        let sheet = grid(9);
+        // Two sheets by a third over each other, and as much beside them, near and far.
+        let pair: Vec<Triangle> = sheet.iter().copied().chain(sheet.iter().map(moved([2.0 / 3.0, 0.0]))).collect();
+        let share = |uv: &[Triangle]| overlaps(uv).share(uv);
+        for far in [3.0, 1e3, 1e6] {
+            let uv: Vec<Triangle> = pair.iter().copied().chain(sheet.iter().map(moved([far, 0.0]))).collect();
+            assert!((share(&uv) - 1.0 / 8.0).abs() < 1e-6, "{far}: {}", share(&uv));
+        }
+        // Three layers count once.
+        let thrice: Vec<Triangle> = [0.0, 0.01, 0.02].iter().flat_map(|&y| sheet.iter().map(moved([0.0, y]))).collect();
+        let all = share(&thrice);
+        for far in [3.0, 1e3] {
+            let uv: Vec<Triangle> = thrice.iter().copied().chain(sheet.iter().map(moved([far, 0.0]))).collect();
+            assert!((share(&uv) - all * 1.02 / 2.02).abs() < 2e-3, "{far}: {} {all}", share(&uv));
+        }
+        assert!((all - 1.0 / 1.02).abs() < 2e-3, "{all}");
+    }
+
+    #[test]
+    fn a_sliver_of_overlap_has_its_share() {
+        let uv = [[[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]], [[1.0 - 1e-5, 0.0], [2.0, 0.0], [1.0 - 1e-5, 1.0]]];
+        let share = overlaps(&uv).share(&uv);
+        assert!((share - 1e-5).abs() < 1e-7, "{share}");
+    }
+
+    #[test]
+    fn rounding_to_single_precision_is_no_overlap_of_maps_from_files() {
+        // Two sheets that touch along a slanted line, turned, all corners rounded.
+        let sheet = grid(20);
+        for k in 0..40 {
+            let (turn, offset) = (0.1 * f64::from(k), if k % 4 == 0 { 9.0 } else { 0.3 });
+            let rounded = |x: f64| f64::from(x as f32);
+            let place = |shift: f64| {
+                move |t: &Triangle| {
+                    t.map(|[x, y]| {
+                        let [x, y] = [0.3 * (x + shift), 0.3 * y];
+                        [x * turn.cos() - y * turn.sin(), x * turn.sin() + y * turn.cos()].map(|x| rounded(x + offset))
+                    })
+                }
+            };
+            let uv: Vec<Triangle> = sheet.iter().map(place(0.0)).chain(sheet.iter().map(place(1.0 + 1e-9))).collect();
+            let found = overlaps_watched(&uv, rounding_depth(&uv), |_| true, Watch::NONE).unwrap();
+            assert!(found.pairs.is_empty(), "{k}: {}", found.depth());
+        }
+        assert_eq!(rounding_depth(&grid(2)), ROUNDED);
+        assert_eq!(rounding_depth(&[]), ROUNDED);
     }
 
     #[test]

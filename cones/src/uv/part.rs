@@ -7,9 +7,9 @@ use thiserror::Error;
 
 use super::companions::{Corners, leaders};
 use super::map::UvMap;
-use super::overlap::{NEGLIGIBLE_DEPTH, Overlaps, overlaps_watched};
+use super::overlap::{Overlaps, overlaps_watched, rounding_depth};
 use super::repack::images;
-use super::separate::separate;
+use super::separate::separate_deeper;
 use super::triangle::Triangle;
 
 /// The two sides of an edge whose ends are this near, over the map's extent, are the same: files round.
@@ -79,7 +79,7 @@ pub struct Parted {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///
-/// Triangles with coordinates that are not finite lie over nothing.
+/// Triangles with coordinates that are not finite lie over nothing, and what single precision [explains](rounding_depth) is no overlap.
 ///
 /// # Errors
 /// If there are more or fewer positions than corners, the model has no surface, or the work is stopped.
@@ -94,6 +94,7 @@ pub fn part(model: &Model, uv: &[[f64; 2]], weld: Weld, watch: Watch) -> Result<
     weld.apply(model, &mut vertices);
     let corners = Corners { vertices: &vertices, uv: &images };
     let companions = companions_of(corners, &left_out);
+    let deeper_than = rounding_depth(&images);
     let overlaps = overlaps_of(&images, &companions, watch.within(0.1, 0.3))?;
     let mut parted = Parted {
         uv: uv.to_vec(),
@@ -112,7 +113,8 @@ pub fn part(model: &Model, uv: &[[f64; 2]], weld: Weld, watch: Watch) -> Result<
         }
         let map = UvMap::nearly(&surface.mesh, position, ROUNDING * parted.overlaps.extent);
         let share = |k: usize| 0.3 + 0.6 * k as f64 / surfaces.len() as f64;
-        let done = separate(&surface.mesh, &lengths(surface), None, map, watch.within(share(k), share(k + 1)))?;
+        let watch = watch.within(share(k), share(k + 1));
+        let done = separate_deeper(&surface.mesh, &lengths(surface), None, (map, deeper_than), watch)?;
         parted.left += done.left.pairs.len();
         parted.added_seam += done.added_seam / surface.scale;
         maps.push(done.map);
@@ -136,7 +138,7 @@ fn companions_of(corners: Corners, left_out: &[u32]) -> Vec<Option<u32>> {
 fn overlaps_of(images: &[Triangle], companions: &[Option<u32>], watch: Watch) -> Result<Overlaps, Interrupted> {
     let kept = leaders(companions);
     let kept_images: Vec<Triangle> = kept.iter().map(|&t| images[t as usize]).collect();
-    let mut overlaps = overlaps_watched(&kept_images, NEGLIGIBLE_DEPTH, |_| true, watch)?;
+    let mut overlaps = overlaps_watched(&kept_images, rounding_depth(&kept_images), |_| true, watch)?;
     for pair in &mut overlaps.pairs {
         pair.triangles = pair.triangles.map(|t| kept[t as usize]);
     }

@@ -45,6 +45,8 @@ pub struct Separation {
     pub added_seam: f64,
     /// The pairs that could not be parted, as triangles of one polygon cannot.
     pub left: Overlaps,
+    /// What is no overlap, over the map's extent.
+    deeper_than: f64,
 }
 
 /// Takes a map apart and puts it together again until no island lies over itself. Edges of infinite length are not cut. `lengths`
@@ -61,16 +63,29 @@ pub fn separate(
     map: UvMap,
     watch: Watch,
 ) -> Result<Separation, Interrupted> {
-    let overlaps = overlaps_on_islands(mesh, &map, watch.within(0.0, 0.2))?;
+    separate_deeper(mesh, lengths, kept, (map, NEGLIGIBLE_DEPTH), watch)
+}
+
+/// [`separate`], where overlaps that are no deeper than a share of the map's extent are none.
+pub(super) fn separate_deeper(
+    mesh: &Mesh,
+    lengths: &EdgeData<f64>,
+    kept: Option<&EdgeData<bool>>,
+    (map, deeper_than): (UvMap, f64),
+    watch: Watch,
+) -> Result<Separation, Interrupted> {
+    let mut overlaps = overlaps_on_islands(mesh, &map, watch.within(0.0, 0.2))?;
+    overlaps.pairs.retain(|pair| pair.depth > deeper_than);
     if overlaps.pairs.is_empty() {
         return Ok(Separation::none(map, overlaps));
     }
-    let (done, mut network) = taken_apart((mesh, lengths, kept), (map, overlaps), watch.within(0.2, 0.5))?;
+    let (mut done, mut network) = taken_apart((mesh, lengths, kept), (map, overlaps), watch.within(0.2, 0.5))?;
     // Other islands are the user's own.
     let mut overlaps = FaceData::constant(mesh.face_count(), false);
     done.overlaps.pairs.iter().flat_map(|pair| pair.triangles).for_each(|f| overlaps[FaceId(f)] = true);
     let is_crossed = |island: &[FaceId]| island.iter().any(|&f| overlaps[f]);
     add_necks((mesh, lengths), &done.map, &mut network, is_crossed, watch)?;
+    done.deeper_than = deeper_than;
     let before = seam(mesh, lengths, &done.map.cut);
     let cost = |figures: Figures| figures.islands as f64 + if before > 0.0 { figures.seam / before } else { 0.0 };
     let length = |run: &[HalfedgeId]| run.iter().map(|&h| lengths[mesh.edge(h)]).filter(|l| l.is_finite()).sum();
@@ -152,15 +167,22 @@ pub(crate) fn taken_apart(
 impl Separation {
     /// A map as it is.
     pub(crate) fn none(map: UvMap, overlaps: Overlaps) -> Self {
-        Self { map, overlaps, added_seam: 0.0, left: Overlaps::default() }
+        Self { map, overlaps, added_seam: 0.0, left: Overlaps::default(), deeper_than: NEGLIGIBLE_DEPTH }
     }
 
     /// Looks for the pairs that could not be parted.
     fn look(&mut self, mesh: &Mesh, watch: Watch) -> Result<(), Interrupted> {
         if !self.overlaps.pairs.is_empty() {
-            self.left = overlaps_on_islands(mesh, &self.map, watch)?;
+            self.left = self.overlaps(mesh, &self.map, watch)?;
         }
         Ok(())
+    }
+
+    /// The pairs of triangles that overlap on an island of a map.
+    fn overlaps(&self, mesh: &Mesh, map: &UvMap, watch: Watch) -> Result<Overlaps, Interrupted> {
+        let mut found = overlaps_on_islands(mesh, map, watch)?;
+        found.pairs.retain(|pair| pair.depth > self.deeper_than);
+        Ok(found)
     }
 
     /// Its cells along a network put together otherwise ([`rearranged`]), and what could not be parted looked for.
@@ -175,7 +197,7 @@ impl Separation {
             self.look(mesh, watch.within(0.8, 1.0))?;
             return Ok(self);
         };
-        let left = overlaps_on_islands(mesh, &map, watch.within(0.8, 0.9))?;
+        let left = self.overlaps(mesh, &map, watch.within(0.8, 0.9))?;
         if !left.pairs.is_empty() {
             self.look(mesh, watch.within(0.9, 1.0))?;
         }

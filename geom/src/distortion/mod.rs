@@ -22,7 +22,7 @@ mod measured;
 mod overlap;
 mod unit;
 
-pub use overlap::overlap;
+pub use overlap::{coverage, overlap};
 pub use unit::unit_on_surface;
 
 use std::array;

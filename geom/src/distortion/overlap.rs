@@ -16,6 +16,12 @@
 /// Costs O(triangles + covered grid rows), with 64 points of a row at a time; `resolution` is brought between 3 and
 /// 16384.
 pub fn overlap(uv: &[[[f64; 2]; 3]], resolution: usize) -> f64 {
+    let [once, again] = coverage(uv, resolution);
+    if once > 0.0 { again / once } else { 0.0 }
+}
+
+/// The areas of a map's image that are covered at all and more than once, by the same points as [`overlap`], at the same cost.
+pub fn coverage(uv: &[[[f64; 2]; 3]], resolution: usize) -> [f64; 2] {
     let resolution = resolution.clamp(3, 16384);
     let finite = || uv.iter().filter(|corners| corners.as_flattened().iter().all(|x| x.is_finite()));
     let range = |axis: usize| {
@@ -25,14 +31,16 @@ pub fn overlap(uv: &[[[f64; 2]; 3]], resolution: usize) -> f64 {
     let (x, y) = (range(0), range(1));
     let extent = (x[1] - x[0]).max(y[1] - y[0]);
     if extent.is_nan() || extent <= 0.0 {
-        return 0.0;
+        return [0.0; 2];
     }
     let place = |at: f64, low: f64| (0.5 * at - low) / extent * (resolution - 2) as f64 + SHIFT;
     let mut coverage = Coverage::new(resolution);
     for corners in finite() {
         coverage.add(corners.map(|[u, v]| [place(u, x[0]), place(v, y[0])]));
     }
-    coverage.share_of_twice()
+    // Half of the extent is computed with, lest it overflow.
+    let step = 2.0 * extent / (resolution - 2) as f64;
+    coverage.points().map(|points| points as f64 * step * step)
 }
 
 /// Maps start off the grid by an odd fraction, so that the sides of regular ones do not run through its points.
@@ -52,9 +60,9 @@ impl Coverage {
         Self { side, words, once: vec![0; side * words], again: vec![0; side * words] }
     }
 
-    fn share_of_twice(&self) -> f64 {
-        let count = |bits: &[u64]| bits.iter().map(|word| u64::from(word.count_ones())).sum::<u64>();
-        count(&self.again) as f64 / count(&self.once).max(1) as f64
+    /// How many points are covered, and how many again.
+    fn points(&self) -> [u64; 2] {
+        [&self.once, &self.again].map(|bits| bits.iter().map(|word| u64::from(word.count_ones())).sum())
     }
 
     fn add(&mut self, triangle: [[f64; 2]; 3]) {

@@ -199,7 +199,7 @@ pub fn options_unwrap(bytes: &[u8]) {
     let is_named = |error: &Error| match error {
         Error::Prepare(PrepareError::NoArea { .. }) => true,
         Error::NumbersWithoutParts { .. } => matches!(options.cones, ConeChoice::Each(_)),
-        Error::NoSuchEdge { .. } | Error::OpenEdge { .. } => options.seams != SeamOptions::default(),
+        Error::NoSuchEdge { .. } => options.seams != SeamOptions::default(),
         error => {
             // Their metrics may be none that is found, and seams through them none that cut the surface open.
             let is_of_cones = !matches!(error, Error::Interrupted | Error::NotFlatRefined { .. });

@@ -119,7 +119,7 @@ impl CandidateArgs {
 
     /// Says which options change nothing about cones that a file gives.
     pub(crate) fn warn_of_idle_choice(&self, options: &Options) {
-        if self.method.is_some() && matches!(options.cones, ConeChoice::Given(_)) {
+        if self.method.is_some() && options.cones.is_given() {
             output::warn("--method changes none of these cones: the file of --cones gives them");
         }
         if self.angles.is_some() && options.gives_curvatures() {

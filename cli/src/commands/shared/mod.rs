@@ -26,7 +26,7 @@ pub(crate) use seams::SeamArgs;
 pub(crate) use shown::{Chosen, Shown, Subject};
 pub(crate) use surface_file::{FormatName, SurfaceFile, write_map};
 pub(crate) use texture::texture;
-pub(crate) use unwrapped::{Scale, Unwrapped, corner_uv, picked, refined_model};
+pub(crate) use unwrapped::{CLOSED_ORDER, Scale, Unwrapped, corner_uv, picked, refined_model};
 pub(crate) use vtp_file::text as vtp_text;
 pub(crate) use warn::warn;
 pub(crate) use welded::{WeldArgs, split_vertices};

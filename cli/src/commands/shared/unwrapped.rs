@@ -37,6 +37,10 @@ impl From<Scale> for UvSize {
     }
 }
 
+/// That an order of cones for any number of them is for another surface than the cones are of.
+pub(crate) const CLOSED_ORDER: &str = "the hierarchy is of the surface with its handles closed, but these cones are for opened ones: --open-handles always or \
+                                       never has both alike";
+
 /// Where needles bend angles by more than this, as the mean of σ₁/σ₂, it is told that refining helps.
 const WORTH_REFINING: f64 = 1.1;
 
@@ -92,9 +96,7 @@ impl Unwrapped {
     pub(crate) fn note_closed_order(&mut self) {
         let opened = self.map.atlas.opened_handles;
         if opened > 0 && self.options.preparation.handles == Handles::Auto {
-            let told = "the hierarchy is of the surface with its handles closed, but this map has them opened: --open-handles always or \
-                        never has both alike";
-            self.map.flaws.push(told.to_owned());
+            self.map.flaws.push(CLOSED_ORDER.to_owned());
         }
     }
 

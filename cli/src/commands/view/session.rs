@@ -150,7 +150,7 @@ impl<'a> Session<'a> {
         let shown = self.shown(question, &options)?;
         // Not on the pool of all, whose only thread may be the one that waits for connections.
         let written = self.thorough.install(|| match path {
-            "save/cones" => Ok(cone_file::text(&shown.atlas.cones).into_bytes()),
+            "save/cones" => Ok(cone_file::text(shown.atlas.recipe()).into_bytes()),
             "save/glb" => self.glb(&shown),
             _ => self.obj(&shown),
         });
