@@ -59,6 +59,7 @@ pub(crate) fn run(args: &ExtractArgs) -> Result<(), CommandError> {
     let options = args.candidates.options();
     let progress = Progress::begin(&args.input.display().to_string());
     let (model, read) = input::read_model(&args.input)?;
+    let (model, split) = args.candidates.with_edges_split(model);
     let failed = |error| CommandError::Unwrap { path: args.input.clone(), error };
     let analysis = Analysis::observed(&model, options.preparation, progress.observer()).map_err(failed)?;
     let found = analysis.choose(&options).map_err(failed)?;
@@ -68,6 +69,7 @@ pub(crate) fn run(args: &ExtractArgs) -> Result<(), CommandError> {
     let topology = analysis.topology();
     let notes: Vec<Note> = analysis.notes().iter().chain(found.notes()).cloned().collect();
     warn(analysis.repairs(), &notes, topology.components);
+    split.iter().for_each(|line| output::warn(line));
     let mut files = Files::new();
     if let Some(path) = &args.cones_out {
         files.write_text(path, &cone_file::text(found.as_slice()))?;

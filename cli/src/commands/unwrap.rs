@@ -205,9 +205,11 @@ impl Job<'_> {
         args.candidates.warn_of_idle_choice(&options);
         let edges = args.seams.read(&mut options)?;
         let (model, read) = input::read_model(input)?;
+        let (model, split) = args.candidates.with_edges_split(model);
         args.seams.keep(input, &model, &mut options)?;
         let unwrapped = Unwrapped::new(input, model, options, args.scale, progress);
         let mut unwrapped = unwrapped.map_err(|error| edges.place(error))?;
+        unwrapped.map.flaws.extend(split);
         let is_cut = args.triangulate || format == MeshFormat::Glb;
         if !is_cut {
             unwrapped.note_polygons();
