@@ -62,6 +62,7 @@ pub(crate) fn run(args: &ExtractArgs) -> Result<(), CommandError> {
     let options = args.candidates.options_for(&args.input);
     let progress = Progress::begin(&args.input.display().to_string());
     let (model, read) = input::read_model(&args.input)?;
+    let (model, split) = args.candidates.with_edges_split(model);
     let failed = |error| CommandError::Unwrap { path: args.input.clone(), error };
     let analysis = Analysis::observed(&model, options.preparation, progress.observer()).map_err(failed)?;
     let (taken, found) = analysis.choose_for_map(&options).map_err(failed)?;
@@ -74,6 +75,7 @@ pub(crate) fn run(args: &ExtractArgs) -> Result<(), CommandError> {
     if args.hierarchy.is_some() && taken.opened_handles() > 0 && options.preparation.handles == Handles::Auto {
         output::warn(CLOSED_ORDER);
     }
+    split.iter().for_each(|line| output::warn(line));
     let mut files = Files::new();
     if let Some(path) = &args.cones_out {
         files.write_text(path, &cone_file::text(found.recipe()))?;

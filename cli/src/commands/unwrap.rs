@@ -209,9 +209,11 @@ impl Job<'_> {
         args.candidates.warn_of_idle_choice(&options);
         let edges = args.seams.read(&mut options)?;
         let (model, read) = input::read_model(input)?;
+        let (model, split) = args.candidates.with_edges_split(model);
         args.seams.keep(input, &model, &mut options)?;
         let place = |error| edges.place(placed(cones.as_ref(), error));
         let mut unwrapped = Unwrapped::new(input, model, options, args.scale, progress).map_err(place)?;
+        unwrapped.map.flaws.extend(split);
         let is_cut = args.triangulate || format == MeshFormat::Glb;
         if !is_cut {
             unwrapped.note_polygons();

@@ -170,6 +170,7 @@ pub(crate) fn overlap_text(overlap: OverlapReport) -> String {
 pub(crate) fn repair_text(repair: &Repair) -> String {
     let remedy = match repair.kind {
         RepairKind::Unwelded => "; --weld joins them",
+        RepairKind::TJunction => "; --split-edges closes it",
         RepairKind::Welded => "; --weld=never leaves them",
         _ => "",
     };

@@ -548,3 +548,40 @@ fn a_surface_that_would_be_cut_too_often_stays_as_it_is_and_that_is_said() {
     assert!(stderr(&unwrapped).contains("not all triangles could be made even"), "{}", stderr(&unwrapped));
     assert!(stdout(&unwrapped).contains("in part; written as 642 vertices"), "{}", stdout(&unwrapped));
 }
+
+/// A box of unit squares, but for its lid, one rectangle that two vertices lie on the edges of.
+const LIDDED: &str = "# a box
+v 0 0 0\nv 1 0 0\nv 2 0 0\nv 0 1 0\nv 1 1 0\nv 2 1 0
+v 0 0 1\nv 1 0 1\nv 2 0 1\nv 0 1 1\nv 1 1 1\nv 2 1 1
+vn 0 0 1\nvn 0 0 -1
+g lid\nf 7//1 9//1 12//1 10//1
+g rest\nf 1//2 7//2 10//2 4//2\nf 3//2 6//2 12//2 9//2
+f 1//2 4//2 5//2 2//2\nf 2//2 5//2 6//2 3//2
+f 1//2 2//2 8//2 7//2\nf 2//2 3//2 9//2 8//2
+f 4//2 10//2 11//2 5//2\nf 5//2 11//2 12//2 6//2
+";
+
+#[test]
+fn vertices_on_the_edges_of_other_faces_are_told_of_and_close_the_surface_on_request() {
+    let folder = Folder::new();
+    folder.write("box.obj", LIDDED);
+    let said = |run: &[&str]| stderr(&folder.run(run).success()).split_whitespace().collect::<Vec<_>>().join(" ");
+    let open = said(&["unwrap", "box.obj", "-o", "open.obj"]);
+    assert!(open.contains("2 vertices on the edges of other faces"), "{open}");
+    assert!(open.contains("--split-edges"), "{open}");
+    let closed = said(&["unwrap", "box.obj", "--split-edges", "-o", "closed.obj"]);
+    assert!(closed.contains("2 vertices lay on the edges of other faces: 1 face has more corners"), "{closed}");
+    let report = folder.run(&["unwrap", "box.obj", "--split-edges", "-o", "again.obj", "--json"]).success();
+    let report: Value = serde_json::from_str(&stdout(&report)).unwrap();
+    assert_eq!((&report["input"]["components"], &report["input"]["boundary_loops"]), (&1.into(), &0.into()));
+    let text = folder.read("closed.obj");
+    let lines = |start: &str| text.lines().filter(|line| line.starts_with(start)).map(String::from).collect::<Vec<_>>();
+    assert_eq!(
+        (lines("v ").len(), lines("g "), lines("# a box").len()),
+        (12, vec!["g lid".into(), "g rest".into()], 1)
+    );
+    let corners =
+        |line: &String| line.split(' ').skip(1).map(|c| c.split('/').next().unwrap().into()).collect::<Vec<String>>();
+    assert_eq!((corners(&lines("f ")[0]).join(" "), lines("f ").len()), ("7 8 9 12 11 10".into(), 9));
+    assert!(lines("f ").iter().flat_map(|face| face.split(' ').skip(1)).all(|corner| corner.split('/').count() == 3));
+}

@@ -46,7 +46,7 @@ use text::Lines;
 
 pub use error::{Place, Problem, ReadError, WriteError};
 pub use not_kept::{MeshFormat, NotKept, not_kept};
-pub use refined_obj::refine_obj;
+pub use refined_obj::{refine_obj, with_split_edges};
 pub use triangulated::triangulated;
 pub use write_glb::write_glb;
 pub use write_obj::{Material, ObjContent, write_obj};

@@ -8,17 +8,38 @@ use std::fmt::Write;
 use super::obj;
 use super::obj::is_face;
 use super::text::{Lines, number};
-use crate::surface::{Attribute, Meaning, Model, refine_attributes};
+use crate::surface::{Attribute, Attributes, Meaning, Model, refine_attributes};
 
 /// A model from an OBJ whose faces are cut into triangles, with its text. `added` says what new vertices are made of: vertices of the
 /// model with weights; `triangles` are in the order of faces, `face` has the face of each. None where the model has no text, or
 /// one that cannot be kept because it counts back from its end.
 pub fn refine_obj(model: &Model, added: &[[(u32, f64); 3]], refined: &Model, face: &[u32]) -> Option<Model> {
+    rewritten(model, added, refined, face, &refine_attributes(model, refined, added, face))
+}
+
+/// A model whose edges are [split](Model::with_edges_split), with the text of the OBJ that it came from, in which faces gain corners; without one where
+/// the model has none, or one that cannot be kept. Texture coordinates of the file are then those of the model, not of the text.
+pub fn with_split_edges(model: &Model, split: Model) -> Model {
+    let faces: Vec<u32> = (0..model.face_count() as u32).collect();
+    let Some(read) = rewritten(model, &[], &split, &faces, split.attributes()) else { return split };
+    match split.whole_uv() {
+        Some(uv) => read.with_texture(uv).unwrap_or(split),
+        None => read,
+    }
+}
+
+/// A model with the text of an OBJ, in which lines of faces are replaced, with normals as `attributes` have them.
+fn rewritten(
+    model: &Model,
+    added: &[[(u32, f64); 3]],
+    refined: &Model,
+    face: &[u32],
+    attributes: &Attributes,
+) -> Option<Model> {
     let text = model.obj_text()?;
     let behind = behind_positions(text);
     let mut out = String::with_capacity(2 * text.len() + 64 * face.len());
     let last_vertex = last_vertex_line(text)?;
-    let attributes = refine_attributes(model, refined, added, face);
     let normals = attributes.table(&Meaning::Normal);
     let known_normals = normals_before(text, last_vertex);
     let (mut at, mut faces, mut next) = (0, 0, 0);

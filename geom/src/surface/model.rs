@@ -332,6 +332,16 @@ impl Model {
     }
 }
 
+impl Model {
+    /// The same model with other texture coordinates, or none, for some of its corners or all.
+    pub(super) fn with_texture_coordinates(mut self, uv: Option<TextureCoordinates>) -> Self {
+        debug_assert!(uv.as_ref().is_none_or(|uv| uv.corners.len() == self.corners.len()));
+        self.uv = uv;
+        self.text_has_other_uv = true;
+        self
+    }
+}
+
 #[cfg(feature = "files")]
 impl Model {
     /// The same model with what a file said besides its points and faces.
@@ -445,6 +455,11 @@ impl TextureCoordinates {
 }
 
 impl TextureCoordinates {
+    /// Points, and one index a corner; what is out of range counts as none.
+    pub(super) fn of(points: Vec<[f64; 2]>, corners: Vec<u32>) -> Self {
+        Self { points, corners }
+    }
+
     /// The points of the plane, in the order of the file.
     pub fn points(&self) -> &[[f64; 2]] {
         &self.points

@@ -5,8 +5,9 @@
 //! - isolated vertices are left out;
 //! - triangles are turned until neighbours agree, the way most of the component had them; a surface that is not
 //!   orientable is opened along the edges where they cannot;
-//! - at an edge of three or more triangles, and at a vertex of several fans, the surface is opened: every fan gets its own
-//!   copy of the vertex;
+//! - at an edge of four or more triangles, an even number, where bodies touch, triangles are glued in pairs that bound the same body; at other edges of
+//!   three or more, and at a vertex of several fans, the surface is opened: every fan gets its own copy of the vertex;
+//! - where a vertex lies on an edge of another face (a T-junction) the surface stays open, and that is named: see [`Model::with_edges_split`];
 //! - each connected component becomes a [`Surface`] of its own, moved to the origin and scaled to unit size.
 //!
 //! Polygons are computed with as triangles ([`Model::triangles`]); the edges inside a polygon are known, so that no seam
@@ -20,6 +21,7 @@ use super::model::{Model, place_key};
 use super::numbering::{along_a_curve, is_scattered};
 use super::repair::{Repair, RepairKind, RepairLog};
 use super::soup::{NONE, Soup, number};
+use super::t_junctions::Insertion;
 use super::triangulate::Triangles;
 use super::weld::Weld;
 use crate::intrinsic::Metric;
@@ -102,14 +104,9 @@ pub fn prepare_watched(model: &Model, weld: Weld, watch: Watch) -> Result<Prepar
     let mut log = RepairLog::default();
     let triangles = model.triangles();
     watch.ask(0.02)?;
-    // Boundaries have to be known before they are joined: where they are, triangles are glued again.
-    let welded = if weld == Weld::Always { weld.of(model) } else { None };
-    let mut soup = Soup::glued(model, &triangles, welded.as_deref(), &mut log, watch.within(0.05, 0.3))?;
-    if weld == Weld::Auto
-        && let Some(place) = soup.stitches(model.points())
-    {
-        log = RepairLog::default();
-        soup = Soup::glued(model, &triangles, Some(&place), &mut log, watch.within(0.3, 0.35))?;
+    let mut soup = weld.glued(model, &triangles, &mut log, watch.within(0.05, 0.35))?;
+    if weld != Weld::Never {
+        note_t_junctions(&soup.t_junctions(model, true), &mut log);
     }
     note_isolated(model, &mut log);
     soup.orient(&mut log);
@@ -124,6 +121,12 @@ pub fn prepare_watched(model: &Model, weld: Weld, watch: Watch) -> Result<Prepar
     surfaces.iter().flat_map(|surface| surface.triangle.iter()).for_each(|&t| used[t as usize] = true);
     let left_out = (0..triangles.len() as u32).filter(|&t| !used[t as usize]).collect();
     Ok(Prepared { surfaces, triangles, left_out, repairs: log.into_repairs() })
+}
+
+/// Notes the vertices that lie on edges of other faces, those at one place once.
+fn note_t_junctions(insertions: &[Insertion], log: &mut RepairLog) {
+    let places: HashSet<u32> = insertions.iter().map(|insertion| insertion.place).collect();
+    places.into_iter().for_each(|place| log.note(RepairKind::TJunction, place as usize));
 }
 
 /// A triangle's height in a surface of size 1 that may be rounding alone.
@@ -431,6 +434,91 @@ mod tests {
         assert_eq!(mended.surfaces.len(), 1);
         assert_eq!(mended.surfaces[0].mesh.euler_characteristic(), 2);
         assert_eq!(mended.left_out.len(), 3);
+    }
+
+    /// The faces of a box of quads between two corners, its vertices numbered from `first` on.
+    fn cuboid([low, high]: [[f64; 3]; 2], first: u32) -> (Vec<[f64; 3]>, Vec<[u32; 4]>) {
+        let points = (0..8).map(|v| [0, 1, 2].map(|k| if v >> k & 1 == 0 { low[k] } else { high[k] })).collect();
+        let quads = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+        (points, quads.map(|quad: [u32; 4]| quad.map(|v| first + v)).to_vec())
+    }
+
+    /// Boxes, vertices at one place taken for one.
+    fn cuboids(boxes: &[[[f64; 3]; 2]]) -> Model {
+        let (mut points, mut quads) = (Vec::new(), Vec::new());
+        for &ends in boxes {
+            let (more, faces) = cuboid(ends, points.len() as u32);
+            points.extend(more);
+            quads.extend(faces);
+        }
+        let first = Model::from_polygons(points.clone(), &quads).unwrap().first_at_place();
+        quads.iter_mut().flatten().for_each(|v| *v = first[*v as usize]);
+        Model::from_polygons(points, &quads).unwrap()
+    }
+
+    fn unit_cube(at: [f64; 3]) -> [[f64; 3]; 2] {
+        [at, at.map(|x| x + 1.0)]
+    }
+
+    fn euler(prepared: &Prepared) -> Vec<i64> {
+        prepared.surfaces.iter().map(|surface| surface.mesh.euler_characteristic()).collect()
+    }
+
+    #[test]
+    fn boxes_that_touch_along_edges_are_closed_each_for_itself() {
+        let [a, b, c] = [[0.0; 3], [1.0, 1.0, 0.0], [2.0, 0.0, 0.0]].map(unit_cube);
+        for (boxes, edges) in [(&[a, b][..], 1), (&[a, b, c], 2)] {
+            let model = cuboids(boxes);
+            let closed = prepare(&model, Weld::Never).unwrap();
+            check(&closed, &model);
+            assert_eq!(euler(&closed), vec![2; boxes.len()]);
+            assert_eq!(
+                (count(&closed, RepairKind::TouchingEdge), count(&closed, RepairKind::NonManifoldEdge)),
+                (edges, 0)
+            );
+            // The same where each face has vertices of its own.
+            let apart: Vec<[f64; 3]> = model.corners().iter().map(|&v| model.points()[v as usize]).collect();
+            let quads: Vec<[u32; 4]> =
+                (0..model.face_count() as u32).map(|f| [0, 1, 2, 3].map(|k| 4 * f + k)).collect();
+            let apart = Model::from_polygons(apart, &quads).unwrap();
+            assert_eq!(euler(&prepare(&apart, Weld::Auto).unwrap()), vec![2; boxes.len()]);
+            assert_eq!(euler(&prepare(&apart, Weld::Always).unwrap()), vec![2; boxes.len()]);
+        }
+    }
+
+    #[test]
+    fn an_edge_stays_open_where_its_faces_do_not_alternate() {
+        let cubes = cuboids(&[[0.0; 3], [1.0, 1.0, 0.0]].map(unit_cube));
+        let quads = || cubes.faces().map(<[u32]>::to_vec);
+        let edge = |face: &Vec<u32>| {
+            [[1.0, 1.0, 0.0], [1.0, 1.0, 1.0]].iter().all(|p| face.iter().any(|&v| cubes.points()[v as usize] == *p))
+        };
+        let first = quads().position(|face| edge(&face)).unwrap();
+        // One face at the edge is turned; one is not there.
+        let turned = quads().enumerate().map(|(f, mut face)| {
+            if f == first {
+                face.reverse();
+            }
+            face
+        });
+        let fewer = quads().enumerate().filter(|&(f, _)| f != first).map(|(_, face)| face);
+        for faces in [turned.collect::<Vec<_>>(), fewer.collect()] {
+            let model = Model::from_polygons(cubes.points().to_vec(), &faces).unwrap();
+            let open = prepare(&model, Weld::Never).unwrap();
+            check(&open, &model);
+            assert_eq!((count(&open, RepairKind::TouchingEdge), count(&open, RepairKind::NonManifoldEdge)), (0, 1));
+        }
+    }
+
+    #[test]
+    fn vertices_on_the_edges_of_other_faces_are_counted_unless_none_is_to_be_joined() {
+        let points = [[0, 0], [2, 0], [2, 1], [2, 2], [0, 2], [3, 0], [3, 1], [3, 2]]
+            .map(|[x, y]| [f64::from(x), f64::from(y), 0.0]);
+        let model = Model::from_polygons(points.to_vec(), [[0, 1, 3, 4], [1, 5, 6, 2], [2, 6, 7, 3]]).unwrap();
+        let open = prepare(&model, Weld::Auto).unwrap();
+        let noted = Repair { kind: RepairKind::TJunction, count: 1, first: 2 };
+        assert!(open.repairs.contains(&noted) && open.surfaces.len() == 2, "{:?}", open.repairs);
+        assert_eq!(count(&prepare(&model, Weld::Never).unwrap(), RepairKind::TJunction), 0);
     }
 
     #[test]

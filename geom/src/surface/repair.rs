@@ -39,6 +39,8 @@ pub enum RepairKind {
     FlippedFace,
     /// An edge with more than two faces; opened.
     NonManifoldEdge,
+    /// An edge with an even number of faces more than two, where bodies touch; their faces glued in pairs that bound the same body.
+    TouchingEdge,
     /// A vertex whose faces form several fans; one copy a fan.
     NonManifoldVertex,
     /// An edge of a surface that cannot be oriented; opened.
@@ -49,6 +51,8 @@ pub enum RepairKind {
     ComponentWithoutArea,
     /// A boundary vertex at the same place as another one: perhaps a seam that was never [welded](crate::Weld).
     Unwelded,
+    /// A vertex on an edge of another face, where the surface stays open: see [`Model::with_edges_split`](crate::Model::with_edges_split).
+    TJunction,
     /// Vertices welded because they were at the same place.
     Welded,
 }
@@ -62,11 +66,13 @@ impl RepairKind {
             Self::IsolatedVertex => "isolated vertices, left out",
             Self::FlippedFace => "faces oriented against their neighbours, turned",
             Self::NonManifoldEdge => "edges with more than two faces, opened",
+            Self::TouchingEdge => "edges where bodies touch, each body closed for itself",
             Self::NonManifoldVertex => "vertices with several fans of faces, opened",
             Self::NonOrientableEdge => "edges where the surface cannot be oriented, opened",
             Self::ZeroArea => "triangles without area, computed with slightly lengthened edges",
             Self::ComponentWithoutArea => "parts without any area, left out",
             Self::Unwelded => "boundary vertices at the place of another one, not welded",
+            Self::TJunction => "vertices on the edges of other faces (T-junctions), where the surface is open",
             Self::Welded => "vertices at the place of another one, welded",
         }
     }
@@ -82,11 +88,13 @@ impl RepairKind {
             Self::IsolatedVertex => "isolated vertex, left out",
             Self::FlippedFace => "face oriented against its neighbours, turned",
             Self::NonManifoldEdge => "edge with more than two faces, opened",
+            Self::TouchingEdge => "edge where bodies touch, each body closed for itself",
             Self::NonManifoldVertex => "vertex with several fans of faces, opened",
             Self::NonOrientableEdge => "edge where the surface cannot be oriented, opened",
             Self::ZeroArea => "triangle without area, computed with slightly lengthened edges",
             Self::ComponentWithoutArea => "part without any area, left out",
             Self::Unwelded => "boundary vertex at the place of another one, not welded",
+            Self::TJunction => "vertex on the edge of another face (T-junction), where the surface is open",
             Self::Welded => "vertex at the place of another one, welded",
         };
         format!("1 {one}")

@@ -5,6 +5,7 @@ use std::collections::HashMap;
 use petgraph::unionfind::UnionFind;
 
 use super::model::place_key;
+use super::radial::{RadialFace, solid_pairs};
 use crate::vector::{length, sub};
 
 /// A run that is joined is at least this times the root of the area of the largest part that it is of: slits of scans are shorter (.03 on the dragon),
@@ -23,6 +24,28 @@ pub(super) struct BoundarySide {
     pub(super) part: u32,
 }
 
+/// A side of the boundary at the place where it is.
+struct AtPlace {
+    /// The numbers of the places of its ends, ascending.
+    place: [u32; 2],
+    side: BoundarySide,
+    /// Whether it runs from the lower number to the higher one.
+    is_forward: bool,
+}
+
+/// Pairs of sides at one place that bound the same body, where bodies touch along it.
+fn touching(at_one: &[AtPlace], at: impl Fn(u32) -> [f64; 3]) -> Vec<[BoundarySide; 2]> {
+    if at_one.len() < 4 {
+        return Vec::new();
+    }
+    let face = |side: &AtPlace| RadialFace { apex: at(side.side.triangle[2]), is_forward: side.is_forward };
+    let AtPlace { side, is_forward, .. } = &at_one[0];
+    let [start, end, _] = side.triangle.map(&at);
+    let ends = if *is_forward { [start, end] } else { [end, start] };
+    let pairs = solid_pairs(ends, &at_one.iter().map(face).collect::<Vec<_>>());
+    pairs.unwrap_or_default().into_iter().map(|pair| pair.map(|k| at_one[k].side)).collect()
+}
+
 /// For each vertex the first of those that sides of the boundary at the same place join; none if there are none such. `area` is that of each part of
 /// the surface, once points are multiplied by `scale`.
 pub(super) fn stitches(
@@ -32,7 +55,7 @@ pub(super) fn stitches(
 ) -> Option<Vec<u32>> {
     let key = |v: u32| place_key(&points[v as usize]);
     let mut number = HashMap::new();
-    let mut at_place: Vec<([u32; 2], BoundarySide)> = Vec::new();
+    let mut at_place: Vec<AtPlace> = Vec::new();
     for side in sides {
         let [a, b, c] = side.triangle.map(key);
         // What has no area would be a third one between two that meet.
@@ -43,21 +66,28 @@ pub(super) fn stitches(
             let next = number.len() as u32;
             *number.entry(key).or_insert(next)
         });
+        let is_forward = place[0] < place[1];
         place.sort_unstable();
-        at_place.push((place, side));
+        at_place.push(AtPlace { place, side, is_forward });
     }
-    at_place.sort_by_key(|&(place, _)| place);
+    at_place.sort_by_key(|at| at.place);
     let places = |side: &BoundarySide| {
         let mut places = side.triangle.map(key);
         places.sort_unstable();
         places
     };
+    let at = |v: u32| points[v as usize].map(|x| x * scale);
     let pairs: Vec<([u32; 2], [BoundarySide; 2])> = at_place
-        .chunk_by(|a, b| a.0 == b.0)
-        .filter_map(|at_one| match *at_one {
-            [(place, one), (_, other)] if places(&one) != places(&other) => Some((place, [one, other])),
-            _ => None,
+        .chunk_by(|a, b| a.place == b.place)
+        .flat_map(|at_one| {
+            match at_one {
+                [one, other] => vec![[one.side, other.side]],
+                _ => touching(at_one, at),
+            }
+            .into_iter()
+            .map(|pair| (at_one[0].place, pair))
         })
+        .filter(|(_, [one, other])| places(one) != places(other))
         .collect();
     // Runs of such sides, their lengths and the areas of the smallest and the largest part that they are of.
     let mut runs = UnionFind::<u32>::new(number.len());

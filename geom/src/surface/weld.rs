@@ -4,15 +4,19 @@
 //! triangle: as they are numbered, their surfaces fall apart.
 
 use super::model::Model;
-use super::soup::stitches_of;
+use super::repair::RepairLog;
+use super::soup::{Soup, stitches_of};
+use super::triangulate::Triangles;
+use crate::watch::{Interrupted, Watch};
 
 /// Which vertices of a model are taken for one.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
 #[non_exhaustive]
 pub enum Weld {
-    /// Those at the ends of two sides of the boundary that are at exactly the same place, if no third one is there: so the surface is closed
-    /// where it meets itself, and nothing that was a surface before is one no longer. What lies on top of a copy of itself stays apart, and so
+    /// Those at the ends of two sides of the boundary that are at exactly the same place, if no third one is there, or of
+    /// four and more, an even number, in pairs that bound the same body: so the surface is closed where it meets itself, and nothing that was a surface
+    /// before is one no longer. What lies on top of a copy of itself stays apart, and so
     /// do bodies that touch each other; slits and the mouths of pockets that are short for their surface stay open, as scans have them.
     #[default]
     Auto,
@@ -31,6 +35,27 @@ impl Weld {
             Self::Auto => return stitches_of(model),
         };
         (0..).zip(&place).any(|(v, &place)| v != place).then_some(place)
+    }
+
+    /// The triangles of a model, each glued to its neighbours, with vertices taken for one.
+    pub(super) fn glued(
+        self,
+        model: &Model,
+        triangles: &Triangles,
+        log: &mut RepairLog,
+        watch: Watch,
+    ) -> Result<Soup, Interrupted> {
+        // Boundaries have to be known before they are joined: where they are, triangles are glued again.
+        let place = if self == Self::Always { self.of(model) } else { None };
+        let mut first = RepairLog::default();
+        let soup = Soup::glued(model, triangles, place.as_deref(), &mut first, watch.within(0.0, 0.8))?;
+        if self == Self::Auto
+            && let Some(place) = soup.stitches(model.points())
+        {
+            return Soup::glued(model, triangles, Some(&place), log, watch.within(0.8, 1.0));
+        }
+        *log = first;
+        Ok(soup)
     }
 
     /// Gives triangles of a model the vertices that theirs are taken for. O(F).

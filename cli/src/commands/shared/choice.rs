@@ -3,11 +3,14 @@
 use super::numbers::{distortion, non_negative, whole};
 use super::welded::WeldArgs;
 use crate::output;
+use crate::report::table::{counted, thousands};
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum};
 use cones::{
     Analysis, ConeChoice, ConeOrder, CurvatureRule, Handles, Options, Placement, Preparation, Refining, Search,
 };
+use geom::Model;
+use geom::io::with_split_edges;
 use std::path::Path;
 
 /// How many cones, by which method, and what curvatures they get.
@@ -39,6 +42,9 @@ pub(crate) struct CandidateArgs {
     smooth: bool,
     #[command(flatten)]
     weld: WeldArgs,
+    /// Close the surface where vertices lie on the edges of other faces (T-junctions): these faces are written with a corner there
+    #[arg(long)]
+    split_edges: bool,
     /// Refine the surface until its triangles are even, whatever the file has: what is written is the same surface in more
     /// triangles, with the exact map
     /// [default: needles for STL, never otherwise]
@@ -101,9 +107,26 @@ impl CandidateArgs {
             (self.min_persistence.is_some(), "--min-persistence"),
             (self.smooth, "--smooth"),
             (self.weld.is_given(), "--weld"),
+            (self.split_edges, "--split-edges"),
             (self.refine.is_some(), "--refine"),
         ];
         given.into_iter().find_map(|(is_given, option)| is_given.then_some(option))
+    }
+
+    /// The model with its edges split, where that is asked for and closes anything, and what is said of it.
+    pub(crate) fn with_edges_split(&self, model: Model) -> (Model, Option<String>) {
+        let weld = self.weld.chosen();
+        let Some(split) = self.split_edges.then(|| model.with_edges_split(weld)).flatten() else {
+            return (model, None);
+        };
+        let of_faces = counted(split.faces, "face has", "faces have");
+        let told = match split.vertices {
+            1 => format!("1 vertex lay on the edges of other faces: {of_faces} more corners"),
+            vertices => {
+                format!("{} vertices lay on the edges of other faces: {of_faces} more corners", thousands(vertices))
+            }
+        };
+        (with_split_edges(&model, split.model), Some(told))
     }
 
     /// Says that --smooth changes no cones where no extrema are looked for.

@@ -44,6 +44,9 @@ pub(crate) const CLOSED_ORDER: &str = "the hierarchy is of the surface with its 
 /// Where needles bend angles by more than this, as the mean of σ₁/σ₂, it is told that refining helps.
 const WORTH_REFINING: f64 = 1.1;
 
+/// The area of a triangle of a polygon that may be rounding alone, as a share of the polygon's.
+const ROUNDED: f64 = 1e-12;
+
 /// An unwrapped surface with its texture coordinates as they are written, and what they are worth.
 #[derive(Debug)]
 pub(crate) struct Unwrapped {
@@ -116,10 +119,12 @@ impl Unwrapped {
         let is_torn = |&face: &usize| {
             let first = self.model.face_corners(face).start;
             let fan = self.model.face_corners(face).skip(1).zip(self.model.face_corners(face).skip(2));
-            let mut areas = fan.map(|(b, c)| area([first, b, c].map(|c| uv[c])));
+            let areas: Vec<f64> = fan.map(|(b, c)| area([first, b, c].map(|c| uv[c]))).collect();
+            // Corners on a straight side make triangles without area, which are rounded either way.
+            let negligible = ROUNDED * areas.iter().map(|area| area.abs()).sum::<f64>();
             match turned[face] {
-                [true, false] => areas.any(|area| area <= 0.0),
-                [false, true] => areas.any(|area| area >= 0.0),
+                [true, false] => areas.iter().any(|&area| area < -negligible),
+                [false, true] => areas.iter().any(|&area| area > negligible),
                 _ => false,
             }
         };

@@ -62,11 +62,13 @@ pub(crate) fn run(args: &ViewArgs) -> Result<(), CommandError> {
     let options = args.candidates.options_for(input);
     let progress = Progress::begin(&input.display().to_string());
     let (model, _) = read_model(input)?;
+    let (model, split) = args.candidates.with_edges_split(model);
     limits::check_memory(input, model.vertex_count(), limits::UNWRAPPED)?;
     let failed = |error| CommandError::Unwrap { path: input.clone(), error };
     let analysis = Analysis::observed(&model, options.preparation, progress.observer()).map_err(failed)?;
     progress.finish();
     warn(analysis.repairs(), analysis.notes(), analysis.topology().components);
+    split.iter().for_each(|line| output::warn(line));
     let model = refined_model(model, &analysis);
     let chosen = Chosen::new(count(&options, &analysis).map_err(failed)?, options.placement, options.rule);
     let subject = Subject::new(input, &model, analysis, options);

@@ -12,8 +12,10 @@ use std::convert::Infallible;
 use std::ops::Range;
 
 use super::model::Model;
+use super::radial::{RadialFace, solid_pairs};
 use super::repair::{RepairKind, RepairLog};
 use super::stitches::{BoundarySide, stitches};
+use super::t_junctions::{Insertion, OpenSide, t_junctions};
 use super::triangulate::Triangles;
 use crate::mesh::{Id, Twins, VertexId, of_edges};
 use crate::parallel::map;
@@ -46,6 +48,8 @@ struct Crowded {
     faces: Vec<usize>,
     /// The lower end of each such edge that stays open.
     opened: Vec<VertexId>,
+    /// The lower end of each whose faces are glued in pairs.
+    paired: Vec<VertexId>,
 }
 
 impl Soup {
@@ -66,12 +70,13 @@ impl Soup {
         }
         let mut soup = Self::new(model, triangles, place, log);
         watch.ask(0.2)?;
-        let mut crowded = soup.glue();
+        let mut crowded = soup.glue(model.points());
         watch.ask(0.6)?;
         if soup.leave_out_duplicates(crowded.faces, model, place, log) {
-            crowded = soup.glue();
+            crowded = soup.glue(model.points());
         }
         crowded.opened.iter().for_each(|v| log.note(RepairKind::NonManifoldEdge, v.index()));
+        crowded.paired.iter().for_each(|v| log.note(RepairKind::TouchingEdge, v.index()));
         Ok(soup)
     }
 
@@ -95,6 +100,25 @@ impl Soup {
         let side =
             |h: usize| BoundarySide { triangle: [h, next(h), prev(h)].map(|h| self.tail[h].0), part: part[h / 3] };
         stitches((points, scale), open.map(side), &area)
+    }
+
+    /// The corners that faces have to gain so that the surface is closed where vertices lie on their sides; vertices at one place are told apart if
+    /// they are not `joined`.
+    pub(super) fn t_junctions(&self, model: &Model, joined: bool) -> Vec<Insertion> {
+        let open = (0..self.tail.len()).filter(|&h| self.twin[h] == NONE);
+        let mut sides: Vec<OpenSide> = open.filter_map(|h| self.side_of_face(model, h)).collect();
+        sides.sort_unstable_by_key(|side| side.corner);
+        t_junctions(model, &sides, joined)
+    }
+
+    /// The side of a face that a halfedge is; none for diagonals.
+    fn side_of_face(&self, model: &Model, h: usize) -> Option<OpenSide> {
+        let face = self.triangle[h / 3].1;
+        let corners = [h, next(h), prev(h)].map(|h| self.corner[h]);
+        let range = model.face_corners(face as usize);
+        let behind = if corners[0] as usize + 1 < range.end { corners[0] + 1 } else { range.start as u32 };
+        let [a, b, apex] = corners.map(|corner| model.corners()[corner as usize]);
+        (corners[1] == behind).then_some(OpenSide { face, corner: corners[0], ends: [a, b], apex })
     }
 
     fn new(model: &Model, triangles: &Triangles, place: Option<&[u32]>, log: &mut RepairLog) -> Self {
@@ -183,11 +207,11 @@ impl Soup {
         faces.into_iter().for_each(|face| log.note(why, face as usize));
     }
 
-    /// Makes twins of the two sides of each edge that has just two. The diagonals of polygons are edges of their own: a
-    /// polygon must stay in one piece, for its triangles share its corners.
-    fn glue(&mut self) -> Crowded {
+    /// Makes twins of the two sides of each edge that has just two, and of pairs of sides where bodies touch. The diagonals of polygons are edges of
+    /// their own: a polygon must stay in one piece, for its triangles share its corners.
+    fn glue(&mut self, points: &[[f64; 3]]) -> Crowded {
         let twins = Twins::none(self.tail.len());
-        let visit = |crowded: &mut Crowded, [lower, _]: [u32; 2], sides: &[u32]| {
+        let visit = |crowded: &mut Crowded, ends: [u32; 2], sides: &[u32]| {
             match *sides {
                 [_] => {}
                 [h, g] => twins.set(h, g),
@@ -204,7 +228,13 @@ impl Soup {
                     match *rest {
                         [] | [_] => {}
                         [h, g] => twins.set(h, g),
-                        _ => crowded.opened.push(VertexId(lower)),
+                        _ => match self.touching(points, ends, &rest) {
+                            Some(pairs) => {
+                                pairs.into_iter().for_each(|[h, g]| twins.set(h, g));
+                                crowded.paired.push(VertexId(ends[0]));
+                            }
+                            None => crowded.opened.push(VertexId(ends[0])),
+                        },
                     }
                 }
             }
@@ -216,8 +246,26 @@ impl Soup {
         for Ok(part) in parts {
             crowded.faces.extend(part.faces);
             crowded.opened.extend(part.opened);
+            crowded.paired.extend(part.paired);
         }
         crowded
+    }
+
+    /// Pairs of the sides at an edge that bound the same body, where bodies touch along it. None where sides are of one polygon, whose triangles
+    /// must not be told apart.
+    fn touching(&self, points: &[[f64; 3]], ends: [u32; 2], sides: &[u32]) -> Option<Vec<[u32; 2]>> {
+        let mut polygons: Vec<u32> = sides.iter().map(|&h| self.triangle[h as usize / 3].1).collect();
+        polygons.sort_unstable();
+        if polygons.windows(2).any(|pair| pair[0] == pair[1]) {
+            return None;
+        }
+        let face = |&h: &u32| RadialFace {
+            apex: points[self.tail[prev(h as usize)].index()],
+            is_forward: self.tail[h as usize].0 == ends[0],
+        };
+        let faces: Vec<RadialFace> = sides.iter().map(face).collect();
+        let pairs = solid_pairs(ends.map(|v| points[v as usize]), &faces)?;
+        Some(pairs.into_iter().map(|pair| pair.map(|k| sides[k])).collect())
     }
 
     /// Whether two sides run the opposite way between the same corners of a polygon.
