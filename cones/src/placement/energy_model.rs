@@ -238,11 +238,13 @@ impl<'a> EnergyModel<'a> {
         self.terms.distances.get_or_init(|| EdgeDistances::new(&self.operators.mesh, self.unit_length()))
     }
 
-    /// So many vertices inside, each as far as can be from those before it (Gonzalez 1985).
+    /// So many vertices inside, each as far as can be from those before it (Gonzalez 1985), from where the factor that flattens everything is largest on, so that
+    /// vertices in another order are the same ones.
     pub(crate) fn spread(&self, count: usize) -> Vec<VertexId> {
         let mesh = &self.operators.mesh;
         let inner: Vec<VertexId> = mesh.vertices().filter(|&v| !mesh.is_boundary_vertex(v)).collect();
-        let Some(&first) = inner.first() else { return Vec::new() };
+        let size = |v: VertexId| self.terms.flattening[v].abs();
+        let Some(first) = inner.iter().copied().max_by(|&v, &w| size(v).total_cmp(&size(w))) else { return Vec::new() };
         let mut spread = vec![first];
         let Ok(mut distance) = self.distances().from_watched([first], self.watch()) else { return spread };
         while spread.len() < count {
