@@ -14,7 +14,7 @@ use crate::cut::{SeamFigures, SeamPlan};
 use crate::error::Error;
 use crate::flatten::{
     DetachedShape, Fixed, FoldOvers, Layout, MOST_BENT, Scaling, Seams, detach, narrow_rims, relax, remove_fold_overs,
-    scale_by, seam_lengths, stretch,
+    scale_by, seam_lengths, stretch, whole_polygons,
 };
 
 /// Cones that somebody has chosen are doubted above this area distortion, this quasi-conformal distortion, or where lengths change
@@ -208,6 +208,17 @@ impl Component {
         let is_good = area <= most_area && angles <= most_angle && (log <= most_log || !are_given);
         let component = self.index;
         (!is_good).then_some(Note::Distorted { component, area, angles, log })
+    }
+
+    /// Makes an island, as flat as it is, of each polygon that these triangles are in.
+    pub(crate) fn detach_polygons(&self, flat: &mut Flat, faces: &[FaceId]) {
+        let lengths = seam_lengths(&self.surface, &self.metric);
+        let mesh = &self.surface.mesh;
+        let whole = whole_polygons(mesh, &lengths, faces);
+        let faces = (&whole[..], DetachedShape::AsInSpace);
+        detach(mesh, &self.metric, &flat.u, &lengths, faces, &mut flat.seams, &mut flat.layout);
+        flat.quality = Quality::of(mesh, &self.metric, &flat.layout);
+        flat.detached.extend(whole.into_iter().filter(|f| !flat.detached.contains(f)).collect::<Vec<_>>());
     }
 
     /// Makes islands of the triangles that stay folded over, if there are any.

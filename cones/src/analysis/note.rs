@@ -95,6 +95,15 @@ pub enum Note {
         /// A vertex there.
         first: u32,
     },
+    /// Polygons that would lie over themselves in the map became islands of their own, as flat as they are.
+    PolygonsDetached {
+        /// The component.
+        component: usize,
+        /// How many polygons.
+        polygons: usize,
+        /// A vertex of one.
+        first: u32,
+    },
     /// No cones could flatten a component: it is unfolded with a cone at every vertex, cut to shreds.
     Unfolded {
         /// The component.
@@ -226,6 +235,7 @@ impl Note {
             | Self::HarmonicOutOfBounds { component, .. }
             | Self::OtherNumber { component, .. }
             | Self::Detached { component, .. }
+            | Self::PolygonsDetached { component, .. }
             | Self::Unfolded { component, .. }
             | Self::NotRefined { component }
             | Self::Distorted { component, .. }
@@ -242,7 +252,9 @@ impl Note {
             *component = other;
         }
         match &mut self {
-            Self::HarmonicOutOfBounds { first, .. } | Self::Detached { first, .. } => *first = vertex(*first),
+            Self::HarmonicOutOfBounds { first, .. }
+            | Self::Detached { first, .. }
+            | Self::PolygonsDetached { first, .. } => *first = vertex(*first),
             Self::AvoidedCut { first, .. } => *first = first.map(vertex),
             _ => {}
         }
@@ -300,6 +312,16 @@ impl fmt::Display for Note {
                 write!(
                     f,
                     "{triangles} triangles fold over, the first near vertex {first}: they are islands of their own"
+                )
+            }
+            Self::PolygonsDetached { polygons: 1, first, .. } => {
+                write!(f, "1 polygon would lie over itself in the map, at vertex {first}: it is an island of its own")
+            }
+            Self::PolygonsDetached { polygons, first, .. } => {
+                write!(
+                    f,
+                    "{polygons} polygons would lie over themselves in the map, the first at vertex {first}: they are \
+                     islands of their own"
                 )
             }
             Self::Unfolded { cause, .. } => {

@@ -66,8 +66,8 @@ pub(crate) fn detach(
     seams.string(input, lengths);
 }
 
-/// The triangles, and those that hang together with them by diagonals.
-fn whole_polygons(input: &Mesh, lengths: &EdgeData<f64>, faces: &[FaceId]) -> Vec<FaceId> {
+/// The triangles, and those that hang together with them by diagonals, whose `lengths` are infinite.
+pub(crate) fn whole_polygons(input: &Mesh, lengths: &EdgeData<f64>, faces: &[FaceId]) -> Vec<FaceId> {
     let mut whole = faces.to_vec();
     let mut is_in = FaceData::constant(input.face_count(), false);
     faces.iter().for_each(|&f| is_in[f] = true);

@@ -13,7 +13,7 @@ mod scaling;
 mod seams;
 mod untangle;
 
-pub(crate) use detach::{DetachedShape, detach};
+pub(crate) use detach::{DetachedShape, detach, whole_polygons};
 pub(crate) use fold_over::FoldOvers;
 pub(crate) use fold_over::{Fixed, remove_fold_overs};
 pub(crate) use isometry::Relaxation;
