@@ -5,8 +5,9 @@ use cones::{
     SeamOptions, unwrap_model,
 };
 use geom::shapes::{self, Shape};
-use geom::{Model, RepairKind};
+use geom::{Model, RepairKind, Weld};
 use std::ops::ControlFlow;
+use std::path::Path;
 use tests::solids;
 
 fn model(shape: &Shape) -> Model {
@@ -52,6 +53,19 @@ fn handles_are_opened_again_on_the_parts_where_they_were() {
     let maps = twice(&model(&solids::side_by_side(&parts)), &with(&recipe, &Options::default()));
     assert_eq!((maps[0].opened_handles, maps[0].recipe().opened.len()), (4, 1));
     check_same(&maps);
+}
+
+#[test]
+fn what_is_flat_only_once_it_is_welded_is_welded_again() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("data/mirrored.obj");
+    let model = geom::io::read(path).expect("it can be read");
+    let maps = twice(&model, &Options::default());
+    assert!(maps.iter().all(|map| map.recipe().welded), "{:?}", maps[0].notes);
+    assert!(maps[0].cones.len() < 12 && maps[0].uv == maps[1].uv);
+    check_same(&maps);
+    let preparation = Preparation { weld: Weld::Never, ..Preparation::default() };
+    let apart = unwrap_model(&model, &Options { preparation, ..Options::default() }).expect("it unwraps");
+    assert!(!apart.recipe().welded);
 }
 
 #[test]

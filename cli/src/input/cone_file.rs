@@ -124,6 +124,7 @@ fn say(words: &[&str], recipe: &mut Recipe) -> Option<()> {
         ["vertices", count] => recipe.vertices = Some(count.parse().ok()?),
         ["opened", faces @ ..] => recipe.opened.extend(numbers::<u32>(faces)?),
         ["neck", vertices @ ..] if vertices.len() > 1 => recipe.necks.push(numbers(vertices)?),
+        ["welded"] => recipe.welded = true,
         ["charts"] => recipe.charts = true,
         ["freed", faces @ ..] => recipe.freed.extend(numbers::<u32>(faces)?),
         ["target", target] => recipe.target = Some(target.parse().ok().filter(|target: &f64| *target >= 1.0)?),
@@ -172,8 +173,8 @@ pub(crate) fn text(recipe: &Recipe) -> String {
     say("opened", &recipe.opened);
     recipe.necks.iter().for_each(|neck| say("neck", neck));
     say("freed", &recipe.freed);
-    if recipe.charts {
-        text.push_str("#: charts\n");
+    for (word, _) in [("welded", recipe.welded), ("charts", recipe.charts)].iter().filter(|(_, is_so)| *is_so) {
+        let _ = writeln!(text, "#: {word}");
     }
     if let Some(target) = recipe.target {
         let _ = writeln!(text, "#: target {target}");
@@ -224,6 +225,7 @@ mod tests {
             vertices: Some(12),
             opened: vec![4, 5],
             necks: vec![vec![1, 2, 3, 1], vec![7, 8]],
+            welded: true,
             charts: true,
             freed: vec![6],
             target: Some(1.1),

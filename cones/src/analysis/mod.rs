@@ -163,6 +163,7 @@ impl Analysis {
     /// only for their needles, the model is taken as it is if no cones flatten one of them so, or if it has few corners and its map as it is is exact. Edges that [seams](Options::seams) are named by
     /// stay edges where surfaces are refined, in parts. Where the map of a small model bends angles by more than
     /// 1.06 on average, another one is made, of the model refined if it may be, and then in triangles that are smaller where the map is bent; the best is taken.
+    /// Where no metric was found and [`Weld::Auto`] has left vertices apart that are at one place, all such are [welded](Weld::Always), if one is found so.
     ///
     /// # Errors
     /// As both.
@@ -171,7 +172,34 @@ impl Analysis {
         options: &Options,
         observer: impl Observer + 'static,
     ) -> Result<(Self, Atlas), Error> {
-        Self::unwrapped_watched(model, options, Arc::new(observer))
+        let observer: Arc<dyn Observer> = Arc::new(observer);
+        let is_welded = options.cones.recipe().is_some_and(|recipe| recipe.welded);
+        let preparation = Preparation { weld: Weld::Always, ..options.preparation };
+        let welded = Options { preparation, ..options.clone() };
+        let may_be_welded = options.preparation.weld == Weld::Auto;
+        if may_be_welded && is_welded {
+            let (analysis, mut atlas) = Self::unwrapped_watched(model, &welded, observer)?;
+            atlas.recipe.welded = true;
+            return Ok((analysis, atlas));
+        }
+        let (analysis, mut atlas) = Self::unwrapped_watched(model, options, Arc::clone(&observer))?;
+        let is_apart = analysis.repairs().iter().any(|repair| repair.kind == RepairKind::Unwelded);
+        if !may_be_welded || options.cones.is_given() || !is_apart || !finer::lacks_metric(&atlas) {
+            return Ok((analysis, atlas));
+        }
+        match Self::unwrapped_watched(model, &welded, observer) {
+            Ok((other, mut map)) if !finer::lacks_metric(&map) => {
+                [analysis.times(), atlas.times].into_iter().for_each(|times| map.times += times);
+                map.recipe.welded = true;
+                Ok((other, map))
+            }
+            Ok((other, map)) => {
+                [other.times(), map.times].into_iter().for_each(|times| atlas.times += times);
+                Ok((analysis, atlas))
+            }
+            Err(Error::Interrupted) => Err(Error::Interrupted),
+            Err(_) => Ok((analysis, atlas)),
+        }
     }
 
     fn unwrapped_watched(

@@ -196,6 +196,8 @@ pub struct Recipe {
     pub opened: Vec<u32>,
     /// The necks that thin limbs were cut off at, as chains of vertices of the model.
     pub necks: Vec<Vec<u32>>,
+    /// Whether all vertices at one place were welded since no metric was found otherwise.
+    pub welded: bool,
     /// Whether the surface was opened along the seams that were given, and each chart flattened for itself.
     pub charts: bool,
     /// A face of each part whose seams were set free since areas came out worse than was asked for and predicted.

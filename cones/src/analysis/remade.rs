@@ -74,6 +74,8 @@ impl Analysis {
         let mut at_face = HashMap::new();
         for (part, component) in self.components().iter().enumerate() {
             let mesh = &component.surface.mesh;
+            // One that others were merged with may be at no corner itself, where the faces that use it were left out.
+            component.surface.vertex.iter().for_each(|&v| stands_for[v as usize] = Some(v));
             for h in mesh.halfedges() {
                 let v = mesh.tail(h);
                 let stands = component.surface.vertex[v];

@@ -10,7 +10,7 @@ use crate::render::{Mark, Paint, Scene};
 use crate::report::{Times, UnwrapReport};
 use clap::ValueEnum;
 use cones::report::{MeasuredAtlas, UvSize};
-use cones::{Analysis, Handles, Islands, MOST_NEEDLES, Note, Options, RefinedModel};
+use cones::{Analysis, Failure, Handles, Islands, MOST_NEEDLES, Note, Options, RefinedModel};
 use geom::io::{refine_obj, triangulated};
 use geom::{Model, refine_attributes};
 use std::path::Path;
@@ -56,6 +56,11 @@ pub(crate) struct Unwrapped {
     pub(crate) map: MeasuredAtlas,
     /// The seconds that measuring it took.
     measuring: f64,
+}
+
+/// Whether a note says that no metric was found.
+fn lacks_metric(note: &Note) -> bool {
+    matches!(note, Note::OtherNumber { cause: Failure::Metric, .. } | Note::Unfolded { cause: Failure::Metric, .. })
 }
 
 impl Unwrapped {
@@ -162,12 +167,20 @@ impl Unwrapped {
         })
     }
 
-    /// What would help where angles are bent because the input's triangles are needles.
+    /// What would help where angles are bent because the input's triangles are needles, or no metric was found on them.
     fn hint(&self) -> Option<String> {
         let bent = self.map.quality.distortion.quasi_conformal.mean;
-        let is_tried = self.map.atlas.notes.iter().any(|note| matches!(note, Note::NotRefined { .. }));
-        let is_refined = self.analysis.refined().is_some() || is_tried;
-        if is_refined || bent <= WORTH_REFINING {
+        let notes = &self.map.atlas.notes;
+        let is_tried = notes.iter().any(|note| matches!(note, Note::NotRefined { .. }));
+        if self.analysis.refined().is_some() || is_tried {
+            return None;
+        }
+        if notes.iter().any(lacks_metric) {
+            return Some(
+                "where no flat metric is found on the triangles as they are, --refine may find one".to_owned(),
+            );
+        }
+        if bent <= WORTH_REFINING {
             return None;
         }
         let needles = self.analysis.needle_share();
