@@ -231,7 +231,7 @@ mod tests {
             target: Some(1.1),
             refined_for: Some(Box::new(ConeChoice::Count(7))),
         };
-        assert_eq!(parse(&text(&recipe)).unwrap(), (recipe, vec![8, 9]));
+        assert_eq!(parse(&text(&recipe)).unwrap(), (recipe, vec![11, 12]));
         let none = Recipe { vertices: Some(4), ..Recipe::default() };
         assert_eq!(parse(&text(&none)).unwrap(), (none, vec![]));
     }

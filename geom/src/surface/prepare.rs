@@ -487,6 +487,32 @@ mod tests {
     }
 
     #[test]
+    fn an_edge_alone_where_a_body_touches_itself_stays_open() {
+        // A way of cubes from one to another that touches it along an edge.
+        let way = [[0.0; 3], [0.0, 0.0, 1.0], [1.0, 0.0, 1.0], [1.0, 1.0, 1.0], [1.0, 1.0, 0.0]];
+        let quads = |model: &Model| -> Vec<Vec<u32>> {
+            let faces: Vec<Vec<u32>> = model.faces().map(<[u32]>::to_vec).collect();
+            let sorted = |face: &Vec<u32>| {
+                let mut face = face.clone();
+                face.sort_unstable();
+                face
+            };
+            // Walls between cubes are there twice.
+            faces
+                .iter()
+                .filter(|face| faces.iter().filter(|other| sorted(other) == sorted(face)).count() == 1)
+                .cloned()
+                .collect()
+        };
+        let model = cuboids(&way.map(unit_cube));
+        let model = Model::from_polygons(model.points().to_vec(), quads(&model)).unwrap();
+        assert_eq!(model.face_count(), 22);
+        let open = prepare(&model, Weld::Never).unwrap();
+        check(&open, &model);
+        assert_eq!((count(&open, RepairKind::TouchingEdge), count(&open, RepairKind::NonManifoldEdge)), (0, 1));
+    }
+
+    #[test]
     fn an_edge_stays_open_where_its_faces_do_not_alternate() {
         let cubes = cuboids(&[[0.0; 3], [1.0, 1.0, 0.0]].map(unit_cube));
         let quads = || cubes.faces().map(<[u32]>::to_vec);

@@ -7,7 +7,7 @@
 mod fans;
 mod orient;
 
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 use std::convert::Infallible;
 use std::ops::Range;
 
@@ -48,8 +48,8 @@ struct Crowded {
     faces: Vec<usize>,
     /// The lower end of each such edge that stays open.
     opened: Vec<VertexId>,
-    /// The lower end of each whose faces are glued in pairs.
-    paired: Vec<VertexId>,
+    /// The ends of each whose faces are glued in pairs, the lower one first, and the pairs.
+    paired: Vec<([u32; 2], Vec<[u32; 2]>)>,
 }
 
 impl Soup {
@@ -76,7 +76,7 @@ impl Soup {
             crowded = soup.glue(model.points());
         }
         crowded.opened.iter().for_each(|v| log.note(RepairKind::NonManifoldEdge, v.index()));
-        crowded.paired.iter().for_each(|v| log.note(RepairKind::TouchingEdge, v.index()));
+        crowded.paired.iter().for_each(|([v, _], _)| log.note(RepairKind::TouchingEdge, *v as usize));
         Ok(soup)
     }
 
@@ -230,8 +230,8 @@ impl Soup {
                         [h, g] => twins.set(h, g),
                         _ => match self.touching(points, ends, &rest) {
                             Some(pairs) => {
-                                pairs.into_iter().for_each(|[h, g]| twins.set(h, g));
-                                crowded.paired.push(VertexId(ends[0]));
+                                pairs.iter().for_each(|&[h, g]| twins.set(h, g));
+                                crowded.paired.push((ends, pairs));
                             }
                             None => crowded.opened.push(VertexId(ends[0])),
                         },
@@ -248,7 +248,39 @@ impl Soup {
             crowded.opened.extend(part.opened);
             crowded.paired.extend(part.paired);
         }
+        self.open_lone_edges(&mut crowded);
         crowded
+    }
+
+    /// Opens edges that are glued in pairs, but meet no other such edge and are of one body: a scan touches itself there by noise, and a tunnel or a handle of no
+    /// width would be left (raptor: genus 10 for 9, eleven islands for four).
+    fn open_lone_edges(&mut self, crowded: &mut Crowded) {
+        let mut meeting = HashMap::<u32, u32>::new();
+        let ends = crowded.paired.iter().flat_map(|(ends, _)| ends);
+        ends.for_each(|&v| *meeting.entry(v).or_default() += 1);
+        let is_lone = |ends: &[u32; 2]| ends.iter().all(|v| meeting[v] == 1);
+        let (lone, mut paired): (Vec<_>, Vec<_>) = crowded.paired.drain(..).partition(|(ends, _)| is_lone(ends));
+        if !lone.is_empty() {
+            lone.iter().flat_map(|(_, pairs)| pairs).flatten().for_each(|&h| self.twin[h as usize] = NONE);
+            let mut body = vec![0; self.triangle.len()];
+            for (k, component) in self.components().into_iter().enumerate() {
+                component.into_iter().for_each(|f| body[f as usize] = k);
+            }
+            let body_of = |pair: &[u32; 2]| body[pair[0] as usize / 3];
+            for (ends, pairs) in lone {
+                if pairs.iter().all(|pair| body_of(pair) == body_of(&pairs[0])) {
+                    crowded.opened.push(VertexId(ends[0]));
+                    continue;
+                }
+                for &[h, g] in &pairs {
+                    (self.twin[h as usize], self.twin[g as usize]) = (g, h);
+                }
+                paired.push((ends, pairs));
+            }
+        }
+        paired.sort_by_key(|(ends, _)| *ends);
+        crowded.opened.sort_unstable();
+        crowded.paired = paired;
     }
 
     /// Pairs of the sides at an edge that bound the same body, where bodies touch along it. None where sides are of one polygon, whose triangles
