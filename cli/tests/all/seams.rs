@@ -73,12 +73,18 @@ fn seams_that_a_file_has_are_kept() {
     let folder = Folder::with_shapes();
     let first = report(&folder, &["unwrap", "hare.obj", "-n", "6", "--seam-weight", "1", "-o", "first.obj"]);
     let again = ["unwrap", "first.obj", "-n", "6", "--seam-weight", "0", "-o", "second.obj"];
-    let (least, kept) = (report(&folder, &again), report(&folder, &[&again[..], &["--keep-seams"]].concat()));
+    let keeping = |options: &[&str]| report(&folder, &[&again[..], &["--keep-seams"], options].concat());
+    let (least, kept) = (report(&folder, &again), keeping(&["--free-seams", "never"]));
     let figures = |report: &Value| ["/distortion/seam_length", "/seams/turning"].map(|at| number(report, at));
     for (kept, first) in figures(&kept).into_iter().zip(figures(&first)) {
         assert!((kept - first).abs() < 1e-6, "{kept} and {first}");
     }
     assert!(figures(&least)[0] < figures(&first)[0] && figures(&least)[1] > figures(&first)[1]);
+    // Opened along them the surface needs no cones.
+    let alone = ["unwrap", "first.obj", "-n", "0", "-o", "alone.obj", "--keep-seams"];
+    let alone = report(&folder, &alone);
+    assert_eq!(alone["cones"].as_array().map(Vec::len), Some(0));
+    assert!((figures(&alone)[0] - figures(&first)[0]).abs() < 1e-6);
     let said = folder.complaint(&["unwrap", "hare.obj", "-o", "out.obj", "--keep-seams"]);
     assert!(said.contains("texture coordinates"), "{said}");
 }
