@@ -16,12 +16,19 @@
 /// Costs O(triangles + covered grid rows), with 64 points of a row at a time; `resolution` is brought between 3 and
 /// 16384.
 pub fn overlap(uv: &[[[f64; 2]; 3]], resolution: usize) -> f64 {
-    let [once, again] = coverage(uv, resolution);
-    if once > 0.0 { again / once } else { 0.0 }
+    let ([once, again], _) = covered(uv, resolution);
+    again as f64 / once.max(1) as f64
 }
 
-/// The areas of a map's image that are covered at all and more than once, by the same points as [`overlap`], at the same cost.
+/// The areas of a map's image that are covered at all and more than once, by the same points as [`overlap`], at the same cost; infinite where they are too
+/// large for a number, 0 where too small.
 pub fn coverage(uv: &[[[f64; 2]; 3]], resolution: usize) -> [f64; 2] {
+    let (points, step) = covered(uv, resolution);
+    points.map(|points| if points == 0 { 0.0 } else { points as f64 * step * step })
+}
+
+/// How many points of the grid are covered, and how many again, and how far these are apart.
+fn covered(uv: &[[[f64; 2]; 3]], resolution: usize) -> ([u64; 2], f64) {
     let resolution = resolution.clamp(3, 16384);
     let finite = || uv.iter().filter(|corners| corners.as_flattened().iter().all(|x| x.is_finite()));
     let range = |axis: usize| {
@@ -31,7 +38,7 @@ pub fn coverage(uv: &[[[f64; 2]; 3]], resolution: usize) -> [f64; 2] {
     let (x, y) = (range(0), range(1));
     let extent = (x[1] - x[0]).max(y[1] - y[0]);
     if extent.is_nan() || extent <= 0.0 {
-        return [0.0; 2];
+        return ([0; 2], 0.0);
     }
     let place = |at: f64, low: f64| (0.5 * at - low) / extent * (resolution - 2) as f64 + SHIFT;
     let mut coverage = Coverage::new(resolution);
@@ -39,8 +46,7 @@ pub fn coverage(uv: &[[[f64; 2]; 3]], resolution: usize) -> [f64; 2] {
         coverage.add(corners.map(|[u, v]| [place(u, x[0]), place(v, y[0])]));
     }
     // Half of the extent is computed with, lest it overflow.
-    let step = 2.0 * extent / (resolution - 2) as f64;
-    coverage.points().map(|points| points as f64 * step * step)
+    (coverage.points(), 2.0 * extent / (resolution - 2) as f64)
 }
 
 /// Maps start off the grid by an odd fraction, so that the sides of regular ones do not run through its points.
