@@ -883,6 +883,10 @@ fn what_polygons_lie_over_is_told_as_it_is_measured() {
     let ends = [(0..20).rev().collect(), (20..40).collect()];
     let model = Model::from_polygons((0..40).map(at).collect(), ends.into_iter().chain(sides)).unwrap();
     let options = Options { quantize: Some(Symmetry::Sixfold), ..Options::default() };
+    let is_told = |note: &Note| matches!(note, Note::Overlap { .. });
+    let free = Analysis::new(&model).unwrap().atlas(&options).unwrap();
+    assert!(!free.notes.iter().any(is_told), "polygons that lie over themselves are islands");
+    let options = Options { islands: Islands::Single, ..options };
     let atlas = Analysis::new(&model).unwrap().atlas(&options).unwrap();
     let told = atlas.notes.iter().find_map(|note| match note {
         Note::Overlap { share, pairs, .. } => Some((*share, *pairs)),
