@@ -12,7 +12,7 @@ use super::Analysis;
 use super::atlas::Atlas;
 use super::choosing::TARGET_DISTORTION;
 use super::component::Component;
-use super::note::{Failure, Note};
+use super::note::Note;
 use super::options::{ConeChoice, Options, Refining};
 use super::sizing::Sizing;
 use crate::error::Error;
@@ -132,14 +132,6 @@ impl Analysis {
         let uv: Vec<[[f64; 2]; 3]> = corners().map(|t| t.map(|c| atlas.uv[c as usize])).collect();
         geom::distortion::measure(self.points(), &vertices, &uv).ok()
     }
-}
-
-/// Whether for the cones that were chosen no metric was found somewhere.
-pub(super) fn lacks_metric(atlas: &Atlas) -> bool {
-    let is_lacking = |note: &Note| {
-        matches!(note, Note::OtherNumber { cause: Failure::Metric, .. } | Note::Unfolded { cause: Failure::Metric, .. })
-    };
-    atlas.notes.iter().any(is_lacking)
 }
 
 /// The area distortion D and the mean of σ₁/σ₂.

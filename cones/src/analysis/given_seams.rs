@@ -7,7 +7,7 @@
 
 use std::collections::HashSet;
 
-use geom::{EdgeData, EdgeId, HalfedgeId, OpenedIsland, VertexData, open_islands};
+use geom::{EdgeData, OpenedIsland, VertexData, open_islands};
 
 use super::Analysis;
 use super::atlas::Atlas;
@@ -59,9 +59,8 @@ impl Analysis {
         let mut atlas = cut.put_back(of_charts)?;
         atlas.recipe.charts = true;
         for (component, chains) in self.components().iter().zip(&chains) {
-            let mismatch = mismatch(component, chains, &atlas.uv);
-            let figures =
-                SeamFigures { mismatch, ..SeamFigures::of_chains(&component.surface, &component.metric, chains) };
+            let Component { surface, metric, .. } = &**component;
+            let figures = SeamFigures::of_mapped_chains(surface, metric, chains, &atlas.uv);
             atlas.freed += usize::from(figures.mean_mismatch() > RIGID_SEAMS);
             atlas.seam_figures += figures;
         }
@@ -119,29 +118,11 @@ impl Charts {
     }
 }
 
-/// By how much the two sides of chains differ in a map, in the model's units; see [`SeamFigures::mismatch`].
-fn mismatch(component: &Component, chains: &[Chain], uv: &[[f64; 2]]) -> f64 {
-    let Component { surface, metric, .. } = component;
-    let mesh = &surface.mesh;
-    let at = |h: HalfedgeId| uv[surface.corner[h] as usize];
-    let length = |h: HalfedgeId| {
-        let ([a, b], [c, d]) = (at(h), at(mesh.next(h)));
-        (c - a).hypot(d - b)
-    };
-    let of_edge = |&e: &EdgeId| {
-        let h = mesh.halfedge(e);
-        let sides = [length(h), length(mesh.twin(h)?)];
-        let mean = 0.5 * (sides[0] + sides[1]);
-        (mean > 0.0).then(|| metric.length(e) * (sides[0] - sides[1]).abs() / mean)
-    };
-    chains.iter().flat_map(|chain| &chain.edges).filter_map(of_edge).sum::<f64>() / surface.scale
-}
-
 #[cfg(test)]
 mod tests {
     use std::collections::HashSet;
 
-    use geom::{Id, Model, shapes};
+    use geom::{EdgeId, Id, Model, shapes};
 
     use super::*;
     use crate::cut::Symmetry;

@@ -184,11 +184,12 @@ impl Analysis {
         }
         let (analysis, mut atlas) = Self::unwrapped_watched(model, options, Arc::clone(&observer))?;
         let is_apart = analysis.repairs().iter().any(|repair| repair.kind == RepairKind::Unwelded);
-        if !may_be_welded || options.cones.is_given() || !is_apart || !finer::lacks_metric(&atlas) {
+        let lacks_metric = |atlas: &Atlas| atlas.notes.iter().any(Note::lacks_metric);
+        if !may_be_welded || options.cones.is_given() || !is_apart || !lacks_metric(&atlas) {
             return Ok((analysis, atlas));
         }
         match Self::unwrapped_watched(model, &welded, observer) {
-            Ok((other, mut map)) if !finer::lacks_metric(&map) => {
+            Ok((other, mut map)) if !lacks_metric(&map) => {
                 [analysis.times(), atlas.times].into_iter().for_each(|times| map.times += times);
                 map.recipe.welded = true;
                 Ok((other, map))

@@ -246,6 +246,11 @@ impl Note {
         }
     }
 
+    /// Whether no metric was found for the cones that were chosen on a component.
+    pub fn lacks_metric(&self) -> bool {
+        matches!(self, Self::OtherNumber { cause: Failure::Metric, .. } | Self::Unfolded { cause: Failure::Metric, .. })
+    }
+
     /// The same of another component, given its vertex for each one of this component.
     pub(crate) fn said_of(mut self, other: usize, vertex: impl Fn(u32) -> u32) -> Self {
         if let Some(component) = self.component_mut() {

@@ -36,8 +36,24 @@ impl SeamFigures {
 
     /// The same with what is to be said of the sides that seams have in a layout. O(edges).
     pub(crate) fn laid_out(surface: &Surface, metric: &Metric, seams: &Seams, layout: &Layout) -> Self {
-        let mismatch = mismatch(&surface.mesh, metric, seams, layout) / surface.scale;
+        let mesh = &surface.mesh;
+        let length = |h: HalfedgeId| (layout.corner(mesh.next(h)) - layout.corner(h)).norm();
+        let cut = mesh.edges().filter(|&e| seams.cut[e]);
+        let mismatch = mismatch(mesh, metric, cut, length) / surface.scale;
         Self { mismatch, ..Self::new(surface, metric, seams) }
+    }
+
+    /// Of chains, with what is to be said of their sides in a map that has a position for each of the model's corners. O(edges).
+    pub(crate) fn of_mapped_chains(surface: &Surface, metric: &Metric, chains: &[Chain], uv: &[[f64; 2]]) -> Self {
+        let mesh = &surface.mesh;
+        let at = |h: HalfedgeId| uv[surface.corner[h] as usize];
+        let length = |h: HalfedgeId| {
+            let ([a, b], [c, d]) = (at(h), at(mesh.next(h)));
+            (c - a).hypot(d - b)
+        };
+        let edges = chains.iter().flat_map(|chain| chain.edges.iter().copied());
+        let mismatch = mismatch(mesh, metric, edges, length) / surface.scale;
+        Self { mismatch, ..Self::of_chains(surface, metric, chains) }
     }
 
     /// Of chains. O(edges).
@@ -78,16 +94,20 @@ impl std::ops::AddAssign for SeamFigures {
     }
 }
 
-/// By how much the two sides of seams differ in length, weighted by the length in space.
-fn mismatch(mesh: &Mesh, metric: &Metric, seams: &Seams, layout: &Layout) -> f64 {
-    let length = |h: HalfedgeId| (layout.corner(mesh.next(h)) - layout.corner(h)).norm();
+/// By how much the two sides of edges differ in the length that each has, weighted by the length in space.
+fn mismatch(
+    mesh: &Mesh,
+    metric: &Metric,
+    edges: impl Iterator<Item = EdgeId>,
+    length: impl Fn(HalfedgeId) -> f64,
+) -> f64 {
     let of_edge = |e: EdgeId| {
         let h = mesh.halfedge(e);
         let sides = [length(h), length(mesh.twin(h)?)];
         let sum = sides[0] + sides[1];
         (sum > 0.0).then(|| metric.length(e) * (sides[0] - sides[1]).abs() / (0.5 * sum))
     };
-    mesh.edges().filter(|&e| seams.cut[e]).filter_map(of_edge).sum()
+    edges.filter_map(of_edge).sum()
 }
 
 /// By how much a chain turns between its ends.

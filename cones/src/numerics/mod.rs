@@ -4,6 +4,7 @@ pub(crate) mod dense;
 pub(crate) mod lattice;
 pub(crate) mod lbfgs;
 pub(crate) mod quadratic_program;
+pub(crate) mod random;
 
 /// a · b, in eight sums that do not wait for each other.
 pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {

@@ -17,6 +17,7 @@ use super::separation::Separation;
 use super::swap_table::SwapTable;
 use crate::curvature::{COMFORTABLE_CORNER, COMFORTABLE_CURVATURE, LEAST_SHARPENED};
 use crate::numerics::quadratic_program::Held;
+use crate::numerics::random::Random;
 
 /// Rounds end when the energy falls by less than this share.
 const LEAST_GAIN: f64 = 0.003;
@@ -148,11 +149,16 @@ fn drawn(model: &mut EnergyModel, count: usize) -> Vec<ConeSet> {
         return Vec::new();
     }
     let spread = model.spread(most);
+    if spread.len() <= count {
+        return Vec::new();
+    }
     model.add(&spread);
-    let mut dice = Dice(0);
+    let mut random = Random(0);
     let mut ends: Vec<ConeSet> = Vec::new();
     for _ in 0..DRAWS {
-        let drawn = dice.draw(&spread, count);
+        let mut left = spread.clone();
+        let mut draw = || left.swap_remove(random.below(left.len() as u64) as usize);
+        let drawn: Vec<VertexId> = (0..count).map(|_| draw()).collect();
         let end = exchange(model, model.fit(&drawn));
         if !ends.iter().any(|other| other.cones.iter().all(|cone| end.cones.contains(cone))) {
             ends.push(end);
@@ -161,24 +167,6 @@ fn drawn(model: &mut EnergyModel, count: usize) -> Vec<ConeSet> {
     ends.sort_by(|a, b| (a.shortfall, a.energy).partial_cmp(&(b.shortfall, b.energy)).unwrap_or(Ordering::Equal));
     ends.truncate(DRAWS_KEPT);
     ends
-}
-
-/// Numbers that look random, by Steele, Lea & Flood (Steele, Lea & Flood 2014).
-struct Dice(u64);
-
-impl Dice {
-    fn roll(&mut self, sides: usize) -> usize {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) % sides as u64) as usize
-    }
-
-    /// So many different ones of some vertices.
-    fn draw(&mut self, from: &[VertexId], count: usize) -> Vec<VertexId> {
-        let mut left = from.to_vec();
-        (0..count.min(from.len())).map(|_| left.swap_remove(self.roll(left.len()))).collect()
-    }
 }
 
 /// Cones one by one, the set improved after each.

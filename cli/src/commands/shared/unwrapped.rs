@@ -10,7 +10,7 @@ use crate::render::{Mark, Paint, Scene};
 use crate::report::{Times, UnwrapReport};
 use clap::ValueEnum;
 use cones::report::{MeasuredAtlas, UvSize};
-use cones::{Analysis, Failure, Handles, Islands, MOST_NEEDLES, Note, Options, RefinedModel};
+use cones::{Analysis, Handles, Islands, MOST_NEEDLES, Note, Options, RefinedModel};
 use geom::io::{refine_obj, triangulated};
 use geom::{Model, refine_attributes};
 use std::path::Path;
@@ -56,11 +56,6 @@ pub(crate) struct Unwrapped {
     pub(crate) map: MeasuredAtlas,
     /// The seconds that measuring it took.
     measuring: f64,
-}
-
-/// Whether a note says that no metric was found.
-fn lacks_metric(note: &Note) -> bool {
-    matches!(note, Note::OtherNumber { cause: Failure::Metric, .. } | Note::Unfolded { cause: Failure::Metric, .. })
 }
 
 impl Unwrapped {
@@ -175,7 +170,7 @@ impl Unwrapped {
         if self.analysis.refined().is_some() || is_tried {
             return None;
         }
-        if notes.iter().any(lacks_metric) {
+        if notes.iter().any(Note::lacks_metric) {
             return Some(
                 "where no flat metric is found on the triangles as they are, --refine may find one".to_owned(),
             );
