@@ -16,7 +16,6 @@ use super::cells::{Cells, Known, QUARTER, SeamRoom};
 use super::divide::SLIVER;
 use super::map::UvMap;
 use super::motion::Motion;
-use crate::numerics::random::Random;
 
 /// So many steps are made for each cell,
 const STEPS_A_CELL: usize = 60;
@@ -461,6 +460,26 @@ impl<C: Fn(Figures) -> f64> Search<'_, C> {
         arcs.sort_unstable_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
         arcs.iter().for_each(|&(_, k)| forest.glue(self.cells, k, &mut self.memory));
         self.memory.arcs = arcs;
+    }
+}
+
+/// Numbers that look random (`SplitMix64`; Steele, Lea & Flood 2014), the same in each run.
+struct Random(u64);
+
+impl Random {
+    fn bits(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        z ^ (z >> 31)
+    }
+
+    fn below(&mut self, count: u64) -> u64 {
+        self.bits() % count
+    }
+
+    fn unit(&mut self) -> f64 {
+        (self.bits() >> 11) as f64 / (1_u64 << 53) as f64
     }
 }
 
