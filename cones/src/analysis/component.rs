@@ -5,7 +5,7 @@
 
 use std::sync::{Arc, OnceLock};
 
-use geom::{FaceId, HalfedgeId, Id, Metric, PoissonError, Surface, VertexData, VertexId, Watch};
+use geom::{EdgeData, EdgeId, FaceId, HalfedgeId, Id, Metric, PoissonError, Surface, VertexData, VertexId, Watch};
 use topo::{Extremum, Kind};
 
 use super::cones::{Cone, Configuration};
@@ -56,6 +56,8 @@ pub(crate) struct Component {
     pub(crate) way: Option<Way>,
     /// The handles that were opened.
     pub(crate) handles: OpenedHandles,
+    /// Whether each edge is of a loop that handles are to be opened along, where that is known.
+    loops: Option<Arc<EdgeData<bool>>>,
     /// The edge lengths in space, mollified where they have to be.
     pub(crate) metric: Metric,
     /// The area in the model's units.
@@ -76,7 +78,7 @@ impl Component {
     /// What is found once of a surface.
     pub(super) fn new(index: usize, ready: Ready, making: Making, task: &Task) -> Result<Self, Error> {
         let Making { preparation, is_finest, is_searched, is_asked_once, .. } = making;
-        let Ready { surface, mut metric, way, handles, shape } = ready;
+        let Ready { surface, mut metric, way, handles, loops, shape } = ready;
         let area = metric.area(&surface.mesh) / surface.scale / surface.scale;
         let mut notes = Vec::new();
         let mut times = Times::default();
@@ -112,6 +114,7 @@ impl Component {
             surface,
             way,
             handles,
+            loops,
             metric,
             area,
             operators: Arc::new(operators),
@@ -127,13 +130,14 @@ impl Component {
     }
 
     /// What is found of another surface of the same shape, made ready in the same way.
-    pub(super) fn of_instance(&self, index: usize, Ready { surface, way, handles, shape, .. }: Ready) -> Self {
+    pub(super) fn of_instance(&self, index: usize, Ready { surface, way, handles, loops, shape, .. }: Ready) -> Self {
         let mut instance = Self {
             index,
             shape,
             surface,
             way,
             handles,
+            loops,
             metric: self.metric.clone(),
             area: self.area,
             operators: Arc::clone(&self.operators),
@@ -161,12 +165,13 @@ impl Component {
 
     /// The surface as it was made ready.
     pub(crate) fn ready(&self) -> Ready {
-        let Self { surface, metric, way, shape, .. } = self;
+        let Self { surface, metric, way, loops, shape, .. } = self;
         Ready {
             surface: surface.clone(),
             metric: metric.clone(),
             way: way.clone(),
             handles: OpenedHandles::default(),
+            loops: loops.clone(),
             shape: *shape,
         }
     }
@@ -408,6 +413,14 @@ impl Component {
             along.push(of_model(ends[1]));
         }
         along
+    }
+
+    /// The vertices of the model inside an edge, in order from one of its ends.
+    pub(super) fn inside(&self, e: EdgeId, from: u32) -> Vec<u32> {
+        let mesh = &self.surface.mesh;
+        let [a, b] = mesh.ends(e);
+        let from = if self.surface.vertex[a] == from { a } else { b };
+        self.way.as_ref().map_or(Vec::new(), |way| way.inside(mesh, e, from))
     }
 
     /// The model's triangles that a triangle is.

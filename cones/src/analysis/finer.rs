@@ -21,7 +21,7 @@ use crate::placement::{MOST_OPTIMISED, corners};
 /// A map that bends angles by more than this on average is made once more: the mean of σ₁/σ₂,
 pub(super) const BENT: f64 = 1.06;
 /// where what it is computed on has no more vertices than this.
-const MOST_VERTICES: usize = 50_000;
+pub(super) const MOST_VERTICES: usize = 50_000;
 
 /// What an area distortion below the target counts for, as a share of what it would above.
 const BELOW_TARGET: f64 = 0.25;
@@ -71,7 +71,7 @@ impl Analysis {
         self,
         atlas: Atlas,
         options: &Options,
-        made: impl Fn(Option<&Sizing>) -> Result<Self, Error>,
+        made: impl Fn(Option<Arc<Sizing>>) -> Result<Self, Error>,
     ) -> Result<(Self, Atlas), Error> {
         let mut taken = (self, atlas);
         if taken.0.refined().is_none() && options.preparation.refine == Refining::Needles {
@@ -79,7 +79,7 @@ impl Analysis {
         }
         if taken.0.refined().is_some_and(|refined| refined.is_complete) {
             taken = taken.0.or_other(taken.1, options, |analysis, atlas, measured| {
-                Sizing::of(analysis, atlas, measured).map(|sizing| made(Some(&sizing))).transpose()
+                Sizing::of(analysis, atlas, measured).map(|sizing| made(Some(Arc::new(sizing)))).transpose()
             })?;
         }
         Ok(taken)
@@ -135,13 +135,13 @@ impl Analysis {
 }
 
 /// The area distortion D and the mean of σ₁/σ₂.
-struct Distortion {
-    areas: f64,
-    angles: f64,
+pub(super) struct Distortion {
+    pub(super) areas: f64,
+    pub(super) angles: f64,
 }
 
 impl Distortion {
-    fn of(measured: &geom::distortion::Distortion) -> Self {
+    pub(super) fn of(measured: &geom::distortion::Distortion) -> Self {
         Self { areas: measured.area.mean, angles: measured.quasi_conformal.mean }
     }
 

@@ -13,12 +13,18 @@ use super::refined::{OpenedHandles, Ready};
 use crate::field;
 use crate::flatten::{Chain, seam_lengths};
 
-/// Opens the handles of a surface. Halfedges and triangles keep their numbers.
+/// What an edge of a loop that is known counts for, as a share of its length: no other loop is as short then.
+const KNOWN: f64 = 1e-4;
+
+/// Opens the handles of a surface, along loops that are known where some are. Halfedges and triangles keep their numbers.
 ///
 /// # Errors
 /// If it is stopped.
 pub(crate) fn open_handles(ready: Ready, watch: Watch) -> Result<Ready, Interrupted> {
-    let lengths = seam_lengths(&ready.surface, &ready.metric);
+    let mut lengths = seam_lengths(&ready.surface, &ready.metric);
+    if let Some(loops) = &ready.loops {
+        lengths.iter_mut().zip(loops.iter()).filter(|(_, is_known)| **is_known).for_each(|(length, _)| *length *= KNOWN);
+    }
     let Some((island, of_vertex)) = field::open_handles(&ready.surface.mesh, &lengths, watch)? else {
         return Ok(ready);
     };

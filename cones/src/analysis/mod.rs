@@ -36,6 +36,7 @@ mod refined;
 mod remade;
 mod reseaming;
 mod sizing;
+mod straightened;
 mod unwrap;
 
 use std::collections::{HashMap, HashSet};
@@ -66,7 +67,7 @@ use component::{Component, Making};
 use handles::open_handles;
 use observer::{Silent, Task};
 use preview::PreviewOrder;
-use refined::{Ready, SizeAt, is_asked_for, refine_all};
+use refined::{HowRefined, Ready, SizeAt, StraightPaths, is_asked_for, refine_all};
 use sizing::Sizing;
 
 /// A model with all that is found of it once; see the [crate's documentation](crate). Clones share it.
@@ -106,6 +107,8 @@ struct Found {
     /// Shared with the analyses of the same model with handles opened, as far as these leave them as they are.
     components: Vec<Arc<Component>>,
     making: Making,
+    /// How large triangles may be where, if the surfaces were refined by that.
+    sizing: Option<Arc<Sizing>>,
     /// The same model with its handles opened, once that was asked for; none where no handle can be opened.
     opened: OnceLock<Option<Arc<Self>>>,
     /// Orders for previews, of one block and of two, found when they are first asked for.
@@ -154,7 +157,7 @@ impl Analysis {
             is_cut_as_given: false,
             is_asked_once: false,
         };
-        Self::made(model, making, (&HashSet::new(), None), Arc::new(observer))
+        Self::made(model, making, (&HashSet::new(), None, &[]), Arc::new(observer))
     }
 
     /// Analyses a model and unwraps it, while an observer listens: the same as [`observed`](Self::observed) and
@@ -222,7 +225,7 @@ impl Analysis {
                 is_asked_once: true,
             }
         };
-        let of_size = |making, sizing: Option<&Sizing>| Self::made(model, making, (&named, sizing), observer.clone());
+        let of_size = |making, sizing| Self::made(model, making, (&named, sizing, &[]), observer.clone());
         let made = |preparation| of_size(making(preparation, false, false), None);
         let as_it_is = Preparation { refine: Refining::Never, ..options.preparation };
         let unrefined = Options { preparation: as_it_is, ..options.clone() };
@@ -262,10 +265,14 @@ impl Analysis {
                 Ok((analysis, atlas))
             }
             Ok(atlas) => {
-                let (analysis, mut atlas) = analysis.or_finer(atlas, options, |sizing| {
+                let (analysis, atlas) = analysis.or_finer(atlas, options, |sizing| {
                     of_size(making(options.preparation, true, sizing.is_some()), sizing)
                 })?;
-                if analysis.found.making.is_finest {
+                let (making, sizing) = (analysis.found.making, analysis.found.sizing.clone());
+                let (analysis, mut atlas) = analysis.or_straight(atlas, options, |paths| {
+                    Self::made(model, making, (&named, sizing, &paths), observer.clone())
+                })?;
+                if analysis.found.making.is_finest || atlas.recipe.is_straight {
                     atlas.recipe.refined_for = Some(Box::new(options.cones.clone()));
                 }
                 Ok((analysis, atlas))
@@ -279,7 +286,7 @@ impl Analysis {
     fn made(
         model: &Model,
         making: Making,
-        (held, sizing): (&HashSet<[u32; 2]>, Option<&Sizing>),
+        (held, sizing, straight): (&HashSet<[u32; 2]>, Option<Arc<Sizing>>, &[StraightPaths]),
         observer: Arc<dyn Observer>,
     ) -> Result<Self, Error> {
         let preparation = making.preparation;
@@ -295,8 +302,9 @@ impl Analysis {
         let task = Task::new(&observer, prepared.surfaces.len());
         let is_refined = making.is_bent || is_asked_for(preparation.refine, &prepared.surfaces, &shapes);
         let (ready, refined, triangles, left_out) = if is_refined {
-            let size_at = sizing.map(|sizing| |part, place| sizing.at(part, place));
-            let refining = (preparation.refine, size_at.as_ref().map(|at| at as SizeAt), held);
+            let size_at = sizing.as_ref().map(|sizing| |part, place| sizing.at(part, place));
+            let size_at = size_at.as_ref().map(|at| at as SizeAt);
+            let refining = HowRefined { refining: preparation.refine, size_at, names_held: held, straight };
             let (ready, refined, triangles, left_out) =
                 refine_all(model, (prepared, &shapes), refining, &task, &mut times)?;
             (ready, Some(Arc::new(refined)), triangles, left_out)
@@ -321,6 +329,7 @@ impl Analysis {
             topology,
             components,
             making,
+            sizing,
             opened: OnceLock::new(),
             previews: Default::default(),
             notes,
@@ -552,6 +561,7 @@ impl Found {
             notes: notes_of(&components),
             components,
             making,
+            sizing: self.sizing.clone(),
             opened: OnceLock::new(),
             previews: Default::default(),
             times,

@@ -100,6 +100,10 @@ pub struct RefinedModel {
     named: HashSet<[u32; 2]>,
     /// The edges that those of them that there are are in.
     parts: Parts,
+    /// The edges of seams that were made straight, but loops that handles are opened along: by the ends of intrinsic edges.
+    straight: Vec<[u32; 2]>,
+    /// See [`now`](Self::now).
+    removed: Vec<Vec<VertexId>>,
 }
 
 /// Edges in parts, all by their vertices, which the names of whole ones have in ascending order.
@@ -109,6 +113,17 @@ impl RefinedModel {
     /// The edges that an edge of the model that was given is in, if it was held.
     pub(crate) fn parts(&self, ends: [u32; 2]) -> Option<&[[u32; 2]]> {
         self.parts.get(&ascending(ends)).map(Vec::as_slice)
+    }
+
+    /// The vertex of a surface that a vertex of it is which was there before seams were made straight; none where it was too near to one.
+    pub(crate) fn now(&self, part: usize, v: VertexId) -> Option<VertexId> {
+        let removed = &self.removed[part];
+        removed.binary_search(&v).err().map(|before| VertexId::new(v.index() - before))
+    }
+
+    /// The edges that seams were made straight along, but loops that handles are opened along.
+    pub(crate) fn straight(&self) -> &[[u32; 2]] {
+        &self.straight
     }
 
     /// Whether an edge was to be held.
@@ -225,13 +240,15 @@ pub(crate) struct Ready {
     pub(crate) way: Option<Way>,
     /// The handles that were opened.
     pub(crate) handles: OpenedHandles,
+    /// Whether each edge is of a loop that handles are to be opened along, where that is known.
+    pub(crate) loops: Option<Arc<EdgeData<bool>>>,
     /// The number of the first surface that is of the same shape, and was made ready in the same way.
     pub(crate) shape: usize,
 }
 
 impl Ready {
     pub(crate) fn as_it_is(surface: Surface, shape: usize) -> Self {
-        Self { metric: surface.metric(), surface, way: None, handles: OpenedHandles::default(), shape }
+        Self { metric: surface.metric(), surface, way: None, handles: OpenedHandles::default(), loops: None, shape }
     }
 
     /// An island of it, opened along some of its edges, in the same units.
@@ -251,7 +268,7 @@ impl Ready {
             mesh,
         };
         let lengths = edge_before.iter().map(|&e| self.metric.length(e)).collect();
-        Self { metric: Metric::new(lengths), surface, way, handles: OpenedHandles::default(), shape }
+        Self { metric: Metric::new(lengths), surface, way, handles: OpenedHandles::default(), loops: None, shape }
     }
 
     /// The same, the longest side of its box 1.
@@ -309,15 +326,35 @@ fn own_points(model: &Model, surface: &Surface) -> Vec<[f64; 3]> {
     surface.vertex.iter().map(place).collect()
 }
 
-/// Refines the surfaces of a model to triangles of a size ([`LARGEST`], and less where `size_at` says so), but none that is flat where needles alone ask for it or where it is small; what was prepared becomes that of the refined
-/// model. Edges that `names_held` has, by their vertices in ascending order, stay edges.
+/// How surfaces are to be refined.
+#[derive(Clone, Copy)]
+pub(crate) struct HowRefined<'a> {
+    pub(crate) refining: Refining,
+    /// How large triangles may be at most, besides [`LARGEST`].
+    pub(crate) size_at: Option<SizeAt<'a>>,
+    /// Edges that stay edges, by their vertices in ascending order.
+    pub(crate) names_held: &'a HashSet<[u32; 2]>,
+    /// What is made straight on each surface, if anything is.
+    pub(crate) straight: &'a [StraightPaths],
+}
+
+/// Paths along edges of a refined surface that are to be straight.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct StraightPaths {
+    pub(crate) paths: Vec<Vec<HalfedgeId>>,
+    /// Whether each is of a loop that a handle is opened along.
+    pub(crate) is_loop: Vec<bool>,
+}
+
+/// Refines the surfaces of a model, but none that is flat where needles alone ask for it or where it is small; what was prepared becomes that of the refined
+/// model.
 ///
 /// # Errors
 /// If the refined model is too large, or the watch has said stop.
 pub(crate) fn refine_all(
     model: &Model,
     (prepared, shapes): (Prepared, &[usize]),
-    (refining, size_at, names_held): (Refining, Option<SizeAt>, &HashSet<[u32; 2]>),
+    HowRefined { refining, size_at, names_held, straight }: HowRefined,
     task: &Task,
     times: &mut Times,
 ) -> Result<(Vec<Ready>, RefinedModel, Triangles, Vec<u32>), Error> {
@@ -341,7 +378,9 @@ pub(crate) fn refine_all(
             let planar: Vec<_> = surfaces.par_iter().enumerate().with_max_len(1).map(planar).collect();
             let held = surfaces.iter().map(|surface| named_edges(surface, model.corners(), names_held));
             let held: Vec<EdgeData<bool>> = held.collect();
-            let is_alike = |k: usize, shape: usize| planar[k] == planar[shape] && held[k] == held[shape];
+            let is_alike = |k: usize, shape: usize| {
+                planar[k] == planar[shape] && held[k] == held[shape] && straight.get(k) == straight.get(shape)
+            };
             let alike = |(k, &shape): (usize, &usize)| if is_alike(k, shape) { shape } else { k };
             let shapes: Vec<usize> = shapes.iter().enumerate().map(alike).collect();
             // In the model's units.
@@ -357,7 +396,8 @@ pub(crate) fn refine_all(
                 let larger = lacks.powf(LARGER);
                 let largest = larger * LARGEST * metric.area(&surface.mesh).sqrt();
                 let small = if surface.mesh.vertex_count() > MANY_VERTICES { SMALL * largest } else { 0.0 };
-                let roles = EdgeRoles { left_out: Some(&planar[k]), held: Some(&held[k]) };
+                let straight = straight.get(k).map_or(&[][..], |straight| &straight.paths);
+                let roles = EdgeRoles { left_out: Some(&planar[k]), held: Some(&held[k]), straight };
                 let size_at = size_at.map(|size_at| {
                     let points: Vec<_> = surface.vertex.iter().map(|&v| model.points()[v as usize]).collect();
                     move |place: SurfacePoint| surface.scale * size_at(k, place.position(&surface.mesh, &points))
@@ -383,7 +423,9 @@ pub(crate) fn refine_all(
         let mut ready: Vec<Ready> = Vec::with_capacity(surfaces.len());
         let mut instances = vec![0; surfaces.len()];
         shapes.iter().for_each(|&shape| instances[shape] += 1);
-        for ((surface, &shape), held) in surfaces.into_iter().zip(&shapes).zip(&held) {
+        let no_paths = StraightPaths::default();
+        for (k, ((surface, &shape), held)) in surfaces.into_iter().zip(&shapes).zip(&held).enumerate() {
+            let held = (held, straight.get(k).unwrap_or(&no_paths));
             instances[shape] -= 1;
             let refinement = &mut refined[shape];
             ready.push(match if instances[shape] == 0 { refinement.take() } else { refinement.clone() } {
@@ -399,14 +441,14 @@ pub(crate) fn refine_all(
         ready.iter_mut().for_each(|ready| ready.renumber(&number));
         watch.ask(0.8)?;
         let left_out = number[kept..].to_vec();
-        let Growing { points, added, triangles: pieces, part_of, parts } = growing;
+        let Growing { points, added, triangles: pieces, part_of, parts, straight, removed } = growing;
         let face = part_of.iter().map(|&t| triangles.face_of[t as usize]).collect();
         let model = Model::from_triangles(points, &pieces).map_err(Error::Refined)?;
         watch.ask(0.9)?;
         let triangles = model.triangles();
         Ok((
             ready,
-            RefinedModel { model, face, added, is_complete, named: names_held.clone(), parts },
+            RefinedModel { model, face, added, is_complete, named: names_held.clone(), parts, straight, removed },
             triangles,
             left_out,
         ))
@@ -424,6 +466,10 @@ struct Growing {
     part_of: Vec<u32>,
     /// The edges that those that were held are in.
     parts: Parts,
+    /// The edges of paths that were made straight, but loops.
+    straight: Vec<[u32; 2]>,
+    /// See [`RefinedModel::now`].
+    removed: Vec<Vec<VertexId>>,
 }
 
 impl Growing {
@@ -470,6 +516,7 @@ impl Growing {
 
     /// Adds a surface that is not refined.
     fn add_as_it_is(&mut self, model: &Model, triangles: &Triangles, (mut surface, shape): (Surface, usize)) -> Ready {
+        self.removed.push(Vec::new());
         let first = self.triangles.len() as u32;
         for (number, t) in (first..).zip(surface.triangle.iter_mut()) {
             let corners = triangles.corners[*t as usize];
@@ -492,10 +539,11 @@ impl Growing {
         &mut self,
         (model, triangles): (&Model, &Triangles),
         (surface, shape): (Surface, usize),
-        held: &EdgeData<bool>,
+        (held, straight): (&EdgeData<bool>, &StraightPaths),
         refinement: Refinement,
     ) -> Ready {
-        let Refinement { triangulation, metric, common, along, .. } = refinement;
+        let Refinement { triangulation, metric, common, along, path, removed, .. } = refinement;
+        self.removed.push(removed);
         let input = &surface.mesh;
         let corner = |h: HalfedgeId| model.corners()[surface.corner[h] as usize];
         let positions: Vec<[f64; 3]> = surface.vertex.iter().map(|&v| model.points()[v as usize]).collect();
@@ -516,6 +564,11 @@ impl Growing {
                     parts.push(part);
                 }
             }
+        }
+        let is_loop = |path: &Option<u32>| path.is_some_and(|path| straight.is_loop[path as usize]);
+        let loops = straight.is_loop.contains(&true).then(|| Arc::new(path.iter().map(is_loop).collect()));
+        for (e, _) in path.iter_ids().filter(|(_, path)| path.is_some() && !is_loop(path)) {
+            self.straight.push(triangulation.ends(e).map(|v| vertex[v.index()]));
         }
         let first = self.triangles.len() as u32;
         let triangle = (first..first + common.triangles.len() as u32).collect();
@@ -551,7 +604,7 @@ impl Growing {
             mesh,
         };
         let way = Some(Way { whole: Arc::new(whole), before: None });
-        Ready { surface, metric, way, handles: OpenedHandles::default(), shape }
+        Ready { surface, metric, way, handles: OpenedHandles::default(), loops, shape }
     }
 }
 

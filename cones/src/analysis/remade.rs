@@ -9,6 +9,8 @@ use super::atlas::Atlas;
 use super::component::{Component, OnSurface};
 use super::cones::Configuration;
 use super::options::{GivenCone, Handles, Options, Recipe};
+use super::refined::RefinedModel;
+use crate::cut::SeamOptions;
 use crate::error::Error;
 
 impl Recipe {
@@ -127,6 +129,9 @@ impl Analysis {
             let vertices = recipe.vertices.unwrap_or_default();
             return Err(Error::OtherModel { vertices, count: self.points().len() });
         }
+        let known = if recipe.is_straight { self.refined().map(RefinedModel::straight) } else { None };
+        let seams = known.map(|known| SeamOptions { kept: known.to_vec(), ..options.seams.clone() });
+        let options = &Options { seams: seams.unwrap_or_else(|| options.seams.clone()), ..options.clone() };
         match self.cut_at(&recipe.necks)? {
             None => self.opened_at(&recipe.opened)?.flattened_as_given(options),
             Some(cut_off) => {

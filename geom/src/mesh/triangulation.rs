@@ -287,6 +287,52 @@ impl Triangulation {
         self.edge_halfedge.push(a);
     }
 
+    /// Takes out a vertex that three different triangles are about, the tail of `h`, whose triangle becomes all three. The other two, the vertex and its
+    /// edges are of no use until they are [gone](Self::compact).
+    pub(crate) fn remove(&mut self, h: HalfedgeId) {
+        let second = self.twin(self.prev(h)).expect("it is inside");
+        let third = self.twin(self.prev(second)).expect("it is inside");
+        for (from, to) in [(self.next(second), self.prev(h)), (self.next(third), h)] {
+            let (twin, edge) = (self.twin[from.index()], self.edge[from.index()]);
+            self.tail[to.index()] = self.tail[from.index()];
+            (self.twin[to.index()], self.edge[to.index()]) = (twin, edge);
+            if twin != NONE {
+                self.twin[twin as usize] = to.0;
+            }
+            if self.edge_halfedge[edge.index()] == from {
+                self.edge_halfedge[edge.index()] = to;
+            }
+        }
+    }
+
+    /// Keeps these vertices, edges and triangles, in their order, under new numbers.
+    pub(crate) fn compact(
+        &mut self,
+        keeps_vertex: impl Fn(VertexId) -> bool,
+        keeps_edge: impl Fn(EdgeId) -> bool,
+        keeps_face: impl Fn(FaceId) -> bool,
+    ) {
+        let number = |keeps: &mut dyn Iterator<Item = bool>| -> Vec<u32> {
+            let counted = keeps.scan(0, |next, keeps| {
+                let number = *next;
+                *next += u32::from(keeps);
+                Some(number)
+            });
+            counted.collect()
+        };
+        let vertex = number(&mut self.vertices().map(&keeps_vertex));
+        let edge = number(&mut self.edges().map(&keeps_edge));
+        let face = number(&mut self.faces().map(&keeps_face));
+        let halfedge = |h: u32| if h == NONE { NONE } else { 3 * face[h as usize / 3] + h % 3 };
+        let kept: Vec<usize> = self.halfedges().filter(|&h| keeps_face(self.face(h))).map(HalfedgeId::index).collect();
+        let edges: Vec<EdgeId> = self.edges().filter(|&e| keeps_edge(e)).collect();
+        self.vertex_count = self.vertices().filter(|&v| keeps_vertex(v)).count();
+        self.tail = kept.iter().map(|&h| VertexId(vertex[self.tail[h].index()])).collect();
+        self.twin = kept.iter().map(|&h| halfedge(self.twin[h])).collect();
+        self.edge = kept.iter().map(|&h| EdgeId(edge[self.edge[h].index()])).collect();
+        self.edge_halfedge = edges.iter().map(|&e| HalfedgeId(halfedge(self.halfedge(e).0))).collect();
+    }
+
     /// Asserts every invariant of the connectivity.
     ///
     /// # Panics

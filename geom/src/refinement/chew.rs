@@ -1,5 +1,6 @@
 //! The loop: the bad triangle with the largest circumcircle gets a vertex at its circumcentre, until there is none.
 
+use std::borrow::Cow;
 use std::cmp::Ordering;
 use std::collections::{BinaryHeap, HashMap, HashSet, VecDeque};
 use std::f64::consts::PI;
@@ -8,6 +9,7 @@ use super::SurfacePoint;
 use super::common::CommonRefinement;
 use super::overlay::Overlay;
 use super::plane::{Point, minus, wedge};
+use super::straight::{Dead, Straight, retain};
 use crate::intrinsic::{Metric, Sides};
 use crate::mesh::{EdgeData, EdgeId, FaceId, HalfedgeId, Id, Triangulation, VertexData, VertexId};
 use crate::watch::{Interrupted, Watch, unwatched};
@@ -50,6 +52,10 @@ pub struct Refinement {
     pub metric: Metric,
     /// Where each vertex is on the input.
     pub place: VertexData<SurfacePoint>,
+    /// The path that each edge is part of, of those that were [made straight](EdgeRoles::straight).
+    pub path: EdgeData<Option<u32>>,
+    /// The vertices that are missing for that: they would be too near to paths. All others keep their order.
+    pub removed: Vec<VertexId>,
     /// The input's halfedge that each edge is part of, as the halfedge that names it runs; none where it crosses the input's triangles.
     pub along: EdgeData<Option<HalfedgeId>>,
     /// What both triangulations cut the surface into.
@@ -94,6 +100,9 @@ pub struct EdgeRoles<'a> {
     /// These stay edges, if need be in several parts: nothing crosses them. Where two of them, or one and the boundary, are less than 60° apart,
     /// triangles between them may be as narrow.
     pub held: Option<&'a EdgeData<bool>>,
+    /// Paths along edges of the triangulation that there would be without them, which are made straight: geodesics between their ends, or as near to that as
+    /// comes without one touching another, itself or the boundary. They are held then. Those of one edge stay where they are. An end is to be inside no path.
+    pub straight: &'a [Vec<HalfedgeId>],
 }
 
 /// Refines a surface until its triangles are even, and no larger than they may be. At most 20 vertices are put in for each of the input's, and
@@ -122,28 +131,43 @@ pub fn refine_watched(
     input: &Triangulation,
     metric: &Metric,
     size: TriangleSize,
-    EdgeRoles { left_out, held }: EdgeRoles,
+    EdgeRoles { left_out, held, straight }: EdgeRoles,
     watch: Watch,
 ) -> Result<Refinement, Interrupted> {
-    let held = held.filter(|held| held.contains(&true));
     let mut chew = Chew::new((input, metric), held, size);
     watch.ask(0.05)?;
     chew.flip_all(watch.within(0.05, 0.2))?;
     watch.ask(0.2)?;
-    let is_complete = chew.run(MOST_PER_VERTEX * input.vertex_count() + SPARE, watch.within(0.2, 0.7))?;
+    let most = MOST_PER_VERTEX * input.vertex_count() + SPARE;
+    let mut is_complete = chew.run(most, watch.within(0.2, 0.5))?;
+    let (mut path_of, mut removed) = (None, Vec::new());
+    if !straight.is_empty() && is_complete {
+        let n0 = chew.overlay.triangulation.vertex_count();
+        let made = chew.straighten(straight, watch.within(0.5, 0.65))?;
+        eprintln!("REMOVED {}", made.1.len());
+        (path_of, removed) = (Some(made.0), made.1);
+        let c0 = chew.overlay.crossings;
+        let mins = chew.overlay.length.iter().copied().fold(f64::INFINITY, f64::min);
+        is_complete = chew.run(most, watch.within(0.65, 0.7))?;
+        let mins2 = chew.overlay.length.iter().copied().fold(f64::INFINITY, f64::min);
+        eprintln!("INTR {} input {} -> {} crossings {c0} {} min {mins:.2e} {mins2:.2e} narrow {} left {}", input.vertex_count(), n0, chew.overlay.triangulation.vertex_count(), chew.overlay.crossings, chew.sectors.narrow.len(), chew.overlay.input.vertex_count());
+    }
     let is_astray = chew.is_astray();
     let mut overlay = chew.overlay;
     let mut home = left_out.map(|edges| overlay.leave_out(edges));
     let is_astray = is_astray || overlay.crossings > MOST_LEFT_PER_VERTEX * input.vertex_count() + SPARE_CROSSINGS;
     if is_astray {
-        (overlay, home) = (Overlay::new(input, metric, held), None);
+        (overlay, home, path_of) = (Overlay::new(input, metric, held), None, None);
+        removed.clear();
     }
     let is_complete = is_complete && !is_astray;
     let common = CommonRefinement::new(input, &overlay, home.as_ref(), watch.within(0.7, 1.0))?;
     let along = overlay.along();
+    let path = |held: &Option<HalfedgeId>| path_of.as_ref().and_then(|path_of| path_of[overlay.begun.edge((*held)?)]);
+    let path = overlay.held.iter().map(path).collect();
     let Overlay { triangulation, length, place, .. } = overlay;
     let metric = Metric::new(length.into());
-    Ok(Refinement { triangulation, metric, place: place.into(), along, common, is_complete })
+    Ok(Refinement { triangulation, metric, place: place.into(), path, removed, along, common, is_complete })
 }
 
 /// A bad triangle, as it was when it was found.
@@ -179,12 +203,14 @@ enum Goal {
 
 struct Chew<'a> {
     overlay: Overlay<'a>,
-    /// The lengths of the input's edges.
-    metric: &'a Metric,
+    /// The lengths of the edges that those are part of which stay edges.
+    held_lengths: Cow<'a, [f64]>,
+    /// Where vertices were put on them: on which halfedge, and how far along.
+    on_held: HashMap<VertexId, (HalfedgeId, f64)>,
     size: TriangleSize<'a>,
     /// How large triangles may be at each vertex, if that is not everywhere the same.
     largest: Vec<f64>,
-    /// Whether angles at a vertex of the input are narrow: all round it, or those of a sector.
+    /// Whether angles at a vertex that was there when edges were held are narrow: all round it, or those of a sector.
     is_narrow: Vec<bool>,
     sectors: Sectors,
     bad: BinaryHeap<Bad>,
@@ -198,18 +224,78 @@ struct Chew<'a> {
 impl<'a> Chew<'a> {
     fn new(
         (input, metric): (&'a Triangulation, &'a Metric),
-        held: Option<&'a EdgeData<bool>>,
+        held: Option<&EdgeData<bool>>,
         size: TriangleSize<'a>,
     ) -> Self {
-        let mut is_narrow: Vec<bool> = metric.angle_sums(input).iter().map(|sum| *sum < NARROW).collect();
-        let sectors = held.map_or_else(Sectors::default, |held| Sectors::new(input, metric, held));
-        sectors.narrow.keys().for_each(|&first| is_narrow[input.tail(first).index()] = true);
-        let most_crossings = MOST_CROSSINGS_PER_VERTEX * input.vertex_count() + SPARE_CROSSINGS;
-        let overlay = Overlay::new(input, metric, held);
-        let (bad, largest) = (BinaryHeap::new(), Vec::new());
-        let mut chew = Self { overlay, metric, size, largest, is_narrow, sectors, bad, flips_left: 0, most_crossings };
+        let (sectors, is_narrow) = Sectors::new(input, metric, held);
+        let mut chew = Self {
+            overlay: Overlay::new(input, metric, held),
+            held_lengths: Cow::Borrowed(metric.lengths()),
+            on_held: HashMap::new(),
+            size,
+            largest: Vec::new(),
+            is_narrow,
+            sectors,
+            bad: BinaryHeap::new(),
+            flips_left: 0,
+            most_crossings: MOST_CROSSINGS_PER_VERTEX * input.vertex_count() + SPARE_CROSSINGS,
+        };
         chew.ask_for_sizes();
         chew
+    }
+
+    /// Makes paths of edges straight, and holds them besides what is held; the path that each edge is of, and the vertices that were taken away beside
+    /// paths.
+    fn straighten(
+        &mut self,
+        paths: &[Vec<HalfedgeId>],
+        watch: Watch,
+    ) -> Result<(EdgeData<Option<u32>>, Vec<VertexId>), Interrupted> {
+        let spacing = self.overlay.spacing();
+        let mut was_held: Vec<bool> = self.overlay.held.iter().map(Option::is_some).collect();
+        let mut straight = Straight::new(&mut self.overlay, paths);
+        straight.straighten(paths, watch.within(0.0, 0.5))?;
+        let mut path_of = straight.path_of;
+        self.hold(&path_of, &was_held);
+        self.flip_all(watch.within(0.5, 0.6))?;
+        self.overlay.snap(&mut path_of, &spacing);
+        self.hold(&path_of, &was_held);
+        self.flip_all(watch.within(0.6, 0.7))?;
+        let mut dead = Dead::default();
+        loop {
+            watch.ask(0.8)?;
+            let near = self.overlay.near_held(&spacing);
+            let mut is_done = true;
+            for (v, e) in near {
+                if let Some(sides) = self.overlay.remove(v, e, &mut dead) {
+                    is_done = false;
+                    self.flip(sides.to_vec(), watch.within(0.8, 0.9))?;
+                }
+            }
+            if is_done {
+                break;
+            }
+        }
+        let removed = self.overlay.compact(&dead, &mut path_of);
+        retain(&mut was_held, |e| !dead.edges.contains(&EdgeId::new(e)));
+        retain(&mut self.largest, |v| !dead.vertices.contains(&VertexId::new(v)));
+        self.hold(&path_of, &was_held);
+        self.flip_all(watch.within(0.9, 1.0))?;
+        Ok((path_of.into(), removed))
+    }
+
+    /// Holds paths as they are, and what was held.
+    fn hold(&mut self, path_of: &[Option<u32>], was_held: &[bool]) {
+        let is_held: Vec<bool> = path_of.iter().zip(was_held).map(|(path, held)| path.is_some() || *held).collect();
+        self.overlay.hold(&is_held);
+        let Overlay { triangulation, length, .. } = &self.overlay;
+        let is_inside = |e: EdgeId| is_held[e.index()] && !triangulation.is_boundary_edge(e);
+        let inside: EdgeData<bool> = triangulation.edges().map(is_inside).collect();
+        let metric = Metric::new(length.clone().into());
+        (self.sectors, self.is_narrow) = Sectors::new(triangulation, &metric, Some(&inside));
+        self.held_lengths = Cow::Owned(length.clone());
+        self.on_held.clear();
+        self.bad.clear();
     }
 
     /// Whether the edges cross those of the input too often.
@@ -295,7 +381,7 @@ impl<'a> Chew<'a> {
         while let Some(g) = self.overlay.across(h) {
             h = t.next(g);
         }
-        self.overlay.shared(h).is_some_and(|first| self.sectors.narrow.contains_key(&first))
+        self.overlay.held_along(h).is_some_and(|first| self.sectors.narrow.contains_key(&first))
     }
 
     /// Whether vertices are equally far from a narrow corner, on the edges that it is between. What is opposite of them is narrow as the
@@ -313,16 +399,31 @@ impl<'a> Chew<'a> {
         one.iter().any(|one| other.iter().any(|other| is_between(one, other) || is_between(other, one)))
     }
 
-    /// The ways to a vertex from the ends of the input's edge that it was put on.
+    /// The ways to a vertex from the ends of the edge that it was put on.
     fn ways_from_corners(&self, v: VertexId) -> Option<[WayFrom; 2]> {
-        let SurfacePoint::Edge(h, along) = self.overlay.place[v.index()] else { return None };
-        let input = self.overlay.input;
-        let edge = input.edge(h);
-        let length = self.metric.length(edge);
+        let &(h, along) = self.on_held.get(&v)?;
+        let begun = &self.overlay.begun;
+        let edge = begun.edge(h);
+        let length = self.held_lengths[edge.index()];
         Some([
-            WayFrom { corner: input.tail(h), edge, out: Some(h), far: along * length },
-            WayFrom { corner: input.head(h), edge, out: input.twin(h), far: (1.0 - along) * length },
+            WayFrom { corner: begun.tail(h), edge, out: Some(h), far: along * length },
+            WayFrom { corner: begun.head(h), edge, out: begun.twin(h), far: (1.0 - along) * length },
         ])
+    }
+
+    /// Puts a vertex on an edge that stays one.
+    fn split(&mut self, h: HalfedgeId) {
+        let share = self.split_at(h);
+        let held = self.overlay.held_along(h).expect("only edges that stay edges are split");
+        let along = |v: VertexId, corner: f64| match self.on_held.get(&v) {
+            Some(&(on, along)) if on == held => along,
+            Some(&(_, along)) => 1.0 - along,
+            None => corner,
+        };
+        let t = &self.overlay.triangulation;
+        let (from, to) = (along(t.tail(h), 0.0), along(t.head(h), 1.0));
+        let v = self.overlay.split(h, share);
+        self.on_held.insert(v, (held, from + share * (to - from)));
     }
 
     /// Inserts vertices until no triangle is bad, or so many; whether none is.
@@ -352,8 +453,7 @@ impl<'a> Chew<'a> {
                     let t = &self.overlay.triangulation;
                     let sides = [Some(h), t.twin(h)].into_iter().flatten();
                     let edges = sides.flat_map(|h| [t.next(h), t.prev(h)]).map(|h| t.edge(h)).collect();
-                    let share = self.split_at(h);
-                    self.overlay.split(h, share);
+                    self.split(h);
                     edges
                 }
                 Goal::Edge(_) | Goal::Lost => {
@@ -483,9 +583,12 @@ struct Sectors {
 }
 
 impl Sectors {
-    fn new(input: &Triangulation, metric: &Metric, held: &EdgeData<bool>) -> Self {
-        let across = |h: HalfedgeId| input.twin(h).filter(|_| !held[input.edge(h)]);
+    /// Those of a triangulation, none where nothing is held inside it, and whether angles at each vertex are narrow: all round it, or of a sector.
+    fn new(input: &Triangulation, metric: &Metric, held: Option<&EdgeData<bool>>) -> (Self, Vec<bool>) {
         let mut sectors = Self::default();
+        let mut is_narrow: Vec<bool> = metric.angle_sums(input).iter().map(|sum| *sum < NARROW).collect();
+        let Some(held) = held.filter(|held| held.contains(&true)) else { return (sectors, is_narrow) };
+        let across = |h: HalfedgeId| input.twin(h).filter(|_| !held[input.edge(h)]);
         for first in input.halfedges().filter(|&h| across(h).is_none()) {
             sectors.divided.insert(input.tail(first));
             let (mut h, mut angle) = (first, metric.angle(input, first));
@@ -495,9 +598,10 @@ impl Sectors {
             }
             if angle < NARROW {
                 sectors.narrow.insert(first, input.edge(input.prev(h)));
+                is_narrow[input.tail(first).index()] = true;
             }
         }
-        sectors
+        (sectors, is_narrow)
     }
 }
 

@@ -135,6 +135,19 @@ impl<'a> Cut<'a> {
         Cell::Middle(self.fan.map_or(0, behind))
     }
 
+    /// The cell at a side behind so many of its crossings.
+    pub(super) fn cell_beside(&self, s: usize, before: usize) -> Cell {
+        let (next, behind) = ((s + 1) % 3, self.sides[s].len() - before);
+        match self.fan {
+            _ if before < self.arcs[s] => Cell::Corner(s, before),
+            _ if behind < self.arcs[next] => Cell::Corner(next, behind),
+            // It ends on this side, leaves its start, or its end.
+            Some((corner, _)) if corner == (s + 2) % 3 => Cell::Middle(before - self.arcs[s]),
+            Some((corner, count)) if corner == next => Cell::Middle(count),
+            _ => Cell::Middle(0),
+        }
+    }
+
     /// The chords between a corner and a cell, from the corner on, each running from right to left across the way.
     pub(super) fn chords_between(&self, corner: usize, cell: Cell) -> Vec<Chord> {
         if let Cell::Corner(s, m) = cell

@@ -17,6 +17,7 @@ mod cut;
 mod overlay;
 mod planar;
 mod plane;
+mod straight;
 
 pub use chew::{EdgeRoles, LEAST_ANGLE, Refinement, TriangleSize, refine, refine_watched};
 pub use common::CommonRefinement;

@@ -6,6 +6,8 @@
 //! integers, so that no rounding can tear the correspondence, and nothing need be traced. A flip costs what the quad's
 //! crossings count. Rounding moves a crossing along its edges by some 1e-16 of their lengths, never past another.
 
+use std::borrow::Cow;
+
 use super::SurfacePoint;
 use super::cut::{Cell, Chord, Crossing, Cut, Node};
 use super::plane::{Point, away_from_sides, crossing, mean_value, minus};
@@ -19,7 +21,7 @@ const LEAST_DISTANCE: f64 = 1e-3;
 
 /// How an edge meets the input's edges; seen along the halfedge that names it.
 #[derive(Clone, Debug)]
-enum Trace {
+pub(super) enum Trace {
     /// It is a part of one: of this halfedge, which runs its way.
     Along(HalfedgeId),
     /// It crosses these, in order.
@@ -35,12 +37,14 @@ impl Trace {
 /// See the module's head.
 pub(super) struct Overlay<'a> {
     pub(super) input: &'a Triangulation,
-    /// Edges of the input that stay edges.
-    held: Option<&'a EdgeData<bool>>,
     pub(super) triangulation: Triangulation,
     /// The length of each edge.
     pub(super) length: Vec<f64>,
-    trace: Vec<Trace>,
+    /// What edges were last [held](Self::hold) of: the input at first.
+    pub(super) begun: Cow<'a, Triangulation>,
+    /// The halfedge of that which each edge that stays an edge is part of, as its own naming halfedge runs.
+    pub(super) held: Vec<Option<HalfedgeId>>,
+    pub(super) trace: Vec<Trace>,
     /// How many crossings all edges have.
     pub(super) crossings: usize,
     /// Where each vertex is on the input.
@@ -48,10 +52,13 @@ pub(super) struct Overlay<'a> {
 }
 
 impl<'a> Overlay<'a> {
-    pub(super) fn new(input: &'a Triangulation, metric: &Metric, held: Option<&'a EdgeData<bool>>) -> Self {
+    /// Edges of the boundary stay edges, and others that are `held`.
+    pub(super) fn new(input: &'a Triangulation, metric: &Metric, held: Option<&EdgeData<bool>>) -> Self {
+        let is_held = |e: EdgeId| input.is_boundary_edge(e) || held.is_some_and(|held| held[e]);
         Self {
             input,
-            held,
+            begun: Cow::Borrowed(input),
+            held: input.edges().map(|e| is_held(e).then(|| input.halfedge(e))).collect(),
             triangulation: input.clone(),
             length: metric.lengths().to_vec(),
             trace: input.edges().map(|e| Trace::Along(input.halfedge(e))).collect(),
@@ -96,6 +103,20 @@ impl<'a> Overlay<'a> {
         }
     }
 
+    /// The halfedge that a halfedge is part of, of an edge that stays one.
+    pub(super) fn held_along(&self, h: HalfedgeId) -> Option<HalfedgeId> {
+        let e = self.triangulation.edge(h);
+        let held = self.held[e.index()]?;
+        if self.triangulation.halfedge(e) == h { Some(held) } else { self.begun.twin(held) }
+    }
+
+    /// From now on these edges stay edges, as they are.
+    pub(super) fn hold(&mut self, is_held: &[bool]) {
+        let t = &self.triangulation;
+        self.held = t.edges().map(|e| is_held[e.index()].then(|| t.halfedge(e))).collect();
+        self.begun = Cow::Owned(t.clone());
+    }
+
     /// The input's halfedge that each edge is part of, as the halfedge that names it runs; none where it crosses others.
     pub(super) fn along(&self) -> EdgeData<Option<HalfedgeId>> {
         let shared = |trace: &Trace| if let Trace::Along(shared) = trace { Some(*shared) } else { None };
@@ -104,13 +125,7 @@ impl<'a> Overlay<'a> {
 
     /// What is across a halfedge; none where it is a side of the boundary or part of an edge that is held.
     pub(super) fn across(&self, h: HalfedgeId) -> Option<HalfedgeId> {
-        self.triangulation.twin(h).filter(|_| !self.is_held(self.triangulation.edge(h)))
-    }
-
-    /// Whether an edge is part of one of the input's that are held.
-    fn is_held(&self, e: EdgeId) -> bool {
-        let Trace::Along(shared) = self.trace[e.index()] else { return false };
-        self.held.is_some_and(|held| held[self.input.edge(shared)])
+        self.triangulation.twin(h).filter(|_| self.held[self.triangulation.edge(h).index()].is_none())
     }
 
     /// The places where an edge is crossed.
@@ -173,14 +188,18 @@ impl<'a> Overlay<'a> {
 
     /// Flips an edge if it is not Delaunay; whether it was.
     pub(super) fn flip_to_delaunay(&mut self, e: EdgeId) -> bool {
-        if !self.triangulation.is_flippable(e) || self.is_held(e) {
+        if !self.triangulation.is_flippable(e) || self.held[e.index()].is_some() {
             return false;
         }
+        let quad = self.quad(self.triangulation.halfedge(e));
+        let quad = quad.map(|side| self.length[self.triangulation.edge(side).index()]);
+        opposite_cosines(self.length[e.index()], quad) < -TOLERANCE && self.flip(e)
+    }
+
+    /// Flips an edge between two triangles that are a convex quad together; whether it was, which it is not where rounding forbids it.
+    pub(super) fn flip(&mut self, e: EdgeId) -> bool {
         let h = self.triangulation.halfedge(e);
         let quad = self.quad(h).map(|side| self.length[self.triangulation.edge(side).index()]);
-        if opposite_cosines(self.length[e.index()], quad) >= -TOLERANCE {
-            return false;
-        }
         let diagonal = other_diagonal(self.length[e.index()], quad);
         if !(diagonal.is_finite() && diagonal > 0.0) {
             return false;
@@ -259,40 +278,92 @@ impl<'a> Overlay<'a> {
         }));
         self.crossings += traces.iter().map(|trace| trace.crossings().len()).sum::<usize>();
         self.trace.extend(traces);
+        self.held.extend([None; 3]);
         self.triangulation.insert(f)
     }
 
-    /// Puts a vertex on an edge of the boundary, or on one that is held between two triangles, at a share of its length from the start of `h`.
+    /// Puts a vertex on an edge between two different triangles or on the boundary, at a share of its length from the start of `h`, or beside where
+    /// an edge of the input crosses it just there.
     pub(super) fn split(&mut self, h: HalfedgeId, share: f64) -> VertexId {
         let t = &self.triangulation;
         let e = t.edge(h);
-        let shared = self.shared(h).expect("only parts of the input's edges are split");
-        let along = |v: VertexId, corner: f64| match self.place[v.index()] {
-            SurfacePoint::Edge(halfedge, along) if halfedge == shared => along,
-            SurfacePoint::Edge(_, along) => 1.0 - along,
-            _ => corner,
+        let crossings = self.crossings(h);
+        let before = crossings.partition_point(|crossing| crossing.at <= share);
+        let share = Self::away_from_crossings(&crossings, (before, share));
+        let place = match self.shared(h) {
+            Some(shared) => {
+                let along = |v: VertexId, corner: f64| match self.place[v.index()] {
+                    SurfacePoint::Edge(halfedge, along) if halfedge == shared => along,
+                    SurfacePoint::Edge(_, along) => 1.0 - along,
+                    _ => corner,
+                };
+                let (from, to) = (along(t.tail(h), 0.0), along(t.head(h), 1.0));
+                SurfacePoint::Edge(shared, from + share * (to - from))
+            }
+            None => self.place_between(h, (before, share)),
         };
-        let (from, to) = (along(t.tail(h), 0.0), along(t.head(h), 1.0));
-        let place = SurfacePoint::Edge(shared, from + share * (to - from));
         let whole = self.length[e.index()];
-        let beside = self.beside(h, share);
-        let across = t.twin(h).map(|g| self.beside(g, 1.0 - share));
+        let beside = self.beside(h, (before, share));
+        let across = t.twin(h).map(|g| self.beside(g, (crossings.len() - before, 1.0 - share)));
+        let held = self.held_along(h);
+        let parts = match self.shared(h) {
+            Some(shared) => [Trace::Along(shared), Trace::Along(shared)],
+            None => {
+                let (first, second) = crossings.split_at(before);
+                let scaled = |part: &[Crossing], from: f64, by: f64| {
+                    let at = |at: f64| ((at - from) / by).clamp(0.0, 1.0);
+                    Trace::Across(part.iter().map(|crossing| Crossing { at: at(crossing.at), ..*crossing }).collect())
+                };
+                [scaled(first, 0.0, share), scaled(second, share, 1.0 - share)]
+            }
+        };
         self.place.push(place);
-        self.length[e.index()] = share * whole;
-        self.trace[e.index()] = Trace::Along(shared);
+        let [first, second] = parts;
+        (self.length[e.index()], self.trace[e.index()], self.held[e.index()]) = (share * whole, first, held);
         self.length.push(whole - share * whole);
-        self.trace.push(Trace::Along(shared));
+        self.trace.push(second);
+        self.held.push(held);
         for (crossings, length) in [Some(beside), across].into_iter().flatten() {
             self.crossings += crossings.len();
             self.length.push(length);
             self.trace.push(Trace::Across(crossings));
+            self.held.push(None);
         }
         self.triangulation.split(h)
     }
 
-    /// What an edge from a point on a side, at a share of its length from its start, to the corner opposite crosses, and its length. The side
-    /// is crossed by nothing.
-    fn beside(&self, h: HalfedgeId, share: f64) -> (Vec<Crossing>, f64) {
+    /// A share of an edge between its crossings, so many of them before, not too near to either.
+    fn away_from_crossings(crossings: &[Crossing], (before, share): (usize, f64)) -> f64 {
+        let at = |k: Option<usize>, end: f64| k.and_then(|k| crossings.get(k)).map_or(end, |crossing| crossing.at);
+        let (from, to) = (at(before.checked_sub(1), 0.0), at(Some(before), 1.0));
+        let room = LEAST_DISTANCE.min(0.5 * (to - from));
+        share.clamp(from + room, to - room)
+    }
+
+    /// Where a point of a side is on the input, behind so many of its crossings.
+    fn place_between(&self, h: HalfedgeId, (before, share): (usize, f64)) -> SurfacePoint {
+        let f = self.triangulation.face(h);
+        let cut = self.cut(f);
+        let s = h.index() % 3;
+        let count = cut.sides[s].len();
+        let (from, start) = match before {
+            0 => (Node::Corner(s), 0.0),
+            _ => (Node::Side(s, before - 1), cut.sides[s][before - 1].at),
+        };
+        let (to, end) = match before < count {
+            true => (Node::Side(s, before), cut.sides[s][before].at),
+            false => (Node::Corner((s + 1) % 3), 1.0),
+        };
+        let home = self.home(f, &cut, cut.cell_beside(s, before));
+        let [from, to] = [from, to].map(|node| self.barycentric(home, f, &cut, node));
+        let way = ((share - start) / (end - start)).clamp(0.0, 1.0);
+        let way = if way.is_nan() { 0.5 } else { way };
+        SurfacePoint::Face(home, [0, 1, 2].map(|c| from[c] + way * (to[c] - from[c])))
+    }
+
+    /// What an edge crosses from a point on a side, at a share of its length from its start and behind so many of its crossings, to the corner opposite,
+    /// and its length.
+    fn beside(&self, h: HalfedgeId, (before, share): (usize, f64)) -> (Vec<Crossing>, f64) {
         let t = &self.triangulation;
         let sides = [h, t.next(h), t.prev(h)];
         let lengths = sides.map(|h| self.length[t.edge(h).index()]);
@@ -300,21 +371,10 @@ impl<'a> Overlay<'a> {
         let corners = [[0.0, 0.0], along, [-back[0], -back[1]]];
         let m = [share * lengths[0], 0.0];
         let cut = Cut::new(self.input, sides.map(|h| self.crossings(h)));
-        // All that meets the triangle goes round k or into the corners beside m.
-        let mut chords: Vec<Chord> = match cut.fan {
-            Some((s, count)) if s != 2 => {
-                // Corner j lies left of what leaves i; across the way from m to k that is from right to left where it leaves j.
-                let spokes = (0..count).map(|m| cut.spoke(s, m));
-                if s == 0 {
-                    spokes.collect()
-                } else {
-                    spokes.rev().map(|spoke| spoke.reversed_in(self.input)).collect()
-                }
-            }
-            _ => Vec::new(),
-        };
-        chords.extend((0..cut.arcs[2]).rev().map(|m| cut.arc(2, m).reversed_in(self.input)));
-        let crossings = crossed([m, corners[2]], chords.into_iter().map(|chord| placed(&cut, &corners, chord)));
+        // What the way from the corner crosses, turned round.
+        let chords = cut.chords_between(2, cut.cell_beside(0, before)).into_iter().rev();
+        let chords = chords.map(|chord| placed(&cut, &corners, chord.reversed_in(self.input)));
+        let crossings = crossed([m, corners[2]], chords);
         let up = minus(corners[2], m);
         (crossings, up[0].hypot(up[1]))
     }

@@ -2,7 +2,7 @@ use proptest::prelude::*;
 
 use super::*;
 use crate::intrinsic::{Metric, angle_defects, edge_weights};
-use crate::mesh::{EdgeData, Id, Mesh};
+use crate::mesh::{EdgeData, EdgeId, HalfedgeId, Id, Mesh, VertexId};
 use crate::shapes;
 use crate::surface::{Model, Weld, prepare};
 use crate::vector;
@@ -16,7 +16,7 @@ fn check(mesh: &Mesh, points: &[[f64; 3]]) -> Refinement {
 /// The same, with edges that are held.
 fn check_holding(mesh: &Mesh, points: &[[f64; 3]], held: &EdgeData<bool>) -> Refinement {
     let (metric, size) = (Metric::from_points(mesh, points), TriangleSize::ANY);
-    let roles = EdgeRoles { held: Some(held), left_out: None };
+    let roles = EdgeRoles { held: Some(held), ..EdgeRoles::default() };
     let refinement = refine_watched(mesh, &metric, size, roles, Watch::NONE).expect("it is not stopped");
     check_triangulation((mesh, &metric), size, held, &refinement);
     check_common(mesh, points, &refinement);
@@ -47,6 +47,72 @@ fn check_held((mesh, metric): (&Mesh, &Metric), held: &EdgeData<bool>, refinemen
     }
     let is_crossed = |place: &&SurfacePoint| matches!(place, SurfacePoint::Edge(h, _) if held[mesh.edge(*h)]);
     assert_eq!(common.place.iter().skip(place.len()).filter(is_crossed).count(), 0);
+}
+
+/// Shortest paths by the number of edges between vertices of a refinement, none of which touches another one or what is held.
+fn disjoint_paths(
+    refinement: &Refinement,
+    held: &EdgeData<bool>,
+    input: &Mesh,
+    picks: &[prop::sample::Index],
+) -> Vec<Vec<HalfedgeId>> {
+    let t = Mesh::from_triangulation(refinement.triangulation.clone()).expect("it is a manifold");
+    let is_held = |e: EdgeId| refinement.along[e].is_some_and(|h| held[input.edge(h)]);
+    let mut is_taken = vec![false; t.vertex_count()];
+    t.edges().filter(|&e| is_held(e)).flat_map(|e| t.ends(e)).for_each(|v| is_taken[v.index()] = true);
+    let mut paths = Vec::new();
+    for pair in picks.chunks_exact(2) {
+        let [from, to] = [0, 1].map(|k| VertexId::new(pair[k].index(t.vertex_count())));
+        let mut into: Vec<Option<HalfedgeId>> = vec![None; t.vertex_count()];
+        let mut queue = std::collections::VecDeque::from([from]);
+        while let Some(v) = queue.pop_front().filter(|_| !is_taken[from.index()]) {
+            for h in t.outgoing(v) {
+                let w = t.head(h);
+                if w != from && into[w.index()].is_none() && !is_taken[w.index()] {
+                    into[w.index()] = Some(h);
+                    queue.push_back(w);
+                }
+            }
+        }
+        let before = |h: &HalfedgeId| into[t.tail(*h).index()];
+        let mut path: Vec<HalfedgeId> = std::iter::successors(into[to.index()], before).collect();
+        path.reverse();
+        path.iter().flat_map(|&h| [t.tail(h), t.head(h)]).for_each(|v| is_taken[v.index()] = true);
+        paths.extend(Some(path).filter(|path| !path.is_empty()));
+    }
+    paths
+}
+
+/// Asserts that the edges of a path are one between the ends that it had, no longer than before, and straight where nothing was in its way.
+fn check_path(number: u32, path: &[HalfedgeId], before: &Refinement, after: &Refinement, is_free: bool) {
+    let t = Mesh::from_triangulation(after.triangulation.clone()).expect("it is a manifold");
+    let edges: Vec<EdgeId> = t.edges().filter(|&e| after.path[e] == Some(number)).collect();
+    let was = &before.triangulation;
+    let ends = [was.tail(path[0]), was.head(path[path.len() - 1])];
+    let length = |metric: &Metric, edges: &mut dyn Iterator<Item = EdgeId>| edges.map(|e| metric.length(e)).sum::<f64>();
+    let [long, short] = [
+        length(&before.metric, &mut path.iter().map(|&h| was.edge(h))),
+        length(&after.metric, &mut edges.iter().copied()),
+    ];
+    assert!(short <= long * (1.0 + 1e-9), "{short} for {long}");
+    let is_part = |h: HalfedgeId| after.path[t.edge(h)] == Some(number);
+    let (mut v, mut came, mut passed) = (ends[0], None, 0);
+    while v != ends[1] {
+        let out: Vec<HalfedgeId> = t.outgoing(v).filter(|&h| is_part(h) && t.twin(h) != came).collect();
+        assert_eq!(out.len(), 1, "{v:?} on path {number}");
+        if let Some(came) = came.and_then(|h| t.twin(h)).filter(|_| is_free) {
+            // Counter-clockwise from the way out to the way in.
+            let (mut h, mut angle) = (out[0], 0.0);
+            while h != came {
+                angle += after.metric.angle(&t, h);
+                h = t.twin(t.prev(h)).expect("it is closed");
+            }
+            let whole: f64 = t.outgoing(v).map(|h| after.metric.angle(&t, h)).sum();
+            assert!(angle.min(whole - angle) > std::f64::consts::PI - 1e-4, "{v:?}: {angle} of {whole}");
+        }
+        (v, came, passed) = (t.head(out[0]), Some(out[0]), passed + 1);
+    }
+    assert_eq!(passed, edges.len());
 }
 
 fn check_triangulation(
@@ -319,6 +385,34 @@ proptest! {
     }
 
     #[test]
+    fn paths_become_straight(
+        rim in prop::collection::vec((magnitude(1.5), 0.3..1.0f64, -0.2..0.2f64), 4..12),
+        height in magnitude(1.0),
+        picks in prop::collection::vec(any::<prop::sample::Index>(), 6),
+        held in prop::option::of(any::<prop::sample::Index>()),
+    ) {
+        let (mesh, points) = bipyramid(&rim, height);
+        let metric = Metric::from_points(&mesh, &points);
+        let held: EdgeData<bool> =
+            mesh.edges().map(|e| held.is_some_and(|held| held.index(mesh.edge_count()) == e.index())).collect();
+        let size = TriangleSize { largest: 0.1, ..TriangleSize::ANY };
+        let refined = |straight: &[Vec<HalfedgeId>]| {
+            let roles = EdgeRoles { held: Some(&held), straight, ..EdgeRoles::default() };
+            refine_watched(&mesh, &metric, size, roles, Watch::NONE).expect("it is not stopped")
+        };
+        let before = refined(&[]);
+        let paths = disjoint_paths(&before, &held, &mesh, &picks);
+        let after = refined(&paths);
+        check_common(&mesh, &points, &after);
+        after.triangulation.check();
+        prop_assert!(after.place.len() < 10_000, "{} after {}", after.place.len(), before.place.len());
+        prop_assert!((after.metric.area(&after.triangulation) / metric.area(&mesh) - 1.0).abs() < 1e-9);
+        for (number, path) in (0..).zip(&paths) {
+            check_path(number, path, &before, &after, paths.len() == 1 && !held.contains(&true));
+        }
+    }
+
+    #[test]
     fn planes_need_no_edges_of_the_input(
         heights in prop::collection::vec(prop::sample::select(vec![0.0, 0.0, 0.0, 0.0, 1.0]), 49),
         diagonals in prop::collection::vec(any::<bool>(), 36),
@@ -345,7 +439,7 @@ proptest! {
             prop_assert_eq!(planar[e], is_flat, "{:?}", e);
         }
         let metric = Metric::from_points(&mesh, &points);
-        let cut = |left_out| refine_watched(&mesh, &metric, TriangleSize::ANY, EdgeRoles { left_out, held: None }, Watch::NONE).expect("it is not stopped");
+        let cut = |left_out| refine_watched(&mesh, &metric, TriangleSize::ANY, EdgeRoles { left_out, ..EdgeRoles::default() }, Watch::NONE).expect("it is not stopped");
         let (all, fewer) = (cut(None), cut(Some(&planar)));
         prop_assert_eq!(&fewer.triangulation, &all.triangulation);
         check_surface(&mesh, &points, &fewer);
@@ -453,7 +547,7 @@ fn what_would_be_cut_too_often_stays_as_it_is() {
         let mesh = shape.mesh();
         let left_out = EdgeData::constant(mesh.edge_count(), can_be_left_out);
         let metric = Metric::from_points(&mesh, &shape.points);
-        let roles = EdgeRoles { left_out: Some(&left_out), held: None };
+        let roles = EdgeRoles { left_out: Some(&left_out), ..EdgeRoles::default() };
         let refinement = refine_watched(&mesh, &metric, TriangleSize::ANY, roles, Watch::NONE).unwrap();
         assert!(!refinement.is_complete, "{by}");
         assert_eq!(refinement.triangulation, *mesh.triangulation());

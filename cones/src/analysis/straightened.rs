@@ -1,0 +1,236 @@
+//! Seams of refined models made straight.
+//!
+//! Seams run along edges, and even triangles have none that go straight on. Once there is a map, its seams are made geodesics, which the model is refined
+//! with once more, and flattened with the same cones: so seams are as straight as the surface lets them be, and what they cut is the same.
+
+use std::collections::HashMap;
+
+use geom::vector::{angle, normal};
+use geom::{EdgeData, EdgeId, HalfedgeId, Mesh, VertexData, VertexId, edges_at};
+
+use super::Analysis;
+use super::atlas::Atlas;
+use super::component::{Component, OnSurface};
+use super::finer::{Distortion, MOST_VERTICES};
+use super::note::Note;
+use super::options::{ConeChoice, Options, Recipe};
+use super::refined::StraightPaths;
+use crate::cut::ascending;
+use crate::error::Error;
+
+/// Seams stay where they are along edges that bend by more than this.
+const SHARP: f64 = 30.0 * std::f64::consts::PI / 180.0;
+/// Distortions may become larger by this share: triangles are others.
+const AS_GOOD: f64 = 1.005;
+
+/// What an edge of a surface is to seams.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct SeamEdge {
+    is_loop: bool,
+    is_sharp: bool,
+}
+
+impl Analysis {
+    /// The analysis and its map, or those of the same model refined so that seams are straight. `made` takes what is to be straight on each surface.
+    pub(super) fn or_straight(
+        self,
+        atlas: Atlas,
+        options: &Options,
+        made: impl FnOnce(Vec<StraightPaths>) -> Result<Self, Error>,
+    ) -> Result<(Self, Atlas), Error> {
+        let paths = self.straight_paths(&atlas, options);
+        let Some(paths) = paths.filter(|paths| paths.iter().any(StraightPaths::are_worth_it)) else {
+            return Ok((self, atlas));
+        };
+        let mapped = made(paths).and_then(|other| Ok((self.mapped_straight(&other, &atlas, options)?, other)));
+        match mapped {
+            // Else its triangles may be any.
+            Ok((mut map, other)) if other.refined().is_some_and(|refined| refined.is_complete) && self.is_as_good(&atlas, (&other, &map)) => {
+                [self.times(), atlas.times].into_iter().for_each(|times| map.times += times);
+                Ok((other, map))
+            }
+            Err(Error::Interrupted) => Err(Error::Interrupted),
+            other => {
+                let mut atlas = atlas;
+                if let Ok((map, other)) = other {
+                    [other.times(), map.times].into_iter().for_each(|times| atlas.times += times);
+                }
+                Ok((self, atlas))
+            }
+        }
+    }
+
+    /// What is to be straight of the seams of a map, on each component; none where seams are to stay as they are.
+    fn straight_paths(&self, atlas: &Atlas, options: &Options) -> Option<Vec<StraightPaths>> {
+        let vertices: usize = self.components().iter().map(|component| component.surface.mesh.vertex_count()).sum();
+        let is_whole = atlas.detached.is_empty() && atlas.unfolded == 0 && atlas.freed == 0 && atlas.necks == 0;
+        let is_refined = self.refined().is_some_and(|refined| refined.is_complete);
+        let is_asked = !options.seams.names_edges() && options.cones.recipe().is_none();
+        if !is_refined || !is_asked || !is_whole || self.found.making.is_opened || vertices > MOST_VERTICES {
+            return None;
+        }
+        let seams = self.seam_edges(atlas)?;
+        let mut is_cone: Vec<_> =
+            self.components().iter().map(|c| VertexData::constant(c.surface.mesh.vertex_count(), false)).collect();
+        for (is_cone, on) in is_cone.iter_mut().zip(self.on_surface(&atlas.recipe.cones).ok()?) {
+            on.iter().for_each(|&(v, ..)| is_cone[v] = true);
+        }
+        let paths = self.components().iter().zip(seams).zip(&is_cone);
+        Some(paths.map(|((component, seams), is_cone)| StraightPaths::of(&component.surface.mesh, &seams, is_cone)).collect())
+    }
+
+    /// The edges of each component that seams of a map run along.
+    fn seam_edges(&self, atlas: &Atlas) -> Option<Vec<EdgeData<Option<SeamEdge>>>> {
+        let mut named: HashMap<[u32; 2], Vec<(usize, EdgeId)>> = HashMap::new();
+        let mut is_corner = vec![false; self.points().len()];
+        let mut seams = Vec::new();
+        for component in self.components() {
+            let mesh = &component.surface.mesh;
+            component.surface.vertex.iter().for_each(|&v| is_corner[v as usize] = true);
+            for e in mesh.edges() {
+                let name = ascending(mesh.ends(e).map(|v| component.surface.vertex[v]));
+                named.entry(name).or_default().push((component.index, e));
+            }
+            seams.push(EdgeData::constant(mesh.edge_count(), None));
+        }
+        let loops_from = atlas.seams.len() - atlas.opened_handles;
+        for (k, chain) in atlas.seams.iter().enumerate() {
+            let mut from = 0;
+            for to in (1..chain.len()).filter(|&to| is_corner[chain[to] as usize]) {
+                let ends = [chain[from], chain[to]];
+                let is_it = |&&(part, e): &&(usize, EdgeId)| {
+                    self.components()[part].inside(e, ends[0]) == chain[from + 1..to]
+                };
+                let &(part, e) = named.get(&ascending(ends))?.iter().find(is_it)?;
+                let is_sharp = self.bend(&self.components()[part], e) > SHARP;
+                seams[part][e] = Some(SeamEdge { is_loop: k >= loops_from, is_sharp });
+                from = to;
+            }
+        }
+        Some(seams)
+    }
+
+    /// The angle between the triangles of the model at an edge: 0 where it crosses others.
+    fn bend(&self, component: &Component, e: EdgeId) -> f64 {
+        let mesh = &component.surface.mesh;
+        let ends = mesh.ends(e).map(|v| component.surface.vertex[v]);
+        let h = mesh.halfedge(e);
+        let point = |v: u32| self.points()[v as usize];
+        let normal_beside = |h: HalfedgeId, [a, b]: [u32; 2]| {
+            let corners = |&t: &u32| self.triangles().corners[t as usize].map(|c| self.corner_vertices()[c as usize]);
+            let pieces = component.triangles_of(mesh.face(h)).iter().map(corners);
+            let beyond = pieces.filter(|piece| piece.contains(&a) && piece.contains(&b));
+            let beyond = beyond.flatten().find(|&v| v != a && v != b)?;
+            Some(normal([a, b, beyond].map(point)))
+        };
+        let [a, b] = ends;
+        let normals = (normal_beside(h, [a, b]), mesh.twin(h).and_then(|g| normal_beside(g, [b, a])));
+        if let (Some(one), Some(other)) = normals { angle(one, other) } else { 0.0 }
+    }
+
+    /// The map with the same cones of another analysis, whose seams are straight.
+    fn mapped_straight(&self, other: &Self, atlas: &Atlas, options: &Options) -> Result<Atlas, Error> {
+        let on = self.on_surface(&atlas.recipe.cones)?;
+        let now = |part: usize, v: VertexId| other.refined().map_or(Some(v), |refined| refined.now(part, v));
+        let of_part = |(part, cones): (usize, &Vec<OnSurface>)| {
+            let now = |&(v, _, curvature): &OnSurface| Some((now(part, v)?, curvature.unwrap_or_default()));
+            cones.iter().filter_map(now).unzip()
+        };
+        let cones: Vec<(Vec<VertexId>, Vec<f64>)> = on.iter().enumerate().map(of_part).collect();
+        let opened = self.parts_of(&atlas.recipe.opened);
+        let opened = other.components().iter().filter(|component| opened.contains(&component.index));
+        let recipe = Recipe {
+            opened: opened.map(|component| other.first_face(component)).collect(),
+            is_straight: true,
+            target: atlas.recipe.target,
+            ..other.recipe(cones.iter().map(|(vertices, curvatures)| (&vertices[..], &curvatures[..])))
+        };
+        let options = Options { cones: ConeChoice::Recipe(Box::new(recipe)), ..options.clone() };
+        let mut map = other.atlas(&options)?;
+        let mut number: HashMap<u32, u32> = HashMap::new();
+        for (part, (one, other)) in self.components().iter().zip(other.components()).enumerate() {
+            let vertices = one.surface.vertex.iter_ids();
+            number.extend(vertices.filter_map(|(v, &vertex)| Some((vertex, other.surface.vertex[now(part, v)?]))));
+        }
+        let own = |vertex: u32| number.get(&vertex).copied().unwrap_or(vertex);
+        let said = atlas.notes.iter().map(|note| match note.component() {
+            Some(component) => note.clone().said_of(component, own),
+            None => note.clone(),
+        });
+        for note in said.collect::<Vec<_>>() {
+            if !map.notes.contains(&note) {
+                map.notes.push(note);
+            }
+        }
+        map.number.clone_from(&atlas.number);
+        Ok(map)
+    }
+
+    /// Whether a map with straight seams is as good as the one before.
+    fn is_as_good(&self, before: &Atlas, (other, after): (&Self, &Atlas)) -> bool {
+        let is_whole = after.detached.is_empty() && after.unfolded == 0 && after.freed == 0;
+        let overlaps = |atlas: &Atlas| atlas.notes.iter().any(|note| matches!(note, Note::Overlap { .. }));
+        let same = after.island_count() <= before.island_count()
+            && after.opened_handles == before.opened_handles
+            && (overlaps(before) || !overlaps(after));
+        let measures = [self.measures(before), other.measures(after)].map(|measured| Some(Distortion::of(&measured?)));
+        if let [Some(a), Some(b)] = &measures {
+            eprintln!(
+                "STRAIGHT isl {} {} D {:.4} {:.4} qc {:.4} {:.4} len {:.3} {:.3} turn {:.2} {:.2} sharp {:.3} {:.3} verts {} {} fill {:.3} {:.3} whole {is_whole} ovl {} {} T {:.2} {:.2} loops {} {} notes {:?}",
+                before.island_count(), after.island_count(), a.areas, b.areas, a.angles, b.angles,
+                before.seam_figures.length, after.seam_figures.length, before.seam_figures.turning, after.seam_figures.turning,
+                before.seam_figures.sharp, after.seam_figures.sharp, self.points().len(), other.points().len(), before.fill, after.fill, overlaps(before), overlaps(after),
+                (self.times().total()+before.times.total()).as_secs_f64(), (other.times().total()+after.times.total()).as_secs_f64(), before.opened_handles, after.opened_handles, after.notes.iter().filter(|n| !before.notes.contains(n)).collect::<Vec<_>>(),
+            );
+        }
+        let is_no_worse = match measures {
+            [Some(before), Some(after)] => {
+                after.areas <= AS_GOOD * before.areas && after.angles <= AS_GOOD * before.angles
+            }
+            _ => false,
+        };
+        is_whole && same && is_no_worse
+    }
+}
+
+impl StraightPaths {
+    /// Whether some path can become straighter.
+    fn are_worth_it(&self) -> bool {
+        self.paths.iter().any(|path| path.len() > 1)
+    }
+
+    /// Seams of a surface as paths between cones, the boundary and the places where they meet or become sharp.
+    fn of(mesh: &Mesh, seams: &EdgeData<Option<SeamEdge>>, is_cone: &VertexData<bool>) -> Self {
+        let at = |v: VertexId| edges_at(mesh, v).filter_map(|(e, _)| seams[e]);
+        let is_end = |v: VertexId| {
+            let mut kinds = at(v);
+            let alike = (kinds.next(), kinds.next(), kinds.next());
+            let goes_on = matches!(alike, (Some(one), Some(other), None) if one == other && !one.is_sharp);
+            is_cone[v] || mesh.is_boundary_vertex(v) || !goes_on
+        };
+        let mut is_done = EdgeData::constant(mesh.edge_count(), false);
+        let mut found = Self::default();
+        let is_seam = |h: HalfedgeId| seams[mesh.edge(h)].is_some();
+        // From ends first; what is left are closed loops, which may begin anywhere.
+        let ends = mesh.vertices().filter(|&v| is_end(v));
+        for v in ends.chain(mesh.vertices()) {
+            for first in mesh.outgoing(v).filter(|&h| is_seam(h)) {
+                if is_done[mesh.edge(first)] {
+                    continue;
+                }
+                let mut path = vec![first];
+                is_done[mesh.edge(first)] = true;
+                let mut head = mesh.head(first);
+                while head != v && !is_end(head) {
+                    let Some(next) = mesh.outgoing(head).find(|&h| is_seam(h) && !is_done[mesh.edge(h)]) else { break };
+                    is_done[mesh.edge(next)] = true;
+                    path.push(next);
+                    head = mesh.head(next);
+                }
+                found.is_loop.push(seams[mesh.edge(first)].is_some_and(|edge| edge.is_loop));
+                found.paths.push(path);
+            }
+        }
+        found
+    }
+}

@@ -1,0 +1,342 @@
+//! Paths of edges made straight by flipping edges of the intrinsic triangulation, so that they are geodesics (Sharp & Crane 2020, *You can find
+//! geodesic paths in triangle meshes by just flipping edges*).
+//!
+//! Where a path turns by less than π on one side, the edges between on that side are flipped until its outer rim turns no more; the rim is shorter, and
+//! becomes the path. Paths keep their ends, and none comes to touch another one, itself or the boundary.
+
+use std::collections::{BTreeMap, BTreeSet, HashSet};
+use std::f64::consts::PI;
+
+use super::overlay::Overlay;
+use crate::intrinsic::Sides;
+use crate::mesh::{EdgeId, FaceId, HalfedgeId, Id, VertexId};
+use crate::watch::{Interrupted, Watch};
+
+/// Angles this near to π are straight.
+const STRAIGHT: f64 = 1e-6;
+/// A rim that is no shorter than by this share is none that rounding could not have found.
+const SHORTER: f64 = 1e-12;
+/// So many times each edge of a path may be replaced, on average: each time it becomes shorter, but who knows how often.
+const MOST_TURNS: usize = 256;
+
+/// Vertices nearer to a path than this share of the mean length of their edges are taken away.
+const NEAR: f64 = 0.5;
+/// Those of the input stay; a path goes through one that is nearer than this share of that, so that no tiny triangles have to lie between,
+const NEARLY_ON: f64 = 0.25;
+/// if the path turns by no more than this there on either side, in radians.
+const LEAST_TURN: f64 = 0.05;
+
+/// Paths that are made straight.
+pub(super) struct Straight<'a, 'b> {
+    overlay: &'a mut Overlay<'b>,
+    /// The path that each edge is part of.
+    pub(super) path_of: Vec<Option<u32>>,
+    /// Whether a vertex is on a path, or on what stays an edge.
+    is_taken: Vec<bool>,
+}
+
+impl<'a, 'b> Straight<'a, 'b> {
+    /// Paths whose ends are to be no vertices inside others.
+    pub(super) fn new(overlay: &'a mut Overlay<'b>, paths: &[Vec<HalfedgeId>]) -> Self {
+        let t = &overlay.triangulation;
+        let mut path_of = vec![None; t.edge_count()];
+        for (number, path) in (0..).zip(paths) {
+            path.iter().for_each(|&h| path_of[t.edge(h).index()] = Some(number));
+        }
+        let mut is_taken = vec![false; t.vertex_count()];
+        let stays = |e: &EdgeId| path_of[e.index()].is_some() || overlay.held[e.index()].is_some();
+        t.edges().filter(stays).flat_map(|e| t.ends(e)).for_each(|v| is_taken[v.index()] = true);
+        Self { overlay, path_of, is_taken }
+    }
+
+    /// Makes them straight. Those of one edge stay as they are.
+    ///
+    /// # Errors
+    /// If it is stopped.
+    pub(super) fn straighten(&mut self, paths: &[Vec<HalfedgeId>], watch: Watch) -> Result<(), Interrupted> {
+        for (number, path) in (0..).zip(paths) {
+            watch.ask(f64::from(number) / paths.len() as f64)?;
+            self.path(number, path);
+        }
+        Ok(())
+    }
+
+    fn path(&mut self, number: u32, path: &[HalfedgeId]) {
+        let t = &self.overlay.triangulation;
+        let Some(&first) = path.first() else { return };
+        // The vertices, and the edge to each from the one before.
+        let mut way: Vec<(VertexId, EdgeId)> = vec![(t.tail(first), t.edge(first))];
+        way.extend(path.iter().map(|&h| (t.head(h), t.edge(h))));
+        let mut turns_left = MOST_TURNS * path.len();
+        let mut k = 1;
+        while k + 1 < way.len() && turns_left > 0 {
+            let [(a, _), (b, before), (c, after)] = [way[k - 1], way[k], way[k + 1]];
+            match self.rim((a, b, c), [before, after]) {
+                Some(rim) => {
+                    turns_left -= 1;
+                    self.is_taken[b.index()] = false;
+                    [before, after].iter().for_each(|e| self.path_of[e.index()] = None);
+                    for &(v, e) in &rim {
+                        self.path_of[e.index()] = Some(number);
+                        self.is_taken[v.index()] = true;
+                    }
+                    way.splice(k..k + 2, rim);
+                    k = k.saturating_sub(1).max(1);
+                }
+                None => k += 1,
+            }
+        }
+    }
+
+    /// A shorter way from a to c than through b, by the vertices after a and the edges to them, if there is one that touches nothing.
+    fn rim(
+        &mut self,
+        (a, b, c): (VertexId, VertexId, VertexId),
+        [before, after]: [EdgeId; 2],
+    ) -> Option<Vec<(VertexId, EdgeId)>> {
+        let t = &self.overlay.triangulation;
+        if a == b || b == c || a == c {
+            return None;
+        }
+        let out = |e: EdgeId| {
+            let h = t.halfedge(e);
+            if t.tail(h) == b { Some(h) } else { t.twin(h) }
+        };
+        let (to_a, to_c) = (out(before)?, out(after)?);
+        // On the left between the way out and the way in; on the right between the way in and the way out.
+        let sides = [(to_c, to_a), (to_a, to_c)].map(|(from, to)| self.angle_between(from, to));
+        let [left, right] = sides.map(|angle| angle.unwrap_or(f64::INFINITY));
+        let is_left = left <= right;
+        if left.min(right) >= PI - STRAIGHT {
+            return None;
+        }
+        let (first, last) = if is_left { (after, before) } else { (before, after) };
+        self.flip_between(b, first, last);
+        self.rim_of(b, first, last, is_left)
+    }
+
+    /// The angle from one halfedge counter-clockwise to another one with the same tail; none where the boundary or an edge that is not free
+    /// lies between.
+    fn angle_between(&self, from: HalfedgeId, to: HalfedgeId) -> Option<f64> {
+        let t = &self.overlay.triangulation;
+        let (mut h, mut angle) = (from, 0.0);
+        loop {
+            angle += self.overlay.angle(h);
+            h = t.twin(t.prev(h))?;
+            if h == to {
+                return Some(angle);
+            }
+            if h == from || !self.is_free(t.edge(h)) {
+                return None;
+            }
+        }
+    }
+
+    fn is_free(&self, e: EdgeId) -> bool {
+        self.path_of[e.index()].is_none() && self.overlay.held[e.index()].is_none()
+    }
+
+    /// The halfedges that leave a vertex from one edge counter-clockwise to another one.
+    fn fan(&self, b: VertexId, first: EdgeId, last: EdgeId) -> Vec<HalfedgeId> {
+        let t = &self.overlay.triangulation;
+        let h = t.halfedge(first);
+        let begin = if t.tail(h) == b { Some(h) } else { t.twin(h) };
+        let next = |h: &HalfedgeId| if t.edge(*h) == last { None } else { t.twin(t.prev(*h)) };
+        std::iter::successors(begin, next).collect()
+    }
+
+    /// Flips edges between two others at a vertex until none is left whose outer end the two triangles at it meet with less than π.
+    fn flip_between(&mut self, b: VertexId, first: EdgeId, last: EdgeId) {
+        loop {
+            let fan = self.fan(b, first, last);
+            let t = &self.overlay.triangulation;
+            let bends_in = |h: &&HalfedgeId| {
+                let Some(twin) = t.twin(**h) else { return false };
+                let outer = self.overlay.angle(t.next(**h)) + self.overlay.angle(twin);
+                outer < PI - STRAIGHT && t.is_flippable(t.edge(**h))
+            };
+            let inner = &fan[1..fan.len().max(2) - 1];
+            let Some(&h) = inner.iter().find(bends_in) else { return };
+            if !self.overlay.flip(t.edge(h)) {
+                return;
+            }
+        }
+    }
+
+    /// The outer rim of the triangles between two edges at a vertex, if it is a shorter way between their other ends that touches nothing; from the
+    /// last one's on where those triangles lie to the left.
+    fn rim_of(
+        &self,
+        b: VertexId,
+        first: EdgeId,
+        last: EdgeId,
+        is_left: bool,
+    ) -> Option<Vec<(VertexId, EdgeId)>> {
+        let t = &self.overlay.triangulation;
+        let fan = self.fan(b, first, last);
+        let rim: Vec<HalfedgeId> = fan[..fan.len() - 1].iter().map(|&h| t.next(h)).collect();
+        let length = |e: EdgeId| self.overlay.length[e.index()];
+        let whole: f64 = rim.iter().map(|&h| length(t.edge(h))).sum();
+        let is_shorter = whole < (1.0 - SHORTER) * (length(first) + length(last));
+        let mut inner: Vec<VertexId> = rim[1..].iter().map(|&h| t.tail(h)).collect();
+        let touches = inner.iter().any(|v| self.is_taken[v.index()]) || rim.iter().any(|&h| !self.is_free(t.edge(h)));
+        inner.sort_unstable_by_key(|v| v.index());
+        let repeats = inner.windows(2).any(|pair| pair[0] == pair[1]);
+        if rim.is_empty() || !is_shorter || touches || repeats {
+            return None;
+        }
+        // It runs from the first edge's other end to the last one's: counter-clockwise about b.
+        Some(match is_left {
+            true => rim.iter().rev().map(|&h| (t.tail(h), t.edge(h))).collect(),
+            false => rim.iter().map(|&h| (t.head(h), t.edge(h))).collect(),
+        })
+    }
+}
+
+/// What was taken out of a triangulation.
+#[derive(Default)]
+pub(super) struct Dead {
+    pub(super) vertices: BTreeSet<VertexId>,
+    pub(super) edges: HashSet<EdgeId>,
+    faces: HashSet<FaceId>,
+}
+
+impl Overlay<'_> {
+    /// The mean length of the edges at each vertex.
+    pub(super) fn spacing(&self) -> Vec<f64> {
+        let t = &self.triangulation;
+        let mut sums = vec![(0.0, 0.0); t.vertex_count()];
+        for e in t.edges() {
+            for v in t.ends(e) {
+                let (sum, count) = &mut sums[v.index()];
+                (*sum, *count) = (*sum + self.length[e.index()], *count + 1.0);
+            }
+        }
+        sums.into_iter().map(|(sum, count)| sum / count).collect()
+    }
+
+    /// The vertex opposite to a side, how far it is from it, and how far from its ends, where it lies beside it.
+    fn beside_side(&self, h: HalfedgeId) -> Option<(VertexId, f64, [f64; 2])> {
+        let t = &self.triangulation;
+        let lengths = [h, t.next(h), t.prev(h)].map(|h| self.length[t.edge(h).index()]);
+        let [_, _, back] = Sides(lengths).unfold();
+        let foot = -back[0];
+        (0.0 < foot && foot < lengths[0]).then(|| (t.tail(t.prev(h)), -back[1], [lengths[2], lengths[1]]))
+    }
+
+    /// Lets paths go through vertices of the input that they nearly go through.
+    pub(super) fn snap(&self, path_of: &mut [Option<u32>], spacing: &[f64]) {
+        let t = &self.triangulation;
+        let mut is_taken = vec![false; t.vertex_count()];
+        let stays = |e: &EdgeId| path_of[e.index()].is_some() || self.held[e.index()].is_some();
+        t.edges().filter(stays).flat_map(|e| t.ends(e)).for_each(|v| is_taken[v.index()] = true);
+        let mut edges: Vec<EdgeId> = t.edges().filter(|e| path_of[e.index()].is_some()).collect();
+        while let Some(e) = edges.pop() {
+            let h = t.halfedge(e);
+            let nearly = [Some(h), t.twin(h)].into_iter().flatten().find_map(|h| {
+                let (v, distance, [a, b]) = self.beside_side(h)?;
+                let is_near = distance < NEARLY_ON * spacing[v.index()] && distance < LEAST_TURN * a.min(b);
+                let is_free = v.index() < self.input.vertex_count() && !is_taken[v.index()];
+                (is_near && is_free).then_some((h, v))
+            });
+            if let Some((h, v)) = nearly {
+                is_taken[v.index()] = true;
+                let number = path_of[e.index()].take();
+                for e in [t.next(h), t.prev(h)].map(|h| t.edge(h)) {
+                    path_of[e.index()] = number;
+                    edges.push(e);
+                }
+            }
+        }
+    }
+
+    /// Vertices that were put in and lie too near to an edge that is held inside the surface, each with one of its edges.
+    pub(super) fn near_held(&self, spacing: &[f64]) -> BTreeMap<VertexId, EdgeId> {
+        let t = &self.triangulation;
+        let held = |e: &EdgeId| self.held[e.index()].is_some();
+        let mut is_taken = vec![false; t.vertex_count()];
+        t.edges().filter(held).flat_map(|e| t.ends(e)).for_each(|v| is_taken[v.index()] = true);
+        let sides = t.edges().filter(held).filter_map(|e| Some([t.halfedge(e), t.twin(t.halfedge(e))?])).flatten();
+        let near = sides.filter_map(|h| {
+            let (v, distance, _) = self.beside_side(h)?;
+            let is_free = v.index() >= self.input.vertex_count() && !is_taken[v.index()];
+            (is_free && distance < NEAR * spacing[v.index()]).then(|| (v, t.edge(t.prev(h))))
+        });
+        near.collect()
+    }
+
+    /// Takes a vertex out that was put in inside the surface, one of whose edges is given; the sides of the triangle that is left. None where it stays.
+    pub(super) fn remove(&mut self, v: VertexId, mut e: EdgeId, dead: &mut Dead) -> Option<[EdgeId; 3]> {
+        if dead.vertices.contains(&v) || dead.edges.contains(&e) {
+            return None;
+        }
+        loop {
+            let t = &self.triangulation;
+            let first = [Some(t.halfedge(e)), t.twin(t.halfedge(e))].into_iter().flatten().find(|&h| t.tail(h) == v)?;
+            let mut ring = vec![first];
+            while let Some(next) = t.twin(t.prev(ring[ring.len() - 1])).filter(|&next| next != first) {
+                ring.push(next);
+            }
+            t.twin(first)?;
+            if ring.len() == 3 {
+                let sides = [0, 1, 2].map(|k| t.edge(t.next(ring[k])));
+                let ends = [0, 1, 2].map(|k| t.head(ring[k]));
+                let are_three = |[a, b, c]: [usize; 3]| a != b && b != c && c != a;
+                if !are_three(sides.map(EdgeId::index)) || !are_three(ends.map(VertexId::index)) || ends.contains(&v) {
+                    return None;
+                }
+                for &h in &ring {
+                    let spoke = t.edge(h);
+                    self.crossings -= self.crossing_count(spoke);
+                    dead.edges.insert(spoke);
+                }
+                dead.faces.extend([t.face(ring[1]), t.face(ring[2])]);
+                dead.vertices.insert(v);
+                self.triangulation.remove(first);
+                return Some(sides);
+            }
+            let is_ear = |&&h: &&HalfedgeId| {
+                let Some(g) = t.twin(h) else { return false };
+                let at_ends = [self.angle(h) + self.angle(t.next(g)), self.angle(g) + self.angle(t.next(h))];
+                let beside = [h, g].map(|h| t.tail(t.prev(h)));
+                t.is_flippable(t.edge(h)) && at_ends.iter().all(|angle| *angle < PI - STRAIGHT) && beside[0] != beside[1]
+            };
+            let at = ring.iter().position(|h| is_ear(&h)).filter(|_| ring.len() > 3)?;
+            e = t.edge(ring[(at + 1) % ring.len()]);
+            let ear = t.edge(ring[at]);
+            if !self.flip(ear) {
+                return None;
+            }
+        }
+    }
+
+    /// Numbers anew what is left; the vertices that are gone.
+    pub(super) fn compact(&mut self, dead: &Dead, path_of: &mut Vec<Option<u32>>) -> Vec<VertexId> {
+        let is_left = |e: usize| !dead.edges.contains(&EdgeId::new(e));
+        self.triangulation.compact(
+            |v| !dead.vertices.contains(&v),
+            |e| is_left(e.index()),
+            |f| !dead.faces.contains(&f),
+        );
+        retain(&mut self.length, is_left);
+        retain(&mut self.trace, is_left);
+        retain(&mut self.held, is_left);
+        retain(path_of, is_left);
+        retain(&mut self.place, |v| !dead.vertices.contains(&VertexId::new(v)));
+        dead.vertices.iter().copied().collect()
+    }
+
+    /// The angle at the tail of a halfedge.
+    fn angle(&self, h: HalfedgeId) -> f64 {
+        self.sides(self.triangulation.face(h)).angle((h.index() + 1) % 3)
+    }
+}
+
+/// Keeps values by their numbers.
+pub(super) fn retain<T>(values: &mut Vec<T>, is_left: impl Fn(usize) -> bool) {
+    let mut number = 0;
+    values.retain(|_| {
+        number += 1;
+        is_left(number - 1)
+    });
+}
