@@ -99,13 +99,14 @@ impl Analysis {
             target: options.cones.wanted(),
             ..self.recipe(flats.iter().map(|flat| (&flat.cones[..], &flat.curvature[..])))
         };
-        let mut curvature_error = 0.0_f64;
+        let (mut curvature_error, mut overlapped) = (0.0_f64, Vec::new());
         let (mut unfolded, mut freed) = (0, 0);
         let mut seam_figures = SeamFigures::default();
         let mut tiling = options.quantize.map(Tiling::none);
         notes.splice(0..0, self.notes().iter().cloned());
         for (component, flat) in self.components().iter().zip(flats) {
             let surface = &component.surface;
+            overlapped.extend(flat.overlapped.iter().map(|&f| (component.index, f)));
             curvature_error = curvature_error.max(flat.error);
             unfolded += usize::from(flat.is_unfolded);
             let figures = SeamFigures::laid_out(surface, &component.metric, &flat.seams, &flat.layout);
@@ -173,6 +174,7 @@ impl Analysis {
             repairs: self.repairs().to_vec(),
             refined: self.found.refined.clone(),
             recipe,
+            overlapped,
         })
     }
 

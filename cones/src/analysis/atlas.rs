@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use geom::{Repair, Surface, Triangles};
+use geom::{FaceId, Repair, Surface, Triangles};
 
 use super::cones::{ChosenNumber, Cone};
 use super::note::Note;
@@ -99,6 +99,8 @@ pub struct Atlas {
     /// The model that the map is of, where that is [another one](crate::Analysis::refined) than was given: vertices, corners and triangles are its.
     pub refined: Option<Arc<RefinedModel>>,
     pub(crate) recipe: Recipe,
+    /// The triangles of components that lay over others before islands were parted.
+    pub(crate) overlapped: Vec<(usize, FaceId)>,
 }
 
 impl Atlas {

@@ -5,14 +5,14 @@
 
 use std::sync::{Arc, OnceLock};
 
-use geom::{EdgeData, EdgeId, FaceId, HalfedgeId, Id, Metric, PoissonError, Surface, VertexData, VertexId, Watch};
+use geom::{EdgeId, FaceId, HalfedgeId, Id, Metric, PoissonError, Surface, VertexData, VertexId, Watch};
 use topo::{Extremum, Kind};
 
 use super::cones::{Cone, Configuration};
 use super::note::Note;
 use super::observer::{Stage, Task, Times};
 use super::options::{ConeChoice, Options, Preparation};
-use super::refined::{OpenedHandles, Ready, Way};
+use super::refined::{OpenedHandles, Ready, Straightened, Way};
 use crate::curvature::{ConeCurvatures, CurvatureError, CurvatureRule, cone_curvatures, least_cones};
 use crate::cut::Symmetry;
 use crate::error::Error;
@@ -56,8 +56,8 @@ pub(crate) struct Component {
     pub(crate) way: Option<Way>,
     /// The handles that were opened.
     pub(crate) handles: OpenedHandles,
-    /// Whether each edge is of a loop that handles are to be opened along, where that is known.
-    loops: Option<Arc<EdgeData<bool>>>,
+    /// The paths that were made straight, as long as no handles are opened.
+    pub(super) straight: Option<Arc<Straightened>>,
     /// The edge lengths in space, mollified where they have to be.
     pub(crate) metric: Metric,
     /// The area in the model's units.
@@ -78,7 +78,7 @@ impl Component {
     /// What is found once of a surface.
     pub(super) fn new(index: usize, ready: Ready, making: Making, task: &Task) -> Result<Self, Error> {
         let Making { preparation, is_finest, is_searched, is_asked_once, .. } = making;
-        let Ready { surface, mut metric, way, handles, loops, shape } = ready;
+        let Ready { surface, mut metric, way, handles, straight, shape } = ready;
         let area = metric.area(&surface.mesh) / surface.scale / surface.scale;
         let mut notes = Vec::new();
         let mut times = Times::default();
@@ -114,7 +114,7 @@ impl Component {
             surface,
             way,
             handles,
-            loops,
+            straight,
             metric,
             area,
             operators: Arc::new(operators),
@@ -130,14 +130,14 @@ impl Component {
     }
 
     /// What is found of another surface of the same shape, made ready in the same way.
-    pub(super) fn of_instance(&self, index: usize, Ready { surface, way, handles, loops, shape, .. }: Ready) -> Self {
+    pub(super) fn of_instance(&self, index: usize, Ready { surface, way, handles, straight, shape, .. }: Ready) -> Self {
         let mut instance = Self {
             index,
             shape,
             surface,
             way,
             handles,
-            loops,
+            straight,
             metric: self.metric.clone(),
             area: self.area,
             operators: Arc::clone(&self.operators),
@@ -165,13 +165,13 @@ impl Component {
 
     /// The surface as it was made ready.
     pub(crate) fn ready(&self) -> Ready {
-        let Self { surface, metric, way, loops, shape, .. } = self;
+        let Self { surface, metric, way, straight, shape, .. } = self;
         Ready {
             surface: surface.clone(),
             metric: metric.clone(),
             way: way.clone(),
             handles: OpenedHandles::default(),
-            loops: loops.clone(),
+            straight: straight.clone(),
             shape: *shape,
         }
     }

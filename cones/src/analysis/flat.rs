@@ -57,6 +57,8 @@ pub(crate) struct Flat {
     pub(crate) fold_overs: Option<FoldOvers>,
     /// The triangles that were detached.
     pub(crate) detached: Vec<FaceId>,
+    /// The triangles that lay over others before islands were parted.
+    pub(crate) overlapped: Vec<FaceId>,
     /// Whether each inner vertex is a cone.
     pub(crate) is_unfolded: bool,
     /// Whether seams became loose so that triangles could be unfolded.
@@ -193,6 +195,7 @@ impl Component {
             quality,
             fold_overs: None,
             detached: Vec::new(),
+            overlapped: Vec::new(),
             is_unfolded: false,
             is_loose: false,
             notes,

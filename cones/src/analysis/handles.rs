@@ -22,8 +22,8 @@ const KNOWN: f64 = 1e-4;
 /// If it is stopped.
 pub(crate) fn open_handles(ready: Ready, watch: Watch) -> Result<Ready, Interrupted> {
     let mut lengths = seam_lengths(&ready.surface, &ready.metric);
-    if let Some(loops) = &ready.loops {
-        lengths.iter_mut().zip(loops.iter()).filter(|(_, is_known)| **is_known).for_each(|(length, _)| *length *= KNOWN);
+    if let Some(straight) = &ready.straight {
+        ready.surface.mesh.edges().filter(|&e| straight.is_loop(e)).for_each(|e| lengths[e] *= KNOWN);
     }
     let Some((island, of_vertex)) = field::open_handles(&ready.surface.mesh, &lengths, watch)? else {
         return Ok(ready);

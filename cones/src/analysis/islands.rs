@@ -104,6 +104,7 @@ impl Component {
             Reseaming::new(mesh, flat, plan, islands == Islands::Pack, share).best(watch)
         })??;
         self.note_overlap(flat, &done.map, &done.left);
+        flat.overlapped = done.overlaps.triangles().into_iter().map(FaceId).collect();
         if done.map.cut == flat.seams.cut {
             flat.notes.extend(self.note_avoided(plan, &flat.seams));
             return Ok(());

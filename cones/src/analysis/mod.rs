@@ -270,7 +270,7 @@ impl Analysis {
                 })?;
                 let (making, sizing) = (analysis.found.making, analysis.found.sizing.clone());
                 let (analysis, mut atlas) = analysis.or_straight(atlas, options, |paths| {
-                    Self::made(model, making, (&named, sizing, &paths), observer.clone())
+                    Self::made(model, making, (&named, sizing.clone(), paths), observer.clone())
                 })?;
                 if analysis.found.making.is_finest || atlas.recipe.is_straight {
                     atlas.recipe.refined_for = Some(Box::new(options.cones.clone()));

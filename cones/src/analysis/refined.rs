@@ -10,7 +10,7 @@ use std::sync::Arc;
 
 use geom::{
     CommonRefinement, EdgeData, EdgeId, EdgeRoles, FaceData, FaceId, HalfedgeData, HalfedgeId, Id, Intrinsic, Mesh,
-    MeshError, Metric, Model, OpenedIsland, Prepared, Refinement, Surface, SurfacePoint, TriangleSize, Triangles,
+    MeshError, Metric, Model, OpenedIsland, Prepared, Refinement, StraightPath, Surface, SurfacePoint, TriangleSize, Triangles,
     Triangulation, VertexId, Watch, angle_defects, delaunay, planar_edges, refine_watched,
 };
 use rayon::prelude::*;
@@ -240,15 +240,15 @@ pub(crate) struct Ready {
     pub(crate) way: Option<Way>,
     /// The handles that were opened.
     pub(crate) handles: OpenedHandles,
-    /// Whether each edge is of a loop that handles are to be opened along, where that is known.
-    pub(crate) loops: Option<Arc<EdgeData<bool>>>,
+    /// The paths that were made straight.
+    pub(crate) straight: Option<Arc<Straightened>>,
     /// The number of the first surface that is of the same shape, and was made ready in the same way.
     pub(crate) shape: usize,
 }
 
 impl Ready {
     pub(crate) fn as_it_is(surface: Surface, shape: usize) -> Self {
-        Self { metric: surface.metric(), surface, way: None, handles: OpenedHandles::default(), loops: None, shape }
+        Self { metric: surface.metric(), surface, way: None, handles: OpenedHandles::default(), straight: None, shape }
     }
 
     /// An island of it, opened along some of its edges, in the same units.
@@ -268,7 +268,7 @@ impl Ready {
             mesh,
         };
         let lengths = edge_before.iter().map(|&e| self.metric.length(e)).collect();
-        Self { metric: Metric::new(lengths), surface, way, handles: OpenedHandles::default(), loops: None, shape }
+        Self { metric: Metric::new(lengths), surface, way, handles: OpenedHandles::default(), straight: None, shape }
     }
 
     /// The same, the longest side of its box 1.
@@ -341,9 +341,24 @@ pub(crate) struct HowRefined<'a> {
 /// Paths along edges of a refined surface that are to be straight.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct StraightPaths {
-    pub(crate) paths: Vec<Vec<HalfedgeId>>,
+    pub(crate) paths: Vec<StraightPath>,
     /// Whether each is of a loop that a handle is opened along.
     pub(crate) is_loop: Vec<bool>,
+}
+
+/// Paths of a surface that were made straight.
+#[derive(Debug)]
+pub(crate) struct Straightened {
+    /// The path that each edge is of.
+    pub(crate) path: EdgeData<Option<u32>>,
+    is_loop: Vec<bool>,
+}
+
+impl Straightened {
+    /// Whether an edge is of a loop that a handle is opened along.
+    pub(crate) fn is_loop(&self, e: EdgeId) -> bool {
+        self.path[e].is_some_and(|path| self.is_loop[path as usize])
+    }
 }
 
 /// Refines the surfaces of a model, but none that is flat where needles alone ask for it or where it is small; what was prepared becomes that of the refined
@@ -565,11 +580,11 @@ impl Growing {
                 }
             }
         }
-        let is_loop = |path: &Option<u32>| path.is_some_and(|path| straight.is_loop[path as usize]);
-        let loops = straight.is_loop.contains(&true).then(|| Arc::new(path.iter().map(is_loop).collect()));
-        for (e, _) in path.iter_ids().filter(|(_, path)| path.is_some() && !is_loop(path)) {
+        let straight = Straightened { path, is_loop: straight.is_loop.clone() };
+        for e in triangulation.edges().filter(|&e| straight.path[e].is_some() && !straight.is_loop(e)) {
             self.straight.push(triangulation.ends(e).map(|v| vertex[v.index()]));
         }
+        let straight = Some(Arc::new(straight)).filter(|straight| !straight.is_loop.is_empty());
         let first = self.triangles.len() as u32;
         let triangle = (first..first + common.triangles.len() as u32).collect();
         // A triangle that was turned so that the surface is oriented is written as it was.
@@ -604,7 +619,7 @@ impl Growing {
             mesh,
         };
         let way = Some(Way { whole: Arc::new(whole), before: None });
-        Ready { surface, metric, way, handles: OpenedHandles::default(), loops, shape }
+        Ready { surface, metric, way, handles: OpenedHandles::default(), straight, shape }
     }
 }
 

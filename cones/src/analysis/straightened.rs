@@ -3,16 +3,17 @@
 //! Seams run along edges, and even triangles have none that go straight on. Once there is a map, its seams are made geodesics, which the model is refined
 //! with once more, and flattened with the same cones: so seams are as straight as the surface lets them be, and what they cut is the same.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 use geom::vector::{angle, normal};
-use geom::{EdgeData, EdgeId, HalfedgeId, Mesh, VertexData, VertexId, edges_at};
+use geom::{EdgeData, EdgeId, FaceId, HalfedgeId, Mesh, StraightPath, VertexData, VertexId, edges_at};
 
 use super::Analysis;
 use super::atlas::Atlas;
 use super::component::{Component, OnSurface};
 use super::finer::{Distortion, MOST_VERTICES};
 use super::note::Note;
+use super::observer::Times;
 use super::options::{ConeChoice, Options, Recipe};
 use super::refined::StraightPaths;
 use crate::cut::ascending;
@@ -20,6 +21,8 @@ use crate::error::Error;
 
 /// Seams stay where they are along edges that bend by more than this.
 const SHARP: f64 = 30.0 * std::f64::consts::PI / 180.0;
+/// So often at most is a map made with straight seams: with all, with others than those in the way, with none of components where some are.
+const ROUNDS: usize = 3;
 /// Distortions may become larger by this share: triangles are others.
 const AS_GOOD: f64 = 1.005;
 
@@ -34,30 +37,86 @@ impl Analysis {
     /// The analysis and its map, or those of the same model refined so that seams are straight. `made` takes what is to be straight on each surface.
     pub(super) fn or_straight(
         self,
-        atlas: Atlas,
+        mut atlas: Atlas,
         options: &Options,
-        made: impl FnOnce(Vec<StraightPaths>) -> Result<Self, Error>,
+        made: impl Fn(&[StraightPaths]) -> Result<Self, Error>,
     ) -> Result<(Self, Atlas), Error> {
-        let paths = self.straight_paths(&atlas, options);
-        let Some(paths) = paths.filter(|paths| paths.iter().any(StraightPaths::are_worth_it)) else {
-            return Ok((self, atlas));
-        };
-        let mapped = made(paths).and_then(|other| Ok((self.mapped_straight(&other, &atlas, options)?, other)));
-        match mapped {
-            // Else its triangles may be any.
-            Ok((mut map, other)) if other.refined().is_some_and(|refined| refined.is_complete) && self.is_as_good(&atlas, (&other, &map)) => {
-                [self.times(), atlas.times].into_iter().for_each(|times| map.times += times);
-                Ok((other, map))
+        let Some(mut paths) = self.straight_paths(&atlas, options) else { return Ok((self, atlas)) };
+        let mut tried = Times::default();
+        for round in 0..ROUNDS {
+            if !paths.iter().any(StraightPaths::are_worth_it) {
+                break;
             }
-            Err(Error::Interrupted) => Err(Error::Interrupted),
-            other => {
-                let mut atlas = atlas;
-                if let Ok((map, other)) = other {
-                    [other.times(), map.times].into_iter().for_each(|times| atlas.times += times);
-                }
-                Ok((self, atlas))
+            let other = match made(&paths) {
+                Err(Error::Interrupted) => return Err(Error::Interrupted),
+                // Where refining did not end triangles may be any.
+                Ok(other) if other.refined().is_some_and(|refined| refined.is_complete) => other,
+                _ => break,
+            };
+            tried += other.times();
+            let mut map = match self.mapped_straight(&other, &atlas, options) {
+                Err(Error::Interrupted) => return Err(Error::Interrupted),
+                Err(_) => break,
+                Ok(map) => map,
+            };
+            let in_pieces = self.more_in_pieces(&atlas, (&other, &map));
+            if self.is_as_good(&atlas, (&other, &map)) && in_pieces.is_empty() {
+                [self.times(), tried, atlas.times].into_iter().for_each(|times| map.times += times);
+                return Ok((other, map));
+            }
+            tried += map.times;
+            // What is in the way stays as it is: seams beside overlaps, then all of the component; or the loops of handles.
+            let before = paths.clone();
+            for &part in &in_pieces {
+                let near = if round == 0 { other.paths_near_overlaps(part, &map) } else { HashSet::new() };
+                paths[part] = paths[part].left(|path| near.is_empty() || near.contains(&path));
+            }
+            if in_pieces.is_empty() {
+                paths.iter_mut().for_each(|paths| *paths = paths.left(|path| paths.is_loop[path]));
+            }
+            if paths == before {
+                break;
             }
         }
+        atlas.times += tried;
+        Ok((self, atlas))
+    }
+
+    /// The components that are on more islands on another map.
+    fn more_in_pieces(&self, before: &Atlas, (other, after): (&Self, &Atlas)) -> Vec<usize> {
+        let counts = [(self, before), (other, after)].map(|(analysis, atlas)| {
+            let mut islands = vec![HashSet::new(); analysis.components().len()];
+            for (part, island) in analysis.triangle_components().into_iter().zip(&atlas.islands) {
+                if let (Some(part), Some(island)) = (part, island) {
+                    islands[part].insert(*island);
+                }
+            }
+            islands
+        });
+        (0..counts[0].len()).filter(|&part| counts[1][part].len() > counts[0][part].len()).collect()
+    }
+
+    /// The paths of a component that are nearest to what lay over itself before islands were parted.
+    fn paths_near_overlaps(&self, part: usize, atlas: &Atlas) -> HashSet<usize> {
+        let component = &self.components()[part];
+        let Some(straight) = &component.straight else { return HashSet::new() };
+        let mesh = &component.surface.mesh;
+        let mut near = HashSet::new();
+        for &(_, first) in atlas.overlapped.iter().filter(|(of, _)| *of == part) {
+            let (mut ring, mut seen) = (vec![first], HashSet::from([first]));
+            loop {
+                let sides = || ring.iter().flat_map(|&f| mesh.sides(f));
+                let found: Vec<u32> = sides().filter_map(|h| straight.path[mesh.edge(h)]).collect();
+                let next: Vec<FaceId> =
+                    sides().filter_map(|h| mesh.twin(h)).map(|h| mesh.face(h)).filter(|f| seen.insert(*f)).collect();
+                if !found.is_empty() || next.is_empty() {
+                    near.extend(found.into_iter().map(|path| path as usize));
+                    break;
+                }
+                ring = next;
+            }
+        }
+        near
     }
 
     /// What is to be straight of the seams of a map, on each component; none where seams are to stay as they are.
@@ -139,14 +198,19 @@ impl Analysis {
         let cones: Vec<(Vec<VertexId>, Vec<f64>)> = on.iter().enumerate().map(of_part).collect();
         let opened = self.parts_of(&atlas.recipe.opened);
         let opened = other.components().iter().filter(|component| opened.contains(&component.index));
-        let recipe = Recipe {
+        let mut recipe = Recipe {
             opened: opened.map(|component| other.first_face(component)).collect(),
             is_straight: true,
             target: atlas.recipe.target,
             ..other.recipe(cones.iter().map(|(vertices, curvatures)| (&vertices[..], &curvatures[..])))
         };
+        if !recipe.opened.is_empty() && options.quantize.is_none() && !options.gives_curvatures() {
+            // Loops along geodesics are others, and what is best for their cones.
+            recipe.cones.iter_mut().for_each(|cone| cone.curvature = None);
+        }
         let options = Options { cones: ConeChoice::Recipe(Box::new(recipe)), ..options.clone() };
         let mut map = other.atlas(&options)?;
+        map.recipe.is_straight = true;
         let mut number: HashMap<u32, u32> = HashMap::new();
         for (part, (one, other)) in self.components().iter().zip(other.components()).enumerate() {
             let vertices = one.surface.vertex.iter_ids();
@@ -168,13 +232,11 @@ impl Analysis {
 
     /// Whether a map with straight seams is as good as the one before.
     fn is_as_good(&self, before: &Atlas, (other, after): (&Self, &Atlas)) -> bool {
-        let is_whole = after.detached.is_empty() && after.unfolded == 0 && after.freed == 0;
         let overlaps = |atlas: &Atlas| atlas.notes.iter().any(|note| matches!(note, Note::Overlap { .. }));
-        let same = after.island_count() <= before.island_count()
-            && after.opened_handles == before.opened_handles
-            && (overlaps(before) || !overlaps(after));
+        let is_whole = after.detached.is_empty() && after.unfolded == 0 && after.freed == 0;
+        let is_alike = after.opened_handles == before.opened_handles && (overlaps(before) || !overlaps(after));
         let measures = [self.measures(before), other.measures(after)].map(|measured| Some(Distortion::of(&measured?)));
-        if let [Some(a), Some(b)] = &measures {
+        if let [Some(a), Some(b)] = &measures && std::env::var("STRAIGHT").is_ok() {
             eprintln!(
                 "STRAIGHT isl {} {} D {:.4} {:.4} qc {:.4} {:.4} len {:.3} {:.3} turn {:.2} {:.2} sharp {:.3} {:.3} verts {} {} fill {:.3} {:.3} whole {is_whole} ovl {} {} T {:.2} {:.2} loops {} {} notes {:?}",
                 before.island_count(), after.island_count(), a.areas, b.areas, a.angles, b.angles,
@@ -183,20 +245,28 @@ impl Analysis {
                 (self.times().total()+before.times.total()).as_secs_f64(), (other.times().total()+after.times.total()).as_secs_f64(), before.opened_handles, after.opened_handles, after.notes.iter().filter(|n| !before.notes.contains(n)).collect::<Vec<_>>(),
             );
         }
-        let is_no_worse = match measures {
-            [Some(before), Some(after)] => {
-                after.areas <= AS_GOOD * before.areas && after.angles <= AS_GOOD * before.angles
-            }
-            _ => false,
-        };
-        is_whole && same && is_no_worse
+        let [Some(distorted), Some(now)] = measures else { return false };
+        let is_no_worse = now.areas <= AS_GOOD * distorted.areas && now.angles <= AS_GOOD * distorted.angles;
+        is_whole && is_alike && is_no_worse && after.seam_figures.turning < before.seam_figures.turning
     }
 }
 
 impl StraightPaths {
     /// Whether some path can become straighter.
     fn are_worth_it(&self) -> bool {
-        self.paths.iter().any(|path| path.len() > 1)
+        self.paths.iter().any(|path| path.halfedges.len() > 1)
+    }
+
+    /// The same, some of them left as they are: edge by edge.
+    fn left(&self, is_left: impl Fn(usize) -> bool) -> Self {
+        let mut left = Self::default();
+        for (number, (path, &is_loop)) in self.paths.iter().zip(&self.is_loop).enumerate() {
+            let edges = || path.halfedges.iter().map(|&h| StraightPath { halfedges: vec![h], may_slide: false });
+            let parts: Vec<StraightPath> = if is_left(number) { edges().collect() } else { vec![path.clone()] };
+            left.is_loop.resize(left.is_loop.len() + parts.len(), is_loop);
+            left.paths.extend(parts);
+        }
+        left
     }
 
     /// Seams of a surface as paths between cones, the boundary and the places where they meet or become sharp.
@@ -227,8 +297,10 @@ impl StraightPaths {
                     path.push(next);
                     head = mesh.head(next);
                 }
-                found.is_loop.push(seams[mesh.edge(first)].is_some_and(|edge| edge.is_loop));
-                found.paths.push(path);
+                let is_loop = seams[mesh.edge(first)].is_some_and(|edge| edge.is_loop);
+                found.is_loop.push(is_loop);
+                // A loop is to stay closed.
+                found.paths.push(StraightPath { halfedges: path, may_slide: !is_loop });
             }
         }
         found

@@ -23,6 +23,8 @@ const NARROW: f64 = PI / 3.0;
 const MOST_PER_VERTEX: usize = 20;
 /// See [`MOST_PER_VERTEX`].
 const SPARE: usize = 10_000;
+/// Beside paths so many may be put in for each two that are there, and so many besides.
+const SPARE_BESIDE_PATHS: usize = 500;
 /// So many times edges may cross those of the input for each of the input's vertices, and [`SPARE_CROSSINGS`] besides. Before vertices are put in
 /// the needles of `thingi79741` take 286; a sphere stretched by 10⁶, whose 642 vertices are crossed 3 million times at the cap, took 3.7 GB.
 const MOST_CROSSINGS_PER_VERTEX: usize = 1000;
@@ -100,9 +102,18 @@ pub struct EdgeRoles<'a> {
     /// These stay edges, if need be in several parts: nothing crosses them. Where two of them, or one and the boundary, are less than 60° apart,
     /// triangles between them may be as narrow.
     pub held: Option<&'a EdgeData<bool>>,
-    /// Paths along edges of the triangulation that there would be without them, which are made straight: geodesics between their ends, or as near to that as
-    /// comes without one touching another, itself or the boundary. They are held then. Those of one edge stay where they are. An end is to be inside no path.
-    pub straight: &'a [Vec<HalfedgeId>],
+    /// These are made straight, and held then. An end of one is to be inside no other.
+    pub straight: &'a [StraightPath],
+}
+
+/// A path that is made straight: a geodesic between its ends, or as near to that as comes without touching another one, itself or the boundary. One of one
+/// edge stays where it is.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct StraightPath {
+    /// Its edges, one after the other, in the triangulation that there would be without any of them.
+    pub halfedges: Vec<HalfedgeId>,
+    /// Whether it may end farther along another one instead, where it leaves that at less than 30° and a third one, or more, ends at the same place.
+    pub may_slide: bool,
 }
 
 /// Refines a surface until its triangles are even, and no larger than they may be. At most 20 vertices are put in for each of the input's, and
@@ -142,15 +153,10 @@ pub fn refine_watched(
     let mut is_complete = chew.run(most, watch.within(0.2, 0.5))?;
     let (mut path_of, mut removed) = (None, Vec::new());
     if !straight.is_empty() && is_complete {
-        let n0 = chew.overlay.triangulation.vertex_count();
-        let made = chew.straighten(straight, watch.within(0.5, 0.65))?;
-        eprintln!("REMOVED {}", made.1.len());
-        (path_of, removed) = (Some(made.0), made.1);
-        let c0 = chew.overlay.crossings;
-        let mins = chew.overlay.length.iter().copied().fold(f64::INFINITY, f64::min);
+        let (of_edge, taken) = chew.straighten(straight, watch.within(0.5, 0.65))?;
+        (path_of, removed) = (Some(of_edge), taken);
+        let most = chew.overlay.triangulation.vertex_count() / 2 + SPARE_BESIDE_PATHS;
         is_complete = chew.run(most, watch.within(0.65, 0.7))?;
-        let mins2 = chew.overlay.length.iter().copied().fold(f64::INFINITY, f64::min);
-        eprintln!("INTR {} input {} -> {} crossings {c0} {} min {mins:.2e} {mins2:.2e} narrow {} left {}", input.vertex_count(), n0, chew.overlay.triangulation.vertex_count(), chew.overlay.crossings, chew.sectors.narrow.len(), chew.overlay.input.vertex_count());
     }
     let is_astray = chew.is_astray();
     let mut overlay = chew.overlay;
@@ -248,14 +254,23 @@ impl<'a> Chew<'a> {
     /// paths.
     fn straighten(
         &mut self,
-        paths: &[Vec<HalfedgeId>],
+        paths: &[StraightPath],
         watch: Watch,
     ) -> Result<(EdgeData<Option<u32>>, Vec<VertexId>), Interrupted> {
         let spacing = self.overlay.spacing();
         let mut was_held: Vec<bool> = self.overlay.held.iter().map(Option::is_some).collect();
-        let mut straight = Straight::new(&mut self.overlay, paths);
-        straight.straighten(paths, watch.within(0.0, 0.5))?;
-        let mut path_of = straight.path_of;
+        let mut stays = vec![false; paths.len()];
+        let mut path_of = loop {
+            let begun = self.overlay.clone();
+            let mut straight = Straight::new(&mut self.overlay, paths, &stays);
+            straight.straighten(watch.within(0.0, 0.5))?;
+            let too_narrow = straight.too_narrow(paths);
+            if too_narrow.is_empty() {
+                break straight.path_of;
+            }
+            self.overlay = begun;
+            too_narrow.into_iter().for_each(|number| stays[number] = true);
+        };
         self.hold(&path_of, &was_held);
         self.flip_all(watch.within(0.5, 0.6))?;
         self.overlay.snap(&mut path_of, &spacing);

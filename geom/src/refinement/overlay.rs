@@ -35,6 +35,7 @@ impl Trace {
 }
 
 /// See the module's head.
+#[derive(Clone)]
 pub(super) struct Overlay<'a> {
     pub(super) input: &'a Triangulation,
     pub(super) triangulation: Triangulation,

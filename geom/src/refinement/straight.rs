@@ -7,6 +7,7 @@
 use std::collections::{BTreeMap, BTreeSet, HashSet};
 use std::f64::consts::PI;
 
+use super::chew::StraightPath;
 use super::overlay::Overlay;
 use crate::intrinsic::Sides;
 use crate::mesh::{EdgeId, FaceId, HalfedgeId, Id, VertexId};
@@ -14,6 +15,12 @@ use crate::watch::{Interrupted, Watch};
 
 /// Angles this near to π are straight.
 const STRAIGHT: f64 = 1e-6;
+/// A path that leaves another one at a narrower angle than this begins farther along that: 30°.
+const NARROW_SECTOR: f64 = PI / 6.0;
+/// One that leaves another one at a narrower angle than this stays as it was: 3°.
+const LEAST_SECTOR: f64 = PI / 60.0;
+/// So many times at most, of all paths.
+const MOST_SLIDES: usize = 1000;
 /// A rim that is no shorter than by this share is none that rounding could not have found.
 const SHORTER: f64 = 1e-12;
 /// So many times each edge of a path may be replaced, on average: each time it becomes shorter, but who knows how often.
@@ -31,47 +38,73 @@ pub(super) struct Straight<'a, 'b> {
     overlay: &'a mut Overlay<'b>,
     /// The path that each edge is part of.
     pub(super) path_of: Vec<Option<u32>>,
+    /// The vertices of each, with the edge to it from the one before.
+    ways: Vec<Vec<(VertexId, EdgeId)>>,
     /// Whether a vertex is on a path, or on what stays an edge.
     is_taken: Vec<bool>,
+    /// Whether another path ends at a vertex of a path.
+    is_joint: Vec<bool>,
+    may_slide: Vec<bool>,
+    /// Whether a path stays as it is.
+    stays: Vec<bool>,
 }
 
 impl<'a, 'b> Straight<'a, 'b> {
     /// Paths whose ends are to be no vertices inside others.
-    pub(super) fn new(overlay: &'a mut Overlay<'b>, paths: &[Vec<HalfedgeId>]) -> Self {
+    pub(super) fn new(overlay: &'a mut Overlay<'b>, paths: &[StraightPath], stays: &[bool]) -> Self {
         let t = &overlay.triangulation;
+        let way = |path: &StraightPath| {
+            let path = &path.halfedges;
+            let first = path.first().map(|&h| (t.tail(h), t.edge(h)));
+            first.into_iter().chain(path.iter().map(|&h| (t.head(h), t.edge(h)))).collect()
+        };
+        let ways = paths.iter().map(way).collect();
         let mut path_of = vec![None; t.edge_count()];
         for (number, path) in (0..).zip(paths) {
-            path.iter().for_each(|&h| path_of[t.edge(h).index()] = Some(number));
+            path.halfedges.iter().for_each(|&h| path_of[t.edge(h).index()] = Some(number));
         }
         let mut is_taken = vec![false; t.vertex_count()];
-        let stays = |e: &EdgeId| path_of[e.index()].is_some() || overlay.held[e.index()].is_some();
-        t.edges().filter(stays).flat_map(|e| t.ends(e)).for_each(|v| is_taken[v.index()] = true);
-        Self { overlay, path_of, is_taken }
+        let is_fixed = |e: &EdgeId| path_of[e.index()].is_some() || overlay.held[e.index()].is_some();
+        t.edges().filter(is_fixed).flat_map(|e| t.ends(e)).for_each(|v| is_taken[v.index()] = true);
+        let is_joint = vec![false; t.vertex_count()];
+        let may_slide = paths.iter().map(|path| path.may_slide).collect();
+        Self { overlay, path_of, ways, is_taken, is_joint, may_slide, stays: stays.to_vec() }
     }
 
     /// Makes them straight. Those of one edge stay as they are.
     ///
     /// # Errors
     /// If it is stopped.
-    pub(super) fn straighten(&mut self, paths: &[Vec<HalfedgeId>], watch: Watch) -> Result<(), Interrupted> {
-        for (number, path) in (0..).zip(paths) {
-            watch.ask(f64::from(number) / paths.len() as f64)?;
-            self.path(number, path);
+    pub(super) fn straighten(&mut self, watch: Watch) -> Result<(), Interrupted> {
+        let count = self.ways.len() as u32;
+        let are_turned = |number: &u32| !self.stays[*number as usize] && self.ways[*number as usize].len() > 2;
+        let turned_ones: Vec<u32> = (0..count).filter(are_turned).collect();
+        for &number in &turned_ones {
+            watch.ask(f64::from(number) / f64::from(count))?;
+            self.path(number);
+        }
+        let mut slides_left = MOST_SLIDES;
+        for number in turned_ones.into_iter().filter(|&number| self.may_slide[number as usize]).collect::<Vec<_>>() {
+            watch.ask(1.0)?;
+            for _ in 0..2 {
+                while slides_left > 0 && self.slide(number) {
+                    slides_left -= 1;
+                    self.path(number);
+                }
+                self.ways[number as usize] = turned(&self.ways[number as usize]);
+            }
         }
         Ok(())
     }
 
-    fn path(&mut self, number: u32, path: &[HalfedgeId]) {
-        let t = &self.overlay.triangulation;
-        let Some(&first) = path.first() else { return };
-        // The vertices, and the edge to each from the one before.
-        let mut way: Vec<(VertexId, EdgeId)> = vec![(t.tail(first), t.edge(first))];
-        way.extend(path.iter().map(|&h| (t.head(h), t.edge(h))));
-        let mut turns_left = MOST_TURNS * path.len();
+    fn path(&mut self, number: u32) {
+        let mut way = std::mem::take(&mut self.ways[number as usize]);
+        let mut turns_left = MOST_TURNS * way.len();
         let mut k = 1;
         while k + 1 < way.len() && turns_left > 0 {
             let [(a, _), (b, before), (c, after)] = [way[k - 1], way[k], way[k + 1]];
-            match self.rim((a, b, c), [before, after]) {
+            let rim = if self.is_joint[b.index()] { None } else { self.rim((a, b, c), [before, after]) };
+            match rim {
                 Some(rim) => {
                     turns_left -= 1;
                     self.is_taken[b.index()] = false;
@@ -84,6 +117,85 @@ impl<'a, 'b> Straight<'a, 'b> {
                     k = k.saturating_sub(1).max(1);
                 }
                 None => k += 1,
+            }
+        }
+        self.ways[number as usize] = way;
+    }
+
+    /// The paths that were made straight and leave another one, or what stays an edge, at so narrow an angle that no even triangles fit between.
+    pub(super) fn too_narrow(&self, paths: &[StraightPath]) -> Vec<usize> {
+        let is_narrow = |way: &[(VertexId, EdgeId)]| {
+            let t = &self.overlay.triangulation;
+            let h = t.halfedge(way[1].1);
+            let out = if t.tail(h) == way[0].0 { Some(h) } else { t.twin(h) };
+            let sectors = [true, false].map(|is_left| self.next_held(out?, is_left));
+            sectors.into_iter().flatten().any(|(angle, _)| angle < LEAST_SECTOR)
+        };
+        let is_too_narrow = |&number: &usize| {
+            let way = &self.ways[number];
+            let is_straightened = !self.stays[number] && paths[number].halfedges.len() > 1;
+            is_straightened && (is_narrow(way) || is_narrow(&turned(way)))
+        };
+        (0..paths.len()).filter(is_too_narrow).collect()
+    }
+
+    /// Lets a path begin farther along another one, or what stays an edge, where it leaves that at a narrow angle; whether it does.
+    fn slide(&mut self, number: u32) -> bool {
+        let way = &self.ways[number as usize];
+        let ((a, _), (x, e)) = (way[0], way[1]);
+        let t = &self.overlay.triangulation;
+        let h = t.halfedge(e);
+        let out = if t.tail(h) == a { Some(h) } else { t.twin(h) };
+        let Some(out) = out.filter(|_| a != x) else { return false };
+        let [left, right] = [self.next_held(out, true), self.next_held(out, false)];
+        // Else the vertex is the end of the other one, too, and would be left behind.
+        let is_left_to_others = match (&left, &right) {
+            (Some((_, one)), Some((_, other))) => t.edge(*one) != t.edge(*other),
+            _ => false,
+        };
+        let nearest = [(left, true), (right, false)].into_iter().filter_map(|(next, is_left)| Some((next?, is_left)));
+        let nearest = nearest.min_by(|((one, _), _), ((other, _), _)| one.total_cmp(other));
+        let Some(((angle, spoke), is_left)) = nearest.filter(|_| is_left_to_others) else { return false };
+        let (b, along) = (t.head(spoke), t.edge(spoke));
+        if angle >= NARROW_SECTOR || b == x || b == a {
+            return false;
+        }
+        let (first, last) = if is_left { (e, along) } else { (along, e) };
+        self.flip_between(a, first, last);
+        let is_shorter = |rim: &Vec<(VertexId, EdgeId)>| {
+            let length = |e: EdgeId| self.overlay.length[e.index()];
+            rim.iter().map(|&(_, e)| length(e)).sum::<f64>() < (1.0 - SHORTER) * length(e)
+        };
+        let Some(rim) = self.rim_of(a, first, last, is_left).filter(is_shorter) else { return false };
+        self.path_of[e.index()] = None;
+        for &(v, e) in &rim {
+            self.path_of[e.index()] = Some(number);
+            self.is_taken[v.index()] = true;
+        }
+        self.is_joint[b.index()] = true;
+        let way = &mut self.ways[number as usize];
+        way[0] = (b, rim[0].1);
+        way.splice(1..2, rim);
+        true
+    }
+
+    /// The next halfedge with the same tail whose edge stays, counter-clockwise or clockwise, and how far round it is; none beyond the boundary.
+    fn next_held(&self, from: HalfedgeId, is_left: bool) -> Option<(f64, HalfedgeId)> {
+        let t = &self.overlay.triangulation;
+        let (mut h, mut angle) = (from, 0.0);
+        loop {
+            if is_left {
+                angle += self.overlay.angle(h);
+                h = t.twin(t.prev(h))?;
+            } else {
+                h = t.next(t.twin(h)?);
+                angle += self.overlay.angle(h);
+            }
+            if h == from {
+                return None;
+            }
+            if !self.is_free(t.edge(h)) {
+                return Some((angle, h));
             }
         }
     }
@@ -191,6 +303,13 @@ impl<'a, 'b> Straight<'a, 'b> {
             false => rim.iter().map(|&h| (t.head(h), t.edge(h))).collect(),
         })
     }
+}
+
+/// A way the other way round.
+fn turned(way: &[(VertexId, EdgeId)]) -> Vec<(VertexId, EdgeId)> {
+    let edges = way.iter().skip(1).map(|&(_, e)| e).rev();
+    let edges = way.last().map(|&(_, e)| e).into_iter().chain(edges);
+    way.iter().rev().map(|&(v, _)| v).zip(edges).collect()
 }
 
 /// What was taken out of a triangulation.
