@@ -126,6 +126,7 @@ fn say(words: &[&str], recipe: &mut Recipe) -> Option<()> {
         ["neck", vertices @ ..] if vertices.len() > 1 => recipe.necks.push(numbers(vertices)?),
         ["welded"] => recipe.welded = true,
         ["charts"] => recipe.charts = true,
+        ["straight"] => recipe.straight = true,
         ["freed", faces @ ..] => recipe.freed.extend(numbers::<u32>(faces)?),
         ["target", target] => recipe.target = Some(target.parse().ok().filter(|target: &f64| *target >= 1.0)?),
         ["refined-for", choice @ ..] => recipe.refined_for = Some(Box::new(chosen(choice)?)),
@@ -173,7 +174,8 @@ pub(crate) fn text(recipe: &Recipe) -> String {
     say("opened", &recipe.opened);
     recipe.necks.iter().for_each(|neck| say("neck", neck));
     say("freed", &recipe.freed);
-    for (word, _) in [("welded", recipe.welded), ("charts", recipe.charts)].iter().filter(|(_, is_so)| *is_so) {
+    let words_alone = [("welded", recipe.welded), ("charts", recipe.charts), ("straight", recipe.straight)];
+    for (word, _) in words_alone.iter().filter(|(_, is_so)| *is_so) {
         let _ = writeln!(text, "#: {word}");
     }
     if let Some(target) = recipe.target {
@@ -227,11 +229,12 @@ mod tests {
             necks: vec![vec![1, 2, 3, 1], vec![7, 8]],
             welded: true,
             charts: true,
+            straight: true,
             freed: vec![6],
             target: Some(1.1),
             refined_for: Some(Box::new(ConeChoice::Count(7))),
         };
-        assert_eq!(parse(&text(&recipe)).unwrap(), (recipe, vec![11, 12]));
+        assert_eq!(parse(&text(&recipe)).unwrap(), (recipe, vec![12, 13]));
         let none = Recipe { vertices: Some(4), ..Recipe::default() };
         assert_eq!(parse(&text(&none)).unwrap(), (none, vec![]));
     }

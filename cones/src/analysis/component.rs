@@ -130,7 +130,11 @@ impl Component {
     }
 
     /// What is found of another surface of the same shape, made ready in the same way.
-    pub(super) fn of_instance(&self, index: usize, Ready { surface, way, handles, straight, shape, .. }: Ready) -> Self {
+    pub(super) fn of_instance(
+        &self,
+        index: usize,
+        Ready { surface, way, handles, straight, shape, .. }: Ready,
+    ) -> Self {
         let mut instance = Self {
             index,
             shape,

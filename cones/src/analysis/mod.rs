@@ -272,7 +272,7 @@ impl Analysis {
                 let (analysis, mut atlas) = analysis.or_straight(atlas, options, |paths| {
                     Self::made(model, making, (&named, sizing.clone(), paths), observer.clone())
                 })?;
-                if analysis.found.making.is_finest || atlas.recipe.is_straight {
+                if analysis.found.making.is_finest || atlas.recipe.straight {
                     atlas.recipe.refined_for = Some(Box::new(options.cones.clone()));
                 }
                 Ok((analysis, atlas))

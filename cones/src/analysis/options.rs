@@ -200,8 +200,8 @@ pub struct Recipe {
     pub welded: bool,
     /// Whether the surface was opened along the seams that were given, and each chart flattened for itself.
     pub charts: bool,
-    /// Whether the model was refined so that seams are straight, which are known then.
-    pub is_straight: bool,
+    /// Whether seams are those that the model was refined for so that they are straight.
+    pub straight: bool,
     /// A face of each part whose seams were set free since areas came out worse than was asked for and predicted.
     pub freed: Vec<u32>,
     /// The area distortion that was asked for, if one was.

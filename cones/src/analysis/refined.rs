@@ -10,8 +10,8 @@ use std::sync::Arc;
 
 use geom::{
     CommonRefinement, EdgeData, EdgeId, EdgeRoles, FaceData, FaceId, HalfedgeData, HalfedgeId, Id, Intrinsic, Mesh,
-    MeshError, Metric, Model, OpenedIsland, Prepared, Refinement, StraightPath, Surface, SurfacePoint, TriangleSize, Triangles,
-    Triangulation, VertexId, Watch, angle_defects, delaunay, planar_edges, refine_watched,
+    MeshError, Metric, Model, OpenedIsland, Prepared, Refinement, StraightPath, Surface, SurfacePoint, TriangleSize,
+    Triangles, Triangulation, VertexId, Watch, angle_defects, delaunay, planar_edges, refine_watched,
 };
 use rayon::prelude::*;
 

@@ -129,7 +129,7 @@ impl Analysis {
             let vertices = recipe.vertices.unwrap_or_default();
             return Err(Error::OtherModel { vertices, count: self.points().len() });
         }
-        let known = if recipe.is_straight { self.refined().map(RefinedModel::straight) } else { None };
+        let known = if recipe.straight { self.refined().map(RefinedModel::straight) } else { None };
         let seams = known.map(|known| SeamOptions { kept: known.to_vec(), ..options.seams.clone() });
         let options = &Options { seams: seams.unwrap_or_else(|| options.seams.clone()), ..options.clone() };
         match self.cut_at(&recipe.necks)? {

@@ -24,7 +24,7 @@ const SHARP: f64 = 30.0 * std::f64::consts::PI / 180.0;
 /// So often at most is a map made with straight seams: with all, with others than those in the way, with none of components where some are.
 const ROUNDS: usize = 3;
 /// Distortions may become larger by this share: triangles are others.
-const AS_GOOD: f64 = 1.005;
+const AS_GOOD: f64 = 1.01;
 
 /// What an edge of a surface is to seams.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -124,7 +124,8 @@ impl Analysis {
         let vertices: usize = self.components().iter().map(|component| component.surface.mesh.vertex_count()).sum();
         let is_whole = atlas.detached.is_empty() && atlas.unfolded == 0 && atlas.freed == 0 && atlas.necks == 0;
         let is_refined = self.refined().is_some_and(|refined| refined.is_complete);
-        let is_asked = !options.seams.names_edges() && options.cones.recipe().is_none();
+        // Whoever says where cones or seams are has the last word.
+        let is_asked = !options.seams.names_edges() && !options.cones.is_given();
         if !is_refined || !is_asked || !is_whole || self.found.making.is_opened || vertices > MOST_VERTICES {
             return None;
         }
@@ -135,7 +136,11 @@ impl Analysis {
             on.iter().for_each(|&(v, ..)| is_cone[v] = true);
         }
         let paths = self.components().iter().zip(seams).zip(&is_cone);
-        Some(paths.map(|((component, seams), is_cone)| StraightPaths::of(&component.surface.mesh, &seams, is_cone)).collect())
+        Some(
+            paths
+                .map(|((component, seams), is_cone)| StraightPaths::of(&component.surface.mesh, &seams, is_cone))
+                .collect(),
+        )
     }
 
     /// The edges of each component that seams of a map run along.
@@ -157,9 +162,8 @@ impl Analysis {
             let mut from = 0;
             for to in (1..chain.len()).filter(|&to| is_corner[chain[to] as usize]) {
                 let ends = [chain[from], chain[to]];
-                let is_it = |&&(part, e): &&(usize, EdgeId)| {
-                    self.components()[part].inside(e, ends[0]) == chain[from + 1..to]
-                };
+                let is_it =
+                    |&&(part, e): &&(usize, EdgeId)| self.components()[part].inside(e, ends[0]) == chain[from + 1..to];
                 let &(part, e) = named.get(&ascending(ends))?.iter().find(is_it)?;
                 let is_sharp = self.bend(&self.components()[part], e) > SHARP;
                 seams[part][e] = Some(SeamEdge { is_loop: k >= loops_from, is_sharp });
@@ -200,17 +204,17 @@ impl Analysis {
         let opened = other.components().iter().filter(|component| opened.contains(&component.index));
         let mut recipe = Recipe {
             opened: opened.map(|component| other.first_face(component)).collect(),
-            is_straight: true,
+            straight: true,
             target: atlas.recipe.target,
             ..other.recipe(cones.iter().map(|(vertices, curvatures)| (&vertices[..], &curvatures[..])))
         };
-        if !recipe.opened.is_empty() && options.quantize.is_none() && !options.gives_curvatures() {
+        if !recipe.opened.is_empty() && options.quantize.is_none() {
             // Loops along geodesics are others, and what is best for their cones.
             recipe.cones.iter_mut().for_each(|cone| cone.curvature = None);
         }
         let options = Options { cones: ConeChoice::Recipe(Box::new(recipe)), ..options.clone() };
         let mut map = other.atlas(&options)?;
-        map.recipe.is_straight = true;
+        map.recipe.straight = true;
         let mut number: HashMap<u32, u32> = HashMap::new();
         for (part, (one, other)) in self.components().iter().zip(other.components()).enumerate() {
             let vertices = one.surface.vertex.iter_ids();
@@ -236,15 +240,6 @@ impl Analysis {
         let is_whole = after.detached.is_empty() && after.unfolded == 0 && after.freed == 0;
         let is_alike = after.opened_handles == before.opened_handles && (overlaps(before) || !overlaps(after));
         let measures = [self.measures(before), other.measures(after)].map(|measured| Some(Distortion::of(&measured?)));
-        if let [Some(a), Some(b)] = &measures && std::env::var("STRAIGHT").is_ok() {
-            eprintln!(
-                "STRAIGHT isl {} {} D {:.4} {:.4} qc {:.4} {:.4} len {:.3} {:.3} turn {:.2} {:.2} sharp {:.3} {:.3} verts {} {} fill {:.3} {:.3} whole {is_whole} ovl {} {} T {:.2} {:.2} loops {} {} notes {:?}",
-                before.island_count(), after.island_count(), a.areas, b.areas, a.angles, b.angles,
-                before.seam_figures.length, after.seam_figures.length, before.seam_figures.turning, after.seam_figures.turning,
-                before.seam_figures.sharp, after.seam_figures.sharp, self.points().len(), other.points().len(), before.fill, after.fill, overlaps(before), overlaps(after),
-                (self.times().total()+before.times.total()).as_secs_f64(), (other.times().total()+after.times.total()).as_secs_f64(), before.opened_handles, after.opened_handles, after.notes.iter().filter(|n| !before.notes.contains(n)).collect::<Vec<_>>(),
-            );
-        }
         let [Some(distorted), Some(now)] = measures else { return false };
         let is_no_worse = now.areas <= AS_GOOD * distorted.areas && now.angles <= AS_GOOD * distorted.angles;
         is_whole && is_alike && is_no_worse && after.seam_figures.turning < before.seam_figures.turning
@@ -304,5 +299,92 @@ impl StraightPaths {
             }
         }
         found
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::analysis::observer::Silent;
+    use crate::{FreeSeams, Islands, Preparation, Refining, SeamOptions};
+    use geom::{Model, shapes};
+
+    fn options(count: usize) -> Options {
+        let preparation = Preparation { refine: Refining::Always, ..Preparation::default() };
+        Options { preparation, cones: ConeChoice::Count(count), free_seams: FreeSeams::Never, ..Options::default() }
+    }
+
+    /// The maps of a refined model with seams along its edges and with straight ones.
+    fn maps(model: &Model, options: &Options) -> [(Analysis, Atlas); 2] {
+        let analysis = Analysis::with(model, options.preparation).unwrap();
+        let atlas = analysis.atlas(options).unwrap();
+        let made = |paths: &[StraightPaths]| {
+            let making = analysis.found.making;
+            Analysis::made(model, making, (&HashSet::new(), None, paths), std::sync::Arc::new(Silent))
+        };
+        let straight = analysis.clone().or_straight(atlas.clone(), options, made).unwrap();
+        [(analysis.clone(), atlas), straight]
+    }
+
+    fn is_alike(before: &(Analysis, Atlas), after: &(Analysis, Atlas)) {
+        assert!(after.1.recipe.straight, "it was not made");
+        let [was, is] = [&before.1, &after.1];
+        assert!(is.seam_figures.turning < 0.5 * was.seam_figures.turning, "{:?}", (is.seam_figures, was.seam_figures));
+        assert!(is.seam_figures.length < was.seam_figures.length && is.seam_figures.mean_mismatch() < 1e-6);
+        assert_eq!(is.cones.len(), was.cones.len());
+        assert_eq!((is.island_count(), is.detached.len()), (was.island_count(), 0));
+        assert_eq!(is.opened_handles, was.opened_handles);
+        let [measured, now] =
+            [before, after].map(|(analysis, atlas)| Distortion::of(&analysis.measures(atlas).unwrap()));
+        assert!(now.areas <= AS_GOOD * measured.areas && now.angles <= AS_GOOD * measured.angles);
+        // Cones are where they were.
+        let places = |atlas: &Atlas| {
+            let mut places: Vec<[u64; 3]> = atlas.cones.iter().map(|cone| cone.position.map(f64::to_bits)).collect();
+            places.sort_unstable();
+            places
+        };
+        assert_eq!(places(is), places(was));
+    }
+
+    #[test]
+    fn seams_of_a_refined_surface_turn_less_and_cut_the_same() {
+        let [before, after] = maps(&shapes::sphere(500).into(), &options(8));
+        is_alike(&before, &after);
+        // What is cut are the straight paths, and where loops were opened.
+        let straight: HashSet<[u32; 2]> =
+            after.0.refined().unwrap().straight().iter().map(|&ends| ascending(ends)).collect();
+        assert!(straight.len() > 20);
+    }
+
+    #[test]
+    fn handles_are_opened_along_straight_loops_and_what_was_found_makes_the_same_map_again() {
+        let model = shapes::torus(3, 1500).into();
+        let (analysis, atlas) = Analysis::unwrapped(&model, &options(4), Silent).unwrap();
+        assert_eq!((atlas.opened_handles, atlas.island_count()), (3, 1));
+        let wavy = Analysis::with(&model, options(4).preparation).unwrap().atlas(&options(4)).unwrap();
+        assert_eq!(wavy.opened_handles, 3);
+        assert!(atlas.seam_figures.turning < 0.1 * wavy.seam_figures.turning);
+        assert!(atlas.recipe.straight && atlas.recipe.vertices == Some(analysis.points().len()));
+        let again = ConeChoice::Recipe(Box::new(atlas.recipe().clone()));
+        let (_, again) = Analysis::unwrapped(&model, &Options { cones: again, ..options(4) }, Silent).unwrap();
+        assert_eq!(again.uv, atlas.uv);
+    }
+
+    #[test]
+    fn whoever_names_edges_or_cones_has_the_last_word() {
+        let model: Model = shapes::hare(1500).into();
+        let [a, b, ..] = model.face(0) else { unreachable!("a face has three corners") };
+        let seams = SeamOptions { avoid: vec![[*a, *b]], ..SeamOptions::default() };
+        let given = ConeChoice::Given(vec![(0, None), (40, None), (400, None), (1000, None)]);
+        let named = Options { seams, ..options(8) };
+        for options in [named, Options { cones: given, ..options(8) }] {
+            let [(_, before), (_, after)] = maps(&model, &options);
+            assert!(!after.recipe.straight);
+            assert_eq!(before.seams, after.seams);
+        }
+        // What lies over itself is not to be in more pieces.
+        let single = Options { islands: Islands::Single, ..options(24) };
+        let [(_, before), (_, after)] = maps(&model, &single);
+        assert_eq!(before.island_count(), after.island_count());
     }
 }

@@ -277,13 +277,7 @@ impl<'a, 'b> Straight<'a, 'b> {
 
     /// The outer rim of the triangles between two edges at a vertex, if it is a shorter way between their other ends that touches nothing; from the
     /// last one's on where those triangles lie to the left.
-    fn rim_of(
-        &self,
-        b: VertexId,
-        first: EdgeId,
-        last: EdgeId,
-        is_left: bool,
-    ) -> Option<Vec<(VertexId, EdgeId)>> {
+    fn rim_of(&self, b: VertexId, first: EdgeId, last: EdgeId, is_left: bool) -> Option<Vec<(VertexId, EdgeId)>> {
         let t = &self.overlay.triangulation;
         let fan = self.fan(b, first, last);
         let rim: Vec<HalfedgeId> = fan[..fan.len() - 1].iter().map(|&h| t.next(h)).collect();
@@ -418,7 +412,9 @@ impl Overlay<'_> {
                 let Some(g) = t.twin(h) else { return false };
                 let at_ends = [self.angle(h) + self.angle(t.next(g)), self.angle(g) + self.angle(t.next(h))];
                 let beside = [h, g].map(|h| t.tail(t.prev(h)));
-                t.is_flippable(t.edge(h)) && at_ends.iter().all(|angle| *angle < PI - STRAIGHT) && beside[0] != beside[1]
+                t.is_flippable(t.edge(h))
+                    && at_ends.iter().all(|angle| *angle < PI - STRAIGHT)
+                    && beside[0] != beside[1]
             };
             let at = ring.iter().position(|h| is_ear(&h)).filter(|_| ring.len() > 3)?;
             e = t.edge(ring[(at + 1) % ring.len()]);

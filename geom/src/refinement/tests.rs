@@ -89,7 +89,8 @@ fn check_path(number: u32, path: &[HalfedgeId], before: &Refinement, after: &Ref
     let edges: Vec<EdgeId> = t.edges().filter(|&e| after.path[e] == Some(number)).collect();
     let was = &before.triangulation;
     let ends = [was.tail(path[0]), was.head(path[path.len() - 1])];
-    let length = |metric: &Metric, edges: &mut dyn Iterator<Item = EdgeId>| edges.map(|e| metric.length(e)).sum::<f64>();
+    let length =
+        |metric: &Metric, edges: &mut dyn Iterator<Item = EdgeId>| edges.map(|e| metric.length(e)).sum::<f64>();
     let [long, short] = [
         length(&before.metric, &mut path.iter().map(|&h| was.edge(h))),
         length(&after.metric, &mut edges.iter().copied()),
