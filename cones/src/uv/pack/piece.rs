@@ -17,6 +17,9 @@ const TURNS: [u32; 3] = [32, 16, 8];
 const FEW: usize = 8;
 const SOME: usize = 64;
 
+/// Extents that differ by less, over the larger one, are the same.
+const ROUNDING: f64 = 1e-9;
+
 /// Edges about a centre, in a common unit, and the turns that are worth trying, most promising first.
 #[derive(Clone, Debug)]
 pub(in crate::uv) struct Piece {
@@ -140,10 +143,10 @@ fn unturned(hull: &[Complex64], tilt: Option<f64>, options: &PackOptions) -> Vec
     }
 }
 
-/// The turn, or a quarter on, after which it is not higher than wide.
+/// The turn, or a quarter on, after which it is not higher than wide by more than rounding: in its smallest square it mostly is as high as wide.
 fn lying(hull: &[Complex64], turn: Complex64) -> Complex64 {
     let [_, extent] = bounds(hull, turn);
-    if extent.im > extent.re { quarter(1) * turn } else { turn }
+    if extent.im > extent.re * (1.0 + ROUNDING) { quarter(1) * turn } else { turn }
 }
 
 /// The turn after which a rectangle at an angle is upright.
