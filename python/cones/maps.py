@@ -124,8 +124,8 @@ def pack(
     progress: Optional[Progress] = None,
 ) -> Packing:
     """Packs the islands of a map into the unit square, or onto UDIM tiles: the command ``cones pack``. Islands move rigidly and are scaled
-    alike. ``triangle_island`` says which triangles move together (-1 stays); without it islands are found, where ``weld`` says which vertices are
-    taken for one, as for `cones.unwrap`."""
+    alike; if no packing that is found is better than how they lie, they stay so. ``triangle_island`` says which triangles move together (-1 stays);
+    without it islands are found, where ``weld`` says which vertices are taken for one, as for `cones.unwrap`."""
     mesh = as_mesh(vertices, faces)
     asked = options.packing(margin, texture_size, rotations, texel_density)
     given = None if triangle_island is None else np.asarray(triangle_island)

@@ -214,7 +214,8 @@ def unwrap(
         Let the two sides of seams differ, for less distortion; "auto" where triangles are coarse. Where ``quantize`` is given they never do, and "always" is
         refused.
     margin, texture_size, rotations, texel_density, max_seam
-        How islands are packed; a texel density (texels a unit of length) puts them on UDIM tiles.
+        How islands are packed: turned by "any" angle, by a "quarter" or by "none" from where their straight sides lie along the axes (with
+        ``quantize`` from how they are laid out); a texel density (texels a unit of length) puts them on UDIM tiles.
     scale : "unit", "area" or "none"
         The unit square, all islands together with the surface's area, or as computed; "unit" with ``texel_density``.
     progress : callable, optional

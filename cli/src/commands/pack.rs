@@ -13,8 +13,8 @@ use geom::{Model, Watch, Weld};
 use serde::Serialize;
 use std::path::PathBuf;
 
-/// Islands are moved rigidly and scaled alike. Islands that lie over each other, mirrored halves that share their texture
-/// for example, get a place each.
+/// Islands are moved rigidly and scaled alike; if no packing that is found is better than how they lie, they stay so. Islands that lie over each
+/// other, mirrored halves that share their texture for example, get a place each.
 #[derive(Args, Debug)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct PackCommandArgs {

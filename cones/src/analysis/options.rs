@@ -264,14 +264,14 @@ impl Options {
         self.cones.given().is_some_and(|given| given.iter().any(|cone| cone.curvature.is_some()))
     }
 
-    /// How islands are packed: those of a texture that goes on across seams are not turned out of its directions.
+    /// How islands are packed: those of a texture that goes on across seams are not turned out of its directions, others have none.
     pub(crate) fn packing_for_texture(&self) -> PackOptions {
         let rotations = match (self.quantize, self.packing.rotations) {
             (Some(Symmetry::Fourfold), Rotations::Any) => Rotations::Quarter,
             (Some(Symmetry::Sixfold), _) => Rotations::None,
             (_, rotations) => rotations,
         };
-        PackOptions { rotations, ..self.packing }
+        PackOptions { rotations, align: self.quantize.is_none(), ..self.packing }
     }
 
     /// Whether cones are searched for on the coarse level of a surface, where it has one.

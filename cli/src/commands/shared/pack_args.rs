@@ -16,7 +16,8 @@ pub(crate) struct PackArgs {
     /// The side of the texture in texels
     #[arg(long, value_name = "TEXELS", value_parser = whole::<u32>("number of texels", 1..), allow_negative_numbers = true, default_value_t = PackOptions::default().texture_size)]
     texture_size: u32,
-    /// How islands may be turned
+    /// How islands may be turned: those of a given map from how they lie in it, those of a new one, where they have straight sides, from where
+    /// these run along the axes
     #[arg(long, value_enum, default_value_t = RotationsName::Any)]
     rotations: RotationsName,
     /// Put islands of a given size on as many tiles as they need, 1001 and on

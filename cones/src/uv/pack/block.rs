@@ -6,7 +6,7 @@
 use num_complex::Complex64;
 
 use super::island_place::quarter;
-use super::options::Rotations;
+use super::options::PackOptions;
 use super::outline::Outline;
 use super::piece::{Piece, Rectangle, rectangle};
 use super::skyline::skyline;
@@ -35,17 +35,17 @@ pub(super) struct Block {
 
 /// The pieces that islands are placed as: themselves, or blocks in which they are `gap` apart, of no more area than a square of
 /// side `most` where that can be.
-pub(super) fn blocks(outlines: &[Outline], rotations: Rotations, gap: f64, most: f64) -> Vec<Block> {
+pub(super) fn blocks(outlines: &[Outline], options: &PackOptions, gap: f64, most: f64) -> Vec<Block> {
     let mut islands: Vec<usize> = (0..outlines.len()).filter(|&i| !outlines[i].edges.is_empty()).collect();
     if islands.len() <= BY_SHAPE {
-        return alone(outlines, &islands, rotations);
+        return alone(outlines, &islands, options);
     }
     let mut rectangles: Vec<Option<Rectangle>> = (0..outlines.len()).map(|_| None).collect();
-    islands.iter().for_each(|&i| rectangles[i] = Some(rectangle(&outlines[i], rotations)));
+    islands.iter().for_each(|&i| rectangles[i] = Some(rectangle(&outlines[i], options)));
     let extent = |i: usize| rectangles[i].as_ref().map_or([0.0; 2], |found| found.extent.map(|x| x + gap));
     let size = |i: usize| extent(i)[0] * extent(i)[1];
     islands.sort_by(|&a, &b| size(b).total_cmp(&size(a)));
-    let mut blocks = alone(outlines, &islands[..LARGEST], rotations);
+    let mut blocks = alone(outlines, &islands[..LARGEST], options);
     for members in evenly(&islands[LARGEST..], most * most, size) {
         let mut members = members.to_vec();
         members.sort_by(|&a, &b| extent(b)[1].total_cmp(&extent(a)[1]));
@@ -63,16 +63,19 @@ pub(super) fn blocks(outlines: &[Outline], rotations: Rotations, gap: f64, most:
         };
         let covered = members.iter().map(|&i| outlines[i].area).sum();
         blocks.push(Block {
-            piece: Piece::rectangle(whole, covered, rotations),
+            piece: Piece::rectangle(whole, covered, options.rotations),
             members: members.iter().zip(&corners).map(member).collect(),
         });
     }
     blocks
 }
 
-fn alone(outlines: &[Outline], islands: &[usize], rotations: Rotations) -> Vec<Block> {
+fn alone(outlines: &[Outline], islands: &[usize], options: &PackOptions) -> Vec<Block> {
     let block = |&island: &usize| Block {
-        piece: Piece::new(&outlines[island], rotations, islands.len()),
+        piece: {
+            let outline = &outlines[island];
+            Piece::new(outline, outline.tilt(), options, islands.len())
+        },
         members: vec![Member { island, turn: quarter(0), to: Complex64::default() }],
     };
     islands.iter().map(block).collect()

@@ -88,6 +88,11 @@ pub(super) fn enclosing(hull: &[Complex64]) -> Vec<Enclosing> {
     found
 }
 
+/// The angle of the enclosing rectangle that is the least by a measure; 0 without any point.
+pub(super) fn least(found: &[Enclosing], measure: fn(&Enclosing) -> f64) -> f64 {
+    found.iter().min_by(|a, b| measure(a).total_cmp(&measure(b))).map_or(0.0, |best| best.angle)
+}
+
 fn extents(across: Complex64, along: Complex64, angle: f64) -> Enclosing {
     let u = Complex64::cis(angle);
     let v = Complex64::i() * u;

@@ -9,9 +9,11 @@
 //! is tested with two shifted rows of bits for each run of cells ([`bin`]), that the margin is exact ([`raster`]), and that
 //! the side is searched with many orders ([`search`]). Nothing is mirrored.
 
+mod arrangement;
 mod bin;
 mod block;
 mod fill;
+mod given;
 mod hull;
 mod island_place;
 mod options;
@@ -22,6 +24,7 @@ mod room;
 mod search;
 mod skyline;
 mod tiles;
+mod tilt;
 
 use geom::{Interrupted, Watch};
 use num_complex::Complex64;
@@ -35,12 +38,15 @@ pub(super) use room::convex_hull;
 pub(crate) use room::room;
 
 use super::across::Side;
+use arrangement::Arrangement;
 use block::{Block, blocks};
+use given::{as_given, is_apart};
 use outline::{Outline, outlines};
 pub(super) use piece::Piece;
 use piece::Rasters;
 use search::{Effort, Put, smallest_square};
 use tiles::{MOST_TILES, Tiled, tiled};
+use tilt::tilt;
 
 /// The squares of all islands' margins may take this share of the square; where they would take more, margins are narrower. So islands are some
 /// two and a half margins wide on average at least.
@@ -156,27 +162,68 @@ pub(super) fn pack_numbered(
         });
     }
     let share = share(options, count);
-    let watch = watch.within(0.2, 1.0);
+    let mut best = best_arranged(&outlines, (unit, share), options, watch.within(0.2, 0.95))?;
+    let may_stay = options.tiles == Tiles::One && !options.align;
+    if may_stay
+        && let Some(given) = as_given(&outlines, unit, share)
+        && !best.is_better_than(&given)
+        && is_apart((triangles, island), (&outlines, unit), &given, watch.within(0.95, 1.0))?
+    {
+        best = given;
+    }
+    let area: f64 = outlines.iter().map(|outline| outline.area).sum();
+    Ok(Packing {
+        scale: 1.0 / (best.side * unit),
+        tiles: best.tiles,
+        fill: area / (best.side * best.side) / best.tiles as f64,
+        margin: best.share * f64::from(options.texture_size),
+        places: best.places,
+    })
+}
+
+/// The best arrangement with islands turned as far as they may be, or less: greedy as the search is, it may find a better one among few turns than
+/// among many.
+fn best_arranged(
+    outlines: &[Outline],
+    (unit, share): (f64, f64),
+    options: &PackOptions,
+    watch: Watch,
+) -> Result<Arrangement, PackError> {
+    let all = options.rotations.up_to();
+    let mut best: Result<Arrangement, PackError> = Err(Interrupted.into());
+    for (k, &rotations) in all.iter().enumerate() {
+        let at = |k: usize| k as f64 / all.len() as f64;
+        let options = PackOptions { rotations, ..*options };
+        let found = arranged(outlines, (unit, share), &options, watch.within(at(k), at(k + 1)));
+        best = match (best, found) {
+            (_, Err(error @ PackError::Interrupted(_))) => return Err(error),
+            (Ok(best), Err(_)) => Ok(best),
+            (Ok(best), Ok(found)) if !found.is_better_than(&best) => Ok(best),
+            (_, found) => found,
+        };
+    }
+    best
+}
+
+fn arranged(
+    outlines: &[Outline],
+    (unit, share): (f64, f64),
+    options: &PackOptions,
+    watch: Watch,
+) -> Result<Arrangement, PackError> {
     let (blocks, puts, [side, share]) = match options.tiles {
-        Tiles::One => in_square(&outlines, options, share, watch)?,
+        Tiles::One => in_square(outlines, options, share, watch)?,
         Tiles::Udim { texel_density } => {
             let side = f64::from(options.texture_size) / texel_density / unit;
             if !side.is_finite() {
                 return Err(PackError::Density(texel_density));
             }
-            let (blocks, puts) = on_tiles(&outlines, options, (side, share), texel_density, watch)?;
+            let (blocks, puts) = on_tiles(outlines, options, (side, share), texel_density, watch)?;
             (blocks, puts, [side, share])
         }
     };
     let tiles = puts.iter().map(|put| put.tile as usize + 1).max().unwrap_or(0);
-    let area: f64 = outlines.iter().map(|outline| outline.area).sum();
-    Ok(Packing {
-        places: places(&outlines, unit, &blocks, &puts),
-        scale: 1.0 / (side * unit),
-        tiles,
-        fill: area / (side * side) / tiles as f64,
-        margin: share * f64::from(options.texture_size),
-    })
+    Ok(Arrangement { places: places(outlines, unit, &blocks, &puts), tiles, side, share })
 }
 
 /// Islands that are packed roughly, again and again with others in place of some: for comparing.
@@ -203,7 +250,10 @@ impl<'a> Rough<'a> {
         };
         let edges = side.edges.iter().map(|edge| edge.map(point)).filter(|[a, b]| a != b).collect();
         let outline = Outline { edges, centre: [0.0; 2], area: side.area / self.area };
-        Piece { rasters: Rasters::kept(), ..Piece::new(&outline, self.options.rotations, ROUGH_TURNS) }
+        // Not of the points on the lattice, which has directions of its own.
+        let exact = side.edges.iter().map(|edge| edge.map(|[x, y]| Complex64::new(x, y)));
+        let tilt = if self.options.rotations == Rotations::Any { None } else { tilt(exact) };
+        Piece { rasters: Rasters::kept(), ..Piece::new(&outline, tilt, self.options, ROUGH_TURNS) }
     }
 
     /// How much of a square they fill.
@@ -256,7 +306,7 @@ fn in_square(outlines: &[Outline], options: &PackOptions, share: f64, watch: Wat
     let mut growth = 1.0;
     for round in 1.. {
         watch.ask(0.0)?;
-        let blocks = blocks(outlines, options.rotations, share * guess, f64::INFINITY);
+        let blocks = blocks(outlines, options, share * guess, f64::INFINITY);
         let pieces: Vec<Piece> = blocks.iter().map(|block| block.piece.clone()).collect();
         let (puts, side) = smallest_square(&pieces, share, Effort::FULL, watch)?;
         let is_simple = blocks.iter().all(|block| block.members.len() == 1);
@@ -279,7 +329,7 @@ fn on_tiles(
     density: f64,
     watch: Watch,
 ) -> Result<(Vec<Block>, Vec<Put>), PackError> {
-    let blocks = blocks(outlines, options.rotations, share * side, BLOCK_SIDE * side);
+    let blocks = blocks(outlines, options, share * side, BLOCK_SIDE * side);
     let pieces: Vec<Piece> = blocks.iter().map(|block| block.piece.clone()).collect();
     match tiled(&pieces, side, share, watch)? {
         Tiled::All(puts) => Ok((blocks, puts)),

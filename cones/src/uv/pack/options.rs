@@ -14,6 +14,10 @@ pub struct PackOptions {
     pub margin: f64,
     /// How islands may be turned.
     pub rotations: Rotations,
+    /// Whether they need not be turned from how they lie, which then means nothing: of one with straight sides as much of the boundary as can be runs
+    /// along the axes before it is turned further. Islands of a new map are packed so, whatever is said here, but for a
+    /// [texture that runs on across seams](crate::Options::quantize).
+    pub align: bool,
     /// How large they become, and on how many tiles.
     pub tiles: Tiles,
     /// The share by which seams may become longer so that islands fill more of the square, with
@@ -24,7 +28,14 @@ pub struct PackOptions {
 
 impl Default for PackOptions {
     fn default() -> Self {
-        Self { texture_size: 1024, margin: 4.0, rotations: Rotations::Any, tiles: Tiles::One, max_seam: 0.1 }
+        Self {
+            texture_size: 1024,
+            margin: 4.0,
+            rotations: Rotations::Any,
+            align: false,
+            tiles: Tiles::One,
+            max_seam: 0.1,
+        }
     }
 }
 
@@ -40,6 +51,18 @@ pub enum Rotations {
     /// By any angle.
     #[default]
     Any,
+}
+
+impl Rotations {
+    /// What may be done to islands, beginning with the least: whoever may turn them further may also turn them less.
+    pub(super) fn up_to(self) -> &'static [Self] {
+        let all = &[Self::None, Self::Quarter, Self::Any];
+        match self {
+            Self::None => &all[..1],
+            Self::Quarter => &all[..2],
+            Self::Any => all,
+        }
+    }
 }
 
 /// How large islands become, and on how many tiles.

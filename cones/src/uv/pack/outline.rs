@@ -10,6 +10,7 @@ use rayon::prelude::*;
 
 use super::super::sides::{Turned, open_sides, side};
 use super::options::PackError;
+use super::tilt::tilt;
 
 /// Coordinates up to here can be measured with.
 const MOST: f64 = 1e300;
@@ -23,6 +24,13 @@ pub(super) struct Outline {
     pub(super) centre: [f64; 2],
     /// The sum of its triangles' areas.
     pub(super) area: f64,
+}
+
+impl Outline {
+    /// By how much it is turned away from lying along the axes, if it has straight sides.
+    pub(super) fn tilt(&self) -> Option<f64> {
+        tilt(self.edges.iter().copied())
+    }
 }
 
 /// The outlines of all islands, and the unit they are measured in: the longest side of a bounding box.

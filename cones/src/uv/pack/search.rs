@@ -25,7 +25,7 @@ const COARSE: f64 = 18.0;
 const COARSE_RANGE: [f64; 2] = [256.0, 384.0];
 const ROUGH: f64 = 128.0;
 /// The side of the fine grid. Islands lose up to two cells where they meet, .2 % of the side.
-const FINE: f64 = 1024.0;
+pub(super) const FINE: f64 = 1024.0;
 /// So many plans are tried at a time; a number of its own, so that what is found does not depend on that of threads.
 const BATCH: usize = 8;
 /// The share of the square that islands are expected to fill at first.
@@ -260,12 +260,10 @@ pub(super) fn smallest_square(
 
 /// One piece in its smallest square.
 fn alone(piece: &Piece, share: f64) -> (Vec<Put>, f64) {
-    let turn = piece.turns[0];
-    let turned = || piece.edges.iter().flatten().map(|z| z * turn);
-    let low = turned().fold([f64::INFINITY; 2], |low, z| [low[0].min(z.re), low[1].min(z.im)]);
+    let (turn, low) = piece.in_smallest_square();
     let side = if piece.side > 0.0 { piece.side / (1.0 - share) } else { 1.0 };
     let border = 0.5 * share * side;
-    (vec![Put { turn, to: Complex64::new(border - low[0], border - low[1]), tile: 0 }], side)
+    (vec![Put { turn, to: Complex64::new(border, border) - low, tile: 0 }], side)
 }
 
 /// The largest first.

@@ -2,6 +2,7 @@
 
 use super::*;
 use proptest::prelude::*;
+use std::f64::consts::PI;
 
 type Triangle = [[f64; 2]; 3];
 
@@ -183,6 +184,86 @@ fn a_square_fills_its_tile_up_to_half_the_margin() {
     let (packing, _) = check(&[[a, b, c], [a, c, d]], &[0, 0], &PackOptions::default());
     let side: f64 = 1.0 - 4.0 / 1024.0;
     assert!((packing.fill - side * side).abs() < 1e-9, "{}", packing.fill);
+}
+
+/// A rectangle that is turned by an angle.
+fn plank([x, y]: [f64; 2], [width, height]: [f64; 2], angle: f64) -> Vec<Triangle> {
+    let corner = |u: f64, v: f64| {
+        let z = Complex64::cis(angle) * Complex64::new(u * width, v * height);
+        [x + z.re, y + z.im]
+    };
+    let [a, b, c, d] = [corner(0.0, 0.0), corner(1.0, 0.0), corner(1.0, 1.0), corner(0.0, 1.0)];
+    vec![[a, b, c], [a, c, d]]
+}
+
+/// How far the long sides of placed planks are from running along an axis.
+fn slant(placed: &[Triangle]) -> f64 {
+    let off = |t: &Triangle| (t[0][0] - t[1][0]).abs().min((t[0][1] - t[1][1]).abs());
+    placed.iter().step_by(2).map(off).fold(0.0, f64::max)
+}
+
+const ROTATIONS: [Rotations; 3] = [Rotations::None, Rotations::Quarter, Rotations::Any];
+
+#[test]
+fn planks_lie_along_the_axes_where_they_need_not_lie_as_they_did() {
+    let planks: Vec<_> = (1..8).map(|k| plank([f64::from(k), 0.0], [3.0, 0.2 * f64::from(k)], f64::from(k))).collect();
+    for count in [1, 7] {
+        let (triangles, island) = islands(&planks[..count]);
+        for rotations in &ROTATIONS[..2] {
+            let options = |align| PackOptions { rotations: *rotations, align, ..PackOptions::default() };
+            let (_, placed) = check(&triangles, &island, &options(true));
+            assert!(slant(&placed) < 1e-12, "{rotations:?} {}", slant(&placed));
+            let (given, placed) = check(&triangles, &island, &options(false));
+            assert!(slant(&placed) > 0.01);
+            let angle = |place: &IslandPlace| {
+                place.angle().rem_euclid(if *rotations == Rotations::None { 4.0 } else { PI / 2.0 })
+            };
+            assert!(given.places.iter().all(|place| angle(place) == 0.0));
+        }
+    }
+}
+
+#[test]
+fn an_island_without_straight_sides_has_the_smallest_square_there_is() {
+    let round: Vec<f64> = (0..60).map(|k| if k % 30 < 15 { 1.0 } else { 2.0 }).collect();
+    let (triangles, island) = islands(&[star([0.0, 0.0], &round)]);
+    let fill = |rotations| {
+        check(&triangles, &island, &PackOptions { rotations, align: true, ..PackOptions::default() }).0.fill
+    };
+    let [none, quarter, any] = ROTATIONS.map(fill);
+    assert!((none - any).abs() < 1e-9 && quarter == none, "{none} {quarter} {any}");
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(24))]
+
+    #[test]
+    fn who_may_turn_islands_further_fills_no_less(stars in random_stars(), options in random_options(), align: bool) {
+        let (triangles, island) = islands(&stars);
+        let fill = |rotations| check(&triangles, &island, &PackOptions { rotations, align, ..options }).0.fill;
+        let fills = ROTATIONS.map(fill);
+        prop_assert!(fills.is_sorted(), "{fills:?}");
+    }
+
+    #[test]
+    fn packing_again_fills_no_less_and_keeps_nothing_that_is_too_near(
+        stars in random_stars(), options in random_options(), [dx, dy] in [-0.3..0.3f64, -0.3..0.3]
+    ) {
+        let (triangles, island) = islands(&stars);
+        let (first, placed) = check(&triangles, &island, &PackOptions { rotations: Rotations::Any, ..options });
+        let (again, _) = check(&placed, &island, &options);
+        prop_assert!(again.fill >= first.fill * (1.0 - 1e-9), "{} {}", again.fill, first.fill);
+        let moved = |(t, &i): (&Triangle, &u32)| if i == 0 { t.map(|[x, y]| [x + dx, y + dy]) } else { *t };
+        let moved: Vec<Triangle> = placed.iter().zip(&island).map(moved).collect();
+        check(&moved, &island, &options);
+    }
+}
+
+#[test]
+fn an_island_within_another_that_is_larger_is_not_left_there() {
+    let [large, small] = [1.0, 0.3].map(|size| star([0.0, 0.0], &[size; 12]));
+    let (triangles, island) = islands(&[large, small]);
+    check(&triangles, &island, &PackOptions::default());
 }
 
 #[test]
