@@ -165,7 +165,8 @@ impl Analysis {
     /// are freed once the map needs them no more. (Whoever asks for more waits until they are there again.) Where surfaces were refined
     /// only for their needles, the model is taken as it is if no cones flatten one of them so, or if it has few corners and its map as it is is exact. Edges that [seams](Options::seams) are named by
     /// stay edges where surfaces are refined, in parts. Where the map of a small model bends angles by more than
-    /// 1.06 on average, another one is made, of the model refined if it may be, and then in triangles that are smaller where the map is bent; the best is taken.
+    /// 1.06 on average, another one is made, of the model refined if it may be, and then in triangles that are smaller where the map is bent; the best is taken. Seams of small models that are
+    /// refined are made straight, unless cones or edges are given: the last map is made again with its cones and geodesics for seams, if that is as good.
     /// Where no metric was found and [`Weld::Auto`] has left vertices apart that are at one place, all such are [welded](Weld::Always), if one is found so.
     ///
     /// # Errors

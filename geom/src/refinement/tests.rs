@@ -55,7 +55,7 @@ fn disjoint_paths(
     held: &EdgeData<bool>,
     input: &Mesh,
     picks: &[prop::sample::Index],
-) -> Vec<Vec<HalfedgeId>> {
+) -> Vec<StraightPath> {
     let t = Mesh::from_triangulation(refinement.triangulation.clone()).expect("it is a manifold");
     let is_held = |e: EdgeId| refinement.along[e].is_some_and(|h| held[input.edge(h)]);
     let mut is_taken = vec![false; t.vertex_count()];
@@ -78,17 +78,25 @@ fn disjoint_paths(
         let mut path: Vec<HalfedgeId> = std::iter::successors(into[to.index()], before).collect();
         path.reverse();
         path.iter().flat_map(|&h| [t.tail(h), t.head(h)]).for_each(|v| is_taken[v.index()] = true);
-        paths.extend(Some(path).filter(|path| !path.is_empty()));
+        paths.extend(
+            Some(path).filter(|path| !path.is_empty()).map(|halfedges| StraightPath { halfedges, may_slide: true }),
+        );
     }
     paths
 }
 
 /// Asserts that the edges of a path are one between the ends that it had, no longer than before, and straight where nothing was in its way.
-fn check_path(number: u32, path: &[HalfedgeId], before: &Refinement, after: &Refinement, is_free: bool) {
+fn check_path(
+    number: u32,
+    path: &[HalfedgeId],
+    (input, before, after): (&Mesh, &Refinement, &Refinement),
+    is_free: bool,
+) {
     let t = Mesh::from_triangulation(after.triangulation.clone()).expect("it is a manifold");
     let edges: Vec<EdgeId> = t.edges().filter(|&e| after.path[e] == Some(number)).collect();
     let was = &before.triangulation;
-    let ends = [was.tail(path[0]), was.head(path[path.len() - 1])];
+    let now = |v: VertexId| VertexId::new(v.index() - after.removed.partition_point(|&removed| removed < v));
+    let ends = [was.tail(path[0]), was.head(path[path.len() - 1])].map(now);
     let length =
         |metric: &Metric, edges: &mut dyn Iterator<Item = EdgeId>| edges.map(|e| metric.length(e)).sum::<f64>();
     let [long, short] = [
@@ -109,7 +117,9 @@ fn check_path(number: u32, path: &[HalfedgeId], before: &Refinement, after: &Ref
                 h = t.twin(t.prev(h)).expect("it is closed");
             }
             let whole: f64 = t.outgoing(v).map(|h| after.metric.angle(&t, h)).sum();
-            assert!(angle.min(whole - angle) > std::f64::consts::PI - 1e-4, "{v:?}: {angle} of {whole}");
+            // Through a vertex of the input that it nearly goes through anyway it may turn a little.
+            let least = if v.index() < input.vertex_count() { 0.25 } else { 1e-4 };
+            assert!(angle.min(whole - angle) > std::f64::consts::PI - least, "{v:?}: {angle} of {whole}");
         }
         (v, came, passed) = (t.head(out[0]), Some(out[0]), passed + 1);
     }
@@ -397,7 +407,7 @@ proptest! {
         let held: EdgeData<bool> =
             mesh.edges().map(|e| held.is_some_and(|held| held.index(mesh.edge_count()) == e.index())).collect();
         let size = TriangleSize { largest: 0.1, ..TriangleSize::ANY };
-        let refined = |straight: &[Vec<HalfedgeId>]| {
+        let refined = |straight: &[StraightPath]| {
             let roles = EdgeRoles { held: Some(&held), straight, ..EdgeRoles::default() };
             refine_watched(&mesh, &metric, size, roles, Watch::NONE).expect("it is not stopped")
         };
@@ -406,10 +416,10 @@ proptest! {
         let after = refined(&paths);
         check_common(&mesh, &points, &after);
         after.triangulation.check();
-        prop_assert!(after.place.len() < 10_000, "{} after {}", after.place.len(), before.place.len());
+        prop_assert!(after.removed.is_sorted() && after.removed.iter().all(|v| v.index() >= mesh.vertex_count()));
         prop_assert!((after.metric.area(&after.triangulation) / metric.area(&mesh) - 1.0).abs() < 1e-9);
         for (number, path) in (0..).zip(&paths) {
-            check_path(number, path, &before, &after, paths.len() == 1 && !held.contains(&true));
+            check_path(number, &path.halfedges, (&mesh, &before, &after), paths.len() == 1 && !held.contains(&true));
         }
     }
 

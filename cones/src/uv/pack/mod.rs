@@ -48,6 +48,8 @@ use search::{Effort, Put, smallest_square};
 use tiles::{MOST_TILES, Tiled, tiled};
 use tilt::tilt;
 
+/// So many islands at most are packed with fewer turns, too, than they may take: with more that takes seconds and gains little.
+const FEW: usize = 64;
 /// The squares of all islands' margins may take this share of the square; where they would take more, margins are narrower. So islands are some
 /// two and a half margins wide on average at least.
 const MOST_MARGINS: f64 = 0.15;
@@ -189,7 +191,10 @@ fn best_arranged(
     options: &PackOptions,
     watch: Watch,
 ) -> Result<Arrangement, PackError> {
-    let all = options.rotations.up_to();
+    let all = match outlines.len() {
+        0..=FEW => options.rotations.up_to(),
+        _ => &[options.rotations][..],
+    };
     let mut best: Result<Arrangement, PackError> = Err(Interrupted.into());
     for (k, &rotations) in all.iter().enumerate() {
         let at = |k: usize| k as f64 / all.len() as f64;
