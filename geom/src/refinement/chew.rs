@@ -9,7 +9,7 @@ use super::SurfacePoint;
 use super::common::CommonRefinement;
 use super::overlay::Overlay;
 use super::plane::{Point, minus, wedge};
-use super::straight::{Dead, Straight, retain};
+use super::straight::{Dead, Straight, StraightPath, retain};
 use crate::intrinsic::{Metric, Sides};
 use crate::mesh::{EdgeData, EdgeId, FaceId, HalfedgeId, Id, Triangulation, VertexData, VertexId};
 use crate::watch::{Interrupted, Watch, unwatched};
@@ -104,16 +104,6 @@ pub struct EdgeRoles<'a> {
     pub held: Option<&'a EdgeData<bool>>,
     /// These are made straight, and held then. An end of one is to be inside no other.
     pub straight: &'a [StraightPath],
-}
-
-/// A path that is made straight: a geodesic between its ends, or as near to that as comes without touching another one, itself or the boundary. One of one
-/// edge stays where it is.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct StraightPath {
-    /// Its edges, one after the other, in the triangulation that there would be without any of them.
-    pub halfedges: Vec<HalfedgeId>,
-    /// Whether it may end farther along another one instead, where it leaves that at less than 30° and a third one, or more, ends at the same place.
-    pub may_slide: bool,
 }
 
 /// Refines a surface until its triangles are even, and no larger than they may be. At most 20 vertices are put in for each of the input's, and

@@ -19,9 +19,10 @@ mod planar;
 mod plane;
 mod straight;
 
-pub use chew::{EdgeRoles, LEAST_ANGLE, Refinement, StraightPath, TriangleSize, refine, refine_watched};
+pub use chew::{EdgeRoles, LEAST_ANGLE, Refinement, TriangleSize, refine, refine_watched};
 pub use common::CommonRefinement;
 pub use planar::planar_edges;
+pub use straight::StraightPath;
 
 use crate::mesh::{FaceId, HalfedgeId, Triangulation, VertexId};
 

@@ -7,7 +7,6 @@
 use std::collections::{BTreeMap, BTreeSet, HashSet};
 use std::f64::consts::PI;
 
-use super::chew::StraightPath;
 use super::overlay::Overlay;
 use crate::intrinsic::Sides;
 use crate::mesh::{EdgeId, FaceId, HalfedgeId, Id, VertexId};
@@ -32,6 +31,16 @@ const NEAR: f64 = 0.5;
 const NEARLY_ON: f64 = 0.25;
 /// if the path turns by no more than this there on either side, in radians.
 const LEAST_TURN: f64 = 0.05;
+
+/// A path that is made straight: a geodesic between its ends, or as near to that as comes without touching another one, itself or the boundary. One of one
+/// edge stays where it is.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct StraightPath {
+    /// Its edges, one after the other, in the triangulation that there would be without any of them.
+    pub halfedges: Vec<HalfedgeId>,
+    /// Whether it may end farther along another one instead, where it leaves that at less than 30° and a third one, or more, ends at the same place.
+    pub may_slide: bool,
+}
 
 /// Paths that are made straight.
 pub(super) struct Straight<'a, 'b> {
