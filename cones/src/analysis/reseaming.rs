@@ -105,7 +105,9 @@ impl<'a> Reseaming<'a> {
         let costs = (along, cost, self.share, 0..SEARCHES);
         let done = separation.rearranged(task, &network, costs, watch.within(0.5, 0.8))?;
         let are_few = || flat.cones.len() <= FEW_CONES && done.map.islands(mesh).count() <= FEW_ISLANDS;
-        if !overlaps || !are_few() || self.broken(&done.map) == 0 {
+        // Polygons that lie over themselves are to be taken out first.
+        let is_parted = done.left.pairs.is_empty();
+        if !overlaps || !is_parted || !are_few() || self.broken(&done.map) == 0 {
             return Ok(done);
         }
         let network = plan.with_shortest(mesh, &flat.cones, network, watch.within(f64::NAN, f64::NAN))?;
