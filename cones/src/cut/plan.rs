@@ -16,7 +16,7 @@ use super::cost::shares;
 use super::options::SeamOptions;
 use super::straighten::{PathCost, straighten};
 use super::turning::Turning;
-use crate::flatten::{SeamError, Seams, seam_lengths};
+use crate::flatten::{SeamError, Seams, seam_lengths, terminals};
 
 /// What an edge that is to be avoided costs, over its length: more than any way round it that a surface has, and little enough to
 /// add up with others without loss.
@@ -102,11 +102,29 @@ impl SeamPlan {
         watch: Watch,
     ) -> Result<EdgeData<bool>, Interrupted> {
         let fixed = cut.clone();
-        let mut network = Seams::network(mesh, &self.cost, cones, cut, watch.within(0.0, 0.6))?;
+        let mut network = Seams::network(mesh, &self.cost, &terminals(mesh, cones), cut, watch.within(0.0, 0.6))?;
         if let Some(costs) = self.with_turns(mesh) {
             straighten(&costs, &fixed, &mut network, watch.within(0.6, 1.0))?;
         }
         Ok(network.cut)
+    }
+
+    /// A network with shortest paths besides, which may turn and run where they are seen: between neighbouring cones and boundary loops, and between
+    /// cones as if there were no boundary, whose region may part them.
+    ///
+    /// # Errors
+    /// If it is stopped.
+    pub(crate) fn with_shortest(
+        &self,
+        mesh: &Mesh,
+        cones: &[VertexId],
+        network: EdgeData<bool>,
+        watch: Watch,
+    ) -> Result<EdgeData<bool>, Interrupted> {
+        let alone: Vec<(VertexId, u32)> = cones.iter().copied().zip(0..).collect();
+        [terminals(mesh, cones), alone].iter().try_fold(network, |network, terminals| {
+            Ok(Seams::network(mesh, self.costs(), terminals, network, watch)?.cut)
+        })
     }
 
     /// What edges cost that islands are cut along: their lengths, and those that are to be avoided [`AVOIDED`] times as much.

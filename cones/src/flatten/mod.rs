@@ -22,6 +22,6 @@ pub(crate) use relax::{BENT, MOST_BENT, relax, stretch};
 pub(crate) use rims::narrow_rims;
 pub(crate) use scaling::scale_by;
 pub use scaling::{Scaling, ScalingError, scale};
-pub(crate) use seams::seam_lengths;
 pub use seams::{Chain, SeamError, Seams};
+pub(crate) use seams::{seam_lengths, terminals};
 pub use untangle::{Corner, Patch, PatchTriangle};

@@ -127,7 +127,7 @@ impl Seams {
         Ok(Self { chains: chains(mesh, &cut, &is_terminal), cut, length })
     }
 
-    /// Given seams and, for any two cones or boundary loops whose regions meet, a shortest path over where they do (the graph of K. Mehlhorn,
+    /// Given seams and, for any two terminals (cones, and boundary loops as one each) whose regions meet, a shortest path over where they do (the graph of K. Mehlhorn,
     /// *A faster approximation algorithm for the Steiner problem in graphs*, 1988, of which seams are a spanning tree). O(V log V).
     ///
     /// # Errors
@@ -135,11 +135,10 @@ impl Seams {
     pub(crate) fn network(
         mesh: &Mesh,
         lengths: &EdgeData<f64>,
-        cones: &[VertexId],
+        terminals: &[(VertexId, u32)],
         mut cut: EdgeData<bool>,
         watch: Watch,
     ) -> Result<Self, Interrupted> {
-        let terminals = terminals(mesh, cones);
         let paths = ShortestPaths::new_watched(mesh, lengths, terminals.iter().copied(), watch)?;
         let owners = |e: EdgeId| mesh.ends(e).map(|v| paths.owner[v]);
         let mut shortest: BTreeMap<[u32; 2], (f64, EdgeId)> = BTreeMap::new();
@@ -205,8 +204,8 @@ pub(crate) fn seam_lengths(surface: &Surface, metric: &Metric) -> EdgeData<f64> 
     metric.lengths().iter_ids().map(length).collect()
 }
 
-/// The vertices of the terminals, each with its terminal's number: boundary loops first, then cones.
-fn terminals(mesh: &Mesh, cones: &[VertexId]) -> Vec<(VertexId, u32)> {
+/// The vertices of the terminals, cones and boundary loops, each with its terminal's number: boundary loops first, then cones.
+pub(crate) fn terminals(mesh: &Mesh, cones: &[VertexId]) -> Vec<(VertexId, u32)> {
     let loops = mesh.boundary_loops();
     let on_loops = loops.iter().zip(0..).flat_map(|(around, k)| around.iter().map(move |&h| (mesh.tail(h), k)));
     on_loops.chain(cones.iter().copied().zip(loops.len() as u32..)).collect()
@@ -314,6 +313,7 @@ fn chains(mesh: &Mesh, cut: &EdgeData<bool>, is_terminal: &VertexData<bool>) -> 
 
 #[cfg(test)]
 mod tests {
+    use geom::shapes;
     use proptest::prelude::*;
 
     use super::*;
@@ -448,7 +448,8 @@ mod tests {
             let (mesh, lengths) = slab(genus, windows);
             let cones = spread(&mesh, 20);
             let seams = Seams::new(&mesh, &lengths, &cones, Watch::NONE).unwrap();
-            let network = Seams::network(&mesh, &lengths, &cones, seams.cut.clone(), Watch::NONE).unwrap();
+            let network =
+                Seams::network(&mesh, &lengths, &terminals(&mesh, &cones), seams.cut.clone(), Watch::NONE).unwrap();
             assert!(
                 mesh.edges().all(|e| network.cut[e] >= seams.cut[e] && !(network.cut[e] && mesh.is_boundary_edge(e)))
             );
@@ -457,7 +458,7 @@ mod tests {
             assert_eq!(cells.euler_characteristic(), cells.island_count() as i64);
             if genus == 0 {
                 let nothing = EdgeData::constant(mesh.edge_count(), false);
-                let alone = Seams::network(&mesh, &lengths, &cones, nothing, Watch::NONE).unwrap();
+                let alone = Seams::network(&mesh, &lengths, &terminals(&mesh, &cones), nothing, Watch::NONE).unwrap();
                 assert!(mesh.edges().all(|e| alone.cut[e] >= seams.cut[e]), "of its paths some are the shortest tree");
             }
         }
@@ -501,6 +502,34 @@ mod tests {
         assert_eq!(once, Seams::new(&mesh, &lengths, &[5, 90, 5, 44, 90].map(VertexId), Watch::NONE));
         let same = Seams::new(&mesh, &lengths, &[5, 5].map(VertexId), Watch::NONE);
         assert_eq!(same, Err(SeamError::TooFewCones { cones: 1 }));
+    }
+
+    #[test]
+    fn a_network_without_the_boundary_has_paths_where_its_region_parts_cones() {
+        let shape = shapes::square(900);
+        let mesh = shape.mesh();
+        let lengths = Metric::from_points(&mesh, &shape.points).lengths().clone();
+        let away = |v: VertexId, p: [f64; 2]| {
+            let [x, y, _] = shape.points[v.0 as usize];
+            (x - p[0]).hypot(y - p[1])
+        };
+        let side = shape.area().sqrt();
+        let [left, bottom] = [0, 1].map(|k| shape.points.iter().map(|p| p[k]).fold(f64::INFINITY, f64::min));
+        // Both are near the lower side, and far from each other.
+        let cones = [0.3, 0.7].map(|x| {
+            let p = [left + x * side, bottom + 0.05 * side];
+            mesh.vertices().min_by(|&v, &w| away(v, p).total_cmp(&away(w, p))).unwrap()
+        });
+        let nothing = || EdgeData::constant(mesh.edge_count(), false);
+        let between = |terminals: &[(VertexId, u32)]| -> f64 {
+            let network = Seams::network(&mesh, &lengths, terminals, nothing(), Watch::NONE).unwrap();
+            let weights = mesh.edges().map(|e| if network.cut[e] { lengths[e] } else { f64::INFINITY }).collect();
+            ShortestPaths::new(&mesh, &weights, [(cones[0], 0)]).distance[cones[1]]
+        };
+        let shortest = ShortestPaths::new(&mesh, &lengths, [(cones[0], 0)]).distance[cones[1]];
+        let alone = cones.iter().copied().zip(0..).collect::<Vec<_>>();
+        assert!((between(&alone) / shortest - 1.0).abs() < 1e-12);
+        assert!(between(&terminals(&mesh, &cones)) > 1.2 * shortest);
     }
 
     #[test]

@@ -53,7 +53,9 @@ pub(super) struct Arc {
     pub(super) cells: [u32; 2],
     /// What takes the twins' cell to where it lies beside the halfedges'; none if nothing does, or it is to stay open.
     pub(super) motion: Option<Motion>,
-    /// What it costs as a seam.
+    /// What it costs as a seam,
+    pub(super) cost: f64,
+    /// and how long it is then.
     pub(super) length: f64,
     /// The joints at its ends.
     pub(super) joints: [u32; 2],
@@ -118,10 +120,10 @@ pub(super) type Known = Table<(u32, u32, [i64; 4]), bool>;
 
 impl<'a> Cells<'a> {
     /// The cells of a map opened along a network, in which the edges where it is open must be. Edges that are `kept` are not
-    /// glued. `length` is what a run of seam costs.
+    /// glued. `seam` is what a run of seam costs, and its length.
     pub(super) fn new(
         (mesh, kept): (&Mesh, Option<&EdgeData<bool>>),
-        length: impl Fn(&[HalfedgeId]) -> f64 + Send,
+        seam: impl Fn(&[HalfedgeId]) -> [f64; 2] + Send,
         map: &'a UvMap,
         network: &EdgeData<bool>,
     ) -> Self {
@@ -145,7 +147,7 @@ impl<'a> Cells<'a> {
             }
             (size, area, bounds)
         };
-        let along = || (rims(mesh, &areas, (&cell, count), network), arcs((mesh, kept), length, map, network, &cell));
+        let along = || (rims(mesh, &areas, (&cell, count), network), arcs((mesh, kept), seam, map, network, &cell));
         let ((size, area, bounds), (rims, (mut arcs, is_flat))) = rayon::join(sums, along);
         let middle = |&f: &u32| uv[f as usize].iter().fold([0.0; 2], |[x, y], p| [x + p[0] / 3.0, y + p[1] / 3.0]);
         let area_of = |f: &u32| areas[*f as usize].unwrap_or(0.0);
@@ -156,11 +158,11 @@ impl<'a> Cells<'a> {
             sides[cell[mesh.face(h)] as usize].push([h, mesh.next(h)].map(|h| map.position[h]));
         }
         let points = |c: usize| sides[c].iter().map(|&[[x, y], _]| Complex64::new(x, y)).collect::<Vec<_>>();
-        let whole: f64 = arcs.iter().map(|arc| arc.length).sum();
+        let whole: f64 = arcs.iter().map(|arc| arc.cost).sum();
         let first_edge = |arc: &Arc| arc.sides.iter().map(|&h| sorted(mesh.ends(mesh.edge(h)))).min();
-        arcs.sort_by_cached_key(|arc| (Reverse(share(arc.length, whole, NUMBERED)), first_edge(arc)));
+        arcs.sort_by_cached_key(|arc| (Reverse(share(arc.cost, whole, NUMBERED)), first_edge(arc)));
         for arc in &mut arcs {
-            arc.length = share(arc.length, whole, LENGTHS) as f64 * whole / LENGTHS;
+            arc.cost = share(arc.cost, whole, LENGTHS) as f64 * whole / LENGTHS;
         }
         let axis = Complex64::cis(sides.first().map_or(0.0, |sides| axis(sides.iter().map(|side| side[0]))));
         let at_cells = arcs.iter().zip(0..).flat_map(|(Arc { cells: [left, right], .. }, k)| {
@@ -322,7 +324,7 @@ fn sorted<const N: usize>(mut vertices: [VertexId; N]) -> [VertexId; N] {
 /// The arcs of a network, and whether its joints are flat.
 fn arcs(
     (mesh, kept): (&Mesh, Option<&EdgeData<bool>>),
-    length: impl Fn(&[HalfedgeId]) -> f64,
+    seam: impl Fn(&[HalfedgeId]) -> [f64; 2],
     map: &UvMap,
     network: &EdgeData<bool>,
     cell: &FaceData<u32>,
@@ -377,9 +379,9 @@ fn arcs(
         } else {
             motion_across(mesh, &sides, |h| map.position[h], extent)
         };
-        let length = length(&sides);
+        let [cost, length] = seam(&sides);
         let joints = [number(start), number(v)];
-        arcs.push(Arc { sides, cells, motion, length, joints });
+        arcs.push(Arc { sides, cells, motion, cost, length, joints });
     }
     (arcs, flat)
 }

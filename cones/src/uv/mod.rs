@@ -41,10 +41,10 @@ pub use overlap::{NEGLIGIBLE_DEPTH, Overlap, Overlaps, overlaps, overlaps_watche
 pub use pack::{IslandPlace, PackError, PackOptions, Packing, Rotations, Tiles, fill, pack};
 pub(crate) use pack::{filled, readable, room};
 pub use part::{PartError, Parted, part};
-pub(crate) use rearrange::Figures;
+pub(crate) use rearrange::{Figures, SEARCHES};
 pub use repack::{Repacked, islands_of, repack};
 pub use separate::{Separation, separate};
-pub(crate) use separate::{add_necks, attached, overlaps_on_islands, taken_apart};
+pub(crate) use separate::{add_necks, attached, overlaps_on_islands, seam, taken_apart};
 pub use triangle::Triangle;
 
 /// So many triangles, edges or corners are gone through one after the other at least.

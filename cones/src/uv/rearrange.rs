@@ -8,6 +8,8 @@
 //!
 //! Nothing of a step depends on how many triangles there are, but for pairs of cells that have not met in such a way before.
 
+use std::ops::Range;
+
 use geom::{EdgeData, HalfedgeId, Interrupted, Mesh, Watch, kruskal};
 use rayon::prelude::*;
 
@@ -31,7 +33,7 @@ const MOST_WORK: usize = 4_000_000_000;
 const ROOMS: f64 = 4096.0;
 /// So often it is searched, each time with other dice, for the best. On 136 layouts the cost is .9 % less than with one search, with four 1.4 %; one
 /// of twice as many steps gains .1 %.
-const SEARCHES: u64 = 2;
+pub(crate) const SEARCHES: u64 = 2;
 /// Of more cells nothing is sought.
 const MOST_CELLS: usize = 4000;
 /// By so much may the next map be worse than the one before at first, as a cost. With 0.02 a tenth more islands are left, with 0.1 seams are 1 %
@@ -53,15 +55,18 @@ const VARIATIONS: [f64; 4] = [0.0, 0.5, 2.0, 8.0];
 pub(crate) struct Figures {
     /// Its islands, those of a few triangles three times.
     pub(crate) islands: usize,
-    /// What its seams cost, added up.
+    /// What its seams cost, added up,
     pub(crate) seam: f64,
+    /// and how long they are.
+    pub(crate) length: f64,
     /// The side of a square of the area of those about its islands.
     pub(crate) room: f64,
 }
 
 /// Puts a map together otherwise of which no island overlaps itself. `network` are the edges along which it may be open, and must hold those
-/// along which it is; `length` is what a run of seam costs. Less of `cost` is better, which should be about 1 and not
-/// fall where one of the figures grows. `share` is that of the model's area, for which less is tried. None if nothing better is found.
+/// along which it is; `seam` is what a run of seam costs, and its length. Less of `cost` is better, which should be about 1 and not
+/// fall where one of the figures grows. `share` is that of the model's area, for which less is tried, and
+/// there is a search for each of the `dice`. None if nothing better is found.
 ///
 /// # Errors
 /// If it is stopped.
@@ -69,17 +74,22 @@ pub(super) fn rearranged(
     (mesh, kept): (&Mesh, Option<&EdgeData<bool>>),
     map: &UvMap,
     network: &EdgeData<bool>,
-    (length, cost, share): (impl Fn(&[HalfedgeId]) -> f64 + Send, impl Fn(Figures) -> f64 + Sync, f64),
+    (seam, cost, share, dice): (
+        impl Fn(&[HalfedgeId]) -> [f64; 2] + Send,
+        impl Fn(Figures) -> f64 + Sync,
+        f64,
+        Range<u64>,
+    ),
     watch: Watch,
 ) -> Result<Option<UvMap>, Interrupted> {
-    let cells = Cells::new((mesh, kept), length, map, network);
+    let cells = Cells::new((mesh, kept), seam, map, network);
     watch.ask(0.0)?;
     if cells.count() > MOST_CELLS {
         return Ok(None);
     }
     let start = Forest::of(&cells, mesh, &map.cut);
     let before = cost(start.figures(&cells, &mut Memory::new(&cells)));
-    let found = (0..SEARCHES).into_par_iter().map(|k| {
+    let found = dice.into_par_iter().map(|k| {
         let search = Search { cells: &cells, cost: &cost, random: Random(k), memory: Memory::new(&cells) };
         search.run((before, start.clone()), steps(cells.count(), share), watch)
     });
@@ -275,10 +285,14 @@ impl Forest {
     /// What is found at once: the room is only not less than this, as much as the islands cover.
     fn figures_without_room(&self, cells: &Cells, memory: &mut Memory) -> Figures {
         let open = cells.seams(self.is_open(), &mut memory.seams);
-        let seam = cells.arcs.iter().zip(open).filter(|(_, open)| **open).map(|(arc, _)| arc.length).sum();
+        let (mut seam, mut length) = (0.0, 0.0);
+        for (arc, _) in cells.arcs.iter().zip(open).filter(|(_, open)| **open) {
+            seam += arc.cost;
+            length += arc.length;
+        }
         let is_sliver = |c: u32| self.size[c as usize] < SLIVER as usize;
         let islands = self.islands().map(|c| if is_sliver(c) { 3 } else { 1 }).sum();
-        Figures { islands, seam, room: cells.whole.sqrt() }
+        Figures { islands, seam, length, room: cells.whole.sqrt() }
     }
 
     fn figures(&self, cells: &Cells, memory: &mut Memory) -> Figures {
@@ -454,7 +468,7 @@ impl<C: Fn(Figures) -> f64> Search<'_, C> {
         for (arc, k) in self.cells.arcs.iter().zip(0..) {
             let [left, right] = arc.cells.map(|c| forest.island[c as usize]);
             if left != right && arc.motion.is_some() {
-                arcs.push((arc.length * (1.0 + variation * self.random.unit()), k));
+                arcs.push((arc.cost * (1.0 + variation * self.random.unit()), k));
             }
         }
         arcs.sort_unstable_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
@@ -511,8 +525,8 @@ mod tests {
         mesh.edges().filter(|&e| map.cut[e]).map(|e| lengths[e]).sum()
     }
 
-    fn sum<'a>(mesh: &'a Mesh, lengths: &'a EdgeData<f64>) -> impl Fn(&[HalfedgeId]) -> f64 + 'a {
-        |run| run.iter().map(|&h| lengths[mesh.edge(h)]).sum()
+    fn sum<'a>(mesh: &'a Mesh, lengths: &'a EdgeData<f64>) -> impl Fn(&[HalfedgeId]) -> [f64; 2] + 'a {
+        |run| [run.iter().map(|&h| lengths[mesh.edge(h)]).sum(); 2]
     }
 
     fn cases() -> impl Iterator<Item = (shapes::Shape, Vec<VertexId>)> {
@@ -541,8 +555,14 @@ mod tests {
                 *least = least.min(cost);
                 cost
             };
-            let after = rearranged((&mesh, None), &before, &network, (sum(&mesh, &lengths), counted, 1.0), Watch::NONE)
-                .unwrap();
+            let after = rearranged(
+                (&mesh, None),
+                &before,
+                &network,
+                (sum(&mesh, &lengths), counted, 1.0, 0..SEARCHES),
+                Watch::NONE,
+            )
+            .unwrap();
             let after = after.expect("it is better than single cells");
             let [done, other] = [&done, &after].map(|map| map.opened(&mesh));
             assert!(other.island_count() <= done.island_count(), "it is as good as what cuts leave");
@@ -557,8 +577,8 @@ mod tests {
                 })
                 .collect();
             let slivers = sizes.iter().filter(|&&size| size < SLIVER as usize).count();
-            let figures =
-                Figures { islands: sizes.len() + 2 * slivers, seam: seam(&mesh, &lengths, &after), room: 0.0 };
+            let seam = seam(&mesh, &lengths, &after);
+            let figures = Figures { islands: sizes.len() + 2 * slivers, seam, length: seam, room: 0.0 };
             assert!((cost(figures) - *least.lock().unwrap()).abs() < 1e-3, "it costs what was counted");
             for h in mesh.halfedges() {
                 let span = |map: &UvMap| {
@@ -600,8 +620,14 @@ mod tests {
         let (mesh, lengths, before, network) = apart(&shape, &cones);
         let kept: EdgeData<bool> = mesh.edges().map(|e: EdgeId| before.cut[e] && e.index().is_multiple_of(3)).collect();
         let cost = |figures: Figures| figures.islands as f64 + figures.seam;
-        let after = rearranged((&mesh, Some(&kept)), &before, &network, (sum(&mesh, &lengths), cost, 1.0), Watch::NONE)
-            .unwrap();
+        let after = rearranged(
+            (&mesh, Some(&kept)),
+            &before,
+            &network,
+            (sum(&mesh, &lengths), cost, 1.0, 0..SEARCHES),
+            Watch::NONE,
+        )
+        .unwrap();
         let after = after.unwrap_or(before);
         assert!(mesh.edges().all(|e| after.cut[e] || !kept[e]));
     }
@@ -684,7 +710,7 @@ mod tests {
     }
 
     #[test]
-    fn room_is_that_of_a_square_about_all_corners() {
+    fn room_is_that_of_a_square_about_all_corners_and_length_that_of_the_seams() {
         let (shape, cones) = cases().next().unwrap();
         let (mesh, lengths, map, network) = apart(&shape, &cones);
         let cells = Cells::new((&mesh, None), sum(&mesh, &lengths), &map, &network);
@@ -696,6 +722,7 @@ mod tests {
         });
         let room = crate::uv::room(points.into_iter().map(convex_hull).collect());
         assert!((figures.room / room - 1.0).abs() < 0.04, "{room} {}", figures.room);
-        assert!((figures.seam / seam(&mesh, &lengths, &map) - 1.0).abs() < 1e-3);
+        let seam = seam(&mesh, &lengths, &map);
+        assert!((figures.seam / seam - 1.0).abs() < 1e-3 && (figures.length / seam - 1.0).abs() < 1e-12);
     }
 }

@@ -8,6 +8,8 @@
 //!
 //! An island without overlap keeps its positions to the bit.
 
+use std::ops::Range;
+
 use geom::{EdgeData, EdgeId, FaceData, FaceId, HalfedgeId, Interrupted, Islands, Mesh, Watch};
 use rayon::prelude::*;
 
@@ -18,7 +20,7 @@ use super::divide::{Divider, Pair, Preference, SLIVER, divide};
 use super::immersion::overlaps_from_boundary;
 use super::map::UvMap;
 use super::overlap::{NEGLIGIBLE_DEPTH, Overlap, Overlaps, overlaps_watched};
-use super::rearrange::{Figures, rearranged};
+use super::rearrange::{Figures, SEARCHES, rearranged};
 
 /// What is tried. Of 48 such preferences these four give the fewest islands on 105 layouts that lie over themselves: each alone
 /// leaves one island on 41 to 48 of them, all four together on 60.
@@ -88,8 +90,8 @@ pub(super) fn separate_deeper(
     done.deeper_than = deeper_than;
     let before = seam(mesh, lengths, &done.map.cut);
     let cost = |figures: Figures| figures.islands as f64 + if before > 0.0 { figures.seam / before } else { 0.0 };
-    let length = |run: &[HalfedgeId]| run.iter().map(|&h| lengths[mesh.edge(h)]).filter(|l| l.is_finite()).sum();
-    done.rearranged((mesh, lengths, kept), &network, (length, cost, 1.0), watch.within(0.6, 1.0))
+    let along = |run: &[HalfedgeId]| [run.iter().map(|&h| lengths[mesh.edge(h)]).filter(|l| l.is_finite()).sum(); 2];
+    done.rearranged((mesh, lengths, kept), &network, (along, cost, 1.0, 0..SEARCHES), watch.within(0.6, 1.0))
 }
 
 /// Adds short paths across those islands of a map that are to be crossed, but for the smallest, and where it is open.
@@ -190,7 +192,7 @@ impl Separation {
         mut self,
         (mesh, lengths, kept): (&Mesh, &EdgeData<f64>, Option<&EdgeData<bool>>),
         network: &EdgeData<bool>,
-        costs: (impl Fn(&[HalfedgeId]) -> f64 + Send, impl Fn(Figures) -> f64 + Sync, f64),
+        costs: (impl Fn(&[HalfedgeId]) -> [f64; 2] + Send, impl Fn(Figures) -> f64 + Sync, f64, Range<u64>),
         watch: Watch,
     ) -> Result<Self, Interrupted> {
         let Some(map) = rearranged((mesh, kept), &self.map, network, costs, watch.within(0.0, 0.8))? else {
@@ -225,7 +227,8 @@ pub(crate) fn overlaps_on_islands(mesh: &Mesh, map: &UvMap, watch: Watch) -> Res
     }
 }
 
-fn seam(mesh: &Mesh, lengths: &EdgeData<f64>, cut: &EdgeData<bool>) -> f64 {
+/// The length of what is cut.
+pub(crate) fn seam(mesh: &Mesh, lengths: &EdgeData<f64>, cut: &EdgeData<bool>) -> f64 {
     mesh.edges().filter(|&e| cut[e]).map(|e| lengths[e]).filter(|l| l.is_finite()).sum()
 }
 
