@@ -412,6 +412,7 @@ proptest! {
             refine_watched(&mesh, &metric, size, roles, Watch::NONE).expect("it is not stopped")
         };
         let before = refined(&[]);
+        prop_assume!(before.is_complete);
         let paths = disjoint_paths(&before, &held, &mesh, &picks);
         let after = refined(&paths);
         check_common(&mesh, &points, &after);
