@@ -56,7 +56,7 @@ pub(crate) struct Component {
     pub(crate) way: Option<Way>,
     /// The handles that were opened.
     pub(crate) handles: OpenedHandles,
-    /// The paths that were made straight, as long as no handles are opened.
+    /// The paths that were made straight.
     pub(super) straight: Option<Arc<Straightened>>,
     /// The edge lengths in space, mollified where they have to be.
     pub(crate) metric: Metric,

@@ -218,6 +218,22 @@ impl Note {
         self.clone().component_mut().copied()
     }
 
+    /// Whether it is of the cones that were chosen, whatever map is made with them.
+    pub(crate) fn is_of_cones(&self) -> bool {
+        matches!(
+            self,
+            Self::FewerThanNeeded { .. }
+                | Self::FewExtrema { .. }
+                | Self::PlacedByPersistence { .. }
+                | Self::MoreForCurvature { .. }
+                | Self::FewVertices { .. }
+                | Self::HarmonicOutOfBounds { .. }
+                | Self::OtherNumber { .. }
+                | Self::RoundedAway { .. }
+                | Self::TargetMissed { .. }
+        )
+    }
+
     fn component_mut(&mut self) -> Option<&mut usize> {
         match self {
             Self::FewerThanNeeded { .. }

@@ -100,8 +100,6 @@ pub struct RefinedModel {
     named: HashSet<[u32; 2]>,
     /// The edges that those of them that there are are in.
     parts: Parts,
-    /// The edges of seams that were made straight, but loops that handles are opened along: by the ends of intrinsic edges.
-    straight: Vec<[u32; 2]>,
     /// See [`now`](Self::now).
     removed: Vec<Vec<VertexId>>,
 }
@@ -119,11 +117,6 @@ impl RefinedModel {
     pub(crate) fn now(&self, part: usize, v: VertexId) -> Option<VertexId> {
         let removed = &self.removed[part];
         removed.binary_search(&v).err().map(|before| VertexId::new(v.index() - before))
-    }
-
-    /// The edges that seams were made straight along, but loops that handles are opened along.
-    pub(crate) fn straight(&self) -> &[[u32; 2]] {
-        &self.straight
     }
 
     /// Whether an edge was to be held.
@@ -268,7 +261,12 @@ impl Ready {
             mesh,
         };
         let lengths = edge_before.iter().map(|&e| self.metric.length(e)).collect();
-        Self { metric: Metric::new(lengths), surface, way, handles: OpenedHandles::default(), straight: None, shape }
+        let of_island = |straight: &Arc<Straightened>| {
+            let path = edge_before.iter().map(|&e| straight.path[e]).collect();
+            Arc::new(Straightened { path, is_loop: straight.is_loop.clone() })
+        };
+        let straight = self.straight.as_ref().map(of_island);
+        Self { metric: Metric::new(lengths), surface, way, handles: OpenedHandles::default(), straight, shape }
     }
 
     /// The same, the longest side of its box 1.
@@ -393,11 +391,13 @@ pub(crate) fn refine_all(
             let planar: Vec<_> = surfaces.par_iter().enumerate().with_max_len(1).map(planar).collect();
             let held = surfaces.iter().map(|surface| named_edges(surface, model.corners(), names_held));
             let held: Vec<EdgeData<bool>> = held.collect();
-            let is_alike = |k: usize, shape: usize| {
-                planar[k] == planar[shape] && held[k] == held[shape] && straight.get(k) == straight.get(shape)
-            };
+            let is_alike = |k: usize, shape: usize| planar[k] == planar[shape] && held[k] == held[shape];
             let alike = |(k, &shape): (usize, &usize)| if is_alike(k, shape) { shape } else { k };
-            let shapes: Vec<usize> = shapes.iter().enumerate().map(alike).collect();
+            let alike: Vec<usize> = shapes.iter().enumerate().map(alike).collect();
+            // Paths are those of the triangulation that there is without them, which is the same for all that are alike.
+            let as_straight =
+                |(k, &shape): (usize, &usize)| if straight.get(k) == straight.get(shape) { shape } else { k };
+            let shapes: Vec<usize> = alike.iter().enumerate().map(as_straight).collect();
             // In the model's units.
             let area = |surface: &Surface| surface.metric().area(&surface.mesh) * surface.scale.powi(-2);
             let areas: Vec<f64> = surfaces.par_iter().map(area).collect();
@@ -414,8 +414,9 @@ pub(crate) fn refine_all(
                 let straight = straight.get(k).map_or(&[][..], |straight| &straight.paths);
                 let roles = EdgeRoles { left_out: Some(&planar[k]), held: Some(&held[k]), straight };
                 let size_at = size_at.map(|size_at| {
-                    let points: Vec<_> = surface.vertex.iter().map(|&v| model.points()[v as usize]).collect();
-                    move |place: SurfacePoint| surface.scale * size_at(k, place.position(&surface.mesh, &points))
+                    let (part, first) = (alike[k], &surfaces[alike[k]]);
+                    let points: Vec<_> = first.vertex.iter().map(|&v| model.points()[v as usize]).collect();
+                    move |place: SurfacePoint| first.scale * size_at(part, place.position(&first.mesh, &points))
                 });
                 let at = size_at.as_ref().map(|at| at as &(dyn Fn(SurfacePoint) -> f64 + Sync));
                 let size = TriangleSize { largest, at, small };
@@ -456,14 +457,14 @@ pub(crate) fn refine_all(
         ready.iter_mut().for_each(|ready| ready.renumber(&number));
         watch.ask(0.8)?;
         let left_out = number[kept..].to_vec();
-        let Growing { points, added, triangles: pieces, part_of, parts, straight, removed } = growing;
+        let Growing { points, added, triangles: pieces, part_of, parts, removed } = growing;
         let face = part_of.iter().map(|&t| triangles.face_of[t as usize]).collect();
         let model = Model::from_triangles(points, &pieces).map_err(Error::Refined)?;
         watch.ask(0.9)?;
         let triangles = model.triangles();
         Ok((
             ready,
-            RefinedModel { model, face, added, is_complete, named: names_held.clone(), parts, straight, removed },
+            RefinedModel { model, face, added, is_complete, named: names_held.clone(), parts, removed },
             triangles,
             left_out,
         ))
@@ -481,8 +482,6 @@ struct Growing {
     part_of: Vec<u32>,
     /// The edges that those that were held are in.
     parts: Parts,
-    /// The edges of paths that were made straight, but loops.
-    straight: Vec<[u32; 2]>,
     /// See [`RefinedModel::now`].
     removed: Vec<Vec<VertexId>>,
 }
@@ -581,9 +580,6 @@ impl Growing {
             }
         }
         let straight = Straightened { path, is_loop: straight.is_loop.clone() };
-        for e in triangulation.edges().filter(|&e| straight.path[e].is_some() && !straight.is_loop(e)) {
-            self.straight.push(triangulation.ends(e).map(|v| vertex[v.index()]));
-        }
         let straight = Some(Arc::new(straight)).filter(|straight| !straight.is_loop.is_empty());
         let first = self.triangles.len() as u32;
         let triangle = (first..first + common.triangles.len() as u32).collect();

@@ -9,14 +9,13 @@ use super::atlas::Atlas;
 use super::component::{Component, OnSurface};
 use super::cones::Configuration;
 use super::options::{GivenCone, Handles, Options, Recipe};
-use super::refined::RefinedModel;
-use crate::cut::SeamOptions;
 use crate::error::Error;
 
 impl Recipe {
     /// Whether it is of the model that maps of an analysis are of, as far as can be told.
     pub(super) fn is_of(&self, analysis: &Analysis) -> bool {
-        self.vertices.is_none_or(|vertices| vertices == analysis.points().len())
+        let has_paths = || analysis.components().iter().any(|component| component.straight.is_some());
+        self.vertices.is_none_or(|vertices| vertices == analysis.points().len()) && (!self.straight || has_paths())
     }
 }
 
@@ -129,9 +128,6 @@ impl Analysis {
             let vertices = recipe.vertices.unwrap_or_default();
             return Err(Error::OtherModel { vertices, count: self.points().len() });
         }
-        let known = if recipe.straight { self.refined().map(RefinedModel::straight) } else { None };
-        let seams = known.map(|known| SeamOptions { kept: known.to_vec(), ..options.seams.clone() });
-        let options = &Options { seams: seams.unwrap_or_else(|| options.seams.clone()), ..options.clone() };
         match self.cut_at(&recipe.necks)? {
             None => self.opened_at(&recipe.opened)?.flattened_as_given(options),
             Some(cut_off) => {

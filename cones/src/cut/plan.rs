@@ -73,6 +73,14 @@ impl SeamPlan {
         })
     }
 
+    /// Gives further edges inside the surface that are cut.
+    pub(crate) fn give(&mut self, edges: impl Iterator<Item = EdgeId>) {
+        for e in edges {
+            self.given[e] = true;
+            self.has_given = true;
+        }
+    }
+
     /// The seams of the surface with the cones given: each island that they leave is a disk. O(V log V), O(E log E) where there
     /// are handles.
     ///

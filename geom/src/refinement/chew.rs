@@ -23,6 +23,8 @@ const NARROW: f64 = PI / 3.0;
 const MOST_PER_VERTEX: usize = 20;
 /// See [`MOST_PER_VERTEX`].
 const SPARE: usize = 10_000;
+/// So often at most are paths made straight, each time but for those that came too near to others.
+const MOST_ROUNDS: usize = 4;
 /// Beside paths so many may be put in for each two that are there, and so many besides.
 const SPARE_BESIDE_PATHS: usize = 500;
 /// So many times edges may cross those of the input for each of the input's vertices, and [`SPARE_CROSSINGS`] besides. Before vertices are put in
@@ -102,7 +104,8 @@ pub struct EdgeRoles<'a> {
     /// These stay edges, if need be in several parts: nothing crosses them. Where two of them, or one and the boundary, are less than 60° apart,
     /// triangles between them may be as narrow.
     pub held: Option<&'a EdgeData<bool>>,
-    /// These are made straight, and held then. An end of one is to be inside no other.
+    /// These are made straight, and held then; nothing is where one does not run through the triangulation, which is not complete then. An end of one is to be inside no other. Half as many vertices as
+    /// there are, and 500, are put in besides for them.
     pub straight: &'a [StraightPath],
 }
 
@@ -142,7 +145,10 @@ pub fn refine_watched(
     let most = MOST_PER_VERTEX * input.vertex_count() + SPARE;
     let mut is_complete = chew.run(most, watch.within(0.2, 0.5))?;
     let (mut path_of, mut removed) = (None, Vec::new());
-    if !straight.is_empty() && is_complete {
+    let do_fit = || straight.iter().all(|path| path.runs_through(&chew.overlay.triangulation));
+    if !straight.is_empty() && is_complete && !do_fit() {
+        is_complete = false;
+    } else if !straight.is_empty() && is_complete {
         let (of_edge, taken) = chew.straighten(straight, watch.within(0.5, 0.65))?;
         (path_of, removed) = (Some(of_edge), taken);
         let most = chew.overlay.triangulation.vertex_count() / 2 + SPARE_BESIDE_PATHS;
@@ -250,7 +256,9 @@ impl<'a> Chew<'a> {
         let spacing = self.overlay.spacing();
         let mut was_held: Vec<bool> = self.overlay.held.iter().map(Option::is_some).collect();
         let mut stays = vec![false; paths.len()];
+        let mut rounds = 0;
         let mut path_of = loop {
+            rounds += 1;
             let begun = self.overlay.clone();
             let mut straight = Straight::new(&mut self.overlay, paths, &stays);
             straight.straighten(watch.within(0.0, 0.5))?;
@@ -260,6 +268,9 @@ impl<'a> Chew<'a> {
             }
             self.overlay = begun;
             too_narrow.into_iter().for_each(|number| stays[number] = true);
+            if rounds == MOST_ROUNDS {
+                stays.fill(true);
+            }
         };
         self.hold(&path_of, &was_held);
         self.flip_all(watch.within(0.5, 0.6))?;

@@ -8,8 +8,8 @@ use std::collections::{BTreeMap, BTreeSet, HashSet};
 use std::f64::consts::PI;
 
 use super::overlay::Overlay;
-use crate::intrinsic::Sides;
-use crate::mesh::{EdgeId, FaceId, HalfedgeId, Id, VertexId};
+use crate::intrinsic::{Metric, Sides};
+use crate::mesh::{EdgeId, FaceId, HalfedgeId, Id, Triangulation, VertexId};
 use crate::watch::{Interrupted, Watch};
 
 /// Angles this near to π are straight.
@@ -20,6 +20,8 @@ const NARROW_SECTOR: f64 = PI / 6.0;
 const LEAST_SECTOR: f64 = PI / 60.0;
 /// So many times at most, of all paths.
 const MOST_SLIDES: usize = 1000;
+/// So many edges at most are flipped at one turn.
+const MOST_FLIPS: usize = 4096;
 /// A rim that is no shorter than by this share is none that rounding could not have found.
 const SHORTER: f64 = 1e-12;
 /// So many times each edge of a path may be replaced, on average: each time it becomes shorter, but who knows how often.
@@ -36,10 +38,20 @@ const LEAST_TURN: f64 = 0.05;
 /// edge stays where it is.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct StraightPath {
-    /// Its edges, one after the other, in the triangulation that there would be without any of them.
+    /// Its edges, one after the other, in the triangulation that the same refinement gives without any paths. None of the vertices between them is to be on an
+    /// edge that is held.
     pub halfedges: Vec<HalfedgeId>,
     /// Whether it may end farther along another one instead, where it leaves that at less than 30° and a third one, or more, ends at the same place.
     pub may_slide: bool,
+}
+
+impl StraightPath {
+    /// Whether it is one way along edges of a triangulation.
+    pub(super) fn runs_through(&self, t: &Triangulation) -> bool {
+        let is_there = |h: &HalfedgeId| h.index() < t.halfedge_count();
+        let goes_on = |pair: &[HalfedgeId]| t.head(pair[0]) == t.tail(pair[1]);
+        self.halfedges.iter().all(is_there) && self.halfedges.windows(2).all(goes_on)
+    }
 }
 
 /// Paths that are made straight.
@@ -263,12 +275,13 @@ impl<'a, 'b> Straight<'a, 'b> {
         let h = t.halfedge(first);
         let begin = if t.tail(h) == b { Some(h) } else { t.twin(h) };
         let next = |h: &HalfedgeId| if t.edge(*h) == last { None } else { t.twin(t.prev(*h)) };
-        std::iter::successors(begin, next).collect()
+        std::iter::successors(begin, next).take(MOST_FLIPS).collect()
     }
 
     /// Flips edges between two others at a vertex until none is left whose outer end the two triangles at it meet with less than π.
     fn flip_between(&mut self, b: VertexId, first: EdgeId, last: EdgeId) {
-        loop {
+        // Each flip takes one away, but where edges come back to where they began.
+        for _ in 0..MOST_FLIPS {
             let fan = self.fan(b, first, last);
             let t = &self.overlay.triangulation;
             let bends_in = |h: &&HalfedgeId| {
@@ -349,6 +362,7 @@ impl Overlay<'_> {
     /// Lets paths go through vertices of the input that they nearly go through.
     pub(super) fn snap(&self, path_of: &mut [Option<u32>], spacing: &[f64]) {
         let t = &self.triangulation;
+        let whole = Metric::new(self.length.clone().into()).angle_sums(t);
         let mut is_taken = vec![false; t.vertex_count()];
         let stays = |e: &EdgeId| path_of[e.index()].is_some() || self.held[e.index()].is_some();
         t.edges().filter(stays).flat_map(|e| t.ends(e)).for_each(|v| is_taken[v.index()] = true);
@@ -359,7 +373,8 @@ impl Overlay<'_> {
                 let (v, distance, [a, b]) = self.beside_side(h)?;
                 let is_near = distance < NEARLY_ON * spacing[v.index()] && distance < LEAST_TURN * a.min(b);
                 let is_free = v.index() < self.input.vertex_count() && !is_taken[v.index()];
-                (is_near && is_free).then_some((h, v))
+                let beyond = whole[v] - self.angle(t.prev(h));
+                (is_near && is_free && (beyond - PI).abs() < 2.0 * LEAST_TURN).then_some((h, v))
             });
             if let Some((h, v)) = nearly {
                 is_taken[v.index()] = true;
@@ -424,6 +439,7 @@ impl Overlay<'_> {
                 t.is_flippable(t.edge(h))
                     && at_ends.iter().all(|angle| *angle < PI - STRAIGHT)
                     && beside[0] != beside[1]
+                    && !beside.contains(&v)
             };
             let at = ring.iter().position(|h| is_ear(&h)).filter(|_| ring.len() > 3)?;
             e = t.edge(ring[(at + 1) % ring.len()]);
