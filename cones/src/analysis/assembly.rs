@@ -87,8 +87,8 @@ impl Analysis {
         task: &Task,
         mut times: Times,
     ) -> Result<Atlas, Error> {
-        let is_straight = options.cones.recipe().is_some_and(|recipe| recipe.straight);
-        let has_say = options.seams.names_edges() || self.found.making.is_cut_as_given || is_straight;
+        let is_given = options.seams.names_edges() || options.cones.has_straight_seams();
+        let has_say = is_given || self.found.making.is_cut_as_given;
         let Packed { triangles, packing, islands, added } =
             packed(self.components(), &flats, (options, has_say), task, &mut times)?;
         let began = Instant::now();

@@ -564,7 +564,7 @@ mod tests {
         let mut times = Times::default();
         for free_seams in [crate::FreeSeams::Auto, crate::FreeSeams::Never] {
             let options = Options { free_seams, ..Options::default() };
-            let plan = analysis.plan(component, (&options.seams, false), &task, &mut times).unwrap();
+            let plan = analysis.plan(component, &options.seams, &task, &mut times).unwrap();
             let mut attempts = Attempts { component, options: &options, plan: &plan, task: &task, times: &mut times };
             for count in 8..12 {
                 let configuration = attempts.place(count).unwrap().unwrap();
@@ -588,7 +588,7 @@ mod tests {
         let mut times = Times::default();
         let [automatic, asked] = [ConeChoice::Automatic, ConeChoice::WithinDistortion(1.01)].map(|cones| {
             let options = Options { cones, free_seams: crate::FreeSeams::Always, ..Options::default() };
-            let plan = analysis.plan(component, (&options.seams, false), &task, &mut times).unwrap();
+            let plan = analysis.plan(component, &options.seams, &task, &mut times).unwrap();
             let mut attempts = Attempts { component, options: &options, plan: &plan, task: &task, times: &mut times };
             let configuration = attempts.place(8).unwrap().unwrap();
             let mut flat = attempts.attempt(&configuration).unwrap().ok().unwrap();

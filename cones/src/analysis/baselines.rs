@@ -53,7 +53,7 @@ impl Analysis {
         let task = self.task();
         let mut times = Times::default();
         let parts = each(self.components(), &mut times, |component, times| {
-            let plan = self.plan(component, (&SeamOptions::default(), false), &task, times)?;
+            let plan = self.plan(component, &SeamOptions::default(), &task, times)?;
             component.flatten_by(baseline, (cones, &plan), &task, times)
         })?;
         let mut uv = vec![[0.0; 2]; self.corner_vertices().len()];

@@ -216,6 +216,11 @@ impl ConeChoice {
         if let Self::Recipe(recipe) = self { Some(recipe) } else { None }
     }
 
+    /// Whether seams are those that were made straight.
+    pub(super) fn has_straight_seams(&self) -> bool {
+        self.recipe().is_some_and(|recipe| recipe.straight)
+    }
+
     /// The cones that are given, where they are.
     pub(super) fn given(&self) -> Option<Vec<GivenCone>> {
         match self {

@@ -85,13 +85,16 @@ impl Analysis {
         let mut times = Times::default();
         let area = self.area();
         let missed = self.parts_of(&cones.recipe.freed);
-        let is_straight = options.cones.recipe().is_some_and(|recipe| recipe.straight);
         let is_same = |one: usize, other: usize| {
             missed.contains(&one) == missed.contains(&other)
                 && cones.configurations[one].is_same(&cones.configurations[other])
         };
         let flats = self.flats(options, &mut times, is_same, |component, times| {
-            let plan = self.plan(component, (&options.seams, is_straight), &task, times)?;
+            let mut plan = self.plan(component, &options.seams, &task, times)?;
+            if let Some(straight) = component.straight.as_ref().filter(|_| options.cones.has_straight_seams()) {
+                let mesh = &component.surface.mesh;
+                plan.give(mesh.edges().filter(|&e| straight.path[e].is_some() && !mesh.is_boundary_edge(e)));
+            }
             let mut flat = component.flatten(
                 &cones.configurations[component.index],
                 (&plan, options.may_loosen()),
@@ -122,7 +125,7 @@ impl Analysis {
         let task = self.task();
         let mut times = Times::default();
         let chains = each(self.components(), &mut times, |component, times| {
-            let plan = self.plan(component, (seams, false), &task, times)?;
+            let plan = self.plan(component, seams, &task, times)?;
             let vertices = &cones.configurations[component.index].vertices;
             let cut = task.stage((Stage::Cut, component.index), times, |watch| {
                 plan.cut(&component.surface.mesh, vertices, watch)
@@ -203,7 +206,7 @@ impl Analysis {
         task: &Task,
     ) -> Result<(Chosen, Option<SeamPlan>), Error> {
         let (began, mut of_plan) = (Instant::now(), Times::default());
-        let (chosen, plan) = rayon::join(choose, || self.plan(component, (&options.seams, false), task, &mut of_plan));
+        let (chosen, plan) = rayon::join(choose, || self.plan(component, &options.seams, task, &mut of_plan));
         let (mut chosen, plan) = (chosen?, plan?);
         chosen.0.times = Times::on_clock([chosen.0.times, of_plan], began.elapsed());
         Ok((chosen, Some(plan)))
@@ -253,7 +256,7 @@ impl Analysis {
             let plan = match &plan {
                 Some(plan) => plan,
                 None => {
-                    made = self.plan(component, (&options.seams, false), task, times)?;
+                    made = self.plan(component, &options.seams, task, times)?;
                     &made
                 }
             };
@@ -283,25 +286,19 @@ impl Analysis {
         self.components().iter().map(|component| component.area).sum()
     }
 
-    /// Where the seams of a component go; along those that were made straight for it, if it is to be so.
+    /// Where the seams of a component go.
     pub(super) fn plan(
         &self,
         component: &Component,
-        (seams, is_straight): (&SeamOptions, bool),
+        seams: &SeamOptions,
         task: &Task,
         times: &mut Times,
     ) -> Result<SeamPlan, Error> {
-        let Component { index, surface, metric, straight, .. } = component;
+        let Component { index, surface, metric, .. } = component;
         let in_parts = self.refined().map(|_| seams.in_parts(|ends| self.parts(ends)));
         let seams = in_parts.as_ref().unwrap_or(seams);
         let plan = |watch: Watch| SeamPlan::new(surface, metric, self.corner_vertices(), seams, watch);
-        let mut plan = task.stage((Stage::Cut, *index), times, plan)??;
-        if let Some(straight) = straight.as_ref().filter(|_| is_straight) {
-            plan.give(
-                surface.mesh.edges().filter(|&e| straight.path[e].is_some() && !surface.mesh.is_boundary_edge(e)),
-            );
-        }
-        Ok(plan)
+        Ok(task.stage((Stage::Cut, *index), times, plan)??)
     }
 
     /// Edges must be edges of the model.

@@ -84,9 +84,7 @@ impl<'a, 'b> Straight<'a, 'b> {
         for (number, path) in (0..).zip(paths) {
             path.halfedges.iter().for_each(|&h| path_of[t.edge(h).index()] = Some(number));
         }
-        let mut is_taken = vec![false; t.vertex_count()];
-        let is_fixed = |e: &EdgeId| path_of[e.index()].is_some() || overlay.held[e.index()].is_some();
-        t.edges().filter(is_fixed).flat_map(|e| t.ends(e)).for_each(|v| is_taken[v.index()] = true);
+        let is_taken = overlay.are_ends(|e| path_of[e.index()].is_some() || overlay.held[e.index()].is_some());
         let is_joint = vec![false; t.vertex_count()];
         let may_slide = paths.iter().map(|path| path.may_slide).collect();
         Self { overlay, path_of, ways, is_taken, is_joint, may_slide, stays: stays.to_vec() }
@@ -146,9 +144,7 @@ impl<'a, 'b> Straight<'a, 'b> {
     /// The paths that were made straight and leave another one, or what stays an edge, at so narrow an angle that no even triangles fit between.
     pub(super) fn too_narrow(&self, paths: &[StraightPath]) -> Vec<usize> {
         let is_narrow = |way: &[(VertexId, EdgeId)]| {
-            let t = &self.overlay.triangulation;
-            let h = t.halfedge(way[1].1);
-            let out = if t.tail(h) == way[0].0 { Some(h) } else { t.twin(h) };
+            let out = self.overlay.leaving(way[0].0, way[1].1);
             let sectors = [true, false].map(|is_left| self.next_held(out?, is_left));
             sectors.into_iter().flatten().any(|(angle, _)| angle < LEAST_SECTOR)
         };
@@ -165,9 +161,7 @@ impl<'a, 'b> Straight<'a, 'b> {
         let way = &self.ways[number as usize];
         let ((a, _), (x, e)) = (way[0], way[1]);
         let t = &self.overlay.triangulation;
-        let h = t.halfedge(e);
-        let out = if t.tail(h) == a { Some(h) } else { t.twin(h) };
-        let Some(out) = out.filter(|_| a != x) else { return false };
+        let Some(out) = self.overlay.leaving(a, e).filter(|_| a != x) else { return false };
         let [left, right] = [self.next_held(out, true), self.next_held(out, false)];
         // Else the vertex is the end of the other one, too, and would be left behind.
         let is_left_to_others = match (&left, &right) {
@@ -227,15 +221,10 @@ impl<'a, 'b> Straight<'a, 'b> {
         (a, b, c): (VertexId, VertexId, VertexId),
         [before, after]: [EdgeId; 2],
     ) -> Option<Vec<(VertexId, EdgeId)>> {
-        let t = &self.overlay.triangulation;
         if a == b || b == c || a == c {
             return None;
         }
-        let out = |e: EdgeId| {
-            let h = t.halfedge(e);
-            if t.tail(h) == b { Some(h) } else { t.twin(h) }
-        };
-        let (to_a, to_c) = (out(before)?, out(after)?);
+        let (to_a, to_c) = (self.overlay.leaving(b, before)?, self.overlay.leaving(b, after)?);
         // On the left between the way out and the way in; on the right between the way in and the way out.
         let sides = [(to_c, to_a), (to_a, to_c)].map(|(from, to)| self.angle_between(from, to));
         let [left, right] = sides.map(|angle| angle.unwrap_or(f64::INFINITY));
@@ -272,8 +261,7 @@ impl<'a, 'b> Straight<'a, 'b> {
     /// The halfedges that leave a vertex from one edge counter-clockwise to another one.
     fn fan(&self, b: VertexId, first: EdgeId, last: EdgeId) -> Vec<HalfedgeId> {
         let t = &self.overlay.triangulation;
-        let h = t.halfedge(first);
-        let begin = if t.tail(h) == b { Some(h) } else { t.twin(h) };
+        let begin = self.overlay.leaving(b, first);
         let next = |h: &HalfedgeId| if t.edge(*h) == last { None } else { t.twin(t.prev(*h)) };
         std::iter::successors(begin, next).take(MOST_FLIPS).collect()
     }
@@ -302,6 +290,9 @@ impl<'a, 'b> Straight<'a, 'b> {
     fn rim_of(&self, b: VertexId, first: EdgeId, last: EdgeId, is_left: bool) -> Option<Vec<(VertexId, EdgeId)>> {
         let t = &self.overlay.triangulation;
         let fan = self.fan(b, first, last);
+        if fan.len() < 2 || t.edge(fan[fan.len() - 1]) != last {
+            return None;
+        }
         let rim: Vec<HalfedgeId> = fan[..fan.len() - 1].iter().map(|&h| t.next(h)).collect();
         let length = |e: EdgeId| self.overlay.length[e.index()];
         let whole: f64 = rim.iter().map(|&h| length(t.edge(h))).sum();
@@ -310,7 +301,7 @@ impl<'a, 'b> Straight<'a, 'b> {
         let touches = inner.iter().any(|v| self.is_taken[v.index()]) || rim.iter().any(|&h| !self.is_free(t.edge(h)));
         inner.sort_unstable_by_key(|v| v.index());
         let repeats = inner.windows(2).any(|pair| pair[0] == pair[1]);
-        if rim.is_empty() || !is_shorter || touches || repeats {
+        if !is_shorter || touches || repeats {
             return None;
         }
         // It runs from the first edge's other end to the last one's: counter-clockwise about b.
@@ -337,6 +328,21 @@ pub(super) struct Dead {
 }
 
 impl Overlay<'_> {
+    /// The halfedge of an edge that leaves one of its ends; none on the boundary where only the other one runs.
+    fn leaving(&self, v: VertexId, e: EdgeId) -> Option<HalfedgeId> {
+        let t = &self.triangulation;
+        let h = t.halfedge(e);
+        if t.tail(h) == v { Some(h) } else { t.twin(h) }
+    }
+
+    /// Whether each vertex is an end of one of these edges.
+    fn are_ends(&self, of: impl Fn(EdgeId) -> bool) -> Vec<bool> {
+        let t = &self.triangulation;
+        let mut are_ends = vec![false; t.vertex_count()];
+        t.edges().filter(|&e| of(e)).flat_map(|e| t.ends(e)).for_each(|v| are_ends[v.index()] = true);
+        are_ends
+    }
+
     /// The mean length of the edges at each vertex.
     pub(super) fn spacing(&self) -> Vec<f64> {
         let t = &self.triangulation;
@@ -363,9 +369,7 @@ impl Overlay<'_> {
     pub(super) fn snap(&self, path_of: &mut [Option<u32>], spacing: &[f64]) {
         let t = &self.triangulation;
         let whole = Metric::new(self.length.clone().into()).angle_sums(t);
-        let mut is_taken = vec![false; t.vertex_count()];
-        let stays = |e: &EdgeId| path_of[e.index()].is_some() || self.held[e.index()].is_some();
-        t.edges().filter(stays).flat_map(|e| t.ends(e)).for_each(|v| is_taken[v.index()] = true);
+        let mut is_taken = self.are_ends(|e| path_of[e.index()].is_some() || self.held[e.index()].is_some());
         let mut edges: Vec<EdgeId> = t.edges().filter(|e| path_of[e.index()].is_some()).collect();
         while let Some(e) = edges.pop() {
             let h = t.halfedge(e);
@@ -391,8 +395,7 @@ impl Overlay<'_> {
     pub(super) fn near_held(&self, spacing: &[f64]) -> BTreeMap<VertexId, EdgeId> {
         let t = &self.triangulation;
         let held = |e: &EdgeId| self.held[e.index()].is_some();
-        let mut is_taken = vec![false; t.vertex_count()];
-        t.edges().filter(held).flat_map(|e| t.ends(e)).for_each(|v| is_taken[v.index()] = true);
+        let is_taken = self.are_ends(|e| held(&e));
         let sides = t.edges().filter(held).filter_map(|e| Some([t.halfedge(e), t.twin(t.halfedge(e))?])).flatten();
         let near = sides.filter_map(|h| {
             let (v, distance, _) = self.beside_side(h)?;
@@ -409,7 +412,7 @@ impl Overlay<'_> {
         }
         loop {
             let t = &self.triangulation;
-            let first = [Some(t.halfedge(e)), t.twin(t.halfedge(e))].into_iter().flatten().find(|&h| t.tail(h) == v)?;
+            let first = self.leaving(v, e).filter(|&h| t.tail(h) == v)?;
             let mut ring = vec![first];
             while let Some(next) = t.twin(t.prev(ring[ring.len() - 1])).filter(|&next| next != first) {
                 ring.push(next);
