@@ -16,7 +16,7 @@ use super::matching_pursuit::{Rule, grow, start};
 use super::nested::Nested;
 use super::prediction::{Prediction, predict};
 use super::pursuit::{brief_pursuit, pursuit};
-use super::refined::{by_curvature, refined, rounds};
+use super::refined::{by_curvature, refined_without_draws, rounds};
 use crate::curvature::{COMFORTABLE_CORNER, ConeCurvatures, CurvatureRule, least_cones};
 use crate::field::Operators;
 
@@ -116,7 +116,7 @@ pub(crate) fn automatic(model: &mut EnergyModel, rule: CurvatureRule, goal: Goal
             });
             let count = worthwhile.unwrap_or(most.max(least));
             let best = if is_draft { nested.sets.get(count).or(nested.sets.last()).cloned() } else { None };
-            let set = best.unwrap_or_else(|| refined(model, count));
+            let set = best.unwrap_or_else(|| refined_without_draws(model, count));
             let predicted = predict(model, &set, rule);
             (set, predicted, Vec::new())
         }
@@ -160,7 +160,7 @@ pub(crate) fn automatic_to_knee(model: &mut EnergyModel, rule: CurvatureRule, go
         return found;
     }
     let knee = at_corners(model, &found).or_else(|| {
-        let set = refined(model, bend(&found, found.set.log_scale_norm())?);
+        let set = refined_without_draws(model, bend(&found, found.set.log_scale_norm())?);
         Some(set).filter(|set| found.has_knee_at(set))
     });
     match knee {
@@ -250,7 +250,7 @@ fn fewest(
     target: f64,
     least: usize,
 ) -> (ConeSet, Prediction, Vec<ConeSet>) {
-    let mut best = refined(model, nested.cones.len());
+    let mut best = refined_without_draws(model, nested.cones.len());
     let mut predicted = predict(model, &best, rule);
     if !meets(&best, &predicted, target) {
         return (nested.clone(), predict(model, nested, rule), Vec::new());

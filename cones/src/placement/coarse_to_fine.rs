@@ -16,7 +16,7 @@ use super::level::CoarseLevel;
 use super::nested::Nested;
 use super::prediction::{Prediction, predict};
 use super::pursuit::pursuit;
-use super::refined::{FEW as VERY_FEW, by_curvature, refined, within_comfort};
+use super::refined::{FEW as VERY_FEW, by_curvature, refined, refined_without_draws, within_comfort};
 use super::separation::Separation;
 use super::swap_table::SwapTable;
 use super::{Ground, Placed};
@@ -105,7 +105,7 @@ pub(crate) fn fewest_from(
     if to_knee {
         let corners = if level.middle().is_none() { at_corners(&mut model, &found) } else { None };
         let knee = corners.or_else(|| {
-            let set = refined(&mut coarse_model, bend(&found, norm)?);
+            let set = refined_without_draws(&mut coarse_model, bend(&found, norm)?);
             Some(polished(&mut model, level, &set)).filter(|set| found.has_knee_at(set))
         });
         if let Some(set) = knee {
@@ -128,7 +128,7 @@ pub(crate) fn fewest_from(
         }
         first.get_or_insert_with(|| found.clone());
         count = enough_cones(&found.curve, (count, predicted.area_distortion), target, most);
-        found.set = polished(&mut model, level, &refined(&mut coarse_model, count));
+        found.set = polished(&mut model, level, &refined_without_draws(&mut coarse_model, count));
     }
     if let Some(first) =
         first.filter(|first| to_knee && !found.is_met && is_hardly_better(&found.predicted, &first.predicted))
@@ -264,7 +264,7 @@ impl Fewest<'_, '_> {
         if !coarse.is_met {
             // Of what is left here the coarse level has seen too little to do with fewer.
             let is_in_vain = best.0.cones.len() >= most || is_tolerable(&best.1);
-            return if is_in_vain { best } else { self.polished(&refined(coarse_model, most)) };
+            return if is_in_vain { best } else { self.polished(&refined_without_draws(coarse_model, most)) };
         }
         let mut least = least_cones(self.model.operators());
         let first = best.clone();
@@ -272,7 +272,7 @@ impl Fewest<'_, '_> {
             least = count + 1;
             count = enough_cones(&coarse.curve, (count, best.1.area_distortion), self.target, most);
             let passed = coarse.passed.iter().find(|set| set.cones.len() == count).cloned();
-            best = self.polished(&passed.unwrap_or_else(|| refined(coarse_model, count)));
+            best = self.polished(&passed.unwrap_or_else(|| refined_without_draws(coarse_model, count)));
         }
         if self.to_knee && !meets(&best.0, &best.1, self.target) && is_hardly_better(&best.1, &first.1) {
             best = first;

@@ -29,14 +29,25 @@ pub(crate) fn exchange(model: &EnergyModel, mut set: ConeSet) -> ConeSet {
 }
 
 /// As [`exchange`], but none where it comes to a set that another exchange came to: it would end where that one has ended.
-fn exchange_anew(model: &EnergyModel, mut set: ConeSet, known: &mut HashSet<Vec<VertexId>>) -> Option<ConeSet> {
-    while known.insert(set.cones.clone()) {
+pub(crate) fn exchange_anew(
+    model: &EnergyModel,
+    mut set: ConeSet,
+    known: &mut HashSet<Vec<VertexId>>,
+) -> Option<ConeSet> {
+    while known.insert(in_order(&set)) {
         match best_swap(model, &set) {
             Some(better) => set = better,
             None => return Some(set),
         }
     }
     None
+}
+
+/// The cones of a set, whichever came first.
+fn in_order(set: &ConeSet) -> Vec<VertexId> {
+    let mut cones = set.cones.clone();
+    cones.sort_unstable();
+    cones
 }
 
 /// As [`exchange`], and where no single move helps, pairs of moves: the least harmful ones, each followed by an exchange.
@@ -55,9 +66,8 @@ fn best_swap(model: &EnergyModel, set: &ConeSet) -> Option<ConeSet> {
     if model.is_over() {
         return None;
     }
-    let swaps = swaps(model, set);
-    let helpful = swaps.iter().take(TRIALS).take_while(|swap| swap.change < -LEAST_GAIN * set.energy);
-    let mut fitted = helpful.map(|swap| apply(model, set, swap));
+    let helpful = swaps(model, set, TRIALS, -LEAST_GAIN * set.energy);
+    let mut fitted = helpful.iter().map(|swap| apply(model, set, swap));
     fitted.find(|after| after.is_better_than(set, LEAST_GAIN))
 }
 
@@ -66,11 +76,10 @@ fn best_detour(model: &EnergyModel, set: &ConeSet) -> Option<ConeSet> {
         return None;
     }
     // Most detours lead back to where they came from, or where one before has ended.
-    let mut known = HashSet::from([set.cones.clone()]);
-    let swaps = swaps(model, set);
+    let mut known = HashSet::from([in_order(&set)]);
+    let swaps = swaps(model, set, DETOURS, f64::INFINITY);
     let mut ends = swaps
         .iter()
-        .take(DETOURS)
         .take_while(|_| !model.is_over())
         .filter_map(|swap| exchange_anew(model, apply(model, set, swap), &mut known));
     ends.find(|end| end.is_better_than(set, LEAST_GAIN))
@@ -82,11 +91,11 @@ fn apply(model: &EnergyModel, set: &ConeSet, swap: &Swap) -> ConeSet {
     model.fit(&cones)
 }
 
-/// The best moves of a cone to another member of the pool, the most promising first.
-fn swaps(model: &EnergyModel, set: &ConeSet) -> Vec<Swap> {
+/// The best moves of a cone to another member of the pool, so many at most, that change the energy by less than `below`; the most promising first.
+fn swaps(model: &EnergyModel, set: &ConeSet, count: usize, below: f64) -> Vec<Swap> {
     let table = SwapTable::new(model, set);
     let separation = Separation::new(model.operators(), &set.cones);
-    let (mut swaps, mut most) = (Vec::new(), f64::INFINITY);
+    let (mut swaps, mut most) = (Vec::new(), below);
     let mut rows = Rows::default();
     let is_other = |v: &VertexId| separation.is_open(*v) && !set.cones.contains(v);
     let others: Vec<VertexId> = model.pool().iter().copied().filter(is_other).collect();
@@ -95,23 +104,23 @@ fn swaps(model: &EnergyModel, set: &ConeSet) -> Vec<Swap> {
         for (lane, &coming) in members.iter().enumerate() {
             let swap = |(leaving, changes): (usize, &[f64; LANES])| {
                 let change = changes[lane];
-                (change <= most && separation.admits(coming, leaving)).then_some(Swap { change, leaving, coming })
+                (change < most && separation.admits(coming, leaving)).then_some(Swap { change, leaving, coming })
             };
             swaps.extend(rows.change.iter().enumerate().filter_map(swap));
             if swaps.len() >= KEPT {
-                keep_most_promising(&mut swaps);
-                most = swaps.last().map_or(f64::INFINITY, |worst| worst.change);
+                keep_most_promising(&mut swaps, count);
+                most = swaps.last().map_or(below, |worst| worst.change);
             }
         }
     }
-    keep_most_promising(&mut swaps);
+    keep_most_promising(&mut swaps, count);
     swaps
 }
 
-/// Leaves the best swaps, the best first, ties in their order: no more are looked at.
-fn keep_most_promising(swaps: &mut Vec<Swap>) {
+/// Leaves so many of the best swaps, the best first, ties in their order.
+fn keep_most_promising(swaps: &mut Vec<Swap>, count: usize) {
     swaps.sort_by(|a, b| a.change.total_cmp(&b.change));
-    swaps.truncate(DETOURS);
+    swaps.truncate(count);
 }
 
 /// Takes cones away, one at a time whichever is missed least, until so many are left, exchanging after each.
@@ -156,7 +165,9 @@ mod tests {
             let some: Vec<VertexId> = model.pool().iter().copied().step_by(5).take(6).collect();
             let mut set = exchange(&model, model.fit(&some));
             loop {
-                let all = swaps(&model, &set).into_iter().map(|swap| exchange(&model, apply(&model, &set, &swap)));
+                let all = swaps(&model, &set, DETOURS, f64::INFINITY)
+                    .into_iter()
+                    .map(|swap| exchange(&model, apply(&model, &set, &swap)));
                 let by_all = all.into_iter().find(|end| end.is_better_than(&set, LEAST_GAIN));
                 assert_eq!(best_detour(&model, &set), by_all);
                 let Some(better) = by_all else { break };
