@@ -203,7 +203,7 @@ def unwrap(
     quantize : 4 or 6, optional
         Round cones so that a texture of squares, or of triangles, keeps its directions across seams.
     seams, avoid : edges (k, 2), optional
-        Edges to cut, and not to cut if there is another way.
+        Edges to cut, and not to cut if there is another way: cones keep off vertices all of whose edges are to be avoided.
     keep_seams : bool or edges (k, 2)
         Cut where the mesh's own texture coordinates are cut, or these edges; those that are open already are passed over, while
         ``seams`` refuses them.

@@ -27,7 +27,7 @@ pub(crate) struct MeasureArgs {
     /// Write the faces that lie over or under another, counted from 0, a line each
     #[arg(long, value_name = "FILE")]
     overlap_faces: Option<PathBuf>,
-    /// Draw the layout, what lies over itself in red: .png or .svg
+    /// Draw the layout, what lies over itself in orange: .png or .svg
     #[arg(long, value_name = "FILE")]
     layout: Option<PathBuf>,
     /// Print JSON in place of the text

@@ -61,9 +61,12 @@ impl UnwrapReport {
         let Some(number) = &self.map.number else { return String::new() };
         let others: Vec<String> =
             self.beside().iter().map(|p| format!("{} cones {}", p.count, short(p.area_distortion, 2))).collect();
-        let others = if others.is_empty() { String::new() } else { format!("; {}", others.join(", ")) };
         let (predicted, target, reached) = (number.predicted, number.target, self.map.distortion.area_mean);
-        let of_each = if self.input.topology.components > 1 { " on each part" } else { "" };
+        let (of_each, shared) = match self.input.topology.components > 1 {
+            true => (" on each part", "shared among parts by what they bring, as -n does: "),
+            false => ("", ""),
+        };
+        let others = if others.is_empty() { String::new() } else { format!("; {shared}{}", others.join(", ")) };
         let target = match number.is_met {
             true => format!(", target {target}{of_each}"),
             false => format!(", {} reached: target {target}{of_each} not met", short(reached, 2)),

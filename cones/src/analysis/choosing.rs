@@ -248,7 +248,7 @@ impl Analysis {
         counts: &[usize],
         task: &Task,
     ) -> Result<Vec<Result<Configuration, Error>>, Error> {
-        let is_same = |one: usize, other: usize| counts[one] == counts[other];
+        let is_same = |one: usize, other: usize| counts[one] == counts[other] && options.seams.avoid.is_empty();
         each_shape(self.components(), &mut shared.times, is_same, |component, times| {
             interrupted_or(component.place(options, counts[component.index], task, times))
         })
@@ -266,7 +266,10 @@ impl Analysis {
         let Options { placement, rule, .. } = *options;
         let to_knee = options.cones == ConeChoice::Automatic;
         let components = self.components();
+        // Where seams may not go differs from instance to instance.
+        let is_plain = options.seams.avoid.is_empty();
         let is_same = |one: usize, other: usize| match [one, other].map(known) {
+            _ if !is_plain => false,
             [Known::Found(one), Known::Found(other)] => one.set.cones == other.set.cones,
             [one, other] => std::mem::discriminant(&one) == std::mem::discriminant(&other),
         };
@@ -277,9 +280,12 @@ impl Analysis {
             };
             let goal = Goal { target, most, to_knee, is_draft, is_part: components.len() > 1 };
             task.stage((Stage::Hierarchy, component.index), times, |watch| {
-                placement.fewest(component.ground(options.search, watch), rule, goal)
+                let found = placement.fewest(component.ground(options.search, watch), rule, goal)?;
+                Ok(match component.moved_off_avoided(&found.set.cones, options, watch)? {
+                    Some((model, set)) => found.moved(&model, set, rule, target),
+                    None => found,
+                })
             })?
-            .map_err(Error::from)
         })?;
         let (predicted, curve) = match &found[..] {
             [alone] => (alone.predicted, alone.curve.clone()),

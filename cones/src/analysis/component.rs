@@ -3,9 +3,10 @@
 //! Components know nothing of each other, so they can be worked on at the same time. Those that are instances of one shape ([`geom::unify_instances`])
 //! share what is found of it.
 
+use std::collections::HashSet;
 use std::sync::{Arc, OnceLock};
 
-use geom::{EdgeId, FaceId, HalfedgeId, Id, Metric, PoissonError, Surface, VertexData, VertexId, Watch};
+use geom::{EdgeId, FaceId, HalfedgeId, Id, Interrupted, Metric, PoissonError, Surface, VertexData, VertexId, Watch};
 use topo::{Extremum, Kind};
 
 use super::cones::{Cone, Configuration};
@@ -14,13 +15,14 @@ use super::observer::{Stage, Task, Times};
 use super::options::{ConeChoice, Options, Preparation};
 use super::refined::{OpenedHandles, Ready, Straightened, Way};
 use crate::curvature::{ConeCurvatures, CurvatureError, CurvatureRule, cone_curvatures, least_cones};
-use crate::cut::Symmetry;
+use crate::cut::{SeamOptions, Symmetry, ascending};
 use crate::error::Error;
 use crate::field::{ConformalFactor, Operators};
 use crate::flatten::Chain;
 use crate::hierarchy::ConeHierarchy;
 use crate::placement::{
-    Automatic, CoarseLevel, EnergyTerms, Ground, Placed, Placement, Search, quantized, size_of_level,
+    Automatic, CoarseLevel, ConeSet, EnergyModel, EnergyTerms, Ground, Placed, Placement, Search, moved_off, quantized,
+    size_of_level,
 };
 
 /// How components are made.
@@ -257,7 +259,12 @@ impl Component {
         loop {
             let placement = options.placement_for(count);
             let Placed { cones, curvatures } = task.stage((Stage::Hierarchy, self.index), times, |watch| {
-                way(placement, self.ground(options.search, watch), count)
+                let placed = way(placement, self.ground(options.search, watch), count)?;
+                let moved = self.moved_off_avoided(&placed.cones, options, watch)?;
+                Ok::<Placed, PoissonError>(
+                    moved
+                        .map_or(placed, |(model, set)| Placed { curvatures: model.curvatures(&set), cones: set.cones }),
+                )
             })??;
             let placed = cones.len();
             let configured = task.stage((Stage::Curvature, self.index), times, |watch| {
@@ -285,6 +292,33 @@ impl Component {
             }
             return Ok(configuration);
         }
+    }
+
+    /// The cones moved to where a seam may reach them, if some are where it may not: where all edges are to be avoided. None if there is nothing to move.
+    ///
+    /// # Errors
+    /// If the watch has said stop.
+    pub(super) fn moved_off_avoided<'a>(
+        &'a self,
+        cones: &[VertexId],
+        options: &Options,
+        watch: Watch<'a>,
+    ) -> Result<Option<(EnergyModel<'a>, ConeSet)>, Interrupted> {
+        let SeamOptions { avoid, given, kept, .. } = &options.seams;
+        if avoid.is_empty() {
+            return Ok(None);
+        }
+        let Surface { mesh, vertex, diagonal, .. } = &self.surface;
+        let mut avoided: HashSet<[u32; 2]> = avoid.iter().map(|&ends| ascending(ends)).collect();
+        given.iter().chain(kept).for_each(|&ends| _ = avoided.remove(&ascending(ends)));
+        let mut is_reached = VertexData::constant(mesh.vertex_count(), false);
+        for e in mesh.edges().filter(|&e| !diagonal[e]) {
+            let ends = mesh.ends(e);
+            if !avoided.contains(&ascending(ends.map(|v| vertex[v]))) {
+                ends.into_iter().for_each(|v| is_reached[v] = true);
+            }
+        }
+        moved_off(self.ground(options.search, watch), cones, |v| !is_reached[v])
     }
 
     /// Gives cones that were placed their curvatures: by a rule, or on a lattice, for which they may go elsewhere.

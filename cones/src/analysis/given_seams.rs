@@ -151,6 +151,31 @@ mod tests {
     }
 
     #[test]
+    fn cones_keep_off_a_region_whose_edges_are_to_be_avoided() {
+        let model: Model = shapes::by_name("terrain", 1500).unwrap().into();
+        for cones in [ConeChoice::Count(6), ConeChoice::WithinDistortion(1.05)] {
+            let plain = Options { cones, ..Options::default() };
+            let (_, atlas) = unwrapped(&model, &[], plain.clone());
+            let centre = atlas.cones[0].position;
+            let far = |v: u32| (0..3).map(|k| (model.points()[v as usize][k] - centre[k]).powi(2)).sum::<f64>();
+            let mut near: Vec<u32> = (0..model.vertex_count() as u32).collect();
+            near.sort_by(|&v, &w| far(v).total_cmp(&far(w)));
+            near.truncate(60);
+            let corners = model.corners().chunks(3).flat_map(|t| [[t[0], t[1]], [t[1], t[2]], [t[2], t[0]]]);
+            let avoid: Vec<[u32; 2]> = corners.filter(|ends| ends.iter().all(|v| near.contains(v))).collect();
+            let cuts_one = |atlas: &Atlas| {
+                let cut = edges(atlas);
+                avoid.iter().any(|&ends| cut.contains(&ascending(ends)))
+            };
+            assert!(cuts_one(&atlas), "the region has a cone in it");
+            let seams = SeamOptions { avoid: avoid.clone(), ..SeamOptions::default() };
+            let options = Options { seams, ..plain };
+            let (_, atlas) = Analysis::unwrapped(&model, &options, super::super::observer::Silent).unwrap();
+            assert!(!cuts_one(&atlas), "{:?}", atlas.notes);
+        }
+    }
+
+    #[test]
     fn halves_of_a_sphere_need_fewer_cones_and_their_sides_fit() {
         let (model, given) = halves();
         let (analysis, free) = unwrapped(&model, &given, Options::default());

@@ -21,7 +21,7 @@ pub struct SeamOptions {
     /// Edges that are cut as well, such as the [seams that a file has](geom::texture_seams), but passed over where they are none of
     /// the surface's or it is open there.
     pub kept: Vec<[u32; 2]>,
-    /// Edges that are cut only where there is hardly another way; those that are given, too, are cut.
+    /// Edges that are cut only where there is hardly another way; those that are given, too, are cut. Cones are placed at vertices that other edges lead to.
     pub avoid: Vec<[u32; 2]>,
 }
 

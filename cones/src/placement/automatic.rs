@@ -81,6 +81,14 @@ pub(crate) struct Goal {
 }
 
 impl Automatic {
+    /// The same with the cones elsewhere, as a model of the surface has fitted them.
+    pub(crate) fn moved(self, model: &EnergyModel, set: ConeSet, rule: CurvatureRule, target: f64) -> Self {
+        let predicted = predict(model, &set, rule);
+        let is_met = meets(&set, &predicted, target);
+        let curvatures = if rule == CurvatureRule::Optimal { model.curvatures(&set) } else { None };
+        Self { set, predicted, is_met, curvatures, ..self }
+    }
+
     /// The log scale factor that is predicted for the cones. A back-substitution, one more for each cone if curvatures are harmonic.
     pub(crate) fn log_scale(&self, operators: &Operators, rule: CurvatureRule) -> VertexData<f64> {
         Configuration::new(operators, &self.set, rule).log_scale(operators)

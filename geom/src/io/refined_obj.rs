@@ -3,7 +3,7 @@
 //! The lines of a face's triangles stand where the face's line stood. New vertices follow the last one, with colours or whatever else
 //! stands behind a position made of the same vertices in the same shares; after them stand the triangles' normals, interpolated.
 
-use std::fmt::Write;
+use std::io::Write;
 
 use super::obj;
 use super::obj::is_face;
@@ -38,7 +38,7 @@ fn rewritten(
 ) -> Option<Model> {
     let text = model.obj_text()?;
     let behind = behind_positions(text);
-    let mut out = String::with_capacity(2 * text.len() + 64 * face.len());
+    let mut out = Vec::with_capacity(2 * text.len() + 64 * face.len());
     let last_vertex = last_vertex_line(text)?;
     let normals = attributes.table(&Meaning::Normal);
     let known_normals = normals_before(text, last_vertex);
@@ -47,26 +47,26 @@ fn rewritten(
     while let Some(line) = lines.next() {
         let end = lines.position();
         if line.words().next().is_some_and(is_face) {
-            out.push_str(&String::from_utf8_lossy(&text[at..line.start]));
+            out.extend(&text[at..line.start]);
             while next < face.len() && face[next] == faces {
-                out.push('f');
+                out.push(b'f');
                 for corner in refined.face_corners(next) {
                     write!(out, " {}", refined.corners()[corner] + 1).ok()?;
                     if let Some(row) = normals.and_then(|table| table.row_at(refined.corners(), corner)) {
                         write!(out, "//{}", known_normals + row + 1).ok()?;
                     }
                 }
-                out.push('\n');
+                out.push(b'\n');
                 next += 1;
             }
             faces += 1;
             at = end;
         }
         if line.start == last_vertex {
-            out.push_str(&String::from_utf8_lossy(&text[at..end]));
+            out.extend(&text[at..end]);
             at = end;
-            if !out.ends_with(['\n', '\r']) {
-                out.push('\n');
+            if !out.ends_with(b"\n") && !out.ends_with(b"\r") {
+                out.push(b'\n');
             }
             let known = model.vertex_count();
             for (parts, point) in added.iter().zip(&refined.points()[known..]) {
@@ -76,21 +76,21 @@ fn rewritten(
                     let value: f64 = parts.iter().map(|&(v, weight)| weight * behind_of(&behind, v, k)).sum();
                     write!(out, " {value}").ok()?;
                 }
-                out.push('\n');
+                out.push(b'\n');
             }
             normals.map_or(Some(()), |table| write_normals(table, &mut out))?;
         }
     }
-    out.push_str(&String::from_utf8_lossy(&text[at..]));
-    let read = obj::read(out.into_bytes()).ok()?;
+    out.extend(&text[at..]);
+    let read = obj::read(out).ok()?;
     (read.points() == refined.points() && read.corners() == refined.corners()).then_some(read)
 }
 
-fn write_normals(table: &Attribute, out: &mut String) -> Option<()> {
+fn write_normals(table: &Attribute, out: &mut Vec<u8>) -> Option<()> {
     for row in 0..table.rows() {
-        out.push_str("vn");
+        out.extend(b"vn");
         table.row(row).try_for_each(|x| write!(out, " {:?}", x as f32)).ok()?;
-        out.push('\n');
+        out.push(b'\n');
     }
     Some(())
 }
@@ -146,6 +146,17 @@ mod tests {
         assert!(text.contains("v 1.0 1.0 0.0 0 0.5 0.5\n"));
         assert!(text.contains("usemtl red\nf 1 2 5\nf 1 5 3\ng two\nf 2 4 5\nf 5 4 3\n"), "{text}");
         assert_eq!(read.corners(), refined.corners());
+    }
+
+    #[test]
+    fn names_that_are_no_utf8_stay_as_they_are() {
+        let text = b"v 0 0 0\nv 2 0 0\nv 0 2 0\nusemtl mati\xe8re\nf 1 2 3\n".to_vec();
+        let model = obj::read(text).unwrap();
+        let mut points = model.points().to_vec();
+        points.push([1.0, 0.0, 0.0]);
+        let refined = Model::from_triangles(points, &[[0, 3, 2], [3, 1, 2]]).unwrap();
+        let read = refine_obj(&model, &[[(0, 0.5), (1, 0.5), (2, 0.0)]], &refined, &[0, 0]).unwrap();
+        assert!(read.obj_text().unwrap().windows(15).any(|bytes| bytes == b"usemtl mati\xe8re"));
     }
 
     #[test]
