@@ -173,7 +173,7 @@ class UV_OT_cone_unwrap(bpy.types.Operator):
             if self.triangulate:
                 exchange.triangulate(part, outcome.triangles)
             done.append(outcome)
-            repairs = [f"{count} {kind}" for kind, count, _ in outcome.repairs]
+            repairs = [repair["text"] for repair in outcome.report["repairs"]]
             told += [f"{obj.name}: {sentence}" for sentence in [*repairs, *_of_scale(obj)]]
             warnings += [f"{obj.name}: {sentence}" for sentence in outcome.warnings]
         if not done:
@@ -239,7 +239,8 @@ def _summary(results):
     islands = sum(result.island_count for result in results)
     worst = max(result.distortion["area_mean"] for result in results)
     many = f"{len(results)} meshes, " if len(results) > 1 else ""
-    return f"{many}{count} cones, {islands} islands, area distortion {worst:.2f}"
+    cones_and_islands = f"{count} {'cone' if count == 1 else 'cones'}, {islands} {'island' if islands == 1 else 'islands'}"
+    return f"{many}{cones_and_islands}, area distortion {worst:.2f}"
 
 
 def _menu(self, context):

@@ -1,6 +1,7 @@
 //! Why the command could not do it: each a sentence with what to do.
 
 use crate::input::{gaps, told};
+use geom::counted;
 use geom::distortion::DistortionError;
 use std::io;
 use std::path::PathBuf;
@@ -96,9 +97,9 @@ pub(crate) enum CommandError {
     WhichSegments(PathBuf),
     #[error("{} has none of the paper's models: name the folder that holds table1/ and table1_resized/", .0.display())]
     NoPaperMeshes(PathBuf),
-    #[error("{failed} of {count} surfaces could not be unwrapped: see the errors above")]
+    #[error("{failed} of {} could not be unwrapped: see the errors above", counted(*count, "surface", "surfaces"))]
     SomeFailed { failed: usize, count: usize },
-    #[error("{failed} of {count} surfaces could not be compared: see the errors above")]
+    #[error("{failed} of {} could not be compared: see the errors above", counted(*count, "surface", "surfaces"))]
     SomeNotCompared { failed: usize, count: usize },
     #[error("{}: the program has a fault, and stopped on this surface", told(.0))]
     Fault(PathBuf),

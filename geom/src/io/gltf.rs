@@ -27,6 +27,7 @@ use super::error::{Fault, Place};
 use super::joined::Joined;
 use super::write_glb::{GENERATOR, is_plain};
 use crate::surface::{
+use crate::counted::counted;
     Attribute, AttributeDomain, Attributes, Meaning, Model, Polygons, ScalarType, Skipped, TextureCoordinates,
 };
 use accessor::{Accessor, Buffers};
@@ -112,7 +113,11 @@ impl Draft {
         let Some(&position) = position.filter(|_| primitive.mode > 3) else { return self.spend(16) };
         let position = buffers.accessor(position, "positions")?;
         if position.width != 3 {
-            return Err(Fault::unexpected(Place::File, format!("positions of {} numbers", position.width), "3"));
+            return Err(Fault::unexpected(
+                Place::File,
+                format!("positions of {}", counted(position.width, "number", "numbers")),
+                "3",
+            ));
         }
         let indices = match primitive.indices {
             Some(index) => indices(&buffers.accessor(index, "indices")?, position.count)?,
@@ -186,7 +191,11 @@ impl Draft {
             let accessor = buffers.accessor(index, kind)?;
             self.spend(accessor.extra_cost())?;
             if used.iter().any(|&element| element as usize >= accessor.count) {
-                let found = format!("{} elements of {kind} for {} vertices", accessor.count, used.len());
+                let found = format!(
+                    "{} of {kind} for {}",
+                    counted(accessor.count, "element", "elements"),
+                    counted(used.len(), "vertex", "vertices")
+                );
                 return Err(Fault::unexpected(Place::File, found, "one for each"));
             }
             if kind == "TEXCOORD_0" {

@@ -14,6 +14,7 @@ use std::collections::HashMap;
 
 use super::error::{Fault, Place, Problem};
 use super::text::{Lines, Words, quote};
+use crate::counted::counted;
 use crate::surface::{Model, Polygons, Skipped, is_coordinate};
 
 const HEADER: usize = 84;
@@ -57,7 +58,7 @@ fn looks_like_text(bytes: &[u8]) -> bool {
 
 fn read_binary(bytes: &[u8]) -> Result<Model, Fault> {
     let Some(claimed) = claimed_triangles(bytes) else {
-        let found = format!("a file of {} bytes that is no text", bytes.len());
+        let found = format!("a file of {} that is no text", counted(bytes.len(), "byte", "bytes"));
         return Err(Fault::unexpected(Place::File, found, format!("at least {HEADER} bytes of binary STL")));
     };
     let records = bytes[HEADER..].chunks_exact(TRIANGLE);

@@ -6,6 +6,8 @@
 
 use thiserror::Error;
 
+use crate::counted::counted;
+
 /// The type of a number in a file. All of them fit in f64 exactly.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum ScalarType {
@@ -146,7 +148,7 @@ impl std::fmt::Display for AttributeDomain {
 #[non_exhaustive]
 pub enum AttributeError {
     /// Normals are rows of three numbers, colours of three or four, others of one at least.
-    #[error("{meaning} cannot be rows of {width} numbers: normals have 3, colours 3 or 4, others at least 1")]
+    #[error("{meaning} cannot be rows of {}: normals have 3, colours 3 or 4, others at least 1", counted(*width, "number", "numbers"))]
     Width {
         /// What they were to be.
         meaning: Meaning,
@@ -162,7 +164,7 @@ pub enum AttributeError {
         row: usize,
     },
     /// A model has another number of vertices, corners or faces.
-    #[error("there are {meaning} for {found} {domain}, but the model has {needed}")]
+    #[error("{meaning} have a row for each of the model's {domain}: {found} where {needed} should be")]
     Count {
         /// What they are.
         meaning: Meaning,

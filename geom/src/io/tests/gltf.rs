@@ -129,7 +129,7 @@ fn sparse_elements_stand_in_place_of_others() {
     };
     let model = read_bytes(glb(document(sparse(3))), "a.glb").unwrap();
     assert_eq!((model.points()[3], model.points()[1]), ([0.0, 0.0, 1.0], [1.0, 0.0, 0.0]));
-    assert!(refused(sparse(4)).contains("1 sparse elements that are not there in accessor 0 (for positions)"));
+    assert!(refused(sparse(4)).contains("1 sparse element that is not there in accessor 0 (for positions)"));
     let zeros = read_bytes(
         glb(document(|json| {
             sparse(3)(json);

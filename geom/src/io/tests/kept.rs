@@ -246,13 +246,13 @@ fn attributes_of_a_mesh_in_memory_go_through_files() {
         table.and_then(|table| bare.clone().with_attribute(table)).unwrap_err().to_string()
     };
     let of = |rows: &[[f64; 3]]| Attribute::of_vertices(Meaning::Normal, ScalarType::F32, rows);
-    assert_eq!(refused(of(&[up; 3])), "there are normals for 3 vertices, but the model has 4");
+    assert_eq!(refused(of(&[up; 3])), "normals have a row for each of the model's vertices: 3 where 4 should be");
     assert_eq!(
         refused(of(&[up, [0.0, f64::NAN, 1.0]])),
         "row 1 of normals (counted from 0) has a number that is not finite"
     );
     let few = Attribute::of_corners(Meaning::Normal, ScalarType::F32, &[up], vec![0; 5]);
-    assert_eq!(refused(few), "there are normals for 5 corners of faces, but the model has 6");
+    assert_eq!(refused(few), "normals have a row for each of the model's corners of faces: 5 where 6 should be");
     let narrow = refused(Attribute::of_vertices(Meaning::Colour, ScalarType::U8, &[[0.0; 2]; 4]));
     assert!(narrow.starts_with("colours cannot be rows of 2 numbers"), "{narrow}");
 }
