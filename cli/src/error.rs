@@ -1,6 +1,7 @@
 //! Why the command could not do it: each a sentence with what to do.
 
 use crate::input::{gaps, told};
+use cones::uv::PackError;
 use geom::counted;
 use geom::distortion::DistortionError;
 use std::io;
@@ -11,7 +12,7 @@ use thiserror::Error;
 pub(crate) enum CommandError {
     #[error(transparent)]
     Read(#[from] geom::io::ReadError),
-    #[error("{}: {error}", told(path))]
+    #[error("{}: {error}{}", told(path), if let cones::Error::Pack(error) = error { options(error) } else { "" })]
     Unwrap { path: PathBuf, error: cones::Error },
     #[error(
         "{} has {vertices} vertices, which need more than {} MB of memory where {} MB are allowed: raise the limit (ulimit -v) \
@@ -33,8 +34,8 @@ pub(crate) enum CommandError {
     OtherMesh(PathBuf, PathBuf),
     #[error("{}: {error}", told(path))]
     Measure { path: PathBuf, error: DistortionError },
-    #[error("{}: {error}", told(path))]
-    Pack { path: PathBuf, error: cones::uv::PackError },
+    #[error("{}: {error}{}", told(path), options(error))]
+    Pack { path: PathBuf, error: PackError },
     #[error("{} is the input, which is never overwritten: name another file", .0.display())]
     OutputIsInput(PathBuf),
     #[error("{} is named for two outputs: give each its own file", .0.display())]
@@ -111,6 +112,15 @@ pub(crate) enum CommandError {
     Random,
     #[error("standard output cannot be written")]
     Stdout(#[source] io::Error),
+}
+
+/// The options that mend why islands cannot be packed, behind the sentence that says it.
+pub(crate) fn options(error: &PackError) -> &'static str {
+    match error {
+        PackError::TooLarge { .. } | PackError::TooManyTiles(_) => " (--texel-density)",
+        PackError::Margin { .. } => " (--margin, --texture-size)",
+        _ => "",
+    }
 }
 
 impl CommandError {
