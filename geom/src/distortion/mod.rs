@@ -174,6 +174,14 @@ pub enum DistortionError {
         /// How many vertices there are.
         count: usize,
     },
+    /// A cone is no vertex.
+    #[error("cone {cone} is no vertex: there {} only (counted from 0)", are(*count, "vertex", "vertices"))]
+    ConeOutOfRange {
+        /// The cone.
+        cone: u32,
+        /// How many vertices there are.
+        count: usize,
+    },
     /// A coordinate in space is infinite or NaN.
     #[error("vertex {0} has a coordinate that is not a finite number")]
     PointNotFinite(VertexId),
