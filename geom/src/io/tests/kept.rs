@@ -1,7 +1,7 @@
 //! Normals, colours, materials and whatever else there is, from format to format.
 
 use super::*;
-use crate::surface::{Attribute, AttributeDomain, Meaning, ScalarType};
+use crate::surface::{Attribute, AttributeDomain, Meaning, ScalarType, TextureCoordinates};
 
 const PLY: &str = "ply
 format ascii 1.0
@@ -66,6 +66,20 @@ fn assert_near(a: &Model, b: &Model, meaning: Meaning, tolerance: f64) {
         let near = a.iter().zip(&b).all(|(a, b)| (a - b).abs() <= tolerance);
         assert!(near && a.len().min(3) == b.len().min(3), "corner {corner}: {a:?} {b:?}");
     }
+}
+
+#[test]
+fn a_ply_names_the_texture_of_its_own_map_alone() {
+    let text = PLY.replace("comment made by hand", "comment TextureFile skin.png\ncomment made by hand");
+    let model = read_bytes(text.into(), "a.ply").unwrap();
+    let own: Vec<[f64; 2]> = model.corners().iter().map(|&v| [f64::from(v), 0.5]).collect();
+    let of = |model: &Model, uv| written(model, uv, MeshFormat::Ply).attributes().comments.clone();
+    let without = ["comment made by hand", "obj_info 3"];
+    assert_eq!(of(&model, Some(&own)), without, "a map where there was none");
+    let mapped = model.clone().with_uv(Some(TextureCoordinates::new(own.clone(), (0..own.len() as u32).collect())));
+    assert_eq!(of(&mapped, None).len(), 3);
+    assert_eq!(of(&mapped, Some(&own)).len(), 3);
+    assert_eq!(of(&mapped, Some(&some_uv(&model))), without);
 }
 
 #[test]
