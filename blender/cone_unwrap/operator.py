@@ -49,10 +49,31 @@ class UV_OT_cone_unwrap(bpy.types.Operator):
         ],
         default="overlap-free",
     )
+    free_seams: EnumProperty(
+        name="Free Seams",
+        description="Whether the two sides of a seam may differ, for less distortion",
+        items=[
+            ("auto", "Automatic", "Where triangles are coarse for what they bend"),
+            ("never", "Never", "Both sides of a seam fit"),
+            ("always", "Always", "Less distortion everywhere, for seams that do not fit"),
+        ],
+        default="auto",
+    )
+    rotations: EnumProperty(
+        name="Rotations",
+        description="How islands are turned to be packed",
+        items=[
+            ("any", "Any", "By any angle"),
+            ("quarter", "Quarter Turns", "Straight sides lie along the axes, turned by quarters"),
+            ("none", "None", "Straight sides lie along the axes"),
+        ],
+        default="any",
+    )
     margin: FloatProperty(name="Margin", description="Texels between islands", default=4.0, min=0.0, soft_max=64.0)
     texture_size: IntProperty(name="Texture Size", description="Side of the texture in texels", default=1024, min=16, soft_max=8192)
     use_seams: BoolProperty(name="Respect Seams", description="Cut along edges that are marked as seams", default=True)
     mark_seams: BoolProperty(name="Mark Seams", description="Mark the edges that are cut as seams", default=True)
+    triangulate: BoolProperty(name="Triangulate", description="Cut polygons into the triangles that the map is computed with", default=False)
 
     @classmethod
     def poll(cls, context):
@@ -66,7 +87,7 @@ class UV_OT_cone_unwrap(bpy.types.Operator):
             layout.prop(self, "count")
         if self.number == "AUTOMATIC":
             layout.prop(self, "distortion")
-        for name in ("islands", "margin", "texture_size", "use_seams", "mark_seams"):
+        for name in ("islands", "free_seams", "rotations", "margin", "texture_size", "use_seams", "mark_seams", "triangulate"):
             layout.prop(self, name)
 
     def invoke(self, context, event):
@@ -120,13 +141,17 @@ class UV_OT_cone_unwrap(bpy.types.Operator):
 
     def _begin(self, context):
         self.timer = None
-        self.objects, self.jobs, self.refused = [], [], []
+        self.parts, self.jobs, self.refused = [], [], []
         for obj in _objects(context):
             try:
-                self.jobs.append((obj.name, self._keywords(obj)))
-                self.objects.append(obj)
+                part = self._part(obj)
+                if part is not None:
+                    self.jobs.append((obj.name, self._keywords(part)))
+                    self.parts.append(part)
             except cones.Error as error:
                 self.refused.append(f"{obj.name}: {error}")
+        if not self.parts and not self.refused:
+            self.refused.append("no face is selected: select those that are to be unwrapped")
         context.window_manager.progress_begin(0, WHOLE)
 
     def _end(self, context):
@@ -138,29 +163,41 @@ class UV_OT_cone_unwrap(bpy.types.Operator):
 
     def _finish(self):
         """Writes what came out, and tells of it."""
-        done = []
-        for obj, outcome in zip(self.objects, self.work.outcomes):
+        done, told, warnings = [], [], []
+        for part, outcome in zip(self.parts, self.work.outcomes):
+            obj = part.obj
             if isinstance(outcome, cones.Error):
                 self.refused.append(f"{obj.name}: {outcome}")
                 continue
-            exchange.write(obj, outcome.uv, outcome.seam_edges if self.mark_seams else None)
+            exchange.write(part, outcome.uv, outcome.seam_edges if self.mark_seams else None)
+            if self.triangulate:
+                exchange.triangulate(part, outcome.triangles)
             done.append(outcome)
-            repairs = [f"{count} {kind}" for kind, count, _ in outcome.repairs]
-            for sentence in [*repairs, *outcome.warnings, *_of_scale(obj)]:
-                self.report({"INFO"}, f"{obj.name}: {sentence}")
+            repairs = [repair["text"] for repair in outcome.report["repairs"]]
+            told += [f"{obj.name}: {sentence}" for sentence in [*repairs, *_of_scale(obj)]]
+            warnings += [f"{obj.name}: {sentence}" for sentence in outcome.warnings]
         if not done:
             self.report({"ERROR"}, "\n".join(self.refused))
             return {"CANCELLED"}
-        for sentence in self.refused:
+        for sentence in [*told, _summary(done)]:
+            self.report({"INFO"}, sentence)
+        # Last, as the status bar shows what was said last.
+        for sentence in [*warnings, *self.refused]:
             self.report({"WARNING"}, sentence)
-        self.report({"INFO"}, _summary(done))
         return {"FINISHED"}
 
-    def _keywords(self, obj):
-        """What is asked of the library for an object."""
+    def _part(self, obj):
+        """What is unwrapped of an object: in edit mode its selected faces, or nothing if there are none."""
         if not obj.data.is_editable:
             raise cones.Error("its mesh is linked from another file and cannot be written: make it local (Object > Relations > Make Local)")
-        mesh = exchange.read(obj)
+        if obj.mode != "EDIT" or self.number == "SELECTED":
+            return exchange.Part(obj)
+        faces = exchange.selected_faces(obj)
+        return None if faces.size and not faces.any() else exchange.Part(obj, faces)
+
+    def _keywords(self, part):
+        """What is asked of the library for a part of an object."""
+        obj = part.obj
         which = {"max_distortion": self.distortion} if self.number == "AUTOMATIC" and self.distortion != 1.25 else {}
         if self.number == "COUNT":
             which = {"n": self.count}
@@ -169,10 +206,12 @@ class UV_OT_cone_unwrap(bpy.types.Operator):
                 raise cones.Error("cones are taken from selected vertices in edit mode")
             which = {"cones": exchange.selected_vertices(obj)}
         return {
-            "vertices": mesh,
+            "vertices": part.mesh,
             **which,
-            "keep_seams": exchange.marked_seams(obj) if self.use_seams else False,
+            "keep_seams": part.marked_seams() if self.use_seams else False,
             "islands": self.islands,
+            "free_seams": self.free_seams,
+            "rotations": self.rotations,
             "margin": self.margin,
             "texture_size": self.texture_size,
         }
@@ -200,7 +239,8 @@ def _summary(results):
     islands = sum(result.island_count for result in results)
     worst = max(result.distortion["area_mean"] for result in results)
     many = f"{len(results)} meshes, " if len(results) > 1 else ""
-    return f"{many}{count} cones, {islands} islands, area distortion {worst:.2f}"
+    cones_and_islands = f"{count} {'cone' if count == 1 else 'cones'}, {islands} {'island' if islands == 1 else 'islands'}"
+    return f"{many}{cones_and_islands}, area distortion {worst:.2f}"
 
 
 def _menu(self, context):

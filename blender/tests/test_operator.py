@@ -191,7 +191,7 @@ def test_repairs_and_scales_are_told():
     run = Run()
     run.execute(run.context)
     told = [sentence for _, sentence in run.reports]
-    assert told[0] == "capsule: 1 isolated vertices, left out" and "capsule: it has non-uniform scale" in told[1]
+    assert told[0].startswith("capsule: 1 isolated vertex, left out") and "capsule: it has non-uniform scale" in told[1]
     obj.scale = (2, 2, -2)
     run.reports.clear()
     run.execute(run.context)
@@ -212,6 +212,134 @@ def test_selected_vertices_are_cones():
     bmesh.update_edit_mesh(obj.data)
     assert bpy.ops.uv.cone_unwrap(number="SELECTED") == {"FINISHED"}
     assert_is_map(obj, cones=chosen)
+
+
+def select_faces(obj, faces):
+    """In edit mode, these faces alone."""
+    bpy.ops.mesh.select_all(action="DESELECT")
+    mesh = bmesh.from_edit_mesh(obj.data)
+    mesh.faces.ensure_lookup_table()
+    for face in faces:
+        mesh.faces[face].select_set(True)
+    bmesh.update_edit_mesh(obj.data)
+
+
+def test_in_edit_mode_selected_faces_are_unwrapped_and_the_others_keep_their_map_and_seams():
+    mesh = cones.shape("capsule", 400)
+    obj = from_mesh(mesh, "capsule")
+    select(obj)
+    bpy.ops.object.mode_set(mode="EDIT")
+    bpy.ops.uv.cone_unwrap(number="COUNT", count=6)
+    before, seams = uv_of(obj), seams_of(obj)
+    is_upper = mesh.vertices[mesh.faces].mean(axis=1)[:, 2] > np.median(mesh.vertices[:, 2])
+    upper = np.flatnonzero(is_upper)
+    select_faces(obj, upper)
+    assert bpy.ops.uv.cone_unwrap(number="COUNT", count=2) == {"FINISHED"}
+    after = uv_of(obj)
+    corners = np.repeat(is_upper, 3)
+    assert (after[~corners] == before[~corners]).all()
+    # The selected faces have the map of a mesh of their own, in the square.
+    vertices, faces = np.unique(mesh.faces[is_upper], return_inverse=True)
+    alone = cones.unwrap(mesh.vertices[vertices].astype(np.float32), faces.reshape(-1, 3), n=2, keep_seams=False)
+    assert np.abs(after[corners] - alone.uv).max() < 1e-6
+    edges = lambda chosen: {frozenset(edge) for face in chosen.tolist() for edge in zip(face, face[1:] + face[:1])}  # noqa: E731
+    touched, rim = edges(mesh.faces[is_upper]), equator(mesh)
+    cut = {frozenset(edge) for edge in vertices[alone.seam_edges].tolist()}
+    assert cut and rim and seams_of(obj) == (seams - touched) | cut | rim
+
+
+def test_user_seams_among_selected_faces_are_kept_and_those_at_their_rim_are_not_told_of():
+    mesh = cones.shape("capsule", 400)
+    obj = from_mesh(mesh, "capsule")
+    rim = equator(mesh)
+    marked = {frozenset(edge) for edge in cones.unwrap(mesh, n=6).seam_edges.tolist()} | rim
+    for edge in obj.data.edges:
+        edge.use_seam = frozenset(edge.vertices) in marked
+    select(obj)
+    bpy.ops.object.mode_set(mode="EDIT")
+    is_upper = mesh.vertices[mesh.faces].mean(axis=1)[:, 2] > np.median(mesh.vertices[:, 2])
+    select_faces(obj, np.flatnonzero(is_upper))
+    run = Run()
+    assert run.execute(run.context) == {"FINISHED"}
+    assert not any("boundary" in sentence for _, sentence in run.reports)
+    assert marked <= seams_of(obj)
+
+
+def test_of_several_meshes_in_edit_mode_those_without_a_selected_face_are_left_alone():
+    objects = [from_mesh(cones.shape("capsule", 400), name) for name in ("one", "other")]
+    select(*objects)
+    bpy.ops.object.mode_set(mode="EDIT")
+    bpy.ops.mesh.select_all(action="DESELECT")
+    with pytest.raises(RuntimeError, match="no face is selected: select those that are to be unwrapped"):
+        bpy.ops.uv.cone_unwrap()
+    mesh = bmesh.from_edit_mesh(objects[0].data)
+    for face in mesh.faces:
+        face.select_set(True)
+    bmesh.update_edit_mesh(objects[0].data)
+    assert bpy.ops.uv.cone_unwrap() == {"FINISHED"}
+    bpy.ops.object.mode_set(mode="OBJECT")
+    assert_is_map(objects[0])
+    assert not objects[1].data.uv_layers and seams_of(objects[1]) == set()
+
+
+@pytest.mark.parametrize("mode", ["OBJECT", "EDIT"])
+def test_polygons_are_cut_into_the_triangles_of_the_map(mode):
+    obj = suzanne()
+    read = exchange.read(obj)
+    expected = cones.unwrap(read, n=20)
+    bpy.ops.object.mode_set(mode=mode)
+    assert bpy.ops.uv.cone_unwrap(number="COUNT", count=20, triangulate=True) == {"FINISHED"}
+    bpy.ops.object.mode_set(mode="OBJECT")
+    found = exchange.read(obj)
+    assert set(np.diff(found.face_start)) == {3} and found.vertex_count == read.vertex_count
+    key = lambda corners, uv: {frozenset(zip(t, map(tuple, at))) for t, at in zip(corners.tolist(), uv.tolist())}  # noqa: E731
+    rounded = lambda uv: uv.astype(np.float32)  # noqa: E731
+    triangles = key(read.corners[expected.triangles], rounded(expected.uv)[expected.triangles])
+    assert key(found.corners.reshape(-1, 3), rounded(uv_of(obj)).reshape(-1, 3, 2)) == triangles
+    assert measured(obj).distortion["flipped"] == 0
+    assert {frozenset(edge) for edge in expected.seam_edges.tolist()} == seams_of(obj)
+
+
+def test_only_selected_polygons_are_cut_whatever_corners_they_have():
+    bpy.ops.mesh.primitive_cylinder_add(vertices=13)
+    obj = bpy.context.object
+    bpy.ops.object.mode_set(mode="EDIT")
+    obj.data.materials.append(bpy.data.materials.new("wood"))
+    obj.data.materials.append(bpy.data.materials.new("end"))
+    chosen = [k for k, face in enumerate(exchange.read(obj).faces) if len(face) == 13][:1] + [0, 1]
+    mesh = bmesh.from_edit_mesh(obj.data)
+    mesh.faces.ensure_lookup_table()
+    mesh.faces[chosen[0]].material_index, mesh.faces[chosen[0]].smooth = 1, True
+    select_faces(obj, chosen)
+    assert bpy.ops.uv.cone_unwrap(triangulate=True) == {"FINISHED"}
+    bpy.ops.object.mode_set(mode="OBJECT")
+    sizes = [polygon.loop_total for polygon in obj.data.polygons]
+    assert (sizes.count(13), sizes.count(4), sizes.count(3)) == (1, 11, 11 + 2 * 2)
+    # The pieces are selected as the whole was, and have its material and shading.
+    assert sum(polygon.select for polygon in obj.data.polygons) == 11 + 2 * 2
+    assert sum(polygon.material_index == 1 and polygon.use_smooth for polygon in obj.data.polygons) == 11
+
+
+def test_rotations_and_free_seams_are_asked_of_the_library():
+    for asked in ({"rotations": "none"}, {"free_seams": "always"}):
+        obj = from_mesh(cones.shape("capsule", 400), "capsule")
+        select(obj)
+        bpy.ops.uv.cone_unwrap(number="COUNT", count=5)
+        usual = uv_of(obj)
+        bpy.ops.uv.cone_unwrap(number="COUNT", count=5, **asked)
+        assert np.abs(uv_of(obj) - usual).max() > 0.01
+        assert_is_map(obj, n=5, **asked)
+
+
+def test_what_could_not_be_had_is_a_warning_and_is_said_last():
+    obj = from_mesh(cones.shape("capsule", 400), "capsule")
+    select(obj)
+    run = Run()
+    run.count = 1
+    run.execute(run.context)
+    kinds = [(next(iter(kind)), sentence) for kind, sentence in run.reports]
+    assert kinds[-1] == ("WARNING", "capsule: 1 cone asked for, but this surface needs at least 3: taking 3")
+    assert kinds[-2][0] == "INFO" and "3 cones" in kinds[-2][1]
 
 
 def test_an_object_that_cannot_be_unwrapped_is_told_of_and_stops_no_other():
@@ -299,9 +427,11 @@ class Run:
     """The operator as Blender's window runs it, which is not there without one: its own functions, with a stand-in for Blender's loop of events."""
 
     invoke, modal, cancel, execute = (operator.UV_OT_cone_unwrap.__dict__[name] for name in ("invoke", "modal", "cancel", "execute"))
-    _begin, _end, _finish, _keywords = (operator.UV_OT_cone_unwrap.__dict__[name] for name in ("_begin", "_end", "_finish", "_keywords"))
-    number, count, distortion, islands = "COUNT", 5, 1.25, "overlap-free"
-    margin, texture_size, use_seams, mark_seams = 4.0, 1024, True, True
+    _begin, _end, _finish, _part, _keywords = (
+        operator.UV_OT_cone_unwrap.__dict__[name] for name in ("_begin", "_end", "_finish", "_part", "_keywords")
+    )
+    number, count, distortion, islands, free_seams, rotations = "COUNT", 5, 1.25, "overlap-free", "auto", "any"
+    margin, texture_size, use_seams, mark_seams, triangulate = 4.0, 1024, True, True, False
 
     def __init__(self):
         self.reports, self.calls = [], []
@@ -310,7 +440,8 @@ class Run:
         window = SimpleNamespace(status_text_set=note("status"))
         of = bpy.context
         self.context = SimpleNamespace(
-            window_manager=manager, workspace=window, window=object(), mode=of.mode, selected_objects=of.selected_objects
+            window_manager=manager, workspace=window, window=object(), mode=of.mode, selected_objects=of.selected_objects,
+            objects_in_mode_unique_data=of.objects_in_mode_unique_data,
         )
 
     def report(self, kind, sentence):

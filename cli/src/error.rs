@@ -1,6 +1,8 @@
 //! Why the command could not do it: each a sentence with what to do.
 
 use crate::input::{gaps, told};
+use cones::uv::PackError;
+use geom::counted;
 use geom::distortion::DistortionError;
 use std::io;
 use std::path::PathBuf;
@@ -10,7 +12,7 @@ use thiserror::Error;
 pub(crate) enum CommandError {
     #[error(transparent)]
     Read(#[from] geom::io::ReadError),
-    #[error("{}: {error}", told(path))]
+    #[error("{}: {error}{}", told(path), if let cones::Error::Pack(error) = error { options(error) } else { "" })]
     Unwrap { path: PathBuf, error: cones::Error },
     #[error(
         "{} has {vertices} vertices, which need more than {} MB of memory where {} MB are allowed: raise the limit (ulimit -v) \
@@ -32,8 +34,8 @@ pub(crate) enum CommandError {
     OtherMesh(PathBuf, PathBuf),
     #[error("{}: {error}", told(path))]
     Measure { path: PathBuf, error: DistortionError },
-    #[error("{}: {error}", told(path))]
-    Pack { path: PathBuf, error: cones::uv::PackError },
+    #[error("{}: {error}{}", told(path), options(error))]
+    Pack { path: PathBuf, error: PackError },
     #[error("{} is the input, which is never overwritten: name another file", .0.display())]
     OutputIsInput(PathBuf),
     #[error("{} is named for two outputs: give each its own file", .0.display())]
@@ -96,9 +98,9 @@ pub(crate) enum CommandError {
     WhichSegments(PathBuf),
     #[error("{} has none of the paper's models: name the folder that holds table1/ and table1_resized/", .0.display())]
     NoPaperMeshes(PathBuf),
-    #[error("{failed} of {count} surfaces could not be unwrapped: see the errors above")]
+    #[error("{failed} of {} could not be unwrapped: see the errors above", counted(*count, "surface", "surfaces"))]
     SomeFailed { failed: usize, count: usize },
-    #[error("{failed} of {count} surfaces could not be compared: see the errors above")]
+    #[error("{failed} of {} could not be compared: see the errors above", counted(*count, "surface", "surfaces"))]
     SomeNotCompared { failed: usize, count: usize },
     #[error("{}: the program has a fault, and stopped on this surface", told(.0))]
     Fault(PathBuf),
@@ -110,6 +112,15 @@ pub(crate) enum CommandError {
     Random,
     #[error("standard output cannot be written")]
     Stdout(#[source] io::Error),
+}
+
+/// The options that mend why islands cannot be packed, behind the sentence that says it.
+pub(crate) fn options(error: &PackError) -> &'static str {
+    match error {
+        PackError::TooLarge { .. } | PackError::TooManyTiles(_) => " (--texel-density)",
+        PackError::Margin { .. } => " (--margin, --texture-size)",
+        _ => "",
+    }
 }
 
 impl CommandError {

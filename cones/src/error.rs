@@ -1,7 +1,7 @@
 //! Why something that was asked for cannot be had.
 
 use geom::distortion::DistortionError;
-use geom::{Interrupted, ModelError, PoissonError, PrepareError};
+use geom::{Interrupted, ModelError, PoissonError, PrepareError, are, counted};
 use thiserror::Error;
 
 use crate::baseline::LscmError;
@@ -74,7 +74,8 @@ pub enum Error {
     },
     /// A recipe is that of another model.
     #[error(
-        "the cones are of a model of {vertices} vertices, and this one has {count}: give them with the mesh that they were found on, or, where that was refined, with what was written"
+        "the cones are of a model of {}, and this one has {count}: give them with the mesh that they were found on, or, where that was refined, with what was written",
+        counted(*vertices, "vertex", "vertices")
     )]
     OtherModel {
         /// How many vertices its model has.
@@ -94,7 +95,7 @@ pub enum Error {
     #[error("cone {0} lies on the boundary, where no cone is needed: choose an inner vertex")]
     ConeOnBoundary(u32),
     /// Numbers of cones were given for more components than there are.
-    #[error("{numbers} numbers of cones are given, but there {}: give one for each, in the order of their first faces", if *parts == 1 { "is 1 part".to_owned() } else { format!("are {parts} parts") })]
+    #[error("{} given, but there {}: give one for each, in the order of their first faces", counted(*numbers, "number of cones is", "numbers of cones are"), are(*parts, "part", "parts"))]
     NumbersWithoutParts {
         /// How many numbers.
         numbers: usize,
@@ -102,7 +103,7 @@ pub enum Error {
         parts: usize,
     },
     /// Some cones were given curvatures and others not.
-    #[error("{known} of {given} cones are given with a curvature: give one for all of them, or for none")]
+    #[error("of {given} cones {} given with a curvature: give one for all of them, or for none", counted(*known, "is", "are"))]
     SomeCurvatures {
         /// How many have a curvature.
         known: usize,

@@ -28,6 +28,7 @@
 //! assert!((total - 2.0 * std::f64::consts::PI * mesh.euler_characteristic() as f64).abs() < 1e-9);
 //! ```
 
+mod counted;
 pub mod distortion;
 mod error;
 mod intrinsic;
@@ -44,6 +45,8 @@ pub mod vector;
 mod walk;
 mod watch;
 
+#[doc(hidden)]
+pub use counted::{are, counted};
 pub use error::Error;
 pub use intrinsic::*;
 pub use linalg::{Cholesky, CholeskyError, SymmetricMatrix, gram, gram_watched};

@@ -13,7 +13,8 @@ from ._cones import Error
 def plain(values: Any, kind: Any) -> np.ndarray:
     """The array itself if it lies in memory like that, a copy otherwise (what comes over a network may not be aligned)."""
     if np.ma.is_masked(values):
-        raise Error(f"{np.ma.count_masked(values)} values of an array are masked, where each is needed: fill them, or leave out what has none")
+        masked = counted(np.ma.count_masked(values), "value of an array is", "values of an array are")
+        raise Error(f"{masked} masked, where each is needed: fill them, or leave out what has none")
     return np.require(values, dtype=kind, requirements=("C_CONTIGUOUS", "ALIGNED", "ENSUREARRAY"))
 
 
@@ -28,6 +29,11 @@ def count(option: str, things: str, n: Any, most: int = sys.maxsize) -> int:
     if not is_whole(n, most):
         raise Error(f"{option} is a number of {things}, not {n!r}")
     return int(n)
+
+
+def counted(n: int, one: str, many: str) -> str:
+    """A number with its noun: "1 face", "2 faces"."""
+    return f"{n} {one if n == 1 else many}"
 
 
 def is_whole(n: Any, most: int) -> bool:

@@ -8,7 +8,7 @@ from typing import Any, Optional, Union
 import numpy as np
 
 from . import _cones, options
-from ._arrays import count
+from ._arrays import count, counted
 from ._cones import Error
 from .mesh import Faces, Mesh, as_mesh
 from .unwrapping import Progress, Unwrapping, cone_table
@@ -270,4 +270,5 @@ class Analysis:
 
     def __repr__(self) -> str:
         t = self.topology
-        return f"<cones.Analysis of {t['vertices']} vertices, {t['components']} components, genus {t['genus']}>"
+        components = counted(t["components"], "component", "components")
+        return f"<cones.Analysis of {t['vertices']} vertices, {components}, genus {t['genus']}>"

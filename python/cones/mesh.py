@@ -14,7 +14,7 @@ from typing import Any, Optional, Union
 import numpy as np
 
 from . import _cones
-from ._arrays import count, plain
+from ._arrays import count, counted, plain
 from ._cones import Error
 
 #: What a mesh can be made of: the mesh itself, or vertices and faces.
@@ -116,7 +116,7 @@ class Mesh:
         write_whole(path, gzip.compress(data, mtime=0) if is_compressed else data)
 
     def __repr__(self) -> str:
-        return f"<cones.Mesh of {self.vertex_count} vertices, {self.face_count} faces>"
+        return f"<cones.Mesh of {self.vertex_count} vertices, {counted(self.face_count, 'face', 'faces')}>"
 
 
 def read(path: Union[str, os.PathLike]) -> Mesh:

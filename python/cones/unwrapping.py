@@ -10,6 +10,7 @@ from typing import Any, Callable, Optional, Union
 import numpy as np
 
 from . import _cones, options
+from ._arrays import counted
 from .mesh import Faces, Mesh, as_mesh
 
 #: ``progress(stage, fraction)``: the stage's name, and how much of it is done (0 to 1), or none where that is not known.
@@ -136,9 +137,9 @@ class Unwrapping:
 
     def __repr__(self) -> str:
         d = self.distortion
-        islands = "1 island" if self.island_count == 1 else f"{self.island_count} islands"
+        cones, islands = counted(len(self.report["cones"]), "cone", "cones"), counted(self.island_count, "island", "islands")
         return (
-            f"<cones.Unwrapping: {len(self.report['cones'])} cones, {islands}, area distortion {d['area_mean']:.3f}, "
+            f"<cones.Unwrapping: {cones}, {islands}, area distortion {d['area_mean']:.3f}, "
             f"quasi-conformal {d['quasi_conformal']['mean']:.3f}>"
         )
 

@@ -2,7 +2,7 @@
 
 use cones::report::MeasuredMap;
 use cones::uv::{PackError, PackOptions, PartError, Parted, Repacked, islands_of, repack};
-use geom::{Model, Watch};
+use geom::{Model, Watch, are, counted};
 use numpy::{PyArray1, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
@@ -22,8 +22,8 @@ fn checked<'a>(model: &Model, uv: &'a PyReadonlyArray2<'_, f64>) -> PyResult<&'a
     }
     let (corners, vertices) = (model.corner_count(), model.vertex_count());
     Err(Error::new_err(format!(
-        "uv has {} rows; it needs one for each of the {corners} corners of faces (the mesh has {vertices} vertices)",
-        uv.len()
+        "uv has {}; it needs one for each of the {corners} corners of faces (the mesh has {vertices} vertices)",
+        counted(uv.len(), "row", "rows")
     )))
 }
 
@@ -115,7 +115,11 @@ pub(crate) fn pack<'py>(
         }
         Some(given) => {
             let (given, there) = (given.len(), triangles.len());
-            return Err(Error::new_err(format!("islands are given for {given} triangles, but there are {there}")));
+            return Err(Error::new_err(format!(
+                "islands are given for {}, but there {}",
+                counted(given, "triangle", "triangles"),
+                are(there, "triangle", "triangles")
+            )));
         }
         None => watched(py, None, |told| {
             let stops = |_| told.goes_on();

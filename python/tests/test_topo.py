@@ -185,7 +185,7 @@ def test_masked_arrays_are_taken_with_their_mask():
     assert found.array["extremum"].tolist() == [0, 3]
     with pytest.raises(cones.Error, match="beyond 2\\*\\*53 cannot be masked"):
         topo.sublevel(filled, mask=np.arange(6) != 4)
-    with pytest.raises(cones.Error, match="1 values of an array are masked"):
+    with pytest.raises(cones.Error, match="1 value of an array is masked"):
         topo.single_linkage(3, [[0, 1], [1, 2]], np.ma.masked_array([1.0, 2.0], [False, True]))
 
 
@@ -438,7 +438,7 @@ def test_what_is_no_field_is_refused_in_a_sentence():
             for periodic in ("x", "no", (0, 1), {0: True}, (2, 3), 1, [True], None)
         ),
         (lambda: topo.bottleneck([[0, 1], [1, 0]], []), "die above their birth"),
-        (lambda: topo.single_linkage(3, [[0, 1]], [1.0, 2.0]), "1 edges but 2 weights"),
+        (lambda: topo.single_linkage(3, [[0, 1]], [1.0, 2.0]), "is 1 edge but 2 weights"),
         (lambda: topo.single_linkage(3, [[0, 1]], [[1.0]]), "one number for each edge"),
     ]
     for ask, sentence in wrong:

@@ -236,6 +236,17 @@ def test_repairs_are_told(hare):
     result = cones.unwrap(doubled, n=6)
     assert [count for _, count, _ in result.repairs] == [2, 1] and cones.unwrap(hare, n=6).repairs == []
     assert result.repairs == cones.Analysis(doubled).repairs
+    told = [repair["text"] for repair in result.report["repairs"]]
+    assert told[0].startswith("2 copies of faces") and told[1].startswith("1 isolated vertex, left out (first vertex ")
+
+
+def test_one_of_a_kind_is_told_of_in_the_singular():
+    triangle = np.eye(3), [[0, 1, 2]]
+    assert repr(cones.Mesh(*triangle)) == "<cones.Mesh of 3 vertices, 1 face>"
+    assert repr(cones.Analysis(*triangle)) == "<cones.Analysis of 3 vertices, 1 component, genus 0>"
+    assert "0 cones, 1 island," in repr(cones.unwrap(*triangle))
+    assert repr(cones.topo.sublevel([0.0, 1.0])) == "<cones.topo.Pairs: 1 minimum>"
+    assert repr(cones.topo.superlevel([0.0, 1.0, 0.0, 1.0])) == "<cones.topo.Pairs: 2 maxima>"
 
 
 def test_wrong_options_are_refused_in_a_sentence(hare):

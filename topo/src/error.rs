@@ -193,7 +193,8 @@ impl fmt::Display for Error {
             Self::Edge { edge, vertex, vertices } => ("edge", edge, vertex, vertices),
             Self::Triangle { triangle, vertex, vertices } => ("triangle", triangle, vertex, vertices),
         };
-        write!(f, "{what} {number} names vertex {vertex}, but there are only {vertices}, counted from 0")
+        let are = if vertices == 1 { "is" } else { "are" };
+        write!(f, "{what} {number} names vertex {vertex}, but there {are} only {vertices}, counted from 0")
     }
 }
 

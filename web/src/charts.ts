@@ -1,6 +1,7 @@
 // The two charts, as plain SVG.
 
 import type { Extremum, ForeseenLevel } from "./data";
+import { counted } from "./page";
 
 const SPACE = "http://www.w3.org/2000/svg";
 
@@ -137,7 +138,7 @@ export class CurveChart extends Chart {
   /** What was measured with so many cones. */
   private dot(cx: number, cy: number, r: number, n: number): SVGElement {
     const dot = element("circle", { cx, cy, r, fill: "var(--ink)" });
-    dot.append(element("title", {}, `${n} cones: measured ${this.measured.get(n)!.toFixed(3)}`));
+    dot.append(element("title", {}, `${counted(n, "cone", "cones")}: measured ${this.measured.get(n)!.toFixed(3)}`));
     return dot;
   }
 

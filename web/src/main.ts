@@ -11,7 +11,7 @@ import type { Place } from "./geometry";
 import { History } from "./history";
 import { type Outline, onMap, outline } from "./outline";
 import * as page from "./page";
-import { byId } from "./page";
+import { byId, counted } from "./page";
 import * as pins from "./pins";
 import { Refused, Replaced, type Source, source, stored } from "./source";
 import { onClick, webGl } from "./stage";
@@ -312,7 +312,7 @@ class App {
     this.atlas.show(map.uv, squares, this.drawn, extent, this.isDark, isPatient);
     const badge = byId("badge");
     badge.hidden = !isNear;
-    badge.textContent = `the map with ${map.cones.length} cones`;
+    badge.textContent = `the map with ${counted(map.cones.length, "cone", "cones")}`;
     // Colours of what is not measured yet come with the measures.
     if (map.measured || !isOfMeasures(this.mode)) this.colour(this.mode, isPatient);
     this.showControls();
@@ -333,7 +333,7 @@ class App {
     else this.showLegend();
     this.showCurve();
     if (this.marked) this.mark(this.marked === this.pinned ? null : this.marked);
-    this.tell(isNear ? `no map is stored for ${question.n} cones` : "exact map");
+    this.tell(isNear ? `no map is stored for ${counted(question.n ?? 0, "cone", "cones")}` : "exact map");
     this.isAsking = false;
   }
 

@@ -16,9 +16,13 @@ export function make(name: string, text = "", className = ""): HTMLElement {
   return made;
 }
 
+/** A number with its noun. */
+export function counted(n: number, one: string, many: string): string {
+  return `${n.toLocaleString("en")} ${n === 1 ? one : many}`;
+}
+
 export function about(surface: Surface): void {
   const { vertices, faces, components, genus, boundary_loops } = surface.topology;
-  const counted = (n: number, one: string, many: string) => `${n.toLocaleString("en")} ${n === 1 ? one : many}`;
   const parts = [counted(vertices, "vertex", "vertices"), counted(faces, "triangle", "triangles")];
   if (surface.refined) parts[1] += `, refined to ${counted(surface.points.length / 3, "vertex", "vertices")}, ${counted(surface.triangles.length / 3, "triangle", "triangles")}`;
   if (components > 1) parts.push(`${components} parts`);

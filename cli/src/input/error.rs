@@ -1,6 +1,7 @@
 //! Why a field cannot be read.
 
 use super::told;
+use geom::counted;
 use std::fmt;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -48,7 +49,7 @@ pub(crate) enum Problem {
     Gzipped,
     #[error("there is {found} where {expected} should be")]
     Unexpected { found: String, expected: String },
-    #[error("the header claims {claimed} values, but the file ends after {present}: it is cut short or damaged")]
+    #[error("the header claims {claimed} value{}, but the file ends after {present}: it is cut short or damaged", if *claimed == 1 { "" } else { "s" })]
     CutShort { claimed: u64, present: u64 },
     #[error("has {0} axes, and one to three are read: take a part of it or reshape it")]
     Axes(usize),
@@ -78,7 +79,7 @@ pub(crate) enum Problem {
     Twice(String),
     #[error("no node has the id {0:?}: every edge joins two ids of the file of nodes")]
     NoNode(String),
-    #[error("has {values} values where the mesh has {vertices} vertices: it needs one for each, in the mesh's order")]
+    #[error("has {} where the mesh has {}: it needs one for each, in the mesh's order", counted(*values, "value", "values"), counted(*vertices, "vertex", "vertices"))]
     Count { values: usize, vertices: usize },
     #[error(
         "has no numbers called {name} at its vertices{}: name them, or phi, curvature, mean-curvature, height, distance, or a file .npy or .txt",

@@ -5,6 +5,7 @@ use super::error::{FilePosition, Problem, ReadError, unreadable};
 use super::table::separator;
 use super::values::Values;
 use csv::{ReaderBuilder, StringRecord, Trim};
+use geom::{are, counted};
 use std::collections::HashMap;
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
@@ -125,7 +126,11 @@ fn fault(error: &csv::Error, path: &Path) -> ReadError {
     let place = error.position().map_or(FilePosition::File, |position| FilePosition::Line(position.line()));
     let message = match error.kind() {
         csv::ErrorKind::UnequalLengths { expected_len, len, .. } => {
-            format!("there are {len} cells where the first line names {expected_len} columns")
+            format!(
+                "there {} where the first line names {}",
+                are(*len as usize, "cell", "cells"),
+                counted(*expected_len as usize, "column", "columns")
+            )
         }
         csv::ErrorKind::Utf8 { .. } => "there is text that is not UTF-8: save the table as UTF-8".to_owned(),
         csv::ErrorKind::Io(error) => unreadable(error),

@@ -8,6 +8,7 @@ use super::array::Array;
 use super::decimal::{Decimals, is_missing};
 use super::ending;
 use super::error::{FilePosition, Problem, ReadError};
+use geom::counted;
 use std::fs::File;
 use std::io::{BufRead, BufReader};
 use std::path::Path;
@@ -41,7 +42,10 @@ pub(super) fn read(path: &Path) -> Result<Array, ReadError> {
         }
         columns = if rows == 0 { count } else { columns };
         if count != columns {
-            return Err(fault(Problem::unexpected(format!("a line of {count} numbers"), format!("one of {columns}"))));
+            return Err(fault(Problem::unexpected(
+                format!("a line of {}", counted(count, "number", "numbers")),
+                format!("one of {columns}"),
+            )));
         }
         if let Some(blank) = if columns == 1 { blank } else { blank_row } {
             return Err(Problem::BlankLine.at(FilePosition::Line(blank), path));

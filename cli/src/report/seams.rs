@@ -27,6 +27,9 @@ fn tiling_text(TilingReport { order, seams, broken, error, .. }: TilingReport) -
     let tiled = seams - broken;
     labelled(
         "tiling",
-        &format!("{tiled} of {seams} seams turn by multiples of 1/{order} of a turn, to {error:.0e} rad"),
+        &format!(
+            "{tiled} of {} by multiples of 1/{order} of a turn, to {error:.0e} rad",
+            counted(seams, "seam turns", "seams turn")
+        ),
     )
 }

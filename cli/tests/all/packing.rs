@@ -40,7 +40,7 @@ fn tiles_are_filled_at_the_density_that_is_asked_for() {
     assert_eq!(report("100")["tiles"], 1);
     assert_eq!(report("330")["tiles"], 2);
     let complaint = folder.complaint(&["pack", "in.obj", "-o", "out.obj", "--udim", "--texel-density", "500"]);
-    assert!(complaint.contains("too large"), "{complaint}");
+    assert!(complaint.contains("too large") && complaint.contains("or cut it (--texel-density)"), "{complaint}");
     let fits = complaint.split("texel density to ").nth(1).and_then(|rest| rest.split(' ').next());
     assert_eq!(report(fits.expect("it is said which would fit"))["tiles"], 2);
     folder.run(&["pack", "in.obj", "-o", "out.obj", "--udim"]).code(2);
@@ -55,6 +55,7 @@ fn what_no_packing_can_keep_to_is_a_wrong_argument_before_anything_is_read() {
         for margin in ["256", "300"] {
             let told = refused(&["--margin", margin]);
             assert!(told.contains(&format!("a margin of {margin} texels does not fit on a texture of 1024")), "{told}");
+            assert!(told.contains("(--margin, --texture-size)"), "{told}");
         }
         assert!(refused(&["--margin", "3", "--texture-size", "8"]).contains("does not fit"));
         for density in ["0", "-1"] {

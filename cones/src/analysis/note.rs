@@ -3,6 +3,7 @@
 use std::fmt;
 
 use crate::cut::Symmetry;
+use geom::counted;
 
 /// Something that was decided or could not be had; its `Display` is one sentence without an end. Components are counted from
 /// 0 in the order of their first faces, vertices are those of the model.
@@ -289,10 +290,7 @@ impl fmt::Display for Note {
             1 => "this surface needs".to_owned(),
             _ => format!("these {components} parts need"),
         };
-        let cones = |count: &usize| match count {
-            1 => "1 cone".to_owned(),
-            _ => format!("{count} cones"),
-        };
+        let cones = |count: &usize| counted(*count, "cone", "cones");
         match self {
             Self::Mollified { .. } => {
                 write!(f, "edges were lengthened by up to 1e-4 of their mean, because of needle triangles")
@@ -318,10 +316,11 @@ impl fmt::Display for Note {
                     if *there == 1 { "is only 1 inner vertex" } else { &format!("are only {there} inner vertices") };
                 write!(f, "{} asked for, but there {inner}", cones(asked))
             }
-            Self::HarmonicOutOfBounds { count, cones, first, .. } => write!(
+            Self::HarmonicOutOfBounds { count, cones: of, first, .. } => write!(
                 f,
-                "harmonic curvature is out of bounds at {count} of {cones} cones (first at vertex {first}): taking optimal \
-                 curvatures within bounds"
+                "harmonic curvature is out of bounds at {count} of {} (first at vertex {first}): taking optimal \
+                 curvatures within bounds",
+                cones(of)
             ),
             Self::OtherNumber { chosen, taken, cause, .. } => {
                 write!(f, "{} could not be flattened well ({cause}): taking {taken}", cones(chosen))
@@ -371,8 +370,9 @@ impl fmt::Display for Note {
             }
             Self::SeamsDoNotTile { symmetry, seams, broken, are_given } => write!(
                 f,
-                "a texture that looks the same after 1/{} of a turn does not keep its directions across {broken} of {seams} seams: {}",
+                "a texture that looks the same after 1/{} of a turn does not keep its directions across {broken} of {}: {}",
                 symmetry.order(),
+                counted(*seams, "seam", "seams"),
                 if *are_given {
                     "given curvatures are not rounded"
                 } else {
@@ -381,9 +381,13 @@ impl fmt::Display for Note {
             ),
             Self::SeamsNotKept { lost, of } => write!(
                 f,
-                "{lost} of {of} edges of the input's seams are no seams of the map: even triangles have other edges, leave \
-                 them as they are to keep these"
+                "{lost} of {} of the input's seams {} of the map: even triangles have other edges, leave them as they are to keep these",
+                counted(*of, "edge", "edges"),
+                if *lost == 1 { "is no seam" } else { "are no seams" }
             ),
+            Self::SeamsOpen { of: 1, .. } => {
+                write!(f, "the edge that was to be cut is on the boundary, where the surface is open already")
+            }
             Self::SeamsOpen { edges: 1, of } => {
                 write!(f, "1 of {of} edges that were to be cut is on the boundary, where the surface is open already")
             }
@@ -402,7 +406,8 @@ impl fmt::Display for Note {
             Self::NarrowMargin { asked, kept } => {
                 write!(
                     f,
-                    "a margin of {asked} texels was asked for, but islands are {kept:.2} texels apart: there are too many"
+                    "a margin of {asked} texel{} was asked for, but islands are {kept:.2} texels apart: there are too many",
+                    if *asked == 1.0 { "" } else { "s" }
                 )
             }
             Self::TargetMissed { target, reached, cones: count, .. } => {
@@ -497,6 +502,19 @@ mod tests {
         assert!(rounded(1).contains("the curvatures of 1 cone distort"));
         let few = |there| said(Note::FewVertices { component: 0, asked: 8, there });
         assert_eq!(few(1), "8 cones asked for, but there is only 1 inner vertex");
+        let open = |edges, of| said(Note::SeamsOpen { edges, of });
+        assert_eq!(open(1, 1), "the edge that was to be cut is on the boundary, where the surface is open already");
+        assert!(open(1, 2).starts_with("1 of 2 edges that were to be cut is on"), "{}", open(1, 2));
+        let margin = |asked| said(Note::NarrowMargin { asked, kept: 0.5 });
+        assert!(
+            margin(1.0).starts_with("a margin of 1 texel was") && margin(2.0).starts_with("a margin of 2 texels was")
+        );
+        let kept = |lost, of| said(Note::SeamsNotKept { lost, of });
+        assert!(kept(1, 1).starts_with("1 of 1 edge of the input's seams is no seam of the map:"), "{}", kept(1, 1));
+        assert!(kept(1, 9).starts_with("1 of 9 edges of the input's seams is no seam of the map:"), "{}", kept(1, 9));
+        assert!(kept(3, 9).starts_with("3 of 9 edges of the input's seams are no seams of the map:"), "{}", kept(3, 9));
+        let harmonic = Note::HarmonicOutOfBounds { component: 0, count: 1, cones: 1, first: 7 };
+        assert!(said(harmonic).starts_with("harmonic curvature is out of bounds at 1 of 1 cone (first at vertex 7)"));
         assert_eq!(few(3), "8 cones asked for, but there are only 3 inner vertices");
         let missed = said(Note::TargetMissed { component: 0, target: 1.1, reached: 1.5, cones: 1 });
         assert!(missed.ends_with("1.500 with 1 cone"), "{missed}");

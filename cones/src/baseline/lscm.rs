@@ -17,7 +17,7 @@
 
 use geom::{
     Cholesky, CholeskyError, CutMesh, EdgeData, HalfedgeData, HalfedgeId, Id, Mesh, MeshError, Metric, ShortestPaths,
-    Sides, SymmetricMatrix, VertexId,
+    Sides, SymmetricMatrix, VertexId, counted,
 };
 use num_complex::Complex64;
 use sprs::{CsMat, TriMat};
@@ -32,7 +32,7 @@ const LEAST_SLACK: f64 = 1e-6;
 #[non_exhaustive]
 pub enum LscmError {
     /// The cut leaves more than one piece, or one with handles or holes.
-    #[error("the surface cut open has an Euler characteristic of {euler} in {islands} pieces, but must be one disk")]
+    #[error("the surface cut open has an Euler characteristic of {euler} in {}, but must be one disk", counted(*islands, "piece", "pieces"))]
     NoDisk {
         /// V - E + F.
         euler: i64,

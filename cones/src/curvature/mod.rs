@@ -10,7 +10,7 @@
 
 use std::f64::consts::PI;
 
-use geom::{Interrupted, Mesh, VertexData, VertexId, Watch, gram_watched};
+use geom::{Interrupted, Mesh, VertexData, VertexId, Watch, counted, gram_watched};
 use rayon::prelude::*;
 use thiserror::Error;
 
@@ -76,7 +76,7 @@ impl CurvatureRule {
 #[non_exhaustive]
 pub enum CurvatureError {
     /// The bounds admit no curvatures with the right sum.
-    #[error("{cones} cone{} cannot take the total curvature of {total:.4}; at least {least} are needed", if *cones == 1 { "" } else { "s" })]
+    #[error("{} cannot take the total curvature of {total:.4}; at least {least} {} needed", counted(*cones, "cone", "cones"), if *least == 1 { "is" } else { "are" })]
     TooFew {
         /// How many cones were given.
         cones: usize,
@@ -89,7 +89,7 @@ pub enum CurvatureError {
     #[error(transparent)]
     Interrupted(#[from] Interrupted),
     /// The log scale that these cones cause is no finite number.
-    #[error("{cones} cones cause a log scale that is not a finite number: their surroundings have no area")]
+    #[error("{} a log scale that is not a finite number: their surroundings have no area", counted(*cones, "cone causes", "cones cause"))]
     NotFinite {
         /// How many cones were given.
         cones: usize,

@@ -21,7 +21,9 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::f64::consts::PI;
 
-use geom::{FaceData, FaceId, HalfedgeId, Id, Interrupted, Mesh, Metric, Sides, VertexData, VertexId, Watch, WedgeId};
+use geom::{
+    FaceData, FaceId, HalfedgeId, Id, Interrupted, Mesh, Metric, Sides, VertexData, VertexId, Watch, WedgeId, counted,
+};
 use num_complex::Complex64;
 use rayon::prelude::*;
 use thiserror::Error;
@@ -49,7 +51,7 @@ const AT_ONCE: usize = 1024;
 
 /// Triangles of the layout could not be turned the right way round.
 #[derive(Clone, Debug, Error)]
-#[error("{faces} triangles of the layout stay flipped, and {vertices} vertices wound, the first at vertex {}", near[0])]
+#[error("{} of the layout flipped, and {} wound, the first at vertex {}", counted(*faces, "triangle", "triangles"), counted(*vertices, "vertex", "vertices"), near[0])]
 pub(crate) struct FoldOvers {
     /// How many triangles are flipped.
     pub faces: usize,

@@ -21,7 +21,7 @@ use std::collections::BTreeMap;
 
 use geom::{
     CutMesh, EdgeData, EdgeId, HalfedgeId, Interrupted, Mesh, Metric, ShortestPaths, Surface, VertexData, VertexId,
-    Watch, edges_at, kruskal, maximum_spanning_cotree_watched, other_end,
+    Watch, are, counted, edges_at, kruskal, maximum_spanning_cotree_watched, other_end,
 };
 use thiserror::Error;
 
@@ -30,7 +30,7 @@ use thiserror::Error;
 #[non_exhaustive]
 pub enum SeamError {
     /// There is nothing to cut between on a sphere.
-    #[error("a closed sphere needs at least two cones to be cut open, but {cones} were given")]
+    #[error("a closed sphere needs at least two cones to be cut open, but {} given", counted(*cones, "was", "were"))]
     TooFewCones {
         /// How many different cones were given.
         cones: usize,
@@ -39,7 +39,7 @@ pub enum SeamError {
     #[error("vertex {0} cannot be reached along edges from the first: cut each connected component by itself")]
     Unreachable(VertexId),
     /// A cone is not on the mesh.
-    #[error("cone {cone} does not exist: there are {count} vertices")]
+    #[error("cone {cone} does not exist: there {}", are(*count, "vertex", "vertices"))]
     NoSuchVertex {
         /// The cone.
         cone: VertexId,

@@ -39,7 +39,7 @@ impl Quality {
     /// lies near each other in the plane.
     ///
     /// # Errors
-    /// If the map does not fit the surface, or has a coordinate that is not finite.
+    /// If the map does not fit the surface, or has a coordinate that is not finite, or if a cone is none of the points.
     pub fn measure(
         points: &[[f64; 3]],
         triangles: &[[u32; 3]],
@@ -71,6 +71,10 @@ impl Quality {
         (cones, deeper_than): (Option<&[u32]>, f64),
         watch: Watch,
     ) -> Result<Self, DistortionError> {
+        let count = points.len();
+        if let Some(&cone) = cones.into_iter().flatten().find(|&&cone| cone as usize >= count) {
+            return Err(DistortionError::ConeOutOfRange { cone, count });
+        }
         let (map, (overlaps, (fill, tiles))) = watch.within(0.0, 0.8).shared(|watch| {
             rayon::join(
                 || distortion::measure_watched(points, triangles, uv, watch),
@@ -202,5 +206,21 @@ pub struct IslandReport {
 impl From<&Island> for IslandReport {
     fn from(island: &Island) -> Self {
         Self { faces: island.faces, area: island.area }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_cone_that_is_no_vertex_is_refused() {
+        let points = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+        let measured =
+            |cones: &[u32]| Quality::measure(&points, &[[0, 1, 2]], &[points.map(|[x, y, _]| [x, y])], Some(cones));
+        assert!(measured(&[2]).is_ok());
+        let told = measured(&[2, 3]).unwrap_err();
+        assert_eq!(told, DistortionError::ConeOutOfRange { cone: 3, count: 3 });
+        assert_eq!(told.to_string(), "cone 3 is no vertex: there are 3 vertices only (counted from 0)");
     }
 }

@@ -104,6 +104,8 @@ pub struct RepairReport {
     pub count: usize,
     /// The first one.
     pub first: Element,
+    /// All of that in words, in the singular for one.
+    pub text: String,
 }
 
 /// An element of the input, counted from 0.
@@ -119,7 +121,12 @@ pub enum Element {
 impl From<&Repair> for RepairReport {
     fn from(repair: &Repair) -> Self {
         let place = if repair.kind.is_of_faces() { Element::Face } else { Element::Vertex };
-        Self { kind: repair.kind.description(), count: repair.count, first: place(repair.first) }
+        Self {
+            kind: repair.kind.description(),
+            count: repair.count,
+            first: place(repair.first),
+            text: repair.to_string(),
+        }
     }
 }
 

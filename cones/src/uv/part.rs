@@ -1,7 +1,7 @@
 //! A model's map, whoever made it, taken apart until no island lies over itself.
 
 use geom::{
-    EdgeData, EdgeId, Interrupted, Model, PrepareError, Prepared, Surface, Triangles, Watch, Weld, prepare_watched,
+    EdgeData, EdgeId, Interrupted, Model, PrepareError, Prepared, Surface, Triangles, Watch, Weld, are, prepare_watched,
 };
 use thiserror::Error;
 
@@ -23,7 +23,7 @@ pub enum PartError {
     #[error(transparent)]
     Prepare(PrepareError),
     /// Texture coordinates are one for each corner of the model's faces.
-    #[error("there are {found} texture coordinates for {corners} corners of faces")]
+    #[error("there {} for {corners} corners of faces", are(*found, "texture coordinate", "texture coordinates"))]
     TextureCount {
         /// How many texture coordinates there are.
         found: usize,

@@ -34,6 +34,7 @@ use thiserror::Error;
 use self::chart::Charts;
 use self::linear::{Image, images};
 use self::measured::Measured;
+use crate::counted::are;
 use crate::mesh::{FaceData, FaceId, Id, VertexData, VertexId};
 use crate::parallel::join;
 use crate::vector::distance;
@@ -148,7 +149,7 @@ impl Island {
 #[non_exhaustive]
 pub enum DistortionError {
     /// The lists do not belong together.
-    #[error("there are {triangles} triangles but texture coordinates for {uv}")]
+    #[error("there {} but texture coordinates for {uv}", are(*triangles, "triangle", "triangles"))]
     Count {
         /// How many triangles there are.
         triangles: usize,
@@ -156,7 +157,7 @@ pub enum DistortionError {
         uv: usize,
     },
     /// Texture coordinates are one for each corner of a model's faces.
-    #[error("there are {found} texture coordinates for {corners} corners of faces")]
+    #[error("there {} for {corners} corners of faces", are(*found, "texture coordinate", "texture coordinates"))]
     TextureCount {
         /// How many texture coordinates there are.
         found: usize,
@@ -164,12 +165,20 @@ pub enum DistortionError {
         corners: usize,
     },
     /// A triangle names a vertex that is not there.
-    #[error("triangle {face} uses vertex {vertex}, but there are only {count} vertices (counted from 0)")]
+    #[error("triangle {face} uses vertex {vertex}, but there {} only (counted from 0)", are(*count, "vertex", "vertices"))]
     VertexOutOfRange {
         /// The triangle.
         face: FaceId,
         /// What it names.
         vertex: u32,
+        /// How many vertices there are.
+        count: usize,
+    },
+    /// A cone is no vertex.
+    #[error("cone {cone} is no vertex: there {} only (counted from 0)", are(*count, "vertex", "vertices"))]
+    ConeOutOfRange {
+        /// The cone.
+        cone: u32,
         /// How many vertices there are.
         count: usize,
     },

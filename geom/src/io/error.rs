@@ -6,6 +6,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use super::MOST_EXPANSION;
+use crate::counted::{are, counted};
 use crate::surface::ModelError;
 
 /// Why a file could not be read: one sentence with the path, the line or byte, what was found and what was expected.
@@ -148,8 +149,7 @@ impl Fault {
 
     /// A face that encloses nothing.
     pub(super) fn few_corners(place: Place, corners: usize) -> Self {
-        let plural = if corners == 1 { "" } else { "s" };
-        Self::unexpected(place, format!("a face with {corners} corner{plural}"), "at least 3")
+        Self::unexpected(place, format!("a face with {}", counted(corners, "corner", "corners")), "at least 3")
     }
 
     /// The same in a text where so many lines come before.
@@ -185,7 +185,7 @@ pub enum WriteError {
     #[error("the output cannot be written")]
     Io(#[from] io::Error),
     /// Texture coordinates that belong to another model.
-    #[error("there are {found} texture coordinates, but the model has {corners} corners")]
+    #[error("there {}, but the model has {corners} corners", are(*found, "texture coordinate", "texture coordinates"))]
     TextureCount {
         /// How many there are.
         found: usize,

@@ -1,6 +1,6 @@
 //! glTF 2.0 in: binary (`.glb`), and as JSON with its buffers inside or in files beside it.
 //!
-//! All triangles of the scene are one model: nodes with their transformations, meshes as often as they stand there, strips and
+//! All triangles of the scene are one model, which keeps the tree of its nodes ([`Attributes::nodes`]): nodes with their transformations, meshes as often as they stand there, strips and
 //! fans cut into triangles. A vertex of glTF has one normal and one texture coordinate, so files split vertices wherever these jump;
 //! within a node vertices at the same place are joined again, numbered by first appearance, and what differed stays at corners.
 //! Faces come in the order of nodes, primitives and indices. v is counted upwards, as everywhere else, and colours, which
@@ -25,15 +25,18 @@ use serde_json::Value;
 use super::colour::to_srgb;
 use super::error::{Fault, Place};
 use super::joined::Joined;
+use super::transformation::Transformation;
 use super::write_glb::{GENERATOR, is_plain};
+use crate::counted::counted;
 use crate::surface::{
-    Attribute, AttributeDomain, Attributes, Meaning, Model, Polygons, ScalarType, Skipped, TextureCoordinates,
+    Attribute, AttributeDomain, Attributes, Meaning, Model, Polygons, ScalarType, SceneNode, Skipped,
+    TextureCoordinates,
 };
 use accessor::{Accessor, Buffers};
 use container::Container;
 pub(super) use container::MAGIC;
 use document::{Document, Primitive};
-use placement::{Transformation, instances};
+use placement::scene;
 
 /// So many corners may be made of however small a file, and of a larger one so many for each byte: an index takes one at least, and
 /// a mesh may stand in the scene several times.
@@ -47,15 +50,17 @@ pub(super) fn read(bytes: &[u8], folder: Option<&Path>) -> Result<Model, Fault> 
     let buffers = Buffers::new(&document, container::buffers(&document, binary, folder)?);
     let budget = FREE_CORNERS + CORNERS_PER_BYTE * (json.len() + buffers.size());
     let mut draft = Draft { budget, ..Draft::default() };
-    for (instance, (mesh, place)) in instances(&document)?.into_iter().enumerate() {
-        let mesh = document.meshes.get(mesh);
+    let (nodes, instances) = scene(&document)?;
+    for (number, instance) in instances.iter().enumerate() {
+        let mesh = document.meshes.get(instance.mesh);
         let mesh = mesh.ok_or_else(|| Fault::unexpected(Place::File, "a node with a mesh that is not there", "one"))?;
         for primitive in &mesh.primitives {
-            draft.primitive(&buffers, primitive, instance as u32, &place)?;
+            draft.primitive(&buffers, primitive, number as u32, &instance.place)?;
         }
+        draft.face_node.resize(draft.polygons.face_count(), instance.node);
     }
     draft.skipped.surplus += surplus;
-    draft.finish(&document)
+    draft.finish(&document, nodes)
 }
 
 /// A model under construction; its vertices are still split.
@@ -71,6 +76,7 @@ struct Draft {
     has_uv: bool,
     tables: Vec<Table>,
     face_material: Vec<u32>,
+    face_node: Vec<u32>,
     skipped: Skipped,
     left: Vec<&'static str>,
 }
@@ -112,7 +118,11 @@ impl Draft {
         let Some(&position) = position.filter(|_| primitive.mode > 3) else { return self.spend(16) };
         let position = buffers.accessor(position, "positions")?;
         if position.width != 3 {
-            return Err(Fault::unexpected(Place::File, format!("positions of {} numbers", position.width), "3"));
+            return Err(Fault::unexpected(
+                Place::File,
+                format!("positions of {}", counted(position.width, "number", "numbers")),
+                "3",
+            ));
         }
         let indices = match primitive.indices {
             Some(index) => indices(&buffers.accessor(index, "indices")?, position.count)?,
@@ -186,7 +196,11 @@ impl Draft {
             let accessor = buffers.accessor(index, kind)?;
             self.spend(accessor.extra_cost())?;
             if used.iter().any(|&element| element as usize >= accessor.count) {
-                let found = format!("{} elements of {kind} for {} vertices", accessor.count, used.len());
+                let found = format!(
+                    "{} of {kind} for {}",
+                    counted(accessor.count, "element", "elements"),
+                    counted(used.len(), "vertex", "vertices")
+                );
                 return Err(Fault::unexpected(Place::File, found, "one for each"));
             }
             if kind == "TEXCOORD_0" {
@@ -226,8 +240,15 @@ impl Draft {
         }
     }
 
-    fn finish(self, document: &Document) -> Result<Model, Fault> {
-        let Self { mut points, mut polygons, uv, has_uv, face_material, skipped, .. } = self;
+    fn finish(self, document: &Document, nodes: Vec<SceneNode>) -> Result<Model, Fault> {
+        let Self { mut points, mut polygons, uv, has_uv, face_material, mut face_node, skipped, .. } = self;
+        // The node of a file of ours says where the middle is, unless it has a name.
+        let says_nothing =
+            is_ours(document) && matches!(&nodes[..], [node] if node.name.is_empty() && node.mesh.is_empty());
+        let nodes = if says_nothing { Vec::new() } else { nodes };
+        if nodes.is_empty() {
+            face_node.clear();
+        }
         let joined = Joined::of_places(self.places.into_iter());
         let vertices = points.len();
         let table = |Table { rows, mut of_vertex, .. }: Table| {
@@ -247,6 +268,8 @@ impl Draft {
             materials: material_names(document, &looks),
             looks,
             face_material,
+            nodes,
+            face_node,
             left: left(document, &self.left),
             ..Attributes::default()
         };
@@ -299,9 +322,14 @@ fn empty(name: &str, accessor: &Accessor) -> Attribute {
     }
 }
 
+/// Whether a file was written here.
+fn is_ours(document: &Document) -> bool {
+    document.asset.generator.as_deref() == Some(GENERATOR)
+}
+
 /// What is known of the looks of materials. What we put on a map to look at it is none.
 fn looks(document: &Document) -> Vec<String> {
-    let is_ours = document.asset.generator.as_deref() == Some(GENERATOR);
+    let is_ours = is_ours(document);
     let look = |material: &document::Material| {
         let look = &material.look;
         let says_nothing = look.is_empty() || is_ours && is_plain(look);
@@ -325,7 +353,7 @@ fn material_names(document: &Document, looks: &[String]) -> Vec<String> {
 fn left(document: &Document, seen: &[&str]) -> Vec<String> {
     let has_skin = document.nodes.iter().any(|node| node.skin.is_some());
     // What we put on a map to look at it is no loss: who writes another GLB puts it there again.
-    let is_ours = document.asset.generator.as_deref() == Some(GENERATOR);
+    let is_ours = is_ours(document);
     let kinds = [
         ("points", false),
         ("lines", false),
@@ -335,7 +363,6 @@ fn left(document: &Document, seen: &[&str]) -> Vec<String> {
         ("animations", !document.animations.is_empty()),
         ("cameras", !document.cameras.is_empty()),
         ("textures", !document.images.is_empty() && !is_ours),
-        ("nodes", document.nodes.iter().filter(|node| node.mesh.is_some()).count() > 1 && !is_ours),
     ];
     kinds.into_iter().filter(|(name, there)| *there || seen.contains(name)).map(|(name, _)| name.to_owned()).collect()
 }

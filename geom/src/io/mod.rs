@@ -13,6 +13,7 @@
 mod cells;
 mod colour;
 mod error;
+mod frame;
 mod gltf;
 mod joined;
 mod lines;
@@ -26,6 +27,7 @@ mod stl;
 #[cfg(test)]
 mod tests;
 mod text;
+mod transformation;
 mod triangulated;
 mod wedge;
 mod write_glb;

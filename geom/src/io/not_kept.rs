@@ -74,6 +74,10 @@ pub fn not_kept(model: &Model, format: MeshFormat) -> Option<NotKept> {
     {
         what.push(format!("materials ({})", attributes.materials.join(", ")));
     }
+    let are_several = attributes.face_node.windows(2).any(|pair| pair[0] != pair[1]);
+    if format != MeshFormat::Glb && (are_several || attributes.nodes.iter().any(|node| !node.name.is_empty())) {
+        what.push("nodes".to_owned());
+    }
     if format != MeshFormat::Glb && (0..model.face_count()).any(|face| attributes.look(face).is_some()) {
         what.push("looks of materials".to_owned());
     }

@@ -1,7 +1,7 @@
 //! Geomview's object file format, text.
 //!
 //! A keyword `[ST][C][N]OFF`, the numbers of vertices, faces and edges, then a line a vertex and a line a face. Normals,
-//! colours and texture coordinates behind a vertex and colours behind a face are skipped; the number of edges is not used and
+//! colours and texture coordinates behind a vertex and colours behind a face are skipped, and said to be ([`Attributes::left`]); the number of edges is not used and
 //! may be missing. The keyword may be missing too, and the counts may stand on its line.
 //!
 //! Source: The Geometry Center, *Geomview manual*, section *OFF: indexed face sets*. We read by lines where the manual
@@ -9,7 +9,7 @@
 
 use super::error::{Fault, Place, Problem};
 use super::text::{Line, Lines, Words};
-use crate::surface::{Model, Polygons, Skipped};
+use crate::surface::{Attributes, Model, Polygons, Skipped};
 
 /// Whether the word is, or starts with, the keyword of this format.
 pub(super) fn is_keyword(word: &[u8]) -> bool {
@@ -27,10 +27,26 @@ fn after_keyword(word: &[u8]) -> Option<&[u8]> {
 pub(super) fn read(text: &[u8]) -> Result<Model, Fault> {
     let mut lines = Lines::new(text);
     let (vertices, faces) = read_counts(&mut lines)?;
-    let points = read_points(&mut lines, vertices, text.len())?;
-    let polygons = read_faces(&mut lines, faces, points.len(), text.len())?;
+    let (points, has_more_at_vertices) = read_points(&mut lines, vertices, text.len())?;
+    let (polygons, has_more_at_faces) = read_faces(&mut lines, faces, points.len(), text.len())?;
     let surplus = lines.filter(|line| line.words().next().is_some()).count();
-    Ok(Model::new(points, polygons)?.with_skipped(Skipped { surplus, ..Skipped::default() }))
+    let left = [(has_more_at_vertices, at_vertices(text)), (has_more_at_faces, "colours of faces")];
+    let left = left.into_iter().filter(|(is_there, _)| *is_there).map(|(_, what)| what.to_owned()).collect();
+    let attributes = Attributes { left, ..Attributes::default() };
+    let skipped = Skipped { surplus, ..Skipped::default() };
+    Ok(Model::new(points, polygons)?.with_skipped(skipped).with_attributes(attributes))
+}
+
+/// What the numbers behind a vertex are by the keyword.
+fn at_vertices(text: &[u8]) -> &'static str {
+    let first = Lines::new(text).next_filled().and_then(|line| line.words().next()).unwrap_or_default();
+    let prefix = &first[..first.windows(3).position(|letters| letters == b"OFF").unwrap_or(0)];
+    match [prefix.starts_with(b"ST"), prefix.contains(&b'C'), prefix.contains(&b'N')] {
+        [false, false, true] => "normals",
+        [true, false, false] => "texture coordinates",
+        [false, true, false] | [false, false, false] => "colours",
+        _ => "colours and other numbers of vertices",
+    }
 }
 
 fn read_counts(lines: &mut Lines) -> Result<(u64, u64), Fault> {
@@ -72,25 +88,30 @@ fn cut_short([one, many]: [&str; 2], claimed: u64, present: usize) -> Fault {
     Problem::CutShort { what: what.into(), claimed, present: present as u64 }.into()
 }
 
-fn read_points(lines: &mut Lines, claimed: u64, size: usize) -> Result<Vec<[f64; 3]>, Fault> {
-    let mut points = Vec::with_capacity(plausible(claimed, size));
+/// The points, and whether there are numbers behind any.
+fn read_points(lines: &mut Lines, claimed: u64, size: usize) -> Result<(Vec<[f64; 3]>, bool), Fault> {
+    let (mut points, mut has_more) = (Vec::with_capacity(plausible(claimed, size)), false);
     while (points.len() as u64) < claimed {
         let line = lines.next_filled().ok_or_else(|| cut_short(["vertex", "vertices"], claimed, points.len()))?;
-        points.push(line.words().point()?);
+        let mut words = line.words();
+        points.push(words.point()?);
+        has_more |= words.next().is_some();
     }
-    Ok(points)
+    Ok((points, has_more))
 }
 
-fn read_faces(lines: &mut Lines, claimed: u64, vertices: usize, size: usize) -> Result<Polygons, Fault> {
-    let mut polygons = Polygons::with_capacity(plausible(claimed, size));
+/// The faces, and whether there are numbers behind any.
+fn read_faces(lines: &mut Lines, claimed: u64, vertices: usize, size: usize) -> Result<(Polygons, bool), Fault> {
+    let (mut polygons, mut has_more) = (Polygons::with_capacity(plausible(claimed, size)), false);
     while (polygons.face_count() as u64) < claimed {
         let line = lines.next_filled().ok_or_else(|| cut_short(["face", "faces"], claimed, polygons.face_count()))?;
-        read_face(line.words(), vertices, &mut polygons)?;
+        has_more |= read_face(line.words(), vertices, &mut polygons)?;
     }
-    Ok(polygons)
+    Ok((polygons, has_more))
 }
 
-fn read_face(mut words: Words, vertices: usize, polygons: &mut Polygons) -> Result<(), Fault> {
+/// A face, and whether there are numbers behind it.
+fn read_face(mut words: Words, vertices: usize, polygons: &mut Polygons) -> Result<bool, Fault> {
     let corners = words.natural("number of corners of a face")?;
     if corners < 3 {
         return Err(Fault::few_corners(words.place(), corners as usize));
@@ -104,7 +125,7 @@ fn read_face(mut words: Words, vertices: usize, polygons: &mut Polygons) -> Resu
         polygons.corners.push(vertex as u32);
     }
     polygons.end_face();
-    Ok(())
+    Ok(words.next().is_some())
 }
 
 /// As many items as are claimed, but no more than lines of five numbers or words could be in the file.

@@ -5,7 +5,8 @@
 //! `endsolid`. Which of them a file is, its size and its words tell: the comment of many binary files starts with `solid`.
 //!
 //! Points with equal coordinates (-0 equals 0) become one vertex, numbered by first appearance. Nothing else is welded, and
-//! triangles that thereby get a vertex twice stay in the model. Normals are not read.
+//! triangles that thereby get a vertex twice stay in the model. Normals are not read. Names of solids and the attributes of triangles, as which some programs
+//! write colours, are passed over, and said to be ([`Attributes::left`]).
 //!
 //! Source: 3D Systems, *Stereolithography Interface Specification*, 1989. The `stl_io` crate is not used because it reads
 //! text in f32, goes by the first line, and does not say where a file is wrong; tests compare with it.
@@ -14,7 +15,8 @@ use std::collections::HashMap;
 
 use super::error::{Fault, Place, Problem};
 use super::text::{Lines, Words, quote};
-use crate::surface::{Model, Polygons, Skipped, is_coordinate};
+use crate::counted::counted;
+use crate::surface::{Attributes, Model, Polygons, Skipped, is_coordinate};
 
 const HEADER: usize = 84;
 const TRIANGLE: usize = 50;
@@ -57,7 +59,7 @@ fn looks_like_text(bytes: &[u8]) -> bool {
 
 fn read_binary(bytes: &[u8]) -> Result<Model, Fault> {
     let Some(claimed) = claimed_triangles(bytes) else {
-        let found = format!("a file of {} bytes that is no text", bytes.len());
+        let found = format!("a file of {} that is no text", counted(bytes.len(), "byte", "bytes"));
         return Err(Fault::unexpected(Place::File, found, format!("at least {HEADER} bytes of binary STL")));
     };
     let records = bytes[HEADER..].chunks_exact(TRIANGLE);
@@ -73,6 +75,9 @@ fn read_binary(bytes: &[u8]) -> Result<Model, Fault> {
             soup.push(binary_point(point, start + 12 * corner)?);
         }
         soup.polygons.end_face();
+    }
+    if bytes[HEADER..].chunks_exact(TRIANGLE).take(claimed as usize).any(|record| record[48..] != [0; 2]) {
+        soup.left.push("attributes of triangles".to_owned());
     }
     soup.finish(bytes.len() - HEADER - TRIANGLE * claimed as usize)
 }
@@ -100,6 +105,9 @@ fn read_text(text: &[u8]) -> Result<Model, Fault> {
         let mut words = line.words();
         let keyword = words.next().unwrap_or_default().to_ascii_lowercase();
         state = state.step(&keyword, &words)?;
+        if keyword == b"solid" && soup.left.is_empty() && words.next().is_some() {
+            soup.left.push("names of solids".to_owned());
+        }
         if keyword == b"vertex" {
             soup.push(words.point()?);
         }
@@ -164,6 +172,8 @@ struct Soup {
     points: Vec<[f64; 3]>,
     polygons: Polygons,
     vertex_of: HashMap<[u64; 3], u32>,
+    /// What is passed over.
+    left: Vec<String>,
 }
 
 impl Soup {
@@ -180,6 +190,7 @@ impl Soup {
 
     fn finish(self, surplus: usize) -> Result<Model, Fault> {
         let skipped = Skipped { surplus, ..Skipped::default() };
-        Ok(Model::new(self.points, self.polygons)?.with_skipped(skipped))
+        let attributes = Attributes { left: self.left, ..Attributes::default() };
+        Ok(Model::new(self.points, self.polygons)?.with_skipped(skipped).with_attributes(attributes))
     }
 }

@@ -38,10 +38,11 @@ fn attributes(model: &Model, triangles: &Triangles) -> Attributes {
         }
     };
     let known = model.attributes();
-    let material = |&f: &u32| known.face_material.get(f as usize).copied();
+    let of_faces = |whole: &[u32]| triangles.face_of.iter().filter_map(|&f| whole.get(f as usize).copied()).collect();
     Attributes {
         tables: known.tables.iter().map(table).collect(),
-        face_material: triangles.face_of.iter().filter_map(material).collect(),
+        face_material: of_faces(&known.face_material),
+        face_node: of_faces(&known.face_node),
         ..known.clone()
     }
 }

@@ -1,6 +1,8 @@
 //! glTF 2.0 out, as one binary file with the texture in it.
 //!
-//! A vertex of glTF has one texture coordinate, normal and so on, so vertices are split into wedges. Positions are f32, taken from the
+//! A vertex of glTF has one texture coordinate, normal and so on, so vertices are split into wedges. Positions are f32. Where the model came from a glTF, its
+//! tree of nodes is written again with names and transformations, each with its own triangles as a mesh, in its own coordinates; what stands in several places is
+//! written as often, as each has its own map. Otherwise there is one node, and positions are taken from the
 //! middle of the model, which the node moves back, so that a model far from the origin keeps its digits. glTF counts v
 //! downwards from the upper edge of the image. Normals are those of the model; where it has none there are none, and viewers
 //! shade each triangle flat. Colours are linear, in f32, as `MeshLab` reads of integers the low byte. Other numbers of vertices are
@@ -17,8 +19,9 @@ use serde_json::{Map, Value, json};
 use super::cells::Cells;
 use super::colour::to_linear;
 use super::error::WriteError;
+use super::frame::Frame;
 use super::wedge::Wedges;
-use crate::surface::{Attribute, AttributeDomain, Meaning, Model, Triangles};
+use crate::surface::{Attribute, AttributeDomain, Meaning, Model, NodePlace, SceneNode, Triangles};
 use crate::vector::normal;
 
 /// The name that files of ours carry.
@@ -44,17 +47,22 @@ pub fn write_glb(
         tables.iter().copied().filter(|table| table.domain() == AttributeDomain::Corners).collect();
     let wedges = Wedges::split(model, uv, &of_corners)?;
     Cells::new(model, Some(triangles))?;
-    let frame = Frame::of(model);
+    let frames = Frames { of_nodes: Frame::of_nodes(model), middle: Frame::middle(model) };
     let mut binary = Binary::default();
-    let content = Content { model, uv, tables, frame: &frame };
-    let parts = parts(model, &wedges, triangles);
-    let materials: Vec<(Option<&str>, Option<&str>)> = parts.iter().map(|part| (part.material, part.look)).collect();
-    let primitives = parts.into_iter().enumerate().map(|(k, part)| content.primitive(k, part, &wedges, &mut binary));
-    let primitives: Vec<Value> = primitives.collect();
+    let content = Content { model, uv, tables, frames: &frames };
+    let (parts, materials) = parts(model, &frames, &wedges, triangles);
+    let mut meshes: Vec<Mesh> = Vec::new();
+    for part in parts {
+        let known = meshes.iter().position(|mesh| mesh.node == part.node).unwrap_or_else(|| {
+            meshes.push(Mesh { node: part.node, primitives: Vec::new() });
+            meshes.len() - 1
+        });
+        meshes[known].primitives.push(content.primitive(part, &wedges, &mut binary));
+    }
     let texture = texture.filter(|_| uv.is_some() && materials.iter().any(|(_, look)| look.is_none()));
     let image = texture.map(|texture| binary.view(None, texture.iter().copied()));
     let materials: Vec<Value> = materials.iter().map(|(name, look)| material(*name, *look, image.is_some())).collect();
-    let json = document(&frame, &binary, primitives, materials, image);
+    let json = document(model, &frames, &binary, meshes, materials, image);
     write_chunks(json.to_string().into_bytes(), binary.bytes, &mut out)
 }
 
@@ -68,36 +76,6 @@ const ARRAY_BUFFER: u32 = 34962;
 const ELEMENT_ARRAY_BUFFER: u32 = 34963;
 const U32: u32 = 5125;
 const F32: u32 = 5126;
-
-/// How local f32 coordinates lie in the model's space.
-struct Frame {
-    centre: [f64; 3],
-    scale: f64,
-}
-
-impl Frame {
-    /// The middle of the model's faces, and 1 as scale where f32 bears the size and its square, the size where not.
-    fn of(model: &Model) -> Self {
-        let mut used = model.corners().iter().map(|&v| model.points()[v as usize]);
-        let first = used.next().unwrap_or_default();
-        let (mut low, mut high) = (first, first);
-        for point in used {
-            for axis in 0..3 {
-                low[axis] = low[axis].min(point[axis]);
-                high[axis] = high[axis].max(point[axis]);
-            }
-        }
-        let size = (0..3).map(|axis| high[axis] - low[axis]).fold(0.0, f64::max);
-        let is_moderate = (1e-15..=1e15).contains(&size) || size == 0.0;
-        let centre = [0, 1, 2].map(|axis| 0.5 * low[axis] + 0.5 * high[axis]);
-        Self { centre, scale: if is_moderate { 1.0 } else { size } }
-    }
-
-    fn local(&self, model: &Model, corner: u32) -> [f32; 3] {
-        let point = model.points()[model.corners()[corner as usize] as usize];
-        [0, 1, 2].map(|axis| ((point[axis] - self.centre[axis]) / self.scale) as f32)
-    }
-}
 
 fn bounds(points: &[[f32; 3]]) -> [[f32; 3]; 2] {
     let mut bounds = [points[0]; 2];
@@ -155,12 +133,12 @@ struct Content<'a> {
     model: &'a Model,
     uv: Option<&'a [[f64; 2]]>,
     tables: Vec<&'a Attribute>,
-    frame: &'a Frame,
+    frames: &'a Frames,
 }
 
 impl Content<'_> {
-    /// Writes the triangles of a material with their vertices.
-    fn primitive(&self, material: usize, mut part: Part, wedges: &Wedges, binary: &mut Binary) -> Value {
+    /// Writes the triangles of a node and a material with their vertices.
+    fn primitive(&self, mut part: Part, wedges: &Wedges, binary: &mut Binary) -> Value {
         let mut used = part.indices.clone();
         used.sort_unstable();
         used.dedup();
@@ -169,19 +147,19 @@ impl Content<'_> {
             part.indices.iter_mut().for_each(|index| *index = place[index]);
         }
         let corners: Vec<u32> = used.iter().map(|&wedge| wedges.first[wedge as usize]).collect();
-        let attributes = self.attributes(&corners, binary);
+        let attributes = self.attributes(&corners, self.frames.of(part.node), binary);
         let count = part.indices.len();
         let view = binary.view(Some(ELEMENT_ARRAY_BUFFER), part.indices.into_iter().flat_map(u32::to_le_bytes));
         let accessor = binary.accessor(view, U32, count, "SCALAR");
-        json!({"attributes": attributes, "indices": accessor, "material": material})
+        json!({"attributes": attributes, "indices": accessor, "material": part.material})
     }
 
     /// Writes what vertices have, each given by one of its corners.
-    fn attributes(&self, corners: &[u32], binary: &mut Binary) -> Map<String, Value> {
+    fn attributes(&self, corners: &[u32], frame: &Frame, binary: &mut Binary) -> Map<String, Value> {
         let mut attributes = Map::new();
-        attributes.insert("POSITION".into(), self.positions(corners, binary).into());
+        attributes.insert("POSITION".into(), self.positions(corners, frame, binary).into());
         for table in &self.tables {
-            let (name, accessor) = attribute(self.model, corners, table, binary);
+            let (name, accessor) = attribute((self.model, frame), corners, table, binary);
             attributes.entry(name).or_insert(accessor.into());
         }
         if let Some(uv) = self.uv {
@@ -192,8 +170,9 @@ impl Content<'_> {
         attributes
     }
 
-    fn positions(&self, corners: &[u32], binary: &mut Binary) -> usize {
-        let points: Vec<[f32; 3]> = corners.iter().map(|&corner| self.frame.local(self.model, corner)).collect();
+    fn positions(&self, corners: &[u32], frame: &Frame, binary: &mut Binary) -> usize {
+        let point = |&corner: &u32| frame.point(self.model.points()[self.model.corners()[corner as usize] as usize]);
+        let points: Vec<[f32; 3]> = corners.iter().map(point).collect();
         let accessor = binary.floats(points.iter().flatten().copied(), "VEC3");
         let [low, high] = bounds(&points).map(|bound| bound.map(f64::from));
         binary.accessors[accessor]["min"] = json!(low);
@@ -203,12 +182,17 @@ impl Content<'_> {
 }
 
 /// Writes a table; its name and its accessor.
-fn attribute(model: &Model, corners: &[u32], table: &Attribute, binary: &mut Binary) -> (String, usize) {
+fn attribute(
+    (model, frame): (&Model, &Frame),
+    corners: &[u32],
+    table: &Attribute,
+    binary: &mut Binary,
+) -> (String, usize) {
     let rows = || corners.iter().map(|&corner| (corner, table.row_at(model.corners(), corner as usize)));
     let width = table.width().unwrap_or(1);
     match table.meaning() {
         Meaning::Normal => {
-            let numbers = rows().flat_map(|(corner, row)| direction(model, table, corner, row));
+            let numbers = rows().flat_map(|(corner, row)| direction((model, frame), table, corner, row));
             ("NORMAL".into(), binary.floats(numbers, "VEC3"))
         }
         Meaning::Colour => {
@@ -229,8 +213,9 @@ fn attribute(model: &Model, corners: &[u32], table: &Attribute, binary: &mut Bin
 }
 
 /// The normal of a corner, of length 1: its face's where the model has none there.
-fn direction(model: &Model, table: &Attribute, corner: u32, row: Option<usize>) -> [f32; 3] {
-    let unit = |[x, y, z]: [f64; 3]| {
+fn direction((model, frame): (&Model, &Frame), table: &Attribute, corner: u32, row: Option<usize>) -> [f32; 3] {
+    let unit = |normal: [f64; 3]| {
+        let [x, y, z] = frame.normal(normal);
         let length = (x * x + y * y + z * z).sqrt();
         (length > 0.0 && length.is_finite()).then(|| [x / length, y / length, z / length].map(|x| x as f32))
     };
@@ -257,28 +242,57 @@ fn colour(table: &Attribute, row: Option<usize>) -> [f32; 4] {
     colour
 }
 
-/// The triangles of one material.
-struct Part<'a> {
-    material: Option<&'a str>,
-    look: Option<&'a str>,
+/// The frames of nodes, and that of all that has none.
+struct Frames {
+    of_nodes: Vec<Option<Frame>>,
+    middle: Frame,
+}
+
+impl Frames {
+    fn of(&self, node: Option<u32>) -> &Frame {
+        node.and_then(|node| self.of_nodes[node as usize].as_ref()).unwrap_or(&self.middle)
+    }
+}
+
+/// The triangles of one node and one material.
+struct Part {
+    /// The node, if it has a frame.
+    node: Option<u32>,
+    /// The number of the material.
+    material: usize,
     /// Their wedges.
     indices: Vec<u32>,
 }
 
-/// The triangles by their materials, in the order of their first ones.
-fn parts<'a>(model: &'a Model, wedges: &Wedges, triangles: &Triangles) -> Vec<Part<'a>> {
-    let mut number = HashMap::new();
-    let mut parts: Vec<Part> = Vec::new();
+/// What stands at a node.
+struct Mesh {
+    node: Option<u32>,
+    primitives: Vec<Value>,
+}
+
+/// A material's name and its look.
+type Named<'a> = (Option<&'a str>, Option<&'a str>);
+
+/// The triangles by their nodes and materials, and these, in the order of their first ones.
+fn parts<'a>(model: &'a Model, frames: &Frames, wedges: &Wedges, triangles: &Triangles) -> (Vec<Part>, Vec<Named<'a>>) {
+    let (mut number_of_part, mut number_of_material) = (HashMap::new(), HashMap::new());
+    let (mut parts, mut materials): (Vec<Part>, Vec<Named>) = (Vec::new(), Vec::new());
+    let attributes = model.attributes();
     for (corners, &face) in triangles.corners.iter().zip(&triangles.face_of) {
-        let material = model.attributes().material(face as usize);
-        let k = *number.entry(material).or_insert_with(|| {
-            let look = model.attributes().look(face as usize);
-            parts.push(Part { material, look, indices: Vec::new() });
+        let name = attributes.material(face as usize);
+        let material = *number_of_material.entry(name).or_insert_with(|| {
+            materials.push((name, attributes.look(face as usize)));
+            materials.len() - 1
+        });
+        let node = attributes.node(face as usize).filter(|&node| frames.of_nodes[node as usize].is_some());
+        let k = *number_of_part.entry((node, material)).or_insert_with(|| {
+            parts.push(Part { node, material, indices: Vec::new() });
             parts.len() - 1
         });
-        parts[k].indices.extend(corners.map(|corner| wedges.of_corner[corner as usize]));
+        let [a, b, c] = corners.map(|corner| wedges.of_corner[corner as usize]);
+        parts[k].indices.extend(if frames.of(node).mirrors() { [a, c, b] } else { [a, b, c] });
     }
-    parts
+    (parts, materials)
 }
 
 /// The look of a material of ours.
@@ -307,20 +321,76 @@ fn material(name: Option<&str>, look: Option<&str>, has_texture: bool) -> Value 
     material
 }
 
+/// The nodes of the scene with their meshes, and which of them hang on none. What has no node gets one at the end.
+fn nodes(model: &Model, frames: &Frames, meshes: &[Mesh]) -> (Vec<Value>, Vec<usize>) {
+    let known = &model.attributes().nodes;
+    let mut nodes: Vec<Value> = known.iter().map(|node| Value::Object(placed(node))).collect();
+    let mut roots = Vec::new();
+    for (number, node) in known.iter().enumerate() {
+        let parent = node.parent.map(|parent| parent as usize).filter(|&parent| parent < number);
+        match parent.map(|parent| &mut nodes[parent]["children"]) {
+            Some(Value::Array(children)) => children.push(number.into()),
+            Some(none) => *none = json!([number]),
+            None => roots.push(number),
+        }
+    }
+    for (number, mesh) in meshes.iter().enumerate() {
+        match (mesh.node, &frames.middle) {
+            (Some(node), _) => nodes[node as usize]["mesh"] = number.into(),
+            (None, Frame::Middle { centre, scale }) => {
+                roots.push(nodes.len());
+                nodes.push(json!({"mesh": number, "translation": centre, "scale": [scale, scale, scale]}));
+            }
+            (None, Frame::Node(_)) => {}
+        }
+    }
+    (nodes, roots)
+}
+
+/// A node's name and place.
+fn placed(node: &SceneNode) -> Map<String, Value> {
+    let mut map = Map::new();
+    let mut put = |key: &str, value: Value| map.insert(key.to_owned(), value);
+    if !node.name.is_empty() {
+        put("name", node.name.as_str().into());
+    }
+    match &node.place {
+        NodePlace::Matrix(matrix) => {
+            put("matrix", json!(matrix.as_slice()));
+        }
+        NodePlace::Parts { translation, rotation, scale } => {
+            translation.map(|translation| put("translation", json!(translation)));
+            rotation.map(|rotation| put("rotation", json!(rotation)));
+            scale.map(|scale| put("scale", json!(scale)));
+        }
+    }
+    map
+}
+
 fn document(
-    frame: &Frame,
+    model: &Model,
+    frames: &Frames,
     binary: &Binary,
-    primitives: Vec<Value>,
+    meshes: Vec<Mesh>,
     materials: Vec<Value>,
     image: Option<usize>,
 ) -> Value {
-    let Frame { centre, scale } = frame;
+    let (nodes, roots) = nodes(model, frames, &meshes);
+    let mesh = |mesh: Mesh| {
+        let name = mesh.node.map_or("", |node| &model.attributes().nodes[node as usize].mesh);
+        let mut written = json!({"primitives": mesh.primitives});
+        if !name.is_empty() {
+            written["name"] = name.into();
+        }
+        written
+    };
+    let meshes: Vec<Value> = meshes.into_iter().map(mesh).collect();
     let mut document = json!({
         "asset": {"version": "2.0", "generator": GENERATOR},
         "scene": 0,
-        "scenes": [{"nodes": [0]}],
-        "nodes": [{"mesh": 0, "translation": centre, "scale": [scale, scale, scale]}],
-        "meshes": [{"primitives": primitives}],
+        "scenes": [{"nodes": roots}],
+        "nodes": nodes,
+        "meshes": meshes,
         "materials": materials,
         "accessors": binary.accessors,
         "bufferViews": binary.views,

@@ -5,7 +5,8 @@
 //! reading the file at all. A vertex has one `s t`, so those along seams are split: the copies follow the last vertex, and
 //! `source_vertex` says of which vertex each is one, so that our reader joins them again.
 //!
-//! Normals, colours and all other properties, comments and elements are written as they came. Colours that came with another
+//! Normals, colours and all other properties, comments and elements are written as they came, but for the comment `TextureFile`, which names the picture of
+//! a map: it goes where another map is written. Colours that came with another
 //! format have 8 bits, as `MeshLab` reads no others.
 
 use std::collections::HashSet;
@@ -29,7 +30,8 @@ pub fn write_ply(
     triangles: Option<&Triangles>,
     mut out: impl Write,
 ) -> Result<(), WriteError> {
-    let own = if uv.is_none() { model.whole_uv() } else { None };
+    let own = model.whole_uv();
+    let has_old_map = uv.is_none() || uv == own.as_deref();
     let uv = uv.or(own.as_deref());
     let of_corners: Vec<&Attribute> =
         model.attributes().tables.iter().filter(is_of(AttributeDomain::Corners)).collect();
@@ -39,6 +41,7 @@ pub fn write_ply(
     let job = Job {
         model,
         uv,
+        has_old_map,
         split: Split::new(model, &wedges),
         count: Count::for_lists_up_to(longest),
         vertex_columns: columns(
@@ -70,6 +73,8 @@ fn is_of(domain: AttributeDomain) -> impl Fn(&&Attribute) -> bool {
 struct Job<'a> {
     model: &'a Model,
     uv: Option<&'a [[f64; 2]]>,
+    /// Whether these are the model's own.
+    has_old_map: bool,
     split: Split,
     count: Count,
     /// Of vertices and corners.
@@ -85,9 +90,11 @@ impl Job<'_> {
     fn header(&self, faces: usize, out: &mut impl Write) -> io::Result<()> {
         let count = self.count.name();
         writeln!(out, "ply\nformat binary_little_endian 1.0")?;
-        for comment in &self.model.attributes().comments {
-            writeln!(out, "{comment}")?;
-        }
+        let is_of_old_map = |comment: &str| comment.split_whitespace().nth(1) == Some("TextureFile");
+        let comments = self.model.attributes().comments.iter();
+        comments
+            .filter(|comment| self.has_old_map || !is_of_old_map(comment))
+            .try_for_each(|comment| writeln!(out, "{comment}"))?;
         writeln!(out, "element vertex {}", self.split.vertex.len())?;
         writeln!(out, "property double x\nproperty double y\nproperty double z")?;
         self.vertex_columns.iter().try_for_each(|column| column.header(out))?;

@@ -6,6 +6,7 @@ use thiserror::Error;
 
 use super::id::{EdgeId, FaceId, HalfedgeId, Id, VertexId};
 use super::{Mesh, Triangulation};
+use crate::counted::are;
 use crate::parallel;
 use crate::rows::Rows;
 
@@ -17,7 +18,7 @@ pub enum MeshError {
     #[error("the mesh has no faces")]
     NoFaces,
     /// A triangle names a vertex that is not there.
-    #[error("face {face} refers to vertex {vertex}, but there are {count} vertices")]
+    #[error("face {face} refers to vertex {vertex}, but there {}", are(*count, "vertex", "vertices"))]
     VertexOutOfRange {
         /// The triangle.
         face: FaceId,

@@ -6,6 +6,8 @@
 
 use thiserror::Error;
 
+use crate::counted::counted;
+
 /// The type of a number in a file. All of them fit in f64 exactly.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum ScalarType {
@@ -146,7 +148,7 @@ impl std::fmt::Display for AttributeDomain {
 #[non_exhaustive]
 pub enum AttributeError {
     /// Normals are rows of three numbers, colours of three or four, others of one at least.
-    #[error("{meaning} cannot be rows of {width} numbers: normals have 3, colours 3 or 4, others at least 1")]
+    #[error("{meaning} cannot be rows of {}: normals have 3, colours 3 or 4, others at least 1", counted(*width, "number", "numbers"))]
     Width {
         /// What they were to be.
         meaning: Meaning,
@@ -162,7 +164,7 @@ pub enum AttributeError {
         row: usize,
     },
     /// A model has another number of vertices, corners or faces.
-    #[error("there are {meaning} for {found} {domain}, but the model has {needed}")]
+    #[error("{meaning} have a row for each of the model's {domain}: {found} where {needed} should be")]
     Count {
         /// What they are.
         meaning: Meaning,
@@ -476,6 +478,42 @@ pub struct Listing {
     pub columns: Vec<Attribute>,
 }
 
+/// A node of a scene, as a glTF has them.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct SceneNode {
+    /// Its name; empty where it has none.
+    pub name: String,
+    /// The name of its mesh; empty where it has none.
+    pub mesh: String,
+    /// The node that it hangs on, one of those before it.
+    pub parent: Option<u32>,
+    /// Where it is there.
+    pub place: NodePlace,
+}
+
+/// Where a node is, as its file says it.
+#[derive(Debug, Clone, PartialEq)]
+pub enum NodePlace {
+    /// A matrix of four rows, column by column.
+    Matrix(Box<[f64; 16]>),
+    /// First scaled, then rotated by a quaternion x y z w, then moved, each if it is there.
+    Parts {
+        /// Along each axis.
+        translation: Option<[f64; 3]>,
+        /// A quaternion of length 1.
+        rotation: Option<[f64; 4]>,
+        /// Along each axis.
+        scale: Option<[f64; 3]>,
+    },
+}
+
+impl Default for NodePlace {
+    /// Where its parent is.
+    fn default() -> Self {
+        Self::Parts { translation: None, rotation: None, scale: None }
+    }
+}
+
 /// All that a file says besides points, faces and texture coordinates; see the module's head.
 #[derive(Debug, Clone, Default, PartialEq)]
 #[non_exhaustive]
@@ -488,6 +526,10 @@ pub struct Attributes {
     pub looks: Vec<String>,
     /// The material of each face, an index into `materials`, if any has one; what is out of range is none.
     pub face_material: Vec<u32>,
+    /// The nodes of a glTF's scene, each after the one that it hangs on. Points are where these have put them.
+    pub nodes: Vec<SceneNode>,
+    /// The node of each face, an index into `nodes`, if any has one; what is out of range is none.
+    pub face_node: Vec<u32>,
     /// Comments, of a PLY, each with its keyword.
     pub comments: Vec<String>,
     /// Other elements of a PLY, such as its edges.
@@ -504,7 +546,7 @@ impl Attributes {
 
     /// Whether nothing is said of vertices, corners and faces.
     pub fn is_bare(&self) -> bool {
-        self.tables.is_empty() && self.face_material.is_empty()
+        self.tables.is_empty() && self.face_material.is_empty() && self.face_node.is_empty()
     }
 
     /// The name of a face's material.
@@ -516,6 +558,11 @@ impl Attributes {
     pub fn look(&self, face: usize) -> Option<&str> {
         let look = self.looks.get(*self.face_material.get(face)? as usize)?;
         (!look.is_empty()).then_some(look)
+    }
+
+    /// The node of a face, an index into [`nodes`](Self::nodes).
+    pub fn node(&self, face: usize) -> Option<u32> {
+        self.face_node.get(face).copied().filter(|&node| (node as usize) < self.nodes.len())
     }
 
     /// Adds a table that was checked, in place of those with its meaning.
@@ -530,6 +577,9 @@ impl Attributes {
         self.tables.retain(|table| table.check([vertices, faces, corners]).is_ok());
         if self.face_material.len() != faces {
             self.face_material.clear();
+        }
+        if self.face_node.len() != faces {
+            self.face_node.clear();
         }
         self
     }

@@ -13,6 +13,7 @@ use std::fmt;
 use std::sync::Arc;
 
 use super::attributes::{Attribute, AttributeError, Attributes};
+use crate::counted::{are, counted};
 
 /// The largest absolute coordinate that a [`Model`] takes: three squared differences still add up to a finite number.
 pub const MAX_COORDINATE: f64 = 1e153;
@@ -24,11 +25,6 @@ const MOST_CORNERS_PER_VERTEX: usize = 100;
 /// So many corners are harmless however few vertices they have.
 const FREE_CORNERS: usize = 1 << 20;
 
-/// So many vertices with their verb.
-fn are_vertices(count: usize) -> String {
-    if count == 1 { "is 1 vertex".to_owned() } else { format!("are {count} vertices") }
-}
-
 /// Why points and polygons do not make a [`Model`]. Vertices, faces and corners are counted from 0.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -37,7 +33,7 @@ pub enum ModelError {
     #[error("there are no vertices")]
     NoVertices,
     /// The list of faces is empty.
-    #[error("there {} but no faces, and a surface is needed", are_vertices(*vertices))]
+    #[error("there {} but no faces, and a surface is needed", are(*vertices, "vertex", "vertices"))]
     NoFaces {
         /// How many vertices there are.
         vertices: usize,
@@ -51,7 +47,7 @@ pub enum ModelError {
         value: f64,
     },
     /// A corner names a vertex that does not exist.
-    #[error("face {face} uses vertex {index}, but there {} only (counted from 0)", are_vertices(*vertices))]
+    #[error("face {face} uses vertex {index}, but there {} only (counted from 0)", are(*vertices, "vertex", "vertices"))]
     Index {
         /// The face.
         face: usize,
@@ -61,7 +57,7 @@ pub enum ModelError {
         vertices: usize,
     },
     /// A face has fewer than three corners.
-    #[error("face {face} has {corners} corners, but a face needs at least 3")]
+    #[error("face {face} has {}, but a face needs at least 3", counted(*corners, "corner", "corners"))]
     FewCorners {
         /// The face.
         face: usize,
@@ -70,8 +66,9 @@ pub enum ModelError {
     },
     /// The same vertices over and over.
     #[error(
-        "there are {corners} corners of faces, {largest} of them at face {face}, but only {vertices} vertices: a surface has \
-         at most {MOST_CORNERS_PER_VERTEX} for each"
+        "there are {corners} corners of faces, {largest} of them at face {face}, but only {}: a surface has \
+         at most {MOST_CORNERS_PER_VERTEX} for each",
+        counted(*vertices, "vertex", "vertices")
     )]
     ManyCorners {
         /// How many corners there are.
@@ -84,7 +81,7 @@ pub enum ModelError {
         largest: usize,
     },
     /// Texture coordinates are one for each corner.
-    #[error("there are {found} texture coordinates for {corners} corners of faces")]
+    #[error("there {} for {corners} corners of faces", are(*found, "texture coordinate", "texture coordinates"))]
     TextureCount {
         /// How many texture coordinates there are.
         found: usize,

@@ -36,7 +36,7 @@ use crate::watch::{Interrupted, Watch};
 #[non_exhaustive]
 pub enum PrepareError {
     /// All faces lie in lines or points.
-    #[error("the mesh has no area: all of its {faces} faces are points or lines")]
+    #[error("the mesh has no area: {}", if *faces == 1 { "its only face is a point or a line".to_owned() } else { format!("all of its {faces} faces are points or lines") })]
     NoArea {
         /// How many faces there are.
         faces: usize,

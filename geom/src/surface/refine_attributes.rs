@@ -25,11 +25,15 @@ pub fn refine_attributes(model: &Model, refined: &Model, added: &[[(u32, f64); 3
         }
         AttributeDomain::Corners => at_corners(table, model, refined, parts_of, face),
     };
-    let is_there = !attributes.face_material.is_empty();
-    let material = |&f: &u32| attributes.face_material.get(f as usize).copied().unwrap_or(Attribute::NONE);
+    let of_faces = |whole: &[u32]| -> Vec<u32> {
+        let of_face = |&f: &u32| whole.get(f as usize).copied().unwrap_or(Attribute::NONE);
+        if whole.is_empty() { Vec::new() } else { face.iter().map(of_face).collect() }
+    };
     Attributes {
         tables: attributes.tables.iter().map(table).collect(),
-        face_material: if is_there { face.iter().map(material).collect() } else { Vec::new() },
+        face_material: of_faces(&attributes.face_material),
+        face_node: of_faces(&attributes.face_node),
+        nodes: attributes.nodes.clone(),
         materials: attributes.materials.clone(),
         looks: attributes.looks.clone(),
         comments: attributes.comments.clone(),
@@ -100,11 +104,16 @@ mod tests {
         let normal = table(Meaning::Normal, AttributeDomain::Vertices, ScalarType::F64, 3, &normals)
             .at_corners(vec![0, 0, 1, 0]);
         let tables = vec![colour, label, face, normal];
-        let model = model.with_attributes(Attributes { tables, face_material: vec![0], ..Attributes::default() });
+        let model = model.with_attributes(Attributes {
+            tables,
+            face_material: vec![0],
+            face_node: vec![7],
+            ..Attributes::default()
+        });
         let mixed = refine_attributes(&model, &refined, &[[(0, 0.75), (2, 0.25), (1, 0.0)]], &[0; 4]);
         let last = |k: usize| mixed.tables[k].row(mixed.tables[k].rows() - 1).collect::<Vec<_>>();
         assert_eq!((last(0), last(1), last(2)), (vec![175.0], vec![7.0], vec![5.0]));
-        assert_eq!((mixed.tables[2].rows(), mixed.face_material.len()), (4, 4));
+        assert_eq!((mixed.tables[2].rows(), mixed.face_material.len(), &mixed.face_node[..]), (4, 4, &[7; 4][..]));
         let length: f64 = last(3).iter().map(|x| x * x).sum();
         assert!((length - 1.0).abs() < 1e-12 && (last(3)[2] / last(3)[0] - 3.0).abs() < 1e-12);
     }

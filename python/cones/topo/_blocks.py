@@ -15,7 +15,7 @@ from typing import Any, Optional
 import numpy as np
 
 from .. import _cones
-from .._arrays import count, unmasked
+from .._arrays import count, counted, unmasked
 from .._cones import Error
 from ._domain import _read_in_place, masked, refuse_nan
 from ._pairs import Pairs, pair_table
@@ -89,7 +89,7 @@ def collect(last: Part, tables: list, zero_count: int, *, superlevel: bool, shap
     """The pairs of the whole: of the last join and the tables of all calls."""
     open_ = _cones.open_vertices(last.number, last.summary)
     if open_:
-        raise Error(f"{open_} vertices are shared with tiles that have not been joined")
+        raise Error(f"{counted(open_, 'vertex is', 'vertices are')} shared with tiles that have not been joined")
     table = np.concatenate(tables)
     return Collected(table[np.argsort(table["extremum"], kind="stable")], zero_count, superlevel, shape)
 

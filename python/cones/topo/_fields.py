@@ -9,10 +9,10 @@ from typing import Any, Optional
 import numpy as np
 
 from .. import _cones
-from .._arrays import places, plain
+from .._arrays import counted, places, plain
 from .._cones import Error
 from ._domain import Field
-from ._pairs import Pairs, Persistence, pair_table
+from ._pairs import Pairs, Persistence, nouns, pair_table
 
 _KINDS = {"minimum": False, "maximum": True}
 
@@ -231,7 +231,7 @@ class MergeTree:
         return values if self._read.masks_nan else self._read.cast(values)
 
     def __repr__(self) -> str:
-        return f"<cones.topo.MergeTree of {self.leaf_count} {'maxima' if self.is_superlevel else 'minima'}>"
+        return f"<cones.topo.MergeTree of {counted(self.leaf_count, *nouns(self.is_superlevel))}>"
 
 
 def merge_tree(

@@ -9,7 +9,7 @@ from typing import Any, Optional
 import numpy as np
 
 from .. import _cones
-from .._arrays import count
+from .._arrays import count, counted
 from ._domain import Field
 
 
@@ -95,7 +95,7 @@ class Pairs:
         return len(self._native)
 
     def __repr__(self) -> str:
-        return f"<cones.topo.Pairs: {len(self)} {'maxima' if self.is_superlevel else 'minima'}>"
+        return f"<cones.topo.Pairs: {counted(len(self), *nouns(self.is_superlevel))}>"
 
 
 @dataclass(frozen=True)
@@ -117,6 +117,11 @@ class Persistence:
             tables.append(table)
         both = np.concatenate(tables)
         return both[np.argsort(-both["persistence"], kind="stable")]
+
+
+def nouns(is_superlevel: bool) -> tuple[str, str]:
+    """What the extrema of a direction are called, one and many."""
+    return ("maximum", "maxima") if is_superlevel else ("minimum", "minima")
 
 
 def pair_table(columns: tuple, kind: np.dtype) -> np.ndarray:

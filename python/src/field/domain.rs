@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use geom::{are, counted};
 use num_traits::PrimInt;
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
@@ -121,7 +122,11 @@ pub(crate) fn single_linkage<'py>(
 ) -> PyResult<Linkage> {
     let (edges, weights) = (rows::<i64, 2>(&edges, "edges")?, weights.as_slice()?);
     if edges.len() != weights.len() {
-        return Err(Error::new_err(format!("there are {} edges but {} weights", edges.len(), weights.len())));
+        return Err(Error::new_err(format!(
+            "there {} but {}",
+            are(edges.len(), "edge", "edges"),
+            counted(weights.len(), "weight", "weights")
+        )));
     }
     let made = py.detach(|| {
         let weighted: Vec<(i64, i64, f64)> =

@@ -26,7 +26,8 @@ enum PlanError {
     Unwrap(#[from] cones::Error),
     /// With a cone at every vertex any surface is flat: no result of any method.
     #[error(
-        "{parts} of {all} parts would be unfolded with a cone at every vertex, which compares with nothing ({warnings})"
+        "{} would be unfolded with a cone at every vertex, which compares with nothing ({warnings})",
+        if *all == 1 { "the surface".to_owned() } else { format!("{parts} of {all} parts") }
     )]
     Unfolded { parts: usize, all: usize, warnings: String },
 }

@@ -1,5 +1,6 @@
 //! The rows of a comparison, and its columns with their definitions.
 
+use geom::counted;
 use geom::distortion::Distortion;
 use serde_json::{Map, Value, json};
 
@@ -42,7 +43,7 @@ impl Outcome {
     /// What a trial has reached, and what its plan notes.
     pub(super) fn new(trial: &Trial, map: &Distortion, overlap: f64, mut notes: Vec<String>) -> Self {
         if trial.broken > 0 {
-            notes.push(format!("the metric breaks {} triangles", trial.broken));
+            notes.push(format!("the metric breaks {}", counted(trial.broken, "triangle", "triangles")));
         }
         Self {
             cones: trial.cones,

@@ -1,6 +1,7 @@
 //! The options of packing islands.
 
 use super::numbers::{non_negative, positive, whole};
+use crate::error::options;
 use crate::output;
 use clap::error::ErrorKind;
 use clap::{Args, ValueEnum};
@@ -42,7 +43,7 @@ impl PackArgs {
     /// Ends the run, as for any wrong argument, where each of them is right but not all together: before anything is read.
     pub(crate) fn check(&self) {
         if let Err(error) = self.options().check() {
-            clap::Error::raw(ErrorKind::ValueValidation, format!("{error}\n")).exit()
+            clap::Error::raw(ErrorKind::ValueValidation, format!("{error}{}\n", options(&error))).exit()
         }
     }
 

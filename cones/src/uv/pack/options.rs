@@ -1,6 +1,6 @@
 //! What may be asked of a packing, and why there is none.
 
-use geom::Interrupted;
+use geom::{Interrupted, are, counted};
 use thiserror::Error;
 
 /// How islands are packed.
@@ -85,7 +85,7 @@ pub enum Tiles {
 #[non_exhaustive]
 pub enum PackError {
     /// The lists do not belong together.
-    #[error("there are {triangles} triangles but islands for {islands}")]
+    #[error("there {} but islands for {islands}", are(*triangles, "triangle", "triangles"))]
     Count {
         /// How many triangles there are.
         triangles: usize,
@@ -93,7 +93,7 @@ pub enum PackError {
         islands: usize,
     },
     /// Texture coordinates are one for each corner of a model's faces.
-    #[error("there are {found} texture coordinates for {corners} corners of faces")]
+    #[error("there {} for {corners} corners of faces", are(*found, "texture coordinate", "texture coordinates"))]
     TextureCount {
         /// How many texture coordinates there are.
         found: usize,
@@ -102,7 +102,8 @@ pub enum PackError {
     },
     /// An island's number is as large as there are triangles, or larger.
     #[error(
-        "triangle {triangle} (counted from 0) is on island {island}, but of {triangles} triangles islands can have the numbers from 0 to {} only",
+        "triangle {triangle} (counted from 0) is on island {island}, but of {} islands can have the numbers from 0 to {} only",
+        counted(*triangles, "triangle", "triangles"),
         triangles.saturating_sub(1)
     )]
     Island {
@@ -123,8 +124,9 @@ pub enum PackError {
     },
     /// The margin leaves no room.
     #[error(
-        "a margin of {} texels does not fit on a texture of {texture_size}: it must be at least 0 and less than a quarter of it",
-        readable(*margin)
+        "a margin of {} texel{} does not fit on a texture of {texture_size}: it must be at least 0 and less than a quarter of it",
+        readable(*margin),
+        if *margin == 1.0 { "" } else { "s" }
     )]
     Margin {
         /// What was asked for.

@@ -6,6 +6,7 @@ use std::collections::HashMap;
 use super::super::MOST_EXPANSION;
 use super::super::error::{Fault, Place};
 use super::document::{self, Document, Sparse};
+use crate::counted::counted;
 use crate::surface::ScalarType;
 
 /// The buffers with what the document says of them.
@@ -65,7 +66,12 @@ impl<'a> Buffers<'a> {
         };
         if !is_there {
             return Err(wrong(
-                format!("{} elements of {size} bytes, {stride} bytes apart,", accessor.count),
+                format!(
+                    "{} of {}, {} apart,",
+                    counted(accessor.count, "element", "elements"),
+                    counted(size, "byte", "bytes"),
+                    counted(stride, "byte", "bytes")
+                ),
                 "no more than its buffer holds",
             ));
         }
@@ -82,7 +88,8 @@ impl<'a> Buffers<'a> {
         let view = self.document.buffer_views.get(index).ok_or_else(|| wrong(format!("no buffer view {index}")))?;
         let buffer = self.bytes.get(view.buffer).ok_or_else(|| wrong(format!("no buffer {}", view.buffer)))?;
         let bytes = buffer.get(view.byte_offset..).and_then(|bytes| bytes.get(..view.byte_length));
-        let bytes = bytes.ok_or_else(|| wrong(format!("{} bytes in buffer view {index}", view.byte_length)))?;
+        let bytes = bytes
+            .ok_or_else(|| wrong(format!("{} in buffer view {index}", counted(view.byte_length, "byte", "bytes"))))?;
         Ok((bytes, view.byte_stride))
     }
 
@@ -97,7 +104,8 @@ impl<'a> Buffers<'a> {
             let length = sparse.count.checked_mul(size)?;
             bytes.get(part.byte_offset..)?.get(..length)
         };
-        let missing = || format!("{} sparse elements that are not there", sparse.count);
+        let missing =
+            || format!("{} not there", counted(sparse.count, "sparse element that is", "sparse elements that are"));
         let kind = scalar(sparse.indices.component_type).filter(|kind| !kind.is_float()).ok_or_else(missing)?;
         let indices = part(&sparse.indices, kind.size()).ok_or_else(missing)?;
         let values = part(&sparse.values, size).ok_or_else(missing)?;

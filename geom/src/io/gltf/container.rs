@@ -9,6 +9,7 @@ use base64::engine::general_purpose::STANDARD;
 use super::super::error::{Fault, Place, Problem};
 use super::super::text::{Lines, quote};
 use super::document::Document;
+use crate::counted::counted;
 
 /// What a binary glTF begins with.
 pub(in super::super) const MAGIC: &[u8] = b"glTF";
@@ -63,7 +64,12 @@ impl<'a> Container<'a> {
 }
 
 fn cut_short(claimed: usize, present: usize) -> Fault {
-    Problem::CutShort { what: "bytes".into(), claimed: claimed as u64, present: present as u64 }.into()
+    Problem::CutShort {
+        what: if claimed == 1 { "byte" } else { "bytes" }.into(),
+        claimed: claimed as u64,
+        present: present as u64,
+    }
+    .into()
 }
 
 /// The kind and the content of the chunk at a byte, and where the next one begins.
@@ -73,7 +79,7 @@ fn chunk(bytes: &[u8], at: usize) -> Result<(&[u8], &[u8], usize), Fault> {
     let length = head.first_chunk().copied().map_or(0, u32::from_le_bytes) as usize;
     let content = bytes.get(at + 8..).and_then(|rest| rest.get(..length));
     let content = content.ok_or_else(|| {
-        let found = format!("a chunk of {length} bytes");
+        let found = format!("a chunk of {}", counted(length, "byte", "bytes"));
         Fault::unexpected(Place::Byte(at as u64), found, format!("at most the {} that are left", bytes.len() - at - 8))
     })?;
     Ok((&head[4..], content, at + 8 + length.next_multiple_of(4)))
@@ -93,7 +99,7 @@ pub(super) fn buffers<'a>(
         };
         match bytes.len() {
             present if present < buffer.byte_length => {
-                let what = format!("bytes of buffer {i}");
+                let what = format!("byte{} of buffer {i}", if buffer.byte_length == 1 { "" } else { "s" });
                 Err(Problem::CutShort { what, claimed: buffer.byte_length as u64, present: present as u64 }.into())
             }
             _ => Ok(bytes),

@@ -8,6 +8,7 @@ use serde_json::value::RawValue;
 use serde_json::{Map, Value};
 
 use super::super::error::{Fault, Place};
+use crate::surface::NodePlace;
 
 #[derive(Debug, Default, Deserialize)]
 #[serde(rename_all = "camelCase", default)]
@@ -44,17 +45,33 @@ pub(super) struct Scene {
 #[derive(Debug, Default, Deserialize)]
 #[serde(default)]
 pub(super) struct Node {
+    pub(super) name: Option<String>,
     pub(super) mesh: Option<usize>,
     pub(super) children: Vec<usize>,
     pub(super) skin: Option<IgnoredAny>,
-    pub(super) matrix: Option<Box<[f64; 16]>>,
-    pub(super) translation: Option<Box<[f64; 3]>>,
-    pub(super) rotation: Option<Box<[f64; 4]>>,
-    pub(super) scale: Option<Box<[f64; 3]>>,
+    matrix: Option<Box<[f64; 16]>>,
+    translation: Option<Box<[f64; 3]>>,
+    rotation: Option<Box<[f64; 4]>>,
+    scale: Option<Box<[f64; 3]>>,
+}
+
+impl Node {
+    /// Where it is.
+    pub(super) fn place(&self) -> NodePlace {
+        match &self.matrix {
+            Some(matrix) => NodePlace::Matrix(matrix.clone()),
+            None => NodePlace::Parts {
+                translation: self.translation.as_deref().copied(),
+                rotation: self.rotation.as_deref().copied(),
+                scale: self.scale.as_deref().copied(),
+            },
+        }
+    }
 }
 
 #[derive(Debug, Deserialize)]
 pub(super) struct Mesh {
+    pub(super) name: Option<String>,
     pub(super) primitives: Vec<Primitive>,
 }
 

@@ -29,7 +29,7 @@ pub(super) trait Values {
     fn list(&mut self, count: ScalarType, item: ScalarType, name: &str, list: &mut Vec<f64>) -> Result<(), Fault> {
         let count = self.scalar(count, name)?;
         if !(count >= 0.0 && count <= self.room(item) as f64 && count.fract() == 0.0) {
-            let found = format!("a list `{name}` of {count} numbers");
+            let found = format!("a list `{name}` of {count} number{}", if count == 1.0 { "" } else { "s" });
             return Err(Fault::unexpected(
                 self.place(),
                 found,

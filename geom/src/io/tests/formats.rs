@@ -110,6 +110,35 @@ fn off_is_read_with_colours_normals_comments_and_loose_headers() {
 }
 
 #[test]
+fn what_is_passed_over_of_an_off_or_an_stl_is_said() {
+    let left = |text: String, name: &str| read_bytes(text.into(), name).unwrap().attributes().left.clone();
+    let off = |keyword: &str, behind: &str, of_face: &str| {
+        left(format!("{keyword}\n3 1 0\n0 0 0{behind}\n1 0 0{behind}\n0 1 0{behind}\n3 0 1 2{of_face}\n"), "a.off")
+    };
+    assert!(off("OFF", "", "").is_empty());
+    assert_eq!(off("COFF", " 255 0 0 255", ""), ["colours"]);
+    assert_eq!(off("NOFF", " 0 0 1", " 255 0 0"), ["normals", "colours of faces"]);
+    assert_eq!(off("STOFF", " 0.5 1", ""), ["texture coordinates"]);
+    assert_eq!(off("STCNOFF", " 0 0 1 9 9 9 9 0 1", ""), ["colours and other numbers of vertices"]);
+    let solid = |name: &str| {
+        let points = "vertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0";
+        format!("solid{name}\nfacet normal 0 0 1\nouter loop\n{points}\nendloop\nendfacet\nendsolid{name}\n")
+    };
+    assert!(left(solid(""), "a.stl").is_empty());
+    assert_eq!(left(solid(" lid") + &solid(" box"), "a.stl"), ["names of solids"]);
+    let mut binary = vec![0; 84 + 50];
+    binary[80] = 1;
+    for (at, x) in [(108, 1.0_f32), (124, 1.0)] {
+        binary[at..at + 4].copy_from_slice(&x.to_le_bytes());
+    }
+    assert!(read_bytes(binary.clone(), "a.stl").unwrap().attributes().left.is_empty());
+    binary[133] = 0x80;
+    let model = read_bytes(binary, "a.stl").unwrap();
+    let told = not_kept(&model, MeshFormat::Obj).expect("its triangles had attributes").to_string();
+    assert_eq!(told, "not kept in OBJ: attributes of triangles");
+}
+
+#[test]
 fn off_refuses_what_it_cannot_mean() {
     let off = |rest: &str| message(format!("OFF\n3 1 0\n{rest}"), "a.off");
     assert_eq!(off("0 0 0\n1 0 0\n0 1\n"), "a.off, line 5: found the end of the line, expected the z coordinate");

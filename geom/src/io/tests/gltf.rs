@@ -88,12 +88,84 @@ fn nodes_are_moved_and_mirrored_ones_stay_outside_out() {
     assert_eq!(model.faces().nth(2).unwrap(), [4, 6, 5], "and all where the node mirrors");
     assert_eq!(model.uv().unwrap().corner(2), Some([0.0, 0.0]), "v is counted upwards");
     let attributes = model.attributes();
-    assert_eq!((attributes.material(3), &attributes.left[..]), (Some("brick"), &["nodes".to_owned()][..]));
+    assert_eq!((attributes.material(3), &attributes.left[..]), (Some("brick"), &[][..]));
     let row = |meaning, v| attributes.table(&meaning).unwrap().row(v).collect::<Vec<_>>();
     assert_eq!(row(Meaning::Normal, 7), [0.0, 0.0, 1.0]);
     assert_eq!(row(Meaning::Colour, 1), [0.0, 65535.0, 0.0, 65535.0]);
     let inside = read_bytes(small_json().into_bytes(), "a.gltf").unwrap();
     assert_same_surface(&inside, &model);
+}
+
+/// The JSON of a `.glb`.
+fn json_of(glb: &[u8]) -> Value {
+    let length = u32::from_le_bytes(glb[12..16].try_into().unwrap()) as usize;
+    serde_json::from_slice(&glb[20..20 + length]).unwrap()
+}
+
+#[test]
+fn the_tree_of_nodes_comes_back_with_names_and_places() {
+    let turned = [0.5, 0.5, 0.5, 0.5];
+    let (json, bytes) = document(|json| {
+        json["nodes"] = json!([
+            {"name": "house", "translation": [3.0, 4.0, 5.0], "children": [2, 1]},
+            {"name": "door", "mesh": 0, "matrix": [-1.0, 0.0, 0.0, 0.0, 0.0, 2.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 5.0, 1.0]},
+            {"mesh": 0, "rotation": turned, "scale": [1.0, 2.0, -4.0], "children": [3]},
+            {"name": "handle"},
+            {"name": "elsewhere", "mesh": 0},
+        ]);
+        json["meshes"][0]["name"] = "panel".into();
+    });
+    let model = read_bytes(glb((json, bytes)), "a.glb").unwrap();
+    let attributes = model.attributes();
+    let names: Vec<&str> = attributes.nodes.iter().map(|node| node.name.as_str()).collect();
+    assert_eq!(names, ["house", "", "handle", "door"], "in the order of a walk down the tree");
+    assert_eq!(attributes.face_node, [1, 1, 3, 3]);
+    assert!(not_kept(&model, MeshFormat::Ply).unwrap().what.contains(&"nodes".to_owned()));
+    assert_eq!(not_kept(&model, MeshFormat::Glb), None);
+    let uv = model.whole_uv().unwrap();
+    for uv in [None, Some(&uv[..])] {
+        let mut out = Vec::new();
+        write_glb(&model, uv, &model.triangles(), None, &mut out).unwrap();
+        let written = json_of(&out);
+        assert_eq!(
+            written["nodes"],
+            json!([
+                {"name": "house", "translation": [3.0, 4.0, 5.0], "children": [1, 3]},
+                {"mesh": 0, "rotation": turned, "scale": [1.0, 2.0, -4.0], "children": [2]},
+                {"name": "handle"},
+                {"name": "door", "mesh": 1, "matrix": [-1.0, 0.0, 0.0, 0.0, 0.0, 2.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 5.0, 1.0]},
+            ])
+        );
+        assert_eq!(written["scenes"][0]["nodes"], json!([0]));
+        assert_eq!([&written["meshes"][0]["name"], &written["meshes"][1]["name"]], ["panel"; 2]);
+        assert_eq!(written["materials"].as_array().unwrap().len(), 1, "both meshes have one");
+        let back = read_bytes(out, "b.glb").unwrap();
+        assert_same_surface(&back, &model);
+        assert_eq!(
+            (&back.attributes().nodes, &back.attributes().face_node),
+            (&attributes.nodes, &attributes.face_node)
+        );
+        let normals = |model: &Model| model.attributes().table(&Meaning::Normal).unwrap().clone();
+        assert_eq!(normals(&back), normals(&model));
+    }
+}
+
+#[test]
+fn a_node_without_a_way_back_stays_and_its_mesh_stands_beside_it() {
+    let (json, bytes) = document(|json| {
+        json["nodes"] = json!([{"name": "shadow", "mesh": 0, "scale": [1.0, 0.0, 1.0]}, {"name": "thing", "mesh": 0}]);
+        json["scenes"][0]["nodes"] = json!([0, 1]);
+    });
+    let model = read_bytes(glb((json, bytes)), "a.glb").unwrap();
+    let mut out = Vec::new();
+    write_glb(&model, None, &model.triangles(), None, &mut out).unwrap();
+    let written = json_of(&out);
+    assert_eq!(written["scenes"][0]["nodes"], json!([0, 1, 2]));
+    assert_eq!([&written["nodes"][0]["mesh"], &written["nodes"][1]["mesh"]], [&Value::Null, &json!(1)]);
+    let back = read_bytes(out, "b.glb").unwrap();
+    // What is flattened onto one place is one vertex now.
+    let at_corners = |model: &Model| model.corners().iter().map(|&v| model.points()[v as usize]).collect::<Vec<_>>();
+    assert_eq!(at_corners(&back), at_corners(&model));
 }
 
 #[test]
@@ -129,7 +201,7 @@ fn sparse_elements_stand_in_place_of_others() {
     };
     let model = read_bytes(glb(document(sparse(3))), "a.glb").unwrap();
     assert_eq!((model.points()[3], model.points()[1]), ([0.0, 0.0, 1.0], [1.0, 0.0, 0.0]));
-    assert!(refused(sparse(4)).contains("1 sparse elements that are not there in accessor 0 (for positions)"));
+    assert!(refused(sparse(4)).contains("1 sparse element that is not there in accessor 0 (for positions)"));
     let zeros = read_bytes(
         glb(document(|json| {
             sparse(3)(json);
@@ -183,7 +255,7 @@ fn what_is_passed_over_is_named_and_what_is_needed_refused() {
         json["extensionsRequired"] = json!(["KHR_mesh_quantization", "KHR_materials_unlit"]);
     });
     let model = read_bytes(glb(seen), "a.glb").unwrap();
-    assert_eq!(model.attributes().left, ["tangents", "morph targets", "animations", "textures", "nodes"]);
+    assert_eq!(model.attributes().left, ["tangents", "morph targets", "animations", "textures"]);
     let ours = document(|json| {
         json["asset"]["generator"] = "cones".into();
         json["images"] = json!([{}]);

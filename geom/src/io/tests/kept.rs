@@ -1,7 +1,7 @@
 //! Normals, colours, materials and whatever else there is, from format to format.
 
 use super::*;
-use crate::surface::{Attribute, AttributeDomain, Meaning, ScalarType};
+use crate::surface::{Attribute, AttributeDomain, Meaning, ScalarType, TextureCoordinates};
 
 const PLY: &str = "ply
 format ascii 1.0
@@ -66,6 +66,20 @@ fn assert_near(a: &Model, b: &Model, meaning: Meaning, tolerance: f64) {
         let near = a.iter().zip(&b).all(|(a, b)| (a - b).abs() <= tolerance);
         assert!(near && a.len().min(3) == b.len().min(3), "corner {corner}: {a:?} {b:?}");
     }
+}
+
+#[test]
+fn a_ply_names_the_texture_of_its_own_map_alone() {
+    let text = PLY.replace("comment made by hand", "comment TextureFile skin.png\ncomment made by hand");
+    let model = read_bytes(text.into(), "a.ply").unwrap();
+    let own: Vec<[f64; 2]> = model.corners().iter().map(|&v| [f64::from(v), 0.5]).collect();
+    let of = |model: &Model, uv| written(model, uv, MeshFormat::Ply).attributes().comments.clone();
+    let without = ["comment made by hand", "obj_info 3"];
+    assert_eq!(of(&model, Some(&own)), without, "a map where there was none");
+    let mapped = model.clone().with_uv(Some(TextureCoordinates::new(own.clone(), (0..own.len() as u32).collect())));
+    assert_eq!(of(&mapped, None).len(), 3);
+    assert_eq!(of(&mapped, Some(&own)).len(), 3);
+    assert_eq!(of(&mapped, Some(&some_uv(&model))), without);
 }
 
 #[test]
@@ -246,13 +260,13 @@ fn attributes_of_a_mesh_in_memory_go_through_files() {
         table.and_then(|table| bare.clone().with_attribute(table)).unwrap_err().to_string()
     };
     let of = |rows: &[[f64; 3]]| Attribute::of_vertices(Meaning::Normal, ScalarType::F32, rows);
-    assert_eq!(refused(of(&[up; 3])), "there are normals for 3 vertices, but the model has 4");
+    assert_eq!(refused(of(&[up; 3])), "normals have a row for each of the model's vertices: 3 where 4 should be");
     assert_eq!(
         refused(of(&[up, [0.0, f64::NAN, 1.0]])),
         "row 1 of normals (counted from 0) has a number that is not finite"
     );
     let few = Attribute::of_corners(Meaning::Normal, ScalarType::F32, &[up], vec![0; 5]);
-    assert_eq!(refused(few), "there are normals for 5 corners of faces, but the model has 6");
+    assert_eq!(refused(few), "normals have a row for each of the model's corners of faces: 5 where 6 should be");
     let narrow = refused(Attribute::of_vertices(Meaning::Colour, ScalarType::U8, &[[0.0; 2]; 4]));
     assert!(narrow.starts_with("colours cannot be rows of 2 numbers"), "{narrow}");
 }
