@@ -1,8 +1,9 @@
 //! A recipe makes the map again that it is of.
 
+use cones::uv::PackOptions;
 use cones::{
-    Analysis, Atlas, ConeChoice, Error, FreeSeams, GivenCone, Note, Options, Preparation, Progress, Recipe, Refining,
-    SeamOptions, unwrap_model,
+    Analysis, Atlas, ConeChoice, Error, FreeSeams, GivenCone, Islands, Note, Options, Preparation, Progress, Recipe,
+    Refining, SeamOptions, unwrap_model,
 };
 use geom::shapes::{self, Shape};
 use geom::{Model, RepairKind, Weld};
@@ -186,6 +187,33 @@ fn what_was_refined_by_what_its_map_was_like_is_refined_so_again() {
     assert_eq!(maps[0].recipe().refined_for.as_deref(), Some(&ConeChoice::Count(2)));
     assert_eq!(maps[0].uv, maps[1].uv);
     check_same(&maps);
+}
+
+#[test]
+fn cones_of_a_map_with_straight_seams_are_taken_with_other_options_too() {
+    let preparation = Preparation { refine: Refining::Always, ..Preparation::default() };
+    let cones = ConeChoice::Count(8);
+    let options = Options { preparation, cones, free_seams: FreeSeams::Never, ..Options::default() };
+    let hare = model(&shapes::hare(700));
+    let first = unwrap_model(&hare, &options).expect("it unwraps");
+    assert!(first.recipe().straight);
+    let seams = SeamOptions { weight: 0.0, ..SeamOptions::default() };
+    let packing = PackOptions { margin: 40.0, ..PackOptions::default() };
+    let others = [
+        Options { seams, ..options.clone() },
+        Options { packing, ..options.clone() },
+        Options { islands: Islands::Pack, ..options.clone() },
+    ];
+    let mut are_new = Vec::new();
+    for other in others {
+        let map = unwrap_model(&hare, &with(first.recipe(), &other)).expect("it unwraps");
+        assert_eq!((map.cones.len(), map.detached.len()), (8, 0));
+        are_new.push(map.notes.iter().any(|note| matches!(note, Note::RefinedOtherwise { cones: 8, taken: 8 })));
+    }
+    assert!(are_new.contains(&true), "seams are others");
+    // Not so with another model.
+    let refused = unwrap_model(&model(&shapes::sphere(500)), &with(first.recipe(), &options));
+    assert!(matches!(refused, Err(Error::OtherModel { .. })), "{refused:?}");
 }
 
 #[test]

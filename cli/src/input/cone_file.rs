@@ -129,6 +129,7 @@ fn say(words: &[&str], recipe: &mut Recipe) -> Option<()> {
         ["straight"] => recipe.straight = true,
         ["freed", faces @ ..] => recipe.freed.extend(numbers::<u32>(faces)?),
         ["target", target] => recipe.target = Some(target.parse().ok().filter(|target: &f64| *target >= 1.0)?),
+        ["refined-from", vertices] => recipe.refined_from = Some(vertices.parse().ok()?),
         ["refined-for", choice @ ..] => recipe.refined_for = Some(Box::new(chosen(choice)?)),
         _ => return None,
     }
@@ -184,6 +185,9 @@ pub(crate) fn text(recipe: &Recipe) -> String {
     if let Some(choice) = recipe.refined_for.as_deref().and_then(words) {
         let _ = writeln!(text, "#: refined-for {choice}");
     }
+    if let Some(vertices) = recipe.refined_from {
+        let _ = writeln!(text, "#: refined-from {vertices}");
+    }
     if let Some(vertices) = recipe.vertices {
         let _ = writeln!(text, "#: vertices {vertices}");
     }
@@ -233,8 +237,9 @@ mod tests {
             freed: vec![6],
             target: Some(1.1),
             refined_for: Some(Box::new(ConeChoice::Count(7))),
+            refined_from: Some(11),
         };
-        assert_eq!(parse(&text(&recipe)).unwrap(), (recipe, vec![12, 13]));
+        assert_eq!(parse(&text(&recipe)).unwrap(), (recipe, vec![13, 14]));
         let none = Recipe { vertices: Some(4), ..Recipe::default() };
         assert_eq!(parse(&text(&none)).unwrap(), (none, vec![]));
     }

@@ -3,11 +3,11 @@
 use std::collections::{HashMap, HashSet};
 use std::time::Instant;
 
-use geom::{Id, Triangles};
+use geom::{EdgeId, Id, Triangles};
 use rayon::prelude::*;
 
 use super::Analysis;
-use super::atlas::Atlas;
+use super::atlas::{Atlas, CutEdge};
 use super::component::Component;
 use super::cones::ChosenNumber;
 use super::flat::{Flat, RIGID_SEAMS};
@@ -17,6 +17,7 @@ use super::options::{Options, Recipe};
 use super::packed::{Packed, packed};
 use crate::cut::{SeamFigures, SeamOptions, Tiling, ascending};
 use crate::error::Error;
+use crate::flatten::Chain;
 use crate::placement::{Prediction, Predictor, distortion_of};
 
 /// So many triangles are gone through one after the other.
@@ -60,6 +61,12 @@ impl Placed {
     }
 }
 
+/// The edges of a component that a chain runs along.
+fn cut_along(component: &Component, chain: &Chain, is_loop: bool) -> impl Iterator<Item = CutEdge> {
+    let halfedge = |&e: &EdgeId| component.surface.mesh.halfedge(e);
+    chain.edges.iter().map(move |e| CutEdge { component: component.index, halfedge: halfedge(e), is_loop })
+}
+
 /// That edges were to be avoided that were to be cut, too.
 fn contested(seams: &SeamOptions) -> Option<Note> {
     if seams.avoid.is_empty() {
@@ -101,7 +108,8 @@ impl Analysis {
             ..self.recipe(flats.iter().map(|flat| (&flat.cones[..], &flat.curvature[..])))
         };
         let (mut curvature_error, mut overlapped) = (0.0_f64, Vec::new());
-        let (mut unfolded, mut freed) = (0, 0);
+        let (mut unfolded, mut freed, mut torn) = (0, 0, Vec::new());
+        let (mut cut, mut cut_loops) = (Vec::new(), Vec::new());
         let mut seam_figures = SeamFigures::default();
         let mut tiling = options.quantize.map(Tiling::none);
         notes.splice(0..0, self.notes().iter().cloned());
@@ -111,7 +119,9 @@ impl Analysis {
             curvature_error = curvature_error.max(flat.error);
             unfolded += usize::from(flat.is_unfolded);
             let figures = SeamFigures::laid_out(surface, &component.metric, &flat.seams, &flat.layout);
-            freed += usize::from(figures.mean_mismatch() > RIGID_SEAMS);
+            let is_freed = figures.mean_mismatch() > RIGID_SEAMS;
+            freed += usize::from(is_freed);
+            torn.extend((is_freed || flat.is_unfolded).then_some(component.index));
             seam_figures += figures;
             if let Some(tiling) = &mut tiling {
                 *tiling += Tiling::new(&surface.mesh, &flat.seams, &flat.layout, tiling.symmetry);
@@ -119,6 +129,8 @@ impl Analysis {
             seam_figures += SeamFigures::of_chains(surface, &component.metric, &component.handles.loops);
             seams.extend(flat.seams.chains.iter().map(|chain| component.vertices_along(chain)));
             loops.extend(component.handles.loops.iter().map(|chain| component.vertices_along(chain)));
+            cut.extend(flat.seams.chains.iter().flat_map(|chain| cut_along(component, chain, false)));
+            cut_loops.extend(component.handles.loops.iter().flat_map(|chain| cut_along(component, chain, true)));
             detached.extend(flat.detached.iter().flat_map(|&f| component.triangles_of(f)).copied());
             cones.extend(flat.cones.iter().zip(&flat.curvature).map(|(&v, &k)| component.cone(v, k, self.points())));
             for note in flat.notes {
@@ -134,7 +146,13 @@ impl Analysis {
             let are_given = steps.any(|steps| (steps - steps.round()).abs() > ROUNDING);
             notes.push(Note::SeamsDoNotTile { symmetry, seams, broken, are_given });
         }
-        seams.extend(added);
+        for (part, e) in added {
+            let component = &self.components()[part];
+            let alone = Chain { vertices: component.surface.mesh.ends(e).to_vec(), edges: vec![e] };
+            seams.push(component.vertices_along(&alone));
+            cut.extend(cut_along(component, &alone, false));
+        }
+        cut.extend(cut_loops);
         let opened_handles = loops.len();
         seams.extend(loops);
         let mut island = vec![None; self.triangles().len()];
@@ -176,6 +194,8 @@ impl Analysis {
             refined: self.found.refined.clone(),
             recipe,
             overlapped,
+            cut,
+            torn,
         })
     }
 

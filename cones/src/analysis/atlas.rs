@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use geom::{FaceId, Repair, Surface, Triangles};
+use geom::{FaceId, HalfedgeId, Repair, Surface, Triangles};
 
 use super::cones::{ChosenNumber, Cone};
 use super::note::Note;
@@ -101,6 +101,20 @@ pub struct Atlas {
     pub(crate) recipe: Recipe,
     /// The triangles of components that lay over others before islands were parted.
     pub(crate) overlapped: Vec<(usize, FaceId)>,
+    /// The edges that seams run along, if no limbs were cut off.
+    pub(crate) cut: Vec<CutEdge>,
+    /// The components that are unfolded, or on which the two sides of seams differ.
+    pub(crate) torn: Vec<usize>,
+}
+
+/// An edge that a seam runs along.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct CutEdge {
+    pub(crate) component: usize,
+    /// One of its sides: where handles are opened, edges get other numbers, and halfedges keep theirs.
+    pub(crate) halfedge: HalfedgeId,
+    /// Whether it is of a loop that a handle was opened along.
+    pub(crate) is_loop: bool,
 }
 
 impl Atlas {

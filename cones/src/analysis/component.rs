@@ -6,7 +6,7 @@
 use std::collections::HashSet;
 use std::sync::{Arc, OnceLock};
 
-use geom::{EdgeId, FaceId, HalfedgeId, Id, Interrupted, Metric, PoissonError, Surface, VertexData, VertexId, Watch};
+use geom::{FaceId, HalfedgeId, Id, Interrupted, Mesh, Metric, PoissonError, Surface, VertexData, VertexId, Watch};
 use topo::{Extremum, Kind};
 
 use super::cones::{Cone, Configuration};
@@ -453,12 +453,21 @@ impl Component {
         along
     }
 
-    /// The vertices of the model inside an edge, in order from one of its ends.
-    pub(super) fn inside(&self, e: EdgeId, from: u32) -> Vec<u32> {
-        let mesh = &self.surface.mesh;
-        let [a, b] = mesh.ends(e);
-        let from = if self.surface.vertex[a] == from { a } else { b };
-        self.way.as_ref().map_or(Vec::new(), |way| way.inside(mesh, e, from))
+    /// Its mesh as it was before handles were opened: halfedges and triangles have the same numbers there, edges and vertices others.
+    pub(super) fn closed(&self) -> &Mesh {
+        self.handles.closed.as_deref().unwrap_or(&self.surface.mesh)
+    }
+
+    /// What a vertex was before handles were opened.
+    pub(super) fn vertex_closed(&self, v: VertexId) -> VertexId {
+        let at = self.handles.closed.as_ref().and_then(|closed| Some((closed, self.surface.mesh.outgoing(v).next()?)));
+        at.map_or(v, |(closed, h)| closed.tail(h))
+    }
+
+    /// What a vertex became when handles were opened: one of both where it is on a loop.
+    pub(super) fn vertex_opened(&self, v: VertexId) -> VertexId {
+        let at = self.handles.closed.as_ref().and_then(|closed| closed.outgoing(v).next());
+        at.map_or(v, |h| self.surface.mesh.tail(h))
     }
 
     /// The model's triangles that a triangle is.

@@ -7,6 +7,7 @@
 use std::sync::Arc;
 
 use geom::Model;
+use rayon::prelude::*;
 
 use super::Analysis;
 use super::atlas::Atlas;
@@ -124,10 +125,27 @@ impl Analysis {
         self.measures(atlas).as_ref().map(Distortion::of)
     }
 
+    /// What a map does to each component, on average.
+    pub(super) fn distortion_of_parts(&self, atlas: &Atlas) -> Vec<Option<Distortion>> {
+        let mut triangles = vec![Vec::new(); self.components().len()];
+        let part_of = self.triangle_components().into_iter().enumerate();
+        part_of.for_each(|(t, part)| part.into_iter().for_each(|part| triangles[part].push(t)));
+        let measured = |triangles: &Vec<usize>| self.measures_on(atlas, triangles.iter().copied());
+        triangles.par_iter().map(|triangles| measured(triangles).as_ref().map(Distortion::of)).collect()
+    }
+
     /// The measures of a map, on the triangles that are on islands.
     pub(super) fn measures(&self, atlas: &Atlas) -> Option<geom::distortion::Distortion> {
-        let on_surface = atlas.triangles.corners.iter().zip(&atlas.islands).filter(|(_, island)| island.is_some());
-        let corners = || on_surface.clone().map(|(corners, _)| corners);
+        self.measures_on(atlas, 0..atlas.islands.len())
+    }
+
+    /// The same of some triangles.
+    fn measures_on(
+        &self,
+        atlas: &Atlas,
+        triangles: impl Iterator<Item = usize> + Clone,
+    ) -> Option<geom::distortion::Distortion> {
+        let corners = || triangles.clone().filter(|&t| atlas.islands[t].is_some()).map(|t| &atlas.triangles.corners[t]);
         let vertices: Vec<[u32; 3]> = corners().map(|t| t.map(|c| self.corner_vertices()[c as usize])).collect();
         let uv: Vec<[[f64; 2]; 3]> = corners().map(|t| t.map(|c| atlas.uv[c as usize])).collect();
         geom::distortion::measure(self.points(), &vertices, &uv).ok()

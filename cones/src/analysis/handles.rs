@@ -6,6 +6,7 @@
 //! Loops take the place of the seams that a handle needs anyway.
 
 use std::collections::HashSet;
+use std::sync::Arc;
 
 use geom::{Interrupted, Watch};
 
@@ -29,6 +30,7 @@ pub(crate) fn open_handles(ready: Ready, watch: Watch) -> Result<Ready, Interrup
         return Ok(ready);
     };
     let mut opened = ready.island(island, ready.shape);
+    let closed = ready.way.is_some().then(|| Arc::new(ready.surface.mesh));
     let now = &opened.surface.mesh;
     let mut loops = Vec::new();
     let mut is_known = HashSet::new();
@@ -39,6 +41,6 @@ pub(crate) fn open_handles(ready: Ready, watch: Watch) -> Result<Ready, Interrup
             loops.push(Chain { vertices, edges: around.iter().map(|&h| now.edge(h)).collect() });
         }
     }
-    opened.handles = OpenedHandles { loops, of_vertex: Some(of_vertex) };
+    opened.handles = OpenedHandles { loops, of_vertex: Some(of_vertex), closed };
     Ok(opened)
 }

@@ -242,12 +242,20 @@ impl Analysis {
                 Some(choice) if !recipe.is_of(&analysis) && !choice.is_given() => {
                     drop(analysis);
                     let before = Options { cones: (**choice).clone(), ..options.clone() };
-                    Self::unwrapped_watched(model, &before, observer)?.0
+                    let (analysis, mut atlas) = Self::unwrapped_watched(model, &before, observer)?;
+                    if !recipe.is_of(&analysis) && recipe.refined_from == Some(model.vertex_count()) {
+                        atlas
+                            .notes
+                            .push(Note::RefinedOtherwise { cones: recipe.cones.len(), taken: atlas.cones.len() });
+                        return Ok((analysis, atlas));
+                    }
+                    analysis
                 }
                 _ => analysis,
             };
             let mut atlas = analysis.atlas(options)?;
             atlas.recipe.refined_for.clone_from(&recipe.refined_for);
+            atlas.recipe.refined_from = recipe.refined_from;
             return Ok((analysis, atlas));
         }
         if analysis.refined().is_some() && options.preparation.refine == Refining::Needles {
@@ -275,6 +283,7 @@ impl Analysis {
                 })?;
                 if analysis.found.making.is_finest || atlas.recipe.straight {
                     atlas.recipe.refined_for = Some(Box::new(options.cones.clone()));
+                    atlas.recipe.refined_from = Some(model.vertex_count());
                 }
                 Ok((analysis, atlas))
             }

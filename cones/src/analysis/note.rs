@@ -185,6 +185,13 @@ pub enum Note {
         /// How many.
         edges: usize,
     },
+    /// A surface is refined otherwise than for the map that cones are given of, so that their vertices are not there: they were chosen anew as for that map.
+    RefinedOtherwise {
+        /// How many were given.
+        cones: usize,
+        /// How many were chosen.
+        taken: usize,
+    },
     /// There are too many islands for the margin that was asked for.
     NarrowMargin {
         /// How many texels were asked for.
@@ -243,7 +250,8 @@ impl Note {
             | Self::SeamsOpen { .. }
             | Self::AvoidedGiven { .. }
             | Self::NarrowMargin { .. }
-            | Self::SeamsNotKept { .. } => None,
+            | Self::SeamsNotKept { .. }
+            | Self::RefinedOtherwise { .. } => None,
             Self::Mollified { component }
             | Self::NotSmoothed { component }
             | Self::PlacedByPersistence { component, .. }
@@ -403,6 +411,12 @@ impl fmt::Display for Note {
             Self::AvoidedGiven { edges } => {
                 write!(f, "{edges} edges that were to be avoided were to be cut, too: they are cut")
             }
+            Self::RefinedOtherwise { cones: count, taken } => write!(
+                f,
+                "with these options the surface is refined otherwise than for the {} given, and has not their vertices: {taken} are \
+                 chosen anew, as those were",
+                cones(count)
+            ),
             Self::NarrowMargin { asked, kept } => {
                 write!(
                     f,

@@ -208,6 +208,8 @@ pub struct Recipe {
     pub target: Option<f64>,
     /// What cones were asked for, where the model was refined by what the map of others of them was like: to refine it again so, that map is made first.
     pub refined_for: Option<Box<ConeChoice>>,
+    /// How many vertices that model has: where it is refined otherwise with the options given, the map of that choice is taken itself.
+    pub refined_from: Option<usize>,
 }
 
 impl ConeChoice {

@@ -10,7 +10,7 @@ use super::flat::Flat;
 use super::observer::{Stage, Task, Times};
 use super::options::{Islands, Options};
 use crate::error::Error;
-use crate::flatten::{Chain, seam_lengths};
+use crate::flatten::seam_lengths;
 use crate::uv::{PackOptions, Packing, Part, Tiles, Triangle, UvMap, cut_for_fill, pack};
 
 /// Of a model of several parts that fills less than this its islands are cut further without being asked for,
@@ -35,8 +35,8 @@ pub(crate) struct Packed {
     pub(crate) packing: Packing,
     /// The island of each component's triangles, numbered from 0 over all components.
     pub(crate) islands: Vec<FaceData<u32>>,
-    /// Edges that were cut for packing alone, as vertices of the model along them.
-    pub(crate) added: Vec<Vec<u32>>,
+    /// Edges that were cut for packing alone, each with its component.
+    pub(crate) added: Vec<(usize, EdgeId)>,
 }
 
 /// Packs the islands of flattened components; `has_say` where somebody has said where seams run, and wants no others.
@@ -86,7 +86,7 @@ pub(crate) fn packed(
         if let Some(first) = first.filter(|first| packed.packing.fill < first.packing.fill + LEAST_GAIN) {
             return Ok(first);
         }
-        packed.added = added(components, &cuts, &further);
+        packed.added = added(&cuts, &further);
         Ok(packed)
     })?
     .map_err(in_unit)
@@ -129,14 +129,13 @@ fn arranged(
     Ok(Packed { triangles, packing, islands, added: Vec::new() })
 }
 
-/// The edges that were cut further, as vertices of the model.
-fn added(components: &[Arc<Component>], cuts: &[EdgeData<bool>], further: &[EdgeData<bool>]) -> Vec<Vec<u32>> {
-    let of_one = |((component, cut), further): ((&Arc<Component>, &EdgeData<bool>), &EdgeData<bool>)| -> Vec<Vec<u32>> {
-        let mesh = &component.surface.mesh;
-        let new = mesh.edges().filter(|&e| further[e] && !cut[e]);
-        new.map(|e| component.vertices_along(&Chain { vertices: mesh.ends(e).to_vec(), edges: vec![e] })).collect()
+/// The edges that were cut further, each with its component.
+fn added(cuts: &[EdgeData<bool>], further: &[EdgeData<bool>]) -> Vec<(usize, EdgeId)> {
+    let of_one = |(part, (cut, further)): (usize, (&EdgeData<bool>, &EdgeData<bool>))| -> Vec<(usize, EdgeId)> {
+        let new = cut.iter_ids().filter(|&(e, is_cut)| further[e] && !*is_cut);
+        new.map(|(e, _)| (part, e)).collect()
     };
-    components.iter().zip(cuts).zip(further).flat_map(of_one).collect()
+    cuts.iter().zip(further).enumerate().flat_map(of_one).collect()
 }
 
 /// Where a component's layout has a corner, in the size of the surface.

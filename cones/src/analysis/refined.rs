@@ -102,6 +102,8 @@ pub struct RefinedModel {
     parts: Parts,
     /// See [`now`](Self::now).
     removed: Vec<Vec<VertexId>>,
+    /// See [`is_even`](Self::is_even).
+    even: Vec<bool>,
 }
 
 /// Edges in parts, all by their vertices, which the names of whole ones have in ascending order.
@@ -117,6 +119,11 @@ impl RefinedModel {
     pub(crate) fn now(&self, part: usize, v: VertexId) -> Option<VertexId> {
         let removed = &self.removed[part];
         removed.binary_search(&v).err().map(|before| VertexId::new(v.index() - before))
+    }
+
+    /// Whether all triangles of a surface are even; those of one that was not refined are what they are.
+    pub(crate) fn is_even(&self, part: usize) -> bool {
+        self.even[part]
     }
 
     /// Whether an edge was to be held.
@@ -222,6 +229,8 @@ pub(crate) struct OpenedHandles {
     pub(crate) loops: Vec<Chain>,
     /// The loop that each vertex on one is on.
     pub(crate) of_vertex: Option<TiedLoops>,
+    /// What a refined surface was before: halfedges and triangles have the same numbers.
+    pub(crate) closed: Option<Arc<Mesh>>,
 }
 
 /// A surface that is ready to be analysed.
@@ -263,7 +272,7 @@ impl Ready {
         let lengths = edge_before.iter().map(|&e| self.metric.length(e)).collect();
         let of_island = |straight: &Arc<Straightened>| {
             let path = edge_before.iter().map(|&e| straight.path[e]).collect();
-            Arc::new(Straightened { path, is_loop: straight.is_loop.clone() })
+            Arc::new(Straightened { path, is_loop: straight.is_loop.clone(), stay: straight.stay })
         };
         let straight = self.straight.as_ref().map(of_island);
         Self { metric: Metric::new(lengths), surface, way, handles: OpenedHandles::default(), straight, shape }
@@ -342,17 +351,34 @@ pub(crate) struct StraightPaths {
     pub(crate) paths: Vec<StraightPath>,
     /// Whether each is of a loop that a handle is opened along.
     pub(crate) is_loop: Vec<bool>,
+    /// Whether all stay as they are: the surface is refined as if there were none.
+    pub(crate) stay: bool,
 }
 
-/// Paths of a surface that were made straight.
+/// Paths of a surface that were made straight, or stay as they are.
 #[derive(Debug)]
 pub(crate) struct Straightened {
     /// The path that each edge is of.
     pub(crate) path: EdgeData<Option<u32>>,
     is_loop: Vec<bool>,
+    /// Whether all stay as they are, as where refining would not end.
+    pub(crate) stay: bool,
 }
 
 impl Straightened {
+    /// `made` has the path that each edge is of, if refining ended.
+    fn new(paths: &StraightPaths, made: EdgeData<Option<u32>>, triangulation: &Triangulation) -> Self {
+        let mut path = made;
+        let stay = path.iter().all(Option::is_none);
+        if stay {
+            let along =
+                (0..).zip(&paths.paths).flat_map(|(number, way)| way.halfedges.iter().map(move |&h| (h, number)));
+            let is_there = |h: HalfedgeId| h.index() < triangulation.halfedge_count();
+            along.filter(|&(h, _)| is_there(h)).for_each(|(h, number)| path[triangulation.edge(h)] = Some(number));
+        }
+        Self { path, is_loop: paths.is_loop.clone(), stay }
+    }
+
     /// Whether an edge is of a loop that a handle is opened along.
     pub(crate) fn is_loop(&self, e: EdgeId) -> bool {
         self.path[e].is_some_and(|path| self.is_loop[path as usize])
@@ -411,7 +437,8 @@ pub(crate) fn refine_all(
                 let larger = lacks.powf(LARGER);
                 let largest = larger * LARGEST * metric.area(&surface.mesh).sqrt();
                 let small = if surface.mesh.vertex_count() > MANY_VERTICES { SMALL * largest } else { 0.0 };
-                let straight = straight.get(k).map_or(&[][..], |straight| &straight.paths);
+                let straight =
+                    straight.get(k).filter(|straight| !straight.stay).map_or(&[][..], |straight| &straight.paths);
                 let roles = EdgeRoles { left_out: Some(&planar[k]), held: Some(&held[k]), straight };
                 let size_at = size_at.map(|size_at| {
                     let (part, first) = (alike[k], &surfaces[alike[k]]);
@@ -420,13 +447,20 @@ pub(crate) fn refine_all(
                 });
                 let at = size_at.as_ref().map(|at| at as &(dyn Fn(SurfacePoint) -> f64 + Sync));
                 let size = TriangleSize { largest, at, small };
+                let refinement = refine_watched(&surface.mesh, &metric, size, roles, watch)?;
+                if refinement.is_complete || straight.is_empty() {
+                    return Ok(Some(refinement));
+                }
+                // Between paths it does not end: then they stay as they are.
+                let roles = EdgeRoles { straight: &[], ..roles };
                 refine_watched(&surface.mesh, &metric, size, roles, watch).map(Some)
             };
             let refined = of_shapes(&surfaces, &shapes, |k, surface| refine(k, surface).transpose());
             let refined = refined.into_iter().map(Option::transpose).collect::<Result<Vec<Option<Refinement>>, _>>()?;
             Ok((shapes, planar, held, refined))
         })??;
-    let is_complete = refined.iter().flatten().all(|refinement| refinement.is_complete);
+    let is_even = |&shape: &usize| refined[shape].as_ref().is_none_or(|refinement| refinement.is_complete);
+    let even: Vec<bool> = shapes.iter().map(is_even).collect();
     task.stage((Stage::Prepare, 0), times, |watch: Watch| {
         let points = model.points().to_vec();
         let mut growing = Growing { points, ..Growing::default() };
@@ -464,7 +498,16 @@ pub(crate) fn refine_all(
         let triangles = model.triangles();
         Ok((
             ready,
-            RefinedModel { model, face, added, is_complete, named: names_held.clone(), parts, removed },
+            RefinedModel {
+                model,
+                face,
+                added,
+                is_complete: !even.contains(&false),
+                named: names_held.clone(),
+                parts,
+                removed,
+                even,
+            },
             triangles,
             left_out,
         ))
@@ -579,8 +622,8 @@ impl Growing {
                 }
             }
         }
-        let straight = Straightened { path, is_loop: straight.is_loop.clone() };
-        let straight = Some(Arc::new(straight)).filter(|straight| !straight.is_loop.is_empty());
+        let straight = (!straight.paths.is_empty()).then(|| Straightened::new(straight, path, &triangulation));
+        let straight = straight.map(Arc::new);
         let first = self.triangles.len() as u32;
         let triangle = (first..first + common.triangles.len() as u32).collect();
         // A triangle that was turned so that the surface is oriented is written as it was.
