@@ -258,7 +258,7 @@ fn a_wrong_line_in_a_file_of_cones_is_named() {
     for (text, expected) in [
         ("4\n\n999999\n", "cones.txt, line 3: cone 999999"),
         ("4\n5\n# again\n4\n", "cones.txt, line 4: cone 4 is given twice"),
-        ("4 1\n5\n6 1\n", "cones.txt, line 2: 2 of 3 cones"),
+        ("4 1\n5\n6 1\n", "cones.txt, line 2: of 3 cones 2 are given with a curvature"),
         ("4 7\n5 1\n6 4.566370614359172\n", "cones.txt, line 1: a cone's curvature must be less than 2π"),
         ("4 1\n5 1\n", "cones.txt: the given curvatures sum to 2.0"),
         ("#: vertices 7\n4\n5\n6\n", "cones.txt: the cones are of a model of 7 vertices"),
