@@ -76,7 +76,7 @@ fn best_detour(model: &EnergyModel, set: &ConeSet) -> Option<ConeSet> {
         return None;
     }
     // Most detours lead back to where they came from, or where one before has ended.
-    let mut known = HashSet::from([in_order(&set)]);
+    let mut known = HashSet::from([in_order(set)]);
     let swaps = swaps(model, set, DETOURS, f64::INFINITY);
     let mut ends = swaps
         .iter()

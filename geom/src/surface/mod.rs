@@ -18,7 +18,9 @@ mod texture_seams;
 mod triangulate;
 mod weld;
 
-pub use attributes::{Attribute, AttributeDomain, AttributeError, Attributes, Listing, Meaning, ScalarType};
+pub use attributes::{
+    Attribute, AttributeDomain, AttributeError, Attributes, BaseColourPicture, Listing, Meaning, ScalarType,
+};
 pub use curvature::{gaussian_curvature, mean_curvature};
 pub use exposure::{exposure, exposure_watched};
 pub use instances::unify_instances;

@@ -32,6 +32,8 @@ pub fn refine_attributes(model: &Model, refined: &Model, added: &[[(u32, f64); 3
         face_material: if is_there { face.iter().map(material).collect() } else { Vec::new() },
         materials: attributes.materials.clone(),
         looks: attributes.looks.clone(),
+        pictures: attributes.pictures.clone(),
+        libraries: attributes.libraries.clone(),
         comments: attributes.comments.clone(),
         listings: attributes.listings.clone(),
         left: attributes.left.clone(),
