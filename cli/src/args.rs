@@ -1,8 +1,8 @@
 //! The command line: what may be asked for, and nothing that is not built.
 
 use crate::commands::{
-    compare, completions, demo, distance, extract, features, figure, islands, man, measure, pack, persistence, shape,
-    simplify, tree, unwrap, view, whole,
+    bake, compare, completions, demo, distance, extract, features, figure, islands, man, measure, pack, persistence,
+    shape, simplify, tree, unwrap, view, whole,
 };
 use crate::limits::MOST_THREADS;
 use crate::output::Volume;
@@ -89,6 +89,8 @@ pub(crate) enum Subcommand {
     Islands(islands::IslandsArgs),
     /// Pack the islands of an unwrapped OBJ, PLY or glTF into the unit square, or onto tiles
     Pack(pack::PackCommandArgs),
+    /// Transfer the textures of a model to another map of it
+    Bake(bake::BakeArgs),
     /// Pair the extrema of a scalar field with saddles: an array, a picture, a mesh with values, a network
     Persistence(persistence::PersistenceArgs),
     /// Find how the components of a scalar field's level sets merge

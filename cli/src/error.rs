@@ -32,6 +32,49 @@ pub(crate) enum CommandError {
     PartlyNoTexture { path: PathBuf, lacking: usize, corners: usize, vertex: u32, face: usize },
     #[error("{} and {} do not have the same faces in the same order: name the mesh that was unwrapped", told(.0), told(.1))]
     OtherMesh(PathBuf, PathBuf),
+    #[error(
+        "{} has {}, and {} {} ({triangles} triangles): they are to have the same faces in the same order, as cones unwrap writes them without \
+         --refine and --split-edges",
+        told(new),
+        match faces[1] {
+            1 => "1 face".to_owned(),
+            count => format!("{count} faces"),
+        },
+        told(old),
+        faces[0]
+    )]
+    BakeFaces { old: PathBuf, new: PathBuf, faces: [usize; 2], triangles: usize },
+    #[error(
+        "face {face} (counted from 0) of {} is not where it is in {}, but {:.2} % of the surface's size away: they are to have the same faces in the \
+         same order, at the same places",
+        told(new),
+        told(old),
+        100.0 * share
+    )]
+    BakePlaces { old: PathBuf, new: PathBuf, face: u32, share: f64 },
+    #[error(
+        "{} has no textures: its faces show none, or its material library is not there; name the model whose textures are to be transferred",
+        told(.0)
+    )]
+    NoTextures(PathBuf),
+    #[error(
+        "{}: what {name} shows is not known, as the file that tells it cannot be read: put it where {} names it",
+        told(path),
+        told(path)
+    )]
+    UnknownPicture { path: PathBuf, name: String },
+    #[error(
+        "{}: the texture {name} is moved or scaled by its material, or placed by other coordinates than the first ones, which is not read: apply \
+         that to the texture coordinates",
+        told(path)
+    )]
+    MovedTexture { path: PathBuf, name: String },
+    #[error(
+        "{} has the texture coordinate {u} {v} at face {face} (counted from 0), which is not in the unit square: one picture is for that, so pack the map \
+         without --udim and --scale",
+        told(path)
+    )]
+    OutsideSquare { path: PathBuf, face: usize, u: f64, v: f64 },
     #[error("{}: {error}", told(path))]
     Measure { path: PathBuf, error: DistortionError },
     #[error("{}: {error}{}", told(path), options(error))]

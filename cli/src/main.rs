@@ -18,8 +18,8 @@ mod vtk;
 use args::{Arguments, Subcommand};
 use clap::CommandFactory;
 use commands::{
-    compare, completions, demo, distance, extract, features, figure, islands, man, measure, pack, persistence, shape,
-    simplify, tree, unwrap, view,
+    bake, compare, completions, demo, distance, extract, features, figure, islands, man, measure, pack, persistence,
+    shape, simplify, tree, unwrap, view,
 };
 use error::CommandError;
 use std::process::ExitCode;
@@ -49,6 +49,7 @@ fn run(command: &Subcommand) -> Result<(), CommandError> {
         Subcommand::Measure(args) => measure::run(args),
         Subcommand::Islands(args) => islands::run(args),
         Subcommand::Pack(args) => pack::run(args),
+        Subcommand::Bake(args) => bake::run(args),
         Subcommand::Persistence(args) => persistence::run(args),
         Subcommand::Tree(args) => tree::run(args),
         Subcommand::Simplify(args) => simplify::run(args),

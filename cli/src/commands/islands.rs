@@ -1,6 +1,6 @@
 //! `cones islands`: a map that somebody made, taken apart where it lies over itself.
 
-use crate::commands::shared::{PackArgs, WeldArgs, split_vertices, texture, write_map};
+use crate::commands::shared::{Bake, MapTextures, PackArgs, WeldArgs, split_vertices, texture, write_map};
 use crate::error::CommandError;
 use crate::input;
 use crate::output;
@@ -74,14 +74,21 @@ pub(crate) fn run(args: &IslandsArgs) -> Result<(), CommandError> {
     output::check(&[&args.input], &[&args.output])?;
     let (model, _) = input::read_model(&args.input)?;
     let uv = texture(&args.input, &model)?;
-    let before = measured(args, &model, &uv)?;
-    let parted = part(&model, &uv, args.weld.chosen(), Watch::NONE)
+    let textures = MapTextures::of(&model, &args.input);
+    let of_faces = textures.of_faces().unwrap_or(&[]);
+    let before = measured(args, &model, &uv, of_faces)?;
+    let parted = part(&model, &textures.apart(&model, &uv), args.weld.chosen(), Watch::NONE)
         .map_err(|error| CommandError::Unwrap { path: args.input.clone(), error: error.into() })?;
     let left = parted.left;
     let is_packed = !parted.overlaps.pairs.is_empty();
-    let placed = if is_packed { packed(args, &model, parted)? } else { parted.uv };
-    let after = measured(args, &model, &placed)?;
+    let placed = if is_packed { packed(args, &model, parted)? } else { uv };
+    let after = measured(args, &model, &placed, if is_packed { &[] } else { of_faces })?;
     write_map(&model, &placed, (&args.input, &args.output), format)?;
+    if is_packed {
+        let bake = Bake::of_tiles(args.packing.is_udim());
+        let told = textures.become_one(&args.output, bake).or_else(|| textures.do_not_fit(&args.output, bake));
+        told.iter().for_each(|told| output::warn(told));
+    }
     if split_vertices(&model, args.weld.chosen()) > 0 {
         output::warn("the surface is split along its seams: with --weld what is cut off can be attached across them");
     }
@@ -103,8 +110,14 @@ fn packed(args: &IslandsArgs, model: &Model, parted: Parted) -> Result<Vec<[f64;
     Ok(packed.uv)
 }
 
-fn measured(args: &IslandsArgs, model: &Model, uv: &[[f64; 2]]) -> Result<MapReport, CommandError> {
-    let map = MeasuredMap::new(model, uv, args.weld.chosen())
+/// What matters of a map; `of_faces` are the textures of its faces, if it has several.
+fn measured(
+    args: &IslandsArgs,
+    model: &Model,
+    uv: &[[f64; 2]],
+    of_faces: &[Option<u32>],
+) -> Result<MapReport, CommandError> {
+    let map = MeasuredMap::of_textures(model, uv, args.weld.chosen(), of_faces)
         .map_err(|error| CommandError::Measure { path: args.input.clone(), error })?;
     let Quality { distortion, islands, .. } = map.quality;
     Ok(MapReport {

@@ -1,15 +1,17 @@
 //! `cones measure`: the distortion of any map, of an OBJ, PLY or glTF.
 
-use crate::commands::shared::{WeldArgs, split_vertices, texture};
+use crate::commands::shared::{MapTextures, WeldArgs, split_vertices, texture};
 use crate::error::CommandError;
 use crate::input;
 use crate::output::{self, Files};
 use crate::render::{self, Paint, Scene};
 use crate::report::table::counted;
-use crate::report::{SCHEMA, distortion_text};
+use crate::report::{SCHEMA, distortion_text, distortion_text_filling};
 use clap::Args;
 use cones::report::{DistortionReport, IslandReport, MeasuredMap};
+use cones::uv::{Triangle, fill};
 use geom::Model;
+use geom::io::{Texture, Textures};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
@@ -46,6 +48,15 @@ struct MeasureReport {
     input: MeasuredInput,
     distortion: DistortionReport,
     islands: Vec<IslandReport>,
+    textures: Vec<TextureReport>,
+}
+
+/// The part of the map that shows one texture.
+#[derive(Debug, Serialize)]
+struct TextureReport {
+    name: String,
+    faces: usize,
+    fill: f64,
 }
 
 #[derive(Debug, Serialize)]
@@ -62,9 +73,10 @@ pub(crate) fn run(args: &MeasureArgs) -> Result<(), CommandError> {
     let (model, _) = input::read_model(&args.input)?;
     let reference = args.reference.as_deref().map(|path| reference(path, &args.input, &model)).transpose()?;
     let surface = reference.as_ref().unwrap_or(&model);
-    let measured = measure(args, &model, surface)?;
+    let textures = MapTextures::of(&model, &args.input);
+    let measured = measure(args, &model, surface, &textures)?;
     write_extras(args, surface, &measured)?;
-    let report = report(args, surface, &measured);
+    let report = report(args, surface, &measured, &textures);
     if !measured.left_out.is_empty() {
         output::warn(&format!(
             "{} with a vertex twice, or at the place of another one on the same vertices: not measured",
@@ -82,10 +94,23 @@ pub(crate) fn run(args: &MeasureArgs) -> Result<(), CommandError> {
     }
     let vertices = counted(report.input.vertices, "vertex", "vertices");
     let faces = counted(report.input.faces, "face", "faces");
-    output::print_table(&format!(
-        "surface   {vertices}, {faces}\n{}",
-        distortion_text(&report.distortion, report.islands.len())
-    ))
+    output::print_table(&format!("surface   {vertices}, {faces}\n{}", map_text(&report)))
+}
+
+/// So many textures are told of; all are in the JSON.
+const MOST_TEXTURES: usize = 8;
+
+/// What is measured of the map; where it has several textures, how much of each is filled.
+fn map_text(MeasureReport { distortion, islands, textures, .. }: &MeasureReport) -> String {
+    if textures.len() < 2 {
+        return distortion_text(distortion, islands.len());
+    }
+    let of_one = |texture: &TextureReport| format!("{:.1} % of {}", 100.0 * texture.fill, texture.name);
+    let mut fill: Vec<String> = textures.iter().take(MOST_TEXTURES).map(of_one).collect();
+    if textures.len() > MOST_TEXTURES {
+        fill.push(format!("and {} textures more", textures.len() - MOST_TEXTURES));
+    }
+    distortion_text_filling(distortion, islands.len(), &fill.join(", "))
 }
 
 /// Endings and places of the outputs, before anything is computed.
@@ -136,13 +161,19 @@ fn reference(path: &Path, input: &Path, model: &Model) -> Result<Model, CommandE
 }
 
 /// Measures the model's texture coordinates on the surface of `reference`.
-fn measure(args: &MeasureArgs, model: &Model, reference: &Model) -> Result<MeasuredMap, CommandError> {
+fn measure(
+    args: &MeasureArgs,
+    model: &Model,
+    reference: &Model,
+    textures: &MapTextures,
+) -> Result<MeasuredMap, CommandError> {
     let uv = texture(&args.input, model)?;
-    MeasuredMap::new(reference, &uv, args.weld.chosen())
+    MeasuredMap::of_textures(reference, &uv, args.weld.chosen(), textures.of_faces().unwrap_or(&[]))
         .map_err(|error| CommandError::Measure { path: args.input.clone(), error })
 }
 
-fn report(args: &MeasureArgs, reference: &Model, MeasuredMap { left_out, quality, .. }: &MeasuredMap) -> MeasureReport {
+fn report(args: &MeasureArgs, reference: &Model, measured: &MeasuredMap, textures: &MapTextures) -> MeasureReport {
+    let MeasuredMap { left_out, quality, .. } = measured;
     MeasureReport {
         schema: SCHEMA,
         input: MeasuredInput {
@@ -154,5 +185,23 @@ fn report(args: &MeasureArgs, reference: &Model, MeasuredMap { left_out, quality
         },
         distortion: quality.distortion.clone(),
         islands: quality.islands.clone(),
+        textures: of_textures(measured, &textures.textures),
     }
+}
+
+/// How much of each texture is filled.
+fn of_textures(measured: &MeasuredMap, textures: &Textures) -> Vec<TextureReport> {
+    let mut images = vec![Vec::new(); textures.list().len()];
+    for (&face, &image) in measured.face_of.iter().zip(&measured.uv) {
+        if let Some(texture) = textures.of_face(face as usize) {
+            images[texture].push(image);
+        }
+    }
+    let faces = |number: usize| textures.of_faces().iter().filter(|&&of| of == Some(number as u32)).count();
+    let of_one = |(number, (texture, images)): (usize, (&Texture, &Vec<Triangle>))| TextureReport {
+        name: texture.name.clone(),
+        faces: faces(number),
+        fill: fill(images),
+    };
+    textures.list().iter().zip(&images).enumerate().map(of_one).collect()
 }

@@ -1,5 +1,6 @@
 //! The subcommands, a file or a folder each: what may be asked of it, and what it does.
 
+pub(crate) mod bake;
 pub(crate) mod compare;
 pub(crate) mod completions;
 pub(crate) mod demo;

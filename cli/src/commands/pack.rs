@@ -1,13 +1,12 @@
 //! `cones pack`: the islands of any unwrapped OBJ, PLY or glTF, packed.
 
-use crate::commands::shared::{PackArgs, WeldArgs, corner_uv, picked, texture, write_map};
+use crate::commands::shared::{Bake, MapTextures, PackArgs, WeldArgs, overlap, texture, write_map};
 use crate::error::CommandError;
 use crate::input;
 use crate::output;
 use crate::report::table::{counted, labelled};
 use crate::report::{SCHEMA, overlap_text, tiles_text};
 use clap::Args;
-use cones::report::{OverlapReport, worth_measuring};
 use cones::uv::{islands_of, repack};
 use geom::{Model, Watch, Weld};
 use serde::Serialize;
@@ -58,11 +57,18 @@ pub(crate) fn run(args: &PackCommandArgs) -> Result<(), CommandError> {
     output::check(&[&args.input], &[&args.output])?;
     let (model, _) = input::read_model(&args.input)?;
     let uv = texture(&args.input, &model)?;
-    let islands = islands_of(&model, &uv, args.weld.chosen(), Watch::NONE)
+    let textures = MapTextures::of(&model, &args.input);
+    let apart = textures.apart(&model, &uv);
+    let islands = islands_of(&model, &apart, args.weld.chosen(), Watch::NONE)
         .map_err(|error| CommandError::Measure { path: args.input.clone(), error })?;
-    let packed = repack(&model, &uv, &islands, (args.weld.chosen(), &args.packing.options()), Watch::NONE)
+    let packed = repack(&model, &apart, &islands, (args.weld.chosen(), &args.packing.options()), Watch::NONE)
         .map_err(|error| CommandError::Pack { path: args.input.clone(), error })?;
     write_map(&model, &packed.uv, (&args.input, &args.output), format)?;
+    if packed.uv != uv {
+        let bake = Bake::of_tiles(args.packing.is_udim());
+        let told = textures.become_one(&args.output, bake).or_else(|| textures.do_not_fit(&args.output, bake));
+        told.iter().for_each(|told| output::warn(told));
+    }
     args.packing.warn_of_margin(packed.packing.margin);
     warn_of_overlap(&model, &packed.uv, args.weld.chosen());
     let report = PackReport {
@@ -79,10 +85,7 @@ pub(crate) fn run(args: &PackCommandArgs) -> Result<(), CommandError> {
 
 /// Islands that lie over themselves are packed as they are.
 fn warn_of_overlap(model: &Model, uv: &[[f64; 2]], weld: Weld) {
-    let triangles = model.triangles();
-    let (mut vertices, images) = (triangles.vertices(model), corner_uv(&triangles.corners, uv));
-    weld.apply(model, &mut vertices);
-    let found = OverlapReport::of(&picked(&worth_measuring(&vertices, &images), &images));
+    let found = overlap(model, uv, weld);
     if found.pairs > 0 {
         output::warn(&format!("islands lie over themselves, {}: cones islands takes them apart", overlap_text(found)));
     }

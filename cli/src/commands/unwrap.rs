@@ -3,8 +3,8 @@
 mod many;
 
 use crate::commands::shared::{
-    CandidateArgs, CheckerFiles, ColourName, FormatName, HIERARCHY_ENDINGS, PackArgs, Scale, SeamArgs, ShotArgs,
-    SurfaceFile, Unwrapped, non_negative, page_file, vtp_text, whole, write_hierarchy,
+    Bake, CandidateArgs, ColourName, FormatName, HIERARCHY_ENDINGS, MapTextures, MaterialFiles, PackArgs, Scale,
+    SeamArgs, ShotArgs, SurfaceFile, Unwrapped, non_negative, page_file, vtp_text, whole, write_hierarchy,
 };
 use crate::error::CommandError;
 use crate::input::{self, ConeFile, cone_file};
@@ -209,10 +209,12 @@ impl Job<'_> {
         args.candidates.warn_of_idle_choice(&options);
         let edges = args.seams.read(&mut options)?;
         let (model, read) = input::read_model(input)?;
+        let textures = MapTextures::of(&model, input);
         let (model, split) = args.candidates.with_edges_split(model);
         args.seams.keep(input, &model, &mut options)?;
         let place = |error| edges.place(placed(cones.as_ref(), error));
         let mut unwrapped = Unwrapped::new(input, model, options, args.scale, progress).map_err(place)?;
+        let is_split = split.is_some();
         unwrapped.map.flaws.extend(split);
         let is_cut = args.triangulate || format == MeshFormat::Glb;
         if !is_cut {
@@ -220,7 +222,15 @@ impl Job<'_> {
         } else if unwrapped.has_overlapping_polygons() {
             unwrapped = unwrapped.triangulated(input, args.scale, progress).map_err(place)?;
         }
+        let has_other_faces = is_split || unwrapped.analysis.refined().is_some();
+        unwrapped.map.flaws.extend(self.textures_do_not_fit(&textures, has_other_faces));
         Ok((unwrapped, Times { read: Some(read), ..Times::default() }))
+    }
+
+    /// That the textures are for the old map, where there are any that no checkerboard is in place of.
+    fn textures_do_not_fit(&self, textures: &MapTextures, has_other_faces: bool) -> Option<String> {
+        let bake = if has_other_faces { Bake::OtherFaces } else { Bake::of_tiles(self.args.packing.is_udim()) };
+        textures.do_not_fit(self.output, bake).filter(|_| !self.args.checker)
     }
 
     /// Writes it, with its checkerboard, and notes what the format does not hold; how many seconds that took.
@@ -234,10 +244,10 @@ impl Job<'_> {
             source: Some(self.input),
             uv: Some(&unwrapped.map.uv),
             triangles: triangles.as_ref(),
-            material: checker.as_ref().map(CheckerFiles::material),
+            material: checker.as_ref().map(MaterialFiles::material),
         };
         let lost = file.write(files, output, format)?;
-        checker.as_ref().map_or(Ok(()), |checker| checker.write(files))?;
+        checker.as_ref().map_or(Ok(()), |checker| checker.write_checker(files))?;
         unwrapped.map.flaws.extend(lost.map(|lost| lost.to_string()));
         Ok(start.elapsed().as_secs_f64())
     }
@@ -289,10 +299,10 @@ fn check_outputs(args: &UnwrapArgs, input: &Path, output: &Path) -> Result<MeshF
     let checker = args.checker(output);
     let mut outputs = outputs(args, output);
     let is_named = |path: &&Path| outputs.contains(path);
-    if let Some(taken) = checker.iter().flat_map(CheckerFiles::paths).find(is_named) {
+    if let Some(taken) = checker.iter().flat_map(MaterialFiles::paths).find(is_named) {
         return Err(CommandError::CheckerTaken(taken.to_owned()));
     }
-    outputs.extend(checker.iter().flat_map(CheckerFiles::paths));
+    outputs.extend(checker.iter().flat_map(MaterialFiles::paths));
     output::check_json(args.json, &outputs)?;
     output::check(&inputs, &outputs)?;
     Ok(format)
@@ -315,8 +325,8 @@ impl UnwrapArgs {
     }
 
     /// The files of the checkerboard, if it is asked for.
-    fn checker(&self, output: &Path) -> Option<CheckerFiles> {
-        self.checker.then(|| CheckerFiles::beside(output))
+    fn checker(&self, output: &Path) -> Option<MaterialFiles> {
+        self.checker.then(|| MaterialFiles::checker(output))
     }
 }
 
@@ -395,7 +405,7 @@ fn drawn_layout(path: &Path, scene: &Scene, paint: &Paint) -> Result<Drawing, Co
 
 fn summary(report: &UnwrapReport, args: &UnwrapArgs, output: &Path) -> String {
     let checker = args.checker(output);
-    let all = outputs(args, output).into_iter().chain(checker.iter().flat_map(CheckerFiles::paths));
+    let all = outputs(args, output).into_iter().chain(checker.iter().flat_map(MaterialFiles::paths));
     let written: Vec<String> = all.map(|p| p.display().to_string()).collect();
     report.text() + &labelled("written", &written.join(", "))
 }

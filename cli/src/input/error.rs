@@ -71,6 +71,12 @@ pub(crate) enum Problem {
     Expansion { pixels: u64, length: u64 },
     #[error("is no PNG picture that can be read ({0})")]
     Png(#[from] png::DecodingError),
+    #[error("is no JPEG picture that can be read ({0}): save it anew, or as PNG")]
+    Jpeg(String),
+    #[error("is neither a PNG nor a JPEG picture: save it as one of these")]
+    Picture,
+    #[error("has {width} × {height} pixels, and a texture has at most {most} on a side: save it smaller")]
+    TextureSize { width: usize, height: usize, most: usize },
     #[error("{0}")]
     Csv(String),
     #[error("there is no column named {name}: the first line must name the columns {wanted}")]

@@ -20,6 +20,7 @@ mod pgm;
 mod source;
 mod stored;
 mod table;
+mod texels;
 mod tiff;
 mod values;
 mod vti;
@@ -34,6 +35,7 @@ pub(crate) use network::{Network, edges_beside};
 pub(crate) use npy::{write_labels, write_values};
 pub(crate) use source::Source;
 pub(crate) use table::heading;
+pub(crate) use texels::Texels;
 pub(crate) use values::{FieldScalar, Number, Values, each, significant, six_digits};
 
 use geom::Model;

@@ -19,7 +19,7 @@ mod svg;
 mod view;
 
 pub(crate) use checker::Checker;
-pub(crate) use colour::{Colour, INK, MAXIMUM, MINIMUM, PAPER, encode, encode_hue, mix};
+pub(crate) use colour::{Colour, INK, MAXIMUM, MINIMUM, PAPER, decode, encode, encode_hue, mix};
 pub(crate) use layout::{draw as draw_layout, draw_bare as draw_bare_layout};
 pub(crate) use layout_svg::draw as draw_layout_svg;
 pub(crate) use model::{Shot, draw as draw_model};

@@ -7,7 +7,7 @@ mod text;
 
 pub(crate) use hierarchy_file::{HierarchyFile, rows as hierarchy_rows};
 pub(crate) use seams::on_seams;
-pub(crate) use text::{distortion_text, overlap_text, repair_text, tiles_text};
+pub(crate) use text::{distortion_text, distortion_text_filling, overlap_text, repair_text, tiles_text};
 
 use cones::report::Report;
 pub(crate) use cones::report::SCHEMA;

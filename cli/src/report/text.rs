@@ -123,8 +123,14 @@ impl InputReport {
     }
 }
 
-/// Lines on areas, angles and faults of a map.
+/// Lines on areas, angles and faults of a map, and on how much of the square is filled.
 pub(crate) fn distortion_text(distortion: &DistortionReport, islands: usize) -> String {
+    let fill = format!("{:.1} % of {}", 100.0 * distortion.fill, tiles_text(distortion.tiles));
+    distortion_text_filling(distortion, islands, &fill)
+}
+
+/// The same where what is filled is told otherwise.
+pub(crate) fn distortion_text_filling(distortion: &DistortionReport, islands: usize, fill: &str) -> String {
     let DistortionReport { area_mean, u_l2, u_linf, seam_length, quasi_conformal: qc, .. } = distortion;
     let islands = counted(islands, "island", "islands");
     let [flipped, degenerate] = [distortion.flipped, distortion.degenerate].map(thousands);
@@ -146,7 +152,7 @@ pub(crate) fn distortion_text(distortion: &DistortionReport, islands: usize) -> 
                 "{islands}, {flipped} flipped, {degenerate} degenerate, {overlap} overlapping, seams {seam_length:.2} √area"
             ),
         ),
-        labelled("fill", &format!("{:.1} % of {}", 100.0 * distortion.fill, tiles_text(distortion.tiles))),
+        labelled("fill", fill),
     ]
     .concat()
 }

@@ -3,6 +3,7 @@
 //! These tests live here and not with those across crates because cargo builds a program for the tests of its own package
 //! only.
 
+mod baking;
 mod comparing;
 mod documented;
 mod field_files;
@@ -17,5 +18,6 @@ mod packing;
 mod pictures;
 mod seams;
 mod terminal;
+mod textures;
 mod unwrapping;
 mod viewing;

@@ -45,6 +45,35 @@ impl MeasuredMap {
         Self::new_watched(model, uv, weld, None, Watch::NONE)
     }
 
+    /// [`new`](Self::new) of a model whose faces show several textures, each of which has the plane to itself: triangles whose faces have not the same one do not
+    /// overlap. Faces beyond those that are given have none.
+    ///
+    /// ```
+    /// use cones::report::MeasuredMap;
+    ///
+    /// let points = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
+    /// let square = geom::Model::from_triangles(points, &[[0, 1, 2], [2, 3, 0]])?;
+    /// let [a, b, c] = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]];
+    /// let uv = [a, b, c, a, b, c];
+    /// let pairs = |of_face: &[Option<u32>]| -> Result<usize, geom::distortion::DistortionError> {
+    ///     let map = MeasuredMap::of_textures(&square, &uv, geom::Weld::Auto, of_face)?;
+    ///     Ok(map.quality.distortion.overlap.pairs)
+    /// };
+    /// assert_eq!((pairs(&[Some(0), Some(0)])?, pairs(&[Some(0), Some(1)])?), (1, 0));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    pub fn of_textures(
+        model: &Model,
+        uv: &[[f64; 2]],
+        weld: Weld,
+        of_face: &[Option<u32>],
+    ) -> Result<Self, DistortionError> {
+        Self::measured(model, uv, weld, (None, Some(of_face)), Watch::NONE)
+    }
+
     /// [`new`](Self::new) with the vertices that are the map's cones, if they are known; watched.
     ///
     /// # Errors
@@ -54,6 +83,16 @@ impl MeasuredMap {
         uv: &[[f64; 2]],
         weld: Weld,
         cones: Option<&[u32]>,
+        watch: Watch,
+    ) -> Result<Self, DistortionError> {
+        Self::measured(model, uv, weld, (cones, None), watch)
+    }
+
+    fn measured(
+        model: &Model,
+        uv: &[[f64; 2]],
+        weld: Weld,
+        (cones, texture): (Option<&[u32]>, Option<&[Option<u32>]>),
         watch: Watch,
     ) -> Result<Self, DistortionError> {
         let (found, corners) = (uv.len(), model.corner_count());
@@ -73,14 +112,18 @@ impl MeasuredMap {
         let mut is_left_out = vec![true; vertices.len()];
         triangle.iter().for_each(|&t| is_left_out[t as usize] = false);
         let (vertices, uv) = (picked(&triangle, &vertices), picked(&triangle, &uv));
-        let cones = (cones.as_deref(), rounding_depth(&uv));
-        let quality = Quality::measure_deeper(model.points(), &vertices, &uv, cones, watch);
+        let face_of = picked(&triangle, &triangles.face_of);
+        let texture = texture.map(|of_face| -> Vec<_> {
+            face_of.iter().map(|&face| of_face.get(face as usize).copied().flatten()).collect()
+        });
+        let (points, given) = (model.points(), (cones.as_deref(), rounding_depth(&uv)));
+        let quality = Quality::measure_deeper(points, &vertices, &uv, given, texture.as_deref(), watch);
         let quality = quality.map_err(|error| match error {
             DistortionError::UvNotFinite(f) => DistortionError::UvNotFinite(FaceId::new(triangle[f.index()] as usize)),
             error => error,
         })?;
         let left_out = (0..).zip(is_left_out).filter_map(|(t, is_left_out)| is_left_out.then_some(t)).collect();
-        Ok(Self { quality, face_of: picked(&triangle, &triangles.face_of), triangle, vertices, uv, left_out })
+        Ok(Self { quality, face_of, triangle, vertices, uv, left_out })
     }
 }
 

@@ -1,5 +1,7 @@
 //! How good a map is.
 
+use std::collections::BTreeMap;
+
 use geom::distortion::{self, DistortionError, Island, Percentiles};
 use geom::{Id, VertexId, Watch};
 
@@ -60,29 +62,36 @@ impl Quality {
         cones: Option<&[u32]>,
         watch: Watch,
     ) -> Result<Self, DistortionError> {
-        Self::measure_deeper(points, triangles, uv, (cones, NEGLIGIBLE_DEPTH), watch)
+        Self::measure_deeper(points, triangles, uv, (cones, NEGLIGIBLE_DEPTH), None, watch)
     }
 
-    /// [`measure_watched`](Self::measure_watched), where overlaps that are no deeper than a share of the map's extent are none.
+    /// [`measure_watched`](Self::measure_watched), where overlaps that are no deeper than a share of the map's extent are none, nor those of triangles with different
+    /// textures, if these are given.
     pub(super) fn measure_deeper(
         points: &[[f64; 3]],
         triangles: &[[u32; 3]],
         uv: &[Triangle],
         (cones, deeper_than): (Option<&[u32]>, f64),
+        texture: Option<&[Option<u32>]>,
         watch: Watch,
     ) -> Result<Self, DistortionError> {
         let count = points.len();
         if let Some(&cone) = cones.into_iter().flatten().find(|&&cone| cone as usize >= count) {
             return Err(DistortionError::ConeOutOfRange { cone, count });
         }
+        let is_one_texture =
+            |[f, g]: [u32; 2]| texture.is_none_or(|texture| texture[f as usize] == texture[g as usize]);
         let (map, (overlaps, (fill, tiles))) = watch.within(0.0, 0.8).shared(|watch| {
             rayon::join(
                 || distortion::measure_watched(points, triangles, uv, watch),
-                || (uv::overlaps_watched(uv, deeper_than, |_| true, watch), uv::filled(uv)),
+                || (uv::overlaps_watched(uv, deeper_than, is_one_texture, watch), uv::filled(uv)),
             )
         });
         let (map, overlaps) = (map?, overlaps?);
-        let overlap = OverlapReport::new(&overlaps, uv);
+        let mut overlap = OverlapReport::new(&overlaps, uv);
+        if let Some(texture) = texture.filter(|_| !overlaps.is_complete) {
+            overlap.share = share_by_texture(uv, texture);
+        }
         watch.ask(0.9)?;
         let cones: Vec<VertexId> = match cones {
             Some(known) => known.iter().map(|&v| VertexId::new(v as usize)).collect(),
@@ -123,6 +132,18 @@ impl Quality {
         let shift = if scaled > 0.0 { (scaled / whole).ln() } else { 0.0 };
         self.log_scale.iter().map(|u| 2.0 * u - shift).collect()
     }
+}
+
+/// The share of a map that is covered more than once by triangles of one texture, where not all of their pairs are known: the mean of the textures', by area.
+fn share_by_texture(uv: &[Triangle], texture: &[Option<u32>]) -> f64 {
+    let mut of_texture: BTreeMap<Option<u32>, Vec<Triangle>> = BTreeMap::new();
+    uv.iter().zip(texture).for_each(|(&triangle, &texture)| of_texture.entry(texture).or_default().push(triangle));
+    let weighed = of_texture.values().map(|uv| {
+        let area: f64 = uv.iter().filter_map(|&triangle| uv::area(triangle)).sum();
+        [area, area * OverlapReport::of(uv).share]
+    });
+    let [area, overlapping] = weighed.fold([0.0; 2], |[area, share], [a, s]| [area + a, share + s]);
+    if area > 0.0 { overlapping / area } else { 0.0 }
 }
 
 /// How far a map is from isometric and conformal, and what is wrong with it: figures of [`geom::distortion::Distortion`], overlap and fill.

@@ -31,6 +31,7 @@ mod sides;
 mod table;
 #[cfg(test)]
 mod tests;
+mod textures;
 mod triangle;
 
 pub(crate) use companions::{Corners, leaders};
@@ -45,7 +46,9 @@ pub(crate) use rearrange::{Figures, SEARCHES};
 pub use repack::{Repacked, islands_of, repack};
 pub use separate::{Separation, separate};
 pub(crate) use separate::{add_necks, attached, overlaps_on_islands, seam, taken_apart};
+pub use textures::textures_apart;
 pub use triangle::Triangle;
+pub(crate) use triangle::area;
 
 /// So many triangles, edges or corners are gone through one after the other at least.
 const AT_ONCE: usize = 1 << 12;

@@ -40,7 +40,7 @@ pub(super) fn twice_area([a, b, c]: Triangle) -> f64 {
 }
 
 /// The area, whichever way round it is; none if it has none.
-pub(super) fn area(triangle: Triangle) -> Option<f64> {
+pub(crate) fn area(triangle: Triangle) -> Option<f64> {
     upright(triangle).map(|corners| 0.5 * twice_area(corners))
 }
 

@@ -29,8 +29,8 @@ use super::transformation::Transformation;
 use super::write_glb::{GENERATOR, is_plain};
 use crate::counted::counted;
 use crate::surface::{
-    Attribute, AttributeDomain, Attributes, Meaning, Model, Polygons, ScalarType, SceneNode, Skipped,
-    TextureCoordinates,
+    Attribute, AttributeDomain, Attributes, BaseColourPicture, Meaning, Model, Polygons, ScalarType, SceneNode,
+    Skipped, TextureCoordinates,
 };
 use accessor::{Accessor, Buffers};
 use container::Container;
@@ -267,6 +267,7 @@ impl Draft {
             tables,
             materials: material_names(document, &looks),
             looks,
+            pictures: pictures(document),
             face_material,
             nodes,
             face_node,
@@ -336,6 +337,35 @@ fn looks(document: &Document) -> Vec<String> {
         if says_nothing { String::new() } else { Value::Object(look.clone()).to_string() }
     };
     document.materials.iter().map(look).collect()
+}
+
+/// The pictures of materials' base colours. That which we put on a map to look at it is none.
+fn pictures(document: &Document) -> Vec<Option<BaseColourPicture>> {
+    let is_ours = document.asset.generator.as_deref() == Some(GENERATOR);
+    let picture = |material: &document::Material| {
+        let (texture, is_moved) = material.base_colour.filter(|_| !is_ours)?;
+        let image = usize::try_from(document.textures.get(texture)?.get("source")?.as_u64()?).ok()?;
+        let name = document.images.get(image)?.called(image);
+        Some(BaseColourPicture { image, name, is_moved })
+    };
+    let pictures: Vec<_> = document.materials.iter().map(picture).collect();
+    if pictures.iter().any(Option::is_some) { pictures } else { Vec::new() }
+}
+
+/// The bytes of one of a glTF's images.
+pub(super) fn image(bytes: &[u8], number: usize, folder: Option<&Path>) -> Result<Vec<u8>, Fault> {
+    let Container { json, binary, .. } = Container::open(bytes)?;
+    let document = Document::read(json)?;
+    let image = document.images.get(number);
+    let image = image.ok_or_else(|| Fault::unexpected(Place::File, format!("no image {number}"), "one"))?;
+    match (&image.uri, image.view) {
+        (Some(uri), _) => container::load(uri, "an image", folder),
+        (None, Some(view)) => {
+            let buffers = Buffers::new(&document, container::buffers(&document, binary, folder)?);
+            buffers.view(view).map(|(bytes, _)| bytes.to_vec())
+        }
+        (None, None) => Err(Fault::unexpected(Place::File, format!("image {number} without data"), "a `uri`")),
+    }
 }
 
 /// The names of materials. One without name and look that is the only one is no material worth a name.

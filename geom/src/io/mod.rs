@@ -27,6 +27,7 @@ mod stl;
 #[cfg(test)]
 mod tests;
 mod text;
+mod textures;
 mod transformation;
 mod triangulated;
 mod wedge;
@@ -49,6 +50,7 @@ use text::Lines;
 pub use error::{Place, Problem, ReadError, WriteError};
 pub use not_kept::{MeshFormat, NotKept, not_kept};
 pub use refined_obj::{refine_obj, with_split_edges};
+pub use textures::{Picture, Texture, Textures};
 pub use triangulated::triangulated;
 pub use write_glb::write_glb;
 pub use write_obj::{Material, ObjContent, write_obj};
@@ -109,6 +111,16 @@ pub fn read_stream(mut input: impl Read, name: impl AsRef<Path>) -> Result<Model
         Ok(_) => read_bytes(bytes, name),
         Err(error) => Err(Fault::from(Problem::Io(error)).in_file(name.as_ref())),
     }
+}
+
+/// The bytes of one of the images of a glTF, which its [`Attributes::pictures`](crate::Attributes::pictures) number.
+///
+/// # Errors
+/// As [`read`], and when there is no such image.
+pub fn read_image(path: impl AsRef<Path>, number: usize) -> Result<Vec<u8>, ReadError> {
+    let path = path.as_ref();
+    let bytes = load(path).and_then(decompress).map_err(|problem| Fault::from(problem).in_file(path))?;
+    gltf::image(&bytes, number, path.parent()).map_err(|fault| fault.in_file(path))
 }
 
 /// Writes what `content` writes, compressed with gzip.

@@ -142,6 +142,7 @@ impl Draft {
             }
             b"vn" => self.appearance.normal(words),
             b"usemtl" => self.appearance.material(words),
+            b"mtllib" => self.appearance.libraries(words),
             b"g" | b"o" => self.appearance.group(),
             b"vt" => self.uv_points.push(texture_point(&mut words)?),
             b"l" => self.skipped.lines += 1,

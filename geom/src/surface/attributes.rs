@@ -514,6 +514,17 @@ impl Default for NodePlace {
     }
 }
 
+/// A picture of a glTF as the base colour of a material.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct BaseColourPicture {
+    /// Its number among the glTF's images.
+    pub image: usize,
+    /// What it is called there.
+    pub name: String,
+    /// Whether it is placed by other coordinates than the first ones, or by a transformation of them.
+    pub is_moved: bool,
+}
+
 /// All that a file says besides points, faces and texture coordinates; see the module's head.
 #[derive(Debug, Clone, Default, PartialEq)]
 #[non_exhaustive]
@@ -524,12 +535,16 @@ pub struct Attributes {
     pub materials: Vec<String>,
     /// What a glTF says of their looks, in its JSON and without textures; empty where it says nothing, or another format was read.
     pub looks: Vec<String>,
+    /// The picture that a glTF has for each material's base colour, if any has one.
+    pub pictures: Vec<Option<BaseColourPicture>>,
     /// The material of each face, an index into `materials`, if any has one; what is out of range is none.
     pub face_material: Vec<u32>,
     /// The nodes of a glTF's scene, each after the one that it hangs on. Points are where these have put them.
     pub nodes: Vec<SceneNode>,
     /// The node of each face, an index into `nodes`, if any has one; what is out of range is none.
     pub face_node: Vec<u32>,
+    /// The material libraries that an OBJ names.
+    pub libraries: Vec<String>,
     /// Comments, of a PLY, each with its keyword.
     pub comments: Vec<String>,
     /// Other elements of a PLY, such as its edges.

@@ -19,7 +19,8 @@ mod triangulate;
 mod weld;
 
 pub use attributes::{
-    Attribute, AttributeDomain, AttributeError, Attributes, Listing, Meaning, NodePlace, ScalarType, SceneNode,
+    Attribute, AttributeDomain, AttributeError, Attributes, BaseColourPicture, Listing, Meaning, NodePlace, ScalarType,
+    SceneNode,
 };
 pub use curvature::{gaussian_curvature, mean_curvature};
 pub use exposure::{exposure, exposure_watched};

@@ -36,6 +36,8 @@ pub fn refine_attributes(model: &Model, refined: &Model, added: &[[(u32, f64); 3
         nodes: attributes.nodes.clone(),
         materials: attributes.materials.clone(),
         looks: attributes.looks.clone(),
+        pictures: attributes.pictures.clone(),
+        libraries: attributes.libraries.clone(),
         comments: attributes.comments.clone(),
         listings: attributes.listings.clone(),
         left: attributes.left.clone(),

@@ -3,7 +3,7 @@
 mod gallery;
 
 use crate::commands::shape;
-use crate::commands::shared::{CheckerFiles, Scale, Unwrapped};
+use crate::commands::shared::{MaterialFiles, Scale, Unwrapped};
 use crate::error::CommandError;
 use crate::output::{self, Files};
 use crate::progress::Progress;
@@ -49,8 +49,8 @@ pub(crate) fn run(args: &DemoArgs) -> Result<(), CommandError> {
     let mut files = Files::new();
     files.write_text(&folder.join(gallery::NAME), &gallery::text(&EXHIBITS.map(|e| e.shape)))?;
     // The texture that the written shapes refer to.
-    let checker = CheckerFiles::beside(&folder.join("checker.obj"));
-    checker.write(&mut files)?;
+    let checker = MaterialFiles::checker(&folder.join("checker.obj"));
+    checker.write_checker(&mut files)?;
     files.finish()?;
     let reports =
         EXHIBITS.iter().map(|exhibit| show(exhibit, folder, checker.material())).collect::<Result<Vec<_>, _>>()?;

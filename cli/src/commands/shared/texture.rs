@@ -1,7 +1,9 @@
 //! The map that a file has.
 
+use super::unwrapped::{corner_uv, picked};
 use crate::error::CommandError;
-use geom::{MissingTexture, Model};
+use cones::report::{OverlapReport, worth_measuring};
+use geom::{MissingTexture, Model, Weld};
 use std::path::Path;
 
 /// The texture coordinates of all corners of a model that was read from a file.
@@ -16,4 +18,12 @@ pub(crate) fn texture(path: &Path, model: &Model) -> Result<Vec<[f64; 2]>, Comma
         vertex: model.corners()[first],
         face: model.face_start().partition_point(|&start| start as usize <= first) - 1,
     })
+}
+
+/// How much of a model's map lies over itself.
+pub(crate) fn overlap(model: &Model, uv: &[[f64; 2]], weld: Weld) -> OverlapReport {
+    let triangles = model.triangles();
+    let (mut vertices, images) = (triangles.vertices(model), corner_uv(&triangles.corners, uv));
+    weld.apply(model, &mut vertices);
+    OverlapReport::of(&picked(&worth_measuring(&vertices, &images), &images))
 }

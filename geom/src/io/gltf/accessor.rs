@@ -83,7 +83,8 @@ impl<'a> Buffers<'a> {
         Ok(Accessor { bytes, stride, scalar, width, count, is_normalized, replaced })
     }
 
-    fn view(&self, index: usize) -> Result<(&[u8], Option<usize>), Fault> {
+    /// The bytes of a view, and how far apart its elements are.
+    pub(super) fn view(&self, index: usize) -> Result<(&[u8], Option<usize>), Fault> {
         let wrong = |found: String| Fault::unexpected(Place::File, found, "no more than its buffer holds");
         let view = self.document.buffer_views.get(index).ok_or_else(|| wrong(format!("no buffer view {index}")))?;
         let buffer = self.bytes.get(view.buffer).ok_or_else(|| wrong(format!("no buffer {}", view.buffer)))?;

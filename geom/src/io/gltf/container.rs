@@ -95,7 +95,7 @@ pub(super) fn buffers<'a>(
         let bytes: Cow<[u8]> = match (&buffer.uri, binary) {
             (None, Some(binary)) if i == 0 => Cow::Borrowed(binary),
             (None, _) => return Err(Fault::unexpected(Place::File, format!("buffer {i} without data"), "a `uri`")),
-            (Some(uri), _) => Cow::Owned(load(uri, folder)?),
+            (Some(uri), _) => Cow::Owned(load(uri, "a buffer", folder)?),
         };
         match bytes.len() {
             present if present < buffer.byte_length => {
@@ -108,7 +108,8 @@ pub(super) fn buffers<'a>(
     document.buffers.iter().enumerate().map(load).collect()
 }
 
-fn load(uri: &str, folder: Option<&Path>) -> Result<Vec<u8>, Fault> {
+/// The bytes at a `uri`, of which `what` says what they are for.
+pub(super) fn load(uri: &str, what: &str, folder: Option<&Path>) -> Result<Vec<u8>, Fault> {
     if let Some(data) = uri.strip_prefix("data:") {
         let encoded = data.split_once(";base64,").map(|(_, encoded)| encoded);
         return encoded
@@ -117,13 +118,13 @@ fn load(uri: &str, folder: Option<&Path>) -> Result<Vec<u8>, Fault> {
     }
     let quoted = super::super::text::quote(uri.as_bytes());
     let path = beside(uri)
-        .ok_or_else(|| Fault::unexpected(Place::File, format!("a buffer at {quoted}"), "a file beside the glTF"))?;
+        .ok_or_else(|| Fault::unexpected(Place::File, format!("{what} at {quoted}"), "a file beside the glTF"))?;
     let path = folder.map(|folder| folder.join(path)).ok_or_else(|| {
-        let found = format!("a buffer in another file, {quoted}");
+        let found = format!("{what} in another file, {quoted}");
         Fault::unexpected(Place::File, found, "a .glb, which has all in one, or the path of the .gltf")
     })?;
     super::super::load(&path).map_err(|problem| {
-        let found = format!("a buffer in {}, of which it is said that {problem}", path.display());
+        let found = format!("{what} in {}, of which it is said that {problem}", path.display());
         Fault::unexpected(Place::File, found, "that file beside the .gltf")
     })
 }

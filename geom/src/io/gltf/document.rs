@@ -25,7 +25,8 @@ pub(super) struct Document {
     pub(super) extensions_required: Vec<String>,
     pub(super) animations: Vec<IgnoredAny>,
     pub(super) cameras: Vec<IgnoredAny>,
-    pub(super) images: Vec<IgnoredAny>,
+    pub(super) textures: Vec<Value>,
+    pub(super) images: Vec<Image>,
 }
 
 #[derive(Debug, Default, Deserialize)]
@@ -141,9 +142,40 @@ pub(super) struct Buffer {
     pub(super) byte_length: usize,
 }
 
+/// A picture, of which nothing is refused: what says nothing of where it is, is nowhere.
+#[derive(Debug, Default)]
+pub(super) struct Image {
+    pub(super) name: Option<String>,
+    pub(super) uri: Option<String>,
+    pub(super) view: Option<usize>,
+}
+
+impl<'de> Deserialize<'de> for Image {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let mut said = Value::deserialize(deserializer)?;
+        let mut text = |key: &str| match said.get_mut(key).map(Value::take) {
+            Some(Value::String(text)) => Some(text),
+            _ => None,
+        };
+        let (name, uri) = (text("name").filter(|name| !name.is_empty()), text("uri"));
+        let view = said.get("bufferView").and_then(Value::as_u64).and_then(|view| usize::try_from(view).ok());
+        Ok(Self { name, uri, view })
+    }
+}
+
+impl Image {
+    /// What it is called: by its name, that of its file, or its number.
+    pub(super) fn called(&self, number: usize) -> String {
+        let file = self.uri.as_deref().filter(|uri| !uri.starts_with("data:"));
+        self.name.as_deref().or(file).map_or_else(|| format!("image {number}"), str::to_owned)
+    }
+}
+
 #[derive(Debug, Default)]
 pub(super) struct Material {
     pub(super) name: Option<String>,
+    /// The number of the texture of its base colour, and whether that is placed otherwise than by the first coordinates.
+    pub(super) base_colour: Option<(usize, bool)>,
     /// All else that is said of it, but for textures, which are for other coordinates than those that are written, and extensions; nothing if
     /// that is more than JSON can hold here, as a number may be.
     pub(super) look: Map<String, Value>,
@@ -159,10 +191,19 @@ impl<'de> Deserialize<'de> for Material {
         let text = Box::<RawValue>::deserialize(deserializer)?;
         let Named { name } = serde_json::from_str(text.get()).map_err(Error::custom)?;
         let mut look: Map<String, Value> = serde_json::from_str(text.get()).unwrap_or_default();
+        let base_colour = look.get("pbrMetallicRoughness").and_then(|look| texture(look.get("baseColorTexture")?));
         look.retain(|key, _| !matches!(key.as_str(), "name" | "extensions" | "extras"));
         leave_out_textures(&mut look);
-        Ok(Self { name, look })
+        Ok(Self { name, base_colour, look })
     }
+}
+
+/// The number of a texture that a material names, and whether it is placed otherwise than by the first coordinates.
+fn texture(named: &Value) -> Option<(usize, bool)> {
+    let number = usize::try_from(named.get("index")?.as_u64()?).ok()?;
+    let is_second = named.get("texCoord").is_some_and(|set| set.as_u64() != Some(0));
+    let is_moved = named.get("extensions").is_some_and(|extensions| extensions.get("KHR_texture_transform").is_some());
+    Some((number, is_second || is_moved))
 }
 
 fn leave_out_textures(look: &mut Map<String, Value>) {

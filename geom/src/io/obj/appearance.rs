@@ -17,6 +17,7 @@ pub(super) struct Appearance {
     /// How many there are behind each vertex; none where they are not as many everywhere.
     width: Option<usize>,
     vertices: usize,
+    libraries: Vec<String>,
     materials: Vec<String>,
     number_of_material: HashMap<String, u32>,
     face_material: Vec<u32>,
@@ -33,6 +34,7 @@ impl Default for Appearance {
             behind: Vec::new(),
             width: None,
             vertices: 0,
+            libraries: Vec::new(),
             materials: Vec::new(),
             number_of_material: HashMap::new(),
             face_material: Vec::new(),
@@ -62,6 +64,20 @@ impl Appearance {
             self.behind.clear();
         }
         self.vertices += 1;
+    }
+
+    /// `mtllib a.mtl b.mtl`. Names may have spaces: one ends with its ending.
+    pub(super) fn libraries(&mut self, words: Words) {
+        let mut name: Vec<String> = Vec::new();
+        for word in words.map(String::from_utf8_lossy) {
+            name.push(word.into_owned());
+            if name.last().is_some_and(|word| word.to_ascii_lowercase().ends_with(".mtl")) {
+                self.libraries.push(std::mem::take(&mut name).join(" "));
+            }
+        }
+        if !name.is_empty() {
+            self.libraries.push(name.join(" "));
+        }
     }
 
     /// `usemtl name`.
@@ -115,6 +131,7 @@ impl Appearance {
             self.vertices += next.vertices;
         }
         self.has_groups |= next.has_groups;
+        self.libraries.extend(next.libraries);
         let number: Vec<u32> = next.materials.into_iter().map(|name| self.number(name)).collect();
         // Faces before the first material of the next block have the last one of this.
         let earlier = self.material;
@@ -148,8 +165,8 @@ impl Appearance {
             self.face_material.resize(faces, Attribute::NONE);
         }
         let left = if self.has_groups { vec!["groups".to_owned()] } else { Vec::new() };
-        let (materials, face_material) = (self.materials, self.face_material);
-        Attributes { tables, materials, face_material, left, ..Attributes::default() }
+        let (libraries, materials, face_material) = (self.libraries, self.materials, self.face_material);
+        Attributes { tables, libraries, materials, face_material, left, ..Attributes::default() }
     }
 }
 

@@ -283,6 +283,32 @@ fn what_is_passed_over_is_named_and_what_is_needed_refused() {
 }
 
 #[test]
+fn pictures_of_base_colours_are_known_by_number_and_read_by_it() {
+    let change = |json: &mut Value| {
+        json["materials"][1]["pbrMetallicRoughness"] = json!({"baseColorTexture": {"index": 1}});
+        json["textures"] = json!([{"source": 1}, {"source": 0}]);
+        // The indices of the strip stand in for a picture.
+        json["images"] = json!([{"bufferView": 4, "mimeType": "image/png"}, {"uri": "a.png"}, 7]);
+    };
+    let bytes = glb(document(change));
+    let model = read_bytes(bytes.clone(), "a.glb").unwrap();
+    let textures = crate::io::Textures::of(&model, "in/a.glb".as_ref());
+    assert_eq!((textures.list().len(), textures.of_face(0)), (1, Some(0)));
+    let texture = &textures.list()[0];
+    assert_eq!((&*texture.name, &texture.picture), ("image 0", &crate::io::Picture::Image(0)));
+    let image = |number| super::super::gltf::image(&bytes, number, None);
+    assert_eq!(image(0).unwrap(), [0, 1, 2, 3]);
+    let told = |number| image(number).unwrap_err().in_file("a.glb".as_ref()).to_string();
+    assert!(told(1).contains("an image in another file, `a.png`"), "{}", told(1));
+    assert!(told(2).contains("image 2 without data") && told(3).contains("no image 3"));
+    let ours = document(|json| {
+        change(json);
+        json["asset"]["generator"] = "cones".into();
+    });
+    assert!(read_bytes(glb(ours), "a.glb").unwrap().attributes().pictures.is_empty());
+}
+
+#[test]
 fn what_points_outside_is_refused_where_it_stands() {
     let set = |path: &'static str, value: u64| {
         let message = refused(|json| *json.pointer_mut(path).unwrap() = value.into());
