@@ -171,6 +171,6 @@ fn without_a_number_the_curve_of_several_parts_leads_to_what_is_measured() {
     assert!(numbers[0] == 3 && numbers.windows(2).all(|two| two[1] == two[0] + 1), "{numbers:?}");
     // Lines are broken anywhere.
     let printed = printed.split_whitespace().collect::<Vec<&str>>().join(" ");
-    assert!(printed.contains("; 4 cones") || printed.contains(", 4 cones"), "{printed}");
+    assert!(printed.contains(", 4 cones") || printed.contains("as -n does: 4 cones"), "{printed}");
     assert!(printed.contains(", target 1.25 on each part"), "{printed}");
 }

@@ -12,7 +12,6 @@ use clap::ValueEnum;
 use cones::report::{MeasuredAtlas, UvSize};
 use cones::{Analysis, Handles, Islands, MOST_NEEDLES, Note, Options, RefinedModel};
 use geom::io::{refine_obj, triangulated};
-use geom::vector::{dot, normal};
 use geom::{Model, refine_attributes};
 use std::path::Path;
 use std::time::Instant;
@@ -45,12 +44,8 @@ pub(crate) const CLOSED_ORDER: &str = "the hierarchy is of the surface with its 
 /// Where needles bend angles by more than this, as the mean of σ₁/σ₂, it is told that refining helps.
 const WORTH_REFINING: f64 = 1.1;
 
-/// The area of a polygon's triangles that may be turned by rounding alone, as a share of the polygon's: corners on a straight side make triangles
-/// without area.
+/// The area of a triangle of a polygon that may be rounding alone, as a share of the polygon's.
 const ROUNDED: f64 = 1e-12;
-
-/// A polygon is as convex in the map as on the surface if the share of its area that is turned is so many times as large at most.
-const AS_CONVEX: f64 = 10.0;
 
 /// An unwrapped surface with its texture coordinates as they are written, and what they are worth.
 #[derive(Debug)]
@@ -109,7 +104,7 @@ impl Unwrapped {
     }
 
     /// Notes what is wrong with the polygons of the map where another program cuts them into triangles in its own way: it may
-    /// see triangles flipped, as the polygons are not convex. Not of those that are as little convex on the surface, whoever has made them.
+    /// see triangles flipped, as the polygons are not convex.
     pub(crate) fn note_polygons(&mut self) {
         if self.has_overlapping_polygons() {
             let told =
@@ -125,10 +120,11 @@ impl Unwrapped {
             let first = self.model.face_corners(face).start;
             let fan = self.model.face_corners(face).skip(1).zip(self.model.face_corners(face).skip(2));
             let areas: Vec<f64> = fan.map(|(b, c)| area([first, b, c].map(|c| uv[c]))).collect();
-            let most = ROUNDED.max(AS_CONVEX * against(&areas_in_space(&self.model, face), 1.0));
+            // Corners on a straight side make triangles without area, which are rounded either way.
+            let negligible = ROUNDED * areas.iter().map(|area| area.abs()).sum::<f64>();
             match turned[face] {
-                [true, false] => against(&areas, 1.0) > most,
-                [false, true] => against(&areas, -1.0) > most,
+                [true, false] => areas.iter().any(|&area| area < -negligible),
+                [false, true] => areas.iter().any(|&area| area > negligible),
                 _ => false,
             }
         };
@@ -250,19 +246,4 @@ pub(crate) fn picked<T: Copy>(kept: &[u32], items: &[T]) -> Vec<T> {
 /// Twice the signed area of a triangle of the map.
 fn area([a, b, c]: [[f64; 2]; 3]) -> f64 {
     (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
-}
-
-/// The signed areas of a face's triangles about its first corner, as its mean normal sees them, in some unit.
-fn areas_in_space(model: &Model, face: usize) -> Vec<f64> {
-    let points: Vec<[f64; 3]> = model.face(face).iter().map(|&v| model.points()[v as usize]).collect();
-    let fan: Vec<[f64; 3]> = points.windows(2).skip(1).map(|ends| normal([points[0], ends[0], ends[1]])).collect();
-    let whole = fan.iter().fold([0.0; 3], |sum, triangle| [0, 1, 2].map(|k| sum[k] + triangle[k]));
-    fan.iter().map(|&triangle| dot(triangle, whole)).collect()
-}
-
-/// The share of signed areas that is not of a sign.
-fn against(areas: &[f64], sign: f64) -> f64 {
-    let all: f64 = areas.iter().map(|area| area.abs()).sum();
-    let turned: f64 = areas.iter().map(|area| (-sign * area).max(0.0)).sum();
-    if all > 0.0 { turned / all } else { 0.0 }
 }
