@@ -122,6 +122,9 @@ pub enum Error {
         /// Whether it has handles, which may be [opened](crate::Handles).
         has_handles: bool,
     },
+    /// The cones of a recipe are of a surface opened along other seams than are given, or none are.
+    #[error("these cones are of a surface that was opened along the seams that were given: give the same seams")]
+    OtherSeams,
     /// A given curvature leaves no angle.
     #[error("a cone's curvature must be less than 2π, but {} is given", readable(*.0))]
     CurvatureTooLarge(f64),

@@ -76,7 +76,7 @@ export interface Measured {
       flipped: number;
       overlap_pairs: number;
       seam_length: number;
-      curvature_error: number;
+      curvature_error: number | null;
     };
     islands: number;
     /** The area distortion that was predicted for its cones. */
@@ -100,6 +100,8 @@ export interface UvMap {
 export interface Question {
   n: number | null;
   given: [number, number | null][] | null;
+  /** The text of a file of cones, which says more than where these are. */
+  recipe: string | null;
   /** Edges that are cut, and edges that are not. */
   cut: Edge[];
   avoid: Edge[];

@@ -106,7 +106,7 @@ class App {
       ? new AtlasView(byId("atlas"), canvasOf("atlas"), surface)
       : new AtlasCanvas(byId("atlas"), canvasOf("atlas"));
     if (!this.view) page.message(byId("surface"), "This browser has no WebGL, so the surface cannot be shown. The map and all numbers are here.");
-    this.question = { ...surface.chosen, given: null, cut: [], avoid: [] };
+    this.question = { ...surface.chosen, given: null, recipe: null, cut: [], avoid: [] };
     this.curve = new CurveChart(byId("curve"), (n) => this.choose({ n, given: null }));
     this.diagram = new DiagramChart(byId("diagram"));
     this.listen();
@@ -118,9 +118,9 @@ class App {
     this.restart();
   }
 
-  /** Takes another choice of cones, which can be undone. */
+  /** Takes another choice of cones, which can be undone. What a file says holds until cones change. */
   private choose(change: Partial<Question>): void {
-    const next = { ...this.question, ...change };
+    const next = { ...this.question, ...("given" in change && { recipe: null }), ...change };
     if (JSON.stringify(next) === JSON.stringify(this.question)) return;
     this.history.keep(this.question);
     this.question = next;
@@ -282,6 +282,8 @@ class App {
 
   /** What to ask for a preview of: cones that are known cost little. */
   private early(question: Question): Question | null {
+    // What else was done to the surface only a map tells.
+    if (question.recipe !== null) return null;
     if (!this.source.isLive || question.given) return question;
     const level = this.level();
     return level && !this.previewsHere().has(level.n) ? withCones(question, level) : null;
@@ -796,10 +798,10 @@ class App {
       const edges = pins.read(text, this.surface, this.corners);
       if (edges) return this.choose({ [edges.pin]: edges.edges });
       const given = page.readCones(text);
-      if (!given.length) throw new Error("the file lists no cone");
+      if (!given.length && !text.includes("#:")) throw new Error("the file lists no cone");
       const least = this.surface.points.length / 3;
       if (given.some(([vertex]) => vertex >= least)) throw new Error("the file's cones are of another surface");
-      this.choose({ given });
+      this.choose({ given, recipe: text });
     } catch (error) {
       page.status((error as Error).message, "failed");
     }
@@ -818,7 +820,7 @@ class App {
 
 /** The same question with the cones of a level, whose curvatures follow the rule. */
 function withCones(question: Question, { cones }: ForeseenLevel): Question {
-  return { ...question, given: cones.map(([vertex]) => [vertex, null]) };
+  return { ...question, given: cones.map(([vertex]) => [vertex, null]), recipe: null };
 }
 
 /** Whether a colour tells what is measured of a map. */

@@ -82,7 +82,7 @@ export function numbers(map: UvMap | null, predicted: number | null): void {
     ["Islands", told(measured?.islands, 0)],
     ["Seams, over √area", told(seam_length, 2)],
     [tiles > 1 ? `Filled, of ${tiles} tiles` : "Filled", measured ? `${(100 * fill).toFixed(0)} %` : "–"],
-    ["Curvature off the cones", curvature_error === undefined ? "–" : `${curvature_error.toExponential(0)} rad`],
+    ["Curvature off the cones", curvature_error == null ? "–" : `${curvature_error.toExponential(0)} rad`],
     ["Time", measured ? `${seconds.toFixed(2)} s` : "–"],
   ];
   const table = byId<HTMLTableElement>("numbers");

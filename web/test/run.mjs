@@ -495,6 +495,17 @@ try {
     assert.deepEqual(files.map((file) => file.replace(/.*hare-/, "")), ["seams.txt", "avoid.txt"]);
     const made = spawnSync(program, ["unwrap", mesh, "-n", "6", "-o", join(folder, "pinned.obj"), "--seams", files[0], "--avoid", files[1], "-q"], { encoding: "utf8" });
     assert.equal(made.status, 0, made.stderr);
+    // Cones of a surface that was opened along seams come back with these.
+    const [saved] = await Promise.all([page.waitForEvent("download"), page.click("#save-cones")]);
+    const cones = join(folder, "of-charts.txt");
+    await saved.saveAs(cones);
+    assert.match(readFileSync(cones, "utf8"), /^#: charts$/m);
+    await afterMap(page, () => page.click("#unpin"));
+    await afterMap(page, () => page.setInputFiles("#file", cones));
+    assert.match(await state(page), /give the same seams/);
+    for (const file of files) await afterMap(page, () => page.setInputFiles("#file", file));
+    assert.deepEqual((await mapOf(() => page.setInputFiles("#file", cones))).edges, other.edges);
+    for (let k = 0; k < 4; k++) await afterMap(page, () => page.click("#undo"));
     await afterMap(page, () => page.click("#unpin"));
     assert.equal(await pins(), false);
     const again = await mapOf(() => page.setInputFiles("#file", files[0]));

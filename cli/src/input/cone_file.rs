@@ -69,12 +69,21 @@ impl ConeFile {
                 cones.iter().position(|cone| cone.curvature == Some(*curvature))
             }
             cones::Error::SomeCurvatures { .. } => cones.iter().position(|cone| cone.curvature.is_none()),
-            cones::Error::CurvatureSum { .. } | cones::Error::OtherModel { .. } | cones::Error::NoNecks => None,
+            cones::Error::CurvatureSum { .. }
+            | cones::Error::OtherModel { .. }
+            | cones::Error::OtherSeams
+            | cones::Error::NoNecks => None,
             _ => return Err(error),
         };
         let line = cone.map(|cone| self.lines[cone]);
         Ok(ConeFileError::Refused { path: self.path.clone(), line, error })
     }
+}
+
+/// What a file says that is no file here; otherwise the line that is wrong.
+pub(crate) fn recipe(text: &str) -> Result<Recipe, String> {
+    let wrong = |Wrong { line, text, .. }: Wrong| format!("line {line}: {text:?} says nothing of cones");
+    parse(text).map(|(recipe, _)| recipe).map_err(wrong)
 }
 
 /// The first line that is wrong, and whether it says something of the surface.

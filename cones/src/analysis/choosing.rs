@@ -108,10 +108,14 @@ impl Analysis {
             }
             ConeChoice::Given(_) | ConeChoice::Recipe(_) => {
                 let given = &self.on_surface(&options.cones.given().unwrap_or_default())?;
+                let is_of_charts = options.cones.recipe().is_some_and(|recipe| recipe.charts);
                 each(self.components(), &mut shared.times, |component, times| {
                     task.stage((Stage::Curvature, component.index), times, |watch| {
                         let here = &given[component.index];
-                        component.given(here, options, watch).map_err(|error| self.naming_a_part(error))
+                        component.given(here, options, watch).map_err(|error| match error {
+                            Error::CurvatureSum { .. } | Error::Curvature(_) if is_of_charts => Error::OtherSeams,
+                            error => self.naming_a_part(error),
+                        })
                     })
                 })?
             }

@@ -97,7 +97,9 @@ impl Analysis {
         let mut closed = self.predicted_by_itself(&chosen.1, is_shared);
         let has_handles = |part: usize| is_shared || self.components()[part].has_handles();
         let is_good = |closed: &Option<Prediction>| {
-            closed.is_some_and(|closed| closed.area_distortion <= TARGET_DISTORTION && closed.count <= FEW_CONES)
+            closed.is_some_and(|closed| {
+                closed.area_distortion <= TARGET_DISTORTION && closed.count <= FEW_CONES.min(options.cones.most())
+            })
         };
         let mut is_in_question: Vec<bool> = closed
             .iter()
@@ -148,7 +150,10 @@ impl Analysis {
                 (None, Some(_)) => true,
                 // A draft that is left has said so.
                 (Some(closed), Some(opened)) => {
-                    chosen.0.found.get(part).is_some_and(|found| found.is_draft) || is_worth_opening(closed, &opened)
+                    // Closed surfaces may need more cones than were asked for.
+                    let comes_nearer = opened.count < closed.count && closed.count > options.cones.most();
+                    let is_draft = chosen.0.found.get(part).is_some_and(|found| found.is_draft);
+                    is_draft || comes_nearer || is_worth_opening(closed, &opened)
                 }
             };
             is_in_question[part] && is_better && !is_hardly_worth(part)

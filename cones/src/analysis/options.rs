@@ -223,6 +223,11 @@ impl ConeChoice {
         self.recipe().is_some_and(|recipe| recipe.straight)
     }
 
+    /// At most how many cones are asked for.
+    pub(super) fn most(&self) -> usize {
+        if let Self::Count(count) = self { *count } else { usize::MAX }
+    }
+
     /// The cones that are given, where they are.
     pub(super) fn given(&self) -> Option<Vec<GivenCone>> {
         match self {

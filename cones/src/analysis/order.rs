@@ -85,6 +85,13 @@ pub struct OrderedCone {
     pub curvature: Option<f64>,
 }
 
+/// So many cones, or as many as a curve of several parts goes on to.
+pub(super) fn affordable(components: &[Arc<Component>], total: usize) -> usize {
+    let least: usize = components.iter().map(|component| component.least()).sum();
+    let faces: usize = components.iter().map(|c| c.surface.mesh.face_count()).sum();
+    total.min(least + (CURVE_WORK / faces.max(1)).max(64))
+}
+
 /// What is predicted for every number of cones up to `total`, with an order for each component, and the operators that it is for;
 /// for models of thousands of them not so far.
 pub(super) fn whole_curve(
@@ -94,9 +101,7 @@ pub(super) fn whole_curve(
     total: usize,
     watch: Watch,
 ) -> Vec<Prediction> {
-    let least: usize = components.iter().map(|component| component.least()).sum();
-    let faces: usize = components.iter().map(|c| c.surface.mesh.face_count()).sum();
-    let total = total.min(least + (CURVE_WORK / faces).max(64));
+    let total = affordable(components, total);
     let sequence = longest_sequence_of(components, nested, placement, total);
     curve_of_sequence(&component_orders(components, (nested, operators), rule, watch), &sequence, watch)
 }

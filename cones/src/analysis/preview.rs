@@ -12,7 +12,7 @@ use super::component::Component;
 use super::cones::Cone;
 use super::instances::of_shapes;
 use super::observer::{Stage, Times};
-use super::order::component_orders;
+use super::order::{affordable, component_orders};
 use crate::curvature::CurvatureRule;
 use crate::error::Error;
 use crate::field::Operators;
@@ -41,7 +41,7 @@ pub(super) struct PreviewOrder {
 
 impl Analysis {
     /// About `count` cones: the nearest number below that can take the model's curvature, or the least one above; at most 64, or as
-    /// many as the model needs. They are those of [`Placement::Pursuit`] on a coarse level.
+    /// many as the model needs, and of several parts until one of them has 64. They are those of [`Placement::Pursuit`] on a coarse level.
     ///
     /// Made for a slider. The first call simplifies surfaces of 8,000 vertices and more (about half the time of factoring the
     /// Laplacian) and searches on what is left (some tenths of a second, whatever the size); the first beyond 32 searches again. All
@@ -80,7 +80,11 @@ impl Analysis {
             })??)
         };
         let mut nested = of_shapes(components, find).into_iter().collect::<Result<Vec<Nested>, Error>>()?;
-        let sequence = sequence_of(components, &nested, Placement::Pursuit, self.least_cones().max(most));
+        let total = match components.len() {
+            1 => self.least_cones().max(most),
+            parts => affordable(components, self.least_cones() + parts * most),
+        };
+        let sequence = sequence_of(components, &nested, Placement::Pursuit, total);
         let curve = task.stage((Stage::Hierarchy, 0), &mut Times::default(), |watch| {
             let operators: Vec<&Operators> = components.iter().map(|component| component.searched()).collect();
             let orders = component_orders(components, (&nested, &operators), CurvatureRule::Optimal, watch);

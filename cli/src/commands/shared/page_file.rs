@@ -13,6 +13,8 @@ use std::path::Path;
 
 /// The numbers of cones that maps are stored for, besides the one that was chosen.
 const STORED: [usize; 13] = [3, 4, 5, 6, 8, 10, 12, 16, 20, 24, 32, 48, 64];
+/// Those of several parts, whose numbers are sums, as shares of the one that was chosen.
+const OF_CHOSEN: [f64; 6] = [0.25, 0.35, 0.5, 0.7, 1.4, 2.0];
 /// Of large surfaces fewer maps are stored, so that the file stays one that browsers open at once: a vertex of a map takes some 9
 /// bytes of it (rabbit, 46,646 vertices).
 const MOST_VERTICES: usize = 1_000_000;
@@ -31,7 +33,12 @@ pub(crate) fn html(path: &Path, unwrapped: &Unwrapped, progress: &Progress) -> R
     let first = stored_level(&subject, &report, options, chosen)?;
     let mut levels = vec![first];
     let room = MOST_VERTICES / model.vertex_count().max(1);
-    let mut numbers: Vec<usize> = STORED.into_iter().filter(|n| *n != chosen && *n >= analysis.least_cones()).collect();
+    let mut numbers = match analysis.topology().components {
+        1 => STORED.to_vec(),
+        _ => OF_CHOSEN.map(|share| (share * chosen as f64).ceil() as usize).to_vec(),
+    };
+    numbers.retain(|n| *n != chosen && *n >= analysis.least_cones() && *n <= subject.most());
+    numbers.dedup();
     // The nearest to what was chosen, where there is no room for all.
     numbers.sort_by_key(|n| n.abs_diff(chosen));
     numbers.truncate(room);
@@ -63,7 +70,7 @@ fn stored_level(subject: &Subject, report: &Report, options: &Options, n: usize)
         "cones": places(shown.atlas.cones.iter()),
         "predicted": subject.predicted(options, &shown.atlas),
         "map": subject.map_meta(&shown, options),
-        "measured": Subject::measured_meta(&quality),
+        "measured": Subject::measured_meta(&quality, &shown.atlas),
     });
     Ok(Level { meta, map: Some(report.pack(&map, &subject.stretches(&quality))), seams: map.seams })
 }

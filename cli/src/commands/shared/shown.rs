@@ -15,6 +15,9 @@ use geom::{Model, Triangles, Watch};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
+/// So many parts have each as many cones in the page as a single one.
+const MANY_PARTS: usize = 16;
+
 /// A surface with its analysis, and what is the same for all of its maps.
 #[derive(Debug)]
 pub(crate) struct Subject<'a> {
@@ -61,8 +64,16 @@ impl<'a> Subject<'a> {
         self.path.file_name().unwrap_or(self.path.as_os_str()).to_string_lossy().into_owned()
     }
 
-    /// How many cones the page shows at most: as many as are optimised, for several parts as many more than these need.
+    /// How many cones the page shows at most: as many as are optimised, for several parts as many more on each than these need.
     pub(crate) fn most(&self) -> usize {
+        match self.analysis.topology().components {
+            1 => self.most_in_order(),
+            parts => self.analysis.least_cones() + MOST_ORDERED * parts.min(MANY_PARTS),
+        }
+    }
+
+    /// How many of them an order is looked for of at most.
+    fn most_in_order(&self) -> usize {
         let least = self.analysis.least_cones();
         let begin = if self.analysis.topology().components > 1 { least } else { 0 };
         (begin + MOST_ORDERED).max(least)
@@ -127,10 +138,12 @@ impl<'a> Subject<'a> {
     /// If the observer has said stop.
     pub(crate) fn foreseen(&self, placement: Placement, rule: CurvatureRule) -> Result<Foreseen, cones::Error> {
         let (analysis, least) = (&self.analysis, self.analysis.least_cones());
-        let most = self.most();
+        let most = self.most_in_order();
         if matches!(placement, Placement::Refined | Placement::Pursuit) {
             let mut levels = Vec::new();
-            for n in least.max(1)..=most {
+            // All that a single part can have; of many one in twelve.
+            let next = |&n: &usize| Some(if n < most { n + 1 } else { n + n.div_ceil(12) });
+            for n in std::iter::successors(Some(least.max(1)), next).take_while(|&n| n <= self.most()) {
                 let preview = analysis.preview(n)?;
                 if preview.cones.len() == n {
                     let cones = preview.cones.iter().map(|cone| (cone.vertex, Some(cone.curvature))).collect();
@@ -243,8 +256,14 @@ impl<'a> Subject<'a> {
     }
 
     /// What the page says of a map when it is measured.
-    pub(crate) fn measured_meta(quality: &Quality) -> Value {
-        json!({ "distortion": quality.distortion, "islands": quality.islands.len() })
+    pub(crate) fn measured_meta(quality: &Quality, atlas: &Atlas) -> Value {
+        let mut distortion = json!(quality.distortion);
+        // Where the two sides of seams differ, what is left at these is no error.
+        let is_rigid = atlas.freed == 0 && atlas.opened_handles == 0 && atlas.necks == 0 && !atlas.recipe().charts;
+        if !is_rigid {
+            distortion["curvature_error"] = Value::Null;
+        }
+        json!({ "distortion": distortion, "islands": quality.islands.len() })
     }
 }
 

@@ -1,5 +1,6 @@
 //! What the page asks for, as JSON.
 
+use crate::input::cone_file;
 use cones::{ConeChoice, CurvatureRule, Options, Placement, SeamOptions};
 use serde::Deserialize;
 
@@ -14,6 +15,8 @@ pub(super) struct Question {
     n: Option<usize>,
     /// Or these vertices, each with its curvature in radians or none of them with one.
     given: Option<Vec<(u32, Option<f64>)>>,
+    /// Or what a file of cones says.
+    recipe: Option<String>,
     /// Edges that are cut, and edges that are not, besides those of the command line.
     cut: Vec<[u32; 2]>,
     avoid: Vec<[u32; 2]>,
@@ -44,11 +47,12 @@ impl Question {
 
     /// The library's options for at most so many cones; `base` has what the page does not choose.
     pub(super) fn options(&self, base: &Options, most: usize) -> Result<Options, Unclear> {
-        let cones = match (&self.given, self.n) {
-            (Some(given), _) => ConeChoice::Given(given.clone()),
-            (None, None) => ConeChoice::Automatic,
-            (None, Some(n)) if n <= most => ConeChoice::Count(n),
-            (None, Some(n)) => return Err(format!("{n} cones are more than the page shows")),
+        let cones = match (&self.recipe, &self.given, self.n) {
+            (Some(text), ..) => ConeChoice::Recipe(Box::new(cone_file::recipe(text)?)),
+            (None, Some(given), _) => ConeChoice::Given(given.clone()),
+            (None, None, None) => ConeChoice::Automatic,
+            (None, None, Some(n)) if n <= most => ConeChoice::Count(n),
+            (None, None, Some(n)) => return Err(format!("{n} cones are more than the page shows")),
         };
         // The refactoring baseline takes a factorization for each cone.
         let placement = match self.placement() {
@@ -76,6 +80,8 @@ mod tests {
         assert_eq!(options("{}").unwrap().cones, ConeChoice::Automatic);
         let given = options(r#"{"n":5,"given":[[3,null],[4,1.5]]}"#).unwrap();
         assert_eq!(given.cones, ConeChoice::Given(vec![(3, None), (4, Some(1.5))]));
+        let recipe = options(r##"{"n":5,"given":[[3,1.5]],"recipe":"#: charts\n3 1.5"}"##).unwrap().cones;
+        assert!(matches!(recipe, ConeChoice::Recipe(recipe) if recipe.charts && recipe.cones.len() == 1));
         let pinned = options(r#"{"n":5,"cut":[[3,4]],"avoid":[[1,2],[2,5]]}"#).unwrap().seams;
         assert_eq!((pinned.given, pinned.avoid), (vec![[3, 4]], vec![[1, 2], [2, 5]]));
         for wrong in [
@@ -86,6 +92,7 @@ mod tests {
             r#"{"n":65}"#,
             r#"{"x":1}"#,
             r#"{"given":[[1]]}"#,
+            r#"{"recipe":"a hare"}"#,
             r#"{"cut":[[1]]}"#,
             "\u{0}",
         ] {

@@ -138,7 +138,7 @@ impl<'a> Session<'a> {
             Ok((quality, self.subject.predicted(&options, &shown.atlas)))
         });
         let (quality, predicted) = found.map_err(|error| refused(&error))?;
-        let mut meta = Subject::measured_meta(&quality);
+        let mut meta = Subject::measured_meta(&quality, &shown.atlas);
         meta["predicted"] = json!(predicted);
         let container = self.subject.stretches(&quality).container(meta);
         Ok(Response::new(BYTES, container.finish()))
