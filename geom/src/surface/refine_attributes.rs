@@ -37,6 +37,7 @@ pub fn refine_attributes(model: &Model, refined: &Model, added: &[[(u32, f64); 3
         materials: attributes.materials.clone(),
         looks: attributes.looks.clone(),
         pictures: attributes.pictures.clone(),
+        images: attributes.images.clone(),
         libraries: attributes.libraries.clone(),
         comments: attributes.comments.clone(),
         listings: attributes.listings.clone(),
