@@ -40,6 +40,8 @@ pub(crate) enum CommandError {
         told(old)
     )]
     BakePlaces { old: PathBuf, new: PathBuf, face: u32, share: f64 },
+    #[error("{} has no face with an area, of which anything could be transferred", told(.0))]
+    BakeNoArea(PathBuf),
     #[error(
         "{} has no textures: its faces show none, or its material library is not there; name the model whose textures are to be transferred",
         told(.0)

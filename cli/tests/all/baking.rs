@@ -96,6 +96,7 @@ fn the_same_bits_come_of_any_number_of_threads_and_margins_are_as_wide_as_asked_
 fn what_cannot_be_baked_is_said_and_nothing_is_written() {
     let folder = folder();
     folder.write("moved.obj", &folder.read("new.obj").replace("v 6 1 0", "v 6 1.1 0"));
+    folder.write("line.obj", "mtllib two.mtl\nv 0 0 0\nv 1 0 0\nv 2 0 0\nvt 0 0\nusemtl red\nf 1/1 2/1 3/1\n");
     folder.write("tiles.obj", &TWO.replace("vt 1 1", "vt 1 1.5"));
     folder.write("bare.obj", &TWO.replace("mtllib", "# mtllib"));
     folder.write("plain.obj", &["/1", "/2", "/3", "/4"].iter().fold(TWO.to_owned(), |text, vt| text.replace(vt, "")));
@@ -120,6 +121,7 @@ fn what_cannot_be_baked_is_said_and_nothing_is_written() {
             "o.png",
             "face 1 (counted from 0) of moved.obj is 1.64 % of the surface's size away from two.obj",
         ),
+        ("line.obj", "new.obj", "o.png", "line.obj has no face with an area"),
         ("two.obj", "tiles.obj", "o.png", "tiles.obj has the texture coordinate 1 1.5 at face 0"),
         ("bare.obj", "new.obj", "o.png", "bare.obj has no textures"),
         ("plain.obj", "new.obj", "o.png", "plain.obj has no texture coordinates"),
@@ -153,6 +155,9 @@ fn faces_without_a_texture_and_maps_that_lie_over_themselves_are_told_of() {
     let said = stderr(&folder.run(&["bake", "two.obj", "new.obj", "-o", "out.png"]).success());
     assert!(said.is_empty(), "{said}");
     assert_eq!(shown(&folder, "new.obj", "out.png", 1, &[0.25; 4]), [0, 0, 255]);
+    folder.write("two.mtl", &materials("map_Kd red.png\nmap_Bump bump.png\nmap_Pr rough.png", "map_Kd blue.png"));
+    let said = stderr(&folder.run(&["bake", "two.obj", "new.obj", "-o", "out.png"]).success());
+    assert!(said.contains("and not map_Bump and map_Pr: directions"), "{said}");
     let said = stderr(&folder.run(&["bake", "two.obj", "two.obj", "-o", "out.png"]).success());
     assert!(said.contains("two.obj lies over itself"), "{said}");
 }

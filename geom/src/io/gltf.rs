@@ -17,7 +17,7 @@ mod container;
 mod document;
 mod placement;
 
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap};
 use std::path::Path;
 
 use serde_json::Value;
@@ -269,6 +269,7 @@ impl Draft {
             looks,
             pictures: pictures(document),
             images: image_files(document),
+            other_maps: other_maps(document),
             face_material,
             nodes,
             face_node,
@@ -357,6 +358,12 @@ fn pictures(document: &Document) -> Vec<Option<BaseColourPicture>> {
 fn source(texture: &Value) -> Option<usize> {
     let own = |said: &Value| usize::try_from(said.get("source")?.as_u64()?).ok();
     own(texture).or_else(|| texture.get("extensions")?.as_object()?.values().find_map(own))
+}
+
+/// What else than base colours materials have textures for, each once.
+fn other_maps(document: &Document) -> Vec<String> {
+    let maps: BTreeSet<&String> = document.materials.iter().flat_map(|material| &material.other_maps).collect();
+    maps.into_iter().cloned().collect()
 }
 
 /// Where images in other files are.

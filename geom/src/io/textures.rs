@@ -12,7 +12,7 @@
 //!
 //! Source: Wavefront Technologies, *Advanced Visualizer*, *Material Library File (.mtl)*. Of other maps than `map_Kd` only the names are read.
 
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap};
 use std::path::{Path, PathBuf};
 
 use serde_json::Value;
@@ -63,6 +63,7 @@ pub struct Textures {
     colours: Vec<Option<[f64; 4]>>,
     face_material: Vec<u32>,
     files: Vec<PathBuf>,
+    other_maps: Vec<String>,
 }
 
 impl Textures {
@@ -74,7 +75,9 @@ impl Textures {
             let libraries = Libraries::read(&attributes.libraries, folder);
             let textures: Vec<_> = attributes.materials.iter().map(|material| libraries.texture(material)).collect();
             let colours = attributes.materials.iter().map(|material| libraries.colours.get(material).copied());
-            return Self { colours: colours.collect(), files: libraries.files, ..Self::of_materials(model, &textures) };
+            let Libraries { files, other_maps, .. } = &libraries;
+            let (files, other_maps) = (files.clone(), other_maps.iter().cloned().collect());
+            return Self { colours: colours.collect(), files, other_maps, ..Self::of_materials(model, &textures) };
         }
         let files = attributes.images.iter().filter_map(|uri| Some(folder.join(named_by_gltf(uri)?))).collect();
         if !attributes.pictures.is_empty() {
@@ -84,7 +87,8 @@ impl Textures {
                 is_moved: picture.is_moved,
             };
             let textures: Vec<_> = attributes.pictures.iter().map(|picture| picture.as_ref().map(texture)).collect();
-            return Self { colours: factors(attributes), files, ..Self::of_materials(model, &textures) };
+            let other_maps = attributes.other_maps.clone();
+            return Self { colours: factors(attributes), files, other_maps, ..Self::of_materials(model, &textures) };
         }
         Self { files, ..Self::of_numbers(model, folder) }
     }
@@ -112,6 +116,11 @@ impl Textures {
     /// The files that the model names beside itself, as far as they are known: material libraries, and the pictures of any use that these or the model name.
     pub fn files(&self) -> &[PathBuf] {
         &self.files
+    }
+
+    /// What else than the colour materials have pictures for, in the file's words, such as `map_Bump` or `normalTexture`. Nothing more is known of these here.
+    pub fn other_maps(&self) -> &[String] {
+        &self.other_maps
     }
 
     fn of_materials(model: &Model, textures: &[Option<Texture>]) -> Self {
@@ -199,6 +208,7 @@ fn beside(folder: &Path, named: &str) -> PathBuf {
 }
 
 /// What material libraries say of pictures.
+#[derive(Default)]
 struct Libraries {
     /// The picture of each material, if it has one.
     materials: HashMap<String, Option<Texture>>,
@@ -206,14 +216,15 @@ struct Libraries {
     colours: HashMap<String, [f64; 4]>,
     /// They themselves and what they name.
     files: Vec<PathBuf>,
+    /// The words before other maps.
+    other_maps: BTreeSet<String>,
     /// Whether all of them could be read.
     is_complete: bool,
 }
 
 impl Libraries {
     fn read(names: &[String], folder: &Path) -> Self {
-        let (materials, colours, files) = (HashMap::new(), HashMap::new(), Vec::new());
-        let mut libraries = Self { materials, colours, files, is_complete: true };
+        let mut libraries = Self { is_complete: true, ..Self::default() };
         for name in names {
             let path = beside(folder, name);
             let text = load_named(&path, MOST_OF_LIBRARY);
@@ -230,26 +241,28 @@ impl Libraries {
         let mut material = String::new();
         for line in Lines::new(text) {
             let mut words = line.words();
-            match words.next().map(<[u8]>::to_ascii_lowercase).as_deref() {
-                Some(b"newmtl") => {
+            let word = words.next().unwrap_or_default();
+            match &*word.to_ascii_lowercase() {
+                b"newmtl" => {
                     material = words.map(String::from_utf8_lossy).collect::<Vec<_>>().join(" ");
                     self.materials.entry(material.clone()).or_default();
                 }
-                Some(b"map_kd") => {
+                b"map_kd" => {
                     let (name, is_moved) = map(words);
                     let texture = (!name.is_empty()).then(|| file_texture(folder, &name, is_moved));
                     self.files.push(beside(folder, &name));
                     self.materials.insert(material.clone(), texture);
                 }
-                Some(b"kd") => {
+                b"kd" => {
                     let shares: Vec<f64> = words.map_while(number).collect();
                     if let [red, green, blue] = shares[..] {
                         let [red, green, blue] = [red, green, blue].map(|x| to_linear(x.clamp(0.0, 1.0)));
                         self.colours.insert(material.clone(), [red, green, blue, 1.0]);
                     }
                 }
-                Some(word) if OTHER_MAPS.iter().any(|map| word.starts_with(map)) => {
+                lower if OTHER_MAPS.iter().any(|map| lower.starts_with(map)) => {
                     self.files.push(beside(folder, &map(words).0));
+                    self.other_maps.insert(String::from_utf8_lossy(word).into_owned());
                 }
                 _ => {}
             }
@@ -321,6 +334,7 @@ mod tests {
         assert_eq!(read.list()[0].picture, Picture::File(folder.join("a b.png")));
         assert!(read.list()[2].is_moved && !read.list()[0].is_moved);
         let files = ["a b.png", "C:\\x\\moss.png", "bump.png", "a b.png", "my lib.mtl"];
+        assert_eq!(read.other_maps(), ["map_Bump"]);
         assert_eq!(read.files(), files.map(|name| folder.join(name)));
         assert_eq!([0, 2].map(|face| read.colour(face)), [None, Some([1.0, 0.0, 0.0, 1.0])]);
         let unread = textures("mtllib other.mtl\n");

@@ -38,6 +38,7 @@ pub fn refine_attributes(model: &Model, refined: &Model, added: &[[(u32, f64); 3
         looks: attributes.looks.clone(),
         pictures: attributes.pictures.clone(),
         images: attributes.images.clone(),
+        other_maps: attributes.other_maps.clone(),
         libraries: attributes.libraries.clone(),
         comments: attributes.comments.clone(),
         listings: attributes.listings.clone(),

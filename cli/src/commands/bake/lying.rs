@@ -4,7 +4,7 @@
 //! until its parts are on one each, or no larger than a texel. Where two sheets are near, the one counts that is turned the same way.
 
 use super::faces::{Image, NEAR, size};
-use super::tree::{Near, Tree};
+use super::tree::Tree;
 use cones::uv::Triangle;
 use geom::Model;
 use geom::vector::{Vec3, dot, normal};
@@ -73,38 +73,49 @@ impl Old<'_> {
     /// The parts of a triangle; else how far it is away.
     fn parts(&self, whole: Part) -> Result<Vec<Lying>, f64> {
         let upwards = normal(whole.points);
-        let (mut lying, mut stack) = (Vec::new(), vec![whole]);
-        while let Some(part) = stack.pop() {
-            let triangle = self.below(middle(part.points), upwards)?;
-            let mut is_on = true;
-            let mut weights = [[0.0; 3]; 3];
-            for (weights, &point) in weights.iter_mut().zip(&part.points) {
-                let distance;
-                (*weights, distance) = self.tree.on(triangle, point);
-                is_on &= distance <= self.near || distance <= self.nearest(point)?.distance + self.near;
-            }
+        let (mut lying, mut stack) = (Vec::new(), vec![(whole, None)]);
+        while let Some((part, known)) = stack.pop() {
+            let triangle = self.below(middle(part.points), upwards, known)?;
             match part.halves(self.texel) {
-                Some(halves) if !is_on => stack.extend(halves),
-                _ => lying.push(Lying { triangle, weights, uv: part.uv }),
+                Some(halves) if !self.is_on(triangle, &part)? => {
+                    stack.extend(halves.map(|half| (half, Some(triangle))));
+                }
+                _ => {
+                    let weights = part.points.map(|point| self.tree.on(triangle, point).0);
+                    lying.push(Lying { triangle, weights, uv: part.uv });
+                }
             }
         }
         Ok(lying)
     }
 
-    /// The old triangle that a point of a new one with that normal belongs to.
-    fn below(&self, point: Vec3, upwards: Vec3) -> Result<usize, f64> {
+    /// Whether nothing is nearer to the corners of a part than a triangle; else, if that is too far, how far it is.
+    fn is_on(&self, triangle: usize, part: &Part) -> Result<bool, f64> {
+        for &point in &part.points {
+            let (_, distance) = self.tree.on(triangle, point);
+            if distance > self.near && self.tree.nearest(point, distance - self.near, |_| true).is_some() {
+                return Ok(false);
+            }
+            if distance > self.reach {
+                return Err(distance);
+            }
+        }
+        Ok(true)
+    }
+
+    /// The old triangle that a point of a new one with that normal belongs to; one is `known` to be near.
+    fn below(&self, point: Vec3, upwards: Vec3, known: Option<usize>) -> Result<usize, f64> {
         let is_turned_so = |t: usize| dot(normal(self.triangles[t]), upwards) > 0.0;
-        let nearest = self.nearest(point)?;
+        let within = known.map_or(f64::INFINITY, |known| self.tree.on(known, point).1);
+        let nearest = self.tree.nearest(point, within, |_| true).ok_or(f64::INFINITY)?;
+        if nearest.distance > self.reach {
+            return Err(nearest.distance);
+        }
         if is_turned_so(nearest.triangle) {
             return Ok(nearest.triangle);
         }
         let within = if nearest.distance <= self.near { 2.0 * self.near } else { self.reach };
         Ok(self.tree.nearest(point, within, is_turned_so).unwrap_or(nearest).triangle)
-    }
-
-    fn nearest(&self, point: Vec3) -> Result<Near, f64> {
-        let nearest = self.tree.nearest(point, f64::INFINITY, |_| true).ok_or(f64::INFINITY)?;
-        if nearest.distance <= self.reach { Ok(nearest) } else { Err(nearest.distance) }
     }
 }
 

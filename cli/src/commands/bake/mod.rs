@@ -6,7 +6,7 @@ mod margins;
 mod raster;
 mod tree;
 
-use crate::commands::shared::{MaterialFiles, material_text, non_negative, overlap, texture, whole};
+use crate::commands::shared::{MaterialFiles, listed, material_text, non_negative, overlap, texture, whole};
 use crate::error::CommandError;
 use crate::input::{self, Texels};
 use crate::output::{self, Files};
@@ -121,7 +121,12 @@ pub(crate) fn run(args: &BakeArgs) -> Result<(), CommandError> {
     let images = match same {
         Some(images) => images,
         None => lying::images(&old, (&new, &uv), side, args.max_distance).map_err(|(face, share)| {
-            CommandError::BakePlaces { old: args.old.clone(), new: args.new.clone(), face, share }
+            let (old, new) = (args.old.clone(), args.new.clone());
+            if share.is_finite() {
+                CommandError::BakePlaces { old, new, face, share }
+            } else {
+                CommandError::BakeNoArea(old)
+            }
         })?,
     };
     let texels = rasterized(&show.pieces(&images, side), &show.pictures, side);
@@ -131,6 +136,7 @@ pub(crate) fn run(args: &BakeArgs) -> Result<(), CommandError> {
     let bare_faces = show.bare_faces(&images);
     let overlap = overlap(&new, &uv, Weld::Auto);
     warn(args, bare_faces, overlap);
+    warn_of_other_maps(args, textures.other_maps());
     let report = BakeReport {
         schema: SCHEMA,
         old: args.old.display().to_string(),
@@ -321,6 +327,16 @@ fn warn(args: &BakeArgs, bare_faces: usize, overlap: OverlapReport) {
         let new = args.new.display();
         output::warn(&format!(
             "{new} lies over itself, {share}: there the texture is the mean of what should be apart, as cones islands puts it"
+        ));
+    }
+}
+
+/// Says what else materials show, which is left.
+fn warn_of_other_maps(args: &BakeArgs, maps: &[String]) {
+    if !maps.is_empty() {
+        let (maps, old) = (listed(maps.iter().map(String::as_str)), args.old.display());
+        output::warn(&format!(
+            "of the materials of {old} the colours are transferred, and not {maps}: directions as of normals would have to be turned"
         ));
     }
 }

@@ -228,7 +228,7 @@ mod tests {
         let white = checker(4, [[255; 4]; 2]);
         let factor = [0.5, 0.25, 1.0, 0.5];
         let pieces = SQUARE.iter().filter_map(|t| Piece::new(*t, *t, (0, &white, factor), 4));
-        let texels = rasterized(&pieces.collect::<Vec<_>>(), &[white.clone()], 4);
+        let texels = rasterized(&pieces.collect::<Vec<_>>(), std::slice::from_ref(&white), 4);
         assert!(texels.iter().all(|texel| *texel == Some([188, 137, 255, 128])), "{texels:?}");
     }
 

@@ -166,7 +166,7 @@ mod tests {
 
     #[test]
     fn the_nearest_triangle_is_that_of_a_search_through_all() {
-        let shape = geom::shapes::torus(300);
+        let shape = geom::shapes::torus(1, 300);
         let triangles: Vec<[Vec3; 3]> = shape.triangles.iter().map(|t| t.map(|v| shape.points[v as usize])).collect();
         let tree = Tree::new(&triangles);
         for k in 0..400_u32 {

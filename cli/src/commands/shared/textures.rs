@@ -95,7 +95,7 @@ fn word(path: &Path) -> String {
 }
 
 /// The first of some names, and how many more there are; nothing of none.
-fn listed<'a>(names: impl Iterator<Item = &'a str>) -> String {
+pub(crate) fn listed<'a>(names: impl Iterator<Item = &'a str>) -> String {
     let names: Vec<&str> = names.collect();
     match names.as_slice() {
         [] => String::new(),

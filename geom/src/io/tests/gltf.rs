@@ -280,11 +280,13 @@ fn a_texture_has_its_factor_and_other_files_are_named() {
         json["textures"] = json!([{"extensions": {"EXT_texture_webp": {"source": 0}}}]);
         json["materials"][1]["pbrMetallicRoughness"] =
             json!({"baseColorTexture": {"index": 0}, "baseColorFactor": [0.5, 1, 1, 1]});
+        json["materials"][1]["normalTexture"] = json!({"index": 0});
     });
     let model = read_bytes(glb(seen), "a.glb").unwrap();
     let textures = Textures::of(&model, Path::new("in/a.glb"));
     assert_eq!((&*textures.list()[0].name, textures.colour(0)), ("a%20b.webp", Some([0.5, 1.0, 1.0, 1.0])));
     assert_eq!(textures.files(), [Path::new("in/a b.webp"), Path::new("in/bump.png")]);
+    assert_eq!(textures.other_maps(), ["normalTexture"]);
 }
 
 #[test]
