@@ -33,25 +33,15 @@ pub(crate) enum CommandError {
     #[error("{} and {} do not have the same faces in the same order: name the mesh that was unwrapped", told(.0), told(.1))]
     OtherMesh(PathBuf, PathBuf),
     #[error(
-        "{} has {}, and {} {} ({triangles} triangles): they are to have the same faces in the same order, as cones unwrap writes them without \
-         --refine and --split-edges",
+        "face {face} (counted from 0) of {} is {:.2} % of the surface's size away from {}: it is to be the same surface, or name how far it may be \
+         (--max-distance)",
         told(new),
-        match faces[1] {
-            1 => "1 face".to_owned(),
-            count => format!("{count} faces"),
-        },
-        told(old),
-        faces[0]
-    )]
-    BakeFaces { old: PathBuf, new: PathBuf, faces: [usize; 2], triangles: usize },
-    #[error(
-        "face {face} (counted from 0) of {} is not where it is in {}, but {:.2} % of the surface's size away: they are to have the same faces in the \
-         same order, at the same places",
-        told(new),
-        told(old),
-        100.0 * share
+        100.0 * share,
+        told(old)
     )]
     BakePlaces { old: PathBuf, new: PathBuf, face: u32, share: f64 },
+    #[error("{} has no face with an area, of which anything could be transferred", told(.0))]
+    BakeNoArea(PathBuf),
     #[error(
         "{} has no textures: its faces show none, or its material library is not there; name the model whose textures are to be transferred",
         told(.0)
@@ -63,6 +53,10 @@ pub(crate) enum CommandError {
         told(path)
     )]
     UnknownPicture { path: PathBuf, name: String },
+    #[error(
+        "the picture {name} is in the glTF that came through standard input, where pictures are not read from: name the file"
+    )]
+    PictureInPipe { name: String },
     #[error(
         "{}: the texture {name} is moved or scaled by its material, or placed by other coordinates than the first ones, which is not read: apply \
          that to the texture coordinates",

@@ -214,7 +214,6 @@ impl Job<'_> {
         args.seams.keep(input, &model, &mut options)?;
         let place = |error| edges.place(placed(cones.as_ref(), error));
         let mut unwrapped = Unwrapped::new(input, model, options, args.scale, progress).map_err(place)?;
-        let is_split = split.is_some();
         unwrapped.map.flaws.extend(split);
         let is_cut = args.triangulate || format == MeshFormat::Glb;
         if !is_cut {
@@ -222,14 +221,13 @@ impl Job<'_> {
         } else if unwrapped.has_overlapping_polygons() {
             unwrapped = unwrapped.triangulated(input, args.scale, progress).map_err(place)?;
         }
-        let has_other_faces = is_split || unwrapped.analysis.refined().is_some();
-        unwrapped.map.flaws.extend(self.textures_do_not_fit(&textures, has_other_faces));
+        unwrapped.map.flaws.extend(self.textures_do_not_fit(&textures));
         Ok((unwrapped, Times { read: Some(read), ..Times::default() }))
     }
 
     /// That the textures are for the old map, where there are any that no checkerboard is in place of.
-    fn textures_do_not_fit(&self, textures: &MapTextures, has_other_faces: bool) -> Option<String> {
-        let bake = if has_other_faces { Bake::OtherFaces } else { Bake::of_tiles(self.args.packing.is_udim()) };
+    fn textures_do_not_fit(&self, textures: &MapTextures) -> Option<String> {
+        let bake = Bake::of_tiles(self.args.packing.is_udim());
         textures.do_not_fit(self.output, bake).filter(|_| !self.args.checker)
     }
 

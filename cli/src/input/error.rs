@@ -63,6 +63,8 @@ pub(crate) enum Problem {
         bytes(*free)
     )]
     Memory { vertices: u64, needed: u64, free: u64 },
+    #[error("has so many pixels that {} of memory are needed where {} are free: make it smaller", bytes(*needed), bytes(*free))]
+    PictureMemory { needed: u64, free: u64 },
     #[error("has {0} values, and 2147483646 are the most that can be numbered: take a part of it or every other value")]
     TooMany(u64),
     #[error(

@@ -13,6 +13,15 @@ pub(super) fn check(vertices: u64, bytes_per_value: usize) -> Result<(), Problem
     check_against(vertices, bytes_per_value, free())
 }
 
+/// Refuses more bytes than are free, of a picture of so many pixels that takes so many bytes each.
+pub(super) fn check_picture(pixels: u64, bytes_per_pixel: usize) -> Result<(), Problem> {
+    let needed = pixels.saturating_mul(bytes_per_pixel as u64);
+    match free() {
+        Some(free) if needed > free => Err(Problem::PictureMemory { needed, free }),
+        _ => Ok(()),
+    }
+}
+
 fn check_against(vertices: u64, bytes_per_value: usize, free: Option<u64>) -> Result<(), Problem> {
     let needed = vertices.saturating_mul(bytes_per_value as u64 + WORK_PER_VERTEX);
     match free {

@@ -66,6 +66,11 @@ pub(crate) fn read_model(path: &Path) -> Result<(Model, f64), geom::io::ReadErro
     Ok((model, start.elapsed().as_secs_f64()))
 }
 
+/// Refuses a square picture of so many pixels on a side, each of which takes so many bytes, that does not fit into the memory; `path` is where it is to be.
+pub(crate) fn check_memory(side: usize, bytes_per_pixel: usize, path: &Path) -> Result<(), ReadError> {
+    memory::check_picture(side as u64 * side as u64, bytes_per_pixel).map_err(|problem| problem.in_file(path))
+}
+
 /// What NaN may stand for in a file, by its ending: for what readers put it.
 pub(crate) fn gaps(path: &Path) -> &'static str {
     match ending(path).as_str() {

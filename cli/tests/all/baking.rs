@@ -1,6 +1,6 @@
 //! Textures transferred to another map.
 
-use crate::folder::{Folder, stderr, stdout};
+use crate::folder::{Folder, PROGRAM, stderr, stdout};
 use crate::textures::{TWO, materials};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
@@ -12,7 +12,7 @@ const BLUE: [u8; 3] = [20, 30, 220];
 const GREEN: [u8; 3] = [40, 180, 60];
 
 /// A PNG of so many pixels on a side.
-fn png(side: usize, pixel: impl Fn(usize, usize) -> [u8; 3]) -> Vec<u8> {
+pub(crate) fn png(side: usize, pixel: impl Fn(usize, usize) -> [u8; 3]) -> Vec<u8> {
     let mut bytes = Vec::new();
     let mut encoder = png::Encoder::new(&mut bytes, side as u32, side as u32);
     encoder.set_color(png::ColorType::Rgb);
@@ -95,8 +95,8 @@ fn the_same_bits_come_of_any_number_of_threads_and_margins_are_as_wide_as_asked_
 #[test]
 fn what_cannot_be_baked_is_said_and_nothing_is_written() {
     let folder = folder();
-    folder.write("one.obj", &TWO.replace("usemtl blue\nf 5/1 6/2 7/3 8/4\n", ""));
     folder.write("moved.obj", &folder.read("new.obj").replace("v 6 1 0", "v 6 1.1 0"));
+    folder.write("line.obj", "mtllib two.mtl\nv 0 0 0\nv 1 0 0\nv 2 0 0\nvt 0 0\nusemtl red\nf 1/1 2/1 3/1\n");
     folder.write("tiles.obj", &TWO.replace("vt 1 1", "vt 1 1.5"));
     folder.write("bare.obj", &TWO.replace("mtllib", "# mtllib"));
     folder.write("plain.obj", &["/1", "/2", "/3", "/4"].iter().fold(TWO.to_owned(), |text, vt| text.replace(vt, "")));
@@ -108,10 +108,20 @@ fn what_cannot_be_baked_is_said_and_nothing_is_written() {
     folder.write("torn.obj", &TWO.replace("two.mtl", "torn.mtl"));
     folder.write("torn.mtl", &materials("map_Kd red.png", "map_Kd torn.jpg"));
     folder.write("torn.jpg", "GIF89a");
+    folder.write("rough.obj", &TWO.replace("two.mtl", "rough.mtl"));
+    folder.write("rough.mtl", &materials("map_Kd red.png\nmap_Bump -bm 0.5 bump.png", "map_Kd blue.png"));
+    folder.write("bump.png", "as it was");
+    folder.write("away.obj", &TWO.replace("two.mtl", r"C:\scans\lib.mtl"));
+    folder.write("lib.mtl", &materials("map_Kd red.png", "map_Kd blue.png"));
     let names = folder.names();
     for (old, new, out, told) in [
-        ("two.obj", "one.obj", "o.png", "one.obj has 1 face, and two.obj 2 (4 triangles)"),
-        ("two.obj", "moved.obj", "o.png", "face 1 (counted from 0) of moved.obj is not where it is in two.obj"),
+        (
+            "two.obj",
+            "moved.obj",
+            "o.png",
+            "face 1 (counted from 0) of moved.obj is 1.64 % of the surface's size away from two.obj",
+        ),
+        ("line.obj", "new.obj", "o.png", "line.obj has no face with an area"),
         ("two.obj", "tiles.obj", "o.png", "tiles.obj has the texture coordinate 1 1.5 at face 0"),
         ("bare.obj", "new.obj", "o.png", "bare.obj has no textures"),
         ("plain.obj", "new.obj", "o.png", "plain.obj has no texture coordinates"),
@@ -122,7 +132,10 @@ fn what_cannot_be_baked_is_said_and_nothing_is_written() {
         ("two.obj", "new.obj", "red.png", "red.png is the input"),
         ("two.obj", "new.obj", "two.obj", "two.obj is the input"),
         ("two.obj", "new.obj", "blue.obj", "blue.png is the input"),
-        ("two.obj", "new.obj", "o.jpg", "end it in .png or .obj"),
+        // Other maps of materials, and a library that is named as on another machine.
+        ("rough.obj", "new.obj", "bump.png", "bump.png is the input"),
+        ("away.obj", "new.obj", "lib.obj", "lib.mtl is the input"),
+        ("two.obj", "new.obj", "o.jpg", "end it in .png, .glb or .obj"),
     ] {
         let complaint = folder.complaint(&["bake", old, new, "-o", out]);
         assert!(complaint.split_whitespace().collect::<Vec<_>>().join(" ").contains(told), "{complaint}");
@@ -134,11 +147,85 @@ fn what_cannot_be_baked_is_said_and_nothing_is_written() {
 #[test]
 fn faces_without_a_texture_and_maps_that_lie_over_themselves_are_told_of() {
     let folder = folder();
-    folder.write("two.mtl", &materials("map_Kd red.png", ""));
+    folder.write("two.mtl", &materials("map_Kd red.png", "").replace("Kd 0 0 1", ""));
     let said = stderr(&folder.run(&["bake", "two.obj", "new.obj", "-o", "out.png"]).success());
     assert!(said.contains("1 face has no texture in two.obj"), "{said}");
+    // One with a colour has that.
+    folder.write("two.mtl", &materials("map_Kd red.png", ""));
+    let said = stderr(&folder.run(&["bake", "two.obj", "new.obj", "-o", "out.png"]).success());
+    assert!(said.is_empty(), "{said}");
+    assert_eq!(shown(&folder, "new.obj", "out.png", 1, &[0.25; 4]), [0, 0, 255]);
+    folder.write("two.mtl", &materials("map_Kd red.png\nmap_Bump bump.png\nmap_Pr rough.png", "map_Kd blue.png"));
+    let said = stderr(&folder.run(&["bake", "two.obj", "new.obj", "-o", "out.png"]).success());
+    assert!(said.contains("and not map_Bump and map_Pr: directions"), "{said}");
     let said = stderr(&folder.run(&["bake", "two.obj", "two.obj", "-o", "out.png"]).success());
     assert!(said.contains("two.obj lies over itself"), "{said}");
+}
+
+#[test]
+fn a_glb_has_its_texture_in_it() {
+    let folder = folder();
+    folder.run(&["pack", "two.obj", "-o", "new.glb"]).success();
+    let told = stderr(&folder.run(&["pack", "two.obj", "-o", "new.glb"]).success());
+    assert!(told.contains("cones bake two.obj new.glb -o new.baked.glb makes one that does"), "{told}");
+    let size = ["--texture-size", "128"];
+    folder.run(&[&["bake", "two.obj", "new.glb", "-o", "out.png"], &size[..]].concat()).success();
+    let done = folder.run(&[&["bake", "two.obj", "new.glb", "-o", "out.glb"], &size[..]].concat()).success();
+    assert!(stderr(&done).is_empty() && stdout(&done).contains("out.glb"), "{}", stdout(&done));
+    // It is the picture that is written alone, and a model with a texture as any other.
+    let model = geom::io::read(folder.path("out.glb")).unwrap();
+    let textures = geom::io::Textures::of(&model, &folder.path("out.glb"));
+    let inside = geom::io::read_picture(folder.path("out.glb"), &textures.list()[0].picture).unwrap();
+    assert_eq!(inside, std::fs::read(folder.path("out.png")).unwrap());
+    folder.run(&["bake", "out.glb", "new.obj", "-o", "again.png"]).success();
+    for (face, colour) in [(0, RED), (1, BLUE)] {
+        assert_eq!(shown(&folder, "new.obj", "again.png", face, &[0.4, 0.1, 0.1, 0.4]), colour);
+    }
+    let glb = std::fs::read(folder.path("out.glb")).unwrap();
+    let piped = assert_cmd::Command::new(PROGRAM)
+        .args(["bake", "-", "new.obj", "-o", "none.png"])
+        .current_dir(folder.root())
+        .write_stdin(glb)
+        .assert()
+        .code(1);
+    assert!(stderr(&piped).contains("standard input, where pictures are not read from"), "{}", stderr(&piped));
+}
+
+#[test]
+fn other_triangles_of_the_surface_show_what_is_at_their_places() {
+    let folder = folder();
+    folder.run(&["unwrap", "two.obj", "--refine=always", "-o", "refined.obj"]).success();
+    let refined = geom::io::read(folder.path("refined.obj")).unwrap();
+    assert!(refined.face_count() > 4, "{} faces", refined.face_count());
+    // The other way round, too: fine triangles are transferred to coarse ones.
+    folder.run(&["bake", "two.obj", "refined.obj", "-o", "baked.obj", "--texture-size", "256"]).success();
+    folder.run(&["bake", "baked.obj", "new.obj", "-o", "back.png", "--texture-size", "256"]).success();
+    for face in 0..refined.face_count() {
+        let middle = |k: usize| refined.face(face).iter().map(|&v| refined.points()[v as usize][k]).sum::<f64>() / 3.0;
+        let colour = match middle(0) {
+            x if x > 4.0 => BLUE,
+            x if (0.45..0.55).contains(&x) => continue,
+            x => {
+                if x < 0.5 {
+                    RED
+                } else {
+                    GREEN
+                }
+            }
+        };
+        assert_eq!(shown(&folder, "refined.obj", "baked.png", face, &[1.0 / 3.0; 3]), colour, "{face}");
+    }
+    for (face, weights, colour) in
+        [(0, [0.4, 0.1, 0.1, 0.4], RED), (0, [0.1, 0.4, 0.4, 0.1], GREEN), (1, [0.25; 4], BLUE)]
+    {
+        let seen = shown(&folder, "new.obj", "back.png", face, &weights);
+        assert!(seen.iter().zip(colour).all(|(a, b)| a.abs_diff(b) <= 1), "{seen:?} {colour:?}");
+    }
+    // What is farther away than may be is refused, unless that is asked for.
+    folder.write("high.obj", &folder.read("new.obj").replace(" 0\nv", " 0.1\nv"));
+    let bake = ["bake", "two.obj", "high.obj", "-o", "high.png"];
+    assert!(folder.complaint(&bake).contains("1.64 % of the surface's size away from two.obj"));
+    folder.run(&[&bake[..], &["--max-distance", "0.02"]].concat()).success();
 }
 
 #[test]
@@ -172,6 +259,15 @@ fn textures_within_a_gltf_are_read() {
     assert_eq!(shown(&folder, "new.obj", "out.png", 0, &[0.3, 0.3, 0.4]), GREEN);
     let unwrapped = stderr(&folder.run(&["unwrap", "old.gltf", "-o", "u.obj"]).success());
     assert!(unwrapped.contains("leaf was made for the old map"), "{unwrapped}");
+    // What a material multiplies its texture by belongs to what is seen.
+    gltf["materials"][0]["pbrMetallicRoughness"]["baseColorFactor"] = json!([1, 0, 1, 1]);
+    folder.write("old.gltf", &gltf.to_string());
+    folder.run(&["bake", "old.gltf", "new.obj", "-o", "out.png", "--texture-size", "32"]).success();
+    assert_eq!(shown(&folder, "new.obj", "out.png", 0, &[0.3, 0.3, 0.4]), [GREEN[0], 0, GREEN[2]]);
+    gltf["images"] = json!([{"uri": "leaf.png"}]);
+    folder.write("old.gltf", &gltf.to_string());
+    std::fs::write(folder.path("leaf.png"), png(16, |_, _| RED)).unwrap();
+    assert!(folder.complaint(&["bake", "old.gltf", "new.obj", "-o", "leaf.png"]).contains("leaf.png is the input"));
     gltf["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"]["texCoord"] = 1.into();
     folder.write("old.gltf", &gltf.to_string());
     let complaint = folder.complaint(&["bake", "old.gltf", "new.obj", "-o", "none.png"]);

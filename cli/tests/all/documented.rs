@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 
 use serde_json::Value;
 
+use crate::baking::png;
 use crate::folder::{Folder, stdout};
 
 const PAGE: &str = include_str!("../../../docs/json.md");
@@ -53,6 +54,10 @@ fn every_key_of_every_json_output_is_on_the_page() {
     assert_documented("measure", &printed(&["measure", "out.obj", "--reference", "hare.obj", "--json"]));
     assert_documented("pack", &printed(&["pack", "out.obj", "-o", "packed.obj", "--json"]));
     assert_documented("islands", &printed(&["islands", "out.obj", "-o", "apart.obj", "--json"]));
+    folder.write("hare.mtl", "newmtl fur\nmap_Kd fur.png\n");
+    folder.write("fur.obj", &format!("mtllib hare.mtl\nusemtl fur\n{}", folder.read("out.obj")));
+    std::fs::write(folder.path("fur.png"), png(4, |_, _| [9; 3])).expect("a temporary folder can be written to");
+    assert_documented("bake", &printed(&["bake", "fur.obj", "packed.obj", "-o", "packed.png", "--json"]));
     assert_documented("features", &printed(&["features", "hare.obj", "--json"]));
     assert_documented("persistence", &printed(&["persistence", "hare.obj", "--field", "height", "--json"]));
     folder.write("series.txt", "1\n3\n2\n4\n");

@@ -4,8 +4,11 @@ use std::collections::BTreeMap;
 
 use geom::Model;
 
+/// Textures are no farther apart than this, lest coordinates lose their digits.
+const FARTHEST: f64 = (1_u64 << 24) as f64;
+
 /// The map whose faces lie beside each other where they have not the same texture: each texture is moved by whole numbers, so that tiles stay tiles and nothing of one lies over
-/// anything of another. Faces beyond those whose textures are given have none. O(corners).
+/// anything of another; all stay where they are if they reach too far for that. Faces beyond those whose textures are given have none. O(corners).
 ///
 /// ```
 /// let points = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
@@ -28,6 +31,9 @@ pub fn textures_apart(model: &Model, uv: &[[f64; 2]], of_face: &[Option<u32>]) -
     // A tile between them, lest corners beyond a border by a rounding error meet.
     let step = [0, 1].map(|k| (range(k)[1].ceil() - range(k)[0].floor()).max(0.0) + 1.0);
     let mut apart = uv.to_vec();
+    if !step.iter().all(|step| *step <= FARTHEST) {
+        return apart;
+    }
     for face in 0..model.face_count() {
         let number = place[&texture(face)];
         let shift = [(number % columns) as f64 * step[0], (number / columns) as f64 * step[1]];
@@ -38,4 +44,20 @@ pub fn textures_apart(model: &Model, uv: &[[f64; 2]], of_face: &[Option<u32>]) -
         }
     }
     apart
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_coordinate_that_is_out_of_all_bounds_moves_nothing() {
+        let points = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
+        let square = Model::from_triangles(points, &[[0, 1, 2], [2, 3, 0]]).unwrap();
+        let mut uv = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
+        for far in [1e15, 1e308] {
+            (uv[0][0], uv[1][0]) = (-far, far);
+            assert_eq!(textures_apart(&square, &uv, &[Some(0), Some(1)]), uv);
+        }
+    }
 }

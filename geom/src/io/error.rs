@@ -82,6 +82,9 @@ pub enum Problem {
     /// The path leads to a directory.
     #[error("this is a directory, give a mesh file")]
     Directory,
+    /// Another file names what is a pipe or a device.
+    #[error("this is a pipe or a device, give a file")]
+    NoFile,
     /// The system refuses.
     #[error("the file cannot be read")]
     Io(#[source] io::Error),

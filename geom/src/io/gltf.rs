@@ -17,7 +17,7 @@ mod container;
 mod document;
 mod placement;
 
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap};
 use std::path::Path;
 
 use serde_json::Value;
@@ -34,7 +34,7 @@ use crate::surface::{
 };
 use accessor::{Accessor, Buffers};
 use container::Container;
-pub(super) use container::MAGIC;
+pub(super) use container::{MAGIC, beside};
 use document::{Document, Primitive};
 use placement::scene;
 
@@ -268,6 +268,8 @@ impl Draft {
             materials: material_names(document, &looks),
             looks,
             pictures: pictures(document),
+            images: image_files(document),
+            other_maps: other_maps(document),
             face_material,
             nodes,
             face_node,
@@ -339,17 +341,35 @@ fn looks(document: &Document) -> Vec<String> {
     document.materials.iter().map(look).collect()
 }
 
-/// The pictures of materials' base colours. That which we put on a map to look at it is none.
+/// The pictures of materials' base colours. That which we put on a map to look at it is none; one of ours that is more has a name.
 fn pictures(document: &Document) -> Vec<Option<BaseColourPicture>> {
-    let is_ours = document.asset.generator.as_deref() == Some(GENERATOR);
+    let is_ours = is_ours(document);
     let picture = |material: &document::Material| {
-        let (texture, is_moved) = material.base_colour.filter(|_| !is_ours)?;
-        let image = usize::try_from(document.textures.get(texture)?.get("source")?.as_u64()?).ok()?;
-        let name = document.images.get(image)?.called(image);
-        Some(BaseColourPicture { image, name, is_moved })
+        let (texture, is_moved) = material.base_colour?;
+        let image = source(document.textures.get(texture)?)?;
+        let named = document.images.get(image).filter(|image| !is_ours || image.name.is_some())?;
+        Some(BaseColourPicture { image, name: named.called(image), is_moved })
     };
     let pictures: Vec<_> = document.materials.iter().map(picture).collect();
     if pictures.iter().any(Option::is_some) { pictures } else { Vec::new() }
+}
+
+/// The number of a texture's image; where it has none, as some that are compressed otherwise, that of an extension.
+fn source(texture: &Value) -> Option<usize> {
+    let own = |said: &Value| usize::try_from(said.get("source")?.as_u64()?).ok();
+    own(texture).or_else(|| texture.get("extensions")?.as_object()?.values().find_map(own))
+}
+
+/// What else than base colours materials have textures for, each once.
+fn other_maps(document: &Document) -> Vec<String> {
+    let maps: BTreeSet<&String> = document.materials.iter().flat_map(|material| &material.other_maps).collect();
+    maps.into_iter().cloned().collect()
+}
+
+/// Where images in other files are.
+fn image_files(document: &Document) -> Vec<String> {
+    let uris = document.images.iter().filter_map(|image| image.uri.clone());
+    uris.filter(|uri| !uri.starts_with("data:")).collect()
 }
 
 /// The bytes of one of a glTF's images.
@@ -392,7 +412,7 @@ fn left(document: &Document, seen: &[&str]) -> Vec<String> {
         ("skins", has_skin),
         ("animations", !document.animations.is_empty()),
         ("cameras", !document.cameras.is_empty()),
-        ("textures", !document.images.is_empty() && !is_ours),
+        ("textures", document.images.iter().any(|image| !is_ours || image.name.is_some())),
     ];
     kinds.into_iter().filter(|(name, there)| *there || seen.contains(name)).map(|(name, _)| name.to_owned()).collect()
 }

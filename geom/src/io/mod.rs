@@ -52,13 +52,16 @@ pub use not_kept::{MeshFormat, NotKept, not_kept};
 pub use refined_obj::{refine_obj, with_split_edges};
 pub use textures::{Picture, Texture, Textures};
 pub use triangulated::triangulated;
-pub use write_glb::write_glb;
+pub use write_glb::{GlbTexture, write_glb};
 pub use write_obj::{Material, ObjContent, write_obj};
 pub use write_ply::write_ply;
 
 /// How many times its size a gzip file may expand to. Meshes of programs and scanners compress 2 to 13 times, a regular
 /// grid in text STL 42 times, one byte repeated 1030 times.
 const MOST_EXPANSION: usize = 100;
+
+/// So many bytes of a picture are read.
+const MOST_OF_PICTURE: u64 = 1 << 30;
 
 /// The formats that can be read.
 #[derive(Debug, Clone, Copy)]
@@ -113,14 +116,21 @@ pub fn read_stream(mut input: impl Read, name: impl AsRef<Path>) -> Result<Model
     }
 }
 
-/// The bytes of one of the images of a glTF, which its [`Attributes::pictures`](crate::Attributes::pictures) number.
+/// The bytes of a picture of the [`Textures`] of a model that was read from `path`; of a file of its own the first gigabyte.
 ///
 /// # Errors
-/// As [`read`], and when there is no such image.
-pub fn read_image(path: impl AsRef<Path>, number: usize) -> Result<Vec<u8>, ReadError> {
+/// When the picture is unknown, its file missing, unreadable, a pipe or a device, and of one in a glTF as [`read`].
+pub fn read_picture(path: impl AsRef<Path>, picture: &Picture) -> Result<Vec<u8>, ReadError> {
     let path = path.as_ref();
-    let bytes = load(path).and_then(decompress).map_err(|problem| Fault::from(problem).in_file(path))?;
-    gltf::image(&bytes, number, path.parent()).map_err(|fault| fault.in_file(path))
+    let (file, read) = match picture {
+        Picture::File(file) => (&**file, load_named(file, MOST_OF_PICTURE).map_err(Fault::from)),
+        Picture::Image(number) => {
+            let bytes = load(path).and_then(decompress).map_err(Fault::from);
+            (path, bytes.and_then(|bytes| gltf::image(&bytes, *number, path.parent())))
+        }
+        Picture::Unknown(name) => (Path::new(name), Err(Problem::Missing.into())),
+    };
+    read.map_err(|fault| fault.in_file(file))
 }
 
 /// Writes what `content` writes, compressed with gzip.
@@ -157,14 +167,32 @@ fn read_format(bytes: Vec<u8>, format: Format, folder: Option<&Path>) -> Result<
     }
 }
 
+/// The first `most` bytes of a file that another one names. A pipe may never begin and a device never end, so it is no file.
+fn load_named(path: &Path, most: u64) -> Result<Vec<u8>, Problem> {
+    let kind = fs::metadata(path).map_err(unreadable)?;
+    if kind.is_dir() {
+        return Err(Problem::Directory);
+    }
+    if !kind.is_file() {
+        return Err(Problem::NoFile);
+    }
+    let mut bytes = Vec::new();
+    fs::File::open(path).and_then(|file| file.take(most).read_to_end(&mut bytes)).map_err(unreadable)?;
+    Ok(bytes)
+}
+
 fn load(path: &Path) -> Result<Vec<u8>, Problem> {
     if path.is_dir() {
         return Err(Problem::Directory);
     }
-    fs::read(path).map_err(|error| match error.kind() {
+    fs::read(path).map_err(unreadable)
+}
+
+fn unreadable(error: io::Error) -> Problem {
+    match error.kind() {
         io::ErrorKind::NotFound => Problem::Missing,
         _ => Problem::Io(error),
-    })
+    }
 }
 
 /// The content of a gzip file, or the bytes as they are.

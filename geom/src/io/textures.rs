@@ -6,29 +6,37 @@
 //! | PLY | the one of `comment TextureFile` that its `texnumber` counts, or the first |
 //! | glTF | that of its material's base colour |
 //!
-//! Two materials with the same picture show the same texture. A model of which no face shows any has none, whatever its materials are.
+//! Two materials with the same picture show the same texture. A model of which no face shows any has none, whatever its materials are. The colours of materials are kept for
+//! what has no picture: `Kd` of an OBJ, taken for sRGB; in a glTF the factor of the base colour is also what the picture is multiplied by. `Kd` beside `map_Kd` is passed over, as
+//! programs that write OBJ leave anything there.
 //!
-//! Source: Wavefront Technologies, *Advanced Visualizer*, *Material Library File (.mtl)*. Not read: of OBJ other maps than `map_Kd`.
+//! Source: Wavefront Technologies, *Advanced Visualizer*, *Material Library File (.mtl)*. Of other maps than `map_Kd` only the names are read.
 
-use std::collections::HashMap;
-use std::fs::File;
-use std::io::Read;
+use std::collections::{BTreeSet, HashMap};
 use std::path::{Path, PathBuf};
 
+use serde_json::Value;
+
+use super::colour::to_linear;
+use super::gltf::beside as named_by_gltf;
+use super::load_named;
 use super::text::{Lines, Words, number};
-use crate::surface::{Attribute, AttributeDomain, Meaning, Model};
+use crate::surface::{Attribute, AttributeDomain, Attributes, Meaning, Model};
 
 /// So many bytes of a material library are read: a thousand materials have a hundredth of it.
 const MOST_OF_LIBRARY: u64 = 1 << 26;
 /// What a comment of a PLY begins with that names a picture.
 const TEXTURE_FILE: &str = "TextureFile";
 
+/// Beginnings of the words before other maps than that of the colour.
+const OTHER_MAPS: [&[u8]; 6] = [b"map_", b"bump", b"disp", b"decal", b"refl", b"norm"];
+
 /// Where the picture of a texture is.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub enum Picture {
     /// In a file of its own.
     File(PathBuf),
-    /// In the model's file, a glTF: its number, for [`read_image`](super::read_image).
+    /// In the model's file, a glTF: its number, for [`read_picture`](super::read_picture).
     Image(usize),
     /// It is not known: a material, or a number, whose picture nothing tells.
     Unknown(String),
@@ -47,10 +55,15 @@ pub struct Texture {
 }
 
 /// The textures of a model; see the module's head.
-#[derive(Debug, Clone, Default, PartialEq, Eq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Textures {
     textures: Vec<Texture>,
     of_face: Vec<Option<u32>>,
+    /// The colour of each material that has one.
+    colours: Vec<Option<[f64; 4]>>,
+    face_material: Vec<u32>,
+    files: Vec<PathBuf>,
+    other_maps: Vec<String>,
 }
 
 impl Textures {
@@ -61,8 +74,12 @@ impl Textures {
         if !attributes.libraries.is_empty() {
             let libraries = Libraries::read(&attributes.libraries, folder);
             let textures: Vec<_> = attributes.materials.iter().map(|material| libraries.texture(material)).collect();
-            return Self::of_materials(model, &textures);
+            let colours = attributes.materials.iter().map(|material| libraries.colours.get(material).copied());
+            let Libraries { files, other_maps, .. } = &libraries;
+            let (files, other_maps) = (files.clone(), other_maps.iter().cloned().collect());
+            return Self { colours: colours.collect(), files, other_maps, ..Self::of_materials(model, &textures) };
         }
+        let files = attributes.images.iter().filter_map(|uri| Some(folder.join(named_by_gltf(uri)?))).collect();
         if !attributes.pictures.is_empty() {
             let texture = |picture: &crate::BaseColourPicture| Texture {
                 name: picture.name.clone(),
@@ -70,9 +87,10 @@ impl Textures {
                 is_moved: picture.is_moved,
             };
             let textures: Vec<_> = attributes.pictures.iter().map(|picture| picture.as_ref().map(texture)).collect();
-            return Self::of_materials(model, &textures);
+            let other_maps = attributes.other_maps.clone();
+            return Self { colours: factors(attributes), files, other_maps, ..Self::of_materials(model, &textures) };
         }
-        Self::of_numbers(model, folder)
+        Self { files, ..Self::of_numbers(model, folder) }
     }
 
     /// The textures.
@@ -90,9 +108,26 @@ impl Textures {
         &self.of_face
     }
 
+    /// The colour of a face's material, red, green, blue and alpha in linear light, if it has one; see the module's head.
+    pub fn colour(&self, face: usize) -> Option<[f64; 4]> {
+        *self.colours.get(*self.face_material.get(face)? as usize)?
+    }
+
+    /// The files that the model names beside itself, as far as they are known: material libraries, and the pictures of any use that these or the model name.
+    pub fn files(&self) -> &[PathBuf] {
+        &self.files
+    }
+
+    /// What else than the colour materials have pictures for, in the file's words, such as `map_Bump` or `normalTexture`. Nothing more is known of these here.
+    pub fn other_maps(&self) -> &[String] {
+        &self.other_maps
+    }
+
     fn of_materials(model: &Model, textures: &[Option<Texture>]) -> Self {
-        let material = |face| model.attributes().face_material.get(face).map(|&material| material as usize);
-        Self::shown((0..model.face_count()).map(|face| textures.get(material(face)?)?.as_ref()))
+        let face_material = &model.attributes().face_material;
+        let material = |face| face_material.get(face).map(|&material| material as usize);
+        let shown = Self::shown((0..model.face_count()).map(|face| textures.get(material(face)?)?.as_ref()));
+        Self { face_material: face_material.clone(), ..shown }
     }
 
     /// Those of a PLY.
@@ -118,7 +153,12 @@ impl Textures {
             return Self::shown(numbered.iter().map(Option::as_ref));
         }
         let file = |number: f64| if number >= 0.0 { files.get(number as usize) } else { None };
-        Self::shown((0..model.face_count()).map(|face| number(face).and_then(file)))
+        let shown = Self::shown((0..model.face_count()).map(|face| number(face).and_then(file)));
+        let path = |texture: &Texture| match &texture.picture {
+            Picture::File(path) => Some(path.clone()),
+            Picture::Image(_) | Picture::Unknown(_) => None,
+        };
+        Self { files: files.iter().filter_map(path).collect(), ..shown }
     }
 
     fn shown<'a>(of_face: impl Iterator<Item = Option<&'a Texture>>) -> Self {
@@ -132,8 +172,18 @@ impl Textures {
                 })
             })
         });
-        Self { of_face: of_face.collect(), textures }
+        Self { of_face: of_face.collect(), textures, ..Self::default() }
     }
+}
+
+/// The factors of the base colours of a glTF's materials: white where it says nothing.
+fn factors(attributes: &Attributes) -> Vec<Option<[f64; 4]>> {
+    let factor = |look: &String| {
+        let look: Value = serde_json::from_str(look).unwrap_or_default();
+        let factor = &look["pbrMetallicRoughness"]["baseColorFactor"];
+        [0, 1, 2, 3].map(|k| factor[k].as_f64().unwrap_or(1.0).clamp(0.0, 1.0))
+    };
+    attributes.looks.iter().map(|look| Some(factor(look))).collect()
 }
 
 /// A texture in a file that is named in another one, which is in `folder`.
@@ -158,23 +208,32 @@ fn beside(folder: &Path, named: &str) -> PathBuf {
 }
 
 /// What material libraries say of pictures.
+#[derive(Default)]
 struct Libraries {
     /// The picture of each material, if it has one.
     materials: HashMap<String, Option<Texture>>,
+    /// The colour of each material that has one and no picture.
+    colours: HashMap<String, [f64; 4]>,
+    /// They themselves and what they name.
+    files: Vec<PathBuf>,
+    /// The words before other maps.
+    other_maps: BTreeSet<String>,
     /// Whether all of them could be read.
     is_complete: bool,
 }
 
 impl Libraries {
     fn read(names: &[String], folder: &Path) -> Self {
-        let mut libraries = Self { materials: HashMap::new(), is_complete: true };
+        let mut libraries = Self { is_complete: true, ..Self::default() };
         for name in names {
             let path = beside(folder, name);
-            let mut text = Vec::new();
-            let read = File::open(&path).and_then(|file| file.take(MOST_OF_LIBRARY).read_to_end(&mut text));
-            libraries.is_complete &= read.is_ok();
-            libraries.take(&text, path.parent().unwrap_or(Path::new("")));
+            let text = load_named(&path, MOST_OF_LIBRARY);
+            libraries.is_complete &= text.is_ok();
+            libraries.take(&text.unwrap_or_default(), path.parent().unwrap_or(Path::new("")));
+            libraries.files.push(path);
         }
+        let has_picture = |material: &String| libraries.materials.get(material).is_some_and(Option::is_some);
+        libraries.colours.retain(|material, _| !has_picture(material));
         libraries
     }
 
@@ -182,15 +241,28 @@ impl Libraries {
         let mut material = String::new();
         for line in Lines::new(text) {
             let mut words = line.words();
-            match words.next().map(<[u8]>::to_ascii_lowercase).as_deref() {
-                Some(b"newmtl") => {
+            let word = words.next().unwrap_or_default();
+            match &*word.to_ascii_lowercase() {
+                b"newmtl" => {
                     material = words.map(String::from_utf8_lossy).collect::<Vec<_>>().join(" ");
                     self.materials.entry(material.clone()).or_default();
                 }
-                Some(b"map_kd") => {
+                b"map_kd" => {
                     let (name, is_moved) = map(words);
                     let texture = (!name.is_empty()).then(|| file_texture(folder, &name, is_moved));
+                    self.files.push(beside(folder, &name));
                     self.materials.insert(material.clone(), texture);
+                }
+                b"kd" => {
+                    let shares: Vec<f64> = words.map_while(number).collect();
+                    if let [red, green, blue] = shares[..] {
+                        let [red, green, blue] = [red, green, blue].map(|x| to_linear(x.clamp(0.0, 1.0)));
+                        self.colours.insert(material.clone(), [red, green, blue, 1.0]);
+                    }
+                }
+                lower if OTHER_MAPS.iter().any(|map| lower.starts_with(map)) => {
+                    self.files.push(beside(folder, &map(words).0));
+                    self.other_maps.insert(String::from_utf8_lossy(word).into_owned());
                 }
                 _ => {}
             }
@@ -233,7 +305,7 @@ fn map(words: Words) -> (String, bool) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::io::read_bytes;
+    use crate::io::{read_bytes, read_picture};
 
     const FACES: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl stone\nf 1 2 3\nusemtl my moss\nf 1 2 3\nusemtl red\nf 1 2 3\nusemtl wall\nf 1 2 3\n";
 
@@ -250,7 +322,7 @@ mod tests {
         let folder = std::env::temp_dir().join(format!("cones-textures-{}", std::process::id()));
         std::fs::create_dir_all(&folder).unwrap();
         let library = "newmtl stone\r\nKd 1 1 1\r\nmap_Kd -clamp on -s 1 1 1 a b.png\r\nnewmtl my moss\nmap_Kd C:\\x\\moss.png\n\
-                       newmtl red\nKd 1 0 0\nnewmtl wall\nmap_Kd -o 0.5 a b.png\n";
+                       newmtl red\nKd 1 0 0\nmap_Bump -bm 2 bump.png\nnewmtl wall\nmap_Kd -o 0.5 a b.png\n";
         std::fs::write(folder.join("my lib.mtl"), library).unwrap();
         let textures = |libraries: &str| {
             let model = read_bytes(format!("{libraries}{FACES}").into(), "a.obj").unwrap();
@@ -261,9 +333,32 @@ mod tests {
         assert_eq!(of_faces(&read, 4), [Some(0), Some(1), None, Some(2)]);
         assert_eq!(read.list()[0].picture, Picture::File(folder.join("a b.png")));
         assert!(read.list()[2].is_moved && !read.list()[0].is_moved);
+        let files = ["a b.png", "C:\\x\\moss.png", "bump.png", "a b.png", "my lib.mtl"];
+        assert_eq!(read.other_maps(), ["map_Bump"]);
+        assert_eq!(read.files(), files.map(|name| folder.join(name)));
+        assert_eq!([0, 2].map(|face| read.colour(face)), [None, Some([1.0, 0.0, 0.0, 1.0])]);
         let unread = textures("mtllib other.mtl\n");
         assert_eq!(names(&unread), ["stone", "my moss", "red", "wall"]);
         assert_eq!(textures(""), Textures::default());
+        std::fs::remove_dir_all(&folder).unwrap();
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_pipe_that_nobody_writes_to_is_no_file() {
+        let folder = std::env::temp_dir().join(format!("cones-pipes-{}", std::process::id()));
+        std::fs::create_dir_all(&folder).unwrap();
+        let pipe = folder.join("pipe");
+        assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+        let model = read_bytes(format!("mtllib pipe\n{FACES}").into(), "a.obj").unwrap();
+        assert_eq!(names(&Textures::of(&model, &folder.join("a.obj"))), ["stone", "my moss", "red", "wall"]);
+        for file in [&*pipe, Path::new("/dev/zero")] {
+            let told = read_picture("a.obj", &Picture::File(file.to_owned())).unwrap_err().to_string();
+            assert!(told.ends_with("this is a pipe or a device, give a file"), "{told}");
+        }
+        std::fs::write(folder.join("a.gltf"), r#"{"asset": {"version": "2.0"}, "images": [{"uri": "pipe"}]}"#).unwrap();
+        let told = read_picture(folder.join("a.gltf"), &Picture::Image(0)).unwrap_err().to_string();
+        assert!(told.contains("a pipe or a device"), "{told}");
         std::fs::remove_dir_all(&folder).unwrap();
     }
 

@@ -27,9 +27,23 @@ use crate::vector::normal;
 /// The name that files of ours carry.
 pub(super) const GENERATOR: &str = "cones";
 
-/// Writes a model's triangles as `.glb`, with a texture coordinate for each corner and with these a PNG as the texture, for the map to be
-/// looked at, of what has no material with a [look](crate::Attributes::looks) of its own: [`read_bytes`](super::read_bytes) passes over it without a word.
-/// Without texture coordinates the model's own are written, if each corner has one; a map of some corners alone a GLB cannot hold.
+/// A PNG that a GLB shows on its map.
+#[derive(Debug, Clone, Copy)]
+pub enum GlbTexture<'a> {
+    /// For the map to be looked at, on what has no material with a [look](crate::Attributes::looks) of its own: [`read_bytes`](super::read_bytes) passes over it without a word.
+    Checker(&'a [u8]),
+    /// The texture of the surface, on all of it, by one material of that name in place of the model's.
+    Baked {
+        /// The PNG.
+        png: &'a [u8],
+        /// What the material and the picture are called.
+        name: &'a str,
+        /// What becomes of its alpha, in glTF's words: `OPAQUE`, `MASK` or `BLEND`.
+        alpha_mode: &'a str,
+    },
+}
+
+/// Writes a model's triangles as `.glb`, with a texture coordinate for each corner and with these a texture. Without texture coordinates the model's own are written, if each corner has one; a map of some corners alone a GLB cannot hold.
 ///
 /// # Errors
 /// When texture coordinates or triangles do not fit the model, when it is larger than 4 GB, or when writing fails.
@@ -37,7 +51,7 @@ pub fn write_glb(
     model: &Model,
     uv: Option<&[[f64; 2]]>,
     triangles: &Triangles,
-    texture: Option<&[u8]>,
+    texture: Option<GlbTexture<'_>>,
     mut out: impl Write,
 ) -> Result<(), WriteError> {
     let own = if uv.is_none() { model.whole_uv() } else { None };
@@ -50,7 +64,9 @@ pub fn write_glb(
     let frames = Frames { of_nodes: Frame::of_nodes(model), middle: Frame::middle(model) };
     let mut binary = Binary::default();
     let content = Content { model, uv, tables, frames: &frames };
-    let (parts, materials) = parts(model, &frames, &wedges, triangles);
+    let texture = texture.filter(|_| uv.is_some());
+    let only = texture.and_then(GlbTexture::name);
+    let (parts, materials) = parts(model, &frames, &wedges, triangles, only);
     let mut meshes: Vec<Mesh> = Vec::new();
     for part in parts {
         let known = meshes.iter().position(|mesh| mesh.node == part.node).unwrap_or_else(|| {
@@ -59,11 +75,30 @@ pub fn write_glb(
         });
         meshes[known].primitives.push(content.primitive(part, &wedges, &mut binary));
     }
-    let texture = texture.filter(|_| uv.is_some() && materials.iter().any(|(_, look)| look.is_none()));
-    let image = texture.map(|texture| binary.view(None, texture.iter().copied()));
-    let materials: Vec<Value> = materials.iter().map(|(name, look)| material(*name, *look, image.is_some())).collect();
+    let texture = texture.filter(|_| materials.iter().any(|(_, look)| look.is_none()));
+    let image = texture.map(|texture| texture.image(&mut binary));
+    let materials: Vec<Value> = materials.iter().map(|(name, look)| material(*name, *look, texture)).collect();
     let json = document(model, &frames, &binary, meshes, materials, image);
     write_chunks(json.to_string().into_bytes(), binary.bytes, &mut out)
+}
+
+impl<'a> GlbTexture<'a> {
+    fn name(self) -> Option<&'a str> {
+        match self {
+            Self::Checker(_) => None,
+            Self::Baked { name, .. } => Some(name),
+        }
+    }
+
+    /// Appends the picture, and tells what the document says of it.
+    fn image(self, binary: &mut Binary) -> Value {
+        let (Self::Checker(png) | Self::Baked { png, .. }) = self;
+        let mut image = json!({"bufferView": binary.view(None, png.iter().copied()), "mimeType": "image/png"});
+        if let Some(name) = self.name() {
+            image["name"] = name.into();
+        }
+        image
+    }
 }
 
 /// Whether a table can be written: normals, colours, and rows of up to four numbers.
@@ -273,15 +308,21 @@ struct Mesh {
 /// A material's name and its look.
 type Named<'a> = (Option<&'a str>, Option<&'a str>);
 
-/// The triangles by their nodes and materials, and these, in the order of their first ones.
-fn parts<'a>(model: &'a Model, frames: &Frames, wedges: &Wedges, triangles: &Triangles) -> (Vec<Part>, Vec<Named<'a>>) {
+/// The triangles by their nodes and materials, and these, in the order of their first ones; `only` is one material in place of all.
+fn parts<'a>(
+    model: &'a Model,
+    frames: &Frames,
+    wedges: &Wedges,
+    triangles: &Triangles,
+    only: Option<&'a str>,
+) -> (Vec<Part>, Vec<Named<'a>>) {
     let (mut number_of_part, mut number_of_material) = (HashMap::new(), HashMap::new());
     let (mut parts, mut materials): (Vec<Part>, Vec<Named>) = (Vec::new(), Vec::new());
     let attributes = model.attributes();
     for (corners, &face) in triangles.corners.iter().zip(&triangles.face_of) {
-        let name = attributes.material(face as usize);
+        let name = only.or_else(|| attributes.material(face as usize));
         let material = *number_of_material.entry(name).or_insert_with(|| {
-            materials.push((name, attributes.look(face as usize)));
+            materials.push((name, attributes.look(face as usize).filter(|_| only.is_none())));
             materials.len() - 1
         });
         let node = attributes.node(face as usize).filter(|&node| frames.of_nodes[node as usize].is_some());
@@ -306,12 +347,15 @@ pub(super) fn is_plain(look: &Map<String, Value>) -> bool {
 }
 
 /// A material with its own look, or with the texture as its colour if there is one.
-fn material(name: Option<&str>, look: Option<&str>, has_texture: bool) -> Value {
+fn material(name: Option<&str>, look: Option<&str>, texture: Option<GlbTexture>) -> Value {
     let own: Option<Value> = look.and_then(|look| serde_json::from_str(look).ok()).filter(Value::is_object);
     let mut material = own.unwrap_or_else(|| {
         let mut material = plain();
-        if has_texture {
+        if texture.is_some() {
             material["pbrMetallicRoughness"]["baseColorTexture"] = json!({"index": 0});
+        }
+        if let Some(GlbTexture::Baked { alpha_mode: mode @ ("MASK" | "BLEND"), .. }) = texture {
+            material["alphaMode"] = mode.into();
         }
         material
     });
@@ -373,7 +417,7 @@ fn document(
     binary: &Binary,
     meshes: Vec<Mesh>,
     materials: Vec<Value>,
-    image: Option<usize>,
+    image: Option<Value>,
 ) -> Value {
     let (nodes, roots) = nodes(model, frames, &meshes);
     let mesh = |mesh: Mesh| {
@@ -398,7 +442,7 @@ fn document(
     });
     if let Some(image) = image {
         document["textures"] = json!([{"source": 0, "sampler": 0}]);
-        document["images"] = json!([{"bufferView": image, "mimeType": "image/png"}]);
+        document["images"] = json!([image]);
         document["samplers"] = json!([{"wrapS": 10497, "wrapT": 10497, "magFilter": 9729, "minFilter": 9987}]);
     }
     document

@@ -537,6 +537,10 @@ pub struct Attributes {
     pub looks: Vec<String>,
     /// The picture that a glTF has for each material's base colour, if any has one.
     pub pictures: Vec<Option<BaseColourPicture>>,
+    /// What a glTF says of where its images are, of those in other files: relative URIs.
+    pub images: Vec<String>,
+    /// What else a glTF's materials have textures for, in its words, such as `normalTexture`.
+    pub other_maps: Vec<String>,
     /// The material of each face, an index into `materials`, if any has one; what is out of range is none.
     pub face_material: Vec<u32>,
     /// The nodes of a glTF's scene, each after the one that it hangs on. Points are where these have put them.

@@ -37,6 +37,8 @@ pub fn refine_attributes(model: &Model, refined: &Model, added: &[[(u32, f64); 3
         materials: attributes.materials.clone(),
         looks: attributes.looks.clone(),
         pictures: attributes.pictures.clone(),
+        images: attributes.images.clone(),
+        other_maps: attributes.other_maps.clone(),
         libraries: attributes.libraries.clone(),
         comments: attributes.comments.clone(),
         listings: attributes.listings.clone(),

@@ -1,26 +1,40 @@
 //! The triangles of one surface in two files, face by face.
 
-use crate::error::CommandError;
+use cones::uv::Triangle;
 use geom::Model;
 use std::collections::HashMap;
-use std::path::Path;
 
 /// Corners of the two files are at one place if they are no farther apart than this share of the surface's size: f32 rounds by a hundredth of it.
-const NEAR: f64 = 1e-5;
+pub(super) const NEAR: f64 = 1e-5;
+
+/// A triangle in both maps: its face in the old file, and its images; none in the old map where that has no coordinates.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Image {
+    pub(super) face: u32,
+    pub(super) old: Option<Triangle>,
+    pub(super) new: Triangle,
+}
 
 /// A triangle of both: its face in the old file, and its corners in each.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Pair {
-    pub(super) face: u32,
-    pub(super) old: [u32; 3],
-    pub(super) new: [u32; 3],
+struct Pair {
+    face: u32,
+    old: [u32; 3],
+    new: [u32; 3],
 }
 
-/// The triangles of a surface in its two files. Either both have the same polygons, or the new one has the triangles of the old one's in their order, or in that of a GLB, where
-/// those of a material come together.
-pub(super) fn pairs(old: (&Path, &Model), new: (&Path, &Model)) -> Result<Vec<Pair>, CommandError> {
-    let (old_path, old) = old;
-    let (new_path, new) = new;
+/// The images of the triangles of a surface that has the same ones in two files: the same polygons, or the new one the triangles of the old one's in their order, or in that of a
+/// GLB, where those of a material come together.
+pub(super) fn images(old: &Model, new: &Model, new_uv: &[[f64; 2]]) -> Option<Vec<Image>> {
+    let image = |pair: Pair| {
+        let corners = pair.old.map(|corner| old.uv()?.corner(corner as usize));
+        let whole = if let [Some(a), Some(b), Some(c)] = corners { Some([a, b, c]) } else { None };
+        Image { face: pair.face, old: whole, new: pair.new.map(|corner| new_uv[corner as usize]) }
+    };
+    Some(pairs(old, new)?.into_iter().map(image).collect())
+}
+
+fn pairs(old: &Model, new: &Model) -> Option<Vec<Pair>> {
     let triangles = old.triangles();
     let mut ways: Vec<Vec<Pair>> = Vec::new();
     let all = || triangles.face_of.iter().zip(&triangles.corners);
@@ -39,25 +53,8 @@ pub(super) fn pairs(old: (&Path, &Model), new: (&Path, &Model)) -> Result<Vec<Pa
             ways.push((0..).zip(&ordered).map(pair).collect());
         }
     }
-    if ways.is_empty() {
-        return Err(CommandError::BakeFaces {
-            old: old_path.to_owned(),
-            new: new_path.to_owned(),
-            faces: [old.face_count(), new.face_count()],
-            triangles: triangles.len(),
-        });
-    }
     let near = NEAR * size(old);
-    let mut first = None;
-    for pairs in ways {
-        match farthest(old, new, &pairs).filter(|(_, distance)| *distance > near) {
-            None => return Ok(pairs),
-            Some(misfit) => first = first.or(Some(misfit)),
-        }
-    }
-    let (face, distance) = first.unwrap_or_default();
-    let share = distance / size(old);
-    Err(CommandError::BakePlaces { old: old_path.to_owned(), new: new_path.to_owned(), face, share })
+    ways.into_iter().find(|pairs| pairs.iter().all(|pair| distance(old, new, pair) <= near))
 }
 
 /// The triangles in the order of the first ones with their materials.
@@ -75,15 +72,11 @@ fn by_material(model: &Model, face_of: &[u32]) -> Vec<usize> {
     ordered
 }
 
-/// The first face of which a corner is farthest from where it should be, and how far.
-fn farthest(old: &Model, new: &Model, pairs: &[Pair]) -> Option<(u32, f64)> {
+/// How far a corner is from where it should be, of the one that is farthest.
+fn distance(old: &Model, new: &Model, pair: &Pair) -> f64 {
     let at = |model: &Model, corner: u32| model.points()[model.corners()[corner as usize] as usize];
-    let distance = |pair: &Pair| {
-        let corners = pair.old.into_iter().zip(pair.new);
-        corners.map(|(a, b)| length(at(old, a), at(new, b))).fold(0.0, f64::max)
-    };
-    let all = pairs.iter().map(|pair| (pair.face, distance(pair)));
-    all.reduce(|most, next| if next.1 > most.1 { next } else { most })
+    let corners = pair.old.into_iter().zip(pair.new);
+    corners.map(|(a, b)| length(at(old, a), at(new, b))).fold(0.0, f64::max)
 }
 
 fn length(a: [f64; 3], b: [f64; 3]) -> f64 {
@@ -91,7 +84,7 @@ fn length(a: [f64; 3], b: [f64; 3]) -> f64 {
 }
 
 /// The diagonal of the box about a surface.
-fn size(model: &Model) -> f64 {
+pub(super) fn size(model: &Model) -> f64 {
     let used = || model.corners().iter().map(|&v| model.points()[v as usize]);
     let bound = |start: f64, of: fn(f64, f64) -> f64| used().fold([start; 3], |b, p| [0, 1, 2].map(|k| of(b[k], p[k])));
     length(bound(f64::INFINITY, f64::min), bound(f64::NEG_INFINITY, f64::max))
@@ -106,17 +99,13 @@ mod tests {
         Model::from_polygons(points.map(|[x, y]| [x + shift, y, 0.0]).to_vec(), faces).unwrap()
     }
 
-    fn fit(old: &Model, new: &Model) -> Result<Vec<Pair>, String> {
-        pairs((Path::new("a.obj"), old), (Path::new("b.obj"), new)).map_err(|error| error.to_string())
-    }
-
     #[test]
     fn polygons_fit_polygons_and_their_triangles() {
         let quads = strip(&[&[0, 1, 2, 3], &[1, 4, 5, 2]], 0.0);
         let cut: Vec<[u32; 3]> = quads.triangles().vertices(&quads);
         let cut: Vec<&[u32]> = cut.iter().map(|t| &t[..]).collect();
         for new in [quads.clone(), strip(&cut, 0.0), strip(&cut, 1e-6)] {
-            let pairs = fit(&quads, &new).unwrap();
+            let pairs = pairs(&quads, &new).unwrap();
             assert_eq!(pairs.iter().map(|pair| pair.face).collect::<Vec<_>>(), [0, 0, 1, 1]);
             for Pair { old, new: own, .. } in pairs {
                 assert_eq!(old.map(|c| quads.corners()[c as usize]), own.map(|c| new.corners()[c as usize]));
@@ -125,13 +114,14 @@ mod tests {
     }
 
     #[test]
-    fn what_does_not_fit_is_said() {
+    fn other_faces_other_places_and_another_order_do_not_fit() {
         let quads = strip(&[&[0, 1, 2, 3], &[1, 4, 5, 2]], 0.0);
-        let fewer = fit(&quads, &strip(&[&[0, 1, 2, 3]], 0.0)).unwrap_err();
-        assert!(fewer.starts_with("b.obj has 1 face, and a.obj 2 (4 triangles)"), "{fewer}");
-        let moved = fit(&quads, &strip(&[&[0, 1, 2, 3], &[1, 4, 5, 2]], 0.1)).unwrap_err();
-        assert!(moved.contains("face 0 (counted from 0)") && moved.contains("4.47 %"), "{moved}");
-        let turned = fit(&quads, &strip(&[&[1, 2, 3, 0], &[1, 4, 5, 2]], 0.0)).unwrap_err();
-        assert!(turned.contains("face 0"), "{turned}");
+        for (faces, shift) in [
+            (&[&[0, 1, 2, 3][..]][..], 0.0),
+            (&[&[0, 1, 2, 3], &[1, 4, 5, 2]], 0.1),
+            (&[&[1, 2, 3, 0], &[1, 4, 5, 2]], 0.0),
+        ] {
+            assert_eq!(pairs(&quads, &strip(faces, shift)), None);
+        }
     }
 }

@@ -24,6 +24,8 @@ pub(super) struct Piece {
     /// From texels to pixels of the old picture: the value at the first corner, and what a texel right and down add.
     old: [[f64; 2]; 3],
     picture: u32,
+    /// What the picture's light and alpha are multiplied by.
+    factor: [f64; 4],
     /// Whether the old picture repeats beyond its borders; it ends there for triangles within them.
     repeats: bool,
     samples: u32,
@@ -31,7 +33,12 @@ pub(super) struct Piece {
 
 impl Piece {
     /// A triangle with texture coordinates in both; none if it has no area in the new picture, of `side` texels, or lies at no finite place of the old one.
-    pub(super) fn new(old: Triangle, new: Triangle, (picture, texels): (u32, &Texels), side: usize) -> Option<Self> {
+    pub(super) fn new(
+        old: Triangle,
+        new: Triangle,
+        (picture, texels, factor): (u32, &Texels, [f64; 4]),
+        side: usize,
+    ) -> Option<Self> {
         let size = [texels.width, texels.height].map(|size| size as f64);
         let corners = new.map(|[u, v]| [u * side as f64, (1.0 - v) * side as f64]);
         let pixels = old.map(|[u, v]| [u * size[0], (1.0 - v) * size[1]]);
@@ -46,7 +53,7 @@ impl Piece {
         let samples = (largest_stretch(right, down) - SLACK).ceil().clamp(1.0, MOST_SAMPLES) as u32;
         // Files round.
         let repeats = old.as_flattened().iter().any(|x| !(-1e-6..=1.0 + 1e-6).contains(x));
-        Some(Self { corners, old: [pixels[0], right, down], picture, repeats, samples })
+        Some(Self { corners, old: [pixels[0], right, down], picture, factor, repeats, samples })
     }
 
     /// Its rows in the picture.
@@ -88,9 +95,35 @@ impl Piece {
                 let [dx, dy] = [x - self.corners[0][0], at - self.corners[0][1]];
                 let [p, right, down] = self.old;
                 let pixel = [0, 1].map(|k| p[k] + dx * right[k] + dy * down[k]);
-                row[i / self.samples as usize].add(sample(picture, pixel, self.repeats, light), weight);
+                row[i / self.samples as usize].add(self.sample(picture, pixel, light), weight);
             }
         }
+    }
+    /// The picture between its pixels: red, green, blue in linear light times alpha and a little, that weight, and alpha.
+    fn sample(&self, picture: &Texels, [x, y]: [f64; 2], light: &[f64; 256]) -> [f64; 5] {
+        let place = |x: f64, size: usize| {
+            let low = (x - 0.5).floor();
+            let whole = |x: f64| {
+                let last = size as f64 - 1.0;
+                let x = if self.repeats { x.rem_euclid(size as f64).min(last) } else { x.clamp(0.0, last) };
+                x as usize
+            };
+            ([whole(low), whole(low + 1.0)], x - 0.5 - low)
+        };
+        let ((columns, across), (rows, along)) = (place(x, picture.width), place(y, picture.height));
+        let mut sum = [0.0; 5];
+        for (row, weight) in rows.into_iter().zip([1.0 - along, along]) {
+            for (column, share) in columns.into_iter().zip([1.0 - across, across]) {
+                let [red, green, blue, alpha] = picture.pixels[row * picture.width + column];
+                let (weight, alpha) = (weight * share, f64::from(alpha) / 255.0 * self.factor[3]);
+                let seen = weight * (alpha + UNSEEN);
+                let [red, green, blue] = [red, green, blue].map(|x| seen * light[usize::from(x)]);
+                let [by_red, by_green, by_blue, _] = self.factor;
+                let parts = [red * by_red, green * by_green, blue * by_blue, seen, weight * alpha];
+                sum = std::array::from_fn(|k| sum[k] + parts[k]);
+            }
+        }
+        sum
     }
 }
 
@@ -98,32 +131,6 @@ impl Piece {
 fn largest_stretch([a, c]: [f64; 2], [b, d]: [f64; 2]) -> f64 {
     let (sum, det) = (a * a + b * b + c * c + d * d, a * d - b * c);
     (0.5 * (sum + (sum * sum - 4.0 * det * det).max(0.0).sqrt())).sqrt()
-}
-
-/// The picture between its pixels: red, green, blue in linear light times alpha and a little, that weight, and alpha.
-fn sample(picture: &Texels, [x, y]: [f64; 2], repeats: bool, light: &[f64; 256]) -> [f64; 5] {
-    let place = |x: f64, size: usize| {
-        let low = (x - 0.5).floor();
-        let whole = |x: f64| {
-            let last = size as f64 - 1.0;
-            let x = if repeats { x.rem_euclid(size as f64).min(last) } else { x.clamp(0.0, last) };
-            x as usize
-        };
-        ([whole(low), whole(low + 1.0)], x - 0.5 - low)
-    };
-    let ((columns, across), (rows, along)) = (place(x, picture.width), place(y, picture.height));
-    let mut sum = [0.0; 5];
-    for (row, weight) in rows.into_iter().zip([1.0 - along, along]) {
-        for (column, share) in columns.into_iter().zip([1.0 - across, across]) {
-            let [red, green, blue, alpha] = picture.pixels[row * picture.width + column];
-            let (weight, alpha) = (weight * share, f64::from(alpha) / 255.0);
-            let seen = weight * (alpha + UNSEEN);
-            let colour = [red, green, blue].map(|x| seen * light[usize::from(x)]);
-            let parts = [colour[0], colour[1], colour[2], seen, weight * alpha];
-            sum = std::array::from_fn(|k| sum[k] + parts[k]);
-        }
-    }
-    sum
 }
 
 /// What the samples of a texel add up to, and their weight.
@@ -190,7 +197,7 @@ mod tests {
     }
 
     fn baked(picture: &Texels, old: impl Fn([f64; 2]) -> [f64; 2], side: usize) -> Vec<Option<[u8; 4]>> {
-        let pieces = SQUARE.iter().filter_map(|t| Piece::new(t.map(&old), *t, (0, picture), side));
+        let pieces = SQUARE.iter().filter_map(|t| Piece::new(t.map(&old), *t, (0, picture, [1.0; 4]), side));
         rasterized(&pieces.collect::<Vec<_>>(), std::slice::from_ref(picture), side)
     }
 
@@ -217,6 +224,15 @@ mod tests {
     }
 
     #[test]
+    fn light_and_alpha_are_multiplied() {
+        let white = checker(4, [[255; 4]; 2]);
+        let factor = [0.5, 0.25, 1.0, 0.5];
+        let pieces = SQUARE.iter().filter_map(|t| Piece::new(*t, *t, (0, &white, factor), 4));
+        let texels = rasterized(&pieces.collect::<Vec<_>>(), std::slice::from_ref(&white), 4);
+        assert!(texels.iter().all(|texel| *texel == Some([188, 137, 255, 128])), "{texels:?}");
+    }
+
+    #[test]
     fn triangles_smaller_than_texels_leave_none_of_these_out() {
         let picture = checker(256, [[9, 9, 9, 255], [9, 9, 9, 255]]);
         let mut pieces = Vec::new();
@@ -224,7 +240,7 @@ mod tests {
             let shift = [(k % 64) as f64, (k / 64) as f64];
             for t in SQUARE {
                 let t = t.map(|p| [0, 1].map(|i| (p[i] + shift[i]) / 64.0));
-                pieces.extend(Piece::new(t, t, (0, &picture), 16));
+                pieces.extend(Piece::new(t, t, (0, &picture, [1.0; 4]), 16));
             }
         }
         assert!(rasterized(&pieces, &[picture], 16).iter().all(|texel| *texel == Some([9, 9, 9, 255])));
@@ -234,7 +250,7 @@ mod tests {
     fn what_has_no_area_or_place_is_none() {
         let picture = checker(4, [[0; 4]; 2]);
         let [a, b] = SQUARE;
-        assert!(Piece::new(a, [[0.5; 2]; 3], (0, &picture), 8).is_none());
-        assert!(Piece::new(a.map(|_| [f64::NAN; 2]), b, (0, &picture), 8).is_none());
+        assert!(Piece::new(a, [[0.5; 2]; 3], (0, &picture, [1.0; 4]), 8).is_none());
+        assert!(Piece::new(a.map(|_| [f64::NAN; 2]), b, (0, &picture, [1.0; 4]), 8).is_none());
     }
 }

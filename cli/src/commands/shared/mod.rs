@@ -27,7 +27,7 @@ pub(crate) use seams::SeamArgs;
 pub(crate) use shown::{Chosen, Shown, Subject};
 pub(crate) use surface_file::{FormatName, SurfaceFile, write_map};
 pub(crate) use texture::{overlap, texture};
-pub(crate) use textures::{Bake, MapTextures};
+pub(crate) use textures::{Bake, MapTextures, listed};
 pub(crate) use unwrapped::{CLOSED_ORDER, Scale, Unwrapped, corner_uv, refined_model};
 pub(crate) use vtp_file::text as vtp_text;
 pub(crate) use warn::warn;

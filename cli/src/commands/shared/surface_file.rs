@@ -5,7 +5,7 @@ use crate::input;
 use crate::output::{self, Files};
 use crate::render;
 use clap::ValueEnum;
-use geom::io::{Material, MeshFormat, NotKept, ObjContent, not_kept, write_glb, write_obj, write_ply};
+use geom::io::{GlbTexture, Material, MeshFormat, NotKept, ObjContent, not_kept, write_glb, write_obj, write_ply};
 use geom::{Model, Triangles};
 use std::path::{Component, Path};
 
@@ -58,7 +58,11 @@ impl SurfaceFile<'_> {
             MeshFormat::Glb => {
                 let own = model.triangles();
                 let texture = uv.map(|_| render::Checker::texture().png()).transpose();
-                files.write(path, |out| write_glb(model, uv, triangles.unwrap_or(&own), texture?.as_deref(), out))?;
+                files.write(path, |out| {
+                    let texture = texture?;
+                    let texture = texture.as_deref().map(GlbTexture::Checker);
+                    write_glb(model, uv, triangles.unwrap_or(&own), texture, out)
+                })?;
             }
             MeshFormat::Obj => {
                 let libraries = source.and_then(|source| way_back(source, path));

@@ -61,12 +61,10 @@ impl MapTextures {
                 ": cones bake makes one that does".to_owned()
             }
             Bake::Square => {
-                let baked = output.with_extension("baked.obj");
+                let is_glb = output.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("glb"));
+                let baked = output.with_extension(if is_glb { "baked.glb" } else { "baked.obj" });
                 let [old, new, baked] = [&*self.input, output, &*baked].map(word);
                 format!(": cones bake {old} {new} -o {baked} makes one that does")
-            }
-            Bake::OtherFaces => {
-                ": unwrapped without --refine and --split-edges, cones bake makes one that does".to_owned()
             }
             Bake::Tiles => ": without --udim, cones bake makes one that does".to_owned(),
         }
@@ -76,10 +74,8 @@ impl MapTextures {
 /// Whether `cones bake` can make a texture for a map.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Bake {
-    /// It is in the unit square, and has the same faces.
+    /// It is in the unit square.
     Square,
-    /// It has other faces.
-    OtherFaces,
     /// It is on tiles.
     Tiles,
 }
@@ -94,11 +90,12 @@ impl Bake {
 /// A path as a word of a command line.
 fn word(path: &Path) -> String {
     let path = path.display().to_string();
-    if path.contains(char::is_whitespace) { format!("'{path}'") } else { path }
+    let is_plain = |c: char| c.is_alphanumeric() || "/\\._-+:,@%=".contains(c);
+    if path.chars().all(is_plain) { path } else { format!("'{path}'") }
 }
 
 /// The first of some names, and how many more there are; nothing of none.
-fn listed<'a>(names: impl Iterator<Item = &'a str>) -> String {
+pub(crate) fn listed<'a>(names: impl Iterator<Item = &'a str>) -> String {
     let names: Vec<&str> = names.collect();
     match names.as_slice() {
         [] => String::new(),

@@ -13,7 +13,7 @@ use crate::render::Checker;
 use cones::{Analysis, Options, SeamOptions};
 use geom::Watch;
 use geom::distortion::DistortionError;
-use geom::io::{ObjContent, WriteError, write_glb, write_obj};
+use geom::io::{GlbTexture, ObjContent, WriteError, write_glb, write_obj};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use serde_json::{Value, json};
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -169,7 +169,7 @@ impl<'a> Session<'a> {
         let mut bytes = Vec::new();
         let texture = Checker::texture().png()?;
         let triangles = self.subject.model.triangles();
-        write_glb(self.subject.model, Some(&shown.uv), &triangles, Some(&texture), &mut bytes)?;
+        write_glb(self.subject.model, Some(&shown.uv), &triangles, Some(GlbTexture::Checker(&texture)), &mut bytes)?;
         Ok(bytes)
     }
 

@@ -123,14 +123,14 @@ pub(super) fn load(uri: &str, what: &str, folder: Option<&Path>) -> Result<Vec<u
         let found = format!("{what} in another file, {quoted}");
         Fault::unexpected(Place::File, found, "a .glb, which has all in one, or the path of the .gltf")
     })?;
-    super::super::load(&path).map_err(|problem| {
+    super::super::load_named(&path, u64::MAX).map_err(|problem| {
         let found = format!("{what} in {}, of which it is said that {problem}", path.display());
         Fault::unexpected(Place::File, found, "that file beside the .gltf")
     })
 }
 
 /// The path of a relative `uri`: no other place than below the glTF's folder or beside it.
-fn beside(uri: &str) -> Option<PathBuf> {
+pub(in super::super) fn beside(uri: &str) -> Option<PathBuf> {
     let path = PathBuf::from(unescaped(uri)?);
     let is_plain = |part: Component| matches!(part, Component::Normal(_) | Component::CurDir | Component::ParentDir);
     (!uri.contains("://") && path.components().all(is_plain)).then_some(path)

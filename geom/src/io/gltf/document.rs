@@ -176,6 +176,8 @@ pub(super) struct Material {
     pub(super) name: Option<String>,
     /// The number of the texture of its base colour, and whether that is placed otherwise than by the first coordinates.
     pub(super) base_colour: Option<(usize, bool)>,
+    /// What else it has textures for.
+    pub(super) other_maps: Vec<String>,
     /// All else that is said of it, but for textures, which are for other coordinates than those that are written, and extensions; nothing if
     /// that is more than JSON can hold here, as a number may be.
     pub(super) look: Map<String, Value>,
@@ -193,8 +195,10 @@ impl<'de> Deserialize<'de> for Material {
         let mut look: Map<String, Value> = serde_json::from_str(text.get()).unwrap_or_default();
         let base_colour = look.get("pbrMetallicRoughness").and_then(|look| texture(look.get("baseColorTexture")?));
         look.retain(|key, _| !matches!(key.as_str(), "name" | "extensions" | "extras"));
-        leave_out_textures(&mut look);
-        Ok(Self { name, base_colour, look })
+        let mut other_maps = Vec::new();
+        leave_out_textures(&mut look, &mut other_maps);
+        other_maps.retain(|map| map != "baseColorTexture");
+        Ok(Self { name, base_colour, other_maps, look })
     }
 }
 
@@ -206,9 +210,11 @@ fn texture(named: &Value) -> Option<(usize, bool)> {
     Some((number, is_second || is_moved))
 }
 
-fn leave_out_textures(look: &mut Map<String, Value>) {
-    look.retain(|key, _| !key.ends_with("Texture"));
-    look.values_mut().filter_map(Value::as_object_mut).for_each(leave_out_textures);
+fn leave_out_textures(look: &mut Map<String, Value>, left_out: &mut Vec<String>) {
+    let is_texture = |key: &String| key.ends_with("Texture");
+    left_out.extend(look.keys().filter(|key| is_texture(key)).cloned());
+    look.retain(|key, _| !is_texture(key));
+    look.values_mut().filter_map(Value::as_object_mut).for_each(|look| leave_out_textures(look, left_out));
 }
 
 /// Beginnings of the names of extensions that say how a surface looks and not where it is.

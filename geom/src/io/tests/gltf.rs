@@ -239,7 +239,7 @@ fn materials_keep_their_looks_but_for_textures() {
     let uv = vec![[0.0; 2]; model.corner_count()];
     let written = |model: &Model| {
         let mut out = Vec::new();
-        write_glb(model, Some(&uv), &model.triangles(), Some(b"png"), &mut out).unwrap();
+        write_glb(model, Some(&uv), &model.triangles(), Some(GlbTexture::Checker(b"png")), &mut out).unwrap();
         read_bytes(out, "b.glb").unwrap()
     };
     let back = written(&model);
@@ -251,6 +251,42 @@ fn materials_keep_their_looks_but_for_textures() {
     assert_eq!(read_bytes(huge, "a.glb").unwrap().attributes().look(0), None);
     let plain = read_bytes(glb(document(|_| {})), "a.glb").unwrap();
     assert_eq!(written(&plain).attributes().look(0), None);
+}
+
+#[test]
+fn a_baked_texture_is_on_one_material_and_read_again() {
+    let model = read_bytes(glb(document(|_| {})), "a.glb").unwrap();
+    let uv = vec![[0.0; 2]; model.corner_count()];
+    let texture = GlbTexture::Baked { png: b"png", name: "baked", alpha_mode: "MASK" };
+    let mut out = Vec::new();
+    write_glb(&model, Some(&uv), &model.triangles(), Some(texture), &mut out).unwrap();
+    assert_eq!(super::super::gltf::image(&out, 0, None).unwrap(), b"png");
+    let back = read_bytes(out, "b.glb").unwrap();
+    let attributes = back.attributes();
+    assert_eq!(
+        (attributes.materials.as_slice(), &*attributes.left),
+        (&["baked".to_owned()][..], &["textures".to_owned()][..])
+    );
+    assert!(attributes.looks[0].contains("MASK"), "{:?}", attributes.looks);
+    let textures = Textures::of(&back, Path::new("b.glb"));
+    assert_eq!(textures.list()[0].picture, Picture::Image(0));
+    assert!((0..back.face_count()).all(|face| textures.of_face(face) == Some(0)));
+}
+
+#[test]
+fn a_texture_has_its_factor_and_other_files_are_named() {
+    let seen = document(|json| {
+        json["images"] = json!([{"uri": "a%20b.webp"}, {"uri": "data:;base64,"}, {"uri": "bump.png"}]);
+        json["textures"] = json!([{"extensions": {"EXT_texture_webp": {"source": 0}}}]);
+        json["materials"][1]["pbrMetallicRoughness"] =
+            json!({"baseColorTexture": {"index": 0}, "baseColorFactor": [0.5, 1, 1, 1]});
+        json["materials"][1]["normalTexture"] = json!({"index": 0});
+    });
+    let model = read_bytes(glb(seen), "a.glb").unwrap();
+    let textures = Textures::of(&model, Path::new("in/a.glb"));
+    assert_eq!((&*textures.list()[0].name, textures.colour(0)), ("a%20b.webp", Some([0.5, 1.0, 1.0, 1.0])));
+    assert_eq!(textures.files(), [Path::new("in/a b.webp"), Path::new("in/bump.png")]);
+    assert_eq!(textures.other_maps(), ["normalTexture"]);
 }
 
 #[test]

@@ -238,7 +238,7 @@ fn a_ply_comes_back_with_its_map_in_f32() {
 fn a_glb_is_as_long_as_its_headers_say() {
     let model = obj(TETRAHEDRON);
     let uv = some_uv(&model);
-    for (uv, texture) in [(Some(uv.as_slice()), Some(&b"12345"[..])), (Some(&uv), None), (None, None)] {
+    for (uv, texture) in [(Some(uv.as_slice()), Some(GlbTexture::Checker(b"12345"))), (Some(&uv), None), (None, None)] {
         let mut out = Vec::new();
         write_glb(&model, uv, &model.triangles(), texture, &mut out).unwrap();
         let word = |at: usize| u32::from_le_bytes(out[at..at + 4].try_into().unwrap()) as usize;
