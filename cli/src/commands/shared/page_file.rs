@@ -14,7 +14,7 @@ use std::path::Path;
 /// The numbers of cones that maps are stored for, besides the one that was chosen.
 const STORED: [usize; 13] = [3, 4, 5, 6, 8, 10, 12, 16, 20, 24, 32, 48, 64];
 /// Those of several parts, whose numbers are sums, as shares of the one that was chosen.
-const OF_CHOSEN: [f64; 6] = [0.25, 0.35, 0.5, 0.7, 1.4, 2.0];
+const OF_CHOSEN: [f64; 4] = [0.25, 0.5, 0.7, 1.4];
 /// Of large surfaces fewer maps are stored, so that the file stays one that browsers open at once: a vertex of a map takes some 9
 /// bytes of it (rabbit, 46,646 vertices).
 const MOST_VERTICES: usize = 1_000_000;
