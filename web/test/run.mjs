@@ -511,7 +511,7 @@ try {
     writeFileSync(join(folder, "twice.txt"), "5\n6\n7\n5\n");
     await page.setInputFiles("#file", join(folder, "twice.txt"));
     await page.waitForSelector("#state.failed");
-    assert.equal(await state(page), "the file lists cone 5 twice");
+    assert.equal(await state(page), "twice.txt: the file lists cone 5 twice");
     // What the server refuses is not chosen.
     writeFileSync(join(folder, "none.txt"), "# edges to cut, for --seams\n1 2000\n");
     await afterMap(page, () => page.setInputFiles("#file", join(folder, "none.txt")));
