@@ -87,7 +87,7 @@ pub(crate) enum CommandError {
     OutputIsOutDir(PathBuf),
     #[error("there is no folder {} to write {} into: make it first", folder.display(), path.display())]
     NoFolder { folder: PathBuf, path: PathBuf },
-    #[error("{} is not the ending of a file that can be written here: end it in {wanted}", path.display())]
+    #[error("{} cannot be written here with this ending: end it in {wanted}", path.display())]
     Extension { path: PathBuf, wanted: String },
     #[error("{} holds other files than a demo's: name a new folder", .0.display())]
     NotADemo(PathBuf),

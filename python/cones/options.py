@@ -116,7 +116,7 @@ def vertices_of(cones: Any) -> list[int]:
 def _which(n: Any, max_distortion: Any, min_persistence: Any, cones: Any) -> Any:
     if max_distortion is not None:
         if not max_distortion > 1:
-            raise Error(f"max_distortion must be above 1, which is no distortion, but {max_distortion} is given")
+            raise Error(f"max_distortion must be above 1 (1 is no distortion), but {max_distortion} is given")
         return {"within-distortion": float(max_distortion)}
     if min_persistence is not None:
         if not min_persistence >= 0:

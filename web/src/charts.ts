@@ -191,8 +191,11 @@ export class DiagramChart extends Chart {
     const x = (value: number) => left + 6 + (width - left - 16) * share(value);
     const y = (value: number) => height - bottom - 4 - (height - bottom - 14) * share(value);
     this.at = (extremum) => [x(extremum.value), y(end(extremum))];
-    const marks = [low, high].map((value) => value.toFixed(1));
-    this.axes(svg, [low, high].map((v, k) => [x(v), marks[k]]), [low, high].map((v, k) => [y(v), marks[k]]));
+    // What rounds to nothing has no sign, and what rounds to the same one mark.
+    const digits = high - low < 0.5 ? 2 : 1;
+    const mark = (value: number) => (Number(value.toFixed(digits)) || 0).toFixed(digits);
+    const ends = mark(low) === mark(high) ? [low] : [low, high];
+    this.axes(svg, ends.map((v) => [x(v), mark(v)]), ends.map((v) => [y(v), mark(v)]));
     svg.append(element("line", { x1: x(low), y1: y(low), x2: x(high), y2: y(high), stroke: "var(--line)", "stroke-width": 1.5 }));
     for (const extremum of this.extrema.slice(0, MOST)) svg.append(this.dot(extremum, { r: 2, "fill-opacity": 0.35 }));
   }

@@ -113,7 +113,7 @@ export class FieldApp {
   private listen(): void {
     const input = (id: string) => byId<HTMLInputElement>(id);
     input("slider").addEventListener("input", () => this.go(Number(input("slider").value)));
-    input("count").addEventListener("change", () => this.go(this.nearest(Number(input("count").value))));
+    input("count").addEventListener("change", () => this.type(input("count").valueAsNumber));
     byId("direction").addEventListener("change", () => {
       this.at = Number(byId<HTMLSelectElement>("direction").value);
       this.showDirection();
@@ -156,7 +156,19 @@ export class FieldApp {
     return Math.max(0, this.direction.levels.findLastIndex(({ n }) => n <= count));
   }
 
+  /** Goes to a number that was typed, or says why to another. */
+  private type(asked: number): void {
+    if (Number.isNaN(asked)) return this.show();
+    const { levels } = this.direction;
+    const level = this.nearest(asked);
+    this.go(level);
+    const [least, { n }, next] = [levels[0].n, levels[level], levels[level + 1]];
+    if (asked < least) page.bound(`${least} at least are there`);
+    else if (asked > n) page.bound(next ? `the page shows ${n} or ${next.n}, nothing between` : `the page shows ${n} at most`);
+  }
+
   private go(level: number): void {
+    page.bound("");
     this.level = level;
     if (this.selected !== null && this.selected >= this.count()) this.selected = null;
     this.show();
@@ -247,7 +259,7 @@ export class FieldApp {
         ["Value, birth", this.write(pair.birth)],
         ["Saddle at", pair.saddle === null ? "none: it never ends" : this.placeOf(pair.saddle)],
         ["Value there, death", pair.death === null ? "–" : this.write(pair.death)],
-        ["Persistence", this.write(pair.persistence)],
+        [pair.death === null ? "Persistence: the range of its part" : "Persistence", this.write(pair.persistence)],
         ["Joins", pair.parent === null ? "–" : this.placeOf(this.direction.pairs[pair.parent].extremum)],
       ]
       : [["Click an extremum, a branch, a bar or a segment", ""]];

@@ -510,20 +510,13 @@ class App {
     return parts.join("  ·  ");
   }
 
-  /** Says why another number of cones was taken than was typed. */
-  private sayBound(text: string): void {
-    const bound = byId("bound");
-    bound.hidden = !text;
-    bound.textContent = text;
-  }
-
   // What the user does
 
   private listen(): void {
     const input = (id: string) => byId<HTMLInputElement>(id);
     const number = (id: string) => Math.min(this.surface.most, Math.max(this.surface.least, Math.round(Number(input(id).value) || 0)));
     input("slider").addEventListener("input", () => {
-      this.sayBound("");
+      page.bound("");
       this.choose({ n: number("slider"), given: null });
     });
     for (const begin of ["pointerdown", "keydown"]) input("slider").addEventListener(begin, () => (this.isHeld = true));
@@ -536,10 +529,10 @@ class App {
       // What was typed may come to the choice that there is.
       this.showControls();
       const { least, most } = this.surface;
-      this.sayBound(asked > most ? `the page shows ${most} at most` : asked < least ? `${least} at least are needed` : "");
+      page.bound(asked > most ? `the page shows ${most} at most` : asked < least ? `${least} at least are needed` : "");
     });
     byId("auto").addEventListener("click", () => {
-      this.sayBound("");
+      page.bound("");
       this.choose({ n: null, given: null });
     });
     const method = byId<HTMLSelectElement>("method");
@@ -672,7 +665,7 @@ class App {
     const { dragged } = this;
     if (!dragged) return;
     this.dragged = null;
-    if (dragged.isMoved && isMeant) return this.choose({ given: this.free(this.cones) });
+    if (dragged.isMoved && isMeant) return this.chooseCones(this.cones, this.cones[dragged.k].vertex);
     this.takeCones(dragged.otherwise);
     this.showCones();
   }
@@ -729,7 +722,14 @@ class App {
     const { usable } = this.surface;
     if (usable && !usable[vertex]) return page.status(`no cone can be at vertex ${vertex}: the even triangles that maps are computed on do not have it`, "failed");
     if (this.cones.some((cone) => cone.vertex === vertex)) return;
-    this.choose({ given: this.free([...this.cones, { vertex, curvature: NaN }]) });
+    this.chooseCones([...this.cones, { vertex, curvature: NaN }], vertex);
+  }
+
+  /** Takes cones by hand, and selects the one that was added or moved: it may be removed at once. */
+  private chooseCones(cones: Cone[], selected: number): void {
+    this.choose({ given: this.free(cones) });
+    this.selected = selected;
+    this.showCones();
   }
 
   private remove(): void {
@@ -803,7 +803,7 @@ class App {
       if (given.some(([vertex]) => vertex >= least)) throw new Error("the file's cones are of another surface");
       this.choose({ given, recipe: text });
     } catch (error) {
-      page.status((error as Error).message, "failed");
+      page.status(`${file.name}: ${(error as Error).message}`, "failed");
     }
   }
 

@@ -130,6 +130,13 @@ export function status(text: string, how: "" | "busy" | "failed" = ""): void {
   state.className = how;
 }
 
+/** Says why another number was taken than was typed. */
+export function bound(text: string): void {
+  const place = byId("bound");
+  place.hidden = !text;
+  place.textContent = text;
+}
+
 /** How what a click does is used. */
 export function hint(text: string): void {
   byId("hint").textContent = text;

@@ -164,6 +164,8 @@ async function flaws(page) {
   return page.evaluate(() => {
     const found = [];
     if (document.documentElement.scrollWidth > innerWidth) found.push(`the page is ${document.documentElement.scrollWidth} wide`);
+    const header = document.querySelector("header");
+    if (header.scrollHeight > header.clientHeight + 1) found.push("the views cover the header");
     const shown = (element) => element.checkVisibility() && element.getClientRects().length > 0;
     const all = [...document.querySelectorAll("header > *, #controls > *, button, select, h1, figcaption")].filter(shown);
     for (const element of all) {
@@ -341,6 +343,7 @@ try {
     await afterMap(page, () => page.mouse.click(box.x + 0.5 * box.width, box.y + 0.55 * box.height));
     assert.equal(await page.locator("#cones li").count(), 6);
     const added = await page.textContent("#cones li:last-child");
+    assert.equal(await page.getAttribute("#cones li:last-child button", "aria-pressed"), "true", "what was added is selected");
     await afterMap(page, async () => {
       await page.mouse.move(box.x + 0.5 * box.width, box.y + 0.55 * box.height);
       await page.mouse.down();
@@ -349,10 +352,8 @@ try {
     });
     assert.equal(await page.locator("#cones li").count(), 6);
     assert.notEqual(await page.textContent("#cones li:last-child"), added);
-    await afterMap(page, async () => {
-      await page.locator("#cones li:last-child button").click();
-      await page.keyboard.press("Delete");
-    });
+    assert.equal(await page.getAttribute("#cones li:last-child button", "aria-pressed"), "true", "what was dragged is selected");
+    await afterMap(page, () => page.keyboard.press("Delete"));
     assert.equal(await page.locator("#cones li").count(), 5);
     await afterMap(page, () => page.click("#undo"));
     await afterMap(page, () => page.keyboard.press("Control+z"));
@@ -521,7 +522,7 @@ try {
     writeFileSync(join(folder, "twice.txt"), "5\n6\n7\n5\n");
     await page.setInputFiles("#file", join(folder, "twice.txt"));
     await page.waitForSelector("#state.failed");
-    assert.equal(await state(page), "the file lists cone 5 twice");
+    assert.equal(await state(page), "twice.txt: the file lists cone 5 twice");
     // What the server refuses is not chosen.
     writeFileSync(join(folder, "none.txt"), "# edges to cut, for --seams\n1 2000\n");
     await afterMap(page, () => page.setInputFiles("#file", join(folder, "none.txt")));
@@ -589,7 +590,7 @@ try {
     writeFileSync(join(folder, "wrong.txt"), "here no cones\n");
     await page.setInputFiles("#file", join(folder, "wrong.txt"));
     await page.waitForSelector("#state.failed");
-    assert.match(await state(page), /no cone/);
+    assert.match(await state(page), /^wrong\.txt: no cone/);
   });
   await test("methods and curvatures are chosen, a click on the curve chooses N", async () => {
     await afterMap(page, () => page.selectOption("#method", "alternating"));
@@ -659,7 +660,7 @@ try {
     }
   }
 
-  const sizes = [["desk", 1280, 800], ["laptop", 1024, 768], ["tablet", 900, 700], ["phone", 390, 844], ["wide", 1920, 1080]];
+  const sizes = [["desk", 1280, 800], ["laptop", 1024, 768], ["tablet", 900, 700], ["phone", 390, 844], ["wide", 1920, 1080], ["low", 1280, 600], ["netbook", 1024, 600]];
   for (const [name, width, height] of sizes) {
     for (const colorScheme of ["light", "dark"]) {
       await test(`nothing is cut off or covered: ${name}, ${colorScheme}`, async () => {
@@ -797,6 +798,12 @@ try {
       const [n, ...shown] = await count();
       assert.ok(n > 1 && n <= 8 && shown.every((other) => other === n), `${await count()}`);
       assert.ok((await seen(file, "#surface canvas")) > 8, "segments are drawn");
+      await file.fill("#count", "9999");
+      await file.press("#count", "Enter");
+      assert.equal(await file.textContent("#bound"), `the page shows ${(await count())[0]} at most`);
+      await file.fill("#count", String(n));
+      await file.press("#count", "Enter");
+      assert.ok(await file.isHidden("#bound"));
       await file.locator("#slider").press("ArrowLeft");
       assert.ok((await count())[0] < n, "fewer extrema");
       await file.click("#cones li:nth-child(2) button");

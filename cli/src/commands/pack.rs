@@ -95,7 +95,9 @@ fn text(report: &PackReport, args: &PackCommandArgs) -> String {
     let tiles = tiles_text(Some(report.tiles));
     let islands = counted(report.islands, "island", "islands");
     let (before, after) = (100.0 * report.fill_before, 100.0 * report.fill);
-    let fill = format!("{after:.1} % of {tiles} ({before:.1} % before), {:.3} texels apart", report.margin);
+    // One island has none that it could keep from.
+    let apart = if report.islands > 1 { format!(", {:.3} texels apart", report.margin) } else { String::new() };
+    let fill = format!("{after:.1} % of {tiles} ({before:.1} % before){apart}");
     let written = args.output.display().to_string();
     [labelled("islands", &islands), labelled("fill", &fill), labelled("written", &written)].concat()
 }

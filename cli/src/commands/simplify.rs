@@ -16,7 +16,7 @@ pub(crate) struct SimplifyArgs {
     of: FieldArgs,
     /// Remove minima and maxima that are no more persistent than this; nowhere is the field changed by more. With --connectivity axis or full, and on networks,
     /// one may take others with it that are up to twice as persistent
-    #[arg(long, value_name = "P", value_parser = non_negative, allow_negative_numbers = true)]
+    #[arg(long, visible_alias = "min-persistence", value_name = "P", value_parser = non_negative, allow_negative_numbers = true)]
     threshold: f64,
     /// The simplified field, an array of the same shape: .npy; whole numbers become int32, int64 or uint64, halves float32
     #[arg(short, long, value_name = "OUT")]

@@ -41,7 +41,7 @@ pub(crate) struct UnwrapArgs {
     /// Size of the texture coordinates
     #[arg(long, value_enum, default_value_t = Scale::Unit)]
     scale: Scale,
-    /// Write a report: .json, or .html with surface, maps and cones to see in a browser
+    /// Write a report: .json, or .html with surface, maps and cones to see in a browser, which takes ten to twenty times as long
     #[arg(long, value_name = "FILE")]
     report: Option<PathBuf>,
     /// Print the report as JSON in place of the text

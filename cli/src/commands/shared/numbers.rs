@@ -44,7 +44,7 @@ pub(super) fn share(text: &str) -> Result<f64, String> {
 
 /// An area distortion.
 pub(super) fn distortion(text: &str) -> Result<f64, String> {
-    real(text, |x| x > 1.0, "a number above 1, which is no distortion")
+    real(text, |x| x > 1.0, "a number above 1 (1 is no distortion)")
 }
 
 fn real(text: &str, holds: impl Fn(f64) -> bool, expected: &str) -> Result<f64, String> {
