@@ -11,7 +11,8 @@
 use std::collections::HashSet;
 
 use geom::{
-    CutMesh, EdgeData, HalfedgeId, Id, Interrupted, Mesh, Metric, VertexId, Watch, edges_at, fill_holes, small_holes,
+    CutMesh, EdgeData, EdgeId, HalfedgeId, Id, Interrupted, Mesh, Metric, VertexData, VertexId, Watch, edges_at,
+    fill_holes, small_holes,
 };
 use num_complex::Complex64;
 
@@ -19,6 +20,10 @@ use super::component::Component;
 use super::refined::Ready;
 use crate::cut::SeamPlan;
 use crate::flatten::{Layout, Scaling, SeamError, Seams};
+use crate::uv::UvMap;
+
+/// Sides of a seam that are no farther apart than this share of its edge's length lie at one place.
+const SHUT: f64 = 1e-6;
 
 /// A surface with caps.
 #[derive(Debug)]
@@ -127,6 +132,53 @@ impl Component {
         scaling.rim_angles = rim_angles(mesh, self.whole().0, &own);
         Ok(own)
     }
+}
+
+impl Component {
+    /// Closes seams of a map that end at filled holes or at flat vertices, from there on, as long as both sides lie at one place: what was put together
+    /// anew is open at all holes that it was cut through, and need not be. Seams that are given stay.
+    pub(super) fn shut(&self, map: &mut UvMap, cones: &[VertexId], given: &EdgeData<bool>) {
+        if self.filled.is_none() {
+            return;
+        }
+        let mesh = &self.surface.mesh;
+        // What seams end at: vertices, and each hole as one.
+        let mut node: VertexData<VertexId> = mesh.vertices().collect();
+        let mut stays: VertexData<bool> = mesh.vertices().map(|v| mesh.is_boundary_vertex(v)).collect();
+        for around in whole_holes(mesh, &self.holes) {
+            for v in around.iter().map(|&h| mesh.tail(h)) {
+                node[v] = mesh.tail(around[0]);
+                stays[v] = false;
+            }
+        }
+        cones.iter().for_each(|&v| stays[node[v]] = true);
+        let mut seams_at: VertexData<Vec<EdgeId>> = VertexData::constant(mesh.vertex_count(), Vec::new());
+        for e in mesh.edges().filter(|&e| map.cut[e]) {
+            mesh.ends(e).into_iter().for_each(|v| seams_at[node[v]].push(e));
+        }
+        let is_end = |seams_at: &VertexData<Vec<EdgeId>>, v: VertexId| seams_at[v].len() == 1 && !stays[v];
+        let mut ends: Vec<VertexId> = mesh.vertices().filter(|&v| is_end(&seams_at, v)).collect();
+        while let Some(end) = ends.pop() {
+            let Some(e) = seams_at[end].pop().filter(|&e| !given[e] && is_shut(mesh, map, e)) else { continue };
+            map.cut[e] = false;
+            let Some(other) = mesh.ends(e).map(|v| node[v]).into_iter().find(|&v| v != end) else { continue };
+            seams_at[other].retain(|&seam| seam != e);
+            if is_end(&seams_at, other) {
+                ends.push(other);
+            }
+        }
+    }
+}
+
+/// Whether both sides of an edge lie at one place.
+fn is_shut(mesh: &Mesh, map: &UvMap, e: EdgeId) -> bool {
+    let h = mesh.halfedge(e);
+    let Some(g) = mesh.twin(h) else { return false };
+    let apart = |a: HalfedgeId, b: HalfedgeId| {
+        let ([x, y], [z, w]) = (map.position[a], map.position[b]);
+        (x - z).hypot(y - w)
+    };
+    apart(h, mesh.next(g)).max(apart(mesh.next(h), g)) <= SHUT * apart(h, mesh.next(h))
 }
 
 /// The angle that a surface has in a layout at each vertex round a hole that was filled.

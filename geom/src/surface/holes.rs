@@ -30,7 +30,7 @@ const WORK: u64 = 1 << 26;
 const HAIR: f64 = 1e-3;
 
 /// A hole whose cap would hold more curvature, either way, is the open end of something, as at the tip of a spike: of holes that are known to be ones it is up
-/// to .28 π (bunny_zipper; .1 π on heads that were cut out of and on a sieve).
+/// to .28 π (`bunny_zipper`; .1 π on heads that were cut out of and on a sieve).
 const MOST_CURVATURE: f64 = 0.5 * PI;
 
 /// The boundary loops of a surface that are no longer than `size` roots of its area and round holes: each as its halfedges in order. What curvature
@@ -65,6 +65,9 @@ fn curvature_within(mesh: &Mesh, metric: &Metric, around: &[HalfedgeId]) -> f64 
 /// assert_eq!((closed.vertex_count(), closed.euler_characteristic()), (mesh.vertex_count(), 2));
 /// # Ok::<(), geom::MeshError>(())
 /// ```
+///
+/// # Panics
+/// If one of them is no boundary loop.
 pub fn fill_holes(mesh: &Mesh, metric: &Metric, points: &[[f64; 3]], holes: &[Vec<HalfedgeId>]) -> (Mesh, Metric) {
     let mut filling = Filling {
         tail: mesh.halfedges().map(|h| mesh.tail(h)).collect(),
@@ -328,7 +331,7 @@ mod tests {
         let count = 100_000_u32;
         let round = |k: u32, r: f64| {
             let (sin, cos) = (TAU * f64::from(k) / f64::from(count)).sin_cos();
-            [r * cos, r * sin, if k % 2 == 0 { 0.1 } else { -0.1 } * r]
+            [r * cos, r * sin, if k.is_multiple_of(2) { 0.1 } else { -0.1 } * r]
         };
         let mut points: Vec<[f64; 3]> = (0..count).map(|k| round(k, 1.0)).collect();
         points.push([0.0, 0.0, 2.0]);
