@@ -13,6 +13,7 @@ mod assembly;
 mod atlas;
 mod attempts;
 mod baselines;
+mod caps;
 mod choosing;
 mod component;
 mod cones;
