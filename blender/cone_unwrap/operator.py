@@ -71,6 +71,9 @@ class UV_OT_cone_unwrap(bpy.types.Operator):
     )
     margin: FloatProperty(name="Margin", description="Texels between islands", default=4.0, min=0.0, soft_max=64.0)
     texture_size: IntProperty(name="Texture Size", description="Side of the texture in texels", default=1024, min=16, soft_max=8192)
+    fill_holes: BoolProperty(
+        name="Fill Small Holes", description="Unwrap as if small holes were filled, so that no seams run to them. The mesh keeps its holes", default=False
+    )
     use_seams: BoolProperty(name="Respect Seams", description="Cut along edges that are marked as seams", default=True)
     mark_seams: BoolProperty(name="Mark Seams", description="Mark the edges that are cut as seams", default=True)
     triangulate: BoolProperty(name="Triangulate", description="Cut polygons into the triangles that the map is computed with", default=False)
@@ -87,7 +90,7 @@ class UV_OT_cone_unwrap(bpy.types.Operator):
             layout.prop(self, "count")
         if self.number == "AUTOMATIC":
             layout.prop(self, "distortion")
-        for name in ("islands", "free_seams", "rotations", "margin", "texture_size", "use_seams", "mark_seams", "triangulate"):
+        for name in ("islands", "free_seams", "rotations", "margin", "texture_size", "fill_holes", "use_seams", "mark_seams", "triangulate"):
             layout.prop(self, name)
 
     def invoke(self, context, event):
@@ -212,6 +215,7 @@ class UV_OT_cone_unwrap(bpy.types.Operator):
             "islands": self.islands,
             "free_seams": self.free_seams,
             "rotations": self.rotations,
+            "fill_holes": self.fill_holes,
             "margin": self.margin,
             "texture_size": self.texture_size,
         }

@@ -66,7 +66,7 @@ pub use ::geom;
 pub use analysis::{
     Analysis, Atlas, Baseline, BaselineMap, ChosenNumber, Cone, ConeChoice, ConeOrder, Cones, Failure, FreeSeams,
     GivenCone, Handles, Islands, Limbs, MOST_AUTOMATIC, MOST_NEEDLES, ModelExtremum, Note, Observer, Options,
-    OrderedCone, Preparation, Preview, Progress, Recipe, RefinedModel, Refining, Stage, TARGET_DISTORTION,
+    OrderedCone, Preparation, Preview, Progress, Recipe, RefinedModel, Refining, SMALL_HOLE, Stage, TARGET_DISTORTION,
     TOLERABLE_DISTORTION, Times, Topology, unwrap_model,
 };
 pub use baseline::LscmError;

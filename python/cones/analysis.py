@@ -109,7 +109,7 @@ class Analysis:
     ----------
     vertices, faces
         As for `cones.unwrap`.
-    weld, smooth, refine, open_handles
+    weld, smooth, refine, open_handles, fill_holes
         How it is made ready, as for `cones.unwrap`.
     progress : callable, optional
         ``progress(stage, fraction)`` while it is made, as for `cones.unwrap`.
@@ -124,11 +124,12 @@ class Analysis:
         smooth: bool = False,
         refine: str = "never",
         open_handles: str = "auto",
+        fill_holes: Union[bool, float] = False,
         progress: Optional[Progress] = None,
     ):
         self.input = as_mesh(vertices, faces)
         self._weld = weld
-        prepared = options.preparation(weld, smooth, refine, open_handles)
+        prepared = options.preparation(weld, smooth, refine, open_handles, fill_holes)
         self._native = _cones.Analysis(self.input._native, prepared, progress)
 
     @cached_property
@@ -144,7 +145,7 @@ class Analysis:
         return None if refined is None else refined[1]
 
     def _layout(self, layout: dict) -> dict:
-        for name in ("weld", "smooth", "refine", "open_handles"):
+        for name in ("weld", "smooth", "refine", "open_handles", "fill_holes"):
             if name in layout:
                 raise Error(f"{name} says how a mesh is made ready: give it to cones.Analysis, which has done that already")
         return options.layout(self.input, self._weld, self.mesh.vertex_count, **layout)

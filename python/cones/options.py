@@ -13,13 +13,23 @@ from ._cones import METHODS, Error
 from .mesh import Mesh, welding
 
 
-def preparation(weld: Union[bool, str], smooth: bool, refine: str, open_handles: str) -> dict:
+SMALL_HOLE = 0.5
+"""Boundary loops of up to so many roots of their part's area are small holes."""
+
+
+def preparation(
+    weld: Union[bool, str], smooth: bool, refine: str, open_handles: str, fill_holes: Union[bool, float] = False
+) -> dict:
     """How a model is made ready."""
+    size = {False: None, True: SMALL_HOLE}[fill_holes] if isinstance(fill_holes, bool) else float(fill_holes)
+    if size is not None and not size >= 0:
+        raise Error(f"fill_holes is True, False or how long a hole's loop may be, in roots of the area, not {fill_holes}")
     return {
         "weld": _one_of("weld", welding(weld), ("auto", "never", "always")),
         "smooth": bool(smooth),
         "refine": _one_of("refine", refine, ("never", "needles", "always")),
         "handles": _one_of("open_handles", open_handles, ("auto", "never", "always")),
+        "fill_holes": size,
     }
 
 

@@ -158,6 +158,7 @@ def unwrap(
     weld: Union[bool, str] = "auto",
     refine: str = "never",
     open_handles: str = "auto",
+    fill_holes: Union[bool, float] = False,
     quantize: Optional[int] = None,
     search: str = "coarse",
     seam_weight: float = 0.5,
@@ -201,6 +202,9 @@ def unwrap(
         Cut the surface into even triangles. The map is then of ``result.mesh``.
     open_handles : "auto", "never" or "always"
         Open handles along short loops that take curvature, so that fewer cones are enough.
+    fill_holes : bool or float
+        Unwrap as if small holes were filled, so that no seams run to them: boundary loops of up to half a root of their part's area, or of so
+        many.
     quantize : 4 or 6, optional
         Round cones so that a texture of squares, or of triangles, keeps its directions across seams.
     seams, avoid : edges (k, 2), optional
@@ -233,7 +237,7 @@ def unwrap(
         If there is no surface, or the options cannot be met; the message says which.
     """
     given = as_mesh(vertices, faces)
-    prepared = options.preparation(weld, smooth, refine, open_handles)
+    prepared = options.preparation(weld, smooth, refine, open_handles, fill_holes)
     choice = options.choice(n, max_distortion, min_persistence, cones, method, angles, quantize, search)
     layout = options.layout(
         given,

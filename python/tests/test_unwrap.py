@@ -24,6 +24,7 @@ CASES = [
     ("part", 600, {"refine": "always", "n": 8}, ["--refine", "-n", "8"]),
     # refined once more, since two cones bend its angles
     ("sphere", 40, {"refine": "always", "n": 2, "free_seams": "never"}, ["--refine", "-n", "2", "--free-seams", "never"]),
+    ("torus", 900, {"n": 8, "fill_holes": 0.4}, ["-n", "8", "--fill-holes=0.4"]),
     ("hare", 900, {"n": 16, "islands": "pack", "rotations": "quarter"}, ["-n", "16", "--islands", "pack", "--rotations", "quarter"]),
 ]
 

@@ -5,6 +5,7 @@ mod choosing;
 mod corpus;
 mod files;
 mod flattening;
+mod holes;
 mod instances;
 mod invariance;
 mod layers;

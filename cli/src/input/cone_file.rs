@@ -134,6 +134,7 @@ fn say(words: &[&str], recipe: &mut Recipe) -> Option<()> {
         ["opened", faces @ ..] => recipe.opened.extend(numbers::<u32>(faces)?),
         ["neck", vertices @ ..] if vertices.len() > 1 => recipe.necks.push(numbers(vertices)?),
         ["welded"] => recipe.welded = true,
+        ["filled", size] => recipe.filled = Some(size.parse().ok().filter(|size: &f64| *size >= 0.0)?),
         ["charts"] => recipe.charts = true,
         ["straight"] => recipe.straight = true,
         ["freed", faces @ ..] => recipe.freed.extend(numbers::<u32>(faces)?),
@@ -188,6 +189,9 @@ pub(crate) fn text(recipe: &Recipe) -> String {
     for (word, _) in words_alone.iter().filter(|(_, is_so)| *is_so) {
         let _ = writeln!(text, "#: {word}");
     }
+    if let Some(size) = recipe.filled {
+        let _ = writeln!(text, "#: filled {size}");
+    }
     if let Some(target) = recipe.target {
         let _ = writeln!(text, "#: target {target}");
     }
@@ -241,6 +245,7 @@ mod tests {
             opened: vec![4, 5],
             necks: vec![vec![1, 2, 3, 1], vec![7, 8]],
             welded: true,
+            filled: Some(0.3),
             charts: true,
             straight: true,
             freed: vec![6],
@@ -248,7 +253,7 @@ mod tests {
             refined_for: Some(Box::new(ConeChoice::Count(7))),
             refined_from: Some(11),
         };
-        assert_eq!(parse(&text(&recipe)).unwrap(), (recipe, vec![13, 14]));
+        assert_eq!(parse(&text(&recipe)).unwrap(), (recipe, vec![14, 15]));
         let none = Recipe { vertices: Some(4), ..Recipe::default() };
         assert_eq!(parse(&text(&none)).unwrap(), (none, vec![]));
     }

@@ -16,6 +16,11 @@ pub(crate) fn on_seams(seams: &SeamReport) -> Vec<(&'static str, String)> {
     let mismatch = 100.0 * seams.mismatch;
     let fit = if seams.freed_parts == 0 { ", whose sides fit in length alone" } else { "" };
     let told = [
+        (
+            seams.filled_holes,
+            "holes",
+            counted(seams.filled_holes, "small hole", "small holes") + " filled for computing",
+        ),
         (seams.opened_handles, "handles", format!("{} opened along {loops}{fit}", seams.opened_handles)),
         (seams.necks, "limbs", format!("cut off at {necks}, as no affordable number of cones keeps lengths")),
         (seams.freed_parts, "seams", format!("free, the lengths of their two sides differing by {mismatch:.1} %")),

@@ -107,6 +107,8 @@ impl Analysis {
             target: options.cones.wanted(),
             ..self.recipe(flats.iter().map(|flat| (&flat.cones[..], &flat.curvature[..])))
         };
+        let holes: usize =
+            self.components().iter().zip(&flats).map(|(component, flat)| component.holes_at(&flat.seams)).sum();
         let (mut curvature_error, mut overlapped) = (0.0_f64, Vec::new());
         let (mut unfolded, mut freed, mut torn) = (0, 0, Vec::new());
         let (mut cut, mut cut_loops) = (Vec::new(), Vec::new());
@@ -141,6 +143,7 @@ impl Analysis {
         }
         notes.extend(self.notes_of_seams(&options.seams));
         notes.extend(Note::of_margin(options.packing.margin, packing.margin));
+        notes.extend((holes > 0).then_some(Note::SmallHoles { holes }));
         if let Some(Tiling { symmetry, seams, broken: broken @ 1.., .. }) = tiling {
             let mut steps = cones.iter().map(|cone| cone.curvature / symmetry.angle());
             let are_given = steps.any(|steps| (steps - steps.round()).abs() > ROUNDING);
@@ -182,6 +185,7 @@ impl Analysis {
             seams,
             opened_handles,
             necks: 0,
+            filled_holes: self.components().iter().map(|component| component.filled_holes()).sum(),
             seam_figures,
             tiling,
             number,

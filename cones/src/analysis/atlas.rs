@@ -77,6 +77,8 @@ pub struct Atlas {
     pub opened_handles: usize,
     /// How many seams are necks where thin limbs were cut off: those before the opened handles.
     pub necks: usize,
+    /// How many holes were [filled](crate::Preparation::fill_holes) for computing.
+    pub filled_holes: usize,
     /// What the seams are like.
     pub seam_figures: SeamFigures,
     /// Across which seams a texture keeps its directions, where curvatures were to be [rounded](crate::Options::quantize) for it.

@@ -10,6 +10,7 @@ use geom::{FaceId, HalfedgeId, Id, Interrupted, Mesh, Metric, PoissonError, Surf
 use topo::{Extremum, Kind};
 
 use super::cones::{Cone, Configuration};
+use super::filled::Filled;
 use super::note::Note;
 use super::observer::{Stage, Task, Times};
 use super::options::{ConeChoice, Options, Preparation};
@@ -60,6 +61,10 @@ pub(crate) struct Component {
     pub(crate) handles: OpenedHandles,
     /// The paths that were made straight.
     pub(super) straight: Option<Arc<Straightened>>,
+    /// The sides on the boundary round small holes,
+    pub(super) holes: Arc<HashSet<HalfedgeId>>,
+    /// and the surface with these filled as far as they are whole, if they are to be.
+    pub(super) filled: Option<Arc<Filled>>,
     /// The edge lengths in space, mollified where they have to be.
     pub(crate) metric: Metric,
     /// The area in the model's units.
@@ -80,23 +85,29 @@ impl Component {
     /// What is found once of a surface.
     pub(super) fn new(index: usize, ready: Ready, making: Making, task: &Task) -> Result<Self, Error> {
         let Making { preparation, is_finest, is_searched, is_asked_once, .. } = making;
-        let Ready { surface, mut metric, way, handles, straight, shape } = ready;
+        let Ready { surface, mut metric, way, handles, straight, holes, shape } = ready;
         let area = metric.area(&surface.mesh) / surface.scale / surface.scale;
         let mut notes = Vec::new();
         let mut times = Times::default();
+        let fill = |metric: &Metric| {
+            preparation.fill_holes.and_then(|_| Filled::new(&surface.mesh, metric, &surface.points, &holes))
+        };
+        let mut filled = fill(&metric);
         let operators = task.stage((Stage::Factor, index), &mut times, |watch| {
-            let ahead = if is_searched { size_of_level(&surface.mesh) } else { None };
-            let made = |metric: &Metric| {
+            let made = |metric: &Metric, filled: Option<&Filled>| {
                 let tied = handles.of_vertex.as_ref();
-                Operators::with_tied_loops((&surface.mesh, metric), &surface.points, tied, ahead, watch)
+                let (mesh, metric) = filled.map_or((&surface.mesh, metric), |filled| (&filled.mesh, &filled.metric));
+                let ahead = if is_searched { size_of_level(mesh) } else { None };
+                Operators::with_tied_loops((mesh, metric), &surface.points, tied, ahead, watch)
             };
-            let operators = made(&metric);
+            let operators = made(&metric, filled.as_ref());
             if !matches!(operators, Err(PoissonError::NotPositiveDefinite)) {
                 return operators;
             }
             metric = metric.mollified(&surface.mesh, Metric::MOLLIFICATION);
+            filled = fill(&metric);
             notes.push(Note::Mollified { component: index });
-            made(&metric)
+            made(&metric, filled.as_ref())
         })??;
         let (factor, hierarchy) =
             task.stage((Stage::Hierarchy, index), &mut times, |watch| -> Result<_, Error> {
@@ -117,6 +128,8 @@ impl Component {
             way,
             handles,
             straight,
+            holes: Arc::new(holes),
+            filled: filled.map(Arc::new),
             metric,
             area,
             operators: Arc::new(operators),
@@ -135,7 +148,7 @@ impl Component {
     pub(super) fn of_instance(
         &self,
         index: usize,
-        Ready { surface, way, handles, straight, shape, .. }: Ready,
+        Ready { surface, way, handles, straight, holes: _, metric: _, shape }: Ready,
     ) -> Self {
         let mut instance = Self {
             index,
@@ -144,6 +157,8 @@ impl Component {
             way,
             handles,
             straight,
+            holes: Arc::clone(&self.holes),
+            filled: self.filled.clone(),
             metric: self.metric.clone(),
             area: self.area,
             operators: Arc::clone(&self.operators),
@@ -171,21 +186,22 @@ impl Component {
 
     /// The surface as it was made ready.
     pub(crate) fn ready(&self) -> Ready {
-        let Self { surface, metric, way, straight, shape, .. } = self;
+        let Self { surface, metric, way, straight, holes, shape, .. } = self;
         Ready {
             surface: surface.clone(),
             metric: metric.clone(),
             way: way.clone(),
             handles: OpenedHandles::default(),
             straight: straight.clone(),
+            holes: HashSet::clone(holes),
             shape: *shape,
         }
     }
 
     /// What cones are placed on.
     pub(crate) fn ground<'a>(&'a self, search: Search, watch: Watch<'a>) -> Ground<'a> {
-        let Self { operators, surface, hierarchy, terms, level, .. } = self;
-        Ground { operators, input: &surface.mesh, hierarchy, terms, level, search, watch }
+        let Self { operators, hierarchy, terms, level, .. } = self;
+        Ground { operators, input: self.whole().0, hierarchy, terms, level, search, watch }
     }
 
     /// Its coarse level, once that has been asked for.
@@ -232,7 +248,8 @@ impl Component {
     }
 
     pub(crate) fn inner_vertices(&self) -> usize {
-        self.surface.mesh.vertices().filter(|&v| !self.surface.mesh.is_boundary_vertex(v)).count()
+        let (mesh, _) = self.whole();
+        mesh.vertices().filter(|&v| !mesh.is_boundary_vertex(v)).count()
     }
 
     /// `asked` cones, or as many more as it takes for its curvature.
@@ -359,7 +376,7 @@ impl Component {
         rule: CurvatureRule,
         watch: Watch,
     ) -> Result<Configuration, CurvatureError> {
-        let found = cone_curvatures(&self.operators, &self.surface.mesh, &vertices, rule, watch)?;
+        let found = cone_curvatures(&self.operators, self.whole().0, &vertices, rule, watch)?;
         Ok(self.configured(vertices, found))
     }
 
@@ -405,7 +422,7 @@ impl Component {
 
     /// The given cones that lie on it, with their curvatures.
     pub(super) fn given(&self, here: &[OnSurface], options: &Options, watch: Watch) -> Result<Configuration, Error> {
-        let mesh = &self.surface.mesh;
+        let (mesh, _) = self.whole();
         if let Some(&(_, vertex, _)) = here.iter().find(|(v, _, _)| mesh.is_boundary_vertex(*v)) {
             return Err(Error::ConeOnBoundary(vertex));
         }

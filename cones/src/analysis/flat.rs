@@ -89,12 +89,13 @@ impl Component {
     ) -> Result<Flat, Error> {
         let Self { index, surface, metric, operators, .. } = self;
         let mesh = &surface.mesh;
+        let whole = self.whole();
         let Configuration { vertices, curvature, predicted, notes } = configuration;
         let began = Instant::now();
         let (mut of_cut, mut of_scale) = (Times::default(), Times::default());
         // Neither needs the other.
         let (seams, scaling) = rayon::join(
-            || task.stage((Stage::Cut, *index), &mut of_cut, |watch| plan.cut(mesh, vertices, watch)),
+            || task.stage((Stage::Cut, *index), &mut of_cut, |watch| self.cut_whole(plan, vertices, watch)),
             || {
                 task.stage((Stage::Scale, *index), &mut of_scale, |watch| {
                     let mut target = VertexData::constant(mesh.vertex_count(), 0.0);
@@ -104,18 +105,19 @@ impl Component {
                     let factor = operators.factor_again(watch)?;
                     // Other attempts would need it, but few surfaces have any.
                     self.let_factor_go();
-                    scale_by(factor, (mesh, metric, operators), &target, predicted, watch)
+                    scale_by(factor, (whole.0, whole.1, operators), &target, predicted, watch)
                 })
             },
         );
         *times += Times::on_clock([of_cut, of_scale], began.elapsed());
-        let (seams, scaling) = (seams??, scaling??);
+        let (whole, mut scaling) = (seams??, scaling??);
         let mut notes = notes.clone();
         if scaling.mollified {
             notes.push(Note::Mollified { component: *index });
         }
         task.stage((Stage::Layout, *index), times, |watch| -> Result<Flat, Error> {
-            let mut layout = Layout::new(mesh, &scaling, &seams.cut, watch.within(0.0, 0.3))?;
+            let seams = self.own_seams(&whole, plan, vertices);
+            let mut layout = self.lay_out(&mut scaling, (&whole, &seams), watch.within(0.0, 0.3))?;
             let of_loop = self.handles.of_vertex.as_ref();
             let is_side = of_loop.map(|of_loop| of_loop.iter().map(Option::is_some).collect());
             let is_cone = VertexData::constant(mesh.vertex_count(), false);
@@ -146,15 +148,16 @@ impl Component {
     /// # Errors
     /// If the surface cannot be cut open.
     pub(crate) fn unfold(&self, plan: &SeamPlan, task: &Task, times: &mut Times) -> Result<Flat, Error> {
-        let mesh = &self.surface.mesh;
-        let defects = angle_defects(mesh, &self.metric);
+        let (mesh, metric) = self.whole();
+        let defects = angle_defects(mesh, metric);
         let inner: Vec<VertexId> = mesh.vertices().filter(|&v| !mesh.is_boundary_vertex(v)).collect();
-        let seams = task.stage((Stage::Cut, self.index), times, |watch| plan.cut(mesh, &inner, watch))??;
+        let whole = task.stage((Stage::Cut, self.index), times, |watch| self.cut_whole(plan, &inner, watch))??;
         task.stage((Stage::Layout, self.index), times, |watch| -> Result<Flat, Error> {
-            let scaling = Scaling::none(mesh, &self.metric);
-            let layout = Layout::new(mesh, &scaling, &seams.cut, watch)?;
+            let mut scaling = Scaling::none(mesh, metric);
+            let seams = self.own_seams(&whole, plan, &inner);
+            let layout = self.lay_out(&mut scaling, (&whole, &seams), watch)?;
             let curvature = inner.iter().map(|&v| defects[v]).collect();
-            let quality = Quality::of(mesh, &self.metric, &layout);
+            let quality = Quality::of(&self.surface.mesh, &self.metric, &layout);
             Ok(Flat {
                 is_unfolded: true,
                 ..self.flat((inner, curvature), seams, (layout, quality), scaling, Vec::new())

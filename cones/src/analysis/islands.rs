@@ -100,10 +100,11 @@ impl Component {
             flat.notes.extend(self.note_avoided(plan, &flat.seams));
             return Ok(());
         }
-        let done = task.stage(stage, times, |watch| {
+        let mut done = task.stage(stage, times, |watch| {
             Reseaming::new(mesh, flat, plan, islands == Islands::Pack, share).best(watch)
         })??;
         self.note_overlap(flat, &done.map, &done.left);
+        self.shut(&mut done.map, &flat.cones, plan.given());
         flat.overlapped = done.overlaps.triangles().into_iter().map(FaceId).collect();
         if done.map.cut == flat.seams.cut {
             flat.notes.extend(self.note_avoided(plan, &flat.seams));

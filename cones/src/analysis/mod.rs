@@ -13,9 +13,11 @@ mod assembly;
 mod atlas;
 mod attempts;
 mod baselines;
+mod caps;
 mod choosing;
 mod component;
 mod cones;
+mod filled;
 mod finer;
 mod flat;
 mod freed;
@@ -53,7 +55,9 @@ pub use choosing::{MOST_AUTOMATIC, TARGET_DISTORTION, TOLERABLE_DISTORTION};
 pub use cones::{ChosenNumber, Cone, Cones};
 pub use note::{Failure, Note};
 pub use observer::{Observer, Progress, Stage, Times};
-pub use options::{ConeChoice, FreeSeams, GivenCone, Handles, Islands, Limbs, Options, Preparation, Recipe, Refining};
+pub use options::{
+    ConeChoice, FreeSeams, GivenCone, Handles, Islands, Limbs, Options, Preparation, Recipe, Refining, SMALL_HOLE,
+};
 pub use order::{ConeOrder, ModelExtremum, OrderedCone};
 pub use preview::Preview;
 pub use refined::{MOST_NEEDLES, RefinedModel};
@@ -167,6 +171,7 @@ impl Analysis {
     /// stay edges where surfaces are refined, in parts. Where the map of a small model bends angles by more than
     /// 1.06 on average, another one is made, of the model refined if it may be, and then in triangles that are smaller where the map is bent; the best is taken. Seams of small models that are
     /// refined are made straight, unless cones or edges are given: the last map is made again with its cones and geodesics for seams, if that is as good.
+    /// Where no cones flatten a part with its [holes filled](Preparation::fill_holes), none are filled.
     /// Where no metric was found and [`Weld::Auto`] has left vertices apart that are at one place, all such are [welded](Weld::Always), if one is found so.
     ///
     /// # Errors
@@ -177,6 +182,38 @@ impl Analysis {
         observer: impl Observer + 'static,
     ) -> Result<(Self, Atlas), Error> {
         let observer: Arc<dyn Observer> = Arc::new(observer);
+        let said = options.cones.recipe().and_then(|recipe| recipe.filled);
+        let fill_holes = said.or(options.preparation.fill_holes);
+        let filling = |fill_holes| {
+            let preparation = Preparation { fill_holes, ..options.preparation };
+            Options { preparation, ..options.clone() }
+        };
+        let (analysis, mut atlas) = Self::unwrapped_or_welded(model, &filling(fill_holes), Arc::clone(&observer))?;
+        if atlas.filled_holes == 0 || atlas.unfolded == 0 || options.cones.is_given() {
+            return Ok((analysis, atlas));
+        }
+        match Self::unwrapped_or_welded(model, &filling(None), observer) {
+            Ok((other, mut map)) if map.unfolded < atlas.unfolded => {
+                [analysis.times(), atlas.times].into_iter().for_each(|times| map.times += times);
+                map.notes.retain(|note| !matches!(note, Note::SmallHoles { .. }));
+                map.notes.push(Note::NotFilled { holes: atlas.filled_holes });
+                Ok((other, map))
+            }
+            Ok((other, map)) => {
+                [other.times(), map.times].into_iter().for_each(|times| atlas.times += times);
+                Ok((analysis, atlas))
+            }
+            Err(Error::Interrupted) => Err(Error::Interrupted),
+            Err(_) => Ok((analysis, atlas)),
+        }
+    }
+
+    /// [`unwrapped`](Self::unwrapped) with holes filled or not.
+    fn unwrapped_or_welded(
+        model: &Model,
+        options: &Options,
+        observer: Arc<dyn Observer>,
+    ) -> Result<(Self, Atlas), Error> {
         let is_welded = options.cones.recipe().is_some_and(|recipe| recipe.welded);
         let preparation = Preparation { weld: Weld::Always, ..options.preparation };
         let welded = Options { preparation, ..options.clone() };
@@ -321,10 +358,11 @@ impl Analysis {
         } else {
             let Prepared { surfaces, triangles, left_out, .. } = prepared;
             let ready = surfaces.into_iter().zip(shapes).map(|(surface, shape)| Ready::as_it_is(surface, shape));
-            (ready.collect(), None, triangles, left_out)
+            (ready.collect::<Vec<_>>(), None, triangles, left_out)
         };
         let is_opened = preparation.handles == Handles::Always;
-        let ready = ready.into_iter().enumerate().collect();
+        let size = preparation.fill_holes.unwrap_or(SMALL_HOLE);
+        let ready = ready.into_iter().map(|ready| ready.with_holes_marked(size)).enumerate().collect();
         let components = made_of(ready, Making { is_opened, ..making }, &task, &mut times)?;
         let notes = notes_of(&components);
         let model = refined.as_ref().map_or(model, |refined| &refined.model);

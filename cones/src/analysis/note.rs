@@ -180,6 +180,16 @@ pub enum Note {
         /// Of how many that were given.
         of: usize,
     },
+    /// Seams run to small holes that could be filled for computing.
+    SmallHoles {
+        /// To how many.
+        holes: usize,
+    },
+    /// No cones flattened a surface with its small holes filled: they are not.
+    NotFilled {
+        /// How many would have been.
+        holes: usize,
+    },
     /// Edges that were to be cut and avoided are cut.
     AvoidedGiven {
         /// How many.
@@ -249,6 +259,8 @@ impl Note {
             | Self::SeamsDoNotTile { .. }
             | Self::SeamsOpen { .. }
             | Self::AvoidedGiven { .. }
+            | Self::SmallHoles { .. }
+            | Self::NotFilled { .. }
             | Self::NarrowMargin { .. }
             | Self::SeamsNotKept { .. }
             | Self::RefinedOtherwise { .. } => None,
@@ -405,6 +417,17 @@ impl fmt::Display for Note {
                     "{edges} of {of} edges that were to be cut are on the boundary, where the surface is open already"
                 )
             }
+            Self::SmallHoles { holes: 1 } => {
+                write!(f, "a seam runs to a small hole: with --fill-holes none need run there")
+            }
+            Self::SmallHoles { holes } => {
+                write!(f, "seams run to {holes} small holes: with --fill-holes none need run there")
+            }
+            Self::NotFilled { holes } => write!(
+                f,
+                "no cones could flatten the surface with {} filled: taking it as it is",
+                counted(*holes, "small hole", "small holes")
+            ),
             Self::AvoidedGiven { edges: 1 } => {
                 write!(f, "an edge that was to be avoided was to be cut, too: it is cut")
             }
@@ -519,6 +542,10 @@ mod tests {
         let open = |edges, of| said(Note::SeamsOpen { edges, of });
         assert_eq!(open(1, 1), "the edge that was to be cut is on the boundary, where the surface is open already");
         assert!(open(1, 2).starts_with("1 of 2 edges that were to be cut is on"), "{}", open(1, 2));
+        let holes = |holes| said(Note::SmallHoles { holes });
+        assert!(
+            holes(1).starts_with("a seam runs to a small hole:") && holes(5).starts_with("seams run to 5 small holes:")
+        );
         let margin = |asked| said(Note::NarrowMargin { asked, kept: 0.5 });
         assert!(
             margin(1.0).starts_with("a margin of 1 texel was") && margin(2.0).starts_with("a margin of 2 texels was")

@@ -12,7 +12,7 @@ use crate::uv::{PackOptions, Rotations};
 const GIVEN: &str = "given";
 
 /// How a model is made ready.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default))]
 pub struct Preparation {
     /// Which vertices are taken for one.
@@ -24,7 +24,13 @@ pub struct Preparation {
     pub refine: Refining,
     /// Whether handles are opened along loops that take curvature.
     pub handles: Handles,
+    /// The longest boundary loops that are filled for computing, in roots of the area of their part ([`SMALL_HOLE`](crate::SMALL_HOLE) is a good one); none where none is. A part is then
+    /// unwrapped as if it had no such holes: no seam need run to one, an island may have holes, and all else is of the surface as it is.
+    pub fill_holes: Option<f64>,
 }
+
+/// Boundary loops of up to so many roots of their part's area are small holes, where nothing else is said.
+pub const SMALL_HOLE: f64 = 0.5;
 
 /// Whether handles are opened: along short loops, each a seam whose sides have equal lengths but are not congruent. Each handle asks cones
 /// for 4π of curvature otherwise.
@@ -198,6 +204,8 @@ pub struct Recipe {
     pub necks: Vec<Vec<u32>>,
     /// Whether all vertices at one place were welded since no metric was found otherwise.
     pub welded: bool,
+    /// Up to which length [holes were filled](Preparation::fill_holes), if some were.
+    pub filled: Option<f64>,
     /// Whether the surface was opened along the seams that were given, and each chart flattened for itself.
     pub charts: bool,
     /// Whether seams are those that the model was refined for so that they are straight.

@@ -244,13 +244,23 @@ pub(crate) struct Ready {
     pub(crate) handles: OpenedHandles,
     /// The paths that were made straight.
     pub(crate) straight: Option<Arc<Straightened>>,
+    /// The sides on the boundary round small holes.
+    pub(crate) holes: HashSet<HalfedgeId>,
     /// The number of the first surface that is of the same shape, and was made ready in the same way.
     pub(crate) shape: usize,
 }
 
 impl Ready {
     pub(crate) fn as_it_is(surface: Surface, shape: usize) -> Self {
-        Self { metric: surface.metric(), surface, way: None, handles: OpenedHandles::default(), straight: None, shape }
+        Self {
+            metric: surface.metric(),
+            surface,
+            way: None,
+            handles: OpenedHandles::default(),
+            straight: None,
+            holes: HashSet::new(),
+            shape,
+        }
     }
 
     /// An island of it, opened along some of its edges, in the same units.
@@ -259,6 +269,10 @@ impl Ready {
         let way = self.way.as_ref().map(|way| way.of_island(whole, &island));
         let (vertex_before, edge_before) = (island.vertices_of(whole), island.edges_of(whole));
         let OpenedIsland { mesh, halfedge } = island;
+        let holes = match self.holes.is_empty() {
+            true => HashSet::new(),
+            false => halfedge.iter_ids().filter(|(_, before)| self.holes.contains(before)).map(|(h, _)| h).collect(),
+        };
         let surface = Surface {
             points: vertex_before.iter().map(|&v| points[v.index()]).collect(),
             vertex: vertex_before.iter().map(|&v| vertex[v]).collect(),
@@ -275,7 +289,7 @@ impl Ready {
             Arc::new(Straightened { path, is_loop: straight.is_loop.clone(), stay: straight.stay })
         };
         let straight = self.straight.as_ref().map(of_island);
-        Self { metric: Metric::new(lengths), surface, way, handles: OpenedHandles::default(), straight, shape }
+        Self { metric: Metric::new(lengths), surface, way, handles: OpenedHandles::default(), straight, holes, shape }
     }
 
     /// The same, the longest side of its box 1.
@@ -658,7 +672,8 @@ impl Growing {
             mesh,
         };
         let way = Some(Way { whole: Arc::new(whole), before: None });
-        Ready { surface, metric, way, handles: OpenedHandles::default(), straight, shape }
+        let holes = HashSet::new();
+        Ready { surface, metric, way, handles: OpenedHandles::default(), straight, holes, shape }
     }
 }
 

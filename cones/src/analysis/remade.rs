@@ -37,7 +37,9 @@ impl Analysis {
         }
         let opened = self.components().iter().filter(|component| component.handles.of_vertex.is_some());
         let opened = opened.map(|component| self.first_face(component)).collect();
-        Recipe { cones: given, vertices: Some(self.points().len()), opened, ..Recipe::default() }
+        let is_filled = self.components().iter().any(|component| component.filled.is_some());
+        let filled = self.found.making.preparation.fill_holes.filter(|_| is_filled);
+        Recipe { cones: given, vertices: Some(self.points().len()), opened, filled, ..Recipe::default() }
     }
 
     /// The face of the model at the tail of a halfedge of a component.

@@ -127,9 +127,9 @@ impl Analysis {
         let chains = each(self.components(), &mut times, |component, times| {
             let plan = self.plan(component, seams, &task, times)?;
             let vertices = &cones.configurations[component.index].vertices;
-            let cut = task.stage((Stage::Cut, component.index), times, |watch| {
-                plan.cut(&component.surface.mesh, vertices, watch)
-            })??;
+            let whole =
+                task.stage((Stage::Cut, component.index), times, |watch| component.cut_whole(&plan, vertices, watch))??;
+            let cut = component.own_seams(&whole, &plan, vertices);
             Ok(cut.chains.iter().map(|chain| component.vertices_along(chain)).collect::<Vec<_>>())
         })?;
         Ok(chains.concat())

@@ -22,6 +22,10 @@ use crate::flatten::{SeamError, Seams, seam_lengths, terminals};
 /// add up with others without loss.
 const AVOIDED: f64 = 1e4;
 
+/// What an edge costs over its length that is no edge of the surface with faces on both sides, but at a hole that is filled, or across: nearly nothing, since nothing is cut there. Of two
+/// ways through a hole the shorter one is taken.
+const FREE: f64 = 1e-6;
+
 /// Where seams go on one surface.
 #[derive(Clone, Debug)]
 pub struct SeamPlan {
@@ -78,6 +82,30 @@ impl SeamPlan {
         for e in edges {
             self.given[e] = true;
             self.has_given = true;
+        }
+    }
+
+    /// The same on the surface with its holes filled: edges at caps and on them are [`FREE`].
+    pub(crate) fn on_filled(&self, own: &Mesh, (mesh, metric): (&Mesh, &Metric)) -> Self {
+        let mut edge = EdgeData::constant(mesh.edge_count(), None);
+        for e in own.edges().filter(|&e| !own.is_boundary_edge(e)) {
+            edge[mesh.edge(own.halfedge(e))] = Some(e);
+        }
+        for e in own.edges().filter(|&e| own.is_boundary_edge(e) && mesh.is_boundary_edge(mesh.edge(own.halfedge(e)))) {
+            edge[mesh.edge(own.halfedge(e))] = Some(e);
+        }
+        let of = |values: &EdgeData<f64>| {
+            edge.iter_ids().map(|(e, own)| own.map_or_else(|| FREE * metric.length(e), |own| values[own])).collect()
+        };
+        let marked = |marks: &EdgeData<bool>| edge.iter().map(|own| own.is_some_and(|own| marks[own])).collect();
+        Self {
+            lengths: of(&self.lengths),
+            cost: of(&self.cost),
+            plain: self.plain.as_ref().map(of),
+            given: marked(&self.given),
+            avoided: marked(&self.avoided),
+            has_given: self.has_given,
+            straightness: self.straightness.as_ref().map(|(weight, _)| (*weight, Turning::new(mesh, metric))),
         }
     }
 

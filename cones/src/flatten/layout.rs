@@ -52,6 +52,11 @@ impl SeamRotations {
         let sides = mesh.halfedges().filter(|&h| cut[mesh.edge(h)]);
         Self(sides.filter_map(|h| Some((h, rotation(h, mesh.twin(h)?)))).collect())
     }
+
+    /// Those of them that are of the edges of a mesh that are cut.
+    pub(crate) fn of_cut(&self, mesh: &Mesh, cut: &EdgeData<bool>) -> Self {
+        Self::new(mesh, cut, |h, _| self[h])
+    }
 }
 
 impl Index<HalfedgeId> for SeamRotations {

@@ -149,6 +149,13 @@ impl HierarchyReport {
     }
 }
 
+/// Whether there are none: then that is not said.
+#[cfg(feature = "serde")]
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde asks for it")]
+fn is_none(count: &usize) -> bool {
+    *count == 0
+}
+
 /// What the seams of a map are like; how long they are is part of its distortion's report.
 #[derive(Clone, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
@@ -162,6 +169,9 @@ pub struct SeamReport {
     pub opened_handles: usize,
     /// At how many necks thin limbs were cut off.
     pub necks: usize,
+    /// How many holes were filled for computing.
+    #[cfg_attr(feature = "serde", serde(skip_serializing_if = "is_none"))]
+    pub filled_holes: usize,
     /// On how many parts the two sides of seams differ.
     pub freed_parts: usize,
     /// By how much the lengths of both sides differ in the plane, over their mean, on average; 0 where seams are rigid.
@@ -178,6 +188,7 @@ impl SeamReport {
             sharp: atlas.seam_figures.sharp_share(),
             opened_handles: atlas.opened_handles,
             necks: atlas.necks,
+            filled_holes: atlas.filled_holes,
             freed_parts: atlas.freed,
             mismatch: atlas.seam_figures.mean_mismatch(),
             tiling: atlas.tiling.as_ref().map(TilingReport::from),

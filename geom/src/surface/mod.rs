@@ -3,6 +3,7 @@
 mod attributes;
 mod curvature;
 mod exposure;
+mod holes;
 mod instances;
 mod model;
 mod numbering;
@@ -24,6 +25,7 @@ pub use attributes::{
 };
 pub use curvature::{gaussian_curvature, mean_curvature};
 pub use exposure::{exposure, exposure_watched};
+pub use holes::{fill_holes, small_holes};
 pub use instances::unify_instances;
 pub use model::{MAX_COORDINATE, MissingTexture, Model, ModelError, Skipped, TextureCoordinates};
 #[cfg(feature = "files")]

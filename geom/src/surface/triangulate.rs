@@ -94,18 +94,37 @@ fn triangulate(model: &Model) -> Triangles {
         };
         match range.len() {
             3 => push([0, 1, 2]),
-            4 => cut_quad(&unit_points(model, face)).into_iter().for_each(push),
-            _ => Ears::new(&project(&unit_points(model, face)), &mut work).clip(&mut push),
+            _ => clip(&unit_points(model, face), &mut work, &mut push),
         }
     }
     triangles
 }
 
-/// The points of a face, moved to the first and scaled to size 1, so that products neither overflow nor vanish.
+/// Cuts a polygon of three corners and more into triangles of them, with so much work at most before ears are clipped untested.
+pub(super) fn cut_polygon(points: &[[f64; 3]], work: &mut u64) -> Vec<[usize; 3]> {
+    let mut triangles = Vec::with_capacity(points.len() - 2);
+    clip(&in_unit_size(points.iter().copied()), work, &mut |corners| triangles.push(corners));
+    triangles
+}
+
+/// Cuts a polygon of size 1.
+fn clip(points: &[[f64; 3]], work: &mut u64, push: &mut impl FnMut([usize; 3])) {
+    match points.len() {
+        3 => push([0, 1, 2]),
+        4 => cut_quad(points).into_iter().for_each(push),
+        _ => Ears::new(&project(points), work).clip(push),
+    }
+}
+
+/// The points of a face in size 1.
 fn unit_points(model: &Model, face: usize) -> Vec<[f64; 3]> {
-    let point = |&v: &u32| model.points()[v as usize];
-    let origin = point(&model.face(face)[0]);
-    let mut points: Vec<[f64; 3]> = model.face(face).iter().map(|v| sub(point(v), origin)).collect();
+    in_unit_size(model.face(face).iter().map(|&v| model.points()[v as usize]))
+}
+
+/// Points moved to the first and scaled to size 1, so that products neither overflow nor vanish.
+fn in_unit_size(points: impl Iterator<Item = [f64; 3]> + Clone) -> Vec<[f64; 3]> {
+    let origin = points.clone().next().unwrap_or_default();
+    let mut points: Vec<[f64; 3]> = points.map(|p| sub(p, origin)).collect();
     let size = points.iter().flatten().fold(0.0_f64, |size, x| size.max(x.abs()));
     if size > 0.0 {
         points.iter_mut().flatten().for_each(|x| *x /= size);

@@ -50,6 +50,10 @@ pub(crate) struct CandidateArgs {
     /// [default: needles for STL, never otherwise]
     #[arg(long, value_enum, value_name = "WHEN", num_args = 0..=1, require_equals = true, default_missing_value = "always")]
     refine: Option<RefineName>,
+    /// Unwrap the surface as if its small holes were filled, so that no seams run to them: boundary loops no longer than SIZE roots of their part's
+    /// area [default: none, without SIZE 0.5]
+    #[arg(long, value_name = "SIZE", num_args = 0..=1, require_equals = true, default_missing_value = "0.5", value_parser = non_negative)]
+    fill_holes: Option<f64>,
     /// Open handles along short loops that take curvature, so that fewer cones are enough
     #[arg(long, value_enum, value_name = "WHEN", default_value_t = HandlesName::Auto)]
     open_handles: HandlesName,
@@ -109,6 +113,7 @@ impl CandidateArgs {
             (self.weld.is_given(), "--weld"),
             (self.split_edges, "--split-edges"),
             (self.refine.is_some(), "--refine"),
+            (self.fill_holes.is_some(), "--fill-holes"),
         ];
         given.into_iter().find_map(|(is_given, option)| is_given.then_some(option))
     }
@@ -201,7 +206,13 @@ impl CandidateArgs {
             placement: self.method.unwrap_or_default(),
             search,
             rule,
-            preparation: Preparation { smooth: self.smooth, weld: self.weld.chosen(), refine, handles },
+            preparation: Preparation {
+                smooth: self.smooth,
+                weld: self.weld.chosen(),
+                refine,
+                handles,
+                fill_holes: self.fill_holes,
+            },
             ..Options::default()
         }
     }

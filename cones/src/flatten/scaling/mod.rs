@@ -84,6 +84,8 @@ pub struct Scaling {
     pub error: f64,
     /// Whether the input's lengths had to be mollified.
     pub mollified: bool,
+    /// The angle of the surface alone at each vertex round a hole that was filled for it, in the layout, if there are any.
+    pub(crate) rim_angles: Vec<(VertexId, f64)>,
 }
 
 impl Scaling {
@@ -92,7 +94,9 @@ impl Scaling {
         let sums = self.metric.angle_sums(&self.triangulation);
         let halved = self.triangulation.face_count() > input.face_count();
         let angle = |v| if halved && input.is_boundary_vertex(v) { 0.5 * sums[v] } else { sums[v] };
-        input.vertices().map(angle).collect()
+        let mut angles: VertexData<f64> = input.vertices().map(angle).collect();
+        self.rim_angles.iter().for_each(|&(v, own)| angles[v] = own);
+        angles
     }
 
     /// No scaling: the metric as it is, with the curvature that it has.
@@ -105,6 +109,7 @@ impl Scaling {
             steps: 0,
             error: 0.0,
             mollified: false,
+            rim_angles: Vec::new(),
         }
     }
 }

@@ -345,7 +345,7 @@ impl Newton<'_> {
         if let Some(vertex) = self.without_area(&triangulation, &metric) {
             return Err(Failed { error: ScalingError::NoTriangle(vertex), u: Some(u) });
         }
-        Ok(Scaling { u, triangulation, metric, flips, steps, error, mollified: false })
+        Ok(Scaling { u, triangulation, metric, flips, steps, error, mollified: false, rim_angles: Vec::new() })
     }
 }
 
