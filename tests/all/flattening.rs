@@ -147,6 +147,8 @@ fn handles_are_opened_where_cones_are_too_few_for_them_and_left_where_they_are_a
     assert!(distortion(&auto) < 0.8 * distortion(&closed), "{} {}", distortion(&auto), distortion(&closed));
     assert_eq!(auto.uv, open.uv);
     assert_eq!(map(Handles::Auto, 60).opened_handles, 0, "many cones do without");
+    let none = map(Handles::Auto, 0);
+    assert_eq!((none.opened_handles, none.cones.len()), (4, 0), "closed it needs one");
 }
 
 #[test]

@@ -226,6 +226,17 @@ mod tests {
     }
 
     #[test]
+    fn cones_of_charts_are_refused_without_their_seams() {
+        let (model, given) = halves();
+        // Of a few edges of the seam the surface is opened along a slit, and has a cone for what that does not take.
+        let (_, atlas) = unwrapped(&model, &given[..3], Options { cones: ConeChoice::Count(4), ..Options::default() });
+        assert!(atlas.recipe().charts && atlas.cones.len() == 4);
+        let again = Options { cones: ConeChoice::Recipe(Box::new(atlas.recipe().clone())), ..Options::default() };
+        let refused = Analysis::unwrapped(&model, &again, crate::analysis::observer::Silent).unwrap_err();
+        assert!(matches!(refused, Error::OtherSeams), "{refused}");
+    }
+
+    #[test]
     fn sides_stay_congruent_for_textures_and_for_cones_that_are_given() {
         let (model, given) = halves();
         let tiled = Options { quantize: Some(Symmetry::Fourfold), cones: ConeChoice::Count(8), ..Options::default() };

@@ -142,6 +142,21 @@ mod tests {
     }
 
     #[test]
+    fn several_parts_have_as_many_more_as_they_need() {
+        let ball = shapes::sphere(300);
+        let points = (0..30).flat_map(|k| ball.points.iter().map(move |p| [p[0] + 3.0 * f64::from(k), p[1], p[2]]));
+        let first = |k: u32| k * ball.points.len() as u32;
+        let triangles: Vec<[u32; 3]> =
+            (0..30).flat_map(|k| ball.triangles.iter().map(move |t| t.map(|v| first(k) + v))).collect();
+        let model = geom::Model::from_triangles(points.collect(), &triangles).unwrap();
+        let analysis = Analysis::new(&model).unwrap();
+        assert_eq!(analysis.least_cones(), 90);
+        let [least, more] = [90, 400].map(|count| analysis.preview(count).unwrap());
+        assert_eq!([least.cones.len(), more.cones.len()], [90, 400]);
+        assert!(more.prediction.area_distortion < least.prediction.area_distortion);
+    }
+
+    #[test]
     fn what_is_predicted_on_a_coarse_level_is_near_to_what_is_predicted_on_the_surface() {
         let model = shapes::hare(9000).into();
         let analysis = Analysis::new(&model).unwrap();

@@ -182,6 +182,18 @@ mod tests {
     }
 
     #[test]
+    fn many_cones_begin_with_fewer_and_go_on_as_they_did() {
+        let (operators, hierarchy) = hierarchy(&shapes::hare(1500));
+        let [few, many] = [MANY - 20, MANY + 200].map(|count| hierarchy.by_persistence(&operators, count, Watch::NONE));
+        assert_eq!(few, many[..few.len()]);
+        let mut pinned = PinnedFactor::new(&operators);
+        pinned.add(&many);
+        let (added, anew) = (pinned.factor(), pinned_anew(&operators, &many).unwrap());
+        assert!(added.iter().zip(anew.iter()).all(|(a, b)| (a - b).abs() < 1e-8));
+        assert!(anew.iter().any(|u| u.abs() > 1e-4), "something is left to compare");
+    }
+
+    #[test]
     fn a_mesh_without_enough_inner_vertices_gives_what_it_has() {
         let (operators, hierarchy) = hierarchy(&shapes::square(9));
         let inner = operators.mesh.vertices().filter(|&v| !operators.mesh.is_boundary_vertex(v)).count();
