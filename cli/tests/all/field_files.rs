@@ -333,6 +333,8 @@ fn a_simplified_field_is_written_in_its_own_numbers() {
     folder.write("a.txt", "0\n5\n3\n4\n2\n9\n1\n");
     let told = stdout(&folder.run(&["simplify", "a.txt", "--threshold", "1", "-o", "b.npy"]).success());
     assert_eq!(told, "3 of 4 minima and 2 of 3 maxima are left; no value is changed by more than 1\n");
+    let by_other_name = folder.run(&["simplify", "a.txt", "--min-persistence", "1", "-o", "c.npy"]).success();
+    assert_eq!(stdout(&by_other_name), told);
     let bytes = fs::read(folder.path("b.npy")).expect("it is there");
     let values: Vec<i64> = bytes[bytes.len() - 56..]
         .chunks_exact(8)
