@@ -433,7 +433,7 @@ class Run:
         operator.UV_OT_cone_unwrap.__dict__[name] for name in ("_begin", "_end", "_finish", "_part", "_keywords")
     )
     number, count, distortion, islands, free_seams, rotations = "COUNT", 5, 1.25, "overlap-free", "auto", "any"
-    margin, texture_size, use_seams, mark_seams, triangulate = 4.0, 1024, True, True, False
+    margin, texture_size, fill_holes, use_seams, mark_seams, triangulate = 4.0, 1024, False, True, True, False
 
     def __init__(self):
         self.reports, self.calls = [], []
