@@ -72,7 +72,7 @@ class UV_OT_cone_unwrap(bpy.types.Operator):
     margin: FloatProperty(name="Margin", description="Texels between islands", default=4.0, min=0.0, soft_max=64.0)
     texture_size: IntProperty(name="Texture Size", description="Side of the texture in texels", default=1024, min=16, soft_max=8192)
     fill_holes: BoolProperty(
-        name="Fill Small Holes", description="Unwrap as if small holes were filled, so that no seams run to them. The mesh keeps its holes", default=False
+        name="Fill Small Holes", description="Unwrap as if small holes were filled, so that seams need not run to them. The mesh keeps its holes", default=False
     )
     use_seams: BoolProperty(name="Respect Seams", description="Cut along edges that are marked as seams", default=True)
     mark_seams: BoolProperty(name="Mark Seams", description="Mark the edges that are cut as seams", default=True)

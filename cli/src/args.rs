@@ -66,7 +66,10 @@ fn spaced_value(command: &Command, words: &[OsString]) -> Option<String> {
         let is_meant = options.iter().any(|option| {
             option.is_require_equals_set()
                 && option.get_long() == Some(name)
-                && option.get_possible_values().iter().any(|possible| possible.matches(value, false))
+                && match &option.get_possible_values()[..] {
+                    [] => value.parse::<f64>().is_ok(),
+                    possible => possible.iter().any(|possible| possible.matches(value, false)),
+                }
         });
         (is_meant && !Path::new(value).exists())
             .then(|| format!("there is no file {value}: if --{name} is to be {value}, write --{name}={value}\n"))
@@ -137,7 +140,11 @@ mod tests {
             let words: Vec<OsString> = line.split(' ').map(OsString::from).collect();
             spaced_value(&Arguments::command(), &words)
         };
-        for line in ["cones unwrap a.stl --refine always -o b.obj", "cones -q view --weld never a.obj"] {
+        for line in [
+            "cones unwrap a.stl --refine always -o b.obj",
+            "cones -q view --weld never a.obj",
+            "cones unwrap --fill-holes 0.3 a.obj -o b.obj",
+        ] {
             assert!(said(line).is_some_and(|message| message.contains("=")), "{line}");
         }
         for line in [

@@ -122,6 +122,17 @@ pub enum Error {
         /// Whether it has handles, which may be [opened](crate::Handles).
         has_handles: bool,
     },
+    /// A cone was given at the rim of a small hole.
+    #[error(
+        "cone {0} lies on the rim of a small hole, where no cone is needed unless small holes are filled (--fill-holes): fill them, or choose an inner vertex"
+    )]
+    ConeAtHole(u32),
+    /// Cones were given that do not take the curvature of a surface whose small holes are filled.
+    #[error("these cones do not go with small holes that are filled: leave --fill-holes out, or choose others")]
+    ConesForHoles,
+    /// The cones of a recipe are of a surface with its small holes filled.
+    #[error("these cones are of a surface with small holes filled: fill them, too (--fill-holes={})", readable(*.0))]
+    NotFilled(f64),
     /// The cones of a recipe are of a surface opened along other seams than are given, or none are.
     #[error("these cones are of a surface that was opened along the seams that were given: give the same seams")]
     OtherSeams,

@@ -21,9 +21,12 @@ def preparation(
     weld: Union[bool, str], smooth: bool, refine: str, open_handles: str, fill_holes: Union[bool, float] = False
 ) -> dict:
     """How a model is made ready."""
-    size = {False: None, True: SMALL_HOLE}[fill_holes] if isinstance(fill_holes, bool) else float(fill_holes)
-    if size is not None and not size >= 0:
-        raise Error(f"fill_holes is True, False or how long a hole's loop may be, in roots of the area, not {fill_holes}")
+    try:
+        size = {False: None, True: SMALL_HOLE}[bool(fill_holes)] if isinstance(fill_holes, (bool, np.bool_)) else float(fill_holes)
+    except (TypeError, ValueError):
+        size = np.nan
+    if size is not None and not 0 <= size < np.inf:
+        raise Error(f"fill_holes is True, False or how long a hole's loop may be, in roots of the area, not {fill_holes!r}")
     return {
         "weld": _one_of("weld", welding(weld), ("auto", "never", "always")),
         "smooth": bool(smooth),

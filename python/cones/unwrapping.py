@@ -203,7 +203,7 @@ def unwrap(
     open_handles : "auto", "never" or "always"
         Open handles along short loops that take curvature, so that fewer cones are enough.
     fill_holes : bool or float
-        Unwrap as if small holes were filled, so that no seams run to them: boundary loops of up to half a root of their part's area, or of so
+        Unwrap as if small holes were filled, so that seams need not run to them: boundary loops of up to half a root of their part's area, or of so
         many.
     quantize : 4 or 6, optional
         Round cones so that a texture of squares, or of triangles, keeps its directions across seams.

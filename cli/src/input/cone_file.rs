@@ -59,7 +59,9 @@ impl ConeFile {
         let cones = &self.recipe.cones;
         let of = |vertex: u32| cones.iter().position(|cone| cone.vertex == vertex);
         let cone = match &error {
-            cones::Error::NoSuchCone { vertex, .. } | cones::Error::ConeOnBoundary(vertex) => of(*vertex),
+            cones::Error::NoSuchCone { vertex, .. }
+            | cones::Error::ConeOnBoundary(vertex)
+            | cones::Error::ConeAtHole(vertex) => of(*vertex),
             cones::Error::NotAtFace { vertex, face } => {
                 cones.iter().position(|cone| (cone.vertex, cone.face) == (*vertex, Some(*face)))
             }
@@ -72,6 +74,8 @@ impl ConeFile {
             cones::Error::CurvatureSum { .. }
             | cones::Error::OtherModel { .. }
             | cones::Error::OtherSeams
+            | cones::Error::ConesForHoles
+            | cones::Error::NotFilled(_)
             | cones::Error::NoNecks => None,
             _ => return Err(error),
         };
@@ -134,7 +138,9 @@ fn say(words: &[&str], recipe: &mut Recipe) -> Option<()> {
         ["opened", faces @ ..] => recipe.opened.extend(numbers::<u32>(faces)?),
         ["neck", vertices @ ..] if vertices.len() > 1 => recipe.necks.push(numbers(vertices)?),
         ["welded"] => recipe.welded = true,
-        ["filled", size] => recipe.filled = Some(size.parse().ok().filter(|size: &f64| *size >= 0.0)?),
+        ["filled", size] => {
+            recipe.filled = Some(size.parse().ok().filter(|size: &f64| *size >= 0.0 && size.is_finite())?);
+        }
         ["charts"] => recipe.charts = true,
         ["straight"] => recipe.straight = true,
         ["freed", faces @ ..] => recipe.freed.extend(numbers::<u32>(faces)?),

@@ -107,8 +107,9 @@ impl Analysis {
             target: options.cones.wanted(),
             ..self.recipe(flats.iter().map(|flat| (&flat.cones[..], &flat.curvature[..])))
         };
-        let holes: usize =
-            self.components().iter().zip(&flats).map(|(component, flat)| component.holes_at(&flat.seams)).sum();
+        // Whoever gives cones gives them for the surface as it is.
+        let with_holes = self.components().iter().zip(&flats).filter(|_| !options.cones.is_given());
+        let holes: usize = with_holes.map(|(component, flat)| component.holes_at(&flat.seams, &flat.layout)).sum();
         let (mut curvature_error, mut overlapped) = (0.0_f64, Vec::new());
         let (mut unfolded, mut freed, mut torn) = (0, 0, Vec::new());
         let (mut cut, mut cut_loops) = (Vec::new(), Vec::new());

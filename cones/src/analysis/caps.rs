@@ -30,13 +30,15 @@ impl Component {
         self.filled.as_ref().map_or(0, |_| whole_holes(&self.surface.mesh, &self.holes).len())
     }
 
-    /// How many small holes are not filled, and seams run to them.
-    pub(super) fn holes_at(&self, seams: &Seams) -> usize {
+    /// How many small holes are not filled, and seams of a layout run to them.
+    pub(super) fn holes_at(&self, seams: &Seams, layout: &Layout) -> usize {
         if self.filled.is_some() {
             return 0;
         }
         let mesh = &self.surface.mesh;
-        let is_reached = |&h: &HalfedgeId| edges_at(mesh, mesh.tail(h)).any(|(e, _)| seams.cut[e]);
+        let at = |h| [layout.corner(h).re, layout.corner(h).im];
+        let is_open = |e: EdgeId| seams.cut[e] && !is_shut(mesh, at, e);
+        let is_reached = |&h: &HalfedgeId| edges_at(mesh, mesh.tail(h)).any(|(e, _)| is_open(e));
         whole_holes(mesh, &self.holes).iter().filter(|around| around.iter().any(is_reached)).count()
     }
 
@@ -124,7 +126,9 @@ impl Component {
         let is_end = |seams_at: &VertexData<Vec<EdgeId>>, v: VertexId| seams_at[v].len() == 1 && !stays[v];
         let mut ends: Vec<VertexId> = mesh.vertices().filter(|&v| is_end(&seams_at, v)).collect();
         while let Some(end) = ends.pop() {
-            let Some(e) = seams_at[end].pop().filter(|&e| !given[e] && is_shut(mesh, map, e)) else { continue };
+            let Some(e) = seams_at[end].pop().filter(|&e| !given[e] && is_shut(mesh, |h| map.position[h], e)) else {
+                continue;
+            };
             map.cut[e] = false;
             let Some(other) = mesh.ends(e).map(|v| node[v]).into_iter().find(|&v| v != end) else { continue };
             seams_at[other].retain(|&seam| seam != e);
@@ -136,11 +140,11 @@ impl Component {
 }
 
 /// Whether both sides of an edge lie at one place.
-fn is_shut(mesh: &Mesh, map: &UvMap, e: EdgeId) -> bool {
+fn is_shut(mesh: &Mesh, at: impl Fn(HalfedgeId) -> [f64; 2], e: EdgeId) -> bool {
     let h = mesh.halfedge(e);
     let Some(g) = mesh.twin(h) else { return false };
     let apart = |a: HalfedgeId, b: HalfedgeId| {
-        let ([x, y], [z, w]) = (map.position[a], map.position[b]);
+        let ([x, y], [z, w]) = (at(a), at(b));
         (x - z).hypot(y - w)
     };
     apart(h, mesh.next(g)).max(apart(mesh.next(h), g)) <= SHUT * apart(h, mesh.next(h))

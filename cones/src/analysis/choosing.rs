@@ -108,12 +108,20 @@ impl Analysis {
             }
             ConeChoice::Given(_) | ConeChoice::Recipe(_) => {
                 let given = &self.on_surface(&options.cones.given().unwrap_or_default())?;
+                let filled = |size: Option<f64>| size.unwrap_or(0.0);
+                let now = filled(self.found.making.preparation.fill_holes);
+                if let Some(recipe) = options.cones.recipe().filter(|recipe| filled(recipe.filled) > now) {
+                    return Err(Error::NotFilled(filled(recipe.filled)));
+                }
                 let is_of_charts = options.cones.recipe().is_some_and(|recipe| recipe.charts);
                 each(self.components(), &mut shared.times, |component, times| {
                     task.stage((Stage::Curvature, component.index), times, |watch| {
                         let here = &given[component.index];
                         component.given(here, options, watch).map_err(|error| match error {
                             Error::CurvatureSum { .. } | Error::Curvature(_) if is_of_charts => Error::OtherSeams,
+                            Error::CurvatureSum { .. } | Error::Curvature(_) if component.filled.is_some() => {
+                                Error::ConesForHoles
+                            }
                             error => self.naming_a_part(error),
                         })
                     })

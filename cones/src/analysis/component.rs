@@ -424,7 +424,8 @@ impl Component {
     pub(super) fn given(&self, here: &[OnSurface], options: &Options, watch: Watch) -> Result<Configuration, Error> {
         let (mesh, _) = self.whole();
         if let Some(&(_, vertex, _)) = here.iter().find(|(v, _, _)| mesh.is_boundary_vertex(*v)) {
-            return Err(Error::ConeOnBoundary(vertex));
+            let is_at_hole = self.holes.iter().any(|&h| self.surface.vertex[self.surface.mesh.tail(h)] == vertex);
+            return Err(if is_at_hole { Error::ConeAtHole(vertex) } else { Error::ConeOnBoundary(vertex) });
         }
         let vertices = here.iter().map(|&(v, _, _)| v).collect();
         let curvatures: Option<Vec<f64>> = here.iter().map(|&(_, _, k)| k).collect();

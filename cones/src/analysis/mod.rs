@@ -197,6 +197,8 @@ impl Analysis {
                 [analysis.times(), atlas.times].into_iter().for_each(|times| map.times += times);
                 map.notes.retain(|note| !matches!(note, Note::SmallHoles { .. }));
                 map.notes.push(Note::NotFilled { holes: atlas.filled_holes });
+                // What makes this map again fills none.
+                map.recipe.filled = Some(0.0);
                 Ok((other, map))
             }
             Ok((other, map)) => {

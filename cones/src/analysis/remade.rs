@@ -15,7 +15,8 @@ impl Recipe {
     /// Whether it is of the model that maps of an analysis are of, as far as can be told.
     pub(super) fn is_of(&self, analysis: &Analysis) -> bool {
         let has_paths = || analysis.components().iter().any(|component| component.straight.is_some());
-        self.vertices.is_none_or(|vertices| vertices == analysis.points().len()) && (!self.straight || has_paths())
+        self.vertices.is_none_or(|vertices| vertices == analysis.points().len())
+            && (!self.straight || has_paths() || analysis.refined().is_none())
     }
 }
 

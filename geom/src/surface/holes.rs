@@ -22,7 +22,7 @@ use super::model::place_key;
 use super::triangulate::cut_polygon;
 use crate::intrinsic::Metric;
 use crate::mesh::{EdgeData, HalfedgeId, Id, Mesh, VertexId};
-use crate::vector::{Vec3, add, distance, length, scale, sub};
+use crate::vector::{Vec3, add, angle, distance, length, scale, sub};
 
 /// How many pairs of corners are compared on a surface before ears are clipped untested: less than a second.
 const WORK: u64 = 1 << 26;
@@ -105,13 +105,26 @@ fn drawn_apart(mesh: &Mesh, points: &[Vec3], holes: &[Vec<HalfedgeId>]) -> Vec<V
     apart
 }
 
-/// A vertex of the boundary drawn into its fan.
+/// A vertex of the boundary drawn into its fan, on the triangle where half of its angle is reached, towards there.
 fn drawn_in(mesh: &Mesh, points: &[Vec3], v: VertexId) -> Vec3 {
     let at = points[v.index()];
-    let edges = || mesh.neighbors(v).iter().map(|w| sub(points[w.index()], at)).filter(|edge| length(*edge) > 0.0);
-    let inward = edges().fold([0.0; 3], |sum, edge| add(sum, scale(edge, length(edge).recip())));
-    let shortest = edges().map(length).fold(f64::INFINITY, f64::min);
-    if length(inward) > 0.0 { add(at, scale(inward, HAIR * shortest / length(inward))) } else { at }
+    let to = |w: VertexId| sub(points[w.index()], at);
+    // The two sides of each triangle at the vertex, and the angle between them.
+    let corner = |h: HalfedgeId| [to(mesh.head(h)), to(mesh.tail(mesh.prev(h)))];
+    let corners: Vec<([Vec3; 2], f64)> =
+        mesh.outgoing(v).map(corner).map(|sides| (sides, angle(sides[0], sides[1]))).collect();
+    let shortest = corners.iter().flat_map(|(sides, _)| sides).map(|&side| length(side)).fold(f64::INFINITY, f64::min);
+    let mut left = 0.5 * corners.iter().map(|(_, angle)| angle).sum::<f64>();
+    for ([a, b], angle) in corners {
+        if left <= angle {
+            let [from, to] = [(angle - left).sin() / length(a), left.sin() / length(b)];
+            let inward = add(scale(a, from), scale(b, to));
+            let reach = length(inward);
+            return if reach > 0.0 { add(at, scale(inward, HAIR * shortest / reach)) } else { at };
+        }
+        left -= angle;
+    }
+    at
 }
 
 /// The triangles of a loop of three places and more, which are drawn `apart` where it comes by one again.
@@ -293,6 +306,39 @@ mod tests {
         let sums = lengths.angle_sums(&closed);
         let bent = closed.vertices().filter(|&v| !closed.is_boundary_vertex(v)).map(|v| (sums[v] - TAU).abs());
         assert!(bent.fold(0.0, f64::max) < 1e-2, "it is flat");
+    }
+
+    #[test]
+    fn a_slit_with_bends_is_closed_as_if_it_had_never_been() {
+        // Of a flat sheet of squares, whose diagonals go one way or the other, slit like a Z: one fan at each bend has three quarters of a turn.
+        let slit: [(u32, u32); 4] = [(3, 5), (4, 5), (4, 6), (5, 6)];
+        for is_mirrored in [false, true] {
+            let mut points: Vec<[f64; 3]> = (0..121).map(|v| [f64::from(v % 11), f64::from(v / 11), 0.0]).collect();
+            points.extend([[4.0, 5.0, 0.0], [4.0, 6.0, 0.0]]);
+            // The copies are of those below, and to the right of, the slit.
+            let right = |(x, y): (u32, u32), middle: [f64; 2]| match (x, y) {
+                _ if (x, y) == slit[1] && (middle[0] > 4.0 || middle[1] < 5.0) => 121,
+                _ if (x, y) == slit[2] && middle[0] > 4.0 && middle[1] < 6.0 => 122,
+                _ => 11 * y + x,
+            };
+            let mut triangles = Vec::new();
+            for (x, y) in (0..100).map(|k| (k % 10, k / 10)) {
+                let middle = [f64::from(x) + 0.5, f64::from(y) + 0.5];
+                let at = |dx: u32, dy: u32| right((x + dx, y + dy), middle);
+                let [a, b, c, d] = [at(0, 0), at(1, 0), at(1, 1), at(0, 1)];
+                triangles.extend(if is_mirrored { [[a, b, d], [b, c, d]] } else { [[a, b, c], [a, c, d]] });
+            }
+            let surface = prepare(&Model::from_triangles(points, &triangles).unwrap(), Weld::Never).unwrap();
+            let surface = &surface.surfaces[0];
+            let metric = surface.metric();
+            let holes = small_holes(&surface.mesh, &metric, 2.0);
+            assert_eq!(holes.iter().map(Vec::len).collect::<Vec<_>>(), [6]);
+            let (closed, lengths) = fill_holes(&surface.mesh, &metric, &surface.points, &holes);
+            let sums = lengths.angle_sums(&closed);
+            let bent = closed.vertices().filter(|&v| !closed.is_boundary_vertex(v)).map(|v| (sums[v] - TAU).abs());
+            let bent = bent.fold(0.0, f64::max);
+            assert!(bent < 1e-6, "it is flat, but for {bent}");
+        }
     }
 
     #[test]

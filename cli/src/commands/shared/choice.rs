@@ -50,7 +50,7 @@ pub(crate) struct CandidateArgs {
     /// [default: needles for STL, never otherwise]
     #[arg(long, value_enum, value_name = "WHEN", num_args = 0..=1, require_equals = true, default_missing_value = "always")]
     refine: Option<RefineName>,
-    /// Unwrap the surface as if its small holes were filled, so that no seams run to them: boundary loops no longer than SIZE roots of their part's
+    /// Unwrap the surface as if its small holes were filled, so that seams need not run to them: boundary loops no longer than SIZE roots of their part's
     /// area [default: none, without SIZE 0.5]
     #[arg(long, value_name = "SIZE", num_args = 0..=1, require_equals = true, default_missing_value = "0.5", value_parser = non_negative)]
     fill_holes: Option<f64>,

@@ -84,6 +84,8 @@ pub struct Scaling {
     pub error: f64,
     /// Whether the input's lengths had to be mollified.
     pub mollified: bool,
+    /// Whether the triangulation is of its double.
+    pub(crate) is_doubled: bool,
     /// The angle of the surface alone at each vertex round a hole that was filled for it, in the layout, if there are any.
     pub(crate) rim_angles: Vec<(VertexId, f64)>,
 }
@@ -92,8 +94,7 @@ impl Scaling {
     /// The angle of each of the input's vertices in the flat metric.
     pub fn angles(&self, input: &Mesh) -> VertexData<f64> {
         let sums = self.metric.angle_sums(&self.triangulation);
-        let halved = self.triangulation.face_count() > input.face_count();
-        let angle = |v| if halved && input.is_boundary_vertex(v) { 0.5 * sums[v] } else { sums[v] };
+        let angle = |v| if self.is_doubled && input.is_boundary_vertex(v) { 0.5 * sums[v] } else { sums[v] };
         let mut angles: VertexData<f64> = input.vertices().map(angle).collect();
         self.rim_angles.iter().for_each(|&(v, own)| angles[v] = own);
         angles
@@ -109,6 +110,7 @@ impl Scaling {
             steps: 0,
             error: 0.0,
             mollified: false,
+            is_doubled: false,
             rim_angles: Vec::new(),
         }
     }

@@ -345,7 +345,8 @@ impl Newton<'_> {
         if let Some(vertex) = self.without_area(&triangulation, &metric) {
             return Err(Failed { error: ScalingError::NoTriangle(vertex), u: Some(u) });
         }
-        Ok(Scaling { u, triangulation, metric, flips, steps, error, mollified: false, rim_angles: Vec::new() })
+        let (is_doubled, rim_angles) = (self.original.is_some(), Vec::new());
+        Ok(Scaling { u, triangulation, metric, flips, steps, error, mollified: false, is_doubled, rim_angles })
     }
 }
 
