@@ -189,3 +189,27 @@ fn a_slit_is_unwrapped_as_the_surface_without_it() {
     let predicted = |atlas: &Atlas| check_map(&slit, atlas).stretch;
     assert!(predicted(&atlas) < 20.0);
 }
+
+#[test]
+fn angles_at_an_open_boundary_stay_whole_beside_a_filled_hole() {
+    // A wavy sheet of squares with one hole, slit by an edge from its rim: at the inner end of the slit the surface has nearly a whole turn.
+    let (wide, high) = (22_u32, 21_u32);
+    let at = |x: u32, y: u32| (wide + 1) * y + x;
+    let place = |v: u32| [f64::from(v % (wide + 1)) / f64::from(wide), f64::from(v / (wide + 1)) / f64::from(high)];
+    let raised = |[x, y]: [f64; 2]| [x, y, 0.025 * (7.0 * x).sin() * (5.0 * y).cos()];
+    let mut points: Vec<[f64; 3]> = (0..(wide + 1) * (high + 1)).map(place).map(raised).collect();
+    let (hole, slit) = (at(5, 10), at(wide, 3));
+    let copy = points.len() as u32;
+    points.push(points[slit as usize]);
+    let squares = (0..wide * high).map(|k| (k % wide, k / wide));
+    let corners = |(x, y): (u32, u32)| {
+        let own = |v: u32| if v == slit && y >= 3 { copy } else { v };
+        let [a, b, c, d] = [at(x, y), at(x + 1, y), at(x + 1, y + 1), at(x, y + 1)].map(own);
+        [[a, b, c], [a, c, d]]
+    };
+    let triangles: Vec<[u32; 3]> = squares.flat_map(corners).filter(|t| !t.contains(&hole)).collect();
+    let model = Model::from_triangles(points, &triangles).expect("a sound sheet");
+    let atlas = unwrapped(&model, &filling(Preparation { weld: Weld::Never, ..Preparation::default() }));
+    assert_eq!((atlas.filled_holes, atlas.cones.len()), (1, 0));
+    assert!(atlas.detached.is_empty() && atlas.notes.is_empty(), "{:?}", atlas.notes);
+}
