@@ -188,26 +188,22 @@ impl Analysis {
             let preparation = Preparation { fill_holes, ..options.preparation };
             Options { preparation, ..options.clone() }
         };
-        let (analysis, mut atlas) = Self::unwrapped_or_welded(model, &filling(fill_holes), Arc::clone(&observer))?;
-        if atlas.filled_holes == 0 || atlas.unfolded == 0 || options.cones.is_given() {
-            return Ok((analysis, atlas));
+        let filled = Self::unwrapped_or_welded(model, &filling(fill_holes), Arc::clone(&observer))?;
+        let (holes, unfolded) = (filled.1.filled_holes, filled.1.unfolded);
+        if holes == 0 || unfolded == 0 || options.cones.is_given() {
+            return Ok(filled);
         }
-        match Self::unwrapped_or_welded(model, &filling(None), observer) {
-            Ok((other, mut map)) if map.unfolded < atlas.unfolded => {
-                [analysis.times(), atlas.times].into_iter().for_each(|times| map.times += times);
-                map.notes.retain(|note| !matches!(note, Note::SmallHoles { .. }));
-                map.notes.push(Note::NotFilled { holes: atlas.filled_holes });
-                // What makes this map again fills none.
-                map.recipe.filled = Some(0.0);
-                Ok((other, map))
+        let as_it_is = Self::unwrapped_or_welded(model, &filling(None), observer);
+        Self::or_instead(filled, as_it_is, |map| {
+            if map.unfolded >= unfolded {
+                return false;
             }
-            Ok((other, map)) => {
-                [other.times(), map.times].into_iter().for_each(|times| atlas.times += times);
-                Ok((analysis, atlas))
-            }
-            Err(Error::Interrupted) => Err(Error::Interrupted),
-            Err(_) => Ok((analysis, atlas)),
-        }
+            map.notes.retain(|note| !matches!(note, Note::SmallHoles { .. }));
+            map.notes.push(Note::NotFilled { holes });
+            // What makes this map again fills none.
+            map.recipe.filled = Some(0.0);
+            true
+        })
     }
 
     /// [`unwrapped`](Self::unwrapped) with holes filled or not.
@@ -225,25 +221,36 @@ impl Analysis {
             atlas.recipe.welded = true;
             return Ok((analysis, atlas));
         }
-        let (analysis, mut atlas) = Self::unwrapped_watched(model, options, Arc::clone(&observer))?;
+        let (analysis, atlas) = Self::unwrapped_watched(model, options, Arc::clone(&observer))?;
         let is_apart = analysis.repairs().iter().any(|repair| repair.kind == RepairKind::Unwelded);
         let lacks_metric = |atlas: &Atlas| atlas.notes.iter().any(Note::lacks_metric);
         if !may_be_welded || options.cones.is_given() || !is_apart || !lacks_metric(&atlas) {
             return Ok((analysis, atlas));
         }
-        match Self::unwrapped_watched(model, &welded, observer) {
-            Ok((other, mut map)) if !lacks_metric(&map) => {
-                [analysis.times(), atlas.times].into_iter().for_each(|times| map.times += times);
-                map.recipe.welded = true;
-                Ok((other, map))
-            }
-            Ok((other, map)) => {
-                [other.times(), map.times].into_iter().for_each(|times| atlas.times += times);
-                Ok((analysis, atlas))
-            }
-            Err(Error::Interrupted) => Err(Error::Interrupted),
-            Err(_) => Ok((analysis, atlas)),
+        Self::or_instead((analysis, atlas), Self::unwrapped_watched(model, &welded, observer), |map| {
+            let is_better = !lacks_metric(map);
+            map.recipe.welded |= is_better;
+            is_better
+        })
+    }
+
+    /// A map, or another one instead if there is one and it is taken; either with the time that both took.
+    fn or_instead(
+        (analysis, mut atlas): (Self, Atlas),
+        instead: Result<(Self, Atlas), Error>,
+        takes: impl FnOnce(&mut Atlas) -> bool,
+    ) -> Result<(Self, Atlas), Error> {
+        let (other, mut map) = match instead {
+            Err(Error::Interrupted) => return Err(Error::Interrupted),
+            Err(_) => return Ok((analysis, atlas)),
+            Ok(other) => other,
+        };
+        if takes(&mut map) {
+            [analysis.times(), atlas.times].into_iter().for_each(|times| map.times += times);
+            return Ok((other, map));
         }
+        [other.times(), map.times].into_iter().for_each(|times| atlas.times += times);
+        Ok((analysis, atlas))
     }
 
     fn unwrapped_watched(

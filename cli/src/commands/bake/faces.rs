@@ -1,7 +1,8 @@
 //! The triangles of one surface in two files, face by face.
 
+use super::tree::bounds;
 use cones::uv::Triangle;
-use geom::Model;
+use geom::{Model, vector};
 use std::collections::HashMap;
 
 /// Corners of the two files are at one place if they are no farther apart than this share of the surface's size: f32 rounds by a hundredth of it.
@@ -76,18 +77,13 @@ fn by_material(model: &Model, face_of: &[u32]) -> Vec<usize> {
 fn distance(old: &Model, new: &Model, pair: &Pair) -> f64 {
     let at = |model: &Model, corner: u32| model.points()[model.corners()[corner as usize] as usize];
     let corners = pair.old.into_iter().zip(pair.new);
-    corners.map(|(a, b)| length(at(old, a), at(new, b))).fold(0.0, f64::max)
-}
-
-fn length(a: [f64; 3], b: [f64; 3]) -> f64 {
-    (0..3).map(|k| (a[k] - b[k]).powi(2)).sum::<f64>().sqrt()
+    corners.map(|(a, b)| vector::distance(at(old, a), at(new, b))).fold(0.0, f64::max)
 }
 
 /// The diagonal of the box about a surface.
 pub(super) fn size(model: &Model) -> f64 {
-    let used = || model.corners().iter().map(|&v| model.points()[v as usize]);
-    let bound = |start: f64, of: fn(f64, f64) -> f64| used().fold([start; 3], |b, p| [0, 1, 2].map(|k| of(b[k], p[k])));
-    length(bound(f64::INFINITY, f64::min), bound(f64::NEG_INFINITY, f64::max))
+    let [low, high] = bounds(model.corners().iter().map(|&v| model.points()[v as usize]));
+    vector::distance(low, high)
 }
 
 #[cfg(test)]

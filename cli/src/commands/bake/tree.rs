@@ -122,7 +122,8 @@ fn halves(range: Range<usize>) -> [Range<usize>; 2] {
     [range.start..half, half..range.end]
 }
 
-fn bounds(points: impl Iterator<Item = Vec3>) -> [Vec3; 2] {
+/// The box about points.
+pub(super) fn bounds(points: impl Iterator<Item = Vec3>) -> [Vec3; 2] {
     points.fold([[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]], |[low, high], p| {
         [[0, 1, 2].map(|k| low[k].min(p[k])), [0, 1, 2].map(|k| high[k].max(p[k]))]
     })
