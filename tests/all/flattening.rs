@@ -147,8 +147,20 @@ fn handles_are_opened_where_cones_are_too_few_for_them_and_left_where_they_are_a
     assert!(distortion(&auto) < 0.8 * distortion(&closed), "{} {}", distortion(&auto), distortion(&closed));
     assert_eq!(auto.uv, open.uv);
     assert_eq!(map(Handles::Auto, 60).opened_handles, 0, "many cones do without");
-    let none = map(Handles::Auto, 0);
-    assert_eq!((none.opened_handles, none.cones.len()), (4, 0), "closed it needs one");
+}
+
+#[test]
+fn handles_are_opened_where_closed_they_need_more_cones_than_are_asked_for() {
+    for genus in [2, 5] {
+        let model = solids::model(&shapes::torus(genus, 1000)).expect("an ordinary shape");
+        let map = |kind: Handles| {
+            let options = Options { cones: ConeChoice::Count(0), preparation: handles(kind), ..Options::default() };
+            unwrap_model(&model, &options).expect("it unwraps")
+        };
+        let [closed, auto] = [Handles::Never, Handles::Auto].map(map);
+        assert!(!closed.cones.is_empty() && closed.opened_handles == 0);
+        assert_eq!((auto.opened_handles, auto.cones.len()), (genus as usize, 0));
+    }
 }
 
 #[test]
